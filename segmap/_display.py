@@ -65,6 +65,8 @@ def facts(log: Any) -> list[tuple[str, str]]:
         found.append(("delays", f"the beams take {np.median(spans):.3g} s{order}"))
     truth = np.full((0, 3), np.nan) if log.truth is None else log.truth
     found += [("odometry", _path(log.odometry)), ("truth", _path(truth))]
+    if log.assumed:
+        found.append(("assumed", "; ".join(log.assumed)))
     if left := log.skipped:
         found.append(("damaged", f"{counted(left.lines, 'line')} left out; {left.reason}"))
     return found

@@ -6,7 +6,7 @@ import copy
 import inspect
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -164,7 +164,7 @@ class Outcome:
             return None
         graph = LiveGraph(**self.recipe.align.thresholds)
         graph.extend(self.log)
-        return graph, graph.refine()
+        return graph, self._told(graph.refine())
 
     @cached_property
     def solved(self) -> Alignment:
@@ -174,7 +174,11 @@ class Outcome:
         if not any(self.recipe.mends()):
             return self.grown[1]
         announce(0.0, "mending the graph")
-        return copy.deepcopy(self.grown[0]).mended(*self.recipe.mends())
+        return self._told(copy.deepcopy(self.grown[0]).mended(*self.recipe.mends()))
+
+    def _told(self, found: Alignment) -> Alignment:
+        """With what was found in the log: a graph that grows scan by scan knows no log."""
+        return replace(found, causes=(*self.log.causes, *found.causes))
 
     @cached_property
     def turn(self) -> float:

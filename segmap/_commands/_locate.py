@@ -64,5 +64,6 @@ def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: R
     report.line("place", words if np.isfinite(x) else "unknown", x=x, y=y, heading=heading, off=off)
     sure = f"{percent(last.share)} of the particles are there, scans fit to {last.fit:.2f}"
     verdict = f"{last.reason or 'found'}: {sure}"
+    report.assumptions()
     report.line("verdict", verdict, share=last.share, fit=float(last.fit), reason=last.reason)
     return 0 if last.found else NO_MAP

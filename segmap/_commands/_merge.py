@@ -50,7 +50,8 @@ def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: R
         return opening.concluded(given, found.verdict, report)
     scans = [scan for each in logs for scan in each]
     scans = [replace(s, odometry=pose) for s, pose in zip(scans, found.poses, strict=True)]
-    both = Log(f"{first.name} and {log.name}", scans, found.trusted)
+    assumed = (*first.assumed, *log.assumed)
+    both = Log(f"{first.name} and {log.name}", scans, found.trusted, assumed=assumed)
     given.align = "ground_truth"  # as one log that is aligned: the next may be merged with it
     kept = replace(recipe_of(given, both), prepare=None)
     recipe = replace(kept, align=Call("merge", lambda _: found))

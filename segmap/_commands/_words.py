@@ -64,10 +64,11 @@ class Report:
         self._json = json
         self.found: dict[str, Any] = {"source": source}
         self._last: dict[str, Any] = {}
+        self._assumed: tuple[str, ...] = ()
 
     def begin(self, log: Log, title: str) -> None:
         """Which log comes now."""
-        self.found["log"] = log.name
+        self.found["log"], self._assumed = log.name, log.assumed
         self.say(title)
 
     def say(self, text: str = "") -> None:
@@ -83,6 +84,11 @@ class Report:
         else:
             self._last.setdefault("notes", []).append(text)
         self.say(f"  {word:<9} {text}")
+
+    def assumptions(self) -> None:
+        """What the file of the log does not say and was taken to be so: beside the verdict."""
+        if self._assumed:
+            self.line("assumed", "; ".join(self._assumed), facts=list(self._assumed))
 
     def end(self) -> None:
         """Print the object, where JSON was asked for."""

@@ -2,8 +2,10 @@
 
 1. A pose graph of the scans as they are says how the robot moved: its poses lie in mid-scan.
 2. Of two orders of the beams that one holds which makes the walls of all scans that turn sharper.
-3. Odometry that comes more often than scans says it better, once its clock is found.
-4. Each beam moves by what the robot moved since the first one. A second graph finds the poses.
+3. A part of the log is aligned twice, with its beams carried and as it is. If it is sharper as it
+   is, the robot stood while it measured, or the times of its beams mean nothing.
+4. Odometry that comes more often than scans says it better, once its clock is found.
+5. Each beam moves by what the robot moved since the first one. A second graph finds the poses.
 """
 
 from __future__ import annotations
@@ -27,6 +29,10 @@ from .pose_graph import pose_graph
 TURNED, ENOUGH = np.radians(1), 20
 #: Cells of the entropy, metres; by less than this one order is no better than the other, nats.
 CELL, MARGIN = 0.05, 0.05
+#: The scans in a row that turn most tell whether the robot stood, if so many of them turn.
+PART_SCANS, ENOUGH_OF_PART = 100, 10
+#: Maps are turned by these angles, radians: walls along the cells fill one row of them or two.
+OBLIQUE_RAD = (0.4, 0.9, 1.3)
 #: Clocks are tried up to so far apart, in such steps; both halves of a log agree so well: seconds.
 APART, STEP, AGREE = 0.5, 0.005, 0.02
 
@@ -37,7 +43,8 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
 
     A turning laser measures a scan while the robot moves: walls bend, by what it turns meanwhile.
     How it moved is what a pose graph of the log says, or the `track` of its odometry where that
-    agrees in time. An order of the beams that is not known is found, or nothing is changed.
+    agrees in time. An order of the beams that is not known is found, or nothing is changed. Where
+    walls are sharper as measured, the robot stood while it measured: the scans stay as they are.
 
     Parameters
     ----------
@@ -50,6 +57,7 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     -------
     Log
         Without `delays`; the same object where there are none. `causes` says what was found wrong.
+        A robot that stood shows only where ten scans turn by more than a degree.
 
     Examples
     --------
@@ -65,15 +73,20 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
         return log
     rows = pose_graph(log).poses if given is None else given
     motions, causes = twists(log.times, rows), list(log.causes)
-    if not log.order_known:
-        margin = _margin(log, rows, motions)
-        if not abs(margin) >= MARGIN:
-            words = "nothing tells in which order the beams were measured"
-            return replace(log, causes=(*causes, Finding(Cause.BEAM_ORDER, margin, words)))
-        if margin > 0:
-            log = replace(log, scans=tuple(map(_reversed, log.scans)), order_known=True)
-            words = "the beams are in the other order than the file says"
-            causes.append(Finding(Cause.BEAM_ORDER, margin, words))
+    if len(log) > 1 and not (np.diff(log.times) > 0).any():
+        return _kept(log, 0.0, "the scans have no times, which tell how the robot moved meanwhile")
+    margin = -np.inf if log.order_known else _margin(log, rows, motions)
+    ordered = replace(log, scans=tuple(map(_reversed, log.scans))) if margin > 0 else log
+    if (blurred := _blurred(ordered, motions)) >= MARGIN:
+        words = "the robot stood while each scan was measured, or the times of beams are not right"
+        return _kept(log, blurred, words)
+    if not abs(margin) >= MARGIN:
+        words = "nothing tells in which order the beams were measured"
+        return replace(log, causes=(*causes, Finding(Cause.BEAM_ORDER, margin, words)))
+    if margin > 0:
+        log = replace(ordered, order_known=True)
+        words = "the beams are in the other order than the file says"
+        causes.append(Finding(Cause.BEAM_ORDER, margin, words))
     turns = [s.delays.max() for s in log if s.delays is not None and len(s)]
     turn = float(np.median(turns)) if turns else 0.0
     offset = _clock(log, rows) - turn / 2  # NaN where it is not found
@@ -91,6 +104,45 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
             scan = carried(scan, steps)
         scans.append(scan)
     return replace(log, scans=tuple(scans), causes=tuple(causes))
+
+
+def _kept(log: Log, value: float, why: str) -> Log:
+    """The log with its scans as they were measured, and why."""
+    scans = tuple(replace(scan, delays=None) for scan in log)
+    told = Finding(Cause.SKEW, value, f"{why}: no beam is carried")
+    return replace(log, scans=scans, order_known=True, causes=(*log.causes, told))
+
+
+def _blurred(log: Log, motions: Array) -> float:
+    """How much less sharp a part of the log is with its beams carried, nats; NaN for too few turns.
+
+    Poses that were fitted to scans as they are would favour them, so both are aligned anew.
+    """
+    turns = np.array([0.0 if s.delays is None else s.delays.max(initial=0.0) for s in log])
+    turns *= np.abs(motions[:, 2])
+    ends = np.r_[0.0, np.cumsum(turns)]
+    size = min(PART_SCANS, len(log))
+    first = int(np.argmax(ends[size:] - ends[: len(ends) - size]))
+    part = np.arange(first, first + size)
+    if (turns[part] > TURNED).sum() < ENOUGH_OF_PART:
+        return float("nan")
+    carried_back = [
+        s if s.delays is None else carried(s, arc(motions[k] * s.delays[:, None]))
+        for k, s in zip(part.tolist(), log[part], strict=True)
+    ]
+    as_measured = [replace(scan, delays=None) for scan in log[part]]
+    new, old = (_unsharp(Log(log.name, scans)) for scans in (carried_back, as_measured))
+    return new - old
+
+
+def _unsharp(log: Log) -> float:
+    """The entropy of the map of a log, by its own pose graph, nats."""
+    poses = pose_graph(log).poses
+    ends = np.concatenate(
+        [transform(pose, scan.points()) for pose, scan in zip(poses, log, strict=True)]
+    )
+    turned = (transform(np.array([0.0, 0.0, angle]), ends) for angle in OBLIQUE_RAD)
+    return float(np.mean([_entropy(points) for points in turned]))
 
 
 def _reversed(scan: LaserScan) -> LaserScan:

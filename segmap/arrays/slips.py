@@ -16,6 +16,10 @@ from ._tables import Array, numbers
 MOST_ANGLE = 4 * np.pi
 #: No laser for buildings reaches so far, metres.
 FAR = 1000.0
+#: Half of a scan is beyond this in no building, metres: by itself it is no proof.
+WIDE = 100.0
+#: The numbers that sensors send where nothing is met, from the first to the last.
+NOTHING_MET = (65_533.0, 65_535.0)
 #: A turn between two scans, radians, that says something about the unit.
 TURN = 0.1
 #: Share of such turns beyond pi: 0 in radians, wound up or not, at least 0.13 in degrees, on all
@@ -42,23 +46,39 @@ def check_angles(angles: Array, name: str) -> None:
 
 
 def check_ranges(ranges: Array, max_range: float) -> None:
-    """Warn of three and more ranges whose median is above a kilometre.
+    """Warn of ranges that are not in metres, and of numbers that stand for nothing met.
 
-    The largest of all does not count where it is beyond `max_range`: a sensor's word for nothing.
+    Three and more are needed. In another unit is a scan whose median is above a kilometre, or above
+    100 m and beyond `max_range`; the largest of all does not count where it is beyond `max_range`:
+    a sensor's word for nothing.
     """
-    if not (ranges > FAR).any():
+    if not (ranges > WIDE).any():
         return
     known = ranges[np.isfinite(ranges) & (ranges > 0)]
+    words = (known >= NOTHING_MET[0]) & (known <= NOTHING_MET[1])
+    if (words & (known < max_range)).sum() >= LEAST:
+        least = f"{known[words].min():.6g}"
+        warn(f"ranges of {least} m mean that nothing was met: write np.inf, or a max_range below")
+    known = known[~words]
     known = known[(known < max_range) | (known < known.max(initial=0.0))]
-    if len(known) >= 3 and np.median(known) > FAR:
+    if len(known) < LEAST:
+        return
+    half = float(np.median(known))
+    if half > FAR:
         warn("half of the ranges are above 1000 m: these look like millimetres, ranges / 1000")
+    elif half > WIDE and half >= max_range:
+        warn(
+            "half of the ranges are above 100 m and beyond max_range: these look like millimetres, "
+            "ranges / 1000, or centimetres, ranges / 100"
+        )
 
 
 def check_headings(poses: Array, name: str) -> None:
     """Warn of a path `(k, 3)` whose headings are degrees.
 
     They go beyond two turns, as headings that wind up do; but those turn by less than half a turn
-    from scan to scan, and are no multiples of 15 degrees. One damaged line is no path in degrees.
+    from scan to scan, and are no multiples of 15 degrees. Where scans lie so far apart that they
+    turn by more, a robot that drives where it looks tells. One damaged line is no path in degrees.
     """
     heading = poses[:, 2]
     far = np.abs(heading) > MOST_ANGLE
@@ -68,8 +88,20 @@ def check_headings(poses: Array, name: str) -> None:
     turns = jumps[jumps > TURN]
     leaps = (turns > np.pi).sum() >= max(SHARE * len(turns), LEAST)
     even = (heading[far] % 15 == 0).all() and np.abs(heading[far]).max() <= 720
-    if leaps or even:
-        warn(f"the headings of {name} look like degrees: np.radians turns them")
+    as_degrees, as_radians = _agree(poses, np.pi / 180), _agree(poses, 1.0)
+    if even or (leaps and as_degrees >= as_radians):
+        other = "" if even or as_degrees > 0 else ", unless scans lie more than half a turn apart"
+        warn(f"the headings of {name} look like degrees: np.radians turns them{other}")
+
+
+def _agree(poses: Array, unit: float) -> float:
+    """How well the way from pose to pose agrees with the headings in a unit, radians: 0 to 1."""
+    step = np.diff(poses[:, :2], axis=0)
+    moved = np.hypot(*step.T) > 0
+    if moved.sum() < LEAST:
+        return 0.0
+    off = np.arctan2(step[moved, 1], step[moved, 0]) - unit * poses[:-1, 2][moved]
+    return float(np.abs(np.mean(np.exp(1j * off))))
 
 
 def check_lengths(

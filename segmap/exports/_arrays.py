@@ -20,10 +20,11 @@ def write_arrays(path: str | Path, log: Log) -> None:
     """Write a log as arrays by name, as `read` takes it in.
 
     They are `ranges` and `angles`, `(k, n)`, so that all scans must have one number of beams;
-    `times` and `max_range`, `(k,)`; `sensor_pose`, `(k, 3)`, of the laser on the robot; and where
-    the log has them `odometry` and `truth`, `(k, 3)`, of the robot, NaN where a scan has none,
-    `codes` and `delays`, `(k, n)`, with `order_known`, and the odometry's `track`, `(m, 4)`. The
-    name must end in `.npz`. Beams that met nothing are infinite, those with an error NaN.
+    `max_range`, `(k,)`; `sensor_pose`, `(k, 3)`, of the laser on the robot; and where the log has
+    them `times`, `(k,)`, `odometry` and `truth`, `(k, 3)`, of the robot, NaN where a scan has none,
+    `codes` and `delays`, `(k, n)`, with `order_known`, the odometry's `track`, `(m, 4)`, and what
+    is `assumed`. The name must end in `.npz`. Beams that met nothing are infinite, those with an
+    error NaN.
 
     Examples
     --------
@@ -92,7 +93,6 @@ def log_arrays(log: Log) -> dict[str, NDArray[Any]]:
     held: dict[str, NDArray[Any]] = {
         "ranges": table(beams, np.nan),
         "angles": table([scan.angles for scan in log], 0.0),
-        "times": log.times,
         "max_range": np.array([scan.max_range for scan in log]),
         "sensor_pose": np.array([scan.sensor_pose for scan in log]),
     }
@@ -109,4 +109,8 @@ def log_arrays(log: Log) -> dict[str, NDArray[Any]]:
         held["order_known"] = np.array(log.order_known)
     if log.track is not None:
         held["track"] = log.track
+    if np.isfinite(log.times).any():
+        held["times"] = log.times
+    if log.assumed:
+        held["assumed"] = np.array(log.assumed)
     return held

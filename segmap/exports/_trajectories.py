@@ -28,9 +28,9 @@ MOVED = 1e-3
 def write_tum(path: str | Path, log: Log, poses: Alignment | ArrayLike) -> None:
     """Write a trajectory as lines `t x y z qx qy qz qw`, which evo and the TUM tools compare.
 
-    Poses are `(k, 3)`, one a scan, to the micrometre, times to the microsecond; z is 0, the
-    quaternion turns about z. Rows of NaN are left out: `alignment.trusted` writes the scans that
-    rest on a match only.
+    Poses are `(k, 3)`, one a scan, to the micrometre, times to the microsecond, or the numbers of
+    the scans where no time is known; z is 0, the quaternion turns about z. Rows of NaN are left
+    out: `alignment.trusted` writes the scans that rest on a match only.
 
     Examples
     --------
@@ -47,8 +47,9 @@ def write_tum(path: str | Path, log: Log, poses: Alignment | ArrayLike) -> None:
         raise ValueError("poses must be one a scan, or an alignment, got None")
     rows = _poses(log, poses)
     known = np.flatnonzero(np.isfinite(rows).all(1))
-    lines = (_tum(time, pose) for time, pose in zip(log.times[known], rows[known], strict=True))
-    write_lines(arrays.file(path), ["# time x y z qx qy qz qw", *lines])
+    times, remarks = _times(log)
+    lines = (_tum(time, pose) for time, pose in zip(times[known], rows[known], strict=True))
+    write_lines(arrays.file(path), [*remarks, "# time x y z qx qy qz qw", *lines])
 
 
 def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None = None) -> None:
@@ -59,7 +60,8 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
     ROBOTLASER2. Where the lasers sit stands in PARAM lines.
 
     Ranges are written to the micrometre, times to the microsecond, odometry to the micrometre and
-    microradian. Beams that met nothing become 81.83 or the sensor's maximum, those with an error 0.
+    microradian. Without times the scans are numbered, and a comment says so. Beams that met
+    nothing become 81.83 or the sensor's maximum, those with an error 0.
 
     Parameters
     ----------
@@ -94,19 +96,20 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
     if not len(arrays.instance(log, "log", Log)):
         raise ValueError(f"log {log.name!r} holds no scan: there is nothing to write")
     rows = _poses(log, log.truth if poses is None else poses)
+    times, remarks = _times(log)
     old = all(_looks_over_half_a_turn(k, scan) for k, scan in enumerate(log))
     places = _places(log)
-    lines = [f"# written by segmap: {log.name!a}"]
+    lines = [f"# written by segmap: {log.name!a}", *remarks]
     for end, offset in zip(("front", "rear"), places, strict=False):
         if offset.any():  # none for a laser at the robot's turning point
             for kind, value in zip(("", "side_", "angular_"), offset, strict=True):
                 lines.append(f"PARAM robot_{end}laser_{kind}offset {float(value)!r}")
-    for scan, pose in zip(log, rows, strict=True):
+    for scan, pose, time in zip(log, rows, times, strict=True):
         number = 1 if np.array_equal(scan.sensor_pose, places[0]) else 2
         odometry = np.array(NO_POSE if scan.odometry is None else scan.odometry)
         known = odometry if np.isfinite(odometry).all() else np.array(NO_POSE)
         said = np.concatenate([compose(pose, scan.sensor_pose), known])
-        timed = f"{scan.time:.6f} segmap {scan.time - log[0].time:.6f}"
+        timed = f"{time:.6f} segmap {time - times[0]:.6f}"
         head, tail = _old(scan, number) if old else _new(scan, number)
         lines.append(f"{head} {_numbers(said)}{tail} {timed}")
     place = arrays.file(path)
@@ -170,10 +173,21 @@ def _poses(log: Log, poses: Alignment | ArrayLike | None) -> Array:
     """Poses to write, `(k, 3)`: finite, or NaN where a scan has none."""
     given = np.full((len(log), 3), np.nan) if poses is None else poses
     rows = arrays.poses(given, "poses", count=len(log), missing=True)
-    if not np.isfinite(log.times).all():
-        bad = int(np.argmin(np.isfinite(log.times)))
-        raise ValueError(f"the time of scan {bad} must be finite, got {log.times[bad]}")
     return np.where(np.isnan(rows).any(axis=1, keepdims=True), np.nan, rows)
+
+
+def _times(log: Log) -> tuple[Array, list[str]]:
+    """Times `(k,)`, for formats that hold one with each scan: the numbers of the scans, and a word.
+
+    Some scans with a time and others without are a ValueError.
+    """
+    known = np.isfinite(log.times)
+    if len(log) and not known.any():
+        return np.arange(float(len(log))), ["# times are the numbers of the scans: none is known"]
+    if not known.all():
+        bad = int(np.argmin(known))
+        raise ValueError(f"the time of scan {bad} must be finite, got {log.times[bad]}")
+    return log.times, []
 
 
 def _step(scan: LaserScan) -> float:

@@ -145,7 +145,9 @@ def _rawlaser(scan: LaserScan) -> str:
     _check(scan)
     step = float(scan.angles[-1] - scan.angles[0]) / max(len(scan) - 1, 1)
     even = scan.angles[:1] + step * np.arange(len(scan))
-    if step < 0 or np.abs(scan.angles - even).max() > 1e-6:
+    if step < 0:
+        raise ValueError("a CARMEN log holds angles that count up: turn angles and ranges round")
+    if np.abs(scan.angles - even).max() > 1e-6:
         raise ValueError("a CARMEN log holds scans of at least one beam, evenly spaced")
     if step * (len(scan) - 1) > MOST_VIEW:
         raise ValueError(f"a CARMEN log holds beams over at most {MOST_VIEW} radians")

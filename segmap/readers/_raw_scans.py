@@ -7,6 +7,7 @@ Intel Research Lab, Freiburg building 079 and others.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -14,9 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..angles import wrap
-from ..arrays import Array
+from ..arrays import Array, slips
 from ..poses import between, compose, interpolate, inverse
 from ..scans import NO_POSE, LaserScan
+from ..scans.causes import Cause, Finding
+from ._clock import on_one_clock, stands
 
 #: Top of the scale of each measuring mode and the range from which it means "nothing met", metres.
 #: In the last mode the sensor can tell up to 81.91, but answers of 50 m and more are none.
@@ -43,6 +46,7 @@ class RawScan(NamedTuple):
     limit: float = np.inf  #: longest range that the line states
     codes: NDArray[np.int64] | None = None  #: see `segmap.scans.error_codes`
     delays: Array | None = None  #: (n,), as those of a `LaserScan`
+    assumed: tuple[str, ...] = ()  #: what the line leaves unsaid
 
 
 class Extrinsic(NamedTuple):
@@ -50,6 +54,7 @@ class Extrinsic(NamedTuple):
 
     sensor_pose: Array
     truth: Array
+    is_stated: bool = False  #: whether the file says where the laser sits
 
 
 # ------------------------------------------------------------------------------ beams
@@ -73,19 +78,22 @@ def no_return(ranges: Iterable[Array]) -> float:
     """The range from which on the sensor met nothing, from all `(n,)` ranges of a log.
 
     It depends on the measuring mode, which the largest finite range of the whole log tells: 8.18 m
-    is a wall in a log that also holds 20 m.
+    is a wall in a log that also holds 40 m. Infinite where all beams met something nearer.
 
     Examples
     --------
-    >>> no_return([np.array([1.0, 8.19])]), no_return([np.array([1.0, 8.19]), np.array([20.0])])
-    (8.18, 32.76)
+    >>> near, far = np.array([1.0, 8.19]), np.array([20.0])
+    >>> no_return([near]), no_return([near, 2 * far]), no_return([near, 4 * far])
+    (8.18, inf, 50.0)
     """
     largest = max((float(r[np.isfinite(r)].max(initial=0.0)) for r in ranges), default=0.0)
-    return next(limit for top, limit in MODES if largest <= top)
+    limit = next(limit for top, limit in MODES if largest <= top)
+    return limit if largest >= limit else np.inf
 
 
 def clean(ranges: Array, limit: float) -> Array:
     """Ranges `(n,)`, with `inf` where nothing was met and NaN where the value is no distance."""
+    slips.check_ranges(ranges, limit)
     return np.where(ranges >= limit, np.inf, np.where(ranges > 0, ranges, np.nan))
 
 
@@ -101,38 +109,75 @@ def urg_delays(angles: Array) -> Array:
 
 # ------------------------------------------------------------------------------ poses
 class Track:
-    """Poses and their times, in any order; lines without a pose are left out."""
+    """Poses and their times, in the order of a file; lines without a pose are left out."""
 
     def __init__(self) -> None:
         self.times: list[float] = []
         self.poses: list[Array] = []
+        self.after: list[int] = []
 
-    def add(self, time: float, pose: Array) -> None:
-        """Note one pose, (3,) array, and its time."""
+    def add(self, time: float, pose: Array, after: int | None = None) -> None:
+        """Note one pose, (3,) array, and its time; `after` so many scans, where these are with it.
+
+        A file holds poses after scans everywhere, or nowhere.
+        """
         if np.isfinite(pose).all():
             self.times.append(time)
             self.poses.append(pose)
+            self.after += [] if after is None else [after]
 
-    def at(self, times: ArrayLike) -> Array:
-        """Poses between the noted ones, `(m, 3)`; NaN outside of them."""
-        when = np.asarray(times, float)
-        if not self.times:
-            return np.full((len(when), 3), NO_POSE)
-        return interpolate(*self.ordered(), when)
+    def met(self, times: ArrayLike) -> Met:
+        """The poses at the times of scans, `(k,)`; a clock that was set back goes on in both."""
+        when, noted = np.asarray(times, float), np.array(self.times)
+        if not (len(noted) and len(when)):
+            return Met(when, np.full((len(when), 3), NO_POSE), np.empty((0, 4)), ())
+        after = np.array(self.after, int) if self.after else None
+        if after is not None and stands(when) | stands(noted):
+            last = np.searchsorted(after, np.arange(len(when)), side="right")
+            words = "a clock stands still: the order in the file counts"
+            poses = np.array([NO_POSE, *self.poses])[last]
+            when = np.full(len(when), np.nan) if stands(when) else when
+            return Met(when, poses, np.empty((0, 4)), [Finding(Cause.CLOCK, 0.0, words)])
+        when, noted, causes = on_one_clock(when, noted, after)
+        rows = _ordered(noted, self.poses)
+        return Met(when, interpolate(rows[:, 0], rows[:, 1:], when), rows, causes)
 
     def ordered(self) -> tuple[Array, Array]:
         """Times `(k,)`, ascending, and poses `(k, 3)`."""
-        order = np.argsort(self.times, kind="stable")
-        return np.array(self.times)[order], np.array(self.poses)[order]
+        rows = _ordered(self.times, self.poses)
+        return rows[:, 0], rows[:, 1:]
 
 
-def with_odometry(scans: Sequence[RawScan], track: Track) -> list[RawScan]:
-    """The scans, those without odometry with what the track says at their time."""
-    times = [np.nan if scan.time is None else scan.time for scan in scans]
-    return [
-        scan._replace(odometry=pose) if np.isnan(scan.odometry).any() else scan
-        for scan, pose in zip(scans, track.at(times), strict=True)
+def _ordered(times: ArrayLike, poses: ArrayLike) -> Array:
+    """Times and poses, `(m, 4)`, in ascending order of times."""
+    rows = np.column_stack([times, poses])
+    return rows[np.argsort(rows[:, 0], kind="stable")]
+
+
+class Met(NamedTuple):
+    """Scans and odometry that met on one clock."""
+
+    times: Array  #: (k,), of the scans
+    poses: Array  #: (k, 3), at these times; NaN outside of the track
+    track: Array  #: (m, 4): time and pose, in ascending order of times
+    causes: Sequence[Finding]
+
+
+def with_odometry(
+    scans: Sequence[RawScan], track: Track
+) -> tuple[Sequence[RawScan], Sequence[Finding]]:
+    """The scans, those without odometry with what the track says at their time; and its causes."""
+    if not any(np.isnan(scan.odometry).any() for scan in scans):
+        return scans, ()
+    met = track.met([np.nan if scan.time is None else scan.time for scan in scans])
+    found = [
+        scan._replace(
+            time=None if scan.time is None else when,
+            odometry=pose if np.isnan(scan.odometry).any() else scan.odometry,
+        )
+        for scan, when, pose in zip(scans, met.times.tolist(), met.poses, strict=True)
     ]
+    return found, met.causes
 
 
 def same_poses(a: Array, b: Array) -> bool:
@@ -142,18 +187,22 @@ def same_poses(a: Array, b: Array) -> bool:
     return not bool((np.abs(step) > SAME).any())
 
 
-def uncorrected(scans: Sequence[RawScan], place: Array) -> Extrinsic:
+def uncorrected(scans: Sequence[RawScan], place: Array, is_stated: bool = False) -> Extrinsic:
     """The laser sits at `place`, (3,) array, and no pose was corrected."""
-    return Extrinsic(place, np.full((len(scans), 3), np.nan))
+    return Extrinsic(place, np.full((len(scans), 3), np.nan), is_stated)
 
 
-def extrinsic_by_offset(scans: Sequence[RawScan], offset: Array) -> Extrinsic:
+def extrinsic_by_offset(
+    scans: Sequence[RawScan], offset: Array, is_stated: bool = False
+) -> Extrinsic:
     """The laser sits at `offset`, (3,) array, and its poses were corrected."""
     poses = np.array([scan.pose for scan in scans])
-    return Extrinsic(offset, compose(poses, inverse(offset)))
+    return Extrinsic(offset, compose(poses, inverse(offset)), is_stated)
 
 
-def extrinsic_by_poses(scans: Sequence[RawScan], offset: Array) -> Extrinsic:
+def extrinsic_by_poses(
+    scans: Sequence[RawScan], offset: Array, is_stated: bool = False
+) -> Extrinsic:
     """Each line holds a pose of the laser and one of the robot: what lies between them decides.
 
     Where it is the same in all lines it is the laser's place on the robot. Where it varies, the
@@ -164,30 +213,50 @@ def extrinsic_by_poses(scans: Sequence[RawScan], offset: Array) -> Extrinsic:
     relative = between(np.array([scan.odometry for scan in scans]), poses)
     known = relative[np.isfinite(relative).all(1)]
     if not len(known) or not same_poses(known, known[:1]):
-        return extrinsic_by_offset(scans, offset)
-    return uncorrected(scans, np.round(known[0], 6) + 0.0)
+        return extrinsic_by_offset(scans, offset, is_stated)
+    return uncorrected(scans, np.round(known[0], 6) + 0.0, is_stated=True)
+
+
+# ---------------------------------------------------------------------------- assumed
+def view_of(angles: Array) -> str:
+    """That beams `(n,)`, whose directions the file does not say, look over so many degrees."""
+    step = float(np.median(np.diff(angles))) if len(angles) > 1 else 0.0
+    wide = np.degrees(np.ptp(angles) + step * (len(angles) % 2 == 0))
+    return f"{len(angles)} beams look over {wide:.4g} degrees, counter-clockwise"
+
+
+def place_of(place: Array) -> str:
+    """That a laser sits at a place `(3,)` on the robot, which the file does not say."""
+    ahead = f"{place[0]:g} m ahead of " if place[0] else "at "
+    return f"the laser sits {ahead}the robot's centre"
 
 
 # -------------------------------------------------------------------------------- log
 def assemble(
     raw: Sequence[RawScan], extrinsic: Callable[[str, Sequence[RawScan]], Extrinsic]
-) -> tuple[list[LaserScan], Array | None]:
-    """Scans and corrected poses `(k, 3)` of all lasers in the file's order.
+) -> tuple[list[LaserScan], Array | None, list[str]]:
+    """Scans and corrected poses `(k, 3)` of all lasers in the file's order, and what is assumed.
 
     `extrinsic` tells from all scans of a laser where it sits on the robot.
     """
-    lasers = np.array([scan.laser for scan in raw])
+    lasers, assumed = np.array([scan.laser for scan in raw]), [*chain(*(s.assumed for s in raw))]
     places, truth = np.empty((len(raw), 3)), np.empty((len(raw), 3))
     for laser in np.unique(lasers):
         mine = np.flatnonzero(lasers == laser)
-        places[mine], truth[mine] = extrinsic(str(laser), [raw[k] for k in mine.tolist()])
+        these = [raw[k] for k in mine.tolist()]
+        places[mine], truth[mine], is_stated = extrinsic(str(laser), these)
+        moved = np.isfinite([scan.odometry for scan in these]) | np.isfinite(truth[mine])
+        if moved.any() and not is_stated:
+            assumed.append(place_of(places[mine[0]]))
     usual, scans = no_return(scan.ranges for scan in raw), []
-    for k, scan in enumerate(raw):
-        limit, when = min(scan.limit, usual), k if scan.time is None else scan.time
+    if any(usual < scan.limit for scan in raw):
+        assumed.append(f"ranges from {usual:g} m on met nothing, as those of a SICK")
+    for place, scan in zip(places, raw, strict=True):
+        limit, when = min(scan.limit, usual), np.nan if scan.time is None else scan.time
         odometry, ranges = known(scan.odometry), clean(scan.ranges, limit)
-        limits = limit, places[k], scan.codes, scan.delays
+        limits = limit, place, scan.codes, scan.delays
         scans.append(LaserScan(ranges, scan.angles, when, odometry, *limits))
-    return scans, known_truth(truth)
+    return scans, known_truth(truth), assumed
 
 
 def known(pose: Array) -> Array | None:

@@ -13,6 +13,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 
 from ..scans import NOTHING_SKIPPED, Log
+from ..scans.causes import Finding
 from ._lines import Lines, merged
 from ._raw_scans import Extrinsic, RawScan, Track, assemble, uncorrected, with_odometry
 
@@ -39,6 +40,7 @@ class TextFormat:
         self.lines, self.scans, self.track = lines, list[Any](), Track()
         #: Lines that are left out though they are whole.
         self.unknown = NOTHING_SKIPPED
+        self.causes: Sequence[Finding] = ()
 
     @classmethod
     def claims(cls, fields: Sequence[str]) -> bool:
@@ -61,14 +63,16 @@ class TextFormat:
     def _take(self, fields: list[str]) -> None:
         raise NotImplementedError
 
-    def _finished(self) -> list[RawScan]:
+    def _finished(self) -> Sequence[RawScan]:
         """The scans with their odometry."""
-        return with_odometry(self.scans, self.track)
+        found, self.causes = with_odometry(self.scans, self.track)
+        return found
 
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         """Where a laser sits on the robot, and the robot's corrected poses."""
         return uncorrected(scans, np.zeros(3))
 
     def _log(self, name: str) -> Log:
-        found = assemble(self._finished(), self._extrinsic)
-        return Log(name, *found, merged(self.lines.skipped, self.unknown))
+        scans, truth, assumed = assemble(self._finished(), self._extrinsic)
+        left = merged(self.lines.skipped, self.unknown)
+        return Log(name, scans, truth, left, causes=self.causes, assumed=assumed)

@@ -13,6 +13,8 @@ from ._text import TextFormat
 MOST_TURN = 4 * np.pi
 #: No scan has more beams.
 MOST_BEAMS = 100_000
+#: Said of a log whose file does not say which way angles grow.
+COUNTERCLOCKWISE = "beams counter-clockwise"
 #: What a line says of one beam: angle, range, time, number of the scan; the last two NaN where the
 #: line has none.
 Beam = tuple[float, float, float, float]
@@ -22,11 +24,13 @@ class Beams(TextFormat):
     """A format whose lines are beams, in the order in which they were measured.
 
     A scan ends where its number changes; without numbers, where the angle wraps. Its time is that
-    of its first beam, or its place in the log; each beam keeps its own. Scans of a clockwise sensor
-    are turned round.
+    of its first beam, where the lines have any; each beam keeps its own. Scans of a clockwise
+    sensor are turned round.
     """
 
     clockwise = True
+    #: What the lines leave unsaid.
+    assumed: tuple[str, ...] = ()
 
     def _log(self, name: str) -> Log:
         table = np.array(self.scans)
@@ -37,21 +41,22 @@ class Beams(TextFormat):
             steps = np.diff(angles)
             onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
             ends = -onwards * steps > min(np.ptp(angles) / 2, np.pi)
+            self.assumed += ("a scan ends where the angle wraps",) * bool(ends.any())
         parts = np.split(table, np.flatnonzero(ends) + 1)
         if max(map(len, parts)) > MOST_BEAMS:
             raise self.lines.error(
                 f"expected at most {MOST_BEAMS} beams in a scan: where does one end?"
             )
         scans = []
-        for k, part in enumerate(parts):
+        for part in parts:
             angles, ranges, times, _ = part.T
-            time, delays = k if np.isnan(times[0]) else times[0], None
+            time, delays = times[0], None
             if self.clockwise:
                 angles, ranges, times = -angles[::-1], ranges[::-1], times[::-1]
             if np.ptp(times) > 0:  # neither unknown nor one time for all
                 time, delays = times.min(), times - times.min()
             scans.append(LaserScan(ranges, angles, time, delays=delays))
-        return Log(name, scans, None, self.lines.skipped)
+        return Log(name, scans, None, self.lines.skipped, assumed=self.assumed)
 
 
 def number(field: str, what: str, factor: float = 1.0) -> float:

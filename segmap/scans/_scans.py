@@ -145,13 +145,16 @@ class Log(Pictured, Sequence[LaserScan]):
     skipped : Skipped
         What the reader left out of a damaged file.
     track : (m, 4) array, seconds, metres and radians, or None
-        Time and pose by odometry, in ascending order of times, where the file holds them more often
-        than scans.
+        Time and pose by odometry, in ascending order of times, where the file holds them apart from
+        the scans.
     order_known : bool
         Whether `delays` have the order in which the beams were measured: drivers of ROS may state
         the other one.
     causes : tuple of Finding
         What a reader or `alignment.prepared` found; it comes first in those of every alignment.
+    assumed : tuple of str
+        What the file does not say and is taken to be so, a plain phrase each: a unit, a direction,
+        an order, a place of the laser. Times, delays and reaches are never assumed.
 
     Examples
     --------
@@ -167,6 +170,7 @@ class Log(Pictured, Sequence[LaserScan]):
     track: Array | None
     order_known: bool
     causes: tuple[Finding, ...]
+    assumed: tuple[str, ...]
 
     def __init__(
         self,
@@ -177,6 +181,7 @@ class Log(Pictured, Sequence[LaserScan]):
         track: ArrayLike | None = None,
         order_known: bool = True,
         causes: Iterable[Finding] = (),
+        assumed: Iterable[str] = (),
     ) -> None:
         keep = object.__setattr__
         keep(self, "name", name)
@@ -188,6 +193,7 @@ class Log(Pictured, Sequence[LaserScan]):
         keep(self, "track", None if track is None else _frozen(_track(track)))
         keep(self, "order_known", arrays.switch(order_known, "order_known"))
         keep(self, "causes", _all(causes, "causes", Finding))
+        keep(self, "assumed", tuple(dict.fromkeys(_all(assumed, "assumed", str))))
         slips.check_headings(self.odometry, "the odometry")
         if self.truth is not None:
             slips.check_headings(self.truth, "the truth")

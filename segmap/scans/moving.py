@@ -102,7 +102,10 @@ def stood(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:
 
 
 def unmoved(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:
-    """In how many scans the beams err by more than their spacing, as their times are not used."""
+    """In how many scans beams err by more than their spacing, if the robot moved as it measured.
+
+    Their times are not used: whether it stood, `alignment.deskew` finds.
+    """
     if not is_timed(scans):
         return []
     motions = twists(np.array([scan.time for scan in scans]), poses)
@@ -116,5 +119,5 @@ def unmoved(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:
             many, turn, way = many + 1, max(turn, heading), max(way, float(np.hypot(x, y)))
     most = f"up to {np.degrees(turn):.1f} degrees and {way:.2f} m"
     moved = "the robot moved by more than the spacing of the beams"
-    words = f"in {many} of {len(scans)} scans {moved}, {most}"
+    words = f"in {many} of {len(scans)} scans {moved}, {most}, unless it stood to measure"
     return [Finding(Cause.SKEW, many, words)] if many else []

@@ -123,6 +123,7 @@ def test_an_alignment_is_told_with_its_commonest_reasons_first(run, monkeypatch)
         "            2 scans not: turning",
         "            doubt: it slipped",
         f"  extracted {len(segmap.build_map(segmap.read('it.log'), found.trusted))} segments",
+        "  assumed   the laser sits at the robot's centre",
         "  verdict   NOT A MAP: 1 of 11 scans placed",
     ]
 
@@ -220,8 +221,10 @@ def belief(x, reason):
 
 FOUND = ["  found     2 of 61 scans, the first is scan 1; lost at 1",
          "  place     2.50 m, -1.50 m, 90.0 degrees, within 50.0 mm",
+         "  assumed   the laser sits at the robot's centre",
          "  verdict   found: 87.5 % of the particles are there, scans fit to 0.50"]  # fmt: skip
 LOST = ["  found     1 of 61 scans, the first is scan 0; lost at 1", "  place     unknown",
+        "  assumed   the laser sits at the robot's centre",
         "  verdict   lost: 87.5 % of the particles are there, scans fit to 0.50"]  # fmt: skip
 
 

@@ -89,7 +89,7 @@ def test_the_session_of_commands_is_true(names, tmp_path, monkeypatch, capsys):
         re.sub(r"[\d.]+ m?s$", "", text, flags=re.MULTILINE)
         for text in (capsys.readouterr().out, block.group(2))
     ]
-    assert said[0].splitlines() == said[1].splitlines() and len(said[0].splitlines()) == 7
+    assert said[0].splitlines() == said[1].splitlines() and len(said[0].splitlines()) == 8
     assert (tmp_path / "malaga.svg").stat().st_size and (tmp_path / "malaga.png").stat().st_size
 
 

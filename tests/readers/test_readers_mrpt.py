@@ -65,7 +65,8 @@ def test_every_version_of_an_object(read, version):
     """Of a scan and a movement, and as far as there are such of wheels, frames and poses."""
     log = read(mrpt.scan(START, version) + mrpt.scan(START + 1, version))
     assert np.isposinf(log[1].ranges).tolist() == [False, False, False, True, False]
-    assert log.times == pytest.approx([START, START + 1] if version > 2 else [0, 1])
+    times = [START, START + 1] if version > 2 else [np.nan] * 2
+    assert log.times == pytest.approx(times, nan_ok=True)
     for method in (0, 1):
         step = mrpt.actions(mrpt.movement((0.5, 0.1, 0.2), version, method))
         log = read(mrpt.scan(START) + step + mrpt.scan(START + 1))

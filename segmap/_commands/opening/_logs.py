@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import csv
 import io
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
@@ -98,7 +99,9 @@ def each_log(
             bar.set_description(shown(Path(source).name))
             reports.append(report := Report(source, json=given.json))
             try:
-                log, own, left = log_of(source, given)
+                with warnings.catch_warnings():  # a thousand scans may deserve the same
+                    warnings.simplefilter("default", UserWarning)
+                    log, own, left = log_of(source, given)
                 if is_session(source):
                     check(own)
                 paths = targets.paths(log.name, source)
@@ -264,6 +267,7 @@ def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> in
 
     Beside the output stands once more what makes it doubtful.
     """
+    report.assumptions()
     few = verdict.grade != "not a map" and verdict.placed < given.strict * verdict.scans
     asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
     report.line("verdict", f"{verdict}{asked}", **asdict(verdict))

@@ -15,6 +15,7 @@ from ..._display import counted
 from ..._recipe import Outcome, Recipe, world_of
 from ...alignment import METHODS, Alignment, usual_method
 from ...scans import Log
+from ...scans.causes import Cause
 from ...scans.moving import is_timed
 from ...segments import SegmentMap
 from .._words import Report, seconds
@@ -125,6 +126,8 @@ def tell_poses(made: Outcome, report: Report) -> Outcome:
 
 def tell_deskewing(made: Outcome, report: Report) -> None:
     """Say of how many scans the beams were carried to their start, where they have their times."""
+    if any(found.cause is Cause.SKEW for found in made.log.causes):
+        return  # no beam is carried, and the doubt of the alignment says why
     if is_timed(made.given) and not is_timed(made.log):
         count = sum(new is not old for new, old in zip(made.log, made.given, strict=True))
         words = f"{count} of {counted(len(made.log), 'scan')}, by how the robot moved meanwhile"

@@ -13,13 +13,17 @@ Ranges from `range_max` on and `inf` met nothing; those below `range_min`, `-inf
 errors. Angles are `angle_min` plus multiples of `angle_increment`, which may be negative. Beam k is
 measured k times `time_increment` after the first, or in the other order: drivers state either with
 a positive increment, and `Log.order_known` says that nobody knows; 0 is no time. Odometry that
-comes more often than scans is the `track`. Dropped are intensities, speeds and covariances. A
-message without a time in its header has that of the recorder.
+comes more often than scans, or at other times, is the `track`: it may have another clock. A
+message without a time in its header has that of the recorder. Dropped are intensities, speeds and
+covariances.
+
+Assumed: without a transform the laser sits at the robot's centre.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +37,7 @@ from ...progress import announce
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError, OnError, Reading, UnknownFormat, log_file, stem
 from .._mounting import flat, in_space, level
-from .._raw_scans import Track, clean, known
+from .._raw_scans import Track, clean, known, place_of
 from ._files import FRAMES, Bag, kind_of, opened
 from ._frames import Frames
 
@@ -101,18 +105,18 @@ def read(
     scan: str | None = None,
     odometry: str | None = None,
 ) -> Log:
-    """Scans, then odometry, then as much of the transforms as is needed; no truth."""
+    """Scans and odometry, then as much of the transforms as is needed; no truth."""
     with opened(path) as bag:
         said = _Recording(bag, on_error)
         scan = _chosen(bag, SCAN, scan, "scan")
         if scan is None:
             raise LogError(bag.path, f"holds no sensor_msgs/LaserScan, but {_listed(bag)}")
         odometry = _chosen(bag, ODOMETRY, odometry, "odometry")
-        said.each(SCAN, [scan], said.take_scan)
-        said.each(ODOMETRY, [odometry] if odometry else [], said.take_odometry)
+        wheels = {odometry: ODOMETRY} if odometry else said.frames_in(static=False)
+        said.each({scan: SCAN, **wheels, **said.frames_in(static=True)})
         if not said.scans:
             raise LogError(bag.path, f"holds no scan in {scan}{said.why()}")
-        said.take_transforms(odometry is None)
+        said.know_frames(odometry is None)
         return said.log(name)
 
 
@@ -125,18 +129,23 @@ class _Recording(Reading):
         self.scans: list[tuple[float, LaserScan]] = []
         self.laser, self.base = "", ""
 
-    def each(self, kind: str, topics: list[str], take: Callable[[Any, float], None]) -> None:
-        """Take in each message of some topics; a damaged one is told or counted."""
-        found = self.bag.messages(topics, kind)
-        count = max(sum(self.bag.topics(kind).get(topic, 0) for topic in topics), 1)
-        for number, (topic, received, data) in enumerate(self._to_the_break(found)):
-            announce(min(number / count, 1.0), f"reading message {number + 1} of {topic}")
+    def each(self, kinds: Mapping[str, str]) -> None:
+        """Take in each message of topics of these kinds; a damaged one is told or counted."""
+        takes: dict[str, Callable[[Any, float], None]] = {
+            SCAN: self.take_scan,
+            ODOMETRY: self.take_odometry,
+        }
+        counts = Counter[str]()
+        count = max(sum(self.bag.topics(kind).get(topic, 0) for topic, kind in kinds.items()), 1)
+        for topic, received, data in self._to_the_break(self.bag.messages(kinds)):
+            announce(counts.total() / count, f"reading message {counts[topic] + 1} of {topic}")
+            counts[topic] += 1
             try:
-                message = self.bag.decoded(data, kind)
+                message = self.bag.decoded(data, kinds[topic])
                 with np.errstate(all="ignore"):
-                    take(message, received / 1e9)
+                    takes.get(kinds[topic], self.take_frames)(message, received / 1e9)
             except ValueError as fault:
-                reason = f"{topic}, message {number + 1}: {fault}"
+                reason = f"{topic}, message {counts[topic]}: {fault}"
             else:
                 continue
             self.damaged(LogError(self.path, reason))
@@ -157,23 +166,24 @@ class _Recording(Reading):
     def take_odometry(self, message: Any, received: float) -> None:
         place, turn = message.pose.pose.position, message.pose.pose.orientation
         pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
-        self.track.add(_time(message.header, received), level(pose))
+        self.track.add(_time(message.header, received), level(pose), len(self.scans))
         self.base = self.base or message.child_frame_id
 
     def take_frames(self, message: Any, received: float) -> None:
         for transform in message.transforms:
-            self.frames.take(transform, _time(transform.header, received))
+            self.frames.take(transform, _time(transform.header, received), len(self.scans))
 
-    def take_transforms(self, moved: bool) -> None:
-        """Read what stands still, and what moves only where something is still not known."""
-        for kind in FRAMES:
-            topics = self.bag.topics(kind)
-            static = [topic for topic in topics if topic.endswith(STATIC)]
-            self.each(kind, static, self.take_frames)
-            if moved or not self.base or self.place() is None:
-                self.each(kind, [t for t in topics if t not in static], self.take_frames)
+    def frames_in(self, *, static: bool) -> dict[str, str]:
+        """Topics of transforms and their kinds: of those that stand still, or of the others."""
+        found = {topic: kind for kind in FRAMES for topic in self.bag.topics(kind)}
+        return {topic: k for topic, k in found.items() if topic.endswith(STATIC) == static}
+
+    def know_frames(self, moved: bool) -> None:
+        """What moved is the odometry, or is read only where something is still not known."""
         if moved:
             self.base, self.track = self.frames.driven()
+        elif not self.base or self.place() is None:
+            self.each(self.frames_in(static=False))
 
     def place(self) -> Array | None:
         """The laser's pose on the robot, in space."""
@@ -183,29 +193,31 @@ class _Recording(Reading):
             raise LogError(self.path, str(fault)) from fault
 
     def log(self, name: str) -> Log:
+        assumed: list[str] = []
         if (space := self.place()) is None:
             _warn(
                 f"{self.path}: no tf tells where {self.laser} sits on {self.base}; "
                 "it is taken to be at its centre"
             )
-            space = np.eye(4)
+            space, assumed = np.eye(4), [place_of(np.zeros(3))]
         try:
             place, mirrored = flat(space)
         except ValueError as fault:
             raise LogError(self.path, str(fault)) from fault
-        poses = self.track.at([time for time, _ in self.scans])
+        met = self.track.met([time for time, _ in self.scans])
+        poses = met.poses
         if self.track.times and np.isnan(poses).all():
             _warn(f"{self.path}: no scan lies within the time of the odometry")
         poses[:, 2] = wrap(poses[:, 2])
         scans = []
-        for (time, beams), pose in zip(self.scans, poses, strict=True):
+        for (_, beams), time, pose in zip(self.scans, met.times, poses, strict=True):
             angles = -beams.angles if mirrored else beams.angles
             sensor = beams.max_range, place, None, beams.delays
             scans.append(LaserScan(beams.ranges, angles, time, known(pose), *sensor))
-        dense = len(self.track.times) > len(scans)
-        track = np.column_stack(self.track.ordered()) if dense else None
+        is_whole = len(met.track) <= len(scans) and np.isfinite(poses).all()
+        track = None if is_whole or not len(met.track) else met.track
         ordered = all(scan.delays is None for scan in scans)
-        return Log(name, scans, None, self.skipped, track, ordered)
+        return Log(name, scans, None, self.skipped, track, ordered, met.causes, assumed)
 
 
 def _beams(message: Any) -> LaserScan:

@@ -12,7 +12,7 @@ a file says of its own sizes: what could fill the memory, or take for ever, is l
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -27,6 +27,8 @@ METADATA, LONGEST = "metadata.yaml", max(map(len, MAGIC))
 SUFFIXES = (".db3", ".mcap", ".bag")
 #: Messages with transforms between frames: today's, and how ROS 1 called them first.
 FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
+#: All messages of a database, in the order in which they were written.
+MESSAGES = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
 
 
 def sole_file(path: Path) -> Path:
@@ -77,10 +79,14 @@ class Bag:
                 found[each.topic] = found.get(each.topic, 0) + int(each.msgcount)
         return found
 
-    def messages(self, topics: Sequence[str], kind: str) -> Iterator[tuple[str, int, bytes]]:
-        """Topic, time in nanoseconds and bytes of each message, in the order of recording."""
-        chosen = [c for c in self.connections if c.topic in topics and c.msgtype == kind]
+    def messages(self, kinds: Mapping[str, str]) -> Iterator[tuple[str, int, bytes]]:
+        """Topic, time in nanoseconds and bytes of each message of topics of these kinds.
+
+        They come in the order of the file: a clock may have been set back.
+        """
+        chosen = [c for c in self.connections if kinds.get(c.topic) == c.msgtype]
         for each in chosen:
+            kind = each.msgtype
             if each.digest not in ("", "*", None, self._digest(kind)):
                 raise LogError(self.path, f"{each.topic} is of another {kind} than that of ROS")
         if chosen:
@@ -130,12 +136,11 @@ def opened(path: Path) -> Iterator[Bag]:
         if kind == "ROS 1":
             reader = _reader_1(path, budget)
         else:
-            plugins = importlib.import_module("rosbags.rosbag2").Reader.STORAGE_PLUGINS
             if kind == "folder":
                 check_metadata(path / METADATA)
             for file in files:
                 look_through(file, kind_of(file) if file.is_file() else None, budget)
-            reader = plugins["dir" if kind == "folder" else kind](path)
+            reader = _readers_2()[kind](path)
         reader.open()
     try:
         with damage(path):
@@ -166,14 +171,23 @@ def _words(fault: Exception) -> str:
 
 
 def _reader_1(path: Path, budget: Budget) -> Any:
-    """The reader of ROS 1, with chunks that are listed once and unpack within the budget."""
+    """The reader of ROS 1, with chunks that are listed once and unpack within the budget.
+
+    Messages come in the order of the file, and not of their times.
+    """
     module = importlib.import_module("rosbags.rosbag1.reader")
     kinds = {module.decompressors[kind]: kind for kind in ("bz2", "lz4")}
+
+    class Entry(module.IndexData):  # type: ignore[misc, name-defined]
+        def __lt__(self, other: Any) -> bool:
+            return (self.chunk_pos, self.offset) < (other.chunk_pos, other.offset)
 
     class Reader(module.Reader):  # type: ignore[misc, name-defined]
         def open(self) -> None:
             self.seen: set[int] = set()
             super().open()
+            for connection, entries in self.indexes.items():
+                self.indexes[connection] = sorted(Entry(*entry) for entry in entries)
 
         def read_chunk_info(self) -> Any:
             found = super().read_chunk_info()
@@ -190,3 +204,26 @@ def _reader_1(path: Path, budget: Budget) -> Any:
             return chunk._replace(decompressor=lambda data: budget.unpack(kind, data))
 
     return Reader(path)
+
+
+def _readers_2() -> dict[str, Any]:
+    """Readers of ROS 2 by kind of file, whose messages come in the order of the file too."""
+    folder = importlib.import_module("rosbags.rosbag2.reader").DirectoryReader
+    database = importlib.import_module("rosbags.rosbag2.storage_sqlite3").Sqlite3Reader
+    mcap = importlib.import_module("rosbags.rosbag2.storage_mcap").McapReader
+
+    class Database(database):  # type: ignore[misc, valid-type]
+        def messages(self, connections: Any, *when: None) -> Iterator[tuple[Any, int, bytes]]:
+            found = {each.id: each for each in connections}
+            for topic, time, data in self.dbconn.execute(MESSAGES):
+                if topic in found:
+                    yield found[topic], time, data
+
+    class Mcap(mcap):  # type: ignore[misc, valid-type]
+        def messages(self, connections: Any, *when: None) -> Iterator[tuple[Any, int, bytes]]:
+            yield from self.messages_scan(connections)
+
+    class Folder(folder):  # type: ignore[misc, valid-type]
+        STORAGE_PLUGINS = {"mcap": Mcap, "sqlite3": Database}  # noqa: RUF012
+
+    return {"folder": Folder, ".db3": Database, ".mcap": Mcap}

@@ -27,13 +27,13 @@ class Frames:
         self.moving: set[str] = set()
         self.tracks: dict[str, Track] = {}
 
-    def take(self, transform: Any, time: float) -> None:
-        """Take in one transform: geometry_msgs/TransformStamped, and its time in seconds."""
+    def take(self, transform: Any, time: float, after: int | None = None) -> None:
+        """Take in one transform: geometry_msgs/TransformStamped, its time, and scans before it."""
         parent, child = _name(transform.header.frame_id), _name(transform.child_frame_id)
         place, turn = transform.transform.translation, transform.transform.rotation
         pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
         if _is(parent, ODOMETRY):
-            self.tracks.setdefault(child, Track()).add(time, level(pose))
+            self.tracks.setdefault(child, Track()).add(time, level(pose), after)
         first = self.poses.setdefault(child, pose)
         step = np.linalg.inv(first) @ pose
         turn = np.arccos(np.clip((np.trace(step[:3, :3]) - 1) / 2, -1, 1))

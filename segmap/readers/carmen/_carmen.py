@@ -51,7 +51,7 @@ from .._raw_scans import (
     half_turn,
     same_poses,
     uncorrected,
-    with_odometry,
+    view_of,
 )
 from .._text import TextFormat
 
@@ -102,23 +102,23 @@ class Carmen(TextFormat):
                     slips.check_angles(value, rest[0])
                 self.parameters[rest[0]] = float(value)
             elif keyword == "ODOM" and len(rest) >= 9:
-                self.track.add(time(rest[6]), pose(rest[:3], "the odometry"))
+                self.track.add(time(rest[6]), pose(rest[:3], "the odometry"), len(self.scans))
         elif _is_strange(fields):
             said = f"lines of no known meaning, {keyword[:40]} first"
             self.unknown = merged(self.unknown, Skipped(1, said))
         else:
             raise ValueError(f"expected a line of a CARMEN log, got {keyword[:40]!r}")
 
-    def _finished(self) -> list[RawScan]:
+    def _finished(self) -> Sequence[RawScan]:
         """The scans; those of a mapper with the odometry of ODOM lines, where that is raw."""
         if self._repeats():
             return [scan._replace(odometry=NOWHERE) for scan in self.scans]
         if not self.mapped:
             return super()._finished()
-        raw = [scan._replace(odometry=NOWHERE) for scan in self.scans]
         noted = {_rounded(pose) for pose in self.track.poses}
-        repeated = 2 * sum(_rounded(scan.pose) in noted for scan in self.scans) > len(raw)
-        return raw if repeated else with_odometry(raw, self.track)
+        repeated = 2 * sum(_rounded(scan.pose) in noted for scan in self.scans) > len(self.scans)
+        self.scans = [scan._replace(odometry=NOWHERE) for scan in self.scans]
+        return self.scans if repeated else super()._finished()
 
     def _corrected(self, scans: Sequence[RawScan]) -> bool:
         """Whether the poses of laser lines went through a mapper, by the rule above."""
@@ -135,25 +135,26 @@ class Carmen(TextFormat):
 
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         """Place of a laser and truth, by the rule above."""
-        offset = self._offset(laser)
+        offset, is_stated = self._offset(laser)
         if laser in NEW:
-            return extrinsic_by_poses(scans, offset)
+            return extrinsic_by_poses(scans, offset, is_stated)
         if not self._corrected(scans):
             poses = np.array([scan.pose for scan in scans])
             odometry = np.array([scan.odometry for scan in scans])
             if any(same_poses(poses, at) for at in (compose(odometry, offset), odometry)):
-                return uncorrected(scans, offset)
-        return extrinsic_by_offset(scans, offset)
+                return uncorrected(scans, offset, is_stated)
+        return extrinsic_by_offset(scans, offset, is_stated)
 
-    def _offset(self, laser: str) -> Array:
-        """Where the file says that a laser sits on the robot, (3,) array."""
+    def _offset(self, laser: str) -> tuple[Array, bool]:
+        """Where a laser sits on the robot, (3,) array, and whether the file says so."""
         rear = laser in ("RLASER", "ROBOTLASER2", "RAWLASER2")
         name = f"robot_{'rear' if rear else 'front'}laser_"
         turn = self.parameters.get(name + "angular_offset", 0.0)
         if rear and np.cos(turn) >= 0:
             turn += np.pi
         ahead, aside = (self.parameters.get(name + k, 0.0) for k in ("offset", "side_offset"))
-        return np.array([ahead, aside, turn])
+        is_stated = any(parameter.startswith(name) for parameter in self.parameters)
+        return np.array([ahead, aside, turn]), is_stated
 
 
 def _parse_old(fields: list[str]) -> RawScan:
@@ -166,7 +167,8 @@ def _parse_old(fields: list[str]) -> RawScan:
     odometry = pose(rest[3:6], "the odometry") if rest else NOWHERE
     found = numbers(ranges, "ranges")
     when = time(rest[6]) if len(rest) == 9 else None
-    return RawScan(fields[0], found, half_turn(len(found)), when, odometry, laser)
+    angles = half_turn(len(found))
+    return RawScan(fields[0], found, angles, when, odometry, laser, assumed=(view_of(angles),))
 
 
 def _is_strange(fields: list[str]) -> bool:
@@ -195,8 +197,12 @@ def parse_robotlaser(fields: list[str]) -> RawScan:
     odometry = pose(rest[3:6], "the robot") if posed else NOWHERE
     found, when = numbers(ranges, "ranges"), time(rest[-3])
     start, view, resolution, limit = head[1:5]
-    if not (abs(start) < 10 and 0 <= view < 10 and 0 <= resolution < 10):
+    if view < 0 or resolution < 0:
+        raise ValueError(f"expected angles that count up, got a step of {min(view, resolution):g}")
+    if not (abs(start) < 10 and view < 10 and resolution < 10):
         raise ValueError(f"expected the beams' angles in radians, got {head[1:4].tolist()}")
     angles = start + (resolution or view / max(len(found) - 1, 1)) * np.arange(len(found))
     slips.check_angles(angles, "angles")
-    return RawScan(fields[0], found, angles, when, odometry, laser, limit if limit > 0 else np.inf)
+    limit = limit if limit > 0 else np.inf
+    spread = () if resolution else (f"beams are spread evenly over {np.degrees(view):.4g} degrees",)
+    return RawScan(fields[0], found, angles, when, odometry, laser, limit, assumed=spread)

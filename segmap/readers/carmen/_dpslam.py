@@ -4,14 +4,14 @@
     Laser n r1 ... rn
 
 Metres and radians. The odometry of a scan is the last line before it that no scan has used: a line
-used twice would put two scans into one place. There are no times, so scans are numbered, and no
+used twice would put two scans into one place. There are no times and no
 truth. The beams follow the rule of `half_turn`; the laser is taken to be at the robot's centre.
 """
 
 from __future__ import annotations
 
 from .._lines import Lines, counted, numbers, pose
-from .._raw_scans import NOWHERE, RawScan, half_turn
+from .._raw_scans import NOWHERE, RawScan, half_turn, view_of
 from .._text import TextFormat
 
 POSE, SCAN = "Odometry", "Laser"
@@ -35,8 +35,9 @@ class DpSlam(TextFormat):
             if rest:
                 count = len(ranges)
                 raise ValueError(f"announces {count} ranges, but {count + len(rest)} follow")
-            found = numbers(ranges, "ranges")
-            self.scans.append(RawScan(SCAN, found, half_turn(len(found)), odometry=odometry))
+            found, angles = numbers(ranges, "ranges"), half_turn(len(ranges))
+            view = (view_of(angles),)
+            self.scans.append(RawScan(SCAN, found, angles, odometry=odometry, assumed=view))
         else:
             self.odometry = odometry
             raise ValueError(f"expected an {POSE} or {SCAN} line, got {fields[0][:40]!r}")

@@ -23,7 +23,15 @@ import numpy as np
 
 from ...arrays import Array
 from .._lines import Lines, counted, is_count, numbers, pose, time
-from .._raw_scans import URG_STEP, Extrinsic, RawScan, centred, extrinsic_by_offset, half_turn
+from .._raw_scans import (
+    URG_STEP,
+    Extrinsic,
+    RawScan,
+    centred,
+    extrinsic_by_offset,
+    half_turn,
+    view_of,
+)
 from .._text import TextFormat
 
 SCAN, MATCHED = "LASER_READING", "SM_UPDATE"
@@ -73,10 +81,9 @@ def _parse_scan(fields: list[str]) -> RawScan:
     if len(rest) != PARTICLE:
         raise ValueError(f"expected x, y, heading and the time after the ranges, got {len(rest)}")
     odometry, found = pose(rest[:3], "the odometry"), numbers(ranges, "ranges")
-    n = len(found)
-    return RawScan(
-        SCAN, found, centred(n, WIDE[n]) if n in WIDE else half_turn(n), time(rest[3]), odometry
-    )
+    n, when = len(found), time(rest[3])
+    angles = centred(n, WIDE[n]) if n in WIDE else half_turn(n)
+    return RawScan(SCAN, found, angles, when, odometry, assumed=(view_of(angles),))
 
 
 def _heaviest(fields: list[str]) -> Array:

@@ -32,7 +32,7 @@ import numpy as np
 
 from ...arrays import Array, slips
 from .._lines import Lines, is_count, is_number, numbers, pose, time
-from .._raw_scans import NOWHERE, Extrinsic, RawScan, Track, half_turn, uncorrected, with_odometry
+from .._raw_scans import NOWHERE, Extrinsic, RawScan, Track, half_turn, uncorrected, view_of
 from .._text import TextFormat
 
 POSITION = ("position ", "position2d ")
@@ -93,18 +93,20 @@ class Player(TextFormat):
             when, where = _parse_position(message)
             self.latest[message.number] = where
             if when is not None:
-                self.tracks.setdefault(message.number, Track()).add(when, where)
+                track = self.tracks.setdefault(message.number, Track())
+                track.add(when, where, len(self.scans))
 
     def _finished(self) -> list[RawScan]:
-        track = self.tracks[min(self.tracks)] if self.tracks else Track()
+        self.track = self.tracks[min(self.tracks)] if self.tracks else Track()
         return [
             scan._replace(odometry=before) if np.isnan(scan.odometry).any() else scan
-            for scan, before in zip(with_odometry(self.scans, track), self.before, strict=True)
+            for scan, before in zip(super()._finished(), self.before, strict=True)
         ]
 
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
-        place = self.places.get(laser, np.zeros(3))
-        return uncorrected(scans, np.zeros(3) if np.isnan(place).any() else place)
+        place = self.places.get(laser, NOWHERE)
+        is_stated = bool(np.isfinite(place).all())
+        return uncorrected(scans, place if is_stated else np.zeros(3), is_stated)
 
 
 def _keyword(fields: Sequence[str]) -> int | None:
@@ -147,8 +149,9 @@ def _parse_laser(message: Message) -> RawScan:
         limit = float(stated) if stated > 0 else np.inf
     settings = head[-4:-1] if size > 4 else head[-3:]
     angles = half_turn(len(found)) if size < 2 else spread(settings, len(found))
+    view = (view_of(angles),) if size < 2 else ()
     when = time(head[0]) if size in (1, 4) else message.time
-    return RawScan(message.device, found, angles, when, odometry, limit=limit)
+    return RawScan(message.device, found, angles, when, odometry, limit=limit, assumed=view)
 
 
 def _split(body: list[str], heads: Sequence[int]) -> tuple[int, list[str]]:

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .._lines import is_number, numbers, pose, time
-from .._raw_scans import Extrinsic, RawScan, extrinsic_by_poses, half_turn
+from .._raw_scans import Extrinsic, RawScan, extrinsic_by_poses, half_turn, view_of
 from .._text import TextFormat
 
 SCAN, POSE = "L", "O"
@@ -57,4 +57,6 @@ def _parse(fields: list[str]) -> RawScan:
     ranges = numbers(fields[HEAD:-TAIL], "ranges") / 100
     robot = pose(fields[1:4], "the robot") * CENTIMETRES
     laser = pose(fields[4:7], "the laser") * CENTIMETRES
-    return RawScan(SCAN, ranges, half_turn(BEAMS), time(fields[-1]), robot, laser)
+    angles = half_turn(BEAMS)
+    when, view = time(fields[-1]), (view_of(angles),)
+    return RawScan(SCAN, ranges, angles, when, robot, laser, assumed=view)

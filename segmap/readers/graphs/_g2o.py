@@ -60,5 +60,6 @@ class G2o(TextFormat):
         return extrinsic_by_poses(scans, np.array([0.0, 0.0, backwards]))
 
     def _log(self, name: str) -> Log:
-        scans, _ = assemble(self._finished(), self._extrinsic)
-        return Log(name, scans, known_truth(np.array(self.truth)), self.lines.skipped)
+        scans, _, assumed = assemble(self._finished(), self._extrinsic)
+        truth = known_truth(np.array(self.truth))
+        return Log(name, scans, truth, self.lines.skipped, assumed=assumed)

@@ -16,6 +16,7 @@ The members of each class and version are those of MRPT 2.5.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from ...arrays import LIMIT, Array, slips
 from ...poses import compose
 from ...progress import announce
 from ...scans import LaserScan, Log
+from ...scans.causes import Finding
 from .._lines import BROKEN, LATEST, LogError, Reading, open_bytes
 from .._mounting import Tilted, flat, level
 from .._raw_scans import Track, clean, known, known_truth
@@ -42,6 +44,7 @@ class _Recording(Reading):
         super().__init__(path, on_error)
         self.turns: list[Turn] = []
         self.track, self.pose, self.moved = Track(), np.zeros(3), False
+        self.causes: Sequence[Finding] = ()
 
     def take(self, found: Any, start: int) -> None:
         """Take in what began at a byte; damaged values cost one object."""
@@ -58,7 +61,7 @@ class _Recording(Reading):
         elif isinstance(found, Movement):
             self.pose, self.moved = _pose(compose(self.pose, _pose(found.step))), True
         elif isinstance(found, Wheels) and found.time is not None:
-            self.track.add(_time(found.time), _pose(found.pose))
+            self.track.add(_time(found.time), _pose(found.pose), len(self.turns))
         elif isinstance(found, Unknown):
             reason = f"byte {found.start}: {found.what} is no 2D scan, or not known here"
             self.leave_out(LogError(self.path, reason))
@@ -79,8 +82,10 @@ def recorded(path: Path, on_error: str = "raise") -> _Recording:
         if not fault:
             found.damaged(LogError(path, str(broken)))
     if not found.moved:  # no increments: poses at the time of the scan, or none
-        poses = found.track.at([np.nan if turn.time is None else turn.time for turn in found.turns])
-        found.turns = [t._replace(odometry=p) for t, p in zip(found.turns, poses, strict=True)]
+        met = found.track.met([np.nan if turn.time is None else turn.time for turn in found.turns])
+        pairs = zip(found.turns, met.times.tolist(), met.poses, strict=True)
+        found.turns = [turn._replace(time=time, odometry=pose) for turn, time, pose in pairs]
+        found.causes = met.causes
     return found
 
 
@@ -89,12 +94,13 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
     found, scans = recorded(path, on_error), []
     if not found.turns:
         raise LogError(path, f"holds no scan, expected CObservation2DRangeScan{found.why()}")
-    for number, turn in enumerate(found.turns):
+    for turn in found.turns:
         limit = turn.limit if 0 < turn.limit < np.inf else np.inf
         ranges = clean(np.where(turn.valid | (turn.ranges >= limit), turn.ranges, np.nan), limit)
-        time = number if turn.time is None else turn.time
+        time = np.nan if turn.time is None else turn.time
         scans.append(LaserScan(ranges, turn.angles, time, known(turn.odometry), limit, turn.place))
-    return Log(name, scans, known_truth(np.array([t.truth for t in found.turns])), found.skipped)
+    truth = known_truth(np.array([turn.truth for turn in found.turns]))
+    return Log(name, scans, truth, found.skipped, causes=found.causes)
 
 
 def claims(path: Path) -> bool:

@@ -7,7 +7,7 @@ ranges (`test_lab2`, `exp1`), or 13 and 682 (`test_lab`); a line of another leng
 and 3; with 13 fields they are fields 1 and 2, and the right wheel counts backwards, as CoreSLAM's
 own programs take them. Wheels that stand at zero in the whole file mean that there is no odometry.
 A wheel of 77 mm radius makes 2000 ticks a turn, the wheels are 330 mm apart, the laser sits 145 mm
-ahead of their axle.
+ahead of their axle: so CoreSLAM's programs have it, and the files say none of it (assumed).
 
 The beams are the sensor's steps of 360/1024 degree, the middle one straight ahead: 239.8 degrees
 in all. It turns in 0.1 s, which gives each beam its time. Between two lines the robot is taken to
@@ -45,6 +45,11 @@ LAYOUTS = {sum(layout[:2]): layout for layout in (Layout(24, 683, 2, 1), Layout(
 METRES_PER_TICK = 2 * np.pi * 0.077 / 2000
 WHEEL_SEPARATION = 0.330
 SENSOR_POSE = (0.145, 0.0, 0.0)
+#: What the files do not say of the robot.
+ASSUMED = (
+    "wheels of 77 mm radius, 2000 ticks a turn, 330 mm apart",
+    "the laser sits 0.145 m ahead of the robot's centre",
+)
 #: More ticks than this no wheel turns.
 MOST_TICKS = 1e12
 
@@ -81,14 +86,15 @@ class CoreSlam(TextFormat):
     def _log(self, name: str) -> Log:
         ticks = np.array([ticks for _, ticks, _ in self.scans])
         poses, scans = integrate(METRES_PER_TICK * np.diff(ticks, axis=0)), []
-        if not np.ptp(ticks, axis=0).any() and not ticks.all():
+        stands = not np.ptp(ticks, axis=0).any() and not ticks.all()
+        if stands:
             poses = np.full_like(poses, np.nan)
         for (when, _, found), pose in zip(self.scans, poses, strict=True):
             ranges, codes = as_ranges(found)
             angles = centred(len(ranges), URG_STEP)
             sensor = URG_REACH, SENSOR_POSE, codes, urg_delays(angles)
             scans.append(LaserScan(ranges, angles, when, known(pose), *sensor))
-        return Log(name, scans, None, self.lines.skipped)
+        return Log(name, scans, None, self.lines.skipped, assumed=() if stands else ASSUMED)
 
 
 def integrate(driven: Array) -> Array:

@@ -5,10 +5,13 @@
 The separator is a comma, a semicolon, a tab or white space. Columns are known by their names, the
 unit stands in them (`angle_deg`, `range [mm]`, `time (us)`): no unit is guessed. A scan ends where
 its number changes or, without a column `scan`, where the angle wraps; its time is that of its first
-beam, and without a column `time` its place in the log. Angles are counter-clockwise unless their
-name or the caller says otherwise (`angle_deg_cw`). A range of 0 and an empty one are no
+beam, and without a column `time` unknown. Angles are counter-clockwise unless their name or the
+caller says otherwise (`angle_deg_cw`). A range of 0 and an empty one are no
 measurement, `inf` is a beam that met nothing. Other columns, such as the quality, are left out.
 There is no odometry and no truth.
+
+Assumed: beams are counter-clockwise, where neither a name (`ccw`) nor the caller says it, and a
+scan ends where the angle wraps, without a column `scan`.
 
 Files that begin with `#RPLIDAR SCAN DATA` hold degrees, clockwise, and millimetres.
 """
@@ -23,7 +26,7 @@ import numpy as np
 from ...arrays import checked
 from ...scans import Log
 from .._lines import Lines, LogError, OnError, log_file, stem, time
-from .._turns import Beams, angle, distance, number
+from .._turns import COUNTERCLOCKWISE, Beams, angle, distance, number
 from ._csv_columns import EXAMPLE, Head, first_row, head, head_of, wanting
 
 
@@ -34,7 +37,9 @@ class _Table(Beams):
 
     def __init__(self, lines: Lines, head: Head, clockwise: bool) -> None:
         super().__init__(lines)
-        self.head, self.clockwise = head, clockwise or head.clockwise
+        self.head, self.clockwise = head, clockwise or bool(head.clockwise)
+        if not clockwise and head.clockwise is None:
+            self.assumed = (COUNTERCLOCKWISE,)
         self.last = max(column.place for column in head.columns.values())
 
     def _take(self, fields: list[str]) -> None:

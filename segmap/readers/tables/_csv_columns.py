@@ -21,7 +21,8 @@ ROLES = {
 }
 #: Words that may stand beside them and change nothing.
 FILLERS = ("id", "no", "nr", "number", "index", "value")
-CLOCKWISE, COUNTER = ("cw", "clockwise"), ("ccw", "counterclockwise")
+CLOCKWISE = ("cw", "clockwise")
+TURNS = (*CLOCKWISE, "ccw", "counterclockwise")
 #: How each unit is written, and the metres, radians or seconds of it.
 WRITTEN: dict[str, dict[str, float]] = {
     "angle": {"deg degs degree degrees °": np.pi / 180, "rad rads radian radians": 1.0},
@@ -60,12 +61,15 @@ class Column(NamedTuple):
 
 
 class Head(NamedTuple):
-    """What the beginning of a file says: columns by role, what separates them, the line it is."""
+    """What the beginning of a file says: columns by role, what separates them, the line it is.
+
+    Whether angles grow clockwise is None where it is not said.
+    """
 
     columns: dict[str, Column]
     separator: str | None
     line: int
-    clockwise: bool = False
+    clockwise: bool | None = None
 
 
 def head_of(path: Path) -> Head | None:
@@ -107,7 +111,7 @@ def first_row(path: Path) -> Head:
 def head(names: Sequence[str], separator: str | None = None, line: int = 0) -> Head:
     """The columns that the names stand for; two of the same are a ValueError."""
     columns: dict[str, Column] = {}
-    clockwise = False
+    clockwise = None
     for place, name in enumerate(names):
         words = re.findall(r"[a-zµ°]+", name.lower().replace("μ", "µ"))
         if (role := _role(name, words)) is None:
@@ -116,7 +120,8 @@ def head(names: Sequence[str], separator: str | None = None, line: int = 0) -> H
             raise ValueError(f"{columns[role].name!r} and {name!r} are both columns of the {role}")
         units = [factor for word, factor in UNITS[role].items() if word in words[1:]]
         columns[role] = Column(place, units[0] if units else None, name.strip())
-        clockwise |= role == "angle" and any(word in CLOCKWISE for word in words)
+        if role == "angle" and (said := [w in CLOCKWISE for w in words if w in TURNS]):
+            clockwise = any(said)
     return Head(columns, separator, line, clockwise)
 
 
@@ -147,7 +152,7 @@ def _role(name: str, words: Sequence[str]) -> str | None:
     first = words[0] if words and not re.search("[0-9:]", name) else ""
     for role, names in ROLES.items():
         if first in names or first.removesuffix("s") in names:
-            known = {*UNITS[role], *FILLERS, *CLOCKWISE, *COUNTER}
+            known = {*UNITS[role], *FILLERS, *TURNS}
             return role if known.issuperset(words[1:]) else None
     return None
 

@@ -3,8 +3,10 @@
     range_mm angle_rad
 
 A folder of numbered files is a log, in the order of the numbers: `scan2.txt` before `scan10.txt`.
-Values below 20 mm are error codes, see `error_codes`. The files have no times; the sensor
-turns in 100 ms, so scan k is given 0.1 k seconds. There is no odometry and no truth.
+Values below 20 are error codes, see `error_codes`. There are no times, no odometry and no truth,
+and nothing says how far the sensor sees or how fast it turns.
+
+Assumed: millimetres, radians counter-clockwise, the codes of a URG-04LX, and the order of files.
 """
 
 from __future__ import annotations
@@ -16,15 +18,23 @@ from pathlib import Path
 
 import numpy as np
 
+from ...arrays import LIMIT
 from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
 from .._lines import Lines, LogError, Reading, is_number, merged, numbers
-from .._raw_scans import URG_REACH, URG_TURN, urg_delays
 from .._text import TextFormat
-from .._turns import MOST_BEAMS, MOST_TURN
+from .._turns import COUNTERCLOCKWISE, MOST_BEAMS, MOST_TURN
 
 #: So many files of a kind, and lines of a file, are looked at.
 FEW = 20
+#: What two numbers a line do not say, and what their files do not.
+ASSUMED = (
+    "ranges in millimetres",
+    "angles in radians",
+    COUNTERCLOCKWISE,
+    "values below 20 are error codes of a URG-04LX",
+)
+IN_ORDER = "scans in the order of the numbers in the files' names"
 
 
 class HokuyoText(TextFormat):
@@ -39,21 +49,20 @@ class HokuyoText(TextFormat):
 
     def _take(self, fields: list[str]) -> None:
         beam = numbers(fields, "range and angle")
-        if len(beam) != 2 or not abs(beam[1]) <= MOST_TURN:
+        if len(beam) != 2 or abs(beam[0]) > LIMIT or not abs(beam[1]) <= MOST_TURN:
             raise ValueError(f"expected {self.expected}, got {' '.join(fields)[:80]}")
         if len(self.scans) == MOST_BEAMS:
             raise self.lines.error(f"expected one scan, but there are more than {MOST_BEAMS} beams")
         self.scans.append(beam)
 
     def _log(self, name: str) -> Log:
-        return Log(name, [self.scan(0.0)], None, self.lines.skipped)
+        return Log(name, [self.scan()], None, self.lines.skipped, assumed=ASSUMED)
 
-    def scan(self, time: float) -> LaserScan:
-        """All beams, the first measured at a time."""
+    def scan(self) -> LaserScan:
+        """All beams, at a time that nobody knows."""
         millimetres, angles = np.array(self.scans).T
         ranges, codes = as_ranges(millimetres)
-        delays = urg_delays(angles)
-        return LaserScan(ranges, angles, time, None, URG_REACH, codes=codes, delays=delays)
+        return LaserScan(ranges, angles, np.nan, codes=codes)
 
 
 def numbered(folder: Path) -> list[Path]:
@@ -80,19 +89,19 @@ def _suffix(path: Path) -> str:
 
 
 def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a scan a file, 0.1 seconds apart; "skip" leaves out, and counts, files without."""
+    """Read a scan a file; "skip" leaves out, and counts, files without."""
     scans, reading = [], Reading(folder, on_error)
-    for k, path in enumerate(numbered(folder)):
+    for path in numbered(folder):
         try:
             found = HokuyoText(Lines(path, on_error)).walked()
         except LogError as fault:
             reading.damaged(fault)
         else:
-            scans.append(found.scan(k * URG_TURN))
+            scans.append(found.scan())
             reading.skipped = merged(reading.skipped, found.lines.skipped)
     if not scans:
         raise LogError(folder, f"holds no scan; {reading.skipped.reason}")
-    return Log(name, scans, None, reading.skipped)
+    return Log(name, scans, None, reading.skipped, assumed=(*ASSUMED, IN_ORDER))
 
 
 def _is_scan(path: Path) -> bool:

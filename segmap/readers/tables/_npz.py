@@ -3,13 +3,16 @@
     np.savez("mine.npz", ranges=ranges, angles=angles, odometry=odometry, times=times)
 
 `ranges` is `(k, n)`, or `(n,)` for one scan; `angles` `(n,)`, or `(k, n)` where they differ from
-scan to scan. `odometry` and `truth`, `(k, 3)`, and `times`, `(k,)`, may be left out: scans are
-numbered then. So may `max_range`, one number or `(k,)`, the `sensor_pose` on the robot, `(3,)` or
+scan to scan. `odometry` and `truth`, `(k, 3)`, and `times`, `(k,)`, NaN where a scan has none, may
+be left out. So may `max_range`, one number or `(k,)`, the `sensor_pose` on the robot, `(3,)` or
 `(k, 3)`, the sensor's `codes`, `(k, n)`, and the `delays` of the beams, `(n,)` or `(k, n)`; with a
 `track` of the odometry, `(m, 4)`, and `order_known`, these are as in `LaserScan` and `Log`. Scans
 that are shorter than the longest have so many `beams`, `(k,)`, at the front of their row. Metres,
 radians counter-clockwise, seconds. A range that is not finite or not positive is no measurement.
 Other arrays are left out; nothing is unpickled.
+
+Assumed: without `sensor_pose` the laser sits at the robot's centre. What another reader `assumed`
+of a log that segmap wrote is kept, an array of texts.
 """
 
 from __future__ import annotations
@@ -25,9 +28,9 @@ from ... import arrays
 from ...arrays import Array
 from ...files import read_arrays, shown
 from ...progress import each
-from ...scans import LaserScan, Log
+from ...scans import NOTHING_SKIPPED, LaserScan, Log
 from .._lines import LATEST, LogError
-from .._raw_scans import known, known_truth
+from .._raw_scans import known, known_truth, place_of
 
 NEEDED = ("ranges", "angles")
 #: Where a zip file holds the length of the first name, and the name.
@@ -64,9 +67,14 @@ def log_of(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
         raise ValueError(f"ranges must have shape (k, n), got {ranges.shape}")
     shape, count = ranges.shape, len(ranges)
     angles = _each(held, "angles", np.empty(0), *shape)
-    times = np.atleast_1d(arrays.numbers(held.get("times", np.arange(float(count))), "times"))
-    if times.shape != (count,) or not (np.abs(times) <= LATEST).all():
-        raise ValueError(f"times must be ({count},) finite seconds, got shape {times.shape}")
+    times = np.atleast_1d(arrays.numbers(held.get("times", np.full(count, np.nan)), "times"))
+    is_seconds = np.isnan(times) | (np.abs(times) <= LATEST)
+    if (
+        times.shape != (count,)
+        or not is_seconds.all()
+        or ("times" in held and np.isnan(times).all())
+    ):
+        raise ValueError(f"times must be ({count},) finite seconds, NaN where a scan has none")
     odometry, truth = (
         arrays.poses(np.atleast_2d(held[kind]), kind, count=count, missing=True)
         if kind in held
@@ -85,7 +93,11 @@ def log_of(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
         c = c if c is None else c[:n]
         scans.append(LaserScan(r[:n], a[:n], t, known(o), m, p, c, known(d[:n])))
     ordered = arrays.switch(held.get("order_known", np.array(True)).tolist(), "order_known")
-    return Log(name, scans, known_truth(truth), track=held.get("track"), order_known=ordered)
+    assumed = list(map(str, np.ravel(held.get("assumed", ())).tolist()))
+    if "sensor_pose" not in held and {"odometry", "truth"} & set(held):
+        assumed.append(place_of(np.zeros(3)))
+    said = held.get("track"), ordered, (), assumed
+    return Log(name, scans, known_truth(truth), NOTHING_SKIPPED, *said)
 
 
 def _counts(value: object, shape: tuple[int, int]) -> list[int]:

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -98,17 +99,16 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     if not lasers:
         raise LogError(folder, f"holds no scans, expected {LASERS[0]}.csv or {LASERS[1]}.csv")
     found = Rawseeds(Lines(files[lasers[0]], on_error, ",")).walked()
-    times, poses = np.array([scan.time for scan in found.scans]), {}
-    for kind, gap in ((ODOMETRY, np.inf), (TRUTH, TRUTH_GAP)):
-        poses[kind] = np.full((len(times), 3), np.nan)
-        if kind in files:
-            track, reading = _track(files[kind], on_error)
-            poses[kind] = interpolate(*track.ordered(), times, max_gap=gap)
-            found.unknown = merged(found.unknown, reading.skipped)
-    placed = zip(found.scans, poses[ODOMETRY], strict=True)
-    found.scans = [scan._replace(odometry=odometry) for scan, odometry in placed]
-    log = found._log(name)
-    return Log(name, log.scans, known_truth(poses[TRUTH]), log.skipped)
+    times = np.array([scan.time for scan in found.scans])
+    truth = np.full((len(times), 3), np.nan)
+    if ODOMETRY in files:
+        found.track, reading = _track(files[ODOMETRY], on_error)
+        found.unknown = merged(found.unknown, reading.skipped)
+    if TRUTH in files:
+        track, reading = _track(files[TRUTH], on_error)
+        truth = interpolate(*track.ordered(), times, max_gap=TRUTH_GAP)
+        found.unknown = merged(found.unknown, reading.skipped)
+    return replace(found._log(name), truth=known_truth(truth))
 
 
 @checked
