@@ -26,7 +26,9 @@ WAYS_M, AHEAD_M = (0.15, 0.3, 0.6), 0.6
 #: A shorter way tells nothing, and a longer one is none.
 LEAST_WAY_M, MOST_WAY_M = 0.1, 1.5
 #: So many pairs are needed, and so many times that a direction is compared.
-ENOUGH = 12
+ENOUGH, COMPARED = 12, 30
+#: A log is looked at as a whole, and in so many parts of so many scans at least.
+PARTS, LEAST_SCANS = 4, 40
 #: Nothing that rides is farther than this.
 NEAR_M = 3.0
 #: A range that changes by less is the same; by more, it is another; people keep theirs to this.
@@ -41,6 +43,8 @@ LEAST_RIGHT = 0.1
 #: What is seen in a direction is the robot's from this share of the pairs on; most elsewhere: 0.31,
 #: behind glass 0.69. People keep their distance in so many; most elsewhere: 0.53, glass 0.96 ...
 RIDES, FOLLOWS = 0.7, 0.65
+#: A part of a log tells less: people are not sought there, and glass may ride in over 0.7.
+RIDES_IN_PART = 0.8
 #: ... and keep it to 4 cm in fewer of these; people who follow: 0 to 0.57, glass: 0.65 and more.
 RESTLESS = 0.6
 #: A body fills neighbours that ride so often ...
@@ -93,79 +97,124 @@ class Evidence(NamedTuple):
         return bool((self.again > self.against)[known].sum() > LEAST_RIGHT * known.sum())
 
 
+class Looks(NamedTuple):
+    """What pairs of scans say."""
+
+    first: NDArray[np.int64]  # scan of each pair, `(p,)`
+    second: NDArray[np.int64]
+    says: NDArray[np.int8]  # how many scans of a pair say each thing of `Evidence`, `(6, p, n)`
+    scans: NDArray[np.int64]  # all of them, `(k,)`
+    ranges: Array  # of these scans, `(k, n)`, metres
+
+
+#: How far what rides reaches in each direction, `(n,)`, metres, and what is told.
+Riding = tuple[Array, list[Finding]]
+#: Scans from the first to before the second.
+Part = tuple[int, int]
+
+
 def without_body(log: Log, steps: Steps) -> Log:
-    """A log without the beams that see what rides with the robot: they are NaN in every scan.
+    """A log without the beams that see what rides with the robot: they are NaN.
 
-    Pairs of scans are those of the odometry, if the scans do not contradict it, else the matched
-    `steps`. Walls along which the robot drives keep their range too: where neither way nor turn is
-    known, nothing is left out, and it is told if something seems to ride.
+    It is looked for in the whole log, and if nothing rides all the time, in parts that overlap by
+    half. Pairs of scans are those of the odometry, if the scans do not contradict it, else the
+    matched `steps`. Walls along which the robot drives keep their range too: where neither way nor
+    turn is known, nothing is left out, and it is told if something seems to ride.
     """
-    places: dict[bytes, list[int]] = {}
-    for k, scan in enumerate(log):
-        places.setdefault(scan.sensor_pose.tobytes(), []).append(k)
-    scans, causes = list(log.scans), list(log.causes)
-    for own in map(np.array, places.values()):
-        angles = max((log[int(k)].angles for k in own), key=len)
-        step = float(np.median(np.diff(angles))) if len(angles) > 2 else 0.0
-        if step == 0:
-            continue
-        directions = Directions(float(angles[0]), step, round(2 * np.pi / abs(step)))
-        reach, told = _riding(log[own], _within(steps, own), directions)
-        causes += told
-        for k in own if reach.any() else ():
-            scans[k] = _without(log[int(k)], reach, directions)
-    if len(causes) == len(log.causes):
+    angles = max((scan.angles for scan in log), key=len, default=np.empty(0))
+    step = float(np.median(np.diff(angles))) if len(angles) > 2 else 0.0
+    if step == 0:
         return log
-    return replace(log, scans=tuple(scans), causes=tuple(causes))
+    directions = Directions(float(angles[0]), step, round(2 * np.pi / abs(step)))
+    size = max(len(log) // PARTS, LEAST_SCANS)
+    half, whole = size // 2, (0, len(log))
+    begins = range(0, len(log) - half, half) if len(log) > size else ()
+    found = _riding(log, steps, directions, [whole, *((k, k + size) for k in begins)])
+    if found.get(whole, ([], []))[1]:
+        found = {whole: found[whole]}
+    scans, told = list(log.scans), [finding for _, some in found.values() for finding in some]
+    for (begin, end), (reach, _) in found.items():
+        around = slice(max(begin - half, 0), end + half)  # it came and went within another part
+        if reach.any():
+            scans[around] = [_without(scan, reach, directions) for scan in scans[around]]
+    most = sorted(told, key=lambda finding: finding.value)[-1:]
+    return replace(log, scans=tuple(scans), causes=(*log.causes, *most)) if told else log
 
 
-def _riding(log: Log, steps: Steps, directions: Directions) -> tuple[Array, list[Finding]]:
-    """How far what rides reaches in each column of one laser, `(n,)`, metres, and what is told."""
-    nothing = np.zeros(directions.columns)
-    for pairs in (_odometry_pairs(log.odometry), steps):
-        if (found := _by_pairs(log, pairs, directions)) is not None:
-            return found
-    if (_way(steps.motion) < LEAST_WAY_M).sum() < ENOUGH:
-        return nothing, []
-    # Either the robot stands, or something that rides holds the scans: match without it
-    ranges = directions.ranges(log[np.unique(np.r_[steps.first, steps.second])])
-    still = _constant(ranges) & (_median(ranges) < NEAR_M)
-    hidden = np.where(still, np.inf, 0.0)
-    bare = tuple(_without(scan, hidden, directions) for scan in log)
-    freed = blind_steps(replace(log, scans=bare))
-    if (found := _by_pairs(log, freed, directions)) is not None:
+def _riding(
+    log: Log, steps: Steps, directions: Directions, parts: list[Part]
+) -> dict[Part, Riding]:
+    """What rides in parts of a log."""
+    found: dict[Part, Riding] = {}
+
+    def seek(pairs: Steps) -> None:
+        """Find it by some pairs in the parts that are left."""
+        looks = _looks(log, pairs, directions)
+        answers = {
+            part: _by_pairs(looks, part, directions, whole=part == parts[0])
+            for part in parts
+            if part not in found
+        }
+        found.update({part: answer for part, answer in answers.items() if answer is not None})
+
+    def ways(pairs: Steps, part: Part) -> Array:
+        """How far the pairs within a part go."""
+        return _way(pairs.motion)[(pairs.first >= part[0]) & (pairs.second < part[1])]
+
+    seek(_odometry_pairs(log.odometry))
+    if len(found) < len(parts):
+        seek(steps)
+    if np.isfinite(log.odometry).all(1).any():
         return found
-    if not len(freed.first) or np.median(_way(freed.motion)) < LEAST_WAY_M:
-        return nothing, []
-    words = "something near stands still for the laser while the rest of the scans moves"
-    why = "it may be the robot itself, and neither odometry nor turns tell"
-    return nothing, [Finding(Cause.BODY, int(still.sum()), f"{words}: {why}", doubtful=True)]
+    # Without odometry either the robot stands, or something that rides holds the scans
+    left = {
+        part: np.array([0.0])
+        for part in parts
+        if part not in found and (ways(steps, part) < LEAST_WAY_M).sum() >= ENOUGH
+    }
+    scans = list(log.scans)
+    for part in left:
+        some = slice(*part)
+        ranges = directions.ranges(log[some])
+        left[part] = np.where(_constant(ranges) & (_median(ranges) < NEAR_M), np.inf, 0.0)
+        scans[some] = [_without(scan, left[part], directions) for scan in scans[some]]
+    if left:
+        freed = blind_steps(replace(log, scans=tuple(scans)))
+        seek(freed)
+        for part in left.keys() - found.keys():
+            if np.median([0.0, *ways(freed, part)]) > LEAST_WAY_M:
+                words = (
+                    "something near stands still for the laser while the rest of the scans moves"
+                )
+                why = "it may be the robot itself, and neither odometry nor turns tell"
+                still = int(np.isinf(left[part]).sum())
+                told = Finding(Cause.BODY, still, f"{words}: {why}", doubtful=True)
+                found[part] = np.zeros(directions.columns), [told]
+    return found
 
 
-def _by_pairs(log: Log, pairs: Steps, directions: Directions) -> tuple[Array, list[Finding]] | None:
-    """What pairs of scans make of this; None where they are too few, or wrong."""
-    way = _way(pairs.motion)
-    tells = (way > LEAST_WAY_M) & (way < MOST_WAY_M)
-    if tells.sum() < ENOUGH:
+def _by_pairs(looks: Looks, part: Part, directions: Directions, *, whole: bool) -> Riding | None:
+    """What rides in a part, by the pairs within it; None where they are too few, or wrong."""
+    own = (looks.first >= part[0]) & (looks.second < part[1])
+    seen = Evidence(*looks.says[:, own].sum(1, np.int64))
+    if own.sum() < ENOUGH or not seen.right():
         return None
-    used, rows = np.unique(np.stack([pairs.first[tells], pairs.second[tells]]), return_inverse=True)
-    place, ranges = log[0].sensor_pose, directions.ranges(log[used])
-    motion = compose(compose(inverse(place), pairs.motion[tells]), place)
-    first, second = rows.reshape(2, -1)
-    seen = _evidence(ranges[first], ranges[second], motion, directions)
-    if not seen.right():
-        return None
+    ranges = looks.ranges[(looks.scans >= part[0]) & (looks.scans < part[1])]
     # 1. A body, and the neighbours that it fills; half of a beam beside it may see it too
     rides, median = _share(seen.rides, seen.another), _median(ranges)
     smooth = np.isclose(median, np.roll(median, -1), 0, SMOOTH_M)  # with the next column
-    constant, body, narrow = _constant(ranges), rides > RIDES, np.zeros(len(median), bool)
+    constant, body, narrow = (
+        _constant(ranges),
+        rides > (RIDES if whole else RIDES_IN_PART),
+        np.zeros(len(median), bool),
+    )
     while (body != narrow).any():
         narrow, after, before = body, np.roll(body, 1), np.roll(body, -1)
         filled = constant & (after & np.roll(smooth, 1) | before & smooth)
         body = body | filled | (after | before) & (rides > BESIDE)
     body = body | np.roll(body, 1) | np.roll(body, -1)
     # 2. People, who keep their distance, and their direction, by so much
-    people = ~body & (_share(seen.follows, seen.far) > FOLLOWS)
+    people = ~body & (_share(seen.follows, seen.far) > FOLLOWS) & whole
     people &= seen.rides < RESTLESS * seen.follows
     angles, reach = directions.angles, np.where(body, np.inf, 0.0)
     for angle, far in zip(angles[people], median[people], strict=True):
@@ -180,15 +229,34 @@ def _by_pairs(log: Log, pairs: Steps, directions: Directions) -> tuple[Array, li
     ):
         if count := int((which & known).sum()):
             words = f"{count} of {int(known.sum())} beams see {what}"
-            told.append(Finding(Cause.BODY, count, words, "--keep-body keeps them"))
+            told.append(
+                Finding(
+                    Cause.BODY,
+                    count,
+                    words,
+                    "--keep-body keeps them",
+                    doubtful=floor and which is narrow,
+                )
+            )
     return reach, told
 
 
-def _evidence(own: Array, other: Array, motion: Array, directions: Directions) -> Evidence:
-    """What pairs of ranges `(p, n)` say, with the pose `(p, 3)` of the other laser in the own."""
-    counts = np.zeros((6, directions.columns), np.int64)
+def _looks(log: Log, pairs: Steps, directions: Directions) -> Looks:
+    """What those of some pairs say between which the robot moved."""
+    way = _way(pairs.motion)
+    tells = (way > LEAST_WAY_M) & (way < MOST_WAY_M)
+    first, second, motion = pairs.first[tells], pairs.second[tells], pairs.motion[tells]
+    scans, rows = np.unique(np.stack([first, second]), return_inverse=True)
+    own, other = rows.reshape(2, -1)
+    place = np.reshape([log[int(k)].sensor_pose for k in scans], (-1, 3))
+    motion = compose(compose(inverse(place[own]), motion), place[other])
+    ranges, n = directions.ranges(log[scans]), directions.columns
+    says = np.zeros((len(Evidence._fields), len(first), n), np.int8)
     width = 1 + 2 * round(ABOUT_RAD / abs(directions.step))
-    for one, two, pose in ((own, other, inverse(motion)), (other, own, motion)):
+    for one, two, pose in (
+        (ranges[own], ranges[other], inverse(motion)),
+        (ranges[other], ranges[own], motion),
+    ):
         near = one < NEAR_M
         x, y, turn = (column[:, None] for column in pose.T)
         seen = np.where(near, one, 0.0)
@@ -203,33 +271,29 @@ def _evidence(own: Array, other: Array, motion: Array, directions: Directions) -
         nearest = minimum_filter1d(np.where(np.isnan(two), np.inf, two), width, mode="wrap")
         through = (nearest[rows, about] - far > THROUGH_M).all(0) & ~np.isnan(beyond).any(0)
         again = (np.abs(beyond) < AGAIN_M + AGAIN * far).any(0)
-        counts += [
-            (through & (off < SAME_M)).sum(0),
-            (through & (off < PEOPLE_M)).sum(0),
-            (off > ANOTHER_M).sum(0),
-            (off > PEOPLE_M).sum(0),
-            ((off > ANOTHER_M) & again).sum(0),
-            ((off < SAME_M) & (np.abs(beyond) > THROUGH_M).all(0)).sum(0),
-        ]
-    return Evidence(*counts)
+        says += np.stack(
+            [
+                (through & (off < SAME_M)),
+                (through & (off < PEOPLE_M)),
+                (off > ANOTHER_M),
+                (off > PEOPLE_M),
+                ((off > ANOTHER_M) & again),
+                ((off < SAME_M) & (np.abs(beyond) > THROUGH_M).all(0)),
+            ]
+        )
+    return Looks(first, second, says, scans, ranges)
 
 
 def _odometry_pairs(rows: Array) -> Steps:
     """Pairs of rows `(k, 3)` between which the robot moved some way, by the odometry."""
     known = np.flatnonzero(np.isfinite(rows).all(1))
     way = np.r_[0.0, np.cumsum(_way(between(rows[known[:-1]], rows[known[1:]])))]
-    start = np.unique(np.linspace(0, len(known) - 1, STARTS).astype(np.int64))[: len(known)]
+    starts = min(STARTS, 1 + int(way[-1] / WAYS_M[0]))
+    start = np.unique(np.searchsorted(way, np.linspace(0, way[-1], starts)))
     first = np.tile(start, len(WAYS_M))
     second = np.searchsorted(way, np.concatenate([way[start] + far for far in WAYS_M]))
     first, second = known[first[second < len(known)]], known[second[second < len(known)]]
     return Steps(first, second, between(rows[first], rows[second]))
-
-
-def _within(steps: Steps, own: NDArray[np.int64]) -> Steps:
-    """Those steps that begin and end at scans `own` of the log, in places among these."""
-    at = np.searchsorted(own, steps[:2]) % len(own)
-    kept = (own[at] == np.stack(steps[:2])).all(0)
-    return Steps(at[0, kept], at[1, kept], steps.motion[kept])
 
 
 def _without(scan: LaserScan, reach: Array, directions: Directions) -> LaserScan:
@@ -245,7 +309,7 @@ def _way(motion: Array) -> Array:
 
 def _share(those: NDArray[np.int64], others: NDArray[np.int64]) -> Array:
     """Those among both, `(n,)`; 0 where there are too few."""
-    return np.where(those + others >= ENOUGH, those / np.maximum(those + others, 1), 0.0)
+    return np.where(those + others >= COMPARED, those / np.maximum(those + others, 1), 0.0)
 
 
 def _median(ranges: Array) -> Array:

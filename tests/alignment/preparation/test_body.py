@@ -151,6 +151,19 @@ def test_people_who_walk_along_are_left_out(sway):
     assert position_errors(found.poses, log.truth, best=True).max() < 0.1
 
 
+@pytest.mark.parametrize(("begin", "end"), [(0.0, 0.4), (0.3, 0.7), (0.5, 1.0)])
+def test_what_rides_for_a_while_is_left_out_there(begin, end):
+    """Catches shares of the whole log alone, in which a body for a while is rare."""
+    log = driven()
+    rides = range(int(begin * len(log)), int(end * len(log)))
+    scans = (
+        a if k in rides else b for k, (a, b) in enumerate(zip(with_posts(log), log, strict=True))
+    )
+    found = prepared(replace(log, scans=tuple(scans)))
+    near = [int((scan.ranges < 0.3).sum()) for scan in found]
+    assert body(found) and sum(near[k] for k in rides) < 0.1 * 44 * len(rides)
+
+
 def test_where_neither_turn_nor_odometry_tells_that_is_said():
     """Catches a body that is guessed along a corridor, and silence about it."""
     found = prepared(without_odometry(with_posts(driven("corridor"))))
