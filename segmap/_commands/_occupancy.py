@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from .. import alignment, exports, quadtree
+from .. import alignment, exports, extraction, quadtree
 from .._display import counted
 from .._recipe import cropped, preparing, world_of
-from ..alignment import Alignment, Verdict
+from ..alignment import Alignment
 from ..matching import MATCHERS, SCORES, map_scans
 from ..progress import each
 from ..scans import Log
@@ -66,12 +66,12 @@ def check(given: argparse.Namespace) -> None:
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
     if given.matcher:
-        map, verdict = _matched(given, log, report)
+        map, found, log = _matched(given, log, report)
     else:
         made = opening.placed(given, log, report)
-        verdict = made.alignment.verdict
-        poses = made.alignment.trusted
-        map = quadtree.build_map(made.log, poses, resolution=given.resolution)
+        found, log = made.alignment, made.log
+        map = quadtree.build_map(log, found.trusted, resolution=given.resolution)
+    verdict = found.verdict_on(extraction.build_map(log, found.trusted), map)
     if given.crop is not None:
         map = cropped(map, given.crop)
         count = int((map.leaves().occ > 0).sum())
@@ -90,8 +90,8 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
 
 def _matched(
     given: argparse.Namespace, log: Log, report: Report
-) -> tuple[quadtree.QuadtreeMap, Verdict]:
-    """The map that grows scan by scan, and the verdict on it; the first scan is its origin."""
+) -> tuple[quadtree.QuadtreeMap, Alignment, Log]:
+    """The map that grows scan by scan, its poses and the log; the first scan is its origin."""
     log = alignment.prepared(log, **preparing(opening.preparing_of(given) | {"no_deskew": True}))
     map, score = quadtree.QuadtreeMap(resolution=given.resolution), given.score or "field"
     rng = np.random.default_rng(0)
@@ -116,7 +116,7 @@ def _matched(
         words = f"lost at scan {scan}, and what follows hangs on it"
         causes = (*causes, Finding(Cause.LOST, scan, words, doubtful=True))
     took = sum(step.seconds for step in steps)
-    return map, Alignment(poses, found, took, "map_scans", causes=causes).verdict
+    return map, Alignment(poses, found, took, "map_scans", causes=causes), log
 
 
 def _write(path: Path, map: quadtree.QuadtreeMap, world: exports.Frame) -> None:

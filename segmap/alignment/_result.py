@@ -18,6 +18,7 @@ from .._display import Pictured
 from ..arrays import Array, Radians, checked
 from ..extraction import extract_polylines
 from ..poses.motions import between, compose
+from ..quadtree import QuadtreeMap
 from ..scans import LaserScan, Log
 from ..scans.causes import Finding, doubt_of
 from ..scans.moving import stood, unmoved
@@ -153,17 +154,20 @@ class Alignment(Pictured):
         """Whether this makes a map, from the poses alone."""
         return self._judged(None)
 
-    def verdict_on(self, map: SegmentMap) -> Verdict:
+    def verdict_on(self, map: SegmentMap | QuadtreeMap, tree: QuadtreeMap | None = None) -> Verdict:
         """The verdict on the map that was made of these poses: it looks at the walls as well.
 
-        The map is the one before its reduction.
+        The map is the one before its reduction, or a quadtree; or the former and the latter.
         """
-        return self._judged(arrays.instance(map, "map", SegmentMap))
+        if isinstance(map, QuadtreeMap):
+            return self._judged(None, map)
+        tree = tree if tree is None else arrays.instance(tree, "tree", QuadtreeMap)
+        return self._judged(arrays.instance(map, "map", SegmentMap), tree)
 
-    def _judged(self, map: SegmentMap | None) -> Verdict:
+    def _judged(self, map: SegmentMap | None, tree: QuadtreeMap | None = None) -> Verdict:
         near = self.sure if self.local_spread is None else self.locally_sure
         known = self.used, self.sure, near, self.spread
-        return judge(self.poses, *known, self.method, self.causes, map)
+        return judge(self.poses, *known, self.method, self.causes, map, tree)
 
     def why(self) -> pd.DataFrame:
         """How many scans were not used: a row for each reason, a column `scans`.

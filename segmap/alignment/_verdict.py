@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .._display import counted
 from ..arrays import Array
 from ..metrics import doubled_walls
+from ..quadtree import QuadtreeMap, smeared_walls
 from ..scans.causes import Cause, Finding
 from ..segments import SegmentMap
 
@@ -24,6 +25,8 @@ PLACED = 0.9
 SURE_SHARE = 0.5
 #: More walls are not doubled in a good map: see `metrics.doubled_walls` for what was measured.
 DOUBLED = 0.25
+#: Nor are more of the occupied cells of its quadtree smeared: see `quadtree.smeared_walls`.
+SMEARED = 0.2
 
 #: Where so many scans count and none is sure, half of them must be known this well, as a standard
 #: deviation: a map whose rooms may lie anywhere is none.
@@ -44,8 +47,9 @@ class Verdict:
         "not a map" where fewer than two scans of several are placed, fewer than a quarter, no wall
         is there, or none of ten scans and more is sure and half of them may be over 2 m off.
         "doubtful" where less than nine tenths of the scans are placed, less than half of those are
-        sure relative to those within 20 m, more than a quarter of the walls is doubled, nothing but
-        the wheels places them, or a finding of the alignment makes it so.
+        sure relative to those within 20 m, more than a quarter of the walls is doubled or a fifth
+        of the quadtree smeared, nothing but the wheels places them, or a finding of the alignment
+        makes it so.
     words
         One line for a user, which begins with the grade in capitals; what makes the map doubtful
         comes first.
@@ -60,6 +64,8 @@ class Verdict:
         Share of the walls that the map shows twice; None where no map was looked at.
     causes
         Of the findings that make the map doubtful, as `Cause` names them.
+    smeared
+        Share of the occupied cells of the quadtree whose walls are too thick; None without one.
 
     Notes
     -----
@@ -86,6 +92,7 @@ class Verdict:
     worst: float | None = None
     doubled: float | None = None
     causes: tuple[str, ...] = ()
+    smeared: float | None = None
 
     def __str__(self) -> str:
         return self.words
@@ -100,8 +107,9 @@ def judge(
     method: str,
     findings: Sequence[Finding] = (),
     map: SegmentMap | None = None,
+    tree: QuadtreeMap | None = None,
 ) -> Verdict:
-    """The verdict on an alignment; with the map that was made of it, also on its walls."""
+    """The verdict on an alignment; with the maps that were made of it, also on their walls."""
     placed, scans, sure, worst, doubled = int(used.sum()), len(used), None, None, None
     off = np.zeros(0) if spread is None else 2 * spread[used]
     if spread is not None:
@@ -109,15 +117,24 @@ def judge(
     if map is not None and len(map):
         share = doubled_walls(map, poses[:, :2] if map.sensors is None else None)
         doubled = share if np.isfinite(share) else None
+    blurred = np.nan if tree is None else smeared_walls(tree)
+    smeared = float(blurred) if np.isfinite(blurred) else None
+    drawn = [  # words on walls that are drawn more than once, and whether these are too many
+        (share > most, f"{100 * share:.0f} % of the walls {word}")
+        for share, most, word in ((doubled, DOUBLED, "doubled"), (smeared, SMEARED, "smeared"))
+        if share is not None
+    ]
     told = f"{placed} of {counted(scans, 'scan')} placed"
     costly = [finding for finding in findings if finding.doubtful]
-    figures = placed, scans, sure, worst, doubled, tuple(str(each.cause) for each in costly)
+    causes = tuple(str(each.cause) for each in costly)
+    causes += (str(Cause.DOUBLED),) * any(bad for bad, _ in drawn)
+    figures = placed, scans, sure, worst, doubled, causes, smeared
     for finding in findings:
         if finding.cause is Cause.NOT_MERGED:
             return Verdict("not a map", f"NOT A MAP: {finding.words}", *figures)
     if placed < min(2, scans) or placed < LEAST * scans or not scans:
         return Verdict("not a map", f"NOT A MAP: {told}", *figures)
-    if map is not None and not len(map):
+    if map is not None and not len(map) and smeared is None:
         return Verdict("not a map", f"NOT A MAP: {told}, but no wall found", *figures)
     if sure is not None and placed >= COUNTED and not (certain.any() or near.any()):
         middle = float(np.median(off))
@@ -132,11 +149,10 @@ def judge(
         local = int(near.sum())
         more = f" ({local} relative to those within 20 m)" if local > sure else ""
         said.append((local < SURE_SHARE * placed, f"{counted(sure, 'scan')} sure{more}"))
-    if doubled is not None:
-        said.append((doubled > DOUBLED, f"{100 * doubled:.0f} % of the walls doubled"))
-    grade: Grade = "doubtful" if any(bad for bad, _ in said) else "good"
+    grade: Grade = "doubtful" if any(bad for bad, _ in said + drawn) else "good"
     if worst and (within := _within(off, grade)):
-        said.insert(-1 if doubled is not None else len(said), (False, within))
+        said.append((False, within))
+    said += drawn
     against, rest = ([text for bad, text in said if bad is kind] for kind in (True, False))
     words = "; ".join(", ".join(texts) for texts in (against, rest) if texts)
     return Verdict(grade, f"{grade.upper()}: {words}", *figures)

@@ -3,4 +3,5 @@
 from ._build import build_map, extent, free_ends, without_passers
 from ._frontiers import Frontier, frontiers
 from ._map import QuadtreeMap
+from ._smeared import smeared_walls
 from ._squares import NINE, Squares

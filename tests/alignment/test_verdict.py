@@ -7,12 +7,16 @@ import alignment_logs as logs
 import numpy as np
 import pytest
 
-from segmap import load
+from segmap import load, quadtree
 from segmap.alignment import Alignment, odometry, pose_graph
 from segmap.extraction import build_map
+from segmap.matching import MATCHERS, SCORES, map_scans
+from segmap.poses import between
+from segmap.quadtree import QuadtreeMap, smeared_walls
 from segmap.scans import LaserScan, Log
 from segmap.scans.causes import Cause, Finding
 from segmap.segments import SegmentMap
+from segmap.simulation import URG_04LX, rectangular_room, simulate
 
 
 def outcome(used, *, method="pose_graph", spread=None):
@@ -143,3 +147,34 @@ def test_findings_make_a_map_doubtful():
     assert bad.verdict.causes == ("scale",)
     apart = Finding(Cause.NOT_MERGED, 0, "the sessions are not merged: none agrees", doubtful=True)
     assert replace(good, causes=(mended, apart)).verdict.words == f"NOT A MAP: {apart.words}"
+
+
+@pytest.mark.parametrize("turn", [3, 6])
+def test_a_quadtree_whose_walls_are_smeared_is_doubtful(turn):
+    """Catches a map of a box, laid by ranges alone, that is 20 cm and more off and called good."""
+    bearing = np.radians(turn) * np.arange(80)
+    path = np.stack([2 + np.cos(0.7 * bearing), 1.5 + 0.75 * np.sin(0.7 * bearing), bearing], -1)
+    rng = np.random.default_rng(0)
+    log = simulate(rectangular_room(4.0, 3.0), path, sensor=URG_04LX, rng=rng)
+    rng = np.random.default_rng(0)
+    matcher, tree = MATCHERS["hill climbing, thesis"](rng), QuadtreeMap(resolution=0.05)
+    steps = list(map_scans(log, map=tree, matcher=matcher, score=SCORES["occupancy"], rng=rng))
+    poses = np.array([step.pose for step in steps])
+    assert np.hypot(*(poses - between(path[0], path))[:, :2].T).mean() > 0.2
+    found = Alignment(poses, np.ones(80, bool), 0.1, "map_scans")
+    bad = found.verdict_on(tree)
+    assert bad.grade == "doubtful" and bad.causes == ("doubled",) and bad.smeared > 0.3
+    assert bad.words.startswith(f"DOUBTFUL: {100 * bad.smeared:.0f} % of the walls smeared; ")
+    right = replace(found, poses=path)
+    good = right.verdict_on(quadtree.build_map(log, path))
+    assert good.grade == "good" and good.smeared < 0.01 and good.causes == ()
+    assert right.verdict_on(build_map(log, path), tree).causes == ("doubled",)
+
+
+@pytest.mark.parametrize("name", ["room", "corridor", "malaga"])
+@pytest.mark.parametrize("resolution", [0.01, 0.02, 0.04, 0.1, 0.16])
+def test_a_right_quadtree_is_not_smeared(name, resolution):
+    """Catches a false alarm where cells are finer or coarser than those it was measured at."""
+    log = load(name)
+    tree = quadtree.build_map(log, log.truth, resolution=resolution)
+    assert smeared_walls(tree) < 0.1

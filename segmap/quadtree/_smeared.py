@@ -1,0 +1,58 @@
+"""Walls that a quadtree shows smeared, since scans of one place were laid beside each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .. import arrays
+from ._map import QuadtreeMap
+
+#: Cells of this side, metres, or the map's own where that is larger. So many a side are no wall:
+#: of one a laser sees the front.
+CELL, WIDE = 0.05, 5
+#: A cell is occupied where so many rays ended, and this share of those that came: fewer end on
+#: people who pass.
+LOOKS, ENDED = 2, 0.1
+
+
+def smeared_walls(map: QuadtreeMap) -> float:
+    """Share of the occupied cells of a map that lie in squares of five by five occupied ones.
+
+    Cells are 5 cm wide, or the map's. A laser sees the front of a wall, a cell or two thick; scans
+    that are laid wrong draw it at many places, and these grow together. Bundled, real and simulated
+    logs show 0 to 3 % with good poses, eighty scans of a box 30 % and more where they err by 8 cm
+    and more.
+
+    Returns
+    -------
+    float
+        0 to 1; NaN where no cell is occupied.
+
+    Examples
+    --------
+    >>> map, wall = QuadtreeMap(resolution=0.05), np.arange(0.025, 2, 0.05)
+    >>> for y in (1.025, 1.025, 1.075, 1.075):
+    ...     map.insert_scan((1, 0), [(x, y) for x in wall])
+    >>> smeared_walls(map)
+    0.0
+    >>> for y in (1.125, 1.125, 1.175, 1.175, 1.225, 1.225):
+    ...     map.insert_scan((1, 0), [(x, y) for x in wall])
+    >>> smeared_walls(map)
+    1.0
+    """
+    leaves = arrays.instance(map, "map", QuadtreeMap).leaves()
+    hit = leaves.occ > 0
+    hit[hit] = leaves.occ[hit] >= ENDED * leaves.vis[hit]
+    side = max(CELL, map.resolution)
+    middle = np.stack([leaves.x, leaves.y], -1)[hit] + leaves.side[hit, None] / 2
+    cell = np.floor((middle - map.corner) / side).astype(np.int64)
+    row = 1 << 32  # one number for both indices
+    keys, where = np.unique(cell @ [row, 1], return_inverse=True)
+    seen = keys[np.bincount(where, leaves.occ[hit], len(keys)) >= LOOKS]
+    if not len(seen):
+        return float("nan")
+    square = (np.arange(WIDE)[:, None] * row + np.arange(WIDE)).ravel()
+    first = seen  # the lower left cells of squares that are full so far
+    for step in square:
+        first = first[np.isin(first + step, seen)]
+    return float(np.isin(seen, (first[:, None] + square).ravel()).mean())
