@@ -18,7 +18,7 @@ SOURCES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
 STOREYS = (
     "compiled _display progress",
     "arrays",
-    "files threads methods",
+    "files threads methods _call",
     "angles",
     "poses segments",
     "scans kernels",
