@@ -2,4 +2,4 @@
 
 from ._match import PointStep, match_points, point_steps
 from ._point_kernels import place_clouds
-from ._point_map import FAR, PointMap, in_range
+from ._point_map import FAR, FINE, LAST, PointMap, in_range

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import Array
 from ...poses.motions import wrap
@@ -58,6 +58,7 @@ class Descent(NamedTuple):
     reach: float
     stride: int
     converged: bool
+    partner: NDArray[np.int64]  # (k,): nearest point of the map to each, -1 for none
 
 
 class PointMap:
@@ -138,7 +139,7 @@ class PointMap:
             partner, rows, system, scratch,
         )  # fmt: skip
         pose[2] = wrap(pose[2])
-        return Descent(pose, rows[:used], system, sigma, near, reach, stride, converged)
+        return Descent(pose, rows[:used], system, sigma, near, reach, stride, converged, partner)
 
     def unfixed(self, current: Array, pose: Array) -> Array:
         """Motions `(n, 3)` of a scan's points `(m, 2)` at a pose `(3,)` that no wall faces.
@@ -161,6 +162,10 @@ class PointMap:
         away[2] = wrap(guess[2] - pose[2]) * scale[2]
         loose = self.unfixed(current, pose)
         return pose + (loose.T @ (loose @ away)) / scale
+
+    def near(self, current: Array, pose: Array, reach: float) -> NDArray[np.bool_]:
+        """Which points `(m, 2)` of a scan at a pose `(3,)` have a point within reach, `(m,)`."""
+        return self.descend(current, pose, reach, reach, stride=1, rounds=1).partner >= 0
 
     @cached_property
     def levels(self) -> _search_kernels.Levels:

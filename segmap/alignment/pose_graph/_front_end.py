@@ -18,6 +18,7 @@ from ..graph import NEARBY, REAL_ERRORS, Edge, Graph, Rejected, deviations, grou
 from ..points import PointMap, in_range
 from ._breaks import breaks
 from ._key_frames import KeyFrames
+from ._wheels import Wheels
 
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
 Matcher = Callable[[PointMap, Array, Array], Match]
@@ -88,7 +89,9 @@ class FrontEnd:
         self.offset = [np.zeros(3)]  # and its pose there
         self.overlap = [np.nan]  # share of each scan on the map before it; NaN where lost
         self.loose = [False]  # whether nothing says how far it went along the walls
+        self.driven = [False]  # whether the odometry outweighed its match
         self.tied = [True]  # of each key frame: whether a match fixes the step to it
+        self.wheels = Wheels()
         self.begins = [0]  # key frames at which a map began anew
         self.lost = 0  # scans in a row without odometry and match
         self.local = self.frames.map_of([0], 0)
@@ -98,17 +101,21 @@ class FrontEnd:
         points, before = _seen(scan), self.offset[-1]
         self.trail.add(scan)
         measured = self.measured()
+        self.wheels.drive(self.trail.step() if measured else np.full(3, np.nan))
         # A motion that goes on from match to false match grows until it is many metres a scan:
         # without odometry the robot stands after a scan that did not match
         lost = self.trail.reasons[-1] not in ("", LOOSE)
         step = np.zeros(3) if lost and not measured else self.trail.step()
-        guess, map, loose = compose(before, step), self.local, False
+        guess, map = compose(before, step), self.local
+        loose = driven = False
         if map is None or len(points) < 6:
             match = no_match(guess, "too few points")
         else:
             match = self.matcher(map, points, guess)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
                 match = self._regained(map, points, guess, match)
+            weighed = self.wheels.weighed(map, points, match)
+            driven, match = weighed is not match, weighed
             if (match.free is not None or match.turns) and not measured:
                 loose = len(map.unfixed(points, match.pose)) > 0
         self.lost = 0 if match.matched or measured else self.lost + 1
@@ -117,6 +124,7 @@ class FrontEnd:
         self.frame.append(len(self.frames) - 1)
         self.offset.append(match.pose)
         self.loose.append(loose)
+        self.driven.append(driven)
         self.overlap.append(match.overlap if match.matched or measured else np.nan)
         reason = LOOSE if loose else match.reason
         self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
@@ -181,6 +189,7 @@ class FrontEnd:
         self.tied.append(match.matched and not self.loose[scan])
         last = len(self.frames) - 1
         self.frame[scan], self.offset[scan] = last, np.zeros(3)
+        self.wheels.begin()
         self.see_last_frames()
 
     def see_last_frames(self) -> None:
@@ -192,7 +201,7 @@ class FrontEnd:
     def refine(self) -> None:
         """Lay each scan between key frames on the map of all that are near, whenever those were."""
         keys, own = np.array(self.frames.scan), np.array(self.frame)
-        others = np.flatnonzero(keys[own] != np.arange(len(own)))
+        others = np.flatnonzero((keys[own] != np.arange(len(own))) & ~np.array(self.driven))
         around = self.frames.neighbourhoods(AROUND, NEAR)
 
         def refined(scans: NDArray[np.int64]) -> list[Array]:

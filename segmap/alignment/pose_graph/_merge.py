@@ -111,6 +111,7 @@ def _begin_anew(front: FrontEnd, later: FrontEnd) -> Joint:
     front.frame.append(frame)
     front.offset.append(np.zeros(3))
     front.loose.append(False)
+    front.driven.append(False)
     front.overlap.append(np.nan)
     front.tied.append(False)
     front.begins.append(frame)

@@ -153,6 +153,7 @@ def append(graph: LiveGraph, part: LiveGraph, scans: Sequence[LaserScan], joint:
     front.frame += [joint.frame - its_frame + frame for frame in later.frame[rest]]
     front.offset += later.offset[rest]
     front.loose += later.loose[rest]
+    front.driven += later.driven[rest]
     front.overlap += later.overlap[rest]
     front.tied += later.tied[its_frame + 1 :]
     front.begins += [joint.frame - its_frame + k for k in later.begins if k > its_frame]

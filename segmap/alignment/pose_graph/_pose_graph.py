@@ -171,13 +171,14 @@ class LiveGraph:
             self._parts = front, LoopCloser(front.frames, self.drift, self.closing)
         else:
             front, closer = self._parts
-            with all_or_nothing(front, front.trail, front.frames, closer):
+            with all_or_nothing(front, front.trail, front.wheels, front.frames, closer):
                 # 1. The scan on the map of the last key frames
                 match = front.track(scan)
                 if front.needs_frame(self.step, self.turn):
                     # 2. A new key frame, and the loops that it closes
+                    begins = not any(map(len, front.frames.points))  # from there none is lost
                     front.add_frame(match)
-                    closed = closer.close(confirmed=match.matched)
+                    closed = closer.close(confirmed=match.matched or begins)
                     # 3. All key frames anew where loops have moved them
                     if closed:
                         front.frames.optimize(lazily=True)

@@ -1,0 +1,113 @@
+"""What odometry says of a scan's pose, how far it errs, and where it is believed more than a match.
+
+A person who walks beside the robot, or its own body, is at rest for the laser: where little else
+fixes the motion, a match follows that, and contradicts wheels that err by a centimetre.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ...arrays import Array
+from ...poses.motions import between, compose, wrap
+from .._result import Match
+from ..points import FINE, LAST, PointMap
+
+#: Ordinary wheels err in place by so many metres, metres a metre driven and metres a radian turned,
+PLACE_M, PLACE_OF_WAY, PLACE_OF_TURN = 0.01, 0.03, 0.05
+#: and in heading by so many radians, radians a metre and radians a radian (standard deviations).
+HEADING_RAD, HEADING_OF_WAY, HEADING_OF_TURN = math.radians(0.5), 0.03, 0.05
+#: How much more these wheels err, the last so many matches tell; fewer than the other do not.
+RECENT, ENOUGH = 100, 10
+#: So many of them, and so long a residual of three normal variables has as many below it.
+SHARE, NORMAL = 0.9, 2.5
+#: A match contradicts the odometry that is off by more standard deviations.
+CONTRADICTS = 5.0
+#: More than so many count as so many: wheels slip.
+MOST = 10.0
+#: A point on a wall lies within this distance of it, metres: a scan's noise, and what is left of
+#: the poses of the map.
+ON_WALL_M = 0.05
+#: A scan is placed by no fewer points.
+LEAST_POINTS = 6
+#: Points that lie on a wall by the odometry alone, times the standard deviations that it is off by,
+#: outweigh so many times the points that do by the match alone. Real logs: below 1.5 where the
+#: wheels are wrong; people about a robot: above 1.9.
+OUTWEIGHS = 1.8
+#: A match stands where it moves by less than its own noise, metres and radians. Then the odometry
+#: is believed unless so much of the scan contradicts it: people are less.
+STANDS_M, STANDS_RAD, PEOPLE = 0.03, math.radians(0.6), 0.3
+#: Standard deviation of a place where odometry won, metres: what the rest of the graph may move.
+WON_M = 0.2
+
+
+class Wheels:
+    """The motion since the last key frame by odometry, and its standard deviations."""
+
+    def __init__(self) -> None:
+        self.off: list[float] = []  # of each match, in standard deviations of ordinary wheels
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin at a new key frame."""
+        self.motion, self.way, self.turn = np.zeros(3), 0.0, 0.0
+
+    def drive(self, step: Array) -> None:
+        """Go on by a step `(3,)`, metres and radians; NaN where the log does not say it."""
+        self.motion = compose(self.motion, step)
+        self.way += math.hypot(step[0], step[1])
+        self.turn += abs(step[2])
+
+    def weighed(self, map: PointMap, points: Array, match: Match) -> Match:
+        """A match of a scan's points `(m, 2)`, or the place by odometry if both contradict.
+
+        Where a match is right, nearly all points on which both places differ lie on a wall at its
+        own. Where it follows people, the walls behind them speak for the odometry.
+        """
+        if not match.matched or not math.isfinite(off := self._off(match.pose)):
+            return match
+        usual = self._usual()
+        if self.way > PLACE_M and off > CONTRADICTS * usual:
+            driven = self._driven(map, points, match, usual)
+            here, there = (map.near(points, one.pose, ON_WALL_M) for one in (match, driven))
+            against, agree = (np.count_nonzero(a & ~b) for a, b in ((here, there), (there, here)))
+            weight = agree * min(off / usual, MOST)
+            x, y, heading = match.pose
+            stands = math.hypot(x, y) < STANDS_M and abs(heading) < STANDS_RAD
+            if (agree >= LEAST_POINTS and weight > OUTWEIGHS * against) or (
+                stands and against < PEOPLE * len(points)
+            ):
+                return driven
+        self.off.append(off)
+        return match
+
+    def _driven(self, map: PointMap, points: Array, match: Match, usual: float) -> Match:
+        """The scan as it lies within the errors of ordinary wheels; else as the odometry has it."""
+        place, _, heading = CONTRADICTS * self._ordinary()
+        start, _ = map.search(points, self.motion, reach=max(place, 2 * FINE), turn=heading)
+        found = match if start is None else map.register(points, start, reach=LAST)
+        if not found.matched or self._off(found.pose) > CONTRADICTS:
+            known = np.diag((usual * self._ordinary()) ** 2)
+            found = Match(self.motion, known, matched=True)
+        loose = found.covariance + np.diag([WON_M, WON_M, 0.0]) ** 2
+        return replace(found, covariance=loose, overlap=match.overlap)
+
+    def _ordinary(self) -> Array:
+        """Standard deviations of ordinary wheels in place, place and heading, `(3,)`."""
+        place = PLACE_M + PLACE_OF_WAY * self.way + PLACE_OF_TURN * self.turn
+        heading = HEADING_RAD + HEADING_OF_WAY * self.way + HEADING_OF_TURN * self.turn
+        return np.array([place, place, heading])
+
+    def _usual(self) -> float:
+        """How many times more than ordinary ones these wheels err."""
+        recent = sorted(self.off[-RECENT:])
+        return max(recent[int(SHARE * len(recent))] / NORMAL, 1.0) if len(recent) >= ENOUGH else 1.0
+
+    def _off(self, pose: Array) -> float:
+        """How far a pose in the key frame is off, in deviations of ordinary wheels; maybe NaN."""
+        x, y, heading = between(self.motion, pose)
+        place, _, turn = self._ordinary()
+        return math.sqrt((x * x + y * y) / place**2 + (wrap(heading) / turn) ** 2)
