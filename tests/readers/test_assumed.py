@@ -1,0 +1,140 @@
+"""A reader makes no time, delay or reach up; what else it must assume, it lists."""
+
+from pathlib import Path
+
+import bag_samples as bags
+import numpy as np
+import pytest
+from log_samples import NPZ, RAWSEEDS, SINGLE_FILES
+
+import segmap
+from segmap import readers
+from segmap.readers import LogError
+from segmap.scans.causes import Cause
+
+CENTRE = "the laser sits at the robot's centre"
+FIVE, SICK = "5 beams look over 180 degrees, counter-clockwise", "ranges from {} m on met nothing"
+WRAPS, COUNTER = "a scan ends where the angle wraps", "beams counter-clockwise"
+#: What the sample of each format leaves open, by the beginning of its words.
+ASSUMED = {
+    "carmen": {FIVE, SICK.format(50)},
+    "carmen_new": {CENTRE},
+    "g2o": set(),
+    "player_1": {CENTRE, SICK.format(50)},
+    "player_2": set(),
+    "player_bare": {CENTRE, SICK.format(50)},
+    "hokuyo": {"ranges in millimetres", "angles in radians", COUNTER, "values below 20 are error"},
+    "coreslam": {"wheels of 77 mm radius", "the laser sits 0.145 m ahead"},
+    "coreslam_13": {"wheels of 77 mm radius", "the laser sits 0.145 m ahead"},
+    "gmapping": {FIVE, CENTRE, SICK.format(50)},
+    "dpslam": {FIVE, CENTRE, SICK.format(8.18)},
+    "wean": {"180 beams look over 180 degrees", SICK.format(50)},
+    "csv": {COUNTER, WRAPS},
+    "rplidar": {WRAPS},
+    "ld19": {WRAPS},
+    "sick": {SICK.format(50)},
+    "hokuyo_csv": set(),
+}
+#: When the bags begin, seconds.
+START = 1e6
+#: Formats that hold no time.
+TIMELESS = {"hokuyo", "dpslam", "rplidar"}
+#: Formats of one sensor, whose mirror turns in a time that is known, and of beams with a time each.
+TURNING = {"coreslam", "coreslam_13", "hokuyo_csv", "csv", "ld19"}
+
+
+@pytest.mark.parametrize("name", SINGLE_FILES)
+def test_no_time_and_no_delay_is_made_up_and_the_rest_is_listed(name, tmp_path):
+    """Catches scans that are numbered for want of times, and an assumption that nobody sees."""
+    (tmp_path / name).write_text(SINGLE_FILES[name])
+    log = readers.read(tmp_path / name)
+    assert np.isnan(log.times).all() if name in TIMELESS else np.isfinite(log.times).all()
+    assert all((scan.delays is not None) == (name in TURNING) for scan in log)
+    begins = {next((b for b in ASSUMED[name] if said.startswith(b)), said) for said in log.assumed}
+    assert begins == ASSUMED[name] and len(log.assumed) == len(begins)
+
+
+def test_arrays_and_folders_list_what_they_leave_open(tmp_path):
+    """Catches a place of the laser that a folder of Rawseeds, or arrays, are thought to hold."""
+    (tmp_path / "it.npz").write_bytes(NPZ)
+    assert readers.read(tmp_path / "it.npz").assumed == (CENTRE,)
+    (tmp_path / "raw").mkdir()
+    for name, content in RAWSEEDS.items():
+        (tmp_path / "raw" / name).write_text(content)
+    assert CENTRE in readers.read(tmp_path / "raw").assumed
+    (tmp_path / "scans").mkdir()
+    for number in (2, 10):
+        (tmp_path / "scans" / f"{number}.txt").write_text("1000 0\n")
+    log = readers.read(tmp_path / "scans")
+    assert np.isnan(log.times).all() and "the order of the numbers" in log.assumed[-1]
+
+
+def test_a_log_that_is_written_and_read_again_assumes_the_same(tmp_path):
+    """Catches an assumption that is a fact after a detour by segmap's own file, and new times."""
+    (tmp_path / "1.txt").write_text("1000 0\n1000 0.1\n")
+    log = readers.read(tmp_path / "1.txt")
+    segmap.exports.write_arrays(tmp_path / "it.npz", log)
+    again = readers.read(tmp_path / "it.npz")
+    assert set(again.assumed) == set(log.assumed) and np.isnan(again.times).all()
+    segmap.exports.write_carmen(tmp_path / "it.log", log)
+    assert "times are the numbers of the scans" in (tmp_path / "it.log").read_text()
+
+
+class TestWords:
+    """What a number really is has a word that is right."""
+
+    @pytest.mark.parametrize(
+        ("ranges", "most", "word"),
+        [
+            ([2345.0, 2346.0, 2347.0, 3000.0], 30.0, "millimetres"),
+            ([234.0, 235.0, 236.0, 300.0], 30.0, "millimetres, ranges / 1000, or centimetres"),
+            ([2.0, 65533.0, 65533.0, 65533.0], np.inf, "65533 m mean that nothing was met"),
+        ],
+    )
+    def test_of_ranges(self, ranges, most, word):
+        """Catches ranges that are beyond the reach because of their unit, and go without a word."""
+        with pytest.warns(UserWarning, match=word):
+            segmap.LaserScan(ranges, np.arange(len(ranges)) / 100, max_range=most)
+
+    def test_of_headings_that_wind_up(self):
+        """Catches 56 radians, nine turns of a robot that drives on, called degrees."""
+        heading = np.arange(0, 56, 3.3)  # more than half a turn from scan to scan
+        way = np.cumsum(np.column_stack([np.cos(heading), np.sin(heading)]), axis=0)
+        rows = np.column_stack([np.r_[[[0, 0]], way[:-1]], heading])
+        scan = {"ranges": [1.0, 2.0], "angles": [0.0, 0.1]}
+        segmap.Log("winds up", [segmap.LaserScan(**scan, odometry=row) for row in rows])
+        rows[:, 2] = np.degrees(heading)
+        with pytest.warns(UserWarning, match="look like degrees"):
+            segmap.Log("degrees", [segmap.LaserScan(**scan, odometry=row) for row in rows])
+
+    def test_of_angles_that_count_down(self, tmp_path):
+        """Catches "expected radians" for a step that is negative."""
+        line = "ROBOTLASER1 0 1.57 3.14 -0.785 50 0.01 0 5 1 2 3 4 5 0" + " 0" * 11 + " 1.0 host 0"
+        (tmp_path / "it.log").write_text(line + "\n")
+        with pytest.raises(LogError, match=r"angles that count up, got a step of -0\.785"):
+            readers.read(tmp_path / "it.log")
+
+
+def _drive(back, kind, folder, *, count=60, at=25):
+    """A bag of a robot that drives 0.1 m a scan; the clock is set back at one of the scans."""
+
+    def told(m):
+        time = lambda k: START + 0.2 * k - (back if k >= at else 0.0)  # noqa: E731
+        yield "/tf_static", START, *m.frames(START, bags.LASER)
+        for k in range(count):
+            yield "/odom", time(k), *m.odometry(time(k), (0.1 * k, 0.0, 0.0))
+            yield "/scan", time(k), *m.scan(time(k), apart=0.0)
+
+    Path(folder).mkdir()
+    return readers.read(bags.write(Path(folder), kind, told))
+
+
+@pytest.mark.parametrize("kind", bags.KINDS)
+@pytest.mark.parametrize("back", [1.4, 5.0, 3600.0])
+def test_a_clock_that_is_set_back_is_as_if_it_were_not(kind, back, tmp_path):
+    """Catches poses that are sorted by time: scans get the odometry of another moment."""
+    whole, log = _drive(0.0, kind, tmp_path / "a"), _drive(back, kind, tmp_path / "b")
+    assert not whole.causes and log.odometry == pytest.approx(whole.odometry, abs=1e-6)
+    assert np.diff(log.times) == pytest.approx(np.full(59, 0.2), abs=1e-3)
+    (told,) = log.causes
+    assert told.cause is Cause.CLOCK and f"by {back:g} s at scan 25" in told.words
