@@ -15,6 +15,7 @@ from segmap.poses import between, compose, inverse, transform
 from segmap.poses.motions import arc, twist
 from segmap.reduction import least_cost
 from segmap.scans import LaserScan, Log
+from segmap.scans.causes import Cause
 from segmap.scans.moving import carried, twists, unmoved
 from segmap.simulation import OdometryNoise, Sensor, drifting_odometry, drive, simulate
 
@@ -302,3 +303,21 @@ def test_an_alignment_says_where_the_robot_was(skewed):
     with pytest.raises(ValueError, match="log must be a Log"):
         deskew(skewed.scans)
     assert errors(skewed, pose_graph(deskew(skewed)).poses)[0].max() < 0.05
+
+
+def test_a_robot_that_stood_while_it_measured_keeps_its_scans():
+    """Catches times of beams that are believed: walls of a robot that stood are bent by them."""
+    rng = np.random.default_rng(1)
+    still = simulate(OFFICE, PATH, sensor=SPIN, rng=rng)
+    turn = PERIOD * np.arange(360) / 360
+    given = replace(
+        still,
+        scans=tuple(replace(s, time=PERIOD * k, delays=turn) for k, s in enumerate(still)),
+    )
+    kept = deskew(given)
+    (told,) = kept.causes
+    assert told.cause is Cause.SKEW and "no beam is carried" in told.words
+    assert all(s.delays is None and np.array_equal(s.ranges, o.ranges, equal_nan=True)
+               for s, o in zip(kept, still, strict=True))  # fmt: skip
+    moved = simulate(OFFICE, PATH, sensor=SPIN, rng=np.random.default_rng(1), moving=True)
+    assert not deskew(moved).causes
