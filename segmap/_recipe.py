@@ -15,6 +15,7 @@ from ._call import Call, as_read, short
 from .alignment import Alignment, LiveGraph, Verdict
 from .arrays import Array, declared
 from .exports import Frame, placed_at
+from .files import shown
 from .metrics import quality, reduction_rate
 from .progress import announce
 from .quadtree import QuadtreeMap, extent, without_passers
@@ -263,7 +264,7 @@ class Outcome:
             if name in recipe.edits
         )
         way = {
-            "map": name,
+            "map": shown(name),
             "alignment": recipe.align.name,
             "align_thresholds": " ".join(
                 [*map(_option, (recipe.prepare or {}).items()), recipe.align.words() + mended]

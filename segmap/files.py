@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import csv
 import gzip
+import html
 import io
 import itertools
 import math
 import os
+import re
 import stat
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -46,6 +48,30 @@ def shown(name: object) -> str:
     """
     letters = (c if c.isprintable() else ascii(c)[1:-1] for c in str(name))
     return "".join(letters)
+
+
+def as_html(value: object) -> str:
+    """Anything as text in HTML: no mark in it means anything, and a browser can be sent it.
+
+    Examples
+    --------
+    >>> print(as_html(["<b>", "\\ud800"]), as_html("a\\x1b\\n<i>"))
+    [&#x27;&lt;b&gt;&#x27;, &#x27;\\ud800&#x27;] a\\x1b
+    &lt;i&gt;
+    """
+    return html.escape("\n".join(map(shown, str(value).split("\n"))))
+
+
+def file_name(name: str) -> str:
+    """A name from outside as part of a file's name: it leads to no other folder.
+
+    Examples
+    --------
+    >>> file_name("../../home/me"), file_name("run 1"), file_name("..")
+    ('.._.._home_me', 'run 1', '__')
+    """
+    found = re.sub(r"[/\\:]", "_", shown(name))
+    return found if found.strip(".") else "_" * len(found)
 
 
 def existing(path: Path) -> os.stat_result | None:

@@ -104,3 +104,26 @@ def _walls() -> Array:
     rng = np.random.default_rng(1)
     room = np.array([[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(4, 3), (0, 3)], [(0, 3), (0, 0)]])
     return np.tile(room, (20, 1, 1)) + rng.normal(0, 0.01, (80, 2, 2))
+
+
+def text_zoo() -> list[str]:
+    """Names and words from outside that have run code, moved a cursor, or led to other folders."""
+    code = "window.hit=1"
+    return [
+        f"<script>{code}</script>",
+        f"<img src=x onerror={code}>",
+        f'"><svg onload={code}>',
+        f"' onmouseover='{code}' x='",
+        f"</pre></div><button onclick={code}>Run</button>",
+        f"&lt;img src=x onerror={code}&gt;",
+        f"<a href=javascript:{code}>here</a> {{{{7*7}}}} $\\frac{{",
+        "\x1b[2J\x1b]8;;http://evil.example\x07 \u202egol.a\x00",
+        "../../../up",
+    ]
+
+
+def value_zoo() -> list[object]:
+    """The same as JSON may hold it where a number or a word should stand, and no numbers."""
+    texts = text_zoo()
+    inside = [[texts[0]], {texts[1]: texts[1]}, {texts[2]: [texts[2]]}]
+    return [*texts[:3], *inside, [inside], True, None, 10**400, 1e999, -1e300, [], {}]

@@ -50,7 +50,8 @@ class Session:
         arrays.instance(self.log, "log", Log)
         for name in ("settings", "runs", "edits"):
             try:  # what JSON does not hold is refused; NaN becomes null
-                text = json.dumps(getattr(self, name))
+                text = json.dumps(getattr(self, name), ensure_ascii=False)
+                text.encode("utf-8")  # half of a letter, which no browser can be sent
                 found = json.loads(text, parse_constant=lambda word: None)
             except (TypeError, ValueError, RecursionError) as fault:
                 raise ValueError(f"{name} must be what JSON holds: {fault}") from fault

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import html
 import threading
 import time
 from typing import Any
 
 import ipywidgets as W
+
+from ...files import as_html
 
 #: Time that is left is told after so many seconds, and this share, of one kind of work.
 EARLY, LEAST = 2.0, 0.02
@@ -29,7 +30,7 @@ class Bar:
 
     def say(self, text: str, share: float | None = None) -> None:
         """One line in the place of the one before."""
-        self.state.value = html.escape(text)
+        self.state.value = as_html(text)
         if share is not None:
             self.bar.value = self._share = share
 

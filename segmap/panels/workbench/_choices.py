@@ -186,7 +186,7 @@ class Choices:
             self.clockwise.value = held.get("clockwise", False)
             place = "auto" if held.get("mount_auto") else " ".join(map(str, held.get("mount", [])))
             self.mount.value = place
-        except (TraitError, TypeError, KeyError) as fault:
+        except (TraitError, TypeError, KeyError, ArithmeticError) as fault:
             raise ValueError(f"the session cannot be chosen here: {fault}") from fault
 
     def prepare(self) -> dict[str, Any]:

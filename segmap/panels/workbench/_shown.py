@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -12,6 +11,7 @@ from matplotlib.figure import Figure
 from ..._display import facts
 from ..._recipe import Outcome
 from ...alignment import Verdict
+from ...files import as_html
 from ...metrics import grade_quality, grade_reduction, reduction_rate
 from ...plotting import DPI, MAP, RAW, RESULT, draw_segments, figure_png, map_axes
 from ...scans import Log
@@ -32,13 +32,13 @@ COPY = "navigator.clipboard.writeText(this.previousElementSibling.textContent)"
 
 def heading(text: str) -> str:
     """A heading of the page, as HTML."""
-    return f'<h2 style="font-size: 15px; margin: 6px 0 2px">{html.escape(text)}</h2>'
+    return f'<h2 style="font-size: 15px; margin: 6px 0 2px">{as_html(text)}</h2>'
 
 
 def about(log: Log) -> str:
     """What a log is, in one paragraph of HTML."""
     named = [(log.name if word == "scans" else word, text) for word, text in facts(log)]
-    lines = (f"<b>{html.escape(word)}</b> {html.escape(text)}" for word, text in named)
+    lines = (f"<b>{as_html(word)}</b> {as_html(text)}" for word, text in named)
     return f"{LINES}{'<br>'.join(lines)}</div>"
 
 
@@ -57,7 +57,7 @@ def summary(outcome: Outcome, size: Sequence[float]) -> str:
 def verdict_line(verdict: Verdict) -> str:
     """The verdict on the map in its words, beside a stripe in the colour of its grade, as HTML."""
     stripe = f"border-left: 12px solid {COLORS[verdict.grade]}; padding: 3px 9px; line-height: 1.45"
-    return f'<div style="{stripe}"><b>{html.escape(verdict.words)}</b></div>'
+    return f'<div style="{stripe}"><b>{as_html(verdict.words)}</b></div>'
 
 
 def placed(outcome: Outcome) -> str:
@@ -81,13 +81,13 @@ def left(outcome: Outcome) -> str:
 
 
 def _lines(said: Iterable[str]) -> str:
-    return LINES + "<br>".join(html.escape(text) for text in said if text) + "</div>"
+    return LINES + "<br>".join(as_html(text) for text in said if text) + "</div>"
 
 
 def code(text: str) -> str:
     """Python to be copied, as HTML."""
     button = f'<button class="jupyter-button" onclick="{COPY}">Copy</button>'
-    return f'<pre style="{CODE}">{html.escape(text)}</pre>{button}'
+    return f'<pre style="{CODE}">{as_html(text)}</pre>{button}'
 
 
 def runs_table(rows: Sequence[dict[str, Any]]) -> str:
@@ -104,10 +104,10 @@ def runs_table(rows: Sequence[dict[str, Any]]) -> str:
 
 def _cell(value: object) -> str:
     """A cell; numbers stand at the right."""
-    if isinstance(value, str):
-        return f"<td>{html.escape(value)}</td>"
-    text = f"{value:.3f}" if isinstance(value, float) else str(value)
-    return f'<td style="text-align: right">{text}</td>'
+    if isinstance(value, int | float):
+        text = f"{value:.3f}" if isinstance(value, float) else str(value)
+        return f'<td style="text-align: right">{text}</td>'
+    return f"<td>{as_html(value)}</td>"
 
 
 def _bar(share: float) -> str:

@@ -84,10 +84,10 @@ class Source:
         log = found if isinstance(found, Log) else found.log
         if not len(log):
             raise ValueError(f"{log.name} must hold one scan at least, got none")
+        self._taken(log, session)
         self.log, self.expression = log, expression
         self.about.value = _shown.about(log)
         self.controls[0].value = log.name if expression == f"segmap.load({log.name!r})" else OWN
-        self._taken(log, session)
 
     def _opened(self, change: Any) -> None:
         """A bundled log or a path was chosen; the log there is may have set its own name."""

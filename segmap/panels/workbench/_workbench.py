@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -13,8 +13,10 @@ import ipywidgets as W
 import numpy as np
 
 from ... import arrays, exports
+from ..._display import counted
 from ..._recipe import Outcome, Recipe, begin, follow, world_of
-from ...arrays import Array
+from ...arrays import LIMIT, Array
+from ...files import file_name, shown
 from ...plotting import thumbnail
 from ...progress import told
 from ...readers import Session
@@ -31,11 +33,13 @@ from ._source import Source, telling
 if TYPE_CHECKING:
     import pandas as pd
 
-COLUMNS = (
-    *("map", "alignment", "align_thresholds", "align_seconds", "extraction"),
-    *("extract_thresholds", "filtered", "verdict", "placed", "method", "thresholds"),
-    *("n_before", "n_after", "reduction", "quality", "seconds"),
-)
+#: What is kept of a run, and of which type it is.
+COLUMNS: dict[str, type] = {
+    **{"map": str, "alignment": str, "align_thresholds": str, "align_seconds": float},
+    **{"extraction": str, "extract_thresholds": str, "filtered": float, "verdict": str},
+    **{"placed": float, "method": str, "thresholds": str, "n_before": int, "n_after": int},
+    **{"reduction": float, "quality": float, "seconds": float},
+}
 #: What `exports.write_segments` writes.
 FORMATS = (".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf", ".segmap")
 
@@ -110,14 +114,15 @@ class Workbench:
         """Another log: nothing that was found holds for it; a session has choices and runs."""
         self._known = None
         self._choices.begin(log)
+        words = ""
         if session is not None:
             self._choices.restore(session)
-            whole = (
-                row for row in session.runs if {*COLUMNS} <= {*row} and None not in row.values()
-            )
-            self._rows = [dict(row) for row in whole]
+            rows = [{name: row.get(name) for name in COLUMNS} for row in session.runs]
+            self._rows = [row for row in rows if _is_run(row)]
             self.listed.value = _shown.runs_table(self._rows)
-        self._bar.say(f"{log.name}: ready to run", 0.0)
+            if refused := len(rows) - len(self._rows):
+                words = f"; {refused} of its {counted(len(rows), 'run')} left out: no row of a run"
+        self._bar.say(f"{log.name}: ready to run{words}", 0.0)
 
     # --------------------------------------------------------------------- a run
     def run(self) -> None:
@@ -285,7 +290,8 @@ class Workbench:
         """Hand the first result to the browser."""
         with telling(self._bar.say), tempfile.TemporaryDirectory() as folder:
             method = self._result().method
-            path = Path(folder) / f"{self._rows[-1]['map']}-{method}{button.description}"
+            name = cast(Outcome, self.outcome).given.name
+            path = Path(folder) / file_name(f"{name}-{method}{button.description}")
             self.export(path)
             self.canvas.save(path.name, path.read_bytes())
 
@@ -361,5 +367,17 @@ class Workbench:
 
     def __repr__(self) -> str:
         if self.outcome is None:
-            return f"Workbench({self.log.name}: not run yet)"
-        return f"Workbench({self._rows[-1]['map']}: {self.outcome.words()})"
+            return f"Workbench({shown(self.log.name)}: not run yet)"
+        return f"Workbench({shown(self.outcome.given.name)}: {self.outcome.words()})"
+
+
+def _is_run(row: Mapping[str, object]) -> bool:
+    """Whether all values of a row have the type of their column; whole numbers are numbers too."""
+    kinds = {int: (int,), float: (int, float), str: (str,)}
+    for name, kind in COLUMNS.items():
+        value = row[name]
+        if type(value) not in kinds[kind]:
+            return False
+        if isinstance(value, int | float) and not abs(value) < LIMIT:
+            return False
+    return True
