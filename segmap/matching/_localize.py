@@ -6,6 +6,8 @@ from collections.abc import Iterable, Iterator
 from typing import Annotated, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from .. import arrays
 from ..angles import wrap
@@ -17,14 +19,19 @@ from ..segments import SegmentMap
 from ._field import either_map
 from ._likelihoods import Likelihoods
 from ._search import places_of, spread
-from ._weights import PART, systematic
+from ._weights import PART, effective_number, systematic
 
 #: A robot whose scans fit worse is lost: the wrong building has .50 to .75. Below the second the
 #: map is searched: right places have .94, and .87 in a building where much has moved. Found it is
 #: from the third on, and then until below the second: what has moved makes wrong rooms fit to .92.
 LOST, DOUBT, SURE = 0.7, 0.8, 0.93
-#: Share of the particles at one place from which on it is the place.
-ENOUGH = 0.95
+#: A place with less than this share of the weight is dead, and found is the robot where all other
+#: places are: the fits of a few scans must differ by a third, or those of a drive by 7 % each.
+DEAD = 0.001
+#: What is known of two places counts with this power at the next scan. Maps are a little better at
+#: one of two equal places (by 1 % of the fit where its walls err by 4 cm): with 1, a long drive
+#: would make sure of it.
+MEMORY = 0.8
 #: Particles so near to the best one are at its place, metres and radians.
 NEAR, TURNED = 0.5, 0.5
 #: Errors of odometry: at rest, for a metre and for a radian; metres and radians.
@@ -83,9 +90,14 @@ def localize(
     factors for one wall would make one particle certain. As many particles are drawn anew as the
     places need (Fox 2003).
 
-    Where a scan fits badly, the whole map is searched. Does it fit better elsewhere, so many fresh
-    particles come there, as augmented filters draw anywhere. Lost is told by the fit itself, which
-    sees a first convergence to a wrong place too.
+    Where a scan fits badly, the whole map is searched, and where the robot is not yet found at the
+    first scan that fits to less than 0.93. Does it fit better elsewhere, so many fresh particles
+    come there, as augmented filters draw anywhere. Lost is told by the fit itself, which sees a
+    first convergence to a wrong place too.
+
+    Found is the robot where all other places are dead by what the scans say: drawing anew leaves
+    each place its weight, so in a hall that maps onto itself by half a turn both stay. Where the
+    walls of such a map err by some centimetres, the map itself can prefer the wrong place.
 
     Parameters
     ----------
@@ -137,34 +149,36 @@ def _beliefs(
     for k, scan in enumerate(scans):
         arrays.instance(scan, f"scan {k}", LaserScan)
         poses = moved(poses, before, scan, rng)
-        before, ends = scan, scan.points()
+        before, ends, led = scan, scan.points(), scan.odometry is not None
         if not len(ends):
-            yield believed(poses, weights, fit, least)
+            yield believed(poses, weights, at_places(poses, weights), fit, least)
             continue
         points = spread(ends, beams)
         fits = map.fits(points, poses)
         best, wait = fits.max(initial=0.0), wait - 1
         fit, anew = best if anew else np.sqrt(fit * best), False
-        if fit < DOUBT and wait <= 0:
+        if fit < (least if led else SURE) and wait <= 0:
             fresh = fresh_poses(map, ends, particles, rng)
             there = map.fits(points, fresh)
-            new = 1 - best / there.max() if len(fresh) else 0.0
+            new = 1 - best / there.max(initial=best) if len(fresh) else 0.0
             if new > BETTER:
+                if not led:  # it may have turned on the spot
+                    near = cKDTree(poses[:, :2]).query(fresh[:, :2])[0] <= NEAR
+                    if there[near].max(initial=0.0) > (1 - BETTER) * there.max():
+                        fresh, there = fresh[near], there[near]
                 weights = np.r_[(1 - new) * weights, np.full(len(fresh), new / len(fresh))]
                 poses, fits = np.concatenate([poses, fresh]), np.r_[fits, there]
-                fit, anew = fit or there.max(), True  # the mean begins anew there
+                fit, anew = (fit if led and fit else there.max()), True  # the mean begins anew
             patience = min(2 * patience, PATIENCE) if new <= BETTER and len(poses) else 1
             wait = patience
         weights = weights * fits ** (PART * len(points))
         weights /= weights.sum() or 1.0
-        belief = believed(poses, weights, fit, least)
+        places = at_places(poses, weights)
+        belief = believed(poses, weights, places, fit, least)
         least = DOUBT if belief.found else SURE
         yield belief
-        if len(weights) > particles or len(weights) * (weights**2).sum() > 2:
-            chosen = systematic(weights, rng.uniform(), particles)
-            chosen = chosen[rng.permutation(len(chosen))]
-            poses = poses[chosen[: enough(poses[chosen])]]
-            weights = np.full(len(poses), 1 / len(poses))
+        if places:
+            poses, weights = redrawn(poses, weights, places, particles, rng)
 
 
 def moved(
@@ -202,15 +216,48 @@ def enough(poses: Array) -> int:
     return min(int(np.argmax(np.r_[count >= needed, True])) + 1, len(poses))
 
 
-def believed(poses: Array, weights: Array, fit: float, least: float) -> Belief:
-    """The likeliest place of the particles, and what is known of it; it must fit so well."""
+def at_places(poses: Array, weights: Array) -> list[NDArray[np.int64]]:
+    """Which particles are at each place, that of the heaviest first; places that are dead not."""
     left, places = np.arange(len(poses)), []
     while len(left):
-        top = poses[left[np.argmax(weights[left])]]
-        away = poses[left] - top
+        away = poses[left] - poses[left[np.argmax(weights[left])]]
         near = (np.hypot(*away.T[:2]) <= NEAR) & (np.abs(wrap(away[:, 2])) <= TURNED)
         places.append(left[near])
         left = left[~near]
+    return [place for place in places if weights[place].sum() >= DEAD]
+
+
+def redrawn(
+    poses: Array,
+    weights: Array,
+    places: list[NDArray[np.int64]],
+    most: int,
+    rng: np.random.Generator,
+) -> tuple[Array, Array]:
+    """The particles of each place drawn anew, where few of them hold its weight.
+
+    Chance takes no place away: half of the particles go to the places by their weight, and half to
+    all alike.
+    """
+    shares = np.array([weights[place].sum() for place in places]) ** MEMORY
+    shares /= shares.sum()
+    chosen, anew = [], []
+    for place, share in zip(places, shares, strict=True):
+        own = weights[place] / weights[place].sum()
+        count = max(int(most * (share + 1 / len(places)) / 2), 1)
+        if len(place) > count or effective_number(own) < len(place) / 2:
+            place = rng.permutation(place[systematic(own, rng.uniform(), count)])
+            place = place[: enough(poses[place])]
+            own = np.full(len(place), 1 / len(place))
+        chosen.append(place)
+        anew.append(share * own)
+    return poses[np.concatenate(chosen)], np.concatenate(anew)
+
+
+def believed(
+    poses: Array, weights: Array, places: list[NDArray[np.int64]], fit: float, least: float
+) -> Belief:
+    """The likeliest of the places, and what is known of it; it must fit so well."""
     if not places:
         unknown = np.full(3, np.nan), np.full((3, 3), np.nan)
         return Belief(*unknown, 0.0, fit, "lost: no place explains the scan", poses, weights)
@@ -227,8 +274,6 @@ def believed(poses: Array, weights: Array, fit: float, least: float) -> Belief:
         reason = f"lost: the best pose fits to {fit:.2f} only"
     elif fit < least:
         reason = f"not yet: the best place fits to {fit:.2f} only"
-    elif share < ENOUGH:
-        ranked = np.cumsum(np.sort(shares)[::-1])
-        count = int((ranked < ENOUGH).sum()) + 1
-        reason = f"not yet: {count} places"
+    elif len(places) > 1:
+        reason = f"not yet: {len(places)} places"
     return Belief(pose, covariance, share, fit, reason, poses, weights)

@@ -96,14 +96,14 @@ def localize(
     """
     poses: list[Pose] = []
     weights: list[float] = []
-    before, lately, anew, wait, patience = None, 0.0, True, 0, 1
+    before, lately, anew, wait, patience, least = None, 0.0, True, 0, 1, 0.93
     for points, odometry in scans:
         if before is not None:
             poses = [moved(pose, before, odometry, rng) for pose in poses]
         fits = [fit(value, points, pose) for pose in poses]
         best, before, wait = max(fits, default=0.0), odometry, wait - 1
         lately, anew = best if anew else sqrt(lately * best), False  # anew at another place
-        if lately < 0.8 and wait <= 0:  # perhaps it is elsewhere
+        if lately < least and wait <= 0:  # perhaps it is elsewhere
             others = fresh(points, particles)
             there = [fit(value, points, pose) for pose in others]
             share, patience = 1 - best / max(there, default=1.0), min(2 * patience, 16)
@@ -114,8 +114,55 @@ def localize(
             wait = patience = patience if poses else 1
         weights = weighed(weights, fits, len(points) / 3)
         yield poses, weights, lately
-        if poses and (len(poses) > particles or effective_number(weights) < len(poses) / 2):
-            taken = systematic(weights, rng.uniform(), particles)
-            poses = [poses[taken[k]] for k in rng.permutation(particles)]
-            poses = poses[: enough(poses)]
-            weights = [1 / len(poses)] * len(poses)
+        living = at_places(poses, weights)
+        least = 0.8 if len(living) == 1 and lately >= least else 0.93  # found, or not
+        poses, weights = redrawn(poses, weights, living, particles, rng)
+
+
+def at_places(poses: Sequence[Pose], weights: Sequence[float]) -> list[list[int]]:
+    """Which particles are at each place, but at those that hold less than 0.001 of the weight.
+
+    Examples
+    --------
+    >>> at_places([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0), (0.1, 0.0, 0.0)], [0.4, 0.5, 0.1])
+    [[1], [0, 2]]
+    """
+    left, places = set(range(len(poses))), []
+    while left:
+        top = poses[max(sorted(left), key=lambda k: weights[k])]
+        near = [k for k in sorted(left) if dist(poses[k][:2], top[:2]) <= 0.5 and
+                abs((poses[k][2] - top[2] + pi) % (2 * pi) - pi) <= 0.5]  # fmt: skip
+        places.append(near)
+        left -= set(near)
+    return [place for place in places if sum(weights[k] for k in place) >= 0.001]
+
+
+def redrawn(
+    poses: Sequence[Pose],
+    weights: Sequence[float],
+    places: Sequence[Sequence[int]],
+    particles: int,
+    rng: Generator,
+) -> tuple[list[Pose], list[float]]:
+    """The particles of each place drawn anew where few hold its weight: no place dies by chance.
+
+    Examples
+    --------
+    >>> redrawn([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0)], [0.5, 0.5], [[0], [1]], 300, None)
+    ([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0)], [0.5, 0.5])
+    """
+    held = [sum(weights[k] for k in place) ** 0.8 for place in places]  # what is known fades
+    drawn, new = [], []
+    for place, part in zip(places, held, strict=True):
+        share, total = part / sum(held), sum(weights[k] for k in place)
+        own = [weights[k] / total for k in place]
+        count = max(int(particles * (share + 1 / len(places)) / 2), 1)
+        chosen = [poses[k] for k in place]
+        if len(place) > count or effective_number(own) < len(place) / 2:
+            taken = systematic(own, rng.uniform(), count)
+            chosen = [chosen[taken[k]] for k in rng.permutation(count)]
+            chosen = chosen[: enough(chosen)]
+            own = [1 / len(chosen)] * len(chosen)
+        drawn += chosen
+        new += [share * w for w in own]
+    return drawn, new
