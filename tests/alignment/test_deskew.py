@@ -196,7 +196,9 @@ def test_walls_are_as_sharp_as_if_the_robot_had_stopped(still, skewed):
     assert before[0] > 2 * still[0] and after[0] < 1.2 * still[0]
     assert before[1] > 1.5 * still[1] and after[1] <= 1.4 * still[1]
     assert after[2] == "" and "in 355 of 355" in before[2]
-    assert "scans the robot moved by more than the spacing of the beams, up to 10." in before[2]
+    said = "scans the robot moved by more than the spacing of the beams, up to "
+    turned = float(before[2].partition(said)[2].split()[0])  # degrees; PATH turns by 10.3 at most,
+    assert 10 < turned < 15  # and a scan that is not carried may be laid wrong by 5
 
 
 def recorded(folder, wheels: bool, offset: float = 0.12) -> Log:

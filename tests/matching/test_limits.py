@@ -318,8 +318,9 @@ def test_a_scan_that_lies_nowhere_brings_no_particles(monkeypatch):
     assert searched == [0, 1]
 
 
-@pytest.mark.parametrize(("fit", "searched"), [(0.8, [0]), (0.799, [0, 1])])
-def test_the_map_is_searched_where_a_scan_fits_to_less_than_four_fifths(fit, searched, monkeypatch):
+@pytest.mark.parametrize(("fit", "searched"), [(0.93, [0]), (0.929, [0, 1])])
+def test_the_map_is_searched_again_until_the_robot_is_found(fit, searched, monkeypatch):
+    """Catches a robot that is not found, and fits to four fifths at a wrong place for ever."""
     assert believed_of([0, fit], fit, monkeypatch)[1] == searched
 
 
@@ -334,11 +335,11 @@ def test_how_well_scans_fit_says_whether_the_robot_is_found(fit, said, monkeypat
 @pytest.mark.parametrize(
     ("places", "count"),
     [
-        *((((ZERO, 0.96), ((1, 0, 0), 0.04)), 1), (((ZERO, 0.94), ((1, 0, 0), 0.06)), 2)),
+        *((((ZERO, 1.0), ((1, 0, 0), 0.0)), 1), (((ZERO, 0.95), ((1, 0, 0), 0.05)), 2)),
         *((((ZERO, 0.5), ((0.3, 0.4, 0), 0.5)), 1), (((ZERO, 0.5), ((0.36, 0.36, 0), 0.5)), 2)),
         *((((ZERO, 0.5), ((0, 0, -0.5), 0.5)), 1), (((ZERO, 0.5), ((0, 0, 0.51), 0.5)), 2)),
         (((ZERO, 0.5), ((1, 0, 0), 0.3), ((2, 0, 0), 0.2)), 3),
-        (((ZERO, 0.5), ((1, 0, 0), 0.46), ((2, 0, 0), 0.04)), 2),
+        (((ZERO, 0.5), ((1, 0, 0), 0.46), ((2, 0, 0), 0.04)), 3),
     ],
 )
 def test_how_many_places_there_are(places, count, monkeypatch):

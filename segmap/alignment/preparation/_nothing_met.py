@@ -13,8 +13,8 @@ from ...scans.causes import Cause, Finding
 
 #: Scans that are looked at, spread over the log.
 SAMPLE = 200
-#: A number is met in so many of them.
-SCANS = 0.25
+#: A number is met in so many of them; fewer scans than the second do not tell.
+SCANS, LEAST_SCANS = 0.25, 10
 #: So many other ranges are nearer: what rides with the robot is the nearest of all.
 NEARER = 0.25
 #: Half of the beams beside those that hold it differ by this share of it. Those beside a part of a
@@ -49,6 +49,8 @@ def without_nothing_met(log: Log) -> Log:
     Such a number stands out among the ranges, is none of the nearest, and is met in many scans
     beside beams that see something else. A driver may have several.
     """
+    if len(log) < LEAST_SCANS:
+        return log
     some = log[:: 1 + len(log) // SAMPLE]
     ranges = np.concatenate([np.empty(0), *(np.where(s.valid, s.ranges, np.nan) for s in some)])
     scan = np.repeat(np.arange(len(some)), [len(s) for s in some])
