@@ -26,8 +26,8 @@ from ._weights import PART, effective_number, systematic
 #: from the third on, and then until below the second: what has moved makes wrong rooms fit to .92.
 LOST, DOUBT, SURE = 0.7, 0.8, 0.93
 #: A place with less than this share of the weight is dead, and found is the robot where all other
-#: places are: the fits of a few scans must differ by a third, or those of a drive by 7 % each.
-DEAD = 0.001
+#: places are: the fits of a single scan must differ by 16 %, or those of a drive by 3.5 % each.
+DEAD = 0.03
 #: What is known of two places counts with this power at the next scan. Maps are a little better at
 #: one of two equal places (by 1 % of the fit where its walls err by 4 cm): with 1, a long drive
 #: would make sure of it.

@@ -120,7 +120,7 @@ def localize(
 
 
 def at_places(poses: Sequence[Pose], weights: Sequence[float]) -> list[list[int]]:
-    """Which particles are at each place, but at those that hold less than 0.001 of the weight.
+    """Which particles are at each place, but at those that hold less than 0.03 of the weight.
 
     Examples
     --------
@@ -134,7 +134,7 @@ def at_places(poses: Sequence[Pose], weights: Sequence[float]) -> list[list[int]
                 abs((poses[k][2] - top[2] + pi) % (2 * pi) - pi) <= 0.5]  # fmt: skip
         places.append(near)
         left -= set(near)
-    return [place for place in places if sum(weights[k] for k in place) >= 0.001]
+    return [place for place in places if sum(weights[k] for k in place) >= 0.03]
 
 
 def redrawn(
