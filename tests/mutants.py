@@ -54,7 +54,7 @@ ALSO = {
         "commands/test_commands.py",
     ),
     "alignment/pose_graph": ("matching/test_merge.py",),
-    "exports": ("readers/test_graph_files.py", "readers/test_segment_files.py"),
+    "exports": ("readers/test_graph_files.py", "exports/test_segment_files.py"),
     "grading": ("course/grading/test_grades_table.py", "course/grading/test_handout.py"),
     "threads": ("basics/test_progress.py",),
 }
