@@ -49,16 +49,18 @@ def check(given: argparse.Namespace) -> None:
 
 def convert(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Write one log to all its files; where its poses were sought, only if they make a map."""
-    poses = Outcome(opening.recipe_of(given, log), log).solved if given.align else None
-    if poses is not None:
+    made = Outcome(opening.recipe_of(given, log), log) if given.align else None
+    poses, written = None, paths
+    if made is not None:
+        poses = made.solved
         opening.tell_alignment(poses, report)
-    written = paths if poses is None else opening.allowed(given, poses.verdict, paths, report)
+        written = opening.allowed(given, made.verdict, paths, report)
     if written:
         texts = [_write(path, log, poses) for path in written]
         report.line("written", texts[0], files=[str(path) for path in written])
         for text in texts[1:]:
             report.line("", text)
-    return 0 if poses is None else opening.concluded(given, poses.verdict, report)
+    return 0 if made is None else opening.concluded(given, made.verdict, report)
 
 
 def _write(path: Path, log: Log, poses: Alignment | None) -> str:

@@ -342,6 +342,29 @@ def test_a_good_map_is_called_so_and_strict_asks_for_more(run, folder, tmp_path)
     assert said.splitlines()[-1].endswith("(--strict asks for 90.0 % of the scans)")
 
 
+def test_each_command_says_one_verdict_on_the_same_poses(run, folder, tmp_path):
+    """Catches a command that judges the poses alone, ends otherwise, or keeps the cause for itself.
+
+    The occupancy map is judged by its cells too.
+    """
+    shutil.copy(folder / "far.log", tmp_path)
+    found = {}
+    for command, file in (("map", "csv"), ("compare", "csv"), ("convert", "tum"),
+                          ("occupancy", "npz")):  # fmt: skip
+        words = (command, "far.log", "--align", "backbone", "-o", f"it.{file}", "--json")
+        code, said, beside = run(*words)
+        found[command] = json.loads(said)["verdict"]
+        assert code == 0 and Path(f"it.{file}").exists()
+        assert beside.splitlines()[-1] == f"segmap: far.log: {found[command]['words']}"
+        assert run(*words, "--strict")[0] == 3
+    assert found["map"]["grade"] == "doubtful" and found["map"]["doubled"] is not None
+    assert found["compare"] == found["convert"] == found["map"]
+    cells = found["occupancy"].pop("smeared")
+    assert found["map"].pop("smeared") is None and 0 <= cells < 0.2
+    words = f"{found['map']['words']}, {100 * cells:.0f} % of the walls smeared"
+    assert found["occupancy"] == found["map"] | {"words": words, "text": words}
+
+
 def test_json_is_an_object_a_log_with_all_that_is_printed(run, folder, lost, tmp_path):
     """Catches text between the objects, a figure that only the text has, and a log left out."""
     shutil.copy(folder / "far.log", tmp_path)
