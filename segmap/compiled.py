@@ -16,7 +16,7 @@ import threading
 import types
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar, cast, get_args, get_type_hints
 
@@ -51,7 +51,7 @@ class Compiled(Generic[P, R]):
         """Run the machine code."""
         if self._fast is None:
             with _no_collecting():
-                with signals_held():  # not while it compiles: that can be interrupted
+                with signals_held():
                     self._fast = self._build()
                 return self(*args, **kwargs)
         if not self._floats:
@@ -67,10 +67,10 @@ class Compiled(Generic[P, R]):
         if os.environ.get(PLAIN) == "1":
             return self.plain
         try:
-            njit = _numba().njit
+            import numba
         except ImportError:
             return self.plain
-        return self._jit(njit, nogil=True)
+        return self._jit(numba.njit, nogil=True)
 
     def _jit(self, njit: Callable[..., Any], **options: bool) -> Callable[P, R]:
         inner = "-inner" if "no_cpython_wrapper" in options else ""
@@ -78,9 +78,11 @@ class Compiled(Generic[P, R]):
         linked = self._linked(njit, inner + ("" if options["_nrt"] else "-bare"))
         options["no_cfunc_wrapper"] = True  # nobody calls kernels from C
         try:
-            return cast(Callable[P, R], njit(cache=True, **options)(linked))
+            made = njit(cache=True, **options)(linked)
         except RuntimeError:  # no folder that a cache could be written to
-            return cast(Callable[P, R], njit(**options)(linked))
+            made = njit(**options)(linked)
+        made.compile = signals_held()(made.compile)
+        return cast(Callable[P, R], made)
 
     def _counts(self) -> bool:
         """Whether numba must count who holds an array: where one is made, or handed back.
@@ -146,7 +148,7 @@ def _places(kind: Any) -> set[tuple[str, str]]:
 
 @contextmanager
 def signals_held() -> Iterator[None]:
-    """Let signals wait for the end: of numba half imported nothing can be called ever after.
+    """Let signals wait for the end: numba half imported, or a kernel half compiled, stays broken.
 
     It is the main thread that they interrupt; a mask would not do, since others may receive them.
     """
@@ -171,18 +173,6 @@ def signals_held() -> Iterator[None]:
             holding = False
             for number, handler in handlers.items():
                 signal.signal(number, handler)
-
-
-@cache
-def _numba() -> Any:
-    """The compiler; whenever it learns what can be compiled, signals wait: it learns it once."""
-    import numba
-    from numba.core.registry import cpu_target
-
-    for context in (cpu_target.typing_context, cpu_target.target_context):
-        kind = type(context)
-        kind.refresh = signals_held()(kind.refresh)
-    return numba
 
 
 @contextmanager
