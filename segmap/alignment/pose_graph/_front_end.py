@@ -37,7 +37,7 @@ CORRIDOR_TURN, LOST = np.radians(60), 2
 BREAK = (1.5, 1.5, np.radians(60))
 #: Without odometry a match is a guess where no more than this share of the scan lies on the map, or
 #: where it has turned so far and not nearly all does: in drives through plans of buildings such
-#: matches are wrong by metres one time in ten and more, others one in four hundred.
+#: matches are wrong by metres one time in fifteen and more, others one in six hundred.
 GUESSED_OVERLAP, GUESSED_TURN, NEARLY_ALL = 0.5, np.radians(45), 0.9
 #: A descent that goes farther from where the search began is no match: it slides along walls.
 SLIDE, SLIDE_ANGLE = 0.3, 0.2

@@ -10,6 +10,7 @@ from segmap.poses import between, compose
 from segmap.scans import Log
 from segmap.scans.causes import Cause
 from segmap.simulation import (
+    SICK_LMS200,
     OdometryNoise,
     Sensor,
     corridor_loop,
@@ -76,3 +77,17 @@ def test_a_map_that_tears_the_odometry_is_told():
     assert finding.cause is Cause.LIFTED and abs(finding.value - 4) < 0.05
     assert "scan 25" in finding.words
     assert breaks(np.full((40, 3), np.nan), poses, overlap) == []
+
+
+def test_without_odometry_a_match_after_a_far_turn_is_a_guess():
+    """Catches a scan that is sure though nothing but one match, turned by 80 degrees, ties it."""
+    stops = [(1, 5), *((x, y) for x in (2, 6) for y in (5, 6.9, 5, 3.1, 5)), (7, 5), (1.5, 5.3)]
+    path, walls = (
+        drive(stops, step=0.4, turn=np.radians(80)),
+        office(rng=np.random.default_rng(0), rooms=2),
+    )
+    log = seen(walls, path, SICK_LMS200, seed=0)
+    alone = replace(log, scans=tuple(replace(scan, odometry=None) for scan in log))
+    led, guessed = pose_graph(log), pose_graph(alone)
+    assert led.used.all() and led.sure.all() and led.spread.max() < 0.5
+    assert guessed.used.all() and not guessed.sure.all() and guessed.spread.max() > 0.5
