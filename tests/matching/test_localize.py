@@ -68,7 +68,7 @@ def away(belief, pose):
 @pytest.mark.parametrize("count", [4, slow(30)])
 def test_a_drive_through_an_office_ends_found_and_is_never_found_wrong(count):
     """Six equal rooms, another noise, odometry that drifts in a frame of its own."""
-    ended = []
+    undecided = []
     for seed in range(count):
         map, scans, truth = office_drive(seed)
         beliefs = list(localize(map, scans, rng=rng(seed)))
@@ -76,14 +76,17 @@ def test_a_drive_through_an_office_ends_found_and_is_never_found_wrong(count):
             assert not belief.found or away(belief, pose) < 0.3, seed
             assert belief.weights.sum() == pytest.approx(1.0)
             assert 0 < belief.share <= 1 + 1e-9 and np.linalg.eigvalsh(belief.covariance)[0] > 0
-        ended.append(beliefs[-1].found and away(beliefs[-1], truth[-1]) < 0.1)
-    assert np.mean(ended) >= 0.95
+        assert away(beliefs[-1], truth[-1]) < 0.1, seed
+        if not beliefs[-1].found:  # two rooms whose scans all but agree: it says so
+            assert beliefs[-1].reason == "not yet: 2 places" and beliefs[-1].share > 0.9
+            undecided.append(seed)
+    assert len(undecided) <= 1
 
 
 @pytest.mark.parametrize("seeds", [range(3), slow(range(40))])
 def test_a_robot_that_is_carried_away_says_so_and_is_found_again(seeds):
     """Odometry knows nothing of it: lost within two scans, at the new place soon after."""
-    known, again, kept = 0, [], []
+    known, again, kept, undecided = 0, [], [], []
     for seed in seeds:
         map, scans, truth = office_drive(seed, 40)
         far = np.hypot(*(truth[12:30] - truth[10])[:, :2].T).argmax() + 12  # and go on there
@@ -101,10 +104,13 @@ def test_a_robot_that_is_carried_away_says_so_and_is_found_again(seeds):
         good = [b.found and away(b, p) < 0.3 for b, p in zip(beliefs, true, strict=True)][11:]
         known += any("lost" in belief.reason for belief in beliefs[11:14])
         again.append(good.index(True) if any(good) else 99)
+        if not any(good):  # two places that look alike: the right one leads, and it says so
+            undecided.append(seed)
+            assert beliefs[-1].reason == "not yet: 2 places" and away(beliefs[-1], true[-1]) < 0.3
     assert np.mean(kept) >= 0.9
     assert np.mean(np.array(again) <= 5) >= (0.6 if len(seeds) < 40 else 0.85)
-    # two places that look alike: one of forty is not found again
-    assert np.sort(again)[-1 - (len(seeds) == 40)] <= 20 and known >= 0.9 * len(seeds)
+    assert max(a for a in again if a < 99) <= 20 and known >= 0.9 * len(seeds)
+    assert len(undecided) <= 1
 
 
 @pytest.mark.parametrize("kind", ["walls", "squares"])
