@@ -29,6 +29,8 @@ URG_STEP = 2 * np.pi / 1024
 URG_REACH = 5.6
 #: Its mirror turns once in this time, seconds.
 URG_TURN = 0.1
+#: Said of a log whose format is that of such a sensor, and whose file does not say it.
+URG_ASSUMED = f"a URG-04LX, which sees {URG_REACH} m and turns in {URG_TURN} s"
 NOWHERE = np.array(NO_POSE)
 #: Poses closer than this, in metres and radians, are one: logs print three decimals or more.
 SAME = 1e-3

@@ -154,7 +154,7 @@ class Log(Pictured, Sequence[LaserScan]):
         What a reader or `alignment.prepared` found; it comes first in those of every alignment.
     assumed : tuple of str
         What the file does not say and is taken to be so, a plain phrase each: a unit, a direction,
-        an order, a place of the laser. Times, delays and reaches are never assumed.
+        an order, a place of the laser; a delay and a reach only in a format of one sensor.
 
     Examples
     --------

@@ -27,7 +27,7 @@ from ...poses import compose
 from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
 from .._lines import Lines, is_number, numbers, time
-from .._raw_scans import URG_REACH, URG_STEP, centred, known, urg_delays
+from .._raw_scans import URG_ASSUMED, URG_REACH, URG_STEP, centred, known, urg_delays
 from .._text import TextFormat
 
 
@@ -94,7 +94,13 @@ class CoreSlam(TextFormat):
             angles = centred(len(ranges), URG_STEP)
             sensor = URG_REACH, SENSOR_POSE, codes, urg_delays(angles)
             scans.append(LaserScan(ranges, angles, when, known(pose), *sensor))
-        return Log(name, scans, None, self.lines.skipped, assumed=() if stands else ASSUMED)
+        return Log(
+            name,
+            scans,
+            None,
+            self.lines.skipped,
+            assumed=(URG_ASSUMED, *(() if stands else ASSUMED)),
+        )
 
 
 def integrate(driven: Array) -> Array:

@@ -45,6 +45,7 @@ from .._lines import (
 )
 from .._raw_scans import (
     NOWHERE,
+    URG_ASSUMED,
     URG_REACH,
     URG_STEP,
     Extrinsic,
@@ -145,7 +146,7 @@ def _parse_scan(columns: list[str]) -> RawScan:
         metres = np.clip(numbers(columns[1:], "ranges"), -LIMIT, LIMIT)
         found, codes = as_ranges(1000 * metres)
         angles, when = centred(len(found), URG_STEP), time(columns[0])
-        turn = codes, urg_delays(angles)
+        turn = codes, urg_delays(angles), (URG_ASSUMED,)
         return RawScan("hokuyo", found, angles, when, NOWHERE, NOWHERE, URG_REACH, *turn)
     if len(columns) in (ODOMETRY_COLUMNS, TRUTH_COLUMNS):
         raise ValueError(
