@@ -14,6 +14,7 @@ import math
 import os
 import re
 import stat
+import sys
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -48,6 +49,19 @@ def shown(name: object) -> str:
     """
     letters = (c if c.isprintable() else ascii(c)[1:-1] for c in str(name))
     return "".join(letters)
+
+
+def speak() -> None:
+    """Let standard output and error say every name: with escapes for letters that they lack.
+
+    What was closed, `>&-`, is silent.
+    """
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def as_html(value: object) -> str:

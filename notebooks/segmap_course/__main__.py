@@ -10,7 +10,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from segmap.files import shown, write_bytes
+from segmap.files import shown, speak, write_bytes
 
 from .grading import (
     Limits,
@@ -32,6 +32,7 @@ Exit codes: 0 done, 1 something failed, 2 the command was not understood.
 
 def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
+    speak()
     given = parser().parse_args(arguments)
     try:
         return int(given.run(given) or 0)

@@ -8,6 +8,7 @@ import sys
 from typing import Any, NoReturn
 
 from .. import __version__
+from ..files import speak
 from . import _app, _compare, _convert, _info, _locate, _map, _merge, _notebooks, _occupancy, _warm
 from ._words import FAULTS, Usage, moving, plain_warnings, reason, tell
 from .opening import parsed
@@ -36,6 +37,7 @@ class _Strict(argparse.ArgumentParser):
 
 def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
+    speak()
     try:
         given = parsed(parser(), sys.argv[1:] if arguments is None else arguments)
         with plain_warnings(), moving():

@@ -32,6 +32,7 @@ from ._scalars import (
     frame,
     function,
     instance,
+    is_iterable,
     number,
     one_of,
     refuse_masked,

@@ -16,6 +16,8 @@ R = TypeVar("R")
 #: No coordinate of a map of a building is larger, metres. Compiled loops count cells in 64 bits,
 #: and cells of a hundredth of a millimetre still fit.
 LIMIT = 1e7
+#: Lists in lists, of which numpy makes an array.
+DEEPEST = 64
 #: No threshold is a smaller length, metres: 1e7 m in such cells can still be counted.
 LEAST = 1e-9
 #: No count of anything is larger.
@@ -224,11 +226,28 @@ def _scalar(value: object) -> NDArray[Any]:
     return array if array.shape == () and not is_masked(value) else np.array(None)
 
 
-def is_masked(value: object) -> bool:
+def is_masked(value: object, deep: int = DEEPEST) -> bool:
     """Whether part of an array, or of those in a list, is masked: numpy would lay it bare."""
     if isinstance(value, np.ma.MaskedArray):
         return bool(np.ma.is_masked(value))
-    return isinstance(value, list | tuple) and any(is_masked(each) for each in value)
+    if not isinstance(value, list | tuple) or deep == 0:
+        return False
+    return any(is_masked(each, deep - 1) for each in value)
+
+
+def is_iterable(value: object) -> bool:
+    """Whether a value gives others one by one; an array without dimension only looks like it.
+
+    Examples
+    --------
+    >>> is_iterable(np.zeros(2)), is_iterable(np.array(2.0))
+    (True, False)
+    """
+    try:
+        iter(value)  # type: ignore[call-overload]
+    except TypeError:
+        return False
+    return True
 
 
 def refuse_masked(value: object, name: str) -> None:
@@ -247,5 +266,8 @@ def refuse_masked(value: object, name: str) -> None:
 
 def brief(value: object) -> str:
     """A value as a message shows it, on one line."""
-    text = " ".join(repr(value).split())
+    try:
+        text = " ".join(repr(value).split())
+    except RecursionError:
+        text = f"a {type(value).__name__} in a {type(value).__name__}, and so on"
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -118,7 +118,9 @@ class Grid(Frame):
 
     def __post_init__(self) -> None:
         if not (isinstance(self.name, str) and re.fullmatch(r"EPSG:[1-9]\d{3,5}", self.name)):
-            raise ValueError(f"name must be like EPSG:25832, a grid in metres, got {self.name!r}")
+            raise ValueError(
+                f"name must be like EPSG:25832, a grid in metres, got {arrays.brief(self.name)}"
+            )
         if self.name == "EPSG:4326":
             raise ValueError("name: EPSG:4326 is in degrees, no grid in metres: take Earth")
         super().__post_init__()

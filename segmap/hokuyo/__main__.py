@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
-from ..files import shown
+from ..files import shown, speak
 from . import SensorError, UrgSensor, record
 from ._port import ports
 from ._record import check_target
@@ -18,6 +18,7 @@ _PORT = "device, or tcp://host[:10940] on Ethernet (default: the Hokuyo on USB)"
 
 def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code: 0, or 1 after a line that says what went wrong."""
+    speak()
     given = _parser().parse_args(arguments)
     if __name__ == "__main__":
         _stop_on_signals()

@@ -66,8 +66,9 @@ class HostClock:
 
 def one_by_one(value: Iterable[LaserScan], name: str) -> Iterator[LaserScan]:
     """What gives scans, ready to give them."""
-    listed = value if isinstance(value, Iterable) and isinstance(value, Sized) else ()
-    if not (isinstance(value, Iterable) and all(isinstance(scan, LaserScan) for scan in listed)):
+    several = arrays.is_iterable(value)
+    listed = value if several and isinstance(value, Sized) else ()
+    if not (several and all(isinstance(scan, LaserScan) for scan in listed)):
         raise ValueError(f"{name} must give LaserScans one by one, got {arrays.brief(value)}")
     return iter(value)
 

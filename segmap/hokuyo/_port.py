@@ -6,6 +6,7 @@ import errno
 from os import PathLike, fspath
 from typing import Any, NamedTuple
 
+from ..arrays import brief
 from ._lines import LOST, Port
 from ._protocol import SensorError
 from ._tcp import is_address, open_tcp, parse_address
@@ -65,7 +66,9 @@ def checked_port(port: str | PathLike[str] | Port) -> str | Port:
             parse_address(device)
         return device
     if not callable(getattr(port, "read", None)):
-        raise ValueError(f"port must be a device, 'auto', an address or an open port, got {port!r}")
+        raise ValueError(
+            f"port must be a device, 'auto', an address or an open port, got {brief(port)}"
+        )
     if getattr(port, "timeout", 0.0) is None:
         raise ValueError("the port must have a timeout, as serial.Serial(device, timeout=0.02) has")
     return port

@@ -304,8 +304,8 @@ def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
     Measurement(clock=6968830, millimetres=array([392, 381]))
     """
     characters = arrays.whole(characters, "characters", most=8)
-    lines = list(body) if isinstance(body, Iterable) else [body]
-    if not all(isinstance(line, bytes) for line in lines):
+    lines = list(body) if arrays.is_iterable(body) else []
+    if not arrays.is_iterable(body) or not all(isinstance(line, bytes) for line in lines):
         raise ValueError("body must be lines of bytes, one after the other")
     if not lines:
         raise SensorError("a scan without a time stamp")

@@ -131,7 +131,7 @@ def localize(
     (True, True)
     """
     either_map(map)
-    if not isinstance(scans, Iterable):
+    if not arrays.is_iterable(scans):
         raise ValueError(f"scans must be a Log, or give scans, got {arrays.brief(scans)}")
     return _beliefs(Likelihoods(map), scans, rng, particles, beams)
 

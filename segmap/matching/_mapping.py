@@ -105,7 +105,7 @@ def map_scans(
     arrays.function(score, "score", "of map, points and poses, nearest_score say")
     pose = arrays.pose(start, "start")
     tree = QuadtreeMap() if map is None else arrays.instance(map, "map", QuadtreeMap)
-    if not isinstance(log, Iterable):
+    if not arrays.is_iterable(log):
         raise ValueError(f"log must be a Log, or give scans one by one, got {type(log).__name__}")
     if graph is not False:
         given = LiveGraph() if graph is True else arrays.instance(graph, "graph", LiveGraph)

@@ -147,7 +147,7 @@ def particle_mapping(
     """
     pose = arrays.pose(start, "start")
     tree = QuadtreeMap(resolution=0.05) if map is None else arrays.instance(map, "map", QuadtreeMap)
-    if not isinstance(log, Iterable):
+    if not arrays.is_iterable(log):
         raise ValueError(f"log must be a Log, or give scans one by one, got {type(log).__name__}")
     if odometry is not None:
         arrays.instance(odometry, "odometry", OdometryNoise)

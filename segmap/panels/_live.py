@@ -302,8 +302,8 @@ def _checked(source: UrgSensor | Iterable[LaserScan]) -> UrgSensor | Iterable[La
     """A sensor, or what gives scans; those of a list are looked at, others when they come."""
     if isinstance(source, UrgSensor):
         return source
-    listed = arrays.instance(source, "source", Iterable)
-    if isinstance(listed, Sized) and not all(isinstance(scan, LaserScan) for scan in listed):
+    listed = source if isinstance(source, Sized) and arrays.is_iterable(source) else ()
+    if not arrays.is_iterable(source) or not all(isinstance(scan, LaserScan) for scan in listed):
         said = arrays.brief(source)
         raise ValueError(f"source must be a sensor, or give scans (LaserScan), got {said}")
     return source

@@ -25,7 +25,7 @@ def find(name: str) -> Path:
     logs = {path.parent.name: path for path in found if path.name == f"{path.parent.name}.log.gz"}
     if not isinstance(name, str) or name not in logs:
         known = ", ".join(repr(known) for known in sorted(logs)) or "none"
-        raise ValueError(f"name must be that of a bundled log ({known}), got {name!r}")
+        raise ValueError(f"name must be that of a bundled log ({known}), got {arrays.brief(name)}")
     return logs[name]
 
 

@@ -144,7 +144,7 @@ class Lines(Reading):
                     self.number, read = self.number + 1, read + len(line)
                     if self.number % STEP == 0:  # of a packed file its fileobj says how far it is
                         at = getattr(file, "fileobj", file).tell()
-                        announce(min(at / size, 1.0), f"reading line {self.number}")
+                        announce(min(at / max(size, 1), 1.0), f"reading line {self.number}")
                     if len(line) > MAX_LINE:
                         raise self.error(f"longer than {MAX_LINE} bytes, expected a line of a log")
                     if read > most:

@@ -252,7 +252,7 @@ def _share(count: int, of: int, what: str) -> str:
 
 def _all(values: Iterable[T], name: str, kind: type[T]) -> tuple[T, ...]:
     """Values that are all of one kind."""
-    if not isinstance(values, Iterable) or isinstance(values, str):
+    if not arrays.is_iterable(values) or isinstance(values, str):
         raise ValueError(f"{name} must be a list of {kind.__name__}, got {type(values).__name__}")
     found = tuple(values)
     for k, value in enumerate(found):

@@ -39,7 +39,7 @@ def behind(
     if starts.shape != (count + 1,) or (counts < 2).any() or [starts[0], starts[-1]] != [0, len(p)]:
         raise ValueError(
             f"first must rise from 0 to {len(p)}, the number of points, in {count} steps of at "
-            f"least 2 points a segment, got {len(starts)} values"
+            f"least 2 points a segment, got {starts.size} values"
         )
     return p, starts
 

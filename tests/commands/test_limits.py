@@ -2,7 +2,9 @@
 
 import io
 import json
+import os
 import re
+import subprocess
 import sys
 from argparse import Namespace
 from contextlib import nullcontext
@@ -15,7 +17,7 @@ import pytest
 import tqdm
 
 import segmap
-from segmap import alignment, exports, quadtree, reduction
+from segmap import alignment, exports, quadtree, readers, reduction
 from segmap._commands import _compare, _locate, _occupancy, opening
 from segmap._commands._words import Report, metres, progress, seconds
 from segmap._recipe import cropped
@@ -320,3 +322,45 @@ def test_the_table_has_the_best_first_and_the_run_that_is_nearest(monkeypatch, c
     assert (lines[0], lines[-1]) == ("", "") and len(lines) == 6
     assert nearest["hybrid"]["n_after"] == 40 and next(iter(nearest)) == "fusion"
     assert report.found["methods"]["least_cost"]["gone"] is None
+
+
+# ---------------------------------------------------------------------------- streams
+NAMED = "caf\u00e9 \u2192 \u0416.log"
+#: What a terminal of another language, an old Windows and a machine without a language have.
+TERMINALS = (
+    {"PYTHONIOENCODING": "cp1252"},
+    {"PYTHONIOENCODING": "ascii"},
+    {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+)
+
+
+@pytest.mark.parametrize("terminal", TERMINALS)
+def test_a_name_that_a_terminal_cannot_say_never_ends_the_work(terminal, tmp_path):
+    """Catches "'charmap' codec can't encode", and work that is lost for it."""
+    exports.write_carmen(tmp_path / NAMED, segmap.load("room")[:3])
+    words = [NAMED, "nowhere \u0416.log", "--method", "none", "--force", "-o", "{name}.csv"]
+    found = subprocess.run(
+        [sys.executable, "-m", "segmap", "map", *words],
+        cwd=tmp_path, env=os.environ | terminal, capture_output=True, check=False,
+    )  # fmt: skip
+    said, beside = found.stdout.decode("latin-1"), found.stderr.decode("latin-1")
+    assert "codec" not in beside and "Traceback" not in beside and found.returncode == 1
+    assert "3 scans" in said
+    assert "\\u0416.log" in beside or "\\udcd0\\udc96.log" in beside
+    assert len(list(tmp_path.glob("*.csv"))) == 1
+
+
+def test_a_closed_output_is_silent_and_a_file_without_a_size_is_told():
+    """Catches `>&-` and a file of the system, whose size is 0, that end in another error."""
+    command = f"{sys.executable} -m segmap info"
+    for ends, code in (("room >&-", 0), ("room 2>&-", 0), ("room >&- 2>&- <&-", 0),
+                       ("nowhere 2>&-", 1), ("/proc/self/maps", 1)):  # fmt: skip
+        found = subprocess.run(
+            ["sh", "-c", f"{command} {ends}"], capture_output=True, text=True, check=False
+        )
+        assert found.returncode == code, found.stderr
+        assert "Traceback" not in found.stderr and "ZeroDivision" not in found.stderr
+    lines = Path("/proc/self/maps")
+    if lines.exists():
+        with pytest.raises(readers.LogError):
+            readers.read(lines)

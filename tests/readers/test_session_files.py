@@ -144,3 +144,34 @@ def test_what_json_does_not_hold_is_no_session(tmp_path):
         write_session(tmp_path / "it.zip", SESSION)
     with pytest.raises(ValueError, match="must hold a scan"):
         write_session(tmp_path / "it.segmap", Session(LOG[:0], {}))
+
+
+def test_an_array_without_dimension_is_told_in_every_npz(tmp_path):
+    """Catches numpy's own errors for one number where a file should hold a row of them."""
+    points, first = np.arange(8.0).reshape(4, 2), np.array([0, 2, 4])
+    map = segmap.SegmentMap([[(0, 0), (1, 0)], [(0, 1), (1, 1)]], points=points, first=first)
+    segmap.quadtree.build_map(LOG[1:], [(0, 0, 0)], resolution=0.5).save(tmp_path / "tree.npz")
+    map.save(tmp_path / "map.npz")
+    segmap.exports.write_arrays(tmp_path / "log.npz", LOG[1:])
+    write_session(tmp_path / "it.segmap", SESSION)
+    readers = {"map": segmap.SegmentMap.load, "log": read}
+    readers |= {"tree": segmap.quadtree.QuadtreeMap.load, "it": read_session}
+    refused = 0
+    for path in sorted(tmp_path.iterdir()):
+        with np.load(path) as held:
+            whole = {k: held[k] for k in held.files if not k.endswith(".json")}
+        with zipfile.ZipFile(path) as packed:
+            texts = {k: packed.read(k) for k in packed.namelist() if k.endswith(".json")}
+        for name in {*whole} - {"format"}:
+            np.savez(bad := tmp_path / f"bad{path.suffix}.npz", **whole | {name: np.array(3.0)})
+            with zipfile.ZipFile(bad, "a") as packed:
+                for word, text in texts.items():
+                    packed.writestr(word, text)
+            bad = bad.rename(tmp_path / f"bad{path.suffix}")
+            try:
+                readers[path.stem](bad)
+            except ValueError as fault:
+                assert str(fault), name
+                refused += 1
+            bad.unlink()
+    assert refused > 15

@@ -137,7 +137,7 @@ def write_table(path: Path, reports: Sequence[Report]) -> None:
     table = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
     table.writeheader()
     table.writerows(rows)
-    write_bytes(path, text.getvalue().encode())
+    write_bytes(path, text.getvalue().encode("utf-8", "backslashreplace"))
 
 
 def _figures(said: dict[str, Any], begin: str = "") -> Iterator[tuple[str, Any]]:

@@ -90,8 +90,11 @@ def angle_candidates(
     >>> angle_candidates(corner, corner + [1, 0], rng=np.random.default_rng(1))[0]
     Candidate(-1 m, 0 m, 0 deg: 5.00 m match, 0.00 m hidden)
     """
-    if not isinstance(viewpoints, tuple | list | np.ndarray) or len(viewpoints) != 2:
-        raise ValueError(f"viewpoints must be two, each a place or None, got {viewpoints!r}")
+    several = isinstance(viewpoints, tuple | list | np.ndarray) and arrays.is_iterable(viewpoints)
+    if not several or len(viewpoints) != 2:
+        raise ValueError(
+            f"viewpoints must be two, each a place or None, got {arrays.brief(viewpoints)}"
+        )
     rule = float(distance), float(far), float(long), whole
     given = {"reference_segments": reference_segments, "current_segments": current_segments}
     s, t = (

@@ -10,13 +10,14 @@ import sys
 import threading
 from pathlib import Path
 
-from ...files import shown
+from ...files import shown, speak
 from .. import SensorError
 from . import Emulator, Replay
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run it and return its exit code: 0, or 1 after a line that says what went wrong."""
+    speak()
     given = _parser().parse_args(arguments)
     try:
         _run(given)

@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import checked
+from ...arrays import brief, checked
 from ...scans import Log
 from .._lines import Lines, LogError, OnError, log_file, stem, time
 from .._turns import COUNTERCLOCKWISE, Beams, angle, distance, number
@@ -108,7 +108,9 @@ def read_csv(
     names = columns.split(",") if isinstance(columns, str) else columns
     if names is not None:
         if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
-            raise ValueError(f"columns must be a list of names, such as {EXAMPLE}, got {columns!r}")
+            raise ValueError(
+                f"columns must be a list of names, such as {EXAMPLE}, got {brief(columns)}"
+            )
         try:
             fault = wanting(head(names))
         except ValueError as same:

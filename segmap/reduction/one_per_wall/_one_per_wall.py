@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arrays import Array, Positive, Segments, checked
+from ...arrays import LEAST, Array, Positive, Segments, checked
 from ...progress import each, parts
 from ...segments import SegmentMap, length, midpoint
 from .._index import empty_index, enter_all
@@ -81,7 +81,10 @@ def one_per_wall(map: Segments, *, factor: Positive = 1.0) -> Reduction:
             noise = left = spread(offsets(s, pairs)) / np.sqrt(2)
             if several and noise > 0:
                 s, sensors, left = _agreed(s, sensors, of, pairs, noise)
-        return _drawn(rows, s, sensors, 3 * factor * float(np.hypot(left, BEND)))
+        tolerance = 3 * factor * float(np.hypot(left, BEND))
+        if tolerance < LEAST:  # no wall is drawn so finely
+            raise ValueError(f"factor must make {LEAST:.0e} m of the noise at least, got {factor}")
+        return _drawn(rows, s, sensors, tolerance)
 
     found = run("one_per_wall", map, reduce)
     lost = [] if several else ["which scan saw what, so that none was moved"]
