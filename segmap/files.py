@@ -169,10 +169,10 @@ def packed(data: bytes) -> bytes:
 
 # ------------------------------------------------------------------------------ tables
 def table_text(rows: Iterable[Sequence[object]]) -> str:
-    """Rows of cells as CSV text, a line each."""
+    """Rows of cells as CSV text, a line each; halves of letters in a name are written out."""
     target = io.StringIO()
     csv.writer(target, lineterminator="\n").writerows(rows)
-    return target.getvalue()
+    return target.getvalue().encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def read_table(path: Path, head: Sequence[str]) -> Iterator[tuple[list[str], str]]:

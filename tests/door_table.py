@@ -6,6 +6,7 @@ See test_doors.
 from __future__ import annotations
 
 import copy
+import functools
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -218,6 +219,10 @@ MEANT = {"LaserScan.ranges=masked", "LaserScan.time=nan", "measure.ranges=masked
 ARRAYS = {"angle", "a", "b", "weight_a", "weight_b", "weight_u", "weight_v", "weights", "near"}
 
 
+#: A list in a list, and so on.
+NESTED = functools.reduce(lambda inner, _: [inner], range(1000), 3.0)
+
+
 def holds_numbers(value):
     """Whether a value is an array, or a tuple that stands for one."""
     return isinstance(value, np.ndarray) or (
@@ -301,7 +306,15 @@ def odd(value):
     if isinstance(value, int | float | np.number):
         found = {"zero": 0, "negative": -1.0, "infinite": np.inf, "large": 1e7, "part": 2.5}
         found |= {"whole": 2**63, "longer": 2**64, "least": -1e308}
-        return found | {"huge": 1e19, "far": 1e155, "end": 1e308, "tiny": 1e-300, "small": 1e-9}
+        return found | {
+            "huge": 1e19,
+            "far": 1e155,
+            "end": 1e308,
+            "tiny": 1e-300,
+            "small": 1e-9,
+            "least of all": 5e-324,
+            "nested": NESTED,
+        }
     if holds_numbers(value):
         array, found = np.array(value, float), {"none": [], "one number": 1.0, "a map": MAP}
         for word, bad in (("nan", np.nan), ("inf", np.inf), ("minus", -1), ("huge", 1e19)):
@@ -309,8 +322,10 @@ def odd(value):
             found[f"with {word}"].flat[-1] = bad
         found |= {"all nan": array * np.nan, "all zero": array * 0, "too deep": array[None]}
         found |= {"turned": array.T, "far": array * 1e155, "end": array + 1e308}
+        found |= {"no dimension": np.array(3.0), "nested": NESTED}
         return found | {"shorter": array[:-1], "one": array[:1]}
-    found = {"a tree": TREE, "a map": MAP, "a log": LOG, "none": []}
+    found = {"a tree": TREE, "a map": MAP, "a log": LOG, "none": [], "nested": NESTED}
+    found |= {"no dimension": np.array(3.0), "no thing": np.array(None, object)}
     if isinstance(value, pd.DataFrame):
         return found | {"no rows": value[:0], "words": value.astype(str), "nan": value.assign(
             **dict.fromkeys(value.select_dtypes("number"), np.nan))}  # fmt: skip

@@ -119,8 +119,8 @@ def pairs(text: str) -> list[str]:
     """Loops as `FIRST-SECOND`: one, or those of a table as `--loops` writes it."""
     if re.fullmatch(r"\d+-\d+", text):
         return [text]
-    rows = csv.DictReader(Path(text).read_text().splitlines())
     try:
+        rows = csv.DictReader(Path(text).read_text(encoding="utf-8").splitlines())
         return [f"{int(row['first'])}-{int(row['second'])}" for row in rows]
     except (KeyError, TypeError, ValueError) as error:
         words = f"{text} must be a table with columns first and second"
@@ -177,7 +177,7 @@ def mapped(
 
             write_map_picture(path, made.map, after)
         elif path.suffix.lower() == ".segmap":
-            exports.write_session(path, kept.session(made.given, [report.found]))
+            exports.write_session(path, kept.session(made.given, [report.kept()]))
         else:
             exports.write_segments(path, after, world=world_of(made.recipe.edits))
 

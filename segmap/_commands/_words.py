@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import signal
 import socket
 import sys
@@ -89,6 +90,12 @@ class Report:
         """What the file of the log does not say and was taken to be so: beside the verdict."""
         if self._assumed:
             self.line("assumed", "; ".join(self._assumed), facts=list(self._assumed))
+
+    def kept(self) -> dict[str, Any]:
+        """All of it as a session holds it: halves of letters in a name are written out."""
+        text = json.dumps(self.found, ensure_ascii=False)
+        said = re.sub(r"[\ud800-\udfff]", lambda half: rf"\\u{ord(half[0]):x}", text)
+        return dict(json.loads(said))
 
     def end(self) -> None:
         """Print the object, where JSON was asked for."""

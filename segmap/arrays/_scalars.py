@@ -244,10 +244,9 @@ def is_iterable(value: object) -> bool:
     (True, False)
     """
     try:
-        iter(value)  # type: ignore[call-overload]
+        return isinstance(value, Iterable) and iter(value) is not None
     except TypeError:
         return False
-    return True
 
 
 def refuse_masked(value: object, name: str) -> None:

@@ -125,7 +125,7 @@ def write_ros_map(
     ]
     with replacing(place) as text, replacing(picture) as image:  # both can be written, or none is
         image.write(f"P5\n{columns} {rows}\n255\n".encode("ascii") + pixels)
-        text.write("".join(f"{line}\n" for line in lines).encode())
+        text.write("".join(f"{line}\n" for line in lines).encode("utf-8", "surrogateescape"))
 
 
 def _number(value: float) -> str:

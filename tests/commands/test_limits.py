@@ -17,8 +17,8 @@ import pytest
 import tqdm
 
 import segmap
-from segmap import alignment, exports, quadtree, readers, reduction
-from segmap._commands import _compare, _locate, _occupancy, opening
+from segmap import alignment, experiments, exports, quadtree, readers, reduction
+from segmap._commands import _compare, _locate, _occupancy, main, opening
 from segmap._commands._words import Report, metres, progress, seconds
 from segmap._recipe import cropped
 from segmap.alignment import Alignment, Verdict
@@ -348,6 +348,21 @@ def test_a_name_that_a_terminal_cannot_say_never_ends_the_work(terminal, tmp_pat
     assert "3 scans" in said
     assert "\\u0416.log" in beside or "\\udcd0\\udc96.log" in beside
     assert len(list(tmp_path.glob("*.csv"))) == 1
+
+
+def test_a_name_that_is_no_text_is_written_out(tmp_path, capsys, monkeypatch):
+    """Catches a session, a table of runs or a ROS map that a name ends after all the work."""
+    monkeypatch.chdir(tmp_path)
+    name = os.fsdecode(b"no\xfftext")
+    exports.write_carmen(f"{name}.log", segmap.load("room")[:3])
+    words = (f"{name}.log", "--force", "-o")
+    for command, ends in (("map", ".segmap"), ("compare", ".csv"), ("occupancy", ".yaml")):
+        assert main([command, *words, f"{name}{ends}"]) == 0, capsys.readouterr().err
+    (run,) = readers.read_session(f"{name}.segmap").runs
+    assert (run["log"], run["source"]) == ("no\\udcfftext", "no\\udcfftext.log")
+    assert set(experiments.read_records(f"{name}.csv")["map"]) == {"no\\udcfftext"}
+    assert b'image: "no\xfftext.pgm"' in Path(f"{name}.yaml").read_bytes()
+    assert Path(f"{name}.pgm").exists()
 
 
 def test_a_closed_output_is_silent_and_a_file_without_a_size_is_told():
