@@ -12,9 +12,11 @@ import io
 import itertools
 import math
 import os
+import platform
 import re
 import stat
 import sys
+import time
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -27,6 +29,11 @@ from numpy.typing import NDArray
 
 from .progress import each
 
+try:
+    import fcntl
+except ImportError:  # Windows, which removes no file that is open
+    fcntl = None  # type: ignore[assignment]
+
 #: A packed file unpacks to at most this many bytes, or to this many times its own: logs shrink to a
 #: third or a fifth, trees to a sixth, the most regular tree to a 23rd, and what shrinks to a
 #: thousandth is made to fill the memory.
@@ -35,6 +42,10 @@ UNPACKED, RATIO = 1 << 20, 50
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 #: Of files that this process writes: two may be begun at the same time.
 COUNT = itertools.count()
+#: This machine, in the names of files that it has begun: others may share the folder.
+HOST = re.sub(r"\W", "_", platform.node())
+#: No file takes so long to be written, seconds.
+DAY = 24 * 3600.0
 #: More bytes than the head of an array takes.
 HEAD = 256
 
@@ -108,27 +119,47 @@ def existing(path: Path) -> os.stat_result | None:
     return found
 
 
-@contextmanager
-def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
-    """A file written beside its place, and moved there once it is complete.
-
-    A file that was there keeps its mode, and its owner where this user may give files away. A
-    symbolic link stays, and what it leads to is replaced. With `sync` the disk has it all before;
-    a recorder has no time for that.
+def writable(path: Path) -> Path:
+    """Where a file is going to be, seen before any work is done for it.
 
     Raises
     ------
     ValueError, OSError
         As `existing`; for a folder that does not exist, or cannot be written to.
     """
-    old, place = existing(path), Path(os.path.realpath(path))
+    existing(path)
+    place = Path(os.path.realpath(path))
     if not place.parent.is_dir():
         said = f"cannot write {shown(path)}: the folder {shown(place.parent)} does not exist"
         raise FileNotFoundError(said)
-    part = place.with_name(f".segmap-{os.getpid()}-{next(COUNT)}.part")
-    mode = 0o666 if old is None else 0o600
+    as_user = os.access in os.supports_effective_ids
+    if not os.access(place.parent, os.W_OK | os.X_OK, effective_ids=as_user):
+        said = f"cannot write {shown(path)}: the folder {shown(place.parent)} is read-only"
+        raise PermissionError(said)
+    return place
+
+
+@contextmanager
+def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
+    """A file written beside its place, and moved there once it is complete.
+
+    A file that was there keeps its mode, and its owner where this user may give files away. A
+    symbolic link stays, and what it leads to is replaced. With `sync` the disk has it all before,
+    and what killed writers left in the folder is removed; a recorder has no time for that.
+
+    Raises
+    ------
+    ValueError, OSError
+        As `writable`; for a disk that is full.
+    """
+    place, old = writable(path), existing(path)
+    if sync:
+        remove_orphans(place.parent)
+    part = place.with_name(f".segmap-{HOST}-{os.getpid()}-{next(COUNT)}.part")
+    mode, lock = 0o666 if old is None else 0o600, None
     try:
-        with open(part, "wb", opener=lambda name, how: os.open(name, how, mode)) as target:
+        with open(part, "wb", opener=lambda name, how: _locked(name, how, mode)) as target:
+            lock = os.dup(target.fileno()) if fcntl else None  # until the file is moved
             yield target
             target.flush()
             if sync:
@@ -136,8 +167,44 @@ def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
         if old is not None:
             _give(part, old)
         part.replace(place)
+    except OSError as error:
+        if error.errno and error.filename in (None, str(part)):
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise
     finally:
         part.unlink(missing_ok=True)
+        if lock is not None:
+            os.close(lock)
+
+
+def _locked(name: str, how: int, mode: int) -> int:
+    """Open a new file and hold its lock: nobody takes it for an orphan."""
+    while True:
+        file = os.open(name, how, mode)
+        if fcntl:
+            with suppress(OSError):  # a disk without locks, where no orphan is removed either
+                fcntl.flock(file, fcntl.LOCK_EX)
+        if not fcntl or Path(name).exists():
+            return file
+        os.close(file)  # between the two steps it was taken for one
+
+
+def remove_orphans(folder: Path) -> None:
+    """Remove files that killed writers have begun: nobody holds their locks.
+
+    Locks of another machine may not reach this one: its files must be a day old, too.
+    """
+    for path in folder.glob(".segmap-*.part"):
+        with suppress(OSError):
+            ours = path.name.startswith(f".segmap-{HOST}-")
+            if not path.is_file() or not (ours or time.time() - path.stat().st_mtime > DAY):
+                continue
+            if not fcntl:
+                path.unlink()
+                continue
+            with path.open("r+b") as file:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                path.unlink()
 
 
 def _give(part: Path, old: os.stat_result) -> None:

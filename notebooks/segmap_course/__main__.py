@@ -10,7 +10,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from segmap.files import shown, speak, write_bytes
+from segmap.files import shown, speak, writable, write_bytes
 
 from .grading import (
     Limits,
@@ -125,8 +125,7 @@ def _grade(given: argparse.Namespace) -> None:
         raise ValueError("--key holds the chapters and the seed: leave --chapters and --seed out")
     if given.output.suffix != ".csv":
         raise ValueError(f"-o must name a table, grades.csv for instance, got {given.output}")
-    if not given.output.parent.is_dir():
-        raise ValueError(f"cannot write {given.output}: there is no folder {given.output.parent}")
+    writable(given.output)
     plan = read_key(given.key) if given.key else plan_of(given.chapters, given.seed)
     limits = Limits(seconds=max(given.seconds, 1), cpu=max(given.cpu, 1))
     table = Table(given.output, plan.tasks, given.deadline)

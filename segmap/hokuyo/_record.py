@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import arrays
 from ..arrays import LIMIT, Array, Count, checked
-from ..files import existing, replacing, shown
+from ..files import existing, remove_orphans, replacing, shown, writable
 from ..scans import LaserScan
 from ..scans.error_codes import LOWEST, NOT_MEASURED, NOTHING_MET, told_in_a_text
 from ._host import one_by_one
@@ -102,9 +102,13 @@ def check_target(path: str | Path, count: int | None = None) -> Path:
         said = f"cannot record {path}: no folder {target.parent} exists"
         raise FileNotFoundError(shown(said))
     if target.suffix.lower() in CARMEN:
-        _try_out(Path(os.path.realpath(target)), new=existing(target) is None)
+        new = existing(target) is None  # opened as the recording will be
+        os.close(os.open(target, os.O_RDWR | os.O_CREAT, 0o666))
+        if new:
+            target.resolve().unlink()
     elif target.is_dir():
-        _try_out(target / f".segmap-{os.getpid()}.part", new=True)
+        writable(target / "scan")
+        remove_orphans(target)
     elif target.exists():
         said = f"{path} is a file: name a folder, or a log that ends in {CARMEN[0]}"
         raise ValueError(shown(said))
@@ -112,13 +116,6 @@ def check_target(path: str | Path, count: int | None = None) -> Path:
         target.mkdir()
         target.rmdir()
     return target
-
-
-def _try_out(path: Path, *, new: bool) -> None:
-    """Open a file as the recording will; a new one is removed again."""
-    os.close(os.open(path, os.O_RDWR | os.O_CREAT, 0o666))
-    if new:
-        path.unlink()
 
 
 def _append_line(path: Path, scan: LaserScan) -> None:

@@ -1,10 +1,15 @@
 """What writes a file: whole or not at all, in the place that a link names, with mode and owner."""
 
 import ast
+import errno
 import gzip
 import inspect
 import os
+import re
 import stat
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +20,7 @@ from segmap_course import load_trials, write_trials
 
 import segmap
 from segmap import LaserScan, Log, SegmentMap, exports, readers
+from segmap._commands import main
 from segmap.experiments import (
     load_alignments,
     load_records,
@@ -23,7 +29,8 @@ from segmap.experiments import (
     sweep,
     write_records,
 )
-from segmap.files import RATIO, UNPACKED, packed, table_lines
+from segmap.files import RATIO, UNPACKED, packed, replacing, table_lines, write_bytes
+from segmap.hokuyo import record
 from segmap.quadtree import QuadtreeMap
 
 LOG = Log("one", [LaserScan([1.0], [0.0])], [(0, 0, 0)])
@@ -274,3 +281,126 @@ def test_a_packed_file_holds_no_date_and_is_never_a_bomb(size):
     found = packed(bytes(size))
     assert gzip.decompress(found) == bytes(size) and found[4:8] == bytes(4)
     assert size <= max(UNPACKED, RATIO * len(found))
+
+
+# ---------------------------------------------------------------------------- killed and refused
+#: Begins a file and says so; what it would have written never comes.
+BEGINS = """
+import sys
+from pathlib import Path
+from segmap.files import replacing
+with replacing(Path("it.csv")) as target:
+    target.write(b"half")
+    print(sys.argv[0], flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.fixture
+def writer_at_work(tmp_path):
+    """A process that has begun a file in the folder."""
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", BEGINS], cwd=tmp_path, **pipes) as found:
+        assert found.stdout.readline()
+        yield found
+        found.kill()
+
+
+def begun(folder):
+    return sorted(path.name for path in folder.glob(".segmap-*"))
+
+
+def test_only_what_a_killed_writer_left_is_removed(writer_at_work, tmp_path):
+    """Catches `.part` files that stay for ever, and one that is taken from under a writer."""
+    living = begun(tmp_path)
+    for _ in range(2):
+        table_of_one(tmp_path / "other.csv")
+        assert begun(tmp_path) == living and len(living) == 1
+    writer_at_work.kill()
+    writer_at_work.wait()
+    assert begun(tmp_path) == living
+    table_of_one(tmp_path / "other.csv")
+    assert begun(tmp_path) == [] and not (tmp_path / "it.csv").exists()
+
+
+def test_a_writer_finishes_what_others_saw_begun(writer_at_work, tmp_path):
+    """Catches a lock that ends before the file is moved."""
+    table_of_one(tmp_path / "other.csv")
+    writer_at_work.communicate()
+    assert (tmp_path / "it.csv").read_bytes() == b"half" and begun(tmp_path) == []
+
+
+def test_an_orphan_may_bear_the_number_of_a_living_process(tmp_path):
+    """Catches a number that was given anew, files of another machine, and what is no file of ours.
+
+    Locks of another machine may not reach this one: what it began is left for a day.
+    """
+    with replacing(tmp_path / "name.csv"):
+        (name,) = begun(tmp_path)
+    ours = tmp_path / name.replace(f"-{os.getpid()}-", f"-{os.getppid()}-")
+    theirs = tmp_path / ".segmap-elsewhere-12-0.part"
+    kept = [
+        tmp_path / ".segmap-elsewhere-13-0.part",
+        tmp_path / ".segmap-notes",
+        tmp_path / "a.part",
+    ]
+    for path in (ours, theirs, *kept):
+        path.write_bytes(b"half")
+    link = tmp_path / f"{ours.stem}0.part"
+    link.symlink_to(kept[-1])
+    (folder := tmp_path / f"{ours.stem}1.part").mkdir()
+    os.utime(theirs, (0, 0))
+    table_of_one(tmp_path / "other.csv")
+    assert not ours.exists() and not theirs.exists()
+    assert all(path.exists() for path in kept) and folder.is_dir()
+
+
+def test_two_threads_that_write_leave_each_other_alone(tmp_path):
+    """Catches a file that is taken for an orphan between its beginning and its lock."""
+    with ThreadPoolExecutor(4) as workers:
+        names = [tmp_path / f"{k}.csv" for k in range(200)]
+        list(workers.map(table_of_one, names))
+    assert all(path.read_bytes() == b"1\n" for path in names) and begun(tmp_path) == []
+
+
+def table_of_one(path):
+    write_bytes(path, b"1\n")
+
+
+@pytest.fixture
+def read_only(tmp_path, monkeypatch):
+    """A folder into which this user may not write; root may, so that the system says it here."""
+    (folder := tmp_path / "closed").mkdir()
+    allowed = os.access
+    monkeypatch.setattr(
+        os, "access", lambda path, *how, **more: path != folder and allowed(path, *how, **more)
+    )
+    return folder
+
+
+def test_a_read_only_folder_is_told_by_the_name_of_the_file(writer, read_only):
+    """Catches a message about a file `.segmap-12-0.part`, which nobody asked for."""
+    write, name = writer
+    with pytest.raises(PermissionError, match=rf"cannot write .*{re.escape(name)}: .* read-only"):
+        write(read_only / name)
+
+
+def test_a_full_disk_is_told_by_the_name_of_the_file(tmp_path):
+    with pytest.raises(OSError, match=r"No space left.*it\.csv"), replacing(tmp_path / "it.csv"):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.parametrize(
+    "words", [f"{option} closed/it.csv" for option in ("-o", "--table", "--loops")]
+)
+def test_a_read_only_folder_is_told_before_the_work(words, read_only, monkeypatch, capsys):
+    """Catches minutes of work whose map has nowhere to go."""
+    monkeypatch.chdir(read_only.parent)
+    monkeypatch.setattr("segmap.alignment.prepared", lambda *given: pytest.fail("it works"))
+    assert main(["map", "room", *words.split()]) == 1
+    assert re.search(r"cannot write closed/\w+\.\w+: .* is read-only", capsys.readouterr().err)
+
+
+def test_a_recording_is_refused_before_the_sensor_is_asked(read_only):
+    with pytest.raises(PermissionError, match="closed"):
+        record([], read_only)

@@ -142,10 +142,11 @@ def test_trying_out_leaves_nothing(name, tmp_path, capsys, monkeypatch):
     for more, said in (
         ([], "cannot open /no-port"),
         (["--count", "0"], "count must be a whole number of at least 1, got 0"),
-        ([], "PermissionError: [Errno 13] Permission denied"),
+        ([], "PermissionError: "),
     ):
         if said.startswith("Permission"):
             monkeypatch.setattr(os, "open", refused)
+            monkeypatch.setattr(os, "access", lambda *asked, **more: False)
             monkeypatch.setattr(Path, "mkdir", refused)
         assert program(command + more) == 1
         assert said in capsys.readouterr().err

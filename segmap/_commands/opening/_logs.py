@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 from ..._display import counted
 from ...alignment import Verdict
-from ...files import members, shown, write_bytes
+from ...files import members, shown, writable, write_bytes
 from ...readers import LogError, UnknownFormat, format_of, load, read, read_bag, read_session
 from ...scans import Log
 from .._words import FAULTS, Report, percent, progress, reason, say, stoppable, tell
@@ -91,6 +91,8 @@ def each_log(
     targets = Targets(getattr(given, "output", []))
     if len(chosen) > 1 and (alike := targets.alike()):
         given.refuse(f"{counted(len(chosen), 'log')} would go to {alike}: write {{name}} in it")
+    for path in filter(None, (given.table, getattr(given, "loops", None))):
+        writable(path)
     if not all(map(is_session, chosen)):
         check(given)
     failed, codes, reports = [], [0], []
@@ -334,6 +336,7 @@ class Targets:
                 raise FileNotFoundError(f"cannot write {path}: make the folder {path.parent} first")
             if place.is_dir():
                 raise ValueError(f"cannot write {path}: it is a folder")
+            writable(path)
             if place == Path(source).resolve():
                 raise ValueError(f"cannot write {path}: it is the log itself")
             if other := self._taken.get(place):

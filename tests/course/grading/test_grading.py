@@ -326,7 +326,7 @@ def test_what_is_wrong_is_said_at_the_door(tmp_path, capsys):
     assert "holds no submission" in refused(tmp_path, "-o", table, *one)
     assert "no chapter has the number 98" in refused(tmp_path, "-o", table, "--chapters", "98")
     assert "must name a table" in refused(tmp_path, "-o", tmp_path / "grades.txt")
-    assert "there is no folder" in refused(tmp_path, "-o", tmp_path / "x" / "grades.csv")
+    assert "x does not exist" in refused(tmp_path, "-o", tmp_path / "x" / "grades.csv")
     assert "leave --chapters" in refused(tmp_path, "-o", table, "--key", table, "--seed", "3")
     (tmp_path / "key.json").write_text("{}")
     assert "no instructor's file" in refused(tmp_path, "-o", table, "--key", tmp_path / "key.json")

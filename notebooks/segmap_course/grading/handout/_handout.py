@@ -15,7 +15,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from segmap.files import write_bytes
+from segmap.files import writable, write_bytes
 
 from ... import EXERCISES
 from ._given import listed
@@ -47,6 +47,8 @@ def handout(folder: Path, *, wanted: str = "", seed: int | None = None) -> tuple
     refuse_old(folder)
     if key.exists():
         raise ValueError(f"{key} is there already, with the seed of a handout: move it away first")
+    if folder.parent.is_dir():
+        writable(key)
     notebooks = {path.name: read_chapter(path) for path in chosen.values()}
     tasks = [task for name, book in notebooks.items() for task in tasks_of(name, book)]
     copies = {n: student_copy(n, book, notebooks) for n, book in notebooks.items()}
