@@ -31,12 +31,11 @@ from .progress import each
 
 try:
     import fcntl
-except ImportError:  # Windows, which removes no file that is open
+except ImportError:  # Windows, where what killed writers left stays
     fcntl = None  # type: ignore[assignment]
 
 #: A packed file unpacks to at most this many bytes, or to this many times its own: logs shrink to a
-#: third or a fifth, trees to a sixth, the most regular tree to a 23rd, and what shrinks to a
-#: thousandth is made to fill the memory.
+#: third, the most regular tree to a 23rd, and what shrinks to a thousandth is to fill the memory.
 UNPACKED, RATIO = 1 << 20, 50
 #: How numpy packs: other ways cannot be unpacked piece by piece.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
@@ -132,8 +131,7 @@ def writable(path: Path) -> Path:
     if not place.parent.is_dir():
         said = f"cannot write {shown(path)}: the folder {shown(place.parent)} does not exist"
         raise FileNotFoundError(said)
-    as_user = os.access in os.supports_effective_ids
-    if not os.access(place.parent, os.W_OK | os.X_OK, effective_ids=as_user):
+    if not os.access(place.parent, os.W_OK | os.X_OK):
         said = f"cannot write {shown(path)}: the folder {shown(place.parent)} is read-only"
         raise PermissionError(said)
     return place
@@ -143,14 +141,9 @@ def writable(path: Path) -> Path:
 def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
     """A file written beside its place, and moved there once it is complete.
 
-    A file that was there keeps its mode, and its owner where this user may give files away. A
-    symbolic link stays, and what it leads to is replaced. With `sync` the disk has it all before,
-    and what killed writers left in the folder is removed; a recorder has no time for that.
-
-    Raises
-    ------
-    ValueError, OSError
-        As `writable`; for a disk that is full.
+    A file that was there keeps its mode, and its owner where this user may give files away. What a
+    symbolic link leads to is replaced. With `sync` the disk has it all before, and what killed
+    writers left beside it is removed; a recorder has no time for that. Raises as `writable`.
     """
     place, old = writable(path), existing(path)
     if sync:
@@ -195,14 +188,9 @@ def remove_orphans(folder: Path) -> None:
     Locks of another machine may not reach this one: its files must be a day old, too.
     """
     for path in folder.glob(".segmap-*.part"):
-        with suppress(OSError):
+        with suppress(OSError), path.open("r+b") as file:
             ours = path.name.startswith(f".segmap-{HOST}-")
-            if not path.is_file() or not (ours or time.time() - path.stat().st_mtime > DAY):
-                continue
-            if not fcntl:
-                path.unlink()
-                continue
-            with path.open("r+b") as file:
+            if fcntl and (ours or time.time() - path.stat().st_mtime > DAY):
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 path.unlink()
 
