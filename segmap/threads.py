@@ -1,4 +1,4 @@
-"""The same work on many things, on several cores: compiled loops let other threads run.
+"""Work on several cores, and objects for several threads: compiled loops let other threads run.
 
 All cores are used, or as many as the environment variable `SEGMAP_THREADS` says. What is itself
 one worker of several has one: a process of a pool, and every thread but the main one.
@@ -10,7 +10,9 @@ import os
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, TypeVar
+from copy import deepcopy
+from functools import wraps
+from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,7 @@ from .progress import announce
 
 Thing = TypeVar("Thing")
 Found = TypeVar("Found")
+P = ParamSpec("P")
 Rows = NDArray[np.int64]
 #: From work and things to what the work finds for each, in their order.
 Each = Callable[..., list[Any]]
@@ -84,3 +87,47 @@ def shares(things: Rows, least: int) -> list[Rows]:
     """An array dealt out to as many threads as get at least so many of its rows each."""
     count = max(min(threads(), len(things) // least), 1)
     return [things[k::count] for k in range(count)]
+
+
+class Locked:
+    """An object whose arrays loops change in place: one thread at a time may be in it.
+
+    Who needs several of its methods to see the same state holds `lock` meanwhile. Of two objects
+    the one that holds the other is locked first. A copy, also by pickle or `copy.copy`, is of one
+    moment, shares nothing with it and has its own lock.
+    """
+
+    lock: threading.RLock
+
+    def __new__(cls, *args: Any, **options: Any) -> Self:
+        """A new one, or a copy to be filled, with a lock of its own."""
+        made = super().__new__(cls)
+        made.lock = threading.RLock()
+        return made
+
+    def __getstate__(self) -> dict[str, Any]:
+        with self.lock:
+            held = {name: value for name, value in vars(self).items() if name != "lock"}
+            return deepcopy(held, {id(self): self})  # what leads back to it still does
+
+    def __copy__(self) -> Self:
+        return deepcopy(self)
+
+    def become(self, other: Self) -> None:
+        """Take over what another one holds, which nobody uses any more."""
+        with self.lock:
+            vars(self).update(vars(other) | {"lock": self.lock})
+
+
+Own = TypeVar("Own", bound=Locked)
+
+
+def locked(method: Callable[Concatenate[Own, P], Found]) -> Callable[Concatenate[Own, P], Found]:
+    """A method that waits until no other thread is in the object."""
+
+    @wraps(method)
+    def alone(self: Own, /, *args: P.args, **options: P.kwargs) -> Found:
+        with self.lock:
+            return method(self, *args, **options)
+
+    return alone

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -58,10 +59,11 @@ def ros_classes(
     arrays.instance(map, "map", QuadtreeMap)
     if not 0 <= free < 0.5 <= occupied < 1:
         raise ValueError(f"wanted 0 <= free < 0.5 <= occupied < 1, got {free} and {occupied}")
-    value = map.leaf_occupancy()
-    kind = np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)
-    known = kind != 1 if (kind != 1).any() else None
-    grid, left, low, side = map.rasterize(kind, shown=known, resolution=resolution)
+    with map.lock:
+        value = map.leaf_occupancy()
+        kind = np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)
+        known = kind != 1 if (kind != 1).any() else None
+        grid, left, low, side = map.rasterize(kind, shown=known, resolution=resolution)
     return Classes(GREYS[grid.astype(np.int64)], left, low, side)
 
 
@@ -160,10 +162,11 @@ def write_geojson(
     >>> found["features"][0]["geometry"]["coordinates"][0][0]
     [1.0, 0.0]
     """
-    value = arrays.instance(map, "map", QuadtreeMap).leaf_occupancy()
+    with arrays.instance(map, "map", QuadtreeMap).lock:
+        value, leaves = map.leaf_occupancy(), map.leaves()
     arrays.instance(world, "world", Frame)
     digits, features = _digits(map.resolution), []
-    table = np.stack([*map.leaves(), value], -1)[value > occupied]
+    table = np.stack([*leaves, value], -1)[value > occupied]
     for x, y, side, vis, occ, occupancy in table.tolist():
         left, low, right, high = (round(v, digits) for v in (x, y, x + side, y + side))
         ring = [(left, low), (right, low), (right, high), (left, high), (left, low)]
@@ -194,6 +197,7 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
     ...     (Path(folder) / "it.svg").read_text().count("<path")
     1
     """
+    map = deepcopy(arrays.instance(map, "map", QuadtreeMap))  # as it is now
     left, low, right, high = extent(map)
     wide, tall = right - left, high - low
     thin = LINE * wide / WIDTH if outlines else 0.0

@@ -97,12 +97,14 @@ class DistanceField:
         if isinstance(map, SegmentMap):
             self._measure(map.segments, corner)
         else:
-            self._transform(map, *(first - map.tree.corner).tolist())
+            self._transform(map, first)
 
-    def _transform(self, map: QuadtreeMap, left: int, low: int) -> None:
+    def _transform(self, map: QuadtreeMap, first: Cells) -> None:
         """The field of the occupied cells in the window, whose first cell is given."""
         rows, columns = self.cells.shape
-        x, y = map.tree.occupied_cells(np.array([left, low, left + columns, low + rows])).T
+        with map.lock:
+            left, low = (first - map.tree.corner).tolist()
+            x, y = map.tree.occupied_cells(np.array([left, low, left + columns, low + rows])).T
         if not len(x):
             raise NothingNear("the window holds no occupied cell, so no pose in it has a score")
         self.cells[y - low, x - left] = 0
@@ -173,11 +175,11 @@ class DistanceField:
         """
         near = np.clip(scan_and_poses(points, np.zeros(3))[0], -FAR_AWAY, FAR_AWAY)
         ends = np.ascontiguousarray(near.T, np.float32)
-        flat, cells = self.cells.ravel(), np.empty(len(near), np.int32)
+        flat = self.cells.ravel()
 
         def score(poses: Array) -> Array:
             """The score at each pose."""
-            found = np.empty(len(poses))
+            cells, found = np.empty(len(near), np.int32), np.empty(len(poses))
             look_up(flat, self._frame, ends, poses, cells, found)
             return found
 

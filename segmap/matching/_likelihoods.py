@@ -64,8 +64,10 @@ def _distances(map: Map) -> tuple[Array, Array, float]:
         field = DistanceField(map, resolution=CELL)
         return field.distance, np.array(field.bounds[:2]), CELL
     join = max(int(np.floor(np.log2(CELL / map.resolution) + 1e-9)), 0)
-    size, tree = float(np.ldexp(map.resolution, join)), map.tree
-    cells = tree.occupied_cells(np.array([0, 0, 1, 1]) << tree.level) + tree.corner >> join
+    size = float(np.ldexp(map.resolution, join))
+    with map.lock:
+        tree = map.tree
+        cells = tree.occupied_cells(np.array([0, 0, 1, 1]) << tree.level) + tree.corner >> join
     edge = int(np.ceil(MARGIN / size))
     first = cells.min(0) - edge
     columns, rows = (cells.max(0) + edge + 1 - first).tolist()

@@ -19,6 +19,7 @@ from ..poses import compose, inverse, transform
 from ..quadtree import QuadtreeMap, free_ends
 from ..reduction import LiveReduction
 from ..scans import LaserScan
+from ..threads import Locked, locked
 from ._localize import Belief, localize
 from ._scores import nearest_score
 
@@ -65,14 +66,15 @@ def overlap_of(map: QuadtreeMap, scan: LaserScan, pose: Array) -> float:
     points = scan.points()
     if not len(points):
         return 0.0
-    if not map.tree.occupied_blocks()[map.tree.block]:
-        return 1.0
     ends = np.column_stack([transform(pose, points), np.zeros(len(points))])
-    away = -nearest_score(map, np.zeros((1, 2)), ends)  # each end as a scan of one point
+    with map.lock:
+        if not map.tree.occupied_blocks()[map.tree.block]:
+            return 1.0
+        away = -nearest_score(map, np.zeros((1, 2)), ends)  # each end as a scan of one point
     return float((away <= NEAR + map.resolution / 2).mean())
 
 
-class LiveMap:
+class LiveMap(Locked):
     """The map of a robot that closes loops while it drives.
 
     A pose graph places each scan, which is then inserted. Where loops move earlier poses, a new map
@@ -138,6 +140,7 @@ class LiveMap:
         self._stale = False
         self._anew: _Anew | None = None
 
+    @locked
     def add(self, scan: LaserScan) -> Step:
         """Place a scan and insert it; one that reaches beyond the map's `max_size` is not drawn.
 
@@ -195,13 +198,18 @@ class LiveMap:
 
     def finish(self) -> None:
         """Wait until the map shows all scans at their corrected poses."""
+        while (anew := self._making()) is not None:
+            anew.thread.join()
+
+    @locked
+    def _making(self) -> _Anew | None:
+        """The new map that is still to be made, if any."""
+        self._exchange()
         self._begin()
-        while self._anew is not None:
-            self._anew.thread.join()
-            self._exchange()
-            self._begin()
+        return self._anew
 
     @property
+    @locked
     def poses(self) -> Array:
         """Poses of the scans in the map, `(k, 3)` array, metres and radians, as corrected."""
         if self._map_from_graph is None:
@@ -227,9 +235,9 @@ class LiveMap:
             raise
         finally:
             self._anew = None
-        vars(self.map).update(vars(map))
-        if self.walls is not None:
-            vars(self.walls).update(vars(walls))
+        self.map.become(map)
+        if self.walls is not None and walls is not None:
+            self.walls.become(walls)
 
     def __repr__(self) -> str:
         return f"LiveMap({self.graph!r})"

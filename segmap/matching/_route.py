@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from itertools import pairwise
 
 import numpy as np
@@ -55,7 +56,7 @@ def route(map: QuadtreeMap, start: ArrayLike, goal: ArrayLike, *, radius: Metres
     array([[1.2, 1.2],
            [1.2, 6.2]])
     """
-    arrays.instance(map, "map", QuadtreeMap)
+    map = deepcopy(arrays.instance(map, "map", QuadtreeMap))  # as it is now
     first = arrays.point(start, "start")
     many = np.ndim(arrays.numbers(goal, "goal")) == 2
     goals = arrays.points(goal, "goal") if many else arrays.point(goal, "goal")[None]

@@ -90,11 +90,12 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     >>> nearest_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    holds, places, found = _searched(map, points, poses)
-    tree = map.tree
-    path, todo = np.empty(tree.level + 1, np.int64), np.empty((3 * tree.level + 4, 4), np.int64)
-    path[-1] = tree.block
-    nearest_distances(tree.vis, tree.occ, holds, places, path, todo, found)
+    with arrays.instance(map, "map", QuadtreeMap).lock:
+        holds, places, found = _searched(map, points, poses)
+        tree = map.tree
+        path, todo = np.empty(tree.level + 1, np.int64), np.empty((3 * tree.level + 4, 4), np.int64)
+        path[-1] = tree.block
+        nearest_distances(tree.vis, tree.occ, holds, places, path, todo, found)
     return -map.resolution * found
 
 
@@ -111,9 +112,10 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     >>> descent_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    holds, places, found = _searched(map, points, poses)
-    nodes = map.tree.vis, map.tree.occ, holds, map.tree.block, map.tree.level
-    descent_distances(*nodes, places, found)
+    with arrays.instance(map, "map", QuadtreeMap).lock:
+        holds, places, found = _searched(map, points, poses)
+        nodes = map.tree.vis, map.tree.occ, holds, map.tree.block, map.tree.level
+        descent_distances(*nodes, places, found)
     return -map.resolution * found
 
 
@@ -144,9 +146,9 @@ def all_placed(points: Array, poses: Array) -> Array:
 
 def occupied_blocks(map: QuadtreeMap) -> Holds:
     """Which blocks of a map hold an occupied cell, (b,) bool array; an empty map has no score."""
-    arrays.instance(map, "map", QuadtreeMap)
-    holds = map.tree.occupied_blocks()
-    if not holds[map.tree.block]:
+    with arrays.instance(map, "map", QuadtreeMap).lock:
+        holds, root = map.tree.occupied_blocks(), map.tree.block
+    if not holds[root]:
         raise ValueError("the map holds no occupied cell, so no pose has a score: insert a scan")
     return holds
 

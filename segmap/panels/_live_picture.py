@@ -199,8 +199,9 @@ def occupancy(
     if side > map.resolution and grid.size:
         low = np.floor((np.array(corner) - map.corner) / map.resolution).astype(int)
         size = np.ceil(side / map.resolution * np.array([columns, rows])).astype(int)
-        window = np.concatenate([low, low + size]) - np.tile(map.tree.corner, 2)
-        cells = map.tree.occupied_cells(window) + map.tree.corner
+        with map.lock:
+            window = np.concatenate([low, low + size]) - np.tile(map.tree.corner, 2)
+            cells = map.tree.occupied_cells(window) + map.tree.corner
         centres = map.corner + map.resolution * (cells + 0.5)
         column, row = np.floor((centres - corner) / side).astype(int).T
         inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -49,7 +50,8 @@ def draw_quadtree(
     >>> len(ax.collections[0].get_array())
     13
     """
-    leaves = arrays.instance(map, "map", QuadtreeMap).leaves()
+    map = deepcopy(arrays.instance(map, "map", QuadtreeMap))  # as it is now
+    leaves = map.leaves()
     place = None if robot is None else arrays.row(robot, "robot")[:2]
     ax = axes_or_new(ax)
     squares = square_corners(leaves.x, leaves.y, leaves.side)

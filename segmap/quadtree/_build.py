@@ -134,10 +134,11 @@ def extent(
     >>> extent(map, margin=1)
     (9.5, 1.5, 11.0, 3.0)
     """
-    leaves = arrays.instance(map, "map", QuadtreeMap).leaves()
+    with arrays.instance(map, "map", QuadtreeMap).lock:
+        leaves, bounds = map.leaves(), map.bounds
     hit = leaves.occ > 0
     if not hit.any():
-        return map.bounds
+        return bounds
     x, y, side = leaves.x[hit], leaves.y[hit], leaves.side[hit]
     left, low, right, high = x.min(), y.min(), (x + side).max(), (y + side).max()
     space = margin * max(right - left, high - low)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from typing import NamedTuple
 
 import numpy as np
@@ -48,7 +49,7 @@ def frontiers(map: QuadtreeMap, *, min_size: Metres = 0.5) -> list[Frontier]:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    arrays.instance(map, "map", QuadtreeMap)
+    map = deepcopy(arrays.instance(map, "map", QuadtreeMap))  # as it is now
     _, cell, level = map.tree.leaves()
     value = np.append(map.leaf_occupancy(), 0.5)  # the last stands for what lies outside the root
     squares = Squares(cell, level)

@@ -13,6 +13,7 @@ from .. import arrays
 from .._display import Pictured
 from ..arrays import LIMIT, Array, Count, Quantity, at_most, checked
 from ..files import shown
+from ..threads import Locked, locked
 from . import _kernels as kernels
 from ._file import Stored, read, write
 from ._tree import LEAST, UNIT, Leaves, Tree, level_of, pairs
@@ -26,7 +27,7 @@ Resolution = Annotated[float, Quantity("metres", least=LEAST, most=LIMIT)]
 Side = Annotated[float, Quantity("metres", most=1e300)]
 
 
-class QuadtreeMap(Pictured):
+class QuadtreeMap(Pictured, Locked):
     """Occupancy map of square leaves, small where ends of beams lie and large elsewhere (B 4).
 
     Each leaf counts the rays that crossed it (`vis`) and those that ended in it (`occ`). The root
@@ -84,6 +85,7 @@ class QuadtreeMap(Pictured):
             self._finest = level_of("free_resolution", free_resolution, cell)
         self.resolution, self.tree, self.scans = cell, Tree(level, largest), 0
 
+    @locked
     def insert_scan(
         self, sensor_xy: ArrayLike, points: ArrayLike, free_points: ArrayLike | None = None
     ) -> None:
@@ -119,6 +121,7 @@ class QuadtreeMap(Pictured):
             self.tree.mend()
             raise
 
+    @locked
     def occupancy(self, points: ArrayLike) -> Array:
         """How sure it is that something stands at points `(n, 2)`, metres; `(n,)` in 0..1 (B 4.1).
 
@@ -128,6 +131,7 @@ class QuadtreeMap(Pictured):
         inside = leaf >= 0
         return np.where(inside, self._occupancy(np.where(inside, leaf, 0)), 0.5)
 
+    @locked
     def leaves(self) -> Leaves:
         """All leaves: lower left corners and sides, metres, both counts (B 4.1)."""
         node, cell, level = self.tree.leaves()
@@ -135,10 +139,12 @@ class QuadtreeMap(Pictured):
         side = np.ldexp(self.resolution, level)
         return Leaves(left, low, side, self.tree.vis[node], self.tree.occ[node])
 
+    @locked
     def leaf_occupancy(self) -> Array:
         """Occupancy of all leaves, (n,) array in [0, 1], in the order of `leaves()` (B 4.1)."""
         return self._occupancy(self.tree.leaves()[0])
 
+    @locked
     @checked
     def to_grid(
         self,
@@ -183,6 +189,7 @@ class QuadtreeMap(Pictured):
         kernels.paint(first, last, mean if value == "mean" else variance, grid)
         return grid
 
+    @locked
     def rasterize(
         self, values: ArrayLike, *, shown: ArrayLike | None = None, resolution: float | None = None
     ) -> tuple[Array, float, float, float]:
@@ -213,6 +220,7 @@ class QuadtreeMap(Pictured):
         corner = self.corner + (self.tree.corner + (start << k)) * self.resolution
         return grid, *corner.tolist(), float(np.ldexp(self.resolution, k))
 
+    @locked
     def statistics(self) -> pd.DataFrame:
         """Leaves by side, and the bytes that they and a grid of single bytes take.
 
@@ -233,6 +241,7 @@ class QuadtreeMap(Pictured):
         rows |= {"bytes": self.nbytes, "bytes of a grid": 4**self.tree.level}
         return pd.DataFrame({"count": rows})
 
+    @locked
     def cropped(self, left: float, low: float, right: float, high: float) -> QuadtreeMap:
         """What lies in a rectangle, metres, to the nearest cell; the rest becomes unknown.
 
@@ -260,11 +269,13 @@ class QuadtreeMap(Pictured):
         return float(np.ldexp(self.resolution, self.tree.level))
 
     @property
+    @locked
     def bounds(self) -> tuple[float, float, float, float]:
         """Left, low, right and high edge of the root now, metres."""
         left, low = (self.corner + self.tree.corner * self.resolution).tolist()
         return left, low, left + self.side, low + self.side
 
+    @locked
     def save(self, path: str | Path) -> None:
         """Write the map as NPZ, through a temporary file: whole or not at all.
 
@@ -302,6 +313,7 @@ class QuadtreeMap(Pictured):
         map.tree.restore(found)
         return map
 
+    @locked
     def __repr__(self) -> str:
         leaves = f"{3 * self.tree.used + 1} leaves of {self.resolution:.6g} m and more"
         scans = f"{self.scans} scan" + "s" * (self.scans != 1)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..arrays import Array
+from ..threads import Locked, locked
 from . import _kernels as kernels
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ class Leaves(NamedTuple):
     occ: NDArray[np.int32]
 
 
-class Tree:
+class Tree(Locked):
     """Nodes in blocks of four, and the root square that they divide.
 
     Cells are counted from the root's lower left one, but for `corner`.
@@ -66,6 +67,7 @@ class Tree:
         self.corner, self.version = np.zeros(2, np.int64), 0
         self._occupied: tuple[int, kernels.Holds] = (-1, np.zeros(0, np.bool_))
 
+    @locked
     def grow(self, cells: kernels.Cells, resolution: float) -> None:
         """Double the root until it holds all cells `(n, 2)`, in their order.
 
@@ -96,6 +98,7 @@ class Tree:
         self.corner, self.level = corner, self.level + 1
         self.block, self.used, self.version = self.used, self.used + 1, self.version + 1
 
+    @locked
     def insert(self, scan: Scan, at: tuple[Array, float], finest: int | None) -> bool:
         """Insert a scan (B 4.2 to 4.4); False where the root does not hold it: nothing was done.
 
@@ -121,6 +124,7 @@ class Tree:
             self._compact(self.used, join=False)
         return True
 
+    @locked
     def crop(self, corners: kernels.Cells) -> None:
         """Forget what lies outside a rectangle of cells, `(2, 2)`; leaves on its border split."""
         while True:
@@ -140,6 +144,7 @@ class Tree:
         self._compact(self.used, join=True)
         self._compact(self.used, join=False)
 
+    @locked
     def mend(self) -> None:
         """Keep the blocks that the root reaches: an interrupt may have hidden how many are used."""
         self._compact(len(self.vis) // 4, join=False)
@@ -152,17 +157,20 @@ class Tree:
         self.used = kernels.compact(*tree, join, order, above, new_vis, new_occ)
         self.vis, self.occ, self.block, self.version = new_vis, new_occ, 0, self.version + 1
 
+    @locked
     def leaves_at(self, cells: kernels.Cells) -> kernels.Cells:
         """Leaf of each cell `(n, 2)`; -1 outside the root."""
         found = np.empty(len(cells), np.int64)
         kernels.leaves_at(self.vis, cells, self._path(), found)
         return found
 
+    @locked
     def leaves(self) -> tuple[kernels.Cells, kernels.Cells, kernels.Cells]:
         """Nodes `(n,)`, lower left cells `(n, 2)` and levels `(n,)` of all leaves."""
         found = self._leaves_in(np.array([0, 0, 1, 1]) << self.level, np.zeros(0, np.bool_))
         return found[:, 0], found[:, 1:3], found[:, 3]
 
+    @locked
     def occupied_cells(self, window: kernels.Cells) -> kernels.Cells:
         """The occupied cells `(n, 2)` of a window: left, low, right and high, `(4,)`, in cells."""
         return self._leaves_in(window, self.occupied_blocks())[:, 1:3]
@@ -173,6 +181,7 @@ class Tree:
         todo[0] = self.block, 0, 0, self.level
         return found[: kernels.leaves_in(self.vis, self.occ, holds, window, todo, found)]
 
+    @locked
     def occupied_blocks(self) -> kernels.Holds:
         """Which blocks hold an occupied cell (occupancy above 0.5), `(b,)`; kept until a change."""
         if self._occupied[0] != self.version:
@@ -187,6 +196,7 @@ class Tree:
             self._occupied = version, holds
         return self._occupied[1]
 
+    @locked
     def restore(self, stored: Stored) -> None:
         """Take over what a file holds."""
         self.block, _, _, *corner, _, _ = stored.state.tolist()

@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import arrays
 from ..arrays import Array, Count, Metres, Segments, checked
+from ..threads import Locked, locked
 from ._fusion import fuse
 from ._hybrid import State, add, doubt_of, empty_map, replace_map
 from ._runner import Indices, Length, Reduction, Rows, Steps, Turn, rows_of, run_online
@@ -86,7 +87,7 @@ def hybrid_fusion(
     return replace(run_online("hybrid_fusion", map, steps), doubt=doubt_of(map, origin))
 
 
-class LiveReduction:
+class LiveReduction(Locked):
     """The reduced map while scans come in: what `hybrid_fusion` makes of those so far.
 
     With its thresholds; the last Fusion is that of the last full `every` scans.
@@ -117,6 +118,7 @@ class LiveReduction:
         self.min_length, self.origin = min_length, origin
         self._state = empty_map(0, distance)
 
+    @locked
     def add(self, segments: Segments) -> None:
         """Take in the segments of one scan, `(n, 2, 2)`, metres; a scan without any is no scan."""
         new = rows_of(arrays.segments(segments))[0].segments
@@ -136,10 +138,12 @@ class LiveReduction:
             _fuse_map(self._state, self.tolerance)
 
     @property
+    @locked
     def segments(self) -> Array:
         """The map now, `(m, 2, 2)` array, metres."""
         return self._state.s[: self._state.used[0]].copy()
 
+    @locked
     def __repr__(self) -> str:
         return f"LiveReduction({self.scans} scans: {self._state.used[0]} segments)"
 

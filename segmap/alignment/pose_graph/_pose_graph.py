@@ -20,6 +20,7 @@ from ...arrays import Array, Metres, Positive, Radians, at_most
 from ...poses.motions import between, compose, inverse, wrap
 from ...progress import Progress, announce, each
 from ...scans import LaserScan, Log
+from ...threads import Locked, locked
 from .._result import Alignment, Match, Outcome, alignment_method, concluded, no_match
 from ..graph import REAL, Edge, Graph, loops_of
 from ..points import PointMap
@@ -121,7 +122,7 @@ class Placed(NamedTuple):
     closed: bool
 
 
-class LiveGraph:
+class LiveGraph(Locked):
     """A pose graph that grows scan by scan: what `pose_graph` does, while the robot drives.
 
     A scan that fails, or whose work is interrupted, is left out: the graph is then as before it.
@@ -162,6 +163,7 @@ class LiveGraph:
         self._parts: tuple[FrontEnd, LoopCloser] | None = None
         self._mended = False  # whether poses have moved since the last scan
 
+    @locked
     def add(self, scan: LaserScan) -> Placed:
         """Place the next scan, and close the loops that it finds."""
         arrays.instance(scan, "scan", LaserScan)
@@ -236,6 +238,7 @@ class LiveGraph:
             return no_match(start, "it slides over the map", match.overlap)
         return match
 
+    @locked
     def settled(self) -> Outcome:
         """What the method hands to its runner, once all scans are there."""
         if self._parts is None:
@@ -252,6 +255,7 @@ class LiveGraph:
         front.refine()
         return front.outcome(closer.rejected)
 
+    @locked
     def refine(self) -> Alignment:
         """Solve for all poses together, and lay each scan on the map that the loops straightened.
 
@@ -264,10 +268,12 @@ class LiveGraph:
         scans = [] if self._parts is None else self._parts[0].scans
         return concluded("pose_graph", scans, found, self.seconds)
 
+    @locked
     def loops(self) -> pd.DataFrame:
         """The loops closed so far, a row for each, as `Alignment.loops` has them."""
         return loops_of(self.graph, self.poses)
 
+    @locked
     def veto(self, loops: ArrayLike) -> None:
         """Take one or several of `loops()` out, by their rows, and solve for all poses without.
 
@@ -281,6 +287,7 @@ class LiveGraph:
         with self._mending() as closer:
             closer.veto([known[row] for row in rows])
 
+    @locked
     def mended(self, veto: ArrayLike = (), tie: ArrayLike = ()) -> Alignment:
         """`refine` without some loops and with others, each two scans; ties are as `match` says.
 
@@ -307,6 +314,7 @@ class LiveGraph:
             self.tie(first, second, found.pose)
         return self.refine()
 
+    @locked
     def match(self, first: int, second: int) -> Match:
         """How the place of one scan lies on the map around another, for `tie`.
 
@@ -330,6 +338,7 @@ class LiveGraph:
         found = closer.measure(window, closer.map_around(window), new)
         return replace(found, pose=between(at, compose(found.pose, there)))
 
+    @locked
     def tie(self, first: int, second: int, pose: ArrayLike) -> None:
         """Close a loop by force, and solve for all poses: it holds, whatever else gives way.
 
@@ -367,23 +376,28 @@ class LiveGraph:
         self.seconds += time.perf_counter() - begun
 
     @property
+    @locked
     def poses(self) -> Array:
         """Poses of all scans, `(k, 3)` array, metres and radians, as the loops so far have them."""
         return np.zeros((0, 3)) if self._parts is None else self._parts[0].poses()
 
     @property
+    @locked
     def reasons(self) -> tuple[str, ...]:
         """Why each scan so far was not matched, as it came; empty where it was."""
         return () if self._parts is None else tuple(self._parts[0].trail.reasons)
 
     @property
+    @locked
     def graph(self) -> Graph | None:
         """Edges between key frames, by the scans' indices; None before there is one."""
         return None if self._parts is None else self._parts[0].graph(self._parts[1].rejected)
 
+    @locked
     def __len__(self) -> int:
         return 0 if self._parts is None else len(self._parts[0].scans)
 
+    @locked
     def __repr__(self) -> str:
         if self._parts is None:
             return "LiveGraph(0 scans)"

@@ -1,0 +1,161 @@
+"""Objects that two threads use at once: run as `hammered.py PAIR SEED SECONDS`, a process each."""
+
+import contextlib
+import pickle
+import sys
+import tempfile
+import threading
+import time
+from copy import copy, deepcopy
+
+import numpy as np
+
+from segmap import load
+from segmap.alignment import LiveGraph
+from segmap.exports import write_geojson, write_ros_map, write_svg
+from segmap.extraction import extract_polylines
+from segmap.matching import DistanceField, LiveMap, NoRoute, nearest_score, route
+from segmap.poses import transform
+from segmap.quadtree import QuadtreeMap, extent, frontiers
+from segmap.reduction import LiveReduction
+
+LOG = load("room")
+WALLS = [
+    transform(pose, extract_polylines(scan.points()).reshape(-1, 2)).reshape(-1, 2, 2)
+    for scan, pose in zip(LOG, LOG.truth, strict=True)
+]
+
+
+def map_of(seed):
+    """A map of rather small leaves, which grows, splits and joins; odd seeds keep it coarse."""
+    return QuadtreeMap(resolution=0.05, size=1.6, free_resolution=None if seed % 2 else 0.2)
+
+
+def insert(map, rng):
+    """A scan from anywhere: farther and farther out, so that the root doubles and arrays grow."""
+    sensor = rng.normal(0, 1 + map.scans / 50, 2)
+    angle, away = rng.uniform(0, 2 * np.pi, 200), rng.uniform(0.1, 6, 200)
+    map.insert_scan(sensor, sensor + np.stack([np.cos(angle), np.sin(angle)], -1) * away[:, None])
+    if map.scans > 200:  # large ones take their readers too long
+        map.become(map_of(int(rng.integers(2))))
+
+
+def whole(map):
+    """Whether a map is one: its leaves cover the root, and no more rays end than cross."""
+    leaves = map.leaves()
+    squares = np.log2((leaves.side / map.resolution) ** 2 @ np.ones(len(leaves.side))) / 2
+    assert squares == round(squares) and (leaves.occ <= leaves.vis).all()
+    with tempfile.TemporaryDirectory() as folder:
+        map.save(f"{folder}/it.npz")
+        QuadtreeMap.load(f"{folder}/it.npz")  # looks at each block
+        write_ros_map(f"{folder}/it.yaml", map)
+        write_svg(f"{folder}/it.svg", map)
+        write_geojson(f"{folder}/it.json", map)
+
+
+def look(map, rng):
+    """Ask a map for everything that runs a loop on its tree."""
+    points, value = rng.uniform(-5, 5, (50, 2)), ("max", "mean", "variance")[rng.integers(3)]
+    which = rng.integers(8)
+    if which == 0:
+        whole(map)
+    elif which == 1:
+        grid = map.to_grid(value=value)
+        assert np.isfinite(grid).all() and (grid <= 1).all() and (grid >= 0).all()
+    elif which == 2:
+        assert np.isfinite(map.occupancy(points)).all() and len(map.statistics())
+    elif which == 3:
+        whole(pickle.loads(pickle.dumps(map)))
+        whole(deepcopy(map).cropped(-1, -1, 1, 1))
+    elif which == 4:
+        assert (nearest_score(map, points, np.zeros((3, 3))) <= 0).all() and len(extent(map)) == 4
+    elif which == 5:
+        assert len(map.tree.leaves()[0]) and len(map.leaf_occupancy()) and len(repr(map))
+        DistanceField(map)
+    elif which == 6:
+        frontiers(map)
+    else:
+        with contextlib.suppress(NoRoute):
+            route(map, points[0], points[1], radius=0.05)
+
+
+def place(graph, rng):
+    graph.add(LOG[len(graph) % len(LOG)])
+    if len(graph) > 200:
+        graph.become(LiveGraph())
+
+
+def ask(graph, rng):
+    """Ask a graph for all that it knows."""
+    graph.poses, graph.graph, graph.reasons, graph.loops(), repr(graph)
+    if rng.random() < 0.1:
+        graph.refine()
+        assert len(copy(graph).refine().poses) >= 0 and pickle.loads(pickle.dumps(graph)).lock
+
+
+def reduce(walls, rng):
+    walls.add(WALLS[rng.integers(len(WALLS))] + rng.normal(0, 0.5, 2))
+    if walls.scans > 300:
+        walls.become(LiveReduction(every=7))
+
+
+def list_walls(walls, rng):
+    assert np.isfinite(walls.segments).all() and repr(walls) and deepcopy(walls).scans >= 0
+
+
+def drive(live, rng):
+    live.add(LOG[rng.integers(len(LOG))])
+
+
+def follow(live, rng):
+    """Ask a live map for what a page shows, and its map for everything."""
+    assert np.isfinite(live.poses).all() and np.isfinite(live.walls.segments).all()
+    look(live.map, rng)
+    if rng.random() < 0.05:
+        live.finish()
+
+
+#: What is made, what changes it, and what asks it.
+KINDS = {
+    "map": (map_of, insert, look),
+    "tree": (map_of, insert, lambda map, rng: map.tree.leaves_at(map.tree.leaves()[1])),
+    "graph": (lambda seed: LiveGraph(), place, ask),
+    "walls": (lambda seed: LiveReduction(every=7), reduce, list_walls),
+    "live map": (lambda seed: LiveMap(map=map_of(0), walls=LiveReduction()), drive, follow),
+}
+
+
+def hammer(pair, seed, seconds):
+    """Let two threads work on one object; how often each did, or the first error."""
+    kind, second = pair.split(", ")
+    make, write, read = KINDS[kind]
+    thing, steps, errors = make(seed), [0, 0], []
+    for step in (write, read):
+        for warm in range(8):
+            step(thing, np.random.default_rng(warm))
+    end = time.monotonic() + seconds
+
+    def work(own, step):
+        rng = np.random.default_rng([seed, own])
+        try:
+            while time.monotonic() < end and not errors:
+                step(thing, rng)
+                steps[own] += 1
+        except BaseException as error:
+            errors.append(error)
+
+    works = [(0, write), (1, write if second == "writers" else read)]
+    threads = [threading.Thread(target=work, args=one) for one in works]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for error in errors:
+        raise error
+    if isinstance(thing, QuadtreeMap):
+        whole(thing)
+    return steps
+
+
+if __name__ == "__main__":
+    print(*hammer(sys.argv[1], int(sys.argv[2]), float(sys.argv[3])))

@@ -1,0 +1,47 @@
+"""What loops change in place, when two threads use it at once: nothing breaks, nothing is torn."""
+
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+from conftest import slow
+from hammered import KINDS
+
+from segmap import load
+from segmap.matching import LiveMap
+from segmap.quadtree import QuadtreeMap
+
+HAMMERED = Path(__file__).parents[1] / "hammered.py"
+PAIRS = [f"{kind}, {second}" for kind in KINDS for second in ("writers", "writer and reader")]
+
+
+@pytest.mark.parametrize("seed, seconds", [(0, 2), *(slow(seed, 60) for seed in range(5))])
+@pytest.mark.parametrize("pair", PAIRS)
+def test_two_threads_on_one_object(pair, seed, seconds):
+    """Catches a loop that reads arrays which another thread rewrites: the process dies, hangs, or
+    the reader sees half a scan; and two methods that wait for each other's lock."""
+    words = [sys.executable, "-X", "faulthandler", str(HAMMERED), pair, str(seed), str(seconds)]
+    environment = os.environ | {"SEGMAP_THREADS": "1"}
+    done = subprocess.run(
+        words, capture_output=True, text=True, timeout=240 + seconds, check=False, env=environment
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    first, second = map(int, done.stdout.split())
+    assert first > 0 and second > 0
+
+
+def test_a_map_waits_for_who_holds_its_lock():
+    """Catches a method without the lock, and a live map that is locked while a new one is made."""
+    live, seen = LiveMap(map=QuadtreeMap(resolution=0.1)), []
+    scan = load("room")[0]
+    live.add(scan)
+    asked = threading.Thread(target=lambda: seen.append(live.map.leaves()))
+    with live.map.lock:
+        asked.start()
+        asked.join(0.2)
+        assert asked.is_alive() and not seen
+    asked.join(20)
+    assert len(seen) == 1
