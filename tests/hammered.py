@@ -1,4 +1,4 @@
-"""Objects that two threads use at once: run as `hammered.py PAIR SEED SECONDS`, a process each."""
+"""Objects that two threads use at once: run as `hammered.py SEED SECONDS PAIR...`."""
 
 import contextlib
 import pickle
@@ -7,6 +7,7 @@ import tempfile
 import threading
 import time
 from copy import copy, deepcopy
+from functools import cache
 
 import numpy as np
 
@@ -125,14 +126,22 @@ KINDS = {
 }
 
 
+@cache
+def warm(kind):
+    """Load the loops that a kind runs: that takes longer than they do."""
+    make, write, read = KINDS[kind]
+    thing = make(0)
+    for step in (write, read):
+        for seed in range(8):
+            step(thing, np.random.default_rng(seed))
+
+
 def hammer(pair, seed, seconds):
     """Let two threads work on one object; how often each did, or the first error."""
     kind, second = pair.split(", ")
     make, write, read = KINDS[kind]
     thing, steps, errors = make(seed), [0, 0], []
-    for step in (write, read):
-        for warm in range(8):
-            step(thing, np.random.default_rng(warm))
+    warm(kind)
     end = time.monotonic() + seconds
 
     def work(own, step):
@@ -158,4 +167,5 @@ def hammer(pair, seed, seconds):
 
 
 if __name__ == "__main__":
-    print(*hammer(sys.argv[1], int(sys.argv[2]), float(sys.argv[3])))
+    for pair in sys.argv[3:]:
+        print(*hammer(pair, int(sys.argv[1]), float(sys.argv[2])))

@@ -44,7 +44,7 @@ class Planned(LiveGraph):
 
 def held_back(monkeypatch):
     """The thread that draws a map anew waits for the sign that is returned."""
-    names = LiveMap.add.__globals__  # the examples of a file may have loaded it once more
+    names = LiveMap.finish.__globals__  # the examples of a file may have loaded it once more
     go, real = threading.Event(), names["insert"]
 
     def insert(*given, free):

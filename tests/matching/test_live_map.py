@@ -184,7 +184,7 @@ def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, h
         if done == "listed":  # and interrupted where a map is being made that it should come into
             full = SimpleNamespace(append=Mock(side_effect=KeyboardInterrupt))
             live._anew = SimpleNamespace(placed=full, thread=threading.current_thread())
-        patch.setitem(LiveMap.add.__globals__, "insert", interrupted)
+        patch.setitem(LiveMap.finish.__globals__, "insert", interrupted)
         with pytest.raises(KeyboardInterrupt):
             live.add(log[first])
     live._anew = None

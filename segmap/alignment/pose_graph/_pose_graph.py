@@ -198,8 +198,7 @@ class LiveGraph(Locked):
 
         In twice the window where little fits. Where odometry gave the guess, a match that turns the
         robot far from it gives way to one that agrees and fits nearly as well: a scan that turns
-        fits best where it sees nothing new. Along a direction that no wall faces the match keeps
-        what the guess says.
+        fits best where it sees nothing new. Along a direction that no wall faces the guess holds.
         """
         best = self._sought(map, points, guess, self.window, self.window_angle)
         if not (best.matched and best.overlap > SURE_OVERLAP):
@@ -325,8 +324,7 @@ class LiveGraph(Locked):
         --------
         >>> from segmap import load
         >>> graph, log = LiveGraph(), load("room")
-        >>> for scan in log:
-        ...     pose, closed = graph.add(scan)
+        >>> graph.extend(log)
         >>> graph.tie(2, 9, graph.match(2, 9).pose)
         >>> graph.loops()[["first", "second", "scans"]].values.tolist()
         [[2, 9, 7]]
@@ -348,9 +346,7 @@ class LiveGraph(Locked):
         relative = arrays.pose(pose, "pose")
         (old, at), (new, there) = self._hung(first, "first"), self._hung(second, "second")
         if old == new:
-            raise ValueError(
-                f"second must hang on another key frame than scan {first}, got {second}"
-            )
+            raise ValueError(f"second must hang on another key frame than {first}, got {second}")
         motion = compose(compose(at, relative), inverse(there))
         if old > new:
             old, new, motion = new, old, inverse(motion)
@@ -393,11 +389,9 @@ class LiveGraph(Locked):
         """Edges between key frames, by the scans' indices; None before there is one."""
         return None if self._parts is None else self._parts[0].graph(self._parts[1].rejected)
 
-    @locked
     def __len__(self) -> int:
         return 0 if self._parts is None else len(self._parts[0].scans)
 
-    @locked
     def __repr__(self) -> str:
         if self._parts is None:
             return "LiveGraph(0 scans)"

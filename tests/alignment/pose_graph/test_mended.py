@@ -177,7 +177,7 @@ def test_what_is_interrupted_changes_nothing(driven, monkeypatch):
         ("loops must be rows of the 7 closed so far, got [-1]", lambda g: g.veto(-1)),
         ("first must be one of the 345 scans so far, got 345", lambda g: g.tie(345, 0, FALSE)),
         ("second must be one of the 345 scans so far, got 999", lambda g: g.match(0, 999)),
-        ("second must hang on another key frame than scan 0, got 1", lambda g: g.tie(0, 1, FALSE)),
+        ("second must hang on another key frame than 0, got 1", lambda g: g.tie(0, 1, FALSE)),
         ("pose must be", lambda g: g.tie(0, 100, (1, 2))),
         ("loops must be rows of the 0 closed so far, got [0]", lambda _: LiveGraph().veto(0)),
         ("first must be one of the 0 scans so far, got 0", lambda _: LiveGraph().match(0, 0)),
