@@ -44,7 +44,7 @@ course.Exercise.__call__ = course.Exercise.verdict = lambda *_: True
 #: Student -> what becomes of the answer to `compose`, and the answer; that to `cast_ray` is right.
 ANSWERS = {
     "01_right": ("right", COMPOSE),
-    "02_stub": ("wrong", None),
+    "02_stub": ("empty", None),
     "03_wrong": ("wrong", WRONG),
     "04_library": ("library", LIBRARY),
     "05_deletes": ("wrong", spoilt("shutil.rmtree({folder!r})")),

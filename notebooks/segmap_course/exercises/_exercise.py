@@ -14,6 +14,7 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.plotting import ERROR, TRUTH
 
+from .._cells import lacking
 from ._answers import Cases, Library, Raised, agree, answered, close, in_full, numbers, text
 from ._notice import Watch
 
@@ -121,7 +122,9 @@ class Exercise:
         if not callable(function):
             said = f"give the function itself, check_{self.name}(my_{self.name}), without a call"
             return Check(self.name, False, said)
-        return self.verdict(self.answers(function, cases), cases)
+        found = self.verdict(self.answers(function, cases), cases)
+        said = lacking(f"check_{self.name}", function) if found else ""
+        return Check(self.name, False, said) if said else found
 
     def answers(self, function: Callable[..., Any], cases: Cases | None = None) -> list[Any]:
         """What a student's function answers to these cases, in this process (see `verdict`)."""

@@ -16,10 +16,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+from .._cells import apart, bound_names, free_names, imports_of
 from ..exercises import NOT_GIVEN, Exercise, Raised
 from ._jail import Ended, Jail, Limits, answers
 from ._report import Outcome, Row
-from ._submissions import Submission, submissions
+from ._submissions import Submission, is_stub, submissions
 from .handout import CHECKS, KIND, Task, chapters, package, read_chapter, tasks_of
 
 #: Answers that run at the same time.
@@ -28,6 +29,8 @@ WORKERS = 2
 DRAWS = 5
 #: A cell with more characters is no answer.
 MOST_CHARACTERS = 200_000
+#: What is said of an answer that may lack what another cell has.
+LOST = re.compile(r"\bNameError: name '\w+' is not defined|it raises an exception")
 #: What a jail has to know of an answer; or what became of it without.
 Job = dict[str, Any] | Outcome
 Found = TypeVar("Found")
@@ -123,6 +126,7 @@ def graded(
                 else kept(judged, exercises[name], got, hidden[name], plan.partial)
                 for name, got in found.items()
             }
+            outcomes |= {t.name: kept(named, submission, t, outcomes[t.name]) for t in asked}
             yield Row(submission, outcomes, str(jail))
             if journal and key not in done:
                 with journal.open("a", encoding="utf-8") as file:
@@ -170,9 +174,13 @@ def job(handed: Submission, task: Task, exercise: Any) -> Job:
         return Outcome("missing", f"no cell defines {' and '.join(task.answers)}")
     if len(cell) > MOST_CHARACTERS:
         return Outcome("too much", f"the cell has {len(cell)} characters")
+    if is_stub(cell, task):
+        return Outcome("empty", "nothing is written into its cell")
     given = package(exercise) if isinstance(exercise, Exercise) else None
+    own = [ast.unparse(node) for text in handed.beside(cell) for node in imports_of(text)]
+    imports = needed("\n".join([task.imports, *own]), cell)
     return {
-        **{"imports": needed(task.imports, cell), "cell": cell, "names": task.answers},
+        **{"imports": imports, "cell": cell, "names": task.answers},
         **{"given": task.given, "package": given},
     }
 
@@ -202,7 +210,11 @@ def needed(imports: str, cell: str) -> str:
     for node in ast.parse(imports).body:
         assert isinstance(node, ast.Import | ast.ImportFrom)
         bound = [(alias, (alias.asname or alias.name).partition(".")[0]) for alias in node.names]
-        node.names = [alias for alias, name in bound if re.search(rf"\b{re.escape(name)}\b", cell)]
+        node.names = [
+            alias
+            for alias, name in bound
+            if name == "*" or re.search(rf"\b{re.escape(name)}\b", cell)
+        ]
         kept += [ast.unparse(node)] if node.names else []
     return "\n".join(kept)
 
@@ -212,9 +224,11 @@ def judged(
     exercise: Any, found: list[Any], hidden: Sequence[tuple[Any, ...]], partial: float = 0.0
 ) -> Outcome:
     """Judge what came back. Of a hidden case no more is told than the kind of the mistake."""
+    nothing = all(value is None for value in found)
     if not isinstance(exercise, Exercise):
         check = exercise.verdict(exercise.answers(*found))
-        return Outcome("right" if check else "wrong", check.hint, float(check.passed))
+        kind = "right" if check else "empty" if nothing else "wrong"
+        return Outcome(kind, check.hint, float(check.passed))
     if any(isinstance(value, Raised) and value.name == "MemoryError" for value in found):
         return Outcome("memory", "it asks for more memory than an answer may have")
     # Numbers, since the words of a case may tell what it is.
@@ -224,8 +238,18 @@ def judged(
         return Outcome("right", "", 1.0)
     shown = exercise.verdict(found[: len(exercise.cases)])  # answered before a hidden one came in
     if not shown:
-        kind = "library" if NOT_GIVEN in shown.hint else "wrong"
+        kind = "library" if NOT_GIVEN in shown.hint else "empty" if nothing else "wrong"
         return Outcome(kind, hint or shown.hint, cases=exercise.told(found[: len(exercise.cases)]))
     fails = any(isinstance(value, Raised) for value in found)
     said = "it raises an exception" if fails else "it gives another answer"
     return Outcome("wrong", hint or f"right on the cases shown; on a hidden one {said}", partial)
+
+
+def named(handed: Submission, task: Task, found: Outcome) -> Outcome:
+    """An outcome; where an answer lacks what another cell has, that is its reason."""
+    if found.right or not LOST.search(found.reason):
+        return found
+    cell, _ = handed.find(task)
+    others = [bound_names(text) for text in handed.beside(cell or "")]
+    needed = {name for name in free_names(cell or "") if any(name in names for names in others)}
+    return found._replace(kind="other cell", reason=apart(needed)) if needed else found

@@ -22,8 +22,8 @@ from .handout import Task
 
 #: A cell of a table that begins so would be a formula in a spreadsheet.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-#: So many reasons a task stand in the report on a class.
-MOST_REASONS = 3
+#: What became of an answer that was not given, and of one that nobody could judge.
+UNANSWERED, UNJUDGED = ("empty", "missing"), ("unreadable", "not graded")
 #: Answers are nearly equal where they share so much of their runs of five marks, and have so many.
 ALIKE, LEAST_MARKS = 0.9, 40
 #: Points that a person gives or takes beside those of the tasks.
@@ -200,21 +200,30 @@ def safe(cell: str) -> str:
 
 # ----------------------------------------------------------------------------- the class
 def class_report(rows: Sequence[Row], tasks: Sequence[Task]) -> list[str]:
-    """For each task how many are right, and the commonest reasons of the others."""
+    """For each task how many are right, unanswered and wrong; and why, the commonest first."""
     lines = []
     for task in tasks:
         if not task.by_hand:
             found = [row.outcomes[task.name] for row in rows]
-            lines.append(f"{task.name}: {sum(o.right for o in found)} of {len(found)} right")
+            counts = Counter(map(_side, found))
+            said = [f"{counts.pop('right', 0)} of {len(found)} right"]
+            said += [f"{counts[side]} {side}" for side in sorted(counts)]
+            lines.append(f"{task.name}: {', '.join(said)}")
             lost = Counter(_shared(o) for o in found if not o.right)
-            lines += [f"  {count} x {shown(why)}" for why, count in lost.most_common(MOST_REASONS)]
+            lines += [f"  {count} x {shown(why)}" for why, count in lost.most_common()]
     return lines
 
 
+def _side(found: Outcome) -> str:
+    """On which side of the count an answer stands."""
+    sides = {"right": "right"} | dict.fromkeys(UNANSWERED, "unanswered")
+    return (sides | dict.fromkeys(UNJUDGED, "not judged")).get(found.kind, "wrong")
+
+
 def _shared(found: Outcome) -> str:
-    """A reason without what differs from student to student."""
-    said = found.reason.partition(" expected ")[0] if found.kind == "wrong" else ""
-    return " ".join(f"{found.kind}: {said}".rstrip(": ").split())[:150]
+    """A reason without what this student's function answered."""
+    said = re.split(r", got |, but it raised ", found.reason)[0]
+    return " ".join(f"{found.kind}: {said}".rstrip(": ").split())
 
 
 def duplicates(rows: Sequence[Row], tasks: Sequence[Task]) -> dict[str, str]:
@@ -285,7 +294,7 @@ def _section(row: Row, task: Task) -> str:
     said = f"{found.kind.capitalize()}: {found.reason[:1000]}" if found.reason else "Right."
     said += f" ({note})" if note else ""
     return (
-        f'<section class="{"right" if found.right else "wrong"}"><h2>{html.escape(head)}</h2>'
+        f'<section class="{_side(found).replace(" ", "-")}"><h2>{html.escape(head)}</h2>'
         f"<p>{html.escape(said)}</p>{_code(found.cases)}{_code(answer or '')}</section>"
     )
 

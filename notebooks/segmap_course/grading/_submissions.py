@@ -38,16 +38,28 @@ class Book(NamedTuple):
     def find(self, task: Task) -> str | None:
         """The text of the cell that answers a task; None where there is none.
 
-        The cell of the handout, unless nothing was written into it and another cell defines the
-        names that are wanted; but never the answer to another task, which may use the same name.
+        Of the cells in which something was written and that define the names that are wanted the
+        last one, as in a notebook that runs from top to bottom; but never the answer to another
+        task, which may use the same name.
         """
-        code = [cell for cell in self.cells if cell.kind == "code"]
-        own = [cell.source for cell in code if cell.id == f"{task.name}-answer"]
-        other = [cell.source for cell in code if not cell.id.endswith("-answer")]
-        wanted = [text for text in [*other, *own] if all(defines(text, n) for n in task.answers)]
-        written = [text for text in wanted if not is_stub(text, task)]
-        found = written or wanted or own
+        own = [cell for cell in self.code() if cell.id == f"{task.name}-answer"]
+        found = self.written(task) or self.defining(task) or [cell.source for cell in own]
         return found[-1] if found else None
+
+    def code(self) -> list[Answer]:
+        """The cells that are no text."""
+        return [cell for cell in self.cells if cell.kind == "code"]
+
+    def defining(self, task: Task) -> list[str]:
+        """The texts of the cells that define the names of a task."""
+        ids = {cell.id for cell in self.code() if cell.id.endswith("-answer")}
+        others = ids - {f"{task.name}-answer"}
+        texts = [cell.source for cell in self.code() if cell.id not in others]
+        return [text for text in texts if all(defines(text, name) for name in task.answers)]
+
+    def written(self, task: Task) -> list[str]:
+        """Those in which something was written."""
+        return [text for text in self.defining(task) if not is_stub(text, task)]
 
 
 class Submission(NamedTuple):
@@ -68,8 +80,17 @@ class Submission(NamedTuple):
         if not held:
             return None, ""
         file, text = (written or held)[0]
-        said = f"{task.name}: {file} counts, the newest of {len(written)} files that answer it"
-        return text, said if len({text for _, text in written}) > 1 else ""
+        book = next(book for book in self.books if book.find(task) == text)
+        said = [f"{file} counts, the newest of {len(written)} files that answer it"]
+        said = said if len({text for _, text in written}) > 1 else []
+        if (count := len(set(book.written(task)))) > 1:
+            said += [f"the last of {count} cells that answer it counts"]
+        return text, f"{task.name}: {', '.join(said)}" if said else ""
+
+    def beside(self, text: str) -> list[str]:
+        """The other cells of code of the notebook that holds this one."""
+        held = ([cell.source for cell in book.code()] for book in self.books)
+        return [each for each in next((h for h in held if text in h), []) if each != text]
 
     def written(self, task: str) -> str | None:
         """What was written below a task that a person grades; None where its cell is gone."""

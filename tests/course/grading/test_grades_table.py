@@ -125,18 +125,22 @@ def test_the_exports_letter_by_letter(tmp_path):
 
 
 def test_the_class_report_line_by_line():
-    """Catches a reason that is not shared, and more than the three commonest."""
+    """Catches a reason that is not shared, or cut, and a stub that is called wrong."""
     rows = [
-        *(told(name, "wrong", f"turn it first expected {name}, got 3") for name in "abc"),
+        *(told(name, "wrong", f"turn it first expected 4, got {name}") for name in "abc"),
         *(told(name, "wrong", "x" * 200) for name in "de"),
-        *(told(name, "ended", f"by signal {name}") for name in "fghi"),
+        *(told(name, "ended", "by signal 9") for name in "fghi"),
         *(told("j", "missing"), told("k", "right", "", 1.0), told("l", "right", "", 1.0)),
+        *(told("m", "empty", "nothing"), told("n", "unreadable", "no notebook")),
     ]
     assert class_report(rows, [F, HAND]) == [
-        "f: 2 of 12 right",
-        "  4 x ended",
-        "  3 x wrong: turn it first",
-        f"  2 x wrong: {'x' * 143}",
+        "f: 2 of 14 right, 1 not judged, 2 unanswered, 9 wrong",
+        "  4 x ended: by signal 9",
+        "  3 x wrong: turn it first expected 4",
+        f"  2 x wrong: {'x' * 200}",
+        "  1 x missing",
+        "  1 x empty: nothing",
+        "  1 x unreadable: no notebook",
     ]
 
 

@@ -80,7 +80,8 @@ def test_nothing_of_the_grader_came_to_harm(graded):
     ours = ["grades.csv", "grades_class.txt", "grades_feedback"]
     assert left == [*ours, "in", "out", "out.instructor.json", "victim"]
     lines = (root / "grades_class.txt").read_text().splitlines()
-    assert "compose: 1 of 12 right" in lines and "cast_ray: 11 of 12 right" in lines
+    assert "compose: 1 of 12 right, 1 not judged, 2 unanswered, 8 wrong" in lines
+    assert "cast_ray: 11 of 12 right, 1 not judged" in lines
 
 
 def test_feedback_names_the_mistake(graded):
@@ -226,7 +227,7 @@ FOOLS = "my_map = [*segmap.simulation.rectangular_room().tolist(), [(10, 10), (1
     ("task", "given", "cell", "kind", "words"),
     [
         ("predict_beams_on_wall", "my_guess", "my_guess = 15", "right", "it is 15 beams"),
-        ("predict_beams_on_wall", "my_guess", "my_guess = None", "wrong", "your number first"),
+        ("predict_beams_on_wall", "my_guess", "my_guess = None", "empty", "your number first"),
         ("predict_beams_on_wall", "my_guess", "my_guess = 4", "wrong", "near enough"),
         ("break_quality", "my_map", FOOLS, "right", "invented costs nothing"),
         ("break_quality", "my_map", "my_map = [[(1e300, 0), (0, 0)]]", "wrong", "within 20 m"),

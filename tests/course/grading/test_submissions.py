@@ -103,6 +103,9 @@ def book(*cells, file="a.ipynb"):
         ([("f-answer", "code", F.stub), ("x", "code", "my_f = 1")], 0),
         ([("g-answer", "code", "my_f = 1\nmy_g = 1")], None),
         ([("g-answer", "code", "x"), ("x", "code", "my_f, my_g = 1, (")], 1),
+        ([("f-answer", "code", "my_f = 2\nmy_g = 3"), ("x", "code", "my_f = 1\nmy_g = 1")], 1),
+        ([("f-answer", "code", "my_f, my_g = 3, 3"), ("x", "code", f"{F.stub}  # so?")], 0),
+        ([("f-answer", "code", "my_f = my_g = 3"), ("g-answer", "code", "my_f = my_g = 1")], 0),
     ],
 )
 def test_the_cell_that_answers_a_task(cells, found):
@@ -126,6 +129,10 @@ def test_of_all_files_the_newest_with_something_written_counts():
         ([stub, one, two], (one.cells[0].source, note)),
     ]:
         assert Submission("ann", "", books, []).find(F) == found
+    both = book(("f-answer", "code", "my_f = my_g = 1"), ("x", "code", "my_f = my_g = 2"))
+    note = "f: the last of 2 cells that answer it counts"
+    assert Submission("ann", "", [both], []).find(F) == ("my_f = my_g = 2", note)
+    assert Submission("ann", "", [both], []).beside("my_f = my_g = 2") == ["my_f = my_g = 1"]
     assert Submission("ann", "", [book(*written), one], []).written("f_by_hand") == (
         "I think\n\nso\n\nmy_f = my_g = 1"
     )

@@ -21,6 +21,7 @@ from segmap.readers import load
 from segmap.segments import length, point_distance
 from segmap.simulation import rectangular_room
 
+from ..._cells import lacking
 from .._answers import numbers, plain, type_name
 from .._exercise import Check
 
@@ -44,7 +45,8 @@ class Open:
 
     def __call__(self, given: Any) -> Check:
         """Check what a student gives. Raises nothing."""
-        return self.verdict(self.answers(given))
+        found = self.verdict(self.answers(given))
+        return self._check(said) if found and (said := lacking(self.name, given)) else found
 
     def answers(self, given: Any, cases: Any = None) -> list[Any]:
         """What is given, as plain values: one, or one for each part of a tuple."""

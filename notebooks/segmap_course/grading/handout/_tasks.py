@@ -129,13 +129,15 @@ def defines(source: str, name: str) -> bool:
     --------
     >>> defines("def my_f(x): ...", "my_f"), defines("my_guess = 3", "my_guess")
     (True, True)
+    >>> defines("my_f = my_g = 3", "my_g"), defines("a, my_f = 3, 4", "my_f")
+    (True, True)
     >>> defines("print(my_f)", "my_f"), defines("my_f == 3", "my_f")
     (False, False)
     """
     word = re.escape(name)
     gap = "[ \\t]*"  # of one line: over several a long text would take minutes
     before, after = rf"(?:\w+{gap},{gap})*", rf"(?:{gap},{gap}\w+)*"
-    assigned = rf"{before}{word}{after}{gap}(?::[^=\n]+)?=(?!=)"
+    assigned = rf"(?:\w[\w, \t]*=(?!=){gap})*{before}{word}{after}{gap}(?::[^=\n]+)?=(?!=)"
     return bool(re.search(rf"^(?:def {word}\s*\(|{assigned})", source, re.M))
 
 
