@@ -422,6 +422,31 @@ def test_an_uploaded_file_is_read(tmp_path, worker):
     assert "segmap" not in made.state.value and tempfile.gettempdir() not in made.state.value
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("..", "cannot be the name"), ("n" * 300, f"{'n' * 40}&#x27; cannot be the name"),
+     ("\u00e9" * 128, "cannot be the name"), ("half \ud800", "half \\ud800: is of no known format"),
+     (".", "upload.log: is of no known format"), ("n" * 255, "is of no known format")],
+)  # fmt: skip
+def test_an_uploaded_name_that_is_none_is_told(name, words):
+    """Catches an exception that nobody sees, and the places of a server in what is said."""
+    made = bench()
+    assert upload(made, name, b"no log\n")[-1] == -1
+    assert words in made.state.value and tempfile.gettempdir() not in made.state.value
+    assert made.log is LOG
+
+
+def test_the_size_of_an_upload_is_what_arrives(monkeypatch):
+    """Catches a page that says 1 byte and sends what fills the disk."""
+    monkeypatch.setattr("segmap.panels.workbench._source.MOST", 1000)
+    made, piece = bench(), b"#" * 400
+    said = [made._source.take("a.log", 10**9, 0, piece)]
+    said += [made._source.take("a.log", 900, start, piece) for start in (0, 400, 800, 800)]
+    assert said == [-1, 400, 800, -1, -1]
+    assert "a.log has 0.0 MB: only a file up to" in made.state.value
+    assert made._source._folder == "" and made.log is LOG
+
+
 def upload(made, name, content, piece=700, *, stop=False):
     """What upload.js does, and where it was asked to go on."""
     asked = [0]

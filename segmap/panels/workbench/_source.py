@@ -14,6 +14,7 @@ from typing import Any
 import ipywidgets as W
 
 from ... import arrays, readers
+from ...files import shown
 from ...readers import Session, read_session
 from ...scans import Log
 from . import _shown
@@ -26,6 +27,8 @@ OWN = "(a log of your own)"
 #: The largest file that is taken from a browser, bytes.
 MOST = 100_000_000
 LARGEST = "a file up to 100 MB; larger ones by their path"
+#: The longest name of a file on usual disks, bytes.
+LONGEST = 255
 #: Calls a function elsewhere, and hands what it returns to the second one here.
 Begin = Callable[[Callable[..., Any], tuple[Any, ...], Callable[[Any], None]], None]
 
@@ -104,10 +107,18 @@ class Source:
 
     def take(self, name: str, size: int, start: int, content: bytes) -> int:
         """Keep a piece of a file of the browser, and read it when it is whole; what comes next."""
-        name = Path(name.replace("\0", "")).name or "upload.log"
-        if size > MOST:
-            self._bar.say(f"{name} has {size / 1e6:.1f} MB: only {LARGEST}")
-            return -1
+        with telling(self._bar.say):
+            return self._taken_in(shown(Path(name.replace("\0", "")).name), size, start, content)
+        return -1
+
+    def _taken_in(self, name: str, size: int, start: int, content: bytes) -> int:
+        """The same; the page may lie about the size."""
+        name = name or "upload.log"
+        if name == ".." or len(name.encode()) > LONGEST:
+            raise ValueError(f"{name[:40]!r} cannot be the name of a file: give it another one")
+        if (most := max(size, start + len(content))) > MOST:
+            self.stop()
+            raise ValueError(f"{name} has {most / 1e6:.1f} MB: only {LARGEST}")
         if start == 0:
             self.stop()
             self._folder = folder = tempfile.mkdtemp()
