@@ -179,6 +179,25 @@ HARM = {
     import ctypes
     if ctypes.CDLL(None).unshare(0x10000000) == 0: raise ValueError("found")
 """,
+    "the first process led": """\
+    import ctypes
+    libc = ctypes.CDLL(None)
+    if libc.ptrace(0x4206, 1, 0, 0) == 0: raise ValueError("found")
+    if libc.process_vm_writev(1, None, 0, None, 0, 0) == 0: raise ValueError("found")
+    import resource
+    for limit in (resource.RLIMIT_AS, resource.RLIMIT_CPU, resource.RLIMIT_FSIZE):
+        if resource.prlimit(1, limit) != resource.prlimit(0, limit): raise ValueError("found")
+""",
+    "files in memory": """\
+    try: files = [os.memfd_create("x") for _ in range(20)]
+    except OSError: return [0, 0, 0]
+    if sum(os.write(file, bytes(1 << 20)) for file in files) > 16 << 20: raise ValueError("found")
+""",
+    "a key for the next": """\
+    import ctypes
+    keyctl = 250 if os.uname().machine == "x86_64" else 219
+    if ctypes.CDLL(None).syscall(keyctl, 0, -3, 1) >= 0: raise ValueError("found")
+""",
     "a hidden case in an error": "    raise ValueError('found ' + repr(a))\n",
     "a hidden case in the name of an error": (
         "    raise type('found' + repr(a), (Exception,), {})('x')\n"

@@ -1,9 +1,10 @@
 """A jail for one answer: bubblewrap around a process that holds no secret, with limits by prlimit.
 
 Inside are Python and its packages, read-only; for an open exercise the library too. There is no
-network, no file of the grader's, no other process, and of memory, time and processes what the
-limits leave. As root the jail belongs to `nobody`: bubblewrap that is started by root would keep
-its rights.
+network, no file of the grader's, no other process but bubblewrap's own first one, under the same
+limits and out of reach; of memory, time and processes what the limits leave, and of system calls
+what an answer needs. As root the jail belongs to `nobody`: bubblewrap that is started by root would
+keep its rights.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ import matplotlib.font_manager as fonts
 import segmap
 
 from ..exercises import decode, encode
+from ._filter import seccomp
 
 PACKAGES = (Path(segmap.__file__).resolve().parent, Path(__file__).resolve().parents[1])
 #: A reply with more bytes is no answer.
@@ -37,7 +39,8 @@ MOST_BYTES = 8 << 20
 MOST_WRITTEN = 16 << 20
 BUBBLEWRAP = (
     "bwrap --unshare-all --unshare-user --disable-userns --cap-drop ALL --new-session "
-    f"--clearenv --die-with-parent --dev /dev --remount-ro /dev --size {MOST_WRITTEN} --tmpfs /tmp"
+    f"--clearenv --die-with-parent --dev /dev --remount-ro /dev --size {MOST_WRITTEN} --tmpfs /tmp "
+    "--seccomp 9"
 ).split()
 #: Where matplotlib has its list of fonts. To make it takes seconds, and a thread in old versions.
 FONTS = f"fontlist-v{fonts.FontManager.__version__}.json"
@@ -86,6 +89,7 @@ class Jail:
         self.folder = Path(self._made.name)
         self.folder.chmod(0o755)  # nobody finds the mounts there
         fonts.json_dump(fonts.fontManager, self.folder / FONTS)
+        self.filter = self.folder / "filter"
         why = "there is no bubblewrap" if shutil.which("bwrap") is None else self._fault()
         self.bare = bool(why)
         if why and not unprotected:
@@ -100,6 +104,10 @@ class Jail:
 
     def _fault(self) -> str:
         """Why no jail starts here; empty where one does."""
+        try:
+            self.filter.write_bytes(seccomp())
+        except ValueError as unknown:
+            return str(unknown)
         words = self.command(["-c", "import numpy"], whole=False)
         found = subprocess.run(words, capture_output=True, text=True, check=False)
         return (found.stderr.strip() or "it fails")[-300:] if found.returncode else ""
@@ -110,13 +118,13 @@ class Jail:
     def command(self, python: list[str], *, whole: bool) -> list[str]:
         """The words that start Python in a jail; `whole` with the library."""
         limits = [
-            *(f"--cpu={self.limits.cpu}:{self.limits.cpu + 1}", f"--as={self.limits.memory}"),
-            *("--nproc=1", "--nofile=64", f"--fsize={MOST_WRITTEN}", "--core=0"),
+            *("prlimit", f"--cpu={self.limits.cpu}:{self.limits.cpu + 1}"),
+            *(f"--as={self.limits.memory}", "--nofile=64", f"--fsize={MOST_WRITTEN}", "--core=0"),
         ]
-        limited = ["prlimit", *limits, sys.executable, "-I", *python]
+        alone = ["prlimit", "--nproc=1", sys.executable, "-I", *python]
         if self.bare:
-            return limited if shutil.which("prlimit") else limited[len(limits) + 1 :]
-        script, words = "", list(BUBBLEWRAP)
+            return [*limits, *alone] if shutil.which("prlimit") else alone[2:]
+        script, words = "", [*limits, *BUBBLEWRAP]
         for number, path in enumerate(readable(whole)):
             seen = path
             if os.geteuid() == 0:  # nobody may have no way to it: Python below /root, for instance
@@ -133,11 +141,10 @@ class Jail:
         words += ["--ro-bind", str(self.folder / FONTS), f"/tmp/{FONTS}"] if whole else []
         for name, value in ENVIRONMENT.items():
             words += ["--setenv", name, value]
-        words += ["--chdir", "/tmp", "--remount-ro", "/", *limited]
-        if os.geteuid() != 0:
-            return words
-        script += 'exec setpriv --reuid=65534 --regid=65534 --clear-groups "$@"'
-        return ["unshare", "--mount", "sh", "-c", script, "sh", *words]
+        words += ["--chdir", "/tmp", "--remount-ro", "/", *alone]
+        nobody = "setpriv --reuid=65534 --regid=65534 --clear-groups " if os.geteuid() == 0 else ""
+        script += f'exec {nobody}"$@" 9< {shlex.quote(str(self.filter))}'
+        return [*(["unshare", "--mount"] if nobody else []), "sh", "-c", script, "sh", *words]
 
 
 def hidden(paths: list[str]) -> list[str]:

@@ -1,8 +1,11 @@
 """The jail, part by part and without one: its words, and how an answer ends."""
 
+import errno
 import os
+import re
 import select
 import stat
+import struct
 import sys
 import time
 from pathlib import Path
@@ -10,13 +13,15 @@ from types import SimpleNamespace
 
 import pytest
 from segmap_course.grading import _jail
+from segmap_course.grading._filter import ALLOW, FAIL, KEPT_OUT, KILL, MACHINES, seccomp
 from segmap_course.grading._jail import FONTS, Ended, Jail, Limits, Session, answers, readable
 
-LIMITED = "prlimit --cpu=7:8 --as=1024 --nproc=1 --nofile=64 --fsize=16777216 --core=0"
-BEGIN = (
-    "bwrap --unshare-all --unshare-user --disable-userns --cap-drop ALL --new-session --clearenv "
-    "--die-with-parent --dev /dev --remount-ro /dev --size 16777216 --tmpfs /tmp"
+LIMITED = "prlimit --cpu=7:8 --as=1024 --nofile=64 --fsize=16777216 --core=0"
+BEGIN = LIMITED + (
+    " bwrap --unshare-all --unshare-user --disable-userns --cap-drop ALL --new-session --clearenv "
+    "--die-with-parent --dev /dev --remount-ro /dev --size 16777216 --tmpfs /tmp --seccomp 9"
 )
+END = "--setenv HOME /tmp --setenv LANG C --chdir /tmp --remount-ro /"
 HIDDEN = "--tmpfs {0}/segmap --remount-ro {0}/segmap --tmpfs {0}/course --remount-ro {0}/course"
 
 
@@ -38,18 +43,18 @@ def jail(monkeypatch, tmp_path):
 
 def test_a_jail_is_started_by_these_words(jail, monkeypatch, tmp_path):
     """Catches an option that is lost: each one of them keeps something out."""
-    end = f"--setenv HOME /tmp --setenv LANG C --chdir /tmp --remount-ro / {LIMITED}".split()
-    end += ["/py/python", "-I", "-c", "x"]
+    end = [*END.split(), "prlimit", "--nproc=1", "/py/python", "-I", "-c", "x"]
     py = str(tmp_path / "py")
     bound = ["--ro-bind", "/a lib", "/a lib", "--ro-bind", py, py]
     monkeypatch.setattr(_jail.os, "geteuid", lambda: 1)
     assert (str(jail), stat.S_IMODE(jail.folder.stat().st_mode)) == ("bubblewrap", 0o755)
     hidden = HIDDEN.format(f"{py}/here").split()
-    assert jail.command(["-c", "x"], whole=False) == [*BEGIN.split(), *bound, *hidden, *end]
+    start = ["sh", "-c", f'exec "$@" 9< {jail.folder}/filter', "sh", *BEGIN.split()]
+    assert jail.command(["-c", "x"], whole=False) == [*start, *bound, *hidden, *end]
     course = str(Path(_jail.__file__).parent)
     own = ["--tmpfs", course, "--remount-ro", course]
     own += ["--ro-bind", str(jail.folder / FONTS), f"/tmp/{FONTS}"]
-    assert jail.command(["-c", "x"], whole=True) == [*BEGIN.split(), *bound, *own, *end]
+    assert jail.command(["-c", "x"], whole=True) == [*start, *bound, *own, *end]
     monkeypatch.setattr(_jail.os, "geteuid", lambda: 0)
     for _ in range(2):  # the folders are there the second time
         unshare, sets, shell, letter, script, *words = jail.command(["-c", "x"], whole=False)
@@ -57,7 +62,8 @@ def test_a_jail_is_started_by_these_words(jail, monkeypatch, tmp_path):
     first, second = (f"{jail.folder}/{k}" for k in (0, 1))
     assert script == (
         f"mount --bind '/a lib' {first} && mount --bind {py} {second} && "
-        'exec setpriv --reuid=65534 --regid=65534 --clear-groups "$@"'
+        'exec setpriv --reuid=65534 --regid=65534 --clear-groups "$@" '
+        f"9< {jail.folder}/filter"
     )
     bound = ["--ro-bind", first, "/a lib", "--ro-bind", second, py]
     assert words == ["sh", *BEGIN.split(), *bound, *hidden, *end]
@@ -70,6 +76,7 @@ def test_without_a_jail_the_limits_stay(jail, monkeypatch):
         python = ["/py/python", "-I", "-c", "x"]
         assert str(bare) == "none" and bare.command(["-c", "x"], whole=True) == [
             *LIMITED.split(),
+            *["prlimit", "--nproc=1"],
             *python,
         ]
         monkeypatch.setattr(_jail.shutil, "which", lambda name: None)
@@ -134,6 +141,58 @@ def test_an_answer_may_take_so_much():
     assert (_jail.MOST_BYTES, _jail.MOST_WRITTEN) == (8 * 1024**2, 16 * 1024**2)
     assert (_grade.MOST_CHARACTERS, _submissions.MOST_BYTES) == (200_000, 20_000_000)
     assert (_grade.DRAWS, _report.ALIKE, _report.LEAST_MARKS) == (5, 0.9, 40)
+
+
+# ------------------------------------------------------------------ system calls
+def decided(program, audit, number):
+    """What a filter says to a call, as the kernel runs it (seccomp(2))."""
+    steps, at, held = list(struct.iter_unpack("HBBI", program)), 0, None
+    while True:
+        code, true, false, value = steps[at]
+        at += 1
+        if code == 0x06:
+            return value
+        if code == 0x20:
+            held = {0: number, 4: audit}[value]
+        else:
+            at += true if {0x15: held == value, 0x25: held > value}[code] else false
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_the_filter_keeps_out_what_no_answer_needs(machine):
+    """Catches a jump that ends elsewhere, a call that gets through, and another machine's call."""
+    (audit, column), program = MACHINES[machine], seccomp(machine)
+    out = {pair[column] for pair in KEPT_OUT.values()}
+    for number in range(451):
+        assert decided(program, audit, number) == (FAIL | errno.EPERM if number in out else ALLOW)
+    for number in (451, 462, 1 << 30, (1 << 30) + 39, (1 << 32) - 1):
+        assert decided(program, audit, number) == FAIL | errno.ENOSYS
+    assert decided(program, 0x40000003, 26) == decided(program, audit ^ 1, 0) == KILL  # 32 bit
+
+
+def test_a_machine_without_known_numbers_has_no_jail(monkeypatch):
+    monkeypatch.setattr(_jail.shutil, "which", str)
+    monkeypatch.setattr(_jail, "seccomp", lambda: seccomp("sparc64"))
+    with pytest.raises(ValueError, match="in: the numbers of the system calls of sparc64 are not"):
+        Jail()
+
+
+@pytest.mark.parametrize(
+    ("column", "file"),
+    [(0, "x86_64-linux-gnu/asm/unistd_64.h"), (1, "asm-generic/unistd.h")],
+)
+def test_calls_have_the_numbers_of_the_kernel_s_headers(column, file):
+    """Catches a number that is another call's."""
+    header = Path("/usr/include") / file
+    if not header.exists():
+        pytest.skip("this system has no such header")
+    known = dict(re.findall(r"define __NR(?:3264)?_(\w+)\s+(\d+)", header.read_text()))
+    wrong = {
+        name: pair
+        for name, pair in KEPT_OUT.items()
+        if int(known.get(name, pair[column])) != pair[column]
+    }
+    assert not wrong
 
 
 # ------------------------------------------------------------------ how an answer ends
