@@ -59,7 +59,8 @@ class Verdict:
         Of those placed, the ones that are in all likelihood less than half a metre off; None where
         the method does not tell.
     worst : metres, or None
-        Twice the largest standard deviation of a scan that is placed.
+        Twice the largest standard deviation of a scan that is placed; the words promise it where no
+        cause speaks against the map.
     doubled
         Share of the walls that the map shows twice; None where no map was looked at.
     causes
@@ -150,7 +151,7 @@ def judge(
         more = f" ({local} relative to those within 20 m)" if local > sure else ""
         said.append((local < SURE_SHARE * placed, f"{counted(sure, 'scan')} sure{more}"))
     grade: Grade = "doubtful" if any(bad for bad, _ in said + drawn) else "good"
-    if worst and (within := _within(off, grade)):
+    if worst and not causes and (within := _within(off, grade)):
         said.append((False, within))
     said += drawn
     against, rest = ([text for bad, text in said if bad is kind] for kind in (True, False))
@@ -159,7 +160,10 @@ def judge(
 
 
 def _within(off: Array, grade: Grade) -> str:
-    """How far scans are off at most, `off` metres each; a good map promises no more than 0.5 m."""
+    """How far scans are off at most, `off` metres each; a good map promises no more than 0.5 m.
+
+    That holds only for a map against which nothing speaks: what makes it wrong is in no deviation.
+    """
     most, beyond = float(off.max()), int((off > PROMISE_M).sum())
     if most <= PROMISE_M or grade != "good":
         return f"all within {most:.2f} m"

@@ -118,6 +118,15 @@ def test_a_good_map_promises_half_a_metre_at_most():
     assert near.verdict.grade == "good" and "within 0" not in near.verdict.words
 
 
+def test_nothing_is_promised_where_something_speaks_against_the_map():
+    """Catches "all within 0.16 m" of a map whose second half was carried elsewhere: 15 m off."""
+    fine = outcome([True] * 6, spread=np.full(6, 0.08))
+    lifted = Finding(Cause.LIFTED, 3, "at scan 3 all that the robot sees changes", doubtful=True)
+    told = Finding(Cause.UNIT, 0.01, "the odometry is in centimetres: converted")
+    assert "within 0.16 m" in replace(fine, causes=(told,)).verdict.words
+    assert "within" not in replace(fine, causes=(told, lifted)).verdict.words
+
+
 @pytest.mark.parametrize(
     ("spread", "count", "grade"),
     [

@@ -93,6 +93,7 @@ class FrontEnd:
         self.offset = [np.zeros(3)]  # and its pose there
         self.overlap = [np.nan]  # share of each scan on the map before it; NaN where lost
         self.loose = [False]  # whether nothing says how far it went along the walls
+        self.along = [0.0]  # its standard deviation then, metres; 0 where the match tells
         self.driven = [False]  # whether the odometry outweighed its match
         self.tied = [True]  # of each key frame: whether a match fixes the step to it
         self.wheels = Wheels()
@@ -111,7 +112,7 @@ class FrontEnd:
         lost = self.trail.reasons[-1] not in ("", LOOSE)
         step = np.zeros(3) if lost and not measured else self.trail.step()
         guess, map = compose(before, step), self.local
-        loose = driven = False
+        loose, along, driven = False, 0.0, False
         if map is None or len(points) < 6:
             match = no_match(guess, "too few points")
         else:
@@ -122,12 +123,14 @@ class FrontEnd:
             driven, match = weighed is not match, weighed
             if (match.free is not None or match.turns) and not measured:
                 loose = len(map.unfixed(points, match.pose)) > 0
+                along = float(np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]))
         self.lost = 0 if match.matched or measured else self.lost + 1
         self.scans.append(scan)
         self.points = points
         self.frame.append(len(self.frames) - 1)
         self.offset.append(match.pose)
         self.loose.append(loose)
+        self.along.append(along)
         self.driven.append(driven)
         self.overlap.append(match.overlap if match.matched or measured else np.nan)
         reason = LOOSE if loose else match.reason
@@ -206,7 +209,7 @@ class FrontEnd:
         turned = abs(between(self.offset[-2], match.pose)[2])
         if match.overlap < (NEARLY_ALL if turned > GUESSED_TURN else GUESSED_OVERLAP):
             return True
-        return any(self.loose[self.frames.scan[-1] : scan])
+        return any(self.along[self.frames.scan[-1] : scan])
 
     def see_last_frames(self) -> None:
         """Make the local map anew, of the last key frames."""
@@ -263,7 +266,7 @@ class FrontEnd:
         if graph is not None:
             weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
             far, near = spread(self.frames.poses, stacked(self.frames.edges), weight)
-            far, near = far[frame], near[frame]
+            far, near = (np.hypot(place[frame], self.along) for place in (far, near))
             seeing = np.array([not own for own in reasons], float)
             matched = np.bincount(frame, seeing, len(self.frames)).astype(float)
             apart = untied(self.tied, self.frames.edges, matched)[frame]

@@ -56,6 +56,7 @@ STRAIN_ANGLE = np.radians(0.5)
 CONTRADICTED = 15.0
 #: Why a loop is not believed that no other, or too few, agree with.
 ALONE = "no other loop agrees with it"
+SLIDES = "no wall says how far along the corridor, nor does the odometry"
 CONTRADICTS, VETOED = "the rest of the graph contradicts it", "it was vetoed"
 
 
@@ -134,26 +135,30 @@ class LoopCloser:
         self.maps: dict[tuple[int, int, int], PointMap | None] = {}
         self.ways = _ways([])
 
-    def close(self, *, confirmed: bool) -> bool:
+    def close(self, *, confirmed: bool, measured: bool) -> bool:
         """Look for loops of the newest key frame; True where accepted ones strain the map.
 
         `confirmed` says whether a match tied it to the one before: else the robot may be anywhere.
+        `measured` says whether there is odometry: without it a loop that may slide along a corridor
+        says nothing, and others that agree with it are as wrong.
         """
         new = len(self.frames) - 1
         view, _ = self.frames.points_around(self._neighbours(new, VIEW), new)
         self.descriptors.append(descriptor(view))
-        return self.seek(new, new, confirmed=confirmed)
+        return self.seek(new, new, confirmed=confirmed, measured=measured)
 
-    def seek(self, new: int, before: int, *, confirmed: bool) -> bool:
+    def seek(self, new: int, before: int, *, confirmed: bool, measured: bool) -> bool:
         """Look for loops of a key frame to those before another, as `close` does."""
         self.lost_since = self.lost_since if confirmed else new
         # 1. Old places that may be the new one
         windows = self._by_place(new, before) + self._by_descriptor(new, before)
         # 2. How the new place lies on each
-        measured = [self.measure(window, self.map_around(window), new) for window in windows]
+        matches = [self.measure(window, self.map_around(window), new) for window in windows]
         fresh: list[tuple[Edge, float]] = []
-        for window, match in zip(windows, measured, strict=True):
-            if match.matched:
+        for window, match in zip(windows, matches, strict=True):
+            if match.matched and match.free is not None and not measured:
+                self._reject(window.old, new, SLIDES)
+            elif match.matched:
                 known = information(match.covariance, self.frames.least)
                 fresh.append((Edge(window.old, new, match.pose, known, True), window.reach))
             else:

@@ -82,7 +82,8 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
         away = np.abs(frames.along - frames.along[loop.second])[rest]
         order = (joint.frame + np.argsort(away, kind="stable")).tolist()
         for new in each(order, "closing loops of place"):
-            if closer.seek(new, joint.frame, confirmed=True):
+            measured = front.trail.measured(frames.scan[new])
+            if closer.seek(new, joint.frame, confirmed=True, measured=measured):
                 frames.optimize(lazily=True)
         frames.optimize()
         # 4. Whether the places that both passed are tied
@@ -111,6 +112,7 @@ def _begin_anew(front: FrontEnd, later: FrontEnd) -> Joint:
     front.frame.append(frame)
     front.offset.append(np.zeros(3))
     front.loose.append(False)
+    front.along.append(0.0)
     front.driven.append(False)
     front.overlap.append(np.nan)
     front.tied.append(False)

@@ -133,7 +133,7 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
         announce(new / len(front.frames), "looking for loops between parts")
         scan = front.frames.scan[new]
         confirmed = front.loose[scan] or not front.trail.reasons[scan]
-        if closer.seek(new, joint.frame, confirmed=confirmed):
+        if closer.seek(new, joint.frame, confirmed=confirmed, measured=front.trail.measured(scan)):
             front.frames.optimize(lazily=True)
         closer.lost_since = None if new in found else closer.lost_since
     closer.pending += joint.moved(its_closer.pending)
@@ -153,6 +153,7 @@ def append(graph: LiveGraph, part: LiveGraph, scans: Sequence[LaserScan], joint:
     front.frame += [joint.frame - its_frame + frame for frame in later.frame[rest]]
     front.offset += later.offset[rest]
     front.loose += later.loose[rest]
+    front.along += later.along[rest]
     front.driven += later.driven[rest]
     front.overlap += later.overlap[rest]
     front.tied += later.tied[its_frame + 1 :]

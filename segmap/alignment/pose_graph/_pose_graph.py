@@ -180,7 +180,9 @@ class LiveGraph(Locked):
                     # 2. A new key frame, and the loops that it closes
                     begins = not any(map(len, front.frames.points))  # from there none is lost
                     front.add_frame(match)
-                    closed = closer.close(confirmed=match.matched or begins)
+                    known = match.matched or begins
+                    measured = front.trail.measured(len(front.scans) - 1)
+                    closed = closer.close(confirmed=known, measured=measured)
                     # 3. All key frames anew where loops have moved them
                     if closed:
                         front.frames.optimize(lazily=True)

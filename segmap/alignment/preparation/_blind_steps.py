@@ -6,18 +6,21 @@ for around where it was taken, as if the robot stood, until the robot has moved 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...poses.motions import between
 from ...scans import Log
-from ..points import PointMap, in_range
+from .._result import Match
+from ..points import LAST, PointMap, in_range
 
 #: Scans from which steps are sought: spread evenly over the log, and around those that turn.
 STARTS, TURNING_STARTS = 75, 30
+#: ... and over one without odometry, where nothing else tells what rides in a part of it.
+STARTS_ALONE = 300
 #: Those around lie so many scans from one that turns.
 AROUND = np.array([-6, -4, -2, 2, 4, 6])
 #: Scans from the start to the end of a step, tried one after the other.
@@ -28,6 +31,8 @@ REACH_M, TURN_RAD = 0.8, np.radians(45)
 MOVED_M, TURNED_RAD = 0.2, np.radians(8)
 #: ... and counts where so much of the scan lies on the other, and its place is known this well.
 LEAST_OVERLAP, MOST_DEVIATION_M = 0.7, 0.05
+#: A scan stands for the laser where it moved by less; the rest is sought if it is more than this.
+STANDS_M, STANDS_RAD, REST = 0.1, np.radians(3), 0.15
 
 
 class Steps(NamedTuple):
@@ -36,30 +41,41 @@ class Steps(NamedTuple):
     first: NDArray[np.int64]  # (m,)
     second: NDArray[np.int64]  # (m,)
     motion: Array  # (m, 3), metres and radians
+    overlap: Array = np.zeros(0)  # (m,), share of the second scan that lies on the first so
+
+    @property
+    def torn(self) -> int:
+        """At how many steps a part of the scan stands for the laser though the rest moves."""
+        return int((self.overlap <= LEAST_OVERLAP).sum())
 
 
 def blind_steps(log: Log) -> Steps:
     """Steps of a log that its scans alone tell; none where no walls fix the motion."""
-    starts = np.unique(np.linspace(0, max(len(log) - 2, 0), STARTS).astype(int))
+    many = STARTS if np.isfinite(log.odometry).all(1).any() else STARTS_ALONE
+    starts = np.unique(np.linspace(0, max(len(log) - 2, 0), many).astype(int))
     found = _steps_from(log, starts if len(log) > 1 else starts[:0])
     # A drive along corridors turns at few places: look there once more
-    turning = np.array([first for first, _, motion in found if abs(motion[2]) > TURNED_RAD / 2])
+    turning = np.array([first for first, _, motion, _ in found if abs(motion[2]) > TURNED_RAD / 2])
     around = np.unique(turning[:, None] + AROUND) if len(turning) else starts[:0]
     around = np.setdiff1d(around[(around >= 0) & (around < len(log) - 1)], starts)
     found += _steps_from(log, around[:: 1 + len(around) // TURNING_STARTS])
     first, second = ([row[k] for row in found] for k in (0, 1))
     motion = np.reshape([row[2] for row in found], (-1, 3))
-    return Steps(np.array(first, np.int64), np.array(second, np.int64), motion)
+    overlap = np.array([row[3] for row in found], float)
+    return Steps(np.array(first, np.int64), np.array(second, np.int64), motion, overlap)
 
 
-def _steps_from(log: Log, starts: NDArray[np.int64]) -> list[tuple[int, int, Array]]:
+def _steps_from(log: Log, starts: NDArray[np.int64]) -> list[tuple[int, int, Array, float]]:
     """The steps that begin at some scans."""
     steps = ((int(first), _step_from(log, int(first))) for first in starts)
     return [(first, *step) for first, step in steps if step is not None]
 
 
-def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
-    """The scan up to which the robot has moved enough, and how; None where no match tells."""
+def _step_from(log: Log, first: int) -> tuple[int, Array, float] | None:
+    """The scan up to which the robot has moved enough, how, and how much of it lies on the first.
+
+    None where no match tells.
+    """
     points, known = in_range(log[first].points()), None
     if len(points) < 6:
         return None
@@ -70,20 +86,41 @@ def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
         current = in_range(log[first + stride].points())
         if len(current) < 6:
             break
-        start, _ = map.search(current, np.zeros(3), reach=REACH_M, turn=TURN_RAD, least=0.3)
-        if start is None:
-            break
-        match = map.register(current, start, overlap=LEAST_OVERLAP)
-        if not match.matched or match.free is not None:
+        match = _matched(map, current)
+        if match is None or match.free is not None:
             break
         if np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]) > MOST_DEVIATION_M:
             break
-        known = first + stride, match.pose
+        known = first + stride, match.pose, match.overlap
         if np.hypot(*match.pose[:2]) > MOVED_M or abs(match.pose[2]) > TURNED_RAD:
             break
     return known
 
 
-def by_odometry(odometry: Array, steps: Steps) -> Array:
-    """The same motions as the odometry `(k, 3)` has them, `(m, 3)`; NaN where it says nothing."""
-    return between(odometry[steps.first], odometry[steps.second])
+def _matched(map: PointMap, current: Array) -> Match | None:
+    """Where a scan `(m, 2)` lies on the map, if it does; if a part stands, where the rest lies.
+
+    What rides with the robot stands for the laser. It is nearer than the walls: the rest counts
+    only where it is farther away, for a person who passes by is not.
+    """
+    match = _found(map, current)
+    if match is not None and _stands(match.pose):
+        rides = map.near(current, match.pose, LAST)
+        away = np.hypot(*current.T)
+        if 1 - rides.mean() > REST and np.median(away[~rides]) > np.median(away[rides]):
+            rest = _found(map, current[~rides])
+            if rest is not None and rest.overlap > LEAST_OVERLAP and not _stands(rest.pose):
+                return replace(rest, overlap=float(map.near(current, rest.pose, LAST).mean()))
+    return match if match is not None and match.overlap > LEAST_OVERLAP else None
+
+
+def _found(map: PointMap, current: Array) -> Match | None:
+    """Where points `(m, 2)` lie on the map, searched for as if the robot stood."""
+    start, _ = map.search(current, np.zeros(3), reach=REACH_M, turn=TURN_RAD, least=0.3)
+    match = None if start is None else map.register(current, start)
+    return match if match is not None and match.matched else None
+
+
+def _stands(motion: Array) -> bool:
+    """Whether a motion `(3,)` is next to none."""
+    return bool(np.hypot(*motion[:2]) < STANDS_M and abs(motion[2]) < STANDS_RAD)

@@ -38,8 +38,9 @@ SAME_M, ANOTHER_M, PEOPLE_M = 0.04, 0.15, 0.3
 THROUGH_M, ABOUT_RAD = 0.15, np.radians(3)
 #: A point is seen again within this, and this share of its distance.
 AGAIN_M, AGAIN = 0.1, 0.03
-#: Motions are wrong where more of them are contradicted in all but this share of the directions.
-LEAST_RIGHT = 0.1
+#: Motions are wrong where more of them are contradicted in all but this share of the directions;
+#: people are sought where those that see no people agree with them mostly.
+LEAST_RIGHT, MOSTLY_RIGHT = 0.1, 0.5
 #: What is seen in a direction is the robot's from this share of the pairs on; most elsewhere: 0.31,
 #: behind glass 0.69. People keep their distance in so many; most elsewhere: 0.53, glass 0.96 ...
 RIDES, FOLLOWS = 0.7, 0.65
@@ -91,10 +92,10 @@ class Evidence(NamedTuple):
     again: NDArray[np.int64]  # it has another range, and its point is seen again
     against: NDArray[np.int64]  # it has the same range, and its point is not where it should be
 
-    def right(self) -> bool:
-        """Whether the motions between the scans are right for some of what is seen."""
-        known = self.again + self.against >= ENOUGH / 2
-        return bool((self.again > self.against)[known].sum() > LEAST_RIGHT * known.sum())
+    def right(self, share: float, which: NDArray[np.bool_]) -> bool:
+        """Whether the motions between the scans are right for such a share of some directions."""
+        known = (self.again + self.against >= ENOUGH / 2) & which
+        return bool((self.again > self.against)[known].sum() > share * known.sum())
 
 
 class Looks(NamedTuple):
@@ -116,10 +117,9 @@ Part = tuple[int, int]
 def without_body(log: Log, steps: Steps) -> Log:
     """A log without the beams that see what rides with the robot: they are NaN.
 
-    It is looked for in the whole log, and if nothing rides all the time, in parts that overlap by
-    half. Pairs of scans are those of the odometry, if the scans do not contradict it, else the
-    matched `steps`. Walls along which the robot drives keep their range too: where neither way nor
-    turn is known, nothing is left out, and it is told if something seems to ride.
+    It is looked for in the whole log, and in parts that overlap by half. Pairs of scans are those
+    of the odometry, if the scans do not contradict it, else the matched `steps`. Walls along which
+    the robot drives keep their range too: where neither way nor turn is known, nothing is left out.
     """
     angles = max((scan.angles for scan in log), key=len, default=np.empty(0))
     step = float(np.median(np.diff(angles))) if len(angles) > 2 else 0.0
@@ -130,8 +130,6 @@ def without_body(log: Log, steps: Steps) -> Log:
     half, whole = size // 2, (0, len(log))
     begins = range(0, len(log) - half, half) if len(log) > size else ()
     found = _riding(log, steps, directions, [whole, *((k, k + size) for k in begins)])
-    if found.get(whole, ([], []))[1]:
-        found = {whole: found[whole]}
     scans, told = list(log.scans), [finding for _, some in found.values() for finding in some]
     for (begin, end), (reach, _) in found.items():
         around = slice(max(begin - half, 0), end + half)  # it came and went within another part
@@ -144,60 +142,43 @@ def without_body(log: Log, steps: Steps) -> Log:
 def _riding(
     log: Log, steps: Steps, directions: Directions, parts: list[Part]
 ) -> dict[Part, Riding]:
-    """What rides in parts of a log."""
-    found: dict[Part, Riding] = {}
-
-    def seek(pairs: Steps) -> None:
-        """Find it by some pairs in the parts that are left."""
+    """What rides in parts of a log: by the odometry, or else by the steps."""
+    for pairs in (_odometry_pairs(log.odometry), steps):
         looks = _looks(log, pairs, directions)
-        answers = {
-            part: _by_pairs(looks, part, directions, whole=part == parts[0])
-            for part in parts
-            if part not in found
-        }
-        found.update({part: answer for part, answer in answers.items() if answer is not None})
-
-    def ways(pairs: Steps, part: Part) -> Array:
-        """How far the pairs within a part go."""
-        return _way(pairs.motion)[(pairs.first >= part[0]) & (pairs.second < part[1])]
-
-    seek(_odometry_pairs(log.odometry))
-    if len(found) < len(parts):
-        seek(steps)
+        found = {part: _by_pairs(looks, part, directions, whole=part == parts[0]) for part in parts}
+        if found[parts[0]] is not None:
+            break
+    known = {part: answer for part, answer in found.items() if answer is not None}
     if np.isfinite(log.odometry).all(1).any():
-        return found
-    # Without odometry either the robot stands, or something that rides holds the scans
-    left = {
-        part: np.array([0.0])
-        for part in parts
-        if part not in found and (ways(steps, part) < LEAST_WAY_M).sum() >= ENOUGH
-    }
-    scans = list(log.scans)
-    for part in left:
-        some = slice(*part)
-        ranges = directions.ranges(log[some])
-        left[part] = np.where(_constant(ranges) & (_median(ranges) < NEAR_M), np.inf, 0.0)
-        scans[some] = [_without(scan, left[part], directions) for scan in scans[some]]
-    if left:
-        freed = blind_steps(replace(log, scans=tuple(scans)))
-        seek(freed)
-        for part in left.keys() - found.keys():
-            if np.median([0.0, *ways(freed, part)]) > LEAST_WAY_M:
-                words = (
-                    "something near stands still for the laser while the rest of the scans moves"
-                )
-                why = "it may be the robot itself, and neither odometry nor turns tell"
-                still = int(np.isinf(left[part]).sum())
-                told = Finding(Cause.BODY, still, f"{words}: {why}", doubtful=True)
-                found[part] = np.zeros(directions.columns), [told]
-    return found
+        return known
+    for part in parts:
+        if part not in known and (
+            still := _seem_to_ride(log[slice(*part)], steps, part, directions)
+        ):
+            words = "something near stands still for the laser while the rest of the scans moves"
+            why = "it may be the robot itself, and neither odometry nor turns tell"
+            told = Finding(Cause.BODY, still, f"{words}: {why}", doubtful=True)
+            known[part] = np.zeros(directions.columns), [told]
+    return known
+
+
+def _seem_to_ride(log: Log, steps: Steps, part: Part, directions: Directions) -> int:
+    """Directions of what is near and hardly changes, where a log stands, but moves without it."""
+    within = (steps.first >= part[0]) & (steps.second < part[1])
+    if (_way(steps.motion[within]) < LEAST_WAY_M).sum() < ENOUGH:
+        return 0
+    ranges = directions.ranges(log)
+    reach = np.where(_constant(ranges) & (_median(ranges) < NEAR_M), np.inf, 0.0)
+    freed = replace(log, scans=tuple(_without(scan, reach, directions) for scan in log))
+    moves = np.median([0.0, *_way(blind_steps(freed).motion)]) > LEAST_WAY_M
+    return int(np.isinf(reach).sum()) if moves else 0
 
 
 def _by_pairs(looks: Looks, part: Part, directions: Directions, *, whole: bool) -> Riding | None:
     """What rides in a part, by the pairs within it; None where they are too few, or wrong."""
     own = (looks.first >= part[0]) & (looks.second < part[1])
     seen = Evidence(*looks.says[:, own].sum(1, np.int64))
-    if own.sum() < ENOUGH or not seen.right():
+    if own.sum() < ENOUGH or not seen.right(LEAST_RIGHT, seen.again >= 0):
         return None
     ranges = looks.ranges[(looks.scans >= part[0]) & (looks.scans < part[1])]
     # 1. A body, and the neighbours that it fills; half of a beam beside it may see it too
@@ -214,8 +195,10 @@ def _by_pairs(looks: Looks, part: Part, directions: Directions, *, whole: bool) 
         body = body | filled | (after | before) & (rides > BESIDE)
     body = body | np.roll(body, 1) | np.roll(body, -1)
     # 2. People, who keep their distance, and their direction, by so much
-    people = ~body & (_share(seen.follows, seen.far) > FOLLOWS) & whole
+    people = ~body & (_share(seen.follows, seen.far) > FOLLOWS)
     people &= seen.rides < RESTLESS * seen.follows
+    if not seen.right(MOSTLY_RIGHT, ~body & ~people):
+        people[:] = False
     angles, reach = directions.angles, np.where(body, np.inf, 0.0)
     for angle, far in zip(angles[people], median[people], strict=True):
         about = np.abs(wrap(angles - angle)) < PEOPLE_M / far

@@ -12,6 +12,7 @@ from ...arrays import Array, checked
 from ...poses.motions import compose, inverse
 from ...progress import Progress
 from ...scans import LaserScan, Log
+from ...scans.causes import Cause, Finding
 from .. import _deskew
 from ._blind_steps import blind_steps
 from ._body import without_body
@@ -20,6 +21,9 @@ from ._comparison import compared
 from ._nothing_met import without_nothing_met
 from ._odometry import mounting_of, with_odometry_corrected
 from ._range_unit import with_ranges_in_metres
+
+#: So many steps between which something rides make a map doubtful: right logs have one at most.
+TORN = 3
 
 
 @checked
@@ -80,6 +84,11 @@ def prepared(
     steps = blind_steps(log)
     if not keep_body and (seen := without_body(log, steps)) is not log:
         log, steps = seen, blind_steps(seen)
+    if steps.torn >= TORN:
+        words = f"at {steps.torn} of {len(steps.first)} steps a part of the scan stands still"
+        why = "for the laser while the rest moves: people, or parts of the robot, move along"
+        told = Finding(Cause.BODY, steps.torn, f"{words} {why}", doubtful=True)
+        log = replace(log, causes=(*log.causes, told))
     if isinstance(mount, str):
         arrays.one_of(mount, "mount", ["auto"])
         place = mounting_of(compared(log.odometry, steps))

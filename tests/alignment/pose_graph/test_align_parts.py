@@ -99,7 +99,7 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     """
     asked, settled, since = [], [], {}
 
-    def seek(self, new, before, *, confirmed):
+    def seek(self, new, before, *, confirmed, measured):
         asked.append((new, before, confirmed))
         since[new] = self.lost_since
         self.lost_since = self.lost_since if confirmed else new

@@ -289,7 +289,7 @@ def test_a_descriptor_says_how_many_points_lie_in_each_ring():
 def test_a_place_is_described_by_what_four_key_frames_see():
     closer = walked(12, np.zeros((1, 2)))
     closer.descriptors = [descriptor(np.zeros((1, 2)))] * 12
-    assert not closer.close(confirmed=True)
+    assert not closer.close(confirmed=True, measured=True)
     assert np.flatnonzero(closer.descriptors[-1]).tolist() == [0, 2, 4, 6]
 
 
@@ -405,10 +405,30 @@ def test_the_graph_is_solved_at_once_where_a_loop_strains_it(motion, closes):
 
     closer = walked(20, closer=Closer)
     closer.pending = [loop(2, 11), loop(3, 12)]
-    assert closer.seek(20, 20, confirmed=True) == closes
+    assert closer.seek(20, 20, confirmed=True, measured=True) == closes
     assert [edge[:2] for edge in closer.pending] == [(3, 12)] and len(closer.accepted) == 1
     assert [gone[:2] for gone in closer.rejected] == [(1, 20), (2, 11)]
     assert closer.lost_since is None
+
+
+@pytest.mark.parametrize("measured", [True, False])
+def test_a_loop_that_may_slide_needs_odometry(measured):
+    """Catches loops along a corridor that agree, and are as wrong as the way between them."""
+    slides = Match(np.array([0.3, 0.0, 0.0]), 0.1 * np.eye(3), True, free=np.array([1.0, 0.0]))
+
+    class Closer(LoopCloser):
+        def _by_place(self, new, before):
+            return [Window(0, ZERO, 1.0, 0.3)]
+
+        def measure(self, window, map, new):
+            return slides
+
+    closer = walked(20, closer=Closer)
+    closer.seek(20, 20, confirmed=True, measured=measured)
+    assert [edge[:2] for edge in closer.pending] == ([(0, 20)] if measured else [])
+    assert ["along the corridor" in gone.reason for gone in closer.rejected] == [True] * (
+        not measured
+    )
 
 
 @pytest.mark.parametrize(("deviation", "counts"), [(0.19, True), (0.21, False)])

@@ -172,6 +172,36 @@ def test_where_neither_turn_nor_odometry_tells_that_is_said():
     assert not masked(found).any()
 
 
+#: People round a robot, metres.
+CROWD = [(1.0, 0.8), (1.0, -0.8), (-0.9, 0.7), (-1.0, -0.6), (1.4, 0.1)]
+
+
+def for_a_while(log: Log, other: Log, begin: float, end: float) -> Log:
+    """A log whose scans from one share to another are those of another log."""
+    first, last = int(begin * len(log)), int(end * len(log))
+    return replace(log, scans=(*log[:first], *other[first:last], *log[last:]))
+
+
+@pytest.mark.parametrize("wheels", [True, False], ids=["wheels", "carried"])
+@pytest.mark.parametrize(("begin", "end"), [(0.0, 0.3), (0.4, 0.8)])
+def test_people_who_walk_along_for_a_while_are_left_out(begin, end, wheels):
+    """Catches people sought in the whole log alone, who hold the robot for a third of it."""
+    log = driven()
+    log = for_a_while(log, with_people(log, WALLS["rooms"], *CROWD, sway=0.05), begin, end)
+    found = pose_graph(prepared(log if wheels else without_odometry(log)))
+    assert any(finding.cause is Cause.BODY for finding in found.causes) and log.truth is not None
+    assert position_errors(found.poses, log.truth, best=True).max() < 0.1
+
+
+def test_what_rides_and_is_kept_makes_the_map_doubtful():
+    """Catches a match that stands since posts do, though a part of the scan moves: 5 m, GOOD."""
+    log = without_odometry(driven(sensor="ahead"))
+    found = prepared(with_posts(log), keep_body=True)
+    assert [finding.doubtful for finding in found.causes] == [True]
+    assert "stands still for the laser while the rest moves" in found.doubt
+    assert not prepared(log).causes
+
+
 def stands() -> Log:
     """Nine tenths of the scans of one place, then a drive."""
     path = np.vstack([np.tile(PATHS["rooms"][0], (600, 1)), PATHS["rooms"][:60]])
