@@ -1,5 +1,6 @@
 """A reader makes no time, delay or reach up; what else it must assume, it lists."""
 
+import ast
 from pathlib import Path
 
 import bag_samples as bags
@@ -53,6 +54,21 @@ def test_no_time_and_no_delay_is_made_up_and_the_rest_is_listed(name, tmp_path):
     assert all((scan.delays is not None) == (name in TURNING) for scan in log)
     begins = {next((b for b in ASSUMED[name] if said.startswith(b)), said) for said in log.assumed}
     assert begins == ASSUMED[name] and len(log.assumed) == len(begins)
+
+
+def test_the_words_of_each_format_say_what_it_assumes():
+    """Catches a reader that fills in a fact, and whose description does not say which."""
+    parts = {"_graph.py", "_files.py", "_stream.py", "_frames.py", "_bounds.py", "_classes.py"}
+    files = (path for path in Path(readers.__file__).parent.glob("*/_*.py"))
+    words = {
+        path.name: ast.get_docstring(ast.parse(path.read_text("utf-8"))) or "" for path in files
+    }
+    of_formats = {
+        name for name, text in words.items() if "truth" in text or "\n    " in text
+    } - parts
+    silent = {name for name in of_formats if "Assumed" not in words[name]}
+    assert len(of_formats) > 10
+    assert not silent
 
 
 def test_arrays_and_folders_list_what_they_leave_open(tmp_path):

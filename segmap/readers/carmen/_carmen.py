@@ -29,6 +29,10 @@ them into the ODOM lines too, and then there is no odometry; where the poses of 
 ODOM line, these are the raw odometry. Other lines that are a word in capital letters and at most
 one field are left out and counted, as `skipped`. For ROBOTLASERn lines of other logs see
 `extrinsic_by_poses`.
+
+Assumed: over which angle the beams of FLASER and RLASER look, and that a range from the sensor's
+limit on met nothing; where neither PARAM nor poses say it, that the laser sits at the robot's
+centre.
 """
 
 from __future__ import annotations

@@ -4,8 +4,9 @@
     Laser n r1 ... rn
 
 Metres and radians. The odometry of a scan is the last line before it that no scan has used: a line
-used twice would put two scans into one place. There are no times and no
-truth. The beams follow the rule of `half_turn`; the laser is taken to be at the robot's centre.
+used twice would put two scans into one place. There are no times and no truth.
+
+Assumed: the beams follow the rule of `half_turn`, and the laser sits at the robot's centre.
 """
 
 from __future__ import annotations

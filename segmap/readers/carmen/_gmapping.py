@@ -9,10 +9,11 @@ that scan. Where two updates follow a scan, the last counts; a scan without one 
 of `PARAM maxrange` and more met nothing. Metres, radians, seconds.
 
 Left out are ODOM and ODO_UPDATE (poses between the scans, raw and of all particles), RESAMPLE,
-NEFF, FRAME, ENTROPY, SIMULATOR_POS, COMMENT and the other parameters. The file does not say where
-the beams point: 540 and 541 are those of a S300 (270 degrees), 682 and 683 those of an URG-04LX, as
-GMapping itself takes them; all others follow the rule of `half_turn`. Nor does it say where the
-laser sits: it is taken to be the robot's centre.
+NEFF, FRAME, ENTROPY, SIMULATOR_POS, COMMENT and the other parameters.
+
+Assumed: where the beams point: 540 and 541 are those of a S300 (270 degrees), 682 and 683 those of
+an URG-04LX, as GMapping itself takes them; all others follow the rule of `half_turn`. And the laser
+sits at the robot's centre.
 """
 
 from __future__ import annotations

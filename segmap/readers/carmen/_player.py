@@ -14,13 +14,15 @@ metres, angles in radians):
 
 Lines may also start with the interface (`laser index ...`, `position index ...`), the time, if any,
 after the index. What a field means is decided by how many there are: `datatime`, and all but x, y,
-heading of a position may be missing; so may the intensities, and the angles of a laser that looks
-over half a turn (then the rule of `half_turn`).
+heading of a position may be missing; so may the intensities, and the angles of a laser.
 
 Odometry is the pose between the position lines around the time of the scan; outside of them, and
 where lines have no time, the last one before the scan. Of several position devices the one with the
 lowest index counts. A pose within a laser line (1 2) goes before. There is no truth. Other
 interfaces are skipped.
+
+Assumed: a laser without angles follows the rule of `half_turn`; without a line that says where it
+sits, that is the robot's centre.
 """
 
 from __future__ import annotations

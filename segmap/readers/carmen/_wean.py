@@ -6,8 +6,9 @@
 Lengths are centimetres here, and metres in the log; angles radians, times seconds. x y theta is the
 robot by its wheels. The laser's pose lies 25 cm ahead in all logs that we know: what lies between
 the two poses of all lines decides, see `extrinsic_by_poses`; where it varies, the laser's poses are
-truth. O lines are left out, since every L line has its own odometry. The beams follow the rule of
-`half_turn`.
+truth. O lines are left out, since every L line has its own odometry.
+
+Assumed: the beams follow the rule of `half_turn`.
 """
 
 from __future__ import annotations

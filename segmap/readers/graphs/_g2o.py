@@ -6,6 +6,8 @@
 The vertex before a laser line is the robot's corrected pose at that scan; a scan without a vertex
 of its own has none. The robot's pose in the laser line is its odometry, unless it is 0 0 0 in all
 of them. Edges and other lines of the graph are skipped.
+
+Assumed: where no vertex says more, the laser sits at the robot's centre.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ that is tilted are left out and counted, and so are other observations (`Log.ski
 valid where the file says so and below the scan's largest range; of others those above it met
 nothing. Dropped are intensities, spreads, velocities, encoders, and the tilt within a scan.
 
-The members of each class and version are those of MRPT 2.5.
+The members of each class and version are those of MRPT 2.5. Assumed: nothing.
 """
 
 from __future__ import annotations

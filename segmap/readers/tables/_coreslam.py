@@ -6,12 +6,12 @@ ranges (`test_lab2`, `exp1`), or 13 and 682 (`test_lab`); a line of another leng
 0 is the time in microseconds. The ticks of the left and right wheel since the start are fields 2
 and 3; with 13 fields they are fields 1 and 2, and the right wheel counts backwards, as CoreSLAM's
 own programs take them. Wheels that stand at zero in the whole file mean that there is no odometry.
-A wheel of 77 mm radius makes 2000 ticks a turn, the wheels are 330 mm apart, the laser sits 145 mm
-ahead of their axle: so CoreSLAM's programs have it, and the files say none of it (assumed).
+Between two lines the robot is taken to drive an exact arc; the odometry starts at 0, 0, 0.
 
-The beams are the sensor's steps of 360/1024 degree, the middle one straight ahead: 239.8 degrees
-in all. It turns in 0.1 s, which gives each beam its time. Between two lines the robot is taken to
-drive an exact arc; the odometry starts at 0, 0, 0.
+Assumed, since CoreSLAM's programs have it so: a wheel of 77 mm radius makes 2000 ticks a turn, the
+wheels are 330 mm apart, the laser sits 145 mm ahead of their axle. Its beams are the sensor's steps
+of 360/1024 degree, the middle one straight ahead, 239.8 degrees in all; it turns in 0.1 s, which
+gives each beam its time.
 """
 
 from __future__ import annotations

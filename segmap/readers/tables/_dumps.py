@@ -9,6 +9,8 @@ measurement. A scan ends where the angle wraps. Its time is that of its first be
 says its unit, `stamp(ns)`; other stamps are left out, and scans are numbered. Quality and intensity
 are left out, and so are other lines that the programs print, such as the health of the sensor.
 There is no odometry and no truth.
+
+Assumed: a scan ends where the angle wraps.
 """
 
 from __future__ import annotations

@@ -9,12 +9,13 @@ A name may have more before it (`bicocca-2009-02-25b-SICK_FRONT.csv`), and `.gz`
 is read: the first that the folder has of the order above, so the front SICK where there is one.
 
 The SICK's beams are one degree apart from -90 degrees plus the offset on; the Hokuyo's 360/1024
-degree, the middle one straight ahead; values below 20 mm are its error codes. The files do not say
-where on the robot a laser sits: it is taken to be the robot's centre, rear ones facing backwards.
+degree, the middle one straight ahead; values below 20 mm are its error codes.
 Odometry and truth are interpolated at the time of each scan; outside of what they cover, and for
 the truth in gaps longer than a second, a scan has none.
 
 A file of a laser may be read alone: scans without odometry and truth.
+
+Assumed: a laser sits at the robot's centre, rear ones face backwards; a Hokuyo is a URG-04LX.
 """
 
 from __future__ import annotations
