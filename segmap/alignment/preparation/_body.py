@@ -18,6 +18,7 @@ from ...poses.motions import between, compose, inverse, wrap
 from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding
 from ._blind_steps import Steps, blind_steps
+from ._comparison import compared
 
 #: Scans from which pairs are sought by the odometry, spread evenly over the log.
 STARTS = 100
@@ -41,6 +42,9 @@ AGAIN_M, AGAIN = 0.1, 0.03
 #: Motions are wrong where more of them are contradicted in all but this share of the directions;
 #: people are sought where those that see no people agree with them mostly.
 LEAST_RIGHT, MOSTLY_RIGHT = 0.1, 0.5
+#: Odometry that is off by such factors is no measure of what rides; near 0 the scans stand since
+#: something does.
+OFF = (0.1, 0.8, 1.25)
 #: What is seen in a direction is the robot's from this share of the pairs on; most elsewhere: 0.31,
 #: behind glass 0.69. People keep their distance in so many; most elsewhere: 0.53, glass 0.96 ...
 RIDES, FOLLOWS = 0.7, 0.65
@@ -142,8 +146,10 @@ def without_body(log: Log, steps: Steps) -> Log:
 def _riding(
     log: Log, steps: Steps, directions: Directions, parts: list[Part]
 ) -> dict[Part, Riding]:
-    """What rides in parts of a log: by the odometry, or else by the steps."""
-    for pairs in (_odometry_pairs(log.odometry), steps):
+    """What rides in parts of a log: by the odometry, or else, as if it is in feet, by the steps."""
+    way = compared(log.odometry, steps).way
+    trusted = not (OFF[0] < way < OFF[1] or way > OFF[2])
+    for pairs in (_odometry_pairs(log.odometry), steps)[0 if trusted else 1 :]:
         looks = _looks(log, pairs, directions)
         found = {part: _by_pairs(looks, part, directions, whole=part == parts[0]) for part in parts}
         if found[parts[0]] is not None:
