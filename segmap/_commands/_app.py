@@ -4,9 +4,23 @@ from __future__ import annotations
 
 import argparse
 import os
+import secrets
 import sys
 from pathlib import Path
 from typing import Any
+
+#: The names by which the page may be asked for: it is served on this machine alone.
+HOSTS = r"(127\.0\.0\.1|localhost)$"
+#: What the page may load and run, as tight as it works in Chromium: anywidget hands on its code as
+#: `blob:`, Voila has scripts within its page (each bears the nonce) and loads others from its own
+#: server, widgets set styles and pictures in place; nothing needs `unsafe-eval`. It leaves open:
+#: scripts that a trusted one makes a blob of, styles that a text brings, which can hide or cover
+#: parts of the page, and pictures in a text; nothing is asked for from another host, not the icons.
+POLICY = (
+    "default-src 'none'; script-src 'self' blob: 'nonce-{}'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data:; font-src 'self'; connect-src 'self'; form-action 'self'; "
+    "base-uri 'none'; frame-ancestors 'none'"
+)
 
 
 def add(commands: Any) -> None:
@@ -22,12 +36,42 @@ def add(commands: Any) -> None:
 def run(given: argparse.Namespace) -> None:
     """Serve the page until Control-C; who has the address with its token sees it, nobody else."""
     try:
+        from tornado.routing import HostMatches
+        from tornado.web import OutputTransform
         from voila.app import Voila
     except ImportError as error:
         raise ImportError("the page needs voila: pip install 'segmap[app]'") from error
+
+    class Guarded(OutputTransform):
+        """Each answer with its policy; a page's own scripts bear a number that no other knows."""
+
+        def transform_first_chunk(
+            self, status_code: int, headers: Any, chunk: bytes, include_footers: bool
+        ) -> tuple[int, Any, bytes]:
+            self.mark, self.page = secrets.token_hex(16), "html" in headers.get("Content-Type", "")
+            headers["Content-Security-Policy"] = POLICY.format(self.mark)
+            headers["X-Content-Type-Options"] = "nosniff"
+            chunk = self.transform_chunk(chunk, include_footers)
+            if self.page and headers.pop("Content-Length", "") and include_footers:
+                headers["Content-Length"] = str(len(chunk))
+            return status_code, headers, chunk
+
+        def transform_chunk(self, chunk: bytes, include_footers: bool) -> bytes:
+            marked = f"<script nonce={self.mark}".encode()
+            return chunk.replace(b"<script", marked) if self.page else chunk
+
+    class Page(Voila):  # type: ignore[misc]
+        """Voila that answers to its own host: another name may lead here from a strange page."""
+
+        def listen(self) -> None:
+            for rule in self.app.default_router.rules[:-1]:
+                rule.matcher = HostMatches(HOSTS)
+            self.app.transforms.append(Guarded)
+            super().listen()
+
     page = Path(__file__).parents[1] / "panels" / "workbench" / "app.ipynb"
     options = [str(page), "--Voila.ip=127.0.0.1", "--Voila.auto_token=True"]
     if given.port is not None:
         options += [f"--Voila.port={given.port}", "--Voila.port_retries=0"]
     shown = sys.platform in ("darwin", "win32") or {"DISPLAY", "WAYLAND_DISPLAY"} & {*os.environ}
-    Voila.launch_instance([*options, *["--no-browser"] * (given.no_browser or not shown)])
+    Page.launch_instance([*options, *["--no-browser"] * (given.no_browser or not shown)])

@@ -3,6 +3,8 @@
 Pictures of what it showed are left at build/browser/workbench_*.png.
 """
 
+import contextlib
+import http.client
 import os
 import re
 import shlex
@@ -16,6 +18,7 @@ import numpy as np
 import pytest
 from browsers import ROOT, SCREENSHOT, browser, free_port, running, wait
 from makefile import app_command
+from zoo import text_zoo
 
 from segmap import exports, readers, simulation
 
@@ -83,7 +86,7 @@ READY = """
 return [...document.querySelectorAll('button')].some(
   e => e.innerText.trim() === arguments[0] && !e.disabled)"""
 ENTER, SPACE = "\ue007", "\ue00d"
-#: Voila's page asks the net for a font of icons: see `ICONS` in the errors of a machine without.
+#: Voila's page asks the net for a font of icons, which its policy refuses: an error of its own.
 ICONS = "fontawesome"
 BUTTON = "//button[normalize-space()='{}']"
 ENTRY = "//label[normalize-space()='{}']/following-sibling::input"
@@ -116,6 +119,46 @@ def test_the_app_is_served_to_who_has_the_token(app):
         refused.value.close()
 
 
+def test_the_page_answers_to_its_own_host_and_says_what_it_may_load(app):
+    """Catches a strange page whose name leads here, and files that go out without the policy."""
+    (port,) = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=\w+", app).groups()
+
+    def asked(host, path):
+        connection = http.client.HTTPConnection("127.0.0.1", int(port), timeout=60)
+        connection.request("GET", path, headers={"Host": host})
+        with contextlib.closing(connection), connection.getresponse() as reply:
+            policy = reply.headers["Content-Security-Policy"]
+            assert reply.headers["X-Content-Type-Options"] == "nosniff", path
+            assert "default-src 'none'" in policy and "unsafe-eval" not in policy, path
+            assert "'unsafe-inline'" not in policy.partition("script-src ")[2].partition(";")[0]
+            return reply.status, re.findall(r"'nonce-(\w+)'", policy), reply.read().decode()
+
+    seen = set()
+    for path in ("/login", "/voila/static/voila.js", "/nowhere", "/api/kernels"):
+        for host in ("evil.example", "127.0.0.1.evil.example", f"localhost.example:{port}"):
+            status, _, said = asked(host, path)
+            assert status == 404 and "voila" not in said.lower(), (host, path)
+        for host in (f"127.0.0.1:{port}", f"localhost:{port}"):
+            status, marks, said = asked(host, path)
+            assert status == (200 if path in ("/login", "/voila/static/voila.js") else 302), path
+            assert len(marks) == 1 and (said.count("<script") > 0) == (path == "/login")
+            assert said.count("<script") == said.count(f"<script nonce={marks[0]}")
+            seen |= {*marks}
+    assert len(seen) == 8
+
+
+def test_text_that_became_html_runs_nothing(app, browser):
+    """Catches a policy that lets a mistake of the page run a stranger's code."""
+    browser.open(app)
+    wait("the workbench", lambda: browser.run("return !!document.querySelector('.segmap-canvas')"))
+    for text in (text for text in text_zoo() if "window.hit" in text):
+        browser.run("document.body.insertAdjacentHTML('afterbegin', arguments[0])", text)
+        browser.run("document.querySelectorAll('body > a, body > button').forEach(e => e.click())")
+    time.sleep(0.3)
+    assert browser.run("return window.hit") is None
+    assert any("inline event handler violates" in line for line in browser.errors())
+
+
 class NoRedirect(urllib.request.HTTPRedirectHandler):
     """Tells of a redirection instead of following it."""
 
@@ -146,6 +189,11 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     browser.click(BUTTON.format("Run"))
     wait("a second method", lambda: "basic_online (distance 0.2)" in browser.run(TEXT), 60)
     assert "fusion: " in browser.run(LABEL) and "Arrow keys move it" in browser.run(LABEL)
+    browser.run("navigator.clipboard.writeText = text => { window.copied = text; }")
+    browser.click(BUTTON.format("Copy"))
+    wait(
+        "the code", lambda: "segmap.read('mine.log'" in (browser.run("return window.copied") or "")
+    )
     browser.click(BUTTON.format("both"))
     time.sleep(1)  # until it is drawn
 

@@ -26,8 +26,8 @@ LATEST = 8
 #: A widget sets lines far apart; a table that is too wide has a bar of its own to move it.
 LINES = '<div style="line-height: 1.45; overflow-x: auto; max-width: 100%">'
 CODE = "font-family: monospace; line-height: 1.4; white-space: pre; overflow-x: auto; padding: 8px"
-#: Copies what stands before the button.
-COPY = "navigator.clipboard.writeText(this.previousElementSibling.textContent)"
+#: A button that canvas.js listens to: it copies what stands before it.
+COPY = '<button class="jupyter-button segmap-copy">Copy</button>'
 
 
 def heading(text: str) -> str:
@@ -86,8 +86,7 @@ def _lines(said: Iterable[str]) -> str:
 
 def code(text: str) -> str:
     """Python to be copied, as HTML."""
-    button = f'<button class="jupyter-button" onclick="{COPY}">Copy</button>'
-    return f'<pre style="{CODE}">{as_html(text)}</pre>{button}'
+    return f'<pre style="{CODE}">{as_html(text)}</pre>{COPY}'
 
 
 def runs_table(rows: Sequence[dict[str, Any]]) -> str:

@@ -12,6 +12,11 @@ function floats(model, name) {
   return new Float32Array((bytes.buffer || bytes).slice(start, start + bytes.byteLength));
 }
 
+function copy(event) {  // what stands above a button for it
+  const button = event.target.closest(".segmap-copy");
+  if (button) navigator.clipboard.writeText(button.previousElementSibling.textContent);
+}
+
 function render({ model, el }) {
   const canvas = document.createElement("canvas");
   const pen = canvas.getContext && canvas.getContext("2d");
@@ -304,9 +309,15 @@ function render({ model, el }) {
   const presses = new MutationObserver(press);
   presses.observe(document.body,
     { subtree: true, childList: true, attributes: true, attributeFilter: ["class"] });
+  document.addEventListener("click", copy);
   press();
   another();
-  return () => { watch.disconnect(); presses.disconnect(); clearTimeout(waiting); };
+  return () => {
+    watch.disconnect();
+    presses.disconnect();
+    document.removeEventListener("click", copy);
+    clearTimeout(waiting);
+  };
 }
 
 export default { render };
