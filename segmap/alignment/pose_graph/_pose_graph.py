@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 #: Above `SURE_OVERLAP` nobody looks in twice the window; a place there has to hold `BETTER` more of
 #: the scan, and at least this much.
 LEAST = 0.6
-
 #: A match within this turn of the odometry agrees with it: ordinary wheels err by 3 degrees a step.
 AGREES = np.radians(5)
 #: One that does not agree has to hold this much more of the scan, and as much as a scan of half a
@@ -180,9 +179,8 @@ class LiveGraph(Locked):
                     # 2. A new key frame, and the loops that it closes
                     begins = not any(map(len, front.frames.points))  # from there none is lost
                     front.add_frame(match)
-                    known = match.matched or begins
                     measured = front.trail.measured(len(front.scans) - 1)
-                    closed = closer.close(confirmed=known, measured=measured)
+                    closed = closer.close(confirmed=match.matched or begins, measured=measured)
                     # 3. All key frames anew where loops have moved them
                     if closed:
                         front.frames.optimize(lazily=True)
