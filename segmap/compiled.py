@@ -10,13 +10,15 @@ from __future__ import annotations
 import gc
 import hashlib
 import inspect
+import multiprocessing
 import os
 import signal
+import sys
 import threading
 import types
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
-from functools import partial
+from contextlib import ExitStack, contextmanager, suppress
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar, cast, get_args, get_type_hints
 
@@ -25,6 +27,8 @@ R = TypeVar("R")
 
 #: Set this environment variable to 1 to run every loop as plain Python.
 PLAIN = "SEGMAP_PLAIN"
+#: What is said where machine code is missing.
+COMPILING = "segmap: compiling loops takes some seconds; `segmap warm` does it once for all"
 #: What makes an array or a list in a kernel; numba refuses any other where it counts nothing.
 MAKERS = frozenset({"empty", "empty_like", "zeros", "full", "copy", "heappush"})
 
@@ -81,6 +85,7 @@ class Compiled(Generic[P, R]):
             made = njit(cache=True, **options)(linked)
         except RuntimeError:  # no folder that a cache could be written to
             made = njit(**options)(linked)
+        made._cache.load_overload = _kept(linked, made._cache)
         made.compile = signals_held()(made.compile)
         return cast(Callable[P, R], made)
 
@@ -144,6 +149,40 @@ def _places(kind: Any) -> set[tuple[str, str]]:
         return set().union(*inside)
     inside += [_places(part) for part in get_type_hints(kind).values()]
     return {(kind.__module__, inspect.getfile(kind))}.union(*inside)
+
+
+def _kept(source: types.FunctionType, own: Any) -> Callable[..., Any]:
+    """How machine code is found: in the first folder, though it is read-only, else in one's own.
+
+    numba passes by a folder that it may not write to, and compiles what an installation for all
+    has.
+    """
+    from numba.core import caching, config
+
+    given = vars(config)["CACHE_DIR"]
+    folder = caching.UserProvidedCacheLocator if given else caching.InTreeCacheLocator
+    locator = type("First", (folder,), {"ensure_cache_path": lambda self: None})
+    files = type("Files", (caching.CompileResultCacheImpl,), {"_locator_classes": [locator]})
+    shared = type("Shared", (caching.FunctionCache,), {"_impl_class": files})
+    known = own.load_overload
+
+    def load(*asked: Any) -> Any:
+        code = None
+        with suppress(OSError, RuntimeError):  # it may not be read; a cell has no file
+            code = shared(source).load_overload(*asked)
+        code = known(*asked) if code is None else code
+        if code is None and source.__module__.startswith("segmap"):
+            _say_once()
+        return code
+
+    return load
+
+
+@cache
+def _say_once() -> None:
+    """Tell on the terminal why a run waits; workers of a pool leave it to who started them."""
+    if multiprocessing.parent_process() is None and "ipykernel" not in sys.modules:
+        print(COMPILING, file=sys.stderr)
 
 
 @contextmanager

@@ -38,7 +38,9 @@ def insert(map, rng):
     angle, away = rng.uniform(0, 2 * np.pi, 200), rng.uniform(0.1, 6, 200)
     map.insert_scan(sensor, sensor + np.stack([np.cos(angle), np.sin(angle)], -1) * away[:, None])
     if map.scans > 200:  # large ones take their readers too long
-        map.become(map_of(int(rng.integers(2))))
+        fresh = map_of(int(rng.integers(2)))
+        insert(fresh, rng)  # an empty map has no score
+        map.become(fresh)
 
 
 def whole(map):

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 from typing import Annotated
 
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 from conftest import slow
 
-from segmap.compiled import PLAIN, compiled, signals_held
+from segmap.compiled import COMPILING, PLAIN, _say_once, compiled, signals_held
 
 #: Its window of search takes half a minute in plain Python: a smaller one stands in CASE.
 SLOW = "alignment pose_graph"
@@ -243,3 +244,65 @@ def held_and_told(before, steps):
 def within(steps):
     with signals_held():
         steps.append("thread")
+
+
+# ------------------------------------------------------------------ where machine code is kept
+ONCE = """\
+from segmap.arrays import Array
+from segmap.compiled import compiled
+
+@compiled
+def double(a: Array) -> float:
+    return 2.0 * a[0]
+"""
+
+
+class Installation:
+    """A module with a loop; its folder, and the home of who calls it, can be closed to writing."""
+
+    def __init__(self, root, monkeypatch, capsys):
+        self.root, self.capsys, self.closed = root, capsys, []
+        (root / "segmap_once.py").write_text(ONCE)
+        monkeypatch.syspath_prepend(root)
+        for name in ("segmap_once", "ipykernel"):  # a notebook's kernel says nothing
+            monkeypatch.delitem(sys.modules, name, raising=False)
+        self.module, opened = importlib.import_module("segmap_once"), tempfile.TemporaryFile
+
+        def refused(*args, **options):  # root may write anywhere: numba tries by such a file
+            if any(str(options["dir"]).startswith(str(folder)) for folder in self.closed):
+                raise PermissionError(13, "closed")
+            return opened(*args, **options)
+
+        monkeypatch.setattr(tempfile, "TemporaryFile", refused)
+        monkeypatch.setattr("numba.config.CACHE_DIR", "")
+        for name in ("HOME", "XDG_CACHE_HOME"):
+            monkeypatch.setenv(name, str(root / "home"))
+        monkeypatch.delenv(PLAIN, raising=False)
+
+    def run(self, a):
+        """What a new process says; how many files each folder has then."""
+        _say_once.cache_clear()
+        assert compiled(self.module.double.plain)(np.array([a])) == 2 * a
+        folders = (self.root / "__pycache__", self.root / "home")
+        kept = [sum(1 for _ in folder.rglob("*double*.nbc")) for folder in folders]
+        return self.capsys.readouterr().err, kept
+
+
+@pytest.fixture
+def installation(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("numba")
+    return Installation(tmp_path, monkeypatch, capsys)
+
+
+def test_a_warm_installation_is_read_though_nobody_may_write_it(installation):
+    """Catches a hub on which each student compiles what the administrator has, a home that fills
+    with copies, a run without a home; and one that waits without a word."""
+    said = f"{COMPILING}\n"
+    assert installation.run(1.5) == (said, [1, 0])
+    assert installation.run(1.5) == ("", [1, 0])
+    installation.closed = [installation.root / "__pycache__"]
+    assert installation.run(1.5) == ("", [1, 0])
+    assert installation.run(1) == (said, [1, 1])  # whole numbers: what is missing is one's own
+    assert installation.run(1) == ("", [1, 1])
+    installation.closed = [installation.root]
+    assert installation.run(1.5) == ("", [1, 1])
