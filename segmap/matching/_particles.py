@@ -109,6 +109,9 @@ def particle_mapping(
     most of the weight, they are drawn anew: the heavy ones several times, each with a copy of its
     map. So a way that fits when the robot comes back replaces those that do not.
 
+    With a scan every 0.85 m of Intel and FR079 and 30 particles it errs by 0.4 to 0.5 and 0.07 m in
+    the mean, where the odometry errs by 26 and 2.1 m.
+
     Parameters
     ----------
     odometry : OdometryNoise or None
