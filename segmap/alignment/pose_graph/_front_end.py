@@ -266,13 +266,14 @@ class FrontEnd:
         if graph is not None:
             weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
             far, near = spread(self.frames.poses, stacked(self.frames.edges), weight)
-            far, near = (np.hypot(place[frame], self.along) for place in (far, near))
+            far, near = far[frame], near[frame]
             seeing = np.array([not own for own in reasons], float)
             matched = np.bincount(frame, seeing, len(self.frames)).astype(float)
             apart = untied(self.tied, self.frames.edges, matched)[frame]
             both = zip(reasons, apart, strict=True)
             reasons = [own or (UNTIED if alone else "") for own, alone in both]
             left = graph.residuals[graph.loop]
+        far, near = np.hypot(far, self.along), np.hypot(near, self.along)
         torn = breaks(np.array(self.trail.odometry), self.poses(), np.array(self.overlap))
         causes = torn + findings(reasons, far, left, near=near, converged=self.frames.converged)
         return Outcome(self.poses(), reasons, graph, causes, far, near)

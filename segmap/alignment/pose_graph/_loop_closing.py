@@ -56,6 +56,7 @@ STRAIN_ANGLE = np.radians(0.5)
 CONTRADICTED = 15.0
 #: Why a loop is not believed that no other, or too few, agree with.
 ALONE = "no other loop agrees with it"
+#: Why one is not believed that may lie anywhere along a corridor.
 SLIDES = "no wall says how far along the corridor, nor does the odometry"
 CONTRADICTS, VETOED = "the rest of the graph contradicts it", "it was vetoed"
 

@@ -123,7 +123,8 @@ def without_body(log: Log, steps: Steps) -> Log:
 
     It is looked for in the whole log, and in parts that overlap by half. Pairs of scans are those
     of the odometry, if the scans do not contradict it, else the matched `steps`. Walls along which
-    the robot drives keep their range too: where neither way nor turn is known, nothing is left out.
+    the robot drives keep their range too: where neither way nor turn is known, nothing is left out,
+    and it is told if something seems to ride.
     """
     angles = max((scan.angles for scan in log), key=len, default=np.empty(0))
     step = float(np.median(np.diff(angles))) if len(angles) > 2 else 0.0
@@ -146,7 +147,7 @@ def without_body(log: Log, steps: Steps) -> Log:
 def _riding(
     log: Log, steps: Steps, directions: Directions, parts: list[Part]
 ) -> dict[Part, Riding]:
-    """What rides in parts of a log: by the odometry, or else, as if it is in feet, by the steps."""
+    """What rides in parts of a log: by the odometry, or by the steps if that is in feet."""
     way = compared(log.odometry, steps).way
     trusted = not (OFF[0] < way < OFF[1] or way > OFF[2])
     for pairs in (_odometry_pairs(log.odometry), steps)[0 if trusted else 1 :]:

@@ -17,6 +17,7 @@ from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window, descri
 from segmap.alignment.pose_graph._merge import _begin_anew
 from segmap.alignment.pose_graph._parts import _aligned, _join, inside
 from segmap.poses import between
+from segmap.scans import LaserScan
 
 ZERO, NOTHING = np.zeros(3), no_match(np.zeros(3), "nothing")
 SCAN, LOG = logs.office_log()[0], logs.loop_log(step=0.5)
@@ -409,6 +410,18 @@ def test_the_graph_is_solved_at_once_where_a_loop_strains_it(motion, closes):
     assert [edge[:2] for edge in closer.pending] == [(3, 12)] and len(closer.accepted) == 1
     assert [gone[:2] for gone in closer.rejected] == [(1, 20), (2, 11)]
     assert closer.lost_since is None
+
+
+@pytest.mark.parametrize("free", [np.array([1.0, 0.0]), None])
+def test_a_scan_that_its_match_leaves_free_is_as_vague_as_the_match(free):
+    """Catches scans that stand for the laser in a corridor, 50 in a row, sure to the centimetre."""
+    match = Match(ZERO, np.diag([0.9, 0.02, 0.01]) ** 2, True, "", 1.0, free)
+    scan = LaserScan(np.full(40, 2.0), np.linspace(-1, 1, 40))
+    found = FrontEnd(scan, lambda map, points, guess: match, Tracking())
+    for _ in range(3):
+        found.track(scan)
+    spread = found.outcome().spread
+    assert spread[0] < 0.1 and (spread[1:] > 0.85).all() == (free is not None)
 
 
 @pytest.mark.parametrize("measured", [True, False])
