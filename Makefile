@@ -41,6 +41,9 @@ lab: $(WARM) ## set up, copy the chapters to work/, open them in JupyterLab (POR
 app: .venv/segmap-for-app $(WARM) ## set up, then serve the workbench as a page of its own (PORT=8890 chooses the port)
 	@$(RUN) -m segmap app $(if $(PORT),--port $(PORT))
 
+wheel: $(SETUP) ## write the wheel into dist/, for machines without a clone
+	$(RUN) -m hatchling build -t wheel -d dist
+
 handout: $(SETUP) ## student copies in build/handout (ARGS="--chapters 34,54", DIR=...)
 	$(RUN) -m segmap_course handout $(or $(DIR),build/handout) $(ARGS)
 

@@ -46,7 +46,7 @@ from .segments import SegmentMap
 if TYPE_CHECKING:
     from . import arrays, experiments, exports, hokuyo, matching, panels, plotting, testing
 
-__version__ = "0.1"
+__version__ = "0.2.0"
 
 __all__ = [
     "METHODS",
@@ -108,7 +108,7 @@ def __getattr__(name: str) -> Any:
     except ModuleNotFoundError as error:
         if (missing := error.name or "") not in _EXTRA:
             raise
-        hint = f"segmap.{name} needs {missing}: pip install 'segmap[{_EXTRA[missing]}]'"
+        hint = f"segmap.{name} needs {missing}: {_display.pip_install(_EXTRA[missing])}"
         raise ImportError(hint, name=missing) from error
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from functools import singledispatch
 from typing import Any
 
@@ -29,6 +30,34 @@ def picture(value: object) -> bytes:
     for all `Pictured` objects that first imports `segmap.plotting`. This room knows neither.
     """
     raise TypeError(f"no drawing is registered for {type(value).__name__}")
+
+
+def pip_install(extra: str) -> str:
+    """What to type where a package is missing that an extra of segmap brings.
+
+    `pip install 'segmap[lab]'` would ask an index for a segmap; these packages stand there.
+
+    Examples
+    --------
+    >>> pip_install("laser")
+    'pip install pyserial'
+    """
+    from importlib.metadata import PackageNotFoundError, distribution, requires
+
+    try:
+        lines = requires("segmap") or []
+    except PackageNotFoundError:  # sources on a path, which nobody installed
+        return f"its packages are those of the extra {extra!r} in pyproject.toml"
+    ours = [line for line in lines if line.endswith(f"extra == {extra!r}")]
+    names = [re.split(r"[^\w.-]", line, maxsplit=1)[0] for line in ours]
+
+    def missing(name: str) -> bool:
+        try:
+            return not distribution(name)
+        except PackageNotFoundError:
+            return True
+
+    return " ".join(["pip install", *(list(filter(missing, names)) or names)])
 
 
 def counted(count: int, word: str) -> str:

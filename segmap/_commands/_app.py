@@ -9,6 +9,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from .._display import pip_install
+
 #: The names by which the page may be asked for: it is served on this machine alone.
 HOSTS = r"(127\.0\.0\.1|localhost)$"
 #: What the page may load and run, as tight as it works in Chromium: anywidget hands on its code as
@@ -40,7 +42,7 @@ def run(given: argparse.Namespace) -> None:
         from tornado.web import OutputTransform
         from voila.app import Voila
     except ImportError as error:
-        raise ImportError("the page needs voila: pip install 'segmap[app]'") from error
+        raise ImportError(f"the page needs voila: {pip_install('app')}") from error
 
     class Guarded(OutputTransform):
         """Each answer with its policy; a page's own scripts bear a number that no other knows."""

@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from .._display import counted
+from .._display import counted, pip_install
 from ..files import chapters_folder, existing, write_bytes
 from ._words import say
 
@@ -40,8 +40,7 @@ def run(given: argparse.Namespace) -> None:
     write_bytes(folder / RECORD, json.dumps(handed).encode())
     _tell(folder, done)
     if not near:
-        opened = folder / FIRST
-        say(f"open them with: jupyter lab {opened}  (needs: pip install 'segmap[lab]')")
+        say(f"open them with: jupyter lab {folder / FIRST}  (needs: {pip_install('lab')})")
 
 
 def originals(source: Path, *, outside: bool) -> dict[str, bytes]:

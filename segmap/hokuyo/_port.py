@@ -6,6 +6,7 @@ import errno
 from os import PathLike, fspath
 from typing import Any, NamedTuple
 
+from .._display import pip_install
 from ..arrays import brief
 from ._lines import LOST, Port
 from ._protocol import SensorError
@@ -96,4 +97,4 @@ def _pyserial(module: str) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise SensorError("the port needs pyserial: pip install 'segmap[laser]'") from error
+        raise SensorError(f"the port needs pyserial: {pip_install('laser')}") from error

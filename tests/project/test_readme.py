@@ -12,6 +12,12 @@ from segmap import METHODS, experiments, fusion, quality
 from segmap.metrics import invented, missed
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = ROOT / "notebooks/tools/book/pages"
+COMMAND, FILES, METHOD = (
+    (PAGES / f"{name}.md").read_text(encoding="utf-8")
+    for name in ("one_command", "logs_and_maps", "which_method")
+)
+CHANGES = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 ENVIRONMENT = (ROOT / "environment.md").read_text(encoding="utf-8")
 
 
@@ -26,7 +32,7 @@ def names():
 
 def test_the_ten_lines_run_and_mean_what_they_say(names):
     """Catches an example that the package has left behind."""
-    log, walls, map, small = (names[name] for name in ("log", "walls", "map", "small"))
+    log, walls, map, small = (names[name] for name in ("log", "walls", "full", "small"))
     assert len(log) == 225 and names["points"].shape[1:] == (2,)
     assert walls.shape[1:] == (2, 2) and len(small) < len(map)
     assert 0 < names["rate"] < 1 and 0 < names["kept"] < 1 and names["worst"] < 1
@@ -36,25 +42,25 @@ def test_the_ten_lines_run_and_mean_what_they_say(names):
 def test_the_figures_below_the_picture_are_those_of_the_ten_lines(names):
     """Catches a caption that outlives a change of extraction or Fusion."""
     found = re.search(r"(\d+) segments from (\d+) scans, and the same walls in (\d+)", README)
-    map, small = names["map"], fusion(names["map"], tolerance=0.04)
+    map, small = names["full"], fusion(names["full"], tolerance=0.04)
     assert [int(n) for n in found.groups()] == [len(map), len(set(map.scan)), len(small)]
 
 
 def test_least_cost_is_as_much_better_than_fusion_as_the_text_says(names):
     """Catches praise that outlives a change of either method."""
-    said = r"leaves (\d+) segments here at quality (\d+) %, where Fusion.*?leaves (\d+) at (\d+) %"
-    found = re.search(said, README, re.DOTALL)
-    map, ours, fused = names["map"], names["small"], fusion(names["map"], tolerance=0.04)
+    said = r"leaves (\d+) .*? quality (\d+) %, where Fusion.*?leaves (\d+) at (\d+) %"
+    found = re.search(said, METHOD, re.DOTALL)
+    map, ours, fused = names["full"], names["small"], fusion(names["full"], tolerance=0.04)
     kept = [round(100 * quality(map, small)) for small in (ours, fused)]
     assert [int(n) for n in found.groups()] == [len(ours), kept[0], len(fused), kept[1]]
     assert 1.25 * missed(map, ours) < missed(map, fused)
     assert invented(map, ours) < invented(map, fused)
-    assert len(METHODS) == 16 and README.count("sixteen methods") == 2
+    assert len(METHODS) == 16 and (README + METHOD).count("sixteen methods") == 2
 
 
 def test_the_orders_under_both_judges_are_those_of_the_records():
     """Catches a ranking, or a count of good maps, that outlives new records."""
-    said = " ".join(README.replace("`", "").split())
+    said = " ".join(METHOD.replace("`", "").split())
     counts = experiments.good_maps(experiments.load_walls("fresh buildings"))[["all", "maps"]]
     first, *rest = [f"{name} {good}" for name, good in counts["all"].iloc[:4].items()]
     assert first == "one_per_wall 80" and set(counts["maps"]) == {100, 20}
@@ -78,9 +84,8 @@ def test_the_session_of_commands_is_true(names, tmp_path, monkeypatch, capsys):
     from segmap._commands import main
     from segmap.alignment import METHODS
 
-    block = re.search(
-        r"## One command\n.*?```console\n\$ segmap (.*?)\n(.*?)```", README, re.DOTALL
-    )
+    block = re.search(r"```console\n\$ segmap (.*?)\n(.*?)```", COMMAND, re.DOTALL)
+    assert f"`segmap {block.group(1).removesuffix(' -o malaga.png')}`" in README
     monkeypatch.chdir(tmp_path)
     known = replace(METHODS["pose_graph"], function=lambda log: names["found"])
     monkeypatch.setitem(METHODS, "pose_graph", known)
@@ -97,19 +102,19 @@ def test_the_commands_of_the_table_are_those_that_there_are(capsys):
     """Catches a new command that no newcomer hears of, and an ending that is no longer written."""
     from segmap._commands import _main, _map, _occupancy, main
 
-    listed = re.findall(r"^\| `segmap (\w+)\b", README, re.MULTILINE)
+    listed = re.findall(r"^\| `segmap (\w+)\b", COMMAND, re.MULTILINE)
     with pytest.raises(SystemExit):
         main(["--help"])
     said = re.findall(r"^    (\w+)", capsys.readouterr().out, re.MULTILINE)
     assert sorted(listed) == sorted(said) and len(listed) == len(_main.COMMANDS)
     for name, room in (("map", _map), ("occupancy", _occupancy)):
-        row = re.search(rf"^\| `segmap {name} .*$", README, re.MULTILINE).group()
+        row = re.search(rf"^\| `segmap {name} .*$", COMMAND, re.MULTILINE).group()
         assert all(suffix in row for suffix in room.SUFFIXES)
 
 
 def test_the_lines_for_a_sensor_run(tmp_path, monkeypatch, capsys):
     """Catches an example that driver, emulator or matcher has left behind."""
-    block = re.search(r"## With a sensor, or without\s+```python\n(.*?)```", README, re.DOTALL)
+    block = re.search(r"## With a sensor, or without\s+```python\n(.*?)```", FILES, re.DOTALL)
     monkeypatch.chdir(tmp_path)
     source = block.group(1).replace("Emulator()", "Emulator(speed=3)")
     scope: dict = {}
@@ -182,17 +187,41 @@ def test_python_is_the_same_everywhere():
     assert f"({least.replace('.', ', ')})" in (ROOT / "Makefile").read_text()
 
 
+def test_the_readme_is_a_door_and_the_change_log_holds_news_only():
+    """Catches what grows back: a command, a format or a renaming that has its page elsewhere."""
+    assert len(README.splitlines()) <= 110 and len(CHANGES.split()) <= 1130
+
+
 def test_the_changelog_names_what_there_is():
-    """Catches a table of new names that outlives the next renaming."""
+    """Catches news that outlives the next renaming."""
     import segmap
 
-    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (`.*) \| (.*) \|$", text, re.MULTILINE)
-    named = [re.findall(r"`(\w+)\.([A-Za-z]\w*)", column) for row in rows for column in row]
-    before, now = ({pair for pairs in named[k::2] for pair in pairs} for k in (0, 1))
-    rooms = set(segmap.__all__)
-    assert len(now) > 10
-    for room, name in sorted(pair for pair in now if pair[0] in rooms):
+    names = re.findall(r"`([a-z]\w+)\.([A-Za-z]\w*)", CHANGES)
+    inside = [pair for pair in names if pair[0] in segmap.__all__]
+    assert len(inside) > 10
+    for room, name in inside:
         assert hasattr(getattr(segmap, room), name), f"segmap.{room}.{name} is not there"
-    for room, name in sorted(pair for pair in before - now if pair[0] in rooms):
-        assert not hasattr(getattr(segmap, room), name), f"segmap.{room}.{name} is still there"
+
+
+def test_one_version_stands_everywhere():
+    """Catches a release whose texts name the wheel, or the date, of another."""
+    import segmap
+
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    released = re.search(r'^date-released: "(.*)"$', citation, re.MULTILINE).group(1)
+    assert f'version: "{segmap.__version__}"' in citation
+    assert re.search(rf"^## {segmap.__version__}, .*\b{released}\b", CHANGES, re.MULTILINE)
+    instructor = (ROOT / "notebooks/INSTRUCTOR.md").read_text(encoding="utf-8")
+    wheels = re.findall(r"segmap-([\d.]+)-py3", README + instructor)
+    assert len(wheels) == 3 and {*wheels} == {segmap.__version__}
+
+
+def test_nothing_is_asked_of_an_index_that_somebody_else_may_fill():
+    """Catches `pip install segmap`, which leads to whoever takes that name."""
+    texts = [p for p in ROOT.glob("*.md") if p.name != "CONTRIBUTING.md"]
+    for folder in ("segmap", "notebooks"):
+        texts += [p for end in ("md", "py", "ipynb") for p in (ROOT / folder).rglob(f"*.{end}")]
+    asked = re.compile(r"pip install [\'\"]?segmap(?![-\w])")
+    assert len(texts) > 300
+    said = {str(p): asked.findall(p.read_text(encoding="utf-8")) for p in texts}
+    assert {p for p, found in said.items() if found} == {str(ROOT / "segmap/_display.py")}

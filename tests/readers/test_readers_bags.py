@@ -427,7 +427,7 @@ class TestDamage:
         run = subprocess.run(
             [sys.executable, "-c", code], capture_output=True, text=True, check=False
         )
-        assert "it.bag: is a bag of ROS: reading it needs pip install 'segmap[ros]'" in run.stderr
+        assert "it.bag: is a bag of ROS: reading it needs pip install rosbags" in run.stderr
 
 
 def _nothing_seen(m):

@@ -19,6 +19,8 @@ from .citations import with_links
 ROOT = Path(__file__).resolve().parents[3]
 CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 PICTURES = ROOT / "notebooks" / "pictures" / "panels"
+#: Where the texts that only the book has lie; in the book they lie at its top.
+PAGES = "notebooks/tools/book/pages/"
 VIEW = "application/vnd.jupyter.widget-view+json"
 
 #: The first digit of a chapter -> its part of the book.
@@ -92,7 +94,7 @@ def read_chapter(path: Path, states: dict[str, list[str]]) -> Chapter:
 def adapt(text: str) -> str:
     """Markdown whose chapters and theses are linked, and whose README is a page of the book."""
     parts = FENCED.split(text)
-    parts[::2] = (_linked(part) for part in parts[::2])
+    parts[::2] = (_linked(part.replace(PAGES, "")) for part in parts[::2])
     return "".join(parts)
 
 
@@ -274,7 +276,11 @@ def _write_contents(folder: Path, chapters: list[Path]) -> None:
     texts = ["README", "environment", *data, "CONTRIBUTING", "CHANGELOG"]
     trees += [_tree("For teachers", own)] if own else []
     trees += [
-        _tree("Reference", ["commands/index", "api/index", "what_can_be_told", "references"]),
+        _tree(
+            "Reference",
+            ["one_command", "commands/index", "logs_and_maps", "which_method", "api/index"],
+        ),
+        _tree("What holds", ["what_can_be_told", "known_limits", "references"]),
         _tree("The project", texts),
     ]
     with (folder / "index.md").open("a", encoding="utf-8") as index:

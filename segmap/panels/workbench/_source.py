@@ -14,6 +14,7 @@ from typing import Any
 import ipywidgets as W
 
 from ... import arrays, readers
+from ..._display import pip_install
 from ...files import shown
 from ...readers import Session, read_session
 from ...scans import Log
@@ -162,7 +163,7 @@ def _upload(description: str, take: Callable[[str, int, int, bytes], int]) -> An
     try:
         from ._upload import Upload
     except ImportError:  # anywidget is not installed
-        return W.Label("upload needs anywidget: pip install 'segmap[lab]'")
+        return W.Label(f"upload needs anywidget: {pip_install('lab')}")
     return Upload(description, MOST, take)
 
 

@@ -56,7 +56,7 @@ def read_bag(
     odometry: str | None = None,
     on_error: OnError = "raise",
 ) -> Log:
-    """Read a bag of ROS 1 or ROS 2, with the package `rosbags`: `pip install 'segmap[ros]'`.
+    """Read a bag of ROS 1 or ROS 2, with the package `rosbags` (`pip install rosbags`).
 
     Scans are those of a topic of `sensor_msgs/LaserScan`. Odometry is that of a topic of
     `nav_msgs/Odometry`, interpolated at the times of the scans, or else the way of the frame below

@@ -18,6 +18,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ..._display import pip_install
 from .._lines import BROKEN, LogError, open_bytes
 from ._bounds import Budget, check_metadata, look_through
 
@@ -159,7 +160,7 @@ def damage(path: Path) -> Iterator[None]:
     except (LogError, GeneratorExit):
         raise
     except ImportError as fault:
-        reason = "is a bag of ROS: reading it needs pip install 'segmap[ros]'"
+        reason = f"is a bag of ROS: reading it needs {pip_install('ros')}"
         raise LogError(path, reason) from fault
     except Exception as fault:
         reason = f"is damaged, or no bag that rosbags reads ({_words(fault)})"
