@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
-from . import alignment, arrays, extraction, reduction
+from . import _warm, alignment, arrays, extraction, reduction
 from ._call import Call, as_read, short
 from .alignment import Alignment, LiveGraph, Verdict
 from .arrays import Array, declared
@@ -149,9 +149,17 @@ class Outcome:
         """Whether all is done."""
         return "qualities" in vars(self)
 
+    def dispatch(self) -> None:
+        """Load, or compile, what all steps need, before one of them is timed."""
+        names = [f"alignment {self.recipe.align.name}", "alignment pose_graph", "extraction all"]
+        names += [f"reduction {call.name}" for call in self.recipe.methods]
+        names += ["metrics all"] + ["quadtree all"] * (self.recipe.seen_through is not None)
+        _warm.dispatch(names)
+
     @cached_property
     def log(self) -> Log:
         """With its beams, its clock and its odometry put right."""
+        self.dispatch()
         if self.recipe.prepare is None:
             return self.given
         announce(0.0, f"preparing {len(self.given)} scans")
@@ -226,6 +234,7 @@ class Outcome:
     def reductions(self) -> list[Reduction]:
         """By each method."""
         found = []
+        self.dispatch()  # of an outcome before this one the steps before may be known
         for call in self.recipe.methods:
             known = [reduced for was, reduced, _ in self._known if was == call]
             if not known:

@@ -6,19 +6,26 @@ with and without numba and compare.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 
 from . import alignment, extraction, matching, metrics, quadtree, readers, reduction, simulation
 from .arrays import Array
+from .compiled import COMPILING, PLAIN
+from .progress import announce, part_of
 from .scans import LaserScan, Log
 from .segments import SegmentMap
 
 Found = list[Any]
+
+#: Cases that this process has run: what they need is loaded.
+_dispatched: set[str] = set()
 
 
 def cases() -> dict[str, Callable[[], Found]]:
@@ -47,6 +54,23 @@ def run(name: str) -> None:
     cases()[name]()
 
 
+def dispatch(names: Iterable[str]) -> None:
+    """Load what these cases need, and compile what is missing: before work that is timed.
+
+    Compiling is told as such, and nothing else; what has no case, as a method of one's own, is left
+    to its first call.
+    """
+    if os.environ.get(PLAIN) == "1" or find_spec("numba") is None:
+        return
+    known = cases()
+    new = [name for name in dict.fromkeys(names) if name in known and name not in _dispatched]
+    for k, name in enumerate(new):
+        announce(k / len(new), "loading compiled loops")
+        with part_of(COMPILING, k / len(new), (k + 1) / len(new)):
+            known[name]()
+        _dispatched.add(name)
+
+
 def _room() -> Array:
     """(60, 2) points of a noisy rectangular room, metres."""
     t = np.radians(np.arange(0, 360, 6.0))
@@ -62,9 +86,14 @@ def _walls() -> tuple[Array, Array]:
     return walls, np.repeat(walls, 3, axis=0) + rng.normal(0, 0.01, (36, 2, 2))
 
 
+@cache
+def _malaga() -> Log:
+    return readers.load("malaga")
+
+
 def _log(every: int = 4) -> Log:
     """Four scans of the bundled log whose true poses are known, with a part of their beams."""
-    log = readers.load("malaga")
+    log = _malaga()
     assert log.truth is not None
     chosen = np.flatnonzero(np.isfinite(log.truth[:, 0]))[:4]
     thin = [replace(s, ranges=s.ranges[::every], angles=s.angles[::every]) for s in log[chosen]]

@@ -15,6 +15,7 @@ import os
 import signal
 import sys
 import threading
+import time
 import types
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -22,15 +23,19 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar, cast, get_args, get_type_hints
 
+from .progress import announce
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
 #: Set this environment variable to 1 to run every loop as plain Python.
 PLAIN = "SEGMAP_PLAIN"
 #: What is said where machine code is missing.
-COMPILING = "segmap: compiling loops takes some seconds; `segmap warm` does it once for all"
+COMPILING = "compiling once on this machine, about a minute"
 #: What makes an array or a list in a kernel; numba refuses any other where it counts nothing.
 MAKERS = frozenset({"empty", "empty_like", "zeros", "full", "copy", "heappush"})
+#: Loops that this process had to compile.
+_missing: list[str] = []
 
 
 class Compiled(Generic[P, R]):
@@ -55,7 +60,7 @@ class Compiled(Generic[P, R]):
         """Run the machine code."""
         if self._fast is None:
             with _no_collecting():
-                with signals_held():
+                with signals_held(), _paused():
                     self._fast = self._build()
                 return self(*args, **kwargs)
         if not self._floats:
@@ -85,8 +90,8 @@ class Compiled(Generic[P, R]):
             made = njit(cache=True, **options)(linked)
         except RuntimeError:  # no folder that a cache could be written to
             made = njit(**options)(linked)
-        made._cache.load_overload = _kept(linked, made._cache)
-        made.compile = signals_held()(made.compile)
+        made._cache.load_overload = _kept(linked, made._cache, told=not inner)
+        made.compile = signals_held()(_paused()(made.compile))
         return cast(Callable[P, R], made)
 
     def _counts(self) -> bool:
@@ -151,11 +156,11 @@ def _places(kind: Any) -> set[tuple[str, str]]:
     return {(kind.__module__, inspect.getfile(kind))}.union(*inside)
 
 
-def _kept(source: types.FunctionType, own: Any) -> Callable[..., Any]:
+def _kept(source: types.FunctionType, own: Any, *, told: bool) -> Callable[..., Any]:
     """How machine code is found: in the first folder, though it is read-only, else in one's own.
 
     numba passes by a folder that it may not write to, and compiles what an installation for all
-    has.
+    has. What must be compiled is told, but not in the middle of another loop: a listener may raise.
     """
     from numba.core import caching, config
 
@@ -172,7 +177,9 @@ def _kept(source: types.FunctionType, own: Any) -> Callable[..., Any]:
             code = shared(source).load_overload(*asked)
         code = known(*asked) if code is None else code
         if code is None and source.__module__.startswith("segmap"):
-            _say_once()
+            _missing.append(source.__qualname__)
+            if told and not announce(0.0, f"{COMPILING}: {len(_missing)} loops so far"):
+                _say_once()
         return code
 
     return load
@@ -182,7 +189,52 @@ def _kept(source: types.FunctionType, own: Any) -> Callable[..., Any]:
 def _say_once() -> None:
     """Tell on the terminal why a run waits; workers of a pool leave it to who started them."""
     if multiprocessing.parent_process() is None and "ipykernel" not in sys.modules:
-        print(COMPILING, file=sys.stderr)
+        print(f"segmap: {COMPILING}; `segmap warm` does it for all", file=sys.stderr)
+
+
+class _Pause:
+    """Seconds in which machine code was loaded or compiled, by one thread or by several at once."""
+
+    def __init__(self) -> None:
+        self.lock, self.busy, self.since, self.total = threading.Lock(), 0, 0.0, 0.0
+
+    def change(self, by: int) -> float:
+        """One thread begins, or ends; answers the seconds until now."""
+        with self.lock:
+            now = time.perf_counter()
+            if self.busy:
+                self.total += now - self.since
+            self.busy, self.since = self.busy + by, now
+            return now - self.total
+
+
+_pause = _Pause()
+if hasattr(os, "register_at_fork"):  # another thread may have held the lock
+    os.register_at_fork(after_in_child=lambda: _pause.__init__())  # type: ignore[misc]
+
+
+@contextmanager
+def _paused() -> Iterator[None]:
+    """Let the clock of the work stand still."""
+    _pause.change(1)
+    try:
+        yield
+    finally:
+        _pause.change(-1)
+
+
+def work_time() -> float:
+    """Seconds as `time.perf_counter` has them, without those of loading and compiling loops.
+
+    All methods are timed by it: the first run of one takes as long as the second.
+
+    Examples
+    --------
+    >>> begun = work_time()
+    >>> work_time() - begun < 1
+    True
+    """
+    return _pause.change(0)
 
 
 @contextmanager

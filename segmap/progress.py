@@ -20,6 +20,10 @@ from numpy.typing import NDArray
 Progress = Callable[[float, str], object]
 Thing = TypeVar("Thing")
 
+#: Time that is left is told after so many seconds, and this share, of one kind of work: from the
+#: first steps alone it would be a guess.
+EARLY, LEAST = 2.0, 0.05
+
 _listener: ContextVar[Progress | None] = ContextVar("listener", default=None)
 
 
@@ -48,10 +52,42 @@ def told(progress: Progress) -> Iterator[None]:
         _listener.reset(token)
 
 
-def announce(share: float, words: str) -> None:
-    """Say how far the work is, to whoever listens in this thread."""
-    if (listen := _listener.get()) is not None:
-        listen(share, words)
+@contextmanager
+def part_of(words: str, begin: float, end: float) -> Iterator[None]:
+    """Of all work that is called within only that is told which has these words, as a part."""
+    if (listen := _listener.get()) is None:
+        yield
+        return
+
+    def hand_on(share: float, said: str) -> None:
+        """From the share of the part to the share of the whole."""
+        if said.startswith(words):
+            listen(begin + share * (end - begin), said)
+
+    with told(hand_on):
+        yield
+
+
+def announce(share: float, words: str) -> bool:
+    """Say how far the work is, to whoever listens in this thread; answers whether somebody does."""
+    if (listen := _listener.get()) is None:
+        return False
+    listen(share, words)
+    return True
+
+
+def time_left(taken: float, share: float) -> str:
+    """What follows from the seconds that a share took, in words; nothing where that is too early.
+
+    Examples
+    --------
+    >>> time_left(3.0, 0.04), time_left(3.0, 0.1), time_left(300.0, 0.5)
+    ('', '27 s left', '5 min left')
+    """
+    if taken < EARLY or share < LEAST:
+        return ""
+    left = taken * (1 - share) / share
+    return f"{left:.0f} s left" if left < 100 else f"{left / 60:.0f} min left"
 
 
 def each(things: Sequence[Thing], words: str) -> Iterator[Thing]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import extraction, metrics
+from .. import _warm, extraction, metrics
 from .._display import counted
 from ..readers import LogError, read_segments
 from ..reduction import METHODS
@@ -85,6 +85,7 @@ def check(given: argparse.Namespace) -> None:
 
 def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Run all methods on the map of one log, and print what each leaves."""
+    _warm.dispatch(f"reduction {name}" for name in METHODS)
     made = opening.placed(given, log, report)
     map = whole = extraction.build_map(made.log, made.alignment.trusted, keep_points=True)
     verdict = made.alignment.verdict_on(map)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import quadtree, readers
+from .. import _warm, quadtree, readers
 from ..matching import localize
 from ..progress import each
 from ..scans import Log
@@ -47,6 +47,7 @@ def read_map(path: Path) -> quadtree.QuadtreeMap | SegmentMap:
 
 def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Say where the last scan is, since when the robot is found, and how often it was lost."""
+    _warm.dispatch(["quadtree all", "matching all"])
     scans = each(log, "placing scan")
     beliefs = list(localize(given.known, scans, rng=np.random.default_rng(0)))
     found = np.array([belief.found for belief in beliefs], bool)

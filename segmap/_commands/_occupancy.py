@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import alignment, exports, extraction, quadtree
+from .. import _warm, alignment, exports, extraction, quadtree
 from .._display import counted
 from .._recipe import cropped, preparing, world_of
 from ..alignment import Alignment
@@ -65,6 +65,7 @@ def check(given: argparse.Namespace) -> None:
 
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
+    _warm.dispatch(["quadtree all"] + ["matching all"] * bool(given.matcher))
     if given.matcher:
         map, found, log = _matched(given, log, report)
     else:

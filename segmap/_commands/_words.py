@@ -10,13 +10,15 @@ import signal
 import socket
 import sys
 import threading
+import time
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from ..compiled import COMPILING
 from ..files import shown
-from ..progress import told
+from ..progress import time_left, told
 from ..readers import LogError, UnknownFormat
 from ..scans import Log
 
@@ -169,15 +171,17 @@ def moving() -> Iterator[None]:
     from tqdm import tqdm
 
     bars: list[tqdm[Any]] = []
+    shape = "{desc} |{bar}|"
 
     def show(share: float, words: str) -> None:
         """Let the bar go on, or begin anew with other work."""
         if not bars:
-            shape = "{desc} |{bar}| {remaining} left"
             bars.append(tqdm(total=1.0, delay=0.5, miniters=0, leave=False, bar_format=shape))
         (bar,) = bars
-        if share < bar.n:
+        if share < bar.n or words.split()[0] != bar.desc.split(" ")[0]:
             bar.reset()
+        said = "" if words.startswith(COMPILING) else time_left(time.time() - bar.start_t, share)
+        bar.bar_format = f"{shape} {said}"
         bar.set_description_str(shown(words), refresh=False)
         bar.update(share - bar.n)
 

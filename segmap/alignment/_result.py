@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from .._display import Pictured
 from ..arrays import Array, Radians, checked
+from ..compiled import work_time
 from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..quadtree import QuadtreeMap
@@ -226,9 +226,9 @@ def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
         log = args[0] if args else kwargs.get("log")
         if not isinstance(log, Log):
             raise ValueError(f"log must be a Log, got {type(log).__name__}")
-        begun = time.perf_counter()
+        begun = work_time()
         found = method(*args, **kwargs)
-        seconds = time.perf_counter() - begun
+        seconds = work_time() - begun
         return concluded(name, log, found, seconds)
 
     signature = inspect.signature(method).replace(return_annotation="Alignment")

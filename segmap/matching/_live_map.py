@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Iterator
 from copy import deepcopy
 from typing import NamedTuple
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..alignment import LiveGraph
 from ..arrays import Array, checked
+from ..compiled import work_time
 from ..extraction import extract_polylines
 from ..poses import compose, inverse, transform
 from ..quadtree import QuadtreeMap, free_ends
@@ -146,12 +146,12 @@ class LiveMap(Locked):
 
         Where it is interrupted after the graph has placed the scan, the next map shows it.
         """
-        begun, number = time.perf_counter(), len(self.graph)
+        begun, number = work_time(), len(self.graph)
         self._exchange()
         if self._start is None and (seen := self._sought(scan)).reason:
             known = np.isfinite(seen.pose[0])
             overlap = overlap_of(self.map, scan, seen.pose) if known else 0.0
-            seconds = time.perf_counter() - begun
+            seconds = work_time() - begun
             return Step(seen.pose, np.nan, seconds, False, False, overlap)
         try:
             found, closed = self.graph.add(scan)
@@ -171,7 +171,7 @@ class LiveMap(Locked):
             raise
         self._begin()
         matched = not any(self.graph.reasons[-1:])
-        seconds = time.perf_counter() - begun
+        seconds = work_time() - begun
         return Step(pose, np.nan, seconds, closed, matched, overlap)
 
     def _sought(self, scan: LaserScan) -> Belief:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache, partial
 from inspect import signature
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..alignment import LiveGraph, LoopClosing
 from ..arrays import Array, Count, checked
+from ..compiled import work_time
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ._field import NothingNear
@@ -135,7 +135,7 @@ def _steps(
     inserted = 0
     for k, scan in enumerate(log):
         _check_scan(scan, k)
-        begun, points, value = time.perf_counter(), scan.points(), np.nan
+        begun, points, value = work_time(), scan.points(), np.nan
         try:
             if len(points) and inserted >= settle:
                 pose, value = _matched(matcher, score, map, points, pose)
@@ -144,7 +144,7 @@ def _steps(
             inserted += len(points) > 0
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
-        seconds = time.perf_counter() - begun
+        seconds = work_time() - begun
         yield Step(pose.copy(), value, seconds, False, overlap >= FOUND, overlap)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Iterator, Sequence
 from copy import deepcopy
 from typing import Annotated, NamedTuple
@@ -12,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..arrays import Array, Count, Quantity, Share, at_most, checked
+from ..compiled import work_time
 from ..poses.motions import between, compose, transform
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
@@ -177,7 +177,7 @@ def _steps(
     recent, likely = np.zeros(count), np.zeros(count)  # logarithms: since drawn anew, of all
     for k, scan in enumerate(log):
         _check_scan(scan, k)
-        begun, points, parents = time.perf_counter(), scan.points(), np.arange(count)
+        begun, points, parents = work_time(), scan.points(), np.arange(count)
         if effective_number(_weights(recent)) < resample * count:
             parents = systematic(_weights(recent), rng.random())
             maps = [
@@ -222,7 +222,7 @@ def _steps(
             raise ValueError(f"scan {k}: {error}") from error
         if len(points) and not settled:
             settled, drawn, wheels_drawn = True, poses.copy(), wheels
-        seconds = time.perf_counter() - begun
+        seconds = work_time() - begun
         yield Particles(poses.copy(), _weights(recent), parents, best, overlap, seconds)
 
 

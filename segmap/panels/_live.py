@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import threading
-import time
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Sized
 from copy import deepcopy
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from .._display import counted
 from ..arrays import Array, Metres, checked
+from ..compiled import work_time
 from ..extraction import extract_polylines
 from ..hokuyo import Newest, SensorError, UrgSensor
 from ..matching import Belief, LiveMap, Step, localize, map_scans
@@ -137,14 +137,14 @@ class LivePanel(Panel):
 
     def take(self, scan: LaserScan) -> None:
         """Match a scan with the map, insert it, and draw."""
-        begun = time.perf_counter()
+        begun = work_time()
         with self._drawing:
             self._match(scan)
             self.taken += 1
             self.lost += self._beliefs is None and self._step is not None and not self._step.found
             self._times.append(scan.time)
             self._redraw()
-        self.seconds = time.perf_counter() - begun
+        self.seconds = work_time() - begun
 
     def finish(self) -> None:
         """Wait until the map shows all scans at their corrected poses, and draw it."""

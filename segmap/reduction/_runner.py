@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from .. import arrays
 from .._display import Pictured
 from ..arrays import Array, Metres, Radians, Segments, at_least, at_most
+from ..compiled import work_time
 from ..methods import Method
 from ..progress import announce
 from ..segments import MIN_LENGTH, SegmentMap, length
@@ -138,11 +138,11 @@ def run(
     >>> run("first", wall, lambda rows: (rows.segments, np.array([0]))).parents
     array([ 0, -1])
     """
-    start = time.perf_counter()
+    start = work_time()
     rows, count = rows_of(map)
     found = method(rows)
     parents = _check(name, count, rows, found, splits)
-    return Reduction(found[0], parents, time.perf_counter() - start, name)
+    return Reduction(found[0], parents, work_time() - start, name)
 
 
 def run_online(
@@ -161,9 +161,9 @@ def run_online(
     >>> run_online("keep", [[(0, 0), (1, 0)]], keep).scan_live
     array([1])
     """
-    start = time.perf_counter()
+    start = work_time()
     rows, count = rows_of(map, by_scan=True)
-    steps, live, ended = method(rows), list[int](), [time.perf_counter()]
+    steps, live, ended = method(rows), list[int](), [work_time()]
     while True:
         try:
             announce(
@@ -173,13 +173,13 @@ def run_online(
         except StopIteration as last:
             found: Found = last.value
             break
-        ended.append(time.perf_counter())
+        ended.append(work_time())
     parents = _check(name, count, rows, found, splits)
     if len(live) != len(rows.cuts) - 1 or (live and live[-1] != len(found[0])):
         raise RuntimeError(
             f"{name}: {live[-1:]} segments after {len(live)} scans is not its result"
         )
-    seconds = time.perf_counter() - start
+    seconds = work_time() - start
     each, left = np.diff(ended), np.array(live, np.int64)
     return Reduction(found[0], parents, seconds, name, each, left)
 

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 import segmap
 from segmap import LaserScan, Log, SegmentMap, reduction
 from segmap._display import facts
+from segmap.compiled import COMPILING
 from segmap.metrics import grade_quality, grade_reduction
 from segmap.panels import Workbench
 from segmap.panels.workbench import _bar, _loops, _shown
@@ -39,14 +40,18 @@ def test_each_word_of_the_bar(monkeypatch):
         (113.0, 0.7, "aligning 4 scans", "aligning 4 scans, 1 s left"),
         (114.0, 0.8, "reducing <b>", "reducing &lt;b&gt; ..."),
         (200.0, 0.0, "measuring", "measuring ..."),
-        (202.0, 0.019, "measuring", "measuring, 2 s so far"),
-        (204.0, 0.02, "measuring", "measuring, 196 s left"),
+        (202.0, 0.049, "measuring", "measuring, 2 s so far"),
+        (204.0, 0.05, "measuring", "measuring, 76 s left"),
+        (300.0, 0.05, f"{COMPILING}: 3 loops", f"{COMPILING}: 3 loops ..."),
+        (330.0, 0.50, f"{COMPILING}: 9 loops", f"{COMPILING}: 9 loops, 30 s so far"),
+        (331.0, 0.01, "measuring", "measuring ..."),
+        (331.0, 0.05, "measuring", "measuring ..."),
     ):
         clock[0] = at
         bar.tell(share, words)
         assert (bar.state.value, bar.bar.value) == (said, share)
     bar.say("a < b")
-    assert (bar.state.value, bar.bar.value, bar.bar.max) == ("a &lt; b", 0.02, 1)
+    assert (bar.state.value, bar.bar.value, bar.bar.max) == ("a &lt; b", 0.05, 1)
     bar.say("done", 1.0)
     bar.tell(0.5, "measuring")
     assert (bar.state.value, bar.bar.value) == ("measuring ...", 0.5), "begun anew"

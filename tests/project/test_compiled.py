@@ -9,13 +9,17 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
+from functools import partial
 from typing import Annotated
 
 import numpy as np
 import pytest
 from conftest import slow
 
-from segmap.compiled import COMPILING, PLAIN, _say_once, compiled, signals_held
+from segmap import _warm
+from segmap.compiled import COMPILING, PLAIN, _say_once, compiled, signals_held, work_time
+from segmap.progress import announce, told
 
 #: Its window of search takes half a minute in plain Python: a smaller one stands in CASE.
 SLOW = "alignment pose_graph"
@@ -297,7 +301,7 @@ def installation(tmp_path, monkeypatch, capsys):
 def test_a_warm_installation_is_read_though_nobody_may_write_it(installation):
     """Catches a hub on which each student compiles what the administrator has, a home that fills
     with copies, a run without a home; and one that waits without a word."""
-    said = f"{COMPILING}\n"
+    said = f"segmap: {COMPILING}; `segmap warm` does it for all\n"
     assert installation.run(1.5) == (said, [1, 0])
     assert installation.run(1.5) == ("", [1, 0])
     installation.closed = [installation.root / "__pycache__"]
@@ -306,3 +310,49 @@ def test_a_warm_installation_is_read_though_nobody_may_write_it(installation):
     assert installation.run(1) == ("", [1, 1])
     installation.closed = [installation.root]
     assert installation.run(1.5) == ("", [1, 1])
+
+
+def test_compiling_is_told_as_such_and_is_no_time_of_the_work(installation):
+    """Catches seconds of a method that are those of the compiler, and a stop that breaks a loop."""
+    heard = []
+
+    def refuse(share, words):
+        heard.append((share, words.partition(":")[0]))
+        raise InterruptedError
+
+    with told(refuse), pytest.raises(InterruptedError):
+        installation.run(1.5)
+    assert heard == [(0.0, COMPILING)]
+    begun = time.perf_counter(), work_time()
+    with told(lambda *said: None):
+        assert installation.run(1.5) == ("", [1, 0])  # a bar says it, and no line beside
+    whole, work = time.perf_counter() - begun[0], work_time() - begun[1]
+    assert 0 <= work < 0.2 * whole
+    begun = time.perf_counter(), work_time()
+    time.sleep(0.02)
+    assert abs((time.perf_counter() - begun[0]) - (work_time() - begun[1])) < 0.01
+
+
+def test_what_is_needed_is_loaded_once_and_tells_of_compiling_alone(monkeypatch):
+    """Catches a first map whose time left is that of the compiler."""
+    ran, heard = [], []
+
+    def case(name):
+        ran.append(name)
+        announce(0.7, "placing scan 3 of 4")
+        announce(0.0, f"{COMPILING}: {len(ran)} loops so far")
+
+    monkeypatch.setattr(_warm, "cases", lambda: {n: partial(case, n) for n in ("a", "b")})
+    monkeypatch.setattr(_warm, "_dispatched", set())
+    monkeypatch.delenv(PLAIN, raising=False)
+    with told(lambda share, words: heard.append((share, words))):
+        _warm.dispatch(["b", "a", "b", "a method of one's own"])
+        _warm.dispatch(["a"])
+    assert ran == ["b", "a"]
+    loading = "loading compiled loops"
+    assert [words.partition(":")[0] for _, words in heard] == [loading, COMPILING] * 2
+    assert [share for share, _ in heard] == [0.0, 0.0, 0.5, 0.5]
+    monkeypatch.setenv(PLAIN, "1")  # as plain Python the cases take minutes
+    monkeypatch.setattr(_warm, "_dispatched", set())
+    _warm.dispatch(["a"])
+    assert ran == ["b", "a"]

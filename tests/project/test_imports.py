@@ -16,7 +16,8 @@ SOURCES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
 
 #: From the ground up. A room imports rooms of lower storeys only; a folder is one room.
 STOREYS = (
-    "compiled _display progress",
+    "progress",
+    "compiled _display",
     "arrays",
     "files threads methods _call",
     "angles",
@@ -26,10 +27,11 @@ STOREYS = (
     "hokuyo reduction quadtree",
     "alignment",
     "matching experiments exports",
-    "testing _recipe",
+    "testing _warm",
+    "_recipe",
     "plotting",
     "panels",
-    "segmap _warm",
+    "segmap",
     "_commands",
     "__main__",
     "segmap_course",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import replace
@@ -11,6 +10,7 @@ import numpy as np
 
 from ... import arrays
 from ...arrays import Array
+from ...compiled import work_time
 from ...poses.motions import between, compose
 from ...progress import each
 from ...scans import LaserScan
@@ -55,7 +55,7 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
         Of the scans of both in order, at poses of the first. Where nothing agrees, `doubt` begins
         with the reason, and the scans of one session are not used: it lies anywhere.
     """
-    begun = time.perf_counter()
+    begun = work_time()
     arrays.function(places, "places", "from a scan to poses")
     for given, name in ((first, "first"), (second, "second")):
         if not len(arrays.instance(given, name, LiveGraph)):
@@ -95,7 +95,7 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
             reason = f"{alike} of {len(passed)} places that both passed look alike, {least:g} must"
             closer.veto(across, reason)
             closer.pending = []
-    found = concluded("merge", front.scans, graph.settled(), time.perf_counter() - begun)
+    found = concluded("merge", front.scans, graph.settled(), work_time() - begun)
     words = f"{NOT_MERGED}: {reason}"
     none = [Finding(Cause.NOT_MERGED, alike, words, doubtful=True)] if reason else []
     return replace(found, causes=(*none, *found.causes))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
@@ -11,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ... import arrays
+from ...compiled import work_time
 from ...poses import between, compose
 from ...progress import Progress, announce, each
 from ...scans import LaserScan, Log
@@ -64,7 +64,7 @@ def align_parts(
     >>> align_parts([log[:40], log[40:]])
     Alignment(align_parts: 80 scans, 80 used)
     """
-    begun, work = time.perf_counter(), partial(_aligned, thresholds)
+    begun, work = work_time(), partial(_aligned, thresholds)
     arrays.instance(parts, "parts", Sequence)
     logs = [arrays.instance(log, f"parts[{k}]", Log) for k, log in enumerate(parts)]
     logs = [log for log in logs if len(log)]
@@ -81,7 +81,7 @@ def align_parts(
     # 3. All poses together; 4. each scan once more, as in `pose_graph`
     found = graph.settled()
     scans = [scan for log in logs for scan in log]
-    return concluded("align_parts", scans, found, time.perf_counter() - begun)
+    return concluded("align_parts", scans, found, work_time() - begun)
 
 
 def _aligned(thresholds: dict[str, Any], log: Log) -> LiveGraph:

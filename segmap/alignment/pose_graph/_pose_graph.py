@@ -6,7 +6,6 @@ key frame, the key frames with the edges between them, and the closing of loops.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from ... import arrays
 from ...arrays import Array, Metres, Positive, Radians, at_most
+from ...compiled import work_time
 from ...poses.motions import between, compose, inverse, wrap
 from ...progress import Progress, announce, each
 from ...scans import LaserScan, Log
@@ -166,7 +166,7 @@ class LiveGraph(Locked):
     def add(self, scan: LaserScan) -> Placed:
         """Place the next scan, and close the loops that it finds."""
         arrays.instance(scan, "scan", LaserScan)
-        begun, closed = time.perf_counter(), False
+        begun, closed = work_time(), False
         if self._parts is None:
             front = FrontEnd(scan, self._laid, self.tracking)
             self._parts = front, LoopCloser(front.frames, self.drift, self.closing)
@@ -184,7 +184,7 @@ class LiveGraph(Locked):
                     # 3. All key frames anew where loops have moved them
                     if closed:
                         front.frames.optimize(lazily=True)
-        self.seconds += time.perf_counter() - begun
+        self.seconds += work_time() - begun
         closed, self._mended = closed or self._mended, False
         return Placed(self._parts[0].pose(), closed)
 
@@ -261,9 +261,9 @@ class LiveGraph(Locked):
         Loops that still wait for others that agree are believed or rejected. More scans may follow.
         Of a whole log the result is equal to that of `pose_graph`.
         """
-        begun = time.perf_counter()
+        begun = work_time()
         found = self.settled()
-        self.seconds += time.perf_counter() - begun
+        self.seconds += work_time() - begun
         scans = [] if self._parts is None else self._parts[0].scans
         return concluded("pose_graph", scans, found, self.seconds)
 
@@ -364,12 +364,12 @@ class LiveGraph(Locked):
     def _mending(self) -> Iterator[LoopCloser]:
         """The graph's loops, to change them: then all poses are solved."""
         assert self._parts is not None
-        begun, (front, closer) = time.perf_counter(), self._parts
+        begun, (front, closer) = work_time(), self._parts
         with all_or_nothing(front.frames, closer):
             yield closer
             front.frames.optimize()
         self._mended = True
-        self.seconds += time.perf_counter() - begun
+        self.seconds += work_time() - begun
 
     @property
     @locked

@@ -8,10 +8,9 @@ from typing import Any
 
 import ipywidgets as W
 
+from ...compiled import COMPILING
 from ...files import as_html
-
-#: Time that is left is told after so many seconds, and this share, of one kind of work.
-EARLY, LEAST = 2.0, 0.02
+from ...progress import EARLY, time_left
 
 
 class Bar:
@@ -45,8 +44,8 @@ class Bar:
         """Say it with the time that it takes still, or has taken."""
         taken, share = time.monotonic() - self._begun, self._share
         spent = f", {taken:.0f} s so far" if taken >= EARLY else " ..."
-        if taken >= EARLY and share >= LEAST:
-            spent = f", {taken * (1 - share) / share:.0f} s left"
+        if not self._words.startswith(COMPILING) and (left := time_left(taken, share)):
+            spent = f", {left}"
         self.say(f"{self._words}{spent}", share)
 
     def watch(self, work: threading.Thread) -> None:
