@@ -94,13 +94,16 @@ def test_long_work_moves_a_bar_on_a_terminal(run, monkeypatch, words):
     monkeypatch.setattr(sys, "stderr", screen := Terminal())
     monkeypatch.setattr("tqdm.std.tqdm.monitor_interval", 0)
     monkeypatch.setattr("tqdm.tqdm", AtOnce)
+    monkeypatch.setattr("segmap.progress.EARLY", 0.0)
     assert run(*words)[0] == 0
     scans = [int(k) for k in re.findall(r"placing scan (\d+) of 61 \|", screen.getvalue())]
     order = list(dict.fromkeys(scans))
     assert len(order) > 3 and order == sorted(order)
     shown = screen.getvalue().split("segmap: room: ")[0]  # the verdict of --matcher follows
     assert "/3" not in shown and "\n" not in shown
-    assert re.search(r"\| \d\d:\d\d left", screen.getvalue())
+    assert re.search(r"\| \d+ s left", screen.getvalue())
+    early = re.findall(r"placing scan [123] of 61 \|[^|\r]*\| ([^\r]*left)", screen.getvalue())
+    assert early == [], "of 61 scans these are less than 5 %"
     assert screen.getvalue().endswith(" \r")
 
 
