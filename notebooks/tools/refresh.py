@@ -8,6 +8,7 @@ import base64
 import hashlib
 import io
 import os
+import platform
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,6 +23,16 @@ from PIL.Image import Resampling
 
 VIEW = "application/vnd.jupyter.widget-view+json"
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
+#: What a kernel says of itself: where a chapter lacks it JupyterLab writes it in when it is opened.
+LANGUAGE = {
+    "codemirror_mode": {"name": "ipython", "version": 3},
+    "file_extension": ".py",
+    "mimetype": "text/x-python",
+    "name": "python",
+    "nbconvert_exporter": "python",
+    "pygments_lexer": "ipython3",
+    "version": platform.python_version(),
+}
 #: Of every picture the first of these that fits: parts of its width and height, and colours.
 SIZES = (
     *((1.0, 128), (1.0, 32), (1.0, 24), (0.85, 24), (0.75, 24), (0.625, 24)),
@@ -46,7 +57,7 @@ def execute(notebook: NotebookNode, folder: Path) -> NotebookNode:
 
 def tidy(notebook: NotebookNode) -> NotebookNode:
     """Drop, in place, what differs from run to run or from machine to machine."""
-    notebook.metadata = NotebookNode(kernelspec=KERNEL, language_info={"name": "python"})
+    notebook.metadata = NotebookNode(kernelspec=KERNEL, language_info=LANGUAGE)
     notebook.nbformat_minor = 5
     used: dict[str, int] = {}
     for cell in notebook.cells:

@@ -6,6 +6,8 @@ import argparse
 import hashlib
 import json
 import re
+from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +18,10 @@ from ._words import say
 #: The chapter that is opened first.
 FIRST = "00_start_here.ipynb"
 #: Links that lead out of the folder of the chapters lead nowhere in most copies: their words stay.
-OUTSIDE = re.compile(rb"\[([^\]\n]+)\]\(\.\./[^)\n]*\)")
+OUTSIDE = re.compile(rb"\[([^\[\]\n]+)\]\(\.\./[^)\n]*\)")
 #: What a chapter links to beside itself: a picture, another text.
 BESIDE = re.compile(rb"\]\(([\w/-]+\.(?!ipynb)\w+)[^)\n]*\)")
-#: Which original was handed over last, by the digest of its content.
+#: Which original was handed over last: the digest of its content, and that of its cells.
 RECORD = ".originals.json"
 
 
@@ -31,13 +33,14 @@ def add(commands: Any) -> None:
 
 
 def run(given: argparse.Namespace) -> None:
-    """Copy what is not there; what differs is a student's work: a newer original goes beside it."""
+    """Copy what is not there; other cells are a student's work: a newer original goes beside it."""
     folder, source = given.folder, chapters_folder()
     folder.mkdir(parents=True, exist_ok=True)
     near = folder.resolve().parent == source.parent
     files, handed = originals(source, outside=near), _handed(folder)
     done = {name: _hand_over(folder, name, files[name], handed) for name in files}
     write_bytes(folder / RECORD, json.dumps(handed).encode())
+    _sign(files[name] for name in files if done[name] == "copied" and name.endswith(".ipynb"))
     _tell(folder, done)
     if not near:
         say(f"open them with: jupyter lab {folder / FIRST}  (needs: {pip_install('lab')})")
@@ -64,23 +67,55 @@ def _handed(folder: Path) -> dict[str, str]:
 
 
 def _hand_over(folder: Path, name: str, content: bytes, handed: dict[str, str]) -> str:
-    """Copy an original unless work is there; what became of it, and in `handed` its digest."""
-    path, digest = folder / name, hashlib.sha256(content).hexdigest()
-    before, handed[name] = handed.get(name), digest
+    """Copy an original unless work is there; what became of it, and in `handed` its digests."""
+    path, now = folder / name, _digests(content)
+    before, handed[name] = handed.get(name), now
     there = path.read_bytes() if existing(path) else None
     if there == content:
         return "there already"
-    if there is None or hashlib.sha256(there).hexdigest() == before:  # nobody has changed it
+    cells = before.split()[-1:] if before else []
+    if there is None or _digests(there).split()[-1] in (*cells, now.split()[-1]):
+        if there is not None and before == now:
+            return "there already"  # opened, or run: what it shows is of this original
         path.parent.mkdir(exist_ok=True)
         write_bytes(path, content)
         return "copied"
-    if before is None or before == digest:
+    if before is None or before == now:
         return "yours"
     count = 1  # a newer original goes beside the student's, under a name that is not taken
     while existing(beside := path.with_name(f"{path.stem}.newer-{count}{path.suffix}")):
         count += 1
     write_bytes(beside, content)
     return beside.name
+
+
+def _digests(content: bytes) -> str:
+    """Of a file; and of the sources of its cells, where it is a notebook, the empty ones left out.
+
+    What Jupyter changes where a chapter is opened, run or saved is not in the second.
+    """
+    whole = cells = hashlib.sha256(content).hexdigest()
+    with suppress(ValueError, KeyError, TypeError, RecursionError):
+        sources = ((c["cell_type"], "".join(c["source"])) for c in json.loads(content)["cells"])
+        text = json.dumps([source for source in sources if source[1].strip()])
+        cells = hashlib.sha256(text.encode()).hexdigest()
+    return f"{whole} {cells}"
+
+
+def _sign(chapters: Iterable[bytes]) -> None:
+    """Tell Jupyter that these are ours: it shows their outputs, and does not call them untrusted.
+
+    Only what was just copied, to the last byte: nothing is trusted that somebody has put in.
+    """
+    try:
+        from nbformat import reads
+        from nbformat.sign import NotebookNotary
+    except ImportError:
+        return
+    notary = NotebookNotary()
+    for content in chapters:
+        with suppress(Exception):  # no home, or no notebook: it is looked at as any other
+            notary.sign(reads(content.decode(), as_version=4))
 
 
 def _tell(folder: Path, done: dict[str, str]) -> None:

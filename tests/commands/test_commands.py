@@ -16,6 +16,7 @@ from pathlib import Path
 import alignment_logs as logs
 import bag_samples
 import log_samples as samples
+import nbformat
 import numpy as np
 import pandas as pd
 import pytest
@@ -1145,6 +1146,7 @@ def clone(tmp_path, monkeypatch):
         (source / f"{name}.ipynb").write_text(json.dumps({"cells": cells}), encoding="utf-8")
     (tmp_path / "clone" / "data" / "README.md").write_text("data")
     monkeypatch.setattr("segmap._commands._notebooks.chapters_folder", lambda: source)
+    monkeypatch.setenv("JUPYTER_DATA_DIR", str(tmp_path / "jupyter"))
     return source
 
 
@@ -1184,6 +1186,53 @@ def test_a_newer_original_is_offered_beside_the_work_of_a_student(run, clone):
     (work / ".originals.json").write_text("[broken")
     code, *_ = run("notebooks", work)
     assert code == 0 and (work / first.name).read_text() == "my answers"
+
+
+def as_jupyter_saves(path):
+    """A chapter that was opened, run to its end and saved."""
+    notebook = json.loads(path.read_bytes())
+    notebook["metadata"] = {"language_info": {"version": "3.99"}}
+    empty = {"cell_type": "code", "metadata": {}, "outputs": [], "source": []}
+    notebook["cells"] = [c | {"id": f"{k}"} for k, c in enumerate(notebook["cells"])] + [empty]
+    path.write_text(json.dumps(notebook, indent=3))
+
+
+def test_a_chapter_that_was_only_opened_is_not_a_changed_one(run, clone):
+    """Catches an offer beside a copy without work, and outputs that are lost by each `make lab`."""
+    work, chapter = clone.parent / "new" / "work", clone / "00_start_here.ipynb"
+    run("notebooks", work)
+    as_jupyter_saves(copy := work / chapter.name)
+    opened = copy.read_bytes()
+    _, said, _ = run("notebooks", work)
+    assert "2 chapters there already" in said and copy.read_bytes() == opened
+    chapter.write_text(chapter.read_text().replace("next", "onward"))
+    _, said, _ = run("notebooks", work)
+    assert "1 chapter copied" in said and copy.read_bytes() != opened
+    assert "onward" in copy.read_text() and list(work.glob("*newer*")) == []
+    copy.write_text(copy.read_text().replace("onward", "my answer"))
+    as_jupyter_saves(copy)
+    chapter.write_text(chapter.read_text().replace("onward", "forward"))
+    _, said, _ = run("notebooks", work)
+    assert "is newer than yours" in said and "my answer" in copy.read_text()
+
+
+def test_jupyter_trusts_what_is_ours_and_nothing_else(run, clone):
+    """Catches panels that stay hidden until a student trusts them, and trust for what came in."""
+    sign, work = pytest.importorskip("nbformat.sign"), clone.parent / "new" / "work"
+
+    def trusted():
+        notary = sign.NotebookNotary()
+        read = (nbformat.read(path, as_version=4) for path in sorted(work.glob("*.ipynb")))
+        return [notary.check_signature(notebook) for notebook in read]
+
+    for path in clone.glob("*.ipynb"):
+        shutil.copy(ROOT / "notebooks" / "54_fusion.ipynb", path)
+    run("notebooks", work)
+    assert trusted() == [True, True]
+    first = work / "00_start_here.ipynb"
+    first.write_text(first.read_text().replace("</", "<script></"))
+    run("notebooks", work)
+    assert trusted() == [False, True]
 
 
 def test_a_reader_that_has_gone_ends_the_program_with_1(clone, monkeypatch):

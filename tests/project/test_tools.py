@@ -44,6 +44,7 @@ def test_refresh_settles_at_once(refreshed):
 def test_refresh_stores_outputs_and_nothing_of_the_run(refreshed):
     notebook = nbformat.read(refreshed[0], as_version=4)
     assert set(notebook.metadata) == {"kernelspec", "language_info"}
+    assert notebook.metadata.language_info == refresh.LANGUAGE
     assert [cell.metadata for cell in notebook.cells] == [{}] * 5
     assert [c.execution_count for c in notebook.cells[1:]] == [1, 2, 3, 4]
     assert notebook.cells[3].outputs[0].data[refresh.VIEW]["model_id"] == "0" * 32
