@@ -30,23 +30,22 @@ _dispatched: set[str] = set()
 
 def cases() -> dict[str, Callable[[], Found]]:
     """Name of each case, `room method`, and its call; the longest to compile come first."""
-    found: dict[str, Callable[[], Found]] = {
-        "alignment pose_graph": partial(_aligned, "pose_graph"),
-        "reduction fusion": partial(_reduced, "fusion"),
-        "alignment angle_correspondence": partial(_aligned, "angle_correspondence"),
-        "matching all": _matched,
-        "quadtree all": _trees,
-    }
     families = (
         ("reduction", reduction.METHODS, _reduced),
         ("alignment", alignment.METHODS, _aligned),
     )
-    for family, methods, small in families:
-        for name, method in methods.items():
-            if method.function.__module__.startswith("segmap."):  # one of your own may do anything
-                found.setdefault(f"{family} {name}", partial(small, name))
-    found["alignment match_points"] = _matched_points
-    return found | {
+    ours: dict[str, Callable[[], Found]] = {
+        f"{family} {name}": partial(small, name)
+        for family, methods, small in families
+        for name, method in methods.items()
+        if method.function.__module__.startswith("segmap.")  # one of your own may do anything
+    }
+    longest = ("alignment pose_graph", "reduction fusion", "alignment angle_correspondence")
+    return {name: ours[name] for name in longest if name in ours} | {
+        "matching all": _matched,
+        "quadtree all": _trees,
+        **ours,
+        "alignment match_points": _matched_points,
         "extraction all": _extracted,
         "metrics all": _measured,
         "simulation all": _cast,

@@ -112,10 +112,10 @@ def _sign(chapters: Iterable[bytes]) -> None:
         from nbformat.sign import NotebookNotary
     except ImportError:
         return
-    notary = NotebookNotary()
+    notary = NotebookNotary()  # type: ignore[no-untyped-call]
     for content in chapters:
         with suppress(Exception):  # no home, or no notebook: it is looked at as any other
-            notary.sign(reads(content.decode(), as_version=4))
+            notary.sign(reads(content.decode(), as_version=4))  # type: ignore[no-untyped-call]
 
 
 def _tell(folder: Path, done: dict[str, str]) -> None:
