@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .._display import pip_install
+from .opening import examples
 
 #: The names by which the page may be asked for: it is served on this machine alone.
 HOSTS = r"(127\.0\.0\.1|localhost)$"
@@ -27,7 +28,11 @@ POLICY = (
 
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
-    command = commands.add_parser("app", help="open the workbench in the browser: no code needed")
+    command = commands.add_parser(
+        "app",
+        help="open the workbench in the browser: no code needed",
+        epilog=examples("app", "app --port 8890 --no-browser"),
+    )
     command.add_argument("--port", type=int, metavar="N", help="default: one that is free")
     command.add_argument(
         "--no-browser", action="store_true", help="print the address only, as without a display"
@@ -37,6 +42,8 @@ def add(commands: Any) -> None:
 
 def run(given: argparse.Namespace) -> None:
     """Serve the page until Control-C; who has the address with its token sees it, nobody else."""
+    if given.port is not None and not 0 < given.port < 1 << 16:
+        given.refuse(f"--port must be from 1 to 65535, got {given.port}")
     try:
         from tornado.routing import HostMatches
         from tornado.web import OutputTransform

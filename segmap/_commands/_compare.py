@@ -47,7 +47,13 @@ class _TooSlow(Exception):
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
-        "compare", help="all reduction methods on the map of a log, at equal quality"
+        "compare",
+        help="all reduction methods on the map of a log, at equal quality",
+        epilog=opening.examples(
+            "compare room",
+            "compare malaga --quality 90 -o curves.png -o runs.csv",
+            "compare room --walls plan.csv          judged by the true walls too",
+        ),
     )
     opening.add_poses(command)
     command.add_argument(
@@ -75,6 +81,7 @@ def add(commands: Any) -> None:
 def check(given: argparse.Namespace) -> None:
     """Refuse a quality that is none, and read the plan."""
     opening.check_options(given)
+    opening.refuse_wrong(given, "filter", opening.LENGTH)
     if not 0 < given.quality <= 100:
         given.refuse(f"--quality must be above 0 and at most 100 per cent, got {given.quality:g}")
     try:

@@ -25,7 +25,13 @@ SUFFIXES = (".log", ".log.gz", ".npz", ".tum", ".g2o")
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
-        "convert", help="write a log, its path or its pose graph, for other programs"
+        "convert",
+        help="write a log, its path or its pose graph, for other programs",
+        epilog=opening.examples(
+            "convert my.bag -o my.log                     for CARMEN",
+            "convert malaga --align pose_graph -o malaga.tum",
+            "convert malaga --align pose_graph -o malaga.g2o",
+        ),
     )
     opening.add_logs(command)
     opening.add_align(command, "its poses are written instead of the true ones that the log has")

@@ -11,7 +11,7 @@ from .._display import counted, facts
 from ..readers import format_of, read_session
 from ..scans import Log
 from ._words import Report
-from .opening import add_logs, each_log, is_session
+from .opening import add_logs, each_log, examples, is_session
 
 
 def add(commands: Any) -> None:
@@ -20,6 +20,11 @@ def add(commands: Any) -> None:
         "info",
         help="what a log is: scans, beams, field of view, path, odometry, truth, damage; and what "
         "a session keeps",
+        epilog=examples(
+            "info malaga",
+            "info runs/ --table runs.csv             a row for each log, to be sorted",
+            "info my.bag --scan-topic /front --json",
+        ),
     )
     add_logs(command)
     command.set_defaults(run=partial(each_log, work=tell_of, head=begin, check=check))

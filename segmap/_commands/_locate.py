@@ -15,13 +15,18 @@ from ..progress import each
 from ..scans import Log
 from ..segments import SegmentMap
 from ._words import Report, metres, percent
-from .opening import NO_MAP, add_logs, each_log
+from .opening import NO_MAP, add_logs, each_log, examples
 
 
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
-        "locate", help="where on a known map a robot is: found, kept while it drives, or lost"
+        "locate",
+        help="where on a known map a robot is: found, kept while it drives, or lost",
+        epilog=examples(
+            "locate room.yaml room                        a map for ROS",
+            "locate room.npz later.log                    of `segmap occupancy` or `segmap map`",
+        ),
     )
     command.add_argument(
         "map", type=Path, metavar="MAP", help="of `segmap occupancy` or `segmap map`: .npz, .csv"

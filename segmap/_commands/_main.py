@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
-from typing import Any, NoReturn
 
 from .. import __version__
 from ..files import speak
 from . import _app, _compare, _convert, _info, _locate, _map, _merge, _notebooks, _occupancy, _warm
 from ._words import FAULTS, Usage, moving, plain_warnings, reason, tell
-from .opening import parsed
+from .opening import Command, parsed
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
 EPILOG = """\
@@ -24,23 +22,12 @@ command was not understood, 3 a log gave no map, or was not found on one, 130 st
 COMMANDS = (_info, _map, _merge, _compare, _occupancy, _locate, _convert, _app, _notebooks, _warm)
 
 
-class _Strict(argparse.ArgumentParser):
-    """A parser for whole words: a shortened option may mean another one in the next version."""
-
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(**settings, allow_abbrev=False)
-
-    def error(self, message: str) -> NoReturn:
-        """End with a message."""
-        raise Usage(f"{message}\n`{self.prog} --help` tells what there is")
-
-
 def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
     speak()
     try:
         given = parsed(parser(), sys.argv[1:] if arguments is None else arguments)
-        with plain_warnings(), moving():
+        with plain_warnings(), moving(quiet=getattr(given, "quiet", False)):
             return int(given.run(given) or 0)
     except KeyboardInterrupt:
         tell("stopped")
@@ -56,13 +43,16 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> Command:
     """The parser of all commands."""
-    found = _Strict(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
+    found = Command(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
     found.add_argument("--version", action="version", version=f"segmap {__version__}")
     commands = found.add_subparsers(
-        required=True, metavar="COMMAND", title="commands", parser_class=_Strict
+        required=True, metavar="COMMAND", title="commands", parser_class=Command
     )
     for command in COMMANDS:
         command.add(commands)
+    said = {action.dest: str(action.help) for action in commands._choices_actions}
+    for name, each in commands.choices.items():
+        each.finish(said[name])
     return found

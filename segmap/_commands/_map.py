@@ -13,13 +13,23 @@ from typing import Any
 from .. import exports, extraction, metrics
 from .._display import counted
 from .._recipe import Outcome, Recipe, world_of
+from ..arrays import declared
 from ..files import write_bytes
+from ..quadtree import without_passers
 from ..reduction import METHODS, Reduction
 from ..scans import Log
 from . import opening
 from ._words import Report, metres, percent, seconds
-from .opening._thresholds import add_thresholds, refuse_others
 
+DESCRIPTION = """\
+Aligns the scans of each log, draws a segment for each wall that a scan saw, merges the segments of
+one wall, and says how good the map is, or that it is none.
+"""
+EXAMPLES = opening.examples(
+    "map room -o room.svg                   a log that comes with segmap, as a drawing",
+    "map runs/ -o 'maps/{name}.dxf'         all logs in a folder, for CAD",
+    "map my.bag --method fusion --tolerance 0.05 -o it.png -o it.segmap",
+)
 #: What -o may end in.
 SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt", ".segmap")
 WRITTEN = (
@@ -33,10 +43,14 @@ EXTRACT = "extract_"
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
-        "map", help="a map of segments: align, extract, reduce, and tell how good it is"
+        "map",
+        help="a map of segments: align, extract, reduce, and tell how good it is",
+        description=DESCRIPTION,
+        epilog=EXAMPLES,
     )
     opening.add_poses(command)
-    command.add_argument(
+    group = command.few_need("loops of pose_graph")
+    group.add_argument(
         "--veto",
         action="extend",
         type=pairs,
@@ -45,7 +59,7 @@ def add(commands: Any) -> None:
         help="align by pose_graph without these loops: the rows of --loops that are false, or one "
         "as FIRST-SECOND",
     )
-    command.add_argument(
+    group.add_argument(
         "--tie",
         action="extend",
         type=pairs,
@@ -53,11 +67,17 @@ def add(commands: Any) -> None:
         metavar="FIRST-SECOND",
         help="align by pose_graph, with a loop between two scans that see one place; or a FILE",
     )
+    group.add_argument(
+        "--loops",
+        type=Path,
+        metavar="FILE",
+        help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
+    )
     add_making(command)
     command.set_defaults(run=partial(opening.each_log, work=map_log, check=check))
 
 
-def add_making(command: argparse.ArgumentParser) -> None:
+def add_making(command: opening.Command) -> None:
     """All that leads from poses to a map and its files."""
     names = (*METHODS, "none")
     command.add_argument(
@@ -84,23 +104,19 @@ def add_making(command: argparse.ArgumentParser) -> None:
         help="leave people out who walked through: beams that end where at most this share of all "
         "beams ended while the others went on, 0.2 say",
     )
-    command.add_argument(
-        "--loops",
-        type=Path,
-        metavar="FILE",
-        help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
-    )
     opening.add_world(command)
     opening.add_output(command, SUFFIXES, WRITTEN)
     functions = {name: method.function for name, method in METHODS.items()}
-    add_thresholds(command, "thresholds of the reduction methods", functions)
-    add_thresholds(command, "thresholds of the extraction", extraction.METHODS, EXTRACT)
+    opening.add_thresholds(command, "thresholds of the reduction methods", functions)
+    opening.add_thresholds(command, "thresholds of the extraction", extraction.METHODS, EXTRACT)
 
 
 def check_making(given: argparse.Namespace) -> None:
     """Refuse options that do not go together."""
-    refuse_others(given, given.method, METHODS)
-    refuse_others(given, given.extract, extraction.METHODS, EXTRACT)
+    opening.refuse_others(given, given.method, METHODS)
+    opening.refuse_others(given, given.extract, extraction.METHODS, EXTRACT)
+    opening.refuse_wrong(given, "filter", opening.LENGTH)
+    opening.refuse_wrong(given, "seen_through", declared(without_passers)["seen_through"])
     opening.check_options(given)
 
 
@@ -129,6 +145,10 @@ def pairs(text: str) -> list[str]:
 
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
+    for name in ("veto", "tie"):
+        for loop in getattr(given, name):
+            if max(map(int, loop.split("-"))) >= len(log):
+                raise ValueError(f"--{name} {loop}: the log has scans 0 to {len(log) - 1}")
     made = opening.tell_poses(Outcome(recipe_of(given, log), log), report)
     return mapped(given, made, made.recipe, paths, report)
 

@@ -20,7 +20,13 @@ from ._words import Report
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
-        "merge", help="one map of two sessions in one building, tied by what both have seen"
+        "merge",
+        help="one map of two sessions in one building, tied by what both have seen",
+        epilog=opening.examples(
+            "merge monday.log tuesday.log -o both.svg",
+            "merge monday.log tuesday.log -o both.segmap",
+            "merge both.segmap wednesday.log -o all.dxf    the next comes to them",
+        ),
     )
     command.add_argument(
         "first",

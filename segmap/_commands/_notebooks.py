@@ -14,6 +14,7 @@ from typing import Any
 from .._display import counted, pip_install
 from ..files import chapters_folder, existing, write_bytes
 from ._words import say
+from .opening import examples
 
 #: The chapter that is opened first.
 FIRST = "00_start_here.ipynb"
@@ -27,7 +28,11 @@ RECORD = ".originals.json"
 
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
-    command = commands.add_parser("notebooks", help="copy the chapters into a folder of yours")
+    command = commands.add_parser(
+        "notebooks",
+        help="copy the chapters into a folder of yours",
+        epilog=examples("notebooks work"),
+    )
     command.add_argument("folder", metavar="DIR", type=Path, help="it is made if it is not there")
     command.set_defaults(run=run)
 

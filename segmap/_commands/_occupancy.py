@@ -13,6 +13,7 @@ from .. import _warm, alignment, exports, extraction, quadtree
 from .._display import counted
 from .._recipe import cropped, preparing, world_of
 from ..alignment import Alignment
+from ..arrays import declared
 from ..matching import MATCHERS, SCORES, map_scans
 from ..progress import each
 from ..scans import Log
@@ -29,7 +30,13 @@ NAMES = {name.replace(",", "").replace(" ", "-"): name for name in MATCHERS}
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
-        "occupancy", help="a quadtree of what is occupied and free, for ROS too"
+        "occupancy",
+        help="a quadtree of what is occupied and free, for ROS too",
+        epilog=opening.examples(
+            "occupancy room -o room.yaml                  for ROS: it writes room.pgm too",
+            "occupancy room --resolution 0.02 -o room.npz -o room.png",
+            "occupancy room --matcher hill-climbing       by ranges alone",
+        ),
     )
     opening.add_poses(command)
     command.add_argument(
@@ -60,6 +67,8 @@ def check(given: argparse.Namespace) -> None:
         given.refuse("--square turns poses that --align finds, and --matcher finds them on the way")
     if given.align and given.matcher:
         given.refuse("--align finds poses before there is a map, --matcher on the way: name one")
+    resolution = declared(quadtree.QuadtreeMap.__init__)["resolution"]
+    opening.refuse_wrong(given, "resolution", resolution)
     opening.check_options(given)
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from .. import _warm
 from ..threads import cores
 from ._words import progress, say
+from .opening import examples
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -17,8 +18,14 @@ if TYPE_CHECKING:
 
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
-    command = commands.add_parser("warm", help="compile all loops now instead of at first use")
-    command.add_argument("--jobs", type=int, help="processes; by default one for each core")
+    command = commands.add_parser(
+        "warm",
+        help="compile all loops now instead of at first use",
+        epilog=examples("warm", "warm --jobs 2"),
+    )
+    command.add_argument(
+        "--jobs", type=int, metavar="NUMBER", help="processes; default: one for each core"
+    )
     command.set_defaults(run=run)
 
 

@@ -63,8 +63,8 @@ class Report:
     {"source": "it.log", "extracted": {"text": "3 segments", "segments": 3}}
     """
 
-    def __init__(self, source: str, *, json: bool = False) -> None:
-        self._json = json
+    def __init__(self, source: str, *, json: bool = False, quiet: bool = False) -> None:
+        self._json, self._quiet = json, quiet
         self.found: dict[str, Any] = {"source": source}
         self._last: dict[str, Any] = {}
         self._assumed: tuple[str, ...] = ()
@@ -76,7 +76,7 @@ class Report:
 
     def say(self, text: str = "") -> None:
         """Print a line that is no figure of the log; in JSON there is no place for it."""
-        if not self._json:
+        if not (self._json or self._quiet):
             say(text)
 
     def line(self, word: str, text: str, **figures: Any) -> None:
@@ -163,9 +163,9 @@ def progress(total: int, unit: str) -> tqdm[Any]:
 
 
 @contextmanager
-def moving() -> Iterator[None]:
+def moving(*, quiet: bool = False) -> Iterator[None]:
     """Show on a terminal how far long work says it is, below the bar that `progress` makes."""
-    if not sys.stderr.isatty():
+    if quiet or not sys.stderr.isatty():
         yield
         return
     from tqdm import tqdm

@@ -21,6 +21,7 @@ from ._declared import (
     below,
     checked,
     declared,
+    described,
 )
 from ._scalars import (
     LEAST,

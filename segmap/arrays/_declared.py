@@ -9,6 +9,8 @@ from __future__ import annotations
 import functools
 import inspect
 import math
+import re
+import sys
 import typing
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
@@ -115,6 +117,14 @@ class Declared(typing.NamedTuple):
         """The value, in the unit of the function, of one in the unit in which people read it."""
         return float(np.radians(read)) if self._is_angle else read
 
+    def as_read(self) -> Declared:
+        """The same of a value in the unit in which people read it, its bounds too."""
+        q = self.quantity
+        bounds = {name: getattr(q, name) for name in ("above", "least", "below", "most")}
+        read = {name: None if v is None else self.read(v) for name, v in bounds.items()}
+        unit = None if q.unit is None else self.read_unit
+        return self._replace(quantity=replace(q, unit=unit, **read))
+
     @property
     def _is_angle(self) -> bool:
         return self.unit.startswith("rad")
@@ -158,6 +168,44 @@ def declared(of: Callable[..., Any]) -> dict[str, Declared]:
     """
     hints = typing.get_type_hints(inspect.unwrap(of), include_extras=True)
     return {name: _read(hint) for name, hint in hints.items() if name != "return"}
+
+
+def described(of: Callable[..., Any]) -> dict[str, str]:
+    """What the docstring of a function says of each argument; the first line is under "".
+
+    "As in `another`" is what that one says.
+
+    Examples
+    --------
+    >>> from segmap.reduction import fusion_online
+    >>> described(fusion_online)["tolerance"].partition(".")[0]
+    'Half width of the strip'
+    """
+    text = inspect.getdoc(of) or ""
+    found = {"": " ".join(text.partition("\n\n")[0].split())}
+    section = re.search(
+        r"^Parameters\n-+\n(.*?)(?:\n\n\w+\n-+\n|\Z)", text, re.DOTALL | re.MULTILINE
+    )
+    entries = re.findall(r"^(\S.*)((?:\n+    .*)*)", section[1] if section else "", re.MULTILINE)
+    for names, words in entries:
+        said = " ".join(words.split())
+        other = re.fullmatch(r"As in `([\w.]+)`\.", said)
+        for name in names.partition(" : ")[0].split(", "):
+            found[name] = described(_near(of, other[1]))[name] if other else said
+    return found
+
+
+def _near(of: Callable[..., Any], path: str) -> Any:
+    """What a docstring names, `alignment.match_values`: of its module, or of a room above."""
+    home = of.__module__
+    while home:
+        found: Any = sys.modules[home]
+        for part in path.split("."):
+            found = getattr(found, part, None)
+        if callable(found):
+            return getattr(found, "function", found)
+        home = home.rpartition(".")[0]
+    raise LookupError(f"{of.__qualname__} names {path}, which is nowhere above {of.__module__}")
 
 
 def _read(hint: Any) -> Declared:

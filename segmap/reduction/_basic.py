@@ -29,9 +29,10 @@ def basic_offline(map: Segments, *, distance: Metres = 0.20, angle: Turn = np.pi
     map : SegmentMap, Reduction or (n, 2, 2) array
         Its scans are ignored.
     distance
-        0.20 m is A's middle value: wider than noise, narrower than a door.
+        Ends nearer than this may match: 0.20 m is A's middle value, wider than noise, narrower than
+        a door.
     angle
-        10 degrees is A's smallest.
+        Largest difference of two directions that match: 10 degrees is A's smallest.
 
     Returns
     -------

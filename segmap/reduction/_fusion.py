@@ -68,6 +68,11 @@ def fusion_online(map: Segments, *, tolerance: Metres = 0.04) -> Reduction:
 
     The time of a scan grows with the map: that of all scans with scans times map.
 
+    Parameters
+    ----------
+    tolerance
+        As in `fusion`.
+
     Returns
     -------
     Reduction

@@ -49,9 +49,10 @@ def hybrid(
     map : SegmentMap, Reduction or (n, 2, 2) array
         Scans come in ascending order.
     distance
-        0.20 m is A's middle value: wider than noise, narrower than a door.
+        How far an end, and rho, may be from another's: 0.20 m is A's middle value, wider than
+        noise, narrower than a door.
     angle
-        10 degrees is A's smallest.
+        Largest difference of two directions that match: 10 degrees is A's smallest.
     min_length
         The filter that A builds in. It is useless after A's own filter of 0.10 m (A 6.3), so A's
         is fixed and no longer than that.

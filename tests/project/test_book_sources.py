@@ -173,7 +173,9 @@ def test_each_command_has_a_page_with_its_options():
     """Catches a command without a page, and help of which a sign becomes a mark."""
     pages = dict(commands.command_pages())
     assert {"info", "map", "occupancy", "notebooks"} <= set(pages)
-    assert ".. option:: --tolerance METRES\n\n   default: 0.04 for fusion" in pages["map"]
+    said = pages["map"].partition("\nFusion\n------\n\nReplace chains")[2].partition("----")[0]
+    assert ".. option:: --tolerance METRES\n\n   Half width of the strip." in said
+    assert "Default: 0.04 metres." in said and "segmap map room -o room.svg" in pages["map"]
     assert "--output FILE\n\n   write the log for CARMEN" in pages["convert"]
     assert (
         "ground\\_truth where" in pages["compare"]

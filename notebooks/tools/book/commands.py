@@ -10,7 +10,7 @@ from segmap._commands import parser
 INDEX = """Commands
 ========
 
-What `segmap` does without a line of Python: each page is what `segmap COMMAND --help` says.
+What `segmap` does without a line of Python: each page is what `segmap COMMAND --help-all` says.
 """
 
 
@@ -28,26 +28,28 @@ def write_commands(folder: Path) -> None:
 def command_pages() -> Iterator[tuple[str, str]]:
     """Name and source of the page of each command."""
     (commands,) = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
-    helps = {action.dest: _plain(action.help or "") for action in commands._choices_actions}
     for name, command in commands.choices.items():
         title = f"segmap {name}"
-        head = f"{title}\n{'=' * len(title)}\n\n{helps[name][:1].upper()}{helps[name][1:]}.\n\n"
-        form = argparse.HelpFormatter(title)
-        form.add_usage(None, [a for a in command._actions if not a.option_strings], [], "")
-        usage = f".. code-block:: text\n\n   {form.format_help().strip()} [OPTIONS]\n\n"
-        groups = (group for group in command._action_groups if group._group_actions)
-        yield name, f"{head}{usage}.. program:: {title}\n\n" + "".join(map(_group, groups))
+        head = f"{title}\n{'=' * len(title)}\n\n{_plain(command.description or '')}\n\n"
+        lines = [command.usage_line(), "", *(command.epilog or "").split("\n")]
+        block = "".join(f"   {line}".rstrip() + "\n" for line in lines)
+        usage = f".. code-block:: text\n\n{block}\n"
+        groups = "".join(map(_group, command.shown_groups()))
+        yield name, f"{head}{usage}.. program:: {title}\n\n{groups}"
 
 
 def _group(group: argparse._ArgumentGroup) -> str:
-    """The arguments of a group, below its title."""
-    title, form = str(group.title).capitalize(), argparse.HelpFormatter("segmap")
+    """The arguments of a group, or the thresholds of a method, below its title."""
+    title, form = str(group.title), argparse.HelpFormatter("segmap")
+    title = title if "_" in title else title.capitalize()
     entries = "".join(
         f".. option:: {form._format_action_invocation(action)}\n\n"
         f"   {_plain(form._expand_help(action))}\n\n"
         for action in group._group_actions
+        if action.help != argparse.SUPPRESS
     )
-    return f"{title}\n{'-' * len(title)}\n\n{entries}"
+    words = f"{_plain(group.description)}\n\n" if group.description else ""
+    return f"{title}\n{'-' * len(title)}\n\n{words}{entries}"
 
 
 def _plain(text: str) -> str:

@@ -1,5 +1,6 @@
 """What commands share: the logs and options that are named, poses of their scans, files written."""
 
+from ._command import Command, examples
 from ._logs import (
     NO_MAP,
     add_logs,
@@ -27,3 +28,4 @@ from ._poses import (
     tell_poses,
 )
 from ._settings import parsed
+from ._thresholds import LENGTH, add_thresholds, refuse_others, refuse_wrong

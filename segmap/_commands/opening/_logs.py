@@ -19,6 +19,7 @@ from ...files import members, shown, writable, write_bytes
 from ...readers import LogError, UnknownFormat, format_of, load, read, read_bag, read_session
 from ...scans import Log
 from .._words import FAULTS, Report, percent, progress, reason, say, stoppable, tell
+from ._command import Command
 from ._settings import applied
 
 #: Stands for the name of the log.
@@ -33,35 +34,41 @@ NAMED = 5
 Work = Callable[[argparse.Namespace, Log, list[Path], Report], int]
 
 
-def add_logs(command: argparse.ArgumentParser) -> None:
-    """The arguments LOG... and --skip."""
+def add_logs(command: Command) -> None:
+    """The arguments LOG..., and how they are read and told."""
     command.add_argument(
         "logs",
         nargs="+",
         metavar="LOG",
         help="a file, a folder, a session (.segmap) with its options, or malaga, corridor, room",
     )
-    command.add_argument(
+    group = command.add_argument_group("damage, and what is printed")
+    group.add_argument(
         "--skip", action="store_true", help="leave damaged lines out, and say how many"
     )
-    command.add_argument("--scan-topic", metavar="TOPIC", help="of bags; default: the fullest one")
-    command.add_argument("--odometry-topic", metavar="TOPIC", help="of bags, likewise")
-    command.add_argument(
+    group.add_argument(
         "--json", action="store_true", help="print all that is said as JSON, one object a log"
     )
-    command.add_argument(
+    group.add_argument(
+        "-q", "--quiet", action="store_true", help="print no result: only what fails or is doubtful"
+    )
+    group = command.few_need("tables, options from a file, bags of ROS")
+    group.add_argument(
         "--table",
         type=_csv,
         metavar="FILE",
         help="write the figures as .csv too, a row for each log",
     )
-    command.add_argument(
+    group.add_argument(
         "--config",
         type=Path,
         metavar="FILE",
         help="a .toml with options by their names, `tolerance = 0.05`; those given here win",
     )
-    command.set_defaults(refuse=command.error, command=command)
+    for kind in ("scan", "odometry"):
+        group.add_argument(
+            f"--{kind}-topic", metavar="TOPIC", help=f"of a bag, its {kind}; default: the fullest"
+        )
 
 
 def _csv(text: str) -> Path:
@@ -91,15 +98,15 @@ def each_log(
     targets = Targets(getattr(given, "output", []))
     if len(chosen) > 1 and (alike := targets.alike()):
         given.refuse(f"{counted(len(chosen), 'log')} would go to {alike}: write {{name}} in it")
-    for path in filter(None, (given.table, getattr(given, "loops", None))):
+    for path in filter(None, (given.table, getattr(given, "loops", None), *targets.fixed())):
         writable(path)
     if not all(map(is_session, chosen)):
         check(given)
     failed, codes, reports = [], [0], []
-    with stoppable(), progress(len(chosen), "log") as bar:
+    with stoppable(), progress(1 if given.quiet else len(chosen), "log") as bar:
         for source in chosen:
             bar.set_description(shown(Path(source).name))
-            reports.append(report := Report(source, json=given.json))
+            reports.append(report := Report(source, json=given.json, quiet=given.quiet))
             try:
                 with warnings.catch_warnings():  # a thousand scans may deserve the same
                     warnings.simplefilter("default", UserWarning)
@@ -127,7 +134,7 @@ def each_log(
         write_table(given.table, reports)
     for why in failed:
         tell(why)
-    if len(chosen) > 1 and not given.json:
+    if len(chosen) > 1 and not (given.json or given.quiet):
         say(f"{len(chosen) - len(failed)} of {counted(len(chosen), 'log')} done")
     return 1 if failed else max(codes)
 
@@ -222,9 +229,10 @@ def _log_of(source: str, given: argparse.Namespace) -> Log:
         raise LogError(Path(source), f"is neither a file nor a folder, and {error}") from error
 
 
-def add_strict(command: Any) -> None:
+def add_strict(command: Command) -> None:
     """The options that say what counts as a map, and what happens where there is none."""
-    command.add_argument(
+    group = command.few_need("what counts as a map")
+    group.add_argument(
         "--strict",
         type=_share,
         default=0.0,
@@ -232,8 +240,8 @@ def add_strict(command: Any) -> None:
         help=f"end with {NO_MAP} too where a smaller share of the scans is placed, 0.9 say; alone, "
         "where the map is doubtful",
     )
-    command.add_argument("--strict-verdict", action="store_true", help=argparse.SUPPRESS)
-    command.add_argument(
+    group.add_argument("--strict-verdict", action="store_true", help=argparse.SUPPRESS)
+    group.add_argument(
         "--force", action="store_true", help=f"write the files even where that ends with {NO_MAP}"
     )
 
@@ -296,7 +304,7 @@ def finished(
     return concluded(given, verdict, report)
 
 
-def add_output(command: argparse.ArgumentParser, suffixes: Sequence[str], what: str) -> None:
+def add_output(command: Command, suffixes: Sequence[str], what: str) -> None:
     """The option -o, as often as one likes, for names that end in one of the suffixes."""
     command.add_argument(
         "-o",
@@ -327,15 +335,16 @@ class Targets:
         """The first name that is the same for all logs; empty where there is none."""
         return next((pattern for pattern in self._patterns if NAME not in pattern), "")
 
+    def fixed(self) -> list[Path]:
+        """A path in each folder that is the same for all logs: whether it can be written to."""
+        paths = map(Path, self._patterns)
+        return [path for path in paths if NAME not in str(path.parent)]
+
     def paths(self, name: str, source: str) -> list[Path]:
         """The files for a log of this name, none of them written before, nor the log itself."""
         found = [Path(pattern.replace(NAME, name)) for pattern in self._patterns]
         for path in found:
             place = path.resolve()
-            if not place.parent.is_dir():
-                raise FileNotFoundError(f"cannot write {path}: make the folder {path.parent} first")
-            if place.is_dir():
-                raise ValueError(f"cannot write {path}: it is a folder")
             writable(path)
             if place == Path(source).resolve():
                 raise ValueError(f"cannot write {path}: it is the log itself")

@@ -19,9 +19,16 @@ from ...scans.causes import Cause
 from ...scans.moving import is_timed
 from ...segments import SegmentMap
 from .._words import Report, seconds
+from ._command import Command
 from ._logs import add_logs, add_strict
 from ._settings import EDITS, PREPARE
-from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
+from ._thresholds import (
+    add_thresholds,
+    chosen_thresholds,
+    refuse_others,
+    refuse_wrong,
+    thresholds,
+)
 
 #: So many reasons for scans that were not matched are told.
 MOST_REASONS = 3
@@ -29,7 +36,7 @@ MOST_REASONS = 3
 ALIGN = "default: ground_truth where the log has it for each scan, else pose_graph"
 
 
-def add_poses(command: argparse.ArgumentParser, *, align: bool = True) -> None:
+def add_poses(command: Command, *, align: bool = True) -> None:
     """All that leads from LOG... to a pose for each scan, and when that is a map."""
     add_logs(command)
     if align:
@@ -38,22 +45,23 @@ def add_poses(command: argparse.ArgumentParser, *, align: bool = True) -> None:
     add_strict(command)
 
 
-def add_preparing(command: argparse.ArgumentParser) -> None:
+def add_preparing(command: Command) -> None:
     """The options for `alignment.prepared`."""
-    command.add_argument(
+    group = command.few_need("the laser and its log")
+    group.add_argument(
         "--no-deskew",
         action="store_true",
         help="take all beams of a scan to be measured at once, even where the log has their times",
     )
-    command.add_argument(
+    group.add_argument(
         "--keep-body", action="store_true", help="keep beams that see the robot itself"
     )
-    command.add_argument(
+    group.add_argument(
         "--clockwise",
         action="store_true",
         help="the laser counts its beams clockwise, or hangs upside down, and the log does not say",
     )
-    command.add_argument(
+    group.add_argument(
         "--mount",
         nargs=3,
         type=float,
@@ -61,7 +69,7 @@ def add_preparing(command: argparse.ArgumentParser) -> None:
         help="where the laser sits on the robot, metres ahead and to the left, and where it looks, "
         "counter-clockwise from ahead; `--mount auto` takes what turns and ways tell",
     )
-    command.add_argument("--mount-auto", action="store_true", help=argparse.SUPPRESS)
+    group.add_argument("--mount-auto", action="store_true", help=argparse.SUPPRESS)
 
 
 def preparing_of(given: argparse.Namespace) -> dict[str, Any]:
@@ -101,7 +109,7 @@ def placed(given: argparse.Namespace, log: Log, report: Report) -> Outcome:
     return tell_poses(Outcome(recipe_of(given, log), log), report)
 
 
-def add_align(command: Any, without: str = ALIGN) -> None:
+def add_align(command: Command, without: str = ALIGN) -> None:
     """The option --align, and the thresholds of what it names.
 
     `without` says what happens where it is not given.
@@ -151,9 +159,9 @@ def tell_alignment(found: Alignment, report: Report) -> None:
         report.line("", f"doubt: {found.doubt}")
 
 
-def add_world(command: Any) -> None:
+def add_world(command: Command) -> None:
     """The options that say how a map is turned and cropped, and where on the earth it lies."""
-    group = command.add_argument_group("where the map lies")
+    group = command.few_need("where the map lies")
     group.add_argument(
         "--crop",
         nargs=4,
@@ -193,12 +201,22 @@ def add_world(command: Any) -> None:
 
 def check_options(given: argparse.Namespace) -> None:
     """End with an error of usage, before any work, where these options do not go together."""
-    if getattr(given, "align", None):
+    usual = [] if given.align else ["ground_truth", "pose_graph"]
+    if given.align:
         refuse_others(given, given.align, METHODS, "align_")
+    for name in usual:  # of which the log tells one
+        for threshold, of in thresholds(METHODS[name].function).items():
+            refuse_wrong(given, f"align_{threshold}", of.said)
     if hasattr(given, "crop"):
         useful = any(name.lower().endswith((".geojson", ".segmap")) for name in given.output)
         if given.place and not useful and "place" not in given.held:
             given.refuse("--place is for a .geojson, the other files have none: name one with -o")
+        if given.crs and given.place and abs(given.place[0]) <= 90 and abs(given.place[1]) <= 180:
+            x, y = given.place
+            given.refuse(
+                f"--place {x:g} {y:g} looks like degrees, and in {given.crs} it is EAST NORTH in "
+                f"metres: leave --crs out, `--place LAT LON`, or give the place in that grid"
+            )
         option = "--place"
         try:
             world_of(edits_of(given))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import tomllib
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from typing import Any
 
 from numpy import format_float_positional
 
 from ...files import shown
+from ._command import meant
 
 #: Options that change the map and not the way to it.
 EDITS = {"veto", "tie", "crop", "square", "place", "north", "crs"}
@@ -23,7 +23,9 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
     """The options given, above those of the file that --config names."""
     words = _written_out(words)
     begun = argparse.Namespace(parser=parser, words=words, lent=set(), held=set())
-    found = parser.parse_args(words, begun)
+    found, left = parser.parse_known_args(words, begun)
+    if left:
+        found.command.refuse_unknown(left)
     if path := getattr(found, "config", None):
         try:
             held = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -31,9 +33,8 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
             raise ValueError(f"{shown(path)}: {error}") from error
         found, left = applied(found, held)
         if left:
-            near = get_close_matches(left[0].replace("_", "-"), flags(found), 1)
-            meant = f"; {near[0]} is one" if near else ""
-            found.refuse(f"{path} has {left[0]}, which is no option{meant}")
+            near = meant(left[0].replace("_", "-"), flags(found))
+            found.refuse(f"{path} has {left[0]}, which is no option{near}")
     return found
 
 

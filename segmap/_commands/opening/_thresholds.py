@@ -1,4 +1,5 @@
-"""Thresholds of methods as options, as their annotations declare them: degrees for radians."""
+"""Thresholds of methods as options: units by their annotations, degrees for radians, and words of
+their docstrings."""
 
 from __future__ import annotations
 
@@ -7,7 +8,11 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from ...arrays import Declared, declared
+from ...arrays import Declared, Quantity, declared, described
+from ._command import Command
+
+#: A length that may be 0.
+LENGTH = Declared(float, Quantity("metres", least=0), (), False)
 
 
 class Threshold(NamedTuple):
@@ -22,12 +27,14 @@ class Threshold(NamedTuple):
         return "number" if self.said.kind is int else self.said.read_unit or "value"
 
     def shown(self) -> str:
-        """The default as a user reads it."""
+        """The default as a user reads it, with its unit."""
         if self.default is None:
             return "none"
         if isinstance(self.default, bool):
             return "yes" if self.default else "no"
-        return self.default if self.said.words else f"{self.said.read(self.default):.4g}"
+        if self.said.words:
+            return str(self.default)
+        return f"{self.said.read(self.default):.4g} {self.said.read_unit}".rstrip()
 
 
 def thresholds(function: Callable[..., Any]) -> dict[str, Threshold]:
@@ -41,24 +48,22 @@ def thresholds(function: Callable[..., Any]) -> dict[str, Threshold]:
 
 
 def add_thresholds(
-    command: argparse.ArgumentParser,
-    title: str,
-    functions: Mapping[str, Callable[..., Any]],
-    prefix: str = "",
+    command: Command, title: str, functions: Mapping[str, Callable[..., Any]], prefix: str = ""
 ) -> None:
-    """An option for each threshold that one of the functions has; the help tells their defaults."""
+    """An option for each threshold that one of the functions has, and the help of each function."""
     group = command.add_argument_group(title)
     users: dict[str, dict[str, Threshold]] = {}
     for method, function in functions.items():
-        for name, threshold in thresholds(function).items():
+        words, own = described(function), thresholds(function)
+        page = argparse.ArgumentParser(add_help=False)
+        command.methods[method] = page.add_argument_group(method, words[""])
+        for name, threshold in own.items():
             users.setdefault(name, {})[method] = threshold
+            text = f"{words[name]} Default: {threshold.shown()}.".replace("%", "%%")
+            flag, kind = _flag(prefix + name), _kind({method: threshold})
+            command.methods[method].add_argument(flag, help=text, **kind)
     for name, by_method in sorted(users.items()):
-        defaults: dict[str, list[str]] = {}
-        for method, threshold in by_method.items():
-            defaults.setdefault(threshold.shown(), []).append(method)
-        said = [f"{value} for {', '.join(methods)}" for value, methods in defaults.items()]
-        text = "; ".join(said if len(functions) > 1 else defaults)
-        group.add_argument(_flag(prefix + name), help=f"default: {text}", **_kind(by_method))
+        group.add_argument(_flag(prefix + name), help=argparse.SUPPRESS, **_kind(by_method))
 
 
 def _kind(users: Mapping[str, Threshold]) -> dict[str, Any]:
@@ -91,10 +96,22 @@ def chosen_thresholds(
 def refuse_others(
     given: argparse.Namespace, method: str, methods: Mapping[str, Any], prefix: str = ""
 ) -> None:
-    """End with an error of usage where a threshold is given that another method has."""
+    """End with an error of usage where a threshold is wrong, or one that another method has."""
     named = {k: thresholds(getattr(m, "function", m)) for k, m in methods.items()}
     own = named.get(method, {})
     for name in (prefix + name for every in named.values() for name in every if name not in own):
         if getattr(given, name, None) is not None and name not in given.lent:
             known = ", ".join(_flag(prefix + name) for name in own) or "no threshold"
             given.refuse(f"{method} has no {_flag(name)}; it has {known}")
+    for name, threshold in own.items():
+        refuse_wrong(given, prefix + name, threshold.said)
+
+
+def refuse_wrong(given: argparse.Namespace, option: str, said: Declared) -> None:
+    """End with an error of usage where an option is given and is not what is declared."""
+    value = getattr(given, option, None)
+    if value is not None and option not in given.lent:
+        try:
+            said.as_read().check(value, _flag(option))
+        except ValueError as error:
+            given.refuse(str(error))

@@ -220,6 +220,8 @@ def match_values(
         T_p of A: how near points coincide. 0.05 m is the noise of two sensors and a wall.
     far
         Segments farther apart never match.
+    long
+        Two segments longer than this never match where they cross at more than 45 degrees.
     whole
         A's D is the smaller directed Hausdorff distance (A 2.39): two looks at one wall are then as
         far apart as the part that only one has seen. The default measures the common part alone.

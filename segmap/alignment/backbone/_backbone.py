@@ -100,7 +100,7 @@ def backbone(
     distance
         A match needs both ends nearer than this to the line: noise and drift, not a door niche.
     angle
-        And a direction this near the line's: 10 degrees are more than a turn gets wrong.
+        A match needs a direction this near the line's: 10 degrees are more than a turn gets wrong.
     parallel
         Lines nearer in direction than this are taken for parallel.
     new_direction

@@ -76,8 +76,9 @@ def global_segments(
     angle
         Segments at a larger angle are not similar.
     spread
-        sigma^2 of 2.7, at last a tenth of it: 0.05 m begins with parallel walls 0.23 m apart at
-        half their weight and ends with walls 0.02 m apart.
+        How far apart similar segments lie at first, sigma^2 of 2.7; at last a tenth of it. 0.05 m
+        begins with parallel walls 0.23 m apart at half their weight and ends with walls 0.02 m
+        apart.
     reach
         Way between kept scans, so that their views overlap.
     rounds

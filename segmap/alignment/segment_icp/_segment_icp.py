@@ -61,9 +61,11 @@ def match_segments(
     start : (3,) array, metres and radians
         Guess of the pose of `current` in the frame of `reference`.
     angle
-        T_theta; 15 degrees is more than odometry goes wrong between two scans.
+        Segments at a larger angle never correspond (T_theta): 15 degrees is more than odometry goes
+        wrong between two scans.
     distance
-        T_D, also the penalty: 0.30 m lets parallel walls correspond up to 1 m apart. A match that
+        Farther ones never correspond (T_D); also the penalty of a segment without a partner. 0.30 m
+        lets parallel walls correspond up to 1 m apart. A match that
         moves the scan farther than that, or turns it by more than `angle`, is not believed.
     share
         Part of the length of `current` that must find a partner.

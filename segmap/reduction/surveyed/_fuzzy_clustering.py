@@ -61,7 +61,7 @@ def fuzzy_clustering(
     noise
         Distance of the noise from every point: what is farther from all clusters is noise.
     angle, distance, gap
-        Within these two clusters are one wall.
+        Two clusters are one wall where all three differ by no more than this.
     every
         Scans between two groupings across cells.
     min_points, min_length

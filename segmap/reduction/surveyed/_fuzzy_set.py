@@ -49,10 +49,12 @@ def fuzzy_set(
         With points, the error of a segment is the largest distance of a point from it; without,
         it follows from its length and its angle with the axis.
     across, along
-        0.20 m across is wider than the errors of cheap robots; 0.30 m along is narrower than a
-        door.
+        Rectangles farther apart across, or along, their axis never merge. 0.20 m across is wider
+        than the errors of cheap robots; 0.30 m along is narrower than a door.
     error
         Smallest error of a segment.
+    angle
+        Segments that differ more from both axes in direction are left as they are.
     axes
         Direction of an axis of the building; None finds it from all segments, weighted by length.
         A takes that of the map.

@@ -46,11 +46,12 @@ def polyline(
     map : SegmentMap, Reduction or (n, 2, 2) array
         Scans come in ascending order.
     tolerance
-        A's error threshold, without a value: 0.05 m is the noise of a wall seen from many poses.
+        How far a segment may lie from its polyline; A gives no value. 0.05 m is the noise of a wall
+        seen from many poses.
     distance, far, long
         As in `alignment.match_values`.
     bridge
-        May be infinite, which is A's method.
+        Longest link that nobody saw; it may be infinite, which is A's method.
 
     Returns
     -------

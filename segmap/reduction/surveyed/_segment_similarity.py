@@ -33,8 +33,8 @@ def segment_similarity(map: Segments, *, distance: Metres = 0.03) -> Reduction:
     map : SegmentMap, Reduction or (n, 2, 2) array
         Its scans are ignored.
     distance
-        A gives none. At 0.03 m parallel walls 0.10 m apart still merge, and a gap of up to 0.12 m
-        is bridged.
+        What a merge may cost; A gives no value. At 0.03 m parallel walls 0.10 m apart still merge,
+        and a gap of up to 0.12 m is bridged.
 
     Returns
     -------

@@ -45,9 +45,10 @@ def uncertain_parameters(
     map : SegmentMap, Reduction or (n, 2, 2) array
         Scans come in ascending order.
     distance
-        A's T_D, without a value: 0.10 m is the noise of two looks and of the poses between.
+        Segments farther apart are two walls (A's T_D, without a value): 0.10 m is the noise of two
+        looks and of the poses between.
     angle
-        A's T_theta.
+        A's T_theta: segments that differ more in direction are two walls.
     eps
         For a map without points. With points it is the largest distance of one from its segment.
     origin

@@ -66,7 +66,8 @@ def weighted_line_fitting(
         `build_map(..., keep_points=True)`. Without points they are put along the segments; without
         the place of the sensor the noise is the same in all directions.
     chi2
-        9.21 holds 99 % of looks at one line (two degrees of freedom). A gives no value.
+        Largest squared difference of two looks, in units of their covariances: 9.21 holds 99 % of
+        looks at one line (two degrees of freedom). A gives no value.
     gap
         Largest gap between two looks along their bisector: 0.30 m, narrower than a door; may be
         infinite.

@@ -46,7 +46,8 @@ def viewing_sector(
         With the places of the sensor, and best with points: `build_map(..., keep_points=True)`.
         Scans come in ascending order.
     distance
-        A's delta: 0.10 m is wider than the noise of a pose and narrower than an open door.
+        A stretch of the scan nearer than this to a line matches it (A's delta): 0.10 m is wider
+        than the noise of a pose and narrower than an open door.
     min_length
         Shorter pieces are neither removed nor added.
     forget

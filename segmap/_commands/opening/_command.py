@@ -1,0 +1,151 @@
+"""A command that explains itself: what most people need, all of it, or one method."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any, NoReturn
+
+from .._words import Usage, say
+
+
+class Command(argparse.ArgumentParser):
+    """A parser for whole words: a shortened option may mean another one in the next version.
+
+    Its help leaves out groups of options that few need, and thresholds: `--help METHOD` tells those
+    of one method, `--help-all` everything.
+    """
+
+    def __init__(self, **settings: Any) -> None:
+        shape = argparse.RawDescriptionHelpFormatter
+        super().__init__(**settings, allow_abbrev=False, add_help=False, formatter_class=shape)
+        self._few: list[argparse._ArgumentGroup] = []
+        #: The thresholds of each method, as options of a parser of their own.
+        self.methods: dict[str, argparse._ArgumentGroup] = {}
+        self._help = self.add_argument("-h", "--help", nargs=0, action=_Help, help="tell this")
+
+    def finish(self, said: str) -> None:
+        """What it does, and the help of its methods, once all is named."""
+        self.description = self.description or f"{said[:1].upper()}{said[1:]}."
+        self.set_defaults(refuse=self.error, command=self)
+        if self.methods:
+            self._help.nargs, self._help.metavar = "?", "METHOD"
+            self._help.help = "tell this, or the thresholds of METHOD; --help-all tells everything"
+            self.add_argument("--help-all", action=_Help, nargs=0, help=argparse.SUPPRESS)
+
+    def few_need(self, title: str) -> argparse._ArgumentGroup:
+        """A group of options that `--help` only names."""
+        self._few.append(self.add_argument_group(title))
+        return self._few[-1]
+
+    def shown_groups(self) -> list[argparse._ArgumentGroup]:
+        """All groups with options that have help, those of the methods last."""
+        told = [g for g in self._action_groups if any(map(_has_help, g._group_actions))]
+        return [*told, *self.methods.values()]
+
+    def usage_line(self) -> str:
+        """How it is called: what must be named, and that there are options."""
+        form = argparse.HelpFormatter(self.prog)
+        form.add_usage(None, self._get_positional_actions(), [], "")
+        return f"{' '.join(form.format_help().split())} [OPTIONS]"
+
+    def format_help(self) -> str:
+        """What most people need; where there are no methods, all."""
+        few = self._few if self.methods else []
+        groups = [g for g in self._action_groups if g not in few]
+        more = [f"  {g.title}: {', '.join(_names(g._group_actions))}" for g in few]
+        text = "\n".join(["more options, which --help-all explains:", *more]) if more else ""
+        return self._told(groups, text)
+
+    def format_all(self) -> str:
+        """All options and the thresholds of all methods."""
+        return self._told([*self._action_groups, *self.methods.values()])
+
+    def format_method(self, name: str) -> str:
+        """What a method does, and its thresholds."""
+        form, group = self._get_formatter(), self.methods[name]
+        _add(form, group)
+        return form.format_help() + ("" if group._group_actions else "  It has no threshold.\n")
+
+    def _told(self, groups: Iterable[argparse._ArgumentGroup], more: str = "") -> str:
+        form = self._get_formatter()
+        form.add_text(f"usage: {self.usage_line()}")
+        form.add_text(self.description)
+        for group in groups:
+            _add(form, group)
+        form.add_text(more)
+        form.add_text(self.epilog)
+        return form.format_help()
+
+    def error(self, message: str) -> NoReturn:
+        """End with a message."""
+        raise Usage(f"{message}\n`{self.prog} --help` tells what there is")
+
+    def refuse_unknown(self, words: list[str]) -> NoReturn:
+        """End where words are left that mean nothing."""
+        known = list(self._option_string_actions)
+        self.error(f"unrecognized arguments: {' '.join(words)}{meant(words[0], known)}")
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """As argparse does, with the word that was meant."""
+        if action.choices is not None and value not in action.choices:
+            known = list(map(str, action.choices))
+            said = f"invalid choice: {value!r}{one_of(str(value), known)}"
+            raise argparse.ArgumentError(action, said)
+
+
+class _Help(argparse.Action):
+    """Tell what there is, and end."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, given: Any, values: Any, option: str | None = None
+    ) -> None:
+        assert isinstance(parser, Command)
+        if not values:
+            text = parser.format_all() if option == "--help-all" else parser.format_help()
+        elif values in parser.methods:
+            text = parser.format_method(values)
+        else:
+            known = list(parser.methods)
+            parser.error(f"--help {values}: there is no such method{one_of(values, known)}")
+        for line in text.rstrip().split("\n"):
+            say(line)
+        parser.exit()
+
+
+def examples(*lines: str) -> str:
+    """The end of a help: commands to copy."""
+    return "\n".join(["examples:", *(f"  segmap {line}" for line in lines)])
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """The word among those known that one may have meant.
+
+    Examples
+    --------
+    >>> meant("--toler", ["--filter", "--tolerance"]), meant("magic", ["fusion"])
+    (' (did you mean --tolerance?)', '')
+    """
+    near = get_close_matches(word.partition("=")[0], list(known), 1)
+    return f" (did you mean {near[0]}?)" if near else ""
+
+
+def one_of(word: str, known: list[str]) -> str:
+    """The word that one may have meant, or all that are known."""
+    return meant(word, known) or f"; one of {', '.join(known)}"
+
+
+def _add(form: argparse.HelpFormatter, group: argparse._ArgumentGroup) -> None:
+    form.start_section(group.title)
+    form.add_text(group.description)
+    form.add_arguments(group._group_actions)
+    form.end_section()
+
+
+def _has_help(action: argparse.Action) -> bool:
+    return action.help != argparse.SUPPRESS
+
+
+def _names(actions: Iterable[argparse.Action]) -> list[str]:
+    return [a.option_strings[0] for a in actions if _has_help(a)]

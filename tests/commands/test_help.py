@@ -1,0 +1,76 @@
+"""What commands say of themselves: the short help, the long one, and that of one method."""
+
+import re
+
+import pytest
+
+from segmap import alignment, extraction, reduction
+from segmap._commands._main import parser
+
+FUNCTIONS = {
+    name: getattr(method, "function", method)
+    for room in (alignment, extraction, reduction)
+    for name, method in room.METHODS.items()
+}
+
+
+@pytest.fixture(scope="module")
+def commands():
+    (found,) = (a.choices for a in parser()._actions if isinstance(a.choices, dict))
+    return found
+
+
+def test_the_short_help_fits_on_a_screen_and_has_examples(commands):
+    """Catches a command whose help nobody reads to its end, and one without an example."""
+    for name, command in commands.items():
+        said = command.format_help()
+        assert said.count("\n") <= 60, name
+        assert re.search(rf"^  segmap {name}", said, re.MULTILINE), name
+        assert command.description.endswith((".", ".\n")), name
+
+
+def test_an_option_is_told_or_named_in_the_short_help_and_told_in_the_long_one(commands):
+    """Catches an option that no help tells of: thresholds are told method by method."""
+    for name, command in commands.items():
+        short, long = command.format_help(), command.format_all()
+        for action in command._actions:
+            if action.help != "==SUPPRESS==":
+                assert action.help, (name, action.dest)
+                assert all(option in short for option in action.option_strings[:1]), name
+        for group in command.methods.values():
+            assert all(action.option_strings[0] in long for action in group._group_actions)
+
+
+def test_each_threshold_has_a_sentence_a_unit_and_its_default(commands):
+    """Catches a threshold that a docstring forgot: nobody can tell what it does."""
+    told = commands["map"].methods
+    assert set(told) == set(FUNCTIONS)
+    for name, group in told.items():
+        assert len(group.description) > 30, name  # the first line of the docstring
+        for action in group._group_actions:
+            words, _, default = action.help.rpartition(" Default: ")
+            assert len(words) > 15 and words[0] == words[0].upper(), (name, words)
+            assert "As in" not in words and default.endswith("."), (name, words)
+    (angle,) = (a for a in told["least_cost"]._group_actions if a.dest == "angle")
+    assert (angle.metavar, angle.help.rpartition("Default: ")[2]) == ("DEGREES", "5 degrees.")
+    (chi2,) = (a for a in told["weighted_line_fitting"]._group_actions if a.dest == "chi2")
+    assert "holds 99 % of looks" in commands["map"].format_method("weighted_line_fitting")
+    assert chi2.help.endswith("Default: 9.21.")
+
+
+def test_help_of_a_method_is_asked_for_by_its_name(run):
+    """Catches a word after --help that is taken for a log."""
+    code, said, _ = run("map", "--help", "fusion")
+    assert code == 0 and said.startswith("fusion:\n  Replace chains of segments")
+    assert "  --tolerance METRES  Half width of the strip." in said
+    assert "  It has no threshold." in run("map", "-h", "odometry")[1]
+    assert len(run("map", "--help-all")[1]) > 5 * len(run("map", "--help")[1])
+    assert run("info", "--help")[0] == 0
+
+
+def test_quiet_is_silent_where_all_is_well(run):
+    """Catches a line that a script has to throw away, and a fault that is hidden."""
+    assert run("info", "room", "malaga", "-q") == (0, "", "")
+    code, said, beside = run("info", "room", "gone.log", "--quiet")
+    assert (code, said) == (1, "") and beside.startswith("segmap: gone.log: does not exist")
+    assert run("info", "room", "-q", "--json")[1].startswith("{")
