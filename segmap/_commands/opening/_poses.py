@@ -201,10 +201,9 @@ def add_world(command: Command) -> None:
 
 def check_options(given: argparse.Namespace) -> None:
     """End with an error of usage, before any work, where these options do not go together."""
-    usual = [] if given.align else ["ground_truth", "pose_graph"]
-    if given.align:
-        refuse_others(given, given.align, METHODS, "align_")
-    for name in usual:  # of which the log tells one
+    if align := getattr(given, "align", None):
+        refuse_others(given, align, METHODS, "align_")
+    for name in () if align else ("ground_truth", "pose_graph"):  # the log tells which of them
         for threshold, of in thresholds(METHODS[name].function).items():
             refuse_wrong(given, f"align_{threshold}", of.said)
     if hasattr(given, "crop"):
