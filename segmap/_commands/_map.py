@@ -49,7 +49,7 @@ def add(commands: Any) -> None:
         epilog=EXAMPLES,
     )
     opening.add_poses(command)
-    group = command.few_need("loops of pose_graph")
+    group = command.few_need("loops to mend, of pose_graph")
     group.add_argument(
         "--veto",
         action="extend",
@@ -66,12 +66,6 @@ def add(commands: Any) -> None:
         default=[],
         metavar="FIRST-SECOND",
         help="align by pose_graph, with a loop between two scans that see one place; or a FILE",
-    )
-    group.add_argument(
-        "--loops",
-        type=Path,
-        metavar="FILE",
-        help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
     )
     add_making(command)
     command.set_defaults(run=partial(opening.each_log, work=map_log, check=check))
@@ -103,6 +97,13 @@ def add_making(command: opening.Command) -> None:
         metavar="SHARE",
         help="leave people out who walked through: beams that end where at most this share of all "
         "beams ended while the others went on, 0.2 say",
+    )
+    group = command.few_need("loops, as pose_graph closed them")
+    group.add_argument(
+        "--loops",
+        type=Path,
+        metavar="FILE",
+        help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
     )
     opening.add_world(command)
     opening.add_output(command, SUFFIXES, WRITTEN)
