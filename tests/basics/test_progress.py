@@ -125,3 +125,16 @@ def test_threads_tell_how_many_are_done_and_begin_no_more_once_stopped():
     with told(stop), pytest.raises(Stop):
         in_threads(work, range(100_000), "it")
     assert len(begun) < 100_000
+
+
+@pytest.mark.parametrize("fault", [ValueError, KeyboardInterrupt, Stop])
+def test_nobody_listens_any_more_after_an_error(fault):
+    """Catches a listener that hears on where the work within has failed."""
+    outer, inner = [], []
+    with told(lambda share, words: outer.append(words)):
+        with pytest.raises(fault), told(lambda share, words: inner.append(words)):
+            announce(0.0, "a")
+            raise fault
+        announce(0.0, "b")
+    announce(0.0, "c")
+    assert (outer, inner) == (["b"], ["a"])

@@ -243,3 +243,28 @@ def test_outlines_are_as_thin_in_a_large_building_as_in_a_small_one(metres, tmp_
     assert "crispEdges" not in text and "vector-effect" not in text  # many programs ignore it
     write_svg(tmp_path / "it.svg", map, outlines=False)
     assert "crispEdges" in (tmp_path / "it.svg").read_text()  # no seams between squares
+
+
+@pytest.mark.parametrize("failing", [".pgm", ".yaml"])
+def test_a_description_never_lies_beside_the_picture_of_another_map(failing, tmp_path, monkeypatch):
+    """The disk takes one of the two files and not the other.
+
+    Catches a YAML that is moved to its place before its picture is.
+    """
+    write_ros_map(tmp_path / "it.yaml", corner_map(), occupied=0.9)
+    before = [(tmp_path / f"it{end}").read_bytes() for end in (".pgm", ".yaml")]
+    move = type(tmp_path).replace
+
+    def moved(path, target):
+        if str(target).endswith(failing):
+            raise OSError(28, "No space left on device", str(path))
+        return move(path, target)
+
+    monkeypatch.setattr(type(tmp_path), "replace", moved)
+    larger = QuadtreeMap(resolution=0.25, size=4)
+    larger.insert_scan((0.1, 0.1), [(3.1, 2.1)])
+    with pytest.raises(OSError, match="No space left"):
+        write_ros_map(tmp_path / "it.yaml", larger)
+    picture, text = ((tmp_path / f"it{end}").read_bytes() for end in (".pgm", ".yaml"))
+    assert text == before[1] and (picture == before[0]) == (failing == ".pgm")
+    assert len(list(tmp_path.iterdir())) == 2

@@ -275,3 +275,15 @@ def test_a_link_replaces_links_only(tmp_path):
         assert stale.resolve().exists()
         assert emulator.port == str(stale)
     assert not stale.is_symlink()
+
+
+@pytest.mark.parametrize("begun", [0.0, 7.3])
+def test_a_unit_left_streaming_sends_its_first_turn_once_that_is_over(begun):
+    """Catches a turn that is sent before the mirror has gone round."""
+    now = begun
+    unit = Unit(pattern, clock=lambda: now, streaming=True)
+    assert unit.laser and unit.transmit() == b""
+    now = begun + 0.9 * unit.model.turn
+    assert unit.transmit() == b""
+    now = begun + 1.1 * unit.model.turn
+    assert unit.transmit().startswith(b"MD")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from emulated import Wired, capture, connected, turn_of
 
-from segmap.hokuyo import SensorError, UrgSensor
+from segmap.hokuyo import SensorError, UrgSensor, _sensor
 from segmap.hokuyo._connect import RATES
 from segmap.hokuyo._port import find_port, ports
 from segmap.hokuyo.emulator import Replay, Room
@@ -278,3 +278,43 @@ def test_nothing_that_wedges_the_unit():
         said = {text[:2] for text in port.unit.received}
         assert said <= {"QT", "SC", "VV", "PP", "II", "BM", "GD", "MD", "MS", "SS", "TM"}
         assert not port.unit.dead
+
+
+@pytest.mark.parametrize("left", [1 << 24, *range(250, 4250, 500)])
+def test_turns_are_counted_over_the_end_of_the_sensors_clock(left):
+    """It counts milliseconds to 2 ** 24, four and a half hours, and begins anew.
+
+    Catches turns left out meanwhile that nobody counts, and a pace below nought on a slow line.
+    """
+    port = Wired(stamp=(1 << 24) - left)
+    with connected(port) as sensor, contextlib.closing(sensor.scans()) as stream:
+        before = [turn_of(next(stream)) for _ in range(3)][-1]
+        port.now += 2.0
+        after = [turn_of(next(stream)) for _ in range(4)][-1]
+        assert (sensor.unsent, sensor.dropped) == (after - before - 4, 0)
+        assert sensor.unsent > 15
+    with connected(Wired(usb=False, stamp=(1 << 24) - left), rates=(19200,)) as sensor:
+        first(sensor, 5)
+        assert sensor.unsent == 0, "the line is slow, and nobody late"
+
+
+@pytest.mark.parametrize("kind", ["MD", "MS"])
+def test_a_laser_that_may_be_on_is_switched_off(kind, monkeypatch):
+    """The sensor begins to stream, and nobody hears that it does.
+
+    Catches a driver that learns of the laser from the answer alone.
+    """
+    port = Wired()
+    with connected(port) as sensor:
+        ask = _sensor.ask
+
+        def unheard(lines, command):
+            ask(lines, command)
+            raise SensorError(f"no answer to {command}")
+
+        with monkeypatch.context() as patch:
+            patch.setattr(_sensor, "ask", unheard)
+            with pytest.raises(SensorError, match="no answer to M"):
+                next(sensor.scans(short=kind == "MS"))
+        assert not port.unit.laser and any(text.startswith(kind) for text in port.unit.received)
+        turn_of(sensor.scan())

@@ -137,3 +137,39 @@ def test_a_port_by_itself():
     port.close()
     with pytest.raises(OSError, match="Connection timed out"):
         port_at(Dead()).read()
+
+
+@pytest.mark.parametrize("before", ["nothing", "a look", "a read"])
+def test_a_port_waits_as_long_as_each_way_may_take(before):
+    """Who writes waits for a slow reader, whatever was read before; who reads then waits, too.
+
+    Catches a time that the call before has left behind.
+    """
+    here, there = socket.socketpair()
+    here.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
+    port, got = port_at(here), []
+    port.timeout, port.write_timeout = 0.05, 5.0
+
+    def reads_slowly():
+        threading.Event().wait(0.15)
+        while sum(map(len, got)) < 1_000_000 and (piece := there.recv(1 << 16)):
+            got.append(piece)
+        threading.Event().wait(0.1)
+        with contextlib.suppress(OSError):
+            there.sendall(b"late")
+
+    if before == "a look":
+        assert port.in_waiting == 0
+    elif before == "a read":
+        assert port.read(1) == b""
+    thread = threading.Thread(target=reads_slowly)
+    thread.start()
+    try:
+        assert port.write(b"x" * 1_000_000) == 1_000_000
+        assert port.in_waiting == 0  # at once
+        port.timeout = 5.0
+        assert port.read(4) == b"late"
+    finally:
+        port.close()
+        thread.join()
+        there.close()

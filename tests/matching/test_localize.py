@@ -296,3 +296,17 @@ def test_sums_along_lines_find_a_scan_beside_another(match, good):
         off = match(reference.tolist(), pair[1].points().tolist()) - poses[1]
         near += np.hypot(*off[:2]) < 0.1 and abs(wrap(off[2])) < 0.05
     assert near >= good
+
+
+@pytest.mark.parametrize("blind", [1, 2, 5])
+def test_what_it_drives_while_it_sees_nothing_counts_once(blind):
+    """By the odometry alone, and seen again at the end.
+
+    Catches a way that is driven again from the last scan that saw something.
+    """
+    path = drive([(1, 1), (3, 1)], step=0.2)[: 3 + blind]
+    log = simulate(ROOM.segments, path, sensor=ROUND, rng=rng(1))
+    scans = [replace(scan, odometry=pose) for scan, pose in zip(log, path, strict=True)]
+    scans[2:-1] = [replace(s, ranges=np.full(len(s), np.inf)) for s in scans[2:-1]]
+    for belief, pose in zip(localize(ROOM, scans, rng=rng(1)), path, strict=True):
+        assert away(belief, pose) < 0.08

@@ -1,5 +1,6 @@
 """Parts of the workbench by themselves: its bar, its pictures and words, what a browser is told."""
 
+from copy import deepcopy
 from dataclasses import replace
 from html import escape
 from pathlib import Path
@@ -274,3 +275,50 @@ def test_pieces_of_a_file_are_put_together(source):
     assert made.take("a\0/b.log", 100_000_001, 1, b"x") == -1
     larger = "larger ones by their path"
     assert bar.state.value == f"b.log has 100.0 MB: only a file up to 100 MB; {larger}"
+
+
+def test_edits_share_no_list_with_a_session():
+    """In neither direction: neither what is restored, nor what is handed out.
+
+    Catches loops that are left out on the page and change the session that it was opened from.
+    """
+    held = {"veto": ["1-9"], "tie": ["2-8"], "crop": [0, -1, 4.5, 3], "north": 60, "square": True}
+    before, edits = deepcopy(held), Edits()
+    edits.restore(held)
+    value, kept = edits.value(), edits.value()
+    assert value == before | {"north": [60.0]}
+    for loops in (edits.veto, edits.tie):
+        loops.append("3-7")
+    assert held == before and value == kept
+    assert edits.value()["veto"] == ["1-9", "3-7"]
+    for name in ("veto", "tie", "crop"):
+        edits.value()[name].clear()
+    assert edits.value() == value | {"veto": ["1-9", "3-7"], "tie": ["2-8", "3-7"]}
+
+
+@pytest.mark.parametrize("left_out", ["veto", "tie", "square", "crop", "place", "north", "crs"])
+def test_edits_are_those_of_the_last_session_alone(left_out):
+    """Catches an edit of the map before that stays, and entries that change their places."""
+    held = {"veto": ["1-9"], "tie": ["2-8"], "square": True, "crop": [0.0, -1.0, 4.5, 3.0],
+            "place": [36.7, -4.4], "north": [60.0], "crs": "EPSG:25832"}  # fmt: skip
+    edits = Edits()
+    edits.restore(held)
+    assert edits.value() == held and edits.place.value == "36.7 -4.4"
+    assert [entry.description for entry in (edits.crop, edits.place, edits.north)] == [
+        "crop [m]", "place of (0, 0)", "north [degrees]",
+    ]  # fmt: skip
+    edits.restore({k: v for k, v in held.items() if k != left_out})
+    assert edits.value() == {k: v for k, v in held.items() if k != left_out}
+    edits.restore({})
+    assert edits.value() == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("crop", "1 2 3"), ("crop", "1 2 3 4 5"), ("place", "1"), ("north", "1 2"), ("north", "up")],
+)
+def test_an_entry_with_too_few_or_too_many_numbers_is_named(name, text):
+    edits = Edits()
+    getattr(edits, name).value = text
+    with pytest.raises(ValueError, match=f"{name}.* must be like '.*', got '{text}'"):
+        edits.value()

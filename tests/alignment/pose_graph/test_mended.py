@@ -7,6 +7,7 @@ import alignment_logs as logs
 import numpy as np
 import pytest
 
+from segmap import load
 from segmap.alignment import Alignment, Graph, LiveGraph
 from segmap.alignment.graph import Edge
 from segmap.alignment.pose_graph._key_frames import pairs
@@ -186,3 +187,18 @@ def test_what_is_interrupted_changes_nothing(driven, monkeypatch):
 def test_what_is_not_there_is_named(driven, words, work):
     with pytest.raises(ValueError, match=re.escape(words)):
         work(driven)
+
+
+def test_ties_that_contradict_each_other_both_hold():
+    """Three metres apart: each is left open by many deviations, and stays.
+
+    Catches a loop by force that is taken out as one that the others contradict.
+    """
+    graph, log = LiveGraph(), load("room")[:14]
+    graph.extend(log)
+    there = between(*log.truth[[2, 9]])
+    for off in (-1.5, 1.5):
+        graph.tie(2, 9, compose(there, (off, 0.0, 0.0)))
+    found = graph.refine().loops()
+    assert found[["first", "second"]].values.tolist() == [[2, 9]] * 2
+    assert (found["residual"] > 20).all()

@@ -277,3 +277,14 @@ def test_of_the_imports_those_that_a_cell_uses():
         "import numpy as np\nimport os.path\nfrom math import sin as s"
     )
     assert needed(text, "npx = 3") == ""
+
+
+@pytest.mark.parametrize("newest", ["a", "b", "c"])
+def test_the_newest_file_counts_whatever_its_name(newest, tmp_path):
+    """Catches files in the order of their names, or the oldest first."""
+    for name in "abc":
+        text = f"def my_f(): return '{name}'\nmy_g = 1"
+        write(tmp_path / "ann" / f"{name}.ipynb", cell(text), time=9 if name == newest else 5)
+    (ann,) = submissions(tmp_path)
+    text, said = ann.find(F)
+    assert f"'{newest}'" in text and said.startswith(f"f: {newest}.ipynb counts, the newest of 3")
