@@ -57,7 +57,6 @@ CONTRADICTED = 15.0
 #: Why a loop is not believed that no other, or too few, agree with.
 ALONE = "no other loop agrees with it"
 #: Why one is not believed that may lie anywhere along a corridor.
-SLIDES = "no wall says how far along the corridor, nor does the odometry"
 CONTRADICTS, VETOED = "the rest of the graph contradicts it", "it was vetoed"
 
 
@@ -130,6 +129,7 @@ class LoopCloser:
         self.frames, self.drift, self.rules = frames, drift, rules
         self.descriptors = [descriptor(frames.points[0])]
         self.lost_since: int | None = None
+        self.measured = True
         self.pending: list[Edge] = []
         self.accepted: list[Edge] = []
         self.rejected: list[Rejected] = []
@@ -141,7 +141,7 @@ class LoopCloser:
 
         `confirmed` says whether a match tied it to the one before: else the robot may be anywhere.
         `measured` says whether there is odometry: without it a loop that may slide along a corridor
-        says nothing, and others that agree with it are as wrong.
+        confirms no other, which may slide as far.
         """
         new = len(self.frames) - 1
         view, _ = self.frames.points_around(self._neighbours(new, VIEW), new)
@@ -150,6 +150,7 @@ class LoopCloser:
 
     def seek(self, new: int, before: int, *, confirmed: bool, measured: bool) -> bool:
         """Look for loops of a key frame to those before another, as `close` does."""
+        self.measured = measured
         self.lost_since = self.lost_since if confirmed else new
         # 1. Old places that may be the new one
         windows = self._by_place(new, before) + self._by_descriptor(new, before)
@@ -157,9 +158,7 @@ class LoopCloser:
         matches = [self.measure(window, self.map_around(window), new) for window in windows]
         fresh: list[tuple[Edge, float]] = []
         for window, match in zip(windows, matches, strict=True):
-            if match.matched and match.free is not None and not measured:
-                self._reject(window.old, new, SLIDES)
-            elif match.matched:
+            if match.matched:
                 known = information(match.covariance, self.frames.least)
                 fresh.append((Edge(window.old, new, match.pose, known, True), window.reach))
             else:
@@ -262,11 +261,15 @@ class LoopCloser:
         known = self.pending + self.accepted[-RECENT:]
         for loop, reach in fresh:
             others = self.agreeing(loop, known)
-            way = [self.frames.path[k] for k in {loop.second, *(o.second for o in others)}]
-            long = lost or max(way) - min(way) >= min(reach, self.rules.span)
-            if len(way) > enough and long:
+            agree = self._witnesses([loop, *others])
+            way = [self.frames.path[k] for k in {each.second for each in agree}]
+            if len(way) > enough and (lost or max(way) - min(way) >= min(reach, self.rules.span)):
                 found += _without([loop, *others], found + self.accepted[-RECENT:])
         return found
+
+    def _witnesses(self, loops: list[Edge]) -> list[Edge]:
+        """Those that may confirm others."""
+        return loops if self.measured else _firm(loops)
 
     def agreeing(self, loop: Edge, known: list[Edge], *, apart: bool = False) -> list[Edge]:
         """Loops for which going round them and this one leads back to where it began.
@@ -294,7 +297,7 @@ class LoopCloser:
         known, found = [*self.pending, *self.accepted[-RECENT:]], []
         for loop in self.pending if self.lost_since is None else []:
             others = self.agreeing(loop, known) + self.agreeing(loop, known, apart=True)
-            found += [loop] if len(others) >= LAST_WITNESSES else []
+            found += [loop] if len(self._witnesses(others)) >= LAST_WITNESSES else []
         self._give_up(_without(self.pending, found))
         self.believe(found)
         return bool(found)
@@ -348,12 +351,16 @@ def descriptor(points: Array) -> Array:
     return np.asarray(counts / max(counts.sum(), 1))
 
 
-def _ways(loops: list[Edge]) -> NDArray[np.int64]:
-    """Both ends, `(w, 2)`, of those loops that fix the place: they are ways through the graph."""
+def _firm(loops: list[Edge]) -> list[Edge]:
+    """Those loops that fix the place in all directions."""
     known = [np.linalg.inv(loop.information)[:2, :2] for loop in loops]
     wide = np.linalg.eigvalsh(np.reshape(known, (-1, 2, 2)))[:, -1]
-    ends = np.array([loop[:2] for loop in loops], np.int64).reshape(-1, 2)
-    return ends[np.sqrt(wide) < VAGUE]
+    return [loops[i] for i in np.flatnonzero(np.sqrt(wide) < VAGUE)]
+
+
+def _ways(loops: list[Edge]) -> NDArray[np.int64]:
+    """Both ends, `(w, 2)`, of those loops that fix the place: they are ways through the graph."""
+    return np.array([loop[:2] for loop in _firm(loops)], np.int64).reshape(-1, 2)
 
 
 def _best_of_passes(members: NDArray[np.int64], cost: Array) -> list[int]:

@@ -53,9 +53,10 @@ class Scripted:
         return pose + loose.T @ (loose @ (guess - pose))
 
 
-def loop(first, second, x=None, degrees=0.0) -> Edge:
+def loop(first, second, x=None, degrees=0.0, *, along=0.01) -> Edge:
     x = second - first if x is None else x
-    return Edge(first, second, np.array([x, 0, np.radians(degrees)]), np.eye(3), True)
+    known = np.diag(np.array([along, 0.01, 0.01]) ** -2)
+    return Edge(first, second, np.array([x, 0, np.radians(degrees)]), known, True)
 
 
 # ------------------------------------------------------------------ the front end
@@ -424,24 +425,18 @@ def test_a_scan_that_its_match_leaves_free_is_as_vague_as_the_match(free):
     assert spread[0] < 0.1 and (spread[1:] > 0.85).all() == (free is not None)
 
 
-@pytest.mark.parametrize("measured", [True, False])
-def test_a_loop_that_may_slide_needs_odometry(measured):
+@pytest.mark.parametrize(
+    ("slides", "measured", "believed"), [(0, False, 3), (1, False, 0), (2, False, 0), (2, True, 3)]
+)
+def test_loops_that_may_slide_confirm_none_without_odometry(slides, measured, believed):
     """Catches loops along a corridor that agree, and are as wrong as the way between them."""
-    slides = Match(np.array([0.3, 0.0, 0.0]), 0.1 * np.eye(3), True, free=np.array([1.0, 0.0]))
-
-    class Closer(LoopCloser):
-        def _by_place(self, new, before):
-            return [Window(0, ZERO, 1.0, 0.3)]
-
-        def measure(self, window, map, new):
-            return slides
-
-    closer = walked(20, closer=Closer)
-    closer.seek(20, 20, confirmed=True, measured=measured)
-    assert [edge[:2] for edge in closer.pending] == ([(0, 20)] if measured else [])
-    assert ["along the corridor" in gone.reason for gone in closer.rejected] == [True] * (
-        not measured
-    )
+    closer = walked(40)
+    closer.measured = measured
+    closer.pending = [loop(k, 30 + k, along=0.21 if k < slides else 0.19) for k in (0, 1, 2)]
+    found = closer._confirmed_by_others([(closer.pending[-1], 2.0)])
+    assert len(found) == believed
+    closer.pending = [loop(k, 30 + k, along=0.21) for k in range(9)]
+    assert closer.settle() == measured and len(closer.rejected) == 9 * (not measured)
 
 
 @pytest.mark.parametrize(("deviation", "counts"), [(0.19, True), (0.21, False)])
