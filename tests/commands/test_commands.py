@@ -47,6 +47,7 @@ from segmap.methods import Method
 from segmap.panels.workbench import Workbench
 from segmap.panels.workbench._source import read
 from segmap.quadtree import QuadtreeMap
+from segmap.scans.causes import Cause, Finding
 
 plt = later("matplotlib.pyplot")
 
@@ -977,6 +978,39 @@ def test_sessions_of_one_building_are_merged_and_the_next_comes_to_them(run, nea
     ):
         code, _, beside = run("merge", first, near, "-o", "it.segmap")
         assert code == 1 and words in beside
+
+
+def test_each_of_the_two_is_prepared_once_and_nothing_that_is_known_of_it_is_lost(run):
+    """Logs of a laser that hangs upside down, one of them with a scan that saw nothing.
+
+    Catches scans that are merged or kept as they were before, or put right twice; findings and
+    what was assumed of one of the two that nobody tells; a place for a scan that has none.
+    """
+    log = segmap.load("room")
+    for name, part in (("one", log[:16]), ("two", log[8:24])):
+        scans = [replace(scan, angles=-scan.angles) for scan in part]
+        if name == "two":
+            scans[-1] = replace(scans[-1], ranges=np.full(len(scans[-1]), np.inf))
+        told = Finding(Cause.OTHER, 1.0, f"the floor of {name} was wet", "", True)
+        sayings = {"causes": [told], "assumed": [f"{name} is dry"]}
+        held = segmap.Log(name, scans, **sayings)
+        exports.write_session(f"{name}.segmap", readers.Session(held, {}))
+    code, said, _ = run("merge", "one.segmap", "two.segmap", "--clockwise", "--method", "none",
+                        "-o", "it.segmap", "-o", "it.csv", "--force")  # fmt: skip
+    assert code in (0, 3), said
+    for name in ("one", "two"):
+        assert f"the floor of {name} was wet" in said
+    found = readers.read_session("it.segmap")
+    upright = [*log[:16], *log[8:24]]
+    for k, (scan, true) in enumerate(zip(found.log, upright, strict=True)):
+        assert k == 31 or np.allclose(scan.points(), true.points(), atol=1e-6), k
+    placed = np.isfinite(found.log.truth).all(1)
+    assert np.flatnonzero(~placed).tolist() == [31]
+    assert "clockwise" not in found.settings
+    assert set(found.log.assumed) == {"one is dry", "two is dry"}
+    code, _, beside = run("merge", str(Path("one.segmap").resolve()), "two.segmap",
+                          "-o", "./one.segmap")  # fmt: skip
+    assert code == 1 and "it is the first log itself" in beside
 
 
 # ------------------------------------------------------------------------------ compare
