@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -51,3 +52,34 @@ def short(value: float) -> str:
     """A number as short as it can be written without becoming another one."""
     brief = f"{value:.6g}"
     return brief if float(brief) == value else repr(float(value))
+
+
+def preparing(options: Mapping[str, Any]) -> dict[str, Any]:
+    """The keywords of `alignment.prepared` for options of `segmap map`, as a session keeps them.
+
+    Examples
+    --------
+    >>> preparing({"no_deskew": True, "mount": [0.2, 0.0, 180.0]})
+    {'deskew': False, 'mount': (0.2, 0.0, 3.141592653589793)}
+    """
+    found: dict[str, Any] = {"deskew": False} if options.get("no_deskew") else {}
+    found |= {name: True for name in ("keep_body", "clockwise") if options.get(name)}
+    if options.get("mount_auto"):
+        found["mount"] = "auto"
+    elif "mount" in options:
+        x, y, degrees = options["mount"]
+        found["mount"] = (float(x), float(y), math.radians(degrees))
+    return found
+
+
+def called(room: Any, name: str, call: Call, data: str) -> str:
+    """A call of a method, by its own name where the room exports it, else out of METHODS."""
+    own = getattr(room, call.name, None) is call.function
+    path = f"segmap.{name}.{call.name}" if own else f"segmap.{name}.METHODS[{call.name!r}]"
+    return f"{path}({data}{call.arguments()})"
+
+
+def option_words(held: tuple[str, Any]) -> str:
+    """An option that a session keeps, as words."""
+    name, value = held
+    return name if value is True else f"{name} {value}"

@@ -4,30 +4,39 @@ from __future__ import annotations
 
 import copy
 import inspect
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
 from . import _warm, alignment, arrays, extraction, reduction
-from ._call import Call, as_read, short
+from ._call import Call, as_read, called, option_words, preparing, short
 from .alignment import Alignment, LiveGraph, Verdict
 from .arrays import Array, declared
 from .exports import Frame, placed_at
 from .files import shown
 from .metrics import quality, reduction_rate
-from .progress import announce
+from .progress import Stopped, announce
 from .quadtree import QuadtreeMap, extent, without_passers
 from .readers import Session
 from .reduction import Reduction
 from .scans import Log
+from .scans.causes import Cause, Finding
 from .segments import SegmentMap, main_direction
 
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
+#: Of so many scans a map is kept where the work is stopped.
+LEAST_SCANS = 2
 
 #: The options of `segmap map` that name a function, and how those of its thresholds begin.
 BEGIN = {"align": "align_", "extract": "extract_", "method": "", "second": "second_"}
+
+
+class Placing(str):
+    """Words on the scans of a log that are placed so far, and the graph that places them."""
+
+    log: Log
+    graph: LiveGraph
 
 
 #: How segments are extracted where nothing else is chosen.
@@ -102,7 +111,7 @@ class Recipe:
             lines += [f"graph = {graph}", "graph.extend(log)", "graph.refine()"]
             lines.append(f"found = graph.mended({veto=}, {tie=})")
         else:
-            lines.append(f"found = {_called(alignment, 'alignment', self.align, 'log')}")
+            lines.append(f"found = {called(alignment, 'alignment', self.align, 'log')}")
         if "square" in self.edits:
             walls = "segmap.build_map(log, found.trusted)"
             lines.append(f"found = found.turned(-segmap.segments.main_direction({walls}))")
@@ -112,7 +121,7 @@ class Recipe:
         thresholds += ", keep_points=True" * self.keeps_points()
         lines.append(f"map = segmap.build_map(log, found.trusted{thresholds}){kept}")
         for name, call in zip(("reduced", "other"), self.methods, strict=False):
-            lines.append(f"{name} = {_called(reduction, 'reduction', call, 'map')}")
+            lines.append(f"{name} = {called(reduction, 'reduction', call, 'map')}")
         lines.append("segmap.reduction_rate(map, reduced), segmap.quality(map, reduced)")
         name, world = "map.svg", ""
         if "place" in self.edits:
@@ -127,8 +136,11 @@ class Outcome:
 
     What is as it was `before`, on the same log, is not done again. `given` is the log as it was
     read, `log` the one that is aligned; `grown` a pose graph before it is mended, and what it gave;
-    `solved` the alignment before it is turned; `map` what is reduced.
+    `solved` the alignment before it is turned; `map` what is reduced. Where the graph was `stopped`
+    after some scans, which are the log then, these are its words.
     """
+
+    stopped: str = ""
 
     def __init__(self, recipe: Recipe, log: Log, before: Outcome | None = None) -> None:
         self.recipe, self.given = recipe, log
@@ -171,9 +183,27 @@ class Outcome:
         announce(0.0, f"aligning {len(self.log)} scans by {self.recipe.align.name}")
         if self.recipe.align.name != "pose_graph":
             return None
-        graph = LiveGraph(**self.recipe.align.thresholds)
-        graph.extend(self.log)
+        graph, count = LiveGraph(**self.recipe.align.thresholds), len(self.log)
+        for k, scan in enumerate(self.log):
+            words = Placing(f"placing scan {k + 1} of {count}")
+            words.log, words.graph = self.log, graph
+            try:
+                announce(k / count, words)
+                graph.add(scan)
+            except Stopped:
+                if k < LEAST_SCANS:
+                    raise
+                self._cut(k)
+                break
         return graph, self._told(graph.refine())
+
+    def _cut(self, count: int) -> None:
+        """Be the outcome of so many scans, and say so wherever its map is seen."""
+        self.stopped = f"stopped at scan {count} of {len(self.log)}"
+        known = Finding(Cause.OTHER, count, self.stopped, doubtful=True)
+        both = (self.given, self.log)
+        cut = (replace(each[:count], causes=(*each.causes, known)) for each in both)
+        self.given, self.log = cut
 
     @cached_property
     def solved(self) -> Alignment:
@@ -254,6 +284,12 @@ class Outcome:
         """Each method with its reduction and its quality."""
         return list(zip(self.recipe.methods, self.reductions, self.qualities, strict=True))
 
+    def code(self) -> str:
+        """The calls that make the same, to be copied."""
+        log, mark, more = self.recipe.log.partition("  #")
+        cut = f"[:{len(self.given)}]" if self.stopped else ""
+        return replace(self.recipe, log=f"{log}{cut}{mark}{more}").code()
+
     def words(self) -> str:
         """What each method leaves, and its quality."""
         return ", ".join(
@@ -272,11 +308,12 @@ class Outcome:
             for name in ("veto", "tie")
             if name in recipe.edits
         )
+        mended += f"; {self.stopped}" if self.stopped else ""
         way = {
             "map": shown(name),
             "alignment": recipe.align.name,
             "align_thresholds": " ".join(
-                [*map(_option, (recipe.prepare or {}).items()), recipe.align.words() + mended]
+                [*map(option_words, (recipe.prepare or {}).items()), recipe.align.words() + mended]
             ),
             "align_seconds": round(self.alignment.seconds, 6),
             "extraction": recipe.extract.name,
@@ -303,7 +340,7 @@ class Outcome:
 def _chosen(recipe: Recipe) -> dict[str, Any]:
     """The steps of an outcome, in their order, and what each hangs on beside those before it."""
     return {
-        "log": recipe.prepare,
+        "log given stopped": recipe.prepare,
         "grown": recipe.align,
         "solved": recipe.mends(),
         "turn alignment": recipe.edits.get("square"),
@@ -336,24 +373,6 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
     return made
 
 
-def preparing(options: Mapping[str, Any]) -> dict[str, Any]:
-    """The keywords of `alignment.prepared` for options of `segmap map`, as a session keeps them.
-
-    Examples
-    --------
-    >>> preparing({"no_deskew": True, "mount": [0.2, 0.0, 180.0]})
-    {'deskew': False, 'mount': (0.2, 0.0, 3.141592653589793)}
-    """
-    found: dict[str, Any] = {"deskew": False} if options.get("no_deskew") else {}
-    found |= {name: True for name in ("keep_body", "clockwise") if options.get(name)}
-    if options.get("mount_auto"):
-        found["mount"] = "auto"
-    elif "mount" in options:
-        x, y, degrees = options["mount"]
-        found["mount"] = (float(x), float(y), math.radians(degrees))
-    return found
-
-
 def cropped(map: Map, corners: Sequence[float] | None) -> Map:
     """What of a map lies in a rectangle, left, low, right, high; all of it where there is none."""
     if corners is None:
@@ -379,16 +398,3 @@ def world_of(edits: Mapping[str, Any]) -> Frame:
     if place is None and {"north", "crs"} & {*edits}:
         raise ValueError("north and a grid need a place: the one of (0, 0) of the map")
     return placed_at(place, north, edits.get("crs"))
-
-
-def _called(room: Any, name: str, call: Call, data: str) -> str:
-    """A call of a method, by its own name where the room exports it, else out of METHODS."""
-    own = getattr(room, call.name, None) is call.function
-    path = f"segmap.{name}.{call.name}" if own else f"segmap.{name}.METHODS[{call.name!r}]"
-    return f"{path}({data}{call.arguments()})"
-
-
-def _option(held: tuple[str, Any]) -> str:
-    """An option that a session keeps, as words."""
-    name, value = held
-    return name if value is True else f"{name} {value}"

@@ -27,6 +27,10 @@ EARLY, LEAST = 2.0, 0.05
 _listener: ContextVar[Progress | None] = ContextVar("listener", default=None)
 
 
+class Stopped(Exception):
+    """The work was stopped before it was done."""
+
+
 @contextmanager
 def told(progress: Progress) -> Iterator[None]:
     """Tell a listener how far all work is that is called within.

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from .. import _warm, alignment, exports, extraction, quadtree
+from .._call import preparing
 from .._display import counted
-from .._recipe import cropped, preparing, world_of
+from .._recipe import cropped, world_of
 from ..alignment import Alignment
 from ..arrays import declared
 from ..matching import MATCHERS, SCORES, map_scans

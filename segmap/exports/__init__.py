@@ -10,5 +10,6 @@ from ._arrays import write_arrays, write_session
 from ._graph import write_graph
 from ._maps import Classes, ros_classes, write_geojson, write_ros_map, write_svg
 from ._segments import write_segments
+from ._sheet import write_sheet
 from ._trajectories import write_carmen, write_tum
 from ._world import Earth, Frame, Grid, placed_at

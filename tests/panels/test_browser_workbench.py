@@ -70,6 +70,15 @@ const d = c.getContext('2d').getImageData(w, 30, w, c.height - 80).data;
 for (let i = 0; i < d.length; i += 4) if (d[i] === 0 && d[i + 1] === 114 && d[i + 2] === 178)
   return [box.left + (w + (i / 4) % w) / dots, box.top + (30 + Math.floor(i / 4 / w)) / dots];
 return null"""
+#: Which part of the window's height the canvas has; where places about its middle are seen.
+PART = """
+const box = document.querySelector('.segmap-canvas').getBoundingClientRect();
+return box.bottom < innerHeight ? box.height / innerHeight : -1"""
+PIXELS = """
+const c = document.querySelector('.segmap-canvas'), box = c.getBoundingClientRect();
+const [u, v, scale] = c.dataset.view.split(' ').map(Number);
+return arguments[0].map(([x, y]) => [box.left + box.width / 2 + (x - u) * scale + arguments[1],
+  box.top + (box.height + 22) / 2 - (y - v) * scale + arguments[1]])"""
 #: Two places of the way on the canvas: the first and the last that are green.
 GREEN = """
 const c = document.querySelector('.segmap-canvas');
@@ -220,7 +229,20 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     (x, y, scale), (x2, y2, scale2) = (map(float, each.split()) for each in (nearer[3], keyed[0]))
     assert x2 > x and y2 > y and scale2 == pytest.approx(0.8 * scale, rel=1e-3)
 
-    browser.click(BUTTON.format(".csv"))
+    browser.click(BUTTON.format("before"))
+    wait("all of it", lambda: browser.run(PANES, 1)[1].startswith("0.0000 0.0000 "))
+    assert browser.run(PART) > 0.8, "the map is as high as the window"
+    corners = [(-3, -2), (3, -2), (3, 2), (-3, 2)]
+    for tool, places, size in (("distance", corners[:2], 6), ("area", corners, 24)):
+        browser.click(BUTTON.format(tool))
+        for x, y in browser.run(PIXELS, places, 2):  # beside the corners, to which they snap
+            for kind in ("Pressed", "Released"):
+                browser.mouse(f"mouse{kind}", x, y)
+        wait("the size", lambda: abs(measured(browser) / size - 1) < 0.02, 20)  # noqa: B023
+    browser.click(BUTTON.format("look"))
+    browser.mouse("mouseMoved", *browser.run(PIXELS, [(0, 0)], 0)[0], buttons=0, button="none")
+    wait("coordinates", lambda: re.search(r"x -?\d\.\d\d, y -?\d\.\d\d m", browser.run(TEXT)), 20)
+    browser.click(BUTTON.format("Table (CSV)"))
     saved = tmp_path / "mine-fusion.csv"
     wait("the file", lambda: saved.exists() and saved.stat().st_size, 20)
     found = readers.read_segments(saved)
@@ -256,19 +278,21 @@ def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(
     browser.click(BUTTON.format("Stop"))
     wait("the stop", lambda: browser.run(STATE) == "stopped", 20)
     assert time.monotonic() - begun < 5  # half a second, but for the load of the machine
-    assert "malaga 225 scans" in browser.run(TEXT)
-
+    assert "no log: choose one" in browser.run(TEXT)
+    assert not browser.run(READY, "Run"), "the next run would map the log before"
+    browser.click(f"{PICKED.format('bundled log')}/option[normalize-space()='malaga']")
+    wait("the log", lambda: "malaga 225 scans" in browser.run(TEXT))
     browser.click(BUTTON.format("Run"))
     wait("the scans", lambda: " of 225" in browser.run(STATE))
     if width > 900:
         ways = "[...document.querySelectorAll('h2, canvas')].map(e => e.getBoundingClientRect().x)"
         log, *_ = found = browser.run(f"return {ways}")
-        assert found[:4] == [log] * 4 and found[4] > log + 300  # the map stands beside the steps
+        assert found[:8] == [log] * 8 and found[8] > log + 300  # the map stands beside the steps
     browser.open(app)
     wait("the page", lambda: browser.run(STATE) == "malaga: ready to run")
     assert browser.run("return [...document.querySelectorAll('h1, h2')].map(e => e.innerText)") == [
         "From a log of a laser to a map", *("1 Log", "2 Poses", "3 Segments", "4 Map"),
-        *("Mend the map", "All runs", "In Python"),
+        *("Mend the map", "Save the first result", "All runs", "In Python"),
     ]  # fmt: skip
 
 
@@ -285,9 +309,9 @@ def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browse
         browser.click(f"{PICKED.format(kind)}/option[normalize-space()='{name}']")
     pressed(browser, "Run", ENTER)
     wait("a run", lambda: "loops (4)" in browser.run(TEXT), 180)
-    assert toggles(browser) == {"before": False, "after": True, "both": False, "loops (4)": False,
-                                "crop and place": False, "laser": False,
-                                "settings": False}  # fmt: skip
+    off = ["before", "both", "distance", "area", "path", "loops", "points", "free space", "grid"]
+    off += ["loops (4)", "crop and place", "laser", "settings"]
+    assert toggles(browser) == dict.fromkeys(off, False) | {"after": True, "look": True}
     pressed(browser, "loops (4)", SPACE)
     wait("the loops", lambda: re.match(r"4-151: 0.\d\d sd off, 76 m round", listed(browser)[0]))
     assert toggles(browser)["loops (4)"]
@@ -339,6 +363,12 @@ def test_without_eyes_or_mouse_a_map_is_made_cropped_turned_and_placed(app, brow
     assert spoken["slider"]["name"]["value"] == "tolerance [m]"
     names = [node["name"]["value"] for node in nodes(browser) if "focusable" in properties(node)]
     assert len(names) > 30 and all(names)
+
+
+def measured(browser):
+    """The size that the page says, in metres or square metres."""
+    found = re.search(r"(?:^|\n)(\d+\.\d{3}) m", browser.run(TEXT))
+    return float(found.group(1)) if found else 0.0
 
 
 def pressed(browser, name, key):

@@ -33,6 +33,8 @@ from segmap.panels._base import VIEW
 from segmap.panels.workbench import _job, _shown
 from segmap.panels.workbench._choices import Choice
 from segmap.panels.workbench._job import Failed, Stopped, Worker
+from segmap.panels.workbench._page import SAVES
+from segmap.panels.workbench._source import OWN
 from segmap.plotting import thumbnail
 from segmap.progress import announce
 
@@ -258,7 +260,7 @@ def test_run_stop_and_failure_in_the_worker(worker, monkeypatch):
         assert not made.start.disabled
 
     click()
-    assert made.state.value == "done" and made.progress.value == made.progress.max
+    assert made.state.value == f"{LOG.name}: done" and made.progress.value == made.progress.max
     first, here = made.outcome, done()
     assert np.array_equal(first.reductions[0].segments, here.outcome.reductions[0].segments)
     made.method.value = "hybrid"
@@ -384,16 +386,53 @@ def test_a_worker_that_dies_is_told_and_replaced(worker, monkeypatch):
         worker.do(os._exit, 3)
 
 
-def test_a_run_that_is_stopped_says_so(worker):
-    """Catches a stop that is taken for a failure, and a bar that stays where it was."""
-    made = bench(segmap.load("malaga"), align="pose_graph")
+def test_a_run_that_is_stopped_keeps_what_is_placed_and_says_so(worker, tmp_path, monkeypatch):
+    """Catches a stop that throws the map away, one that is taken for a whole map, a map that is
+    seen only at the end, and a next run that maps the part again."""
+    made, grown = bench(segmap.load("malaga"), align="pose_graph"), []
     made._worker = worker
+    monkeypatch.setattr(worker, "grown", lambda *seen: grown.append(seen) or made._grown(*seen))
     made.start.click()
-    wait_for(lambda: "of 225" in made.state.value, 60)
+    wait_for(lambda: len(grown) > 1 or "solving" in made.state.value, 60)
+    assert made.canvas.growing and made.canvas.before == b"" and len(made.canvas.points) > 99
     made.stop.click()
     made.wait()
-    assert (made.state.value, made.progress.value) == ("stopped", 0.0) and made.outcome is None
-    assert not made.start.disabled
+    count = len(made.outcome.alignment)
+    words = f"stopped at scan {count} of 225"
+    assert 1 <= len(grown[0][0]) < count < 225 and len(grown[0][1]) > 99
+    assert made.state.value == f"malaga: {words}; Run maps all of it"
+    assert made.outcome.verdict.grade == "doubtful" and words in made.verdict.value
+    assert not made.canvas.growing and len(made.canvas.way) == 8 * count
+    assert not made.start.disabled and words in made.runs["align_thresholds"].iloc[-1]
+    exec(made.code, names := {"log": made.log})
+    assert np.array_equal(names["map"].segments, made.outcome.map.segments)
+    made.export(tmp_path / "it.segmap")
+    kept = readers.read_session(tmp_path / "it.segmap").log
+    assert len(kept) == count and kept.causes[-1].words == words and kept.causes[-1].doubtful
+    monkeypatch.setattr(made.canvas, "save", lambda name, content: grown.append(name))
+    made.files.children[0].click()
+    assert grown[-1] == f"malaga-fusion-{words.replace(' ', '-')}.dxf"
+    made.method["tolerance"].value = 0.06
+    made.edits.square.value = True  # an edit is of what is kept
+    made.wait()
+    assert made.outcome.stopped == words
+    made.start.click()
+    made.wait()
+    assert len(made.outcome.alignment) == 225 and made.outcome.stopped == ""
+    assert words not in made.verdict.value
+
+
+def test_a_run_that_is_stopped_at_once_says_so(worker):
+    """Catches a stop that is taken for a failure, and a bar that stays where it was."""
+    made = bench(LOG, align="segment_icp")
+    made._worker = worker
+    made.stop.click()
+    made.start.click()
+    wait_for(lambda: not worker._idle.is_set() or not made._thread.is_alive(), 60)
+    worker.stop()
+    made.wait()
+    assert made.state.value in ("stopped", f"{LOG.name}: done") and not made.start.disabled
+    assert (made.outcome is None) == (made.state.value == "stopped")
 
 
 # ------------------------------------------------------------------ logs
@@ -420,6 +459,12 @@ def test_an_uploaded_file_is_read(tmp_path, worker):
     assert made.state.value.startswith("b.log: holds no scan, expected a FLASER")
     assert "damaged line 1: " in made.state.value
     assert "segmap" not in made.state.value and tempfile.gettempdir() not in made.state.value
+    assert (
+        made.state.value == made._source.wrong.value and "segmap-wrong" in made.state._dom_classes
+    )
+    assert made.start.disabled, "the next run would map a log that nobody asks for any more"
+    upload(made, "mine.log", content)
+    assert not made.start.disabled and made._source.wrong.value == ""
 
 
 @pytest.mark.parametrize(
@@ -472,8 +517,113 @@ def test_a_path_that_is_none_is_told_and_the_log_kept():
         made.open(Log("empty", []))
     with pytest.raises(ValueError, match="log must be a Log, got 'malaga'"):
         Workbench("malaga")
-    made.files.children[1].click()
-    assert made.state.value == "there is no result yet: run() makes one"
+    assert made.start.disabled and made.bundled.value == OWN
+    made.files.children[0].click()
+    assert made.state.value == "there is no map yet: press Run (or call run()) first"
+
+
+def test_a_path_may_begin_at_home(tmp_path, monkeypatch, worker):
+    """Catches `~/my.log` that is sought in a folder of that name."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    exports.write_carmen(tmp_path / "my.log", LOG)
+    made = bench()
+    made._worker = worker
+    made.path.value = "~/my.log"
+    made.wait()
+    assert made.log.name == "my" and f"segmap.read('{tmp_path}/my.log'" in made._source.expression
+
+
+def test_a_row_of_all_runs_brings_that_run_back(tmp_path):
+    """Catches the map of one run with the choices or the log of another, and a row of a session
+    that promises what is not kept."""
+    made = done()
+    first = made.outcome
+    made.open(segmap.load("room"))
+    made.align.value, made.method.value = "odometry", "hybrid"
+    made.method["angle"].value = 7
+    made.run()
+    made.canvas._handle_custom_msg({"run": 0, "beside": True}, [])
+    assert made.canvas.titles[2:] == ["", "run 0, simulated: 4"] and made.log.name == "room"
+    assert len(made.canvas.other) == 16 * len(first.reductions[0])
+    made.canvas._handle_custom_msg({"run": 0, "beside": False}, [])
+    assert made.outcome is first and made.log is LOG and made.canvas.other == b""
+    assert (made.align.value, made.method.value) == ("ground_truth", "fusion")
+    assert made.state.value == f"{LOG.name}: done" and made.figures.value == _shown.left(first)
+    made.bring_back(1)
+    assert (made.log.name, made.method["angle"].value, len(made.runs)) == ("room", 7, 2)
+    made.export(tmp_path / "it.segmap")
+    made.open(tmp_path / "it.segmap")
+    made.canvas._handle_custom_msg({"run": 0, "beside": False}, [])
+    assert made.state.value.startswith("run 0: only its figures are kept")
+    assert "segmap-run" not in made.listed.value
+
+
+def test_each_edit_is_taken_back(worker):
+    """Catches an undo of two edits at once, and one that is itself undone."""
+    made = done()
+    made._worker = worker
+    assert made.undo.disabled
+    for crop in ("0 0 9 9", "0 0 5 5"):
+        made.edits.crop.value = crop
+        made.wait()
+    made.edits.square.value = True
+    made.wait()
+    for crop in ("0.0 0.0 5.0 5.0", "0.0 0.0 9.0 9.0", ""):
+        made.undo.click()
+        made.wait()
+        assert (made.edits.crop.value, made.edits.square.value) == (crop, False)
+        assert made.outcome.recipe.edits == made.edits.value()
+    assert made.undo.disabled and len(made.outcome.map) == len(done().outcome.map)
+
+
+def test_what_cannot_be_done_is_greyed_and_why_stands_beside_its_cause(worker):
+    """Catches a button that answers with a reproach, and a fault that is far from its entry."""
+    made = bench(method="hybrid")
+    made._worker = worker
+    needs = [*made.files.children, made.shown, made.tool, made.edits.drag, *made.layers.values()]
+    assert all(each.disabled for each in needs) and made.stop.disabled
+    assert not made.start.disabled
+    made.method["angle"].value = 0
+    made.start.click()
+    made.wait()
+    assert made.method.wrong.value.startswith("angle must be") and made.method.settings.value
+    assert made.align.wrong.value == made.second.wrong.value == made.edits.wrong.value == ""
+    made.method["angle"].value, made.edits.crop.value = 5, "<b>"
+    made.start.click()
+    assert made.edits.wrong.value.startswith("crop [m] must be like") and "<b>" not in str(
+        made.edits.wrong.value
+    )
+    made.edits.crop.value = ""
+    made.start.click()
+    assert made.start.disabled and not made.stop.disabled
+    made.wait()
+    assert made.method.wrong.value == made.edits.wrong.value == ""
+    assert "segmap-wrong" not in made.state._dom_classes
+    assert not any(each.disabled for each in needs) and made.stop.disabled
+
+
+def test_layers_and_what_is_measured(worker):
+    """Catches a layer of the map before, one that is made though nobody asks, and lost units."""
+    made = done()
+    made._worker, canvas = worker, made.canvas
+    assert canvas.layers == [] and canvas.points == canvas.free == b"" and canvas.unsaved
+    assert len(canvas.way) == 8 * len(LOG) and len(canvas.sure) == 4 * len(LOG)
+    for name in ("points", "grid", "free space"):
+        made.layers[name].value = True
+    made.wait()
+    assert canvas.layers == ["points", "free space", "grid"]
+    valid = sum(int(scan.valid.sum()) for scan in LOG)
+    assert len(canvas.points) == 8 * valid and len(canvas.free) > 12
+    x, y, side = np.frombuffer(canvas.free, np.float32).reshape(-1, 3).T
+    wide, high = canvas.size
+    assert min(side) >= 0.05 * (1 - 1e-6) and max(x + side) <= wide / 2 + 1
+    assert max(y + side) <= high / 2 + 1
+    for kind, words in (("distance", "2.500 m"), ("area", "2.500 m\u00b2")):
+        canvas._handle_custom_msg({"measured": kind, "size": 2.5}, [])
+        assert made.chosen.value == words
+    made.second.value = "hybrid"
+    made.run()
+    assert canvas.points != b"", "another map has its own"
 
 
 def test_another_log_while_one_is_worked_on():
@@ -518,7 +668,7 @@ def test_what_cannot_be_pointed_at_is_told(both):
     assert "index must be" in both.state.value
     with pytest.raises(ValueError, match="which must be"):
         both.point(0, 2)
-    with pytest.raises(ValueError, match="no result yet"):
+    with pytest.raises(ValueError, match="no map yet"):
         bench().point(0)
 
 
@@ -540,7 +690,7 @@ def test_the_page_holds_what_came_of_it(both):
     outcome, rows, canvas, found = both.outcome, both.runs, both.canvas, both.outcome.reductions
     assert both.verdict.value == _shown.placed(outcome) and outcome.verdict.doubled is not None
     assert both.figures.value == _shown.left(outcome)
-    assert both.listed.value == _shown.runs_table(both._rows)
+    assert both.listed.value == _shown.runs_table(rows.to_dict("records"), {0, 1})
     assert both.listing.value == _shown.code(both.code)
     assert both.extracted.value == f"{len(outcome.map)} segments of {len(LOG)} scans"
     shown = [len(each) for each in (canvas.before, canvas.first, canvas.second)]
@@ -572,20 +722,26 @@ def test_without_anywidget_there_is_a_picture(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "segmap.panels.workbench._canvas", None)
     made = done()
     assert made.canvas is None and bytes(made.picture.value).startswith(b"\x89PNG")
-    assert len(made.point(0)) and made.picture in made._view.children[0].children[1].children
+    assert len(made.point(0)) and made.picture in made._view.children[2].children
 
 
-@pytest.mark.parametrize("end", [".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf"])
-def test_the_browser_gets_the_result_in_every_format(both, end, tmp_path, monkeypatch):
+@pytest.mark.parametrize(("name", "end"), SAVES.items())
+def test_the_browser_gets_the_result_in_every_format(both, name, end, tmp_path, monkeypatch):
     """Catches a button of another format, and one that writes the map before."""
     sent, found = [], both.outcome.reductions
+    monkeypatch.setattr(both._worker, "do", lambda function, *given: function(*given))
     monkeypatch.setattr(type(both.canvas), "save", lambda self, *given: sent.append(given))
-    (button,) = (b for b in both.files.children[1:] if b.description == end)
+    (button,) = (b for b in both.files.children if b.description == name)
     button.click()
-    both.export(tmp_path / f"map{end}")
-    assert sent == [(f"simulated-fusion{end}", (tmp_path / f"map{end}").read_bytes())]
-    if end in (".csv", ".npz"):
+    both.wait()
+    both.export(tmp_path / f"simulated-fusion{end}")
+    files = sorted(tmp_path.iterdir())
+    assert len(files) == (2 if end == ".yaml" else 1)
+    assert sent == [(path.name, path.read_bytes()) for path in files]
+    both.export(tmp_path / "map.npz")
+    assert len(readers.read_segments(tmp_path / "map.npz")) == len(found[0])
+    if end == ".csv":
         both.export(tmp_path / f"other{end}", which=1)
-        for name, reduced in zip(("map", "other"), found, strict=True):
+        for name, reduced in zip(("simulated-fusion", "other"), found, strict=True):
             read = readers.read_segments(tmp_path / f"{name}{end}")
             assert np.array_equal(read.segments, reduced.segments)

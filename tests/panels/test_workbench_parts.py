@@ -244,8 +244,13 @@ def test_a_log_is_taken_by_its_name_its_path_or_itself(source, tmp_path, monkeyp
     assert len(took) == 2, "it is there already"
     monkeypatch.chdir(tmp_path)
     path.value = "x.log"
-    ((function, given, then),) = begun
+    ((function, given, then, failed),) = begun
     assert given == (str(tmp_path), "x.log") and function.__name__ == "_read"
+    failed("x.log: <is> none")
+    assert (made.ready, made.about.value) == (False, "no log: choose one")
+    assert made.wrong.value == "x.log: &lt;is&gt; none" and made.log.name == "room"
+    bundled.value = "room"  # the same one, chosen anew
+    assert made.ready and made.wrong.value == ""
     then(LOG)
     assert made.expression == "segmap.read('x.log', on_error=\"skip\")" and bundled.value == OWN
     path.value = ""
@@ -262,7 +267,7 @@ def test_pieces_of_a_file_are_put_together(source):
     assert (bar.state.value, bar.bar.value) == ("uploading b.log, 2 of 4 MB ...", 0.5)
     assert made.take("b.log", 4_000_000, 1_000_000, b"x" * 9) == 2_000_000, "go on from here"
     assert made.take("b.log", 4_000_000, 2_000_000, b"y" * 2_000_000) == -1
-    ((_, (folder, name), _),) = begun
+    ((_, (folder, name), *_),) = begun
     kept = made._folder
     assert (folder, name) == (kept, "b.log")
     assert (Path(kept) / "b.log").read_bytes() == b"x" * 2_000_000 + b"y" * 2_000_000

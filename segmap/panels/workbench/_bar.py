@@ -1,16 +1,18 @@
-"""How far the work is: a bar, words, and the time that is left."""
+"""The work beside the page, one thing at a time: a bar, words, and the time that is left."""
 
 from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 import ipywidgets as W
 
 from ...compiled import COMPILING
 from ...files import as_html
-from ...progress import EARLY, time_left
+from ...progress import EARLY, time_left, told
+from ._job import Worker, said
 
 
 class Bar:
@@ -23,15 +25,21 @@ class Bar:
 
     def __init__(self) -> None:
         self.bar: Any = W.FloatProgress(max=1.0, layout=W.Layout(flex="1 1 90px", width="90px"))
-        self.state: Any = W.HTML()
+        self.state: Any = W.HTML(layout=W.Layout(flex="3 1 260px"))
         self.state.add_class("segmap-state")  # canvas.js makes it heard when it changes
         self._words, self._begun, self._share = "-", 0.0, 0.0
 
     def say(self, text: str, share: float | None = None) -> None:
         """One line in the place of the one before."""
+        self.state.remove_class("segmap-wrong")
         self.state.value = as_html(text)
         if share is not None:
             self.bar.value = self._share = share
+
+    def wrong(self, text: str, share: float | None = None) -> None:
+        """One line that says why something was not done, in red."""
+        self.say(text, share)
+        self.state.add_class("segmap-wrong")
 
     def tell(self, share: float, words: str) -> None:
         """Show how much is done of what."""
@@ -54,3 +62,57 @@ class Bar:
             work.join(1.0)
             if work.is_alive():
                 self.tick()
+
+
+class Work:
+    """A worker, the thread that waits for it, and the bar that is told how far it is."""
+
+    _worker: Worker
+    _thread: threading.Thread
+    _bar: Bar
+    #: Greys what cannot be done now; what is done where a function raised, and said of it.
+    _settle: Callable[..., None]
+    _failed: Callable[[Callable[..., Any]], str]
+
+    def wait(self) -> None:
+        """Wait for what a click has begun: a run, or a file that is read."""
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _begin(
+        self,
+        function: Callable[..., Any],
+        given: tuple[Any, ...],
+        then: Callable[[Any], None],
+        failed: Callable[[str], object] = str,
+    ) -> None:
+        """Call a function in the worker, and hand what it returns to another one here.
+
+        Why it did not is said, and handed to `failed`.
+        """
+        if self._thread.is_alive():
+            self._bar.wrong("something is running: wait for it, or press Stop, then try again")
+            return
+        self._bar.tell(0.0, "starting")
+        self._thread = threading.Thread(target=self._wait, args=(function, given, then, failed))
+        self._thread.daemon = True
+        self._settle(busy=True)
+        self._thread.start()
+        threading.Thread(target=self._bar.watch, args=[self._thread], daemon=True).start()
+
+    def _wait(
+        self,
+        function: Callable[..., Any],
+        given: tuple[Any, ...],
+        then: Callable[[Any], None],
+        failed: Callable[[str], object],
+    ) -> None:
+        try:
+            with told(self._bar.tell):
+                then(self._worker.do(function, *given))
+        except Exception as fault:
+            kept = self._failed(function)
+            self._bar.wrong(f"{said(fault)}{kept}", 0.0)
+            failed(said(fault))
+        finally:
+            self._settle(busy=False)

@@ -12,10 +12,11 @@ from traitlets import TraitError
 from ... import alignment, extraction, reduction
 from ..._call import Call
 from ..._recipe import BEGIN, Recipe
+from ...files import as_html
 from ...readers import Session
 from ...scans import Log
-from .._control import ENTRY, control, folded
-from ._edits import Edits
+from .._control import ENTRY, control, folded, wrong
+from ._edits import NUMBERS, Edits
 
 #: A slider goes in twentieths of the default up to ten times it.
 STEPS, TIMES = 20, 10
@@ -53,8 +54,8 @@ class Choice:
         self.picker.layout.flex, self.picker.layout.min_width = "1 1 200px", "0"
         self._box = W.Box(layout=W.Layout(**WRAP))
         self.settings: Any = folded("settings", self._box, f"settings of {name}")
-        row = W.Box([self.picker, self.settings])
-        self.view = W.VBox([row, self._box])
+        self.wrong, row = wrong(), W.Box([self.picker, self.settings])
+        self.view = W.VBox([row, self._box, self.wrong])
         self.picker.observe(self._chosen, names="value")
         self._chosen()
 
@@ -189,6 +190,17 @@ class Choices:
         except (TraitError, TypeError, KeyError, ArithmeticError) as fault:
             raise ValueError(f"the session cannot be chosen here: {fault}") from fault
 
+    def refused(self, text: str) -> None:
+        """Say why there is no run beside the control that its first word names; "" is none."""
+        word = text.replace(":", " ").partition(" ")[0]
+        for each in (self.align, self.extract, self.method, self.second):
+            own = word in each.controls
+            each.wrong.value = as_html(text) if own else ""
+            if own:
+                each.settings.value = True
+        own = word in ("north", "EPSG", "name", "latitude", "longitude", "tie", "veto", *NUMBERS)
+        self.edits.wrong.value = as_html(text) if own else ""
+
     def prepare(self) -> dict[str, Any]:
         """What is chosen for `alignment.prepared`, by the options of `segmap map`."""
         found: dict[str, Any] = {"no_deskew": not self.deskew.value}
@@ -214,6 +226,7 @@ class Choices:
         """Their controls, by the steps of the way."""
         laser = W.VBox([self.keep_body, self.clockwise, self.mount])
         fold = folded("laser", laser)
+        fold.layout.align_self = "flex-start"
         return {
             "Poses": W.VBox([self.align.view, self.deskew, fold, laser]),
             "Segments": W.VBox([self.extract.view, self.people, self.least]),

@@ -7,7 +7,7 @@ from typing import Any
 
 import ipywidgets as W
 
-from .._control import ENTRY, folded
+from .._control import ENTRY, folded, wrong
 
 #: Entries of numbers, by their options: how many, label and example.
 NUMBERS = {
@@ -47,7 +47,7 @@ class Edits:
         self.crop.layout.flex = "1 1 260px"
         cut = W.Box([self.crop, self.drag], layout=W.Layout(flex_flow="row wrap"))
         self.box = W.VBox([cut, self.place, self.north, self.crs])
-        self.open = folded("crop and place", self.box)
+        self.open, self.wrong = folded("crop and place", self.box), wrong()
 
     def value(self) -> dict[str, Any]:
         """What is edited, by the options of `segmap map`, as a session keeps it."""

@@ -21,9 +21,11 @@ import time
 from collections.abc import Callable, Sequence
 from typing import IO, Any
 
-from ..._recipe import Outcome
-from ...progress import announce, told
+from ..._recipe import Outcome, Placing
+from ...arrays import Array
+from ...progress import Stopped, announce, told
 from ...scans import Log
+from ._files import points
 
 #: What the worker begins with: it finds the package that this Python has imported.
 START = (
@@ -35,10 +37,8 @@ HERE = "what only this notebook defines runs with workbench.run()"
 Kept = dict[str, Any]
 #: A step may take so long, and is told at most every so often: seconds.
 PATIENCE, OFTEN = 0.2, 0.1
-
-
-class Stopped(Exception):
-    """The work was stopped before it was done."""
+#: What is placed so far is shown so often, seconds, and for at most this share of the time.
+SEEN, SHARE = 0.5, 0.02
 
 
 class Failed(Exception):
@@ -53,6 +53,8 @@ class Worker:
         self._kept: Kept = {}
         self._lock, self._idle, self._stopped = threading.Lock(), threading.Event(), False
         self._idle.set()
+        self._heard = threading.Event()
+        self.grown: Callable[[Array, Array], object] = lambda way, points: None
 
     def do(self, function: Callable[..., Any], *given: Any) -> Any:
         """Call `function(*given)` there, and tell here how far it says it is.
@@ -60,7 +62,7 @@ class Worker:
         Raises
         ------
         Stopped
-            Where `stop` was called meanwhile.
+            Where `stop` was called meanwhile, and the work has not kept what it had.
         Failed
             With what the function raised, or where the process ended by itself.
         """
@@ -78,6 +80,7 @@ class Worker:
             return result
         finally:
             self._idle.set()
+            self._heard.set()
 
     def _done(self, process: subprocess.Popen[bytes], work: bytes) -> Any:
         assert process.stdin is not None and process.stdout is not None
@@ -94,7 +97,10 @@ class Worker:
                     raise Failed(value)
                 if kind == "stopped":
                     raise Stopped
-                announce(*value)
+                if kind == "heard":
+                    self._heard.set()
+                else:
+                    (self.grown if kind == "grown" else announce)(*value)
         except (EOFError, OSError, ValueError, pickle.UnpicklingError):  # a pipe that was closed
             if self._process is process:
                 raise Failed("the work ended by itself: is there memory enough?") from None
@@ -117,11 +123,12 @@ class Worker:
         process = self._process
         if process is None or self._idle.is_set():
             return
+        self._heard.clear()
         if self._lock.acquire(timeout=PATIENCE):  # else a long log is on its way
             with contextlib.suppress(OSError, ValueError):
                 _send(process.stdin, None)  # type: ignore[arg-type]
             self._lock.release()
-        if not self._idle.wait(PATIENCE):
+        if not (self._heard.wait(PATIENCE) or self._idle.is_set()):
             self.end()
 
     def end(self) -> None:
@@ -180,17 +187,25 @@ def serve() -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # that is for the kernel
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    stop, last = threading.Event(), [0.0]
+    stop, told_at, seen_at = threading.Event(), 0.0, 0.0
     threading.Thread(target=_listen, args=[calls, stop], daemon=True).start()
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a method prints is no answer
 
     def hand_on(share: float, words: str) -> None:
+        nonlocal told_at, seen_at
         if stop.is_set():
+            stop.clear()  # who keeps what there is may be stopped once more
+            _send(answers, ("heard", None))
             raise Stopped
-        if share == 0 or time.monotonic() - last[0] > OFTEN:
-            last[0] = time.monotonic()
-            _send(answers, ("told", (share, words)))
+        now = time.monotonic()
+        if share == 0 or now - told_at > OFTEN:
+            told_at = now
+            _send(answers, ("told", (share, str(words))))
+        if isinstance(words, Placing) and share > 0 and now > seen_at:
+            poses = words.graph.poses
+            _send(answers, ("grown", (poses[:, :2], points(words.log, poses, sketched=True))))
+            seen_at = time.monotonic() + max(SEEN, (time.monotonic() - now) / SHARE)
 
     with contextlib.suppress(ImportError):
         import numba  # noqa: F401 -- while the user still reads the page

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,9 @@ LINES = '<div style="line-height: 1.45; overflow-x: auto; max-width: 100%">'
 CODE = "font-family: monospace; line-height: 1.4; white-space: pre; overflow-x: auto; padding: 8px"
 #: A button that canvas.js listens to: it copies what stands before it.
 COPY = '<button class="jupyter-button segmap-copy">Copy</button>'
+#: Buttons that bring a run back, or show its map beside the one that is seen.
+AGAIN = '<button class="jupyter-button segmap-run" data-run="{0}" data-way="{1}">show {1}</button>'
+WAYS = ("again", "beside")
 
 
 def heading(text: str) -> str:
@@ -89,14 +92,18 @@ def code(text: str) -> str:
     return f'<pre style="{CODE}">{as_html(text)}</pre>{COPY}'
 
 
-def runs_table(rows: Sequence[dict[str, Any]]) -> str:
-    """The latest runs, the last one first, as HTML: a bar in each cell of reduction and quality."""
+def runs_table(rows: Sequence[dict[str, Any]], kept: Container[int] = ()) -> str:
+    """The latest runs, the last one first, as HTML: a bar in each cell of reduction and quality.
+
+    Those that are kept have buttons, to which canvas.js listens, that show them again.
+    """
     head = ["run", "method", "thresholds", "left", "of", "seconds", "log", "alignment"]
     columns = ["method", "thresholds", "n_after", "n_before", "seconds", "map", "alignment"]
     first = "".join(f"<th>{word}</th>" for word in ["reduction", "quality", *head])
     body = ""
     for k, row in list(enumerate(rows))[::-1][:LATEST]:
         cells = "".join(_cell(value) for value in (k, *(row[name] for name in columns)))
+        cells += f"<td>{''.join(AGAIN.format(k, way) for way in WAYS)}</td>" * (k in kept)
         body += f"<tr>{_bar(row['reduction'])}{_bar(row['quality'])}{cells}</tr>"
     return f"{LINES}<table style='border-spacing: 8px 2px'><tr>{first}</tr>{body}</table></div>"
 

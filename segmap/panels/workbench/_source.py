@@ -15,9 +15,10 @@ import ipywidgets as W
 
 from ... import arrays, readers
 from ..._display import pip_install
-from ...files import shown
+from ...files import as_html, shown
 from ...readers import Session, read_session
 from ...scans import Log
+from .._control import wrong
 from . import _shown
 from ._bar import Bar
 from ._choices import NAME, WRAP
@@ -30,15 +31,18 @@ MOST = 100_000_000
 LARGEST = "a file up to 100 MB; larger ones by their path"
 #: The longest name of a file on usual disks, bytes.
 LONGEST = 255
-#: Calls a function elsewhere, and hands what it returns to the second one here.
-Begin = Callable[[Callable[..., Any], tuple[Any, ...], Callable[[Any], None]], None]
+#: Calls a function elsewhere, hands what it returns to a second one here, or why not to a third.
+Begin = Callable[..., None]
+#: What is said of a log while there is none: the next run would map another one.
+NO_LOG = "no log: choose one"
 
 
 class Source:
     """A log, the Python `expression` that gives it, and the controls that choose another.
 
     `taken` is called with each new log, and its session where it has one; `bar` is told why there
-    is none, and `begin` reads in the worker.
+    is none, and `begin` reads in the worker. From when another log is asked for until it is there,
+    or one that is, it is not `ready`.
     """
 
     log: Log
@@ -52,7 +56,7 @@ class Source:
         begin: Begin,
     ) -> None:
         self._taken, self._bar, self._begin = taken, bar, begin
-        self._folder = ""  # of an upload
+        self._folder, self.ready = "", True  # of an upload
         self._drop: Callable[[], object] = str
         files = readers.data_file("malaga").parent.glob("*/*.log.gz")
         self.names = sorted(path.parent.name for path in files)
@@ -64,17 +68,18 @@ class Source:
             _upload("or upload it", self.take),
         )
         bundled, path, upload = self.controls
-        self.about: Any = W.HTML()
+        self.about, self.wrong = W.HTML(), wrong()
         sent = W.Box([upload, W.Label(LARGEST)], layout=W.Layout(**WRAP))
-        self.view = W.VBox([bundled, path, sent, self.about])
+        self.view = W.VBox([bundled, path, sent, self.wrong, self.about])
         self.open(first)
         bundled.observe(self._opened, names="value")
         path.observe(self._opened, names="value")
 
-    def open(self, source: str | Path | Log) -> None:
+    def open(self, source: str | Path | Log, expression: str = "") -> None:
         """Take the log of a bundled name, of a path, or this one; `ValueError` keeps the other."""
         if isinstance(source, Log):
-            self._take(source, f"log  # {source.name!r}, the one given to Workbench")
+            given = f"log  # {source.name!r}, the one given to Workbench"
+            self._take(source, expression or given)
         elif source in self.names:
             self._take(readers.load(str(source)), f"segmap.load({source!r})")
         else:
@@ -89,26 +94,34 @@ class Source:
         if not len(log):
             raise ValueError(f"{log.name} must hold one scan at least, got none")
         self._taken(log, session)
-        self.log, self.expression = log, expression
-        self.about.value = _shown.about(log)
+        self.log, self.expression, self.ready = log, expression, True
+        self.about.value, self.wrong.value = _shown.about(log), ""
         self.controls[0].value = log.name if expression == f"segmap.load({log.name!r})" else OWN
 
     def _opened(self, change: Any) -> None:
         """A bundled log or a path was chosen; the log there is may have set its own name."""
         name = change["new"]
-        if name in self.names and self.expression != f"segmap.load({name!r})":
-            with telling(self._bar.say):
+        known = self.expression == f"segmap.load({name!r})" and self.ready
+        if name in self.names and not known:
+            with telling(self._refused):
                 self.open(name)
         elif name not in ("", OWN, *self.names):
-            self._read(Path.cwd(), name)
+            self._read(Path.cwd(), str(Path(name).expanduser()))
 
     def _read(self, folder: str | Path, name: str) -> None:
         expression = f'segmap.read({name!r}, on_error="skip")'
-        self._begin(_read, (str(folder), name), lambda log: self._take(log, expression))
+        given = (str(folder), name)
+        self._begin(_read, given, lambda log: self._take(log, expression), self._refused)
+
+    def _refused(self, text: str) -> None:
+        """Say why a log that was asked for is not there, beside what asked; nothing is run now."""
+        self.ready, self.controls[0].value = False, OWN
+        self.about.value, self.wrong.value = NO_LOG, as_html(text)
+        self._bar.wrong(text)
 
     def take(self, name: str, size: int, start: int, content: bytes) -> int:
         """Keep a piece of a file of the browser, and read it when it is whole; what comes next."""
-        with telling(self._bar.say):
+        with telling(self._refused):
             return self._taken_in(shown(Path(name.replace("\0", "")).name), size, start, content)
         return -1
 
@@ -122,6 +135,7 @@ class Source:
             raise ValueError(f"{name} has {most / 1e6:.1f} MB: only {LARGEST}")
         if start == 0:
             self.stop()
+            self.ready, self.about.value = False, NO_LOG
             self._folder = folder = tempfile.mkdtemp()
             self._drop = weakref.finalize(self, partial(shutil.rmtree, folder, ignore_errors=True))
         if not self._folder:  # it was stopped

@@ -9,13 +9,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-import ipywidgets as W
 import numpy as np
 
 from ... import arrays, exports
 from ..._display import counted
-from ..._recipe import Outcome, Recipe, begin, follow, world_of
-from ...arrays import LIMIT, Array
+from ..._recipe import Outcome, Recipe, begin, follow
+from ...arrays import Array
 from ...files import file_name, shown
 from ...plotting import thumbnail
 from ...progress import told
@@ -23,28 +22,20 @@ from ...readers import Session
 from ...reduction import Reduction
 from ...scans import Log
 from ...segments import length
-from . import _shown
-from ._bar import Bar
-from ._choices import WRAP, Choices
-from ._job import Worker, said
+from . import _files, _shown
+from ._bar import Bar, Work
+from ._choices import Choices
+from ._job import Worker
 from ._loops import Loops
+from ._page import SAVES, Page
+from ._runs import COLUMNS, Runs
 from ._source import Source, telling
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What is kept of a run, and of which type it is.
-COLUMNS: dict[str, type] = {
-    **{"map": str, "alignment": str, "align_thresholds": str, "align_seconds": float},
-    **{"extraction": str, "extract_thresholds": str, "filtered": float, "verdict": str},
-    **{"placed": float, "method": str, "thresholds": str, "n_before": int, "n_after": int},
-    **{"reduction": float, "quality": float, "seconds": float},
-}
-#: What `exports.write_segments` writes.
-FORMATS = (".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf", ".segmap")
 
-
-class Workbench:
+class Workbench(Page, Work):
     """Choose a log, an alignment, an extraction, one or two reductions; see, compare and keep.
 
     A bundled log, a path or an uploaded file is taken. *Run* works in a process of its own, which
@@ -66,11 +57,13 @@ class Workbench:
     about, state, verdict, chosen : labels
         What the log is; what happens, or why it does not; whether the map is one; what is pointed
         at.
-    shown : buttons
-        "before", "after" or "both": which maps are seen.
+    shown, tool, layers : buttons
+        "before", "after" or "both": which maps are seen; whether a click looks or measures a
+        "distance" or an "area"; what is drawn with the maps, by name.
     loops, edits : controls
         Loops left out and forced, `loops.listed`, `loops.mend`, `loops.tie`; `edits.square`,
-        `edits.crop`, `edits.place`, `edits.north`, `edits.crs`: what is edited is run at once.
+        `edits.crop`, `edits.place`, `edits.north`, `edits.crs`: what is edited is run at once, and
+        `undo` takes the last edit back.
 
     Examples
     --------
@@ -85,21 +78,26 @@ class Workbench:
         if log is not None:
             arrays.instance(log, "log", Log)
         self.outcome: Outcome | None = None
-        self._known: Outcome | None = None
-        self._rows: list[dict[str, Any]] = []
+        self._known, self._seen = cast(Outcome | None, None), cast(Outcome | None, None)
+        self._runs, self._history = Runs(), list[Mapping[str, Any]]()
+        self.listed = self._runs.listed
         self._worker, self._thread, self._bar = Worker(), threading.Thread(), Bar()
+        self._worker.grown = self._grown
         self.progress, self.state = self._bar.bar, self._bar.state
         self._choices = chosen = Choices()
         self.align, self.extract, self.least = chosen.align, chosen.extract, chosen.least
         self.people = chosen.people
         self.method, self.second, self.deskew = chosen.method, chosen.second, chosen.deskew
         self.edits, self.loops = chosen.edits, Loops(chosen.edits, self._looked, self._edited)
-        self._make_outputs()
+        self._make_outputs(self._told)
         first: str | Log = "malaga" if log is None else log
         self._source = Source(first, self._taken, self._bar, self._begin)
         self.bundled, self.path, self.upload = self._source.controls
         self.about = self._source.about
-        self._view = self._laid_out()
+        views = {"Log": self._source.view, **chosen.views()}
+        self._view = self._laid_out(views, self.listed)
+        self._connect()
+        self._settle()
 
     def open(self, source: str | Path | Log) -> None:
         """Take another log: the name of a bundled one, a path, or a Log; else the one is kept."""
@@ -113,37 +111,38 @@ class Workbench:
     def _taken(self, log: Log, session: Session | None) -> None:
         """Another log: nothing that was found holds for it; a session has choices and runs."""
         self._known = None
+        self._history.clear()
         self._choices.begin(log)
         words = ""
         if session is not None:
             self._choices.restore(session)
-            rows = [{name: row.get(name) for name in COLUMNS} for row in session.runs]
-            self._rows = [row for row in rows if _is_run(row)]
-            self.listed.value = _shown.runs_table(self._rows)
-            if refused := len(rows) - len(self._rows):
-                words = f"; {refused} of its {counted(len(rows), 'run')} left out: no row of a run"
+            if refused := self._runs.take(session.runs):
+                count = counted(len(session.runs), "run")
+                words = f"; {refused} of its {count} left out: no row of a run"
         self._bar.say(f"{log.name}: ready to run{words}", 0.0)
 
     # --------------------------------------------------------------------- a run
     def run(self) -> None:
         """Do it, here and now, and show it; where a method refuses, the run before stays."""
         with told(self._bar.tell):
-            self._show(self.log, follow(*self._work()))
+            self._show(self.log, follow(*self._work(anew=True)))
+        self._settle()
 
-    def wait(self) -> None:
-        """Wait for what a click has begun: a run, or a file that is read."""
-        if self._thread.is_alive():
-            self._thread.join()
-
-    def _work(self) -> tuple[Recipe, Log, Outcome | None]:
-        recipe = self._choices.recipe(self._source.expression)
-        return recipe, self.log, self._known
+    def _work(self, *, anew: bool = False) -> tuple[Recipe, Log, Outcome | None]:
+        """What is to be done, on what is known; of a run that was stopped nothing, if anew."""
+        known = None if anew and self._known is not None and self._known.stopped else self._known
+        return self._choices.recipe(self._source.expression), self.log, known
 
     def _start(self, button: object = None) -> None:
         """Do it in the worker, and show it when it is done."""
-        with telling(self._bar.say):
-            work = self._work()
-            self._begin(begin, work, partial(self._reduce, *work[:2]))
+        with telling(self._wrong):
+            work = self._work(anew=button is not None)
+            self._begin(begin, work, partial(self._reduce, *work[:2]), self._choices.refused)
+
+    def _grown(self, way: Array, points: Array) -> None:
+        """Show the scans that are placed so far."""
+        if self.canvas is not None:
+            self.canvas.grow(way, points, f"scan {len(way)} of {len(self.log)}")
 
     def _reduce(self, recipe: Recipe, log: Log, begun: Outcome) -> None:
         """Show a new map while it is reduced, and then what is left of it."""
@@ -161,43 +160,67 @@ class Workbench:
     def _looked(self, way: Array, scans: Sequence[int]) -> None:
         """Show the way on the map, and two scans on it; or no longer."""
         if self.canvas is not None:
-            self.canvas.look(way, scans)
+            self.canvas.looked_at = [*scans]
 
-    def _drawn(self, corners: list[float]) -> None:
-        """A rectangle was drawn on the map."""
-        self.edits.drag.value, self.edits.crop.value = False, " ".join(map(str, corners))
+    def _undo(self, button: object) -> None:
+        """Take the last edit back."""
+        if len(self._history) > 1:
+            self._history.pop()
+            known, self._known = self._known, None  # nothing is run while they are set
+            self.edits.restore(self._history[-1])
+            self._known = known
+            self._start()
 
-    def _begin(
-        self, function: Callable[..., Any], given: tuple[Any, ...], then: Callable[[Any], None]
-    ) -> None:
-        """Call a function in the worker, and hand what it returns to another one here."""
-        if self._thread.is_alive():
-            self._bar.say("something is running: wait for it, or press Stop, then try again")
-            return
-        self.start.disabled = True
-        self._bar.tell(0.0, "starting")
-        self._thread = threading.Thread(target=self._wait, args=(function, given, then))
-        self._thread.daemon = True
-        self._thread.start()
-        threading.Thread(target=self._bar.watch, args=[self._thread], daemon=True).start()
+    def _told(self, said: Mapping[str, Any]) -> None:
+        """What was done on the map, or in the table of the runs."""
+        with telling(self._bar.wrong):
+            if "scan" in said:
+                self.loops.picked(int(said["scan"]))
+            elif "rectangle" in said:
+                corners = np.reshape(said["rectangle"], (2, 2)) + self.canvas.middle
+                text = " ".join(map(str, corners.ravel().round(2).tolist()))
+                self.edits.drag.value, self.edits.crop.value = False, text
+            elif "measured" in said:
+                unit = "m\N{SUPERSCRIPT TWO}" if said["measured"] == "area" else "m"
+                self.chosen.value = f"{float(said['size']):.3f} {unit}"
+            elif "run" in said:
+                self.bring_back(int(said["run"]), beside=bool(said["beside"]))
 
-    def _wait(
-        self, function: Callable[..., Any], given: tuple[Any, ...], then: Callable[[Any], None]
-    ) -> None:
-        kept = ". The last good run is kept." if self.outcome and function is begin else ""
-        try:
-            with told(self._bar.tell):
-                then(self._worker.do(function, *given))
-        except Exception as fault:
-            if self.outcome is not None and self.outcome.given is self.log:
-                # what cannot be is not tried again
-                self.edits.take_loops(self.outcome.recipe.edits)
-                if self._known is not self.outcome:
-                    self._show_map(self.outcome)
-                    self._known = self.outcome
-            self._bar.say(f"{said(fault)}{kept}", 0.0)
-        finally:
-            self.start.disabled = False
+    def bring_back(self, run: int, *, beside: bool = False) -> None:
+        """Show a run of the table again, with all that was chosen; or only its map, beside ours."""
+        if run not in self._runs.made:
+            raise ValueError(f"run {run}: only its figures are kept, choose it and press Run")
+        outcome = self._runs.made[run]
+        if beside and self.canvas is not None:
+            left = outcome.reductions[0]
+            title = f"run {run}, {shown(outcome.given.name)}: {len(left)}"
+            self.canvas.beside(left.segments, title)
+        elif self._thread.is_alive():
+            raise ValueError("something is running: wait for it, or press Stop, then try again")
+        else:
+            self._source.open(outcome.given, outcome.recipe.log)
+            self._choices.restore(outcome.recipe.session(outcome.given, ()))
+            self._show(outcome.given, outcome)
+            self._settle()
+
+    def _failed(self, function: Callable[..., Any]) -> str:
+        """Show the last good run again, and say that it is kept."""
+        if self.outcome is not None and self.outcome.given is self.log:
+            # what cannot be is not tried again
+            self.edits.take_loops(self.outcome.recipe.edits)
+            if self._known is not self.outcome:
+                self._show_map(self.outcome)
+                self._known = self.outcome
+        if self.canvas is not None and self.canvas.growing:
+            self.canvas.growing = False
+            if self.outcome is not None:
+                self._show_map(self.outcome)
+        return ". The last good run is kept." if self.outcome and function is begin else ""
+
+    def _wrong(self, text: str) -> None:
+        """What was refused, in the line of the state and beside what caused it."""
+        self._bar.wrong(text)
+        self._choices.refused(text)
 
     def _stop(self, button: object = None) -> None:
         self._source.stop()
@@ -205,14 +228,17 @@ class Workbench:
 
     def _show(self, log: Log, outcome: Outcome) -> None:
         self.outcome = outcome
-        new = outcome.rows(log.name)
-        self._rows += [row for row in new if row not in self._rows]  # the other one may be known
+        self._runs.add(outcome)
         self._show_map(outcome)
-        self._known = outcome if log is self.log else None  # another may be chosen meanwhile
+        self._known = None
+        if log is self.log:  # another may be chosen meanwhile
+            self._known = outcome
+            if self._history[-1:] != [outcome.recipe.edits]:
+                self._history.append(outcome.recipe.edits)
         self.figures.value = _shown.left(outcome)
-        self.listed.value = _shown.runs_table(self._rows)
-        self.listing.value = _shown.code(outcome.recipe.code())
-        self._bar.say("done", 1.0)
+        self.listing.value = _shown.code(outcome.code())
+        words = f"{outcome.stopped}; Run maps all of it" if outcome.stopped else "done"
+        self._bar.say(f"{outcome.given.name}: {words}", 1.0)
         self.chosen.value = "point at a segment that is left: what it was made of lights up"
 
     def _show_map(self, outcome: Outcome) -> None:
@@ -221,7 +247,15 @@ class Workbench:
         if self.canvas is not None:
             found = [each.segments for each in outcome.reductions] if done else []
             wait = [f"before: {len(map)} segments", "not reduced yet"]
-            self.canvas.show(map.segments, found, _shown.titles(outcome) if done else wait)
+            poses, loops = outcome.alignment.poses, outcome.alignment.loops()
+            ends = loops[["x_first", "y_first", "x_second", "y_second"]].to_numpy(float)
+            layers = {"way": poses[:, :2], "sure": outcome.alignment.sure}
+            layers["loops"] = ends.reshape(-1, 2, 2)
+            titles = _shown.titles(outcome) if done else wait
+            self.canvas.show(map.segments, found, titles, layers)
+            self.canvas.unsaved, self._seen = True, outcome
+            self.layers["free space"].value = False  # that was of another map
+            self._layered()
             self.canvas.summary = _shown.summary(outcome, self.canvas.size) if done else ""
         elif done:
             self.picture.value = _shown.still(outcome)
@@ -233,22 +267,23 @@ class Workbench:
     def _is_shown(self, outcome: Outcome) -> bool:
         """Whether its map is seen already: who looks at two scans is not disturbed then."""
         known = self._known
-        if known is None or known.recipe.mends() != outcome.recipe.mends():
+        if known is None or (self.canvas is not None and self.canvas.growing):
             return False
-        return np.array_equal(known.map.segments, outcome.map.segments)
+        mended = known.recipe.mends() != outcome.recipe.mends()
+        return not mended and np.array_equal(known.map.segments, outcome.map.segments)
 
     # --------------------------------------------------------------------- what came out
     @property
     def code(self) -> str:
         """Python that makes what is shown; nothing before the first run."""
-        return self.outcome.recipe.code() if self.outcome else ""
+        return self.outcome.code() if self.outcome else ""
 
     @property
     def runs(self) -> pd.DataFrame:
         """A row for each method of each run."""
         import pandas as pd
 
-        return pd.DataFrame(self._rows, columns=list(COLUMNS))
+        return pd.DataFrame(self._runs.rows, columns=list(COLUMNS))
 
     def point(self, index: int, which: int = 0) -> Array:
         """Point at a segment that a method left, as the mouse does: its members, `(k, 2, 2)`.
@@ -279,84 +314,77 @@ class Workbench:
         A name that ends in `.segmap` keeps the log with all that is chosen, and the runs.
         """
         if arrays.file(path).suffix.lower() == ".segmap":
-            session = self._work()[0].session(self.log, self._rows)
+            held = self.outcome if self._known is self.outcome else None
+            log = held.given if held and held.stopped else self.log
+            session = self._work()[0].session(log, self._runs.rows)
             exports.write_session(path, session)
         else:
-            result = self._result(which)
-            world = world_of(cast(Outcome, self.outcome).recipe.edits)
-            exports.write_segments(path, result, world=world)
+            self._result(which)
+            _files.write(path, cast(Outcome, self.outcome), which)
 
     def _download(self, button: Any) -> None:
         """Hand the first result to the browser."""
-        with telling(self._bar.say), tempfile.TemporaryDirectory() as folder:
-            method = self._result().method
-            name = cast(Outcome, self.outcome).given.name
-            path = Path(folder) / file_name(f"{name}-{method}{button.description}")
-            self.export(path)
-            self.canvas.save(path.name, path.read_bytes())
+        end = SAVES[button.description]
+        with telling(self._bar.wrong):
+            way = [self.log.name, self._result().method]
+            way.append(cast(Outcome, self.outcome).stopped.replace(" ", "-"))
+            name = file_name("-".join(filter(None, way)) + end)
+            if end == ".yaml":  # its cells take seconds
+                self._begin(_files.written, (self.outcome, name), self._save)
+                return
+            with tempfile.TemporaryDirectory() as folder:
+                self.export(path := Path(folder) / name)
+                self._save({name: path.read_bytes()})
+
+    def _save(self, files: Mapping[str, bytes]) -> None:
+        for name, content in files.items():
+            self.canvas.save(name, content)
+        self.canvas.unsaved = not any(name.endswith(".segmap") for name in files)
+        self._bar.say(f"saved: {', '.join(files)}", 1.0)
 
     def _result(self, which: int = 0) -> Reduction:
         if self.outcome is None:
-            raise ValueError("there is no result yet: run() makes one")
+            raise ValueError("there is no map yet: press Run (or call run()) first")
         found = self.outcome.reductions
         return found[arrays.whole(which, "which", least=0, most=len(found) - 1)]
 
     # --------------------------------------------------------------------- how it looks
-    def _make_outputs(self) -> None:
-        self.start = W.Button(description="Run", style={"button_color": "#0072b2"})
-        self.start.style.text_color = "white"
-        self.stop = W.Button(description="Stop")
-        for button, done in ((self.start, self._start), (self.stop, self._stop)):
-            button.layout.width = "80px"
+    def _connect(self) -> None:
+        """What is done where a control is touched."""
+        pressed = {self.start: self._start, self.stop: self._stop, self.undo: self._undo}
+        for button, done in (pressed | dict.fromkeys(self.files.children, self._download)).items():
             button.on_click(done)
-        self.verdict, self.extracted, self.figures, self.chosen = (W.HTML() for _ in range(4))
-        wide = {"width": "100%", "overflow": "auto"}
-        self.listed, self.listing = (W.HTML(layout=W.Layout(**wide)) for _ in range(2))
-        named = [W.Button(description=end, tooltip="save the first result") for end in FORMATS]
-        for button in named:
-            button.layout.width = "auto"
-            button.on_click(self._download)
-        self.files = W.Box([W.Label("Save the first result as"), *named], layout=W.Layout(**WRAP))
-        self.picture: Any = W.Image(format="png")
-        self.shown: Any = W.ToggleButtons(options=["before", "after", "both"], value="after")
-        self.shown.style.button_width = "80px"
         for control in self.edits.controls:
             control.observe(self._edited, names="value")
-        for control in (self.loops.mend, self.loops.tie, *self.edits.controls):
-            W.dlink((self.start, "disabled"), (control, "disabled"))
-        try:
-            from ._canvas import Canvas
-        except ImportError:  # anywidget is not installed: a picture instead
-            self.canvas: Any = None
+        for layer in self.layers.values():
+            layer.observe(self._layered, names="value")
+        self.about.observe(self._settle, names="value")
+        if self.canvas is not None:
+            self.canvas.observe(self._pointed, names="pointed")
+
+    def _settle(self, change: Any = None, busy: bool | None = None) -> None:
+        """Grey what cannot be done now."""
+        busy, done = self._thread.is_alive() if busy is None else busy, self.outcome is not None
+        edited = len(self._history) > 1
+        if busy:
+            self._choices.refused("")
+        self._grey(ready=self._source.ready, busy=busy, done=done, edited=edited)
+
+    def _layered(self, change: Any = None) -> None:
+        """What is drawn with the maps; what takes time is made when it is first asked for."""
+        on, canvas = [name for name, each in self.layers.items() if each.value], self.canvas
+        canvas.layers = on
+        if (made := self._seen) is None:
             return
-        self.canvas = Canvas(self.loops.picked, self._drawn, layout=W.Layout(width="100%"))
-        W.link((self.edits.drag, "value"), (self.canvas, "drawing"))
-        self.canvas.observe(self._pointed, names="pointed")
-        W.link((self.shown, "value"), (self.canvas, "shown"))
+        if "points" in on and not canvas.points:
+            canvas.points = canvas.packed(_files.points(made.log, made.alignment.trusted))
+        if "free space" in on and not canvas.free and not self._thread.is_alive():
+            self._begin(_files.free_space, (made,), self._freed)
 
-    def _laid_out(self) -> Any:
-        """The way from step to step at the left, the map at the right; above it where it is narrow.
-
-        All runs below.
-        """
-        found = (None, self.verdict, self.extracted, self.figures)
-        views = {"Log": self._source.view, **self._choices.views()}
-        steps: list[Any] = []
-        for k, ((name, view), told_of) in enumerate(zip(views.items(), found, strict=True)):
-            steps += [W.HTML(_shown.heading(f"{k + 1}  {name}")), view, *filter(None, [told_of])]
-        run = W.Box([self.start, self.stop, self.progress], layout=W.Layout(**WRAP))
-        seen = [self.picture] if self.canvas is None else [self.shown, self.canvas]
-        files = [] if self.canvas is None else [self.files]
-        way = W.VBox(steps, layout=W.Layout(flex="1 1 310px", min_width="0", max_width="100%"))
-        parts = [self.loops.open, self.edits.open, self.edits.square]
-        mend = [W.Box(parts, layout=W.Layout(**WRAP)), self.loops.box, self.edits.box]
-        mend = [W.HTML(_shown.heading("Mend the map")), *mend]
-        right = [run, self.state, *seen, self.chosen, *files, *mend]
-        maps = W.VBox(right, layout=W.Layout(flex="3 1 540px", min_width="0"))
-        both = W.Box([way, maps], layout=W.Layout(flex_flow="row wrap", grid_gap="4px 24px"))
-        runs = [W.HTML(_shown.heading("All runs")), self.listed]
-        code = [W.HTML(_shown.heading("In Python")), self.listing]
-        return W.VBox([both, *runs, *code], layout=W.Layout(width="100%", max_width="1500px"))
+    def _freed(self, squares: Array) -> None:
+        squares[:, :2] -= self.canvas.middle
+        self.canvas.free = squares.astype(np.float32).tobytes()
+        self._bar.say(f"{self.log.name}: free space", 1.0)
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         """The live panel, and for readers without a kernel its picture and its text."""
@@ -369,15 +397,3 @@ class Workbench:
         if self.outcome is None:
             return f"Workbench({shown(self.log.name)}: not run yet)"
         return f"Workbench({shown(self.outcome.given.name)}: {self.outcome.words()})"
-
-
-def _is_run(row: Mapping[str, object]) -> bool:
-    """Whether all values of a row have the type of their column; whole numbers are numbers too."""
-    kinds = {int: (int,), float: (int, float), str: (str,)}
-    for name, kind in COLUMNS.items():
-        value = row[name]
-        if type(value) not in kinds[kind]:
-            return False
-        if isinstance(value, int | float) and not abs(value) < LIMIT:
-            return False
-    return True

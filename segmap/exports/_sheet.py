@@ -1,0 +1,140 @@
+"""A map of segments on a sheet of paper, at a scale that a ruler reads."""
+
+from __future__ import annotations
+
+import io
+import textwrap
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import arrays
+from ..arrays import Array, Segments, checked
+from ..files import shown, write_bytes
+from ._world import Direction
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: A4, its margins and the band of words below the map, millimetres; an inch has so many.
+SHORT, LONG, EDGE, BAND, INCH = 210.0, 297.0, 12.0, 30.0, 25.4
+#: Scales, the 100 of 1 : 100, and bars are one of these times a power of ten; scales at least so.
+ROUND = (1, 2, 2.5, 5, 10)
+SMALLEST = 20.0
+#: Length of a bar at least, millimetres.
+BAR = 25.0
+#: Width of walls, millimetres; letters of a line of words, and dots an inch of a picture.
+WALL, LETTERS, DOTS = 0.35, 95, 200
+ENDS = (".pdf", ".svg", ".png")
+
+
+@checked
+def write_sheet(
+    path: str | Path,
+    map: Segments,
+    *,
+    title: str = "",
+    verdict: str = "",
+    date: str = "",
+    north: Direction | None = None,
+) -> None:
+    """Write a sheet to print: the map at a round scale, its bar, north, title, date and verdict.
+
+    Of A4, upright or lying as the map is: printed in its true size, 1 : 100 shows a metre as a
+    centimetre.
+
+    Parameters
+    ----------
+    path : str or Path
+        Ends in `.pdf`, `.svg` or `.png`.
+    map : SegmentMap, Reduction or (n, 2, 2) array
+        Metres.
+    title, verdict, date : str
+        What the sheet says: `alignment.verdict_on(map).words` tells how far it can be trusted.
+    north : float, radians
+        Where north is in the map, counter-clockwise from x; by default the sheet shows y instead.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "room.svg"
+    ...     write_sheet(path, [[(0, 0), (4, 0)], [(4, 0), (4, 3)]], title="room")
+    ...     text = path.read_text(encoding="utf-8")
+    >>> "1 : 20" in text, "room" in text
+    (True, True)
+    """
+    place, segments = arrays.file(path), arrays.segments(map, "map")
+    end = place.suffix.lower()
+    if end not in ENDS:
+        raise ValueError(f"path: the name must end in {', '.join(ENDS)}, got {place.name!r}")
+    import matplotlib
+
+    rules: Any = {"svg.fonttype": "none", "svg.hashsalt": "segmap", "pdf.fonttype": 42}
+    with matplotlib.rc_context(rules), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # a letter that no font here has
+        figure = _drawn(segments, [shown(text) for text in (title, verdict, date)], north)
+        kept, dated = io.BytesIO(), {".pdf": "CreationDate", ".svg": "Date"}
+        metadata = {dated[end]: None} if end in dated else {}
+        figure.savefig(kept, format=end[1:], dpi=DOTS, metadata=metadata)
+    write_bytes(place, kept.getvalue())
+
+
+def rounded_up(least: float) -> float:
+    """The next of 1, 2, 2.5 and 5 times a power of ten.
+
+    Examples
+    --------
+    >>> rounded_up(60.0), rounded_up(0.11), rounded_up(200.0)
+    (100.0, 0.2, 200.0)
+    """
+    ten = 10.0 ** np.floor(np.log10(least))
+    return float(next(k * ten for k in ROUND if k * ten >= least * (1 - 1e-9)))
+
+
+def _drawn(segments: Array, words: list[str], north: float | None) -> Figure:
+    from matplotlib.collections import LineCollection
+    from matplotlib.figure import Figure
+
+    ends = segments.reshape(-1, 2) if len(segments) else np.zeros((1, 2))
+    low, high = ends.min(0), ends.max(0)
+    wide, tall = high - low
+    page = np.array([LONG, SHORT] if wide > tall else [SHORT, LONG])
+    room = page - [2 * EDGE, 2 * EDGE + BAND]
+    scale = rounded_up(max(SMALLEST, 1000 * wide / room[0], 1000 * tall / room[1]))
+    figure = Figure(tuple(page / INCH))
+    ax = figure.add_axes((0, 0, 1, 1))  # millimetres of the paper
+    ax.set(xlim=(0, page[0]), ylim=(0, page[1]))
+    ax.set_axis_off()
+    middle = np.array([page[0] / 2, EDGE + BAND + room[1] / 2])
+    placed = (segments - (low + high) / 2) * 1000 / scale + middle
+    dot = 72 / INCH  # points a millimetre
+    ax.add_collection(LineCollection(list(placed), colors="black", linewidths=WALL * dot))
+    title, verdict, date = words
+    plain: dict[str, Any] = {"parse_math": False, "va": "top"}
+    ax.text(EDGE, EDGE + BAND - 6, title, fontsize=14, weight="bold", **plain)
+    lines = "\n".join(textwrap.wrap(verdict, LETTERS)[:3])
+    ax.text(EDGE, EDGE + BAND - 14, lines, fontsize=9, **plain)
+    right = page[0] - EDGE
+    told = "  ".join(filter(None, [f"1 : {scale:g}", date]))
+    ax.text(right, EDGE + BAND - 6, told, fontsize=11, ha="right", **plain)
+    _bar(ax, right, EDGE + 4, scale)
+    angle = np.pi / 2 if north is None else north
+    tip = 9 * np.array([np.cos(angle), np.sin(angle)])
+    foot = np.array([right - 10, EDGE + BAND + room[1] - 18])
+    ax.annotate(
+        "", tuple(foot + tip), tuple(foot), arrowprops={"arrowstyle": "-|>", "color": "black"}
+    )
+    x, y = foot + 1.4 * tip
+    ax.text(x, y, "y" if north is None else "N", fontsize=11, ha="center", va="center")
+    return figure
+
+
+def _bar(ax: Any, right: float, low: float, scale: float) -> None:
+    """A bar of a round length, with its words."""
+    metres = rounded_up(BAR * scale / 1000)
+    size = 1000 * metres / scale
+    ax.plot([right - size, right], [low, low], color="black", linewidth=3, solid_capstyle="butt")
+    ax.text(right - size, low + 1.5, f"{metres:g} m", fontsize=9)

@@ -1,0 +1,67 @@
+"""What is written of an outcome, and the layers that are made of it when they are asked for."""
+
+from __future__ import annotations
+
+import datetime
+import math
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from ... import exports
+from ..._recipe import Outcome, cropped, world_of
+from ...arrays import Array
+from ...poses import transform
+from ...quadtree import QuadtreeMap, build_map
+from ...scans import Log
+
+#: Sides of the cells of a map for a robot, metres.
+CELL = 0.05
+#: Of so many scans points are drawn at most, and while a map grows.
+MOST_SCANS, SKETCHED = 400, 120
+#: Leaves of at most this occupancy are free, as in `exports.write_ros_map`.
+FREE = 0.25
+
+
+def write(path: str | Path, outcome: Outcome, which: int = 0) -> None:
+    """Write what a method leaves in the format that the end of the name asks for."""
+    reduced, end = outcome.reductions[which], Path(path).suffix.lower()
+    if end == ".yaml":
+        exports.write_ros_map(path, cells(outcome))
+    elif end in (".pdf", ".png"):
+        words = {"title": outcome.given.name, "verdict": outcome.verdict.words}
+        today = datetime.date.today().isoformat()
+        degrees = outcome.recipe.edits.get("north")
+        north = None if degrees is None else math.radians(degrees[0])
+        exports.write_sheet(path, reduced, **words, date=today, north=north)
+    else:
+        exports.write_segments(path, reduced, world=world_of(outcome.recipe.edits))
+
+
+def written(outcome: Outcome, name: str) -> dict[str, bytes]:
+    """The files that `write` makes, by their names."""
+    with tempfile.TemporaryDirectory() as folder:
+        write(Path(folder) / name, outcome)
+        return {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
+
+
+def cells(outcome: Outcome) -> QuadtreeMap:
+    """The quadtree of an outcome: what is occupied and what is free."""
+    tree = build_map(outcome.seen, outcome.alignment.trusted, resolution=CELL)
+    return cropped(tree, outcome.recipe.edits.get("crop"))
+
+
+def free_space(outcome: Outcome) -> Array:
+    """Squares that beams crossed, `(n, 3)`: lower left corner and side, metres."""
+    tree = cells(outcome)
+    x, y, side = tree.leaves()[:3]
+    return np.stack([x, y, side], -1)[tree.leaf_occupancy() <= FREE]
+
+
+def points(log: Log, poses: Array, *, sketched: bool = False) -> Array:
+    """Where beams of scans ended, `(n, 2)`, metres: all that can be drawn, or a sketch of them."""
+    known = np.flatnonzero(np.isfinite(poses).all(1))
+    scans = known[:: 1 + len(known) // (SKETCHED if sketched else MOST_SCANS)]
+    found = [transform(poses[k], log[int(k)].points()[:: 1 + sketched]) for k in scans]
+    return np.concatenate([np.zeros((0, 2)), *found])
