@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +13,10 @@ from .. import exports
 from .._display import counted
 from .._recipe import Outcome
 from ..alignment import Alignment
+from ..files import shown, writable
 from ..scans import Log
 from . import opening
+from ._locate import states
 from ._words import Report
 
 #: What -o may end in.
@@ -26,10 +27,11 @@ def add(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
         "convert",
-        help="write a log, its path or its pose graph, for other programs",
+        help="write a log, its path or its pose graph, for other programs; a map for ROS as .npz",
         epilog=opening.examples(
             "convert my.bag -o my.log                     for CARMEN",
             "convert malaga --align pose_graph -o malaga.tum",
+            "convert room.yaml -o room.npz                a map for ROS",
             "convert malaga --align pose_graph -o malaga.g2o",
         ),
     )
@@ -41,7 +43,25 @@ def add(commands: Any) -> None:
         SUFFIXES,
         "the log for CARMEN or as arrays (.npz), its path (.tum), its graph (.g2o)",
     )
-    command.set_defaults(run=partial(opening.each_log, work=convert, check=check))
+    command.set_defaults(run=run)
+
+
+def run(given: argparse.Namespace) -> int:
+    """Convert each log, or one map for ROS."""
+    if not exports.is_ros_map(given.logs[0]):
+        return opening.each_log(given, convert, check=check)
+    if len(given.logs) > 1 or len(given.output) != 1 or not given.output[0].endswith(".npz"):
+        given.refuse("a map for ROS becomes one file: `segmap convert map.yaml -o map.npz`")
+    (source,), (target,) = given.logs, given.output
+    report = Report(source, json=given.json, quiet=given.quiet)
+    path = writable(Path(target))
+    map = exports.read_ros_map(source)
+    map.save(path)
+    report.say(f"{shown(source)}: a map for ROS")
+    report.line("map", states(map))
+    report.line("written", target, files=[target])
+    report.end()
+    return 0
 
 
 def check(given: argparse.Namespace) -> None:

@@ -9,13 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from .. import _warm, quadtree, readers
+from .. import _warm, exports, quadtree, readers
+from ..files import shown
 from ..matching import localize
 from ..progress import each
 from ..scans import Log
 from ..segments import SegmentMap
 from ._words import Report, metres, percent
-from .opening import NO_MAP, add_logs, each_log, examples
+from .opening import NO_MAP, add_logs, each_log, examples, is_log, is_session
+
+#: Pictures that the YAML of a map for ROS names.
+PICTURES = (".pgm", ".png", ".bmp")
 
 
 def add(commands: Any) -> None:
@@ -29,19 +33,46 @@ def add(commands: Any) -> None:
         ),
     )
     command.add_argument(
-        "map", type=Path, metavar="MAP", help="of `segmap occupancy` or `segmap map`: .npz, .csv"
+        "map",
+        type=Path,
+        metavar="MAP",
+        help="of `segmap occupancy` or `segmap map`, .npz or .csv; or for ROS, .yaml",
     )
     add_logs(command)
     command.set_defaults(run=partial(each_log, work=locate_log, check=check))
 
 
 def check(given: argparse.Namespace) -> None:
-    """Read the map."""
-    given.known = read_map(given.map)
+    """Read the map; a log in its place is no map yet."""
+    name = shown(given.map)
+    if given.map.suffix.lower() in PICTURES:
+        given.refuse(f"{name} is a picture: name the .yaml that belongs to it")
+    try:
+        given.known = read_map(given.map)
+    except ValueError:
+        if is_a_log(given.map):
+            given.refuse(
+                f"{name} is a log, and locate wants a map first: `segmap occupancy {name} -o "
+                f"map.npz` makes one, then `segmap locate map.npz LOG`"
+            )
+        raise
+
+
+def is_a_log(path: Path) -> bool:
+    """Whether a log is there, or one of that name comes with segmap."""
+    if path.exists():
+        return is_session(str(path)) or is_log(path)
+    try:
+        readers.load(str(path))
+    except ValueError:
+        return False
+    return True
 
 
 def read_map(path: Path) -> quadtree.QuadtreeMap | SegmentMap:
-    """A map of squares, or one of segments."""
+    """A map of squares, ours or for ROS, or one of segments."""
+    if exports.is_ros_map(path):
+        return exports.read_ros_map(path)
     if path.suffix.lower() == ".npz":
         try:
             return quadtree.QuadtreeMap.load(path)
@@ -50,8 +81,20 @@ def read_map(path: Path) -> quadtree.QuadtreeMap | SegmentMap:
     return readers.read_segments(path)
 
 
+def states(map: quadtree.QuadtreeMap) -> str:
+    """What a map for ROS tells: three states, and no counts."""
+    value, side = map.leaf_occupancy(), map.leaves().side
+    free, occupied = (float((side[kind] ** 2).sum()) for kind in (value < 0.5, value > 0.5))
+    return (
+        f"{free:.1f} m2 free, {occupied:.1f} m2 occupied, the rest unknown: how often each cell "
+        "was seen is not in a map for ROS"
+    )
+
+
 def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Say where the last scan is, since when the robot is found, and how often it was lost."""
+    if exports.is_ros_map(given.map):
+        report.line("map", states(given.known))
     _warm.dispatch(["quadtree all", "matching all"])
     scans = each(log, "placing scan")
     beliefs = list(localize(given.known, scans, rng=np.random.default_rng(0)))

@@ -2,6 +2,7 @@
 
 from ._build import build_map, extent, free_ends, without_passers
 from ._frontiers import Frontier, frontiers
+from ._grid import FREE, OCCUPIED, UNKNOWN, map_of_grid
 from ._map import QuadtreeMap
 from ._smeared import smeared_walls
 from ._squares import NINE, Squares

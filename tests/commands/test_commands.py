@@ -475,6 +475,32 @@ def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
     assert code == 1 and "none.npz" in error
 
 
+def test_a_map_for_ros_is_a_map_and_no_log(run):
+    """Catches our own map that we cannot read, one that is merged, and a log in a map's place."""
+    log = segmap.load("room")
+    map = segmap.quadtree.build_map(log, log.truth, resolution=0.05)
+    exports.write_ros_map("it.yaml", map)
+    code, said, _ = run("locate", "it.yaml", "room", "--json")
+    found = json.loads(said)
+    assert code == 0 and "the rest unknown" in found["map"]["text"]
+    place = np.array([found["place"]["x"], found["place"]["y"]])
+    assert np.hypot(*(place - log.truth[-1, :2])) < 0.1
+    for words in (("merge", "it.yaml", "room"), ("merge", "room", "it.yaml"), ("map", "it.yaml")):
+        code, said, beside = run(*words)
+        assert code == 2 and said == "" and "`segmap locate it.yaml LOG` finds" in beside
+    code, said, _ = run("convert", "it.yaml", "-o", "it.npz")
+    assert code == 0 and "m2 occupied" in said and "written   it.npz" in said
+    kept = QuadtreeMap.load("it.npz")
+    assert np.array_equal(exports.ros_classes(kept).greys, exports.ros_classes(map).greys)
+    for words, told in (
+        (("locate", "room", "room"), "room is a log, and locate wants a map first"),
+        (("locate", "it.pgm", "room"), "it.pgm is a picture: name the .yaml"),
+        (("convert", "it.yaml", "-o", "it.log"), "a map for ROS becomes one file"),
+    ):
+        code, _, beside = run(*words)
+        assert code == 2 and told in beside
+
+
 # ------------------------------------------------------------------------------ usage
 @pytest.mark.parametrize(
     ("words", "said"),

@@ -122,6 +122,7 @@ def bounded(tmp_path_factory):
         exports.write_segments(folder / name, MAP)
     exports.write_session(folder / "it.segmap", GOOD["session"])
     exports.write_graph(folder / "graph.g2o", GOOD["write_graph.graph"])
+    exports.write_ros_map(folder / "ros.yaml", GOOD["exports.map"])
     experiments.write_records(GOOD["frame"], folder / "runs.csv")
     for name in ("alignment.csv", "walls.csv"):
         (folder / name).write_bytes(readers.data_file(f"records/{name}").read_bytes())

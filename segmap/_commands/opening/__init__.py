@@ -10,6 +10,7 @@ from ._logs import (
     concluded,
     each_log,
     finished,
+    is_log,
     is_session,
     log_of,
 )

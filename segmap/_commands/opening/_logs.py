@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 from ..._display import counted
 from ...alignment import Verdict
+from ...exports import is_ros_map
 from ...files import members, shown, writable, write_bytes
 from ...readers import LogError, UnknownFormat, format_of, load, read, read_bag, read_session
 from ...scans import Log
@@ -95,6 +96,11 @@ def each_log(
     the largest of the codes of all.
     """
     chosen = [source for text in given.logs for source in sources(text)]
+    for name in filter(is_ros_map, [*chosen, getattr(given, "first", chosen[0])]):
+        given.refuse(
+            f"{shown(name)} is a map for ROS and no log: `segmap locate {shown(name)} LOG` finds a "
+            "robot on it, `segmap convert` keeps it as .npz"
+        )
     targets = Targets(getattr(given, "output", []))
     if len(chosen) > 1 and (alike := targets.alike()):
         given.refuse(f"{counted(len(chosen), 'log')} would go to {alike}: write {{name}} in it")
