@@ -40,7 +40,7 @@ def map_of_grid(
     >>> map.occupancy([(0.2, 0.2), (0.7, 0.2), (1.2, 0.2), (0.2, 0.7)])
     array([0.5, 0. , 1. , 0.5])
     """
-    grid = np.array(cells)
+    grid = arrays.numbers(cells, "cells")
     if grid.ndim != 2 or not grid.size or not np.isin(grid, (UNKNOWN, FREE, OCCUPIED)).all():
         raise ValueError("cells must be a table (rows, columns) of 0, 1 and 2")
     level = max(2, int(max(grid.shape) - 1).bit_length())
