@@ -10,7 +10,7 @@ from typing import Any
 
 import ipywidgets as W
 
-from ..arrays import Declared, Quantity, declared
+from ..arrays import Declared, Quantity, declared, described
 from ._base import slider
 
 #: The most that a number can be set to, in defaults; and what a count can at least be set to.
@@ -41,7 +41,8 @@ def control(
     least, most, step
         Of the slider, as they are read.
     label
-        In place of the name of the keyword.
+        In place of the name of the keyword; the tooltip has that name, and its sentence of the
+        docstring.
 
     Returns
     -------
@@ -62,7 +63,7 @@ def control(
     said = declared(function).get(name) or Declared(type(first), Quantity(), (), False)
     first = first if value is None else said.check(value, name)
     unit = {"metres": "m", "seconds": "s"}.get(said.unit, said.read_unit)
-    label = label or name
+    label = label or name.replace("_", " ")
     if least is not None and most is not None and step is not None:
         read = _read(said, first)
         made = slider(
@@ -72,6 +73,7 @@ def control(
         made = _entry(said, first, f"{label} [{unit}]" if unit else label)
     if made is not None:
         made.meant = partial(_meant, made, said, first)
+        made.tooltip = f"{name}: {described(function).get(name, '')}".rstrip(": ")
     return made
 
 

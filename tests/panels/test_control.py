@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import numpy as np
 import pytest
 
-from segmap import LaserScan
+from segmap import LaserScan, alignment, load, reduction
 from segmap.arrays import (
     Count,
     Metres,
@@ -17,7 +17,8 @@ from segmap.arrays import (
     at_least,
     at_most,
 )
-from segmap.panels import control, slider
+from segmap.panels import Workbench, control, slider
+from segmap.panels.workbench._choices import Choice
 
 
 def method(
@@ -45,7 +46,7 @@ def method(
     ("name", "kind", "description", "value", "most", "moved", "meant"),
     [
         ("many", "BoundedIntText", "many", 7, 7000, 9, 9),
-        ("none_yet", "BoundedIntText", "none_yet", 0, 100, 3, 3),
+        ("none_yet", "BoundedIntText", "none yet", 0, 100, 3, 3),
         ("length", "BoundedFloatText", "length [m]", 0.2, 200.0, 0.3, 0.3),
         ("thin", "BoundedFloatText", "thin [m]", 0.0005, 1.0, 0.7, 0.7),
         ("pause", "BoundedFloatText", "pause [s]", 2.0, 2000.0, 0.0, 0.0),
@@ -56,7 +57,7 @@ def method(
         ("maybe", "Text", "maybe [m]", "", None, " 0.5 ", 0.5),
         ("wide", "Text", "wide [degrees]", "", None, "30", np.radians(30)),
         ("word", "Dropdown", "word", "b", ("a", "b"), "a", "a"),
-        ("no_word", "Dropdown", "no_word", None, (None, "a", "b"), "a", "a"),
+        ("no_word", "Dropdown", "no word", None, (None, "a", "b"), "a", "a"),
         ("switch", "Checkbox", "switch", True, None, False, False),
         ("bare", "BoundedIntText", "bare", 3, 3000, 4, 4),
     ],
@@ -99,3 +100,26 @@ def test_a_slider_needs_both_ends_and_a_step():
         none.meant()
     with pytest.raises(ValueError, match="angle must be"):
         control(method, "angle", -1.0, **whole)
+
+
+@pytest.mark.parametrize("name", [*alignment.METHODS, *reduction.METHODS])
+def test_each_control_and_each_method_says_what_it_is(name):
+    """Catches a threshold without a sentence, and a label whose tooltip is "null"."""
+    method = {**alignment.METHODS, **reduction.METHODS}[name]
+    choice = Choice("way", {name: (method.function, method.varies)}, name)
+    assert name.replace("_", " ") in choice.advice.value and len(choice.advice.value) > 120
+    for keyword, each in choice.controls.items():
+        assert each.tooltip.startswith(f"{keyword}: ") and len(each.tooltip) > len(keyword) + 10
+
+
+def test_no_label_of_the_workbench_says_null():
+    """Catches a control with a name and no tooltip, of which a browser makes "null"."""
+
+    def walk(part):
+        yield part
+        for child in getattr(part, "children", ()):
+            yield from walk(child)
+
+    named = [part for part in walk(Workbench(load("room"))._view) if part.has_trait("tooltip")]
+    named = [part for part in named if getattr(part, "description", "")]
+    assert len(named) > 30 and all(part.tooltip for part in named)

@@ -234,3 +234,24 @@ def test_an_edit_that_cannot_be_is_refused_in_words(name, text, words):
     page.wait()
     assert words in page.state.value.replace("&#x27;", "'")
     assert len(page.outcome.map) == 567  # the last good run
+
+
+def test_a_place_in_degrees_is_asked_about_where_a_grid_is_named():
+    """Catches a map that lies 45 m from where a grid begins, somewhere in the sea."""
+    page = Workbench(segmap.load("room"))
+    page.run()
+    page.edits.crs.value = "EPSG:25832"
+    page.wait()
+    page.edits.place.value = "45.46 9.19"
+    page.wait()
+    assert "place 45.46 9.19 looks like degrees, and a grid takes" in page.edits.wrong.value
+    assert page.edits.degrees.layout.display == "" and page.outcome.recipe.edits == {}
+    page.edits.degrees.click()
+    page.wait()
+    assert page.edits.value() == {"place": [45.46, 9.19]} == page.outcome.recipe.edits
+    assert page.edits.degrees.layout.display == "none" and page.edits.wrong.value == ""
+    page.edits.crs.value, page.edits.place.value = "", "500000 5000000"
+    page.wait()
+    page.edits.crs.value = "EPSG:25832"
+    page.wait()
+    assert page.outcome.recipe.edits["crs"] == "EPSG:25832"

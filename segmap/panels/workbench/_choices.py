@@ -12,6 +12,7 @@ from traitlets import TraitError
 from ... import alignment, extraction, reduction
 from ..._call import Call
 from ..._recipe import BEGIN, Recipe
+from ...arrays import described
 from ...files import as_html
 from ...readers import Session
 from ...scans import Log
@@ -23,6 +24,8 @@ STEPS, TIMES = 20, 10
 WRAP: Any = {"flex_flow": "row wrap", "align_items": "center"}
 #: Names of the lists, one below the other.
 NAME = {"description_width": "104px"}
+#: Below each list stands what the method that is chosen does.
+SMALL = '<div style="line-height: 1.35; font-size: 12px; margin-left: 4px">'
 #: What the list of second methods says of none.
 NONE = "none"
 
@@ -54,8 +57,9 @@ class Choice:
         self.picker.layout.flex, self.picker.layout.min_width = "1 1 200px", "0"
         self._box = W.Box(layout=W.Layout(**WRAP))
         self.settings: Any = folded("settings", self._box, f"settings of {name}")
-        self.wrong, row = wrong(), W.Box([self.picker, self.settings])
-        self.view = W.VBox([row, self._box, self.wrong])
+        self.wrong, self.advice = wrong(), W.HTML()
+        row = W.Box([self.picker, self.settings])
+        self.view = W.VBox([row, self.advice, self._box, self.wrong])
         self.picker.observe(self._chosen, names="value")
         self._chosen()
 
@@ -97,6 +101,9 @@ class Choice:
         about = self._functions[self.value]
         if about is not None and self.value not in self._made:
             self._made[self.value] = _controls(*about)
+        words = "" if about is None else described(about[0])[""]
+        name = self.value.removeprefix("extract_").replace("_", " ")
+        self.advice.value = f"{SMALL}{as_html(f'{name}: {words}' * bool(words))}</div>"
         nothing = [] if about is None else [W.Label("no threshold")]
         self._box.children = list(self.controls.values()) or nothing
         self.settings.layout.visibility = "hidden" if about is None else "visible"
@@ -138,15 +145,20 @@ class Choices:
         self.deskew: Any = W.Checkbox(True, description=words, indent=False)
         self.keep_body: Any = W.Checkbox(False, description="keep beams that see the robot itself")
         self.clockwise: Any = W.Checkbox(False, description="the beams are counted clockwise")
+        self.deskew.tooltip = "beams are carried to where the robot was when their scan began"
+        self.keep_body.tooltip = "else beams that always end at the robot are left out"
+        self.clockwise.tooltip = "for a laser that is mounted upside down"
         for box in (self.deskew, self.keep_body, self.clockwise):
             box.indent, box.layout.width = False, "auto"
         hint = "X Y DEGREES, or auto"
         self.mount: Any = W.Text(description="laser [m, degrees]", placeholder=hint, style=ENTRY)
         self.mount.layout.width = "auto"
+        self.mount.tooltip = "place and direction of the laser on the robot; auto finds them"
         self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
         named["description"] = "seen through [share]"
         self.people: Any = W.BoundedFloatText(0.0, min=0, max=1, step=0.05, **named)
         self.people.tooltip = "0.2 leaves out people who walked through; 0 keeps all"
+        self.least.tooltip = "shorter segments are left out before they are reduced"
         self.least.layout.width = self.people.layout.width = "270px"
         self.edits = Edits()
 

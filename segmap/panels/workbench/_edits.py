@@ -39,6 +39,10 @@ class Edits:
             W.Text(description=label, placeholder=hint, **wide)
             for _, label, hint in NUMBERS.values()
         )
+        self.square.tooltip = "turn the map"
+        self.crop.tooltip = "what lies outside of the rectangle is left out, metres of the map"
+        self.place.tooltip = "where (0, 0) of the map lies on the earth, for GIS (GeoJSON)"
+        self.north.tooltip = "where north is in the map, counter-clockwise from x"
         hint = "EPSG:25832: place is east north"
         self.crs: Any = W.Text(description="grid, not degrees", placeholder=hint, **wide)
         self.drag: Any = W.ToggleButton(False, description="drag it on the map", tooltip="crop")
@@ -46,7 +50,10 @@ class Edits:
         self.controls = [self.square, self.crop, self.place, self.north, self.crs]
         self.crop.layout.flex = "1 1 260px"
         cut = W.Box([self.crop, self.drag], layout=W.Layout(flex_flow="row wrap"))
-        self.box = W.VBox([cut, self.place, self.north, self.crs])
+        self.degrees: Any = W.Button(description="They are degrees: without a grid")
+        self.degrees.layout = W.Layout(width="auto", display="none", align_self="flex-start")
+        self.degrees.on_click(lambda button: setattr(self.crs, "value", ""))
+        self.box = W.VBox([cut, self.place, self.north, self.crs, self.degrees])
         self.open, self.wrong = folded("crop and place", self.box), wrong()
 
     def value(self) -> dict[str, Any]:
@@ -61,6 +68,12 @@ class Edits:
             except (ValueError, AssertionError):
                 raise ValueError(f"{label} must be like '{hint}', got {text!r}") from None
         found["crs"] = self.crs.value.strip()
+        place = found["place"]
+        if found["crs"] and place and abs(place[0]) <= 90 and abs(place[1]) <= 180 and any(place):
+            self.degrees.layout.display = ""
+            said = f"place {place[0]:g} {place[1]:g} looks like degrees"
+            raise ValueError(f"{said}, and a grid takes metres to the east and north")
+        self.degrees.layout.display = "none"
         return {name: value for name, value in found.items() if value}
 
     def take_loops(self, held: Mapping[str, Any]) -> None:

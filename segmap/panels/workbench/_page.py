@@ -69,6 +69,7 @@ def laid_out(steps: Mapping[str, Sequence[Any]], bar: Sequence[Any], seen: Seque
         box.add_class(f"segmap-{name}")
     page = W.Box(boxes, layout=W.Layout(width="100%"))
     page.add_class("segmap-page")
+    _named(page)
     return page
 
 
@@ -139,9 +140,9 @@ class Page:
             each.disabled = not done
 
 
-def named(page: Any) -> None:
+def _named(page: Any) -> None:
     """Give each control that has none a tooltip: else its label says "null"."""
     for child in getattr(page, "children", ()):
         if getattr(child, "description", "") and child.has_trait("tooltip"):
             child.tooltip = child.tooltip or child.description
-        named(child)
+        _named(child)
