@@ -125,7 +125,7 @@ sys.meta_path.append(_Moved())
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted([*__all__, "__version__"])
 
 
 @_display.picture.register

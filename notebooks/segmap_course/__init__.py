@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from . import drawings, panels
 from ._conclusions import conclusions, density, filter_change
 from ._explore import Explored, explore, floor_of
 from ._known import Known, known_building
@@ -114,6 +115,33 @@ from .exercises.surveyed import (
     check_verdict,
 )
 from .panels import *
+
+__all__ = [
+    "EXERCISES", "OPEN_EXERCISES", "THESIS_FILTERS", "THESIS_GRIDS", "Challenge", "Check",
+    "Exercise", "Explored", "Known", "Landscape", "OwnLog", "Prediction", "Representation", "Trial",
+    "alignment_table", "break_basic_order", "break_cells", "break_fusion", "break_icp",
+    "break_line", "break_loss", "break_matching", "break_quality", "break_reader", "break_sum",
+    "break_viewing_sector", "check_axial_mean", "check_beam_angles", "check_best_run",
+    "check_best_shift", "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of",
+    "check_climb_step", "check_compose", "check_distances", "check_edge_error",
+    "check_farthest_point", "check_fit_line", "check_frontier_cells", "check_grown",
+    "check_heading_between", "check_hough", "check_inside_strip", "check_invented_metres",
+    "check_least_translation", "check_match_value", "check_matches", "check_mean_shift_step",
+    "check_mean_wall_error", "check_memberships", "check_merged", "check_missed_metres",
+    "check_move_onto_walls", "check_occupancy", "check_own_log", "check_pixel",
+    "check_pose_covariance", "check_quality", "check_ray_cells", "check_reduction_at",
+    "check_reduction_rate", "check_resampled", "check_scan_score", "check_unwrapped",
+    "check_verdict", "check_weighed", "compare_with_walls", "conclusions", "corridor_walk",
+    "density", "drawings", "explore", "filter_change", "floor_of", "heading_profile",
+    "known_building", "landscape", "load_columns", "load_trials", "occupied_centres", "panels",
+    "peaks", "predict_beams_on_wall", "predict_coarse_leaves", "predict_drift",
+    "predict_fusion_left", "predict_fusion_twice", "predict_pieces", "predict_scan_time",
+    "predict_sparse_icp", "predict_turned_quality", "profile_peaks", "represent", "room_walk",
+    "room_walls", "sample_points", "thesis_grid", "thesis_results", "trial_table", "try_pair",
+    "wall_errors", "within_thesis", "write_trials",
+]  # fmt: skip
+__all__ += drawings.__all__
+__all__ += panels.__all__
 
 #: Name of each exercise -> its check.
 EXERCISES: dict[str, Exercise] = {

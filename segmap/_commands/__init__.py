@@ -5,3 +5,5 @@ A command is a function `add(commands)`, which names its arguments, and one of t
 """
 
 from ._main import main, parser
+
+__all__ = ["main", "parser"]

@@ -23,6 +23,16 @@ from .pose_graph import LiveGraph, LoopClosing, Tracking, align_parts, merge, po
 from .preparation import OdometryComparison, compare_odometry, prepared
 from .segment_icp import match_segments, segment_icp
 
+__all__ = [
+    "METHODS", "Alignment", "Graph", "LiveGraph", "LoopClosing", "Match", "OdometryComparison",
+    "Tracking", "Verdict", "align_parts", "align_to_truth", "angle_candidates",
+    "angle_correspondence", "backbone", "backbone_steps", "compare_odometry", "deskew",
+    "global_segments", "ground_truth", "least_translation", "match_angles", "match_points",
+    "match_segments", "match_values", "mean_rotation", "merge", "odometry", "point_icp",
+    "point_steps", "pose_graph", "position_errors", "prepared", "segment_icp", "solve_graph",
+    "usual_method",
+]  # fmt: skip
+
 #: Name of each method -> the method, with what it needs.
 METHODS: dict[str, Method[Alignment]] = {
     "odometry": Method(odometry, "the baseline", works="alone", needs_odometry=True),

@@ -61,3 +61,12 @@ from ._tables import (
     trailing,
     values,
 )
+
+__all__ = [
+    "FAR", "LEAST", "LIMIT", "MOST", "Array", "Count", "Declared", "Gap", "Metres", "Poses",
+    "Positive", "Quantity", "Radians", "RadiansPerMetre", "Seconds", "Segments", "Settings",
+    "Share", "at_least", "at_most", "below", "brief", "called", "checked", "declared", "described",
+    "file", "frame", "function", "indices", "instance", "is_iterable", "number", "numbers",
+    "one_of", "point", "points", "pose", "poses", "ranges", "ready", "rectangle", "refuse_masked",
+    "row", "segments", "share", "switch", "table", "trailing", "values", "whole",
+]  # fmt: skip

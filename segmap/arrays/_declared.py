@@ -221,6 +221,37 @@ def _read(hint: Any) -> Declared:
     return Declared(str if words else kind, quantity, words, optional)
 
 
+class _Default(float):
+    """A default in a signature: help and the book show an angle in degrees; it is a float."""
+
+    def __new__(cls, value: float, function: Callable[..., Any], name: str) -> _Default:
+        made = super().__new__(cls, value)
+        made.function, made.name = function, name
+        return made
+
+    function: Callable[..., Any]
+    name: str
+
+    def __repr__(self) -> str:
+        said = declared(self.function)[self.name]
+        plain = said.unit == said.read_unit
+        return float.__repr__(self) if plain else f"{said.read(self):.6g} {said.read_unit}"
+
+    def __reduce__(self) -> tuple[type[float], tuple[float]]:
+        return float, (float(self),)
+
+
+def _shown(function: Callable[..., Any]) -> inspect.Signature:
+    """The signature of a function whose defaults show themselves as people read them."""
+    found = inspect.signature(function)
+    shown = {
+        name: parameter.replace(default=_Default(parameter.default, function, name))
+        for name, parameter in found.parameters.items()
+        if isinstance(parameter.default, float)
+    }
+    return found.replace(parameters=list({**found.parameters, **shown}.values()))
+
+
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """Check the arguments of a function as their annotations declare them, when it is called.
 
@@ -267,6 +298,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         rest = {name: kept[name] for name in given}
         return cast(Callable[..., R], function)(*first, *args[len(names) :], **rest)
 
+    call.__signature__ = _shown(function)  # type: ignore[attr-defined]
     return cast(Callable[P, R], call)
 
 

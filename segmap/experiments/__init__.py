@@ -21,3 +21,9 @@ from ._records import (
     write_records,
 )
 from ._sweep import sweep
+
+__all__ = [
+    "default_thresholds", "equal_quality", "front", "good_maps", "growth", "load_alignments",
+    "load_online", "load_records", "load_walls", "online_times", "pareto", "read_records",
+    "reduction_at", "select", "sweep", "thresholds_of", "thresholds_text", "write_records",
+]  # fmt: skip

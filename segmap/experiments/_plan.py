@@ -12,7 +12,8 @@ import numpy as np
 
 from .. import arrays
 from ..arrays import Segments
-from ..reduction import METHODS, Method, Reduction
+from ..methods import Method
+from ..reduction import METHODS, Reduction
 from ..segments import SegmentMap
 from ._files import NAMES, Row, Threshold
 
@@ -72,7 +73,9 @@ def default_thresholds(function: Function) -> Thresholds | None:
     parameters = inspect.signature(function).parameters.values()
     if any(p.kind is p.VAR_KEYWORD for p in parameters):
         return None
-    return {p.name: None if p.default is p.empty else p.default for p in list(parameters)[1:]}
+    found = {p.name: p.default for p in list(parameters)[1:]}
+    own = {name: float(value) for name, value in found.items() if isinstance(value, float)}
+    return {name: None if v is inspect.Parameter.empty else v for name, v in (found | own).items()}
 
 
 def planned(

@@ -15,3 +15,9 @@ from ._segments import write_segments
 from ._sheet import write_sheet
 from ._trajectories import write_carmen, write_tum
 from ._world import Earth, Frame, Grid, placed_at
+
+__all__ = [
+    "Classes", "Earth", "Frame", "Grid", "is_ros_map", "placed_at", "read_ros_map", "ros_classes",
+    "write_arrays", "write_carmen", "write_geojson", "write_graph", "write_ros_map",
+    "write_segments", "write_session", "write_sheet", "write_svg", "write_tum",
+]  # fmt: skip

@@ -14,6 +14,8 @@ from ._extraction import (
     fit_line,
 )
 
+__all__ = ["METHODS", "build_map", "extract_clusters", "extract_polylines", "fit_line"]
+
 #: Ways to find the segments of a scan; both tell the points behind each.
 METHODS: dict[str, Callable[..., Any]] = {
     "extract_polylines": extract_polylines,

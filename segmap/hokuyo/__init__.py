@@ -13,3 +13,7 @@ from ._protocol import (
 )
 from ._record import record
 from ._sensor import UrgSensor
+
+__all__ = [
+    "Newest", "SensorError", "UrgSensor", "checksum", "decode", "encode", "parse_scan", "record",
+]  # fmt: skip

@@ -16,3 +16,9 @@ from ._metrics import (
     relation_errors,
     segment_distance,
 )
+
+__all__ = [
+    "AgainstWalls", "against_walls", "distance_terms", "doubled_walls", "errors", "grade_quality",
+    "grade_reduction", "invented", "missed", "quality", "reduction_rate", "relation_errors",
+    "segment_distance",
+]  # fmt: skip

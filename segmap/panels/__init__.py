@@ -13,3 +13,8 @@ from ._live import LivePanel
 from ._quadtree import QuadtreePanel
 from ._scan import ScanPanel
 from .workbench import Workbench
+
+__all__ = [
+    "ComparePanel", "LivePanel", "Panel", "QuadtreePanel", "ScanPanel", "Workbench", "control",
+    "player", "slider", "text",
+]  # fmt: skip

@@ -35,3 +35,12 @@ from ._style import (
     map_axes,
     sharp_figures,
 )
+
+__all__ = [
+    "DPI", "ERROR", "ERRORS", "GROUPS", "MAP", "RAW", "RESULT", "TRUTH", "axes_grid", "axes_or_new",
+    "axes_row", "draw_against_walls", "draw_alignment", "draw_alignments", "draw_before_after",
+    "draw_curves", "draw_log", "draw_maps", "draw_online", "draw_path", "draw_points", "draw_poses",
+    "draw_position_errors", "draw_provenance", "draw_quadtree", "draw_quadtrees", "draw_robot",
+    "draw_scan", "draw_segments", "draw_side_by_side", "figure_png", "group_colors", "map_axes",
+    "method_style", "sharp_figures", "square_corners", "thumbnail",
+]  # fmt: skip

@@ -11,3 +11,5 @@ from ._poses import (
     inverse,
     transform,
 )
+
+__all__ = ["between", "compose", "interpolate", "inverse", "transform"]

@@ -6,3 +6,8 @@ from ._grid import FREE, OCCUPIED, UNKNOWN, map_of_grid
 from ._map import QuadtreeMap
 from ._smeared import smeared_walls
 from ._squares import NINE, Squares
+
+__all__ = [
+    "FREE", "NINE", "OCCUPIED", "UNKNOWN", "Frontier", "QuadtreeMap", "Squares", "build_map",
+    "extent", "free_ends", "frontiers", "map_of_grid", "smeared_walls", "without_passers",
+]  # fmt: skip

@@ -15,3 +15,9 @@ from ._session import Session, read_session
 from .bags import read_bag
 from .graphs import PoseGraph, read_graph
 from .tables import read_csv, read_trajectory
+
+__all__ = [
+    "LogError", "PoseGraph", "Session", "UnknownFormat", "data_file", "format_of", "half_turn",
+    "load", "read", "read_bag", "read_csv", "read_graph", "read_segments", "read_session",
+    "read_trajectory",
+]  # fmt: skip

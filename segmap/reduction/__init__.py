@@ -41,6 +41,14 @@ from .surveyed import (
     weighted_line_fitting,
 )
 
+__all__ = [
+    "METHODS", "Directions", "LiveReduction", "Methods", "Reduction", "basic_offline",
+    "basic_online", "common_directions", "fusion", "fusion_online", "fuzzy_clustering", "fuzzy_set",
+    "hough", "hybrid", "hybrid_fusion", "least_cost", "mean_shift", "one_per_wall", "polyline",
+    "reduce_to", "segment_similarity", "uncertain_parameters", "viewing_sector",
+    "weighted_line_fitting",
+]  # fmt: skip
+
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
 #: "simple", after its conditions; like the class 2 -> 1 it makes one segment of two.
 METHODS = Methods(

@@ -7,3 +7,5 @@ from ._scans import (
     Log,
     Skipped,
 )
+
+__all__ = ["NOTHING_SKIPPED", "NO_POSE", "LaserScan", "Log", "Skipped"]

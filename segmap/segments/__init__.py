@@ -14,3 +14,8 @@ from ._segments import (
     point_distance,
     take_points,
 )
+
+__all__ = [
+    "MIN_LENGTH", "SegmentMap", "angle", "extreme_projections", "length", "main_direction",
+    "midpoint", "point_distance", "take_points",
+]  # fmt: skip

@@ -1,5 +1,8 @@
 """Slips of units, millimetres for metres, degrees for radians, are told; what is right is not."""
 
+import inspect
+import pickle
+import pydoc
 import warnings
 
 import numpy as np
@@ -8,6 +11,7 @@ from conftest import SHARED
 
 from segmap import SegmentMap, load, quadtree, readers
 from segmap.alignment import METHODS as ALIGNMENTS
+from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.extraction import build_map, extract_clusters, extract_polylines
 from segmap.reduction import METHODS
 from segmap.scans import LaserScan, Log
@@ -204,3 +208,19 @@ def test_alignments_in_millimetres_are_told(name, slip):
 def test_a_turn_in_degrees_is_refused():
     with pytest.raises(ValueError, match=r"of degrees np.radians\(20\)"):
         ALIGNMENTS["point_icp"](load("room")[:2], turn=20)
+
+
+def test_help_shows_an_angle_in_degrees_and_the_value_stays_a_float():
+    """Catches a default that nobody can read, and one that is no number where a sweep sends it."""
+
+    @checked
+    def bent(*, angle: Radians = np.radians(10), bend: RadiansPerMetre = 1.0, step: Metres = 0.2):
+        return angle, bend, step
+
+    known = inspect.signature(bent).parameters
+    shown = [repr(known[name].default) for name in ("angle", "bend", "step")]
+    assert shown == ["10 degrees", "57.2958 degrees/m", "0.2"]
+    assert " = 10 degrees, " in pydoc.render_doc(bent, renderer=pydoc.plaintext)
+    assert bent() == (np.radians(10), 1.0, 0.2)
+    sent = pickle.loads(pickle.dumps(known["angle"].default))
+    assert type(sent) is float and sent == np.radians(10) == known["angle"].default

@@ -1,6 +1,7 @@
 """The storeys of both packages: imports run downwards only, and `import segmap` stays light."""
 
 import ast
+import importlib
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -159,7 +160,34 @@ def test_every_room_is_reachable_after_import_segmap():
     assert rooms - set(segmap.__all__) - shared == set()
     reached = python("import segmap\nfor name in segmap.__all__: getattr(segmap, name).__name__")
     assert "ModuleNotFound" not in reached.stderr
-    assert set(segmap.__all__) <= set(dir(segmap))
+    assert {*dir(segmap)} == {*segmap.__all__, "__version__"}, "and nothing that is not ours"
+
+
+def exported(path):
+    """The public names that a room imports from its own files, or defines."""
+    names = set()
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            names |= {alias.asname or alias.name for alias in node.names}
+        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return {name for name in names if name[0] != "_" and name != "*"}
+
+
+@pytest.mark.parametrize(
+    "path",
+    [p for p in SOURCES if p.name == "__init__.py" and exported(p) and p.parent != PACKAGES[0]],
+    ids=lambda path: ".".join(path.parts[-3:-1]),
+)
+def test_a_room_says_what_it_exports(path):
+    """Catches a name that works, and is an error in every editor: it is in no `__all__`."""
+    package = "segmap_course" if PACKAGES[1] in path.parents else "segmap"
+    inside = path.parent.relative_to(PACKAGES[package == "segmap_course"]).parts
+    room = importlib.import_module(".".join((package, *inside)))
+    assert exported(path) <= {*room.__all__} and all(hasattr(room, n) for n in room.__all__)
 
 
 def test_a_missing_package_is_named_with_the_extra_that_brings_it():

@@ -1,6 +1,10 @@
 """What README.md, environment.md and the Makefile tell a newcomer is true."""
 
+import json
+import os
 import re
+import subprocess
+import sys
 import tomllib
 from dataclasses import replace
 
@@ -37,6 +41,25 @@ def test_the_ten_lines_run_and_mean_what_they_say(names):
     assert walls.shape[1:] == (2, 2) and len(small) < len(map)
     assert 0 < names["rate"] < 1 and 0 < names["kept"] < 1 and names["worst"] < 1
     assert (small.parents[names["sources"]] == 0).all() and len(names["sources"]) > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("checker", ["mypy", "basedpyright"])
+def test_the_listings_are_no_errors_in_an_editor(checker, tmp_path):
+    """Catches a name that a room does not export, and a type that a call does not take."""
+    pytest.importorskip(checker)
+    for text in (README, FILES):
+        block = re.search(r"```python\n(import segmap\n|from iter)(.*?)```", text, re.DOTALL)
+        (tmp_path / f"listing_{len(text)}.py").write_text("".join(block.groups()))
+    (tmp_path / "pyrightconfig.json").write_text(json.dumps({"extraPaths": [str(ROOT)]}))
+    options = {
+        "mypy": ["--strict", "--config-file=", "--follow-imports=silent", "."],
+        "basedpyright": ["--level", "error", "--pythonpath", sys.executable],
+    }
+    run = [sys.executable, "-m", checker, *options[checker]]
+    env = {**os.environ, "MYPYPATH": str(ROOT)}
+    done = subprocess.run(run, cwd=tmp_path, env=env, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_the_figures_below_the_picture_are_those_of_the_ten_lines(names):

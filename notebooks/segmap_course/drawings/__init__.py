@@ -30,3 +30,11 @@ from ._segments import (
     draw_normals,
     draw_strip,
 )
+
+__all__ = [
+    "draw_backbone", "draw_basin", "draw_buildings", "draw_candidate", "draw_cases", "draw_cells",
+    "draw_centres", "draw_classes", "draw_climb", "draw_distance_terms", "draw_field",
+    "draw_frames", "draw_frontiers", "draw_growth", "draw_icp_step", "draw_landscape",
+    "draw_marked", "draw_merge", "draw_normals", "draw_odometry_comparison", "draw_profile",
+    "draw_ray", "draw_strip", "draw_threshold", "draw_trade_off", "draw_trials", "draw_uncertainty",
+]  # fmt: skip

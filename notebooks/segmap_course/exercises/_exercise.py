@@ -14,8 +14,9 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.plotting import ERROR, TRUTH
 
+from .._alone import Raised
 from .._cells import lacking
-from ._answers import Cases, Library, Raised, agree, answered, close, in_full, numbers, text
+from ._answers import Cases, Library, agree, answered, close, in_full, numbers, text
 from ._notice import Watch
 
 Rng = np.random.Generator

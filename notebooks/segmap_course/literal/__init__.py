@@ -62,3 +62,21 @@ from .reduction.segment_similarity import mean_segment, segment_similarity
 from .reduction.uncertain_parameters import uncertain_parameters
 from .reduction.viewing_sector import viewing_sector
 from .reduction.weighted_line_fitting import weighted_line_fitting
+
+__all__ = [
+    "MOVES", "Quadtree", "after", "against_walls", "angle_histogram", "axial_difference",
+    "basic_offline", "basic_online", "best_shift", "best_shifts", "best_strip", "best_transform",
+    "best_turns", "carry_beam", "cell_of", "chain", "climb_step", "correlative_search",
+    "correspond", "crossed_cells", "descent_score", "distance_score", "edge_residual",
+    "effective_number", "enough", "every_pose", "extract_clusters", "extract_polylines", "fit",
+    "fit_algebraic", "fit_total", "fusion", "fusion_online", "fuzzy_clustering", "fuzzy_set",
+    "gauss_newton", "grown", "headings", "hill_climb", "histogram", "hough", "hough_lines",
+    "hybrid", "hybrid_fusion", "information", "least_cost", "least_squares", "least_translation",
+    "likelihood", "likelihoods", "line_angle", "line_partner", "localize", "log_likelihood",
+    "match_histograms", "match_hough", "match_value", "mean_and_variance", "mean_lines",
+    "mean_rotation", "mean_segment", "mean_shift", "occupancy", "occupancy_score", "one_per_wall",
+    "placed", "places", "point_to_line", "point_to_line_step", "point_to_segment", "polyline",
+    "polyline_through", "quality", "quarters", "ray_cells", "sample_and_rank", "segment_cost",
+    "segment_distance", "segment_length", "segment_similarity", "steady_twist", "systematic",
+    "transforms", "uncertain_parameters", "viewing_sector", "weighed", "weighted_line_fitting",
+]  # fmt: skip

@@ -16,3 +16,11 @@ from ._reduction import (
     WeightedPanel,
 )
 from ._scans import ClusterPanel, DistancePanel, MovingPanel, PolylinePanel, RoomPanel
+
+__all__ = [
+    "AnglePanel", "BackbonePanel", "BasicPanel", "ChainPanel", "ClassesPanel", "ClusterPanel",
+    "DistancePanel", "FusionPanel", "GroundTruthPanel", "HybridPanel", "IcpPanel", "LandscapePanel",
+    "LeastCostPanel", "MatcherPanel", "MeanShiftPanel", "MovingPanel", "ParticlePanel",
+    "PlacePanel", "PolylinePanel", "PoseGraphPanel", "RayPanel", "RoomPanel", "RoutePanel",
+    "SectorPanel", "StoragePanel", "WallsPanel", "WeightedPanel", "insert_variant",
+]  # fmt: skip

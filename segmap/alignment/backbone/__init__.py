@@ -2,3 +2,5 @@
 
 from ._backbone import backbone, backbone_steps
 from ._lines import BackboneStep, least_translation, mean_rotation
+
+__all__ = ["BackboneStep", "backbone", "backbone_steps", "least_translation", "mean_rotation"]

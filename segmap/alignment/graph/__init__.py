@@ -15,3 +15,8 @@ from ._graph import (
 )
 from ._solver import SCALE, Solver, solve
 from ._spread import NEARBY, spread
+
+__all__ = [
+    "NEARBY", "REAL", "REAL_ERRORS", "SCALE", "Edge", "Graph", "Rejected", "Solver", "deviations",
+    "groups", "information", "loops_of", "residuals", "solve", "solve_graph", "spread", "stacked",
+]  # fmt: skip

@@ -6,3 +6,8 @@ from ._loop_closing import LoopClosing
 from ._merge import merge
 from ._parts import align_parts
 from ._pose_graph import LiveGraph, Placed, pose_graph
+
+__all__ = [
+    "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "Tracking", "align_parts", "breaks", "merge",
+    "pose_graph",
+]  # fmt: skip

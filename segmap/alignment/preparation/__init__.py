@@ -2,3 +2,5 @@
 
 from ._comparison import OdometryComparison, compare_odometry
 from ._prepared import prepared
+
+__all__ = ["OdometryComparison", "compare_odometry", "prepared"]

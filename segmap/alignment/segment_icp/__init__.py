@@ -2,3 +2,5 @@
 
 from ._search import distance_below
 from ._segment_icp import ONE_DIRECTION, SIDEWAYS, match_segments, segment_icp
+
+__all__ = ["ONE_DIRECTION", "SIDEWAYS", "distance_below", "match_segments", "segment_icp"]

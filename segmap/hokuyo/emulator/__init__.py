@@ -6,3 +6,5 @@
 from ._emulator import Emulator
 from ._unit import Unit
 from ._worlds import Replay, Room, furnished_room
+
+__all__ = ["Emulator", "Replay", "Room", "Unit", "furnished_room"]

@@ -4,4 +4,6 @@ from .._text import Binary
 from ._bags import read, read_bag
 from ._files import kind_of
 
+__all__ = ["BAG", "kind_of", "read", "read_bag"]
+
 BAG = Binary("ROS bag", kind_of, read)

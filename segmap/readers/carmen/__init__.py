@@ -5,3 +5,5 @@ from ._dpslam import DpSlam
 from ._gmapping import GMapping
 from ._player import Player
 from ._wean import WeanHall
+
+__all__ = ["Carmen", "DpSlam", "GMapping", "Player", "WeanHall", "parse_robotlaser"]

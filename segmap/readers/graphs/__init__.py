@@ -2,3 +2,5 @@
 
 from ._g2o import G2o
 from ._graph import PoseGraph, read_graph
+
+__all__ = ["G2o", "PoseGraph", "read_graph"]

@@ -10,6 +10,11 @@ from ._hokuyo_text import HokuyoText
 from ._npz import log_of
 from ._rawseeds import Rawseeds, read_trajectory
 
+__all__ = [
+    "FILES", "FOLDERS", "CoreSlam", "HokuyoText", "Ld19", "Rawseeds", "RpLidar", "head_of",
+    "log_of", "read_csv", "read_trajectory",
+]  # fmt: skip
+
 FILES = (Binary("NPZ", _npz.claims, _npz.read), Binary("CSV", head_of, _csv.read))
 FOLDERS = (
     Binary("Rawseeds", _rawseeds.files_of, _rawseeds.read_folder),

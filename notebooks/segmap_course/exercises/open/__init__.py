@@ -2,3 +2,5 @@
 
 from ._open import Challenge, Prediction
 from .own_log import OwnLog
+
+__all__ = ["Challenge", "OwnLog", "Prediction"]
