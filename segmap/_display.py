@@ -103,6 +103,43 @@ def facts(log: Any) -> list[tuple[str, str]]:
     return found
 
 
+def figures(log: Any) -> dict[str, dict[str, float]]:
+    """The numbers of a `Log` by the words of `facts`: counts, metres, seconds, degrees, shares.
+
+    What a log does not tell is left out.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> figures(load("malaga"))["view"]
+    {'degrees': 180.0, 'step_degrees': 0.5}
+    """
+    found: dict[str, dict[str, float]] = {"scans": {"scans": len(log)}}
+    times = log.times[np.isfinite(log.times)]
+    if len(times) > 1 and np.ptp(times):
+        found["scans"]["seconds"] = float(np.ptp(times))
+    for word, poses in (("odometry", log.odometry), ("truth", log.truth)):
+        known = np.zeros((0, 3)) if poses is None else poses[np.isfinite(poses).all(1)]
+        way = float(np.hypot(*np.diff(known[:, :2], axis=0).T).sum())
+        found[word] = {"poses": len(known), "metres": way}
+    if log.skipped:
+        found["damaged"] = {"lines": log.skipped.lines}
+    if not len(log):
+        return found
+    counts = [len(scan) for scan in log]
+    valid = np.concatenate([scan.ranges[scan.valid] for scan in log])
+    share = len(valid) / max(sum(counts), 1)
+    found["beams"] = {"least": min(counts), "most": max(counts), "valid": share}
+    if len(valid):
+        near, half, far = np.quantile(valid, [0, 0.5, 1]).tolist()
+        found["ranges"] = {"nearest": near, "median": half, "farthest": far}
+    angles = max(log, key=len).angles
+    if len(angles) > 1:
+        wide, step = np.degrees([np.ptp(angles), np.median(np.abs(np.diff(angles)))]).tolist()
+        found["view"] = {"degrees": round(wide, 9), "step_degrees": round(step, 9)}
+    return found
+
+
 def _duration(log: Any) -> str:
     times = log.times[np.isfinite(log.times)]
     if len(times) < 2 or not np.ptp(times):

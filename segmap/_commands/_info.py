@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .._display import counted, facts
+from .._display import counted, facts, figures
 from ..readers import format_of, read_session
 from ..scans import Log
 from ._words import Report
@@ -44,8 +44,9 @@ def begin(log: Log, source: str) -> str:
 
 def tell_of(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Print what a log is, a line a thing; of a session also its options, edits and runs."""
+    numbers = figures(log)
     for word, text in facts(log):
-        report.line(word, text)
+        report.line(word, text, **numbers.get(word, {}))
     if is_session(source := report.found["source"]):
         session = read_session(source)
         for word in ("settings", "edits"):
