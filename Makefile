@@ -107,15 +107,18 @@ $(RUN):
 	or later, and $(PYTHON) is %d.%d: try make PYTHON=python3.12" % sys.version_info[:2])'
 	@rm -rf .venv
 	@if command -v uv > /dev/null; then uv venv --quiet --seed --python "$$(command -v $(PYTHON))" .venv; \
-	elif $(PYTHON) -m venv .venv; then $(RUN) -m pip install --quiet --disable-pip-version-check uv || true; \
+	elif $(PYTHON) -m venv .venv; then $(RUN) -m pip install --quiet --disable-pip-version-check uv 2> /dev/null || true; \
 	else rm -rf .venv; echo "No virtual environment: on Debian and Ubuntu, apt install python3-venv"; exit 1; fi
 
 # Extras of pyproject.toml, each as far as it is needed: the lab without the tools of the tests. The
 # stamp is written last, so an installation that failed is tried again.
 .venv/segmap-for-%: pyproject.toml | $(RUN)
 	@echo "Installing what segmap needs for $* into .venv ..."
-	@$(UV) pip install --quiet --python $(RUN) --editable '.[$*]' || \
-	  $(RUN) -m pip install --quiet --disable-pip-version-check --editable '.[$*]'
+	@{ { test -x .venv/bin/uv || command -v uv; } && \
+	  $(UV) pip install --quiet --python $(RUN) --editable '.[$*]' || \
+	  $(RUN) -m pip install --quiet --disable-pip-version-check --editable '.[$*]'; \
+	} > .venv/install.log 2>&1 || { echo "The packages cannot be had: without a network see \
+	'Classrooms without a network' in environment.md; what pip said is in .venv/install.log" >&2; exit 1; }
 	@touch $@
 
 # Once more whenever a source has changed; what did not change is not compiled again. Machine code of
