@@ -14,8 +14,11 @@ from ._view import View
 #: What a browser with a kernel shows instead of the picture.
 VIEW = "application/vnd.jupyter.widget-view+json"
 
-#: Pixels. A picture of another width than its box would be stretched and blurred.
+#: Pixels of a picture.
 WIDTH, HEIGHT, DPI = 480, 360, 72
+#: As wide as its cell the picture is shown, up to so many pixels, or as many as it has; where there
+#: is room for both, as in a window of 1280 pixels, the controls stand beside it.
+WIDEST, BESIDE, PICTURE = 900, "0 1 440px", "1 1 540px"
 #: What a browser is given is finer, for screens with two dots a pixel; what a file keeps is not.
 FINER = 2
 #: Rows go on below where a window is narrow.
@@ -45,10 +48,16 @@ class Panel:
         buttons = [W.Box(self._look.buttons, layout=ROW)] if self._paints() else []
         self.picture = W.Image(
             format="png",
-            layout=W.Layout(width=f"{width}px", height="auto", max_width="calc(100% - 4px)"),
+            layout=W.Layout(
+                width="100%", height="auto", max_width=f"{min(WIDEST, FINER * width)}px"
+            ),
         )
-        still = W.Layout(align_items="flex-start", max_width="100%")
-        self._view = W.VBox([*boxes, self.picture, *buttons], layout=still)
+        sides = [
+            W.VBox(part, layout=W.Layout(flex=flex, min_width="0", max_width="100%"))
+            for part, flex in ((boxes, BESIDE), ([self.picture, *buttons], PICTURE))
+        ]
+        wrap = {"flex_flow": "row wrap", "align_items": "flex-start", "max_width": "100%"}
+        self._view = W.Box(sides, layout=W.Layout(**wrap))
         self._players = [part for part in parts if isinstance(part, W.Play)]
         self._controls = [p for p in parts if hasattr(p, "value") and not isinstance(p, ASIDE)]
         self._remember()

@@ -73,7 +73,7 @@ def control(
         made = _entry(said, first, f"{label} [{unit}]" if unit else label)
     if made is not None:
         made.meant = partial(_meant, made, said, first)
-        made.tooltip = f"{name}: {described(function).get(name, '')}".rstrip(": ")
+        made.tooltip = f"{name}: {described(function).get(name, '')}".replace("`", "").rstrip(": ")
     return made
 
 

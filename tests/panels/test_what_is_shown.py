@@ -140,7 +140,7 @@ def test_a_panel_shows_what_the_library_gives(make, wanted, texts, controls):
         assert [getattr(panel, name).value for name in texts] == said
         assert shown(panel) == figure_png(figure), values
         assert bytes(panel.picture.value) == figure_png(finer, finer=2)
-    assert panel.picture.layout.width == f"{72 * figure.get_figwidth():.0f}px"
+    assert panel.picture.layout.max_width == f"{min(900, 144 * figure.get_figwidth()):.0f}px"
     for play in panel._players:
         play.playing = True
     panel.reset()
@@ -187,14 +187,18 @@ def test_all_sliders_are_as_declared():
                 found[name] = part.min, part.max, part.step, part.interval
                 assert not part.playing
         assert found == SLIDERS[type(panel).__name__]
-        rows = panel._view.children
+        beside, shown_at = panel._view.children
+        assert panel._view.layout.flex_flow == "row wrap", "beside the picture where there is room"
+        assert [side.layout.flex for side in (beside, shown_at)] == ["0 1 440px", "1 1 540px"]
+        rows, pictured = beside.children, shown_at.children
         assert {box.layout.flex_flow for box in rows if type(box) is W.Box} == {"row wrap"}
         look = panel.picture.layout
-        assert (look.max_width, look.height) == ("calc(100% - 4px)", "auto")
-        parts = [part for row in rows[: rows.index(panel.picture)] for part in row.children]
+        assert (look.width, look.height) == ("100%", "auto")
+        parts = [part for row in rows for part in row.children]
         texts = [type(part) is W.Label for part in parts]
         assert texts == sorted(texts), "controls first"
-        assert rows.index(panel.picture) == len(rows) - (1 if type(panel) is LivePanel else 2)
+        assert pictured[0] is panel.picture
+        assert len(pictured) == (1 if type(panel) is LivePanel else 2)
     every = {name for name in dir(panels) if name.endswith("Panel")} - {"Panel"}
     assert {*SLIDERS} == every, "a new panel is drawn here too"
     box = panel.loops

@@ -171,7 +171,7 @@ def test_two_scans_are_seen_over_each_other_and_on_the_way(mended, monkeypatch):
     assert (loops.first.value, loops.second.value, canvas.looked_at) == (20, 30, [20, 30])
     poses = mended.outcome.alignment.poses
     apart = np.hypot(*(poses[20] - poses[30])[:2])
-    assert f'alt="scan 20 black, scan 30 red, {apart:.1f} m apart' in loops.picture.value
+    assert f'alt="scan 20 black, scan 30 orange, {apart:.1f} m apart' in loops.picture.value
     middle = mended.outcome.map.segments.reshape(-1, 2)
     middle = (middle.min(0) + middle.max(0)) / 2
     way = np.frombuffer(canvas.way, np.float32).reshape(-1, 2)

@@ -101,7 +101,7 @@ class Choice:
         about = self._functions[self.value]
         if about is not None and self.value not in self._made:
             self._made[self.value] = _controls(*about)
-        words = "" if about is None else described(about[0])[""]
+        words = "" if about is None else described(about[0])[""].replace("`", "")
         name = self.value.removeprefix("extract_").replace("_", " ")
         self.advice.value = f"{SMALL}{as_html(f'{name}: {words}' * bool(words))}</div>"
         nothing = [] if about is None else [W.Label("no threshold")]
@@ -141,7 +141,7 @@ class Choices:
         self.method = Choice("method", reductions, self.usual["method"])
         self.second = Choice("second method", {NONE: None, **reductions}, NONE)
         named: Any = {"description": "leave out below [m]", "style": ENTRY}
-        words = "de-skew, where the beams have their times"
+        words = "de-skew, where beams have times"
         self.deskew: Any = W.Checkbox(True, description=words, indent=False)
         self.keep_body: Any = W.Checkbox(False, description="keep beams that see the robot itself")
         self.clockwise: Any = W.Checkbox(False, description="the beams are counted clockwise")

@@ -158,7 +158,7 @@ def overlaid(outcome: Outcome, first: int, second: int) -> str:
     width, height = sides / sides.max() * SIDE + NUMBERS  # a narrow corridor: a narrow picture
     figure.set_size_inches(width / DPI, height / DPI)
     apart = float(np.hypot(*(poses[first] - poses[second])[:2]))
-    words = f"scan {first} black, scan {second} red, {apart:.1f} m apart: do their walls agree?"
+    words = f"scan {first} black, scan {second} orange, {apart:.1f} m apart: do their walls agree?"
     png = base64.b64encode(figure_png(figure, finer=2)).decode("ascii")
     style = f"width: {width:.0f}px; max-width: 100%"
     picture = f'<img alt="{words}" style="{style}" src="data:image/png;base64,{png}">'
