@@ -1,4 +1,5 @@
-"""How long chapters take, written into SYLLABUS.md: `.venv/bin/python notebooks/tools/minutes.py`.
+"""What chapters show and how long they take, as their own cells say, written into the syllabus,
+the README and chapter 00 by `.venv/bin/python notebooks/tools/minutes.py`.
 
 Words by the speed of a second-language reader of technical text, cells and answers at fixed
 minutes. A table of these is an estimate to plan a lab with, and no measurement of students.
@@ -10,14 +11,21 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+import nbformat
+from refresh import tidy
+
 NOTEBOOKS = Path(__file__).resolve().parents[1]
-SYLLABUS = NOTEBOOKS / "SYLLABUS.md"
+SYLLABUS, README = NOTEBOOKS / "SYLLABUS.md", NOTEBOOKS.parent / "README.md"
+START = NOTEBOOKS / "00_start_here.ipynb"
 #: Words a minute; minutes for a cell of code with what it shows, for a panel to play with, for a
 #: function to be written, for an open exercise (a prediction, a counter-example, an own log).
 SPEED, CELL, PANEL, FUNCTION, OPEN = 120, 0.75, 5, 20, 15
 #: A row that links to chapters, and ends with minutes.
 ROW = re.compile(r"^(\|.*\d\d_\w+\.ipynb\).*\| )(\d+) \|$", re.MULTILINE)
 BEGIN, END = "<!-- minutes: begin -->", "<!-- minutes: end -->"
+#: The last line of the first cell of a chapter; and between which lines all of them are listed.
+SHOWS = re.compile(r"^\*What it shows: (.*)\.\*$", re.MULTILINE)
+LIST = re.compile(r"(?<=<!-- chapters: begin -->\n).*?(?=<!-- chapters: end -->)", re.DOTALL)
 
 
 class Chapter(NamedTuple):
@@ -25,6 +33,7 @@ class Chapter(NamedTuple):
 
     file: str
     title: str
+    shows: str
     words: int
     cells: int
     panels: int
@@ -61,6 +70,7 @@ def chapter(path: Path) -> Chapter:
     return Chapter(
         path.name,
         text.splitlines()[0].removeprefix("# ").partition(":")[0],
+        "".join(SHOWS.findall("".join(cells[0]["source"]))),
         len(re.findall(r"[^\s|]*\w[^\s|]*", text)),
         len(code),
         len(re.findall(r"^\w+ = (?:\w+\.)?(?:\w+Panel|Workbench)\(", joined, re.MULTILINE)),
@@ -76,10 +86,10 @@ def all_chapters() -> list[Chapter]:
 
 def table(chapters: list[Chapter]) -> str:
     """The table of the syllabus."""
-    names = ("chapter", "words", "cells", "read and run", "functions", "open", "minutes")
-    head = f"| {' | '.join(names)} |\n|---|{'--:|' * 6}"
+    names = ("chapter", "what it shows", "words", "cells", "read and run", "functions", "open")
+    head = f"| {' | '.join(names)} | minutes |\n|---|---|{'--:|' * 6}"
     rows = [
-        f"| [{c.title}]({c.file}) | {c.words} | {c.cells} | {c.reading} | {c.writing} "
+        f"| [{c.title}]({c.file}) | {c.shows} | {c.words} | {c.cells} | {c.reading} | {c.writing} "
         f"| {OPEN * c.open} | {c.together} |"
         for c in chapters
     ]
@@ -109,12 +119,33 @@ def stated(text: str) -> list[tuple[list[str], int]]:
     return [(files(row), int(minutes)) for row, minutes in ROW.findall(text)]
 
 
+def listed(text: str, chapters: list[Chapter], folder: str = "") -> str:
+    """A text with its list of the chapters, which lie in a folder seen from there."""
+    rows = "".join(f"| [{c.title}]({folder}{c.file}) | {c.shows} |\n" for c in chapters)
+    return LIST.sub(lambda _: f"| chapter | what it shows |\n|---|---|\n{rows}", text)
+
+
+def fresh() -> dict[Path, str]:
+    """Each file that lists chapters, as it should be."""
+    chapters, start = all_chapters(), nbformat.read(START, as_version=4)
+    for cell in start.cells:
+        if LIST.search(cell.source):
+            cell.source = listed(cell.source, chapters)
+    info = start.metadata.language_info
+    tidy(start).metadata.language_info = info
+    return {
+        SYLLABUS: written(SYLLABUS.read_text(encoding="utf-8"), chapters),
+        README: listed(README.read_text(encoding="utf-8"), chapters, "notebooks/"),
+        START: nbformat.writes(start) + "\n",
+    }
+
+
 def main() -> int:
-    """Write the table anew."""
-    before = SYLLABUS.read_text(encoding="utf-8")
-    after = written(before, all_chapters())
-    SYLLABUS.write_text(after, encoding="utf-8")
-    print("stored anew" if after != before else "unchanged")
+    """Write all lists anew."""
+    for path, after in fresh().items():
+        before = path.read_text(encoding="utf-8")
+        path.write_text(after, encoding="utf-8")
+        print(f"{path.name}: {'stored anew' if after != before else 'unchanged'}")
     return 0
 
 

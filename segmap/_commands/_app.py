@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import secrets
 import sys
 from pathlib import Path
@@ -12,6 +13,8 @@ from typing import Any
 from .._display import pip_install
 from .opening import examples
 
+#: Icons and fonts that Voila's page asks other hosts for: the policy below would refuse them.
+STRANGE = re.compile(rb'<link[^>]*href="https?://[^>]*>')
 #: The names by which the page may be asked for: it is served on this machine alone.
 HOSTS = r"(127\.0\.0\.1|localhost)$"
 #: What the page may load and run, as tight as it works in Chromium: anywidget hands on its code as
@@ -66,8 +69,10 @@ def run(given: argparse.Namespace) -> None:
             return status_code, headers, chunk
 
         def transform_chunk(self, chunk: bytes, include_footers: bool) -> bytes:
+            if not self.page:
+                return chunk
             marked = f"<script nonce={self.mark}".encode()
-            return chunk.replace(b"<script", marked) if self.page else chunk
+            return STRANGE.sub(b"", chunk.replace(b"<script", marked))
 
     class Page(Voila):  # type: ignore[misc]
         """Voila that answers to its own host: another name may lead here from a strange page."""

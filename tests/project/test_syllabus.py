@@ -21,6 +21,16 @@ def test_minutes_are_those_of_the_chapters():
         assert abs(said - now) <= max(15, 0.25 * now), f"{files}: {said}, now {now}"
 
 
+def test_chapters_are_described_once():
+    """Catches a list that says other than the chapter. `notebooks/tools/minutes.py` writes all."""
+    assert len({chapter.shows for chapter in KNOWN.values()} - {""}) == len(CHAPTERS)
+    for path, text in minutes.fresh().items():
+        there = path.read_text(encoding="utf-8")
+        if path == minutes.SYLLABUS:  # words are counted to a quarter, descriptions to the letter
+            there, text = (re.sub(r"\d+", "", each) for each in (there, text))
+        assert there == text, f"{path.name}: run notebooks/tools/minutes.py"
+
+
 def test_every_chapter_is_in_the_table_and_in_the_semester():
     table, paths = TEXT.split(minutes.END)
     semester = paths.split("## Path 3")[1]
