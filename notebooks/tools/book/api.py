@@ -51,14 +51,13 @@ def room_module(room: str) -> types.ModuleType:
 
 
 def public_names(module: types.ModuleType) -> list[str]:
-    """`__all__`, and where there is none what is defined without underscore in the room."""
-    if hasattr(module, "__all__"):
-        return list(module.__all__)
+    """Classes and functions of `__all__`, or without underscore, that are defined in the room."""
     inside = re.compile(rf"{re.escape(module.__name__)}(\.|$)")
     return [
         name
-        for name, value in vars(module).items()
+        for name in getattr(module, "__all__", sorted(vars(module)))
         if name[0] != "_"
+        and (value := getattr(module, name)) is not None
         and (inspect.isclass(value) or inspect.isroutine(value))
         and inside.match(getattr(value, "__module__", ""))
     ]
@@ -66,7 +65,7 @@ def public_names(module: types.ModuleType) -> list[str]:
 
 def _elsewhere(module: types.ModuleType) -> Iterator[str]:
     """The names of the package itself: where each is described."""
-    for name in public_names(module):
+    for name in module.__all__:
         value = getattr(module, name)
         if inspect.ismodule(value):
             yield f"* :doc:`segmap.{name} <{name}>`: {_first(value)}\n"
