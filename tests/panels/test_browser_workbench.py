@@ -70,6 +70,7 @@ const d = c.getContext('2d').getImageData(w, 30, w, c.height - 80).data;
 for (let i = 0; i < d.length; i += 4) if (d[i] === 0 && d[i + 1] === 114 && d[i + 2] === 178)
   return [box.left + (w + (i / 4) % w) / dots, box.top + (30 + Math.floor(i / 4 / w)) / dots];
 return null"""
+TOOL = "return document.querySelector('.segmap-canvas').dataset.tool"
 #: Which part of the window's height the canvas has; where places about its middle are seen.
 PART = """
 const box = document.querySelector('.segmap-canvas').getBoundingClientRect();
@@ -235,6 +236,7 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     corners = [(-3, -2), (3, -2), (3, 2), (-3, 2)]
     for tool, places, size in (("distance", corners[:2], 6), ("area", corners, 24)):
         browser.click(BUTTON.format(tool))
+        wait("the tool", lambda: browser.run(TOOL) == tool)  # noqa: B023
         for x, y in browser.run(PIXELS, places, 2):  # beside the corners, to which they snap
             for kind in ("Pressed", "Released"):
                 browser.mouse(f"mouse{kind}", x, y)

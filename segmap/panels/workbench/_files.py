@@ -19,7 +19,7 @@ from ...scans import Log
 #: Sides of the cells of a map for a robot, metres.
 CELL = 0.05
 #: Of so many scans points are drawn at most, and while a map grows.
-MOST_SCANS, SKETCHED = 400, 120
+MOST_SCANS, SKETCHED = 400, 50
 #: Leaves of at most this occupancy are free, as in `exports.write_ros_map`.
 FREE = 0.25
 

@@ -221,6 +221,7 @@ function render({ model, el }) {
       pen.lineWidth = 1;
       pen.strokeRect(pane.x + 0.5, pane.y + 0.5, pane.w - 1, pane.h - 1);
     });
+    canvas.dataset.tool = model.get("tool");
     canvas.dataset.view = [view.x, view.y, view.scale].map(n => n.toFixed(4)).join(" ");
   }
 
