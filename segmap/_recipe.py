@@ -94,7 +94,7 @@ class Recipe:
         return Session(log, settings, runs, self.edits)
 
     def code(self) -> str:
-        """The calls that make the same, to be copied: `map`, `reduced` and `other`."""
+        """The calls that make the same, to be copied: `full`, `reduced` and `other`."""
         extract, thresholds = self.extract, self.extract.arguments()
         if extract.name != "extract_polylines":
             thresholds = f", extract=segmap.extraction.{extract.name}{thresholds}"
@@ -119,10 +119,10 @@ class Recipe:
             seen = f"segmap.quadtree.without_passers(log, found.trusted, {seen_through=})"
             lines.append(f"log = {seen}")
         thresholds += ", keep_points=True" * self.keeps_points()
-        lines.append(f"map = segmap.build_map(log, found.trusted{thresholds}){kept}")
+        lines.append(f"full = segmap.build_map(log, found.trusted{thresholds}){kept}")
         for name, call in zip(("reduced", "other"), self.methods, strict=False):
-            lines.append(f"{name} = {called(reduction, 'reduction', call, 'map')}")
-        lines.append("segmap.reduction_rate(map, reduced), segmap.quality(map, reduced)")
+            lines.append(f"{name} = {called(reduction, 'reduction', call, 'full')}")
+        lines.append("segmap.reduction_rate(full, reduced), segmap.quality(full, reduced)")
         name, world = "map.svg", ""
         if "place" in self.edits:
             name, world = "map.geojson", f", world=segmap.exports.{world_of(self.edits)!r}"

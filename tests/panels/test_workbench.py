@@ -120,11 +120,11 @@ def test_the_same_in_python_makes_the_same(settings):
     names = {"log": LOG}
     exec(made.code, names)
     found = [names["reduced"], names.get("other")]
-    assert np.array_equal(names["map"].segments, made.outcome.map.segments)
+    assert np.array_equal(names["full"].segments, made.outcome.map.segments)
     for mine, theirs in zip(found, made.outcome.reductions, strict=False):
         assert np.array_equal(mine.segments, theirs.segments)
     assert ("other" in names) == (len(made.outcome.reductions) == 2)
-    kept = [segmap.quality(names["map"], each) for each in filter(None, found)]
+    kept = [segmap.quality(names["full"], each) for each in filter(None, found)]
     assert kept == made.outcome.qualities
 
 
@@ -405,7 +405,7 @@ def test_a_run_that_is_stopped_keeps_what_is_placed_and_says_so(worker, tmp_path
     assert not made.canvas.growing and len(made.canvas.way) == 8 * count
     assert not made.start.disabled and words in made.runs["align_thresholds"].iloc[-1]
     exec(made.code, names := {"log": made.log})
-    assert np.array_equal(names["map"].segments, made.outcome.map.segments)
+    assert np.array_equal(names["full"].segments, made.outcome.map.segments)
     made.export(tmp_path / "it.segmap")
     kept = readers.read_session(tmp_path / "it.segmap").log
     assert len(kept) == count and kept.causes[-1].words == words and kept.causes[-1].doubtful
