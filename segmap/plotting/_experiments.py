@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 #: Method -> colour, marker and line, the same in all pictures.
 METHOD_STYLES = {
-    "basic_offline": ("#e69f00", "o", "-"),
-    "basic_online": ("#56b4e9", "s", "--"),
+    "basic_offline": ("#c47f00", "o", "-"),
+    "basic_online": ("#2299c4", "s", "--"),
     "hybrid": ("#cc79a7", "^", "-"),
     "mean_shift": ("#999933", "D", "-"),
     "fusion": ("#0072b2", "v", "-"),
@@ -30,7 +30,7 @@ METHOD_STYLES = {
     "polyline": ("#332288", "*", "--"),
     "viewing_sector": ("#aa4499", "<", "-"),
     "fusion_online": ("#4477aa", ">", "--"),
-    "fuzzy_set": ("#bbbb00", "H", "-"),
+    "fuzzy_set": ("#a08a00", "H", "-"),
     "fuzzy_clustering": ("#663300", "8", "--"),
 }
 

@@ -27,7 +27,7 @@ def thumbnail(value: Any) -> bytes:
     """A small picture of a scan, a log, an alignment, a map or a reduction, as a notebook shows it.
 
     A PNG, 320 x 240. Of a log without any pose it shows the first scan; of an alignment, which
-    knows no scans, the path, its loops, and red crosses where a scan was not used.
+    knows no scans, the path, its loops, and orange crosses where a scan was not used.
 
     Examples
     --------

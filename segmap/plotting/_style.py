@@ -18,19 +18,19 @@ T = TypeVar("T")
 #: The width of a line or the size of a dot.
 Points = Annotated[float, Quantity("points", least=0, most=1000)]
 
-RAW = "#b0b0b0"  #: light grey: what the sensor measured, and what a method dropped
+RAW = "#949494"  #: grey: what the sensor measured, and what a method dropped
 MAP = "#000000"  #: black: a map of segments
 RESULT = "#0072b2"  #: blue: what a method makes of it
-TRUTH = "#009e73"  #: green: how it really is
-ERROR = "#d55e00"  #: red: what is wrong, and by how much
+TRUTH = "#007a58"  #: green: how it really is
+ERROR = "#d55e00"  #: orange: what is wrong, and by how much
 
 #: Colours of groups, used in turn.
 GROUPS = (
-    *("#e69f00", "#56b4e9", "#009e73", "#0072b2", "#d55e00"),
+    *("#c47f00", "#2299c4", "#009e73", "#0072b2", "#d55e00"),
     *("#cc79a7", "#882255", "#999933", "#332288"),
 )
-#: From no error (light grey) to the largest (dark red).
-ERRORS = LinearSegmentedColormap.from_list("errors", ["#d0d0d0", "#e69f00", ERROR, "#7a1f00"])
+#: From no error (grey) to the largest (dark red).
+ERRORS = LinearSegmentedColormap.from_list("errors", ["#949494", "#c47f00", ERROR, "#7a1f00"])
 
 #: Inches, and dots an inch: such a picture takes about 30 KB in a notebook.
 SIZE, DPI = (6.0, 4.5), 72
@@ -62,7 +62,7 @@ def group_colors(groups: NDArray[np.int64]) -> Array:
     Examples
     --------
     >>> group_colors(np.array([0, 9, -1]))[:, 0].round(2)
-    array([0.9 , 0.9 , 0.69])
+    array([0.77, 0.77, 0.58])
     """
     return np.where(groups[:, None] < 0, to_rgba(RAW), to_rgba_array(GROUPS)[groups % len(GROUPS)])
 

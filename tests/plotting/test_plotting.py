@@ -8,17 +8,17 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex, to_rgba
+from matplotlib.colors import to_hex, to_rgb, to_rgba
 from matplotlib.figure import Figure
 
 import segmap
 from segmap import plotting
 from segmap.alignment import Alignment, Graph, odometry
 from segmap.alignment.graph import Rejected
-from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, TRUTH
+from segmap.plotting import ERROR, ERRORS, GROUPS, MAP, RAW, RESULT, TRUTH, method_style
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map
-from segmap.reduction import Reduction
+from segmap.reduction import METHODS, Reduction
 from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap
 
@@ -341,3 +341,13 @@ def test_a_figure_becomes_a_png_without_leaving_its_canvas():
     canvas = figure.canvas
     assert pixels(plotting.figure_png(figure)).shape == (30, 60, 3)
     assert figure.canvas is canvas
+
+
+def test_each_colour_is_seen_on_white():
+    """Catches a grey, a light blue or an orange that a projector swallows: 3 to 1 (WCAG 2)."""
+    used = [RAW, ERROR, *GROUPS, ERRORS(0.0)]
+    used += [method_style(name, 0)[0] for name in METHODS]
+    for color in used:
+        shares = np.array(to_rgb(color))
+        light = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+        assert 1.05 / (light @ (0.2126, 0.7152, 0.0722) + 0.05) >= 3.0, color

@@ -20,7 +20,7 @@ from ...segments import SegmentMap
 #: Pixels of the static picture.
 WIDTH, HEIGHT = 648, 320
 #: Colours of the verdicts, which colour-blind eyes tell apart too.
-COLORS = {"good": "#009e73", "doubtful": "#e69f00", "not a map": "#d55e00"}
+COLORS = {"good": "#009e73", "doubtful": "#c47f00", "not a map": "#d55e00"}
 #: So many runs are listed.
 LATEST = 8
 #: A widget sets lines far apart; a table that is too wide has a bar of its own to move it.
