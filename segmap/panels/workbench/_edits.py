@@ -68,13 +68,18 @@ class Edits:
             except (ValueError, AssertionError):
                 raise ValueError(f"{label} must be like '{hint}', got {text!r}") from None
         found["crs"] = self.crs.value.strip()
-        place = found["place"]
-        if found["crs"] and place and abs(place[0]) <= 90 and abs(place[1]) <= 180 and any(place):
-            self.degrees.layout.display = ""
-            said = f"place {place[0]:g} {place[1]:g} looks like degrees"
-            raise ValueError(f"{said}, and a grid takes metres to the east and north")
-        self.degrees.layout.display = "none"
         return {name: value for name, value in found.items() if value}
+
+    def asked(self) -> dict[str, Any]:
+        """The same, for a run: a place that looks like degrees in a grid is asked about."""
+        found = self.value()
+        east, north = place = found.get("place", [0.0, 0.0])
+        wrong = "crs" in found and abs(east) <= 90 and abs(north) <= 180 and any(place)
+        self.degrees.layout.display = "" if wrong else "none"
+        if wrong:
+            said = f"place {east:g} {north:g} looks like degrees"
+            raise ValueError(f"{said}, and a grid takes metres to the east and north")
+        return found
 
     def take_loops(self, held: Mapping[str, Any]) -> None:
         """Leave out and force the loops that these edits name, and no others."""
