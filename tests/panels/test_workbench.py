@@ -386,6 +386,7 @@ def test_a_worker_that_dies_is_told_and_replaced(worker, monkeypatch):
         worker.do(os._exit, 3)
 
 
+@pytest.mark.slow
 def test_a_run_that_is_stopped_keeps_what_is_placed_and_says_so(worker, tmp_path, monkeypatch):
     """Catches a stop that throws the map away, one that is taken for a whole map, a map that is
     seen only at the end, and a next run that maps the part again."""
