@@ -6,7 +6,6 @@ import copy
 import inspect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any, TypeVar
 
 from . import _warm, alignment, arrays, extraction, reduction
@@ -23,6 +22,7 @@ from .reduction import Reduction
 from .scans import Log
 from .scans.causes import Cause, Finding
 from .segments import SegmentMap, main_direction
+from .threads import computed
 
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
 #: Of so many scans a map is kept where the work is stopped.
@@ -168,7 +168,7 @@ class Outcome:
         names += ["metrics all"] + ["quadtree all"] * (self.recipe.seen_through is not None)
         _warm.dispatch(names)
 
-    @cached_property
+    @computed
     def log(self) -> Log:
         """With its beams, its clock and its odometry put right."""
         self.dispatch()
@@ -177,7 +177,7 @@ class Outcome:
         announce(0.0, f"preparing {len(self.given)} scans")
         return alignment.prepared(self.given, **preparing(self.recipe.prepare))
 
-    @cached_property
+    @computed
     def grown(self) -> tuple[LiveGraph, Alignment] | None:
         """Where the alignment is a pose graph."""
         announce(0.0, f"aligning {len(self.log)} scans by {self.recipe.align.name}")
@@ -205,7 +205,7 @@ class Outcome:
         cut = (replace(each[:count], causes=(*each.causes, known)) for each in both)
         self.given, self.log = cut
 
-    @cached_property
+    @computed
     def solved(self) -> Alignment:
         """The poses, loops mended."""
         if self.grown is None:
@@ -219,25 +219,25 @@ class Outcome:
         """With what was found in the log: a graph that grows scan by scan knows no log."""
         return replace(found, causes=(*self.log.causes, *found.causes))
 
-    @cached_property
+    @computed
     def turn(self) -> float:
         """By which most walls run along x and y, radians; 0 where that is not asked for."""
         if not self.recipe.edits.get("square"):
             return 0.0
         return -main_direction(extraction.build_map(self.log, self.solved.trusted))
 
-    @cached_property
+    @computed
     def alignment(self) -> Alignment:
         """The poses in the frame of the map."""
         return self.solved.turned(self.turn) if self.turn else self.solved
 
-    @cached_property
+    @computed
     def seen(self) -> Log:
         """Without people who walked through."""
         share, poses = self.recipe.seen_through, self.alignment.trusted
         return self.log if share is None else without_passers(self.log, poses, seen_through=share)
 
-    @cached_property
+    @computed
     def extracted(self) -> SegmentMap:
         """All segments."""
         log, poses, extract = self.seen, self.alignment.trusted, self.recipe.extract
@@ -245,22 +245,22 @@ class Outcome:
         announce(0.0, f"extracting segments by {extract.name}")
         return extraction.build_map(log, poses, extract=extract.function, **thresholds)
 
-    @cached_property
+    @computed
     def verdict(self) -> Verdict:
         """Whether that is a map."""
         return self.alignment.verdict_on(self.extracted)
 
-    @cached_property
+    @computed
     def cropped(self) -> SegmentMap:
         """What lies in the rectangle."""
         return cropped(self.extracted, self.recipe.edits.get("crop"))
 
-    @cached_property
+    @computed
     def map(self) -> SegmentMap:
         """What is long enough."""
         return self.cropped.filtered(self.recipe.least) if self.recipe.least else self.cropped
 
-    @cached_property
+    @computed
     def reductions(self) -> list[Reduction]:
         """By each method."""
         found = []
@@ -273,7 +273,7 @@ class Outcome:
             found.append(known[0])
         return found
 
-    @cached_property
+    @computed
     def qualities(self) -> list[float]:
         """Of each reduction."""
         reductions = self.reductions

@@ -32,6 +32,11 @@ R = TypeVar("R")
 PLAIN = "SEGMAP_PLAIN"
 #: What is said where machine code is missing.
 COMPILING = "compiling once on this machine, about a minute"
+#: And where a process has what another thread of its parent had in hand.
+FORKED = (
+    "another thread was in this when the process was forked: fork while none works, or start the "
+    "process anew (spawn)"
+)
 #: What makes an array or a list in a kernel; numba refuses any other where it counts nothing.
 MAKERS = frozenset({"empty", "empty_like", "zeros", "full", "copy", "heappush"})
 #: Loops that this process had to compile.
@@ -195,11 +200,14 @@ def _say_once() -> None:
 class _Pause:
     """Seconds in which machine code was loaded or compiled, by one thread or by several at once."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, torn: bool = False) -> None:
         self.lock, self.busy, self.since, self.total = threading.Lock(), 0, 0.0, 0.0
+        self.torn = torn
 
     def change(self, by: int) -> float:
         """One thread begins, or ends; answers the seconds until now."""
+        if self.torn and by > 0:
+            raise RuntimeError(FORKED)
         with self.lock:
             now = time.perf_counter()
             if self.busy:
@@ -209,8 +217,8 @@ class _Pause:
 
 
 _pause = _Pause()
-if hasattr(os, "register_at_fork"):  # another thread may have held the lock
-    os.register_at_fork(after_in_child=lambda: _pause.__init__())  # type: ignore[misc]
+if hasattr(os, "register_at_fork"):  # what another thread has half compiled stays so in the child
+    os.register_at_fork(after_in_child=lambda: _pause.__init__(torn=_pause.busy > 0))  # type: ignore[misc]
 
 
 @contextmanager

@@ -48,3 +48,42 @@ def test_a_map_waits_for_who_holds_its_lock():
         assert asked.is_alive() and not seen
     asked.join(20)
     assert len(seen) == 1
+
+
+FORKED = """
+import os, threading, time
+from segmap import alignment, load
+from segmap.alignment import LiveGraph
+log, graph, stop = load("room"), LiveGraph(), []
+def work():
+    while not stop:
+        graph.add(log[len(graph) % len(log)])
+threading.Thread(target=work, daemon=True).start()
+said = []
+for turn in range(6):
+    time.sleep(0.02)
+    child = os.fork()
+    if not child:
+        try:
+            alignment.pose_graph(log[:4])
+            code = len(graph.poses) * 0
+        except RuntimeError as torn:
+            code = 3 if "when the process was forked" in str(torn) else 4
+        os._exit(code)
+    end = time.monotonic() + 40
+    while not (done := os.waitpid(child, os.WNOHANG))[0] and time.monotonic() < end:
+        time.sleep(0.01)
+    said.append(os.waitstatus_to_exitcode(done[1]) if done[0] else "hangs")
+print(said)
+stop.append(1)
+os._exit(len({*said} - {0, 3}))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="Windows has no fork")
+def test_a_fork_while_a_thread_aligns_does_not_hang():
+    """Catches a child that waits for ever: for a loop that another thread was loading, which is
+    half loaded in the child; and for an object that it was in. Both say so."""
+    words = [sys.executable, "-W", "ignore::DeprecationWarning", "-c", FORKED]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=280, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import Array
 from ...poses.motions import wrap
+from ...threads import computed
 from .._result import Match, no_match
 from . import _point_kernels as kernels
 from . import _search_kernels
@@ -167,7 +167,7 @@ class PointMap:
         """Which points `(m, 2)` of a scan at a pose `(3,)` have a point within reach, `(m,)`."""
         return self.descend(current, pose, reach, reach, stride=1, rounds=1).partner >= 0
 
-    @cached_property
+    @computed
     def levels(self) -> _search_kernels.Levels:
         """Likelihoods of cells of `FINE` metres and their maxima over 2, 4, 8 and 16 cells a side.
 

@@ -67,4 +67,4 @@ def test_ranges_are_in_the_unit_in_which_the_wheels_go_the_same_way(unit, factor
     )
     blind = replace(wrong, scans=tuple(replace(scan, odometry=None) for scan in wrong))
     (guessed,) = prepared(blind).causes
-    assert guessed.cause is Cause.UNIT and guessed.doubtful
+    assert guessed.cause is Cause.UNIT and guessed.doubtful and unit in guessed.words

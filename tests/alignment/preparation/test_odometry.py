@@ -115,6 +115,7 @@ def test_what_cannot_be_attributed_is_doubted(name):
     log = driven()
     found = prepared(with_rows(log, change(log.odometry)))
     assert causes(found)[cause]
+    assert name != "a tenth too far" or "wheels or ranges are 10 % off" in found.causes[0].words
     aligned = pose_graph(found)
     assert set(found.causes) <= set(aligned.causes)
     assert position_errors(aligned.poses, log.truth, best=True).max() < 0.05
