@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
+from typing import Any
 
 from .. import __version__
 from ..files import speak
 from . import _app, _compare, _convert, _info, _locate, _map, _merge, _notebooks, _occupancy, _warm
 from ._words import FAULTS, Usage, moving, plain_warnings, reason, tell
-from .opening import Command, parsed
+from .opening import Command, examples, parsed
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
 EPILOG = """\
@@ -52,7 +54,33 @@ def parser() -> Command:
     )
     for command in COMMANDS:
         command.add(commands)
+    _add_sensor(commands)
     said = {action.dest: str(action.help) for action in commands._choices_actions}
     for name, each in commands.choices.items():
         each.finish(said[name])
     return found
+
+
+def _add_sensor(commands: Any) -> None:
+    """`segmap sensor list|info|record`: the programs of `segmap.hokuyo` by another name."""
+    command = commands.add_parser(
+        "sensor",
+        help="find a Hokuyo sensor, ask what it is, record what it sees",
+        epilog=examples(
+            "sensor list", "sensor info", "sensor record drive.log --count 600 --port /dev/ttyACM0"
+        ),
+    )
+    command.add_argument(
+        "what",
+        nargs=argparse.REMAINDER,
+        metavar="list | info | record ...",
+        help="`segmap sensor record --help` tells its options",
+    )
+
+    def run(given: argparse.Namespace) -> int:
+        from ..hokuyo.__main__ import main, stop_on_signals
+
+        stop_on_signals()
+        return main(given.what, prog="segmap sensor")
+
+    command.set_defaults(run=run)

@@ -1,6 +1,6 @@
 """Hokuyo sensors on a serial port or Ethernet: their protocol SCIP, a driver, a recorder.
 
-`python -m segmap.hokuyo list`, `info` and `record` do the same from a terminal.
+`segmap sensor list`, `info` and `record` do the same from a terminal.
 """
 
 from ._host import Newest

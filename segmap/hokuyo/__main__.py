@@ -16,12 +16,10 @@ from ._record import check_target
 _PORT = "device, or tcp://host[:10940] on Ethernet (default: the Hokuyo on USB)"
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(arguments: list[str] | None = None, *, prog: str = "python -m segmap.hokuyo") -> int:
     """Run a command and return its exit code: 0, or 1 after a line that says what went wrong."""
     speak()
-    given = _parser().parse_args(arguments)
-    if __name__ == "__main__":
-        _stop_on_signals()
+    given = _parser(prog).parse_args(arguments)
     try:
         given.run(given)
     except KeyboardInterrupt:
@@ -32,7 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-def _stop_on_signals() -> None:
+def stop_on_signals() -> None:
     """Leave with the laser off on Control-C, on `kill`, and when the terminal is closed.
 
     Who starts the program with nohup wants it to outlive the terminal, so that stays.
@@ -80,8 +78,8 @@ def _record(given: argparse.Namespace) -> None:
                 print(sensor.slow)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m segmap.hokuyo", description=__doc__)
+def _parser(prog: str) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog=prog, description=__doc__)
     commands = parser.add_subparsers(required=True, metavar="list | info | record")
     command = commands.add_parser("list", help="serial ports, Hokuyo's first")
     command.set_defaults(run=_list)
@@ -104,4 +102,5 @@ def _add_port(command: argparse.ArgumentParser) -> None:
 
 
 if __name__ == "__main__":
+    stop_on_signals()
     sys.exit(main())

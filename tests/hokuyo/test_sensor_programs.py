@@ -77,6 +77,25 @@ def test_the_recorder_is_stopped(line, name, sent, tmp_path):
         assert names == [f"scan{k + 1:06}.txt" for k in range(len(turns))]
 
 
+def test_the_command_of_all_records_too(tmp_path):
+    """Catches options that are not handed on, and a laser left on by `kill`."""
+    log, code = (
+        tmp_path / "one.log",
+        "import sys; from segmap.__main__ import main; sys.exit(main())",
+    )
+    with Emulator(far_pattern, speed=10.0, **FAR) as emulator:
+        given = ("sensor", "record", log, "--port", emulator.port)
+        with started(code, *given, "--count", 3) as process:
+            assert process.wait(60) == 0
+        assert len(read(log)) == 3
+        log.unlink()
+        with started(code, *given) as process:
+            wait_for(lambda: written(log) > 30_000)
+            process.terminate()
+            assert process.wait(20) == 0
+        wait_for(lambda: not emulator.unit.laser)
+
+
 @needs_terminals
 def test_nohup_outlives_the_terminal(tmp_path):
     """Catches a recorder that stops where somebody took care that it does not."""
