@@ -70,6 +70,9 @@ def write_sheet(
     end = place.suffix.lower()
     if end not in ENDS:
         raise ValueError(f"path: the name must end in {', '.join(ENDS)}, got {place.name!r}")
+    for name, text in {"title": title, "verdict": verdict, "date": date}.items():
+        if "\0" in arrays.instance(text, name, str):
+            raise ValueError(f"{name} has a NUL character, got {text!r}")
     import matplotlib
 
     rules: Any = {"svg.fonttype": "none", "svg.hashsalt": "segmap", "pdf.fonttype": 42}

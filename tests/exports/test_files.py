@@ -50,6 +50,7 @@ WRITERS = {
     "map": (lambda path: MAP.save(path), ".npz"),
     "segment map": (lambda path: WALLS.save(path), ".npz"),
     "segments": (lambda path: exports.write_segments(path, WALLS), ".csv"),
+    "sheet": (lambda path: exports.write_sheet(path, WALLS), ".pdf"),
     "arrays": (lambda path: exports.write_arrays(path, LOG), ".npz"),
     "session": (lambda path: exports.write_session(path, readers.Session(LOG, {})), ".segmap"),
     "graph": (lambda path: exports.write_graph(path, GRAPH), ".g2o"),
@@ -74,9 +75,9 @@ def others(folder: Path, *known: str) -> set[str]:
 def test_the_table_of_writers_is_whole():
     """Catches an export that joins the package and not these tests, and a second way to write."""
     functions = {name for name, found in vars(exports).items() if inspect.isfunction(found)}
-    assert functions - {"ros_classes", "placed_at"} == {
+    assert functions - {"ros_classes", "placed_at", "is_ros_map", "read_ros_map"} == {
         *("write_tum", "write_carmen", "write_ros_map", "write_geojson", "write_svg"),
-        *("write_segments", "write_graph", "write_arrays", "write_session"),
+        *("write_segments", "write_graph", "write_arrays", "write_session", "write_sheet"),
     }
     found = set()
     for package in (Path(segmap.__file__).parent, Path(course.__file__).parent):

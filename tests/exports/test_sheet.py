@@ -40,7 +40,7 @@ def test_north_formats_and_what_is_refused(tmp_path):
     """Catches a north that is always up, a file of another kind, and words that are marks."""
     for end, start in ((".pdf", b"%PDF"), (".png", b"\x89PNG"), (".svg", b"<?xml")):
         for name in ("one", "two"):
-            write_sheet(tmp_path / f"{name}{end}", ROOM, title="$x <b>\u4e00\0", north=0.3)
+            write_sheet(tmp_path / f"{name}{end}", ROOM, title="$x <b>\u4e00\1", north=0.3)
         one, two = ((tmp_path / f"{name}{end}").read_bytes() for name in ("one", "two"))
         assert one.startswith(start) and one == two
     text = (tmp_path / "one.svg").read_text(encoding="utf-8")
@@ -48,5 +48,7 @@ def test_north_formats_and_what_is_refused(tmp_path):
     write_sheet(tmp_path / "none.pdf", np.zeros((0, 2, 2)))
     with pytest.raises(ValueError, match=r"must end in \.pdf, \.svg, \.png, got 'it\.dwg'"):
         write_sheet(tmp_path / "it.dwg", ROOM)
+    with pytest.raises(ValueError, match="title has a NUL"):
+        write_sheet(tmp_path / "it.pdf", ROOM, title="\0")
     with pytest.raises(ValueError, match="north must be"):
         write_sheet(tmp_path / "it.pdf", ROOM, north=90)
