@@ -20,8 +20,38 @@ log that comes with segmap: malaga, corridor, room. Exit codes: 0 done, 1 someth
 command was not understood, 3 a log gave no map, or was not found on one, 130 stopped by Control-C.
 `segmap COMMAND --help` tells the rest.
 """
+
+
+def _add_sensor(commands: Any) -> None:
+    """`segmap sensor list|info|record`: the programs of `segmap.hokuyo` by another name."""
+    command = commands.add_parser(
+        "sensor",
+        help="find a Hokuyo sensor, ask what it is, record what it sees",
+        epilog=examples(
+            "sensor list", "sensor info", "sensor record drive.log --count 600 --port /dev/ttyACM0"
+        ),
+    )
+    command.add_argument(
+        "what",
+        nargs=argparse.REMAINDER,
+        metavar="list | info | record ...",
+        help="`segmap sensor record --help` tells its options",
+    )
+
+    def run(given: argparse.Namespace) -> int:
+        from ..hokuyo.__main__ import main, stop_on_signals
+
+        stop_on_signals()
+        return main(given.what, prog="segmap sensor")
+
+    command.set_defaults(run=run)
+
+
 #: In the order in which they are listed.
-COMMANDS = (_info, _map, _merge, _compare, _occupancy, _locate, _convert, _app, _notebooks, _warm)
+COMMANDS = (
+    *(each.add for each in (_info, _map, _merge, _compare, _occupancy, _locate, _convert, _app)),
+    *(_add_sensor, _notebooks.add, _warm.add),
+)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -52,35 +82,9 @@ def parser() -> Command:
     commands = found.add_subparsers(
         required=True, metavar="COMMAND", title="commands", parser_class=Command
     )
-    for command in COMMANDS:
-        command.add(commands)
-    _add_sensor(commands)
+    for add in COMMANDS:
+        add(commands)
     said = {action.dest: str(action.help) for action in commands._choices_actions}
     for name, each in commands.choices.items():
         each.finish(said[name])
     return found
-
-
-def _add_sensor(commands: Any) -> None:
-    """`segmap sensor list|info|record`: the programs of `segmap.hokuyo` by another name."""
-    command = commands.add_parser(
-        "sensor",
-        help="find a Hokuyo sensor, ask what it is, record what it sees",
-        epilog=examples(
-            "sensor list", "sensor info", "sensor record drive.log --count 600 --port /dev/ttyACM0"
-        ),
-    )
-    command.add_argument(
-        "what",
-        nargs=argparse.REMAINDER,
-        metavar="list | info | record ...",
-        help="`segmap sensor record --help` tells its options",
-    )
-
-    def run(given: argparse.Namespace) -> int:
-        from ..hokuyo.__main__ import main, stop_on_signals
-
-        stop_on_signals()
-        return main(given.what, prog="segmap sensor")
-
-    command.set_defaults(run=run)
