@@ -168,3 +168,20 @@ def test_threads_or_none_give_the_same_poses(monkeypatch, three):
     assert found[0].graph.loop.any()
     np.testing.assert_allclose(found[0].poses, found[1].poses, rtol=0, atol=1e-9)
     assert found[0].reasons == found[1].reasons
+
+
+def test_two_objects_are_computed_at_once():
+    """Catches one lock for all objects: threads wait, and a forked process for ever."""
+    both = threading.Barrier(2, timeout=20)
+
+    class Slow:
+        @threads.computed
+        def place(self):
+            return both.wait()
+
+    work = [threading.Thread(target=lambda: Slow().place) for _ in range(2)]
+    for thread in work:
+        thread.start()
+    for thread in work:
+        thread.join()
+    assert not both.broken

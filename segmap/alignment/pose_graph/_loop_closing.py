@@ -47,8 +47,8 @@ RECENT = 30
 #: Other loops that must agree where the robot may be anywhere, since many rooms are built alike,
 #: and when the log ends. Then loops of one scan to passes farther apart than `STRETCH` count too.
 LOST_WITNESSES, LAST_WITNESSES = 5, 1
-#: With a standard deviation above this, metres, a loop is no way through the graph: along a
-#: corridor it fixes nothing.
+#: With a standard deviation above this, metres, a loop is no way through the graph, and without
+#: odometry no witness of others: along a corridor it fixes nothing.
 VAGUE = 0.2
 #: The graph is solved at once where a new loop turns its ends by more than this, radians.
 STRAIN_ANGLE = np.radians(0.5)
@@ -56,7 +56,6 @@ STRAIN_ANGLE = np.radians(0.5)
 CONTRADICTED = 15.0
 #: Why a loop is not believed that no other, or too few, agree with.
 ALONE = "no other loop agrees with it"
-#: Why one is not believed that may lie anywhere along a corridor.
 CONTRADICTS, VETOED = "the rest of the graph contradicts it", "it was vetoed"
 
 
@@ -268,7 +267,7 @@ class LoopCloser:
         return found
 
     def _witnesses(self, loops: list[Edge]) -> list[Edge]:
-        """Those that may confirm others."""
+        """Those that may confirm others: all where there is odometry."""
         return loops if self.measured else _firm(loops)
 
     def agreeing(self, loop: Edge, known: list[Edge], *, apart: bool = False) -> list[Edge]:
