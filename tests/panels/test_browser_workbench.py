@@ -267,7 +267,7 @@ def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(
 ):
     """Catches a page that says nothing for a minute, and work that goes on when nobody waits."""
     scan = exports_of_one_scan(tmp_path / "one.log")
-    (tmp_path / "long.log").write_bytes(scan * (12_000_000 // len(scan)))
+    (tmp_path / "long.log").write_bytes(scan * (60_000_000 // len(scan)))
     (tmp_path / "huge.log").write_bytes(b"")
     os.truncate(tmp_path / "huge.log", 100_000_001)
     opened(browser, app, width)

@@ -12,6 +12,7 @@ import numpy as np
 from ... import exports
 from ..._recipe import Outcome, cropped, world_of
 from ...arrays import Array
+from ...files import shown
 from ...poses import transform
 from ...quadtree import QuadtreeMap, build_map
 from ...scans import Log
@@ -30,7 +31,7 @@ def write(path: str | Path, outcome: Outcome, which: int = 0) -> None:
     if end == ".yaml":
         exports.write_ros_map(path, cells(outcome))
     elif end in (".pdf", ".png"):
-        words = {"title": outcome.given.name, "verdict": outcome.verdict.words}
+        words = {"title": shown(outcome.given.name), "verdict": outcome.verdict.words}
         today = datetime.date.today().isoformat()
         degrees = outcome.recipe.edits.get("north")
         north = None if degrees is None else math.radians(degrees[0])
