@@ -11,7 +11,7 @@ from .. import __version__
 from ..files import speak
 from . import _app, _compare, _convert, _info, _locate, _map, _merge, _notebooks, _occupancy, _warm
 from ._words import FAULTS, Usage, moving, plain_warnings, reason, tell
-from .opening import Command, examples, parsed
+from .opening import Command, Completion, examples, parsed
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
 EPILOG = """\
@@ -79,6 +79,12 @@ def parser() -> Command:
     """The parser of all commands."""
     found = Command(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
     found.add_argument("--version", action="version", version=f"segmap {__version__}")
+    found.add_argument(
+        "--completion",
+        action=Completion,
+        nargs=0,
+        help='for Tab in bash or zsh: eval "$(segmap --completion)" in ~/.bashrc or ~/.zshrc',
+    )
     commands = found.add_subparsers(
         required=True, metavar="COMMAND", title="commands", parser_class=Command
     )

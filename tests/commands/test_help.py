@@ -2,6 +2,8 @@
 
 import json
 import re
+import shutil
+import subprocess
 
 import pandas as pd
 import pytest
@@ -14,6 +16,13 @@ FUNCTIONS = {
     for room in (alignment, extraction, reduction)
     for name, method in room.METHODS.items()
 }
+
+#: A shell asks so for what may follow the words that it is given.
+ASKED = """\
+COMP_WORDS=(segmap "$@"); COMP_CWORD=$#
+_segmap
+printf '%s\\n' "${COMPREPLY[@]}"
+"""
 
 
 @pytest.fixture(scope="module")
@@ -92,3 +101,34 @@ def test_info_holds_numbers_that_a_table_can_sort(run, tmp_path):
     assert malaga["odometry"]["metres"] == pytest.approx(76.4, abs=0.05)
     table = pd.read_csv("it.csv").sort_values("odometry.metres")
     assert list(table["log"]) == ["room", "malaga"]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh"])
+def test_a_shell_offers_commands_options_methods_and_logs(run, tmp_path, shell):
+    """Catches a script that no shell reads, a shortened list, and a file's name that is cut."""
+    if not shutil.which(shell):
+        pytest.skip(f"there is no {shell}")
+    code, script, _ = run("--completion")
+    (tmp_path / "script").write_text(script)
+    (tmp_path / "own log.npz").touch()
+
+    def offered(*words):
+        zsh = shell == "zsh"
+        text = f"source ./script; {'setopt ksharrays shwordsplit' if zsh else ''}\n{ASKED}"
+        done = subprocess.run(
+            [shell, "-c", text, shell, *words], capture_output=True, text=True, timeout=60
+        )
+        assert (done.returncode, done.stderr) == (0, "")
+        found = (
+            done.stdout.splitlines()
+        )  # zsh asks for all, and itself leaves out what does not fit
+        return [word for word in found if word.startswith(words[-1])] if zsh else found
+
+    assert code == 0 and offered("m") == ["map", "merge"]
+    assert offered("--comp") == ["--completion"]
+    assert set(offered("map", "room", "--method", "")) == {*reduction.METHODS, "none"}
+    assert offered("map", "--help", "back") == ["backbone"]
+    assert offered("map", "room", "--toler") == ["--tolerance"]
+    assert "--tolerance" not in offered("info", "room", "--")
+    assert offered("map", "o") == ["own log.npz"] and offered("merge", "m") == ["malaga"]
+    assert offered("sensor", "") == ["list", "info", "record"]

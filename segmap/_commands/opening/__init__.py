@@ -1,6 +1,7 @@
 """What commands share: the logs and options that are named, poses of their scans, files written."""
 
 from ._command import Command, examples
+from ._completion import Completion
 from ._logs import (
     NO_MAP,
     add_logs,
@@ -32,9 +33,9 @@ from ._settings import parsed
 from ._thresholds import LENGTH, add_thresholds, refuse_others, refuse_wrong
 
 __all__ = [
-    "LENGTH", "NO_MAP", "Command", "add_align", "add_logs", "add_output", "add_poses", "add_strict",
-    "add_thresholds", "add_world", "allowed", "call", "check_options", "concluded", "each_log",
-    "edits_of", "examples", "finished", "is_log", "is_session", "log_of", "parsed", "placed",
-    "preparing_of", "recipe_of", "refuse_others", "refuse_wrong", "tell_alignment",
+    "LENGTH", "NO_MAP", "Command", "Completion", "add_align", "add_logs", "add_output", "add_poses",
+    "add_strict", "add_thresholds", "add_world", "allowed", "call", "check_options", "concluded",
+    "each_log", "edits_of", "examples", "finished", "is_log", "is_session", "log_of", "parsed",
+    "placed", "preparing_of", "recipe_of", "refuse_others", "refuse_wrong", "tell_alignment",
     "tell_deskewing", "tell_poses",
 ]  # fmt: skip
