@@ -22,6 +22,7 @@ from ..quadtree import QuadtreeMap
 from ..scans import LaserScan, Log
 from ..scans.causes import Finding, doubt_of
 from ..scans.moving import stood, unmoved
+from ..scans.odometry import contradictions
 from ..segments import SegmentMap, length
 from ._verdict import Verdict, judge
 from .graph import Graph, loops_of
@@ -243,7 +244,7 @@ def concluded(name: str, scans: Sequence[LaserScan], found: Outcome, seconds: fl
         raise RuntimeError(f"{name} must give a finite pose and a reason for each scan")
     used = np.array([not reason for reason in reasons], bool)
     causes = (*getattr(scans, "causes", ()), *unmoved(scans, poses), *stood(scans, poses))
-    causes += tuple(found.causes)
+    causes += (*contradictions(scans, poses, used), *found.causes)
     evidence = reasons, found.graph, causes, found.spread, found.local_spread
     return Alignment(poses, used, seconds, name, *evidence)
 

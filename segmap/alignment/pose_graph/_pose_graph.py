@@ -71,7 +71,7 @@ def pose_graph(
     Parameters
     ----------
     log
-        In the order of recording; times do not matter.
+        In the order of recording, from `alignment.prepared`; times do not matter.
     step, turn
         A key frame is set where the robot has moved this far from the last one: half a metre, since
         doors and desks hide each other from one pose to the next.

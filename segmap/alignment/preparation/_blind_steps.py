@@ -7,13 +7,13 @@ for around where it was taken, as if the robot stood, until the robot has moved 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...scans import Log
+from ...scans.odometry import Steps
 from .._result import Match
 from ..points import LAST, PointMap, in_range
 
@@ -35,18 +35,9 @@ LEAST_OVERLAP, MOST_DEVIATION_M = 0.7, 0.05
 STANDS_M, STANDS_RAD, REST = 0.1, np.radians(3), 0.15
 
 
-class Steps(NamedTuple):
-    """Matched motions: from scan `first` to scan `second`, whose pose in the first is `motion`."""
-
-    first: NDArray[np.int64]  # (m,)
-    second: NDArray[np.int64]  # (m,)
-    motion: Array  # (m, 3), metres and radians
-    overlap: Array = np.zeros(0)  # (m,), share of the second scan that lies on the first so
-
-    @property
-    def torn(self) -> int:
-        """At how many steps a part of the scan stands for the laser though the rest moves."""
-        return int((self.overlap <= LEAST_OVERLAP).sum())
+def torn(steps: Steps) -> int:
+    """At how many steps a part of the scan stands for the laser though the rest moves."""
+    return int((steps.overlap <= LEAST_OVERLAP).sum())
 
 
 def blind_steps(log: Log) -> Steps:

@@ -17,8 +17,8 @@ from ...arrays import Array
 from ...poses.motions import between, compose, inverse, wrap
 from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding
-from ._blind_steps import Steps, blind_steps
-from ._comparison import compared
+from ...scans.odometry import Steps, compared
+from ._blind_steps import blind_steps
 
 #: Scans from which pairs are sought by the odometry, spread evenly over the log.
 STARTS = 100

@@ -6,15 +6,29 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ... import arrays
 from ..._display import counted
-from ...arrays import Array
-from ...poses.motions import between, compose
+from ...arrays import Array, checked
+from ...poses.motions import compose
 from ...scans import Log
 from ...scans.causes import Cause, Finding
-from ._blind_steps import Steps
-from ._comparison import ENOUGH, OdometryComparison, compared, delay_of, shifted
+from ...scans.odometry import (
+    CONTRADICTS,
+    ENOUGH,
+    REPEATS_M,
+    REPEATS_RAD,
+    RIGHT_TURN,
+    RIGHT_WAY,
+    OdometryComparison,
+    Steps,
+    compared,
+    delay_of,
+    odometry_jumps,
+    shifted,
+    steps_of,
+)  # fmt: skip
+from ._blind_steps import blind_steps
 
 #: Names of units, and the metres of each.
 UNITS = {
@@ -25,12 +39,10 @@ UNITS = {
     "feet": 0.3048,
     "kilometres": 1000.0,
 }
-#: Shares of the way that wheels may say, in any unit, and those that say nothing against them.
-WHEELS, RIGHT_WAY = (0.86, 1.12), (0.93, 1.07)
-#: Turns within these factors may be the noise of a right odometry.
-RIGHT_TURN = (0.7, 1.4)
-#: Directions of straight steps agree from here on; below the other they contradict each other.
-AGREES, CONTRADICTS = 0.9, 0.6
+#: Shares of the way that wheels may say, in any unit.
+WHEELS = (0.86, 1.12)
+#: Directions of straight steps agree from here on.
+AGREES = 0.9
 #: A laser that looks this far aside is mounted so; less is the noise of some logs.
 ASIDE_RAD = np.radians(8)
 #: A lever arm is told from here on; none is longer than a robot.
@@ -40,10 +52,6 @@ STILL = 0.15
 #: A delay counts from one scan on, where it leaves this share of the disagreement; one of more
 #: than so many scans must leave less.
 DELAY_SCANS, DELAY_GAIN, LONG_DELAY_SCANS, LONG_DELAY_GAIN = 1.0, 0.6, 10.0, 0.35
-#: A step so many times as long as nearly all others is one that no robot drives.
-JUMP, NEARLY_ALL = 4.0, 0.95
-#: Rows that move by less than this repeat each other.
-REPEATS_M, REPEATS_RAD = 1e-4, 1e-5
 #: What can be wrong with an odometry that contradicts itself.
 MIRRORS: dict[str, Callable[[Array], Array]] = {
     "its y counts to the right": lambda rows: rows * (1, -1, 1),
@@ -193,7 +201,7 @@ def _nothing(rows: Array) -> Array:
 def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     """Rows `(k, 3)` without those that repeat while matched steps move: NaN in their place."""
     rows = rows.copy()
-    way, turned = _motions(rows)
+    way, turned = steps_of(rows)
     run = np.r_[0, np.cumsum(~((way < REPEATS_M) & (turned < REPEATS_RAD)))]  # of equal rows
     x, y, turn = steps.motion.T
     moves = (np.hypot(x, y) > 0.1) | (np.abs(turn) > np.radians(4))
@@ -209,29 +217,19 @@ def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     ]
 
 
-def _motions(rows: Array) -> tuple[Array, Array]:
-    """Way and turn from each row to the next, `(k - 1,)`, metres and radians."""
-    step = between(rows[:-1], rows[1:])
-    return np.hypot(step[:, 0], step[:, 1]), np.abs(step[:, 2])
+@checked
+def compare_odometry(log: Log) -> OdometryComparison:
+    """Compare the odometry of a log with matches that do not lean on it.
 
+    Some hundred scans over the log are matched with scans soon after, from the guess that the robot
+    stands. In a right log turns and ways agree; real wheels say 0.90 to 1.00 of the way.
 
-def odometry_jumps(rows: Array, times: Array) -> NDArray[np.int64]:
-    """Scans to which odometry `(k, 3)` steps as no robot drives, by its own steps and times.
-
-    Such a step is several times as long as nearly all others, for the time that it took, and those
-    beside it are not: a robot that drives faster does so for several scans.
+    Examples
+    --------
+    >>> from segmap import load
+    >>> found = compare_odometry(load("corridor"))
+    >>> round(found.way, 2), round(found.agreement, 2)
+    (1.0, 1.0)
     """
-    way, _ = _motions(rows)
-    moved = way[np.isfinite(way) & (way > REPEATS_M)]
-    if len(moved) < 2 * ENOUGH:
-        return np.zeros(0, np.int64)
-    took = np.diff(times)
-    usual = np.median(took[took > 0]) if (took > 0).any() else np.inf
-    allowed = JUMP * np.quantile(moved, NEARLY_ALL) * np.fmax(took / usual, 1.0)
-    far = np.r_[False, way > allowed, False]
-    alone = far[1:-1] & ~(far[:-2] & far[2:])  # not between two others
-    found: list[int] = []
-    for scan in np.flatnonzero(alone) + 1:
-        if scan - 1 not in found:  # one wild row: the way back is no second jump
-            found.append(int(scan))
-    return np.array(found, np.int64)
+    arrays.instance(log, "log", Log)
+    return compared(log.odometry, blind_steps(log))

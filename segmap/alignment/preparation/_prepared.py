@@ -13,11 +13,11 @@ from ...poses.motions import compose, inverse
 from ...progress import Progress
 from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding
+from ...scans.odometry import compared
 from .. import _deskew
-from ._blind_steps import blind_steps
+from ._blind_steps import blind_steps, torn
 from ._body import without_body
 from ._clock import with_clock_mended
-from ._comparison import compared
 from ._nothing_met import without_nothing_met
 from ._odometry import mounting_of, with_odometry_corrected
 from ._range_unit import with_ranges_in_metres
@@ -84,10 +84,10 @@ def prepared(
     steps = blind_steps(log)
     if not keep_body and (seen := without_body(log, steps)) is not log:
         log, steps = seen, blind_steps(seen)
-    if steps.torn >= TORN:
-        words = f"at {steps.torn} of {len(steps.first)} steps a part of the scan stands still"
+    if torn(steps) >= TORN:
+        words = f"at {torn(steps)} of {len(steps.first)} steps a part of the scan stands still"
         why = "for the laser while the rest moves: people, or parts of the robot, move along"
-        told = Finding(Cause.BODY, steps.torn, f"{words} {why}", doubtful=True)
+        told = Finding(Cause.BODY, torn(steps), f"{words} {why}", doubtful=True)
         log = replace(log, causes=(*log.causes, told))
     if isinstance(mount, str):
         arrays.one_of(mount, "mount", ["auto"])

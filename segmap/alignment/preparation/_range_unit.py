@@ -8,8 +8,8 @@ import numpy as np
 
 from ...scans import Log
 from ...scans.causes import Cause, Finding
+from ...scans.odometry import compared
 from ._blind_steps import blind_steps
-from ._comparison import compared
 from ._odometry import WHEELS
 
 #: Half of the ranges are never above this in metres.

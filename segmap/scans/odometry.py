@@ -1,21 +1,22 @@
-"""What matches that do not lean on the odometry make of it: its unit, direction, delay and more.
+"""Odometry against other knowledge of the same motions: its unit, direction, delay, jumps.
 
 Motions on the plane are complex numbers here, x + iy: their quotient is a scale and a turn.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import arrays
-from ...arrays import Array, checked
-from ...poses.motions import between
-from ...scans import Log
-from ._blind_steps import Steps, blind_steps
+from .._display import counted
+from ..arrays import Array
+from ..poses.motions import between
+from . import LaserScan
+from .causes import Cause, Finding
 
 #: Matched turns that are compared are larger than this; straight steps turn by less.
 TURN_RAD = np.radians(4)
@@ -33,8 +34,27 @@ ROUNDS = 15
 ONE_WAY = 0.6
 #: What one step counts at most for a delay: radians, or half of the metres.
 MOST_OFF = 0.5
+#: Poses are compared after so much way, or after so much turn.
+LONG_STEP_M, LONG_STEP_RAD = 0.3, np.radians(10)
+#: Shares of the way that say nothing against wheels, and factors of turns that may be noise.
+RIGHT_WAY, RIGHT_TURN = (0.93, 1.07), (0.7, 1.4)
+#: Below this agreement straight steps contradict each other.
+CONTRADICTS = 0.6
+#: A step so many times as long as nearly all others is one that no robot drives.
+JUMP, NEARLY_ALL = 4.0, 0.95
+#: Rows that move by less than this repeat each other.
+REPEATS_M, REPEATS_RAD = 1e-4, 1e-5
 #: Residuals of the lever arm that a match has at least.
 LEAST_ERROR_M = 0.003
+
+
+class Steps(NamedTuple):
+    """Matched motions: from scan `first` to scan `second`, whose pose in the first is `motion`."""
+
+    first: NDArray[np.int64]  # (m,)
+    second: NDArray[np.int64]  # (m,)
+    motion: Array  # (m, 3), metres and radians
+    overlap: Array = np.zeros(0)  # (m,), share of the second scan that lies on the first so
 
 
 @dataclass(frozen=True)
@@ -77,24 +97,6 @@ class OdometryComparison:
         """Steps, `(m,)`, that go straight by the match."""
         x, y, turn = self.steps.motion.T
         return np.asarray((np.hypot(x, y) > STRAIGHT_M) & (np.abs(turn) < TURN_RAD))
-
-
-@checked
-def compare_odometry(log: Log) -> OdometryComparison:
-    """Compare the odometry of a log with matches that do not lean on it.
-
-    Some hundred scans over the log are matched with scans soon after, from the guess that the robot
-    stands. In a right log turns and ways agree; real wheels say 0.90 to 1.00 of the way.
-
-    Examples
-    --------
-    >>> from segmap import load
-    >>> found = compare_odometry(load("corridor"))
-    >>> round(found.way, 2), round(found.agreement, 2)
-    (1.0, 1.0)
-    """
-    arrays.instance(log, "log", Log)
-    return compared(log.odometry, blind_steps(log))
 
 
 def compared(odometry: Array, steps: Steps) -> OdometryComparison:
@@ -196,3 +198,84 @@ def shifted(odometry: Array, scans: NDArray[Any]) -> Array:
     columns = [odometry[:, 0], odometry[:, 1], np.unwrap(odometry[:, 2])]
     own = np.arange(len(odometry))
     return np.stack([np.interp(scans, own, c, left=np.nan, right=np.nan) for c in columns], -1)
+
+
+def steps_of(rows: Array) -> tuple[Array, Array]:
+    """Way and turn from each row to the next, `(k - 1,)`, metres and radians."""
+    step = between(rows[:-1], rows[1:])
+    return np.hypot(step[:, 0], step[:, 1]), np.abs(step[:, 2])
+
+
+def odometry_jumps(rows: Array, times: Array) -> NDArray[np.int64]:
+    """Scans to which odometry `(k, 3)` steps as no robot drives, by its own steps and times.
+
+    Such a step is several times as long as nearly all others, for the time that it took, and those
+    beside it are not: a robot that drives faster does so for several scans.
+    """
+    way, _ = steps_of(rows)
+    moved = way[np.isfinite(way) & (way > REPEATS_M)]
+    if len(moved) < 2 * ENOUGH:
+        return np.zeros(0, np.int64)
+    took = np.diff(times)
+    usual = np.median(took[took > 0]) if (took > 0).any() else np.inf
+    allowed = JUMP * np.quantile(moved, NEARLY_ALL) * np.fmax(took / usual, 1.0)
+    far = np.r_[False, way > allowed, False]
+    alone = far[1:-1] & ~(far[:-2] & far[2:])  # not between two others
+    found: list[int] = []
+    for scan in np.flatnonzero(alone) + 1:
+        if scan - 1 not in found:  # one wild row: the way back is no second jump
+            found.append(int(scan))
+    return np.array(found, np.int64)
+
+
+def contradictions(
+    scans: Sequence[LaserScan], poses: Array, used: NDArray[np.bool_]
+) -> list[Finding]:
+    """What an odometry that nobody has compared says against the poses `(k, 3)` found.
+
+    `alignment.prepared` compares it before and puts it right; what that told is not told again.
+    """
+    known: list[Any] = [s.odometry if s.odometry is not None else (np.nan,) * 3 for s in scans]
+    rows: Array = np.reshape(known, (-1, 3)).astype(float)
+    if not np.isfinite(rows).all(-1).any():
+        return []
+    jumps = odometry_jumps(rows, np.array([scan.time for scan in scans]))
+    found = compared(rows, _steps_between(poses, used))
+    remedy = "begin with alignment.prepared(log)"
+    first = f"the odometry jumps {counted(len(jumps), 'time')}, first at scan"
+    told = {each.cause for each in getattr(scans, "causes", ())}
+    says = [
+        (len(jumps) > 0, Cause.JUMP, len(jumps), f"{first} {jumps[:1].sum()}"),
+        (
+            found.turn < -RIGHT_TURN[0],
+            Cause.MIRRORED,
+            found.turn,
+            "the map turns the other way than the odometry: the laser or the wheels are mirrored",
+        ),
+        (
+            found.agreement < CONTRADICTS,
+            Cause.NO_ODOMETRY,
+            found.agreement,
+            "the odometry moves otherwise than the map",
+        ),
+        (
+            not RIGHT_WAY[0] <= np.nan_to_num(found.way, nan=1.0) <= RIGHT_WAY[1],
+            Cause.SCALE,
+            found.way,
+            f"the map moves by {found.way:.3f} of what the odometry says",
+        ),
+    ]
+    return [
+        Finding(cause, value, words, remedy, doubtful=True)
+        for so, cause, value, words in says
+        if so and cause not in told
+    ]
+
+
+def _steps_between(poses: Array, used: NDArray[np.bool_]) -> Steps:
+    """Steps of some length between poses `(k, 3)` that are used."""
+    placed = np.flatnonzero(used)
+    motion = between(poses[placed[:-1]], poses[placed[1:]])
+    done = np.hypot(*motion[:, :2].T) / LONG_STEP_M + np.abs(motion[:, 2]) / LONG_STEP_RAD
+    ends = placed[np.r_[True, np.diff(np.floor(np.cumsum(done)), prepend=0.0) > 0][: len(placed)]]
+    return Steps(ends[:-1], ends[1:], between(poses[ends[:-1]], poses[ends[1:]]))

@@ -1,0 +1,62 @@
+"""Every alignment says where the odometry that it was given contradicts the map that it makes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from segmap import alignment, load
+from segmap.poses.motions import between
+from segmap.scans.causes import Cause
+
+LOG = load("corridor")
+
+
+def with_odometry(change):
+    """The log with `change(rows)` of its odometry."""
+    rows = change(LOG.odometry.copy())
+    scans = [replace(scan, odometry=row) for scan, row in zip(LOG, rows, strict=True)]
+    return replace(LOG, scans=tuple(scans))
+
+
+def started_again(rows):
+    half = len(rows) // 2
+    return np.r_[rows[:half], between(rows[half], rows[half:])]
+
+
+def longer(rows):
+    return rows * (2, 2, 1)
+
+
+def counted_the_other_way(rows):
+    return rows * (1, -1, -1)
+
+
+WRONG = [
+    (started_again, Cause.JUMP),
+    (longer, Cause.SCALE),
+    (counted_the_other_way, Cause.MIRRORED),
+]
+
+
+@pytest.mark.parametrize("method", ["point_icp", "pose_graph", "odometry"])
+def test_right_odometry_contradicts_nothing(method):
+    """Catches an alarm where all is well."""
+    causes = {each.cause for each in alignment.METHODS[method](LOG).causes}
+    assert not causes & {Cause.JUMP, Cause.SCALE, Cause.MIRRORED, Cause.NO_ODOMETRY}
+
+
+@pytest.mark.parametrize(("change", "cause"), WRONG)
+def test_wrong_odometry_is_told_and_makes_a_map_doubtful(change, cause):
+    """Catches a map by an odometry that it contradicts, called good, of who skips `prepared`."""
+    found = alignment.METHODS["ground_truth"](with_odometry(change))
+    (told,) = [each for each in found.causes if each.doubtful]
+    assert told.cause == cause and "alignment.prepared" in str(told)
+    assert found.verdict.grade == "doubtful"
+
+
+def test_what_prepared_told_is_not_told_again():
+    """Catches the same doubt twice in one verdict."""
+    log = alignment.prepared(with_odometry(started_again))
+    assert [each.cause for each in log.causes] == [Cause.JUMP]
+    assert alignment.METHODS["ground_truth"](log).causes == log.causes
