@@ -70,7 +70,8 @@ def measured() -> dict[str, int]:
 
 def test_lines_of_code_are_counted():
     """Catches a count that forgets code, or that counts what explains it."""
-    text = '"""A\nB"""\n\nimport a\nfrom b import (\n    c,\n)\n\n\n# d\ndef e():\n    """F"""\n    return "#"\n'
+    lines = ('"""A', 'B"""', "", "import a", "from b import (", "    c,", ")", "", "# d")
+    text = "\n".join((*lines, "def e():", '    """F"""', '    return "#"', ""))
     assert code_lines(text) == 2
 
 
