@@ -21,6 +21,8 @@ CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 MOST_BYTES, MOST_PICTURE_BYTES, MOST_LINES = 200_000, 30_000, 15
 #: Of a figure, at 72 dots an inch; and how many cells of code may follow each other without words.
 LEAST_INCHES, MOST_WORDLESS = (5.0, 3.5), 4
+#: Cells that hold the text to what it says, folded; what a reader checks by hand is not among them.
+GUARD = "guard"
 
 #: What differs from machine to machine or from run to run: text of outputs must hold none of it.
 UNSTEADY = {
@@ -115,9 +117,38 @@ def large_figures(notebook: dict) -> list[str]:
 
 
 def words_between(notebook: dict) -> list[str]:
-    kinds = "".join("c" if cell["cell_type"] == "code" else "m" for cell in notebook["cells"])
+    seen = [cell for cell in notebook["cells"] if not is_guard(cell)]
+    kinds = "".join("c" if cell["cell_type"] == "code" else "m" for cell in seen)
     longest = max(map(len, kinds.split("m")))
     return [f"{longest} cells of code without words"] if longest > MOST_WORDLESS else []
+
+
+def is_guard(cell: dict) -> bool:
+    return GUARD in cell["metadata"].get("tags", [])
+
+
+def guards_are_folded(notebook: dict) -> list[str]:
+    """A guard asserts, shows nothing, and JupyterLab opens it folded."""
+    return [
+        f"cell {number}: a guard that is not folded, shows something, or asserts nothing"
+        for number, source, cell in code_cells(notebook)
+        if is_guard(cell)
+        and not (
+            cell["metadata"].get("jupyter") == {"source_hidden": True}
+            and not cell.get("outputs")
+            and re.search(r"^\s*assert", source, re.MULTILINE)
+        )
+    ]
+
+
+def assertions_in_sight(notebook: dict) -> int:
+    """Lines of code that begin an assertion, in cells that are not folded."""
+    return sum(
+        line.lstrip().startswith("assert")
+        for _, source, cell in code_cells(notebook)
+        if not is_guard(cell)
+        for line in source.splitlines()
+    )
 
 
 def steady_outputs(notebook: dict) -> list[str]:
@@ -231,7 +262,7 @@ def resets_its_panel(notebook: dict) -> list[str]:
     return left
 
 
-RULES = (executed_in_order, no_errors, no_widget_state, small, small_pictures, large_figures,
+RULES = (executed_in_order, no_errors, no_widget_state, guards_are_folded, small, small_pictures, large_figures,
          words_between, steady_outputs, nothing_forbidden, short_cells, defines_nothing_twice,
          links_resolve, has_claim, has_summary, shows_what_goes_wrong, has_exercise,
          has_driven_panel, resets_its_panel)  # fmt: skip

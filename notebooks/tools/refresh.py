@@ -42,6 +42,8 @@ SIZES = (
 MOST_PICTURE_BYTES, MOST_CHAPTER_BYTES = 30_000, 198_000
 #: The output of the cell with this tag is the picture in the README.
 README_TAG = "readme-picture"
+#: Cells with this tag only hold the text to what it says: JupyterLab shows them folded.
+GUARD_TAG = "guard"
 README_PICTURE = Path("pictures/malaga.png")
 
 
@@ -63,6 +65,8 @@ def tidy(notebook: NotebookNode) -> NotebookNode:
     for cell in notebook.cells:
         tags = cell.metadata.get("tags")
         cell.metadata = NotebookNode({"tags": tags} if tags else {})
+        if GUARD_TAG in (tags or []):
+            cell.metadata["jupyter"] = {"source_hidden": True}
         cell.id = _cell_id(cell, used)
     for number, output in enumerate(_outputs_with(notebook, VIEW)):
         output.data[VIEW]["model_id"] = f"{number:032x}"

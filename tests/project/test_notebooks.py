@@ -20,6 +20,11 @@ def test_chapter(path):
     assert [f"{rule.__name__}: {said}" for rule in rules.RULES for said in rule(notebook)] == []
 
 
+def test_most_assertions_are_out_of_sight():
+    """Catches chapters whose reader wades through what only guards their text."""
+    assert sum(rules.assertions_in_sight(read(path)) for path in CHAPTERS) <= 350
+
+
 def test_there_are_chapters_and_all_have_a_number():
     """Catches a glob that misses chapters, and a notebook that hides in a subfolder."""
     inside = {p for p in (ROOT / "notebooks").rglob("*.ipynb") if "checkpoint" not in str(p)}
@@ -95,6 +100,9 @@ BREACHES = [
     ("executed_in_order", lambda c: c.__delitem__(slice(1, 2))),
     ("no_errors", lambda c: put(c, {"output_type": "error", "ename": "ValueError"})),
     ("no_errors", lambda c: put(c, stream("Warning: old", "stderr"))),
+    ("guards_are_folded", lambda c: c[4]["metadata"].update(tags=["guard"])),
+    ("guards_are_folded", lambda c: fold(c[6])),
+    ("guards_are_folded", lambda c: (fold(c[4]), c[4].update(outputs=[stream("1")]))),
     ("small", lambda c: put(c, stream("x" * 200_000))),
     ("small_pictures", lambda c: put(c, shown(png=base64.b64encode(b"x" * 30_001).decode()))),
     ("large_figures", lambda c: put(c, shown(plain="<Figure size 432x216 with 1 Axes>"))),
@@ -127,6 +135,10 @@ BREACHES = [
     ("has_driven_panel", lambda c: c[4].update(source="panel.step.value = 3\npanel.reset()")),
     ("has_driven_panel", lambda c: c[4].update(source="assert panel.index.value\npanel.reset()")),
 ]
+
+
+def fold(cell):
+    cell["metadata"] = {"tags": ["guard"], "jupyter": {"source_hidden": True}}
 
 
 def put(cells, output):

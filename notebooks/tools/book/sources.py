@@ -81,6 +81,7 @@ def read_chapter(path: Path, states: dict[str, list[str]]) -> Chapter:
     notebook = nbformat.read(path, as_version=4)
     complaints = [f"{path.name}: {text}" for text in _unsound(notebook)]
     section = [0, 0]
+    notebook.cells = [c for c in notebook.cells if "guard" not in c.metadata.get("tags", [])]
     for cell in notebook.cells:
         if cell.cell_type == "markdown":
             cell.source = adapt(numbered(cell.source, path.stem[:2], section))

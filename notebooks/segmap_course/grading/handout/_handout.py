@@ -111,7 +111,7 @@ def student_copy(name: str, notebook: Notebook, handed: Iterable[str]) -> Notebo
             cells.append(markdown(cell["id"], with_links(cell["source"], set(handed))))
             cells += hand_cells(tasks.get(f"by_hand_{name[:2]}_{index}"))
         else:
-            cells.append(code(cell["id"], cell["source"], tags=cell["metadata"].get("tags")))
+            cells.append(code(cell["id"], cell["source"], cell["metadata"]))
     cells.insert(1, name_cell(list(tasks.values())))
     return {**notebook, "cells": cells}
 
@@ -188,9 +188,9 @@ def markdown(name: str, source: str) -> Cell:
     return {"cell_type": "markdown", "id": name, "metadata": {}, "source": source}
 
 
-def code(name: str, source: str, tags: list[str] | None = None) -> Cell:
+def code(name: str, source: str, metadata: dict[str, Any] | None = None) -> Cell:
     """A cell of code that was not run."""
-    kept = {"metadata": {"tags": tags} if tags else {}, "source": source}
+    kept = {"metadata": metadata or {}, "source": source}
     return {"cell_type": "code", "execution_count": None, "id": name, **kept, "outputs": []}
 
 
