@@ -52,3 +52,29 @@ class Method(Generic[R]):
     def __call__(self, data: object, **thresholds: Any) -> R:
         """Run it: `METHODS[name](map, ...)` is `reduction.<name>(map, ...)`."""
         return self.function(data, **thresholds)
+
+
+def bracket(
+    keeps: Callable[[float], bool], value: float, doublings: int, halvings: int
+) -> tuple[float, ...]:
+    """A value that keeps something and twice it, which does not; nothing where none is found.
+
+    Examples
+    --------
+    >>> bracket(lambda value: value < 0.3, 0.04, 5, 5), bracket(lambda value: value < 0.3, 1, 5, 5)
+    ((0.16, 0.32), (0.25, 0.5))
+    >>> bracket(lambda value: False, 1.0, 5, 5)
+    ()
+    """
+    grows = keeps(value)
+    for _ in range(doublings if grows else halvings):
+        before, value = value, value * (2.0 if grows else 0.5)
+        if keeps(value) != grows:
+            return min(before, value), max(before, value)
+    return ()
+
+
+def halved(keeps: Callable[[float], bool], ends: tuple[float, ...]) -> tuple[float, ...]:
+    """The half of a bracket, by ratio, in which what keeps ends."""
+    middle = (ends[0] * ends[1]) ** 0.5
+    return (middle, ends[1]) if keeps(middle) else (ends[0], middle)

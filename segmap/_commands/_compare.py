@@ -6,7 +6,6 @@ With a plan of the building also against its walls: quality asks how near the no
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 
 from .. import _warm, extraction, metrics
 from .._display import counted
+from ..methods import bracket, halved
 from ..readers import LogError, read_segments
 from ..reduction import METHODS
 from ..scans import Log
@@ -161,29 +161,10 @@ def searched(map: dict[str, SegmentMap], method: str, quality: float) -> pd.Data
         return bool(found[-1]["quality"].item() >= quality)
 
     with suppress(_TooSlow):
-        ends = around(good, thresholds(METHODS[method].function)[varies].default)
+        ends = bracket(good, thresholds(METHODS[method].function)[varies].default, DOUBLED, DOUBLED)
         for _ in range(BETWEEN if ends else 0):
-            middle = float(np.sqrt(ends[0] * ends[1]))
-            ends = (middle, ends[1]) if good(middle) else (ends[0], middle)
+            ends = halved(good, ends)
     return pd.concat(found)
-
-
-def around(good: Callable[[float], bool], value: float) -> tuple[float, ...]:
-    """A threshold that is good and twice it, which is not; nothing where none is found.
-
-    Examples
-    --------
-    >>> around(lambda value: value < 0.3, 0.04), around(lambda value: value < 0.3, 1.0)
-    ((0.16, 0.32), (0.25, 0.5))
-    >>> around(lambda value: False, 1.0)
-    ()
-    """
-    step = 2.0 if good(value) else 0.5
-    for _ in range(DOUBLED):
-        before, value = value, value * step
-        if good(value) == (step < 1):
-            return min(before, value), max(before, value)
-    return ()
 
 
 def thinned(map: SegmentMap) -> SegmentMap:

@@ -6,11 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import MAPS, assert_literal, malaga
 
+from segmap import build_map, load
+from segmap.methods import bracket, halved
 from segmap.metrics import quality
-from segmap.reduction import least_cost, reduce_to
-from segmap.reduction.least_cost import _least_cost
+from segmap.reduction import METHODS, least_cost, reduce_to
 from segmap.reduction.least_cost._merge_kernels import crosses
 from segmap.segments import SegmentMap, length
+
+LOG = load("malaga")
 
 
 def test_an_exchange_that_gains_nothing_is_undone():
@@ -31,13 +34,32 @@ def test_quality_is_never_below_the_guarantee(seed, penalty):
     assert quality(map, found) >= np.exp(-penalty * (n - len(found)) / n / 0.05) - 1e-9
 
 
-@pytest.mark.parametrize("sought", [1e-5, 1.01e-4, 0.05, 3.98])
-def test_the_penalty_is_found_to_within_a_third_of_a_percent(sought, monkeypatch):
-    """Catches a bisection that ends early or on the wrong side, and penalties out of its range."""
-    monkeypatch.setattr(_least_cost, "least_cost", lambda map, penalty: penalty)
-    monkeypatch.setattr(_least_cost, "measured", lambda map, penalty: 1 - penalty / 10)
-    found = reduce_to([], quality=1 - sought / 10)
-    assert found <= sought < 1.003 * found or (found == pytest.approx(1e-4) and sought < found)
+@pytest.mark.parametrize("sought", [1.01e-4, 0.01, 0.05, 3.98, 25.0])
+def test_a_threshold_is_found_to_within_a_third_of_a_percent(sought):
+    """Catches a bisection that ends early or on the wrong side, and thresholds out of its range."""
+    ends = bracket(lambda value: value <= sought, 0.05, 9, 9)
+    assert ends[1] == 2 * ends[0]
+    for _ in range(8):
+        ends = halved(lambda value: value <= sought, ends)
+    assert ends[0] <= sought < ends[1] < 1.003 * ends[0]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_any_method_keeps_a_quality(method):
+    """Catches a threshold that is another method's, and a map that falls below what was asked."""
+    map = build_map(LOG[:20], LOG[:20].truth, keep_points=True)
+    found = reduce_to(map, quality=0.8, method=method)
+    assert found.method == method
+    assert (quality(map, found) >= 0.8) == ("keeps a quality" not in found.doubt)
+    usual = METHODS[method](map)
+    assert quality(map, usual) < 0.8 or len(found) <= len(usual)
+
+
+def test_what_cannot_be_kept_is_said():
+    """Catches a silent map below the quality that was asked for."""
+    found = reduce_to(malaga(), quality=0.85, method="fuzzy_set")
+    assert "no across that was tried keeps a quality of 0.85: 0.81 is the best" in found.doubt
+    assert quality(malaga(), found) == pytest.approx(0.81, abs=0.005)
 
 
 @pytest.mark.parametrize("wanted", [0.7, 0.85, 0.95])

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import numpy as np
 
-from ...arrays import Metres, Positive, Segments, below, checked
+from ...arrays import Metres, Segments, checked
 from ...kernels import describe
-from ...metrics import quality as measured
 from ...progress import announce, parts
 from ...segments import length
 from .._index import empty_index
@@ -24,8 +21,6 @@ NEIGHBOURS = 8
 PRICE = 0.25
 #: Two segments at a distance d across cost together about this share of d.
 SHARE = 0.3
-#: Least and largest penalty that `reduce_to` tries, metres.
-PENALTIES = 1e-4, 4.0
 
 
 @checked
@@ -78,38 +73,6 @@ def least_cost(
     price = max(PRICE, penalty / distance / 40)
     limits = Limits(penalty, price, price, distance, float(np.sin(angle)), gap)
     return run("least_cost", map, lambda rows: exchanged(rows, merged(rows, limits)[0], limits))
-
-
-@checked
-def reduce_to(map: Segments, *, quality: Annotated[Positive, below(1)] = 0.85) -> Reduction:
-    """The smallest map by `least_cost` that keeps a quality: the penalty is found by bisection.
-
-    Parameters
-    ----------
-    quality
-        The least `metrics.quality(map, result)`.
-
-    Returns
-    -------
-    Reduction
-        Where even the least penalty that is tried, 0.1 mm, falls below the quality, it is of that.
-
-    Examples
-    --------
-    >>> wall = [[(0, 0), (2, 0)], [(1, 0.01), (3, 0.01)], [(0, 1), (2, 1)]]
-    >>> reduce_to(wall, quality=0.9)
-    Reduction(least_cost: 3 -> 2 segments)
-    """
-    low, high = np.log(PENALTIES)
-    best = least_cost(map, penalty=float(np.exp(low)))
-    for _ in range(12):  # the share of the penalty that is left open: 0.3 %
-        middle = (low + high) / 2
-        found = least_cost(map, penalty=float(np.exp(middle)))
-        if measured(map, found) >= quality:
-            best, low = found, middle
-        else:
-            high = middle
-    return best
 
 
 def merged(rows: Rows, limits: Limits) -> Found:
