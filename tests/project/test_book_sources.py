@@ -10,6 +10,7 @@ from conftest import later
 
 sources, citations, api = later("book.sources"), later("book.citations"), later("book.api")
 extension, commands = later("book.extension"), later("book.commands")
+code_map = later("book.code_map")
 
 
 @pytest.mark.parametrize(
@@ -183,3 +184,17 @@ def test_each_command_has_a_page_with_its_options():
         and "   segmap locate MAP LOG [LOG ...] [OPT" in pages["locate"]
     )
     assert all(page.count(".. option:: ") >= 1 for page in pages.values())
+
+
+def test_the_map_of_the_code_has_every_folder_and_no_import_that_climbs():
+    """Catches a map that is older than the code."""
+    storey = {n: k for k, (_, _, names) in enumerate(code_map.STOREYS) for n in names.split()}
+    tops = {p.name.removesuffix(".py") for p in (ROOT / "segmap").iterdir()}
+    assert set(storey) == {name for name in tops if "." not in name} - {"__init__", "__pycache__"}
+    used = {room: code_map.imports_of(room) for room in storey}
+    assert [(a, b) for a in used for b in used[a] if storey[b] > storey[a]] == []
+    assert {"arrays", "scans", "reduction"} & used["metrics"] == {"arrays"}
+    assert {"points", "quadtree", "scans"} & used["matching"] == {"quadtree", "scans"}
+    assert all((ROOT / path).is_file() for path, _ in code_map.FIRST)
+    page = code_map.code_map()
+    assert page.count("<rect ") == len(storey) and "| `reduction` | Reduction: one segment" in page

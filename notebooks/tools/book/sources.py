@@ -15,6 +15,7 @@ import nbformat
 from nbformat import NotebookNode
 
 from .citations import with_links
+from .code_map import code_map
 
 ROOT = Path(__file__).resolve().parents[3]
 CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
@@ -60,6 +61,7 @@ def copy_sources(folder: Path, chapters: list[Path] = CHAPTERS) -> list[str]:
             _copy(path, folder / path.relative_to(ROOT))
     for path in (Path(__file__).parent / "pages").glob("*.md"):
         shutil.copy(path, folder / path.name)
+    (folder / "code_map.md").write_text(code_map(), encoding="utf-8")
     (folder / "_static" / "panels").mkdir(parents=True)
     for path in PICTURES.glob("*.webp"):
         shutil.copy(path, folder / "_static" / "panels")
@@ -274,7 +276,7 @@ def _write_contents(folder: Path, chapters: list[Path]) -> None:
         page for page in own if page.removeprefix("notebooks/") not in {c.stem for c in chapters}
     ]
     data = sorted(str(p.relative_to(folder).with_suffix("")) for p in folder.glob("data/**/*.md"))
-    texts = ["README", "environment", *data, "CONTRIBUTING", "CHANGELOG"]
+    texts = ["README", "environment", *data, "code_map", "CONTRIBUTING", "CHANGELOG"]
     trees += [_tree("For teachers", own)] if own else []
     trees += [
         _tree(
