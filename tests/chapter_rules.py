@@ -263,6 +263,7 @@ def resets_its_panel(notebook: dict) -> list[str]:
 
 
 RULES = (executed_in_order, no_errors, no_widget_state, guards_are_folded,
-         small, small_pictures, large_figures, words_between, steady_outputs, nothing_forbidden, short_cells, defines_nothing_twice,
+         small, small_pictures, large_figures, words_between, steady_outputs,
+         nothing_forbidden, short_cells, defines_nothing_twice,
          links_resolve, has_claim, has_summary, shows_what_goes_wrong, has_exercise,
          has_driven_panel, resets_its_panel)  # fmt: skip
