@@ -94,14 +94,15 @@ for _moves in {moves!r}:
 def shown(path: Path) -> dict[str, list[tuple[Image.Image, str]]]:
     """Name of each panel of a chapter -> picture and words of each of its states."""
     notebook = nbformat.read(path, as_version=4)
-    panels = [k for k, cell in enumerate(notebook.cells) if _shows_panel(cell)]
+    panels = [k for k, cell in enumerate(notebook.cells) if shows_panel(cell)]
     return {
         f"{path.stem}-{number}": _states(path, notebook.cells[: k + 1], number)
         for number, k in enumerate(panels, 1)
     }
 
 
-def _shows_panel(cell: NotebookNode) -> bool:
+def shows_panel(cell: NotebookNode) -> bool:
+    """Whether a cell of a chapter shows a panel."""
     return any(VIEW in output.get("data", {}) for output in cell.get("outputs", []))
 
 

@@ -49,7 +49,10 @@ class Panel:
         self.picture = W.Image(
             format="png",
             layout=W.Layout(
-                width="100%", height="auto", max_width=f"{min(WIDEST, FINER * width)}px"
+                width="100%",
+                height="auto",
+                max_width=f"{min(WIDEST, FINER * width)}px",
+                margin="0",  # else it is wider than its box, which then scrolls
             ),
         )
         sides = [
