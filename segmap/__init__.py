@@ -17,8 +17,6 @@ B, with the number of the section, table or figure:
 from __future__ import annotations
 
 import importlib
-import importlib.abc
-import sys
 from typing import TYPE_CHECKING, Any
 
 from . import (
@@ -86,21 +84,12 @@ __all__ = [
     "testing",
 ]
 
-#: Where to find what stood here until version 0.2.
-_MOVED = {
-    "segmap.course": "segmap_course (import segmap_course as course)",
-    "segmap.literal": "segmap_course.literal",
-    "segmap.emulator": "segmap.hokuyo.emulator",
-}
-
 #: The extra that brings a package which not everybody has.
 _EXTRA = {"ipywidgets": "lab", "IPython": "lab", "serial": "laser"}
 
 
 def __getattr__(name: str) -> Any:
     """The rooms that load when they are first named: some bring pandas, matplotlib or widgets."""
-    if f"segmap.{name}" in _MOVED:
-        raise ImportError(f"segmap.{name} is now {_MOVED[f'segmap.{name}']}", name=name)
     if name not in __all__:
         raise AttributeError(f"module 'segmap' has no attribute {name!r}")
     try:
@@ -110,18 +99,6 @@ def __getattr__(name: str) -> Any:
             raise
         hint = f"segmap.{name} needs {missing}: {_display.pip_install(_EXTRA[missing])}"
         raise ImportError(hint, name=missing) from error
-
-
-class _Moved(importlib.abc.MetaPathFinder):
-    """Says where what has moved is now, however it is imported."""
-
-    def find_spec(self, name: str, path: object = None, target: object = None) -> None:
-        """Refuse an old name in one line."""
-        if name in _MOVED:
-            raise ImportError(f"{name} is now {_MOVED[name]}", name=name)
-
-
-sys.meta_path.append(_Moved())
 
 
 def __dir__() -> list[str]:

@@ -198,22 +198,6 @@ def test_a_missing_package_is_named_with_the_extra_that_brings_it():
         _ = segmap.pannels
 
 
-@pytest.mark.parametrize(
-    ("code", "options", "now"),
-    [
-        ("from segmap import course", (), "segmap_course"),
-        ("from segmap.literal import basic", (), "segmap_course.literal"),
-        ("", ("-m", "segmap.emulator"), "segmap.hokuyo.emulator"),
-    ],
-)
-def test_an_old_name_says_where_it_went(code, options, now):
-    """In the last line, and from a terminal in the only one."""
-    ended = python(code, *options)
-    said = ended.stderr.splitlines()
-    assert ended.returncode == 1 and f"is now {now}" in said[-1]
-    assert len(said) == 1 or not options
-
-
 #: Windows has none of these; a program for macOS has the most, and not all.
 ABSENT = ("termios", "fcntl", "resource", "pty", "tty", "pwd", "grp")
 
