@@ -125,7 +125,9 @@ class Recipe:
         lines.append("segmap.reduction_rate(full, reduced), segmap.quality(full, reduced)")
         name, world = "map.svg", ""
         if "place" in self.edits:
-            name, world = "map.geojson", f", world=segmap.exports.{world_of(self.edits)!r}"
+            of, placed = type(frame := world_of(self.edits)), vars(frame)
+            options = Call(of.__name__, of, placed).arguments().removeprefix(", ")
+            name, world = "map.geojson", f", world=segmap.exports.{of.__name__}({options})"
         lines.append(f'# segmap.exports.write_segments("{name}", reduced{world})')
         body = "\n".join(lines)
         return ("import numpy as np\n\n" if "np." in body else "") + f"import segmap\n\n{body}\n"

@@ -222,7 +222,7 @@ def _read(hint: Any) -> Declared:
 
 
 class _Default(float):
-    """A default in a signature: help and the book show an angle in degrees; it is a float."""
+    """A default, or a setting: help and the book show an angle in degrees; it is a float."""
 
     def __new__(cls, value: float, function: Callable[..., Any], name: str) -> _Default:
         made = super().__new__(cls, value)
@@ -305,8 +305,23 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 class Settings:
     """A dataclass of settings: each field is checked, and kept, as its annotation declares it.
 
-    What is a plain float is positive; a tuple holds positive numbers.
+    What is a plain float is positive; a tuple holds positive numbers. Settings show themselves, and
+    help and the book their defaults, with angles in degrees.
     """
+
+    def __init_subclass__(cls) -> None:
+        for name in cls.__annotations__.keys() & vars(cls).keys():
+            if isinstance(value := vars(cls)[name], float):
+                setattr(cls, name, _Default(value, cls, name))
+        cls.__repr__ = Settings.__repr__  # type: ignore[method-assign]  # else @dataclass makes one
+
+    def __repr__(self) -> str:
+        shown = [(name, getattr(self, name)) for name in declared(type(self))]
+        texts = (
+            f"{name}={_Default(value, type(self), name) if type(value) is float else value!r}"
+            for name, value in shown
+        )
+        return f"{type(self).__name__}({', '.join(texts)})"
 
     def __post_init__(self) -> None:
         for name, said in declared(type(self)).items():
