@@ -16,6 +16,7 @@ import platform
 import re
 import stat
 import sys
+import tempfile
 import time
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -128,12 +129,15 @@ def writable(path: Path) -> Path:
     """
     existing(path)
     place = Path(os.path.realpath(path))
+    said = f"cannot write {shown(path)}: the folder {shown(place.parent)}"
     if not place.parent.is_dir():
-        said = f"cannot write {shown(path)}: the folder {shown(place.parent)} does not exist"
-        raise FileNotFoundError(said)
+        raise FileNotFoundError(f"{said} does not exist")
     if not os.access(place.parent, os.W_OK | os.X_OK):
-        said = f"cannot write {shown(path)}: the folder {shown(place.parent)} is read-only"
-        raise PermissionError(said)
+        raise PermissionError(f"{said} is read-only")
+    try:  # `/proc` seems to be open to root
+        tempfile.TemporaryFile(dir=place.parent).close()
+    except OSError as error:
+        raise OSError(f"{said} takes no file: {error.strerror}") from error
     return place
 
 
@@ -386,13 +390,7 @@ def _array(packed: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
 
 
 def chapters_folder() -> Path:
-    """The folder of the chapters: in an installed wheel inside the package, in a clone beside it.
-
-    Examples
-    --------
-    >>> (chapters_folder() / "00_start_here.ipynb").is_file()
-    True
-    """
+    """The folder of the chapters: in a wheel inside the package, in a clone beside it."""
     package = Path(__file__).parent
     for folder in (package / "notebooks", package.parent / "notebooks"):
         if (folder / "00_start_here.ipynb").is_file():

@@ -13,7 +13,7 @@ from .. import exports
 from .._display import counted
 from .._recipe import Outcome
 from ..alignment import Alignment
-from ..files import shown, writable
+from ..files import shown
 from ..scans import Log
 from . import opening
 from ._locate import states
@@ -54,9 +54,9 @@ def run(given: argparse.Namespace) -> int:
         given.refuse("a map for ROS becomes one file: `segmap convert map.yaml -o map.npz`")
     (source,), (target,) = given.logs, given.output
     report = Report(source, json=given.json, quiet=given.quiet)
-    path = writable(Path(target))
+    opening.check_places([Path(target)])
     map = exports.read_ros_map(source)
-    map.save(path)
+    map.save(target)
     report.say(f"{shown(source)}: a map for ROS")
     report.line("map", states(map))
     report.line("written", target, files=[target])

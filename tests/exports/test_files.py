@@ -399,8 +399,45 @@ def test_a_read_only_folder_is_told_before_the_work(words, read_only, monkeypatc
     """Catches minutes of work whose map has nowhere to go."""
     monkeypatch.chdir(read_only.parent)
     monkeypatch.setattr("segmap.alignment.prepared", lambda *given: pytest.fail("it works"))
-    assert main(["map", "room", *words.split()]) == 1
+    assert main(["map", "room", *words.split()]) == 2
     assert re.search(r"cannot write closed/\w+\.\w+: .* is read-only", capsys.readouterr().err)
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no folder that takes no file")
+@pytest.mark.parametrize(
+    "words",
+    [
+        *(
+            "map room -o /proc/it.svg",
+            "map room room -o /proc/{name}.svg",
+            "map room --loops /proc/it",
+        ),
+        *("compare room -o /proc/it.png", "occupancy room -o /proc/it.yaml", "info room --table"),
+        *(
+            "convert room -o /proc/it.log",
+            "convert it.yaml -o /proc/it.npz",
+            "locate it.yaml room --table",
+        ),
+        *(
+            "merge room room -o /proc/it.dxf",
+            "map room -o it.svg -o /proc/it.svg",
+            "merge room room --table",
+        ),
+    ],
+)
+def test_a_folder_that_takes_no_file_is_told_before_the_work(words, tmp_path, monkeypatch, capsys):
+    """Catches an option for a file that is tried after the work, where root seems to be allowed."""
+    monkeypatch.chdir(tmp_path)
+    exports.write_ros_map(Path("it.yaml"), MAP)
+    before = sorted(tmp_path.iterdir())
+    for work in ("segmap.alignment.prepared", "segmap._commands.opening._logs.log_of"):
+        monkeypatch.setattr(work, lambda *given: pytest.fail("it works"))
+    words += " /proc/it.csv" * words.endswith("--table")
+    assert main(words.split()) == 2
+    assert re.match(
+        r"segmap: cannot write /proc/.*: the folder /proc .*\n$", capsys.readouterr().err
+    )
+    assert sorted(tmp_path.iterdir()) == before
 
 
 def test_a_recording_is_refused_before_the_sensor_is_asked(read_only):

@@ -8,6 +8,7 @@ from ._logs import (
     add_output,
     add_strict,
     allowed,
+    check_places,
     concluded,
     each_log,
     finished,
@@ -33,9 +34,10 @@ from ._settings import parsed
 from ._thresholds import LENGTH, add_thresholds, refuse_others, refuse_wrong
 
 __all__ = [
-    "LENGTH", "NO_MAP", "Command", "Completion", "add_align", "add_logs", "add_output", "add_poses",
-    "add_strict", "add_thresholds", "add_world", "allowed", "call", "check_options", "concluded",
-    "each_log", "edits_of", "examples", "finished", "is_log", "is_session", "log_of", "parsed",
-    "placed", "preparing_of", "recipe_of", "refuse_others", "refuse_wrong", "tell_alignment",
-    "tell_deskewing", "tell_poses",
+    "LENGTH", "NO_MAP", "Command", "Completion", "add_align", "add_logs", "add_output",
+    "add_poses", "add_strict", "add_thresholds", "add_world", "allowed", "call",
+    "check_options", "check_places", "concluded", "each_log", "edits_of", "examples",
+    "finished", "is_log", "is_session", "log_of", "parsed", "placed", "preparing_of",
+    "recipe_of", "refuse_others", "refuse_wrong", "tell_alignment", "tell_deskewing",
+    "tell_poses",
 ]  # fmt: skip

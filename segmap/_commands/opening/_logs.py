@@ -7,7 +7,7 @@ import argparse
 import csv
 import io
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -19,7 +19,7 @@ from ...exports import is_ros_map
 from ...files import members, shown, writable, write_bytes
 from ...readers import LogError, UnknownFormat, format_of, load, read, read_bag, read_session
 from ...scans import Log
-from .._words import FAULTS, Report, percent, progress, reason, say, stoppable, tell
+from .._words import FAULTS, Report, Usage, percent, progress, reason, say, stoppable, tell
 from ._command import Command
 from ._settings import applied
 
@@ -104,8 +104,7 @@ def each_log(
     targets = Targets(getattr(given, "output", []))
     if len(chosen) > 1 and (alike := targets.alike()):
         given.refuse(f"{counted(len(chosen), 'log')} would go to {alike}: write {{name}} in it")
-    for path in filter(None, (given.table, getattr(given, "loops", None), *targets.fixed())):
-        writable(path)
+    check_places([given.table, getattr(given, "loops", None), *targets.fixed()])
     if not all(map(is_session, chosen)):
         check(given)
     failed, codes, reports = [], [0], []
@@ -143,6 +142,21 @@ def each_log(
     if len(chosen) > 1 and not (given.json or given.quiet):
         say(f"{len(chosen) - len(failed)} of {counted(len(chosen), 'log')} done")
     return 1 if failed else max(codes)
+
+
+def check_places(paths: Iterable[Path | None]) -> None:
+    """End with an error of usage where one of the files cannot be written; nothing is done yet."""
+    for path in filter(None, paths):
+        try:
+            for each in beside(path):
+                writable(each)
+        except (ValueError, OSError) as error:
+            raise Usage(reason(error)) from error
+
+
+def beside(path: Path) -> list[Path]:
+    """A file, and what is written with it: of a map for ROS its picture."""
+    return [path, path.with_suffix(".pgm")] if path.suffix == ".yaml" else [path]
 
 
 def write_table(path: Path, reports: Sequence[Report]) -> None:
@@ -303,9 +317,8 @@ def finished(
     written = allowed(given, verdict, paths, report)
     for path in written:
         write(path)
-    if written:  # beside a .yaml lies its picture
-        pairs = ([p, p.with_suffix(".pgm")] if p.suffix == ".yaml" else [p] for p in written)
-        names = [str(path) for pair in pairs for path in pair]
+    if written:
+        names = [str(each) for path in written for each in beside(path)]
         report.line("written", ", ".join(names), files=names)
     return concluded(given, verdict, report)
 
