@@ -304,13 +304,9 @@ class Outcome:
 
         The log is called by its `name`.
         """
-        recipe = self.recipe
-        mended = "".join(
-            f"; {name} {', '.join(recipe.edits[name])}"
-            for name in ("veto", "tie")
-            if name in recipe.edits
-        )
-        mended += f"; {self.stopped}" if self.stopped else ""
+        recipe, edits = self.recipe, self.recipe.edits
+        mends = (f"; {k} {', '.join(edits[k])}" for k in ("veto", "tie") if k in edits)
+        mended = "".join(mends) + (f"; {self.stopped}" if self.stopped else "")
         way = {
             "map": shown(name),
             "alignment": recipe.align.name,

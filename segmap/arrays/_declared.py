@@ -233,23 +233,17 @@ class _Default(float):
     name: str
 
     def __repr__(self) -> str:
-        said = declared(self.function)[self.name]
-        plain = said.unit == said.read_unit
-        return float.__repr__(self) if plain else f"{said.read(self):.6g} {said.read_unit}"
+        if (said := declared(self.function)[self.name]).unit == said.read_unit:
+            return float.__repr__(self)
+        return f"{said.read(self):.6g} {said.read_unit}"
 
     def __reduce__(self) -> tuple[type[float], tuple[float]]:
         return float, (float(self),)
 
 
-def _shown(function: Callable[..., Any]) -> inspect.Signature:
-    """The signature of a function whose defaults show themselves as people read them."""
-    found = inspect.signature(function)
-    shown = {
-        name: parameter.replace(default=_Default(parameter.default, function, name))
-        for name, parameter in found.parameters.items()
-        if isinstance(parameter.default, float)
-    }
-    return found.replace(parameters=list({**found.parameters, **shown}.values()))
+def _shown(value: Any, of: Callable[..., Any], name: str) -> Any:
+    """A default of a function or a class, or a setting, that shows itself as people read it."""
+    return _Default(value, of, name) if isinstance(value, float) else value
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -268,8 +262,8 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     ValueError: distance must be a number above 0, in metres, got -1
     """
     known: dict[str, Declared] = {}
-    names = list(inspect.signature(function).parameters)
-    free = -1  # so many in front may be anything
+    held = inspect.signature(function)
+    names, free = list(held.parameters), -1  # so many in front may be anything
 
     @functools.wraps(function)
     def call(*args: Any, **given: Any) -> R:
@@ -291,14 +285,14 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
                 data = args[0] if args else None  # a map or points; else a log, or self
                 is_map = isinstance(data, np.ndarray | list | tuple) or hasattr(data, "segments")
                 data = data if is_map and not hasattr(data, "scans") else None
-                slips.check_lengths(
-                    data, most=q.usual, share=q.share or slips.LONG, **{name: kept[name]}
-                )
+                share = q.share or slips.LONG
+                slips.check_lengths(data, most=q.usual, share=share, **{name: kept[name]})
         first = [kept[name] for name in names[: len(args)]]
         rest = {name: kept[name] for name in given}
         return cast(Callable[..., R], function)(*first, *args[len(names) :], **rest)
 
-    call.__signature__ = _shown(function)  # type: ignore[attr-defined]
+    given = (p.replace(default=_shown(p.default, function, n)) for n, p in held.parameters.items())
+    call.__signature__ = held.replace(parameters=[*given])  # type: ignore[attr-defined]
     return cast(Callable[P, R], call)
 
 
@@ -311,17 +305,12 @@ class Settings:
 
     def __init_subclass__(cls) -> None:
         for name in cls.__annotations__.keys() & vars(cls).keys():
-            if isinstance(value := vars(cls)[name], float):
-                setattr(cls, name, _Default(value, cls, name))
+            setattr(cls, name, _shown(getattr(cls, name), cls, name))
         cls.__repr__ = Settings.__repr__  # type: ignore[method-assign]  # else @dataclass makes one
 
     def __repr__(self) -> str:
-        shown = [(name, getattr(self, name)) for name in declared(type(self))]
-        texts = (
-            f"{name}={_Default(value, type(self), name) if type(value) is float else value!r}"
-            for name, value in shown
-        )
-        return f"{type(self).__name__}({', '.join(texts)})"
+        held = {k: _shown(getattr(self, k), type(self), k) for k in declared(type(self))}
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in held.items())})"
 
     def __post_init__(self) -> None:
         for name, said in declared(type(self)).items():

@@ -9,6 +9,7 @@ import re
 import stat
 import subprocess
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -373,10 +374,14 @@ def table_of_one(path):
 def read_only(tmp_path, monkeypatch):
     """A folder into which this user may not write; root may, so that the system says it here."""
     (folder := tmp_path / "closed").mkdir()
-    allowed = os.access
-    monkeypatch.setattr(
-        os, "access", lambda path, *how, **more: path != folder and allowed(path, *how, **more)
-    )
+    begun = tempfile.TemporaryFile
+
+    def refused(*, dir):
+        if dir == folder:
+            raise PermissionError(errno.EACCES, "it is read-only")
+        return begun(dir=dir)
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", refused)
     return folder
 
 

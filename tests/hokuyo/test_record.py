@@ -146,7 +146,6 @@ def test_trying_out_leaves_nothing(name, tmp_path, capsys, monkeypatch):
     ):
         if said.startswith("Permission"):
             monkeypatch.setattr(os, "open", refused)
-            monkeypatch.setattr(os, "access", lambda *asked, **more: False)
             monkeypatch.setattr(Path, "mkdir", refused)
         assert program(command + more) == 1
         assert said in capsys.readouterr().err
