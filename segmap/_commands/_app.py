@@ -34,7 +34,7 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "app",
         help="open the workbench in the browser: no code needed",
-        epilog=examples("app", "app --port 8890 --no-browser"),
+        epilog=examples("app", "app --no-browser", "app --port 8890 --no-browser"),
     )
     command.add_argument("--port", type=int, metavar="N", help="default: one that is free")
     command.add_argument(

@@ -52,7 +52,7 @@ def add(commands: Any) -> None:
         epilog=opening.examples(
             "compare room",
             "compare malaga --quality 90 -o curves.png -o runs.csv",
-            "compare room --walls plan.csv          judged by the true walls too",
+            "compare room --all --table methods.csv",
         ),
     )
     opening.add_poses(command)

@@ -29,10 +29,10 @@ def add(commands: Any) -> None:
         "convert",
         help="write a log, its path or its pose graph, for other programs; a map for ROS as .npz",
         epilog=opening.examples(
-            "convert my.bag -o my.log                     for CARMEN",
-            "convert malaga --align pose_graph -o malaga.tum",
-            "convert room.yaml -o room.npz                a map for ROS",
-            "convert malaga --align pose_graph -o malaga.g2o",
+            "convert room -o room.log                     for CARMEN",
+            "convert room --align pose_graph -o room.tum -o room.g2o",
+            "occupancy room -o room.yaml                  a map for ROS,",
+            "convert room.yaml -o room.npz                and as arrays",
         ),
     )
     opening.add_logs(command)

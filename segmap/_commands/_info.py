@@ -22,8 +22,8 @@ def add(commands: Any) -> None:
         "a session keeps",
         epilog=examples(
             "info malaga",
-            "info runs/ --table runs.csv             a row for each log, to be sorted",
-            "info my.bag --scan-topic /front --json",
+            "info room corridor --table logs.csv     a row for each log, to be sorted",
+            "info malaga --json                      for another program",
         ),
     )
     add_logs(command)

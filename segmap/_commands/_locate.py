@@ -28,8 +28,11 @@ def add(commands: Any) -> None:
         "locate",
         help="where on a known map a robot is: found, kept while it drives, or lost",
         epilog=examples(
-            "locate room.yaml room                        a map for ROS",
-            "locate room.npz later.log                    of `segmap occupancy` or `segmap map`",
+            "occupancy room -o room.yaml           a map for ROS, and where on it a robot is",
+            "locate room.yaml room",
+            "locate room.yaml room --json",
+            "map room -o room.csv                  or a map of segments",
+            "locate room.csv room",
         ),
     )
     command.add_argument(

@@ -27,8 +27,8 @@ one wall, and says how good the map is, or that it is none.
 """
 EXAMPLES = opening.examples(
     "map room -o room.svg                   a log that comes with segmap, as a drawing",
-    "map runs/ -o 'maps/{name}.dxf'         all logs in a folder, for CAD",
-    "map my.bag --method fusion --tolerance 0.05 -o it.png -o it.segmap",
+    "map room corridor -o '{name}.dxf'      a file for each log, for CAD",
+    "map malaga --method fusion --tolerance 0.05 -o it.png -o it.segmap",
 )
 #: What -o may end in.
 SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt", ".segmap")

@@ -23,9 +23,9 @@ def add(commands: Any) -> None:
         "merge",
         help="one map of two sessions in one building, tied by what both have seen",
         epilog=opening.examples(
-            "merge monday.log tuesday.log -o both.svg",
-            "merge monday.log tuesday.log -o both.segmap",
-            "merge both.segmap wednesday.log -o all.dxf    the next comes to them",
+            "merge room room -o both.svg           two drives that saw the same rooms",
+            "merge room room -o both.segmap        as a session",
+            "merge both.segmap room -o all.dxf     to which the next one comes",
         ),
     )
     command.add_argument(

@@ -21,7 +21,7 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "warm",
         help="compile all loops now instead of at first use",
-        epilog=examples("warm", "warm --jobs 2"),
+        epilog=examples("warm", "warm --jobs 1", "warm --jobs 2"),
     )
     command.add_argument(
         "--jobs", type=int, metavar="NUMBER", help="processes; default: one for each core"

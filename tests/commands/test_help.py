@@ -2,11 +2,14 @@
 
 import json
 import re
+import shlex
 import shutil
 import subprocess
+from itertools import pairwise
 
 import pandas as pd
 import pytest
+from conftest import slow
 
 from segmap import alignment, extraction, reduction
 from segmap._commands._main import parser
@@ -16,6 +19,31 @@ FUNCTIONS = {
     for room in (alignment, extraction, reduction)
     for name, method in room.METHODS.items()
 }
+
+#: What a command that is run as its help shows it waits for: a browser, a sensor.
+WAITS = {"app", "sensor info", "sensor record"}
+NAMES = [name for action in parser()._actions for name in getattr(action, "choices", None) or ()]
+
+
+def examples_of(command):
+    """The lines below `examples:`, without `segmap`, and without what is said of them."""
+    lines = command.epilog.partition("examples:\n")[2].splitlines()
+    return [re.split(r"\s{3,}", line.strip())[0].removeprefix("segmap ") for line in lines]
+
+
+@pytest.mark.parametrize("name", [slow(n) if n in ("compare", "warm") else n for n in NAMES])
+def test_examples_run_as_they_stand_one_after_the_other(run, tmp_path, commands, name):
+    """Catches an example that needs a file which nobody has, and an option that is gone."""
+    examples = examples_of(commands[name])
+    assert sum(line.split()[0] == name for line in examples) >= 3
+    for line in examples:
+        words = shlex.split(line)
+        parser().parse_args(words)
+        if not WAITS & {words[0], " ".join(words[:2])}:
+            assert run(*words)[0] == 0, line
+            written = [file for flag, file in pairwise(words) if flag in ("-o", "--table")]
+            assert all((tmp_path / f.replace("{name}", "room")).stat().st_size for f in written)
+
 
 #: A shell asks so for what may follow the words that it is given.
 ASKED = """\
