@@ -11,19 +11,23 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache, partial
 from importlib.util import find_spec
+from types import CodeType, FunctionType
 from typing import Any
 
 import numpy as np
 
 from . import alignment, extraction, matching, metrics, quadtree, readers, reduction, simulation
 from .arrays import Array
-from .compiled import COMPILING, PLAIN
+from .compiled import COMPILING, PLAIN, Compiled, missing
+from .methods import Method
 from .progress import announce, part_of
 from .scans import LaserScan, Log
 from .segments import SegmentMap
 
 Found = list[Any]
 
+#: Where what can be called holds what it calls.
+HELD = ("plain", "function", "func", "fget", "__func__", "__wrapped__")
 #: Cases that this process has run: what they need is loaded.
 _dispatched: set[str] = set()
 
@@ -35,7 +39,7 @@ def cases() -> dict[str, Callable[[], Found]]:
         ("alignment", alignment.METHODS, _aligned),
     )
     ours: dict[str, Callable[[], Found]] = {
-        f"{family} {name}": partial(small, name)
+        f"{family} {name}": partial(small, name, method)
         for family, methods, small in families
         for name, method in methods.items()
         if method.function.__module__.startswith("segmap.")  # one of your own may do anything
@@ -60,18 +64,55 @@ def run(name: str) -> None:
 def dispatch(names: Iterable[str]) -> None:
     """Load what these cases need, and compile what is missing: before work that is timed.
 
-    Compiling is told as such, and nothing else; what has no case, as a method of one's own, is left
-    to its first call.
+    Compiling is told as such, and nothing else: how many of the loops that may be needed are done.
+    What has no case, as a method of one's own, is left to its first call.
     """
     if os.environ.get(PLAIN) == "1" or find_spec("numba") is None:
         return
     known = cases()
     new = [name for name in dict.fromkeys(names) if name in known and name not in _dispatched]
+    before, needed = len(missing), cache(lambda: len(loops(known[name] for name in new)) or 1)
     for k, name in enumerate(new):
-        announce(k / len(new), "loading compiled loops")
-        with part_of(COMPILING, k / len(new), (k + 1) / len(new)):
+
+        def done(share: float, least: float = k / len(new)) -> float:
+            """So many of all loops, for of one alone nobody knows how far it is."""
+            return max(least, min(1.0, (len(missing) - before) / needed()))
+
+        announce(done(0.0), "loading compiled loops")
+        with part_of(COMPILING, done):
             known[name]()
         _dispatched.add(name)
+
+
+def loops(functions: Iterable[Any]) -> set[Any]:
+    """The compiled loops that functions may call: those that they name, and what is named there."""
+    left, seen = list(functions), dict[int, Any]()
+    while left:
+        if id(one := left.pop()) in seen:
+            continue
+        seen[id(one)] = one
+        left += [getattr(one, held, None) for held in HELD]
+        if isinstance(one, partial):
+            left += one.args
+        if getattr(one, "__module__", "").startswith("segmap"):
+            left += vars(one).values() if isinstance(one, type) else _named(one)
+    return {one for one in seen.values() if isinstance(one, Compiled)}
+
+
+def _named(function: Any) -> list[Any]:
+    """What of this package a function names: `name`, or `module.name`."""
+    if not isinstance(function, FunctionType):
+        return []
+    codes, names = [function.__code__], set[str]()
+    while codes:
+        code = codes.pop()
+        names |= {*code.co_names}
+        codes += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
+    scope = function.__globals__
+    found = [scope[name] for name in names & scope.keys()]
+    found += [cell.cell_contents for cell in function.__closure__ or ()]
+    rooms = [vars(one) for one in found if getattr(one, "__name__", "").startswith("segmap.")]
+    return found + [room[name] for room in rooms for name in names & room.keys()]
 
 
 def _room() -> Array:
@@ -103,7 +144,7 @@ def _log(every: int = 4) -> Log:
     return Log("few", thin, log.truth[chosen])
 
 
-def _reduced(name: str) -> Found:
+def _reduced(name: str, method: Method[Any]) -> Found:
     walls, seen = _walls()
     map = SegmentMap(
         np.concatenate([seen, walls + 0.02]), np.repeat([0, 1], (36, 12)), sensors=np.zeros((2, 2))
@@ -111,15 +152,15 @@ def _reduced(name: str) -> Found:
     options: dict[str, float] = {}
     if name == "mean_shift":
         map, options = SegmentMap(seen[:9]), {"sigma": 1.0}
-    done = [reduction.METHODS[name](map, **options)]
-    if reduction.METHODS[name].needs_points:
+    done = [method(map, **options)]
+    if method.needs_points:
         ends, first = map.segments.reshape(-1, 2), 2 * np.arange(len(map) + 1)
-        done.append(reduction.METHODS[name](replace(map, points=ends, first=first), **options))
+        done.append(method(replace(map, points=ends, first=first), **options))
     return [part for each in done for part in (each.segments, each.parents)]
 
 
-def _aligned(name: str) -> Found:
-    method, options = alignment.METHODS[name], dict[str, Any]()
+def _aligned(name: str, method: Method[Any]) -> Found:
+    options = dict[str, Any]()
     if name == "angle_correspondence":
         options = {"rng": np.random.default_rng(0)}
     if name == "pose_graph":

@@ -40,7 +40,7 @@ FORKED = (
 #: What makes an array or a list in a kernel; numba refuses any other where it counts nothing.
 MAKERS = frozenset({"empty", "empty_like", "zeros", "full", "copy", "heappush"})
 #: Loops that this process had to compile.
-_missing: list[str] = []
+missing: list[str] = []
 
 
 class Compiled(Generic[P, R]):
@@ -182,8 +182,8 @@ def _kept(source: types.FunctionType, own: Any, *, told: bool) -> Callable[..., 
             code = shared(source).load_overload(*asked)
         code = known(*asked) if code is None else code
         if code is None and source.__module__.startswith("segmap"):
-            _missing.append(source.__qualname__)
-            if told and not announce(0.0, f"{COMPILING}: {len(_missing)} loops so far"):
+            missing.append(source.__qualname__)
+            if told and not announce(0.0, f"{COMPILING}: {len(missing)} loops so far"):
                 _say_once()
         return code
 

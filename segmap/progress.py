@@ -57,8 +57,8 @@ def told(progress: Progress) -> Iterator[None]:
 
 
 @contextmanager
-def part_of(words: str, begin: float, end: float) -> Iterator[None]:
-    """Of all work that is called within only that is told which has these words, as a part."""
+def part_of(words: str, share_of: Callable[[float], float]) -> Iterator[None]:
+    """Of all work called within only that is told which has these words, its share as another."""
     if (listen := _listener.get()) is None:
         yield
         return
@@ -66,7 +66,7 @@ def part_of(words: str, begin: float, end: float) -> Iterator[None]:
     def hand_on(share: float, said: str) -> None:
         """From the share of the part to the share of the whole."""
         if said.startswith(words):
-            listen(begin + share * (end - begin), said)
+            listen(share_of(share), said)
 
     with told(hand_on):
         yield

@@ -352,6 +352,14 @@ def test_what_is_needed_is_loaded_once_and_tells_of_compiling_alone(monkeypatch)
     loading = "loading compiled loops"
     assert [words.partition(":")[0] for _, words in heard] == [loading, COMPILING] * 2
     assert [share for share, _ in heard] == [0.0, 0.0, 0.5, 0.5]
+    monkeypatch.setattr(_warm, "_dispatched", set())
+    monkeypatch.setattr(_warm, "loops", lambda cases: range(5 * len(list(cases))))
+    monkeypatch.setattr(_warm, "missing", ran)  # one for each case
+    heard.clear()
+    with told(lambda share, words: heard.append((share, words))):
+        _warm.dispatch(["a", "b"])
+    assert [share for share, _ in heard] == [0.0, 0.1, 0.5, 0.5], "of ten loops"
+    ran[2:] = []
     monkeypatch.setenv(PLAIN, "1")  # as plain Python the cases take minutes
     monkeypatch.setattr(_warm, "_dispatched", set())
     _warm.dispatch(["a"])
