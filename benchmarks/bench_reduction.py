@@ -97,9 +97,9 @@ def against_literal(made, seen: int) -> Iterator[Row]:
     map = redundant(made, N, seen)
     s, scans, after = map.segments.tolist(), map.scan.tolist(), part_of(map)
     for name, method in METHODS.items():
-        if name not in SLOW and not method.needs_sensors:
+        plain = getattr(literal, name)
+        if name not in SLOW and plain is not method.function:
             given = (s, scans) if method.online else (s,)
-            plain = getattr(literal, name)
             yield ratio(name, lambda: plain(*given), lambda: method(map), seen)  # noqa: B023
     yield ratio(
         "quality", lambda: literal.quality(s, after.tolist()), lambda: quality(map, after), seen

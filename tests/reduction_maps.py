@@ -7,6 +7,7 @@ from conftest import shared_file
 from segmap_course import literal
 
 from segmap import load, read
+from segmap.compiled import Compiled
 from segmap.extraction import build_map
 from segmap.reduction import METHODS
 from segmap.segments import SegmentMap
@@ -63,6 +64,20 @@ def second_building() -> SegmentMap:
     """A denser real map, each wall seen from everywhere; skips the test where it is absent."""
     log = read(shared_file("data/intel.log.gz"))[:60]
     return build_map(log, log.truth, keep_points=True)
+
+
+#: Methods that stand twice: fast, and as plain loops in `literal`.
+TWINS = [n for n in METHODS if getattr(literal, n) is not METHODS[n].function]
+
+
+def assert_plain(monkeypatch, name: str, map: SegmentMap, **thresholds) -> None:
+    """Machine code finds the same as the loops that it was made of, to the last bits."""
+    found = METHODS[name](map, **thresholds)
+    with monkeypatch.context() as patch:
+        patch.setattr(Compiled, "__call__", lambda kernel, *given: kernel.plain(*given))
+        plain = METHODS[name](map, **thresholds)
+    assert_segments_equal(found.segments, plain.segments, ordered=True)
+    np.testing.assert_array_equal(found.parents, plain.parents)
 
 
 def assert_literal(name: str, map: SegmentMap, **thresholds) -> None:

@@ -21,7 +21,6 @@ from segmap_course.exercises._answers import answered, same_line, same_poses
 from segmap_course.grading.handout._solutions import solution
 from segmap_course.literal.reduction import basic
 from segmap_course.literal.reduction.fuzzy_clustering import memberships
-from segmap_course.literal.reduction.viewing_sector import views
 
 from segmap import plotting, poses, reduction
 from segmap.angles import axial_difference
@@ -29,6 +28,7 @@ from segmap.compiled import Compiled
 from segmap.extraction import _kernels
 from segmap.metrics import quality
 from segmap.reduction import common_directions
+from segmap.reduction.surveyed import views
 
 EACH = pytest.mark.parametrize("exercise", EXERCISES.values(), ids=EXERCISES)
 
@@ -245,7 +245,7 @@ def test_a_verdict_is_that_of_the_viewing_sector(seed):
     rng = np.random.default_rng(seed)
     wall, point, sensor = rng.uniform(-2, 2, (2, 2)), rng.uniform(-3, 3, 2), rng.uniform(-1, 1, 2)
     tiny = [point, point + rng.uniform(-1, 1, 2) * 1e-7]
-    said = {view.says for view in views(wall, tiny, sensor, 0.3)}
+    said = {view.says for view in views([wall], [tiny], sensor, 0.3)}
     answer = course.check_verdict.solution(wall, point, sensor, 0.3)
     words = {1: "hides", 0: "matches", -1: "gone"}
     assert said == (set() if np.isnan(answer) else {words[answer]})

@@ -1,4 +1,4 @@
-"""Every method against its plain version, and what the thesis says of all of them."""
+"""Methods against their plain versions, and what the thesis says of all of them."""
 
 from dataclasses import replace
 from inspect import unwrap
@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from reduction_maps import (
     MAPS,
+    TWINS,
     assert_literal,
+    assert_plain,
     corridor_map,
     diagonal_map,
     grid_map,
@@ -25,6 +27,9 @@ from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal
 
 methods = pytest.mark.parametrize("name", METHODS)
+twins = pytest.mark.parametrize("name", TWINS)
+#: Methods that stand once: what a chapter prints is what runs.
+alone = pytest.mark.parametrize("name", [n for n in METHODS if n not in TWINS])
 #: All but the one whose cells lie along the axes of the map: surveyed/test_fuzzy_clustering.py.
 anyhow = pytest.mark.parametrize("name", [n for n in METHODS if n != "fuzzy_clustering"])
 
@@ -92,18 +97,18 @@ def drawn(make, name: str, rng: np.random.Generator) -> tuple[SegmentMap, dict[s
     return map, asked
 
 
-@methods
+@twins
 @pytest.mark.parametrize("make", [*MAPS, grid_map, diagonal_map])
 @pytest.mark.parametrize("seed", range(3))
 def test_equals_the_plain_method(name, make, seed):
     """Another order, tie, limit, neighbour, chain, count, filter, scan, parent or default."""
     rng = np.random.default_rng(seed)
-    for _ in range({"mean_shift": 2, "least_cost": 8, "viewing_sector": 50}.get(name, 20)):
+    for _ in range({"mean_shift": 2, "least_cost": 8}.get(name, 20)):
         map, asked = drawn(make, name, rng)
         assert_literal(name, map, **asked)
 
 
-@methods
+@twins
 @pytest.mark.parametrize("zoo", segment_zoo())
 def test_equals_the_plain_method_in_the_zoo(name, zoo):
     """Empty, points, duplicates, crossings, a map far from the origin."""
@@ -116,7 +121,7 @@ def test_equals_the_plain_method_in_the_zoo(name, zoo):
     assert_literal(name, SegmentMap(segments, scans, sensors=sensors), **thresholds)
 
 
-@methods
+@twins
 @pytest.mark.parametrize("turn", [0.0, 0.4, np.pi / 2])
 def test_equals_the_plain_method_on_a_real_map(name, turn):
     """Long walls that cross many cells; rounding, where walls along the axes are slanted."""
@@ -126,11 +131,29 @@ def test_equals_the_plain_method_on_a_real_map(name, turn):
     assert_literal(name, there, **thresholds)
 
 
-@methods
+@twins
 def test_equals_the_plain_method_on_a_second_building(name):
     """A denser real map, each wall seen from everywhere, in its scans."""
     map = carried(second_building(), (0, 0, 1.0))[: REAL.get(name, 400)]
     assert_literal(name, map, **{"mean_shift": {"sigma": 0.3}}.get(name, {}))
+
+
+@alone
+@pytest.mark.parametrize("make", [*MAPS, grid_map, diagonal_map])
+def test_machine_code_finds_what_its_source_finds(monkeypatch, name, make):
+    """A type that the compiler chooses, an index out of range, an order that it does not keep."""
+    rng = np.random.default_rng(1)
+    for _ in range(8):
+        map, asked = drawn(make, name, rng)
+        assert_plain(monkeypatch, name, map, **asked)
+
+
+@alone
+@pytest.mark.parametrize("zoo", segment_zoo())
+def test_machine_code_finds_what_its_source_finds_in_the_zoo(monkeypatch, name, zoo):
+    segments = segment_zoo()[zoo]
+    scans, sensors = np.arange(len(segments)) // 2, np.zeros((len(segments), 2))
+    assert_plain(monkeypatch, name, SegmentMap(segments, scans, sensors=sensors))
 
 
 # ----------------------------------------------------------------------------- symmetries

@@ -12,7 +12,7 @@ from segmap import reduction
 from segmap.arrays import Array
 from segmap.poses import transform
 
-from ..literal.reduction import fuzzy_clustering, viewing_sector, weighted_line_fitting
+from ..literal.reduction import fuzzy_clustering, weighted_line_fitting
 from ..literal.reduction.least_cost import invented
 from ..literal.reduction.weighted_line_fitting import Line, add_pose
 from ._answers import Cases, near
@@ -182,7 +182,7 @@ check_verdict = Exercise(
             changed(_verdict, np.nan_to_num)
         ),
     },
-    own=(reduction.viewing_sector, viewing_sector),
+    own=(reduction.viewing_sector,),
 )
 
 

@@ -1,12 +1,15 @@
 """Every method as the theses print it: plain loops over plain numbers, slow and readable.
 
 They are the oracle of the tests, the code that chapters show, and the yardstick of the benchmarks.
-Nothing here calls the fast version of what it does.
+Nothing here calls the fast version of what it does. A method of which one version is enough stands
+in the library alone, and is named here: `viewing_sector`.
 
 A reduction takes segments, for an on-line method the scan of each, and its thresholds by the names
 of the fast version: `fusion(segments, tolerance=0.04)`, `hybrid(segments, scans, distance=0.2)`. It
 returns the outputs and, for each input, the number of the output that it went into, -1 for none.
 """
+
+from segmap.reduction.surveyed import viewing_sector
 
 from .alignment.angle_correspondence import best_transform, match_value, transforms
 from .alignment.backbone import least_translation, line_partner, mean_rotation
@@ -60,7 +63,6 @@ from .reduction.one_per_wall import one_per_wall
 from .reduction.polyline import polyline, polyline_through
 from .reduction.segment_similarity import mean_segment, segment_similarity
 from .reduction.uncertain_parameters import uncertain_parameters
-from .reduction.viewing_sector import viewing_sector
 from .reduction.weighted_line_fitting import weighted_line_fitting
 
 __all__ = [

@@ -1,0 +1,111 @@
+"""What plain loops over segments need: points `(x, y)` in metres, angles in radians, running sums.
+
+Nothing here is compiled: a surveyed method compiles what it does for each pair, and no more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+Point = Sequence[float]
+Segment = Sequence[Point]
+#: A point of a line, metres, and its unit direction.
+Line = tuple[float, float, float, float]
+
+#: Shorter than this a segment has no angle; lengths and gaps that differ by less are equal. Metres.
+SAME = 1e-9
+
+
+def segment_length(s: Segment) -> float:
+    """Length of a segment, metres."""
+    return math.hypot(s[1][0] - s[0][0], s[1][1] - s[0][1])
+
+
+def line_angle(s: Segment) -> float:
+    """Angle of a segment from its first end to its second, radians, of either sign."""
+    return math.atan2(s[1][1] - s[0][1], s[1][0] - s[0][0])
+
+
+def axial_difference(a: float, b: float) -> float:
+    """From b to a for lines without direction: in `[-pi/2, pi/2)`, radians."""
+    return (a - b + math.pi / 2) % math.pi - math.pi / 2
+
+
+def seen_from(line: Line, p: Point) -> tuple[float, float]:
+    """How far a point lies along a line and to the left of it, metres."""
+    x, y, dx, dy = line
+    return (p[0] - x) * dx + (p[1] - y) * dy, (p[1] - y) * dx - (p[0] - x) * dy
+
+
+def gap_along(u: Segment, v: Segment, angle: float) -> float:
+    """Metres between two segments along a direction; negative where they overlap."""
+    c, s = math.cos(angle), math.sin(angle)
+    a, b = ([p[0] * c + p[1] * s for p in ends] for ends in (u, v))
+    return max(min(a), min(b)) - min(max(a), max(b))
+
+
+def extreme_projections(points: Sequence[Point], line: Line) -> list[tuple[float, float]]:
+    """Segment on a line that just spans the projections of points."""
+    x, y, dx, dy = line
+    u = [seen_from(line, p)[0] for p in points]
+    return [(x + w * dx, y + w * dy) for w in (min(u), max(u))]
+
+
+def spanning(
+    x: float, y: float, angle: float, points: Sequence[Point]
+) -> list[tuple[float, float]]:
+    """Segment through (x, y) at an angle that just spans the projections of points."""
+    return extreme_projections(points, (x, y, math.cos(angle), math.sin(angle)))
+
+
+@dataclass
+class Sums:
+    """Number, mean and scatter about the mean of points: as exact far from the origin as near.
+
+    `xx`, `xy`, `yy` are square metres.
+    """
+
+    n: float
+    x: float
+    y: float
+    xx: float
+    xy: float
+    yy: float
+
+    def __add__(self, other: Sums) -> Sums:
+        n, dx, dy = self.n + other.n, other.x - self.x, other.y - self.y
+        share, both = other.n / n, self.n * other.n / n
+        return Sums(
+            n,
+            self.x + share * dx,
+            self.y + share * dy,
+            self.xx + other.xx + both * dx * dx,
+            self.xy + other.xy + both * dx * dy,
+            self.yy + other.yy + both * dy * dy,
+        )
+
+    def direction(self) -> float:
+        """Angle of the line that fits best, radians: it goes through the mean."""
+        return 0.5 * math.atan2(2 * self.xy, self.xx - self.yy)
+
+
+def sums_of(points: Sequence[Point], weights: Sequence[float] | None = None) -> Sums:
+    """Running sums of points, metres, each counted once or as often as its weight says."""
+    rows = list(zip([1.0] * len(points) if weights is None else weights, points, strict=True))
+    n = sum(w for w, _ in rows)
+    x, y = sum(w * p[0] for w, p in rows) / n, sum(w * p[1] for w, p in rows) / n
+    xx = sum(w * (p[0] - x) * (p[0] - x) for w, p in rows)
+    xy = sum(w * (p[0] - x) * (p[1] - y) for w, p in rows)
+    yy = sum(w * (p[1] - y) * (p[1] - y) for w, p in rows)
+    return Sums(n, x, y, xx, xy, yy)
+
+
+def sums_along(s: Segment, n: float) -> Sums:
+    """Running sums of so many points that lie evenly on a segment."""
+    (ax, ay), (bx, by) = s
+    dx, dy = bx - ax, by - ay
+    return Sums(
+        n, (ax + bx) / 2, (ay + by) / 2, n * dx * dx / 12, n * dx * dy / 12, n * dy * dy / 12
+    )
