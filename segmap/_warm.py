@@ -78,7 +78,8 @@ def dispatch(names: Iterable[str]) -> None:
             """So many of all loops, for of one alone nobody knows how far it is."""
             return max(least, min(1.0, (len(missing) - before) / needed()))
 
-        announce(done(0.0), "loading compiled loops")
+        if len(missing) == before:  # else the time so far would begin anew
+            announce(done(0.0), "loading compiled loops")
         with part_of(COMPILING, done):
             known[name]()
         _dispatched.add(name)
