@@ -37,7 +37,7 @@ def check(given: argparse.Namespace) -> None:
 
 def begin(log: Log, source: str) -> str:
     """Which log comes now, and its format."""
-    if not Path(source).exists():
+    if Path(source).name == source and not Path(source).exists():
         return f"{log.name}: comes with segmap"
     return f"{log.name}: {'session' if is_session(source) else format_of(source)}, {source}"
 

@@ -16,6 +16,7 @@ from .._recipe import Outcome, Recipe, world_of
 from ..arrays import declared
 from ..files import write_bytes
 from ..quadtree import without_passers
+from ..readers import read_text
 from ..reduction import METHODS, Reduction
 from ..scans import Log
 from . import opening
@@ -137,7 +138,8 @@ def pairs(text: str) -> list[str]:
     if re.fullmatch(r"\d+-\d+", text):
         return [text]
     try:
-        rows = csv.DictReader(Path(text).read_text(encoding="utf-8").splitlines())
+        lines = read_text(text).splitlines()
+        rows = csv.DictReader(lines, delimiter=";" if ";" in "".join(lines[:1]) else ",")
         return [f"{int(row['first'])}-{int(row['second'])}" for row in rows]
     except (KeyError, TypeError, ValueError) as error:
         words = f"{text} must be a table with columns first and second"

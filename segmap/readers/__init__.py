@@ -14,10 +14,11 @@ from ._segments import read_segments
 from ._session import Session, read_session
 from .bags import read_bag
 from .graphs import PoseGraph, read_graph
+from .packed import logs_in, read_text
 from .tables import read_csv, read_trajectory
 
 __all__ = [
     "LogError", "PoseGraph", "Session", "UnknownFormat", "data_file", "format_of", "half_turn",
-    "load", "read", "read_bag", "read_csv", "read_graph", "read_segments", "read_session",
-    "read_trajectory",
+    "load", "logs_in", "read", "read_bag", "read_csv", "read_graph", "read_segments",
+    "read_session", "read_text", "read_trajectory",
 ]  # fmt: skip

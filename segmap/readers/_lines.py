@@ -3,34 +3,27 @@
 from __future__ import annotations
 
 import gzip
-import lzma
 import re
 import stat
-import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Literal, TypeVar, cast
 
 import numpy as np
 
-from .. import arrays
 from ..arrays import LIMIT, Array
-from ..files import RATIO, UNPACKED, shown, unzipped
+from ..files import RATIO, UNPACKED, shown
 from ..progress import announce
 from ..scans import NOTHING_SKIPPED, Skipped
 
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.
 MAX_LINE = 1 << 20
-#: What a damaged gzip or zip file raises while it is read.
+#: What a damaged gzip file raises while it is read.
 BROKEN = (
     EOFError,
     gzip.BadGzipFile,
     zlib.error,
-    lzma.LZMAError,
-    zipfile.BadZipFile,
-    NotImplementedError,
     UnicodeDecodeError,
 )
 #: So many lines in a row hold nothing, or a comment: no log has a head of this length.
@@ -164,46 +157,18 @@ class Lines(Reading):
             raise LogError(self.path, f"cannot be read ({fault.strerror or fault})") from fault
 
 
-@contextmanager
-def log_file(path: str | Path, *, folders: bool = False) -> Iterator[Path]:
-    """The path that a user names: what is wrong with it, or with reading it, is a LogError.
-
-    It must lead to a regular file, or to a folder where these are allowed.
-    """
-    if isinstance(path, str) and "\0" in path:
-        raise LogError(Path(path), "a path has no NUL in it, expected that of a log")
-    place = arrays.file(path)
-    try:
-        place.resolve()  # tells links in a circle
-        if not place.is_file() and not (folders and place.is_dir()):
-            found = "is no file" if place.exists() else "does not exist"
-            raise LogError(place, f"{found}, expected a log file or a folder of one")
-        yield place
-    except (OSError, RuntimeError) as fault:
-        reason = getattr(fault, "strerror", None) or fault
-        raise LogError(place, f"cannot be read ({reason})") from fault
-
-
 def stem(path: Path) -> str:
     """The name of a log: that of its file, without what tells its kind."""
     return path.resolve().name.removesuffix(".gz").removesuffix(".zip").rsplit(".", 1)[0]
 
 
 def open_bytes(path: Path) -> IO[bytes]:
-    """Open a file for reading, through gzip or zip where its first bytes say so."""
+    """Open a file for reading, through gzip where its first bytes say so."""
     if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait for ever
         raise LogError(path, "is no regular file, expected a log")
     with path.open("rb") as file:
-        magic = file.read(4)
-    if magic.startswith(b"\x1f\x8b"):
-        return cast(IO[bytes], gzip.open(path, "rb"))
-    if magic != b"PK\x03\x04":
-        return path.open("rb")
-    with unzipped(path) as (packed, members):  # `__MACOSX/` holds none of the user's
-        first = next((m for m in members if not m.filename.startswith("__")), None)
-        if first is None:
-            raise zipfile.BadZipFile("no readable file in it")
-        return packed.open(first)
+        packed = file.read(2) == b"\x1f\x8b"
+    return cast(IO[bytes], gzip.open(path, "rb")) if packed else path.open("rb")
 
 
 def merged(first: Skipped, second: Skipped) -> Skipped:

@@ -9,12 +9,13 @@ from ..progress import Progress
 from ..scans import Log
 from ._bundled import find
 from ._formats import recognise
-from ._lines import OnError, log_file, stem
+from ._lines import OnError, stem
+from .packed import log_file
 
 
 @checked
 def read(path: str | Path, *, on_error: OnError = "raise", progress: Progress | None = None) -> Log:
-    """Read a log, whatever its format: plain or gzip, a file or a folder.
+    """Read a log, whatever its format and packing: a file, a folder or one log of an archive.
 
     Beams that met nothing have range `inf`, those with an error of the sensor NaN: neither is
     valid. What the formats leave unsaid, and how it is read, stands in the file of each format.

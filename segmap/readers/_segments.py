@@ -16,7 +16,8 @@ import numpy as np
 from ..arrays import LIMIT, Array
 from ..files import shown
 from ..segments import SegmentMap
-from ._lines import Lines, LogError, log_file, numbers
+from ._lines import Lines, LogError, numbers
+from .packed import log_file
 
 HEAD = ["x1", "y1", "x2", "y2", "scan"]
 

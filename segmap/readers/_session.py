@@ -12,7 +12,8 @@ from .. import arrays
 from ..files import read_npz, shown
 from ..scans import Log, Skipped
 from ..scans.causes import Cause, Finding
-from ._lines import LogError, log_file
+from ._lines import LogError
+from .packed import log_file
 from .tables import log_of
 
 

@@ -17,7 +17,16 @@ from ..._display import counted
 from ...alignment import Verdict
 from ...exports import is_ros_map
 from ...files import members, shown, writable, write_bytes
-from ...readers import LogError, UnknownFormat, format_of, load, read, read_bag, read_session
+from ...readers import (
+    LogError,
+    UnknownFormat,
+    format_of,
+    load,
+    logs_in,
+    read,
+    read_bag,
+    read_session,
+)
 from ...scans import Log
 from .._words import FAULTS, Report, Usage, percent, progress, reason, say, stoppable, tell
 from ._command import Command
@@ -182,7 +191,7 @@ def sources(text: str) -> Iterator[str]:
     """The logs that an argument names: itself, or those below a folder that is no log itself."""
     folder = Path(text)
     if not folder.is_dir() or is_log(folder):
-        yield text
+        yield from logs_in(folder) if folder.is_file() else [text]
         return
     inside = list(below(folder))
     found = [path for path in inside if is_log(path)]
@@ -190,7 +199,7 @@ def sources(text: str) -> Iterator[str]:
         more = f" and {len(rest) - NAMED} more" if len(rest) > NAMED else ""
         names = f"{', '.join(map(shown, rest[:NAMED]))}{more}"
         tell(f"{shown(folder)}: left out, since no log: {names}")
-    yield from map(str, found or [folder])
+    yield from (log for path in found or [folder] for log in logs_in(path))
 
 
 def below(folder: Path) -> Iterator[Path]:

@@ -35,9 +35,10 @@ from ...arrays import Array, checked, slips
 from ...files import shown
 from ...progress import announce
 from ...scans import LaserScan, Log
-from .._lines import LATEST, LogError, OnError, Reading, UnknownFormat, log_file, stem
+from .._lines import LATEST, LogError, OnError, Reading, UnknownFormat, stem
 from .._mounting import flat, in_space, level
 from .._raw_scans import Track, clean, known, place_of
+from ..packed import log_file
 from ._files import FRAMES, Bag, kind_of, opened
 from ._frames import Frames
 

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from ...arrays import FAR, Array
 from ...poses.information import SYMMETRIC, rotated
-from .._lines import Lines, LogError, is_count, log_file, numbers, pose
+from .._lines import Lines, LogError, is_count, numbers, pose
+from ..packed import log_file
 from ._g2o import LASERS, OTHERS, VERTICES
 
 #: Of each kind of edge: where the nine entries of the information stand among the six in the file.

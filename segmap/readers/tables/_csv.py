@@ -25,8 +25,9 @@ import numpy as np
 
 from ...arrays import brief, checked
 from ...scans import Log
-from .._lines import Lines, LogError, OnError, log_file, stem, time
+from .._lines import Lines, LogError, OnError, stem, time
 from .._turns import COUNTERCLOCKWISE, Beams, angle, distance, number
+from ..packed import log_file
 from ._csv_columns import EXAMPLE, Head, first_row, head, head_of, wanting
 
 

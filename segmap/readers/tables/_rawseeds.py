@@ -38,7 +38,6 @@ from .._lines import (
     Reading,
     counted,
     is_number,
-    log_file,
     merged,
     numbers,
     pose,
@@ -59,6 +58,7 @@ from .._raw_scans import (
     urg_delays,
 )
 from .._text import TextFormat
+from ..packed import log_file
 
 LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
 ODOMETRY, TRUTH = "ODOMETRY_XYT", "GROUNDTRUTH"

@@ -1,0 +1,5 @@
+"""Packed files, archives and encodings, understood once: readers get plain files."""
+
+from ._plain import log_file, logs_in, read_text
+
+__all__ = ["log_file", "logs_in", "read_text"]
