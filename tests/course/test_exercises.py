@@ -20,7 +20,6 @@ from segmap_course.exercises import Watch, decode, encode, maps
 from segmap_course.exercises._answers import answered, same_line, same_poses
 from segmap_course.grading.handout._solutions import solution
 from segmap_course.literal.reduction import basic
-from segmap_course.literal.reduction.fuzzy_clustering import memberships
 
 from segmap import plotting, poses, reduction
 from segmap.angles import axial_difference
@@ -28,7 +27,7 @@ from segmap.compiled import Compiled
 from segmap.extraction import _kernels
 from segmap.metrics import quality
 from segmap.reduction import common_directions
-from segmap.reduction.surveyed import views
+from segmap.reduction.surveyed import memberships, views
 
 EACH = pytest.mark.parametrize("exercise", EXERCISES.values(), ids=EXERCISES)
 

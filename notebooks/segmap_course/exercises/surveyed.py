@@ -11,8 +11,9 @@ import numpy as np
 from segmap import reduction
 from segmap.arrays import Array
 from segmap.poses import transform
+from segmap.reduction import surveyed
 
-from ..literal.reduction import fuzzy_clustering, weighted_line_fitting
+from ..literal.reduction import weighted_line_fitting
 from ..literal.reduction.least_cost import invented
 from ..literal.reduction.weighted_line_fitting import Line, add_pose
 from ._answers import Cases, near
@@ -222,7 +223,7 @@ check_memberships = Exercise(
             lambda s, n: 1 / s
         ),
     },
-    own=(reduction.fuzzy_clustering, fuzzy_clustering),
+    own=(reduction.fuzzy_clustering, surveyed.memberships),
 )
 
 

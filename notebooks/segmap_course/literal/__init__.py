@@ -2,14 +2,14 @@
 
 They are the oracle of the tests, the code that chapters show, and the yardstick of the benchmarks.
 Nothing here calls the fast version of what it does. A method of which one version is enough stands
-in the library alone, and is named here: `viewing_sector`.
+in the library alone, and is named here, as `viewing_sector`.
 
 A reduction takes segments, for an on-line method the scan of each, and its thresholds by the names
 of the fast version: `fusion(segments, tolerance=0.04)`, `hybrid(segments, scans, distance=0.2)`. It
 returns the outputs and, for each input, the number of the output that it went into, -1 for none.
 """
 
-from segmap.reduction.surveyed import viewing_sector
+from segmap.reduction.surveyed import fuzzy_clustering, viewing_sector
 
 from .alignment.angle_correspondence import best_transform, match_value, transforms
 from .alignment.backbone import least_translation, line_partner, mean_rotation
@@ -54,7 +54,6 @@ from .quadtrees.quadtree import (
 from .quadtrees.search import every_pose, headings, likelihood, places
 from .reduction.basic import basic_offline, basic_online
 from .reduction.fusion import best_strip, chain, fusion
-from .reduction.fuzzy_clustering import fuzzy_clustering
 from .reduction.fuzzy_set import fuzzy_set
 from .reduction.hybrid import fusion_online, hough, hybrid, hybrid_fusion
 from .reduction.least_cost import least_cost

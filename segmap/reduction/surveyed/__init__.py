@@ -3,6 +3,7 @@
 from ._fuzzy_clustering import fuzzy_clustering
 from ._fuzzy_set import fuzzy_set
 from ._polyline import polyline
+from ._prototypes import Prototype, clustered, memberships
 from ._segment_similarity import segment_similarity
 from ._uncertain_parameters import uncertain_parameters
 from ._viewing_sector import kept_pieces, minus, viewing_sector
@@ -10,6 +11,7 @@ from ._views import views
 from ._weighted_line_fitting import weighted_line_fitting
 
 __all__ = [
-    "fuzzy_clustering", "fuzzy_set", "kept_pieces", "minus", "polyline", "segment_similarity",
-    "uncertain_parameters", "viewing_sector", "views", "weighted_line_fitting",
+    "Prototype", "clustered", "fuzzy_clustering", "fuzzy_set", "kept_pieces", "memberships",
+    "minus", "polyline", "segment_similarity", "uncertain_parameters", "viewing_sector", "views",
+    "weighted_line_fitting",
 ]  # fmt: skip

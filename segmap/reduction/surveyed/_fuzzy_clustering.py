@@ -1,22 +1,40 @@
-"""Fuzzy clustering (A 2.7.6): points cluster in cells, clusters group across them."""
+"""Fuzzy clustering (A 2.7.6; Ip et al. 2002), a reconstruction: A gives its frame, no formula."""
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ... import arrays
 from ...arrays import Array, Count, Metres, Segments, at_least, checked
-from ...segments import length
-from .._mean_shift import longest_share
 from .._points import MOST_POINTS, points_behind
-from .._runner import Indices, Length, Reduction, Rows, Steps, Turn, run_online
-from ._fuzzy_kernels import SAME, State, add_scan, cluster, group_across
+from .._runner import Length, Reduction, Rows, Steps, Turn, run_online
+from ._prototypes import Prototype, chosen, settled
+from .lines import (
+    SAME,
+    Point,
+    Segment,
+    Sums,
+    axial_difference,
+    gap_along,
+    holds_most,
+    segment_length,
+    spanning,
+    sums_of,
+)
 
-#: Keys of neighbouring rows of cells differ by this; columns and rows must be less than half of it.
-ROW = 1 << 32
+#: Row and column of a cell.
+Cell = tuple[int, int]
+#: Angle, radians, distance and gap, metres, within which two clusters are one.
+Limits = tuple[float, float, float]
+#: Rows and columns of cells have smaller numbers than this.
+MOST_CELLS = 1 << 31
 
 
 @checked
@@ -94,126 +112,181 @@ def fuzzy_clustering(
     (Reduction(fuzzy_clustering: 3 -> 2 segments), array([0, 0, 1]))
     """
     origin = arrays.point(corner, "corner")
-    least = np.array([max(min_points, 2), max(min_length, 10 * SAME)], float)
-    limits = np.array([angle, distance, gap])
+    least, limits = (max(min_points, 2), max(min_length, 10 * SAME)), (angle, distance, gap)
 
     def steps(rows: Rows) -> Steps:
-        points, owner, pieces, first, begin, place, scan, nine = _deal(
-            map, rows, cell, origin, spacing
-        )
-        n, label = int(begin[-1]), np.empty(len(points), np.int64)
-        cells = np.bincount(np.repeat(place, np.diff(begin)), minlength=len(nine))
-        held, updated = np.zeros((2, len(nine)), np.int64)
-        state = State(
-            sums=np.zeros((2 * n, 6)),
-            ends=np.empty((2 * n, 2, 2)),
-            theta=np.empty(2 * n),
-            into=np.full(2 * n, -1),
-            first=np.append(0, np.cumsum(cells)),
-            held=held,
-            slot=np.empty(n, np.int64),
-            near=np.empty(n, np.int64),
-            nine=nine,
-            updated=updated,
-            used=np.zeros(2, np.int64),
-        )
-        room = np.zeros([1 + np.diff(runs).max(initial=0) for runs in (first, begin)])
-        cluster(points, first, pieces, begin, noise, room, label, state)
-        scans = len(rows.cuts) - 1
-        cuts = np.searchsorted(scan, np.arange(scans + 1))
-        for k in range(scans):
-            add_scan(state, place, begin, cuts[k], cuts[k + 1], least, limits)
-            if (k + 1) % every == 0 or k + 1 == scans:
-                group_across(state, limits)
-            yield int(state.used[0])
-        # step 6: at the end every cluster that is left is in a wall of the buffer
-        walls = n + np.flatnonzero(state.into[n : n + state.used[1]] < 0)
-        number = np.full(2 * n, -1)
-        number[walls] = np.arange(len(walls))
-        root = np.where(state.into < 0, np.arange(2 * n), state.into)
-        while (root[root] != root).any():
-            root = root[root]
-        wall = np.where(label >= 0, number[root[label]], -1) if n else label
-        some = wall >= 0
-        return state.ends[walls], longest_share(len(rows.segments), owner[some], wall[some])
+        _check_cells(rows.segments, cell, origin)
+        points, first, _, _ = points_behind(map, rows, spacing)
+        spots = np.floor((points - origin) / cell).astype(np.int64)[:, ::-1].tolist()
+        s, scans = rows.segments.tolist(), len(rows.cuts) - 1
+        cells: dict[Cell, list[Cluster]] = {}
+        buffer, updated = list[Cluster](), set[Cell]()
+        for done, (begin, stop) in enumerate(rows.scans(), 1):
+            starts: dict[Cell, list[Prototype]] = {}
+            for i in range(begin, stop):
+                for place, start in clipped(s[i], cell, origin.tolist()):
+                    starts.setdefault(place, []).append(start)
+            own: dict[Cell, list[tuple[int, int]]] = {place: [] for place in starts}
+            for i in range(begin, stop):
+                for k in range(first[i], first[i + 1]):
+                    own.get(tuple(spots[k]), []).append((i, k))
+            for place in sorted(starts):
+                if len(own[place]) * len(starts[place]) > MOST_POINTS:
+                    raise ValueError(
+                        f"cell must be smaller for this map, got {cell} m: one scan has points "
+                        f"times segments = {len(own[place]) * len(starts[place]):.3g} in one"
+                    )
+                owner = [i for i, _ in own[place]]
+                behind = points[[k for _, k in own[place]]]
+                found = clusters_of(owner, behind, starts[place], noise, least)
+                if found:
+                    cells.setdefault(place, []).extend(found)
+                    group(cells[place], limits)
+                    updated.add(place)
+            if done % every == 0 or done == scans:
+                group_across(cells, updated, buffer, limits)
+                updated.clear()
+            waiting = sum(c.wall is None for place in updated for c in cells[place])
+            yield waiting + sum(wall.wall is None for wall in buffer)
+        walls = [wall for wall in buffer if wall.wall is None]
+        out = np.array([wall.ends for wall in walls]).reshape(-1, 2, 2)
+        return out, holds_most([wall.counts for wall in walls], len(s))
 
     return run_online("fuzzy_clustering", map, steps, splits=True)
 
 
-class Dealt(NamedTuple):
-    """Points and pieces of segments by batches: what one scan has in one cell."""
-
-    points: Array  # (p, 2) those in a cell where their scan has a piece
-    owner: Indices  # (p,) segment of each
-    pieces: Array  # (c, 6) prototypes: centre, unit direction, mixing, and room for a sum
-    first: Indices  # (b + 1,) where the points of each batch begin
-    begin: Indices  # (b + 1,) and its pieces
-    place: Indices  # (b,) cell of each
-    scan: Indices
-    nine: Indices  # (k, 9) each cell and its neighbours, -1 for none
-
-
-def _deal(map: Segments, rows: Rows, cell: float, origin: Array, spacing: float) -> Dealt:
-    """Step 1: points and prototypes by scan, then by row and column of cells."""
-    points, first, _, _ = points_behind(map, rows, spacing)
-    every = np.arange(len(rows.segments))
-    scan, owner = np.searchsorted(rows.cuts, every, "right") - 1, np.repeat(every, np.diff(first))
-    pieces, of = _clipped(rows.segments, cell, origin)
-    cells, place = np.unique(_keys(pieces[:, :2], cell, origin), return_inverse=True)
-    batches, batch = np.unique(scan[of] * len(cells) + place, return_inverse=True)
-    order = np.argsort(batch, kind="stable")
-    begin = np.searchsorted(batch[order], np.arange(len(batches) + 1))
-    at = _find(cells, _keys(points, cell, origin))
-    own = np.where(at >= 0, _find(batches, scan[owner] * len(cells) + at), -1)
-    kept = np.argsort(own, kind="stable")[np.count_nonzero(own < 0) :]
-    first = np.searchsorted(own[kept], np.arange(len(batches) + 1))
-    most = int(np.diff(first).max(initial=0)) * int(np.diff(begin).max(initial=0))
-    if most > MOST_POINTS:
-        raise ValueError(
-            f"cell must be smaller for this map, got {cell} m: one scan has points times segments "
-            f"= {most:.3g} in one of them"
-        )
-    around = np.add.outer([-ROW, 0, ROW], [-1, 0, 1]).ravel()
-    nine = _find(cells, cells[:, None] + around)
-    scan, place = np.divmod(batches, max(len(cells), 1))
-    return Dealt(points[kept], owner[kept], pieces[order], first, begin, place, scan, nine)
-
-
-def _find(keys: Indices, wanted: Indices) -> Indices:
-    """Where each wanted key stands among sorted keys; -1 for none."""
-    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-    return np.where(keys[at] == wanted, at, -1) if len(keys) else np.full(wanted.shape, -1)
-
-
-def _keys(points: Array, cell: float, origin: Array) -> Indices:
-    """A number for the cell of each point, by row, then column."""
-    spots = np.floor((points - origin) / cell).astype(np.int64)
-    return spots[:, 1] * ROW + spots[:, 0]
-
-
-def _clipped(s: Array, cell: float, origin: Array) -> tuple[Array, Indices]:
-    """Step 1: prototypes `(c, 6)` of segments, `(n, 2, 2)`, in the cells that they pass; whose."""
+def _check_cells(s: Array, cell: float, origin: Array) -> None:
+    """Refuse cells that would be too many, or have no number."""
     low, high = (np.floor((f(s, axis=1) - origin) / cell) for f in (np.min, np.max))
-    cuts = high - low
-    if cuts.sum() > MOST_POINTS or np.abs([low, high]).max(initial=0) >= ROW / 2:
+    cuts = (high - low).sum()
+    if cuts > MOST_POINTS or np.abs([low, high]).max(initial=0) >= MOST_CELLS:
         raise ValueError(
             f"cell must be larger for this map, got {cell} m, "
-            f"which makes {cuts.sum():.3g} pieces of its segments: is it in metres?"
+            f"which makes {cuts:.3g} pieces of its segments: is it in metres?"
         )
-    every = np.arange(len(s))
-    t, owner = [np.zeros(len(s)), np.ones(len(s))], [every, every]
-    for axis in range(2):
-        which = np.repeat(every, cuts[:, axis].astype(np.int64))
-        line = np.arange(len(which)) - np.searchsorted(which, which) + low[which, axis] + 1
-        a, b = s[which, 0, axis], s[which, 1, axis]
-        t.append(np.clip((origin[axis] + line * cell - a) / (b - a), 0.0, 1.0))
-        owner.append(which)
-    share, of = np.concatenate(t), np.concatenate(owner)
-    order = np.lexsort((share, of))
-    share, of = share[order], of[order]
-    size, step = length(s), s[:, 1] - s[:, 0]
-    kept = np.flatnonzero((of[1:] == of[:-1]) & (np.diff(share) * size[of[1:]] > SAME))
-    middle, of = (share[kept] + share[kept + 1]) / 2, of[kept]
-    centre = s[of, 0] + middle[:, None] * step[of]
-    mixing_and_room = np.ones((len(of), 2))
-    return np.column_stack([centre, step[of] / size[of, None], mixing_and_room]), of
+
+
+@dataclass(eq=False)
+class Cluster:
+    """Running sums, the known part of their line, points of each input; its wall in the buffer.
+
+    A wall of the buffer is one too, and knows its place in it.
+    """
+
+    sums: Sums
+    ends: Segment
+    counts: dict[int, int]
+    wall: Cluster | None = None
+    place: int = -1
+
+    def absorb(self, other: Cluster) -> None:
+        """Sums add; the line of the sums spans what both did."""
+        self.sums = self.sums + other.sums
+        self.ends = on_line(self.sums, [*self.ends, *other.ends])
+        for i, count in other.counts.items():
+            self.counts[i] = self.counts.get(i, 0) + count
+
+
+def clipped(s: Segment, cell: float, corner: Point) -> list[tuple[Cell, Prototype]]:
+    """Step 1: a prototype for each piece of a segment, in the cells that it passes through."""
+    (ax, ay), (bx, by) = s
+    size, cuts = segment_length(s), {0.0, 1.0}
+    for a, b, c in ((ax, bx, corner[0]), (ay, by, corner[1])):
+        low, high = math.floor((min(a, b) - c) / cell), math.floor((max(a, b) - c) / cell)
+        cuts |= {((c + k * cell) - a) / (b - a) for k in range(low + 1, high + 1)}
+    found = []
+    for t0, t1 in pairwise(sorted(min(max(t, 0.0), 1.0) for t in cuts)):
+        if (t1 - t0) * size > SAME:
+            x, y = ax + (t0 + t1) / 2 * (bx - ax), ay + (t0 + t1) / 2 * (by - ay)
+            place = math.floor((y - corner[1]) / cell), math.floor((x - corner[0]) / cell)
+            found.append((place, Prototype(x, y, (bx - ax) / size, (by - ay) / size)))
+    return found
+
+
+def on_line(sums: Sums, points: Sequence[Point]) -> Segment:
+    """The part of the line of running sums that points span."""
+    return spanning(sums.x, sums.y, sums.direction(), points)
+
+
+def clusters_of(
+    owner: Sequence[int],
+    points: Array,
+    starts: Sequence[Prototype],
+    noise: float,
+    least: tuple[int, float],
+) -> list[Cluster]:
+    """Steps 2 and 3: what the points of a scan in one cell, each with its segment, become."""
+    prototypes, made = settled(points, np.array(starts, float), noise), list[Cluster]()
+    picks = chosen(points, prototypes, noise)
+    for k in range(len(prototypes)):
+        mine = np.flatnonzero(picks == k)
+        if len(mine) < least[0]:
+            continue
+        own = points[mine].tolist()
+        sums = sums_of(own)
+        ends = on_line(sums, own)
+        if segment_length(ends) >= least[1]:
+            cluster = Cluster(sums, ends, {})
+            for n in mine.tolist():
+                cluster.counts[owner[n]] = cluster.counts.get(owner[n], 0) + 1
+            made.append(cluster)
+    return made
+
+
+def alike(a: Cluster, b: Cluster, limits: Limits) -> bool:
+    """Step 4: parallel, on one line, and near each other."""
+    angle, distance, gap = limits
+    ta, tb = a.sums.direction(), b.sums.direction()
+    turn = axial_difference(ta, tb)
+    if abs(turn) >= angle:
+        return False
+    for one, other, theta in ((a, b, tb), (b, a, ta)):
+        x = (one.ends[0][0] + one.ends[1][0]) / 2 - other.sums.x
+        y = (one.ends[0][1] + one.ends[1][1]) / 2 - other.sums.y
+        if abs(y * math.cos(theta) - x * math.sin(theta)) >= distance:
+            return False
+    return gap_along(a.ends, b.ends, tb + turn / 2) <= gap + SAME
+
+
+def wall_of(cluster: Cluster) -> Cluster:
+    """What a cluster is in by now: a wall of the buffer, or itself."""
+    return cluster if cluster.wall is None else wall_of(cluster.wall)
+
+
+def unite(a: Cluster, b: Cluster) -> None:
+    """Cluster, or wall, a absorbs b; what a is in then has what b is in."""
+    mine, its = wall_of(a), wall_of(b)
+    a.absorb(b)
+    b.wall = a
+    if mine is not a and mine is not its:
+        mine.absorb(its)
+        its.wall = mine
+
+
+def group(items: list[Cluster], limits: Limits) -> None:
+    """Step 4: each item absorbs those after it that are alike, until none is."""
+    more = True
+    while more:
+        more = False
+        for i, a in enumerate(items):
+            for b in items[i + 1 :]:
+                if alike(a, b, limits):
+                    unite(a, b)
+                    items.remove(b)
+                    more = True
+
+
+def group_across(
+    cells: dict[Cell, list[Cluster]], updated: set[Cell], buffer: list[Cluster], limits: Limits
+) -> None:
+    """Step 5: clusters become walls of the buffer; those of a cell and its neighbours are grouped.
+
+    The buffer remembers its members: a wall absorbs what they absorb.
+    """
+    for cluster in (c for place in sorted(updated) for c in cells[place] if c.wall is None):
+        cluster.wall = replace(cluster, counts=dict(cluster.counts), place=len(buffer))
+        buffer.append(cluster.wall)
+    for row, column in sorted(updated):
+        around = [(row + r, column + c) for r in (-1, 0, 1) for c in (-1, 0, 1)]
+        near = {wall_of(c).place for place in around for c in cells.get(place, [])}
+        group([buffer[k] for k in sorted(near)], limits)

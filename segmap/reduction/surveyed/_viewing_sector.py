@@ -11,13 +11,14 @@ import numpy as np
 
 from ...arrays import Metres, Segments, checked
 from .._points import points_behind
-from .._runner import Indices, Length, Reduction, Rows, Steps, run_online
+from .._runner import Length, Reduction, Rows, Steps, run_online
 from ._views import View, cross, share, views
 from .lines import (
     SAME,
     Point,
     Segment,
     Sums,
+    holds_most,
     line_angle,
     segment_length,
     spanning,
@@ -117,22 +118,9 @@ def viewing_sector(
             walls = take_scan(walls, scan, p, limits, forget, rejoin)
             yield len(walls)
         out = np.array([wall.ends for wall in walls]).reshape(-1, 2, 2)
-        return out, _parents(walls, len(rows.segments))
+        return out, holds_most([wall.shares for wall in walls], len(rows.segments))
 
     return run_online("viewing_sector", map, steps, splits=True)
-
-
-def _parents(walls: Sequence[Wall], count: int) -> Indices:
-    """The wall that holds most metres of each of so many inputs, -1 for none; ties: the first."""
-    most, parents = [0.0] * count, np.full(count, -1)
-    for wall in walls:
-        for i, held in wall.shares.items():
-            most[i] = max(most[i], held)
-    for k in range(len(walls) - 1, -1, -1):
-        for i, held in walls[k].shares.items():
-            if most[i] > 0 and held >= most[i] - SAME:
-                parents[i] = k
-    return parents
 
 
 class Wall(NamedTuple):

@@ -6,8 +6,12 @@ Nothing here is compiled: a surveyed method compiles what it does for each pair,
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+
+import numpy as np
+
+from .._runner import Indices
 
 Point = Sequence[float]
 Segment = Sequence[Point]
@@ -58,6 +62,22 @@ def spanning(
 ) -> list[tuple[float, float]]:
     """Segment through (x, y) at an angle that just spans the projections of points."""
     return extreme_projections(points, (x, y, math.cos(angle), math.sin(angle)))
+
+
+def holds_most(shares: Sequence[Mapping[int, float]], count: int) -> Indices:
+    """The output that holds most of each of so many inputs, -1 for none; ties: the first.
+
+    Each output tells what it holds of its inputs: metres, or points.
+    """
+    most, found = [0.0] * count, np.full(count, -1)
+    for held in shares:
+        for i, share in held.items():
+            most[i] = max(most[i], share)
+    for k in range(len(shares) - 1, -1, -1):
+        for i, share in shares[k].items():
+            if most[i] > 0 and share >= most[i] - SAME:
+                found[i] = k
+    return found
 
 
 @dataclass
