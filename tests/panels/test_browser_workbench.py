@@ -29,6 +29,10 @@ HTMLInputElement.prototype.click = function () { document.body.appendChild(this)
 TEXT = "return document.body.innerText"
 STATE = "return (document.querySelector('.segmap-state') || {}).innerText"
 LABEL = "return document.querySelector('.segmap-canvas').getAttribute('aria-label')"
+#: Whether the page fits its window, where only its steps scroll.
+FITS = (
+    "const e = document.getElementById('rendered_cells'); return e.scrollHeight <= e.clientHeight"
+)
 WIDE = "return document.documentElement.scrollWidth <= window.innerWidth"
 #: Letters with a contrast below 4.5 to 1 against what is behind them (WCAG 2, AA).
 PALE = """
@@ -255,6 +259,7 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
         time.sleep(0.5)
         browser.screenshot(SCREENSHOT.with_name(f"workbench_{width}.png"))
         assert browser.run(WIDE), f"something is cut off at {width} px"
+        assert browser.run(FITS), f"two bars to scroll the same at {width} px"
         assert browser.run(PALE) == [], f"letters too pale at {width} px"
     browser.run("console.error('planted, to prove that errors are seen')")
     errors = [line for line in browser.errors() if ICONS not in line]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ... import exports
+from ... import _warm, exports
 from ..._recipe import Outcome, cropped, world_of
 from ...arrays import Array
 from ...files import shown
@@ -55,6 +55,7 @@ def cells(outcome: Outcome) -> QuadtreeMap:
 
 def free_space(outcome: Outcome) -> Array:
     """Squares that beams crossed, `(n, 3)`: lower left corner and side, metres."""
+    _warm.dispatch(["quadtree all"])
     tree = cells(outcome)
     x, y, side = tree.leaves()[:3]
     return np.stack([x, y, side], -1)[tree.leaf_occupancy() <= FREE]
