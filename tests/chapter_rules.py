@@ -3,7 +3,9 @@
 `test_notebooks.py` applies all of them to every chapter, and each to a notebook that breaks it.
 """
 
+import ast
 import base64
+import builtins
 import functools
 import json
 import re
@@ -12,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import segmap_course
+from matplotlib.axes import Axes
 
 import segmap
 
@@ -23,6 +26,12 @@ MOST_BYTES, MOST_PICTURE_BYTES, MOST_LINES = 200_000, 30_000, 15
 LEAST_INCHES, MOST_WORDLESS = (5.0, 3.5), 4
 #: Cells that hold the text to what it says, folded; what a reader checks by hand is not among them.
 GUARD = "guard"
+#: Where a node of Python's syntax holds the name that it binds.
+BOUND = ("id", "arg", "asname", "name")
+#: Lines of a cell that call matplotlib; what is longer is a drawing of the course. What its axes,
+#: figures and pyplot are asked for, and nothing else has.
+MOST_PLOTTING = 5
+PLOTTING = {*dir(Axes), "subplots", "figure", "colorbar", "suptitle"} - {*dir(dict), *dir(set)}
 
 #: What differs from machine to machine or from run to run: text of outputs must hold none of it.
 UNSTEADY = {
@@ -170,6 +179,44 @@ def nothing_forbidden(notebook: dict) -> list[str]:
     ]
 
 
+def parsed(notebook: dict) -> Iterator[tuple[int, ast.Module]]:
+    """Each cell of code, without the lines that are for the notebook and not Python."""
+    for number, source, _ in code_cells(notebook):
+        yield number, ast.parse(re.sub(r"^\s*[%!].*$", "", source, flags=re.MULTILINE))
+
+
+def shadows_no_builtin(notebook: dict) -> list[str]:
+    """Who copies a cell that binds `map` or `max` has lost Python's own."""
+    bound = [
+        (number, next(n for key in BOUND if (n := getattr(node, key, None))))
+        for number, cell in parsed(notebook)
+        for node in ast.walk(cell)
+        if (isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store))
+        or isinstance(node, ast.arg | ast.alias | ast.FunctionDef | ast.ClassDef)
+    ]
+    return [f"cell {number}: binds {name}" for number, name in bound if hasattr(builtins, name)]
+
+
+def plotting_lines(part: ast.AST) -> set[int]:
+    """Lines that call matplotlib, whole statements of them, and the heads of their loops."""
+    statements = [node for node in ast.iter_child_nodes(part) if isinstance(node, ast.stmt)]
+    lines = set().union(*map(plotting_lines, statements))
+    if statements:
+        return lines | {part.lineno} if lines and isinstance(part, ast.stmt) else lines
+    calls = [node.func for node in ast.walk(part) if isinstance(node, ast.Call)]
+    called = {call.attr for call in calls if isinstance(call, ast.Attribute)}
+    return set(range(part.lineno, part.end_lineno + 1)) if called & PLOTTING else set()
+
+
+def short_plotting(notebook: dict) -> list[str]:
+    """A reader of a chapter came for its subject, and not for legends and ticks."""
+    return [
+        f"cell {number}: {len(lines)} lines of matplotlib"
+        for number, cell in parsed(notebook)
+        if len(lines := plotting_lines(cell)) > MOST_PLOTTING
+    ]
+
+
 def short_cells(notebook: dict) -> list[str]:
     return [
         f"cell {number}: {count} lines"
@@ -262,8 +309,7 @@ def resets_its_panel(notebook: dict) -> list[str]:
     return left
 
 
-RULES = (executed_in_order, no_errors, no_widget_state, guards_are_folded,
-         small, small_pictures, large_figures, words_between, steady_outputs,
-         nothing_forbidden, short_cells, defines_nothing_twice,
-         links_resolve, has_claim, has_summary, shows_what_goes_wrong, has_exercise,
-         has_driven_panel, resets_its_panel)  # fmt: skip
+RULES = (executed_in_order, no_errors, no_widget_state, guards_are_folded, small, small_pictures,
+         large_figures, words_between, steady_outputs, nothing_forbidden, shadows_no_builtin,
+         short_plotting, short_cells, defines_nothing_twice, links_resolve, has_claim, has_summary,
+         shows_what_goes_wrong, has_exercise, has_driven_panel, resets_its_panel)  # fmt: skip

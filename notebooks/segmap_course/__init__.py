@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from . import drawings, panels
 from ._conclusions import conclusions, density, filter_change
-from ._explore import Explored, explore, floor_of
+from ._explore import Explored, drive_to_frontiers, explore, floor_of
 from ._known import Known, known_building
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._storage import (
@@ -132,13 +132,13 @@ __all__ = [
     "check_pose_covariance", "check_quality", "check_ray_cells", "check_reduction_at",
     "check_reduction_rate", "check_resampled", "check_scan_score", "check_unwrapped",
     "check_verdict", "check_weighed", "compare_with_walls", "conclusions", "corridor_walk",
-    "density", "drawings", "explore", "filter_change", "floor_of", "heading_profile",
-    "known_building", "landscape", "load_columns", "load_trials", "occupied_centres", "panels",
-    "peaks", "predict_beams_on_wall", "predict_coarse_leaves", "predict_drift",
-    "predict_fusion_left", "predict_fusion_twice", "predict_pieces", "predict_scan_time",
-    "predict_sparse_icp", "predict_turned_quality", "profile_peaks", "represent", "room_walk",
-    "room_walls", "sample_points", "thesis_grid", "thesis_results", "trial_table", "try_pair",
-    "wall_errors", "within_thesis", "write_trials",
+    "density", "drawings", "drive_to_frontiers", "explore", "filter_change", "floor_of",
+    "heading_profile", "known_building", "landscape", "load_columns", "load_trials",
+    "occupied_centres", "panels", "peaks", "predict_beams_on_wall", "predict_coarse_leaves",
+    "predict_drift", "predict_fusion_left", "predict_fusion_twice", "predict_pieces",
+    "predict_scan_time", "predict_sparse_icp", "predict_turned_quality", "profile_peaks",
+    "represent", "room_walk", "room_walls", "sample_points", "thesis_grid", "thesis_results",
+    "trial_table", "try_pair", "wall_errors", "within_thesis", "write_trials",
 ]  # fmt: skip
 __all__ += drawings.__all__
 __all__ += panels.__all__

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ CLOSER = (1.0, 0.8, 0.6, 0.4)
 NEAR = 0.9
 #: A place where the robot has been needs no second visit, metres.
 BEEN = 0.3
-#: No drive has more scans.
+#: No drive has more legs.
 MOST = 10_000
 #: Side of the squares in which the floor is counted, metres.
 FLOOR = 0.1
@@ -70,7 +71,7 @@ def explore(
     """
     walls, here = arrays.segments(walls, "walls"), arrays.point(start, "start")
     map = QuadtreeMap(resolution=0.05, free_resolution=0.1)
-    floor, goals = floor_of(walls, here), [here]
+    floor = floor_of(walls, here)
     poses: list[Array] = []
     known: list[float] = []
 
@@ -83,9 +84,34 @@ def explore(
         known.append(float((map.occupancy(floor) != 0.5).mean()))
         return ends
 
+    goals = drive_to_frontiers(map, here, look, radius)
+    driven = np.r_[0, np.cumsum(np.hypot(*np.diff(np.array(poses)[:, :2], axis=0).T))]
+    return Explored(map, np.array(poses), driven, np.array(known), np.array(goals[1:]))
+
+
+def drive_to_frontiers(
+    map: QuadtreeMap, here: Array, look: Callable[[Array], Array], radius: float
+) -> list[Array]:
+    """Explore from a place: the places that were reached, until no frontier can be reached.
+
+    `look` puts a scan from a pose into the map, and answers the ends of its beams, `(n, 2)`. The
+    place and the radius of the robot are in metres.
+
+    Examples
+    --------
+    >>> tree = QuadtreeMap(resolution=0.05, free_resolution=0.1)
+    >>> def blind(pose):
+    ...     return np.empty((0, 2))
+    >>> drive_to_frontiers(tree, np.array([1.0, 1.0]), blind, 0.25)
+    [array([1., 1.])]
+    """
+    goals = [here]
     for heading in AROUND:
         look(np.append(here, heading))
-    while len(poses) < MOST and (way := next_way(map, here, goals, radius)) is not None:
+    for _ in range(MOST):
+        way = next_way(map, here, goals, radius)
+        if way is None:
+            break
         path = drive(way, step=STEP, turn=np.radians(30))
         path = path[np.r_[0, np.cumsum(np.hypot(*np.diff(path[:, :2], axis=0).T))] <= AGAIN]
         for k in range(1, len(path)):
@@ -97,8 +123,7 @@ def explore(
             goals.append(here)
             for heading in AROUND:
                 look(np.append(here, heading))
-    driven = np.r_[0, np.cumsum(np.hypot(*np.diff(np.array(poses)[:, :2], axis=0).T))]
-    return Explored(map, np.array(poses), driven, np.array(known), np.array(goals[1:]))
+    return goals
 
 
 def next_way(map: QuadtreeMap, here: Array, been: list[Array], radius: float) -> Array | None:

@@ -35,9 +35,9 @@ def landscape(
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.1)
-    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
-    >>> landscape(map, [(1.05, 0.05)], (0, 0, 0), reach=0.1, step=0.1).values.round(3)[1]
+    >>> tree = QuadtreeMap(resolution=0.1)
+    >>> tree.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> landscape(tree, [(1.05, 0.05)], (0, 0, 0), reach=0.1, step=0.1).values.round(3)[1]
     array([-0.1, -0. , -0.1])
     """
     ends, middle = arrays.points(points), arrays.pose(pose)
@@ -60,9 +60,9 @@ def heading_profile(
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.1)
-    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
-    >>> turn, values = heading_profile(map, [(1.05, 0.05)], (0, 0, 0))
+    >>> tree = QuadtreeMap(resolution=0.1)
+    >>> tree.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> turn, values = heading_profile(tree, [(1.05, 0.05)], (0, 0, 0))
     >>> len(turn), bool(values[180] == values.max())
     (361, True)
     """

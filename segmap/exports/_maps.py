@@ -51,9 +51,9 @@ def ros_classes(
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.5, size=4, bias=1)
-    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)])
-    >>> ros_classes(map).greys[0]
+    >>> tree = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)])
+    >>> ros_classes(tree).greys[0]
     array([254, 254,   0, 254], dtype=uint8)
     """
     arrays.instance(map, "map", QuadtreeMap)
@@ -101,10 +101,10 @@ def write_ros_map(
     Examples
     --------
     >>> import tempfile
-    >>> map = QuadtreeMap(resolution=0.5, size=4, bias=1)
-    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)], [(0.2, 1.2)] * 2)
+    >>> tree = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)], [(0.2, 1.2)] * 2)
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_ros_map(Path(folder) / "it.yaml", map)
+    ...     write_ros_map(Path(folder) / "it.yaml", tree)
     ...     print((Path(folder) / "it.yaml").read_text().splitlines()[0])
     image: "it.pgm"
     """
@@ -154,10 +154,10 @@ def write_geojson(
     Examples
     --------
     >>> import tempfile
-    >>> map = QuadtreeMap(resolution=0.5, size=4)
-    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)])
+    >>> tree = QuadtreeMap(resolution=0.5, size=4)
+    >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)])
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_geojson(Path(folder) / "it.geojson", map)
+    ...     write_geojson(Path(folder) / "it.geojson", tree)
     ...     found = json.loads((Path(folder) / "it.geojson").read_text())
     >>> found["features"][0]["geometry"]["coordinates"][0][0]
     [1.0, 0.0]

@@ -78,10 +78,10 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     --------
     >>> import tempfile
     >>> from segmap.exports import write_ros_map
-    >>> map = QuadtreeMap(resolution=0.5, size=4, bias=1)
-    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)])
+    >>> tree = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)])
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_ros_map(Path(folder) / "it.yaml", map)
+    ...     write_ros_map(Path(folder) / "it.yaml", tree)
     ...     found = read_ros_map(Path(folder) / "it.yaml")
     >>> found.occupancy([(0.2, 0.2), (1.2, 0.2), (3.2, 3.2)])
     array([0. , 1. , 0.5])

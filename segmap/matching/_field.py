@@ -70,9 +70,9 @@ class DistanceField:
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.1)
-    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
-    >>> DistanceField(map).score([(1.05, 0.05)], [(0, 0, 0), (0.3, 0, 0)]).round(6) + 0
+    >>> tree = QuadtreeMap(resolution=0.1)
+    >>> tree.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> DistanceField(tree).score([(1.05, 0.05)], [(0, 0, 0), (0.3, 0, 0)]).round(6) + 0
     array([ 0. , -0.3])
     >>> DistanceField(SegmentMap([[(0, 0), (2, 1)]])).score([(2.025, 0.025)], (0, 0, 0)).round(4)
     array([-0.8832])
@@ -131,9 +131,9 @@ class DistanceField:
 
         Examples
         --------
-        >>> map = QuadtreeMap(resolution=0.1)
-        >>> map.insert_scan((0, 0), [(1.05, 0.05)])
-        >>> DistanceField.around(map, [(1.05, 0.05)], (0, 0, 0))
+        >>> tree = QuadtreeMap(resolution=0.1)
+        >>> tree.insert_scan((0, 0), [(1.05, 0.05)])
+        >>> DistanceField.around(tree, [(1.05, 0.05)], (0, 0, 0))
         DistanceField(21 x 11 cells of 0.1 m)
         """
         either_map(map, empty=True)
@@ -167,9 +167,9 @@ class DistanceField:
 
         Examples
         --------
-        >>> map = QuadtreeMap(resolution=0.1)
-        >>> map.insert_scan((0, 0), [(1.05, 0.05)])
-        >>> values = DistanceField(map).scorer([(1.05, 0.05)])
+        >>> tree = QuadtreeMap(resolution=0.1)
+        >>> tree.insert_scan((0, 0), [(1.05, 0.05)])
+        >>> values = DistanceField(tree).scorer([(1.05, 0.05)])
         >>> values(np.array([(0.3, 0.0, 0.0)])).round(6)
         array([-0.3])
         """

@@ -37,9 +37,9 @@ def field_score(map: QuadtreeMap | SegmentMap, points: ArrayLike, poses: ArrayLi
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.1)
-    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
-    >>> field_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
+    >>> tree = QuadtreeMap(resolution=0.1)
+    >>> tree.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> field_score(tree, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
     ends, at = scan_and_poses(points, poses)
@@ -81,11 +81,11 @@ def hill_climb(
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.01)
+    >>> tree = QuadtreeMap(resolution=0.01)
     >>> walls = [(k / 50 + 0.005, 1.005) for k in range(50)]
     >>> walls += [(1.005, k / 50 + 0.005) for k in range(50)]
-    >>> map.insert_scan((0.2, 0.2), walls)
-    >>> hill_climb(map, walls, (0.03, -0.02, 0.0)).round(2) + 0
+    >>> tree.insert_scan((0.2, 0.2), walls)
+    >>> hill_climb(tree, walls, (0.03, -0.02, 0.0)).round(2) + 0
     array([0., 0., 0.])
     """
     sizes = list(STEPS[steps])
@@ -134,11 +134,11 @@ def sample_and_rank(
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.01)
+    >>> tree = QuadtreeMap(resolution=0.01)
     >>> walls = [(k / 50 + 0.005, 1.005) for k in range(50)]
     >>> walls += [(1.005, k / 50 + 0.005) for k in range(50)]
-    >>> map.insert_scan((0.2, 0.2), walls)
-    >>> found = sample_and_rank(map, walls, (0.03, -0.02, 0.0), rng=np.random.default_rng(1))
+    >>> tree.insert_scan((0.2, 0.2), walls)
+    >>> found = sample_and_rank(tree, walls, (0.03, -0.02, 0.0), rng=np.random.default_rng(1))
     >>> bool(np.abs(found).max() < 0.02)
     True
     """

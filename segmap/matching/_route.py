@@ -50,9 +50,9 @@ def route(map: QuadtreeMap, start: ArrayLike, goal: ArrayLike, *, radius: Metres
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.5, size=8, free_resolution=0.5)
-    >>> map.insert_scan((1, 1), [(4, 4)], free_points=[(x, 7) for x in range(8)])
-    >>> route(map, (1.2, 1.2), [(1.2, 6.2), (7, 7)], radius=0.5)
+    >>> tree = QuadtreeMap(resolution=0.5, size=8, free_resolution=0.5)
+    >>> tree.insert_scan((1, 1), [(4, 4)], free_points=[(x, 7) for x in range(8)])
+    >>> route(tree, (1.2, 1.2), [(1.2, 6.2), (7, 7)], radius=0.5)
     array([[1.2, 1.2],
            [1.2, 6.2]])
     """

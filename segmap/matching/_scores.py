@@ -42,9 +42,9 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.1)
-    >>> map.insert_scan((0, 0), [(1, 0), (1, 0.5)])
-    >>> occupancy_score(map, [(1, 0), (1, 0.5)], [(0, 0, 0), (0.3, 0, 0)])
+    >>> tree = QuadtreeMap(resolution=0.1)
+    >>> tree.insert_scan((0, 0), [(1, 0), (1, 0.5)])
+    >>> occupancy_score(tree, [(1, 0), (1, 0.5)], [(0, 0, 0), (0.3, 0, 0)])
     array([2., 0.])
     """
     occupied_blocks(map)
@@ -61,9 +61,9 @@ def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arr
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.1)
-    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
-    >>> distance_score(map, [(1.05, 0.05)], [(0, 0, 0), (0.3, 0, 0)]).round(6) + 0
+    >>> tree = QuadtreeMap(resolution=0.1)
+    >>> tree.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> distance_score(tree, [(1.05, 0.05)], [(0, 0, 0), (0.3, 0, 0)]).round(6) + 0
     array([ 0. , -0.3])
     """
     from scipy.spatial import cKDTree
@@ -85,9 +85,9 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.1)
-    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
-    >>> nearest_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
+    >>> tree = QuadtreeMap(resolution=0.1)
+    >>> tree.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> nearest_score(tree, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
     with arrays.instance(map, "map", QuadtreeMap).lock:
@@ -107,9 +107,9 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.1)
-    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
-    >>> descent_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
+    >>> tree = QuadtreeMap(resolution=0.1)
+    >>> tree.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> descent_score(tree, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
     with arrays.instance(map, "map", QuadtreeMap).lock:

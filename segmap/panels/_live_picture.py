@@ -59,7 +59,7 @@ class LivePicture:
         segments: Array,
         reduced: Array | None = None,
     ) -> None:
-        """Map grey, scan grey dots, segments blue, the reduced map thin and blue, sensor red."""
+        """Map grey, scan grey dots, segments blue, the reduced map thin and blue, sensor orange."""
         ends, sensor = transform(pose, scan.points()), compose(pose, scan.sensor_pose)[:2]
         if self.greys.update(map, np.vstack([sensor, ends])):
             left, low, right, high = self.greys.view

@@ -20,7 +20,7 @@ class ScanPanel(Panel):
     """A log, scan by scan, each at its pose: what the robot saw, and from where.
 
     Without poses the log's truth is taken, or its odometry where it has none; scans whose pose is
-    NaN are left out. The path is green for truth, red for odometry, blue for poses given here.
+    NaN are left out. The path is green for truth, orange for odometry, blue for poses given here.
     `step` and its `play` button move among the scans that have a pose; `index` and `valid` tell of
     `scan`, which is drawn.
 

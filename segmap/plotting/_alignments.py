@@ -22,8 +22,8 @@ def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) ->
     """Draw the path that a method found, the scans along it, and what it makes no use of.
 
     The points of the scans that were used are grey, the path is blue, scans that were not used are
-    red crosses on it. Loops of a pose graph are thin blue lines between their two places, rejected
-    ones dashed and red. A legend counts them.
+    orange crosses on it. Loops of a pose graph are thin blue lines between their two places,
+    rejected ones dashed and orange. A legend counts them.
 
     Examples
     --------
@@ -70,8 +70,8 @@ def draw_alignments(
 ) -> list[Axes]:
     """Draw a log along several paths side by side, on one scale; `size` is inches of one.
 
-    Paths are arrays `(k, 3)` or alignments. A path is red where its poses are the log's odometry,
-    else blue; an alignment is drawn with its loops and its legend, as `draw_alignment` does.
+    Paths are arrays `(k, 3)` or alignments. A path is orange where its poses are the log's
+    odometry, else blue; an alignment is drawn with its loops and legend, as `draw_alignment` does.
 
     Examples
     --------
@@ -99,7 +99,7 @@ def draw_position_errors(
 ) -> Axes:
     """Draw how far poses are from the truth, scan by scan, where the truth is known.
 
-    Poses are arrays `(k, 3)` or alignments; the last is blue, the one before it red and dashed,
+    Poses are arrays `(k, 3)` or alignments; the last is blue, the one before it orange and dashed,
     others are grey and dotted.
 
     Raises

@@ -34,7 +34,7 @@ def draw_quadtree(
     Parameters
     ----------
     robot
-        Where the robot is, `(2,)` or a pose: a red square.
+        Where the robot is, `(2,)` or a pose: an orange square.
     outlines
         Blue outlines of all leaves that are large enough to be seen inside them; without them the
         look is that of any occupancy map.
@@ -44,9 +44,9 @@ def draw_quadtree(
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> map = QuadtreeMap(resolution=0.1, size=1.6)
-    >>> map.insert_scan((0.2, 0.2), [(1.0, 0.2)])
-    >>> ax = draw_quadtree(map, ax=Figure().subplots(), whole=True)
+    >>> tree = QuadtreeMap(resolution=0.1, size=1.6)
+    >>> tree.insert_scan((0.2, 0.2), [(1.0, 0.2)])
+    >>> ax = draw_quadtree(tree, ax=Figure().subplots(), whole=True)
     >>> len(ax.collections[0].get_array())
     13
     """

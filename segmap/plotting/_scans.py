@@ -88,7 +88,7 @@ def draw_log(
     color
         Of the points.
     path
-        Colour of the path; None takes green for truth, red for odometry, blue for poses given here.
+        Colour of the path; None takes green for truth, orange for odometry, blue for poses given.
 
     Examples
     --------
@@ -155,7 +155,7 @@ def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
 
 
 def draw_robot(pose: ArrayLike, *, ax: Axes | None = None) -> Axes:
-    """Draw where a robot stands: a red triangle of 0.2 m that points ahead.
+    """Draw where a robot stands: an orange triangle of 0.2 m that points ahead.
 
     Examples
     --------

@@ -37,8 +37,8 @@ from ._style import (
 
 #: A result is drawn over what it was made of; a line's own place is 2.
 ABOVE = 3
-#: Of walls that stand twice: with black, blue and red 30 apart in CIE Lab or more, however one sees
-#: colours; with orange it would be 18.
+#: Of walls that stand twice: with black, blue and orange 30 apart in CIE Lab or more, however one
+#: sees colours; with dark yellow it would be 18.
 DOUBLE = GROUPS[6]
 #: Least end of the scale of errors, metres, so that rounding errors do not look like errors.
 LEAST_ERROR = 1e-3
@@ -154,7 +154,7 @@ def draw_side_by_side(before: Segments, after: Segments) -> list[Axes]:
 def draw_against_walls(found: AgainstWalls, *, ax: Axes | None = None) -> Axes:
     """Draw what `metrics.against_walls` found: kept, missed, invented and double, with metres.
 
-    What lies beside a wall is blue, beside none red; walls that are missed are black and thick,
+    What lies beside a wall is blue, beside none orange; walls that are missed are black and thick,
     those that the map has more than once have a wide band below.
 
     Examples
@@ -219,7 +219,7 @@ def draw_maps(
     truth
         How the walls really are: thick and green, below each map.
     scan
-        Its points and the robot, grey and red, below each map.
+        Its points and the robot, grey and orange, below each map.
     color
         Of all maps, or one a map; None draws each segment in a colour of its own, in turn.
     columns

@@ -129,9 +129,9 @@ def extent(
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.5)
-    >>> map.insert_scan((0, 0), [(10, 2)])
-    >>> extent(map, margin=1)
+    >>> tree = QuadtreeMap(resolution=0.5)
+    >>> tree.insert_scan((0, 0), [(10, 2)])
+    >>> extent(tree, margin=1)
     (9.5, 1.5, 11.0, 3.0)
     """
     with arrays.instance(map, "map", QuadtreeMap).lock:

@@ -41,9 +41,9 @@ def frontiers(map: QuadtreeMap, *, min_size: Metres = 0.5) -> list[Frontier]:
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=1, size=4, free_resolution=1)
-    >>> map.insert_scan((0.5, 0.5), [], free_points=[(2.5, 0.5)])
-    >>> [(len(found.edges), found.size) for found in frontiers(map)]
+    >>> tree = QuadtreeMap(resolution=1, size=4, free_resolution=1)
+    >>> tree.insert_scan((0.5, 0.5), [], free_points=[(2.5, 0.5)])
+    >>> [(len(found.edges), found.size) for found in frontiers(tree)]
     [(8, 8.0)]
     """
     from scipy.sparse import coo_array

@@ -36,8 +36,8 @@ def map_of_grid(
 
     Examples
     --------
-    >>> map = map_of_grid([[0, 1, 2]], resolution=0.5)
-    >>> map.occupancy([(0.2, 0.2), (0.7, 0.2), (1.2, 0.2), (0.2, 0.7)])
+    >>> tree = map_of_grid([[0, 1, 2]], resolution=0.5)
+    >>> tree.occupancy([(0.2, 0.2), (0.7, 0.2), (1.2, 0.2), (0.2, 0.7)])
     array([0.5, 0. , 1. , 0.5])
     """
     grid = arrays.numbers(cells, "cells")

@@ -52,11 +52,11 @@ class QuadtreeMap(Pictured, Locked):
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.01)
-    >>> map.insert_scan((1.0, 1.0), [(2.0, 1.0), (2.0, 1.5)])
-    >>> map
+    >>> tree = QuadtreeMap(resolution=0.01)
+    >>> tree.insert_scan((1.0, 1.0), [(2.0, 1.0), (2.0, 1.5)])
+    >>> tree
     QuadtreeMap(5.12 m, 49 leaves of 0.01 m and more, 1 scan)
-    >>> map.occupancy([(2.0, 1.0), (9.0, 9.0)])
+    >>> tree.occupancy([(2.0, 1.0), (9.0, 9.0)])
     array([1. , 0.5])
     """
 
@@ -97,9 +97,9 @@ class QuadtreeMap(Pictured, Locked):
 
         Examples
         --------
-        >>> map = QuadtreeMap(resolution=1, size=4)
-        >>> map.insert_scan((0.5, 0.5), [(3.5, 0.5)], free_points=[(0.5, 3.5)])
-        >>> map.occupancy([(3.5, 0.5), (0.5, 3.5), (3.5, 3.5)])
+        >>> tree = QuadtreeMap(resolution=1, size=4)
+        >>> tree.insert_scan((0.5, 0.5), [(3.5, 0.5)], free_points=[(0.5, 3.5)])
+        >>> tree.occupancy([(3.5, 0.5), (0.5, 3.5), (3.5, 3.5)])
         array([1.   , 0.475, 0.5  ])
         """
         sensor = sensor_xy
@@ -162,12 +162,12 @@ class QuadtreeMap(Pictured, Locked):
 
         Examples
         --------
-        >>> map = QuadtreeMap(resolution=1, size=4)
-        >>> map.insert_scan((0.5, 0.5), [(3.5, 0.5)])
-        >>> map.to_grid(2)
+        >>> tree = QuadtreeMap(resolution=1, size=4)
+        >>> tree.insert_scan((0.5, 0.5), [(3.5, 0.5)])
+        >>> tree.to_grid(2)
         array([[0.475, 1.   ],
                [0.5  , 0.5  ]])
-        >>> map.to_grid(2, value="mean")[0]
+        >>> tree.to_grid(2, value="mean")[0]
         array([0.475  , 0.60625])
         """
         if value == "max":
@@ -201,8 +201,8 @@ class QuadtreeMap(Pictured, Locked):
 
         Examples
         --------
-        >>> map = QuadtreeMap(resolution=1, size=4)
-        >>> map.rasterize([0, 1, 2, 3], shown=[0, 0, 1, 1])
+        >>> tree = QuadtreeMap(resolution=1, size=4)
+        >>> tree.rasterize([0, 1, 2, 3], shown=[0, 0, 1, 1])
         (array([[2., 2., 3., 3.],
                [2., 2., 3., 3.]]), 0.0, 2.0, 1.0)
         """
@@ -247,9 +247,9 @@ class QuadtreeMap(Pictured, Locked):
 
         Examples
         --------
-        >>> map = QuadtreeMap(resolution=1, size=4)
-        >>> map.insert_scan((0.5, 0.5), [(3.5, 0.5)])
-        >>> map.cropped(1, 0, 3, 1).occupancy([(0.5, 0.5), (1.5, 0.5), (2.5, 0.5), (3.5, 0.5)])
+        >>> tree = QuadtreeMap(resolution=1, size=4)
+        >>> tree.insert_scan((0.5, 0.5), [(3.5, 0.5)])
+        >>> tree.cropped(1, 0, 3, 1).occupancy([(0.5, 0.5), (1.5, 0.5), (2.5, 0.5), (3.5, 0.5)])
         array([0.5  , 0.475, 0.475, 0.5  ])
         """
         corners = arrays.rectangle(left, low, right, high)

@@ -30,14 +30,14 @@ def smeared_walls(map: QuadtreeMap) -> float:
 
     Examples
     --------
-    >>> map, wall = QuadtreeMap(resolution=0.05), np.arange(0.025, 2, 0.05)
+    >>> tree, wall = QuadtreeMap(resolution=0.05), np.arange(0.025, 2, 0.05)
     >>> for y in (1.025, 1.025, 1.075, 1.075):
-    ...     map.insert_scan((1, 0), [(x, y) for x in wall])
-    >>> smeared_walls(map)
+    ...     tree.insert_scan((1, 0), [(x, y) for x in wall])
+    >>> smeared_walls(tree)
     0.0
     >>> for y in (1.125, 1.125, 1.175, 1.175, 1.225, 1.225):
-    ...     map.insert_scan((1, 0), [(x, y) for x in wall])
-    >>> smeared_walls(map)
+    ...     tree.insert_scan((1, 0), [(x, y) for x in wall])
+    >>> smeared_walls(tree)
     1.0
     """
     leaves = arrays.instance(map, "map", QuadtreeMap).leaves()

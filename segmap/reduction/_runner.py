@@ -82,8 +82,8 @@ class Methods(dict[str, Method[Reduction]]):
 
     Examples
     --------
-    >>> def nothing(map):
-    ...     return Reduction(map.segments, np.arange(len(map)), 0.0)
+    >>> def nothing(before):
+    ...     return Reduction(before.segments, np.arange(len(before)), 0.0)
     >>> Methods(nothing=Method(nothing, "A 4", merges="2 -> 1", keeps="end points"))
               in  merges      runs     needs       keeps published by
     nothing  A 4  2 -> 1  off-line  segments  end points

@@ -143,8 +143,8 @@ class SegmentMap(Pictured):
 
     Examples
     --------
-    >>> map = SegmentMap([[(0, 0), (1, 0)], [(0, 1), (0.05, 1)]], scan=[0, 3])
-    >>> map, map.filtered(), map[1:]
+    >>> walls = SegmentMap([[(0, 0), (1, 0)], [(0, 1), (0.05, 1)]], scan=[0, 3])
+    >>> walls, walls.filtered(), walls[1:]
     (SegmentMap(2 segments of 2 scans), SegmentMap(1 segment of 1 scan), \
 SegmentMap(1 segment of 1 scan))
     """

@@ -114,6 +114,11 @@ DRAWN = {
         [(RESULT, [(0, 0), (0, 1)])],
         [],
     ),
+    "marks stand at their places, and their words beside them": (
+        lambda ax: course.mark_places({"open": 2.0, "shut": 4.0}, ax=ax, at=(0.5, 0.1)),
+        [(RAW, [(2, 0), (2, 1)]), (RAW, [(4, 0), (4, 1)])],
+        ["open", "shut"],
+    ),
     "errors of trials are in millimetres, the thesis apart": (
         lambda ax: course.draw_trials([TRIAL, LOST, replace(TRIAL, median=0.02)], ax=ax),
         [(RESULT, [(900, 13), (900, 20)]), (ERROR, [(900, 13)])],
@@ -146,6 +151,45 @@ def test_a_drawing_consists_of(claim, ax):
     named = [line.get_label() for line in (*ax.lines, *ax.collections)]
     said = [ax.get_title(), *(text.get_text() for text in ax.texts), *named]
     assert [word for word in said if word and not word.startswith("_")] == words
+
+
+def test_words_stand_beside_their_places(ax):
+    """Catches x for y, an offset in metres, and marks whose words stand on their lines."""
+    course.write_names({"a": (1, 2), "b": (3, 5)}, ax=ax, offset=(6, -9), color=ERROR, size=8)
+    course.mark_places({"open": 2.0}, ax=ax, at=(0.5, 0.1), rotation=90)
+    *names, mark = ax.texts
+    assert [(text.get_text(), text.xy, text.xyann) for text in names] == [
+        *(("a", (1, 2), (6, -9)), ("b", (3, 5), (6, -9)))
+    ]
+    assert {(text.get_color(), text.get_fontsize(), text.anncoords) for text in names} == {
+        (ERROR, 8, "offset points")
+    }
+    assert (mark.get_position(), mark.get_rotation()) == ((2.5, 0.1), 90)
+
+
+def test_axes_say_what_is_drawn(ax):
+    """Catches a legend of nothing, one that was not wanted, and labels that are wiped out."""
+    ax.set_xlabel("x [m]")
+    course.label_axes(ax, "No line", y="error [mm]", ylim=(0, 3))
+    said = ax.get_title(), ax.get_xlabel(), ax.get_ylabel(), ax.get_ylim(), ax.get_legend()
+    assert said == ("No line", "x [m]", "error [mm]", (0, 3), None)
+    ax.plot([0, 1], label="room")
+    assert course.label_axes(ax, "One line", "time [s]", legend=False).get_legend() is None
+    named = course.label_axes(ax, "One line", legend={"title": "logs"}).get_legend()
+    assert ax.get_xlabel() == "time [s]" and named.get_title().get_text() == "logs"
+    assert [text.get_text() for text in named.get_texts()] == ["room"]
+
+
+def test_ticks_are_the_numbers_themselves(ax):
+    """Catches powers of ten, minor ticks, and the ticks of the other axis."""
+    ax.loglog([0.1, 1000], [1, 10])
+    course.set_ticks(ax, x=[0.5, 1500])
+    figure_png(ax.figure)
+    assert [text.get_text() for text in ax.get_xticklabels()] == ["0.5", "1500"]
+    assert ax.get_xticks(minor=True).size == 0 and ax.get_yticks().tolist() != [0.5, 1500]
+    course.set_ticks(ax, y=[2, 8])
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["2", "8"]
+    assert ax.get_xticks().tolist() == [0.5, 1500]
 
 
 def test_a_scan_is_drawn_in_each_frame_with_its_valid_points():
@@ -194,7 +238,7 @@ def test_each_outcome_has_its_colour_where_it_started(ax):
 
 
 def test_outcomes_of_like_colours_have_marks_where_they_started(ax):
-    """Catches red and orange cells that a colour-blind reader cannot tell apart."""
+    """Catches orange and dark yellow cells that a colour-blind reader cannot tell apart."""
     course.draw_basin([["free", "wrong"], ["right", "no match"]], [0, 1], [5, 7], ax=ax)
     marks = {line.get_marker(): line.get_xydata().tolist() for line in ax.lines}
     assert marks == {"_": [[0, 5]], "x": [[1, 5]]}

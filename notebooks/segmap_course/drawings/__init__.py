@@ -10,6 +10,7 @@ from ._alignments import (
     draw_uncertainty,
 )
 from ._buildings import draw_buildings, draw_threshold
+from ._charts import label_axes, mark_places, set_ticks, write_names
 from ._quadtrees import (
     draw_cells,
     draw_classes,
@@ -37,4 +38,5 @@ __all__ = [
     "draw_frames", "draw_frontiers", "draw_growth", "draw_icp_step", "draw_landscape",
     "draw_marked", "draw_merge", "draw_normals", "draw_odometry_comparison", "draw_profile",
     "draw_ray", "draw_strip", "draw_threshold", "draw_trade_off", "draw_trials", "draw_uncertainty",
+    "label_axes", "mark_places", "set_ticks", "write_names",
 ]  # fmt: skip

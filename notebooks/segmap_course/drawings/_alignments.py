@@ -61,8 +61,8 @@ def draw_frames(scan: LaserScan, frames: Mapping[str, ArrayLike], *, every: int 
 def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
     """Draw what the backbone method did with one scan, a step of `alignment.backbone_steps`.
 
-    The lines of the backbone are black and dashed. The relevant segments of the scan are red where
-    odometry would place them, and blue where the method placed them, with the robot there.
+    The lines of the backbone are black and dashed. The relevant segments of the scan are orange
+    where odometry would place them, and blue where the method placed them, with the robot there.
 
     Examples
     --------
@@ -86,7 +86,7 @@ def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
 
 
 def draw_icp_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = None) -> Axes:
-    """Draw a scan as point ICP sees it: points with red lines to their places on the wall.
+    """Draw a scan as point ICP sees it: points with orange lines to their places on the wall.
 
     Points of the walls are grey, those of the scan blue, and lines of little weight thin. Where
     there are many points, only every second or third has a line.
@@ -153,8 +153,8 @@ def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | No
     """Draw the outcome of a match from each start: the basin of attraction is blue.
 
     Of the outcomes `(m, n)` "no match" is light grey, "right" blue, "free" (along one direction)
-    orange with a dash and "wrong" red with a cross, which the colour-blind see apart, too; x `(n,)`
-    and y `(m,)` are where the columns and the rows start, in any unit.
+    dark yellow with a dash and "wrong" orange with a cross, which the colour-blind see apart, too;
+    x `(n,)` and y `(m,)` are where the columns and the rows start, in any unit.
     """
     words, shape = np.asarray(outcomes), (np.size(y), np.size(x))
     if words.shape != shape or not np.isin(words, list(OUTCOMES)).all():

@@ -23,7 +23,7 @@ _MARKS = "os^vDX"
 
 
 def draw_cells(map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None) -> Axes:
-    """Draw chosen cells of a map's grid as red squares, over what the axes show already.
+    """Draw chosen cells of a map's grid as orange squares, over what the axes show already.
 
     The cells are `(n, n)` bools of `map.to_grid()`, or of a coarser one: row 0 is the lowest.
     """
@@ -39,7 +39,7 @@ def draw_cells(map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None) ->
 
 
 def draw_frontiers(found: Iterable[Frontier], *, ax: Axes | None = None) -> Axes:
-    """Draw frontiers as orange lines, over what the axes show already."""
+    """Draw frontiers as dark yellow lines, over what the axes show already."""
     lines = [edge for frontier in found for edge in frontier.edges]
     ax = axes_or_new(ax)
     ax.add_collection(LineCollection(lines, color=GROUPS[0], linewidth=2.5))
@@ -88,7 +88,7 @@ def draw_field(field: DistanceField, *, ax: Axes | None = None) -> Axes:
 
 
 def draw_landscape(land: Landscape, *, ax: Axes | None = None, tops: bool = True) -> Axes:
-    """Draw scores around a pose: white is best, a green cross the middle, red dots are the peaks.
+    """Draw scores around a pose: white is best, a green cross the middle, orange dots the peaks.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def draw_climb(offsets: ArrayLike, *, ax: Axes | None = None, joined: bool = Tru
 def draw_profile(
     turn: ArrayLike, values: ArrayLike, *, ax: Axes | None = None, tops: bool = True
 ) -> Axes:
-    """Draw scores over the heading, radians from the true one: a blue line, red dots at its peaks.
+    """Draw scores over the heading, radians from the true one: a blue line, orange dots at peaks.
 
     Both are from `heading_profile`.
     """
@@ -149,7 +149,7 @@ def draw_profile(
 def draw_trials(trials: Iterable[Trial], *, ax: Axes | None = None) -> Axes:
     """Draw the error of each trial over the leaves of its map, as B Fig. 6.17.
 
-    Each matcher has a mark. Those with the thesis' steps are red, the others blue. Both axes are
+    Each matcher has a mark. Those with the thesis' steps are orange, the others blue. Both axes are
     logarithmic.
     """
     ax, all_of = axes_or_new(ax), list(trials)

@@ -63,7 +63,7 @@ def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None
 def draw_trade_off(
     values: ArrayLike, reduction: ArrayLike, quality: ArrayLike, *, ax: Axes | None = None
 ) -> Axes:
-    """Draw reduction, blue, and quality, red, of one method against its threshold.
+    """Draw reduction, blue, and quality, orange, of one method against its threshold.
 
     Both are rates in `[0, 1]`; the name and the unit of the threshold are for the x label.
     """

@@ -25,10 +25,10 @@ from segmap.segments import angle, length, midpoint
 
 
 def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
-    """Draw, red, where the three terms of the distance between two segments are measured.
+    """Draw, orange, where the three terms of the distance between two segments are measured.
 
-    *Turned* is the mean length of two red lines, each from the end of a segment to the dotted
-    parallel of the line midway, which is grey. *Shifted* and *apart* are one red line each. The
+    *Turned* is the mean length of two orange lines, each from the end of a segment to the dotted
+    parallel of the line midway, which is grey. *Shifted* and *apart* are one orange line each. The
     segments must not cross or be perpendicular.
 
     Examples
@@ -80,7 +80,7 @@ def draw_marked(
     color: str = RAW,
     width: float = 2.0,
 ) -> Axes:
-    """Draw segments, and the marked ones over them, thicker and red.
+    """Draw segments, and the marked ones over them, thicker and orange.
 
     Colour is that of the rest, and width, in points, that of the marked ones.
     """
@@ -109,7 +109,7 @@ def draw_merge(
 
 
 def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | None = None) -> Axes:
-    """Draw walls along x and a strip of Fusion: what lies in it is black, the rest red (A 4.4.1).
+    """Draw walls along x and a strip of Fusion: what is in it is black, the rest orange (A 4.4.1).
 
     The middle of the grey strip is the line y = `shift`; the tolerance is half its width.
     """

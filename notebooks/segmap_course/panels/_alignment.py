@@ -32,8 +32,8 @@ class GroundTruthPanel(LessonPanel):
     """A log placed by some of its true poses: what interpolation puts between them (A 3.3.3).
 
     Only every so many-th true pose is given; the others tell how wrong the placed scans are. Scans
-    without a place are red crosses, the poses given green dots. The log has a truth for some of its
-    scans; between two known poses farther apart than `max_gap`, seconds, nothing is claimed.
+    without a place are orange crosses, the poses given green dots. The log has a truth for some of
+    its scans; between two known poses farther apart than `max_gap`, seconds, nothing is claimed.
 
     Examples
     --------
@@ -82,7 +82,7 @@ class AnglePanel(LessonPanel):
     """Pairs of scans, and the candidates of angle correspondence by rank (A 3.3.1).
 
     The walls of the first scan are black. Those of the second are placed by the candidate, of which
-    0 is the best: blue where it is the match, red where it is rejected. Of a log of at least two
+    0 is the best: blue where it is the match, orange where it is rejected. Of a log of at least two
     scans the pair is at first `scan` and the one so many scans later, at most the last.
     """
 
@@ -132,9 +132,9 @@ class AnglePanel(LessonPanel):
 class BackbonePanel(LessonPanel):
     """A log, scan by scan: the lines of the backbone, and how the scan is turned and placed.
 
-    Lines are black. The relevant segments, longer than `min_length`, are red where odometry would
-    place them and blue where the method placed them. The path so far is blue. `state` says whether
-    the scan was used, or why not.
+    Lines are black. The relevant segments, longer than `min_length`, are orange where odometry
+    would place them and blue where the method placed them. The path so far is blue. `state` says
+    whether the scan was used, or why not.
     """
 
     step: BackboneStep

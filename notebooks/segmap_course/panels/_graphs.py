@@ -36,7 +36,7 @@ class IcpPanel(LessonPanel):
     """Two scans, and how ICP moves one onto the other from a wrong start (A 2.5.1).
 
     The first scan is grey. The moving one is blue where it has a partner within reach, and pale
-    where it has none; all of it is always in the picture. Red lines lead to the partners.
+    where it has none; all of it is always in the picture. Orange lines lead to the partners.
 
     The scans are at least six points each, `(n, 2)` and `(m, 2)` in metres, in its own frame. The
     current one belongs nearly at the pose: the match from there is taken as the truth. Partners are

@@ -93,8 +93,8 @@ class MatcherPanel(LessonPanel):
     >>> from segmap_course import room_walk
     >>> from segmap.quadtree import build_map
     >>> log = room_walk(40)
-    >>> map = build_map(log[:10], log.truth[:10], resolution=0.01)
-    >>> panel = MatcherPanel(map, log[10].points(), log.truth[10])
+    >>> tree = build_map(log[:10], log.truth[:10], resolution=0.01)
+    >>> panel = MatcherPanel(tree, log[10].points(), log.truth[10])
     >>> panel.step.value = 60
     >>> panel.error.value
     '0.2 cm and 0.2 degrees off'
@@ -221,7 +221,7 @@ class ParticlePanel(LessonPanel):
 class PlacePanel(LessonPanel):
     """A robot that looks for its place on a known map while it drives (B 2.2).
 
-    Its particles after each scan are blue, the truth is green, what is believed is red. Carried
+    Its particles after each scan are blue, the truth is green, what is believed is orange. Carried
     away, the robot goes from a third of the log at once to its last third. The log has a truth for
     every scan.
 

@@ -242,9 +242,9 @@ class RoutePanel(LessonPanel):
 
     Examples
     --------
-    >>> map = QuadtreeMap(resolution=0.1, size=3.2, free_resolution=0.1)
-    >>> map.insert_scan((0.5, 0.5), [(0.1, 0.1), (2.5, 0.5), (0.5, 2.5)])
-    >>> RoutePanel(map, (0.5, 0.5), (1.5, 0.5)).told.value
+    >>> tree = QuadtreeMap(resolution=0.1, size=3.2, free_resolution=0.1)
+    >>> tree.insert_scan((0.5, 0.5), [(0.1, 0.1), (2.5, 0.5), (0.5, 2.5)])
+    >>> RoutePanel(tree, (0.5, 0.5), (1.5, 0.5)).told.value
     'a way of 1.00 m, 0 corners'
     """
 
@@ -276,4 +276,4 @@ class RoutePanel(LessonPanel):
         ax.add_patch(Circle(goal, radius, fill=False, color=ERROR))
         ax.add_patch(Circle(tuple(self.start), radius, fill=False, color=RESULT))
         metres = sum(found.size for found in self.frontiers)
-        self.open.value = f"{len(self.frontiers)} frontiers, {metres:.1f} m (orange)"
+        self.open.value = f"{len(self.frontiers)} frontiers, {metres:.1f} m (dark yellow)"

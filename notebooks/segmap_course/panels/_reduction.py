@@ -218,8 +218,8 @@ class WeightedPanel(ReductionPanel):
 class SectorPanel(ReductionPanel):
     """What was seen so far and the map that the viewing sector makes of it, scan by scan (A 2.7.5).
 
-    All that was seen, `map`, is thin and black, the map made of it thick and blue, and a red dot is
-    the sensor, whose places are needed.
+    All that was seen, `map`, is thin and black, the map made of it thick and blue, and an orange
+    dot is the sensor, whose places are needed.
     """
 
     method = staticmethod(viewing_sector)

@@ -103,9 +103,9 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
 
 def _begin_anew(front: FrontEnd, later: FrontEnd) -> Joint:
     """Make the first scan of another session the next key frame, whose place is not known."""
-    front.scans.append(later.scans[0])
-    front.trail.add(later.scans[0])
-    front.trail.odometry[-1] = np.full(3, np.nan)  # it begins in a frame of its own
+    first = replace(later.scans[0], odometry=None)  # its odometry begins in a frame of its own
+    front.scans.append(first)
+    front.trail.add(first)
     front.trail.place(front.trail.poses[-1], later.trail.reasons[0])
     scan, frame = len(front.scans) - 1, len(front.frames)
     front.frames.add(scan, later.frames.points[0], np.zeros(3), np.diag(BREAK) ** 2)
