@@ -24,7 +24,7 @@ from segmap.alignment.graph import Edge, spread
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.poses import between, compose, transform
-from segmap.reduction.surveyed._weighted_line_fitting import _fit_all
+from segmap.reduction.surveyed import add_pose, fit
 from segmap.simulation import SICK_LMS200, URG_04LX, box, rectangular_room, simulate
 
 FURNISHED = [rectangular_room(5, 4), box(0.6, 0.8, (4, 1, 0.3)), box(1.2, 0.5, (1, 3.2, -0.4))]
@@ -133,10 +133,8 @@ def test_lines_err_as_their_covariance_says(arm):
         )
         seen = np.stack([far * np.cos(bearing), far * np.sin(bearing)], -1)
         wrong = np.array([*rng.normal(0, noise[2], 2), rng.normal(0, noise[3])])
-        points, sensor = transform(wrong, seen), wrong[None, :2].copy()
-        out = np.empty((1, 6))
-        _fit_all(points, np.array([0, 60]), sensor, noise, out, np.empty(60))
-        x, _, alpha, rr, ra, aa = out[0]
+        line = add_pose(fit(transform(wrong, seen), wrong[:2], *noise[:2]), wrong[:2], *noise[2:])
+        x, _, alpha, rr, ra, aa = line
         turned = (alpha + np.pi / 2) % np.pi - np.pi / 2
         error = np.array([(x - 2.0) * np.cos(alpha), turned])
         squares.append(error @ np.linalg.solve([[rr, ra], [ra, aa]], error))

@@ -12,10 +12,9 @@ from segmap import reduction
 from segmap.arrays import Array
 from segmap.poses import transform
 from segmap.reduction import surveyed
+from segmap.reduction.surveyed import Line, add_pose
 
-from ..literal.reduction import weighted_line_fitting
 from ..literal.reduction.least_cost import invented
-from ..literal.reduction.weighted_line_fitting import Line, add_pose
 from ._answers import Cases, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -82,7 +81,7 @@ check_pose_covariance = Exercise(
         "the offset comes first, then the angle": changed(_pose_covariance, np.flip),
     },
     near,
-    own=(reduction.weighted_line_fitting, weighted_line_fitting),
+    own=(reduction.weighted_line_fitting,),
 )
 
 

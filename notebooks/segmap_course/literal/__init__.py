@@ -9,7 +9,12 @@ of the fast version: `fusion(segments, tolerance=0.04)`, `hybrid(segments, scans
 returns the outputs and, for each input, the number of the output that it went into, -1 for none.
 """
 
-from segmap.reduction.surveyed import fuzzy_clustering, viewing_sector
+from segmap.reduction.surveyed import (
+    fuzzy_clustering,
+    uncertain_parameters,
+    viewing_sector,
+    weighted_line_fitting,
+)
 
 from .alignment.angle_correspondence import best_transform, match_value, transforms
 from .alignment.backbone import least_translation, line_partner, mean_rotation
@@ -61,8 +66,6 @@ from .reduction.mean_shift import mean_shift
 from .reduction.one_per_wall import one_per_wall
 from .reduction.polyline import polyline, polyline_through
 from .reduction.segment_similarity import mean_segment, segment_similarity
-from .reduction.uncertain_parameters import uncertain_parameters
-from .reduction.weighted_line_fitting import weighted_line_fitting
 
 __all__ = [
     "MOVES", "Quadtree", "after", "against_walls", "angle_histogram", "axial_difference",

@@ -5,13 +5,14 @@ from ._fuzzy_set import fuzzy_set
 from ._polyline import polyline
 from ._prototypes import Prototype, clustered, memberships
 from ._segment_similarity import segment_similarity
-from ._uncertain_parameters import uncertain_parameters
+from ._uncertain_parameters import fused, uncertain, uncertain_parameters
 from ._viewing_sector import kept_pieces, minus, viewing_sector
 from ._views import views
-from ._weighted_line_fitting import weighted_line_fitting
+from ._weighted_line_fitting import Line, about, add_pose, compare, fit, weighted_line_fitting
 
 __all__ = [
-    "Prototype", "clustered", "fuzzy_clustering", "fuzzy_set", "kept_pieces", "memberships",
-    "minus", "polyline", "segment_similarity", "uncertain_parameters", "viewing_sector", "views",
+    "Line", "Prototype", "about", "add_pose", "clustered", "compare", "fit", "fused",
+    "fuzzy_clustering", "fuzzy_set", "kept_pieces", "memberships", "minus", "polyline",
+    "segment_similarity", "uncertain", "uncertain_parameters", "viewing_sector", "views",
     "weighted_line_fitting",
 ]  # fmt: skip

@@ -1,22 +1,31 @@
-"""Uncertain parameters (A 2.7.8): lines with standard deviations, fused scan by scan."""
+"""Uncertain parameters (A 2.7.8; Amigoni, Fontana, Garigiola 2006): lines with deviations."""
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from ...arrays import Array, Metres, Segments, checked
 from ...compiled import compiled
-from ...kernels import apart, gap_along, lay, length_of, span, turn_between
-from ...segments import SegmentMap, length, point_distance, take_points
-from .._index import Index, empty_index, enter, leave, meeting
-from .._runner import Indices, Reduction, Rows, Steps, Turn, run_online, survivors
+from ...kernels import apart, gap_along, turn_between
+from ...segments import SegmentMap, point_distance, take_points
+from .._runner import Indices, Reduction, Rows, Steps, Turn, run_online
+from .lines import (
+    SAME,
+    Segment,
+    axial_difference,
+    line_angle,
+    parents_of,
+    segment_length,
+    spanning,
+)
 
 #: No fused line is known better than this, metres and radians.
 LEAST_RHO, LEAST_THETA = 0.001, 1e-4
-#: Lengths and gaps closer than this, in metres, are equal: rounding must not choose.
-SAME = 1e-9
 
 
 @checked
@@ -74,134 +83,91 @@ def uncertain_parameters(
     """
 
     def steps(rows: Rows) -> Steps:
-        s, n = rows.segments, len(rows.segments)
-        off = np.full(n, float(eps))
-        if isinstance(map, SegmentMap) and map.points is not None and map.first is not None and n:
+        s, off = rows.segments, np.full(len(rows.segments), float(eps))
+        if isinstance(map, SegmentMap) and map.points is not None and map.first is not None:
             points, first = take_points(map.points, map.first, rows.row)
             beside = point_distance(points, np.repeat(s, np.diff(first), axis=0))
-            off = np.maximum(np.maximum.reduceat(beside, first[:-1]), LEAST_RHO)
-        lengths = length(s)
-        sigma = np.stack([np.maximum(off, LEAST_RHO), np.minimum(2 * off / lengths, 1.0)], -1)
-        sigma[:, 1] = np.arcsin(sigma[:, 1])
-        state = State(
-            s=np.empty((n + 1, 2, 2)),
-            sigma=np.empty((n + 1, 2)),
-            into=np.arange(n + 1),
-            counts=np.zeros(2, np.int64),
-            places=empty_index(n + 1, max(2 * distance, lengths.mean() if n else 0.0)),
-            near=np.empty(n + 2, np.int64),
-        )
-        walls = np.empty(n, np.int64)
-        for first_row, stop in rows.scans():
-            _add(state, s, sigma, first_row, stop, distance, angle, origin == "pair", walls)
-            yield int(state.counts[1])
-        alive, into = survivors(state.into[: state.counts[0]])
-        return state.s[: len(into)][alive], into[walls]
+            off = np.maximum.reduceat(beside, first[:-1]).clip(LEAST_RHO) if len(s) else off
+        walls, ends = list[UncertainWall](), np.empty((0, 2, 2))
+        for begin, stop in rows.scans():
+            for i in range(begin, stop):
+                new = uncertain(s[i].tolist(), float(off[i]), i)
+                same = looks_at_it(s[i], ends, distance, angle)
+                if len(same):
+                    walls[same[0]] = fused([*(walls[k] for k in same), new], origin)
+                    ends[same[0]] = walls[same[0]].ends
+                    ends = np.delete(ends, same[1:], axis=0)
+                    for k in same[:0:-1]:
+                        del walls[k]
+                else:
+                    walls.append(new)
+                    ends = np.concatenate([ends, s[i : i + 1]])
+            yield len(walls)
+        return ends, parents_of((wall.members for wall in walls), len(s))
 
     return run_online("uncertain_parameters", map, steps)
 
 
-class State(NamedTuple):
-    """The map: its walls in the order in which they joined, and one that is being compared."""
-
-    s: Array  # (n, 2, 2), metres
-    sigma: Array  # (n, 2) standard deviations of rho and theta, metres and radians
-    into: Indices  # which wall took each in; its own index until then
-    counts: Indices  # (2,) how many walls there ever were, and how many are left
-    places: Index
-    near: Indices  # room for neighbours
-
-
 @compiled
-def _angle(s: Array, i: int) -> float:
-    return np.arctan2(s[i, 1, 1] - s[i, 0, 1], s[i, 1, 0] - s[i, 0, 0])
+def looks_at_it(s: Array, walls: Array, distance: float, angle: float) -> Indices:
+    """Which walls of the map, `(n, 2, 2)`, a segment may be a look at, ascending."""
+    found, count = np.empty(len(walls), np.int64), 0
+    at = np.arctan2(s[1, 1] - s[0, 1], s[1, 0] - s[0, 0])
+    for k in range(len(walls)):
+        wall = walls[k]
+        turn = turn_between(at, np.arctan2(wall[1, 1] - wall[0, 1], wall[1, 0] - wall[0, 0]))
+        if abs(turn) < angle - SAME and apart(s, wall) < distance - SAME:
+            bisector = at + turn / 2
+            if gap_along(s, wall, np.cos(bisector), np.sin(bisector)) <= SAME:
+                found[count] = k
+                count += 1
+    return found[:count]
 
 
-@compiled
-def _matches(state: State, b: int, distance: float, angle: float) -> int:
-    """Write the walls that b may be a look at, ascending, and behind them b; how many they are."""
-    s, near, count, at = state.s, state.near, 0, _angle(state.s, b)
-    for k in range(meeting(state.places, s[b], distance, near)):
-        j = near[k]
-        turn = turn_between(at, _angle(s, j))
-        dx, dy = np.cos(at + turn / 2), np.sin(at + turn / 2)
-        if abs(turn) >= angle - SAME or gap_along(s[b], s[j], dx, dy) > SAME:
-            continue
-        if apart(s[b], s[j]) < distance - SAME:
-            place = count
-            while place > 0 and near[place - 1] > j:
-                near[place] = near[place - 1]
-                place -= 1
-            near[place] = j
-            count += 1
-    near[count] = b
-    return count
+@dataclass
+class UncertainWall:
+    """A segment of the map, the standard deviations of its line, and the inputs it stands for."""
+
+    ends: Segment
+    sigma_rho: float
+    sigma_theta: float
+    members: list[int]
 
 
-@compiled
-def _fuse(s: Array, sigma: Array, members: Indices, local: bool) -> None:
-    """The first member becomes one wall for them all (A 2.38)."""
-    total, longest, x, y, at = 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in members:
-        size = length_of(s[i])
-        total += size
-        x += size * (s[i, 0, 0] + s[i, 1, 0]) / 2
-        y += size * (s[i, 0, 1] + s[i, 1, 1]) / 2
-        if size > longest + SAME:
-            longest, at = size, _angle(s, i)
-    x, y = (x / total, y / total) if local else (0.0, 0.0)
-    rho, of_rho, theta, of_theta, known_rho, known_theta = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in members:
-        size = length_of(s[i])
-        turn = turn_between(at, _angle(s, i))
-        across = ((s[i, 0, 1] + s[i, 1, 1]) / 2 - y) * np.cos(at + turn)
-        across -= ((s[i, 0, 0] + s[i, 1, 0]) / 2 - x) * np.sin(at + turn)
-        know_rho, know_theta = sigma[i, 0] ** -2.0, sigma[i, 1] ** -2.0
-        rho, of_rho = rho + size * know_rho * across, of_rho + size * know_rho
-        theta, of_theta = theta + size * know_theta * turn, of_theta + size * know_theta
-        known_rho, known_theta = known_rho + know_rho, known_theta + know_theta
-    rho, at = rho / of_rho, at + theta / of_theta
-    dx, dy = np.cos(at), np.sin(at)
-    x, y, low, high, first = x - rho * dy, y + rho * dx, np.inf, -np.inf, members[0]
-    for i in members:
-        begin, end = span(s[i], x, y, dx, dy)
-        low, high = min(low, begin), max(high, end)
-    lay(s[first], x, y, dx, dy, low, high)
-    sigma[first, 0] = max(known_rho**-0.5, LEAST_RHO)
-    sigma[first, 1] = max(known_theta**-0.5, LEAST_THETA)
+def uncertain(s: Segment, eps: float, i: int) -> UncertainWall:
+    """A 2.37: a segment whose points lie within eps, metres, of it."""
+    theta = math.asin(min(1.0, 2 * eps / segment_length(s)))
+    return UncertainWall(s, max(eps, LEAST_RHO), theta, [i])
 
 
-@compiled
-def _add(
-    state: State,
-    new: Array,
-    sigma: Array,
-    first: int,
-    stop: int,
-    distance: float,
-    angle: float,
-    local: bool,
-    walls: Indices,
-) -> None:
-    """Put the segments `first` to `stop` of `(n, 2, 2)`, metres, into the map; angle in radians.
-
-    Writes which wall took each in, `(n,)`.
-    """
-    s, counts, near = state.s, state.counts, state.near
-    for i in range(first, stop):
-        b = counts[0]
-        for k in range(2):
-            s[b, k, 0], s[b, k, 1] = new[i, k, 0], new[i, k, 1]
-            state.sigma[b, k] = sigma[i, k]
-        count = _matches(state, b, distance, angle)
-        walls[i] = near[0]
-        if count == 0:
-            counts[0] += 1
-            counts[1] += 1
-        else:
-            for k in range(count):
-                leave(state.places, near[k])
-                state.into[near[k]] = near[0]
-            counts[1] -= count - 1
-            _fuse(s, state.sigma, near[: count + 1], local)
-        enter(state.places, near[0], s[near[0]], 0.0)
+def fused(walls: Sequence[UncertainWall], origin: str) -> UncertainWall:
+    """One wall for all: weighted means of theta, and of rho about a point near all of them."""
+    lengths = [segment_length(wall.ends) for wall in walls]
+    shares = [length / sum(lengths) for length in lengths]
+    longest = next(k for k, length in enumerate(lengths) if length >= max(lengths) - SAME)
+    at = line_angle(walls[longest].ends)
+    middles = [[(wall.ends[0][k] + wall.ends[1][k]) / 2 for k in (0, 1)] for wall in walls]
+    x, y = (
+        sum(share * middle[k] for share, middle in zip(shares, middles, strict=True))
+        for k in (0, 1)
+    )
+    if origin == "map":
+        x, y = 0.0, 0.0
+    sums = [0.0, 0.0, 0.0, 0.0]
+    for wall, share, middle in zip(walls, shares, middles, strict=True):
+        turn = axial_difference(line_angle(wall.ends), at)
+        rho = (middle[1] - y) * math.cos(at + turn) - (middle[0] - x) * math.sin(at + turn)
+        of_rho, of_theta = share / wall.sigma_rho**2, share / wall.sigma_theta**2
+        for k, term in enumerate((of_rho * rho, of_rho, of_theta * turn, of_theta)):
+            sums[k] += term
+    rho, at = sums[0] / sums[1], at + sums[2] / sums[3]
+    at_x, at_y = x - rho * math.sin(at), y + rho * math.cos(at)
+    ends = spanning(at_x, at_y, at, [p for wall in walls for p in wall.ends])
+    known_rho = sum(1 / wall.sigma_rho**2 for wall in walls)
+    known_theta = sum(1 / wall.sigma_theta**2 for wall in walls)
+    return UncertainWall(
+        ends,
+        max(known_rho**-0.5, LEAST_RHO),
+        max(known_theta**-0.5, LEAST_THETA),
+        [i for wall in walls for i in wall.members],
+    )

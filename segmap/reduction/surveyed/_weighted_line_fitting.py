@@ -1,35 +1,24 @@
-"""Weighted line fitting (A 2.7.3): lines with covariances; two looks within what both allow."""
+"""Weighted line fitting (A 2.7.3; Pfister et al. 2003): two looks within what both allow."""
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...arrays import Array, Metres, Positive, Radians, Segments, at_least, at_most, checked
 from ...compiled import compiled
-from ...kernels import gap_along, lay
-from ...segments import length
-from .._index import Index, empty_index, enter, leave, meeting
+from ...kernels import gap_along
 from .._points import points_behind
-from .._runner import (
-    Indices,
-    Length,
-    Reduction,
-    Rows,
-    Steps,
-    Turn,
-    by_lowest,
-    run_online,
-    survivors,
-)
+from .._runner import Length, Reduction, Rows, Steps, Turn, by_lowest, run_online
+from .lines import SAME, Point, parents_of
 
-#: Centre x and y, metres, angle of the normal, radians, covariance of (offset, angle) about it.
-Line = tuple[float, float, float, float, float, float]
-#: Angles and gaps closer than this, in radians and metres, are equal; so are chis within TIE.
-SAME, TIE = 1e-9, 1e-12
-#: No gap in a map is wider, metres.
-FAR = 1e8
+#: Chis closer than this are equal; a line rests when its angle moves by less, radians.
+TIE = REST = 1e-12
+#: A line is fitted so often at most.
+MOST_FITS = 50
 
 
 @checked
@@ -97,224 +86,163 @@ def weighted_line_fitting(
     >>> found, found.parents
     (Reduction(weighted_line_fitting: 3 -> 2 segments), array([0, 0, 1]))
     """
-    noise = np.array([sigma_range, sigma_bearing, sigma_place, sigma_heading])
-    limits = np.array([chi2, min(gap, FAR), turn])
+    limits = np.array([chi2, gap, turn])
 
     def steps(rows: Rows) -> Steps:
         points, first, sensors, kept = points_behind(map, rows, spacing)
-        n, s = len(rows.segments), rows.segments
-        fitted, weights = np.empty((n, 6)), np.empty(int(np.diff(first).max(initial=0)))
-        _fit_all(points, first, sensors, noise, fitted, weights)
-        if not kept:
-            points, first = s.reshape(-1, 2), np.arange(0, 2 * n + 1, 2)
-        state = State(
-            lines=np.empty((n, 6)),
-            ends=np.empty((n, 2, 2)),
-            rooms=np.empty(n),
-            places=empty_index(n, max(1.0, 2 * float(length(s).mean()) if n else 0.0)),
-            members=np.empty((n, 2), np.int64),
-            after=np.full(n, -1),
-            near=np.empty(n + 1, np.int64),
-            chis=np.empty(n),
-            into=np.arange(n),
-        )
+        walls, lines = list[Wall](), np.empty((len(rows.segments), 6))
+        ends = np.empty((len(rows.segments), 2, 2))
         for begin, stop in rows.scans():
-            _add(state, fitted, points, first, begin, stop, limits)
-            yield int(state.places.levels[-1, 0])
-        alive, into = survivors(state.into)
-        order, into = by_lowest(into, rows.row, int(alive.sum()))
-        return state.ends[alive][order], into
+            for i in range(begin, stop):
+                behind, s = points[first[i] : first[i + 1]], sensors[i].tolist()
+                line = fit(behind, s, sigma_range, sigma_bearing)
+                line = add_pose(line, s, sigma_place, sigma_heading)
+                wall = wall_of(line, behind if kept else rows.segments[i], [i])
+                count = len(walls)
+                while (k := agreeing(wall.line, wall.ends, lines[:count], ends, limits)) >= 0:
+                    other, count = walls.pop(k), count - 1
+                    lines[k:-1], ends[k:-1] = lines[k + 1 :], ends[k + 1 :]
+                    merged = compare(wall.line, other.line)[1]
+                    both = np.concatenate([wall.points, other.points])
+                    wall = wall_of(merged, both, wall.members + other.members)
+                walls.append(wall)
+                lines[count], ends[count] = wall.line, wall.ends
+            yield len(walls)
+        into = parents_of((wall.members for wall in walls), len(rows.segments))
+        order, into = by_lowest(into, rows.row, len(walls))
+        return ends[: len(walls)][order], into
 
     return run_online("weighted_line_fitting", map, steps)
 
 
-class State(NamedTuple):
-    """The map: a line for each row until another takes it in, and the points that each spans."""
+class Line(NamedTuple):
+    """Centre, metres, angle of the normal, radians, and covariance of (offset, angle) about it."""
 
-    lines: Array  # (n, 6) as `Line`
-    ends: Array  # (n, 2, 2), metres
-    rooms: Array  # how far from its ends another line can be that merges with each, metres
-    places: Index  # of the live lines
-    members: Indices  # (n, 2) first and last row of the list of each line
-    after: Indices  # next row of the list, -1 at its end
-    near: Indices  # room for the lines that may merge, and the chi of each
-    chis: Array
-    into: Indices  # which line took each in; its own index until then
+    x: float
+    y: float
+    alpha: float
+    rr: float
+    ra: float
+    aa: float
 
 
-# ------------------------------------------------------------------ a line and its covariance
+class Wall(NamedTuple):
+    """A line of the map, its part that its points span, and the segments that it stands for."""
+
+    line: Line
+    ends: Array
+    points: Array
+    members: list[int]
+
+
+def wall_of(line: Line, points: Array, members: list[int]) -> Wall:
+    """The part of a line that its points span."""
+    along = np.array([-math.sin(line.alpha), math.cos(line.alpha)])
+    u = (points - (line.x, line.y)) @ along
+    ends = np.array([u.min(), u.max()])[:, None] * along + (line.x, line.y)
+    return Wall(line, ends, points, members)
+
+
 @compiled
-def _variance(
-    x: float, y: float, nx: float, ny: float, sx: float, sy: float, noise: Array
-) -> float:
-    """Variance of a point across a line, square metres, seen from (sx, sy); NaN: no place."""
-    dx, dy, one = x - sx, y - sy, noise[0] * noise[0]
+def variance(p: Array, s: Array, alpha: float, range_: float, bearing: float) -> float:
+    """Variance of a point across a line, square metres, seen from s with noise in both."""
+    dx, dy = p[0] - s[0], p[1] - s[1]
     square = dx * dx + dy * dy
-    if not square > 0.0:
-        return one
-    along, across = dx * nx + dy * ny, noise[1] * (dy * nx - dx * ny)
-    return one * (along * along) / square + across * across
+    if not square > 0.0:  # the sensor stood there, or nobody knows where: s is NaN
+        return range_ * range_
+    c, s_ = np.cos(alpha), np.sin(alpha)
+    along, across = range_ * (dx * c + dy * s_), bearing * (dy * c - dx * s_)
+    return along * along / square + across * across
 
 
 @compiled
-def _fit(p: Array, start: int, stop: int, sx: float, sy: float, noise: Array, w: Array) -> Line:
-    """Steps 1 and 2: weighted line of a run of points, metres, and its covariance.
-
-    `w` is room for a weight a point.
-    """
-    x = y = alpha = c = s = total = 0.0
-    before = np.nan
-    for i in range(start, stop):
-        w[i - start] = 1.0
-    for _ in range(50):
-        x = y = total = xx = xy = yy = 0.0
-        for i in range(start, stop):
-            total += w[i - start]
-            x += w[i - start] * p[i, 0]
-            y += w[i - start] * p[i, 1]
+def fitted(points: Array, s: Array, range_: float, bearing: float) -> Line:
+    """The weighted line of the points of one scan, step 1: weights follow from its angle."""
+    weights, before = np.full(len(points), 1.0), np.nan
+    x = y = alpha = 0.0
+    for _ in range(MOST_FITS):
+        total = xx = xy = yy = x = y = 0.0
+        for i in range(len(points)):
+            total += weights[i]
+            x, y = x + weights[i] * points[i, 0], y + weights[i] * points[i, 1]
         x, y = x / total, y / total
-        for i in range(start, stop):
-            u, v = p[i, 0] - x, p[i, 1] - y
-            xx += w[i - start] * u * u
-            xy += w[i - start] * u * v
-            yy += w[i - start] * v * v
+        for i in range(len(points)):
+            u, v = points[i, 0] - x, points[i, 1] - y
+            xx, xy = xx + weights[i] * u * u, xy + weights[i] * u * v
+            yy += weights[i] * v * v
         alpha = 0.5 * np.arctan2(2 * xy, xx - yy) + np.pi / 2
-        c, s = np.cos(alpha), np.sin(alpha)
-        for i in range(start, stop):
-            w[i - start] = 1 / _variance(p[i, 0], p[i, 1], c, s, sx, sy, noise)
-        if abs((alpha - before + np.pi / 2) % np.pi - np.pi / 2) < 1e-12:
+        for i in range(len(points)):
+            weights[i] = 1 / variance(points[i], s, alpha, range_, bearing)
+        if abs((alpha - before + np.pi / 2) % np.pi - np.pi / 2) < REST:
             break
         before = alpha
     lever = total = 0.0
-    for i in range(start, stop):
-        t = (p[i, 1] - y) * c - (p[i, 0] - x) * s
-        lever += w[i - start] * t * t
-        total += w[i - start]
-    arm = 0.0 if np.isnan(sx) else (sy - y) * c - (sx - x) * s
-    place, turn = noise[2] * noise[2], noise[3] * noise[3]
-    rr = 1 / total + place + arm * arm * turn
-    return x, y, alpha, rr, arm * turn, 1 / max(lever, 1.0) + turn
+    for i in range(len(points)):
+        t = (points[i, 1] - y) * np.cos(alpha) - (points[i, 0] - x) * np.sin(alpha)
+        lever, total = lever + weights[i] * t * t, total + weights[i]
+    return Line(x, y, alpha, 1 / total, 0.0, 1 / max(lever, 1.0))
+
+
+def fit(points: ArrayLike, s: Point, range_: float, bearing: float) -> Line:
+    """Step 1: the line of points, metres, seen from s; NaN where nobody knows from where."""
+    return fitted(np.array(points, float), np.array(s, float), range_, bearing)
+
+
+def add_pose(line: Line, s: Point, place: float, heading: float) -> Line:
+    """Step 2, eq. 2.20: what the pose of the scan leaves open; place in metres, heading radians."""
+    x, y = s if not math.isnan(s[0]) else (line.x, line.y)
+    arm = (y - line.y) * math.cos(line.alpha) - (x - line.x) * math.sin(line.alpha)
+    turn = heading * heading
+    rr = line.rr + place * place + arm * arm * turn
+    return Line(line.x, line.y, line.alpha, rr, line.ra + arm * turn, line.aa + turn)
 
 
 @compiled
-def _fit_all(
-    p: Array, first: Indices, sensors: Array, noise: Array, out: Array, room: Array
-) -> None:
-    """Lines of all segments, `(n, 6)`."""
-    for i in range(len(out)):
-        found = _fit(p, first[i], first[i + 1], sensors[i, 0], sensors[i, 1], noise, room)
-        out[i, 0], out[i, 1], out[i, 2] = found[0], found[1], found[2]
-        out[i, 3], out[i, 4], out[i, 5] = found[3], found[4], found[5]
+def about(line: Line, x: float, y: float) -> tuple[float, float, float]:
+    """Step 3: offset of a line from (x, y), and its covariances `rr`, `ra` about that point."""
+    c, s = np.cos(line.alpha), np.sin(line.alpha)
+    arm = (line.y - y) * c - (line.x - x) * s
+    offset = (line.x - x) * c + (line.y - y) * s
+    return offset, line.rr + 2 * arm * line.ra + arm * arm * line.aa, line.ra + arm * line.aa
 
 
 @compiled
-def _about(line: Array, x: float, y: float) -> tuple[float, float, float]:
-    """Step 3: offset of a line from (x, y), metres, and its covariances about that point."""
-    c, s = np.cos(line[2]), np.sin(line[2])
-    arm = (line[1] - y) * c - (line[0] - x) * s
-    offset = (line[0] - x) * c + (line[1] - y) * s
-    return offset, line[3] + 2 * arm * line[4] + arm * arm * line[5], line[4] + arm * line[5]
-
-
-@compiled
-def _compare(a: Array, b: Array) -> tuple[float, Line]:
-    """Steps 4 and 5, eq. 2.22-2.25: chi of the difference of two lines; the line of both."""
-    x, y = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
-    ra, rra, raa = _about(a, x, y)
-    rb, rrb, rab = _about(b, x, y)
-    turns = round((a[2] - b[2]) / np.pi)
+def compare(a: Line, b: Line) -> tuple[float, Line]:
+    """Steps 4 and 5: chi of the difference of two lines, and the line that both make."""
+    x, y = (a.x + b.x) / 2, (a.y + b.y) / 2
+    (ra, rra, raa), (rb, rrb, rab) = about(a, x, y), about(b, x, y)
+    turns = round((a.alpha - b.alpha) / np.pi)
     if turns % 2 != 0:
         rb, rab = -rb, -rab
-    dr, da = ra - rb, a[2] - (b[2] + turns * np.pi)
-    rr, r_a, aa = rra + rrb, raa + rab, a[5] + b[5]
+    dr, da = ra - rb, a.alpha - (b.alpha + turns * np.pi)
+    rr, r_a, aa = rra + rrb, raa + rab, a.aa + b.aa
     det = rr * aa - r_a * r_a
     u, v = (aa * dr - r_a * da) / det, (rr * da - r_a * dr) / det  # S^-1 dL
-    r, alpha = ra - (rra * u + raa * v), a[2] - (raa * u + a[5] * v)
-    f, g = (aa * rrb - r_a * rab) / det, (aa * rab - r_a * b[5]) / det  # S^-1 P_B
-    h, k = (rr * rab - r_a * rrb) / det, (rr * b[5] - r_a * rab) / det
-    new_rr, new_ra, new_aa = rra * f + raa * h, rra * g + raa * k, raa * g + a[5] * k
+    r, alpha = ra - (rra * u + raa * v), a.alpha - (raa * u + a.aa * v)
+    f, g = (aa * rrb - r_a * rab) / det, (aa * rab - r_a * b.aa) / det  # S^-1 P_B
+    h, k = (rr * rab - r_a * rrb) / det, (rr * b.aa - r_a * rab) / det
+    new_rr, new_ra, new_aa = rra * f + raa * h, rra * g + raa * k, raa * g + a.aa * k
     c, s, t = np.cos(alpha), np.sin(alpha), new_ra / new_aa
-    centre_x, centre_y = x + r * c - t * s, y + r * s + t * c
-    return dr * u + da * v, (centre_x, centre_y, alpha, new_rr - t * new_ra, 0.0, new_aa)
-
-
-# ------------------------------------------------------------------ step 6: the map and a scan
-@compiled
-def _best(state: State, a: int, limits: Array) -> int:
-    """The live line with the least chi below the threshold; ties: the lowest; -1 for none."""
-    ends, lines, near, chis = state.ends, state.lines, state.near, state.chis
-    least, best = limits[0], -1
-    count = meeting(state.places, ends[a], state.rooms[a], near)
-    for k in range(count):
-        chis[k], alpha, beta = limits[0], lines[a, 2], lines[near[k], 2]
-        turns = round((alpha - beta) / np.pi)
-        if abs(alpha - beta - turns * np.pi) <= limits[2] + SAME:
-            mean = (alpha + beta + turns * np.pi) / 2
-            if gap_along(ends[a], ends[near[k]], -np.sin(mean), np.cos(mean)) <= limits[1] + SAME:
-                chis[k] = _compare(lines[a], lines[near[k]])[0]
-        least = min(least, chis[k])
-    for k in range(count):
-        if chis[k] < limits[0] and chis[k] <= least + TIE and (best < 0 or near[k] < best):
-            best = near[k]
-    return best
+    line = Line(x + r * c - t * s, y + r * s + t * c, alpha, new_rr - t * new_ra, 0.0, new_aa)
+    return dr * u + da * v, line
 
 
 @compiled
-def _settle(state: State, a: int, points: Array, first: Indices, limits: Array) -> None:
-    """End points of line a from its points, and its room.
+def agreeing(a: Line, own: Array, lines: Array, ends: Array, limits: Array) -> int:
+    """The line with the smallest chi below the limit, of those near; ties: the first; -1: none.
 
-    At any place where two lines with a small chi can meet, their distance is at most
-    sqrt(chi2) times the sum of what each may be off there. That much is its room, a tenth more
-    for what the linear covariance leaves out, and its share of the gap.
+    Lines of the map are rows of a `Line`; the limits are of chi, of the gap and of the turn.
     """
-    x, y, alpha = state.lines[a, 0], state.lines[a, 1], state.lines[a, 2]
-    c, s, low, high = np.cos(alpha), np.sin(alpha), np.inf, -np.inf
-    i = state.members[a, 0]
-    while i >= 0:
-        for j in range(first[i], first[i + 1]):
-            u = (points[j, 1] - y) * c - (points[j, 0] - x) * s
-            low, high = min(low, u), max(high, u)
-        i = state.after[i]
-    gap, off = 0.75 * limits[1], 0.0
-    lay(state.ends[a], x, y, -s, c, low, high)
-    for u in (low - gap, high + gap):
-        rr = state.lines[a, 3] - 2 * u * state.lines[a, 4] + u * u * state.lines[a, 5]
-        wide = state.lines[a, 3] + 2 * u * state.lines[a, 4] + u * u * state.lines[a, 5]
-        off = max(off, rr, wide)
-    state.rooms[a] = 1.1 * np.sqrt(limits[0] * off) + gap
-
-
-@compiled
-def _take_in(state: State, a: int, b: int) -> None:
-    """Line a becomes the merge of a and b, which leaves the map; b's members follow a's."""
-    merged, lines = _compare(state.lines[a], state.lines[b])[1], state.lines
-    lines[a, 0], lines[a, 1], lines[a, 2] = merged[0], merged[1], merged[2]
-    lines[a, 3], lines[a, 4], lines[a, 5] = merged[3], merged[4], merged[5]
-    state.after[state.members[a, 1]] = state.members[b, 0]
-    state.members[a, 1] = state.members[b, 1]
-    state.into[b] = a
-    leave(state.places, b)
-
-
-@compiled
-def _add(
-    state: State,
-    fitted: Array,
-    points: Array,
-    first: Indices,
-    begin: int,
-    stop: int,
-    limits: Array,
-) -> None:
-    """Step 6: each line from `begin` to `stop` merges until none fits, then joins the map."""
-    for a in range(begin, stop):
-        for k in range(6):
-            state.lines[a, k] = fitted[a, k]
-        state.members[a, 0], state.members[a, 1] = a, a
-        _settle(state, a, points, first, limits)
-        b = _best(state, a, limits)
-        while b >= 0:
-            _take_in(state, a, b)
-            _settle(state, a, points, first, limits)
-            b = _best(state, a, limits)
-        enter(state.places, a, state.ends[a], state.rooms[a])
+    chis, least = np.full(len(lines), np.inf), np.inf
+    for k in range(len(lines)):
+        b = Line(lines[k, 0], lines[k, 1], lines[k, 2], lines[k, 3], lines[k, 4], lines[k, 5])
+        turns = round((a.alpha - b.alpha) / np.pi)
+        if abs(a.alpha - b.alpha - turns * np.pi) <= limits[2] + SAME:
+            mean = (a.alpha + b.alpha + turns * np.pi) / 2
+            if gap_along(own, ends[k], -np.sin(mean), np.cos(mean)) <= limits[1] + SAME:
+                chis[k] = compare(a, b)[0]
+                least = min(least, chis[k])
+    for k in range(len(lines)):
+        if chis[k] < limits[0] and chis[k] <= least + TIE:
+            return k
+    return -1

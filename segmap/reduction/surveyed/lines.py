@@ -6,7 +6,7 @@ Nothing here is compiled: a surveyed method compiles what it does for each pair,
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,6 +62,15 @@ def spanning(
 ) -> list[tuple[float, float]]:
     """Segment through (x, y) at an angle that just spans the projections of points."""
     return extreme_projections(points, (x, y, math.cos(angle), math.sin(angle)))
+
+
+def parents_of(groups: Iterable[Iterable[int]], count: int) -> Indices:
+    """Of each of so many segments the index of the group that it is in; -1 for none."""
+    parents = np.full(count, -1)
+    for k, group in enumerate(groups):
+        for i in group:
+            parents[i] = k
+    return parents
 
 
 def holds_most(shares: Sequence[Mapping[int, float]], count: int) -> Indices:

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from reduction_maps import assert_literal, corridor_map
-from segmap_course.literal.reduction.uncertain_parameters import fused, uncertain
+from reduction_maps import assert_plain, corridor_map
 
 from segmap.reduction import uncertain_parameters
+from segmap.reduction.surveyed import fused, uncertain
 from segmap.segments import SegmentMap
 from segmap.testing import assert_segments_equal
 
@@ -24,7 +24,10 @@ def test_a_long_look_and_a_short_one():
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_lines_of_hundreds_of_metres_are_known_no_better_than_any_line(seed):
+def test_lines_of_hundreds_of_metres_are_known_no_better_than_any_line(monkeypatch, seed):
+    """Two looks of 400 m, whose deviations would fall below those that no line is known by."""
     rng = np.random.default_rng(seed)
     map = SegmentMap(100 * corridor_map(rng, 40), rng.integers(0, 9, 40))
-    assert_literal("uncertain_parameters", map, distance=10.0)
+    assert_plain(monkeypatch, "uncertain_parameters", map, distance=10.0)
+    wall = fused([uncertain([(0, 0), (400, 0.1 * k)], 0.001, k) for k in range(9)], "pair")
+    assert (wall.sigma_rho, wall.sigma_theta) == (0.001, 1e-4)

@@ -8,14 +8,10 @@ import sys
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from segmap_course.literal.reduction.weighted_line_fitting import (
-    Line,
-    about,
-    compare,
-)
 
 from segmap.compiled import PLAIN
 from segmap.reduction import weighted_line_fitting
+from segmap.reduction.surveyed import Line, about, compare
 from segmap.segments import SegmentMap
 from segmap.testing import assert_segments_equal
 
