@@ -9,6 +9,7 @@ import io
 import re
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -32,6 +33,10 @@ const panel = document.querySelector('.widget-image').closest('.widget-vbox').pa
 panel.scrollIntoView();
 const box = panel.getBoundingClientRect();
 return [box.left, box.top, box.width, box.height]"""
+#: Whether a button of this name can be pressed.
+READY = """
+return [...document.querySelectorAll('button')].some(
+  e => e.innerText.trim() === arguments[0] && !e.disabled)"""
 PICTURE = "return (document.querySelector('.widget-image') || {}).clientHeight > 100"
 
 
@@ -61,10 +66,11 @@ def main() -> None:
                 browser.click(button("Run"))
                 text = "return document.body.innerText"
                 wait("a verdict", lambda: "GOOD: 225 of 225" in browser.run(text), 300)
-                for layer in ("path", "loops", "free space", "grid"):
-                    wait(layer, lambda: "done" in browser.run(text))
+                for layer in ("path", "loops", "grid", "free space"):
+                    wait(layer, lambda: browser.run(READY, layer))  # noqa: B023
                     browser.click(button(layer))
                 wait("free space", lambda: "malaga: free space" in browser.run(text))
+                time.sleep(1)  # until it is drawn
                 _store(browser, "page", 0, 0, *PAGE)
             options = ("--no-browser", "--Voila.ip=127.0.0.1", f"--port={free_port()}")
             with served("voila", str(chapter), *options) as address:
