@@ -11,6 +11,8 @@ returns the outputs and, for each input, the number of the output that it went i
 
 from segmap.reduction.surveyed import (
     fuzzy_clustering,
+    polyline,
+    polyline_through,
     uncertain_parameters,
     viewing_sector,
     weighted_line_fitting,
@@ -64,7 +66,6 @@ from .reduction.hybrid import fusion_online, hough, hybrid, hybrid_fusion
 from .reduction.least_cost import least_cost
 from .reduction.mean_shift import mean_shift
 from .reduction.one_per_wall import one_per_wall
-from .reduction.polyline import polyline, polyline_through
 from .reduction.segment_similarity import mean_segment, segment_similarity
 
 __all__ = [

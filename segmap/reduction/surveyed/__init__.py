@@ -2,7 +2,7 @@
 
 from ._fuzzy_clustering import fuzzy_clustering
 from ._fuzzy_set import fuzzy_set
-from ._polyline import polyline
+from ._polyline import farthest_ends, polyline, polyline_through
 from ._prototypes import Prototype, clustered, memberships
 from ._segment_similarity import segment_similarity
 from ._uncertain_parameters import fused, uncertain, uncertain_parameters
@@ -11,8 +11,8 @@ from ._views import views
 from ._weighted_line_fitting import Line, about, add_pose, compare, fit, weighted_line_fitting
 
 __all__ = [
-    "Line", "Prototype", "about", "add_pose", "clustered", "compare", "fit", "fused",
-    "fuzzy_clustering", "fuzzy_set", "kept_pieces", "memberships", "minus", "polyline",
-    "segment_similarity", "uncertain", "uncertain_parameters", "viewing_sector", "views",
-    "weighted_line_fitting",
+    "Line", "Prototype", "about", "add_pose", "clustered", "compare", "farthest_ends", "fit",
+    "fused", "fuzzy_clustering", "fuzzy_set", "kept_pieces", "memberships", "minus", "polyline",
+    "polyline_through", "segment_similarity", "uncertain", "uncertain_parameters",
+    "viewing_sector", "views", "weighted_line_fitting",
 ]  # fmt: skip

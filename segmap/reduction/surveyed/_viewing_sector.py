@@ -254,6 +254,7 @@ def take_scan(
     pieces = {
         k: kept_pieces(segment_length(walls[k].ends), row, min_length, forget, rejoin)
         for k, row in seen.items()
+        if any(view.says != "hides" for view in row)  # what is hidden alone stays as it is
     }
     parts: dict[int, list[list[Wall]]] = {k: [[] for _ in row] for k, row in pieces.items()}
     new = []
@@ -270,7 +271,7 @@ def take_scan(
                 new.append(own)
     after = []
     for k, wall in enumerate(walls):
-        if k not in seen:
+        if k not in pieces:
             after.append(wall)
             continue
         size = segment_length(wall.ends)
