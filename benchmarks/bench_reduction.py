@@ -40,7 +40,7 @@ def rows() -> Iterator[Row]:
 
 
 #: Methods whose plain forms take minutes to hours for this many segments.
-SLOW = ("mean_shift", "segment_similarity", "polyline", "least_cost", "fuzzy_set")
+SLOW = ("mean_shift", "segment_similarity", "least_cost")
 
 
 def same_size(made, seen: int) -> Iterator[Row]:

@@ -38,7 +38,7 @@ FORKED = (
     "process anew (spawn)"
 )
 #: What makes an array or a list in a kernel; numba refuses any other where it counts nothing.
-MAKERS = frozenset({"append", "empty", "empty_like", "zeros", "full", "copy", "heappush"})
+MAKERS = frozenset({"append", "arange", "empty", "empty_like", "zeros", "full", "copy", "heappush"})
 #: Loops that this process had to compile.
 missing: list[str] = []
 

@@ -67,7 +67,7 @@ def second_building() -> SegmentMap:
 
 
 #: Methods that stand twice: fast, and as plain loops in `literal`.
-TWINS = [n for n in METHODS if getattr(literal, n) is not METHODS[n].function]
+TWINS = [n for n, m in METHODS.items() if getattr(literal, n, m.function) is not m.function]
 
 
 def assert_plain(monkeypatch, name: str, map: SegmentMap, **thresholds) -> None:

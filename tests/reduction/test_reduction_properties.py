@@ -60,7 +60,6 @@ REAL = {
     "least_cost": 80,
     "one_per_wall": 120,
     "segment_similarity": 150,
-    "fuzzy_set": 150,
 }
 
 

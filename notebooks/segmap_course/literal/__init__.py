@@ -11,6 +11,7 @@ returns the outputs and, for each input, the number of the output that it went i
 
 from segmap.reduction.surveyed import (
     fuzzy_clustering,
+    fuzzy_set,
     polyline,
     polyline_through,
     uncertain_parameters,
@@ -61,7 +62,6 @@ from .quadtrees.quadtree import (
 from .quadtrees.search import every_pose, headings, likelihood, places
 from .reduction.basic import basic_offline, basic_online
 from .reduction.fusion import best_strip, chain, fusion
-from .reduction.fuzzy_set import fuzzy_set
 from .reduction.hybrid import fusion_online, hough, hybrid, hybrid_fusion
 from .reduction.least_cost import least_cost
 from .reduction.mean_shift import mean_shift

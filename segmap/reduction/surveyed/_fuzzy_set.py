@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import heapq
 from dataclasses import replace
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,6 @@ from ...arrays import Array, Metres, Quantity, Radians, Segments, at_most, check
 from ...compiled import compiled
 from ...segments import SegmentMap, length, take_points
 from ...segments import angle as angle_of
-from .._index import Index, empty_index, enter, leave, meeting
 from .._runner import Found, Indices, Reduction, Rows, by_lowest, run, survivors
 
 #: Above this share of length along no axis, the building is not one for this method.
@@ -96,13 +94,13 @@ def fuzzy_set(
             doubt = f"not orthogonal: {share:.0%} of the length is along no axis"
         kept, slanted = np.flatnonzero(laid), np.flatnonzero(~laid)
         errors = error + sizes[kept] / 2 * np.sin(off[kept])
-        state = _laid(map, rows, kept, upright[kept], axis, errors, error, limits)
-        last = _merge_all(state, len(kept), limits)
-        alive, ends = survivors(state.into[:last])
-        live = np.flatnonzero(alive)
-        across, low, high, _ = state.data[live].T
+        walls, first = np.empty((2 * len(kept), 5)), np.append(rows.row[kept], rows.row[kept])
+        walls[: len(kept)] = _laid(map, rows, kept, upright[kept], axis, errors, error)
+        members = merge_all(walls, first, len(kept), limits)
+        alive, ends = survivors(members)
+        across, low, high, _, up = walls[: len(members)][alive].T
         flat = np.stack([np.stack([low, across], -1), np.stack([high, across], -1)], 1)
-        standing = state.upright[live][:, None, None] == 1
+        standing = up[:, None, None] == 1
         out = _turned(np.where(standing, flat[..., ::-1], flat), axis)
         into = np.empty(n, np.int64)  # outputs: those of the rectangles, then each slanted one
         into[kept], into[slanted] = ends[: len(kept)], len(out) + np.arange(len(slanted))
@@ -111,19 +109,6 @@ def fuzzy_set(
         return out[order], into
 
     return replace(run("fuzzy_set", map, reduce), doubt=doubt)
-
-
-class State(NamedTuple):
-    """Rectangles, first the n inputs, then those that merges make."""
-
-    data: Array  # (2 n, 4) across, low, high, error, metres
-    key: Indices  # (2 n, 2) error in nanometres and lowest input: the smaller is the more precise
-    upright: Indices
-    places: Index  # of the live ones, in the frame of the axes
-    queued: Indices  # 1 for those that wait in the heap
-    near: Indices  # room for those that are near
-    into: Indices  # what took each in; its own index until then
-    box: Array  # (2, 2) room for one of them
 
 
 def _turned(points: Array, angle: float) -> Array:
@@ -140,94 +125,91 @@ def _laid(
     axis: float,
     errors: Array,
     least: float,
-    limits: Array,
-) -> State:
-    """Step 2: the kept rows laid on their axis, with their errors, or those that points tell."""
-    n, up, which = len(kept), upright.astype(np.int64), np.arange(len(kept))
-    s, data = _turned(rows.segments[kept], -axis), np.empty((2 * n, 4))
-    key = np.zeros((2 * n, 2), np.int64)
-    data[:n, 0] = (s[which, 0, 1 - up] + s[which, 1, 1 - up]) / 2
-    data[:n, 1], data[:n, 2] = np.sort(s[which, :, up], axis=1).T
-    data[:n, 3] = errors
-    if isinstance(map, SegmentMap) and map.points is not None and map.first is not None and n:
+) -> Array:
+    """Step 2: the kept rows laid on their axis, with their errors, or those that points tell.
+
+    A row `(5,)` is: across, low and high along the axis, error, all in metres; 1 where it stands
+    upright, else 0.
+    """
+    up, which = upright.astype(np.int64), np.arange(len(kept))
+    s = _turned(rows.segments[kept], -axis)
+    across, along = s[which, :, 1 - up].mean(axis=1), np.sort(s[which, :, up], axis=1)
+    if isinstance(map, SegmentMap) and map.points is not None and map.first is not None and len(s):
         points, first = take_points(map.points, map.first, rows.row[kept])
         owner, turned = np.repeat(which, np.diff(first)), _turned(points, -axis)
-        beside = np.abs(turned[np.arange(len(turned)), 1 - up[owner]] - data[owner, 0])
-        data[:n, 3] = np.maximum(np.maximum.reduceat(beside, first[:-1]), least)
-    key[:n, 0], key[:n, 1] = np.floor(data[:n, 3] * 1e9 + 0.5), rows.row[kept]
-    mean = float((data[:n, 2] - data[:n, 1]).mean()) if n else 0.0
-    places = empty_index(2 * n, max(1.0, 4 * limits.max(), 2 * mean))
-    queued, near = np.zeros(2 * n, np.int64), np.empty(2 * n + 1, np.int64)
-    flags, box = np.concatenate([up, up]), np.empty((2, 2))
-    return State(data, key, flags, places, queued, near, np.arange(2 * n), box)
+        beside = np.abs(turned[np.arange(len(turned)), 1 - up[owner]] - across[owner])
+        errors = np.maximum(np.maximum.reduceat(beside, first[:-1]), least)
+    return np.column_stack([across, along, errors, up])
 
 
 @compiled
-def _boxed(state: State, r: int) -> Array:
-    """The two end points of a rectangle, in the frame of the axes."""
-    up, d = state.upright[r], state.data
-    state.box[0, up], state.box[1, up] = d[r, 1], d[r, 2]
-    state.box[0, 1 - up], state.box[1, 1 - up] = d[r, 0], d[r, 0]
-    return state.box
+def whole(value: float) -> int:
+    """Metres as whole nanometres: what differs by rounding is equal."""
+    return int(np.floor(value * 1e9 + 0.5))
 
 
 @compiled
-def _look(state: State, f: int, limits: Array) -> int:
-    """Write those near rectangle f, without itself, to the front of `near`; how many there are."""
-    d, near, count = state.data, state.near, 0
-    for k in range(meeting(state.places, _boxed(state, f), max(limits[0], limits[1]), near)):
-        g = near[k]
-        dx, dy = abs(d[f, 0] - d[g, 0]), max(d[f, 1], d[g, 1]) - min(d[f, 2], d[g, 2])
-        one_way = state.upright[g] == state.upright[f]
-        if g != f and one_way and dx < limits[0] and dy < limits[1]:
-            near[count] = g
-            count += 1
-    return count
+def before(walls: Array, first: Indices, f: int, g: int) -> bool:
+    """Step 4: the precise one comes first, then the one with the first input."""
+    e, other = whole(walls[f, 3]), whole(walls[g, 3])
+    return e < other or (e == other and first[f] < first[g])
 
 
 @compiled
-def _merge_all(state: State, n: int, limits: Array) -> int:
-    """Steps 4 and 5 for the first n rectangles; how many there ever were.
+def apart(walls: Array, f: int, g: int, limits: Array) -> float:
+    """How far two rectangles are apart, metres; infinite beyond a limit or for another axis."""
+    across = abs(walls[f, 0] - walls[g, 0])
+    along = max(0.0, max(walls[f, 1], walls[g, 1]) - min(walls[f, 2], walls[g, 2]))
+    near = walls[f, 4] == walls[g, 4] and across < limits[0] and along < limits[1]
+    return (across + along) / 2 if near and f != g else np.inf
 
-    One without a partner waits until a merge brings a rectangle near to it: nothing else can.
+
+@compiled
+def partner(walls: Array, first: Indices, into: Indices, count: int, f: int, limits: Array) -> int:
+    """The nearest of the rectangles that are left, to a nanometre; ties: by `before`; or -1."""
+    best = -1
+    for g in range(count):
+        far = apart(walls, f, g, limits) if into[g] == g else np.inf
+        if far < np.inf:
+            closer = -1 if best < 0 else whole(far) - whole(apart(walls, f, best, limits))
+            if closer < 0 or (closer == 0 and before(walls, first, g, best)):
+                best = g
+    return best
+
+
+@compiled
+def merge(f: Array, g: Array, out: Array) -> None:
+    """Step 5: the precise one counts for more; the error covers both and is never the better's."""
+    out[0] = (f[0] / f[3] + g[0] / g[3]) / (1 / f[3] + 1 / g[3])
+    out[1], out[2] = min(f[1], g[1]), max(f[2], g[2])
+    out[3] = max(min(f[3], g[3]), abs(out[0] - f[0]), abs(out[0] - g[0]))
+    out[4] = f[4]
+
+
+@compiled
+def merge_all(walls: Array, first: Indices, count: int, limits: Array) -> Indices:
+    """Steps 4 and 5: the most precise that has a partner merges, until none has one.
+
+    Merges are written behind the first `count` rectangles, and the first input of each. Returned is
+    what took in each of those that there ever were: itself for what is left. One without a partner
+    is alone until a merge brings a rectangle near to it.
     """
-    d, key, near, queued, last = state.data, state.key, state.near, state.queued, n
-    heap = [(0, 0, 0)]  # the compiler learns what an entry is: its key, and which
-    heap.pop()
-    for r in range(n):
-        enter(state.places, r, _boxed(state, r), 0.0)
-        heapq.heappush(heap, (key[r, 0], key[r, 1], r))
-        queued[r] = 1
-    while len(heap):
-        f = heapq.heappop(heap)[2]
-        queued[f] = 0
-        if state.into[f] != f:
-            continue
-        g, least = -1, 0  # the nearest, to a nanometre; ties: the most precise
-        for k in range(_look(state, f, limits)):
-            h = near[k]
-            dx, dy = abs(d[f, 0] - d[h, 0]), max(d[f, 1], d[h, 1]) - min(d[f, 2], d[h, 2])
-            apart = int(np.floor((dx + max(0.0, dy)) / 2 * 1e9 + 0.5))
-            tie = g >= 0 and apart == least
-            first = tie and (key[h, 0], key[h, 1]) < (key[g, 0], key[g, 1])
-            if g < 0 or apart < least or first:
-                g, least = h, apart
+    into, alone = np.arange(len(walls)), np.full(len(walls), False)
+    while True:
+        f = -1
+        for g in range(count):
+            if into[g] == g and not alone[g] and (f < 0 or before(walls, first, g, f)):
+                f = g
+        if f < 0:
+            return into[:count]
+        g = partner(walls, first, into, count, f, limits)
         if g < 0:
+            alone[f] = True
             continue
-        r, last = last, last + 1
-        across = (d[f, 0] / d[f, 3] + d[g, 0] / d[g, 3]) / (1 / d[f, 3] + 1 / d[g, 3])
-        d[r, 0], d[r, 1], d[r, 2] = across, min(d[f, 1], d[g, 1]), max(d[f, 2], d[g, 2])
-        d[r, 3] = max(min(d[f, 3], d[g, 3]), abs(across - d[f, 0]), abs(across - d[g, 0]))
-        key[r, 0], key[r, 1] = int(np.floor(d[r, 3] * 1e9 + 0.5)), min(key[f, 1], key[g, 1])
-        state.upright[r] = state.upright[f]
-        state.into[f] = state.into[g] = r
-        leave(state.places, f)
-        leave(state.places, g)
-        enter(state.places, r, _boxed(state, r), 0.0)
-        count = _look(state, r, limits)
-        near[count] = r
-        for k in range(count + 1):
-            if queued[near[k]] == 0:
-                queued[near[k]] = 1
-                heapq.heappush(heap, (key[near[k], 0], key[near[k], 1], near[k]))
-    return last
+        merge(walls[f], walls[g], walls[count])
+        first[count] = min(first[f], first[g])
+        into[f] = into[g] = count
+        for h in range(count):
+            if apart(walls, count, h, limits) < np.inf:
+                alone[h] = False
+        count += 1
