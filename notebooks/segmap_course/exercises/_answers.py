@@ -1,14 +1,13 @@
 """What a function answers to cases, and when two answers are the same.
 
 An answer is a plain value, as it comes back from another process too (see `_alone`); or `Raised`,
-the exception in its place; `Library`, the function of the library that ran in place of the
-student's own; `Other`, for something that is no plain value. The stub's answer is None.
+the exception in its place; or `Other`, for something that is no plain value. The stub's answer is
+None.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,32 +16,14 @@ from segmap.angles import axial_difference
 from segmap.arrays import Array
 
 from .._alone import Other, Raised, decode, encode, reply
-from ._notice import Watch
 
 #: What one case asks: words -> the arguments.
 Cases = Mapping[str, tuple[Any, ...]]
 
 
-@dataclass(frozen=True)
-class Library:
-    """In place of an answer: the function of the library that gave it."""
-
-    name: str
-
-
-def answered(function: Callable[..., Any], cases: Cases, watch: Watch | None = None) -> list[Any]:
-    """What a function answers to each case, given copies of its arguments. Raises nothing.
-
-    `watch` holds the functions of the library that must not run meanwhile.
-    """
-    watch = watch or Watch()
-    found = []
-    for arguments in cases.values():
-        given = plain(arguments)
-        with watch:
-            data = reply(function, given)
-        found.append(Library(watch.seen) if watch.seen else decode(data))
-    return found
+def answered(function: Callable[..., Any], cases: Cases) -> list[Any]:
+    """What a function answers to each case, given copies of its arguments. Raises nothing."""
+    return [decode(reply(function, plain(arguments))) for arguments in cases.values()]
 
 
 def plain(value: Any) -> Any:
@@ -52,7 +33,7 @@ def plain(value: Any) -> Any:
 
 def numbers(answer: Any) -> Array | None:
     """The numbers of an answer, as an array of its shape; None where it holds none."""
-    if isinstance(answer, Raised | Other | Library):
+    if isinstance(answer, Raised | Other):
         return None
     try:
         array = np.asarray(answer)

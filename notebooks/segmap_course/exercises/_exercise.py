@@ -6,7 +6,7 @@ import html
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from inspect import getsource
+from inspect import getsource, unwrap
 from typing import Any, cast
 
 import numpy as np
@@ -16,8 +16,7 @@ from segmap.plotting import ERROR, TRUTH
 
 from .._alone import Raised
 from .._cells import lacking
-from ._answers import Cases, Library, agree, answered, close, in_full, numbers, text
-from ._notice import Watch
+from ._answers import Cases, agree, answered, close, in_full, numbers, text
 
 Rng = np.random.Generator
 #: Cases are drawn again until each mistake is told by its own hint, at most so many times.
@@ -78,9 +77,8 @@ class Exercise:
     mistakes: Mapping[str, Callable[..., Any]]
     #: Whether an answer is the expected one.
     same: Callable[[Any, Any], bool] = close
-    #: Functions and modules where the library has the answer, beside the solution (see `Watch`): a
-    #: student's function that calls them is told to do without. All else may be called.
-    own: tuple[Any, ...] = ()
+    #: Functions that tasks give (see `grading`), and this one does not: they hold its answer.
+    withheld: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -123,15 +121,15 @@ class Exercise:
         if not callable(function):
             said = f"give the function itself, check_{self.name}(my_{self.name}), without a call"
             return Check(self.name, False, said)
+        if unwrap(function) is unwrap(self.solution):
+            return Check(self.name, False, "this is the library's; write your own")
         found = self.verdict(self.answers(function, cases), cases)
         said = lacking(f"check_{self.name}", function) if found else ""
         return Check(self.name, False, said) if said else found
 
     def answers(self, function: Callable[..., Any], cases: Cases | None = None) -> list[Any]:
         """What a student's function answers to these cases, in this process (see `verdict`)."""
-        watch = Watch(self.own, self.solution)
-        watch.look_into(function)
-        return answered(function, self.cases if cases is None else cases, watch)
+        return answered(function, self.cases if cases is None else cases)
 
     def expected(self, cases: Cases | None = None) -> list[Any]:
         """What the library answers to these cases, by default the open ones."""
@@ -151,9 +149,6 @@ class Exercise:
 
     def mistake(self, found: Sequence[Any], cases: Cases) -> str | None:
         """The hint of the mistake that gives these answers; empty where they are right, or None."""
-        library = next((answer.name for answer in found if isinstance(answer, Library)), None)
-        if library is not None:
-            return f"this is the library's; write your own ({library} ran)"
         if found and all(answer is None for answer in found):
             return f"it returns nothing yet; the task is {self.task}"
         known = self._known().items()

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from segmap import kernels
-from segmap.alignment import angle_candidates, least_translation, match_angles, match_values
+from segmap.alignment import least_translation, match_values
 from segmap.arrays import Array
 from segmap.poses import transform
 from segmap.segments import length, point_distance
 
 from ..literal import point_to_line_step
-from ..literal.alignment import angle_correspondence, backbone, point_to_line
 from ._answers import Cases, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -84,7 +82,6 @@ check_match_value = Exercise(
         ),
     },
     near,
-    own=(match_values, angle_candidates, match_angles, kernels.match_value, angle_correspondence),
 )
 
 
@@ -154,7 +151,6 @@ check_least_translation = Exercise(
         ),
     },
     near,
-    own=(least_translation, backbone),
 )
 
 
@@ -229,5 +225,4 @@ check_move_onto_walls = Exercise(
         ),
     },
     near,
-    own=(point_to_line,),
 )

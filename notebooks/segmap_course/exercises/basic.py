@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from segmap import kernels
 from segmap.angles import axial_difference
 from segmap.arrays import Array
 from segmap.poses import transform
-from segmap.reduction import basic_offline, basic_online, hough, hybrid
+from segmap.reduction import hough
 from segmap.segments import angle, midpoint
 
-from .. import literal
 from ..literal.reduction import basic
 from ._answers import Cases, same_segment
 from ._exercise import Exercise, Rng, anywhere, edited
@@ -126,7 +124,6 @@ check_matches = Exercise(
             lambda a, b, d, t: _gaps(a, b).min() <= d and _turn(a, b) < t
         ),
     },
-    own=(basic_offline, basic_online, kernels.become_mean, basic),
 )
 
 
@@ -210,7 +207,6 @@ check_merged = Exercise(
         ),
     },
     same_segment,
-    own=(basic_offline, basic_online, kernels.become_mean, basic),
 )
 
 
@@ -286,5 +282,4 @@ check_hough = Exercise(
         "rho comes first, then theta": lambda segment, near: hough(segment, near)[::-1],
         "theta is wanted in radians": lambda segment, near: hough(segment, near) * [1, 180 / np.pi],
     },
-    own=(hough, hybrid, literal.hough),
 )

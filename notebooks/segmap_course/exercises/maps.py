@@ -6,14 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from segmap import metrics
 from segmap.arrays import Array
-from segmap.experiments import equal_quality, front, pareto, reduction_at
+from segmap.experiments import front, reduction_at
 from segmap.metrics import reduction_rate
 from segmap.segments import point_distance
 
-from .. import literal
-from .._storage import wall_errors
 from ..literal.metrics import covered
 from ._answers import Cases, near
 from ._exercise import Exercise, Rng, edited
@@ -54,7 +51,6 @@ check_reduction_rate = Exercise(
             lambda before, after: 1 - len(after) / max(len(before), 1)
         ),
     },
-    own=(reduction_rate,),
 )
 
 
@@ -107,7 +103,6 @@ check_quality = Exercise(
             )
         ),
     },
-    own=(metrics.quality, literal.quality),
 )
 
 
@@ -181,7 +176,6 @@ check_reduction_at = Exercise(
             lambda points, quality: float(np.interp(quality, *points.T))
         ),
     },
-    own=(reduction_at, front, equal_quality, pareto),
 )
 
 
@@ -277,7 +271,6 @@ check_mean_wall_error = Exercise(
         ),
     },
     near,
-    own=(wall_errors,),
 )
 
 
@@ -352,5 +345,4 @@ check_missed_metres = Exercise(
             lambda seen, kept: _missed(seen, kept) if len(kept) else 0.0
         ),
     },
-    own=(literal.metrics.against_walls, metrics.against_walls),
 )

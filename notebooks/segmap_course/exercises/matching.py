@@ -12,7 +12,6 @@ from segmap.poses import transform
 
 from .._alone import Surface
 from ..literal import MOVES, climb_step, distance_score, systematic, weighed
-from ..literal.quadtrees import hypotheses, matching, particles
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -67,7 +66,6 @@ check_scan_score = Exercise(
             changed(_distances, lambda away: -(away.min(1) ** 2).sum())
         ),
     },
-    own=(distance_score,),
 )
 
 
@@ -150,7 +148,6 @@ check_climb_step = Exercise(
             lambda value, at, move, turn: climb_step(value, at, turn, move)
         ),
     },
-    own=(matching,),
 )
 
 
@@ -214,7 +211,6 @@ check_resampled = Exercise(
             )
         ),
     },
-    own=(hypotheses,),
 )
 
 
@@ -251,5 +247,4 @@ check_weighed = Exercise(
             edited(weighed, ("w / sum(each)", "w / max(each)"))
         ),
     },
-    own=(particles,),
 )

@@ -6,12 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from segmap.alignment.graph import residuals
 from segmap.angles import wrap
 from segmap.arrays import Array
 from segmap.poses import between, compose, interpolate, motions, transform
 
-from ..literal import after, carry_beam, edge_residual
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed
 
@@ -64,7 +62,7 @@ check_compose = Exercise(
         ),
         "this is the second pose seen from the first; asked is where the step leads": between,
     },
-    own=(compose, motions.compose),
+    withheld=("compose", "between"),
 )
 
 
@@ -116,7 +114,7 @@ check_heading_between = Exercise(
         "the mean of the two directions as vectors does not turn evenly: take a share of the "
         "angle": _mixed,
     },
-    own=(interpolate,),
+    withheld=("interpolate",),
 )
 
 
@@ -166,7 +164,6 @@ check_edge_error = Exercise(
             changed(_edge_error, lambda error: np.hypot(*error[:2]))
         ),
     },
-    own=(edge_residual, residuals),
 )
 
 
@@ -261,5 +258,4 @@ check_carried_beam = Exercise(
             _carried_beam, lambda p: np.array([np.hypot(*p), np.arctan2(p[1], p[0])])
         ),
     },
-    own=(carry_beam, after),
 )

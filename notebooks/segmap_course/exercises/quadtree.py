@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from segmap.arrays import Array
 
 from ..literal import cell_of, grown, occupancy, ray_cells
-from ..literal.quadtrees import quadtree
 from ._answers import Cases, same_cells
 from ._exercise import Exercise, Rng, changed, edited, listed
 
@@ -58,7 +57,6 @@ check_cell_of = Exercise(
         "a cell begins at its left edge: floor, and not ceil": lambda x, c, r: ceil((x - c) / r),
         "cells have `resolution` metres a side: divide by it": lambda x, c, r: floor((x - c) * r),
     },
-    own=(quadtree,),
 )
 
 
@@ -105,7 +103,6 @@ check_grown = Exercise(
         ),
         "one doubling is asked for, though the cell may still lie outside": _until_inside,
     },
-    own=(quadtree,),
 )
 
 
@@ -141,7 +138,6 @@ check_occupancy = Exercise(
             lambda v, o, b: 1 - occupancy(v, o, b)
         ),
     },
-    own=(quadtree,),
 )
 
 
@@ -199,7 +195,6 @@ check_ray_cells = Exercise(
         ),
     },
     same_cells,
-    own=(quadtree,),
 )
 
 

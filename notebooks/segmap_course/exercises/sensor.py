@@ -11,7 +11,7 @@ from segmap.arrays import Array
 from segmap.hokuyo import checksum, decode
 from segmap.poses import transform
 from segmap.readers import half_turn
-from segmap.simulation import cast_rays, simulate
+from segmap.simulation import cast_rays
 
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed, edited
@@ -55,7 +55,6 @@ check_beam_angles = Exercise(
             lambda n: 2 * half_turn(n)
         ),
     },
-    own=(half_turn,),
 )
 
 
@@ -134,7 +133,6 @@ check_cast_ray = Exercise(
             changed(_cast_ray, lambda found: np.nan_to_num(found, posinf=0.0))
         ),
     },
-    own=(cast_rays, simulate),
 )
 
 
@@ -191,7 +189,6 @@ check_distances = Exercise(
         ),
         "millimetres are asked for, not metres": lambda lines: decode(_joined(lines), 3) / 1000,
     },
-    own=(decode,),
 )
 
 

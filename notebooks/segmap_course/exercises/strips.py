@@ -6,12 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from segmap import reduction
 from segmap.angles import axial_difference
 from segmap.arrays import Array
 
 from ..literal import best_strip
-from ..literal.reduction import fusion, mean_shift
 from ..literal.reduction.mean_shift import mean_difference
 from ._answers import Cases, same_poses
 from ._exercise import Exercise, Rng, changed, edited
@@ -106,7 +104,6 @@ check_mean_shift_step = Exercise(
         ),
     },
     same_poses,
-    own=(reduction.mean_shift, reduction.common_directions, mean_shift),
 )
 
 # ----------------------------------------------------------------------------- Fusion
@@ -232,5 +229,4 @@ check_best_shift = Exercise(
             edited(_shift_in_arrays, (".max(axis=2)", ".min(axis=2)"))
         ),
     },
-    own=(reduction.fusion, reduction.fusion_online, fusion),
 )

@@ -8,10 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from segmap import reduction
 from segmap.arrays import Array
 from segmap.poses import transform
-from segmap.reduction import surveyed
 from segmap.reduction.surveyed import Line, add_pose
 
 from ..literal.reduction.least_cost import invented
@@ -81,7 +79,6 @@ check_pose_covariance = Exercise(
         "the offset comes first, then the angle": changed(_pose_covariance, np.flip),
     },
     near,
-    own=(reduction.weighted_line_fitting,),
 )
 
 
@@ -182,7 +179,6 @@ check_verdict = Exercise(
             changed(_verdict, np.nan_to_num)
         ),
     },
-    own=(reduction.viewing_sector,),
 )
 
 
@@ -222,7 +218,6 @@ check_memberships = Exercise(
             lambda s, n: 1 / s
         ),
     },
-    own=(reduction.fuzzy_clustering, surveyed.memberships),
 )
 
 
@@ -288,5 +283,4 @@ check_invented_metres = Exercise(
             lambda spans, whole, gap: float(whole - (spans[:, 1] - spans[:, 0]).sum())
         ),
     },
-    own=(reduction.least_cost, invented),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from ...exercises import Exercise, Watch
+from ...exercises import Exercise
 from ._source import Gatherer
 
 #: What every task may use, as far as the answer to it is no part of that.
@@ -19,13 +19,12 @@ Package = tuple[str, dict[str, list[str]]]
 
 @cache
 def package(exercise: Exercise) -> Package:
-    """The basics that do not reach the answer to an exercise, with all that they call.
+    """The basics that do not hold the answer to an exercise, with all that they call.
 
     They are copied from the library's source, so that nothing else of it has to be there.
     """
-    answer = Watch(exercise.own, exercise.solution)
     all_of_them = [(room, name) for room, names in BASICS.items() for name in names]
-    given = [basic for basic in all_of_them if not gathered(basic).reaches(answer)]
+    given = [(room, name) for room, name in all_of_them if name not in exercise.withheld]
     found = gathered(*given)
     head = ["from __future__ import annotations", *dict.fromkeys(found.imports)]
     return "\n".join([*head, *found.parts]), {

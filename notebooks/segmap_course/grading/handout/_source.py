@@ -10,8 +10,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ...exercises import Watch, plain
-
 
 class Source:
     """The text of a module of segmap, by the names that it defines."""
@@ -79,11 +77,6 @@ class Gatherer:
         home = self._home(module, name)
         assert home is not None, f"{module} has no {name}"
         self.take(home, name)
-
-    def reaches(self, answer: Watch) -> bool:
-        """Whether a function that was gathered belongs to an answer."""
-        taken = [getattr(importlib.import_module(module), name) for module, name in self._names]
-        return any(answer.covers(f.__code__) for f in map(plain, taken) if f is not None)
 
     def needs(self, source: Source, node: ast.AST) -> str:
         """Gather all names of the module that a node uses; the text of the node, with these."""
