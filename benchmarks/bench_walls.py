@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 from segmap_course import known_building
-from segmap_course._known import NOISES, buildings
+from segmap_course._known_buildings import NOISES, buildings
 
 from segmap import METHODS, SegmentMap
 from segmap.experiments import good_maps, load_walls

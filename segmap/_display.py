@@ -90,7 +90,7 @@ def facts(log: Any) -> list[tuple[str, str]]:
     """
     found = [("scans", counted(len(log), "scan") + _duration(log))]
     if len(log):
-        found += [("beams", _beams(log)), ("view", _view(log)), ("ranges", _ranges(log))]
+        found += [("beams", _beams_text(log)), ("view", _view_text(log)), ("ranges", _ranges(log))]
     if spans := [np.ptp(scan.delays) for scan in log if scan.delays is not None and len(scan)]:
         order = "" if log.order_known else ", in an order that is not known"
         found.append(("delays", f"the beams take {np.median(spans):.3g} s{order}"))
@@ -151,7 +151,7 @@ def _duration(log: Any) -> str:
     return f" in {np.ptp(times):.1f} s{rate}{early}"
 
 
-def _beams(log: Any) -> str:
+def _beams_text(log: Any) -> str:
     counts = sorted({len(scan) for scan in log})
     many = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
     total = sum(len(scan) for scan in log)
@@ -159,7 +159,7 @@ def _beams(log: Any) -> str:
     return f"{many} a scan, {100 * valid:.1f} % of them valid"
 
 
-def _view(log: Any) -> str:
+def _view_text(log: Any) -> str:
     scan = max(log, key=len)
     places = {tuple(scan.sensor_pose) for scan in log}
     lasers = "" if len(places) == 1 else f", {counted(len(places), 'laser')}"

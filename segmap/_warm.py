@@ -36,7 +36,7 @@ def cases() -> dict[str, Callable[[], Found]]:
     """Name of each case, `room method`, and its call; the longest to compile come first."""
     families = (
         ("reduction", reduction.METHODS, _reduced),
-        ("alignment", alignment.METHODS, _aligned),
+        ("alignment", alignment.METHODS, _align),
     )
     ours: dict[str, Callable[[], Found]] = {
         f"{family} {name}": partial(small, name, method)
@@ -46,17 +46,17 @@ def cases() -> dict[str, Callable[[], Found]]:
     }
     longest = ("alignment pose_graph", "reduction fusion", "alignment angle_correspondence")
     return {name: ours[name] for name in longest if name in ours} | {
-        "matching all": _matched,
+        "matching all": _match,
         "quadtree all": _trees,
         **ours,
         "alignment match_points": _matched_points,
         "extraction all": _extracted,
-        "metrics all": _measured,
-        "simulation all": _cast,
+        "metrics all": _measure_maps,
+        "simulation all": _cast_rays,
     }
 
 
-def run(name: str) -> None:
+def run_case(name: str) -> None:
     """One case by its name, for a process that cannot be handed the call itself."""
     cases()[name]()
 
@@ -160,7 +160,7 @@ def _reduced(name: str, method: Method[Any]) -> Found:
     return [part for each in done for part in (each.segments, each.parents)]
 
 
-def _aligned(name: str, method: Method[Any]) -> Found:
+def _align(name: str, method: Method[Any]) -> Found:
     options = dict[str, Any]()
     if name == "angle_correspondence":
         options = {"rng": np.random.default_rng(0)}
@@ -186,13 +186,13 @@ def _extracted() -> Found:
     ]
 
 
-def _measured() -> Found:
+def _measure_maps() -> Found:
     walls, seen = _walls()
     found = [metrics.errors(seen, walls), metrics.errors(SegmentMap(seen), SegmentMap(walls))]
     return [*found, metrics.missed(seen, walls)]
 
 
-def _cast() -> Found:
+def _cast_rays() -> Found:
     angles = np.radians(np.arange(0, 360, 6.0))
     return [simulation.cast_rays(_walls()[0], (0.1, 0.2, 0.3), angles, max_range=4.0)]
 
@@ -207,7 +207,7 @@ def _trees() -> Found:
     return found
 
 
-def _matched() -> Found:
+def _match() -> Found:
     points, rng = _room(), np.random.default_rng(3)
     map = quadtree.QuadtreeMap(resolution=0.1, size=1.6)
     map.insert_scan((0.1, 0.0), points)

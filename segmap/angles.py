@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Array, share, values
+from .arrays import Array, share_of_second, values
 
 
 def wrap(angle: ArrayLike) -> Array:
@@ -68,5 +68,5 @@ def axial_mean_of_two(
     >>> float(np.degrees(axial_mean_of_two(np.radians(1.0), np.radians(179.0), 3.0, 1.0)).round(9))
     0.5
     """
-    part = share(weight_a, weight_b, ("weight_a", "weight_b"))
+    part = share_of_second(weight_a, weight_b, ("weight_a", "weight_b"))
     return values(a, "a") + part * axial_difference(b, a)

@@ -95,7 +95,7 @@ class Compiled(Generic[P, R]):
             made = njit(cache=True, **options)(linked)
         except RuntimeError:  # no folder that a cache could be written to
             made = njit(**options)(linked)
-        made._cache.load_overload = _kept(linked, made._cache, told=not inner)
+        made._cache.load_overload = _cached_code(linked, made._cache, told=not inner)
         made.compile = signals_held()(_paused()(made.compile))
         return cast(Callable[P, R], made)
 
@@ -148,20 +148,20 @@ class Compiled(Generic[P, R]):
             elif isinstance(value, (int, float, str, tuple)):
                 found.add((f"{name} = {value!r}", ""))
             else:
-                found |= _places(value)
-        return found.union(*map(_places, get_type_hints(self.plain).values()))
+                found |= _tuple_files(value)
+        return found.union(*map(_tuple_files, get_type_hints(self.plain).values()))
 
 
-def _places(kind: Any) -> set[tuple[str, str]]:
+def _tuple_files(kind: Any) -> set[tuple[str, str]]:
     """Module and file of a class of named tuples, and of those that its fields hold."""
-    inside = [_places(part) for part in get_args(kind)]
+    inside = [_tuple_files(part) for part in get_args(kind)]
     if not hasattr(kind, "_fields"):
         return set().union(*inside)
-    inside += [_places(part) for part in get_type_hints(kind).values()]
+    inside += [_tuple_files(part) for part in get_type_hints(kind).values()]
     return {(kind.__module__, inspect.getfile(kind))}.union(*inside)
 
 
-def _kept(source: types.FunctionType, own: Any, *, told: bool) -> Callable[..., Any]:
+def _cached_code(source: types.FunctionType, own: Any, *, told: bool) -> Callable[..., Any]:
     """How machine code is found: in the first folder, though it is read-only, else in one's own.
 
     numba passes by a folder that it may not write to, and compiles what an installation for all

@@ -35,9 +35,11 @@ try:
 except ImportError:  # Windows, where what killed writers left stays
     fcntl = None  # type: ignore[assignment]
 
-#: A packed file unpacks to at most this many bytes, or to this many times its own: logs shrink to a
-#: third, the most regular tree to a 23rd, and what shrinks to a thousandth is to fill the memory.
-UNPACKED, RATIO = 1 << 20, 50
+#: A packed file may always unpack to this many bytes, ...
+LEAST_UNPACKED_BYTES = 1 << 20
+#: ... and to this many times its own: logs shrink to a third, the most regular tree to a 23rd, and
+#: what shrinks to a thousandth is to fill the memory.
+MOST_UNPACKED_RATIO = 50
 #: How numpy packs: other ways cannot be unpacked piece by piece.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 #: Of files that this process writes: two may be begun at the same time.
@@ -354,7 +356,7 @@ def unzipped(source: Path | IO[bytes]) -> Iterator[tuple[zipfile.ZipFile, list[z
 
 def _most(size: int) -> int:
     """Bytes that a packed file of some size may unpack to."""
-    return max(UNPACKED, RATIO * size)
+    return max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * size)
 
 
 def _arrays(source: IO[bytes]) -> dict[str, NDArray[Any]]:

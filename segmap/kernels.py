@@ -13,8 +13,12 @@ from .compiled import compiled
 from .segments import MIN_LENGTH
 
 Indices = NDArray[np.int64]
-#: Weights of the three terms of the segment distance (A 2.7.7).
-ANGULAR, ACROSS, APART = 0.66, 0.09, 0.25
+#: Weight of the angle in the segment distance (A 2.7.7).
+ANGULAR_WEIGHT = 0.66
+#: Weight of the distance across.
+ACROSS_WEIGHT = 0.09
+#: Weight of the least distance from an end point.
+APART_WEIGHT = 0.25
 #: Segments whose angle is this near to a right one, radians, have two mean directions.
 PERPENDICULAR = 1e-9
 #: What is shorter, in metres, is rounding; so is a sine that much larger than a cosine.
@@ -159,7 +163,7 @@ def match_value(s: Array, a: Array, i: int, t: Array, b: Array, j: int, rule: Ru
 
 
 @compiled
-def become_mean(s: Array, a: int, b: int, share: float, direction: float) -> float:
+def replace_by_mean(s: Array, a: int, b: int, share: float, direction: float) -> float:
     """Row a of `(n, 2, 2)`, metres, becomes the mean of rows a and b; its length.
 
     It runs in a direction, radians, through the mean of both middles, that of b with a share, and
@@ -170,7 +174,7 @@ def become_mean(s: Array, a: int, b: int, share: float, direction: float) -> flo
     y = (1 - share) * (s[a, 0, 1] + s[a, 1, 1]) / 2 + share * (s[b, 0, 1] + s[b, 1, 1]) / 2
     (low, high), (begin, end) = span(s[a], x, y, dx, dy), span(s[b], x, y, dx, dy)
     low, high = min(low, begin), max(high, end)
-    lay(s[a], x, y, dx, dy, low, high)
+    place_on_line(s[a], x, y, dx, dy, low, high)
     return high - low
 
 
@@ -227,7 +231,9 @@ def gap_along(u: Array, v: Array, dx: float, dy: float) -> float:
 
 
 @compiled
-def lay(s: Array, x: float, y: float, dx: float, dy: float, low: float, high: float) -> None:
+def place_on_line(
+    s: Array, x: float, y: float, dx: float, dy: float, low: float, high: float
+) -> None:
     """Put a segment, (2, 2), on the line through (x, y), from `low` to `high` along (dx, dy)."""
     s[0, 0], s[0, 1] = x + low * dx, y + low * dy
     s[1, 0], s[1, 1] = x + high * dx, y + high * dy

@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 Progress = Callable[[float, str], object]
 Thing = TypeVar("Thing")
 
-#: Time that is left is told after so many seconds, and this share, of one kind of work: from the
-#: first steps alone it would be a guess.
-EARLY, LEAST = 2.0, 0.05
+#: Time that is left is told after so many seconds ...
+FIRST_ESTIMATE_S = 2.0
+#: ... and this share of one kind of work: from the first steps alone it would be a guess.
+FIRST_ESTIMATE_SHARE = 0.05
 
 _listener: ContextVar[Progress | None] = ContextVar("listener", default=None)
 
@@ -88,7 +89,7 @@ def time_left(taken: float, share: float) -> str:
     >>> time_left(3.0, 0.04), time_left(3.0, 0.1), time_left(300.0, 0.5)
     ('', '27 s left', '5 min left')
     """
-    if taken < EARLY or share < LEAST:
+    if taken < FIRST_ESTIMATE_S or share < FIRST_ESTIMATE_SHARE:
         return ""
     left = taken * (1 - share) / share
     return f"{left:.0f} s left" if left < 100 else f"{left / 60:.0f} min left"

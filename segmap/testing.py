@@ -47,7 +47,7 @@ def assert_segments_equal(
         names = f"actual holds {len(a)} segments, expected {len(b)}"
         longer, other = (("actual", a), ("expected", b))[:: 1 if len(a) > len(b) else -1]
         alone = _first_alone(longer[1], other[1], atol)
-        raise AssertionError(f"{names}; {_alone(*longer, alone, *other)}")
+        raise AssertionError(f"{names}; {_no_partner(*longer, alone, *other)}")
     if ordered:
         off = _difference(a, b)
         if (off > atol).any():
@@ -57,7 +57,7 @@ def assert_segments_equal(
                 f"expected {_text(b[k])}"
             )
     elif (alone := _first_alone(a, b, atol)) < len(a):
-        raise AssertionError(_alone("actual", a, alone, "expected", b))
+        raise AssertionError(_no_partner("actual", a, alone, "expected", b))
 
 
 def assert_poses_equal(actual: ArrayLike, expected: ArrayLike, *, atol: float = 1e-9) -> None:
@@ -128,7 +128,7 @@ def _first_alone(a: Array, b: Array, atol: float) -> int:
     return int(np.argmax(np.append(partner, -1) < 0))
 
 
-def _alone(name: str, segments: Array, index: int, other_name: str, others: Array) -> str:
+def _no_partner(name: str, segments: Array, index: int, other_name: str, others: Array) -> str:
     first = f"{name} segment {index} {_text(segments[index])} has no partner in {other_name}"
     if not len(others):
         return first

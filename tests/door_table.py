@@ -71,69 +71,59 @@ OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
 #: A parameter that is not here keeps its default.
 GOOD = {
     "share": 0.5, "words": "it", "mount": (0.2, 0.0, 0.1),
-    "matching.first": LOG, "matching.second": LOG, "merge.places": lambda scan: np.zeros((0, 3)),
-    "match_values.first": WALLS, "match_values.second": WALLS,
-    "alignment.first": LIVE, "alignment.second": LIVE, "match.first": 0, "match.second": 3,
-    "tie.first": 0, "tie.second": 3, "tie.pose": PATH[3] - PATH[0], "veto.loops": 0,
-    "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
-    "read_bag.path": "it.bag", "read_bag.scan": "/scan", "read_bag.odometry": "/odom",
-    "read_trajectory.path": "poses.csv", "write_segments.path": "written.csv",
-    "write_arrays.path": "written.npz", "write_session.path": "written.segmap",
+    "matching.first": LOG, "matching.second": LOG, "merge_graphs.places": lambda scan: np.zeros((0,
+    3)), "match_values.first": WALLS, "match_values.second": WALLS, "alignment.first": LIVE,
+    "alignment.second": LIVE, "match.first": 0, "match.second": 3, "tie.first": 0, "tie.second": 3,
+    "tie.pose": PATH[3] - PATH[0], "veto.loops": 0, "angle_candidates.viewpoints": np.zeros((2, 2)),
+    "write_ros_map.path": "written.yaml", "read_bag.path": "it.bag", "read_bag.scan": "/scan",
+    "read_bag.odometry": "/odom", "read_trajectory.path": "poses.csv", "write_segments.path":
+    "written.csv", "write_arrays.path": "written.npz", "write_session.path": "written.segmap",
     "session": readers.Session(LOG, {}), "read_session.path": "it.segmap", "settings": {"a": 1},
-    "read_csv.path": "beams.csv", "read_csv.columns": "angle_rad,range_m",
-    "read_segments.path": "segments.csv", "SegmentMap.load.path": "segments.npz",
-    "write_sheet.path": "written.svg", "write_sheet.map": WALLS, "write_segments.map": MAP,
-    "read_graph.path": "graph.g2o", "write_graph.graph": GRAPH,
-    "read_ros_map.path": "ros.yaml", "is_ros_map.path": "ros.yaml",
-    "map_of_grid.cells": np.array([[0, 1, 2]]),
-    "data_file.name": "room", "a": PATH, "a_from_b": PATH,
-    "after": WALLS[:2], "angles.a": 0.1, "angles.angle": 0.1,
-    "angles.b": 0.1, "at": np.array([0.5]), "axial_mean.angles": np.array([0.1, 0.2]), "b": PATH,
-    "b_from_c": PATH, "before": WALLS, "box.depth": 3.0, "box.width": 3.0,
-    "corners": WALLS[:, 0], "current": POINTS, "current_segments": WALLS,
-    "differences": np.array([0.1, 0.2]), "edges": np.array([(0, 1), (1, 2), (2, 3)]),
-    "exports.map": TREE, "exports.path": "written.log", "extreme_projections.angle": 0.1,
-    "first": WALLS, "free_ends.sensor": PATH[0], "free_points": POINTS,
-    "free_resolution": 0.02, "global_segments.start": PATH, "ground_truth.times": None,
-    "ground_truth.poses": None, "hill_climb.start": PATH[0], "incidence": np.ones(4),
-    "information": np.tile(np.eye(3), (3, 1, 1)), "interpolate.poses": PATH[:2],
-    "LaserScan.angles": LOG[0].angles, "LaserScan.codes": np.zeros(181),
-    "LaserScan.delays": np.zeros(181), "Log.track": np.zeros((2, 4)), "Log.order_known": True,
-    "LaserScan.odometry": PATH[0], "LaserScan.ranges": LOG[0].ranges, "least_translation.weights":
-    np.ones(4), "fuzzy_set.axes": 0.1,
-    "doubled_walls.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
-    "doubled_walls.sensors": np.ones((1, 2)), "verdict_on.map": MAP, "verdict_on.tree": TREE,
-    "viewing_sector.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
-    "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
-    "LivePanel.map": TREE,
-    "particle_mapping.map": quadtree.QuadtreeMap(), "particle_mapping.odometry": None,
-    "steps": STEPS, "systematic.weights": np.full(4, 0.25), "systematic.offset": 0.5,
-    "effective_number.weights": np.full(4, 0.25),
-    "map_scans.map": quadtree.QuadtreeMap(), "map_scans.rng": rng(), "match_segments.current":
-    WALLS, "match_segments.reference": WALLS, "matching.map": TREE, "max_size": 5.12,
-    "mean_rotation.weights": np.ones(2), "min_length": 0.1, "near": 0.3,
-    "normals": np.eye(2)[[0, 1, 0, 1]], "odometry_noise": simulation.OdometryNoise(), "offsets":
-    np.ones(4), "path": PATH, "point_distance.points": POINTS[:4], "points": POINTS,
-    "pose": PATH[0], "poses": PATH, "quadtree.map": TREE, "ranges": np.ones(4),
-    "beams": 9, "Sensor.first": 0.0, "step": 0.1, "max_range": 4.0, "cast_rays.angles": np.ones(3),
-    "SegmentMap.sensors": PATH[:, :2], "SegmentMap.points": None, "SegmentMap.first": None,
-    "count": 9, "nodes": 1000,
-    "route.start": PATH[0, :2], "route.goal": np.array([1.5, 1.4]), "radius": 0.2,
-    "rate": 0.5, "readers.path": "good.log.gz", "reference": POINTS, "reference_segments": WALLS,
-    "relation_errors.times": np.arange(4), "relations": np.array([[0, 1, 0.05, 0, 0, 0, 0, 0.02]]),
-    "relative": np.tile((0.05, 0.0, 0.02), (3, 1)), "resolution": 0.05, "rng": rng(),
-    "save.path": "saved.npz", "scan": LOG[0], "scans": LOG.scans, "second": WALLS,
-    "seen": WALLS,
-    "segments": WALLS, "SegmentMap.scan": np.arange(4), "sensor": simulation.SICK_LMS200,
-    "sensor_xy": PATH[0, :2], "size": 2.56, "start": PATH[0], "through": np.zeros(2),
-    "times": np.array([0.0, 1.0]), "truth": PATH, "u": WALLS[0], "v": WALLS[1], "value": 0.5,
-    "rasterize.values": np.zeros(len(TREE.leaves().x)), "walls": WALLS,
-    "rasterize.shown": np.ones(len(TREE.leaves().x)), "waypoints": PATH[:, :2],
-    "cropped.left": 0.0, "cropped.low": 0.0, "cropped.right": 2.0, "cropped.high": 1.0,
-    "latitude": 52.5, "longitude": 13.4, "north": 0.3, "Grid.name": "EPSG:25832", "east": 5e5,
-    "northing": 5.8e6, "world": exports.Earth(52.5, 13.4),
-    "turned.angle": 0.1, "place": (52.5, 13.4), "placed_at.north": 30.0,
-    "origin": "map", "window": np.array([0.0, 0.0, 3.0, 2.0]),
+    "read_csv.path": "beams.csv", "read_csv.columns": "angle_rad,range_m", "read_segments.path":
+    "segments.csv", "SegmentMap.load.path": "segments.npz", "write_sheet.path": "written.svg",
+    "write_sheet.map": WALLS, "write_segments.map": MAP, "read_graph.path": "graph.g2o",
+    "write_graph.graph": GRAPH, "read_ros_map.path": "ros.yaml", "is_ros_map.path": "ros.yaml",
+    "map_of_grid.cells": np.array([[0, 1, 2]]), "data_file.name": "room", "a": PATH, "a_from_b":
+    PATH, "after": WALLS[:2], "angles.a": 0.1, "angles.angle": 0.1, "angles.b": 0.1, "at":
+    np.array([0.5]), "axial_mean.angles": np.array([0.1, 0.2]), "b": PATH, "b_from_c": PATH,
+    "before": WALLS, "box.depth": 3.0, "box.width": 3.0, "corners": WALLS[:, 0], "current": POINTS,
+    "current_segments": WALLS, "differences": np.array([0.1, 0.2]), "edges": np.array([(0, 1), (1,
+    2), (2, 3)]), "exports.map": TREE, "exports.path": "written.log", "extreme_projections.angle":
+    0.1, "first": WALLS, "free_ends.sensor": PATH[0], "free_points": POINTS, "free_resolution":
+    0.02, "global_segments.start": PATH, "ground_truth.times": None, "ground_truth.poses": None,
+    "hill_climb.start": PATH[0], "incidence": np.ones(4), "information": np.tile(np.eye(3), (3, 1,
+    1)), "interpolate.poses": PATH[:2], "LaserScan.angles": LOG[0].angles, "LaserScan.codes":
+    np.zeros(181), "LaserScan.delays": np.zeros(181), "Log.track": np.zeros((2, 4)),
+    "Log.order_known": True, "LaserScan.odometry": PATH[0], "LaserScan.ranges": LOG[0].ranges,
+    "least_translation.weights": np.ones(4), "fuzzy_set.axes": 0.1, "doubled_walls.map":
+    segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]), "doubled_walls.sensors": np.ones((1, 2)),
+    "verdict_on.map": MAP, "verdict_on.tree": TREE, "viewing_sector.map": segments.SegmentMap(WALLS,
+    sensors=[(0.0, 0.0)]), "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
+    "LivePanel.map": TREE, "particle_mapping.map": quadtree.QuadtreeMap(),
+    "particle_mapping.odometry": None, "steps": STEPS, "systematic.weights": np.full(4, 0.25),
+    "systematic.offset": 0.5, "effective_number.weights": np.full(4, 0.25), "map_scans.map":
+    quadtree.QuadtreeMap(), "map_scans.rng": rng(), "match_segments.current": WALLS,
+    "match_segments.reference": WALLS, "matching.map": TREE, "max_size": 5.12,
+    "mean_rotation.weights": np.ones(2), "min_length": 0.1, "near": 0.3, "normals": np.eye(2)[[0, 1,
+    0, 1]], "odometry_noise": simulation.OdometryNoise(), "offsets": np.ones(4), "path": PATH,
+    "point_distance.points": POINTS[:4], "points": POINTS, "pose": PATH[0], "poses": PATH,
+    "quadtree.map": TREE, "ranges": np.ones(4), "beams": 9, "Sensor.first": 0.0, "step": 0.1,
+    "max_range": 4.0, "cast_rays.angles": np.ones(3), "SegmentMap.sensors": PATH[:, :2],
+    "SegmentMap.points": None, "SegmentMap.first": None, "count": 9, "nodes": 1000, "route.start":
+    PATH[0, :2], "route.goal": np.array([1.5, 1.4]), "radius": 0.2, "rate": 0.5, "readers.path":
+    "good.log.gz", "reference": POINTS, "reference_segments": WALLS, "relation_errors.times":
+    np.arange(4), "relations": np.array([[0, 1, 0.05, 0, 0, 0, 0, 0.02]]), "relative":
+    np.tile((0.05, 0.0, 0.02), (3, 1)), "resolution": 0.05, "rng": rng(), "save.path": "saved.npz",
+    "scan": LOG[0], "scans": LOG.scans, "second": WALLS, "seen": WALLS, "segments": WALLS,
+    "SegmentMap.scan": np.arange(4), "sensor": simulation.SICK_LMS200, "sensor_xy": PATH[0, :2],
+    "size": 2.56, "start": PATH[0], "through": np.zeros(2), "times": np.array([0.0, 1.0]), "truth":
+    PATH, "u": WALLS[0], "v": WALLS[1], "value": 0.5, "rasterize.values":
+    np.zeros(len(TREE.leaves().x)), "walls": WALLS, "rasterize.shown":
+    np.ones(len(TREE.leaves().x)), "waypoints": PATH[:, :2], "cropped.left": 0.0, "cropped.low":
+    0.0, "cropped.right": 2.0, "cropped.high": 1.0, "latitude": 52.5, "longitude": 13.4, "north":
+    0.3, "Grid.name": "EPSG:25832", "east": 5e5, "northing": 5.8e6, "world": exports.Earth(52.5,
+    13.4), "turned.angle": 0.1, "place": (52.5, 13.4), "placed_at.north": 30.0, "origin": "map",
+    "window": np.array([0.0, 0.0, 3.0, 2.0]),
 }  # fmt: skip
 GOOD |= {
     "plotting.ax": Figure().subplots(), "alignment": ALIGNMENT, "alignments": {"it": PATH},

@@ -48,7 +48,7 @@ REWRITTEN = "pytest.PytestAssertRewriteWarning"
 #: Files of tests under another name, and those of rooms that try this one too: what is written is
 #: read again.
 ALSO = {
-    "_recipe": (
+    "_map_pipeline": (
         "panels/test_workbench.py",
         "panels/test_workbench_session.py",
         "commands/test_commands.py",

@@ -45,12 +45,12 @@ class Planned(LiveGraph):
 def held_back(monkeypatch):
     """The thread that draws a map anew waits for the sign that is returned."""
     names = LiveMap.finish.__globals__  # the examples of a file may have loaded it once more
-    go, real = threading.Event(), names["insert"]
+    go, real = threading.Event(), names["insert_placed"]
 
     def insert(*given, free):
         if threading.current_thread().name == "new map":
             go.wait(20)
         real(*given, free=free)
 
-    monkeypatch.setitem(names, "insert", insert)
+    monkeypatch.setitem(names, "insert_placed", insert)
     return go

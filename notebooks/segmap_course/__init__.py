@@ -8,8 +8,19 @@ from __future__ import annotations
 from . import drawings, panels
 from ._conclusions import conclusions, density, filter_change
 from ._explore import Explored, drive_to_frontiers, explore, floor_of
-from ._known import Known, known_building
+from ._known_buildings import Known, known_building
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
+from ._matcher_trials import (
+    Trial,
+    corridor_walk,
+    load_columns,
+    load_trials,
+    room_walk,
+    room_walls,
+    trial_table,
+    try_pair,
+    write_trials,
+)
 from ._storage import (
     Representation,
     compare_with_walls,
@@ -25,17 +36,6 @@ from ._thesis import (
     thesis_grid,
     thesis_results,
     within_thesis,
-)
-from ._trials import (
-    Trial,
-    corridor_walk,
-    load_columns,
-    load_trials,
-    room_walk,
-    room_walls,
-    trial_table,
-    try_pair,
-    write_trials,
 )
 from .drawings import *
 from .exercises import Check, Exercise

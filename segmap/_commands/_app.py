@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .._display import pip_install
-from .opening import examples
+from .log_options import examples
 
 #: Icons and fonts that Voila's page asks other hosts for: the policy below would refuse them.
 STRANGE = re.compile(rb'<link[^>]*href="https?://[^>]*>')

@@ -20,24 +20,28 @@ from ..readers import LogError, read_segments
 from ..reduction import METHODS
 from ..scans import Log
 from ..segments import SegmentMap, length
-from . import opening
-from ._words import Report, finite, percent, progress, seconds
-from .opening._thresholds import thresholds
+from . import log_options
+from ._output import Report, finite, percent, progress, seconds
+from .log_options._thresholds import thresholds
 
 if TYPE_CHECKING:
     import pandas as pd
 
 #: What -o may end in.
 SUFFIXES = (".png", ".csv")
-#: The threshold that a method varies is doubled or halved so often at most, to reach a quality;
-#: so many runs then lie between the two beside it. A method whose run takes so long, in seconds,
-#: gets no further one.
-DOUBLED, BETWEEN, SLOW = 5, 2, 20.0
+#: The threshold that a method varies is doubled or halved so often at most, to reach a quality.
+MOST_DOUBLINGS = 5
+#: So many runs then lie between the two beside that quality.
+RUNS_BETWEEN = 2
+#: A method whose run takes so long, in seconds, gets no further one.
+SLOW_RUN_S = 20.0
 #: A longer map is thinned, scan by scan: some methods take time with the square of its segments.
-MOST = 2000
-#: Where a smaller share of the map lies beside the walls of a plan, or the plan is so many times as
-#: large, it is of another place or in another unit: a few walls at 0 lie there in any unit.
-BESIDE, LARGER = 0.1, 50
+MOST_COMPARED_SEGMENTS = 2000
+#: Where a smaller share of the map lies beside the walls of a plan, the plan is of another place or
+#: in another unit: a few walls at 0 lie there in any unit.
+LEAST_BESIDE_SHARE = 0.1
+#: So is a plan that is so many times as large.
+LARGER_PLAN_RATIO = 50
 
 
 class _TooSlow(Exception):
@@ -49,13 +53,13 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "compare",
         help="all reduction methods on the map of a log, at equal quality",
-        epilog=opening.examples(
+        epilog=log_options.examples(
             "compare room",
             "compare malaga --quality 90 -o curves.png -o runs.csv",
             "compare room --all --table methods.csv",
         ),
     )
-    opening.add_poses(command)
+    log_options.add_poses(command)
     command.add_argument(
         "--quality",
         type=float,
@@ -64,7 +68,9 @@ def add(commands: Any) -> None:
         help="at which the methods are compared; default: 85",
     )
     command.add_argument(
-        "--all", action="store_true", help=f"every scan; else as many as give {MOST} segments"
+        "--all",
+        action="store_true",
+        help=f"every scan; else as many as give {MOST_COMPARED_SEGMENTS} segments",
     )
     command.add_argument("--filter", type=float, metavar="METRES", help="leave shorter ones out")
     command.add_argument(
@@ -74,14 +80,14 @@ def add(commands: Any) -> None:
         help="judge by true walls too: a .csv with x1,y1,x2,y2,scan or .npz, metres, in the frame "
         "of the map",
     )
-    opening.add_output(command, SUFFIXES, "a picture of the curves, or all runs")
-    command.set_defaults(run=partial(opening.each_log, work=compare, check=check))
+    log_options.add_output(command, SUFFIXES, "a picture of the curves, or all runs")
+    command.set_defaults(run=partial(log_options.each_log, work=compare, check=check))
 
 
 def check(given: argparse.Namespace) -> None:
     """Refuse a quality that is none, and read the plan."""
-    opening.check_options(given)
-    opening.refuse_wrong(given, "filter", opening.LENGTH)
+    log_options.check_options(given)
+    log_options.refuse_wrong(given, "filter", log_options.LENGTH)
     if not 0 < given.quality <= 100:
         given.refuse(f"--quality must be above 0 and at most 100 per cent, got {given.quality:g}")
     try:
@@ -93,7 +99,7 @@ def check(given: argparse.Namespace) -> None:
 def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Run all methods on the map of one log, and print what each leaves."""
     _warm.dispatch(f"reduction {name}" for name in METHODS)
-    made = opening.placed(given, log, report)
+    made = log_options.placed_outcome(given, log, report)
     map = whole = extraction.build_map(made.log, made.alignment.trusted, keep_points=True)
     verdict = made.alignment.verdict_on(map)
     if given.filter is not None:
@@ -128,7 +134,7 @@ def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
 
             write_curves(path, runs, quality)
 
-    return opening.finished(given, verdict, paths, report, write)
+    return log_options.finished(given, verdict, paths, report, write)
 
 
 def compared(name: str, map: SegmentMap, quality: float) -> pd.DataFrame:
@@ -155,14 +161,19 @@ def searched(map: dict[str, SegmentMap], method: str, quality: float) -> pd.Data
 
     def good(value: float) -> bool:
         """Run with a threshold, and tell whether its quality is that good."""
-        if found and found[-1]["seconds"].item() > SLOW:
+        if found and found[-1]["seconds"].item() > SLOW_RUN_S:
             raise _TooSlow
         found.append(sweep(map, [method], {method: {varies: [value]}}))
         return bool(found[-1]["quality"].item() >= quality)
 
     with suppress(_TooSlow):
-        ends = bracket(good, thresholds(METHODS[method].function)[varies].default, DOUBLED, DOUBLED)
-        for _ in range(BETWEEN if ends else 0):
+        ends = bracket(
+            good,
+            thresholds(METHODS[method].function)[varies].default,
+            MOST_DOUBLINGS,
+            MOST_DOUBLINGS,
+        )
+        for _ in range(RUNS_BETWEEN if ends else 0):
             ends = halved(good, ends)
     return pd.concat(found)
 
@@ -170,7 +181,7 @@ def searched(map: dict[str, SegmentMap], method: str, quality: float) -> pd.Data
 def thinned(map: SegmentMap) -> SegmentMap:
     """Every second scan, every third, ...: the first part of a map that is not too long."""
     every, part, step = np.unique(map.scan), map, 1
-    while len(part) > MOST and step < len(every):
+    while len(part) > MOST_COMPARED_SEGMENTS and step < len(every):
         step += 1
         part = map[np.isin(map.scan, every[::step])]
     return part
@@ -182,7 +193,7 @@ def check_plan(given: argparse.Namespace, map: SegmentMap, report: Report) -> No
     share = 1 - found.invented / length(map.segments).sum()
     ends = [each.segments.reshape(-1, 2) for each in (map, given.plan)]
     small, large = (np.ptp(each, axis=0).max() for each in ends)
-    if share < BESIDE or large > LARGER * small:
+    if share < LEAST_BESIDE_SHARE or large > LARGER_PLAN_RATIO * small:
         spans = [f"from {each.min(0).round(1)} to {each.max(0).round(1)}" for each in ends]
         raise ValueError(
             f"{percent(share)} of the map lies beside a wall of {given.walls}: the map is "

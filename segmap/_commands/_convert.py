@@ -11,13 +11,13 @@ import numpy as np
 
 from .. import exports
 from .._display import counted
-from .._recipe import Outcome
+from .._map_pipeline import Pipeline
 from ..alignment import Alignment
 from ..files import shown
 from ..scans import Log
-from . import opening
+from . import log_options
 from ._locate import states
-from ._words import Report
+from ._output import Report
 
 #: What -o may end in.
 SUFFIXES = (".log", ".log.gz", ".npz", ".tum", ".g2o")
@@ -28,17 +28,19 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "convert",
         help="write a log, its path or its pose graph, for other programs; a map for ROS as .npz",
-        epilog=opening.examples(
+        epilog=log_options.examples(
             "convert room -o room.log                     for CARMEN",
             "convert room --align pose_graph -o room.tum -o room.g2o",
             "occupancy room -o room.yaml                  a map for ROS,",
             "convert room.yaml -o room.npz                and as arrays",
         ),
     )
-    opening.add_logs(command)
-    opening.add_align(command, "its poses are written instead of the true ones that the log has")
-    opening.add_strict(command)
-    opening.add_output(
+    log_options.add_logs(command)
+    log_options.add_align(
+        command, "its poses are written instead of the true ones that the log has"
+    )
+    log_options.add_strict(command)
+    log_options.add_output(
         command,
         SUFFIXES,
         "the log for CARMEN or as arrays (.npz), its path (.tum), its graph (.g2o)",
@@ -49,12 +51,12 @@ def add(commands: Any) -> None:
 def run(given: argparse.Namespace) -> int:
     """Convert each log, or one map for ROS."""
     if not exports.is_ros_map(given.logs[0]):
-        return opening.each_log(given, convert, check=check)
+        return log_options.each_log(given, convert, check=check)
     if len(given.logs) > 1 or len(given.output) != 1 or not given.output[0].endswith(".npz"):
         given.refuse("a map for ROS becomes one file: `segmap convert map.yaml -o map.npz`")
     (source,), (target,) = given.logs, given.output
     report = Report(source, json=given.json, quiet=given.quiet)
-    opening.check_places([Path(target)])
+    log_options.check_places([Path(target)])
     map = exports.read_ros_map(source)
     map.save(target)
     report.say(f"{shown(source)}: a map for ROS")
@@ -66,7 +68,7 @@ def run(given: argparse.Namespace) -> int:
 
 def check(given: argparse.Namespace) -> None:
     """Refuse files that nothing would be written to."""
-    opening.check_options(given)
+    log_options.check_options(given)
     if not given.output:
         given.refuse("name the file to write: -o FILE")
     if given.align != "pose_graph" and any(name.endswith(".g2o") for name in given.output):
@@ -75,21 +77,21 @@ def check(given: argparse.Namespace) -> None:
 
 def convert(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Write one log to all its files; where its poses were sought, only if they make a map."""
-    made = Outcome(opening.recipe_of(given, log), log) if given.align else None
+    made = Pipeline(log_options.recipe_of(given, log), log) if given.align else None
     poses, written = None, paths
     if made is not None:
-        poses = made.solved
-        opening.tell_alignment(poses, report)
-        written = opening.allowed(given, made.verdict, paths, report)
+        poses = made.alignment_in_log_frame
+        log_options.tell_alignment(poses, report)
+        written = log_options.allowed(given, made.verdict, paths, report)
     if written:
-        texts = [_write(path, log, poses) for path in written]
+        texts = [_write_log(path, log, poses) for path in written]
         report.line("written", texts[0], files=[str(path) for path in written])
         for text in texts[1:]:
             report.line("", text)
-    return 0 if made is None else opening.concluded(given, made.verdict, report)
+    return 0 if made is None else log_options.concluded(given, made.verdict, report)
 
 
-def _write(path: Path, log: Log, poses: Alignment | None) -> str:
+def _write_log(path: Path, log: Log, poses: Alignment | None) -> str:
     if path.suffix == ".tum":
         kind, rows = ("odometry", log.odometry) if poses is None else (poses.method, poses.poses)
         if poses is None and log.truth is not None and np.isfinite(log.truth).all(1).any():

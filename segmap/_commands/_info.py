@@ -10,8 +10,8 @@ from typing import Any
 from .._display import counted, facts, figures
 from ..readers import format_of, read_session
 from ..scans import Log
-from ._words import Report
-from .opening import add_logs, each_log, examples, is_session
+from ._output import Report
+from .log_options import add_logs, each_log, examples, is_session
 
 
 def add(commands: Any) -> None:
@@ -27,7 +27,9 @@ def add(commands: Any) -> None:
         ),
     )
     add_logs(command)
-    command.set_defaults(run=partial(each_log, work=tell_of, head=begin, check=check))
+    command.set_defaults(
+        run=partial(each_log, work=describe_log, head=which_log_and_format, check=check)
+    )
 
 
 def check(given: argparse.Namespace) -> None:
@@ -35,14 +37,14 @@ def check(given: argparse.Namespace) -> None:
     given.skip = True
 
 
-def begin(log: Log, source: str) -> str:
+def which_log_and_format(log: Log, source: str) -> str:
     """Which log comes now, and its format."""
     if Path(source).name == source and not Path(source).exists():
         return f"{log.name}: comes with segmap"
     return f"{log.name}: {'session' if is_session(source) else format_of(source)}, {source}"
 
 
-def tell_of(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+def describe_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Print what a log is, a line a thing; of a session also its options, edits and runs."""
     numbers = figures(log)
     for word, text in facts(log):

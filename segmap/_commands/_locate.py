@@ -15,8 +15,8 @@ from ..matching import localize
 from ..progress import each
 from ..scans import Log
 from ..segments import SegmentMap
-from ._words import Report, metres, percent
-from .opening import NO_MAP, add_logs, each_log, examples, is_log, is_session
+from ._output import Report, metres, percent
+from .log_options import NO_MAP, add_logs, each_log, examples, is_log, is_session
 
 #: Pictures that the YAML of a map for ROS names.
 PICTURES = (".pgm", ".png", ".bmp")

@@ -10,8 +10,8 @@ from typing import Any
 from .. import __version__
 from ..files import speak
 from . import _app, _compare, _convert, _info, _locate, _map, _merge, _notebooks, _occupancy, _warm
-from ._words import FAULTS, Usage, moving, plain_warnings, reason, tell
-from .opening import Command, Completion, examples, parsed
+from ._output import FAULTS, Usage, plain_warnings, print_error, progress_bars, reason
+from .log_options import Command, Completion, examples, parsed
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
 EPILOG = """\
@@ -60,19 +60,19 @@ def main(arguments: list[str] | None = None) -> int:
     speak()
     try:
         given = parsed(parser(), sys.argv[1:] if arguments is None else arguments)
-        with plain_warnings(), moving(quiet=getattr(given, "quiet", False)):
+        with plain_warnings(), progress_bars(quiet=getattr(given, "quiet", False)):
             return int(given.run(given) or 0)
     except KeyboardInterrupt:
-        tell("stopped")
+        print_error("stopped")
         return 130
     except BrokenPipeError:  # `segmap info ... | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except Usage as error:
-        tell(str(error))
+        print_error(str(error))
         return 2
     except FAULTS as error:
-        tell(reason(error))
+        print_error(reason(error))
         return 1
 
 

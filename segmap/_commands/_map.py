@@ -12,21 +12,21 @@ from typing import Any
 
 from .. import exports, extraction, metrics
 from .._display import counted
-from .._recipe import Outcome, Recipe, world_of
+from .._map_pipeline import MapChoices, Pipeline, world_of
 from ..arrays import declared
 from ..files import write_bytes
 from ..quadtree import without_passers
 from ..readers import read_text
 from ..reduction import METHODS, Reduction
 from ..scans import Log
-from . import opening
-from ._words import Report, metres, percent, seconds
+from . import log_options
+from ._output import Report, metres, percent, seconds
 
-DESCRIPTION = """\
+MAP_DESCRIPTION = """\
 Aligns the scans of each log, draws a segment for each wall that a scan saw, merges the segments of
 one wall, and says how good the map is, or that it is none.
 """
-EXAMPLES = opening.examples(
+EXAMPLES = log_options.examples(
     "map room -o room.svg                   a log that comes with segmap, as a drawing",
     "map room corridor -o '{name}.dxf'      a file for each log, for CAD",
     "map malaga --method fusion --tolerance 0.05 -o it.png -o it.segmap",
@@ -46,10 +46,10 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "map",
         help="a map of segments: align, extract, reduce, and tell how good it is",
-        description=DESCRIPTION,
+        description=MAP_DESCRIPTION,
         epilog=EXAMPLES,
     )
-    opening.add_poses(command)
+    log_options.add_poses(command)
     group = command.few_need("loops to mend, of pose_graph")
     group.add_argument(
         "--veto",
@@ -69,10 +69,10 @@ def add(commands: Any) -> None:
         help="align by pose_graph, with a loop between two scans that see one place; or a FILE",
     )
     add_making(command)
-    command.set_defaults(run=partial(opening.each_log, work=map_log, check=check))
+    command.set_defaults(run=partial(log_options.each_log, work=draw_walls_of_log, check=check))
 
 
-def add_making(command: opening.Command) -> None:
+def add_making(command: log_options.Command) -> None:
     """All that leads from poses to a map and its files."""
     names = (*METHODS, "none")
     command.add_argument(
@@ -106,20 +106,20 @@ def add_making(command: opening.Command) -> None:
         metavar="FILE",
         help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
     )
-    opening.add_world(command)
-    opening.add_output(command, SUFFIXES, WRITTEN)
+    log_options.add_world(command)
+    log_options.add_output(command, SUFFIXES, WRITTEN)
     functions = {name: method.function for name, method in METHODS.items()}
-    opening.add_thresholds(command, "thresholds of the reduction methods", functions)
-    opening.add_thresholds(command, "thresholds of the extraction", extraction.METHODS, EXTRACT)
+    log_options.add_thresholds(command, "thresholds of the reduction methods", functions)
+    log_options.add_thresholds(command, "thresholds of the extraction", extraction.METHODS, EXTRACT)
 
 
 def check_making(given: argparse.Namespace) -> None:
     """Refuse options that do not go together."""
-    opening.refuse_others(given, given.method, METHODS)
-    opening.refuse_others(given, given.extract, extraction.METHODS, EXTRACT)
-    opening.refuse_wrong(given, "filter", opening.LENGTH)
-    opening.refuse_wrong(given, "seen_through", declared(without_passers)["seen_through"])
-    opening.check_options(given)
+    log_options.refuse_others(given, given.method, METHODS)
+    log_options.refuse_others(given, given.extract, extraction.METHODS, EXTRACT)
+    log_options.refuse_wrong(given, "filter", log_options.LENGTH)
+    log_options.refuse_wrong(given, "seen_through", declared(without_passers)["seen_through"])
+    log_options.check_options(given)
 
 
 def check(given: argparse.Namespace) -> None:
@@ -146,35 +146,37 @@ def pairs(text: str) -> list[str]:
         raise argparse.ArgumentTypeError(words) from error
 
 
-def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+def draw_walls_of_log(
+    given: argparse.Namespace, log: Log, paths: list[Path], report: Report
+) -> int:
     """Map one log, and write what was asked for where there is a map."""
     for name in ("veto", "tie"):
         for loop in getattr(given, name):
             if max(map(int, loop.split("-"))) >= len(log):
                 raise ValueError(f"--{name} {loop}: the log has scans 0 to {len(log) - 1}")
-    made = opening.tell_poses(Outcome(recipe_of(given, log), log), report)
+    made = log_options.tell_poses(Pipeline(map_recipe_of(given, log), log), report)
     return mapped(given, made, made.recipe, paths, report)
 
 
-def recipe_of(given: argparse.Namespace, log: Log) -> Recipe:
+def map_recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
     """All that the options say of a map."""
-    extract = opening.call(given, given.extract, extraction.METHODS[given.extract], EXTRACT)
+    extract = log_options.call(given, given.extract, extraction.METHODS[given.extract], EXTRACT)
     chosen = [given.method] if given.method != "none" else []
     return replace(
-        opening.recipe_of(given, log),
+        log_options.recipe_of(given, log),
         extract=extract,
         least=given.filter or 0.0,
-        methods=[opening.call(given, name, METHODS[name].function) for name in chosen],
+        methods=[log_options.call(given, name, METHODS[name].function) for name in chosen],
         seen_through=given.seen_through,
     )
 
 
 def mapped(
-    given: argparse.Namespace, made: Outcome, kept: Recipe, paths: list[Path], report: Report
+    given: argparse.Namespace, made: Pipeline, kept: MapChoices, paths: list[Path], report: Report
 ) -> int:
     """Say how a map comes out, and write it; a session has what is `kept`, and these figures."""
     if given.seen_through is not None:
-        pairs = zip(made.log, made.seen, strict=True)
+        pairs = zip(made.log, made.log_without_passers, strict=True)
         gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in pairs)
         words = f"{counted(gone, 'beam')} left out that others saw through"
         report.line("passers", words, beams=gone)
@@ -204,10 +206,10 @@ def mapped(
         else:
             exports.write_segments(path, after, world=world_of(made.recipe.edits))
 
-    return opening.finished(given, made.verdict, paths, report, write)
+    return log_options.finished(given, made.verdict, paths, report, write)
 
 
-def tell_reduction(made: Outcome, found: Reduction, report: Report) -> None:
+def tell_reduction(made: Pipeline, found: Reduction, report: Report) -> None:
     """Say what a reduction leaves, and how good it is."""
     method, rate = made.recipe.methods[0].name, metrics.reduction_rate(made.map, found)
     gone = f"{percent(rate)} gone ({metrics.grade_reduction(rate)})"

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from .._call import Call
-from .._recipe import Outcome
+from .._map_pipeline import Pipeline
 from ..matching import merge
 from ..scans import Log
-from . import opening
-from ._map import add_making, check_making, mapped, recipe_of
-from ._words import Report
+from . import log_options
+from ._map import add_making, check_making, map_recipe_of, mapped
+from ._output import Report
 
 
 def add(commands: Any) -> None:
@@ -22,7 +22,7 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "merge",
         help="one map of two sessions in one building, tied by what both have seen",
-        epilog=opening.examples(
+        epilog=log_options.examples(
             "merge room room -o both.svg           two drives that saw the same rooms",
             "merge room room -o both.segmap        as a session",
             "merge both.segmap room -o all.dxf     to which the next one comes",
@@ -33,33 +33,33 @@ def add(commands: Any) -> None:
         metavar="FIRST",
         help="a log or session, in whose frame the map is; LOG comes to it",
     )
-    opening.add_poses(command, align=False)
+    log_options.add_poses(command, align=False)
     add_making(command)
-    command.set_defaults(run=partial(opening.each_log, work=merge_logs, check=check_making))
+    command.set_defaults(run=partial(log_options.each_log, work=merge_logs, check=check_making))
 
 
 def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Merge one log with the first, and write what was asked for where both are of one building."""
     if Path(given.first).resolve() in [path.resolve() for path in paths]:
         raise ValueError(f"cannot write {given.first}: it is the first log itself")
-    first, given, _ = opening.log_of(given.first, given)
+    first, given, _ = log_options.log_of(given.first, given)
     check_making(given)
     logs = []
     for each in (first, log):
-        made = Outcome(recipe_of(given, each), each)
-        opening.tell_deskewing(made, report)
+        made = Pipeline(map_recipe_of(given, each), each)
+        log_options.tell_deskewing(made, report)
         logs.append(made.log)
     found = merge(*logs)
     found = replace(found, causes=(*found.causes, *logs[0].causes, *logs[1].causes))
     if not (found.used[: len(first)].any() and found.used[len(first) :].any()):
-        opening.tell_alignment(found, report)
-        return opening.concluded(given, found.verdict, report)
+        log_options.tell_alignment(found, report)
+        return log_options.concluded(given, found.verdict, report)
     scans = [scan for each in logs for scan in each]
     scans = [replace(s, odometry=pose) for s, pose in zip(scans, found.poses, strict=True)]
     assumed = (*first.assumed, *log.assumed)
     both = Log(f"{first.name} and {log.name}", scans, found.trusted, assumed=assumed)
     given.align = "ground_truth"  # as one log that is aligned: the next may be merged with it
-    kept = replace(recipe_of(given, both), prepare=None)
+    kept = replace(map_recipe_of(given, both), prepare=None)
     recipe = replace(kept, align=Call("merge", lambda _: found))
-    made = opening.tell_poses(Outcome(recipe, both), report)
+    made = log_options.tell_poses(Pipeline(recipe, both), report)
     return mapped(given, made, kept, paths, report)

@@ -13,15 +13,15 @@ from typing import Any
 
 from .._display import counted, pip_install
 from ..files import chapters_folder, existing, write_bytes
-from ._words import say
-from .opening import examples
+from ._output import print_line
+from .log_options import examples
 
 #: The chapter that is opened first.
 FIRST = "00_start_here.ipynb"
 #: Links that lead out of the folder of the chapters lead nowhere in most copies: their words stay.
 OUTSIDE = re.compile(rb"\[([^\[\]\n]+)\]\(\.\./[^)\n]*\)")
 #: What a chapter links to beside itself: a picture, another text.
-BESIDE = re.compile(rb"\]\(([\w/-]+\.(?!ipynb)\w+)[^)\n]*\)")
+LINKED_FILE = re.compile(rb"\]\(([\w/-]+\.(?!ipynb)\w+)[^)\n]*\)")
 #: Which original was handed over last: the digest of its content, and that of its cells.
 RECORD = ".originals.json"
 
@@ -50,7 +50,7 @@ def run(given: argparse.Namespace) -> None:
     _sign(files[name] for name in files if done[name] == "copied" and name.endswith(".ipynb"))
     _tell(folder, done)
     if not near:
-        say(f"open them with: jupyter lab {folder / FIRST}  (needs: {pip_install('lab')})")
+        print_line(f"open them with: jupyter lab {folder / FIRST}  (needs: {pip_install('lab')})")
 
 
 def originals(source: Path, *, outside: bool) -> dict[str, bytes]:
@@ -59,7 +59,7 @@ def originals(source: Path, *, outside: bool) -> dict[str, bytes]:
     `outside` tells whether links that lead out of the folder lead somewhere in the copy too.
     """
     files = {path.name: path.read_bytes() for path in sorted(source.glob("*.ipynb"))}
-    linked = {name.decode() for text in files.values() for name in BESIDE.findall(text)}
+    linked = {name.decode() for text in files.values() for name in LINKED_FILE.findall(text)}
     files |= {name: (source / name).read_bytes() for name in linked if (source / name).is_file()}
     return files if outside else {name: OUTSIDE.sub(rb"\1", text) for name, text in files.items()}
 
@@ -128,13 +128,13 @@ def _sign(chapters: Iterable[bytes]) -> None:
 def _tell(folder: Path, done: dict[str, str]) -> None:
     """Say what was done, and where a newer original lies."""
     kinds = [kind for name, kind in done.items() if name.endswith(".ipynb")]
-    say(f"{counted(kinds.count('copied'), 'chapter')} copied to {folder}")
+    print_line(f"{counted(kinds.count('copied'), 'chapter')} copied to {folder}")
     if same := kinds.count("there already"):
-        say(f"{counted(same, 'chapter')} there already")
+        print_line(f"{counted(same, 'chapter')} there already")
     if yours := [name for name, kind in done.items() if kind == "yours"]:
-        say(f"left as they are, since yours differ: {', '.join(yours)}")
-        say("rename one of these, and run this again, to get the chapter as it was")
+        print_line(f"left as they are, since yours differ: {', '.join(yours)}")
+        print_line("rename one of these, and run this again, to get the chapter as it was")
     kept = {"copied", "there already", "yours"}
     for name, kind in done.items():
         if kind not in kept:
-            say(f"{name} is newer than yours, which stays: the new one is {folder / kind}")
+            print_line(f"{name} is newer than yours, which stays: the new one is {folder / kind}")

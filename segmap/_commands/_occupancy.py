@@ -12,15 +12,15 @@ import numpy as np
 from .. import _warm, alignment, exports, extraction, quadtree
 from .._call import preparing
 from .._display import counted
-from .._recipe import cropped, world_of
+from .._map_pipeline import cropped, world_of
 from ..alignment import Alignment
 from ..arrays import declared
 from ..matching import MATCHERS, SCORES, map_scans
 from ..progress import each
 from ..scans import Log
 from ..scans.causes import Cause, Finding
-from . import opening
-from ._words import Report
+from . import log_options
+from ._output import Report
 
 #: What -o may end in.
 SUFFIXES = (".yaml", ".png", ".svg", ".npz", ".geojson")
@@ -33,13 +33,13 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "occupancy",
         help="a quadtree of what is occupied and free, for ROS too",
-        epilog=opening.examples(
+        epilog=log_options.examples(
             "occupancy room -o room.yaml                  for ROS: it writes room.pgm too",
             "occupancy room --resolution 0.02 -o room.npz -o room.png",
             "occupancy room --matcher hill-climbing       by ranges alone",
         ),
     )
-    opening.add_poses(command)
+    log_options.add_poses(command)
     command.add_argument(
         "--matcher",
         choices=NAMES,
@@ -53,11 +53,11 @@ def add(commands: Any) -> None:
     command.add_argument(
         "--resolution", type=float, default=0.05, metavar="METRES", help="of a cell; default: 0.05"
     )
-    opening.add_world(command)
-    opening.add_output(
+    log_options.add_world(command)
+    log_options.add_output(
         command, SUFFIXES, "the map: .yaml for ROS, with its .pgm; .npz to load it again"
     )
-    command.set_defaults(run=partial(opening.each_log, work=map_log, check=check))
+    command.set_defaults(run=partial(log_options.each_log, work=draw_tree_of_log, check=check))
 
 
 def check(given: argparse.Namespace) -> None:
@@ -69,17 +69,17 @@ def check(given: argparse.Namespace) -> None:
     if given.align and given.matcher:
         given.refuse("--align finds poses before there is a map, --matcher on the way: name one")
     resolution = declared(quadtree.QuadtreeMap.__init__)["resolution"]
-    opening.refuse_wrong(given, "resolution", resolution)
-    opening.check_options(given)
+    log_options.refuse_wrong(given, "resolution", resolution)
+    log_options.check_options(given)
 
 
-def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+def draw_tree_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
     _warm.dispatch(["quadtree all"] + ["matching all"] * bool(given.matcher))
     if given.matcher:
         map, found, log = _matched(given, log, report)
     else:
-        made = opening.placed(given, log, report)
+        made = log_options.placed_outcome(given, log, report)
         found, log = made.alignment, made.log
         map = quadtree.build_map(log, found.trusted, resolution=given.resolution)
     verdict = found.verdict_on(extraction.build_map(log, found.trusted), map)
@@ -95,15 +95,19 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     words = f"{size}: {area:.2f} m2 occupied, {len(full)} leaves in {map.nbytes / 1024:.0f} KB"
     figures = {"width": right - left, "height": high - low, "occupied": area, "leaves": len(full)}
     report.line("mapped", words, **figures, resolution=given.resolution, bytes=map.nbytes)
-    world = world_of(opening.edits_of(given))
-    return opening.finished(given, verdict, paths, report, lambda path: _write(path, map, world))
+    world = world_of(log_options.edits_of(given))
+    return log_options.finished(
+        given, verdict, paths, report, lambda path: _write_tree(path, map, world)
+    )
 
 
 def _matched(
     given: argparse.Namespace, log: Log, report: Report
 ) -> tuple[quadtree.QuadtreeMap, Alignment, Log]:
     """The map that grows scan by scan, its poses and the log; the first scan is its origin."""
-    log = alignment.prepared(log, **preparing(opening.preparing_of(given) | {"no_deskew": True}))
+    log = alignment.prepared(
+        log, **preparing(log_options.preparing_of(given) | {"no_deskew": True})
+    )
     map, score = quadtree.QuadtreeMap(resolution=given.resolution), given.score or "field"
     rng = np.random.default_rng(0)
     matcher = MATCHERS[NAMES[given.matcher]](rng)
@@ -130,7 +134,7 @@ def _matched(
     return map, Alignment(poses, found, took, "map_scans", causes=causes), log
 
 
-def _write(path: Path, map: quadtree.QuadtreeMap, world: exports.Frame) -> None:
+def _write_tree(path: Path, map: quadtree.QuadtreeMap, world: exports.Frame) -> None:
     if path.suffix == ".png":
         from ._pictures import write_quadtree_picture
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from .. import _warm
 from ..threads import cores
-from ._words import progress, say
-from .opening import examples
+from ._output import print_line, progress
+from .log_options import examples
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -34,17 +34,17 @@ def run(given: argparse.Namespace) -> None:
     names, start = list(_warm.cases()), time.monotonic()
     jobs = max(1, min(given.jobs or cores(), len(names)))
     where = "one core" if jobs == 1 else f"{jobs} cores"
-    say(f"Compiling the loops of segmap on {where}, which is kept for later ...")
+    print_line(f"Compiling the loops of segmap on {where}, which is kept for later ...")
     importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
     with progress(len(names), "method") as bar:
         _run_all(names, jobs, bar)
-    say(f"Done in {time.monotonic() - start:.0f} s.")
+    print_line(f"Done in {time.monotonic() - start:.0f} s.")
 
 
 def _run_all(names: list[str], jobs: int, bar: tqdm[Any]) -> None:
     if jobs == 1:
         for name in names:
-            _warm.run(name)
+            _warm.run_case(name)
             bar.update()
         return
     from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -52,6 +52,6 @@ def _run_all(names: list[str], jobs: int, bar: tqdm[Any]) -> None:
 
     # Processes, not threads: numba compiles one function at a time.
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        for done in as_completed([pool.submit(_warm.run, name) for name in names]):
+        for done in as_completed([pool.submit(_warm.run_case, name) for name in names]):
             done.result()
             bar.update()

@@ -19,7 +19,7 @@ from .backbone import backbone, backbone_steps, least_translation, mean_rotation
 from .global_segments import global_segments
 from .graph import Graph, solve_graph
 from .points import match_points, point_steps
-from .pose_graph import LiveGraph, LoopClosing, Tracking, align_parts, merge, pose_graph
+from .pose_graph import LiveGraph, LoopClosing, Tracking, align_parts, merge_graphs, pose_graph
 from .preparation import OdometryComparison, compare_odometry, prepared
 from .segment_icp import match_segments, segment_icp
 
@@ -28,7 +28,7 @@ __all__ = [
     "Tracking", "Verdict", "align_parts", "align_to_truth", "angle_candidates",
     "angle_correspondence", "backbone", "backbone_steps", "compare_odometry", "deskew",
     "global_segments", "ground_truth", "least_translation", "match_angles", "match_points",
-    "match_segments", "match_values", "mean_rotation", "merge", "odometry", "point_icp",
+    "match_segments", "match_values", "mean_rotation", "merge_graphs", "odometry", "point_icp",
     "point_steps", "pose_graph", "position_errors", "prepared", "segment_icp", "solve_graph",
     "usual_method",
 ]  # fmt: skip

@@ -98,7 +98,7 @@ def ground_truth(
     elif log.truth is None or not np.isfinite(log.truth).all(1).any():
         raise ValueError(f"log {log.name!r} holds no ground truth: give times and poses")
     else:
-        found = _bridged(log.truth, log.times, max_gap)
+        found = _with_gaps_filled(log.truth, log.times, max_gap)
         source = "the scans before and after it with one must have times around its own"
     known = np.asarray(np.isfinite(found).all(1))
     if missing == "raise" and not known.all():
@@ -124,7 +124,7 @@ def _known_poses(log: Log, poses: Array, known: NDArray[np.bool_], missing: str)
     return trail.outcome()
 
 
-def _bridged(truth: Array, times: Array, max_gap: float) -> Array:
+def _with_gaps_filled(truth: Array, times: Array, max_gap: float) -> Array:
     """The rows of a truth; those of NaN between the rows before and after, in the order of scans.
 
     Only where its time, in seconds, lies between theirs, which are at most `max_gap` apart.

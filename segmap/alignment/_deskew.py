@@ -21,20 +21,30 @@ from ..poses.motions import arc, between, transform, wrap
 from ..progress import Progress
 from ..scans import LaserScan, Log
 from ..scans.causes import Cause, Finding
-from ..scans.moving import GAP, carried, is_timed, twists
-from ..scans.placed import poses_for
+from ..scans.motion import LONGEST_GAP_S, is_timed, motion_compensated, velocities
+from ..scans.pose_argument import checked_poses
 from .pose_graph import pose_graph
 
-#: The order of beams shows in scans that turn by more than this, radians: in so many at least.
-TURNED, ENOUGH = np.radians(1), 20
-#: Cells of the entropy, metres; by less than this one order is no better than the other, nats.
-CELL, MARGIN = 0.05, 0.05
-#: The scans in a row that turn most tell whether the robot stood, if so many of them turn.
-PART_SCANS, ENOUGH_OF_PART = 100, 10
+#: Scans that turn by more than this, radians, show the order of the beams.
+TURNING_SCAN_RAD = np.radians(1)
+#: So many such scans are needed.
+LEAST_TURNING_SCANS = 20
+#: Side of the cells in which the entropy of a map is counted, metres.
+ENTROPY_CELL_M = 0.05
+#: One order of the beams is better than the other if it lowers the entropy by more, nats.
+ENTROPY_MARGIN_NATS = 0.05
+#: The so many scans in a row that turn most tell whether the robot stood ...
+PART_SCANS = 100
+#: ... if so many of them turn.
+LEAST_TURNING_IN_PART = 10
 #: Maps are turned by these angles, radians: walls along the cells fill one row of them or two.
 OBLIQUE_RAD = (0.4, 0.9, 1.3)
-#: Clocks are tried up to so far apart, in such steps; both halves of a log agree so well: seconds.
-APART, STEP, AGREE = 0.5, 0.005, 0.02
+#: Clocks are tried up to this far apart, seconds.
+CLOCK_SHIFT_S = 0.5
+#: Step from one clock that is tried to the next, seconds.
+CLOCK_STEP_S = 0.005
+#: The clocks of both halves of a log may differ by this, seconds.
+CLOCK_AGREEMENT_S = 0.02
 
 
 @checked
@@ -68,19 +78,21 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     (np.float64(0.067), None)
     """
     arrays.instance(log, "log", Log)
-    given = None if poses is None else poses_for(log, poses)
+    given = None if poses is None else checked_poses(log, poses)
     if not is_timed(log):
         return log
     rows = pose_graph(log).poses if given is None else given
-    motions, causes = twists(log.times, rows), list(log.causes)
+    motions, causes = velocities(log.times, rows), list(log.causes)
     if len(log) > 1 and not (np.diff(log.times) > 0).any():
-        return _kept(log, 0.0, "the scans have no times, which tell how the robot moved meanwhile")
+        return _left_as_measured(
+            log, 0.0, "the scans have no times, which tell how the robot moved meanwhile"
+        )
     margin = -np.inf if log.order_known else _margin(log, rows, motions)
     ordered = replace(log, scans=tuple(map(_reversed, log.scans))) if margin > 0 else log
-    if (blurred := _blurred(ordered, motions)) >= MARGIN:
+    if (blurred := _blurred(ordered, motions)) >= ENTROPY_MARGIN_NATS:
         words = "the robot stood while each scan was measured, or the times of beams are not right"
-        return _kept(log, blurred, words)
-    if not abs(margin) >= MARGIN:
+        return _left_as_measured(log, blurred, words)
+    if not abs(margin) >= ENTROPY_MARGIN_NATS:
         words = "nothing tells in which order the beams were measured"
         return replace(log, causes=(*causes, Finding(Cause.BEAM_ORDER, margin, words)))
     if margin > 0:
@@ -99,14 +111,14 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
             steps = arc(motion * scan.delays[:, None])
             if np.isfinite(offset) and log.track is not None:
                 at = scan.time + offset + np.r_[0.0, scan.delays]
-                way = interpolate(log.track[:, 0], log.track[:, 1:], at, max_gap=GAP)
+                way = interpolate(log.track[:, 0], log.track[:, 1:], at, max_gap=LONGEST_GAP_S)
                 steps = between(way[0], way[1:]) if np.isfinite(way).all() else steps
-            scan = carried(scan, steps)
+            scan = motion_compensated(scan, steps)
         scans.append(scan)
     return replace(log, scans=tuple(scans), causes=tuple(causes))
 
 
-def _kept(log: Log, value: float, why: str) -> Log:
+def _left_as_measured(log: Log, value: float, why: str) -> Log:
     """The log with its scans as they were measured, and why."""
     scans = tuple(replace(scan, delays=None) for scan in log)
     told = Finding(Cause.SKEW, value, f"{why}: no beam is carried")
@@ -124,10 +136,10 @@ def _blurred(log: Log, motions: Array) -> float:
     size = min(PART_SCANS, len(log))
     first = int(np.argmax(ends[size:] - ends[: len(ends) - size]))
     part = np.arange(first, first + size)
-    if (turns[part] > TURNED).sum() < ENOUGH_OF_PART:
+    if (turns[part] > TURNING_SCAN_RAD).sum() < LEAST_TURNING_IN_PART:
         return float("nan")
     carried_back = [
-        s if s.delays is None else carried(s, arc(motions[k] * s.delays[:, None]))
+        s if s.delays is None else motion_compensated(s, arc(motions[k] * s.delays[:, None]))
         for k, s in zip(part.tolist(), log[part], strict=True)
     ]
     as_measured = [replace(scan, delays=None) for scan in log[part]]
@@ -161,11 +173,11 @@ def _margin(log: Log, poses: Array, motions: Array) -> float:
         if scan.delays is None or not len(scan) or not np.isfinite(pose).all():
             continue
         middle = scan.delays - scan.delays.max() / 2
-        if 2 * abs(motion[2]) * middle.max() > TURNED:
+        if 2 * abs(motion[2]) * middle.max() > TURNING_SCAN_RAD:
             for points, since in zip(found, (middle, -middle), strict=True):
                 steps = arc(motion * since[:, None])
-                points.append(transform(pose, carried(scan, steps).points()))
-    if len(found[0]) < ENOUGH:
+                points.append(transform(pose, motion_compensated(scan, steps).points()))
+    if len(found[0]) < LEAST_TURNING_SCANS:
         return float("nan")
     stated, other = (_entropy(np.concatenate(points)) for points in found)
     return stated - other
@@ -173,7 +185,7 @@ def _margin(log: Log, poses: Array, motions: Array) -> float:
 
 def _entropy(points: Array) -> float:
     """Of the cells in which points `(n, 2)` lie, nats: sharp walls fill fewer."""
-    cells = np.floor(points / CELL).astype(np.int64)
+    cells = np.floor(points / ENTROPY_CELL_M).astype(np.int64)
     counts = np.unique(cells @ np.array([1 << 32, 1]), return_counts=True)[1]
     share = counts / counts.sum()
     return float(-(share * np.log(share)).sum())
@@ -187,12 +199,12 @@ def _clock(log: Log, poses: Array) -> float:
     if log.track is None or not len(log.track):
         return float("nan")
     times, heading = log.track[:, 0], np.unwrap(log.track[:, 3])
-    shifts = np.arange(-APART, APART + STEP / 2, STEP)
+    shifts = np.arange(-CLOCK_SHIFT_S, CLOCK_SHIFT_S + CLOCK_STEP_S / 2, CLOCK_STEP_S)
     at = log.times + shifts[:, None]
     seen = np.diff(np.interp(at, times, heading, left=np.nan, right=np.nan), axis=1)
     errors = wrap(seen - np.diff(poses[:, 2])) ** 2
     known = np.isfinite(errors).all(0)  # at any shift
-    errors = errors[:, known & (np.diff(log.times) > 0) & (np.diff(log.times) <= GAP)]
+    errors = errors[:, known & (np.diff(log.times) > 0) & (np.diff(log.times) <= LONGEST_GAP_S)]
     half = errors.shape[1] // 2
     if not half:
         return float("nan")
@@ -200,4 +212,8 @@ def _clock(log: Log, poses: Array) -> float:
         int(np.argmin(part.mean(1))) for part in (errors[:, :half], errors[:, half:], errors)
     )
     is_inside = 0 < both < len(shifts) - 1
-    return float(shifts[both]) if is_inside and abs(first - second) * STEP <= AGREE else np.nan
+    return (
+        float(shifts[both])
+        if is_inside and abs(first - second) * CLOCK_STEP_S <= CLOCK_AGREEMENT_S
+        else np.nan
+    )

@@ -21,7 +21,7 @@ from ..poses.motions import between, compose
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan, Log
 from ..scans.causes import Finding, doubt_of
-from ..scans.moving import stood, unmoved
+from ..scans.motion import skew_warning, stood
 from ..scans.odometry import contradictions
 from ..segments import SegmentMap, length
 from ._verdict import Verdict, judge
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 #: A scan is sure where its standard deviation is at most this, metres: a tenth of a room.
-SURE = 0.25
+SURE_M = 0.25
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -134,13 +134,13 @@ class Alignment(Pictured):
 
         Two standard deviations of `spread`, where the method knows it, are less than that.
         """
-        return self.used if self.spread is None else self.used & (self.spread <= SURE)
+        return self.used if self.spread is None else self.used & (self.spread <= SURE_M)
 
     @property
     def locally_sure(self) -> NDArray[np.bool_]:
         """The same relative to the scans within 20 m, (k,) bool, by `local_spread`."""
         near = self.local_spread
-        return self.used if near is None else self.used & (near <= SURE)
+        return self.used if near is None else self.used & (near <= SURE_M)
 
     @property
     def trusted(self) -> Array:
@@ -230,20 +230,22 @@ def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
         begun = work_time()
         found = method(*args, **kwargs)
         seconds = work_time() - begun
-        return concluded(name, log, found, seconds)
+        return checked_alignment(name, log, found, seconds)
 
     signature = inspect.signature(method).replace(return_annotation="Alignment")
     run.__signature__ = signature  # type: ignore[attr-defined]
     return checked(run)
 
 
-def concluded(name: str, scans: Sequence[LaserScan], found: Outcome, seconds: float) -> Alignment:
+def checked_alignment(
+    name: str, scans: Sequence[LaserScan], found: Outcome, seconds: float
+) -> Alignment:
     """The alignment of scans by a method of that name, checked."""
     poses, reasons = np.array(found.poses, float).reshape(-1, 3), tuple(found.reasons)
     if len(poses) != len(scans) or len(reasons) != len(scans) or not np.isfinite(poses).all():
         raise RuntimeError(f"{name} must give a finite pose and a reason for each scan")
     used = np.array([not reason for reason in reasons], bool)
-    causes = (*getattr(scans, "causes", ()), *unmoved(scans, poses), *stood(scans, poses))
+    causes = (*getattr(scans, "causes", ()), *skew_warning(scans, poses), *stood(scans, poses))
     causes += (*contradictions(scans, poses, used), *found.causes)
     evidence = reasons, found.graph, causes, found.spread, found.local_spread
     return Alignment(poses, used, seconds, name, *evidence)

@@ -16,21 +16,23 @@ from ..quadtree import QuadtreeMap, smeared_walls
 from ..scans.causes import Cause, Finding
 from ..segments import SegmentMap
 
-#: With fewer of its scans placed a log has no map: three of four say nothing of the building.
-LEAST = 0.25
+#: Below this share of placed scans the log gives no map.
+LEAST_PLACED_SHARE = 0.25
 #: A good map holds this share of the scans: the real logs of the benchmarks have 0.99 and more.
 PLACED = 0.9
 #: Of the scans that are placed at least so many are sure, in the whole map or relative to those
 #: near by: a large building may be right in each of its parts and bent as a whole.
 SURE_SHARE = 0.5
 #: More walls are not doubled in a good map: see `metrics.doubled_walls` for what was measured.
-DOUBLED = 0.25
+MOST_DOUBLED_SHARE = 0.25
 #: Nor are more of the occupied cells of its quadtree smeared: see `quadtree.smeared_walls`.
 SMEARED = 0.2
 
-#: Where so many scans count and none is sure, half of them must be known this well, as a standard
-#: deviation: a map whose rooms may lie anywhere is none.
-COUNTED, UNKNOWN_M = 10, 1.0
+#: So many scans must count before a log can be called unsure as a whole.
+LEAST_COUNTED_SCANS = 10
+#: Where none of them is sure, half must be known to this standard deviation, metres: a map whose
+#: rooms may lie anywhere is none.
+UNKNOWN_M = 1.0
 #: A good map promises no more than this, metres: half of a door.
 PROMISE_M = 0.5
 
@@ -122,7 +124,10 @@ def judge(
     smeared = float(blurred) if np.isfinite(blurred) else None
     drawn = [  # words on walls that are drawn more than once, and whether these are too many
         (share > most, f"{100 * share:.0f} % of the walls {word}")
-        for share, most, word in ((doubled, DOUBLED, "doubled"), (smeared, SMEARED, "smeared"))
+        for share, most, word in (
+            (doubled, MOST_DOUBLED_SHARE, "doubled"),
+            (smeared, SMEARED, "smeared"),
+        )
         if share is not None
     ]
     told = f"{placed} of {counted(scans, 'scan')} placed"
@@ -133,11 +138,11 @@ def judge(
     for finding in findings:
         if finding.cause is Cause.NOT_MERGED:
             return Verdict("not a map", f"NOT A MAP: {finding.words}", *figures)
-    if placed < min(2, scans) or placed < LEAST * scans or not scans:
+    if placed < min(2, scans) or placed < LEAST_PLACED_SHARE * scans or not scans:
         return Verdict("not a map", f"NOT A MAP: {told}", *figures)
     if map is not None and not len(map) and smeared is None:
         return Verdict("not a map", f"NOT A MAP: {told}, but no wall found", *figures)
-    if sure is not None and placed >= COUNTED and not (certain.any() or near.any()):
+    if sure is not None and placed >= LEAST_COUNTED_SCANS and not (certain.any() or near.any()):
         middle = float(np.median(off))
         if not middle <= 2 * UNKNOWN_M:
             words = f"NOT A MAP: no scan is sure, half of them may be {middle:.1f} m off and more"

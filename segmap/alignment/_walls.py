@@ -7,16 +7,19 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import compiled
 
-#: The middle of a metre of wall is supposed to be known to so many metres across, which counts as
-#: so many offsets that were measured: three walls alone say too little of their noise.
-SUPPOSED, WORTH = 0.001, 2.0
+#: Standard deviation that is assumed for the middle of a metre of wall, metres across it.
+PRIOR_DEVIATION_M = 0.001
+#: The assumption counts as so many measured offsets: three walls alone say too little.
+PRIOR_OFFSETS = 2.0
 #: Corners, and walls that are no straight lines, err together: measured errors have this many times
 #: the variance (simulated rooms, tests/alignment/test_covariances.py).
-INFLATION = 1.7
-#: Next to no pull towards where the pose is, with a variance of 1e6 m^2: that of a free direction.
-FAINT, FREE = 1e-9, 1e6
+WALL_VARIANCE_INFLATION = 1.7
+#: Next to no pull towards where the pose is, as a share.
+FAINT_INFORMATION = 1e-9
+#: Variance of a free direction, square metres.
+FREE_VARIANCE_M2 = 1e6
 #: What two walls share that is shorter, metres, is where they meet at a corner.
-SHORT = 0.05
+CORNER_OVERLAP_M = 0.05
 
 
 @compiled
@@ -61,15 +64,21 @@ def wall_covariance(rows: Array, pull: Array, share: Array) -> Array:
     share : (p,) array
         Part of each pair in its wall of the scan, where that has several partners.
     """
-    kept = rows[::2, 4] >= SHORT
+    kept = rows[::2, 4] >= CORNER_OVERLAP_M
     first, second, metres = rows[::2, :4][kept], rows[1::2, :4][kept], rows[::2, 4][kept]
     middle, half, pull, share = (first + second) / 2, (second - first) / 2, pull[kept], share[kept]
     left = share * metres @ (middle[:, 3] ** 2 + half[:, 3] ** 2 / 3)
     free = max(2 * share.sum() - 3, 0.0)  # offsets that the three numbers of the pose leave open
-    variance = INFLATION * (WORTH * SUPPOSED**2 + left) / (WORTH + free)  # of a metre of wall
+    variance = (
+        WALL_VARIANCE_INFLATION
+        * (PRIOR_OFFSETS * PRIOR_DEVIATION_M**2 + left)
+        / (PRIOR_OFFSETS + free)
+    )  # of a metre of wall
     middle, half = middle[:, :3], half[:, :3]
-    noise, faint = variance * share * pull**2 / metres, FAINT * np.eye(3)
+    noise, faint = variance * share * pull**2 / metres, FAINT_INFORMATION * np.eye(3)
     # Both ends pull: their sum moves with the middle, their difference with the slope
     drawn = 2 * (middle.T * (share * pull) @ middle + half.T * (share * pull) @ half) + faint
-    erring = 4 * (middle.T * noise @ middle + 3 * half.T * noise @ half) + FREE * faint**2
+    erring = (
+        4 * (middle.T * noise @ middle + 3 * half.T * noise @ half) + FREE_VARIANCE_M2 * faint**2
+    )
     return np.asarray(np.linalg.solve(drawn, np.linalg.solve(drawn, erring).T))

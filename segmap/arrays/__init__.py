@@ -18,17 +18,17 @@ from ._declared import (
     Share,
     at_least,
     at_most,
-    below,
     checked,
     declared,
     described,
+    upper_bound_excluded,
 )
 from ._scalars import (
-    LEAST,
     LIMIT,
-    MOST,
+    MOST_COUNTED,
+    SMALLEST_THRESHOLD_M,
     brief,
-    called,
+    call_given,
     file,
     frame,
     function,
@@ -41,7 +41,7 @@ from ._scalars import (
     whole,
 )
 from ._tables import (
-    FAR,
+    LARGEST_COORDINATE,
     Array,
     Poses,
     Segments,
@@ -56,17 +56,18 @@ from ._tables import (
     rectangle,
     row,
     segments,
-    share,
+    share_of_second,
     table,
     trailing,
     values,
 )
 
 __all__ = [
-    "FAR", "LEAST", "LIMIT", "MOST", "Array", "Count", "Declared", "Gap", "Metres", "Poses",
-    "Positive", "Quantity", "Radians", "RadiansPerMetre", "Seconds", "Segments", "Settings",
-    "Share", "at_least", "at_most", "below", "brief", "called", "checked", "declared", "described",
-    "file", "frame", "function", "indices", "instance", "is_iterable", "number", "numbers",
-    "one_of", "point", "points", "pose", "poses", "ranges", "ready", "rectangle", "refuse_masked",
-    "row", "segments", "share", "switch", "table", "trailing", "values", "whole",
+    "LARGEST_COORDINATE", "LIMIT", "MOST_COUNTED", "SMALLEST_THRESHOLD_M", "Array", "Count",
+    "Declared", "Gap", "Metres", "Poses", "Positive", "Quantity", "Radians", "RadiansPerMetre",
+    "Seconds", "Segments", "Settings", "Share", "at_least", "at_most", "brief", "call_given",
+    "checked", "declared", "described", "file", "frame", "function", "indices", "instance",
+    "is_iterable", "number", "numbers", "one_of", "point", "points", "pose", "poses", "ranges",
+    "ready", "rectangle", "refuse_masked", "row", "segments", "share_of_second", "switch", "table",
+    "trailing", "upper_bound_excluded", "values", "whole",
 ]  # fmt: skip

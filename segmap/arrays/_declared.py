@@ -20,7 +20,7 @@ from typing import Annotated, Any, Literal, ParamSpec, TypeVar, cast
 import numpy as np
 
 from ..progress import told
-from . import slips
+from . import unit_checks
 from ._scalars import generator, number, one_of, switch, whole
 
 P = ParamSpec("P")
@@ -62,12 +62,12 @@ def at_most(most: float) -> Quantity:
     return Quantity(most=most)
 
 
-def below(bound: float) -> Quantity:
+def upper_bound_excluded(bound: float) -> Quantity:
     """An upper bound that is not allowed itself."""
     return Quantity(below=bound)
 
 
-Metres = Annotated[float, Quantity("metres", above=0, usual=slips.MOST_DISTANCE)]
+Metres = Annotated[float, Quantity("metres", above=0, usual=unit_checks.MOST_MATCH_DISTANCE_M)]
 Radians = Annotated[float, Quantity("radians", above=0, most=2 * math.pi)]
 RadiansPerMetre = Annotated[float, Quantity("rad/m", above=0)]
 Seconds = Annotated[float, Quantity("seconds", above=0)]
@@ -77,7 +77,9 @@ Positive = Annotated[float, Quantity("", above=0)]
 #: Of things: a whole number.
 Count = Annotated[int, Quantity("", least=1)]
 #: Neighbours of a scan may be far apart, and infinity cuts nowhere.
-Gap = Annotated[float, Quantity("metres", above=0, most=math.inf, usual=slips.MOST_GAP, share=1)]
+Gap = Annotated[
+    float, Quantity("metres", above=0, most=math.inf, usual=unit_checks.MOST_GAP_M, share=1)
+]
 
 
 class Declared(typing.NamedTuple):
@@ -167,7 +169,7 @@ def declared(of: Callable[..., Any]) -> dict[str, Declared]:
     'metres'
     """
     hints = typing.get_type_hints(inspect.unwrap(of), include_extras=True)
-    return {name: _read(hint) for name, hint in hints.items() if name != "return"}
+    return {name: _declared_by(hint) for name, hint in hints.items() if name != "return"}
 
 
 def described(of: Callable[..., Any]) -> dict[str, str]:
@@ -208,7 +210,7 @@ def _near(of: Callable[..., Any], path: str) -> Any:
     raise LookupError(f"{of.__qualname__} names {path}, which is nowhere above {of.__module__}")
 
 
-def _read(hint: Any) -> Declared:
+def _declared_by(hint: Any) -> Declared:
     """An annotation: `Metres`, `Metres | None`, `Literal["a", "b"]`, `Annotated[...]`, a class."""
     parts = [part for part in typing.get_args(hint) if part is not NoneType]
     optional = NoneType in typing.get_args(hint) and len(parts) == 1
@@ -285,8 +287,8 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
                 data = args[0] if args else None  # a map or points; else a log, or self
                 is_map = isinstance(data, np.ndarray | list | tuple) or hasattr(data, "segments")
                 data = data if is_map and not hasattr(data, "scans") else None
-                share = q.share or slips.LONG
-                slips.check_lengths(data, most=q.usual, share=share, **{name: kept[name]})
+                share = q.share or unit_checks.LONG_THRESHOLD_SHARE
+                unit_checks.check_lengths(data, most=q.usual, share=share, **{name: kept[name]})
         first = [kept[name] for name in names[: len(args)]]
         rest = {name: kept[name] for name in given}
         return cast(Callable[..., R], function)(*first, *args[len(names) :], **rest)

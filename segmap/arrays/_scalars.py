@@ -19,9 +19,9 @@ LIMIT = 1e7
 #: Lists in lists, of which numpy makes an array.
 DEEPEST = 64
 #: No threshold is a smaller length, metres: 1e7 m in such cells can still be counted.
-LEAST = 1e-9
+SMALLEST_THRESHOLD_M = 1e-9
 #: No count of anything is larger.
-MOST = 10**9
+MOST_COUNTED = 10**9
 
 
 def number(
@@ -47,7 +47,7 @@ def number(
     Traceback (most recent call last):
     ValueError: tolerance must be a number above 0, in metres, got -1
     """
-    array = _scalar(value)
+    array = _as_scalar_array(value)
     fits = array.dtype.kind in "fiu" and bool(np.isfinite(array) or array == most == np.inf)
     fits = fits and (above is None or float(array) > above)
     fits = fits and (least is None or float(array) >= least)
@@ -67,12 +67,14 @@ def number(
         raise ValueError(f"{name} must be {kind}{range_}{suffix}{hint}, got {brief(value)}")
     size = abs(float(array))
     most = LIMIT if most is None else most
-    if unit.startswith("metres") and size and not LEAST <= size <= most:
-        raise ValueError(f"{name} must be within {LEAST:.0e} and {LIMIT:.0e} metres, got {value}")
+    if unit.startswith("metres") and size and not SMALLEST_THRESHOLD_M <= size <= most:
+        raise ValueError(
+            f"{name} must be within {SMALLEST_THRESHOLD_M:.0e} and {LIMIT:.0e} metres, got {value}"
+        )
     return float(array)
 
 
-def whole(value: object, name: str, *, least: int = 1, most: int = MOST) -> int:
+def whole(value: object, name: str, *, least: int = 1, most: int = MOST_COUNTED) -> int:
     """One whole number.
 
     Examples
@@ -80,11 +82,11 @@ def whole(value: object, name: str, *, least: int = 1, most: int = MOST) -> int:
     >>> whole(3.0, "every")
     3
     """
-    array = _scalar(value)
+    array = _as_scalar_array(value)
     fits = array.dtype.kind in "fiu" and bool(np.isfinite(array))
     fits = fits and float(array).is_integer() and least <= int(array)
     if not fits or int(array) > most:
-        upper = f" and at most {most}" if fits or most != MOST else ""
+        upper = f" and at most {most}" if fits or most != MOST_COUNTED else ""
         raise ValueError(
             f"{name} must be a whole number of at least {least}{upper}, got {brief(value)}"
         )
@@ -172,12 +174,12 @@ def function(value: T, name: str, words: str) -> T:
     return value
 
 
-def called(function: Callable[..., R], name: str, *given: Any, **named: Any) -> R:
+def call_given(function: Callable[..., R], name: str, *given: Any, **named: Any) -> R:
     """What a function of the caller's gives; a TypeError names the argument that brought it.
 
     Examples
     --------
-    >>> called(lambda: 3.0, "score", "map")
+    >>> call_given(lambda: 3.0, "score", "map")
     Traceback (most recent call last):
     TypeError: score: <lambda>() takes 0 positional arguments but 1 was given
     """
@@ -217,7 +219,7 @@ def generator(value: Any, name: str = "rng") -> np.random.Generator:
     return value
 
 
-def _scalar(value: object) -> NDArray[Any]:
+def _as_scalar_array(value: object) -> NDArray[Any]:
     """One number as an array; an object where it is anything else."""
     try:
         array = np.asarray(value)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._scalars import LIMIT, brief, refuse_masked
 
 #: Squares of numbers up to here are still numbers: enough for arithmetic that counts no cells.
-FAR = 1e100
+LARGEST_COORDINATE = 1e100
 
 Array = NDArray[np.float64]
 
@@ -95,8 +95,10 @@ def values(value: object, name: str) -> Array:
     ValueError: angles must be finite and within 1e+100, got [1.0, inf]
     """
     array = numbers(value, name)
-    if np.fmax.reduce(np.abs(array), axis=None, initial=0.0) > FAR:
-        raise ValueError(f"{name} must be finite and within {FAR:.0e}, got {brief(value)}")
+    if np.fmax.reduce(np.abs(array), axis=None, initial=0.0) > LARGEST_COORDINATE:
+        raise ValueError(
+            f"{name} must be finite and within {LARGEST_COORDINATE:.0e}, got {brief(value)}"
+        )
     return array
 
 
@@ -131,12 +133,12 @@ def row(value: object, name: str, count: int | None = None) -> Array:
     return array
 
 
-def share(first: object, second: object, names: tuple[str, str]) -> Array:
+def share_of_second(first: object, second: object, names: tuple[str, str]) -> Array:
     """Share of the second of two weights in their sum, 0 to 1.
 
     Examples
     --------
-    >>> share(1, 0.25, ("weight_a", "weight_b"))
+    >>> share_of_second(1, 0.25, ("weight_a", "weight_b"))
     array(0.2)
     """
     a, b = values(first, names[0]), values(second, names[1])

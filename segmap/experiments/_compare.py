@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 #: Only runs of the same map and filter may be compared.
 SETTING = ["map", "filtered"]
 #: Columns that are compared.
-NUMBERS = ["filtered", "quality", "reduction"]
+COMPARED_COLUMNS = ["filtered", "quality", "reduction"]
 
 
 def equal_quality(frame: pd.DataFrame, quality: float) -> pd.DataFrame:
@@ -46,7 +46,7 @@ def equal_quality(frame: pd.DataFrame, quality: float) -> pd.DataFrame:
     import pandas as pd
 
     arrays.number(quality, "quality", above=0, most=1)
-    arrays.frame(frame, ["map", "method"], NUMBERS)
+    arrays.frame(frame, ["map", "method"], COMPARED_COLUMNS)
     methods = list(dict.fromkeys(frame["method"]))
     rows = []
     for setting, here in frame.groupby(SETTING, sort=False):
@@ -80,7 +80,7 @@ def pareto(frame: pd.DataFrame, *, each_method: bool = False) -> pd.DataFrame:
     2      0.8        0.6  hall       0.0
     """
     by = [*SETTING, "method"] if arrays.switch(each_method, "each_method") else SETTING
-    arrays.frame(frame, by, NUMBERS)
+    arrays.frame(frame, by, COMPARED_COLUMNS)
     points, kept = _points(frame), np.zeros(len(frame), bool)
     groups = frame.groupby(by, sort=False)
     for places in groups.indices.values():

@@ -23,18 +23,20 @@ Columns = Mapping[str, Callable[[str], Any]]
 
 #: Words that are thresholds.
 WORDS: dict[str, Threshold] = {"None": None, "True": True, "False": False}
-#: A count and a number are at most this; as many thresholds have all methods together, at most.
-LARGEST, MOST_NAMES = 2**53, 200
+#: A count and a number are at most this.
+LARGEST_NUMBER = 2**53
+#: As many thresholds have all methods together, at most.
+MOST_THRESHOLD_NAMES = 200
 
 
 def _whole(cell: str) -> int:
     """A count."""
-    if not (cell.isascii() and cell.isdigit() and len(cell) < 17 and int(cell) <= LARGEST):
+    if not (cell.isascii() and cell.isdigit() and len(cell) < 17 and int(cell) <= LARGEST_NUMBER):
         raise ValueError(cell)
     return int(cell)
 
 
-def _number(cell: str, least: float = 0.0, most: float = LARGEST) -> float:
+def _cell_number(cell: str, least: float = 0.0, most: float = LARGEST_NUMBER) -> float:
     """A number within bounds, or NaN where nothing was measured."""
     value = float(cell)
     if "_" in cell or value < least or value > most:
@@ -46,7 +48,7 @@ def _threshold(text: str) -> Threshold:
     if text in WORDS:
         return WORDS[text]
     if text.lstrip("-").isdigit() and text.isascii():
-        return int(text) if abs(float(text)) <= LARGEST else _number(text)
+        return int(text) if abs(float(text)) <= LARGEST_NUMBER else _cell_number(text)
     value = float(text)
     if "_" in text or value != value:  # NaN is a threshold that a method does not have
         raise ValueError(text)
@@ -64,7 +66,7 @@ def _thresholds(text: str) -> dict[str, Threshold]:
     """Thresholds as a file keeps them, to the last digit: `distance=0.2;angle=0.1745`."""
     pairs = [pair.split("=") for pair in text.split(";") if pair]
     found = {name: _threshold(value) for name, value in pairs}
-    if len(found) < len(pairs) or any(not n.isidentifier() or n in NAMES for n in found):
+    if len(found) < len(pairs) or any(not n.isidentifier() or n in NO_THRESHOLDS for n in found):
         raise ValueError(text)
     return found
 
@@ -75,15 +77,15 @@ RUNS: Columns = {
     "map": str,
     "method": str,
     "thresholds": _thresholds,
-    "filtered": lambda cell: _number(cell or "0", most=1e7),
+    "filtered": lambda cell: _cell_number(cell or "0", most=1e7),
     "n_before": _whole,
     "n_after": _whole,
-    "reduction": lambda cell: _number(cell, -LARGEST, 1.0),
-    "quality": lambda cell: _number(cell, most=1.0),
-    "seconds": _number,
+    "reduction": lambda cell: _cell_number(cell, -LARGEST_NUMBER, 1.0),
+    "quality": lambda cell: _cell_number(cell, most=1.0),
+    "seconds": _cell_number,
     "digest": str,
-    "invented": lambda cell: _number(cell or "nan"),
-    "missed": lambda cell: _number(cell or "nan"),
+    "invented": lambda cell: _cell_number(cell or "nan"),
+    "missed": lambda cell: _cell_number(cell or "nan"),
 }
 #: What a sweep wrote before it measured metres: such files are read, and gone on with, as they are.
 FORMER: Columns = {name: kind for name, kind in RUNS.items() if name not in ("invented", "missed")}
@@ -91,27 +93,29 @@ ONLINE: Columns = {
     "method": str,
     "thresholds": _thresholds,
     "scans": _whole,
-    "seconds": _number,
+    "seconds": _cell_number,
     "live": _whole,
 }
 ALIGNMENTS: Columns = {
     **dict.fromkeys(("log", "method"), str),
     **dict.fromkeys(("scans", "used", "compared"), _whole),
-    **dict.fromkeys(("mean", "deviation", "rms", "p95", "largest"), _number),
-    "above_0.2": lambda cell: _number(cell, most=1.0),
-    **dict.fromkeys(("heading", "seconds"), _number),
+    **dict.fromkeys(("mean", "deviation", "rms", "p95", "largest"), _cell_number),
+    "above_0.2": lambda cell: _cell_number(cell, most=1.0),
+    **dict.fromkeys(("heading", "seconds"), _cell_number),
 }
 #: Maps judged by the walls of their building. Means over maps, shares of what could be known, and
 #: one 0 or 1 for each map: whether all four figures are good.
-WALLS: Columns = {
+WALLS_COLUMNS: Columns = {
     **dict.fromkeys(("group", "sensor", "noise", "method"), str),
     "thresholds": _thresholds,
-    **dict.fromkeys(("per_wall", "largest", "found", "missed", "invented", "doubled"), _number),
-    "offset": _number,
+    **dict.fromkeys(
+        ("per_wall", "largest", "found", "missed", "invented", "doubled"), _cell_number
+    ),
+    "offset": _cell_number,
     "all_four": _flags,
 }
 #: Every column that is no threshold.
-NAMES = {*RUNS, *ONLINE} - {"thresholds"}
+NO_THRESHOLDS = {*RUNS, *ONLINE} - {"thresholds"}
 
 
 def as_frame(rows: Iterable[Row], columns: Columns) -> pd.DataFrame:
@@ -140,10 +144,10 @@ def columns_of(path: Path) -> Columns:
 
 def read_rows(path: Path, columns: Columns) -> list[Row]:
     """The whole lines of a CSV file; a ValueError names file, line and what was expected there."""
-    return checked(read_table(path, list(columns)), columns)
+    return checked_rows(read_table(path, list(columns)), columns)
 
 
-def checked(lines: Iterable[tuple[list[str], str]], columns: Columns) -> list[Row]:
+def checked_rows(lines: Iterable[tuple[list[str], str]], columns: Columns) -> list[Row]:
     """Rows of cells with their places, each cell as its column wants it."""
     rows: list[Row] = []
     names: set[str] = set()
@@ -155,13 +159,15 @@ def checked(lines: Iterable[tuple[list[str], str]], columns: Columns) -> list[Ro
             said = str(cells)[:300]
             raise ValueError(f"{where}: expected {','.join(columns)}, got {said}") from error
         names.update(row.get("thresholds", ()))
-        if len(names) > MOST_NAMES:  # each becomes a column as long as the file
-            raise ValueError(f"{where}: expected at most {MOST_NAMES} names of thresholds in all")
+        if len(names) > MOST_THRESHOLD_NAMES:  # each becomes a column as long as the file
+            raise ValueError(
+                f"{where}: expected at most {MOST_THRESHOLD_NAMES} names of thresholds in all"
+            )
         rows.append(row)
     return rows
 
 
-def line_of(row: Row, columns: Columns = RUNS) -> str:
+def row_line(row: Row, columns: Columns = RUNS) -> str:
     """A line of a CSV file with its end."""
     named = ";".join(f"{name}={value!r}" for name, value in row["thresholds"].items())
     text = {
@@ -203,4 +209,4 @@ def journal(path: str | Path | None) -> Iterator[tuple[list[Row], Callable[[Row]
 
         if path.stat().st_size == 0:
             add(csv_line(RUNS))
-        yield rows, lambda row: add(line_of(row, columns))
+        yield rows, lambda row: add(row_line(row, columns))

@@ -15,7 +15,7 @@ from ..arrays import Segments
 from ..methods import Method
 from ..reduction import METHODS, Reduction
 from ..segments import SegmentMap
-from ._files import NAMES, Row, Threshold
+from ._files import NO_THRESHOLDS, Row, Threshold
 
 Function = Callable[..., Reduction]
 #: How good a map after its reduction is, of the map before and after: in [0, 1].
@@ -89,7 +89,7 @@ def planned(
     """All runs of a sweep in the order of the request; arguments and errors as of `sweep`."""
     least = [
         None if f is None else arrays.number(f, "filters", above=0, unit="metres, or None")
-        for f in _listed(filters, "filters")
+        for f in _walked_through(filters, "filters")
     ]
     functions = _functions(methods)
     for name in set(grids) - set(METHODS):
@@ -121,11 +121,11 @@ def _functions(methods: Iterable[str] | Mapping[str, Function]) -> dict[str, Fun
         found = {k: m.function if isinstance(m, Method) else m for k, m in methods.items()}
         words = "of a map and thresholds"
         return {k: arrays.function(f, f"methods[{k!r}]", words) for k, f in found.items()}
-    names = [methods] if isinstance(methods, str) else _listed(methods, "methods")
+    names = [methods] if isinstance(methods, str) else _walked_through(methods, "methods")
     return {arrays.one_of(name, "methods", METHODS): METHODS[name].function for name in names}
 
 
-def _listed(values: Iterable[T], name: str) -> list[T]:
+def _walked_through(values: Iterable[T], name: str) -> list[T]:
     """What can be walked through, as a list."""
     try:
         return list(values)
@@ -157,7 +157,7 @@ def _combinations(name: str, function: Function, grid: Grid) -> list[tuple[Thres
         lists = [np.atleast_1d(np.asarray(values, object)) for values in grid.values()]
         grid = [dict(zip(grid, values, strict=True)) for values in product(*lists)]
     defaults, words = default_thresholds(function), f"grids[{name!r}]"
-    grid = [arrays.instance(row, words, Mapping) for row in _listed(grid, words)]
+    grid = [arrays.instance(row, words, Mapping) for row in _walked_through(grid, words)]
     numbers = {k: v for k, v in (defaults or {}).items() if v is None or isinstance(v, int | float)}
     kept = {name: _plain(value) for name, value in numbers.items()}
     found = [{**kept, **{k: _plain(v) for k, v in row.items()}} for row in grid]
@@ -165,7 +165,7 @@ def _combinations(name: str, function: Function, grid: Grid) -> list[tuple[Thres
         if defaults is not None and (strange := set(row) - set(defaults)):
             known = ", ".join(defaults)
             raise ValueError(f"grids[{name!r}] must be of {known}, got {', '.join(strange)}")
-        if taken := NAMES & set(row):
+        if taken := NO_THRESHOLDS & set(row):
             raise ValueError(f"{name} must not call a threshold {taken.pop()!r}: a column is")
     found = [{k: v for k, v in row.items() if v is not None or defaults is None} for row in found]
     kinds = [tuple(map(type, row.values())) for row in found]

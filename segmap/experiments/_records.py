@@ -14,17 +14,17 @@ from ..readers import data_file
 from ._files import (
     ALIGNMENTS,
     FORMER,
-    NAMES,
+    NO_THRESHOLDS,
     ONLINE,
     RUNS,
-    WALLS,
+    WALLS_COLUMNS,
     Threshold,
     as_frame,
-    checked,
+    checked_rows,
     columns_of,
     csv_line,
-    line_of,
     read_rows,
+    row_line,
 )
 
 if TYPE_CHECKING:
@@ -52,8 +52,8 @@ def write_records(frame: pd.DataFrame, path: str | Path) -> None:
     path = arrays.file(path)
     plain = ({str(k): v for k, v in row.items()} for row in frame.to_dict("records"))
     rows = (row | {"thresholds": thresholds_of(row)} for row in plain)
-    data = (csv_line(columns) + "".join(line_of(row, columns) for row in rows)).encode()
-    checked(table_lines(data, path.name, list(columns)), columns)
+    data = (csv_line(columns) + "".join(row_line(row, columns) for row in rows)).encode()
+    checked_rows(table_lines(data, path.name, list(columns)), columns)
     with replacing(path) as target:
         target.write(data)
 
@@ -73,7 +73,7 @@ def load_records(*names: str) -> pd.DataFrame:
     """
     place = data_file("records")
     chosen = names or sorted(path.stem for path in place.glob("*.csv") if _holds_runs(path))
-    paths = [_named(place, name, "names") for name in chosen]
+    paths = [_csv_file(place, name, "names") for name in chosen]
     rows = [row for path in paths for row in read_rows(path, columns_of(path))]
     return as_frame(rows, RUNS)
 
@@ -83,7 +83,7 @@ def load_online(name: str) -> pd.DataFrame:
 
     With the columns of `online_times`.
     """
-    return as_frame(read_rows(_named(data_file("records/online"), name), ONLINE), ONLINE)
+    return as_frame(read_rows(_csv_file(data_file("records/online"), name), ONLINE), ONLINE)
 
 
 def load_alignments(log: str = "", *, path: Path | None = None) -> pd.DataFrame:
@@ -142,12 +142,12 @@ def load_walls(group: str = "", *, path: Path | None = None) -> pd.DataFrame:
 
     arrays.instance(group, "group", str)
     path = data_file("records/walls.csv") if path is None else arrays.file(path)
-    rows = [row for row in read_rows(path, WALLS) if row["group"].startswith(group)]
+    rows = [row for row in read_rows(path, WALLS_COLUMNS) if row["group"].startswith(group)]
     if group and not rows:
         raise ValueError(f"group must be the beginning of one in {path.name}, got {group!r}")
     for row in rows:
         row |= {"thresholds": thresholds_text(row["thresholds"]), "maps": len(row["all_four"])}
-    return pd.DataFrame(rows, columns=[*WALLS, "maps"])
+    return pd.DataFrame(rows, columns=[*WALLS_COLUMNS, "maps"])
 
 
 def select(
@@ -201,7 +201,7 @@ def thresholds_of(run: Mapping[str, Any] | pd.Series) -> dict[str, Threshold]:
         if not (pd.api.types.is_scalar(value) or isinstance(value, tuple)):
             raise ValueError(f"run must hold one value for {name!r}, got {arrays.brief(value)}")
     plain = {k: v.item() if isinstance(v, np.generic) else v for k, v in run.items()}
-    return {str(k): v for k, v in plain.items() if k not in NAMES and not pd.isna(v)}
+    return {str(k): v for k, v in plain.items() if k not in NO_THRESHOLDS and not pd.isna(v)}
 
 
 def thresholds_text(run: Mapping[str, Any] | pd.Series) -> str:
@@ -226,7 +226,7 @@ def _holds_runs(path: Path) -> bool:
         return lines.readline() in (csv_line(RUNS), csv_line(FORMER))
 
 
-def _named(place: Path, name: str, word: str = "name") -> Path:
+def _csv_file(place: Path, name: str, word: str = "name") -> Path:
     """The file of that name in a folder of CSV files; errors call the argument by a word."""
     paths = {path.stem: path for path in place.glob("*.csv")}
     if arrays.instance(name, word, str) not in paths:

@@ -125,7 +125,7 @@ def sweep(
                 add(row)
 
         with (
-            _bar(progress)(total=len(jobs), initial=len(done)) as bar,
+            _bar_class(progress)(total=len(jobs), initial=len(done)) as bar,
             closing(_finished(jobs, done, executor, keep)) as finished,
         ):
             for index, row in finished:
@@ -135,7 +135,7 @@ def sweep(
     return as_frame((done[index] for index in range(len(jobs))), RUNS)
 
 
-def run(job: Job) -> Row:
+def run_job(job: Job) -> Row:
     """One run, in whatever process: what an executor is given."""
     try:
         _load(job.function, job.first)
@@ -144,14 +144,14 @@ def run(job: Job) -> Row:
         found, seconds = runs[-1], median(each.seconds for each in runs)
         kept = math.nan
         if len(job.segments):
-            kept = float(arrays.called(job.measure, "measure", job.segments, found))
+            kept = float(arrays.call_given(job.measure, "measure", job.segments, found))
         if not (0 <= kept <= 1 or math.isnan(kept)):
             raise ValueError(f"measure must give a number in [0, 1] or NaN, got {kept}")
         rate = reduction_rate(job.segments, found)
     except Exception as error:
         kinds = (kind for kind in (ValueError, TypeError) if isinstance(error, kind))
         kind = next(kinds, RuntimeError)
-        raise kind(f"{_words(job.row)}: {type(error).__name__}: {error}") from error
+        raise kind(f"{_job_text(job.row)}: {type(error).__name__}: {error}") from error
     return job.row | {
         "n_before": len(job.segments),
         "n_after": len(found),
@@ -196,9 +196,9 @@ def _finished(
     """Runs as they finish; when the caller stops, what waits is cancelled, what is done kept."""
     todo = [index for index in range(len(jobs)) if index not in done]
     if executor is None:
-        yield from ((index, run(jobs[index])) for index in todo)
+        yield from ((index, run_job(jobs[index])) for index in todo)
         return
-    futures = {executor.submit(run, jobs[index]): index for index in todo}
+    futures = {executor.submit(run_job, jobs[index]): index for index in todo}
     try:
         for future in as_completed(futures):
             yield futures[future], future.result()
@@ -208,7 +208,7 @@ def _finished(
                 keep(index, future.result())
 
 
-def _bar(progress: bool | Callable[..., Any]) -> Callable[..., Any]:
+def _bar_class(progress: bool | Callable[..., Any]) -> Callable[..., Any]:
     """The class of the progress bar: tqdm's, which stays silent unless it can be seen."""
     if callable(progress):
         return progress
@@ -219,7 +219,7 @@ def _bar(progress: bool | Callable[..., Any]) -> Callable[..., Any]:
     return partial(tqdm, disable=not (progress and (notebook or sys.stderr.isatty())))
 
 
-def _words(row: Row) -> str:
+def _job_text(row: Row) -> str:
     named = (f"{name}={number_text(value)}" for name, value in row["thresholds"].items())
     least = f"{row['filtered']:.2f} m" if row["filtered"] else "no"
     return f"{row['method']}({row['map']}, {', '.join(named)}), filter {least}"

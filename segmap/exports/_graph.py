@@ -40,7 +40,7 @@ def write_graph(path: str | Path, graph: Alignment | PoseGraph) -> None:
     ...     print((Path(folder) / "it.g2o").read_text().splitlines()[0])
     VERTEX_SE2 0 0.0 0.0 0.0
     """
-    place, found = arrays.file(path), _checked(graph)
+    place, found = arrays.file(path), _checked_graph(graph)
     if not (count := len(found.poses)):
         raise ValueError("graph must hold at least one pose, got none")
     ids = np.arange(count) if found.ids is None else arrays.indices(found.ids, "graph.ids")
@@ -48,16 +48,17 @@ def write_graph(path: str | Path, graph: Alignment | PoseGraph) -> None:
         raise ValueError(f"graph.ids must be {count} different numbers from 0, got {ids}")
     names = ids.tolist()
     lines = [
-        f"VERTEX_SE2 {name} {_row(pose)}" for name, pose in zip(names, found.poses, strict=True)
+        f"VERTEX_SE2 {name} {_graph_row(pose)}"
+        for name, pose in zip(names, found.poses, strict=True)
     ]
     turned = information.rotated(found.information, found.relative[:, 2])
     upper = turned.reshape(-1, 9)[:, [0, 1, 2, 4, 5, 8]]
     for (i, j), motion, six in zip(found.edges.tolist(), found.relative, upper, strict=True):
-        lines.append(f"EDGE_SE2 {names[i]} {names[j]} {_row(motion)} {_row(six)}")
+        lines.append(f"EDGE_SE2 {names[i]} {names[j]} {_graph_row(motion)} {_graph_row(six)}")
     write_lines(place, lines)
 
 
-def _checked(graph: Alignment | PoseGraph) -> PoseGraph:
+def _checked_graph(graph: Alignment | PoseGraph) -> PoseGraph:
     """The arrays of a graph, each as it must be."""
     if isinstance(graph, Alignment):
         known = graph.graph
@@ -76,10 +77,10 @@ def _checked(graph: Alignment | PoseGraph) -> PoseGraph:
         got = f"{ends.min()} to {ends.max()}"
         raise ValueError(f"graph.edges must name rows 0 to {len(poses) - 1} of poses, got {got}")
     relative = arrays.poses(graph.relative, "graph.relative", count=len(ends))
-    weight = information.checked(graph.information, len(ends))
+    weight = information.checked_information(graph.information, len(ends))
     return PoseGraph(poses, ends, relative, weight, graph.ids)
 
 
-def _row(values: Array) -> str:
+def _graph_row(values: Array) -> str:
     """Numbers with all their digits."""
     return " ".join(map(repr, values.tolist()))

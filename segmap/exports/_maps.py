@@ -12,18 +12,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from ..arrays import Quantity, Share, below, checked
+from ..arrays import Quantity, Share, checked, upper_bound_excluded
 from ..files import replacing, write_bytes
 from ..quadtree import QuadtreeMap, extent
 from ._world import Frame, collection
 
 #: Grey values of classes: free, unknown, occupied.
 GREYS = np.array([254, 205, 0], np.uint8)
-#: What the YAML states for `(255 - grey) / 255`: 205 lies between the two.
-OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
-#: Outlines of leaves, their width in pixels, and the part of a small leaf that they take at most;
-#: width of a drawing, pixels.
-BLUE, LINE, PART, WIDTH = "#0072b2", 0.6, 0.1, 800
+#: What the YAML states for `(255 - grey) / 255`: from here on a cell is occupied.
+OCCUPIED_THRESH = 0.65
+#: Up to here it is free; 205 lies between the two.
+FREE_THRESH = 0.196
+#: Colour of the outlines of leaves.
+OUTLINE_COLOUR = "#0072b2"
+#: Their width, pixels.
+OUTLINE_PIXELS = 0.6
+#: The part of a small leaf that they take at most.
+OUTLINE_PART = 0.1
+#: Width of a drawing, pixels.
+LEAVES_WIDTH_PIXELS = 800
 #: A threshold that is checked together with another.
 Number = Annotated[float, Quantity("")]
 
@@ -117,8 +124,8 @@ def write_ros_map(
     thresholds = f"free: occupancy <= {free:g}, occupied: occupancy > {occupied:g}"
     lines = [
         f"image: {json.dumps(picture.name, ensure_ascii=False)}",
-        f"resolution: {_number(found.side)}",
-        f"origin: [{_number(found.left)}, {_number(found.low)}, 0.0]",
+        f"resolution: {_yaml_number(found.side)}",
+        f"origin: [{_yaml_number(found.left)}, {_yaml_number(found.low)}, 0.0]",
         "negate: 0",
         f"occupied_thresh: {OCCUPIED_THRESH}",
         f"free_thresh: {FREE_THRESH}",
@@ -130,7 +137,7 @@ def write_ros_map(
         text.write("".join(f"{line}\n" for line in lines).encode("utf-8", "surrogateescape"))
 
 
-def _number(value: float) -> str:
+def _yaml_number(value: float) -> str:
     """A number with a point in it: some YAML readers take 1e-05 for a word."""
     mantissa, mark, power = repr(value).partition("e")
     return mantissa + (".0" if mark and "." not in mantissa else "") + mark + power
@@ -142,7 +149,7 @@ def write_geojson(
     path: str | Path,
     map: QuadtreeMap,
     *,
-    occupied: Annotated[Share, below(1)] = 0.5,
+    occupied: Annotated[Share, upper_bound_excluded(1)] = 0.5,
     world: Frame = Frame(),
 ) -> None:
     """Write the leaves of greater occupancy than `occupied` as squares, with both counts.
@@ -200,16 +207,16 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
     map = deepcopy(arrays.instance(map, "map", QuadtreeMap))  # as it is now
     left, low, right, high = extent(map)
     wide, tall = right - left, high - low
-    thin = LINE * wide / WIDTH if outlines else 0.0
-    stroke = f'stroke="{BLUE}" stroke-width="{thin:.6g}"'
+    thin = OUTLINE_PIXELS * wide / LEAVES_WIDTH_PIXELS if outlines else 0.0
+    stroke = f'stroke="{OUTLINE_COLOUR}" stroke-width="{thin:.6g}"'
     look = stroke if outlines else 'shape-rendering="crispEdges"'
     head = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" '
-        f'height="{WIDTH * tall / wide:.0f}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{LEAVES_WIDTH_PIXELS}" '
+        f'height="{LEAVES_WIDTH_PIXELS * tall / wide:.0f}" '
         f'viewBox="{left:.9g} {-high:.9g} {wide:.9g} {tall:.9g}">\n'
         f'<g transform="scale(1 -1)" {look}>\n'
     )
-    text = head + "\n".join(_paths(map, thin / PART)) + "\n</g>\n</svg>\n"
+    text = head + "\n".join(_paths(map, thin / OUTLINE_PART)) + "\n</g>\n</svg>\n"
     write_bytes(arrays.file(path), text.encode("ascii"))
 
 
@@ -225,7 +232,7 @@ def _paths(map: QuadtreeMap, small: float) -> Iterator[str]:
     for kind in np.unique(kinds, axis=0):
         rows = np.stack([x, y, side], -1)[(kinds == kind).all(1)].tolist()
         squares = "".join(f"M{x:.15g} {y:.15g}h{a:.15g}v{a:.15g}h-{a:.15g}z" for x, y, a in rows)
-        line = f' stroke-width="{PART * kind[1]:.6g}"' if kind[1] else ""
+        line = f' stroke-width="{OUTLINE_PART * kind[1]:.6g}"' if kind[1] else ""
         yield f'<path fill="#{3 * f"{int(kind[0]):02x}"}"{line} d="{squares}"/>'
 
 

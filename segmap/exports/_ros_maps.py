@@ -30,9 +30,11 @@ from ..poses import transform
 from ..quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap, map_of_grid
 from ..readers import LogError
 
-#: A YAML of a map has a few lines; so many pixels a map of 400 m by 400 m at 0.05 m has.
-MOST_BYTES, MOST_PIXELS = 1 << 16, 1 << 26
-MODES = ("trinary", "scale", "raw")
+#: A YAML of a map has a few lines.
+MOST_YAML_BYTES = 1 << 16
+#: So many pixels a map of 400 m by 400 m at 0.05 m has.
+MOST_MAP_PIXELS = 1 << 26
+YAML_MODES = ("trinary", "scale", "raw")
 #: What pictures map_server writes and people draw, by the names of Pillow.
 KINDS = ("PPM", "PNG", "BMP")
 Grid = NDArray[np.int8]
@@ -50,7 +52,7 @@ def is_ros_map(path: str | Path) -> bool:
     if place.suffix.lower() not in (".yaml", ".yml") or not place.is_file():
         return False
     with place.open("rb") as source:
-        return re.search(rb"^image\s*:", source.read(MOST_BYTES), re.MULTILINE) is not None
+        return re.search(rb"^image\s*:", source.read(MOST_YAML_BYTES), re.MULTILINE) is not None
 
 
 def read_ros_map(path: str | Path) -> QuadtreeMap:
@@ -93,7 +95,7 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     occupied, free = (said.number(f"{kind}_thresh", 0, 1) for kind in ("occupied", "free"))
     if free > occupied:
         raise said.fault("free_thresh", f"must not be above occupied_thresh, {occupied:g}")
-    mode = said.word("mode", MODES, "trinary")
+    mode = said.word("mode", YAML_MODES, "trinary")
     negate = said.word("negate", ("0", "1", "false", "true")) in ("1", "true")
     grey, opaque = _picture(said)
     shade = grey if negate else 255 - grey
@@ -114,13 +116,13 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
             return map_of_grid(cells, resolution=side, corner=(x, y))
         words = f"turned by its yaw, {math.degrees(yaw):.1f} degrees: walls are up to a cell off"
         warnings.warn(f"{shown(place)}: {words}", UserWarning, stacklevel=2)
-        turned, corner = _turned(cells, side, np.array((x, y, yaw)))
+        turned, corner = _turned_grid(cells, side, np.array((x, y, yaw)))
         return map_of_grid(turned, resolution=side, corner=corner)
     except ValueError as error:
         raise LogError(place, str(error)) from error
 
 
-def _turned(cells: Grid, side: float, origin: Array) -> tuple[Grid, Array]:
+def _turned_grid(cells: Grid, side: float, origin: Array) -> tuple[Grid, Array]:
     """The grid in the frame of the world, and its lower left corner.
 
     A cell is what lies at its centre; that none of a thin wall is lost, each occupied cell also
@@ -131,7 +133,7 @@ def _turned(cells: Grid, side: float, origin: Array) -> tuple[Grid, Array]:
     around = transform(origin, ends)
     corner = around.min(0)
     wide, tall = np.ceil(np.ptp(around, axis=0) / side - 1e-6).astype(int)
-    if wide * tall > 2 * MOST_PIXELS:
+    if wide * tall > 2 * MOST_MAP_PIXELS:
         raise ValueError(f"its yaw makes it {wide} by {tall} cells, more than can be read")
     found = np.zeros((tall, wide), np.int8)
     back = np.array((math.cos(origin[2]), math.sin(origin[2])))
@@ -160,7 +162,7 @@ def _picture(said: _Said) -> tuple[Array, NDArray[np.bool_]]:
     try:
         with Image.open(place, formats=KINDS) as image:
             columns, rows = image.size
-            if columns * rows > MOST_PIXELS:
+            if columns * rows > MOST_MAP_PIXELS:
                 raise ValueError(f"it has {columns} by {rows} pixels, at most 2^26 are read")
             if image.mode.startswith("I"):  # 16 bits
                 return np.asarray(image, float) / 257, np.ones((rows, columns), bool)
@@ -182,10 +184,10 @@ class _Said:
         self._held: dict[str, tuple[Any, int]] = {}
         try:
             with path.open("rb") as source:
-                data = source.read(MOST_BYTES + 1)
+                data = source.read(MOST_YAML_BYTES + 1)
         except OSError as error:
             raise LogError(path, f"cannot be read ({error.strerror})") from error
-        if len(data) > MOST_BYTES:
+        if len(data) > MOST_YAML_BYTES:
             raise LogError(path, "is too long for the YAML of a map")
         key = ""
         for number, line in enumerate(data.decode("utf-8", "surrogateescape").splitlines(), 1):

@@ -13,8 +13,12 @@ from ..files import write_bytes
 from ..segments import SegmentMap
 from ._world import Frame, collection
 
-#: Largest side of a drawing, width of its lines, pixels; its margin as a part of that side.
-PIXELS, LINE, MARGIN = 800, 1.5, 0.02
+#: Largest side of a drawing, pixels.
+DRAWING_PIXELS = 800
+#: Width of its lines, pixels.
+WALL_PIXELS = 1.5
+#: Its margin as a part of that side.
+DRAWING_MARGIN = 0.02
 #: Metres in the header of a DXF file.
 METRES = 6
 
@@ -57,10 +61,10 @@ def write_segments(path: str | Path, map: Segments, *, world: Frame = Frame()) -
     arrays.instance(world, "world", Frame)
     if end == ".npz" and name == place.name:
         held.save(place)
-    elif end in TEXTS:
-        write_bytes(place, "".join(TEXTS[end](held, world)).encode("ascii"))
+    elif end in TEXT_WRITERS:
+        write_bytes(place, "".join(TEXT_WRITERS[end](held, world)).encode("ascii"))
     else:
-        known = ", ".join([*TEXTS, *(f"{each}.gz" for each in TEXTS)])
+        known = ", ".join([*TEXT_WRITERS, *(f"{each}.gz" for each in TEXT_WRITERS)])
         raise ValueError(f"path: the name must end in .npz, {known}, got {place.name!r}")
 
 
@@ -71,7 +75,7 @@ def _rows(map: SegmentMap) -> list[list[float]]:
     return found
 
 
-def _csv(map: SegmentMap, world: Frame) -> Iterator[str]:
+def _csv_lines(map: SegmentMap, world: Frame) -> Iterator[str]:
     yield "x1,y1,x2,y2,scan\n"
     for row, scan in zip(_rows(map), map.scan.tolist(), strict=True):
         yield ",".join([*(repr(value) for value in row), f"{scan}\n"])
@@ -110,12 +114,12 @@ def _tags(*pairs: tuple[int, str | int | float]) -> str:
 
 
 def _svg(map: SegmentMap, world: Frame) -> Iterator[str]:
-    (left, low), (wide, tall) = _frame(map.segments)
-    scale = PIXELS / max(wide, tall)
+    (left, low), (wide, tall) = _drawing_frame(map.segments)
+    scale = DRAWING_PIXELS / max(wide, tall)
     yield (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{scale * wide:.0f}" '
         f'height="{scale * tall:.0f}" viewBox="{left!r} {-low - tall!r} {wide!r} {tall!r}">\n'
-        f'<g transform="scale(1 -1)" stroke="#000000" stroke-width="{LINE / scale:.6g}" '
+        f'<g transform="scale(1 -1)" stroke="#000000" stroke-width="{WALL_PIXELS / scale:.6g}" '
         'stroke-linecap="round">\n'
     )
     for a, b, c, d in _rows(map):
@@ -123,15 +127,15 @@ def _svg(map: SegmentMap, world: Frame) -> Iterator[str]:
     yield "</g>\n</svg>\n"
 
 
-def _frame(segments: Array) -> tuple[list[float], list[float]]:
+def _drawing_frame(segments: Array) -> tuple[list[float], list[float]]:
     """Lower left corner and sides of what a drawing shows, metres: never nothing."""
     ends = segments.reshape(-1, 2) if len(segments) else np.zeros((1, 2))
     low, high = ends.min(0), ends.max(0)
-    room = MARGIN * max((high - low).max(), 1.0)
+    room = DRAWING_MARGIN * max((high - low).max(), 1.0)
     return (low - room).tolist(), (high - low + 2 * room).tolist()
 
 
 #: Formats that are text, by the end of their name; GeoJSON alone asks where the map lies.
-TEXTS: dict[str, Callable[[SegmentMap, Frame], Iterator[str]]] = {
-    ".csv": _csv, ".svg": _svg, ".geojson": _geojson, ".wkt": _wkt, ".dxf": _dxf,
+TEXT_WRITERS: dict[str, Callable[[SegmentMap, Frame], Iterator[str]]] = {
+    ".csv": _csv_lines, ".svg": _svg, ".geojson": _geojson, ".wkt": _wkt, ".dxf": _dxf,
 }  # fmt: skip

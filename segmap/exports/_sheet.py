@@ -18,15 +18,28 @@ from ._world import Direction
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: A4, its margins and the band of words below the map, millimetres; an inch has so many.
-SHORT, LONG, EDGE, BAND, INCH = 210.0, 297.0, 12.0, 30.0, 25.4
-#: Scales, the 100 of 1 : 100, and bars are one of these times a power of ten; scales at least so.
-ROUND = (1, 2, 2.5, 5, 10)
-SMALLEST = 20.0
+#: Shorter side of A4, millimetres.
+A4_SHORT_MM = 210.0
+#: Longer side of A4, millimetres.
+A4_LONG_MM = 297.0
+#: Margins of the sheet, millimetres.
+SHEET_MARGIN_MM = 12.0
+#: The band of words below the map, millimetres.
+WORDS_BAND_MM = 30.0
+#: An inch, millimetres.
+INCH_MM = 25.4
+#: Scales, the 100 of 1 : 100, and bars are one of these times a power of ten.
+ROUND_MANTISSAS = (1, 2, 2.5, 5, 10)
+#: The smallest scale: 1 : 20.
+SMALLEST_SCALE = 20.0
 #: Length of a bar at least, millimetres.
 BAR = 25.0
-#: Width of walls, millimetres; letters of a line of words, and dots an inch of a picture.
-WALL, LETTERS, DOTS = 0.35, 95, 200
+#: Width of walls, millimetres.
+WALL_MM = 0.35
+#: Letters of a line of words.
+LETTERS_PER_LINE = 95
+#: Dots an inch of a picture.
+SHEET_DPI = 200
 ENDS = (".pdf", ".svg", ".png")
 
 
@@ -78,10 +91,10 @@ def write_sheet(
     rules: Any = {"svg.fonttype": "none", "svg.hashsalt": "segmap", "pdf.fonttype": 42}
     with matplotlib.rc_context(rules), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a letter that no font here has
-        figure = _drawn(segments, [shown(text) for text in (title, verdict, date)], north)
+        figure = _draw_sheet(segments, [shown(text) for text in (title, verdict, date)], north)
         kept, dated = io.BytesIO(), {".pdf": "CreationDate", ".svg": "Date"}
         metadata = {dated[end]: None} if end in dated else {}
-        figure.savefig(kept, format=end[1:], dpi=DOTS, metadata=metadata)
+        figure.savefig(kept, format=end[1:], dpi=SHEET_DPI, metadata=metadata)
     write_bytes(place, kept.getvalue())
 
 
@@ -94,39 +107,46 @@ def rounded_up(least: float) -> float:
     (100.0, 0.2, 200.0)
     """
     ten = 10.0 ** np.floor(np.log10(least))
-    return float(next(k * ten for k in ROUND if k * ten >= least * (1 - 1e-9)))
+    return float(next(k * ten for k in ROUND_MANTISSAS if k * ten >= least * (1 - 1e-9)))
 
 
-def _drawn(segments: Array, words: list[str], north: float | None) -> Figure:
+def _draw_sheet(segments: Array, words: list[str], north: float | None) -> Figure:
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
     ends = segments.reshape(-1, 2) if len(segments) else np.zeros((1, 2))
     low, high = ends.min(0), ends.max(0)
     wide, tall = high - low
-    page = np.array([LONG, SHORT] if wide > tall else [SHORT, LONG])
-    room = page - [2 * EDGE, 2 * EDGE + BAND]
-    scale = rounded_up(max(SMALLEST, 1000 * wide / room[0], 1000 * tall / room[1]))
-    figure = Figure(tuple(page / INCH))
+    page = np.array([A4_LONG_MM, A4_SHORT_MM] if wide > tall else [A4_SHORT_MM, A4_LONG_MM])
+    room = page - [2 * SHEET_MARGIN_MM, 2 * SHEET_MARGIN_MM + WORDS_BAND_MM]
+    scale = rounded_up(max(SMALLEST_SCALE, 1000 * wide / room[0], 1000 * tall / room[1]))
+    figure = Figure(tuple(page / INCH_MM))
     ax = figure.add_axes((0, 0, 1, 1))  # millimetres of the paper
     ax.set(xlim=(0, page[0]), ylim=(0, page[1]))
     ax.set_axis_off()
-    middle = np.array([page[0] / 2, EDGE + BAND + room[1] / 2])
+    middle = np.array([page[0] / 2, SHEET_MARGIN_MM + WORDS_BAND_MM + room[1] / 2])
     placed = (segments - (low + high) / 2) * 1000 / scale + middle
-    dot = 72 / INCH  # points a millimetre
-    ax.add_collection(LineCollection(list(placed), colors="black", linewidths=WALL * dot))
+    dot = 72 / INCH_MM  # points a millimetre
+    ax.add_collection(LineCollection(list(placed), colors="black", linewidths=WALL_MM * dot))
     title, verdict, date = words
     plain: dict[str, Any] = {"parse_math": False, "va": "top"}
-    ax.text(EDGE, EDGE + BAND - 6, title, fontsize=14, weight="bold", **plain)
-    lines = "\n".join(textwrap.wrap(verdict, LETTERS)[:3])
-    ax.text(EDGE, EDGE + BAND - 14, lines, fontsize=9, **plain)
-    right = page[0] - EDGE
+    ax.text(
+        SHEET_MARGIN_MM,
+        SHEET_MARGIN_MM + WORDS_BAND_MM - 6,
+        title,
+        fontsize=14,
+        weight="bold",
+        **plain,
+    )
+    lines = "\n".join(textwrap.wrap(verdict, LETTERS_PER_LINE)[:3])
+    ax.text(SHEET_MARGIN_MM, SHEET_MARGIN_MM + WORDS_BAND_MM - 14, lines, fontsize=9, **plain)
+    right = page[0] - SHEET_MARGIN_MM
     told = "  ".join(filter(None, [f"1 : {scale:g}", date]))
-    ax.text(right, EDGE + BAND - 6, told, fontsize=11, ha="right", **plain)
-    _bar(ax, right, EDGE + 4, scale)
+    ax.text(right, SHEET_MARGIN_MM + WORDS_BAND_MM - 6, told, fontsize=11, ha="right", **plain)
+    _draw_scale_bar(ax, right, SHEET_MARGIN_MM + 4, scale)
     angle = np.pi / 2 if north is None else north
     tip = 9 * np.array([np.cos(angle), np.sin(angle)])
-    foot = np.array([right - 10, EDGE + BAND + room[1] - 18])
+    foot = np.array([right - 10, SHEET_MARGIN_MM + WORDS_BAND_MM + room[1] - 18])
     ax.annotate(
         "", tuple(foot + tip), tuple(foot), arrowprops={"arrowstyle": "-|>", "color": "black"}
     )
@@ -135,7 +155,7 @@ def _drawn(segments: Array, words: list[str], north: float | None) -> Figure:
     return figure
 
 
-def _bar(ax: Any, right: float, low: float, scale: float) -> None:
+def _draw_scale_bar(ax: Any, right: float, low: float, scale: float) -> None:
     """A bar of a round length, with its words."""
     metres = rounded_up(BAR * scale / 1000)
     size = 1000 * metres / scale

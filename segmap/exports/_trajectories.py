@@ -18,11 +18,11 @@ from ..readers import LogError, half_turn, read
 from ..scans import NO_POSE, LaserScan, Log
 
 #: What a SICK answers where nothing was met, metres: every reader of CARMEN logs knows it.
-NOTHING_MET = 81.83
+SICK_NOTHING_MET_M = 81.83
 #: Beams farther than this from where a line would put them, radians, cannot be written.
 EVEN = 1e-6
 #: A laser that comes back farther away than this, in metres or radians, was read wrongly.
-MOVED = 1e-3
+SENSOR_MOVED = 1e-3
 
 
 def write_tum(path: str | Path, log: Log, poses: Alignment | ArrayLike) -> None:
@@ -45,7 +45,7 @@ def write_tum(path: str | Path, log: Log, poses: Alignment | ArrayLike) -> None:
     arrays.instance(log, "log", Log)
     if poses is None:
         raise ValueError("poses must be one a scan, or an alignment, got None")
-    rows = _poses(log, poses)
+    rows = _poses_to_write(log, poses)
     known = np.flatnonzero(np.isfinite(rows).all(1))
     times, remarks = _times(log)
     lines = (_tum(time, pose) for time, pose in zip(times[known], rows[known], strict=True))
@@ -95,10 +95,10 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
     """
     if not len(arrays.instance(log, "log", Log)):
         raise ValueError(f"log {log.name!r} holds no scan: there is nothing to write")
-    rows = _poses(log, log.truth if poses is None else poses)
+    rows = _poses_to_write(log, log.truth if poses is None else poses)
     times, remarks = _times(log)
     old = all(_looks_over_half_a_turn(k, scan) for k, scan in enumerate(log))
-    places = _places(log)
+    places = _laser_places(log)
     lines = [f"# written by segmap: {log.name!a}", *remarks]
     for end, offset in zip(("front", "rear"), places, strict=False):
         if offset.any():  # none for a laser at the robot's turning point
@@ -131,7 +131,7 @@ def _check_readable(written: Path, log: Log, name: str) -> None:
         raise ValueError(f"{name} cannot hold this log: {len(found)} of {len(log)} scans come back")
     for read_back, scan in zip(found, log, strict=True):
         off = read_back.sensor_pose - scan.sensor_pose
-        if np.abs([*off[:2], wrap(off[2])]).max() > MOVED:
+        if np.abs([*off[:2], wrap(off[2])]).max() > SENSOR_MOVED:
             raise ValueError(
                 "poses that lie all alike from the odometry would be read as the laser's place on "
                 "the robot: write a longer log, or one without odometry"
@@ -146,18 +146,19 @@ def _tum(time: float, pose: Array) -> str:
 
 def _old(scan: LaserScan, number: int) -> tuple[str, str]:
     """What stands before the poses of a FLASER or RLASER line, and behind them."""
-    return f"{'FR'[number - 1]}LASER {len(scan)} {_numbers(_written(scan, NOTHING_MET))}", ""
+    ranges = _numbers(_ranges_to_write(scan, SICK_NOTHING_MET_M))
+    return f"{'FR'[number - 1]}LASER {len(scan)} {ranges}", ""
 
 
 def _new(scan: LaserScan, number: int) -> tuple[str, str]:
     """What stands before the poses of a ROBOTLASER line, and behind them."""
-    step, limit = _step(scan), scan.max_range if np.isfinite(scan.max_range) else NOTHING_MET
+    step, limit = _step(scan), scan.max_range if np.isfinite(scan.max_range) else SICK_NOTHING_MET_M
     turn = f"{float(scan.angles[0])!r} {step * (len(scan) - 1)!r} {step!r}"
-    ranges = f"{len(scan)} {_numbers(_written(scan, limit))}"
+    ranges = f"{len(scan)} {_numbers(_ranges_to_write(scan, limit))}"
     return f"ROBOTLASER{number} 0 {turn} {limit:.6f} 0.010 0 {ranges} 0", " 0 0 0 0 0"
 
 
-def _written(scan: LaserScan, nothing: float) -> Array:
+def _ranges_to_write(scan: LaserScan, nothing: float) -> Array:
     """Ranges `(n,)` with the answer for nothing met, and 0 for an error."""
     met = np.where(scan.ranges >= scan.max_range, np.inf, scan.ranges)
     return np.where(scan.valid, met, np.where(np.isposinf(met), nothing, 0.0))
@@ -169,7 +170,7 @@ def _numbers(values: Iterable[float]) -> str:
 
 
 # ---------------------------------------------------------------------------- the log
-def _poses(log: Log, poses: Alignment | ArrayLike | None) -> Array:
+def _poses_to_write(log: Log, poses: Alignment | ArrayLike | None) -> Array:
     """Poses to write, `(k, 3)`: finite, or NaN where a scan has none."""
     given = np.full((len(log), 3), np.nan) if poses is None else poses
     rows = arrays.poses(given, "poses", count=len(log), missing=True)
@@ -208,7 +209,7 @@ def _looks_over_half_a_turn(number: int, scan: LaserScan) -> bool:
     return bool(np.abs(scan.angles - half_turn(len(scan))).max() <= EVEN)
 
 
-def _places(log: Log) -> list[Array]:
+def _laser_places(log: Log) -> list[Array]:
     """Where the one laser of a log sits, or the front one and then the one that looks back."""
     places = list({tuple(scan.sensor_pose): scan.sensor_pose for scan in log}.values())
     back = [bool(np.cos(place[2]) < 0) for place in places]

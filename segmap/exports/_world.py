@@ -15,13 +15,17 @@ from .. import arrays
 from ..arrays import LIMIT, Array, Quantity, Settings
 from ..poses import transform
 
-#: Half the axis of WGS84 through the equator, metres, and the square of its eccentricity.
-AXIS, ECCENTRICITY = 6378137.0, (2 - 1 / 298.257223563) / 298.257223563
+#: Half the axis of WGS84 through the equator, metres.
+WGS84_AXIS_M = 6378137.0
+#: The square of its eccentricity.
+WGS84_ECCENTRICITY2 = (2 - 1 / 298.257223563) / 298.257223563
 #: A plane in metres that lies nowhere on the earth. GDAL, and so QGIS, takes this text for the name
 #: of a reference system; where none is named it takes metres for degrees.
 LOCAL = 'LOCAL_CS["frame of the map",UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]]'
-#: Decimals of degrees, and of the metres of a grid: a hundredth of a millimetre.
-DEGREES_DIGITS, GRID_DIGITS = 10, 5
+#: Decimals of degrees: a hundredth of a millimetre.
+DEGREES_DIGITS = 10
+#: Decimals of the metres of a grid: a hundredth of a millimetre.
+GRID_DIGITS = 5
 
 Direction = Annotated[float, Quantity("radians", least=-2 * np.pi, most=2 * np.pi)]
 Far = Annotated[float, Quantity("metres", least=-LIMIT, most=LIMIT)]
@@ -72,19 +76,21 @@ class Earth(Frame):
 
     def coordinates(self, points: ArrayLike) -> Array:
         """Longitude and latitude, degrees, `(..., 2)`, of points `(..., 2)` of the map, metres."""
-        east, north = np.moveaxis(_turned(points, self.north), -1, 0)
+        east, north = np.moveaxis(_east_and_north(points, self.north), -1, 0)
         (sin, sin_long), (cos, cos_long) = (
             f(np.radians([self.latitude, self.longitude])) for f in (np.sin, np.cos)
         )
-        normal = AXIS / np.sqrt(1 - ECCENTRICITY * sin**2)  # radius of curvature to the east
+        normal = WGS84_AXIS_M / np.sqrt(
+            1 - WGS84_ECCENTRICITY2 * sin**2
+        )  # radius of curvature to the east
         outwards = normal * cos - sin * north  # from the axis, in the plane of the meridian
         x, y = outwards * cos_long - east * sin_long, outwards * sin_long + east * cos_long
-        z, off = normal * (1 - ECCENTRICITY) * sin + cos * north, np.hypot(x, y)
+        z, off = normal * (1 - WGS84_ECCENTRICITY2) * sin + cos * north, np.hypot(x, y)
         # Bowring 1976: near the ellipsoid one step from the reduced latitude is exact
-        flat = np.sqrt(1 - ECCENTRICITY)
+        flat = np.sqrt(1 - WGS84_ECCENTRICITY2)
         reduced = np.arctan2(z, flat * off)
-        up = z + ECCENTRICITY / flat * AXIS * np.sin(reduced) ** 3
-        latitude = np.arctan2(up, off - ECCENTRICITY * AXIS * np.cos(reduced) ** 3)
+        up = z + WGS84_ECCENTRICITY2 / flat * WGS84_AXIS_M * np.sin(reduced) ** 3
+        latitude = np.arctan2(up, off - WGS84_ECCENTRICITY2 * WGS84_AXIS_M * np.cos(reduced) ** 3)
         found = np.degrees(np.stack([np.arctan2(y, x), latitude], -1))
         return found.round(DEGREES_DIGITS)
 
@@ -132,7 +138,7 @@ class Grid(Frame):
 
     def coordinates(self, points: ArrayLike) -> Array:
         """East and north of points `(..., 2)` of the map, in the grid, metres."""
-        return (_turned(points, self.north) + [self.east, self.northing]).round(GRID_DIGITS)
+        return (_east_and_north(points, self.north) + [self.east, self.northing]).round(GRID_DIGITS)
 
 
 def placed_at(
@@ -156,7 +162,7 @@ def placed_at(
         raise ValueError(f"{error}{'; the latitude comes first' * swapped}") from error
 
 
-def _turned(points: ArrayLike, north: float) -> Array:
+def _east_and_north(points: ArrayLike, north: float) -> Array:
     """Points `(..., 2)` of a map, metres, to the east and to the north of its origin."""
     return transform((0, 0, np.pi / 2 - north), points)
 

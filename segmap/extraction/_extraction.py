@@ -18,14 +18,14 @@ from ..arrays import Array, Count, Gap, Metres, Poses, at_least, checked
 from ..poses import transform
 from ..progress import announce
 from ..scans import LaserScan, Log
-from ..scans.moving import standing
-from ..scans.placed import poses_for, warn_of_nothing
+from ..scans.motion import standing
+from ..scans.pose_argument import checked_poses, warn_if_empty_map
 from ..segments import SegmentMap
 from ..threads import Rows, in_threads
 from . import _kernels as kernels
 
 #: So many scans are one piece of work for a thread.
-BLOCK = 128
+SCANS_PER_BLOCK = 128
 
 
 @checked
@@ -158,7 +158,7 @@ def build_map(
     array([[5., 0.]])
     """
     arrays.function(extract, "extract", "of points")
-    rows = poses_for(log, poses)
+    rows = checked_poses(log, poses)
     known = np.flatnonzero(np.isfinite(rows).all(1) & ~standing(log, rows))
     keep = arrays.switch(keep_points, "keep_points")
     if extract in list(_TELLING):  # one of the caller's own may have no hash
@@ -171,12 +171,12 @@ def build_map(
         )
     else:
         seen = (log[int(k)].points() for k in _telling(known))
-        each = [arrays.called(extract, "extract", points, **thresholds) for points in seen]
+        each = [arrays.call_given(extract, "extract", points, **thresholds) for points in seen]
         each = [arrays.segments(part, "extract(points)") for part in each]
         found = [transform(rows[k], part) for k, part in zip(known, each, strict=True)]
         scan = np.repeat(known, [len(segments) for segments in found])
         map = SegmentMap(np.concatenate([np.empty((0, 2, 2)), *found]), scan)
-    warn_of_nothing(not len(map), log, rows, "without a segment (too few points, or too short)")
+    warn_if_empty_map(not len(map), log, rows, "without a segment (too few points, or too short)")
     return map
 
 
@@ -211,7 +211,7 @@ class Runs(NamedTuple):
 def _clusters(
     points: ArrayLike, gap: float, fit: Literal["total", "algebraic"], closed: bool
 ) -> Runs:
-    p = _in_order(points, gap, closed)
+    p = _from_best_start(points, gap, closed)
     out, runs = np.empty((len(p) // 2 + 1, 2, 2)), np.empty((2, len(p) // 2 + 1), np.int64)
     found = kernels.clusters(p, gap, fit == "total", out, runs)
     return Runs(out[:found], p, runs[0, :found], runs[1, :found])
@@ -228,7 +228,7 @@ def _polylines(
     if arrays.ready(points) and points.shape[1:] == (2,) and not closed:
         p = points  # the loop looks whether they are finite
     else:
-        p = _in_order(points, gap, closed)
+        p = _from_best_start(points, gap, closed)
     least = max(min_points, 2)
     out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((4, len(p)), np.int64)
     sums = np.empty((6, len(p)))
@@ -306,7 +306,7 @@ def _map_of_runs(
     keep: bool,
 ) -> SegmentMap:
     """Segments `(n, 2, 2)`, metres, of scans of known pose; with points and places where asked."""
-    arrays.called(extract, "extract", np.empty((0, 2)), **thresholds)  # refuses what is wrong
+    arrays.call_given(extract, "extract", np.empty((0, 2)), **thresholds)  # refuses what is wrong
     given = {**(unwrap(extract).__kwdefaults__ or {}), **thresholds}
 
     def placed(block: Rows) -> tuple[Array, Rows, Array, Rows]:
@@ -318,7 +318,7 @@ def _map_of_runs(
             points = transform(poses[np.repeat(at, size)], runs.points[rows, None])[:, 0]
         return transform(poses[at], runs.segments), at, points, size
 
-    blocks = [known[k : k + BLOCK] for k in range(0, len(known), BLOCK)]
+    blocks = [known[k : k + SCANS_PER_BLOCK] for k in range(0, len(known), SCANS_PER_BLOCK)]
     none = np.empty((0, 2, 2)), np.empty(0, np.int64), np.empty((0, 2)), np.empty(0, np.int64)
     found = [none, *in_threads(placed, blocks, "extracting segments of each scan")]
     segments, at, points, size = (np.concatenate(parts) for parts in zip(*found, strict=True))
@@ -329,7 +329,7 @@ def _map_of_runs(
     return SegmentMap(segments, at, points=points, first=first, sensors=sensors)
 
 
-def _in_order(points: ArrayLike, gap: float, closed: bool) -> Array:
+def _from_best_start(points: ArrayLike, gap: float, closed: bool) -> Array:
     """Points `(n, 2)`, metres; those of a closed scan from where a round best begins."""
     p = np.ascontiguousarray(arrays.points(points))
     if not closed or len(p) < 3:

@@ -18,7 +18,7 @@ Indices = NDArray[np.int64]
 
 #: Errors from sums that are so near to each other are computed anew, metres: rounding of sums is a
 #: thousand times smaller.
-NEAR = 1e-9
+SUM_ROUNDING_M = 1e-9
 
 
 @compiled
@@ -58,7 +58,7 @@ def _fit_algebraic(p: Array, start: int, stop: int) -> Line:
 
 
 @compiled
-def _span(p: Array, start: int, stop: int, line: Line, out: Array, k: int) -> float:
+def _write_chord(p: Array, start: int, stop: int, line: Line, out: Array, k: int) -> float:
     """Write the extreme projections of a run on a line into row k; return its length, metres."""
     x, y, dx, dy = line
     low, high = np.inf, -np.inf
@@ -133,7 +133,7 @@ def clusters(p: Array, gap: float, total: bool, out: Array, runs: Indices) -> in
         if stop - start > 1:
             line = fit_total(p, start, stop) if total else _fit_algebraic(p, start, stop)
             runs[0, k], runs[1, k] = start, stop
-            k += _span(p, start, stop, line, out, k) > MIN_LENGTH
+            k += _write_chord(p, start, stop, line, out, k) > MIN_LENGTH
         start = stop
     return k
 
@@ -150,7 +150,9 @@ def _chord_of(p: Array, start: int, last: int) -> Line:
 
 
 @compiled
-def _split(p: Array, start: int, stop: int, tolerance: float, ends: Indices, todo: Indices) -> int:
+def _split_cluster(
+    p: Array, start: int, stop: int, tolerance: float, ends: Indices, todo: Indices
+) -> int:
     """Cut a cluster at the farthest point until each chord is within tolerance, metres.
 
     Fills `ends` with the last index of each piece, in order; returns their number. A piece begins
@@ -230,13 +232,13 @@ def _joint_error(
         return np.inf
     line = _fit_sums(p, start, begin, end, sums, k)
     error = _farthest(p, begin, end + 1, line)[1]
-    if abs(error - tolerance) < NEAR:
+    if abs(error - tolerance) < SUM_ROUNDING_M:
         error = _exact_error(p, start, ends, k)
     return error if error <= tolerance else np.inf
 
 
 @compiled
-def _merge(
+def _merge_runs(
     p: Array, start: int, tolerance: float, ends: Indices, count: int, errors: Array, sums: Array
 ) -> int:
     """Join the two neighbours that one line fits best, while it fits within tolerance, metres.
@@ -251,7 +253,10 @@ def _merge(
     while count > 1:
         best = 0
         for k in range(1, count - 1):
-            if errors[k] < errors[best] + NEAR and errors[best] < errors[k] + NEAR:
+            if (
+                errors[k] < errors[best] + SUM_ROUNDING_M
+                and errors[best] < errors[k] + SUM_ROUNDING_M
+            ):
                 errors[k] = _exact_error(p, start, ends, k)
                 errors[best] = _exact_error(p, start, ends, best)
             best = k if errors[k] < errors[best] else best
@@ -310,8 +315,8 @@ def polylines(
     ends, todo, errors, begin, found = room[0], room[1], sums[5], 0, 0
     while begin < len(p):
         stop = _end_of_cluster(p, begin, gap)
-        count = _split(p, begin, stop, tolerance, ends, todo)
-        count = _merge(p, begin, tolerance, ends, count, errors, sums)
+        count = _split_cluster(p, begin, stop, tolerance, ends, todo)
+        count = _merge_runs(p, begin, tolerance, ends, count, errors, sums)
         start = begin
         for k in range(count):
             end = ends[k] + 1
@@ -319,7 +324,7 @@ def polylines(
                 end = _border(p, start, ends[k], ends[k + 1])
             if end - start >= min_points:
                 room[2, found], room[3, found] = start, end
-                length = _span(p, start, end, fit_total(p, start, end), out, found)
+                length = _write_chord(p, start, end, fit_total(p, start, end), out, found)
                 found += length >= min_length
             start = end
         begin = stop

@@ -5,11 +5,11 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Sequence
 
-from ._lines import LOST, Lines
+from ._lines import PULLED_OUT_ERRORS, Lines
 from ._protocol import Refused, Reply, SensorError, SensorGone, Silent, parse_reply, refusal
 
 #: Bit rates that a URG-04LX may have been left at; the first is the one to talk at.
-RATES = (115200, 19200, 57600, 38400, 500000, 250000, 750000)
+URG_RATES = (115200, 19200, 57600, 38400, 500000, 250000, 750000)
 #: A scan in flight at 19 200 bit/s takes 1.1 s before the answer comes, seconds.
 IN_FLIGHT = 1.5
 #: After a change of its rate the sensor does not listen for so long, seconds.
@@ -30,7 +30,7 @@ def connect(lines: Lines, rates: Sequence[int]) -> int:
     if rate == rates[0]:
         return rate
     try:
-        answer = _send(lines, f"SS{rates[0]:06}", 2 * lines.quiet)
+        answer = _send_command(lines, f"SS{rates[0]:06}", 2 * lines.quiet)
     except SensorGone:
         raise
     except SensorError:
@@ -96,7 +96,7 @@ def ask(lines: Lines, command: str, check: Callable[[Reply], object] = lambda re
     fault = SensorError("")
     for _ in range(TRIES):
         try:
-            reply = _send(lines, command, lines.timeout)
+            reply = _send_command(lines, command, lines.timeout)
             if reply.status not in ("00", ALREADY.get(command[:2], "00")):
                 raise Refused(refusal(command, reply.status))
             check(reply)
@@ -109,7 +109,7 @@ def ask(lines: Lines, command: str, check: Callable[[Reply], object] = lambda re
     raise fault
 
 
-def _send(lines: Lines, command: str, seconds: float) -> Reply:
+def _send_command(lines: Lines, command: str, seconds: float) -> Reply:
     """The reply to a command; a SensorError where none comes in this time, or a damaged one."""
     lines.write(command.encode("ascii") + b"\n")
     found = lines.reply(command.encode("ascii"), seconds).lines
@@ -123,11 +123,11 @@ def switch_off(lines: Lines) -> None:
     any(status(lines, b"QT") == b"00P" for _ in range(TRIES))
 
 
-def leave(lines: Lines) -> None:
+def laser_off(lines: Lines) -> None:
     """Switch the laser off and free the port; whatever happens, the port is closed."""
     try:
         with contextlib.suppress(SensorError):
             switch_off(lines)
     finally:
-        with contextlib.suppress(*LOST):
+        with contextlib.suppress(*PULLED_OUT_ERRORS):
             lines.port.close()

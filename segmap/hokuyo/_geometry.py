@@ -13,11 +13,11 @@ from ..scans.error_codes import as_far_ranges, as_ranges
 from ._protocol import CHARACTERS, Measurement, Reply, ScanRequest, SensorError, parse_info
 
 #: No number of a sensor's geometry is larger: steps, millimetres, turns a minute.
-LARGEST = 1 << 20
+LARGEST_GEOMETRY = 1 << 20
 #: Requests have four digits for a step.
-LAST_STEP = 9999
+LAST_REQUEST_STEP = 9999
 
-_URG = re.compile("U[RBH]G")  # table 3 of SCIP 2.0 has their error codes
+_URG_NAME = re.compile("U[RBH]G")  # table 3 of SCIP 2.0 has their error codes
 
 
 class Geometry(NamedTuple):
@@ -54,10 +54,14 @@ def parse_geometry(info: dict[str, str]) -> Geometry:
     except (KeyError, ValueError) as error:
         raise SensorError(f"PP told no geometry, {error} is wrong in {info}") from None
     steps, first, last, front, least, most, rpm = numbers
-    is_arc = 0 <= first <= last < steps <= LARGEST and 0 <= front < steps and last <= LAST_STEP
-    if not (is_arc and 0 <= least < most <= LARGEST and 0 < rpm <= LARGEST):
+    is_arc = (
+        0 <= first <= last < steps <= LARGEST_GEOMETRY
+        and 0 <= front < steps
+        and last <= LAST_REQUEST_STEP
+    )
+    if not (is_arc and 0 <= least < most <= LARGEST_GEOMETRY and 0 < rpm <= LARGEST_GEOMETRY):
         raise SensorError(f"PP told a geometry that cannot be: {info}")
-    is_far = "MODL" in info and not _URG.search(info["MODL"])
+    is_far = "MODL" in info and not _URG_NAME.search(info["MODL"])
     return Geometry(steps, first, last, front, least, most, 60.0 / rpm, is_far)
 
 

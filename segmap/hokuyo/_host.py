@@ -12,7 +12,7 @@ from ..scans import LaserScan
 from ._protocol import CLOCK
 
 #: Seconds after which the sensor's clock starts at 0 again: 4 h 39 min 37 s.
-WRAP = CLOCK / 1000.0
+CLOCK_WRAP_S = CLOCK / 1000.0
 #: Two quartz clocks drift apart by less than this, seconds a second: ten times what is usual.
 DRIFT = 1e-3
 #: The waiting reader looks so often whether it has been closed, seconds.
@@ -57,7 +57,7 @@ class HostClock:
         else:
             passed = arrived - self._last[1]
             since = (stamp - self._last[0]) % CLOCK / 1000.0
-            self._sensor += since + WRAP * max(round((passed - since) / WRAP), 0)
+            self._sensor += since + CLOCK_WRAP_S * max(round((passed - since) / CLOCK_WRAP_S), 0)
             drifted = self._apart + DRIFT * max(passed, 0.0)
             self._apart = min(drifted, arrived - self.least - self._sensor)
         self._last = stamp, arrived

@@ -14,9 +14,9 @@ except ImportError:  # Windows
     TerminalError = OSError  # type: ignore[misc, assignment]
 
 #: What ports raise when they are pulled out; serial.SerialException is an OSError.
-LOST = (OSError, TerminalError)
+PULLED_OUT_ERRORS = (OSError, TerminalError)
 #: No line of the protocol is longer, block or information, in bytes.
-LONGEST = 512
+LONGEST_ANSWER_BYTES = 512
 #: No reply has more lines: 2161 steps of three characters are 102 blocks.
 MOST_LINES = 128
 #: A sensor that has talked for so long without an answer is not going to give one, seconds.
@@ -70,14 +70,14 @@ class Lines:
         """Send bytes, or raise SensorGone."""
         try:
             self.port.write(text)
-        except LOST as error:
+        except PULLED_OUT_ERRORS as error:
             raise _gone(error) from error
 
     def set_rate(self, rate: int) -> None:
         """Talk at so many bits a second from now on; a SensorError where the port cannot."""
         try:
             self.port.baudrate = rate
-        except (*LOST, ValueError) as error:
+        except (*PULLED_OUT_ERRORS, ValueError) as error:
             raise SensorError(f"the port cannot talk at {rate} bit/s ({error})") from error
         self.kept = b""
 
@@ -88,9 +88,11 @@ class Lines:
         """
         until = self.clock() + seconds
         while b"\n" not in self.kept:
-            if len(self.kept) > LONGEST:
+            if len(self.kept) > LONGEST_ANSWER_BYTES:
                 self.kept = b""
-                raise SensorError(f"{LONGEST} bytes without an end of line: is the bit rate right?")
+                raise SensorError(
+                    f"{LONGEST_ANSWER_BYTES} bytes without an end of line: is the bit rate right?"
+                )
             self.kept += self._read()
             if b"\n" not in self.kept and self.clock() >= until:
                 return None
@@ -153,7 +155,7 @@ class Lines:
         """The bytes that wait, or the next one that comes within the port's own timeout."""
         try:
             return self.port.read(min(max(self.port.in_waiting, 1), 1 << 16))
-        except LOST as error:
+        except PULLED_OUT_ERRORS as error:
             raise _gone(error) from error
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from .._display import pip_install
 from ..arrays import brief
-from ._lines import LOST, Port
+from ._lines import PULLED_OUT_ERRORS, Port
 from ._protocol import SensorError
 from ._tcp import is_address, open_tcp, parse_address
 
@@ -21,7 +21,7 @@ WRITE = 1.0
 
 _FORBIDDEN = "you may not use it: join the group that owns it, `dialout` on Debian and Ubuntu"
 _BUSY = "another program uses it: close that first"
-_ADVICE = {
+_PORT_ADVICE = {
     errno.EACCES: _FORBIDDEN,
     errno.EPERM: _FORBIDDEN,
     errno.ENOENT: "it is not there: is the sensor plugged in? `python -m segmap.hokuyo list` tells"
@@ -84,9 +84,9 @@ def open_port(device: str, rate: int) -> Port:
         opened: Port = serial.Serial(
             device, rate, timeout=READ, write_timeout=WRITE, exclusive=True
         )
-    except (*LOST, ValueError) as error:
+    except (*PULLED_OUT_ERRORS, ValueError) as error:
         number = errno.EBUSY if "exclusively lock" in str(error) else getattr(error, "errno", None)
-        advice = _ADVICE.get(number or 0, str(error))
+        advice = _PORT_ADVICE.get(number or 0, str(error))
         raise SensorError(f"cannot open {device}: {advice}") from error
     return opened
 

@@ -19,7 +19,7 @@ ZERO = 0x30
 #: A clock of four characters wraps after so many milliseconds: 4 h 39 min 37 s.
 CLOCK = 1 << 24
 #: Data characters in a block.
-BLOCK = 64
+BLOCK_CHARACTERS = 64
 #: Characters of a distance, by command.
 CHARACTERS = {"GD": 3, "MD": 3, "GS": 2, "MS": 2}
 #: What a status means and what to do; for scans and for the commands that start them.
@@ -164,7 +164,7 @@ class ScanRequest(NamedTuple):
     def size(self) -> int:
         """Bytes of the answer, echo and ends of lines included."""
         data = self.beams * CHARACTERS[self.kind]
-        return len(self.text) + 1 + 4 + 6 + data + 2 * -(-data // BLOCK) + 1
+        return len(self.text) + 1 + 4 + 6 + data + 2 * -(-data // BLOCK_CHARACTERS) + 1
 
 
 def parse_request(text: str) -> ScanRequest:
@@ -287,7 +287,7 @@ def encode_scan(clock: int, millimetres: ArrayLike, characters: int) -> list[byt
 
 def blocks(data: bytes) -> list[bytes]:
     """Data characters cut into blocks."""
-    return [data[i : i + BLOCK] for i in range(0, len(data), BLOCK)]
+    return [data[i : i + BLOCK_CHARACTERS] for i in range(0, len(data), BLOCK_CHARACTERS)]
 
 
 def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
@@ -313,6 +313,11 @@ def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
     if len(clock) != 1:
         raise SensorError(f"{lines[0][:20]!r} is no time stamp: expected four characters and a sum")
     data = [unchecked(line) for line in lines[1:]]
-    if any(len(block) != BLOCK for block in data[:-1]) or len(b"".join(data[-1:])) > BLOCK:
-        raise SensorError(f"a block without its {BLOCK} characters: the end of a line was lost")
+    if (
+        any(len(block) != BLOCK_CHARACTERS for block in data[:-1])
+        or len(b"".join(data[-1:])) > BLOCK_CHARACTERS
+    ):
+        raise SensorError(
+            f"a block without its {BLOCK_CHARACTERS} characters: the end of a line was lost"
+        )
     return Measurement(int(clock[0]), decode(b"".join(data), characters))

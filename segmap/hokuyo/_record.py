@@ -14,15 +14,20 @@ from .. import arrays
 from ..arrays import LIMIT, Array, Count, checked
 from ..files import existing, remove_orphans, replacing, shown, writable
 from ..scans import LaserScan
-from ..scans.error_codes import LOWEST, NOT_MEASURED, NOTHING_MET, told_in_a_text
+from ..scans.error_codes import LOWEST, NOT_MEASURED_CODE, NOTHING_MET_CODE, told_in_a_text
 from ._host import one_by_one
 from ._sensor import UrgSensor
 
 #: Endings of CARMEN logs; any other path is a folder of Hokuyo texts.
 CARMEN = (".log", ".clf", ".carmen")
-#: What readers take in: beams of a scan, their directions and their field of view in radians, and
-#: times in seconds.
-MOST_BEAMS, MOST_TURN, MOST_VIEW, LATEST = 10_000, 9.0, 9.0, 1e12
+#: Readers take in so many beams of a scan.
+MOST_RECORDED_BEAMS = 10_000
+#: They take in directions up to this, radians, ...
+MOST_RECORDED_RAD = 9.0
+#: ... a field of view up to this, radians, ...
+MOST_RECORDED_VIEW_RAD = 9.0
+#: ... and times up to this, seconds.
+LATEST_RECORDED_S = 1e12
 
 #: The texts do not say which sensor they are of; readers take them for those of a URG-04LX, metres.
 TEXT_REACH = 5.6
@@ -139,16 +144,16 @@ def _append_line(path: Path, scan: LaserScan) -> None:
 
 def _rawlaser(scan: LaserScan) -> str:
     """RAWLASER1 type start field step maximum accuracy mode n ranges 0 time host time."""
-    _check(scan)
+    _check_recordable(scan)
     step = float(scan.angles[-1] - scan.angles[0]) / max(len(scan) - 1, 1)
     even = scan.angles[:1] + step * np.arange(len(scan))
     if step < 0:
         raise ValueError("a CARMEN log holds angles that count up: turn angles and ranges round")
     if np.abs(scan.angles - even).max() > 1e-6:
         raise ValueError("a CARMEN log holds scans of at least one beam, evenly spaced")
-    if step * (len(scan) - 1) > MOST_VIEW:
-        raise ValueError(f"a CARMEN log holds beams over at most {MOST_VIEW} radians")
-    if not abs(scan.time) <= LATEST:
+    if step * (len(scan) - 1) > MOST_RECORDED_VIEW_RAD:
+        raise ValueError(f"a CARMEN log holds beams over at most {MOST_RECORDED_VIEW_RAD} radians")
+    if not abs(scan.time) <= LATEST_RECORDED_S:
         raise ValueError(f"a CARMEN log holds the time of each scan, in seconds, got {scan.time}")
     limit = scan.max_range if np.isfinite(scan.max_range) else 81.83
     met = np.where(scan.valid, scan.ranges, np.where(np.isnan(scan.ranges), 0.0, limit))
@@ -158,20 +163,20 @@ def _rawlaser(scan: LaserScan) -> str:
     return f"RAWLASER1 0 {turn} 0.010 0 {len(scan)} {ranges} 0 {stamp} segmap {stamp}"
 
 
-def _check(scan: LaserScan) -> None:
+def _check_recordable(scan: LaserScan) -> None:
     """Refuse a scan that no reader takes in again."""
-    if not 0 < len(arrays.instance(scan, "scan", LaserScan)) <= MOST_BEAMS:
-        raise ValueError(f"a scan must have 1 to {MOST_BEAMS} beams, got {len(scan)}")
-    if np.abs(scan.angles).max() > MOST_TURN:
+    if not 0 < len(arrays.instance(scan, "scan", LaserScan)) <= MOST_RECORDED_BEAMS:
+        raise ValueError(f"a scan must have 1 to {MOST_RECORDED_BEAMS} beams, got {len(scan)}")
+    if np.abs(scan.angles).max() > MOST_RECORDED_RAD:
         turn = scan.angles[np.abs(scan.angles).argmax()]
-        raise ValueError(f"angles must be within {MOST_TURN:.4g} radians, got {turn:.6g}")
+        raise ValueError(f"angles must be within {MOST_RECORDED_RAD:.4g} radians, got {turn:.6g}")
     if scan.ranges[scan.valid].max(initial=0.0) > LIMIT:
         raise ValueError(f"ranges must be within {LIMIT:.0e} metres")
 
 
 def _write_file(folder: Path, number: int, scan: LaserScan) -> None:
     """Write a hidden file beside the place, then move it there."""
-    _check(scan)
+    _check_recordable(scan)
     if (far := scan.ranges[scan.valid].max(initial=0.0)) >= TEXT_REACH:
         raise ValueError(
             f"a folder of Hokuyo texts is read as a URG-04LX's, to {TEXT_REACH} m, but a range is "
@@ -187,6 +192,6 @@ def _millimetres(scan: LaserScan) -> NDArray[np.int64]:
     codes = np.zeros(len(scan), np.int64) if scan.codes is None else scan.codes
     met: Array = np.rint(1000 * np.where(np.isposinf(scan.ranges), 0.0, scan.ranges))
     is_range = met >= LOWEST
-    instead = np.where(np.isposinf(scan.ranges), NOTHING_MET, NOT_MEASURED)
+    instead = np.where(np.isposinf(scan.ranges), NOTHING_MET_CODE, NOT_MEASURED_CODE)
     codes = np.where(told_in_a_text(scan.ranges, codes), codes, instead)
     return np.where(is_range, met, codes).astype(np.int64)

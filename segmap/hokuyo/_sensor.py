@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..arrays import Count, Seconds, at_least, at_most, checked
 from ..scans import LaserScan
-from ._connect import RATES, ask, connect, leave, switch_off
+from ._connect import URG_RATES, ask, connect, laser_off, switch_off
 from ._geometry import check_limits, laser_scan, parse_geometry, request_for
 from ._host import HostClock, host_time
 from ._lines import Lines, Port
@@ -42,8 +42,10 @@ from ._tcp import TcpPort
 MOST_FAILURES = 5
 #: Waits between attempts to find an unplugged sensor again double from the first to the last, s.
 BACK_OFF = (0.1, 2.0)
-#: Scans from which the pace of a stream is judged, and how much slower than asked is slow.
-PACE, SLOW = 11, 1.5
+#: Scans from which the pace of a stream is judged.
+PACE_SCANS = 11
+#: So many times slower than asked is slow.
+SLOW_PACE_RATIO = 1.5
 
 Step = Annotated[Count, at_least(0)]
 Cluster = Annotated[Count, at_most(99)]
@@ -104,7 +106,7 @@ class UrgSensor:
         self,
         port: str | PathLike[str] | Port = "auto",
         *,
-        rates: Sequence[int] = RATES,
+        rates: Sequence[int] = URG_RATES,
         reconnect: Annotated[Seconds, at_least(0), at_most(inf)] = 0.0,
         timeout: Seconds = 1.0,
         sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
@@ -119,11 +121,11 @@ class UrgSensor:
         self._reconnect, self._timeout = reconnect, timeout
         self._sensor_pose = arrays.pose(sensor_pose, "sensor_pose")
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
-        arrays.number(arrays.called(clock, "clock"), "clock()", unit="seconds")
+        arrays.number(arrays.call_given(clock, "clock"), "clock()", unit="seconds")
         self.delivered = self.dropped = self.unsent = self.reconnects = 0
         self.why = ""
         self._asked: ScanRequest | None = None  # the last stream, and the stamps of its scans
-        self._stamps: deque[int] = deque(maxlen=PACE)
+        self._stamps: deque[int] = deque(maxlen=PACE_SCANS)
         self._running: ScanRequest | None = None  # the stream that comes
         self._laser_on = False
         self._open()
@@ -179,11 +181,11 @@ class UrgSensor:
     @property
     def slow(self) -> str:
         """Why the last stream arrived slower than asked and what to do; empty where it did not."""
-        if self._asked is None or len(self._stamps) <= PACE // 2:
+        if self._asked is None or len(self._stamps) <= PACE_SCANS // 2:
             return ""
         wanted = self._period(self._asked)
         found = float(np.median(np.diff(self._stamps) % CLOCK)) / 1000.0
-        if found < SLOW * wanted:
+        if found < SLOW_PACE_RATIO * wanted:
             return ""
         text = f"scans arrive every {found:.2f} s, asked for every {wanted:.2f} s"
         return text + self._advice(self._asked)
@@ -215,7 +217,7 @@ class UrgSensor:
 
     # ------------------------------------------------------------------------ scans
     def _turns(self, request: ScanRequest) -> Generator[LaserScan, None, None]:
-        self._asked, self._stamps = request, deque(maxlen=PACE)
+        self._asked, self._stamps = request, deque(maxlen=PACE_SCANS)
         try:
             while True:
                 yield self._whole(request)
@@ -358,7 +360,7 @@ class UrgSensor:
         if isinstance(port, str):
             port = open_port(find_port() if port == "auto" else port, self._rates[0])
         lines = Lines(port, self._clock, self._timeout)
-        self._leave = weakref.finalize(self, leave, lines)
+        self._leave = weakref.finalize(self, laser_off, lines)
         try:
             rates = (port.baudrate,) if isinstance(port, TcpPort) else self._rates
             self.rate = connect(lines, rates)

@@ -16,11 +16,11 @@ ETHERNET = 100_000_000
 #: A sensor in the same network answers sooner, seconds.
 CONNECT = 3.0
 #: Bytes taken from the network at once.
-PIECE = 1 << 16
+NETWORK_PIECE_BYTES = 1 << 16
 #: No name of a host is longer.
 LONGEST_HOST = 253
 
-_ADDRESS = re.compile(
+_TCP_ADDRESS = re.compile(
     r"tcp://(?:\[(?P<six>[^\[\]]*)\]|(?P<host>[a-z0-9](?:[a-z0-9._-]*[a-z0-9])?))(?::(?P<port>.*))?",
     re.ASCII | re.IGNORECASE | re.DOTALL,
 )
@@ -29,7 +29,7 @@ _ABSENT = (
     "nothing answers there: is the sensor powered, is its cable in, is this computer in its "
     "network (192.168.0.x where nobody changed it)?"
 )
-_ADVICE = {
+_TCP_ADVICE = {
     errno.ECONNREFUSED: "nothing listens there: is it the sensor's address and port "
     f"({SENSOR_PORT} where nobody changed it), and is no other program connected to it?",
     errno.ETIMEDOUT: _ABSENT,
@@ -55,7 +55,7 @@ def parse_address(address: str) -> tuple[str, int]:
     def wrong(what: str) -> ValueError:
         return ValueError(f"port {address[:60]!r} {what}: write it as {_EXAMPLE}")
 
-    found = _ADDRESS.fullmatch(address)
+    found = _TCP_ADDRESS.fullmatch(address)
     if found is None:
         raise wrong("is no address of a sensor")
     host, port = found["host"] or found["six"], found["port"]
@@ -88,7 +88,7 @@ def open_tcp(address: str) -> TcpPort:
         raise SensorError(f"cannot open {address}: {advice}") from error
     except (OSError, UnicodeError) as error:
         number = errno.ETIMEDOUT if isinstance(error, TimeoutError) else getattr(error, "errno", 0)
-        raise SensorError(f"cannot open {address}: {_ADVICE.get(number, error)}") from error
+        raise SensorError(f"cannot open {address}: {_TCP_ADVICE.get(number, error)}") from error
 
 
 class TcpPort:
@@ -130,7 +130,7 @@ class TcpPort:
             return
         self._connection.settimeout(seconds)
         try:
-            self._kept = self._connection.recv(PIECE)
+            self._kept = self._connection.recv(NETWORK_PIECE_BYTES)
         except (BlockingIOError, TimeoutError) as error:
             if error.errno == errno.ETIMEDOUT:  # what was sent has not arrived for minutes
                 raise

@@ -13,20 +13,22 @@ from ..compiled import compiled
 from ..kernels import off_segment
 from ..quadtree import QuadtreeMap
 from ..segments import SegmentMap, point_distance
-from ._scores import Cells, Counts, all_placed, occupied_blocks, scan_and_poses, whole
+from ._scores import Cells, Counts, all_placed, blocks_of, scan_and_poses, whole
 
 #: What a scan is laid on: squares, or walls.
 Map = QuadtreeMap | SegmentMap
 
 Singles = NDArray[np.float32]
 #: Distances are whole numbers, the longest in a window below this: 32 bits.
-MOST = 2**31 - 1
+MOST_WINDOW_DISTANCE = 2**31 - 1
 #: Around the ends of a scan at its start, metres: how far a matcher may move them.
-MARGIN = 0.5
-#: Cells of a window: a side, so that 32 bits hold every distance, and in all, a quarter of a GB.
-MOST_SIDE, MOST_CELLS = 2**14, 2**26
+MATCHER_MARGIN_M = 0.5
+#: Cells of a window along a side: 32 bits hold every distance.
+MOST_SIDE_CELLS = 2**14
+#: Cells of a window in all: a quarter of a GB.
+MOST_WINDOW_CELLS = 2**26
 #: Stands for a column without an occupied cell: more cells than a window may have a side.
-FAR = 30_000
+NO_OCCUPIED_CELL = 30_000
 #: Points beyond lie outside every window, metres.
 FAR_AWAY = 1e9
 
@@ -85,14 +87,17 @@ class DistanceField:
         either_map(map)
         if isinstance(map, SegmentMap):
             corner, side, ends = np.zeros(2), resolution, map.segments.reshape(-1, 2)
-            bounds = *(ends.min(0) - MARGIN), *(ends.max(0) + MARGIN)
+            bounds = *(ends.min(0) - MATCHER_MARGIN_M), *(ends.max(0) + MATCHER_MARGIN_M)
         else:
             corner, side, bounds = map.corner, map.resolution, map.bounds
         first, (columns, rows) = _cells_of_window(
             bounds if window is None else window, corner, side
         )
         corner = corner + first * side
-        self.unit, self.cells = MOST // (columns + rows), np.full((rows, columns), FAR, np.int32)
+        self.unit, self.cells = (
+            MOST_WINDOW_DISTANCE // (columns + rows),
+            np.full((rows, columns), NO_OCCUPIED_CELL, np.int32),
+        )
         self._frame = np.array([*corner, side, columns, rows, -side / self.unit])
         if isinstance(map, SegmentMap):
             self._measure(map.segments, corner)
@@ -141,7 +146,7 @@ class DistanceField:
         if not len(at):
             raise ValueError("poses must hold at least one pose, to know where the scan is")
         placed = np.concatenate([at[:, :2], all_placed(ends, at)])
-        window = [*(placed.min(0) - MARGIN), *(placed.max(0) + MARGIN)]
+        window = [*(placed.min(0) - MATCHER_MARGIN_M), *(placed.max(0) + MATCHER_MARGIN_M)]
         return cls(map, window, resolution=resolution)
 
     @property
@@ -196,17 +201,17 @@ def either_map(map: object, *, empty: bool = False) -> None:
         got = arrays.brief(map)
         raise ValueError(f"map must be a QuadtreeMap or a SegmentMap, got {got}")
     if isinstance(map, QuadtreeMap) and not empty:
-        occupied_blocks(map)
+        blocks_of(map)
     elif isinstance(map, SegmentMap) and not (empty or len(map)):
         raise ValueError("the map holds no wall, so no pose has a score")
 
 
 def fits(columns: float, rows: float) -> None:
     """Refuse a window of too many cells."""
-    if max(columns, rows) > MOST_SIDE or columns * rows > MOST_CELLS:
+    if max(columns, rows) > MOST_SIDE_CELLS or columns * rows > MOST_WINDOW_CELLS:
         raise ValueError(
-            f"a window of {columns:.9g} x {rows:.9g} cells is too large: at most {MOST_SIDE} "
-            f"a side and {MOST_CELLS} in all; give a smaller one, or a coarser map"
+            f"a window of {columns:.9g} x {rows:.9g} cells is too large: at most {MOST_SIDE_CELLS} "
+            f"a side and {MOST_WINDOW_CELLS} in all; give a smaller one, or a coarser map"
         )
 
 
@@ -227,9 +232,14 @@ def _cells_of_window(
 
 
 def transform_cells(grid: Counts, unit: int) -> None:
-    """Replace each cell of a grid of 0 and FAR by its distance to the nearest 0, in place."""
+    """Replace each cell of a grid by its distance to the nearest 0, in place.
+
+    A grid holds 0 and `NO_OCCUPIED_CELL`.
+    """
     columns = grid.shape[1]
-    transform(grid, unit, np.empty((columns, 3), np.int64), 0.5 / np.arange(1, columns + 1))
+    distance_transform(
+        grid, unit, np.empty((columns, 3), np.int64), 0.5 / np.arange(1, columns + 1)
+    )
 
 
 # ---------------------------------------------------------------------------------- loops
@@ -282,13 +292,14 @@ def wall_distances(
 
 
 @compiled
-def transform(grid: Counts, unit: int, room: Cells, share: Array) -> None:
-    """Replace each cell of a grid `(rows, columns)` of 0 and FAR by its distance to the nearest 0.
+def distance_transform(grid: Counts, unit: int, room: Cells, share: Array) -> None:
+    """Replace each cell of a grid `(rows, columns)` by its distance to the nearest 0.
 
-    In place, in cells / `unit`. First along the columns; then, in each row, by the lower envelope
-    of the parabolas that stand on its columns, left to right, which is exact (Meijster, Roerdink
-    and Hesselink 2000). Of each parabola that is lowest anywhere `room`, `(columns, 3)`, holds its
-    column, where it begins to be lowest, and its height; `share[k]` is `1 / (2 k + 2)`.
+    A grid holds 0 and `NO_OCCUPIED_CELL`. In place, in cells / `unit`. First along the columns;
+    then, in each row, by the lower envelope of the parabolas that stand on its columns, left to
+    right, which is exact (Meijster, Roerdink and Hesselink 2000). Of each parabola that is lowest
+    anywhere `room`, `(columns, 3)`, holds its column, where it begins to be lowest, and its height;
+    `share[k]` is `1 / (2 k + 2)`.
     """
     rows, columns = grid.shape
     for k in range(1, 2 * rows - 1):  # down, and up again
@@ -298,7 +309,7 @@ def transform(grid: Counts, unit: int, room: Cells, share: Array) -> None:
     for i in range(rows):
         last = -1
         for j in range(columns):
-            if grid[i, j] >= FAR:
+            if grid[i, j] >= NO_OCCUPIED_CELL:
                 continue
             g, begin = whole(grid[i, j]) * grid[i, j], 0
             while last >= 0:

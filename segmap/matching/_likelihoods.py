@@ -8,15 +8,23 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..poses import transform
 from ..segments import SegmentMap
-from ._field import FAR, MARGIN, MOST, DistanceField, Map, fits, transform_cells
+from ._field import (
+    MATCHER_MARGIN_M,
+    MOST_WINDOW_DISTANCE,
+    NO_OCCUPIED_CELL,
+    DistanceField,
+    Map,
+    fits,
+    transform_cells,
+)
 
 Levels = NDArray[np.uint8]
 #: Standard deviation of an end of a beam about its wall, metres: noise, cells, and what moved.
-SIGMA = 0.1
+LIKELIHOOD_SIGMA_M = 0.1
 #: Share of the beams that anything may stop, in the fit of a pose.
 ANYTHING = 0.1
 #: Side of a cell, metres; smaller cells of a quadtree are joined up to it.
-CELL = 0.05
+LIKELIHOOD_CELL_M = 0.05
 #: The widest squares are 2^TOP cells a side.
 TOP = 6
 
@@ -37,7 +45,9 @@ class Likelihoods:
         self.shape, border = distance.shape, 1 << TOP
         rows, columns = self.shape
         levels = np.zeros((TOP + 1, rows + border + 1, columns + border + 1), np.uint8)
-        levels[0, border:-1, border:-1] = np.rint(255 * np.exp(-0.5 * (distance / SIGMA) ** 2))
+        levels[0, border:-1, border:-1] = np.rint(
+            255 * np.exp(-0.5 * (distance / LIKELIHOOD_SIGMA_M) ** 2)
+        )
         for k in range(TOP):
             step, wide = 1 << k, levels[k + 1]
             wide[:] = levels[k]
@@ -61,18 +71,21 @@ class Likelihoods:
 def _distances(map: Map) -> tuple[Array, Array, float]:
     """Distances of cells from the nearest wall `(rows, columns)`, where they begin, their side."""
     if isinstance(map, SegmentMap):
-        field = DistanceField(map, resolution=CELL)
-        return field.distance, np.array(field.bounds[:2]), CELL
-    join = max(int(np.floor(np.log2(CELL / map.resolution) + 1e-9)), 0)
+        field = DistanceField(map, resolution=LIKELIHOOD_CELL_M)
+        return field.distance, np.array(field.bounds[:2]), LIKELIHOOD_CELL_M
+    join = max(int(np.floor(np.log2(LIKELIHOOD_CELL_M / map.resolution) + 1e-9)), 0)
     size = float(np.ldexp(map.resolution, join))
     with map.lock:
         tree = map.tree
         cells = tree.occupied_cells(np.array([0, 0, 1, 1]) << tree.level) + tree.corner >> join
-    edge = int(np.ceil(MARGIN / size))
+    edge = int(np.ceil(MATCHER_MARGIN_M / size))
     first = cells.min(0) - edge
     columns, rows = (cells.max(0) + edge + 1 - first).tolist()
     fits(columns, rows)
-    grid, unit = np.full((rows, columns), FAR, np.int32), MOST // (columns + rows)
+    grid, unit = (
+        np.full((rows, columns), NO_OCCUPIED_CELL, np.int32),
+        MOST_WINDOW_DISTANCE // (columns + rows),
+    )
     x, y = (cells - first).T
     grid[y, x] = 0
     transform_cells(grid, unit)

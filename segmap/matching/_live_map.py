@@ -55,7 +55,7 @@ class Step(NamedTuple):
 
 #: An end of a beam so near to an occupied cell lies on the map, metres, and half a cell more: as
 #: near as point ICP seeks partners in the end.
-NEAR = 0.12
+ON_MAP_M = 0.12
 #: Share of a scan that must lie on the map. Where the poses were right (Malaga, an URG-04LX) all
 #: scans have 0.67 and more; where a matcher was lost it had 0.05 to 0.55 at that scan.
 FOUND = 0.6
@@ -71,7 +71,7 @@ def overlap_of(map: QuadtreeMap, scan: LaserScan, pose: Array) -> float:
         if not map.tree.occupied_blocks()[map.tree.block]:
             return 1.0
         away = -nearest_score(map, np.zeros((1, 2)), ends)  # each end as a scan of one point
-    return float((away <= NEAR + map.resolution / 2).mean())
+    return float((away <= ON_MAP_M + map.resolution / 2).mean())
 
 
 class LiveMap(Locked):
@@ -158,7 +158,7 @@ class LiveMap(Locked):
             self._stale |= closed
             pose = self._in_map(found)
             overlap = overlap_of(self.map, scan, pose)
-            insert(self.map, self.walls, scan, pose, free=self._free)
+            insert_placed(self.map, self.walls, scan, pose, free=self._free)
             self._scans.append((number, scan))
             if self._anew is not None:  # it comes into the new map once its turn comes
                 self._anew.placed.append((scan, pose))
@@ -268,7 +268,7 @@ class _Anew:
 
     def _insert(self) -> None:
         while self.done < len(self.placed):
-            insert(self.map, self.walls, *self.placed[self.done], free=self.free)
+            insert_placed(self.map, self.walls, *self.placed[self.done], free=self.free)
             self.done += 1
 
     def finished(self) -> tuple[QuadtreeMap, LiveReduction | None]:
@@ -279,7 +279,7 @@ class _Anew:
         return self.map, self.walls
 
 
-def insert(
+def insert_placed(
     map: QuadtreeMap, walls: LiveReduction | None, scan: LaserScan, pose: Array, *, free: bool
 ) -> None:
     """Add a scan to a map, and its polylines to the reduced map, if there is one.

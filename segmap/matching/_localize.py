@@ -18,13 +18,16 @@ from ..scans import LaserScan
 from ..segments import SegmentMap
 from ._field import either_map
 from ._likelihoods import Likelihoods
-from ._search import places_of, spread
-from ._weights import PART, effective_number, systematic
+from ._search import distinct_places, sample_beams
+from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 
-#: A robot whose scans fit worse is lost: the wrong building has .50 to .75. Below the second the
-#: map is searched: right places have .94, and .87 in a building where much has moved. Found it is
-#: from the third on, and then until below the second: what has moved makes wrong rooms fit to .92.
-LOST, DOUBT, SURE = 0.7, 0.8, 0.93
+#: A robot whose scans fit worse is lost: the wrong building has .50 to .75.
+LOST_FIT = 0.7
+#: Below this the map is searched: right places have .94, and .87 where much has moved.
+DOUBTFUL_FIT = 0.8
+#: It counts as found once the fit reaches this, and until the fit falls below `DOUBTFUL_FIT`: what
+#: has moved makes wrong rooms fit to .92.
+FOUND_FIT = 0.93
 #: A place with less than this share of the weight is dead, and found is the robot where all other
 #: places are: the fits of a single scan must differ by 16 %, or those of a drive by 3.5 % each.
 DEAD = 0.03
@@ -32,22 +35,34 @@ DEAD = 0.03
 #: one of two equal places (by 1 % of the fit where its walls err by 4 cm): with 1, a long drive
 #: would make sure of it.
 MEMORY = 0.8
-#: Particles so near to the best one are at its place, metres and radians.
-NEAR, TURNED = 0.5, 0.5
-#: Errors of odometry: at rest, for a metre and for a radian; metres and radians.
-REST, METRE, RADIAN = np.array([0.02, 0.01]), np.array([0.1, 0.05]), np.array([0.0, 0.1])
+#: Particles so near to the best one, metres, ...
+SAME_PLACE_M = 0.5
+#: ... and turned by less, radians, are at its place.
+SAME_PLACE_RAD = 0.5
+#: Error of odometry at rest: metres, radians.
+ERROR_AT_REST = np.array([0.02, 0.01])
+#: Error of odometry for a metre: metres, radians.
+ERROR_PER_M = np.array([0.1, 0.05])
+#: Error of odometry for a radian: metres, radians.
+ERROR_PER_RAD = np.array([0.0, 0.1])
 #: How far a robot without odometry may go between two scans, metres and radians.
-UNKNOWN = np.array([0.1, 0.1])
-#: Cells in which particles are counted, metres and radians, and the error that Fox allows.
-BIN, ERROR, QUANTILE = np.array([0.25, 0.25, 0.2]), 0.05, 2.326
+UNKNOWN_MOTION = np.array([0.1, 0.1])
+#: Sides of the cells in which particles are counted: metres, metres, radians.
+KLD_CELL = np.array([0.25, 0.25, 0.2])
+#: The error that Fox allows.
+KLD_ERROR = 0.05
+#: Quantile of the normal distribution that goes with it (99 %).
+KLD_QUANTILE = 2.326
 #: Never fewer particles.
-FEWEST = 300
-#: Fresh particles come to all places that score so much less than the best, and at most so many.
-MARGIN, MOST = 0.1, 100
+LEAST_PARTICLES = 300
+#: Fresh particles come to all places that score so much less than the best, ...
+PLACE_SCORE_MARGIN = 0.1
+#: ... and at most to so many.
+MOST_FRESH_PLACES = 100
 #: A place that fits better by less than this share is no reason to go there.
-BETTER = 0.05
+BETTER_FIT_SHARE = 0.05
 #: Where a search brings nothing better, the next waits twice as many scans as this one; at most:
-PATIENCE = 16
+LONGEST_WAIT_SCANS = 16
 
 
 class Belief(NamedTuple):
@@ -80,7 +95,7 @@ def localize(
     scans: Iterable[LaserScan],
     *,
     rng: np.random.Generator,
-    particles: Annotated[Count, at_least(FEWEST), at_most(100_000)] = 1000,
+    particles: Annotated[Count, at_least(LEAST_PARTICLES), at_most(100_000)] = 1000,
     beams: Count = 60,
 ) -> Iterator[Belief]:
     """Keep track of a robot on a known map, from anywhere, and tell when it is lost.
@@ -145,58 +160,62 @@ def _beliefs(
 ) -> Iterator[Belief]:
     poses, weights = np.zeros((0, 3)), np.zeros(0)
     before: LaserScan | None = None
-    fit, anew, wait, patience, least = 0.0, True, 0, 1, SURE
+    fit, anew, wait, patience, least = 0.0, True, 0, 1, FOUND_FIT
     for k, scan in enumerate(scans):
         arrays.instance(scan, f"scan {k}", LaserScan)
-        poses = moved(poses, before, scan, rng)
+        poses = predict(poses, before, scan, rng)
         before, ends, led = scan, scan.points(), scan.odometry is not None
         if not len(ends):
-            yield believed(poses, weights, at_places(poses, weights), fit, least)
+            yield estimate(poses, weights, at_places(poses, weights), fit, least)
             continue
-        points = spread(ends, beams)
+        points = sample_beams(ends, beams)
         fits = map.fits(points, poses)
         best, wait = fits.max(initial=0.0), wait - 1
         fit, anew = best if anew else np.sqrt(fit * best), False
-        if fit < (least if led else SURE) and wait <= 0:
+        if fit < (least if led else FOUND_FIT) and wait <= 0:
             fresh = fresh_poses(map, ends, particles, rng)
             there = map.fits(points, fresh)
             new = 1 - best / there.max(initial=best) if len(fresh) else 0.0
-            if new > BETTER:
+            if new > BETTER_FIT_SHARE:
                 if not led:  # it may have turned on the spot
-                    near = cKDTree(poses[:, :2]).query(fresh[:, :2])[0] <= NEAR
-                    if there[near].max(initial=0.0) > (1 - BETTER) * there.max():
+                    near = cKDTree(poses[:, :2]).query(fresh[:, :2])[0] <= SAME_PLACE_M
+                    if there[near].max(initial=0.0) > (1 - BETTER_FIT_SHARE) * there.max():
                         fresh, there = fresh[near], there[near]
                 weights = np.r_[(1 - new) * weights, np.full(len(fresh), new / len(fresh))]
                 poses, fits = np.concatenate([poses, fresh]), np.r_[fits, there]
                 fit, anew = (fit if led and fit else there.max()), True  # the mean begins anew
-            patience = min(2 * patience, PATIENCE) if new <= BETTER and len(poses) else 1
+            patience = (
+                min(2 * patience, LONGEST_WAIT_SCANS)
+                if new <= BETTER_FIT_SHARE and len(poses)
+                else 1
+            )
             wait = patience
-        weights = weights * fits ** (PART * len(points))
+        weights = weights * fits ** (BEAM_WEIGHT_PART * len(points))
         weights /= weights.sum() or 1.0
         places = at_places(poses, weights)
-        belief = believed(poses, weights, places, fit, least)
-        least = DOUBT if belief.found else SURE
+        belief = estimate(poses, weights, places, fit, least)
+        least = DOUBTFUL_FIT if belief.found else FOUND_FIT
         yield belief
         if places:
             poses, weights = redrawn(poses, weights, places, particles, rng)
 
 
-def moved(
+def predict(
     poses: Array, before: LaserScan | None, scan: LaserScan, rng: np.random.Generator
 ) -> Array:
     """Particles `(n, 3)`, metres and radians, after the way from one scan to the next."""
     if before is None or not len(poses):
         return poses
-    way, error = np.zeros(3), UNKNOWN
+    way, error = np.zeros(3), UNKNOWN_MOTION
     if before.odometry is not None and scan.odometry is not None:
         way = between(before.odometry, scan.odometry)
-        error = REST + METRE * np.hypot(*way[:2]) + RADIAN * abs(way[2])
+        error = ERROR_AT_REST + ERROR_PER_M * np.hypot(*way[:2]) + ERROR_PER_RAD * abs(way[2])
     return compose(poses, way + rng.normal(0, error[[0, 0, 1]], poses.shape))
 
 
 def fresh_poses(map: Likelihoods, ends: Array, count: int, rng: np.random.Generator) -> Array:
     """Poses at all places that explain a scan, `(count, 3)` or none."""
-    places = places_of(map, ends, margin=MARGIN, most_places=MOST)
+    places = distinct_places(map, ends, margin=PLACE_SCORE_MARGIN, most_places=MOST_FRESH_PLACES)
     if not len(places) or "more than" in places.reason:
         return np.zeros((0, 3))
     chosen = np.arange(count) % len(places)
@@ -205,14 +224,16 @@ def fresh_poses(map: Likelihoods, ends: Array, count: int, rng: np.random.Genera
     return np.asarray(places.poses[chosen] + away)
 
 
-def enough(poses: Array) -> int:
+def kld_sample_size(poses: Array) -> int:
     """How many of the first particles are enough for the cells in which these lie (Fox 2003)."""
-    cells = np.floor(poses / BIN).astype(np.int64)
+    cells = np.floor(poses / KLD_CELL).astype(np.int64)
     first = np.unique(cells, axis=0, return_index=True)[1]
     count = np.arange(len(poses)) + 1
     k = np.maximum(np.searchsorted(np.sort(first), count - 1, side="right") - 1, 1)
     a = 2 / (9 * k)
-    needed = np.maximum(k / (2 * ERROR) * (1 - a + np.sqrt(a) * QUANTILE) ** 3, FEWEST)
+    needed = np.maximum(
+        k / (2 * KLD_ERROR) * (1 - a + np.sqrt(a) * KLD_QUANTILE) ** 3, LEAST_PARTICLES
+    )
     return min(int(np.argmax(np.r_[count >= needed, True])) + 1, len(poses))
 
 
@@ -221,7 +242,9 @@ def at_places(poses: Array, weights: Array) -> list[NDArray[np.int64]]:
     left, places = np.arange(len(poses)), []
     while len(left):
         away = poses[left] - poses[left[np.argmax(weights[left])]]
-        near = (np.hypot(*away.T[:2]) <= NEAR) & (np.abs(wrap(away[:, 2])) <= TURNED)
+        near = (np.hypot(*away.T[:2]) <= SAME_PLACE_M) & (
+            np.abs(wrap(away[:, 2])) <= SAME_PLACE_RAD
+        )
         places.append(left[near])
         left = left[~near]
     return [place for place in places if weights[place].sum() >= DEAD]
@@ -247,14 +270,14 @@ def redrawn(
         count = max(int(most * (share + 1 / len(places)) / 2), 1)
         if len(place) > count or effective_number(own) < len(place) / 2:
             place = rng.permutation(place[systematic(own, rng.uniform(), count)])
-            place = place[: enough(poses[place])]
+            place = place[: kld_sample_size(poses[place])]
             own = np.full(len(place), 1 / len(place))
         chosen.append(place)
         anew.append(share * own)
     return poses[np.concatenate(chosen)], np.concatenate(anew)
 
 
-def believed(
+def estimate(
     poses: Array, weights: Array, places: list[NDArray[np.int64]], fit: float, least: float
 ) -> Belief:
     """The likeliest of the places, and what is known of it; it must fit so well."""
@@ -270,7 +293,7 @@ def believed(
     covariance = np.asarray(((flat - mean).T * weight) @ (flat - mean))
     pose = np.array([mean[0], mean[1], float(wrap(mean[2] + poses[place[0], 2]))])
     reason = ""
-    if fit < LOST:
+    if fit < LOST_FIT:
         reason = f"lost: the best pose fits to {fit:.2f} only"
     elif fit < least:
         reason = f"not yet: the best place fits to {fit:.2f} only"

@@ -16,8 +16,8 @@ from ..compiled import work_time
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ._field import NothingNear
-from ._live_map import FOUND, LiveMap, Step, insert, overlap_of
-from ._matchers import Score, field_score, hill_climb, prepared, sample_and_rank
+from ._live_map import FOUND, LiveMap, Step, insert_placed, overlap_of
+from ._matchers import Score, field_score, hill_climb, prepared_score, sample_and_rank
 from ._scores import descent_score, nearest_score, occupancy_score, scan_and_poses
 
 #: From a map, points and a start, with a score, to a pose.
@@ -113,7 +113,7 @@ def map_scans(
     arrays.function(matcher, "matcher", "of map, points and start, hill_climb say")
     if matcher is sample_and_rank and rng is None:
         raise ValueError("sample_and_rank draws poses: give rng, numpy.random.default_rng(1) say")
-    return _steps(log, tree, pose, settle, free, drawing(matcher, rng), score)
+    return _mapping_steps(log, tree, pose, settle, free, drawing(matcher, rng), score)
 
 
 def drawing(matcher: Matcher, rng: np.random.Generator | None) -> Matcher:
@@ -122,7 +122,7 @@ def drawing(matcher: Matcher, rng: np.random.Generator | None) -> Matcher:
     return partial(matcher, rng=rng) if takes else matcher
 
 
-def _steps(
+def _mapping_steps(
     log: Iterable[LaserScan],
     map: QuadtreeMap,
     pose: Array,
@@ -138,9 +138,9 @@ def _steps(
         begun, points, value = work_time(), scan.points(), np.nan
         try:
             if len(points) and inserted >= settle:
-                pose, value = _matched(matcher, score, map, points, pose)
+                pose, value = _match_by_score(matcher, score, map, points, pose)
             overlap = overlap_of(map, scan, pose)
-            insert(map, None, scan, pose, free=free)
+            insert_placed(map, None, scan, pose, free=free)
             inserted += len(points) > 0
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
@@ -176,7 +176,7 @@ def _warm(score: Score) -> None:
     for _ in range(2):
         overlap_of(map, LaserScan([1.0], [0.0]), np.zeros(3))
         map.insert_scan((0.05, 0.05), points, -points)
-        _matched(hill_climb, score, map, points, np.zeros(3))
+        _match_by_score(hill_climb, score, map, points, np.zeros(3))
 
 
 @lru_cache  # once in each process
@@ -195,12 +195,12 @@ def _warm_graph() -> list[bool]:
     return closed
 
 
-def _matched(
+def _match_by_score(
     matcher: Matcher, score: Score, map: QuadtreeMap, points: Array, start: Array
 ) -> tuple[Array, float]:
     """Pose of a scan, and its score there."""
     try:
-        values = prepared(score, map, points, start)
+        values = prepared_score(score, map, points, start)
     except NothingNear:
         return start, np.nan
     pose = found_by(matcher, map, points, start, asked(values, points, score))
@@ -211,7 +211,7 @@ def found_by(
     matcher: Matcher, map: QuadtreeMap, points: Array, start: Array, score: Score
 ) -> Array:
     """What a matcher answers, checked: it may be the user's own."""
-    found = arrays.called(matcher, "matcher", map, points, start, score=score)
+    found = arrays.call_given(matcher, "matcher", map, points, start, score=score)
     return arrays.pose(found, "matcher(map, points, start)")
 
 

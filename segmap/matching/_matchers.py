@@ -21,7 +21,7 @@ Score = Callable[[Any, ArrayLike, ArrayLike], Array]
 #: The six moves of a round, in the order that decides between equals.
 MOVES = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], float)
 #: Sizes of the moves, metres and radians: B's literal ones, and those that halve.
-STEPS = {
+MOVE_SIZES = {
     "thesis": [(0.001, np.radians(1.0))],
     "halving": [(0.016 / 2**k, np.radians(1.6) / 2**k) for k in range(5)],
 }
@@ -88,9 +88,9 @@ def hill_climb(
     >>> hill_climb(tree, walls, (0.03, -0.02, 0.0)).round(2) + 0
     array([0., 0., 0.])
     """
-    sizes = list(STEPS[steps])
+    sizes = list(MOVE_SIZES[steps])
     ends, pose = arrays.points(points), arrays.pose(start, "start")
-    values = prepared(score, map, ends, pose)
+    values = prepared_score(score, map, ends, pose)
     best = float(values(pose[None])[0])
     for _ in range(rounds):
         while sizes:
@@ -147,7 +147,7 @@ def sample_and_rank(
         raise ValueError(f"sigma must be positive, one of metres, one of radians, got {sigma}")
     spread = both[[0, 0, 1]]
     ends, pose = arrays.points(points), arrays.pose(start, "start")
-    values = prepared(score, map, ends, pose)
+    values = prepared_score(score, map, ends, pose)
     poses = np.concatenate([pose[None], pose + rng.normal(0, 2 * spread, (99, 3))])
     found = values(poses)
     for step in (1, 2, 3):
@@ -164,7 +164,7 @@ def wrapped(pose: Array) -> Array:
     return np.array(turned)
 
 
-def prepared(
+def prepared_score(
     score: Score, map: QuadtreeMap | SegmentMap, points: Array, start: Array
 ) -> Callable[[Array], Array]:
     """The score of points `(n, 2)` as a function of poses `(k, 3)` alone, metres and radians.
@@ -178,7 +178,7 @@ def prepared(
 
     def asked(poses: Array) -> Array:
         """What the score says of poses, `(k,)`."""
-        found = arrays.called(score, "score", map, points, poses)
+        found = arrays.call_given(score, "score", map, points, poses)
         return arrays.row(found, "score(map, points, poses)", len(poses))
 
     return asked

@@ -12,14 +12,14 @@ from ..scans import LaserScan, Log
 from ._search import search
 
 #: Scans that score less are not believed (`Places.found`), and to look for them takes long.
-LEAST = 0.7
+LEAST_MERGE_FIT = 0.7
 #: Side of a cell of the map, metres: the search joins smaller ones.
-CELL = 0.05
+MERGE_CELL_M = 0.05
 
 
 @arrays.checked
 def merge(first: Log, second: Log, **thresholds: Any) -> Alignment:
-    """Align two sessions of one building, each alone, and tie them: `alignment.merge` by `search`.
+    """Align two sessions of a building, each alone, and tie them: `alignment.merge_graphs`.
 
     `thresholds` are those of `pose_graph`. Nothing need lead from one to the other: odometry and
     clock may be others.
@@ -35,10 +35,10 @@ def merge(first: Log, second: Log, **thresholds: Any) -> Alignment:
     graphs = LiveGraph(**thresholds), LiveGraph(**thresholds)
     for graph, log in zip(graphs, logs, strict=True):
         graph.extend(log)
-    map = build_map(first, graphs[0].refine(), resolution=CELL)
+    map = build_map(first, graphs[0].refine(), resolution=MERGE_CELL_M)
 
     def places(scan: LaserScan) -> Array:
-        found = search(map, scan, least=LEAST)
+        found = search(map, scan, least=LEAST_MERGE_FIT)
         return found.poses[: int(found.found)]
 
-    return alignment.merge(*graphs, places)
+    return alignment.merge_graphs(*graphs, places)

@@ -18,34 +18,36 @@ from ..scans import LaserScan
 from ..simulation import OdometryNoise
 from ._field import DistanceField, NothingNear
 from ._likelihoods import ANYTHING
-from ._live_map import FOUND, insert, overlap_of
+from ._live_map import FOUND, insert_placed, overlap_of
 from ._mapping import Matcher, _check_scan, _warm, asked, drawing, found_by
 from ._matchers import field_score, hill_climb
-from ._weights import PART, effective_number, systematic
+from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 
 #: Beams of a scan that are weighed, evenly chosen: neighbours meet one wall, and would say the same
 #: thing again and again.
-BEAMS = 60
+WEIGHED_BEAMS = 60
 #: The end of a beam lies about so far from a wall of the map, metres.
-SIGMA = 0.05
+PARTICLE_SIGMA_M = 0.05
 #: Poses are drawn and weighed where the robot has moved so far, metres or radians: scans from one
 #: place err alike. In between each particle stands on its peak.
-MOVED = 0.3, 0.3
+WEIGHING_STEP = 0.3, 0.3
 #: Around a peak its likelihood is asked at 3 x 3 x 3 poses, so far apart, metres and radians: a
 #: cell of the usual map, and what moves an end at 5 m as far.
-APART = np.array([0.05, 0.05, 0.01])
+PEAK_STEP = np.array([0.05, 0.05, 0.01])
 LATTICE = np.array([(x, y, turn) for x in (-1, 0, 1) for y in (-1, 0, 1) for turn in (-1, 0, 1)])
 #: A wheel errs by so much however short the way, metres and radians.
 SLIP = np.array([0.002, 0.002, 0.001])
 #: The same where there is no odometry, metres and radians.
-ALONE = np.array([0.1, 0.1, 0.05])
-#: While a robot turns fast its odometry may be late. Where it tells of a larger turn from scan to
-#: scan, radians, or less than this share of a scan lies on the map, the matcher also begins with
-#: these turns more, radians: a start is good to 0.3.
-FAST, LIES = 0.3, 0.75
-LATE = np.outer([0, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9], [0, 0, 1])
+NO_ODOMETRY_STEP = np.array([0.1, 0.1, 0.05])
+#: While a robot turns fast its odometry may be late. Turns from scan to scan above this, radians,
+#: are fast: a start is good to 0.3.
+FAST_TURN_RAD = 0.3
+#: Then, or where less than this share of a scan lies on the map, ...
+GOOD_OVERLAP = 0.75
+#: ... the matcher also starts from the predicted heading plus each of these turns, radians.
+LATE_TURNS = np.outer([0, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9], [0, 0, 1])
 #: More particles would fill the memory: each has a map.
-MOST = 10_000
+MOST_PARTICLES = 10_000
 
 
 class Particles(NamedTuple):
@@ -90,7 +92,7 @@ class Particles(NamedTuple):
 def particle_mapping(
     log: Iterable[LaserScan],
     *,
-    particles: Annotated[Count, at_most(MOST)] = 30,
+    particles: Annotated[Count, at_most(MOST_PARTICLES)] = 30,
     rng: np.random.Generator,
     odometry: OdometryNoise | None = OdometryNoise(),
     noise: Annotated[float, Quantity("", least=0, most=100)] = 1.0,
@@ -186,12 +188,14 @@ def _steps(
             ]
             poses, drawn = poses[parents], drawn[parents]
             likely, recent = likely[parents], np.zeros(count)
-        tries = [LATE[:1]]
+        tries = [LATE_TURNS[:1]]
         if odometry is not None and scan.odometry is not None:
             if wheels is not None:
                 step = between(wheels, scan.odometry)
                 poses = compose(poses, step)
-                tries = [LATE] if abs(step[2]) > FAST else [LATE[:1], LATE]
+                tries = (
+                    [LATE_TURNS] if abs(step[2]) > FAST_TURN_RAD else [LATE_TURNS[:1], LATE_TURNS]
+                )
             wheels = scan.odometry
         try:
             if len(points) and settled:
@@ -200,15 +204,15 @@ def _steps(
                 poses = np.array([pose for pose, _ in found])
                 best = int(np.argmax(likely))
                 way = np.abs(between(drawn[best], poses[best]))
-                if np.hypot(*way[:2]) > MOVED[0] or way[2] > MOVED[1]:
-                    wide = ALONE
+                if np.hypot(*way[:2]) > WEIGHING_STEP[0] or way[2] > WEIGHING_STEP[1]:
+                    wide = NO_ODOMETRY_STEP
                     if wheels is not None and wheels_drawn is not None and odometry is not None:
-                        wide = spread(between(wheels_drawn, wheels), odometry)
+                        wide = odometry_deviation(between(wheels_drawn, wheels), odometry)
                     for i, (peak, field) in enumerate(found):
-                        around = compose(peak, LATTICE * APART)
+                        around = compose(peak, LATTICE * PEAK_STEP)
                         covariance, weight = proposal(_log_likelihood(field, points, around), wide)
-                        recent[i] += PART * weight
-                        likely[i] += PART * weight
+                        recent[i] += BEAM_WEIGHT_PART * weight
+                        likely[i] += BEAM_WEIGHT_PART * weight
                         if noise > 0:
                             turned = np.linalg.cholesky(covariance) @ rng.standard_normal(3)
                             poses[i] = compose(peak, noise * turned)
@@ -216,7 +220,7 @@ def _steps(
             best = int(np.argmax(likely))
             overlap = overlap_of(maps[best], scan, poses[best])
             for own, pose in zip(maps, poses, strict=True):
-                insert(own, None, scan, pose, free=free)
+                insert_placed(own, None, scan, pose, free=free)
             vars(map).update(vars(deepcopy(maps[best])))
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
@@ -244,20 +248,20 @@ def _climbed(
         score = asked(values, points, field_score)
         found = np.array([found_by(matcher, map, points, each, score) for each in starts])
         answers.append((found[np.argmax(values(found))], field))
-        if len(tries) == 1 or overlap_of(map, scan, answers[-1][0]) >= LIES:
+        if len(tries) == 1 or overlap_of(map, scan, answers[-1][0]) >= GOOD_OVERLAP:
             return answers[-1]
     return answers[0]
 
 
 def _log_likelihood(field: DistanceField | None, points: Array, poses: Array) -> Array:
     """Of points `(n, 2)` at poses `(k, 3)`, metres and radians: (k,) array."""
-    few = points[np.linspace(0, len(points) - 1, min(BEAMS, len(points))).astype(np.int64)]
+    few = points[np.linspace(0, len(points) - 1, min(WEIGHED_BEAMS, len(points))).astype(np.int64)]
     ends = transform(poses, few).reshape(-1, 2)
     each = np.column_stack([ends, np.zeros(len(ends))])
     away = np.full(len(ends), -np.inf)
     if field is not None:
         away = field.scorer(np.zeros((1, 2)))(each)  # each end as a scan of one point
-    near = np.exp(-(away**2) / (2 * SIGMA**2))
+    near = np.exp(-(away**2) / (2 * PARTICLE_SIGMA_M**2))
     found: Array = np.log((1 - ANYTHING) * near + ANYTHING).reshape(len(poses), -1).sum(1)
     return found
 
@@ -273,13 +277,13 @@ def proposal(values: Array, wide: Array) -> tuple[Array, float]:
     bend = (LATTICE.T * values) @ LATTICE / 12
     bend[np.diag_indices(3)] = (LATTICE.T**2 - 2 / 3) @ values / 3
     size, axes = np.linalg.eigh(-bend)
-    scan = axes * np.maximum(size, 0) @ axes.T / np.outer(APART, APART)
+    scan = axes * np.maximum(size, 0) @ axes.T / np.outer(PEAK_STEP, PEAK_STEP)
     covariance = np.linalg.inv(scan + np.diag(wide**-2))
     shrunk = np.linalg.slogdet(covariance)[1] / 2 - np.log(wide).sum()
     return covariance, float(values[len(values) // 2] + shrunk)
 
 
-def spread(step: Array, odometry: OdometryNoise) -> Array:
+def odometry_deviation(step: Array, odometry: OdometryNoise) -> Array:
     """Standard deviations of a step `(3,)` of the odometry, (3,) array, metres and radians."""
     way, turn = np.hypot(*step[:2]), abs(step[2])
     along = odometry.distance_noise * np.sqrt(way)

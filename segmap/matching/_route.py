@@ -15,7 +15,7 @@ from ._scores import Cells
 
 QUARTERS = np.array([(0, 0), (1, 0), (0, 1), (1, 1)])
 #: Parts of a cell that do not count: a radius that is a whole number of cells is reached.
-EXACT = 1e-6
+CELL_ROUNDING = 1e-6
 
 
 class NoRoute(ValueError):
@@ -75,7 +75,7 @@ def route(map: QuadtreeMap, start: ArrayLike, goal: ArrayLike, *, radius: Metres
         closed = _shortest(least, places, held) is None
         why = "walls or unknown space close it" if closed else "it is too narrow somewhere"
         raise NoRoute(
-            f"no way from start {_named(first)} to a goal keeps {radius:g} m from walls: {why}"
+            f"no way from start {_place_text(first)} to a goal keeps {radius:g} m from walls: {why}"
         )
     return corner + _straightened(clear, corners) * map.resolution
 
@@ -91,7 +91,7 @@ def _clear(map: QuadtreeMap, radius: float) -> Squares:
     # From the side of a cell to that of another it is as far as from the middle of the one to the
     # middle of the nearest of the other's nine.
     near = cKDTree((walls[:, None] + NINE).reshape(-1, 2))
-    wanted = radius / map.resolution - EXACT
+    wanted = radius / map.resolution - CELL_ROUNDING
     while len(cell):
         half = ((1 << level) - 1) / 2
         away = near.query(cell + half[:, None])[0] if len(walls) else np.full(len(cell), np.inf)
@@ -162,11 +162,11 @@ def _refused(map: QuadtreeMap, name: str, start: Array, goal: Array, radius: flo
     """Why a robot cannot stand somewhere."""
     place = start if name == "start" else goal
     value = map.occupancy(place[None])[0]
-    said = f"{name} {_named(place)} lies"
+    said = f"{name} {_place_text(place)} lies"
     if value == 0.5:
         return f"{said} where nothing has been seen"
     return f"{said} in a wall" if value > 0.5 else f"{said} nearer than {radius:g} m to a wall"
 
 
-def _named(place: Array) -> str:
+def _place_text(place: Array) -> str:
     return f"({place[0]:.6g}, {place[1]:.6g})"

@@ -17,7 +17,7 @@ Counts = NDArray[np.int32]
 Cells = NDArray[np.int64]
 Holds = NDArray[np.bool_]
 #: Ends of beams and poses may lie so far away, metres: they count as on the edge of the map.
-BEYOND = 1e300
+FARTHEST_END_M = 1e300
 #: Makes 64 bits of a number.
 whole: Any = np.int64
 
@@ -47,7 +47,7 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
     >>> occupancy_score(tree, [(1, 0), (1, 0.5)], [(0, 0, 0), (0.3, 0, 0)])
     array([2., 0.])
     """
-    occupied_blocks(map)
+    blocks_of(map)
     ends, at = scan_and_poses(points, poses)
     value = map.occupancy(all_placed(ends, at)).reshape(len(at), len(ends))
     return np.where(value > 0.5, value, 0.0).sum(1)
@@ -68,7 +68,7 @@ def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arr
     """
     from scipy.spatial import cKDTree
 
-    occupied_blocks(map)
+    blocks_of(map)
     ends, at = scan_and_poses(points, poses)
     leaves = map.leaves()
     occupied = leaves.occ > leaves.vis - leaves.occ
@@ -122,7 +122,7 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
 def _searched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> tuple[Holds, Array, Array]:
     """What a search needs: blocks that hold something, ends `(k, n, 2)` in cells of the root, and
     room for the answers `(k,)`."""
-    holds = occupied_blocks(map)
+    holds = blocks_of(map)
     ends, at = scan_and_poses(points, poses)
     x, y, _ = at.T[:, :, None]
     c, s = (
@@ -144,7 +144,7 @@ def all_placed(points: Array, poses: Array) -> Array:
     return placed.reshape(-1, 2)
 
 
-def occupied_blocks(map: QuadtreeMap) -> Holds:
+def blocks_of(map: QuadtreeMap) -> Holds:
     """Which blocks of a map hold an occupied cell, (b,) bool array; an empty map has no score."""
     with arrays.instance(map, "map", QuadtreeMap).lock:
         holds, root = map.tree.occupied_blocks(), map.tree.block
@@ -155,10 +155,10 @@ def occupied_blocks(map: QuadtreeMap) -> Holds:
 
 def scan_and_poses(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
     """Points `(n, 2)`, metres, and poses `(k, 3)` or one, metres and radians, as arrays."""
-    ends = arrays.table(points, "points", 2, limit=BEYOND)
+    ends = arrays.table(points, "points", 2, limit=FARTHEST_END_M)
     at = arrays.numbers(poses, "poses", "a (k, 3) array")
     at = at[None] if at.ndim == 1 and at.size else at
-    return ends, arrays.table(at, "poses", 3, unit="metres and radians", limit=BEYOND)
+    return ends, arrays.table(at, "poses", 3, unit="metres and radians", limit=FARTHEST_END_M)
 
 
 # ---------------------------------------------------------------------------------- loops

@@ -14,21 +14,23 @@ from ..compiled import compiled
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ..segments import SegmentMap
-from ._field import FAR, FAR_AWAY, either_map
+from ._field import FAR_AWAY, NO_OCCUPIED_CELL, either_map
 from ._likelihoods import TOP, Levels, Likelihoods
 from ._scores import Cells, Counts
 
 #: A pose that fits worse is not believed (our choice): right ones have .94, those in a wrong
 #: building .5 to .77.
-SURE = 0.85
-#: A pose so near to a better one is no place of its own, metres and radians.
-APART, TURNED = 0.3, 0.3
+SURE_FIT = 0.85
+#: A pose so near to a better one, metres, ...
+OTHER_PEAK_M = 0.3
+#: ... and turned by less, radians, is no place of its own.
+OTHER_PEAK_RAD = 0.3
 #: The mean beam is taken to be so many cells long at least: no headings coarser than 3 degrees.
 SHORTEST = 20
 #: Ends of beams that lie farther apart count as so far, metres, in what the beams are spread over.
-JUMP = 0.3
+OUTLINE_JUMP_M = 0.3
 #: After so many beams a sum is given up where the rest cannot lift it to what is asked.
-CHUNK = 12
+BEAMS_PER_CHUNK = 12
 #: So many blocks are looked into between two moments at which Control-C is heard.
 PORTION = 2**20
 #: So many poses within the margin are kept at most.
@@ -134,10 +136,10 @@ def search(
     """
     either_map(map)
     points = arrays.instance(scan, "scan", LaserScan).points()
-    return places_of(Likelihoods(map), points, least, margin, most_places, beams, nodes)
+    return distinct_places(Likelihoods(map), points, least, margin, most_places, beams, nodes)
 
 
-def places_of(
+def distinct_places(
     map: Likelihoods,
     points: Array,
     least: float = 0.5,
@@ -150,8 +152,8 @@ def places_of(
     if not len(points):
         none = np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros((0, 3, 3))
         return Places(*none, "no beam of the scan has an end", 0)
-    used = spread(np.clip(points, -FAR_AWAY, FAR_AWAY), beams)
-    scan, step = _turned(map, used)
+    used = sample_beams(np.clip(points, -FAR_AWAY, FAR_AWAY), beams)
+    scan, step = _cells_by_heading(map, used)
     full = 255 * len(used)
     asked = int(np.ceil(least * full - 1e-9)), int(margin * full + 1e-9)
     leaves, looked, stopped = _leaves(map, scan, *asked, nodes)
@@ -159,7 +161,7 @@ def places_of(
     poses = np.empty((len(leaves), 3))
     poses[:, :2] = map.corner + (leaves[:, 2:] + 0.5) * map.size
     poses[:, 2] = wrap(leaves[:, 1] * step)
-    chosen = distinct(poses, most_places + 1)
+    chosen = first_distinct(poses, most_places + 1)
     reason = stopped
     if not stopped and not len(chosen):
         reason = f"no pose scores {least:.6g}"
@@ -168,14 +170,14 @@ def places_of(
         reason = reason or f"{count} places explain it"
     chosen = chosen[:most_places]
     fits = map.fits(used, poses[chosen])
-    if len(chosen) and not reason and fits[0] < SURE:
+    if len(chosen) and not reason and fits[0] < SURE_FIT:
         reason = f"the best place fits it to {fits[0]:.2f} only"
-    spreads = [_covariance(map, scan, leaves[k], step) for k in chosen]
+    spreads = [_leaf_covariance(map, scan, leaves[k], step) for k in chosen]
     scores, covariances = leaves[chosen, 0] / full, np.reshape(spreads, (-1, 3, 3))
     return Places(poses[chosen], scores, fits, covariances, reason, looked)
 
 
-def _turned(map: Likelihoods, points: Array) -> tuple[Counts, float]:
+def _cells_by_heading(map: Likelihoods, points: Array) -> tuple[Counts, float]:
     """Cells of points at each heading, `(h, n, 2)`, for a robot in a cell's middle; the step
     between headings, radians."""
     farthest = np.hypot(*map.shape)
@@ -186,7 +188,7 @@ def _turned(map: Likelihoods, points: Array) -> tuple[Counts, float]:
     x, y = points.T / map.size
     c, s = np.cos(angle), np.sin(angle)
     cells = np.stack([c * x - s * y, s * x + c * y], -1) + 0.5
-    return np.floor(np.clip(cells, -FAR, FAR)).astype(np.int32), step
+    return np.floor(np.clip(cells, -NO_OCCUPIED_CELL, NO_OCCUPIED_CELL)).astype(np.int32), step
 
 
 def _leaves(
@@ -206,7 +208,7 @@ def _leaves(
     todo, stopped = np.empty((3 * TOP + 4, 4), np.int64), ""
     while state[2] < len(blocks) and not stopped:
         portion = PORTION if nodes is None else max(min(PORTION, nodes - int(state[3])), 1)
-        descend(grid, blocks, least, slack, portion, todo, state, leaves)
+        branch_and_bound(grid, blocks, least, slack, portion, todo, state, leaves)
         if state[1] == MOST_LEAVES:
             stopped = f"it fits at more than {MOST_LEAVES} poses"
         elif nodes is not None and state[3] >= nodes and state[2] < len(blocks):
@@ -215,7 +217,7 @@ def _leaves(
     return kept[kept[:, 0] >= max(state[0] - slack, least)], int(state[3]), stopped
 
 
-def _covariance(map: Likelihoods, scan: Counts, leaf: Cells, step: float) -> Array:
+def _leaf_covariance(map: Likelihoods, scan: Counts, leaf: Cells, step: float) -> Array:
     """Covariance `(3, 3)` of the pose of a leaf, metres and radians."""
     h, i, j = (leaf[1:] + SHIFTS).T
     cells = scan[h % len(scan)] + np.stack([i, j], -1)[:, None]
@@ -227,27 +229,29 @@ def _covariance(map: Likelihoods, scan: Counts, leaf: Cells, step: float) -> Arr
     return np.asarray((away.T * weight) @ away + cell)
 
 
-def spread(points: Array, beams: int) -> Array:
+def sample_beams(points: Array, beams: int) -> Array:
     """At most so many of a scan's ends `(n, 2)`, metres: at equal steps along what they outline.
 
     Every k-th beam would show the near walls alone. They come in an order in which the first few
     lie all over the scan.
     """
     count = min(len(points), beams)
-    way = np.minimum(np.hypot(*np.diff(points, axis=0).T), JUMP)
+    way = np.minimum(np.hypot(*np.diff(points, axis=0).T), OUTLINE_JUMP_M)
     along = np.r_[0.0, np.cumsum(way)]
     if count < len(points):
         points = points[np.searchsorted(along, np.linspace(0, along[-1], count))]
     return points[np.argsort(np.arange(count) * 0.618034 % 1)]
 
 
-def distinct(poses: Array, most: int) -> Cells:
+def first_distinct(poses: Array, most: int) -> Cells:
     """Indices of the first pose, `(n, 3)`, and of each that lies apart from all taken before it."""
     left, chosen = np.arange(len(poses)), np.zeros(0, np.int64)
     while len(left) and len(chosen) < most:
         chosen = np.append(chosen, left[0])
         away = poses[left] - poses[left[0]]
-        near = (np.hypot(*away.T[:2]) <= APART) & (np.abs(wrap(away[:, 2])) <= TURNED)
+        near = (np.hypot(*away.T[:2]) <= OTHER_PEAK_M) & (
+            np.abs(wrap(away[:, 2])) <= OTHER_PEAK_RAD
+        )
         left = left[~near]
     return chosen
 
@@ -263,7 +267,7 @@ class Grid(NamedTuple):
 
 
 @compiled
-def worth(
+def bound_scores(
     grid: Grid, level: int, h: int, i: int, j: int, across: int, up: int, need: int, most: Counts
 ) -> None:
     """Write the most that a pose of each block scores, 255 a beam; -1 if that is below `need`.
@@ -277,12 +281,12 @@ def worth(
     for block in range(across * up):
         at_x, at_y = i + border + (block % across << level), j + border + (block // across << level)
         total, begin = 0, 0
-        while begin + CHUNK <= beams and total + 255 * (beams - begin) >= need:
-            for k in range(CHUNK):
+        while begin + BEAMS_PER_CHUNK <= beams and total + 255 * (beams - begin) >= need:
+            for k in range(BEAMS_PER_CHUNK):
                 x = min(max(cells[begin + k, 0] + at_x, 0), last_x)
                 y = min(max(cells[begin + k, 1] + at_y, 0), last_y)
                 total += int(values[np.uint64(y), np.uint64(x)])  # no index from the end: fast
-            begin += CHUNK
+            begin += BEAMS_PER_CHUNK
         if total + 255 * (beams - begin) >= need:
             for k in range(begin, beams):
                 x = min(max(cells[k, 0] + at_x, 0), last_x)
@@ -296,11 +300,11 @@ def bound_blocks(grid: Grid, across: int, up: int, bound: Counts) -> None:
     """Write the most that each of the first blocks scores, all blocks of a heading together."""
     for h in range(len(grid.scan)):
         own = bound[h * across * up :]
-        worth(grid, len(grid.levels) - 1, h, 0, 0, across, up, 0, own)
+        bound_scores(grid, len(grid.levels) - 1, h, 0, 0, across, up, 0, own)
 
 
 @compiled
-def descend(
+def branch_and_bound(
     grid: Grid,
     blocks: Cells,
     least: int,
@@ -334,7 +338,7 @@ def descend(
                 continue
             if level == 0:
                 if count == len(leaves):
-                    count = keep(leaves, need)
+                    count = drop_below(leaves, need)
                 if count == len(leaves):
                     break
                 leaves[count, 0], leaves[count, 1] = total, h
@@ -344,7 +348,7 @@ def descend(
                 continue
             half, first = 1 << (level - 1), used
             across, up = 1 + (i + half < grid.columns), 1 + (j + half < grid.rows)
-            worth(grid, level - 1, h, i, j, across, up, need, most)
+            bound_scores(grid, level - 1, h, i, j, across, up, need, most)
             looked += across * up
             for q in range(across * up):
                 a, b, total = i + half * (q % across), j + half * (q // across), most[q]
@@ -361,7 +365,7 @@ def descend(
 
 
 @compiled
-def keep(leaves: Cells, need: int) -> int:
+def drop_below(leaves: Cells, need: int) -> int:
     """Move the leaves that score enough to the front; how many these are."""
     count = 0
     for k in range(len(leaves)):

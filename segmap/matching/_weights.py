@@ -11,7 +11,7 @@ from ..arrays import Array
 #: Beams are not independent: neighbours meet one wall, which errs alike for metres. Of its
 #: logarithm each gives this part to a weight: with all of it one particle soon holds the whole
 #: weight of 15 in the corridor loop, and a wrong place all of it after one scan.
-PART = 1 / 3
+BEAM_WEIGHT_PART = 1 / 3
 
 
 def _shares(weights: ArrayLike) -> Array:

@@ -18,7 +18,7 @@ from ..segments import MIN_LENGTH, length
 #: Walls whose ends lie this far off one line, and touch, are one wall; metres.
 ONE_LINE = 1e-3
 #: Owners whose squared offsets differ by less are alike, metres^2: rounding must not choose.
-ALIKE = 1e-12
+ALIKE_OFFSETS_M2 = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +118,7 @@ def against_walls(
     AgainstWalls(0.75 segments a wall, 50% of the walls found, 50.0% missed, 3.6% invented, \
 7.1% double, 12 mm off)
     """
-    whole = joined(arrays.segments(walls, "walls"))
+    whole = joined_walls(arrays.segments(walls, "walls"))
     if not len(whole):
         raise ValueError("walls must hold a segment that has a length, got none")
     segments = arrays.segments(map, "map")
@@ -166,7 +166,7 @@ def against_walls(
     )
 
 
-def joined(walls: Array) -> Array:
+def joined_walls(walls: Array) -> Array:
     """Walls with those that lie on one line and touch made one, longest first; others stay."""
     left = walls[np.argsort(-length(walls), kind="stable")]
     left = left[length(left) >= MIN_LENGTH]
@@ -259,7 +259,7 @@ def _owned(walls: Array, segments: Array, distance: float, sine: float) -> _Owne
     squares = (u * u + u * v + v * v) / 3
     least = np.full(len(of), np.inf)
     np.minimum.at(least, piece, squares)
-    alike = np.flatnonzero(squares <= least[piece] + ALIKE)
+    alike = np.flatnonzero(squares <= least[piece] + ALIKE_OFFSETS_M2)
     piece, lowest = np.unique(piece[alike], return_index=True)
     squares, near = squares[alike[lowest]], near[alike[lowest]]
     owned = np.zeros((4, len(of)))  # square, turn and ends of what has an owner

@@ -59,11 +59,11 @@ def _metres_alone(map: Array, other: Array, distance: float, angle: float) -> fl
     reach = a[:, 4] + b[:, 4].max(initial=0.0) + distance
     first, stop = (np.searchsorted(b[:, 0], a[:, 0] + sign * reach) for sign in (-1, 1))
     limits = (float(distance), float(np.sin(angle)))
-    return _alone(a, v, b, first, stop, limits, np.empty((len(v), 2)))
+    return _uncovered_length(a, v, b, first, stop, limits, np.empty((len(v), 2)))
 
 
 @compiled
-def _alone(
+def _uncovered_length(
     a: Array,
     v: Array,
     b: Array,
@@ -81,7 +81,7 @@ def _alone(
         count = 0
         for j in range(first[i], stop[i]):
             if abs(a[i, 2] * b[j, 3] - a[i, 3] * b[j, 2]) <= limits[1]:
-                count += _beside(a[i], v[j], limits[0], spans, count)
+                count += _insert_span(a[i], v[j], limits[0], spans, count)
         reached = -a[i, 4]
         for k in range(count):
             metres += max(min(spans[k, 0], a[i, 4]) - reached, 0.0)
@@ -91,7 +91,7 @@ def _alone(
 
 
 @compiled
-def _beside(a: Array, v: Array, distance: float, spans: Array, count: int) -> bool:
+def _insert_span(a: Array, v: Array, distance: float, spans: Array, count: int) -> bool:
     """Put where one segment lies beside another, described by (5,), among the spans in order.
 
     Whether it does anywhere: the part of it within the strip around the other's line.

@@ -12,9 +12,10 @@ from ..angles import wrap
 from ..arrays import Array, Count, Metres, Radians, at_least, at_most, checked
 from ..segments import SegmentMap, length, midpoint
 
-#: Walls are looked at in pieces of this side, metres: a tenth of a door; a segment in so many at
-#: most, which is a kilometre.
-PIECE, PIECES = 0.10, 10_000
+#: Walls are looked at in pieces of this side, metres: a tenth of a door.
+DOUBLED_PIECE_M = 0.10
+#: A segment is cut into so many at most, which is a kilometre.
+MOST_DOUBLED_PIECES = 10_000
 
 
 @checked
@@ -79,13 +80,18 @@ def doubled_walls(
         return float("nan")
     from scipy.spatial import cKDTree
 
-    pairs = cKDTree(places).query_pairs(np.hypot(farthest, PIECE), output_type="ndarray")
+    pairs = cKDTree(places).query_pairs(np.hypot(farthest, DOUBLED_PIECE_M), output_type="ndarray")
     i, j = pairs.T
     turn = wrap(facing[j] - facing[i])
     across, away = facing[i] + turn / 2, places[j] - places[i]
     beside = np.abs(away[:, 0] * np.cos(across) + away[:, 1] * np.sin(across))
     along = np.abs(away[:, 1] * np.cos(across) - away[:, 0] * np.sin(across))
-    same = (np.abs(turn) <= angle) & (along < PIECE) & (nearest < beside) & (beside < farthest)
+    same = (
+        (np.abs(turn) <= angle)
+        & (along < DOUBLED_PIECE_M)
+        & (nearest < beside)
+        & (beside < farthest)
+    )
     return len(np.unique(pairs[same])) / len(places)
 
 
@@ -96,7 +102,7 @@ def _seen_often(map: SegmentMap, stood: Array, angle: float, looks: int) -> tupl
     one cell of place and direction.
     """
     sizes, spans = length(map.segments), map.segments[:, 1] - map.segments[:, 0]
-    counts = np.clip(np.ceil(sizes / PIECE), 1, PIECES).astype(np.int64)
+    counts = np.clip(np.ceil(sizes / DOUBLED_PIECE_M), 1, MOST_DOUBLED_PIECES).astype(np.int64)
     row = np.repeat(np.arange(len(map)), counts)
     number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
     places = map.segments[row, 0] + ((number + 0.5) / counts[row])[:, None] * spans[row]
@@ -104,7 +110,9 @@ def _seen_often(map: SegmentMap, stood: Array, angle: float, looks: int) -> tupl
     behind = (normals * away).sum(-1) < 0
     facing = np.arctan2(normals[:, 1], normals[:, 0]) + np.pi * behind
     turns = np.round(wrap(facing) / angle) % np.round(2 * np.pi / angle)
-    cells = np.column_stack([np.floor(places / PIECE), turns[row], map.scan[row]]).astype(np.int64)
+    cells = np.column_stack([np.floor(places / DOUBLED_PIECE_M), turns[row], map.scan[row]]).astype(
+        np.int64
+    )
     _, once = np.unique(cells, axis=0, return_index=True)  # a scan that shows it in two segments
     _, first, count = np.unique(cells[once, :3], axis=0, return_index=True, return_counts=True)
     kept = once[first[count >= looks]]

@@ -12,9 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..angles import axial_difference, wrap
-from ..arrays import Array, Metres, Seconds, Segments, at_least, checked, slips
+from ..arrays import Array, Metres, Seconds, Segments, at_least, checked, unit_checks
 from ..compiled import compiled
-from ..kernels import ACROSS, ANGULAR, APART, PERPENDICULAR, apart, describe, mean_line_terms
+from ..kernels import (
+    ACROSS_WEIGHT,
+    ANGULAR_WEIGHT,
+    APART_WEIGHT,
+    PERPENDICULAR,
+    apart,
+    describe,
+    mean_line_terms,
+)
 from ..poses import between
 from ..segments import MIN_LENGTH, angle, length, midpoint, point_distance
 from ..threads import Rows, in_threads, shares
@@ -53,7 +61,7 @@ def segment_distance(
     array([0.    , 0.0295, 0.    ])
     """
     angular, across, apart = distance_terms(u, v, weight_u, weight_v)
-    return ANGULAR * angular + ACROSS * across + APART * apart
+    return ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across + APART_WEIGHT * apart
 
 
 def distance_terms(
@@ -74,8 +82,8 @@ def distance_terms(
     [0.0, 0.05, 0.1]
     """
     u, v = arrays.trailing(u, "u", 2, 2), arrays.trailing(v, "v", 2, 2)
-    share = arrays.share(weight_u, weight_v, ("weight_u", "weight_v"))
-    at_u, at_v = _directions(u, v)
+    share = arrays.share_of_second(weight_u, weight_v, ("weight_u", "weight_v"))
+    at_u, at_v = _angles_of_both(u, v)
     turn = axial_difference(at_v, at_u)
     apart = np.minimum(
         point_distance(u, v[..., None, :, :]).min(-1), point_distance(v, u[..., None, :, :]).min(-1)
@@ -83,7 +91,10 @@ def distance_terms(
     angular, across = _mean_line_terms(u, v, at_u, share, turn)
     other = _mean_line_terms(u, v, at_u, share, -turn)
     swap = np.pi / 2 - np.abs(turn) <= PERPENDICULAR
-    swap &= ANGULAR * other[0] + ACROSS * other[1] < ANGULAR * angular + ACROSS * across
+    swap &= (
+        ANGULAR_WEIGHT * other[0] + ACROSS_WEIGHT * other[1]
+        < ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across
+    )
     return np.where(swap, other[0], angular), np.where(swap, other[1], across), apart
 
 
@@ -134,7 +145,7 @@ def quality(before: Segments, after: Segments, *, scale: Metres = 0.050) -> floa
     if len(given) or len(arrays.segments(after, "after")):
         return 1.0
     text = "quality is NaN: neither map holds a segment, before or after"
-    slips.warn(text)
+    unit_checks.warn(text)
     return np.nan
 
 
@@ -158,7 +169,7 @@ def grade_reduction(rate: float) -> str:
     >>> grade_reduction(0.66), grade_reduction(0.45)
     ('excellent', 'good')
     """
-    return _grade(arrays.number(rate, "rate", least=-arrays.MOST, most=1), REDUCTION_GRADES)
+    return _grade(arrays.number(rate, "rate", least=-arrays.MOST_COUNTED, most=1), REDUCTION_GRADES)
 
 
 def grade_quality(value: float) -> str:
@@ -208,7 +219,11 @@ def relation_errors(
     t = arrays.values(times, "times").ravel()
     p = arrays.poses(poses, count=len(t), missing=True)
     wanted = arrays.table(
-        relations, "relations", 8, unit="seconds, metres and radians", limit=arrays.FAR
+        relations,
+        "relations",
+        8,
+        unit="seconds, metres and radians",
+        limit=arrays.LARGEST_COORDINATE,
     )
     known = np.isfinite(p).all(1)
     order = np.argsort(t[known], kind="stable")
@@ -224,7 +239,7 @@ def relation_errors(
     return np.hypot(d[:, 0], d[:, 1]), np.abs(wrap(d[:, 2]))
 
 
-def _directions(u: Array, v: Array) -> tuple[Array, Array]:
+def _angles_of_both(u: Array, v: Array) -> tuple[Array, Array]:
     """Angles of both; a segment without length takes the direction of the other, or 0."""
     at_u, at_v = np.broadcast_arrays(angle(u), angle(v))
     none_u, none_v = length(u) < MIN_LENGTH, length(v) < MIN_LENGTH
@@ -235,7 +250,7 @@ def _directions(u: Array, v: Array) -> tuple[Array, Array]:
 def _mean_line_terms(
     u: Array, v: Array, at_u: Array, share: Array, turn: Array
 ) -> tuple[Array, Array]:
-    """D_ang and D_uva where v lies at `turn` from u and pulls with its `share`."""
+    """D_ang and D_uva where v lies at `turn` from u and pulls with its `share_of_second`."""
     direction = at_u + share * turn
     part = share[..., None]
     middle = (1 - part) * midpoint(u) + part * midpoint(v)
@@ -274,14 +289,14 @@ def _nearest_distances(
             j = left if go_left else right
             left, right = (left - 1, right) if go_left else (left, right + 1)
             dx, dy = abs(b[j, 0] - a[i, 0]), b[j, 1] - a[i, 1]
-            if APART * (dx - reach) >= best:
+            if APART_WEIGHT * (dx - reach) >= best:
                 break
             bound = np.sqrt(dx * dx + dy * dy) - a[i, 4] - b[j, 4]
-            if APART * bound >= best:
+            if APART_WEIGHT * bound >= best:
                 continue
             angular, most = mean_line_terms(a[i], b[j])
-            so_far = ANGULAR * angular + ACROSS * most
-            if so_far + APART * max(bound, 0.0) < best:
-                best = min(best, so_far + APART * apart(before[i], after[j]))
+            so_far = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * most
+            if so_far + APART_WEIGHT * max(bound, 0.0) < best:
+                best = min(best, so_far + APART_WEIGHT * apart(before[i], after[j]))
         found[i] = best
     return found

@@ -14,11 +14,18 @@ from ._view import View
 #: What a browser with a kernel shows instead of the picture.
 VIEW = "application/vnd.jupyter.widget-view+json"
 
-#: Pixels of a picture.
-WIDTH, HEIGHT, DPI = 480, 360, 72
-#: As wide as its cell the picture is shown, up to so many pixels, or as many as it has; where there
-#: is room for both, as in a window of 1280 pixels, the controls stand beside it.
-WIDEST, BESIDE, PICTURE = 900, "0 1 440px", "1 1 540px"
+#: Width of a picture, pixels.
+PANEL_WIDTH = 480
+#: Height of a picture, pixels.
+PANEL_HEIGHT = 360
+#: Dots an inch of a picture.
+PANEL_DPI = 72
+#: As wide as its cell the picture is shown, up to so many pixels, or as many as it has.
+WIDEST_PICTURE = 900
+#: Where there is room for both, as in a window of 1280 pixels, the controls stand beside it.
+CONTROLS_FLEX = "0 1 440px"
+#: The picture's part of such a row.
+PICTURE_FLEX = "1 1 540px"
 #: What a browser is given is finer, for screens with two dots a pixel; what a file keeps is not.
 FINER = 2
 #: Rows go on below where a window is narrow.
@@ -26,7 +33,7 @@ ROW = {"flex_flow": "row wrap", "max_width": "100%", "align_items": "center"}
 #: What redraws nothing when its value changes.
 ASIDE = (W.Label, W.Play, W.Button)
 #: Letters of the longest name of a slider, at least: those of several panels then stand alike.
-NAME = 18
+SLIDER_NAME_LETTERS = 18
 
 
 class Panel:
@@ -39,7 +46,7 @@ class Panel:
     picture: Any
     _view: Any
 
-    def _assemble(self, *rows: Any, width: int = WIDTH, height: int = HEIGHT) -> None:
+    def _assemble(self, *rows: Any, width: int = PANEL_WIDTH, height: int = PANEL_HEIGHT) -> None:
         """Lay out rows of controls and texts above the picture, and draw for the first time."""
         self._size, self._look = (width, height), View(self._paint, self.reset)
         parts = [part for row in rows for part in (row if isinstance(row, tuple) else (row,))]
@@ -51,13 +58,13 @@ class Panel:
             layout=W.Layout(
                 width="100%",
                 height="auto",
-                max_width=f"{min(WIDEST, FINER * width)}px",
+                max_width=f"{min(WIDEST_PICTURE, FINER * width)}px",
                 margin="0",  # else it is wider than its box, which then scrolls
             ),
         )
         sides = [
             W.VBox(part, layout=W.Layout(flex=flex, min_width="0", max_width="100%"))
-            for part, flex in ((boxes, BESIDE), ([self.picture, *buttons], PICTURE))
+            for part, flex in ((boxes, CONTROLS_FLEX), ([self.picture, *buttons], PICTURE_FLEX))
         ]
         wrap = {"flex_flow": "row wrap", "align_items": "flex-start", "max_width": "100%"}
         self._view = W.Box(sides, layout=W.Layout(**wrap))
@@ -100,7 +107,11 @@ class Panel:
         self.picture.value = figure_png(self._look.set(self._figure), finer=FINER)
 
     def _drawn(self) -> Figure:
-        figure = Figure((self._size[0] / DPI, self._size[1] / DPI), dpi=DPI, layout="constrained")
+        figure = Figure(
+            (self._size[0] / PANEL_DPI, self._size[1] / PANEL_DPI),
+            dpi=PANEL_DPI,
+            layout="constrained",
+        )
         self._draw(figure)
         return figure
 
@@ -154,7 +165,7 @@ def _fit_names(parts: Sequence[Any]) -> None:
     """Give the names of all sliders and lists of a panel the width of the longest one."""
     named = [part for part in parts if getattr(part, "description", "")]
     beside = [part for part in named if not isinstance(part, W.Checkbox | W.Button)]
-    letters = max([NAME, *(1 + len(part.description) for part in beside)])
+    letters = max([SLIDER_NAME_LETTERS, *(1 + len(part.description) for part in beside)])
     for part in beside:
         part.style.description_width = f"{letters}ch"
         if not isinstance(part, W.ToggleButtons):

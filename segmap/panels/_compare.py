@@ -18,8 +18,10 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-#: Pixels: two pictures side by side.
-WIDTH, HEIGHT = 600, 270
+#: Width of each of two pictures side by side, pixels.
+PAIR_WIDTH = 600
+#: Their height, pixels.
+PAIR_HEIGHT = 270
 
 
 class ComparePanel(Panel):
@@ -56,7 +58,7 @@ class ComparePanel(Panel):
         self.wanted = slider("least quality", 80, 40, 98, 1, "%")
         self.thresholds, self.rate, self.kept = text(), text(), text()
         texts = (self.thresholds, self.rate, self.kept)
-        self._assemble(self.method, self.wanted, texts, width=WIDTH, height=HEIGHT)
+        self._assemble(self.method, self.wanted, texts, width=PAIR_WIDTH, height=PAIR_HEIGHT)
 
     def _draw(self, figure: Figure) -> None:
         runs = select(self.runs, method=self.method.value)

@@ -13,8 +13,10 @@ import ipywidgets as W
 from ..arrays import Declared, Quantity, declared, described
 from ._base import slider
 
-#: The most that a number can be set to, in defaults; and what a count can at least be set to.
-MOST, LEAST_MOST = 1000, 100
+#: The most that a number can be set to, in defaults.
+MOST_DEFAULTS = 1000
+#: What a count can at least be set to.
+LEAST_COUNT_LIMIT = 100
 ENTRY = {"description_width": "165px"}
 
 
@@ -65,7 +67,7 @@ def control(
     unit = {"metres": "m", "seconds": "s"}.get(said.unit, said.read_unit)
     label = label or name.replace("_", " ")
     if least is not None and most is not None and step is not None:
-        read = _read(said, first)
+        read = _as_read(said, first)
         made = slider(
             label, round(read) if isinstance(step, int) else read, least, most, step, unit
         )
@@ -85,16 +87,16 @@ def _entry(said: Declared, first: Any, label: str) -> Any:
     if said.kind is bool:
         return W.Checkbox(first, indent=False, description=label)
     if said.kind is int:
-        return W.BoundedIntText(first, max=max(LEAST_MOST, MOST * first), **named)
+        return W.BoundedIntText(first, max=max(LEAST_COUNT_LIMIT, MOST_DEFAULTS * first), **named)
     if said.kind is not float:
         return None
     if first is None or first == math.inf:
         return W.Text("" if first is None else str(first), placeholder="none", **named)
-    read = _read(said, first)
-    return W.BoundedFloatText(read, min=0, max=max(1.0, MOST * read), step=None, **named)
+    read = _as_read(said, first)
+    return W.BoundedFloatText(read, min=0, max=max(1.0, MOST_DEFAULTS * read), step=None, **named)
 
 
-def _read(said: Declared, value: float) -> float:
+def _as_read(said: Declared, value: float) -> float:
     """As it is read, without the digits that a conversion adds."""
     return float(f"{said.read(value):.6g}")
 
@@ -113,7 +115,7 @@ def _meant(made: Any, said: Declared, first: Any) -> Any:
             ) from None
     if said.kind is not float or said.words:
         return read
-    if first is not None and read == _read(said, first):
+    if first is not None and read == _as_read(said, first):
         return first
     return said.meant(float(f"{read:.12g}"))  # a slider adds digits
 

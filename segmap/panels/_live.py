@@ -90,7 +90,7 @@ class LivePanel(Panel):
         start: ArrayLike = (0.0, 0.0, 0.0),
         map: QuadtreeMap | None = None,
     ) -> None:
-        self.source, self._resolution = _checked(source), resolution
+        self.source, self._resolution = _checked_source(source), resolution
         self._given = map if map is None else arrays.instance(map, "map", QuadtreeMap)
         self._begin: Array = arrays.pose(start, "start")
         self.map, self.seconds, self.taken, self.lost = self._empty(), 0.0, 0, 0
@@ -298,7 +298,7 @@ def _scans_of(source: UrgSensor | Iterable[LaserScan]) -> Generator[LaserScan, N
     yield from source.scans() if isinstance(source, UrgSensor) else source
 
 
-def _checked(source: UrgSensor | Iterable[LaserScan]) -> UrgSensor | Iterable[LaserScan]:
+def _checked_source(source: UrgSensor | Iterable[LaserScan]) -> UrgSensor | Iterable[LaserScan]:
     """A sensor, or what gives scans; those of a list are looked at, others when they come."""
     if isinstance(source, UrgSensor):
         return source

@@ -17,20 +17,20 @@ from ..plotting import ERROR, RAW, RESULT
 from ..poses import compose, transform
 from ..quadtree import QuadtreeMap, extent
 from ..scans import LaserScan
-from ._base import DPI, HEIGHT, WIDTH
+from ._base import PANEL_DPI, PANEL_HEIGHT, PANEL_WIDTH
 
 #: Of 0 to 9: little larger than the best, in a tenth of its time.
 PACKING = 1
 #: Where the axes are, in parts of the figure: left, low, width and height.
 AXES = (0.09, 0.12, 0.89, 0.86)
 #: Numbers at each axis, at most: text is what takes time in a frame.
-NUMBERS = 5
+MOST_AXIS_NUMBERS = 5
 #: Space around what was seen, as a part of the larger of width and height.
 MARGIN = 0.08
 #: Cells that are drawn are at least about so large a part of a pixel.
 PIXEL = 0.7
 #: Edges of the view lie at multiples of so many cells, so that it seldom changes.
-STEP = 16
+VIEW_STEP_CELLS = 16
 
 Bounds = tuple[float, float, float, float]
 
@@ -39,11 +39,11 @@ class LivePicture:
     """One figure whose parts are moved; frame and numbers are drawn only where they change."""
 
     def __init__(self) -> None:
-        self.figure = Figure((WIDTH / DPI, HEIGHT / DPI), dpi=DPI)
+        self.figure = Figure((PANEL_WIDTH / PANEL_DPI, PANEL_HEIGHT / PANEL_DPI), dpi=PANEL_DPI)
         self.canvas: Any = FigureCanvasAgg(self.figure)
         self.axes = self.figure.add_axes(AXES, aspect="equal")
         self.axes.set(xlabel="x [m]", ylabel="y [m]", facecolor="#808080")
-        self.axes.locator_params(nbins=NUMBERS)
+        self.axes.locator_params(nbins=MOST_AXIS_NUMBERS)
         self.points = self.axes.plot([], [], ".", color=RAW, markersize=2)[0]
         self.walls = self.axes.plot([], [], color=RESULT, linewidth=2)[0]
         self.reduced = self.axes.plot([], [], color=RESULT, linewidth=1)[0]
@@ -66,8 +66,8 @@ class LivePicture:
             self.axes.set(xlim=(left, right), ylim=(low, high))
             self.moved = True
         self.points.set_data(*ends.T)
-        self.walls.set_data(*apart(segments))
-        self.reduced.set_data(*apart(segments[:0] if reduced is None else reduced))
+        self.walls.set_data(*as_broken_line(segments))
+        self.reduced.set_data(*as_broken_line(segments[:0] if reduced is None else reduced))
         self.robot.set_data(*sensor[:, None])
 
     def png(self) -> bytes:
@@ -80,7 +80,7 @@ class LivePicture:
         pixels[self.window] = (255 * (1 - self.greys.grid[self.cells]) + 0.5)[..., None]
         for part in self.parts:
             self.axes.draw_artist(part)
-        return packed(pixels)
+        return png_of(pixels)
 
     def _place(self) -> None:
         """Find the pixels within the axes, and the cell of the grid about the middle of each."""
@@ -97,12 +97,12 @@ class LivePicture:
         self.cells = np.ix_(row[::-1], column)
 
 
-def apart(segments: Array) -> Array:
+def as_broken_line(segments: Array) -> Array:
     """Segments `(n, 2, 2)` as x and y of one line, `(2, 3 n)`, that is broken after each."""
     return np.insert(segments, 2, np.nan, axis=1).reshape(-1, 2).T
 
 
-def packed(pixels: NDArray[np.uint8]) -> bytes:
+def png_of(pixels: NDArray[np.uint8]) -> bytes:
     """A PNG of pixels `(rows, columns, 3)`, each row as it is: to look for the best filter takes
     thrice the time, and gains nothing with few colours."""
     rows, columns, _ = pixels.shape
@@ -147,10 +147,12 @@ class Greys:
         left, low, right, high = self.hit
         space = MARGIN * max(right - left, high - low)
         left, low, right, high = left - space, low - space, right + space, high + space
-        pixel = max((right - left) / (AXES[2] * WIDTH), (high - low) / (AXES[3] * HEIGHT))
+        pixel = max(
+            (right - left) / (AXES[2] * PANEL_WIDTH), (high - low) / (AXES[3] * PANEL_HEIGHT)
+        )
         side = map.resolution * 2 ** max(ceil(log2(PIXEL * pixel / map.resolution)), 0)
-        first = [STEP * floor(edge / (STEP * side)) for edge in (low, left)]
-        last = [STEP * ceil(edge / (STEP * side)) for edge in (high, right)]
+        first = [VIEW_STEP_CELLS * floor(edge / (VIEW_STEP_CELLS * side)) for edge in (low, left)]
+        last = [VIEW_STEP_CELLS * ceil(edge / (VIEW_STEP_CELLS * side)) for edge in (high, right)]
         view = first[1] * side, first[0] * side, last[1] * side, last[0] * side
         if (view, side) == (self.view, self.side):
             return

@@ -14,7 +14,7 @@ from ..scans import Log
 from ._base import Panel, player, slider, text
 
 #: Corners of cells: from the finest to sixteen times as wide.
-DOUBLINGS = 4
+CELL_DOUBLINGS = 4
 
 
 class QuadtreePanel(Panel):
@@ -49,7 +49,7 @@ class QuadtreePanel(Panel):
         self.log, self.poses, self.resolution = log, given, resolution
         self.scans = slider("scans", len(log), 1, len(log), 1, "")
         self.play = player(self.scans)
-        self.doublings = slider("doublings", 0, 0, DOUBLINGS, 1, "")
+        self.doublings = slider("doublings", 0, 0, CELL_DOUBLINGS, 1, "")
         self.leaves, self.bytes = text(), text()
         self._assemble((self.play, self.scans), self.doublings, (self.leaves, self.bytes))
 

@@ -12,12 +12,14 @@ from matplotlib.figure import Figure
 
 from ..arrays import Array
 
-#: By how much one press enlarges, and the largest enlargement.
-STEP, MOST = 2**0.5, 64.0
+#: By how much one press enlarges.
+ZOOM_STEP = 2**0.5
+#: The largest enlargement.
+MOST_ZOOM = 64.0
 #: One press moves by this part of what is seen.
 SHIFT = 0.25
 #: Of a picture with one map, about: the part of its width and height that is within the frame.
-FRAME = (0.86, 0.76)
+PART_IN_FRAME = (0.86, 0.76)
 #: Label of a button -> what it is for, and its name on the panel.
 BUTTONS = {
     "+": "zoom in",
@@ -47,8 +49,8 @@ class View:
             width = W.Layout(width="64px" if label.isalpha() else "36px")
             self.buttons.append(W.Button(description=label, tooltip=tip, layout=width))
         near, far, left, right, up, down, first = self.buttons
-        near.on_click(lambda _: self.enlarge(STEP))
-        far.on_click(lambda _: self.enlarge(1 / STEP))
+        near.on_click(lambda _: self.enlarge(ZOOM_STEP))
+        far.on_click(lambda _: self.enlarge(1 / ZOOM_STEP))
         for button, way in ((left, (-1, 0)), (right, (1, 0)), (up, (0, 1)), (down, (0, -1))):
             button.on_click(lambda _, way=way: self.move(*way))
         first.on_click(lambda _: reset())
@@ -59,7 +61,7 @@ class View:
 
     def enlarge(self, factor: float) -> None:
         """Zoom in, or out with a factor below 1; never out of the whole drawing."""
-        self.zoom = float(np.clip(self.zoom * factor, 1.0, MOST))
+        self.zoom = float(np.clip(self.zoom * factor, 1.0, MOST_ZOOM))
         self.move(0, 0)
 
     def move(self, x: float, y: float) -> None:
@@ -80,7 +82,7 @@ class View:
             centre = (low + high) / 2 + self.middle * (high - low)
             half = (high - low) / 2 / self.zoom
             if self.zoom > 1 and len(figure.axes) == 1:  # a part fills the picture
-                ratio = np.divide(*(figure.get_size_inches() * FRAME))
+                ratio = np.divide(*(figure.get_size_inches() * PART_IN_FRAME))
                 half = np.maximum(half, half[::-1] * (ratio, 1 / ratio))
             first, last = centre - half, centre + half
             ax.set(xlim=(first[0], last[0]), ylim=(first[1], last[1]))

@@ -15,7 +15,7 @@ from ..alignment import Alignment, position_errors
 from ..arrays import Array
 from ..scans import Log
 from ._scans import draw_cloud, draw_log, draw_path
-from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, below, map_axes, titled
+from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, legend_below, map_axes, titled
 
 
 def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) -> Axes:
@@ -43,7 +43,7 @@ def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) ->
     ax = axes_or_new(ax)
     draw_cloud(log, alignment.trusted, ax)
     draw_aligned_path(alignment, ax)
-    below(ax)
+    legend_below(ax)
     return ax
 
 
@@ -83,7 +83,7 @@ def draw_alignments(
     """
     arrays.instance(log, "log", Log)
     found = titled(alignments, "alignments")
-    paths = {title: _poses(each, title, log) for title, each in found.items()}
+    paths = {title: _one_pose_a_scan(each, title, log) for title, each in found.items()}
     row = axes_grid(list(paths), len(paths), size)
     for ax, (title, poses) in zip(row, paths.items(), strict=True):
         if isinstance(each := found[title], Alignment):
@@ -122,7 +122,7 @@ def draw_position_errors(
     titled(alignments, "alignments")
     ax, known = axes_or_new(ax), np.isfinite(log.truth).all(1)
     for rest, (label, found) in enumerate(alignments.items(), 1 - len(alignments)):
-        poses = _poses(found, label, log)
+        poses = _one_pose_a_scan(found, label, log)
         scans = np.flatnonzero(known & np.isfinite(poses).all(1))
         color, style = ((RESULT, "-"), (ERROR, "--"), (RAW, ":"))[min(-rest, 2)]
         ax.plot(scans, position_errors(poses, log.truth), style, color=color, label=label)
@@ -131,7 +131,7 @@ def draw_position_errors(
     return ax
 
 
-def _poses(found: ArrayLike | Alignment, title: str, log: Log) -> Array:
+def _one_pose_a_scan(found: ArrayLike | Alignment, title: str, log: Log) -> Array:
     """Poses, one a scan."""
     name = f"alignments[{title!r}]"
     return arrays.poses(found, name, count=len(log), missing=True)

@@ -17,7 +17,7 @@ from ..quadtree import QuadtreeMap, extent
 from ._style import ERROR, RESULT, axes_or_new, axes_row, inches, map_axes, titled
 
 #: Outlines of leaves smaller than this part of the picture would hide what they surround.
-SMALLEST = 1 / 80
+SMALLEST_LEAF_PART = 1 / 80
 
 
 @checked
@@ -61,7 +61,7 @@ def draw_quadtree(
     ax.add_collection(grey, autolim=False)
     left, low, right, high = map.bounds if whole else extent(map)
     if outlines:
-        seen = leaves.side >= SMALLEST * max(right - left, high - low)
+        seen = leaves.side >= SMALLEST_LEAF_PART * max(right - left, high - low)
         lines = PolyCollection(squares[seen], edgecolor=RESULT, facecolor="none", linewidth=0.4)
         ax.add_collection(lines, autolim=False)
     if place is not None:

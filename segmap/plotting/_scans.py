@@ -14,7 +14,7 @@ from ..scans import LaserScan, Log
 from ._style import ERROR, RAW, RESULT, TRUTH, Points, axes_or_new, map_axes, shade
 
 #: Points that a log is drawn with; more cannot be told apart at this size.
-MOST_POINTS = 60_000
+MOST_DRAWN_POINTS = 60_000
 #: Length of the arrow of a pose, in metres.
 ARROW = 0.3
 
@@ -150,7 +150,7 @@ def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
     known = np.flatnonzero(np.isfinite(poses).all(1))
     clouds = [transform(poses[k], log.scans[k].points()) for k in known]
     points = np.concatenate([np.empty((0, 2)), *clouds])
-    thinned = points[:: max(1, -(-len(points) // MOST_POINTS))]
+    thinned = points[:: max(1, -(-len(points) // MOST_DRAWN_POINTS))]
     draw_points(thinned, ax=ax, color=color, size=1.5)
 
 

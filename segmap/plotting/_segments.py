@@ -28,8 +28,8 @@ from ._style import (
     axes_grid,
     axes_or_new,
     axes_row,
-    below,
     group_colors,
+    legend_below,
     map_axes,
     shade,
     titled,
@@ -129,7 +129,7 @@ def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = No
     ax = draw_segments(after, ax=ax, color=RESULT, width=1.8, label=f"after: {left}")
     ax.collections[-1].set_zorder(ABOVE)
     draw_segments(before, ax=ax, width=0.7, label=f"before: {made_of}")
-    below(ax)
+    legend_below(ax)
     return ax
 
 
@@ -174,7 +174,7 @@ def draw_against_walls(found: AgainstWalls, *, ax: Axes | None = None) -> Axes:
         ("invented", found.pieces[found.owner < 0], found.invented, ERROR, 1.8),
     ):
         draw_segments(segments, ax=ax, color=color, width=width, label=f"{word}: {metres:.2f} m")
-    below(ax)
+    legend_below(ax)
     return ax
 
 

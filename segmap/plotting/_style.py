@@ -32,8 +32,10 @@ GROUPS = (
 #: From no error (grey) to the largest (dark red).
 ERRORS = LinearSegmentedColormap.from_list("errors", ["#949494", "#c47f00", ERROR, "#7a1f00"])
 
-#: Inches, and dots an inch: such a picture takes about 30 KB in a notebook.
-SIZE, DPI = (6.0, 4.5), 72
+#: Inches: such a picture takes about 30 KB in a notebook.
+FIGURE_INCHES = (6.0, 4.5)
+#: Dots an inch.
+DPI = 72
 
 
 def sharp_figures() -> None:
@@ -67,7 +69,7 @@ def group_colors(groups: NDArray[np.int64]) -> Array:
     return np.where(groups[:, None] < 0, to_rgba(RAW), to_rgba_array(GROUPS)[groups % len(GROUPS)])
 
 
-def axes_or_new(ax: Axes | None, size: tuple[float, float] = SIZE) -> Axes:
+def axes_or_new(ax: Axes | None, size: tuple[float, float] = FIGURE_INCHES) -> Axes:
     """The axes given, or those of a new pyplot figure of a size in inches."""
     return arrays.instance(ax, "ax", Axes) if ax is not None else axes_row(1, size)[0]
 
@@ -105,7 +107,7 @@ def axes_row(count: int, size: tuple[float, float], *, shared: str = "") -> list
     return list(figure.subplots(1, count, squeeze=False, sharex=x, sharey=y)[0])
 
 
-def below(ax: Axes) -> None:
+def legend_below(ax: Axes) -> None:
     """Put the legend below a map."""
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, frameon=False)
 

@@ -11,7 +11,7 @@ from ..arrays import Array
 SYMMETRIC = 1e-9
 
 
-def checked(value: object, count: int) -> Array:
+def checked_information(value: object, count: int) -> Array:
     """Information of so many motions, (count, 3, 3) array, metres and radians.
 
     Raises

@@ -11,12 +11,12 @@ import numpy as np
 
 from ..arrays import Array
 
-TURN = 2 * math.pi
+FULL_TURN_RAD = 2 * math.pi
 
 
 def wrap(angle: Array) -> Array:
     """Headings in `[-pi, pi)`, (...) array, radians."""
-    return (angle + math.pi) % TURN - math.pi
+    return (angle + math.pi) % FULL_TURN_RAD - math.pi
 
 
 def compose(a_from_b: Array, b_from_c: Array) -> Array:
@@ -58,7 +58,7 @@ def transform(a_from_b: Array, points: Array) -> Array:
 
 def arc(twist: Array) -> Array:
     """Where a steady twist `(..., 3)` leads: x and y in metres and radians, `(..., 3)` too."""
-    half, chord = twist[..., 2] / 2, np.sinc(twist[..., 2] / TURN)
+    half, chord = twist[..., 2] / 2, np.sinc(twist[..., 2] / FULL_TURN_RAD)
     c, s = chord * np.cos(half), chord * np.sin(half)
     x, y = twist[..., 0], twist[..., 1]
     return np.stack([c * x - s * y, s * x + c * y, wrap(twist[..., 2])], -1)
@@ -66,7 +66,7 @@ def arc(twist: Array) -> Array:
 
 def twist(motion: Array) -> Array:
     """The steady twist `(..., 3)` that leads to a motion `(..., 3)` by an arc: the way back."""
-    half, chord = motion[..., 2] / 2, np.sinc(motion[..., 2] / TURN)
+    half, chord = motion[..., 2] / 2, np.sinc(motion[..., 2] / FULL_TURN_RAD)
     c, s = np.cos(half) / chord, np.sin(half) / chord
     x, y = motion[..., 0], motion[..., 1]
     return np.stack([c * x + s * y, c * y - s * x, motion[..., 2]], -1)
@@ -77,11 +77,11 @@ def _composed(
 ) -> tuple[float, float, float]:
     """One pose after the other: a number costs a twentieth of an array of one."""
     c, s = math.cos(heading), math.sin(heading)
-    wrapped = (heading + turn + math.pi) % TURN - math.pi
+    wrapped = (heading + turn + math.pi) % FULL_TURN_RAD - math.pi
     return x + c * ahead - s * aside, y + s * ahead + c * aside, wrapped
 
 
 def _inverted(x: float, y: float, heading: float) -> tuple[float, float, float]:
     """The motion back."""
     c, s = math.cos(heading), math.sin(heading)
-    return -c * x - s * y, s * x - c * y, (math.pi - heading) % TURN - math.pi
+    return -c * x - s * y, s * x - c * y, (math.pi - heading) % FULL_TURN_RAD - math.pi

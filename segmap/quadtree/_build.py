@@ -12,7 +12,7 @@ from .. import arrays
 from ..arrays import LIMIT, Array, Poses, Quantity, Share, checked
 from ..poses import compose, transform
 from ..scans import LaserScan, Log
-from ..scans.placed import poses_for, warn_of_nothing
+from ..scans.pose_argument import checked_poses, warn_if_empty_map
 from ._map import QuadtreeMap, Resolution
 
 #: Side of the squares in which rays are counted that saw through, metres: half a leg's width, and
@@ -49,7 +49,7 @@ def build_map(
     >>> build_map(log, log.truth, resolution=0.05)
     QuadtreeMap(25.6 m, 4279 leaves of 0.05 m and more, 61 scans)
     """
-    where = poses_for(log, poses)
+    where = checked_poses(log, poses)
     used = np.flatnonzero(np.isfinite(where).all(1)).tolist()
     map = QuadtreeMap(resolution=resolution, **options)
     if "corner" not in options and used:
@@ -63,7 +63,7 @@ def build_map(
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
     empty = not any(log[k].valid.any() for k in used)
-    warn_of_nothing(empty, log, where, "without an end point")
+    warn_if_empty_map(empty, log, where, "without an end point")
     return map
 
 
@@ -90,7 +90,7 @@ def without_passers(log: Log, poses: Poses, *, seen_through: Share = 0.2) -> Log
     >>> found[0].ranges, found[20].ranges
     (array([nan]), array([4.05]))
     """
-    where = poses_for(log, poses)
+    where = checked_poses(log, poses)
     map, scans = build_map(log, where, resolution=PASSING), list(log)
     for k in np.flatnonzero(np.isfinite(where).all(1)).tolist():
         ranges, seen = log[k].ranges.copy(), np.flatnonzero(log[k].valid)

@@ -25,12 +25,12 @@ class Stored(NamedTuple):
     occ: kernels.Counts
 
 
-def write(path: Path, stored: Stored) -> None:
+def write_stored(path: Path, stored: Stored) -> None:
     """Write a file that is whole or absent."""
     write_npz(path, FORMAT, stored._asdict())
 
 
-def read(path: Path) -> Stored:
+def read_stored(path: Path) -> Stored:
     """Read a file and check it: compiled loops rely on what it holds."""
     arrays = read_npz(path, FORMAT)
     if wrong := _fault(arrays):
@@ -51,7 +51,7 @@ def _fault(arrays: dict[str, Any]) -> str:
     block, level, largest, x, y, bias, scans = state.tolist()
     sizes = np.isfinite(lengths).all() and lengths[0] > 0 and 2 <= level <= largest < kernels.DEPTH
     # the root holds the square that it grew from, whose corner is cell 0, 0
-    counts = bias >= 1 and 0 <= scans < kernels.FAR
+    counts = bias >= 1 and 0 <= scans < kernels.FARTHEST_CELL
     if not (sizes and counts and all(0 <= -at < 1 << level for at in (x, y))):
         return "its sizes make no sense"
     return _fault_of_blocks(vis, block) or _fault_of_leaves(vis, occ, block, level)

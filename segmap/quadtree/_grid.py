@@ -9,8 +9,14 @@ from .. import arrays
 from ..arrays import checked
 from ._map import QuadtreeMap, Resolution
 
-#: What a cell is; the last one stands for a square in which cells differ.
-UNKNOWN, FREE, OCCUPIED, MIXED = 0, 1, 2, -1
+#: What a cell is: nothing has been measured in it.
+UNKNOWN = 0
+#: Beams passed through it.
+FREE = 1
+#: Beams ended in it.
+OCCUPIED = 2
+#: Stands for a square in which cells differ.
+MIXED = -1
 
 
 @checked

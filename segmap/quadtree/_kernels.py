@@ -29,11 +29,11 @@ whole: Any = np.int64
 DEPTH = 32
 #: Counts stop here: one more and `vis` would turn into a place. At ten scans a second of 682 beams
 #: the leaf of a robot that stands still gets there in four days.
-MOST = 2**31 - 1
+MOST_COUNT = 2**31 - 1
 #: No cell is further away than this, so that whole numbers hold it.
-FAR = 2.0**60
+FARTHEST_CELL = 2.0**60
 #: Longer rays share no way: their slopes may differ by less than numbers hold.
-EXACT = 2**22
+LONGEST_SHARED_RAY_CELLS = 2**22
 
 
 # ------------------------------------------------------------------------ single leaves
@@ -50,10 +50,10 @@ def cells_of(
     for k in range(len(points)):
         for i in range(2):
             at = np.floor((points[k, i] - corner[i]) / resolution)
-            if not abs(at) < FAR:
+            if not abs(at) < FARTHEST_CELL:
                 if not abs(points[k, i]) < np.inf:
                     found = 2
-                at = FAR if at > 0 else -FAR
+                at = FARTHEST_CELL if at > 0 else -FARTHEST_CELL
             cells[k, i] = whole(at) - root[i]
             if found == 0 and not 0 <= cells[k, i] < side:
                 found = 1
@@ -61,7 +61,7 @@ def cells_of(
 
 
 @compiled
-def _find(
+def _find_leaf(
     vis: Counts, path: Cells, level: int, x: int, y: int, last_x: int, last_y: int
 ) -> tuple[int, int]:
     """Leaf that holds a cell, and the level of its side.
@@ -89,13 +89,13 @@ def leaves_at(vis: Counts, cells: Cells, path: Cells, found: Cells) -> None:
     for k in range(len(cells)):
         found[k] = -1
         if 0 <= cells[k, 0] < side and 0 <= cells[k, 1] < side:
-            found[k], level = _find(vis, path, level, cells[k, 0], cells[k, 1], x, y)
+            found[k], level = _find_leaf(vis, path, level, cells[k, 0], cells[k, 1], x, y)
             x, y, level = cells[k, 0], cells[k, 1], level + 1
 
 
 # ----------------------------------------------------------------------------- insertion
 @compiled
-def _split(
+def _split_leaf(
     vis: Counts,
     occ: Counts,
     path: Cells,
@@ -137,13 +137,13 @@ def _insert_ends(
     for k in range(done, ends + 1):
         if 4 * (used + top) > len(vis):
             return used, k
-        node, level = _find(vis, path, level, cells[k, 0], cells[k, 1], x, y)
+        node, level = _find_leaf(vis, path, level, cells[k, 0], cells[k, 1], x, y)
         x, y = cells[k, 0], cells[k, 1]
         first = whole(vis[node] if keep else 1)
-        node, used = _split(vis, occ, path, node, used, level, whole(0), x, y, first)
-        if (occ[node] > 0 or vis[node] == 0) and vis[node] < MOST:  # each ray but the first
+        node, used = _split_leaf(vis, occ, path, node, used, level, whole(0), x, y, first)
+        if (occ[node] > 0 or vis[node] == 0) and vis[node] < MOST_COUNT:  # each ray but the first
             vis[node] += 1
-        if occ[node] < MOST:
+        if occ[node] < MOST_COUNT:
             occ[node] += 1
         level = 1
     return used, ends + 1
@@ -153,7 +153,7 @@ def _insert_ends(
 def _close(vis: Counts, way: Cells, tip: int) -> int:
     """Leave the last leaf of a way: its rays count there, and they crossed the leaf before too."""
     node, count = way[tip, 0], way[tip, 4]
-    vis[node] = min(vis[node] + count, MOST)
+    vis[node] = min(vis[node] + count, MOST_COUNT)
     if tip > 0:
         way[tip - 1, 4] += count
     return tip - 1
@@ -202,7 +202,7 @@ def _walk_rays(
         reach, slope = last * short + rest, short / long
         # back to the leaf where the ways part; bounds give way to ties, and slopes lie 2^-45 apart
         nudge, before = 1 + 2.0**-46 if forward else 1 - 2.0**-46, octant
-        octant = 3 * sign_x + sign_y + 10 * steep if long <= EXACT else k + 20
+        octant = 3 * sign_x + sign_y + 10 * steep if long <= LONGEST_SHARED_RAY_CELLS else k + 20
         while tip >= 0 and not (octant == before and slopes[tip, 0] < slope <= slopes[tip, 1]):
             tip = _close(vis, way, tip)
         at = tip
@@ -224,7 +224,7 @@ def _walk_rays(
                     u, v = (at_v - rest + short - 1) // short, beyond_v
             new_x = cells[0, 0] + sign_x * (v if steep else u)
             new_y = cells[0, 1] + sign_y * (u if steep else v)
-            node, level = _find(vis, path, level, new_x, new_y, x, y)
+            node, level = _find_leaf(vis, path, level, new_x, new_y, x, y)
             x, y = new_x, new_y
             if tip + 1 == len(way) or (level > least and 4 * (used + top) > len(vis)):
                 while tip >= 0:
@@ -232,7 +232,7 @@ def _walk_rays(
                 return used, k
             if level > least:
                 first = whole(vis[node])
-                node, used = _split(vis, occ, path, node, used, level, least, x, y, first)
+                node, used = _split_leaf(vis, occ, path, node, used, level, least, x, y, first)
                 level = least
             side = whole(1) << level
             back_x = x & (side - 1) if sign_x > 0 else side - 1 - (x & (side - 1))

@@ -15,14 +15,14 @@ from ..arrays import LIMIT, Array, Count, Quantity, at_most, checked
 from ..files import shown
 from ..threads import Locked, locked
 from . import _kernels as kernels
-from ._file import Stored, read, write
-from ._tree import LEAST, UNIT, Leaves, Tree, level_of, pairs
+from ._file import Stored, read_stored, write_stored
+from ._tree import COORDINATES_UNIT, SMALLEST_CELL_M, Leaves, Tree, level_of, point_pairs
 
 if TYPE_CHECKING:
     import pandas as pd
 
 NO_POINTS = np.empty((0, 2))
-Resolution = Annotated[float, Quantity("metres", least=LEAST, most=LIMIT)]
+Resolution = Annotated[float, Quantity("metres", least=SMALLEST_CELL_M, most=LIMIT)]
 #: A length that must fit the cells, see `level_of`.
 Side = Annotated[float, Quantity("metres", most=1e300)]
 
@@ -68,7 +68,7 @@ class QuadtreeMap(Pictured, Locked):
         size: Side | None = None,
         corner: ArrayLike = (0.0, 0.0),
         max_size: Side | None = None,
-        bias: Annotated[Count, at_most(kernels.MOST)] = 20,
+        bias: Annotated[Count, at_most(kernels.MOST_COUNT)] = 20,
         free_resolution: Side | None = None,
     ) -> None:
         cell = resolution
@@ -105,8 +105,8 @@ class QuadtreeMap(Pictured, Locked):
         sensor = sensor_xy
         if not (arrays.ready(sensor) and sensor.shape == (2,)):
             sensor = np.array(arrays.point(sensor, "sensor_xy", limit=np.inf))
-        free = NO_POINTS if free_points is None else pairs("free_points", free_points)
-        scan = sensor[None], pairs("points", points), free
+        free = NO_POINTS if free_points is None else point_pairs("free_points", free_points)
+        scan = sensor[None], point_pairs("points", points), free
         given = scan, (self.corner, self.resolution), self._finest
         try:
             if not self.tree.insert(*given):
@@ -127,7 +127,7 @@ class QuadtreeMap(Pictured, Locked):
 
         `occ / vis` where ends were seen; else from 0.5 (unknown) down to 0 (surely free).
         """
-        leaf = self.tree.leaves_at(self._cells(points=pairs("points", points)))
+        leaf = self.tree.leaves_at(self._cells(points=point_pairs("points", points)))
         inside = leaf >= 0
         return np.where(inside, self._occupancy(np.where(inside, leaf, 0)), 0.5)
 
@@ -291,7 +291,7 @@ class QuadtreeMap(Pictured, Locked):
         state = [tree.block, tree.level, tree.largest, *tree.corner, self.bias, self.scans]
         lengths = [self.resolution, *self.corner, self.free_resolution or 0.0]
         nodes = tree.vis[: 4 * tree.used], tree.occ[: 4 * tree.used]
-        write(arrays.file(path), Stored(np.array(state), np.array(lengths), *nodes))
+        write_stored(arrays.file(path), Stored(np.array(state), np.array(lengths), *nodes))
 
     @classmethod
     def load(cls, path: str | Path) -> QuadtreeMap:
@@ -300,7 +300,7 @@ class QuadtreeMap(Pictured, Locked):
         A ValueError says what is wrong with a file that is damaged or foreign, or unpacks to more
         than 1 MB and 50 times its size.
         """
-        found = read(arrays.file(path))
+        found = read_stored(arrays.file(path))
         resolution, x, y, free = found.lengths.tolist()
         _, level, largest, _, _, bias, scans = found.state.tolist()
         sizes = {"size": np.ldexp(resolution, level), "max_size": np.ldexp(resolution, largest)}
@@ -334,7 +334,7 @@ class QuadtreeMap(Pictured, Locked):
         found = kernels.cells_of(together, self.corner, self.resolution, *root, cells)
         if found == 2:
             for name, points in named.items():
-                arrays.table(points, name, 2, unit=UNIT, limit=np.inf)
+                arrays.table(points, name, 2, unit=COORDINATES_UNIT, limit=np.inf)
         return cells
 
     def _occupancy(self, node: kernels.Cells) -> Array:

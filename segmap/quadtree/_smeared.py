@@ -7,12 +7,14 @@ import numpy as np
 from .. import arrays
 from ._map import QuadtreeMap
 
-#: Cells of this side, metres, or the map's own where that is larger. So many a side are no wall:
-#: of one a laser sees the front.
-CELL, WIDE = 0.05, 5
-#: A cell is occupied where so many rays ended, and this share of those that came: fewer end on
-#: people who pass.
-LOOKS, ENDED = 2, 0.1
+#: Cells have this side, metres, or the map's own where that is larger.
+SMEARED_CELL_M = 0.05
+#: So many occupied cells a side are no wall: of one a laser sees the front.
+SMEARED_WIDTH_CELLS = 5
+#: A cell is occupied where so many rays ended, ...
+LEAST_ENDED_RAYS = 2
+#: ... and this share of those that came: fewer end on people who pass.
+LEAST_ENDED_SHARE = 0.1
 
 
 def smeared_walls(map: QuadtreeMap) -> float:
@@ -42,16 +44,18 @@ def smeared_walls(map: QuadtreeMap) -> float:
     """
     leaves = arrays.instance(map, "map", QuadtreeMap).leaves()
     hit = leaves.occ > 0
-    hit[hit] = leaves.occ[hit] >= ENDED * leaves.vis[hit]
-    side = max(CELL, map.resolution)
+    hit[hit] = leaves.occ[hit] >= LEAST_ENDED_SHARE * leaves.vis[hit]
+    side = max(SMEARED_CELL_M, map.resolution)
     middle = np.stack([leaves.x, leaves.y], -1)[hit] + leaves.side[hit, None] / 2
     cell = np.floor((middle - map.corner) / side).astype(np.int64)
     row = 1 << 32  # one number for both indices
     keys, where = np.unique(cell @ [row, 1], return_inverse=True)
-    seen = keys[np.bincount(where, leaves.occ[hit], len(keys)) >= LOOKS]
+    seen = keys[np.bincount(where, leaves.occ[hit], len(keys)) >= LEAST_ENDED_RAYS]
     if not len(seen):
         return float("nan")
-    square = (np.arange(WIDE)[:, None] * row + np.arange(WIDE)).ravel()
+    square = (
+        np.arange(SMEARED_WIDTH_CELLS)[:, None] * row + np.arange(SMEARED_WIDTH_CELLS)
+    ).ravel()
     first = seen  # the lower left cells of squares that are full so far
     for step in square:
         first = first[np.isin(first + step, seen)]

@@ -8,7 +8,7 @@ from ..arrays import Array
 from . import _kernels as kernels
 
 #: Bits of a number apart by a place, twice as many at each step from the last to the first.
-SPREAD = [(2**k, (2**64 - 1) // (2**2**k + 1)) for k in range(4, -1, -1)]
+BIT_SPREADING = [(2**k, (2**64 - 1) // (2**2**k + 1)) for k in range(4, -1, -1)]
 #: Left, right, below, above: where the next square lies, and from where to where the side runs.
 SIDES = [((-1, 0), (0, 0), (0, 1)), ((1, 0), (1, 0), (1, 1))]
 SIDES += [((0, -1), (0, 0), (1, 0)), ((0, 1), (0, 1), (1, 1))]
@@ -57,6 +57,6 @@ class Squares:
 def _code(cell: kernels.Cells) -> kernels.Cells:
     """Places on the curve: the bits of x and y in turn (Morton's order)."""
     bits = cell.astype(np.uint64)
-    for shift, mask in SPREAD:
+    for shift, mask in BIT_SPREADING:
         bits = (bits | bits << np.uint64(shift)) & np.uint64(mask)
     return (bits[:, 0] | bits[:, 1] << np.uint64(1)).astype(np.int64)

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from ._file import Stored
 
 #: What an error says of coordinates.
-UNIT = "metres (leave out beams without return)"
+COORDINATES_UNIT = "metres (leave out beams without return)"
 #: No cell is smaller, metres: single precision must hold coordinates counted in cells.
-LEAST = 1e-6
+SMALLEST_CELL_M = 1e-6
 #: Places `(n, 2)`, metres: of the sensor, of the ends of beams, of where the others left its range.
 Scan = tuple[Array, Array, Array]
 
@@ -230,8 +230,8 @@ def level_of(name: str, length: float, resolution: float, *, least: int = 0) -> 
     return level
 
 
-def pairs(name: str, values: ArrayLike) -> Array:
+def point_pairs(name: str, values: ArrayLike) -> Array:
     """Points as an array `(n, 2)`; whether they are finite is seen where their cells are found."""
     if arrays.ready(values) and values.shape[1:] == (2,):
         return values
-    return np.array(arrays.table(values, name, 2, unit=UNIT, limit=np.inf), order="C")
+    return np.array(arrays.table(values, name, 2, unit=COORDINATES_UNIT, limit=np.inf), order="C")

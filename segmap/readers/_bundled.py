@@ -9,7 +9,7 @@ from .. import arrays
 
 PACKAGE = Path(__file__).parents[1]
 #: In a clone the data lies beside the package, in an installed wheel inside it.
-PLACES = (PACKAGE.parent / "data", PACKAGE / "data")
+DATA_FOLDERS = (PACKAGE.parent / "data", PACKAGE / "data")
 #: MIT Killian Court (M. Bosse, J. Leonard): 3873 scans with corrected poses.
 KILLIAN = "killian"
 
@@ -21,7 +21,7 @@ def find(name: str) -> Path:
         if other is None or not other.submodule_search_locations:
             raise ValueError("the log 'killian' is in another package: pip install rtb-data")
         return Path(other.submodule_search_locations[0]) / "data" / "killian.g2o.zip"
-    found = [path for place in reversed(PLACES) for path in place.glob("*/*.log.gz")]
+    found = [path for place in reversed(DATA_FOLDERS) for path in place.glob("*/*.log.gz")]
     logs = {path.parent.name: path for path in found if path.name == f"{path.parent.name}.log.gz"}
     if not isinstance(name, str) or name not in logs:
         known = ", ".join(repr(known) for known in sorted(logs)) or "none"
@@ -32,7 +32,7 @@ def find(name: str) -> Path:
 def data_file(name: str) -> Path:
     """A file or folder that comes with segmap, in a clone or in an installed wheel."""
     arrays.file(name, "name")
-    for place in PLACES:
+    for place in DATA_FOLDERS:
         if (path := place / name).exists():
             return path
     raise ValueError(f"segmap's data/{name} is missing: install segmap again")

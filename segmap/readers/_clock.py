@@ -14,7 +14,7 @@ from ..scans.causes import Cause, Finding
 #: A step back by less than so many usual steps is a message that came late, and no clock.
 LATE_STEPS = 3
 #: From this share of the scans or poses on it is no clock: the file has them in another order.
-SHUFFLED = 0.1
+SHUFFLED_ROWS_SHARE = 0.1
 #: Where a clock is set back in a file, scans and poses of that clock stand as near as this.
 NEAR_SCANS = 10
 
@@ -30,7 +30,7 @@ def on_one_clock(
     """
     usual = [_usual(scans), _usual(poses)]
     back = [np.r_[False, np.diff(t) < -LATE_STEPS * max(usual)][: len(t)] for t in (scans, poses)]
-    if not any(b.any() for b in back) or any(b.sum() > SHUFFLED * len(b) for b in back):
+    if not any(b.any() for b in back) or any(b.sum() > SHUFFLED_ROWS_SHARE * len(b) for b in back):
         return scans, poses, []
     alone = [np.cumsum(b) for b in back]
     mended = [

@@ -13,17 +13,22 @@ from .graphs import G2o
 from .tables import CoreSlam, HokuyoText, Ld19, Rawseeds, RpLidar
 
 #: These are asked first, in this order.
-FILES: tuple[Binary, ...] = (bags.BAG, mrpt.MRPT, *tables.FILES)
-FOLDERS: tuple[Binary, ...] = (bags.BAG, *tables.FOLDERS)
-TEXTS: tuple[type[TextFormat], ...] = (
+BINARY_FORMATS: tuple[Binary, ...] = (bags.BAG, mrpt.MRPT, *tables.TABLE_FILES)
+FOLDER_FORMATS: tuple[Binary, ...] = (bags.BAG, *tables.TABLE_FOLDERS)
+TEXT_FORMATS: tuple[type[TextFormat], ...] = (
     *(Carmen, GMapping, G2o, Player, DpSlam, WeanHall, HokuyoText, CoreSlam),
     *(RpLidar, Ld19, Rawseeds),
 )
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
-FIRST = 200
+LOOKED_AT_LINES = 200
+#: Names of all formats of single files.
+NAMES_OF_FORMATS = (
+    *(form.name for form in TEXT_FORMATS),
+    *(form.name for form in BINARY_FORMATS),
+)
 #: What a user writes whose data are in none of the formats.
 WHAT_TO_DO = f"""\
-Known formats: {", ".join([*(form.name for form in TEXTS), *(form.name for form in FILES)])}.
+Known formats: {", ".join(NAMES_OF_FORMATS)}.
 A line a beam without a header: \
 segmap.readers.read_csv(path, columns=['angle_deg', 'range_mm', 'quality']).
 Measurements in arrays (metres, radians, seconds) become a log by three lines:
@@ -34,7 +39,7 @@ Measurements in arrays (metres, radians, seconds) become a log by three lines:
 
 def recognise(path: Path) -> Binary | type[TextFormat]:
     """The first format that claims a file or folder, or else the one of most of the first lines."""
-    for form in FOLDERS if path.is_dir() else FILES:
+    for form in FOLDER_FORMATS if path.is_dir() else BINARY_FORMATS:
         if form.claims(path):
             return form
     if path.is_dir():
@@ -45,11 +50,11 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
             f"or numbered files with a Hokuyo scan in each\n{WHAT_TO_DO}",
         )
     lines = Lines(path, "skip", separator="\n")
-    sample = [line[0] for line in islice(lines, FIRST)]
+    sample = [line[0] for line in islice(lines, LOOKED_AT_LINES)]
     split = {separator: [line.split(separator) for line in sample] for separator in (None, ",")}
-    votes = [sum(map(form.claims, filter(None, split[form.separator]))) for form in TEXTS]
+    votes = [sum(map(form.claims, filter(None, split[form.separator]))) for form in TEXT_FORMATS]
     if any(votes):
-        return TEXTS[votes.index(max(votes))]
+        return TEXT_FORMATS[votes.index(max(votes))]
     if lines.first:
         raise UnknownFormat(path, lines.first.reason, lines.first.line)
     found = "is empty, expected a log"

@@ -13,7 +13,7 @@ from typing import IO, Literal, TypeVar, cast
 import numpy as np
 
 from ..arrays import LIMIT, Array
-from ..files import RATIO, UNPACKED, shown
+from ..files import LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO, shown
 from ..progress import announce
 from ..scans import NOTHING_SKIPPED, Skipped
 
@@ -29,9 +29,9 @@ BROKEN = (
 #: So many lines in a row hold nothing, or a comment: no log has a head of this length.
 MAX_EMPTY = 100_000
 #: How far the reading is, is told every so many lines.
-STEP = 200
+LINES_PER_ANNOUNCEMENT = 200
 #: Later than this, in seconds, no clock stands.
-LATEST = 1e12
+LATEST_TIME_S = 1e12
 
 #: What a damaged line means: the end of reading, or one line less.
 OnError = Literal["raise", "skip"]
@@ -82,7 +82,7 @@ class Reading:
     def leave_out(self, fault: LogError) -> None:
         """Count one thing that is not read, and keep the reason of the first."""
         self.first = self.first or fault
-        self.skipped = merged(self.skipped, Skipped(1, str(fault)))
+        self.skipped = merged_skipped(self.skipped, Skipped(1, str(fault)))
 
     def why(self) -> str:
         """What was left out, for the error of a file that holds nothing else."""
@@ -131,11 +131,13 @@ class Lines(Reading):
         self.number = read = empty = 0
         try:
             size = self.path.stat().st_size
-            most = max(UNPACKED, RATIO * size)
+            most = max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * size)
             with open_bytes(self.path) as file:
                 while line := file.readline(MAX_LINE + 1):
                     self.number, read = self.number + 1, read + len(line)
-                    if self.number % STEP == 0:  # of a packed file its fileobj says how far it is
+                    if (
+                        self.number % LINES_PER_ANNOUNCEMENT == 0
+                    ):  # of a packed file its fileobj says how far it is
                         at = getattr(file, "fileobj", file).tell()
                         announce(min(at / max(size, 1), 1.0), f"reading line {self.number}")
                     if len(line) > MAX_LINE:
@@ -171,13 +173,13 @@ def open_bytes(path: Path) -> IO[bytes]:
     return cast(IO[bytes], gzip.open(path, "rb")) if packed else path.open("rb")
 
 
-def merged(first: Skipped, second: Skipped) -> Skipped:
+def merged_skipped(first: Skipped, second: Skipped) -> Skipped:
     """What was skipped in two files together, with the reason of the first."""
     return Skipped(first.lines + second.lines, first.reason or second.reason)
 
 
 # ----------------------------------------------------------------------------- fields
-def numbers(fields: Sequence[str], what: str) -> Array:
+def float_fields(fields: Sequence[str], what: str) -> Array:
     """Fields as floats, `(n,)` array, in the unit of the file."""
     try:
         found = np.array(fields, float)
@@ -203,9 +205,9 @@ def is_count(field: str) -> bool:
     return re.fullmatch("[0-9]{1,18}", field) is not None
 
 
-def pose(fields: Sequence[str], what: str) -> Array:
+def pose_fields(fields: Sequence[str], what: str) -> Array:
     """Three fields as a (3,) array, metres and radians; three times `nan` where there is none."""
-    found = numbers(fields, what)
+    found = float_fields(fields, what)
     if len(found) != 3:
         raise ValueError(f"expected x, y, heading for {what}, got {len(found)} fields")
     if not (np.isnan(found).all() or (np.abs(found) <= LIMIT).all()):
@@ -215,13 +217,13 @@ def pose(fields: Sequence[str], what: str) -> Array:
 
 def time(field: str, what: str = "the time", unit: float = 1.0) -> float:
     """A field in units of `unit` seconds as seconds."""
-    found = float(numbers([field], what)[0]) * unit
-    if not abs(found) <= LATEST:
+    found = float(float_fields([field], what)[0]) * unit
+    if not abs(found) <= LATEST_TIME_S:
         raise ValueError(f"expected seconds for {what}, got {field[:40]!r}")
     return found
 
 
-def counted(
+def counted_fields(
     fields: Sequence[str], what: str, least: int = 1
 ) -> tuple[Sequence[str], Sequence[str]]:
     """Split `n f1 ... fn rest` into the n fields that the first one announces, and the rest."""

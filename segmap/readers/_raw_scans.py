@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..angles import wrap
-from ..arrays import Array, slips
+from ..arrays import Array, unit_checks
 from ..poses import between, compose, interpolate, inverse
 from ..scans import NO_POSE, LaserScan
 from ..scans.causes import Cause, Finding
@@ -23,7 +23,7 @@ from ._clock import on_one_clock, stands
 
 #: Top of the scale of each measuring mode and the range from which it means "nothing met", metres.
 #: In the last mode the sensor can tell up to 81.91, but answers of 50 m and more are none.
-MODES = ((8.2, 8.18), (32.77, 32.76), (np.inf, 50.0))
+RANGE_MODES = ((8.2, 8.18), (32.77, 32.76), (np.inf, 50.0))
 #: Turn from one beam of an URG-04LX to the next, radians, and how far it sees, metres.
 URG_STEP = 2 * np.pi / 1024
 URG_REACH = 5.6
@@ -33,7 +33,7 @@ URG_TURN = 0.1
 URG_ASSUMED = f"a URG-04LX, which sees {URG_REACH} m and turns in {URG_TURN} s"
 NOWHERE = np.array(NO_POSE)
 #: Poses closer than this, in metres and radians, are one: logs print three decimals or more.
-SAME = 1e-3
+SAME_POSE = 1e-3
 
 
 class RawScan(NamedTuple):
@@ -89,13 +89,13 @@ def no_return(ranges: Iterable[Array]) -> float:
     (8.18, inf, 50.0)
     """
     largest = max((float(r[np.isfinite(r)].max(initial=0.0)) for r in ranges), default=0.0)
-    limit = next(limit for top, limit in MODES if largest <= top)
+    limit = next(limit for top, limit in RANGE_MODES if largest <= top)
     return limit if largest >= limit else np.inf
 
 
 def clean(ranges: Array, limit: float) -> Array:
     """Ranges `(n,)`, with `inf` where nothing was met and NaN where the value is no distance."""
-    slips.check_ranges(ranges, limit)
+    unit_checks.check_ranges(ranges, limit)
     return np.where(ranges >= limit, np.inf, np.where(ranges > 0, ranges, np.nan))
 
 
@@ -141,16 +141,16 @@ class Track:
             when = np.full(len(when), np.nan) if stands(when) else when
             return Met(when, poses, np.empty((0, 4)), [Finding(Cause.CLOCK, 0.0, words)])
         when, noted, causes = on_one_clock(when, noted, after)
-        rows = _ordered(noted, self.poses)
+        rows = _in_order_of_time(noted, self.poses)
         return Met(when, interpolate(rows[:, 0], rows[:, 1:], when), rows, causes)
 
     def ordered(self) -> tuple[Array, Array]:
         """Times `(k,)`, ascending, and poses `(k, 3)`."""
-        rows = _ordered(self.times, self.poses)
+        rows = _in_order_of_time(self.times, self.poses)
         return rows[:, 0], rows[:, 1:]
 
 
-def _ordered(times: ArrayLike, poses: ArrayLike) -> Array:
+def _in_order_of_time(times: ArrayLike, poses: ArrayLike) -> Array:
     """Times and poses, `(m, 4)`, in ascending order of times."""
     rows = np.column_stack([times, poses])
     return rows[np.argsort(rows[:, 0], kind="stable")]
@@ -186,7 +186,7 @@ def same_poses(a: Array, b: Array) -> bool:
     """Whether poses `(k, 3)` agree in all rows; rows of NaN tell nothing."""
     step = a - b
     step[..., 2] = wrap(step[..., 2])
-    return not bool((np.abs(step) > SAME).any())
+    return not bool((np.abs(step) > SAME_POSE).any())
 
 
 def uncorrected(scans: Sequence[RawScan], place: Array, is_stated: bool = False) -> Extrinsic:

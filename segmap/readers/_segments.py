@@ -16,10 +16,10 @@ import numpy as np
 from ..arrays import LIMIT, Array
 from ..files import shown
 from ..segments import SegmentMap
-from ._lines import Lines, LogError, numbers
+from ._lines import Lines, LogError, float_fields
 from .packed import log_file
 
-HEAD = ["x1", "y1", "x2", "y2", "scan"]
+SEGMENT_COLUMNS = ["x1", "y1", "x2", "y2", "scan"]
 
 
 def read_segments(path: str | Path) -> SegmentMap:
@@ -61,23 +61,25 @@ def _table(path: Path) -> SegmentMap:
 
     def take(fields: list[str]) -> None:
         if head:
-            values.extend(_row(fields))
+            values.extend(_segment_row(fields))
             return
         head.extend(field.strip() for field in fields)
-        if head != HEAD:
-            raise ValueError(f"expected the head {','.join(HEAD)}, got {','.join(fields)[:80]!r}")
+        if head != SEGMENT_COLUMNS:
+            raise ValueError(
+                f"expected the head {','.join(SEGMENT_COLUMNS)}, got {','.join(fields)[:80]!r}"
+            )
 
     for _ in lines.each(take):
         pass
     if not head:
-        raise LogError(path, f"is empty, expected the head {','.join(HEAD)}")
+        raise LogError(path, f"is empty, expected the head {','.join(SEGMENT_COLUMNS)}")
     rows = np.array(values).reshape(-1, 5)
     return SegmentMap(rows[:, :4].reshape(-1, 2, 2), rows[:, 4])
 
 
-def _row(fields: list[str]) -> Array:
+def _segment_row(fields: list[str]) -> Array:
     """Two end points, metres, and a scan: (5,) array."""
-    found = numbers(fields, "x1,y1,x2,y2,scan")
+    found = float_fields(fields, "x1,y1,x2,y2,scan")
     if len(found) != 5:
         raise ValueError(f"expected 5 fields x1,y1,x2,y2,scan, got {len(found)}")
     if not (np.abs(found[:4]) <= LIMIT).all():

@@ -14,7 +14,7 @@ from ..scans import Log, Skipped
 from ..scans.causes import Cause, Finding
 from ._lines import LogError
 from .packed import log_file
-from .tables import log_of
+from .tables import log_from_arrays
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def read_session(path: str | Path) -> Session:
         try:
             held = read_npz(place, Session.FORMAT)
             said = json.loads(str(held.pop("session.json")))
-            log = log_of(str(said.pop("name")), held)
+            log = log_from_arrays(str(said.pop("name")), held)
             lines, why = said.pop("skipped")
             old = said.pop("doubt", "")  # earlier versions held words alone
             causes = [Finding(Cause.OTHER, 1, str(old))] if old else []

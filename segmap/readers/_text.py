@@ -14,7 +14,7 @@ import numpy as np
 
 from ..scans import NOTHING_SKIPPED, Log
 from ..scans.causes import Finding
-from ._lines import Lines, merged
+from ._lines import Lines, merged_skipped
 from ._raw_scans import Extrinsic, RawScan, Track, assemble, uncorrected, with_odometry
 
 
@@ -74,5 +74,5 @@ class TextFormat:
 
     def _log(self, name: str) -> Log:
         scans, truth, assumed = assemble(self._finished(), self._extrinsic)
-        left = merged(self.lines.skipped, self.unknown)
+        left = merged_skipped(self.lines.skipped, self.unknown)
         return Log(name, scans, truth, left, causes=self.causes, assumed=assumed)

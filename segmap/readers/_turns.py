@@ -10,9 +10,9 @@ from ._lines import is_number
 from ._text import TextFormat
 
 #: A beam points nowhere beyond two turns, radians.
-MOST_TURN = 4 * np.pi
+MOST_DIRECTION_RAD = 4 * np.pi
 #: No scan has more beams.
-MOST_BEAMS = 100_000
+MOST_BEAMS_READ = 100_000
 #: Said of a log whose file does not say which way angles grow.
 COUNTERCLOCKWISE = "beams counter-clockwise"
 #: What a line says of one beam: angle, range, time, number of the scan; the last two NaN where the
@@ -43,9 +43,9 @@ class Beams(TextFormat):
             ends = -onwards * steps > min(np.ptp(angles) / 2, np.pi)
             self.assumed += ("a scan ends where the angle wraps",) * bool(ends.any())
         parts = np.split(table, np.flatnonzero(ends) + 1)
-        if max(map(len, parts)) > MOST_BEAMS:
+        if max(map(len, parts)) > MOST_BEAMS_READ:
             raise self.lines.error(
-                f"expected at most {MOST_BEAMS} beams in a scan: where does one end?"
+                f"expected at most {MOST_BEAMS_READ} beams in a scan: where does one end?"
             )
         scans = []
         for part in parts:
@@ -59,7 +59,7 @@ class Beams(TextFormat):
         return Log(name, scans, None, self.lines.skipped, assumed=self.assumed)
 
 
-def number(field: str, what: str, factor: float = 1.0) -> float:
+def number_field(field: str, what: str, factor: float = 1.0) -> float:
     """A field as a finite number, times the factor that makes metres or radians of it."""
     found = float(field) * factor if is_number(field) else np.nan
     if not abs(found) <= LIMIT:
@@ -67,10 +67,10 @@ def number(field: str, what: str, factor: float = 1.0) -> float:
     return found
 
 
-def angle(field: str, factor: float) -> float:
+def direction_field(field: str, factor: float) -> float:
     """A direction in radians, within two turns."""
-    found = number(field, "the angle", factor)
-    if not abs(found) <= MOST_TURN:
+    found = number_field(field, "the angle", factor)
+    if not abs(found) <= MOST_DIRECTION_RAD:
         raise ValueError(f"expected an angle within two turns, got {field[:40]!r}")
     return found
 
@@ -81,5 +81,5 @@ def distance(field: str, factor: float) -> float:
         return np.nan
     if field.lower() in ("inf", "+inf", "infinity"):
         return np.inf
-    found = number(field, "the range", factor)
+    found = number_field(field, "the range", factor)
     return found if found > 0 else np.nan

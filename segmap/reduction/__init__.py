@@ -8,10 +8,11 @@ fast version has a plain one beside it in `segmap_course.literal`:
 
 1. Its file, `_<name>.py`, has the public function with its docstring. Its thresholds declare their
    units and bounds (`distance: Metres = 0.20`), `@checked` holds them to it, and it ends in
-   `return run("<name>", map, reduce)`.
+   `return run_offline("<name>", map, reduce)`.
 2. `reduce` gets `rows.segments`, `(k, 2, 2)`, which all have a length, and returns the outputs,
    `(m, 2, 2)`, and the output that each row went into, `(k,)`, -1 where it was dropped.
-   `rows.row` tells which row of the map each is, for a method that needs what lies behind it.
+   `rows.source_row` tells which row of the map each is, for a method that needs what lies behind
+   it.
 3. An on-line method is a generator for `run_online`: it takes one scan of `rows.scans()` at a time,
    yields how many segments its map then holds, and returns the same two arrays.
 4. Loops that are compiled stand beside it in the same file, marked `@compiled`. They look around in

@@ -9,9 +9,19 @@ import numpy as np
 
 from ..arrays import Array, Metres, Segments, checked
 from ..compiled import compiled
-from ..kernels import SAME, become_mean, turn_between
-from ._index import Index, empty_index, enter, leave, meeting
-from ._runner import Found, Indices, Reduction, Rows, Steps, Turn, run, run_online, survivors
+from ..kernels import SAME, replace_by_mean, turn_between
+from ._index import Index, empty_index, enter, meeting, take_out
+from ._runner import (
+    Found,
+    Indices,
+    Reduction,
+    Rows,
+    Steps,
+    Turn,
+    resolve_merges,
+    run_offline,
+    run_online,
+)
 
 
 @checked
@@ -50,10 +60,10 @@ def basic_offline(map: Segments, *, distance: Metres = 0.20, angle: Turn = np.pi
     def reduce(rows: Rows) -> Found:
         state = _start(rows.segments, distance)
         _converge(state, 0, len(rows.segments), distance, angle)
-        alive, parents = survivors(state.parents)
+        alive, parents = resolve_merges(state.parents)
         return state.s[alive], parents
 
-    return run("basic_offline", map, reduce)
+    return run_offline("basic_offline", map, reduce)
 
 
 @checked
@@ -85,7 +95,7 @@ def basic_online(map: Segments, *, distance: Metres = 0.20, angle: Turn = np.pi 
         for first, stop in rows.scans():
             live += stop - first - _converge(state, first, stop, distance, angle)
             yield live
-        alive, parents = survivors(state.parents)
+        alive, parents = resolve_merges(state.parents)
         return state.s[alive], parents
 
     return run_online("basic_online", map, steps)
@@ -128,7 +138,7 @@ def _enter(state: State, i: int) -> None:
 
 
 @compiled
-def _matches(state: State, a: int, distance: float, angle: float) -> int:
+def _matching_segments(state: State, a: int, distance: float, angle: float) -> int:
     """Write the live segments that match a (A 4.1), some twice; how many; metres and radians."""
     s, near, found, count = state.s, state.near, 0, 0
     least = max(distance - SAME, 0.0) ** 2
@@ -147,14 +157,14 @@ def _matches(state: State, a: int, distance: float, angle: float) -> int:
 
 
 @compiled
-def _merge(state: State, a: int, b: int) -> None:
+def _merge_on_mean_line(state: State, a: int, b: int) -> None:
     """A 4.1: b goes into a, on the length-weighted mean line; the extreme projections remain."""
     share = state.lengths[b] / (state.lengths[a] + state.lengths[b])
     turn = turn_between(state.angles[a], state.angles[b])
     for e in (2 * a, 2 * a + 1, 2 * b, 2 * b + 1):
-        leave(state.ends, e)
+        take_out(state.ends, e)
     state.angles[a] += share * turn
-    state.lengths[a] = become_mean(state.s, a, b, share, state.angles[a])
+    state.lengths[a] = replace_by_mean(state.s, a, b, share, state.angles[a])
     state.parents[b] = a
     _enter(state, a)
 
@@ -172,7 +182,7 @@ def _converge(state: State, first: int, stop: int, distance: float, angle: float
     for i in range(first, stop):
         _enter(state, i)
     for i in range(first, stop):
-        count = _matches(state, i, distance, angle) if first > 0 else 1
+        count = _matching_segments(state, i, distance, angle) if first > 0 else 1
         if count > 0:
             heapq.heappush(now, i)
         for k in range(count if first > 0 else 0):
@@ -186,12 +196,12 @@ def _converge(state: State, first: int, stop: int, distance: float, angle: float
                 continue
             previous, last, next, count = a, -1, a, 0
             while next < len(state.s):
-                count, next = _matches(state, a, distance, angle), len(state.s)
+                count, next = _matching_segments(state, a, distance, angle), len(state.s)
                 for k in range(count):
                     if last < near[k] < next:
                         next = near[k]
                 if next < len(state.s):
-                    _merge(state, a, next)
+                    _merge_on_mean_line(state, a, next)
                     last, died = next, died + 1
             for k in range(count if last >= 0 else 0):
                 heapq.heappush(now if near[k] > a else later, near[k])

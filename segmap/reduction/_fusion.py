@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Metres, Segments, checked
 from ..compiled import compiled
-from ..kernels import lay, order_by_first
+from ..kernels import order_by_first, place_on_line
 from ..segments import length
-from ._index import Index, empty_index, enter, leave, meeting
-from ._runner import Indices, Reduction, Rows, Steps, run, run_online
+from ._index import Index, empty_index, enter, meeting, take_out
+from ._runner import Indices, Reduction, Rows, Steps, run_offline, run_online
 
 Line = tuple[float, float, float, float]
 Flags = NDArray[np.bool_]
 
 #: Lengths, shifts and gaps closer than this, in metres, are equal: rounding must not choose.
-SAME = 1e-9
+FUSION_ROUNDING_M = 1e-9
 
 
 @checked
@@ -54,7 +54,7 @@ def fusion(map: Segments, *, tolerance: Metres = 0.04) -> Reduction:
     array([[0., 0.],
            [3., 0.]])
     """
-    return run("fusion", map, lambda rows: fuse(rows.segments, tolerance))
+    return run_offline("fusion", map, lambda rows: fuse(rows.segments, tolerance))
 
 
 @checked
@@ -148,7 +148,7 @@ def _measure(s: Array, j: int, line: Line, wide: float, out: Array, k: int) -> b
 
 
 @compiled
-def _gather(
+def _measure_chain(
     s: Array, line: Line, wide: float, step: float, places: Index, longest: int, room: Room
 ) -> int:
     """Measure all live segments that may be in a chain through the longest; how many there are.
@@ -162,8 +162,8 @@ def _gather(
     _measure(s, longest, line, wide, measured, 0)
     for way in (1, -1):
         reach, at = measured[0, 1], 0.0
-        while at <= reach + SAME:
-            lay(room.piece, x, y, dx, dy, way * at, way * (at + step))
+        while at <= reach + FUSION_ROUNDING_M:
+            place_on_line(room.piece, x, y, dx, dy, way * at, way * (at + step))
             for k in range(meeting(places, room.piece, wide, found)):
                 j = found[k]
                 if seen[j] != longest:
@@ -175,7 +175,7 @@ def _gather(
                 for k in range(count):
                     begin = measured[k, 0] if way == 1 else -measured[k, 1]
                     end = measured[k, 1] if way == 1 else -measured[k, 0]
-                    if end > reach and begin <= reach + SAME:
+                    if end > reach and begin <= reach + FUSION_ROUNDING_M:
                         reach, longer = end, True
             at += step
     return count
@@ -192,9 +192,12 @@ def _chain(
     total, start, reach, holds, measured = 0.0, 0, -np.inf, False, room.measured
     for k in range(len(order)):
         i = order[k]
-        if measured[i, 3] - half > shift + SAME or shift - SAME > measured[i, 2] + half:
+        if (
+            measured[i, 3] - half > shift + FUSION_ROUNDING_M
+            or shift - FUSION_ROUNDING_M > measured[i, 2] + half
+        ):
             continue
-        if measured[i, 0] > reach + SAME:
+        if measured[i, 0] > reach + FUSION_ROUNDING_M:
             if holds:
                 return total, start, k
             total, start = 0.0, k
@@ -232,18 +235,18 @@ def _best_strip(
         i = order[max(k, 0) // 2]
         edge = measured[i, 2] + half if k % 2 else measured[i, 3] - half
         shift = edge if k >= 0 else 0.0
-        if abs(shift) <= half + SAME:
+        if abs(shift) <= half + FUSION_ROUNDING_M:
             total, _, _ = _chain(room, lengths, order, shift, half)
             shifts[tries, 0], shifts[tries, 1] = shift, total
             most = max(most, total)
             tries += 1
     for k in range(tries):
-        if shifts[k, 1] >= most - SAME:
+        if shifts[k, 1] >= most - FUSION_ROUNDING_M:
             least = min(least, abs(shifts[k, 0]))
     best, low, high, found = 0.0, 0.0, 0.0, False
     for k in range(tries):
         shift = shifts[k, 0]
-        if shifts[k, 1] < most - SAME or abs(shift) > least + SAME:
+        if shifts[k, 1] < most - FUSION_ROUNDING_M or abs(shift) > least + FUSION_ROUNDING_M:
             continue
         _, start, stop = _chain(room, lengths, order, shift, half)
         begin, end = np.inf, -np.inf
@@ -251,7 +254,10 @@ def _best_strip(
             tried[j] = False
         for j in range(start, stop):
             i = order[j]
-            if measured[i, 3] - half <= shift + SAME and shift - SAME <= measured[i, 2] + half:
+            if (
+                measured[i, 3] - half <= shift + FUSION_ROUNDING_M
+                and shift - FUSION_ROUNDING_M <= measured[i, 2] + half
+            ):
                 tried[i] = True
                 begin, end = min(begin, measured[i, 0]), max(end, measured[i, 1])
         if not found or _comes_first(tried, chosen, near):
@@ -277,7 +283,7 @@ def _fuse_all(
 
     `falling` sorts the segments by falling length; parents are -1 before.
     """
-    count, head, wide = 0, 0, 2 * (tolerance + SAME)
+    count, head, wide = 0, 0, 2 * (tolerance + FUSION_ROUNDING_M)
     for j in range(len(s)):
         enter(places, j, s[j], 0.0)
     while True:
@@ -287,20 +293,20 @@ def _fuse_all(
         if head == len(s):
             return count
         k, i = head, falling[head]
-        while k < len(s) and lengths[falling[k]] >= lengths[falling[head]] - SAME:
+        while k < len(s) and lengths[falling[k]] >= lengths[falling[head]] - FUSION_ROUNDING_M:
             i = falling[k] if parents[falling[k]] < 0 and falling[k] < i else i
             k += 1
         dx, dy = (s[i, 1, 0] - s[i, 0, 0]) / lengths[i], (s[i, 1, 1] - s[i, 0, 1]) / lengths[i]
         x, y = (s[i, 0, 0] + s[i, 1, 0]) / 2, (s[i, 0, 1] + s[i, 1, 1]) / 2
         # steps 2 to 5: the strip, parallel to it, with the longest chain
-        near = _gather(s, (x, y, dx, dy), wide, step, places, i, room)
+        near = _measure_chain(s, (x, y, dx, dy), wide, step, places, i, room)
         order_by_first(room.order[:near], room.measured)
         _, start, stop = _chain(room, lengths, room.order[:near], 0.0, np.inf)
         shift, low, high = _best_strip(room, lengths, room.order[start:stop], near, tolerance)
         # step 6: one segment for the chain
-        lay(out[count], x - shift * dy, y + shift * dx, dx, dy, low, high)
+        place_on_line(out[count], x - shift * dy, y + shift * dx, dx, dy, low, high)
         for k in range(near):
             if room.chosen[k]:
                 parents[room.near[k]] = count
-                leave(places, room.near[k])
+                take_out(places, room.near[k])
         count += 1

@@ -48,7 +48,7 @@ def hough(segments: ArrayLike, near: ArrayLike | None = None) -> Array:
 
 
 @compiled
-def line_of(s: Array, i: int) -> tuple[float, float]:
+def hough_line_of(s: Array, i: int) -> tuple[float, float]:
     """Rho, metres, and theta of the normal, in `[0, pi)`, of one of `(n, 2, 2)` segments."""
     theta = (np.arctan2(s[i, 1, 1] - s[i, 0, 1], s[i, 1, 0] - s[i, 0, 0]) + np.pi / 2) % np.pi
     theta = 0.0 if theta == np.pi else theta

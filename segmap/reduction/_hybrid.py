@@ -10,16 +10,18 @@ import numpy as np
 from .. import arrays
 from ..arrays import Array, Metres, Segments, checked
 from ..compiled import compiled
-from ..kernels import lay, length_of, span
-from ._hough import line_of
-from ._index import Index, empty_index, enter, leave, meeting
+from ..kernels import length_of, place_on_line, span
+from ._hough import hough_line_of
+from ._index import Index, empty_index, enter, meeting, take_out
 from ._runner import Indices, Length, Reduction, Rows, Steps, Turn, run_online
 
 #: Distances closer than this, in metres, are equal: rounding must not choose between two walls.
-SAME = 1e-9
-#: Side of the smallest cells of the index, metres, and in distances: of four sides tried on 43 000
-#: segments of Intel the fastest or close to it at 20, 100 and 400 mm.
-LEAST_CELL, CELL = 0.4, 4
+HYBRID_ROUNDING_M = 1e-9
+#: Smallest side of the cells of the index, metres.
+LEAST_CELL_M = 0.4
+#: Side of the cells in distances: of four sides tried on 43 000 segments of Intel the fastest or
+#: close to it at 20, 100 and 400 mm.
+CELL_DISTANCES = 4
 
 
 @checked
@@ -82,7 +84,7 @@ def hybrid(
         state = empty_map(len(rows.segments), distance)
         parents = np.empty(len(rows.segments), np.int64)
         for first, stop in rows.scans():
-            add(
+            add_segment(
                 state,
                 rows.segments,
                 first,
@@ -96,10 +98,10 @@ def hybrid(
             yield int(state.used[0])
         return state.s[: state.used[0]].copy(), parents
 
-    return replace(run_online("hybrid", map, steps), doubt=doubt_of(map, origin))
+    return replace(run_online("hybrid", map, steps), doubt=origin_doubt(map, origin))
 
 
-def doubt_of(map: Segments, origin: Literal["map", "pair"]) -> str:
+def origin_doubt(map: Segments, origin: Literal["map", "pair"]) -> str:
     """Why Hybrid may not suit a map: its origin lies outside of it; nothing where it does not."""
     ends = arrays.segments(map).reshape(-1, 2)
     if origin == "pair" or not len(ends):
@@ -131,7 +133,9 @@ def empty_map(count: int, distance: float) -> State:
     """A map with room for so many segments."""
     s, lines, used = np.empty((count, 2, 2)), np.empty((count, 3)), np.zeros(1, np.int64)
     near = np.empty(count + 1, np.int64)
-    return State(s, lines, used, empty_index(count, max(CELL * distance, LEAST_CELL)), near)
+    return State(
+        s, lines, used, empty_index(count, max(CELL_DISTANCES * distance, LEAST_CELL_M)), near
+    )
 
 
 @compiled
@@ -170,7 +174,7 @@ def _nearest_match(
     pair: bool,
 ) -> int:
     """The nearest wall whose line agrees with that of i; ties: lowest index; -1 for none."""
-    lines, best, least = state.lines, -1, distance - SAME
+    lines, best, least = state.lines, -1, distance - HYBRID_ROUNDING_M
     for m in range(meeting(state.places, new[i], distance, state.near)):
         b = state.near[m]
         if pair or abs(abs(lines[b, 0]) - abs(rho)) < distance:
@@ -182,16 +186,18 @@ def _nearest_match(
                 apart -= x * (np.cos(lines[b, 1]) - sign * np.cos(theta))
                 apart -= y * (np.sin(lines[b, 1]) - sign * np.sin(theta))
             turn = abs(lines[b, 1] - theta - turns * np.pi)
-            if abs(apart) < distance - SAME and turn < angle - SAME:
+            if abs(apart) < distance - HYBRID_ROUNDING_M and turn < angle - HYBRID_ROUNDING_M:
                 near = _nearness(new, i, state.s, b)
-                tie = abs(near - least) <= SAME and best >= 0
+                tie = abs(near - least) <= HYBRID_ROUNDING_M and best >= 0
                 if b < best if tie else near < least:
                     best, least = b, near
     return best
 
 
 @compiled
-def _absorb(state: State, b: int, new: Array, i: int, rho: float, theta: float, pair: bool) -> None:
+def _absorb_in_wall(
+    state: State, b: int, new: Array, i: int, rho: float, theta: float, pair: bool
+) -> None:
     """A 4.2: count-weighted means of both lines; the extreme projections on it, metres, remain.
 
     Wall b takes in segment i, whose line is rho, metres, and theta, radians.
@@ -209,25 +215,25 @@ def _absorb(state: State, b: int, new: Array, i: int, rho: float, theta: float, 
         rho += y * (ny - old * np.sin(lines[b, 1]) - one * np.sin(theta))
     lines[b, 0], lines[b, 1], lines[b, 2] = rho, mean, count + 1
     (low, high), (begin, end) = span(s[b], 0.0, 0.0, -ny, nx), span(new[i], 0.0, 0.0, -ny, nx)
-    lay(s[b], rho * nx, rho * ny, -ny, nx, min(low, begin), max(high, end))
-    leave(state.places, b)
+    place_on_line(s[b], rho * nx, rho * ny, -ny, nx, min(low, begin), max(high, end))
+    take_out(state.places, b)
     enter(state.places, b, s[b], 0.0)
 
 
 @compiled
-def _join(state: State, new: Array, i: int, count: float) -> None:
+def _append_wall(state: State, new: Array, i: int, count: float) -> None:
     """Segment i, which stands for so many, becomes the next wall; metres."""
     b = state.used[0]
     for k in range(2):
         state.s[b, k, 0], state.s[b, k, 1] = new[i, k, 0], new[i, k, 1]
-    state.lines[b, 0], state.lines[b, 1] = line_of(new, i)
+    state.lines[b, 0], state.lines[b, 1] = hough_line_of(new, i)
     state.lines[b, 2] = count
     state.used[0] += 1
     enter(state.places, b, new[i], 0.0)
 
 
 @compiled
-def add(
+def add_segment(
     state: State,
     new: Array,
     first: int,
@@ -244,21 +250,21 @@ def add(
     into `parents`, `(n,)`; metres and radians.
     """
     for i in range(first, stop):
-        rho, theta = line_of(new, i)
+        rho, theta = hough_line_of(new, i)
         b = _nearest_match(state, new, i, rho, theta, distance, angle, pair)
         parents[i] = b
         if b >= 0:
-            _absorb(state, b, new, i, rho, theta, pair)
+            _absorb_in_wall(state, b, new, i, rho, theta, pair)
         elif length_of(new[i]) >= min_length:
             parents[i] = state.used[0]
-            _join(state, new, i, 1.0)
+            _append_wall(state, new, i, 1.0)
 
 
 @compiled
 def replace_map(state: State, segments: Array, counts: Array) -> None:
     """Put `(m, 2, 2)` segments, metres, that stand for `(m,)` counts in the place of the map."""
     for b in range(state.used[0]):
-        leave(state.places, b)
+        take_out(state.places, b)
     state.used[0] = 0
     for i in range(len(segments)):
-        _join(state, segments, i, counts[i])
+        _append_wall(state, segments, i, counts[i])

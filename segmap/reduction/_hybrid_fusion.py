@@ -12,7 +12,7 @@ from .. import arrays
 from ..arrays import Array, Count, Metres, Segments, checked
 from ..threads import Locked, locked
 from ._fusion import fuse
-from ._hybrid import State, add, doubt_of, empty_map, replace_map
+from ._hybrid import State, add_segment, empty_map, origin_doubt, replace_map
 from ._runner import Indices, Length, Reduction, Rows, Steps, Turn, rows_of, run_online
 
 
@@ -72,7 +72,9 @@ def hybrid_fusion(
         moves: list[Indices] = []  # where each segment of the map went at each Fusion
         borders = [0]  # inputs until then
         for done, (first, stop) in enumerate(rows.scans(), 1):
-            add(state, s, first, stop, distance, angle, min_length, origin == "pair", parents)
+            add_segment(
+                state, s, first, stop, distance, angle, min_length, origin == "pair", parents
+            )
             if done % every == 0 or stop == len(s):
                 moves.append(_fuse_map(state, tolerance))
                 borders.append(stop)
@@ -84,7 +86,7 @@ def hybrid_fusion(
             parents[first:stop] = carried[parents[first:stop]]
         return state.s[: state.used[0]].copy(), parents
 
-    return replace(run_online("hybrid_fusion", map, steps), doubt=doubt_of(map, origin))
+    return replace(run_online("hybrid_fusion", map, steps), doubt=origin_doubt(map, origin))
 
 
 class LiveReduction(Locked):
@@ -130,7 +132,7 @@ class LiveReduction(Locked):
             replace_map(self._state, state.s[:used], state.lines[:used, 2].copy())
         parents = np.empty(len(new), np.int64)
         pair = self.origin == "pair"
-        add(
+        add_segment(
             self._state, new, 0, len(new), self.distance, self.angle, self.min_length, pair, parents
         )
         self.scans += 1
@@ -152,8 +154,8 @@ def _fuse_map(state: State, tolerance: float) -> Indices:
     """Replace the map by its Fusion; where each wall went, -1 for one without length."""
     live, count = rows_of(state.s[: state.used[0]])
     fused, into = fuse(live.segments, tolerance)
-    counts = np.bincount(into, state.lines[live.row, 2]).astype(float)
+    counts = np.bincount(into, state.lines[live.source_row, 2]).astype(float)
     replace_map(state, fused, counts)
     moved = np.full(count, -1, np.int64)
-    moved[live.row] = into
+    moved[live.source_row] = into
     return moved

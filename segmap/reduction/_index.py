@@ -15,8 +15,14 @@ from ..arrays import Array
 from ..compiled import compiled
 from ._runner import Indices
 
-#: Columns of `Index.link`.
-AFTER, BEFORE, CELL, LEVEL = 0, 1, 2, 3
+#: Column of `Index.link`: the next box in the same cell.
+AFTER_COLUMN = 0
+#: Column of `Index.link`: the box before it in the same cell.
+BEFORE_COLUMN = 1
+#: Column of `Index.link`: its cell.
+CELL_COLUMN = 2
+#: Column of `Index.link`: the level of its cell, -1 for a box that is not in the index.
+LEVEL_COLUMN = 3
 
 
 class Index(NamedTuple):
@@ -86,11 +92,11 @@ def enter(index: Index, b: int, points: Array, reach: float) -> None:
     while side < size and level < len(levels) - 2:  # what is wider still is in the last level
         level, side = level + 1, 2 * side
     column, row = int(np.floor((x0 + x1) / 2 / side)), int(np.floor((y0 + y1) / 2 / side))
-    link[b, CELL], link[b, LEVEL] = _address(column, row, level), level
-    slot = link[b, CELL] & (len(head) - 1)
-    link[b, AFTER], link[b, BEFORE] = head[slot], -1 - slot
+    link[b, CELL_COLUMN], link[b, LEVEL_COLUMN] = _address(column, row, level), level
+    slot = link[b, CELL_COLUMN] & (len(head) - 1)
+    link[b, AFTER_COLUMN], link[b, BEFORE_COLUMN] = head[slot], -1 - slot
     if head[slot] >= 0:
-        link[head[slot], BEFORE] = b
+        link[head[slot], BEFORE_COLUMN] = b
     head[slot] = b
     levels[level, 0] += 1
     levels[-1, 0] += 1
@@ -105,19 +111,19 @@ def enter_all(index: Index, s: Array) -> None:
 
 
 @compiled
-def leave(index: Index, b: int) -> None:
+def take_out(index: Index, b: int) -> None:
     """Take box b out of the index."""
     link = index.link
-    after, before = link[b, AFTER], link[b, BEFORE]
+    after, before = link[b, AFTER_COLUMN], link[b, BEFORE_COLUMN]
     if before < 0:
         index.head[-1 - before] = after
     else:
-        link[before, AFTER] = after
+        link[before, AFTER_COLUMN] = after
     if after >= 0:
-        link[after, BEFORE] = before
-    index.levels[link[b, LEVEL], 0] -= 1
+        link[after, BEFORE_COLUMN] = before
+    index.levels[link[b, LEVEL_COLUMN], 0] -= 1
     index.levels[-1, 0] -= 1
-    link[b, LEVEL] = -1
+    link[b, LEVEL_COLUMN] = -1
 
 
 @compiled
@@ -139,7 +145,7 @@ def meeting(index: Index, points: Array, reach: float, out: Indices) -> int:
             if (last - first + 1) * (high - low + 1) > len(box):  # fewer boxes than cells
                 for b in range(len(box)):
                     beside = box[b, 0] > x1 or box[b, 2] < x0 or box[b, 1] > y1 or box[b, 3] < y0
-                    if link[b, LEVEL] == level and not beside:
+                    if link[b, LEVEL_COLUMN] == level and not beside:
                         out[count] = b
                         count += 1
             else:
@@ -152,7 +158,7 @@ def meeting(index: Index, points: Array, reach: float, out: Indices) -> int:
                             above = (box[b, 1] > y1) | (box[b, 3] < y0)
                             out[count] = b
                             # another cell may share the slot
-                            count += not (beside | above | (link[b, CELL] != cell))
-                            b = link[b, AFTER]
+                            count += not (beside | above | (link[b, CELL_COLUMN] != cell))
+                            b = link[b, AFTER_COLUMN]
         side, level = 2 * side, level + 1
     return count

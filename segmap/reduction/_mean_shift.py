@@ -18,11 +18,11 @@ from ..arrays import (
     at_least,
     at_most,
     checked,
-    slips,
+    unit_checks,
 )
 from ..segments import angle, length, midpoint
 from ._mean_shift_kernels import climb, join, link
-from ._runner import Found, Indices, Reduction, Rows, rows_of, run
+from ._runner import Found, Indices, Reduction, Rows, rows_of, run_offline
 
 #: More pieces than this are refused: a slip in the unit of sigma would fill the memory.
 MOST_PIECES = 20_000_000
@@ -85,18 +85,18 @@ def mean_shift(
     """
 
     def reduce(rows: Rows) -> Found:
-        found = _directions(rows.segments, sigma, bandwidth, np.inf)
+        found = _shifted_directions(rows.segments, sigma, bandwidth, np.inf)
         if not len(found.pieces):
             return found.pieces, found.owner
-        out, into = _lines(found.pieces, found.cluster, found.theta, sigma)
+        out, into = _shifted_lines(found.pieces, found.cluster, found.theta, sigma)
         lowest = np.argsort(np.unique(into, return_index=True)[1])  # outputs by their first piece
         into = np.argsort(lowest)[into]
         return out[lowest], longest_share(len(rows.segments), found.owner, into)
 
-    found = run("mean_shift", map, reduce, splits=True)
+    found = run_offline("mean_shift", map, reduce, splits=True)
     if len(found) > len(found.parents) > SKETCH:
         text = f"mean_shift makes {len(found)} segments of {len(found.parents)}"
-        slips.warn(f"{text}: nothing repeats in this map, or sigma is too small to see it")
+        unit_checks.warn(f"{text}: nothing repeats in this map, or sigma is too small to see it")
     return found
 
 
@@ -131,13 +131,15 @@ def common_directions(
     (array([0, 0, 1, 1]), array([0, 0, 1, 1]), array([ 0., 90.]))
     """
     rows, _ = rows_of(map)
-    found = _directions(rows.segments, sigma, bandwidth, steps)
-    return found._replace(owner=rows.row[found.owner])
+    found = _shifted_directions(rows.segments, sigma, bandwidth, steps)
+    return found._replace(owner=rows.source_row[found.owner])
 
 
-def _directions(segments: Array, sigma: float, bandwidth: float, steps: float) -> Directions:
+def _shifted_directions(
+    segments: Array, sigma: float, bandwidth: float, steps: float
+) -> Directions:
     """Phase 1 of segments `(n, 2, 2)` that all have a length (A 4.3.3)."""
-    slips.check_bandwidth(sigma, bandwidth)
+    unit_checks.check_bandwidth(sigma, bandwidth)
     if sigma * bandwidth < 1e-9:
         raise ValueError(
             f"bandwidth must be at least 1e-9 rad a sigma, below which angles are rounding, "
@@ -182,7 +184,9 @@ def pieces_of(segments: Array, sigma: float) -> tuple[Array, Indices]:
     return np.stack([begin + nth[:, None] * step, begin + (nth + 1)[:, None] * step], 1), owner
 
 
-def _lines(pieces: Array, cluster: Indices, theta: Array, sigma: float) -> tuple[Array, Indices]:
+def _shifted_lines(
+    pieces: Array, cluster: Indices, theta: Array, sigma: float
+) -> tuple[Array, Indices]:
     """Phase 2 (A 4.3.4, 4.3.5): outputs `(m, 2, 2)`, metres, and that of each piece, `(p,)`.
 
     In units of the kernel's deviations, sqrt(2) sx along and sqrt(2) sy across, phase 2 is phase 1

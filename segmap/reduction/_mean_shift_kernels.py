@@ -20,19 +20,25 @@ from ..threads import team
 from ._runner import Indices
 
 #: Climbing counts in so many deviations: halves and quarters of sums need no products then.
-UNIT = 32
+DEVIATIONS_PER_UNIT = 32
 #: Points farther away than three deviations, where the weight is 0.011, do not pull.
-REACH = 3 * (1 + 1e-9) / UNIT
-#: Centres move in a box that begins so far around them; points are looked for so far around it.
-SLACK, NEAR = 0.1 / UNIT, REACH + 0.02 / UNIT
-#: How many centres climb together, and how far apart they may start.
-LANES, SPREAD = 16, 12 / UNIT
-#: Steps until such runs of centres are made anew; and how many runs a thread takes at a time.
-FIRST, SHARE = 8, 64
+PULL_REACH = 3 * (1 + 1e-9) / DEVIATIONS_PER_UNIT
+#: Centres move in a box that begins so far around them.
+BOX_SLACK = 0.1 / DEVIATIONS_PER_UNIT
+#: Points are looked for so far around the box.
+BOX_REACH = PULL_REACH + 0.02 / DEVIATIONS_PER_UNIT
+#: So many centres climb together.
+CENTRES_PER_RUN = 16
+#: They start at most so far apart.
+RUN_EXTENT = 12 / DEVIATIONS_PER_UNIT
+#: Steps until such runs of centres are made anew.
+STEPS_PER_RUN = 8
+#: So many runs a thread takes at a time.
+RUNS_PER_THREAD = 64
 #: Beyond this share of a quarter turn a point counts as perpendicular: it turns neither way.
-PERPENDICULAR = 1 - 1e-9
+PERPENDICULAR_TURN_SHARE = 1 - 1e-9
 #: Intervals at most this far apart, in metres, are joined.
-SAME = 1e-9
+JOINED_INTERVAL_M = 1e-9
 
 
 class Strips(NamedTuple):
@@ -71,9 +77,9 @@ def _in_strips(points: Array, height: float, group: Indices) -> Strips:
 
 def _side_by_side(at: Strips) -> Indices:
     """Where each run begins, of neighbours in a strip and in a part of it, and where all end."""
-    cuts = np.union1d(np.flatnonzero(np.diff(np.floor(at.x / SPREAD))) + 1, at.first)
+    cuts = np.union1d(np.flatnonzero(np.diff(np.floor(at.x / RUN_EXTENT))) + 1, at.first)
     nth = np.arange(len(at.x)) - np.repeat(cuts[:-1], np.diff(cuts))
-    return np.append(np.flatnonzero(nth % LANES == 0), len(nth))
+    return np.append(np.flatnonzero(nth % CENTRES_PER_RUN == 0), len(nth))
 
 
 def climb(
@@ -89,20 +95,28 @@ def climb(
     cannot rest, and the others follow to its step, where one may move again. One that a step leaves
     where it was stays there.
     """
-    n, found, period, rest = len(points), points / UNIT, period / UNIT, (stop / UNIT) ** 2
-    strips, steps = _in_strips(found, REACH, group), np.zeros(group.max() + 1, np.int64)
+    n, found, period, rest = (
+        len(points),
+        points / DEVIATIONS_PER_UNIT,
+        period / DEVIATIONS_PER_UNIT,
+        (stop / DEVIATIONS_PER_UNIT) ** 2,
+    )
+    strips, steps = _in_strips(found, PULL_REACH, group), np.zeros(group.max() + 1, np.int64)
     moving = np.arange(n if most > 0 else 0)
     with team() as each:
 
         def advance(runs: Runs, bound: float) -> None:
-            words, parts = f"moving {len(moving)} of {n} pieces", range(0, len(runs.todo), SHARE)
+            words, parts = (
+                f"moving {len(moving)} of {n} pieces",
+                range(0, len(runs.todo), RUNS_PER_THREAD),
+            )
             each(lambda k: _move(strips, runs, k, bound, period), parts, words)
 
         while len(moving):
-            at = _in_strips(found[moving], REACH, group[moving]) if steps.any() else strips
+            at = _in_strips(found[moving], PULL_REACH, group[moving]) if steps.any() else strips
             moving, begin = moving[at.order], _side_by_side(at)
             of, sizes = group[moving[begin[:-1]]], np.diff(begin)
-            may = np.ceil(np.minimum(2 * steps + FIRST, most - steps)).astype(np.int64)
+            may = np.ceil(np.minimum(2 * steps + STEPS_PER_RUN, most - steps)).astype(np.int64)
             todo, moves, centres = may[of], np.empty(len(of)), np.stack(at[:3])
             runs = Runs(begin, of, todo, moves, centres)
             advance(runs, rest)
@@ -115,7 +129,7 @@ def climb(
             restless = np.bincount(of, moves > rest, len(steps)) > 0
             live = (restless & (steps < most))[of] & (moves > 0)
             moving = moving[np.repeat(live, sizes)]
-    return found * UNIT, int(steps.max())
+    return found * DEVIATIONS_PER_UNIT, int(steps.max())
 
 
 def link(points: Array, group: Indices, period: float, reach: float) -> Indices:
@@ -139,7 +153,7 @@ def _bisect(x: Array | Indices, i: int, j: int, least: float) -> int:
 
 @compiled
 def _pull(near: Array, count: int, block: Array, period: float, wide: bool) -> None:
-    """Add the pull of points on the centres of a `(7, LANES)` block.
+    """Add the pull of points on the centres of a `(7, CENTRES_PER_RUN)` block.
 
     A column of `near` is a point and a turn to add to differences of angle; they wrap where a block
     is `wide`. Its rows are the centres' coordinates, their sum of weights, and their sums of
@@ -151,7 +165,7 @@ def _pull(near: Array, count: int, block: Array, period: float, wide: bool) -> N
     mass, to_x, to_y, to_a = block[3], block[4], block[5], block[6]
     half = period / 2
     for k in range(count):
-        for i in range(LANES):
+        for i in range(CENTRES_PER_RUN):
             dx, dy, da = px[k] - x[i], py[k] - y[i], pa[k] - a[i] + turn[k]
             if wide:
                 da = da - period if da >= half else da
@@ -163,28 +177,30 @@ def _pull(near: Array, count: int, block: Array, period: float, wide: bool) -> N
             w = 1 - (w + w)
             for _ in range(8):
                 w = w * w
-            w = w if u <= REACH * REACH else 0.0
+            w = w if u <= PULL_REACH * PULL_REACH else 0.0
             mass[i] += w
             to_x[i] += w * dx
             to_y[i] += w * dy
-            to_a[i] += w * da if not wide or abs(da) < half * PERPENDICULAR else 0.0
+            to_a[i] += w * da if not wide or abs(da) < half * PERPENDICULAR_TURN_SHARE else 0.0
 
 
 @compiled
-def _gather(strips: Strips, g: int, box: Array, near: Array, period: float) -> tuple[int, bool]:
+def _gather_points(
+    strips: Strips, g: int, box: Array, near: Array, period: float
+) -> tuple[int, bool]:
     """Write the points of a group that may pull a centre in a box, (3, 2): how many, for `_pull`.
 
     They are turned to the box's side, unless it is too wide to have one: the second answer.
     """
-    left, right = box[0, 0] - NEAR, box[0, 1] + NEAR
-    bottom, top = box[1, 0] - NEAR, box[1, 1] + NEAR
-    middle, reach = (box[2, 0] + box[2, 1]) / 2, (box[2, 1] - box[2, 0]) / 2 + NEAR
+    left, right = box[0, 0] - BOX_REACH, box[0, 1] + BOX_REACH
+    bottom, top = box[1, 0] - BOX_REACH, box[1, 1] + BOX_REACH
+    middle, reach = (box[2, 0] + box[2, 1]) / 2, (box[2, 1] - box[2, 0]) / 2 + BOX_REACH
     wide, half = reach >= period / 2, period / 2
     if wide:
         reach = half = np.inf
     count, end = 0, strips.begins[g + 1]
-    r = _bisect(strips.rows, strips.begins[g], end, np.floor(bottom / REACH))
-    while r < end and strips.rows[r] <= np.floor(top / REACH):
+    r = _bisect(strips.rows, strips.begins[g], end, np.floor(bottom / PULL_REACH))
+    while r < end and strips.rows[r] <= np.floor(top / PULL_REACH):
         i = _bisect(strips.x, strips.first[r], strips.first[r + 1], left)
         for k in range(i, _bisect(strips.x, i, strips.first[r + 1], right)):
             x, y, a = strips.x[k], strips.y[k], strips.a[k]
@@ -198,22 +214,22 @@ def _gather(strips: Strips, g: int, box: Array, near: Array, period: float) -> t
 @compiled
 def _move(strips: Strips, runs: Runs, start: int, bound: float, period: float) -> None:
     """Let a part of the runs take their steps, each until its largest move is within the bound."""
-    centres, block, box = runs.centres, np.zeros((7, LANES)), np.zeros((3, 2))
+    centres, block, box = runs.centres, np.zeros((7, CENTRES_PER_RUN)), np.zeros((3, 2))
     near = np.empty((4, len(strips.x)))
-    for run in range(start, min(start + SHARE, len(runs.todo))):
+    for run in range(start, min(start + RUNS_PER_THREAD, len(runs.todo))):
         begin, end, count, wide, largest = runs.begin[run], runs.begin[run + 1], -1, False, np.inf
         while runs.todo[run] > 0 and largest > bound:
             within = count >= 0
             for c in range(3):
-                for i in range(LANES):
+                for i in range(CENTRES_PER_RUN):
                     at = centres[c, min(begin + i, end - 1)]  # the last one fills up
                     block[c, i], block[c + 3, i], block[6, i] = at, 0.0, 0.0
                     within &= (at >= box[c, 0]) & (at <= box[c, 1])
             if not within:
                 for c in range(3):
-                    box[c, 0] = centres[c, begin:end].min() - SLACK
-                    box[c, 1] = centres[c, begin:end].max() + SLACK
-                count, wide = _gather(strips, runs.group[run], box, near, period)
+                    box[c, 0] = centres[c, begin:end].min() - BOX_SLACK
+                    box[c, 1] = centres[c, begin:end].max() + BOX_SLACK
+                count, wide = _gather_points(strips, runs.group[run], box, near, period)
             _pull(near, count, block, period, wide)
             largest = 0.0
             for i in range(end - begin):
@@ -262,7 +278,7 @@ def join(
     """
     count, last = 0, -1
     for i in order:
-        if chain[i] != last or low[i] > spans[count - 1, 1] + SAME:
+        if chain[i] != last or low[i] > spans[count - 1, 1] + JOINED_INTERVAL_M:
             last, spans[count, 0], spans[count, 1] = chain[i], low[i], high[i]
             count += 1
         spans[count - 1, 1] = max(spans[count - 1, 1], high[i])

@@ -11,7 +11,7 @@ from ..segments import SegmentMap, length, take_points
 from ._runner import Indices, Rows
 
 #: More points than this, 16 bytes each, are a mistake in the spacing.
-MOST_POINTS = 20_000_000
+MOST_SPACED_POINTS = 20_000_000
 
 
 class Behind(NamedTuple):
@@ -40,24 +40,26 @@ def points_behind(map: Segments, rows: Rows, spacing: float | None) -> Behind:
     A map without points gets one each `spacing` metres along its segments, at least two a segment;
     without a spacing it gets none.
     """
-    sensors, points, first = np.full((len(rows.row), 2), np.nan), None, None
+    sensors, points, first = np.full((len(rows.source_row), 2), np.nan), None, None
     if isinstance(map, SegmentMap):
         points, first = map.points, map.first
         if map.sensors is not None:
-            sensors = map.sensors[map.scan[rows.row]]
+            sensors = map.sensors[map.scan[rows.source_row]]
     if points is not None and first is not None:
-        return Behind(*take_points(points, first, rows.row), sensors, True)
+        return Behind(*take_points(points, first, rows.source_row), sensors, True)
     if spacing is None:
-        return Behind(np.empty((0, 2)), np.zeros(len(rows.row) + 1, np.int64), sensors, False)
+        return Behind(
+            np.empty((0, 2)), np.zeros(len(rows.source_row) + 1, np.int64), sensors, False
+        )
     return Behind(*stand_ins(rows.segments, spacing), sensors, False)
 
 
 def stand_ins(segments: Array, spacing: float) -> tuple[Array, Indices]:
     """Points `(p, 2)` evenly along segments `(k, 2, 2)`, metres; where those of each begin."""
     share = np.floor(length(segments) / spacing + 1e-9)
-    if share.sum() > MOST_POINTS:
+    if share.sum() > MOST_SPACED_POINTS:
         raise ValueError(
-            f"spacing must make at most {MOST_POINTS} points of this map, "
+            f"spacing must make at most {MOST_SPACED_POINTS} points of this map, "
             f"got {spacing} m, which makes {share.sum():.3g}: is it in metres?"
         )
     count = np.maximum(share.astype(np.int64) + 1, 2)

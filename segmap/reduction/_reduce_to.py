@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Annotated
 
 from .. import arrays, metrics
-from ..arrays import Positive, Segments, below, checked
+from ..arrays import Positive, Segments, checked, upper_bound_excluded
 from ..methods import bracket, halved
 from ._methods import METHODS
 from ._runner import Reduction
@@ -23,7 +23,10 @@ CUTS = 8
 
 @checked
 def reduce_to(
-    map: Segments, *, quality: Annotated[Positive, below(1)] = 0.85, method: str = "least_cost"
+    map: Segments,
+    *,
+    quality: Annotated[Positive, upper_bound_excluded(1)] = 0.85,
+    method: str = "least_cost",
 ) -> Reduction:
     """The smallest map of a method that keeps a quality, among those that a bisection meets.
 

@@ -111,7 +111,7 @@ class Rows(NamedTuple):
     """The segments of a map that a method works on: those that have a length."""
 
     segments: Array  #: (k, 2, 2), in the order of the map; on-line scan after scan, and so in each
-    row: Indices  #: (k,) row of the map that each of them is
+    source_row: Indices  #: (k,) row of the map that each of them is
     cuts: Indices  #: (s + 1,) scan j has the rows `cuts[j]` to `cuts[j + 1]`; off-line one run
 
     def scans(self) -> Iterator[tuple[int, int]]:
@@ -119,7 +119,7 @@ class Rows(NamedTuple):
         return pairwise(self.cuts.tolist())
 
 
-def run(
+def run_offline(
     name: str, map: Segments, method: Callable[[Rows], Found], *, splits: bool = False
 ) -> Reduction:
     """Call an off-line method: `method(rows) -> (outputs, the output that each row went into)`.
@@ -135,13 +135,13 @@ def run(
     Examples
     --------
     >>> wall = [[(0, 0), (1, 0)], [(2, 2), (2, 2)]]
-    >>> run("first", wall, lambda rows: (rows.segments, np.array([0]))).parents
+    >>> run_offline("first", wall, lambda rows: (rows.segments, np.array([0]))).parents
     array([ 0, -1])
     """
     start = work_time()
     rows, count = rows_of(map)
     found = method(rows)
-    parents = _check(name, count, rows, found, splits)
+    parents = _checked_parents(name, count, rows, found, splits)
     return Reduction(found[0], parents, work_time() - start, name)
 
 
@@ -150,7 +150,8 @@ def run_online(
 ) -> Reduction:
     """Call an on-line method, a generator that takes one scan of the rows at each step.
 
-    It yields how many segments its map holds, scan after scan, and returns what `run` asks for.
+    It yields how many segments its map holds, scan after scan, and returns what `run_offline` asks
+    for.
 
     Examples
     --------
@@ -174,7 +175,7 @@ def run_online(
             found: Found = last.value
             break
         ended.append(work_time())
-    parents = _check(name, count, rows, found, splits)
+    parents = _checked_parents(name, count, rows, found, splits)
     if len(live) != len(rows.cuts) - 1 or (live and live[-1] != len(found[0])):
         raise RuntimeError(
             f"{name}: {live[-1:]} segments after {len(live)} scans is not its result"
@@ -198,12 +199,12 @@ def rows_of(map: Segments, *, by_scan: bool = False) -> tuple[Rows, int]:
     return Rows(np.ascontiguousarray(segments[index]), index, cuts), len(segments)
 
 
-def survivors(into: Indices) -> tuple[NDArray[np.bool_], Indices]:
+def resolve_merges(into: Indices) -> tuple[NDArray[np.bool_], Indices]:
     """Which went into themselves, and the number among these of the one that each ended in.
 
     Examples
     --------
-    >>> survivors(np.array([1, 3, 2, 3]))
+    >>> resolve_merges(np.array([1, 3, 2, 3]))
     (array([False, False,  True,  True]), array([1, 1, 0, 1]))
     """
     alive = into == np.arange(len(into))
@@ -212,12 +213,12 @@ def survivors(into: Indices) -> tuple[NDArray[np.bool_], Indices]:
     return alive, (np.cumsum(alive) - 1)[into]
 
 
-def by_lowest(into: Indices, row: Indices, count: int) -> tuple[Indices, Indices]:
+def ordered_by_first_input(into: Indices, row: Indices, count: int) -> tuple[Indices, Indices]:
     """Sort outputs by their lowest input: their order `(m,)`, and the parents `(k,)` renumbered.
 
     Examples
     --------
-    >>> by_lowest(np.array([1, 0, 1]), np.array([4, 7, 9]), 2)
+    >>> ordered_by_first_input(np.array([1, 0, 1]), np.array([4, 7, 9]), 2)
     (array([1, 0]), array([0, 1, 0]))
     """
     lowest = np.full(count, np.iinfo(np.int64).max)
@@ -228,14 +229,14 @@ def by_lowest(into: Indices, row: Indices, count: int) -> tuple[Indices, Indices
     return order, place[into]
 
 
-def _check(name: str, count: int, rows: Rows, found: Found, splits: bool) -> Indices:
+def _checked_parents(name: str, count: int, rows: Rows, found: Found, splits: bool) -> Indices:
     """Parents of all `count` segments of the map, `(n,)`, once the method's result is sound."""
     out, into = found[0], np.asarray(found[1])
     wrong = ""
     if out.shape != (len(out), 2, 2) or not np.isfinite(out).all():
         wrong = "outputs are not finite segments (m, 2, 2)"
-    elif into.shape != rows.row.shape or into.dtype.kind != "i":
-        wrong = f"parents are not {len(rows.row)} whole numbers"
+    elif into.shape != rows.source_row.shape or into.dtype.kind != "i":
+        wrong = f"parents are not {len(rows.source_row)} whole numbers"
     elif len(into) and not (into.min() >= -1 and into.max() < len(out)):
         wrong = f"parents are not within -1 to {len(out) - 1}"
     elif not splits and len(out) != len(np.unique(into[into >= 0])):
@@ -243,5 +244,5 @@ def _check(name: str, count: int, rows: Rows, found: Found, splits: bool) -> Ind
     if wrong:
         raise RuntimeError(f"{name}: {wrong}; this is a mistake in the method")
     parents = np.full(count, -1, np.int64)
-    parents[rows.row] = into
+    parents[rows.source_row] = into
     return parents

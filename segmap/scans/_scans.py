@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from .._display import Pictured
-from ..arrays import Array, slips
+from ..arrays import Array, unit_checks
 from ..poses import transform
 from .causes import Finding, doubt_of
 
@@ -78,22 +78,30 @@ class LaserScan(Pictured):
         delays: ArrayLike | None = None,
     ) -> None:
         keep = object.__setattr__
-        keep(self, "ranges", _row(arrays.ranges(ranges), "ranges"))
-        keep(self, "angles", _row(angles, "angles", len(self.ranges)))
+        keep(self, "ranges", _frozen_row(arrays.ranges(ranges), "ranges"))
+        keep(self, "angles", _frozen_row(angles, "angles", len(self.ranges)))
         if not np.isfinite(self.angles).all():
             raise ValueError("angles must be finite, in radians")
-        slips.check_angles(self.angles, "angles")
-        keep(self, "time", _scalar(time, "time"))
+        unit_checks.check_angles(self.angles, "angles")
+        keep(self, "time", _checked_number(time, "time"))
         pose = None if odometry is None else arrays.pose(odometry, "odometry", missing=True)
         keep(self, "odometry", None if pose is None else _frozen(pose))
-        keep(self, "max_range", _scalar(max_range, "max_range"))
+        keep(self, "max_range", _checked_number(max_range, "max_range"))
         if np.isnan(self.max_range):
             raise ValueError("max_range must be a number, in metres, got nan")
-        slips.check_ranges(self.ranges, self.max_range)
+        unit_checks.check_ranges(self.ranges, self.max_range)
         keep(self, "sensor_pose", _frozen(arrays.pose(sensor_pose, "sensor_pose")))
-        slips.check_angles(self.sensor_pose[2], "sensor_pose[2]")
-        keep(self, "codes", None if codes is None else _row(codes, "codes", len(self.ranges), int))
-        keep(self, "delays", None if delays is None else _row(delays, "delays", len(self.ranges)))
+        unit_checks.check_angles(self.sensor_pose[2], "sensor_pose[2]")
+        keep(
+            self,
+            "codes",
+            None if codes is None else _frozen_row(codes, "codes", len(self.ranges), int),
+        )
+        keep(
+            self,
+            "delays",
+            None if delays is None else _frozen_row(delays, "delays", len(self.ranges)),
+        )
         if self.delays is not None and not ((self.delays >= 0) & np.isfinite(self.delays)).all():
             raise ValueError("delays must be finite and at least 0, in seconds after time")
 
@@ -190,13 +198,13 @@ class Log(Pictured, Sequence[LaserScan]):
         rows = None if truth is None else arrays.poses(truth, "truth", count=count, missing=True)
         keep(self, "truth", None if rows is None else _frozen(rows))
         keep(self, "skipped", skipped)
-        keep(self, "track", None if track is None else _frozen(_track(track)))
+        keep(self, "track", None if track is None else _frozen(_sorted_track(track)))
         keep(self, "order_known", arrays.switch(order_known, "order_known"))
         keep(self, "causes", _all(causes, "causes", Finding))
         keep(self, "assumed", tuple(dict.fromkeys(_all(assumed, "assumed", str))))
-        slips.check_headings(self.odometry, "the odometry")
+        unit_checks.check_headings(self.odometry, "the odometry")
         if self.truth is not None:
-            slips.check_headings(self.truth, "the truth")
+            unit_checks.check_headings(self.truth, "the truth")
 
     @property
     def doubt(self) -> str:
@@ -240,11 +248,15 @@ class Log(Pictured, Sequence[LaserScan]):
         count = f"{len(self)} scan" + "s" * (len(self) != 1)
         moved = sum(scan.odometry is not None for scan in self.scans)
         known = 0 if self.truth is None else int(np.isfinite(self.truth).all(1).sum())
-        parts = [count, _share(moved, len(self), "odometry"), _share(known, len(self), "truth")]
+        parts = [
+            count,
+            _share_text(moved, len(self), "odometry"),
+            _share_text(known, len(self), "truth"),
+        ]
         return f"Log({self.name!r}, {', '.join(parts)})"
 
 
-def _share(count: int, of: int, what: str) -> str:
+def _share_text(count: int, of: int, what: str) -> str:
     if count == 0:
         return f"no {what}"
     return what if count == of else f"{what} for {count}"
@@ -262,7 +274,7 @@ def _all(values: Iterable[T], name: str, kind: type[T]) -> tuple[T, ...]:
     return found
 
 
-def _row(values: ArrayLike, name: str, count: int | None = None, dtype: type = float) -> Any:
+def _frozen_row(values: ArrayLike, name: str, count: int | None = None, dtype: type = float) -> Any:
     """One number a beam, `(n,)`, that nobody can change any more."""
     array = arrays.indices(values, name) if dtype is int else arrays.numbers(values, name)
     if array.ndim != 1 or count not in (None, len(array)):
@@ -271,7 +283,7 @@ def _row(values: ArrayLike, name: str, count: int | None = None, dtype: type = f
     return _frozen(array, dtype)
 
 
-def _track(values: ArrayLike) -> Array:
+def _sorted_track(values: ArrayLike) -> Array:
     """Times and poses, `(m, 4)`, in ascending order of times."""
     rows = arrays.trailing(values, "track", 4)
     if rows.ndim != 2 or not np.isfinite(rows).all() or (np.diff(rows[:, 0]) < 0).any():
@@ -279,7 +291,7 @@ def _track(values: ArrayLike) -> Array:
     return rows
 
 
-def _scalar(value: object, name: str) -> float:
+def _checked_number(value: object, name: str) -> float:
     array = arrays.numbers(value, name, "a number")
     if array.shape != ():
         raise ValueError(f"{name} must be a number, got shape {array.shape}")

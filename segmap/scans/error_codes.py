@@ -40,8 +40,12 @@ CODES: tuple[Meaning, ...] = (
     Meaning("a strong reflector", np.nan),
     Meaning("a step that is not measured", np.nan),
 )
-#: The codes that an emulated sensor gives and a recorder fills in.
-NOTHING_MET, NEIGHBOURS_BAD, NOT_MEASURED = 0, 7, 19
+#: The code that an emulated sensor gives, and a recorder fills in, where nothing was met.
+NOTHING_MET_CODE = 0
+#: The code where neighbouring beams contradict each other.
+NEIGHBOURS_BAD_CODE = 7
+#: The code where nothing was measured.
+NOT_MEASURED_CODE = 19
 
 _RANGES = np.array([code.range for code in CODES])
 
@@ -74,9 +78,11 @@ def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
 
 
 # ------------------------------------------------------------------------- of longer reach
-#: Codes of the UTM-30LX (SCIP 2.0, Hokuyo C-42-03320B, table 4): nothing met, and too near; 3 to 5
-#: are other errors.
-NOTHING, TOO_NEAR = 1, 2
+#: Code of the UTM-30LX (SCIP 2.0, Hokuyo C-42-03320B, table 4) where nothing was met; 3 to 5 are
+#: other errors.
+UTM_NOTHING_MET_CODE = 1
+#: Its code for what is too near.
+UTM_TOO_NEAR_CODE = 2
 #: What its successors UST-10LX and UTM-30LX-EW are reported to send where nothing is met; values
 #: above are errors.
 NOTHING_FAR = 65533
@@ -109,7 +115,7 @@ def as_far_ranges(
     """
     given = np.rint(arrays.numbers(millimetres, "millimetres")).astype(np.int64)
     is_range = (given >= least) & (given <= most)
-    nothing = (given == NOTHING) | ((given > most) & (given <= NOTHING_FAR))
+    nothing = (given == UTM_NOTHING_MET_CODE) | ((given > most) & (given <= NOTHING_FAR))
     ranges = np.where(is_range, given / 1000, np.where(nothing, np.inf, np.nan))
     return ranges, np.where(is_range, 0, given)
 

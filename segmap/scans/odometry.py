@@ -19,31 +19,41 @@ from . import LaserScan
 from .causes import Cause, Finding
 
 #: Matched turns that are compared are larger than this; straight steps turn by less.
-TURN_RAD = np.radians(4)
+COMPARED_TURN_RAD = np.radians(4)
 #: Straight steps that are compared are longer than this.
-STRAIGHT_M = 0.1
+COMPARED_STRAIGHT_M = 0.1
 #: Below so many turns, or straight steps, nothing is said.
-ENOUGH = 12
+LEAST_COMPARED_STEPS = 12
 #: Turns that fit worse than this count for less (Cauchy).
 TURN_ERROR_RAD = np.radians(10)
-#: A match that says less than this stands: the noise of a match.
-STANDS_M, STANDS_RAD = 0.03, np.radians(0.6)
+#: A match that moves by less, metres, ...
+STEP_STANDS_M = 0.03
+#: ... and radians, stands: the noise of a match.
+STEP_STANDS_RAD = np.radians(0.6)
 #: Rounds of a robust fit: it rests after five to ten.
-ROUNDS = 15
+ROBUST_FIT_ROUNDS = 15
 #: Where this share of all turns goes one way, a drift of the heading looks like a place aside.
 ONE_WAY = 0.6
 #: What one step counts at most for a delay: radians, or half of the metres.
 MOST_OFF = 0.5
-#: Poses are compared after so much way, or after so much turn.
-LONG_STEP_M, LONG_STEP_RAD = 0.3, np.radians(10)
-#: Shares of the way that say nothing against wheels, and factors of turns that may be noise.
-RIGHT_WAY, RIGHT_TURN = (0.93, 1.07), (0.7, 1.4)
+#: Poses are compared after so much way, metres, ...
+LONG_STEP_M = 0.3
+#: ... or after so much turn, radians.
+LONG_STEP_RAD = np.radians(10)
+#: Shares of the way that say nothing against wheels.
+RIGHT_WAY_RATIOS = (0.93, 1.07)
+#: Factors of turns that may be noise.
+RIGHT_TURN_RATIOS = (0.7, 1.4)
 #: Below this agreement straight steps contradict each other.
-CONTRADICTS = 0.6
+CONTRADICTING_COSINE = 0.6
 #: A step so many times as long as nearly all others is one that no robot drives.
-JUMP, NEARLY_ALL = 4.0, 0.95
-#: Rows that move by less than this repeat each other.
-REPEATS_M, REPEATS_RAD = 1e-4, 1e-5
+JUMP_STEPS = 4.0
+#: Nearly all steps: this share of them.
+USUAL_STEPS_SHARE = 0.95
+#: Rows that move by less than this, metres, ...
+REPEATS_M = 1e-4
+#: ... and radians, repeat each other.
+REPEATS_RAD = 1e-5
 #: Residuals of the lever arm that a match has at least.
 LEAST_ERROR_M = 0.003
 
@@ -96,10 +106,12 @@ class OdometryComparison:
     def straight(self) -> NDArray[np.bool_]:
         """Steps, `(m,)`, that go straight by the match."""
         x, y, turn = self.steps.motion.T
-        return np.asarray((np.hypot(x, y) > STRAIGHT_M) & (np.abs(turn) < TURN_RAD))
+        return np.asarray(
+            (np.hypot(x, y) > COMPARED_STRAIGHT_M) & (np.abs(turn) < COMPARED_TURN_RAD)
+        )
 
 
-def compared(odometry: Array, steps: Steps) -> OdometryComparison:
+def odometry_against_steps(odometry: Array, steps: Steps) -> OdometryComparison:
     """Odometry `(k, 3)`, metres and radians, against matched steps."""
     wheels = between(odometry[steps.first], odometry[steps.second])
     known = np.isfinite(wheels).all(1)
@@ -107,18 +119,18 @@ def compared(odometry: Array, steps: Steps) -> OdometryComparison:
     wheels = wheels[known]
     way, moved = (m[:, 0] + 1j * m[:, 1] for m in (wheels, steps.motion))
     turned = np.abs(steps.motion[:, 2])
-    straight = (np.abs(moved) > STRAIGHT_M) & (turned < TURN_RAD)
+    straight = (np.abs(moved) > COMPARED_STRAIGHT_M) & (turned < COMPARED_TURN_RAD)
     ratio = moved[straight] / np.where(way == 0, 1e-12, way)[straight]
-    mean = np.mean(ratio / np.abs(ratio)) if len(ratio) >= ENOUGH else complex(np.nan)
-    drives = np.abs(way) > STRAIGHT_M
-    stands = drives & (np.abs(moved) < STANDS_M) & (turned < STANDS_RAD)
+    mean = np.mean(ratio / np.abs(ratio)) if len(ratio) >= LEAST_COMPARED_STEPS else complex(np.nan)
+    drives = np.abs(way) > COMPARED_STRAIGHT_M
+    stands = drives & (np.abs(moved) < STEP_STANDS_M) & (turned < STEP_STANDS_RAD)
     return OdometryComparison(
         _slope(wheels[:, 2], steps.motion[:, 2]),
-        float(np.median(np.abs(ratio))) if len(ratio) >= ENOUGH else float("nan"),
+        float(np.median(np.abs(ratio))) if len(ratio) >= LEAST_COMPARED_STEPS else float("nan"),
         float(np.angle(mean)),
         float(np.abs(mean)),
         _lever(way, moved, wheels[:, 2]),
-        float(stands.sum() / max(drives.sum(), ENOUGH)),
+        float(stands.sum() / max(drives.sum(), LEAST_COMPARED_STEPS)),
         steps,
         wheels,
     )
@@ -126,11 +138,13 @@ def compared(odometry: Array, steps: Steps) -> OdometryComparison:
 
 def _slope(given: Array, matched: Array) -> float:
     """Of the axis through turns `(given, matched)`, radians: both err, so none is the base."""
-    turns = np.stack([given, matched])[:, np.maximum(np.abs(given), np.abs(matched)) > TURN_RAD]
-    if turns.shape[1] < ENOUGH:
+    turns = np.stack([given, matched])[
+        :, np.maximum(np.abs(given), np.abs(matched)) > COMPARED_TURN_RAD
+    ]
+    if turns.shape[1] < LEAST_COMPARED_STEPS:
         return float("nan")
     size = weight = np.hypot(*turns)
-    for _ in range(ROUNDS):
+    for _ in range(ROBUST_FIT_ROUNDS):
         axis = np.linalg.eigh((weight * turns) @ turns.T)[1][:, 1]
         off = axis[0] * turns[1] - axis[1] * turns[0]
         weight = size / (1 + (off / TURN_ERROR_RAD) ** 2)
@@ -148,14 +162,14 @@ def _lever(way: NDArray[np.complex128], moved: NDArray[np.complex128], turn: Arr
         """x by weighted least squares."""
         columns, target = np.stack([way, np.exp(1j * turn) - 1], -1)[part], moved[part]
         weight = np.ones(len(target))
-        for _ in range(ROUNDS):
+        for _ in range(ROBUST_FIT_ROUNDS):
             found = np.linalg.lstsq(columns * weight[:, None], target * weight, rcond=None)[0]
             off = np.abs(columns @ found - target)
             sigma = max(1.4826 * float(np.median(off)), LEAST_ERROR_M)
             weight = np.sqrt(1 / (1 + (off / (2 * sigma)) ** 2))
         return complex(found[1] / found[0]) if found[0] else complex(np.nan)
 
-    if (np.abs(turn) > TURN_RAD).sum() < 2 * ENOUGH:
+    if (np.abs(turn) > COMPARED_TURN_RAD).sum() < 2 * LEAST_COMPARED_STEPS:
         return np.full(2, np.nan)
     whole, one, other = (
         fitted(part) for part in (slice(None), slice(0, None, 2), slice(1, None, 2))
@@ -174,7 +188,7 @@ def delay_of(odometry: Array, steps: Steps, most: int = 150) -> tuple[float, flo
     scans around which the shifted odometry is known count, half of the steps at least.
     """
     turned, moved = np.abs(steps.motion[:, 2]), np.hypot(*steps.motion[:, :2].T)
-    if (turned > TURN_RAD).sum() < ENOUGH or not np.isfinite(odometry).all():
+    if (turned > COMPARED_TURN_RAD).sum() < LEAST_COMPARED_STEPS or not np.isfinite(odometry).all():
         return 0.0, 1.0
     most = min(most, len(odometry) // 3)
     shifts = np.unique(np.r_[np.arange(-10, 10.5, 0.5), np.arange(-most, most + 1)])
@@ -187,7 +201,7 @@ def delay_of(odometry: Array, steps: Steps, most: int = 150) -> tuple[float, flo
         return 0.0, 1.0
     off = np.minimum(np.abs(turns - turned) + 0.5 * np.abs(ways / unit - moved), MOST_OFF)
     off = np.where(known, off, 0.0).sum(1)
-    enough = known.sum(1) >= max(known.shape[1] / 2, ENOUGH)
+    enough = known.sum(1) >= max(known.shape[1] / 2, LEAST_COMPARED_STEPS)
     costs = np.where(enough, off / np.maximum(known.sum(1), 1), np.inf)
     best, now = int(np.argmin(costs)), float(costs[shifts == 0][0])
     return float(shifts[best]), float(costs[best] / now) if now > 0 else 1.0
@@ -214,11 +228,11 @@ def odometry_jumps(rows: Array, times: Array) -> NDArray[np.int64]:
     """
     way, _ = steps_of(rows)
     moved = way[np.isfinite(way) & (way > REPEATS_M)]
-    if len(moved) < 2 * ENOUGH:
+    if len(moved) < 2 * LEAST_COMPARED_STEPS:
         return np.zeros(0, np.int64)
     took = np.diff(times)
     usual = np.median(took[took > 0]) if (took > 0).any() else np.inf
-    allowed = JUMP * np.quantile(moved, NEARLY_ALL) * np.fmax(took / usual, 1.0)
+    allowed = JUMP_STEPS * np.quantile(moved, USUAL_STEPS_SHARE) * np.fmax(took / usual, 1.0)
     far = np.r_[False, way > allowed, False]
     alone = far[1:-1] & ~(far[:-2] & far[2:])  # not between two others
     found: list[int] = []
@@ -240,26 +254,26 @@ def contradictions(
     if not np.isfinite(rows).all(-1).any():
         return []
     jumps = odometry_jumps(rows, np.array([scan.time for scan in scans]))
-    found = compared(rows, _steps_between(poses, used))
+    found = odometry_against_steps(rows, _steps_between(poses, used))
     remedy = "begin with alignment.prepared(log)"
     first = f"the odometry jumps {counted(len(jumps), 'time')}, first at scan"
     told = {each.cause for each in getattr(scans, "causes", ())}
     says = [
         (len(jumps) > 0, Cause.JUMP, len(jumps), f"{first} {jumps[:1].sum()}"),
         (
-            found.turn < -RIGHT_TURN[0],
+            found.turn < -RIGHT_TURN_RATIOS[0],
             Cause.MIRRORED,
             found.turn,
             "the map turns the other way than the odometry: the laser or the wheels are mirrored",
         ),
         (
-            found.agreement < CONTRADICTS,
+            found.agreement < CONTRADICTING_COSINE,
             Cause.NO_ODOMETRY,
             found.agreement,
             "the odometry moves otherwise than the map",
         ),
         (
-            not RIGHT_WAY[0] <= np.nan_to_num(found.way, nan=1.0) <= RIGHT_WAY[1],
+            not RIGHT_WAY_RATIOS[0] <= np.nan_to_num(found.way, nan=1.0) <= RIGHT_WAY_RATIOS[1],
             Cause.SCALE,
             found.way,
             f"the map moves by {found.way:.3f} of what the odometry says",

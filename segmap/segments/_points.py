@@ -44,7 +44,7 @@ def behind(
     return p, starts
 
 
-def places_of(sensors: ArrayLike, scan: NDArray[np.int64]) -> Array:
+def checked_places(sensors: ArrayLike, scan: NDArray[np.int64]) -> Array:
     """A copy of the places of the sensor, metres, of which each scan with segments has one."""
     places = np.array(arrays.table(sensors, "sensors", 2, missing=True))
     low, high = (scan.min(), scan.max()) if len(scan) else (0, -1)

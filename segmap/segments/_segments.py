@@ -17,7 +17,7 @@ from .._display import Pictured
 from ..angles import axial_mean
 from ..arrays import Array, Segments
 from ..files import read_npz, shown, write_npz
-from ._points import behind, clipped, places_of, take_points
+from ._points import behind, checked_places, clipped, take_points
 
 __all__ = [
     "MIN_LENGTH", "SegmentMap", "angle", "extreme_projections", "length", "main_direction",
@@ -38,7 +38,7 @@ def length(segments: ArrayLike) -> Array:
     >>> length([[(0, 0), (3, 4)]])
     array([5.])
     """
-    d = _span(segments)
+    d = _vector(segments)
     return np.hypot(d[..., 0], d[..., 1])
 
 
@@ -50,7 +50,7 @@ def angle(segments: ArrayLike) -> Array:
     >>> np.degrees(angle([[(0, 0), (1, 1)], [(0, 0), (1, -1)], [(1, 0), (0, 0)]]))
     array([ 45., 135.,   0.])
     """
-    d = _span(segments)
+    d = _vector(segments)
     found = np.arctan2(d[..., 1], d[..., 0]) % np.pi
     return np.where(found == np.pi, 0.0, found)  # -1e-20 % pi rounds up to pi
 
@@ -170,7 +170,7 @@ SegmentMap(1 segment of 1 scan))
             raise ValueError(
                 f"scan must have shape ({len(array)},), one index a segment, got {index.shape}"
             )
-        places = None if sensors is None else places_of(sensors, index)
+        places = None if sensors is None else checked_places(sensors, index)
         values = (array, index, *behind(points, first, len(array)), places)
         for field, value in zip(fields(self), values, strict=True):
             if value is not None:
@@ -260,6 +260,6 @@ SegmentMap(1 segment of 1 scan))
         return f"SegmentMap({n} segment{'s' * (n != 1)} of {k} scan{'s' * (k != 1)}{behind})"
 
 
-def _span(segments: ArrayLike) -> Array:
+def _vector(segments: ArrayLike) -> Array:
     s = arrays.trailing(segments, "segments", 2, 2)
     return s[..., 1, :] - s[..., 0, :]

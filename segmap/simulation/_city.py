@@ -13,8 +13,10 @@ from ._rooms import Length, box, polyline, rectangular_room
 
 #: One door, niche or pilaster stands in so many metres of a facade.
 PITCH = 4.0
-#: Widths of these, metres, and how deep they lie: below 0 they stand out.
-WIDTHS, DEPTHS = (0.7, 1.6), (-0.3, 0.6)
+#: Widths of these, metres.
+FEATURE_WIDTHS_M = (0.7, 1.6)
+#: How deep they lie, metres: below 0 they stand out.
+FEATURE_DEPTHS_M = (-0.3, 0.6)
 #: Sides of the pillars before the facades, metres.
 PILLARS = (0.2, 0.4)
 
@@ -74,22 +76,22 @@ def _facade(wall: Array, rng: np.random.Generator) -> Array:
     reach = float(np.hypot(*(wall[1] - wall[0])))
     count = int(reach // PITCH)
     cell = reach / count
-    half = rng.uniform(*WIDTHS, count) / 2
+    half = rng.uniform(*FEATURE_WIDTHS_M, count) / 2
     middle = cell * np.arange(count) + rng.uniform(half + 0.3, cell - half - 0.3)
-    depth = rng.uniform(*DEPTHS, count)
+    depth = rng.uniform(*FEATURE_DEPTHS_M, count)
     along = np.stack([middle - half, middle - half, middle + half, middle + half], -1).ravel()
     right = np.stack([0 * depth, depth, depth, 0 * depth], -1).ravel()
     line = np.stack([np.r_[0, along, reach], -np.r_[0, right, 0]], -1)
-    return transform(_beside(wall), polyline(line))
+    return transform(_pose_at_start(wall), polyline(line))
 
 
 def _pillar(wall: Array, rng: np.random.Generator) -> Array:
     """A pillar on the left of a wall, close to it."""
     reach = float(np.hypot(*(wall[1] - wall[0])))
     place = (rng.uniform(1.0, reach - 1.0), 0.35, rng.uniform(0, np.pi / 2))
-    return transform(_beside(wall), box(rng.uniform(*PILLARS), rng.uniform(*PILLARS), place))
+    return transform(_pose_at_start(wall), box(rng.uniform(*PILLARS), rng.uniform(*PILLARS), place))
 
 
-def _beside(wall: Array) -> Array:
+def _pose_at_start(wall: Array) -> Array:
     """The pose of a wall's start, looking along it."""
     return np.array([*wall[0], np.arctan2(*(wall[1] - wall[0])[::-1])])

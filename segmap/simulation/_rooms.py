@@ -18,8 +18,8 @@ from ..poses import transform
 #: Width of a door, metres: an ordinary inside door.
 DOOR = 0.9
 #: No side of a building is longer, metres.
-LONGEST = 1e5
-Length = Annotated[float, Quantity("metres", above=0, most=LONGEST)]
+LONGEST_SIDE_M = 1e5
+Length = Annotated[float, Quantity("metres", above=0, most=LONGEST_SIDE_M)]
 Sides = Annotated[Count, at_least(3), at_most(100_000)]
 #: Thickness of the walls between rooms, metres: a light partition.
 THICKNESS = 0.1

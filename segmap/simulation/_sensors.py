@@ -14,7 +14,7 @@ from ..arrays import Array, Count, Quantity, Seconds, Settings, Share, at_most, 
 from ..poses import between
 
 #: No scanner has more beams in one scan.
-MOST_BEAMS = 1_000_000
+MOST_SENSOR_BEAMS = 1_000_000
 #: No odometry is worse: a hundred radians a radian, a hundred metres a metre.
 MOST_NOISE = 100.0
 
@@ -55,7 +55,7 @@ class Sensor(Settings):
     """
 
     name: str
-    beams: Annotated[Count, at_most(MOST_BEAMS)]
+    beams: Annotated[Count, at_most(MOST_SENSOR_BEAMS)]
     first: Direction
     step: Direction
     max_range: Annotated[float, Quantity("metres", above=0, most=np.inf)]

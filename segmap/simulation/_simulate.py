@@ -26,7 +26,7 @@ MOST_POSES = 1_000_000
 #: Of more walls than this only those that are near a pose are tried: a beam takes 3 ns a wall.
 MANY = 200
 #: Places along all walls by which the near ones are found.
-PLACES = 1_000_000
+WALL_PLACES = 1_000_000
 
 
 @checked
@@ -73,12 +73,12 @@ def _meet(
     ranges, met = np.full(len(angles), np.inf), np.full(len(angles), -1)
     around = np.subtract(walls, pose[:2], order="C")
     turned = angles + pose[2]
-    _cast(around, np.cos(turned), np.sin(turned), float(max_range), ranges, met)
+    _cast_beams(around, np.cos(turned), np.sin(turned), float(max_range), ranges, met)
     return ranges, met
 
 
 @compiled
-def _cast(
+def _cast_beams(
     walls: Array, cos: Array, sin: Array, max_range: float, ranges: Array, met: NDArray[np.int64]
 ) -> None:
     """Nearest wall of each beam, into `ranges` and `met`; walls are relative to the sensor.
@@ -146,15 +146,15 @@ def drive(
     poses = [np.array([[*legs[0, 0], headings[0]]])]
     for (start, end), heading in zip(legs, headings, strict=True):
         here = poses[-1][-1]
-        poses.append(_steps(here, (*start, here[2] + wrap(heading - here[2])), turn))
+        poses.append(_even_steps(here, (*start, here[2] + wrap(heading - here[2])), turn))
         here = poses[-1][-1] if len(poses[-1]) else here
-        poses.append(_steps(here, (*end, here[2]), step))
+        poses.append(_even_steps(here, (*end, here[2]), step))
     path = np.concatenate(poses)
     path[:, 2] = wrap(path[:, 2])
     return path
 
 
-def _steps(start: Array, end: ArrayLike, most: float) -> Array:
+def _even_steps(start: Array, end: ArrayLike, most: float) -> Array:
     """Poses evenly from start (left out) to end (kept), each at most `most` from the last."""
     whole = np.asarray(end, float) - start
     count = int(np.ceil(np.max([np.hypot(*whole[:2]), abs(whole[2])]) / most - 1e-9))
@@ -214,7 +214,7 @@ def simulate(
         lasers, delays = compose(on_the_way, offset), turned * sensor.period
     scans = [
         LaserScan(
-            _scan(near(laser[0]), laser, sensor, rng),
+            _measured_ranges(near(laser[0]), laser, sensor, rng),
             angles,
             time=i * sensor.period,
             odometry=odometry,
@@ -227,7 +227,7 @@ def simulate(
     return Log(name, scans, truth)
 
 
-def _scan(walls: Array, poses: Array, sensor: Sensor, rng: np.random.Generator) -> Array:
+def _measured_ranges(walls: Array, poses: Array, sensor: Sensor, rng: np.random.Generator) -> Array:
     """Ranges that a sensor measures from one pose, or each beam from its own, `(1 or n, 3)`."""
     parts = zip(poses, np.split(sensor.angles, len(poses)), strict=True)
     ranges, met = map(np.concatenate, zip(*(_meet(walls, *p) for p in parts), strict=True))
@@ -248,7 +248,7 @@ def _near_walls(walls: Array, sensor: Sensor) -> Callable[[Array], Array]:
     if len(walls) <= MANY or not np.isfinite(reach):
         return lambda pose: walls
     along = np.hypot(*(walls[:, 1] - walls[:, 0]).T)
-    apart = max(reach, float(along.sum()) / PLACES)
+    apart = max(reach, float(along.sum()) / WALL_PLACES)
     count = np.ceil(along / apart).astype(np.int64) + 1
     which = np.repeat(np.arange(len(walls)), count)
     number = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)

@@ -12,7 +12,7 @@ from segmap.alignment.backbone._lines import (
     Lines,
     Walls,
     least_translation,
-    merged,
+    merged_into_walls,
     parallels,
     support_lines,
     turned,
@@ -260,14 +260,14 @@ def test_the_direction_of_a_new_family_is_the_mean_of_its_walls():
 
 def test_pieces_of_one_wall_are_merged_and_others_are_not():
     """Two walls on one line with a door between, or side by side, stay two."""
-    first = merged(NO_WALLS, np.array([[(0, 0), (2, 0)]]), 0.1, np.radians(5))
+    first = merged_into_walls(NO_WALLS, np.array([[(0, 0), (2, 0)]]), 0.1, np.radians(5))
     pieces = np.array([[(3, 0.04), (1, 0.04)], [(2.1, 0), (3.05, 0)]])
-    found = merged(first, pieces, 0.1, np.radians(5))
+    found = merged_into_walls(first, pieces, 0.1, np.radians(5))
     assert len(found.segments) == 1
     assert length(found.segments)[0] == pytest.approx(3.05, abs=0.01)
     assert found.weight[0] == pytest.approx(4.95)
     others = np.array([[(2.5, 0), (3, 0)], [(0, 0.15), (2, 0.15)], [(0, 0), (0, 1)]])
-    assert len(merged(first, others, 0.1, np.radians(5)).segments) == 4
+    assert len(merged_into_walls(first, others, 0.1, np.radians(5)).segments) == 4
 
 
 # Bad input.

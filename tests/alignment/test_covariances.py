@@ -20,7 +20,7 @@ from segmap.alignment import (
     match_segments,
     solve_graph,
 )
-from segmap.alignment.graph import Edge, spread
+from segmap.alignment.graph import Edge, place_deviations
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.poses import between, compose, transform
@@ -155,7 +155,7 @@ def test_places_in_a_graph_err_as_their_spread_says(loops, count):
         noise = sigma * rng.normal(size=(len(ends), 3))
         relative = compose(between(truth[ends[:, 0]], truth[ends[:, 1]]), noise)
         poses = solve_graph(truth, ends, relative, information=known)
-        said = spread(poses, Edge(*ends.T, relative, known), np.ones(40))
+        said = place_deviations(poses, Edge(*ends.T, relative, known), np.ones(40))
         off = np.hypot(*(align_to_truth(poses, truth, best=True) - truth)[:, :2].T)
         squares.append((off / said) ** 2)
     assert LEAST <= np.mean(squares) <= MOST

@@ -16,7 +16,7 @@ from segmap.poses.motions import arc, twist
 from segmap.reduction import least_cost
 from segmap.scans import LaserScan, Log
 from segmap.scans.causes import Cause, doubt_of
-from segmap.scans.moving import carried, twists, unmoved
+from segmap.scans.motion import motion_compensated, skew_warning, velocities
 from segmap.simulation import OdometryNoise, Sensor, drifting_odometry, drive, simulate
 
 TURNED = "the beams are in the other order than the file says"
@@ -115,34 +115,34 @@ def test_without_times_of_the_beams_nothing_changes():
     log = steady()
     bare = replace(log, scans=tuple(replace(scan, delays=None) for scan in log))
     assert deskew(bare) is bare and deskew(Log("none", [])).scans == ()
-    assert unmoved(bare, log.truth) == [] and pose_graph(bare).doubt == ""
+    assert skew_warning(bare, log.truth) == [] and pose_graph(bare).doubt == ""
     mixed = replace(log, scans=(bare[0], *log[1:]))
     assert deskew(mixed, log.truth)[0] is bare[0]
     still = simulate(L_ROOM, log.truth[[0] * 5], sensor=EXACT, rng=np.random.default_rng(1),
                      odometry_noise=OdometryNoise().ideal(), moving=True)  # fmt: skip
-    assert unmoved(still, still.truth) == []
+    assert skew_warning(still, still.truth) == []
 
 
 def test_gaps_and_unplaced_scans_say_nothing_of_the_motion():
     """Catches a twist over a pause, by times that stand still, or by a pose that is none."""
     poses = np.array([(k, 0, 0.1 * k) for k in range(6)], float)
     times = np.array([0.0, 0.5, 0.5, 1.0, 3.0, 3.5])
-    found = twists(times, poses)
+    found = velocities(times, poses)
     speeds = twist(between(poses[:-1], poses[1:])) / 0.5
     expected = [speeds[0], speeds[0], speeds[2], speeds[2], speeds[4], speeds[4]]
     np.testing.assert_allclose(found, expected, atol=1e-12)
     poses[3] = np.nan
-    assert twists(times, poses)[[2, 3]].tolist() == [[0, 0, 0]] * 2
+    assert velocities(times, poses)[[2, 3]].tolist() == [[0, 0, 0]] * 2
     times = np.arange(6) * 0.5
-    assert twists(times, poses * 0 + 1)[1].tolist() == [0, 0, 0]
+    assert velocities(times, poses * 0 + 1)[1].tolist() == [0, 0, 0]
     stamped = times + 0.05 * np.array(
         [0, 1, -1, 1.5, 1, -2]
     )  # by a computer that does other things
     even = np.array([(k, 0, 0.1 * k) for k in range(6)], float)
-    np.testing.assert_allclose(twists(stamped, even)[:, 2], 0.2, atol=0.02)
-    lost = twists(np.array([0, 0.5, 1.5, 2.0]), even[[0, 1, 3, 4]])
+    np.testing.assert_allclose(velocities(stamped, even)[:, 2], 0.2, atol=0.02)
+    lost = velocities(np.array([0, 0.5, 1.5, 2.0]), even[[0, 1, 3, 4]])
     np.testing.assert_allclose(lost[:, 2], 0.2)
-    middle = twists(times[:3], np.array([(0, 0, 0), (1, 0, 0), (4.0, 0, 0)]))
+    middle = velocities(times[:3], np.array([(0, 0, 0), (1, 0, 0), (4.0, 0, 0)]))
     np.testing.assert_allclose(middle[:, 0], [2, 4, 6])
 
 
@@ -150,16 +150,16 @@ def test_beams_stay_as_good_or_bad_as_they_were():
     """Catches walls where the laser met nothing, and a wall that moved out of reach."""
     ranges = [8.0, 9.0, np.inf, np.nan, 0.0, -1.0, 7.99, 7.99, 1.0]
     scan = LaserScan(ranges, np.linspace(-3, 3, 9), max_range=8.0, delays=np.full(9, 0.1))
-    found = carried(scan, np.array([-0.3, 0.0, 0.2]))
+    found = motion_compensated(scan, np.array([-0.3, 0.0, 0.2]))
     assert found.valid.tolist() == scan.valid.tolist()
     assert np.isposinf(found.ranges[:3]).all() and np.isnan(found.ranges[3])
     assert found.ranges[4:6].tolist() == [0, -1] and found.max_range > 8.1
     np.testing.assert_allclose(found.angles[:6], scan.angles[:6] + 0.2, atol=1e-12)
     np.testing.assert_allclose(found.points(), transform((-0.3, 0.0, 0.2), scan.points()))
     blind = LaserScan([np.inf], [0.0], max_range=8.0, delays=[0.0])
-    assert carried(blind, np.zeros(3)).max_range == 8.0
+    assert motion_compensated(blind, np.zeros(3)).max_range == 8.0
     kept = replace(scan, codes=np.arange(9), odometry=(1, 2, 3))
-    assert carried(kept, np.zeros(3)).codes.tolist() == list(range(9))
+    assert motion_compensated(kept, np.zeros(3)).codes.tolist() == list(range(9))
 
 
 # ------------------------------------------------------------- an office, 5.5 turns a second
@@ -196,7 +196,7 @@ def test_walls_are_as_sharp_as_if_the_robot_had_stopped(still, skewed):
     assert before[0] > 2 * still[0] and after[0] < 1.2 * still[0]
     assert before[1] > 1.5 * still[1] and after[1] <= 1.4 * still[1]
     assert after[2] == "" and "in 355 of 355" in before[2]
-    turns = doubt_of(unmoved(skewed, skewed.truth))
+    turns = doubt_of(skew_warning(skewed, skewed.truth))
     assert "in 355 of 355" in turns and "up to 10." in turns
     said = "scans the robot moved by more than the spacing of the beams, up to "
     turned = float(before[2].partition(said)[2].split()[0])  # degrees; PATH turns by 10.3 at most,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from segmap.alignment import _deskew, deskew
-from segmap.alignment._deskew import MARGIN, _clock, _entropy, _margin
+from segmap.alignment._deskew import ENTROPY_MARGIN_NATS, _clock, _entropy, _margin
 from segmap.scans import LaserScan, Log
 
 #: A robot that turns to and fro, and shows it in 101 poses of its wheels in ten seconds.
@@ -62,7 +62,7 @@ def test_the_order_shows_in_twenty_scans_that_turn_by_a_degree(scans, speed, fou
     turns = speed * (-1.0) ** np.arange(scans)
     seen = [LaserScan(ranges, angles - turn * (delays - 0.05), delays=delays) for turn in turns]
     margin = _margin(Log("it", seen), np.zeros((scans, 3)), turns[:, None] * (0, 0, 1))
-    assert margin < -MARGIN if found else np.isnan(margin)
+    assert margin < -ENTROPY_MARGIN_NATS if found else np.isnan(margin)
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,9 @@ def test_what_is_held_stays_and_every_group_is_held_once():
     assert groups(i, j, 7).tolist() == [0, 0, 1, 2, 2, 2, 3]
     fixed = equations.with_one_held(i, j, np.arange(7) == 1)
     assert np.flatnonzero(fixed).tolist() == [1, 2, 3, 6]
-    found = equations.solve(i, j, np.ones(3), np.array([[1.0], [2.0], [4.0]]), fixed).ravel()
+    found = equations.solve_differences(
+        i, j, np.ones(3), np.array([[1.0], [2.0], [4.0]]), fixed
+    ).ravel()
     np.testing.assert_allclose(found, [-1, 0, 0, 0, 2, -4, 0])
 
 
@@ -55,7 +57,7 @@ def test_the_weight_is_2_7():
     """`D^2` for D, sigma for sigma^2; segments of an angle or distance that is too large."""
     rng = np.random.default_rng(2)
     walls = rng.uniform(-2, 2, (10, 2, 2))
-    two = equations.stacked([walls, walls + rng.normal(0, 0.03, walls.shape)])
+    two = equations.stacked_scans([walls, walls + rng.normal(0, 0.03, walls.shape)])
     pairs, edge = equations.corresponding(two.segments, two.first, np.array([[0, 1]]), RULES)
     distance = segment_distance(walls[:, None], two.segments[None, 10:])
     turn = np.abs(axial_difference(angle(walls)[:, None], angle(two.segments[10:])[None]))
@@ -68,7 +70,7 @@ def test_the_weight_is_2_7():
 def test_pairs_are_the_same_in_one_piece_and_in_many():
     """An edge that is lost or counted twice where the memory for the pairs runs out."""
     view = np.concatenate([np.random.default_rng(k).uniform(0, 3, (12, 2, 2)) for k in (1, 1, 1)])
-    scans = equations.stacked([view] * 3)
+    scans = equations.stacked_scans([view] * 3)
     edges = np.array([(0, 1), (0, 2), (1, 2)])
     whole = equations.corresponding(scans.segments, scans.first, edges, RULES)
     parts = [
@@ -83,7 +85,7 @@ def test_pairs_are_the_same_in_one_piece_and_in_many():
 def row_of_views(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Scans along x; each sees two walls of its own neighbourhood and those of the next two."""
     corner = np.array([[(0, 0), (1, 0)], [(0, 0), (0, 1)]])
-    return equations.stacked(
+    return equations.stacked_scans(
         [np.concatenate([corner + (5.0 * (k + m), 0) for m in (0, 1, 2)]) for k in range(count)]
     )
 
@@ -101,7 +103,7 @@ def test_a_shared_wall_is_not_enough():
     wall = np.array([[(0, 0), (2, 0)], [(0.1, 0.01), (1.9, 0.01)]])
     corner = np.concatenate([wall, [[(0, 0), (0, 2)]]])
     for view, kept in ((wall, [0]), (corner, [0, 2])):
-        scans = equations.stacked([view] * 3)
+        scans = equations.stacked_scans([view] * 3)
         assert kept_scans(*scans, np.arange(3.0), 5.0, RULES).tolist() == kept
 
 
@@ -109,7 +111,7 @@ def test_coming_back_does_not_leave_the_loop_out():
     """A's minimal subset taken literally: from the first scan straight to the return."""
     segments, first = row_of_views(5)
     views = [segments[a:b] for a, b in itertools.pairwise(first)]
-    back = equations.stacked([*views, segments[:6]])
+    back = equations.stacked_scans([*views, segments[:6]])
     assert kept_scans(*back, np.r_[0:5.0, 30.0], 2.0, RULES).tolist() == [0, 2, 4]
 
 

@@ -7,7 +7,7 @@ import pytest
 from segmap_course import literal
 
 from segmap.alignment.points import _point_kernels as kernels
-from segmap.alignment.points._point_map import FINE, PointMap
+from segmap.alignment.points._point_map import SEARCH_CELL_M, PointMap
 from segmap.alignment.points._step_kernels import uncertainty
 from segmap.poses import between, transform
 from segmap.simulation import SICK_LMS200, cast_rays, office
@@ -38,7 +38,7 @@ def scan_points(pose: tuple = (2.0, 5.0, 0.3), noise: float = 0.01, seed: int = 
 def residuals(map: PointMap, current, pose, reach: float, stride: int = 1):
     rows, partner = np.full((len(current), 6), np.nan), np.full(len(current), -1)
     pose = np.array(pose, float)
-    used, near = kernels.residuals(
+    used, near = kernels.wall_residuals(
         map.grid, np.ascontiguousarray(current), pose, reach, stride, partner, rows
     )
     return rows[:used], near
@@ -47,7 +47,9 @@ def residuals(map: PointMap, current, pose, reach: float, stride: int = 1):
 def partners(map: PointMap, asked: np.ndarray, reach: float, before=-1) -> np.ndarray:
     """Nearest point of each of those asked, -1 for none; `before` is what is known to be near."""
     found, rows = np.full(len(asked), before), np.empty((len(asked), 6))
-    kernels.residuals(map.grid, np.ascontiguousarray(asked), np.zeros(3), reach, 1, found, rows)
+    kernels.wall_residuals(
+        map.grid, np.ascontiguousarray(asked), np.zeros(3), reach, 1, found, rows
+    )
     return found
 
 
@@ -89,7 +91,7 @@ def test_normals_are_those_of_the_principal_axes():
             assert np.isnan(normal).all()
             continue
         value, vector = np.linalg.eigh(np.cov(grid.points[apart <= radius].T))
-        assert np.isnan(normal[0]) == (value[0] >= kernels.NARROW * value[1])
+        assert np.isnan(normal[0]) == (value[0] >= kernels.WALL_VARIANCE_RATIO * value[1])
         if not np.isnan(normal[0]):
             assert abs(abs(normal @ vector[:, 0]) - 1) < 1e-9
             walls += 1
@@ -227,7 +229,7 @@ def test_the_search_is_that_of_the_plain_loops(name):
     found, score = map.search(current, start, least=-9, **window)
     assert map.search(current, start, least=score, **window) == (None, score)
     headings = np.linspace(-turn, turn, 15 if turn else 1).tolist()
-    corner, radius = map.corner.tolist(), round(reach / FINE)
+    corner, radius = map.corner.tolist(), round(reach / SEARCH_CELL_M)
     cells = literal.likelihoods(map.grid.points.tolist(), corner)
     plain = literal.correlative_search(
         cells, corner, current.tolist(), start, radius, headings, away

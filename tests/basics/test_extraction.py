@@ -102,7 +102,7 @@ def test_sums_settle_no_tie(tolerance, monkeypatch):
         return error if error <= tolerance else np.inf
 
     monkeypatch.setattr(kernels, "_joint_error", exact)
-    monkeypatch.setattr(kernels, "_merge", kernels._merge.plain)
+    monkeypatch.setattr(kernels, "_merge_runs", kernels._merge_runs.plain)
     monkeypatch.setattr(kernels, "polylines", kernels.polylines.plain)
     for points, segments in zip(scans, found, strict=True):
         np.testing.assert_array_equal(extract_polylines(points, **some), segments)

@@ -8,7 +8,7 @@ from segmap.alignment import pose_graph
 from segmap.poses import compose
 from segmap.scans import LaserScan, Log
 from segmap.scans.causes import Cause
-from segmap.scans.moving import standing
+from segmap.scans.motion import standing
 from segmap.simulation import SICK_LMS200, drive, simulate, square_room
 
 

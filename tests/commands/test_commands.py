@@ -39,13 +39,13 @@ from segmap import (
 from segmap._call import Call
 from segmap._commands import _compare, _pictures, main
 from segmap._commands._compare import thinned
-from segmap._commands._words import metres, plain_warnings, say
-from segmap._commands.opening._thresholds import thresholds
-from segmap._recipe import follow
+from segmap._commands._output import metres, plain_warnings, print_line
+from segmap._commands.log_options._thresholds import thresholds
+from segmap._map_pipeline import follow
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.panels.workbench import Workbench
-from segmap.panels.workbench._source import read
+from segmap.panels.workbench._source import read_source
 from segmap.quadtree import QuadtreeMap
 from segmap.scans.causes import Cause, Finding
 
@@ -658,7 +658,7 @@ def test_a_log_of_each_kind_gives_one_map_by_command_page_and_library(run, name)
     wanted = segmap.build_map(log, poses.trusted, **COARSE)
     found = readers.read_segments("out.npz")
     assert np.array_equal(found.segments, wanted.segments) and len(wanted) > 0
-    page = read(Path(name))  # as its worker does
+    page = read_source(Path(name))  # as its worker does
     recipe, held, _ = Workbench(page if isinstance(page, segmap.Log) else page.log)._work()
     coarse = Call("extract_polylines", segmap.extract_polylines, COARSE)
     made = follow(replace(recipe, extract=coarse), held, None)
@@ -1133,7 +1133,7 @@ def test_a_damaged_plan_is_named_before_the_log_is_read(run, plan):
 
 def test_what_is_compared_of_a_long_log_is_said(run, near, monkeypatch):
     monkeypatch.setattr(_compare, "METHODS", {"hybrid": reduction.METHODS["hybrid"]})
-    monkeypatch.setattr(_compare, "MOST", 60)
+    monkeypatch.setattr(_compare, "MOST_COMPARED_SEGMENTS", 60)
     map = segmap.build_map(segmap.read(near), segmap.read(near).truth)
     part = thinned(map)
     count, scans = len(part), len(np.unique(part.scan))
@@ -1325,7 +1325,7 @@ def test_a_reader_that_has_gone_ends_the_program_with_1(clone, monkeypatch):
 
         monkeypatch.setattr(sys, "stdout", Gone())
         with pytest.raises(BrokenPipeError):
-            say("a line that the next program is to see at once")
+            print_line("a line that the next program is to see at once")
         assert main(["notebooks", str(clone.parent / "work")]) == 1
         os.write(out.fileno(), b"what Python still has to say")
     assert (clone / "nobody.txt").read_bytes() == b""

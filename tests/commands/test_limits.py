@@ -18,9 +18,9 @@ import tqdm
 
 import segmap
 from segmap import alignment, experiments, exports, quadtree, readers, reduction
-from segmap._commands import _compare, _locate, _occupancy, main, opening
-from segmap._commands._words import Report, metres, progress, seconds
-from segmap._recipe import cropped
+from segmap._commands import _compare, _locate, _occupancy, log_options, main
+from segmap._commands._output import Report, metres, progress, seconds
+from segmap._map_pipeline import cropped
 from segmap.alignment import Alignment, Verdict
 from segmap.matching import Belief
 from segmap.scans.causes import Cause, Finding
@@ -94,7 +94,7 @@ def test_long_work_moves_a_bar_on_a_terminal(run, monkeypatch, words):
     monkeypatch.setattr(sys, "stderr", screen := Terminal())
     monkeypatch.setattr("tqdm.std.tqdm.monitor_interval", 0)
     monkeypatch.setattr("tqdm.tqdm", AtOnce)
-    monkeypatch.setattr("segmap.progress.EARLY", 0.0)
+    monkeypatch.setattr("segmap.progress.FIRST_ESTIMATE_S", 0.0)
     assert run(*words)[0] == 0
     scans = [int(k) for k in re.findall(r"placing scan (\d+) of 61 \|", screen.getvalue())]
     order = list(dict.fromkeys(scans))
@@ -141,11 +141,11 @@ def test_strict_is_met_by_just_as_many(grade, placed, strict, code, capsys):
     """Catches 9 of 10 scans that are fewer than 0.9, and --force that is not asked."""
     verdict, report = Verdict(grade, "as said", placed, 10), Report("it")
     given, paths = Namespace(strict=strict, strict_verdict=False, force=False), [Path("it.svg")]
-    assert opening.concluded(given, verdict, report) == code
+    assert log_options.concluded(given, verdict, report) == code
     assert ("(--strict asks" in capsys.readouterr().out) == (code == 3 and grade == "good")
-    assert opening.allowed(given, verdict, paths, report) == ([] if code else paths)
+    assert log_options.allowed(given, verdict, paths, report) == ([] if code else paths)
     assert (
-        opening.allowed(
+        log_options.allowed(
             Namespace(strict=strict, strict_verdict=False, force=True), verdict, paths, report
         )
         == paths

@@ -118,7 +118,7 @@ def test_times_add_up_end_with_the_last_scan_and_come_back_from_a_file(tmp_path,
     assert list(times["live"]) == found.scan_live[[3, 7, 9]].tolist()
     (tmp_path / "records" / "online").mkdir(parents=True)
     write_records(times, tmp_path / "records" / "online" / "hall.csv")
-    monkeypatch.setattr(_bundled, "PLACES", (tmp_path,))
+    monkeypatch.setattr(_bundled, "DATA_FOLDERS", (tmp_path,))
     pd.testing.assert_frame_equal(load_online("hall"), times, atol=1e-6)
     with pytest.raises(ValueError, match="name must be of hall, got 'room'"):
         load_online("room")

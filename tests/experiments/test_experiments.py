@@ -108,7 +108,7 @@ MISTAKES = [
 @pytest.mark.parametrize(("arguments", "options", "said"), MISTAKES)
 def test_mistakes_are_found_before_anything_runs(arguments, options, said, monkeypatch):
     """Catches an hour of runs that ends in a spelling mistake."""
-    monkeypatch.setattr("segmap.experiments._sweep.run", lambda job: pytest.fail("it ran"))
+    monkeypatch.setattr("segmap.experiments._sweep.run_job", lambda job: pytest.fail("it ran"))
     with pytest.raises(ValueError, match=said):
         sweep(*arguments, **options)
 

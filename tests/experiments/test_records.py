@@ -264,7 +264,7 @@ def test_records_by_name(tmp_path, monkeypatch):
     write_records(pd.concat([run()] * 3), folder / "hall.csv")
     write_records(run(map="room"), folder / "room.csv")
     (folder / "alignment.csv").write_text("log,method\nhall,backbone\n", encoding="utf-8")
-    monkeypatch.setattr(_bundled, "PLACES", (tmp_path / "absent", tmp_path))
+    monkeypatch.setattr(_bundled, "DATA_FOLDERS", (tmp_path / "absent", tmp_path))
     assert list(load_records("hall")["map"]) == ["hall"] * 3 and len(load_records()) == 4
     with pytest.raises(ValueError, match="names must be of alignment, hall, room, got 'attic'"):
         load_records("attic")

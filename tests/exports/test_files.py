@@ -30,7 +30,14 @@ from segmap.experiments import (
     sweep,
     write_records,
 )
-from segmap.files import RATIO, UNPACKED, packed, replacing, table_lines, write_bytes
+from segmap.files import (
+    LEAST_UNPACKED_BYTES,
+    MOST_UNPACKED_RATIO,
+    packed,
+    replacing,
+    table_lines,
+    write_bytes,
+)
 from segmap.hokuyo import record
 from segmap.quadtree import QuadtreeMap
 
@@ -278,12 +285,12 @@ def test_a_long_line_in_the_place_of_a_head_is_told_in_part():
         list(table_lines(b"x" * 5000 + b"\n", "runs.csv", ["a", "b"]))
 
 
-@pytest.mark.parametrize("size", [1000, UNPACKED + 1])
+@pytest.mark.parametrize("size", [1000, LEAST_UNPACKED_BYTES + 1])
 def test_a_packed_file_holds_no_date_and_is_never_a_bomb(size):
     """Catches zeros packed so small that our own reader refuses them, and bytes that vary."""
     found = packed(bytes(size))
     assert gzip.decompress(found) == bytes(size) and found[4:8] == bytes(4)
-    assert size <= max(UNPACKED, RATIO * len(found))
+    assert size <= max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * len(found))
 
 
 # ---------------------------------------------------------------------------- killed and refused
@@ -435,7 +442,7 @@ def test_a_folder_that_takes_no_file_is_told_before_the_work(words, tmp_path, mo
     monkeypatch.chdir(tmp_path)
     exports.write_ros_map(Path("it.yaml"), MAP)
     before = sorted(tmp_path.iterdir())
-    for work in ("segmap.alignment.prepared", "segmap._commands.opening._logs.log_of"):
+    for work in ("segmap.alignment.prepared", "segmap._commands.log_options._logs.log_of"):
         monkeypatch.setattr(work, lambda *given: pytest.fail("it works"))
     words += " /proc/it.csv" * words.endswith("--table")
     assert main(words.split()) == 2

@@ -144,7 +144,7 @@ def test_nonsense_is_told_by_its_line(swap, said):
 
 
 def test_a_picture_beyond_all_bounds_is_refused(monkeypatch):
-    monkeypatch.setattr("segmap.exports._ros_maps.MOST_PIXELS", 2)
+    monkeypatch.setattr("segmap.exports._ros_maps.MOST_MAP_PIXELS", 2)
     with pytest.raises(LogError, match="3 by 1 pixels"):
         read_ros_map(written(ROW))
 

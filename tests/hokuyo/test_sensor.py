@@ -8,7 +8,7 @@ import pytest
 from emulated import Wired, capture, connected, turn_of
 
 from segmap.hokuyo import SensorError, UrgSensor, _sensor
-from segmap.hokuyo._connect import RATES
+from segmap.hokuyo._connect import URG_RATES
 from segmap.hokuyo._port import find_port, ports
 from segmap.hokuyo.emulator import Replay, Room
 from segmap.hokuyo.emulator._unit import Unit
@@ -38,14 +38,14 @@ def first(sensor, count, **settings):
         {"streaming": True, "timing": True},
         {"rate": 57600, "usb": False, "protocol": "1.1"},
         {"rate": 115200, "usb": False, "streaming": True},
-        *({"rate": rate, "usb": False} for rate in RATES),
+        *({"rate": rate, "usb": False} for rate in URG_RATES),
     ],
     ids=str,
 )
 def test_connects_whatever_it_was_left_doing(state):
     """Catches a rate that is missing, or a driver that stays at the one it found."""
     port = Wired(**state)
-    with connected(port, rates=RATES) as sensor:
+    with connected(port, rates=URG_RATES) as sensor:
         assert sensor.rate == 115200
         assert port.unit.usb or port.baudrate == port.unit.rate == 115200
         assert sensor.info["SERI"] == "H0000000"

@@ -7,11 +7,11 @@ import pytest
 
 from segmap import alignment, extraction, load, reduction
 from segmap._call import Call
-from segmap._recipe import Recipe, follow
+from segmap._map_pipeline import MapChoices, follow
 
 LOG = load("room")[:8]
 FUSION = Call("fusion", reduction.METHODS["fusion"].function)
-FIRST = Recipe(Call("odometry", alignment.METHODS["odometry"].function), methods=[FUSION])
+FIRST = MapChoices(Call("odometry", alignment.METHODS["odometry"].function), methods=[FUSION])
 #: A recipe that differs in one choice; the second of a pair may be the first again.
 CHANGED = {
     "prepare": {"prepare": {"clockwise": True}},

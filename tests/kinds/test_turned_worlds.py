@@ -11,7 +11,7 @@ from segmap.metrics import doubled_walls, relation_errors
 from segmap.poses import between, compose, interpolate, transform
 from segmap.poses.motions import arc, twist
 from segmap.reduction import METHODS
-from segmap.scans.moving import twists
+from segmap.scans.motion import velocities
 from segmap.segments import SegmentMap
 from segmap.simulation import Sensor, box, simulate, square_room
 
@@ -114,7 +114,7 @@ DOORS = {
     "search": found_anywhere,
     "doubled_walls": doubled,
     "relation_errors": off_relations,
-    "twists": lambda turn: twists(np.arange(60.0), turned(turn, WEAVING)),
+    "velocities": lambda turn: velocities(np.arange(60.0), turned(turn, WEAVING)),
     "interpolate": lambda turn: between(
         turned(turn, WEAVING[0]),
         interpolate(np.arange(60.0), turned(turn, WEAVING), np.arange(59) + 0.3, max_gap=2.0),

@@ -34,7 +34,7 @@ from segmap.matching import _merge as joining
 from segmap.matching import _search as searching
 from segmap.matching._likelihoods import Likelihoods
 from segmap.matching._live_map import overlap_of
-from segmap.matching._particles import Particles, spread
+from segmap.matching._particles import Particles, odometry_deviation
 from segmap.matching._route import _sees
 from segmap.quadtree import QuadtreeMap, Squares
 from segmap.segments import SegmentMap
@@ -58,14 +58,14 @@ def scan_of(points):
     ],
 )
 def test_a_place_so_near_to_a_better_one_is_none_of_its_own(other, places):
-    assert searching.distinct(np.array([ZERO, other]), 9).tolist() == [0, 1][:places]
-    assert len(searching.distinct(np.arange(9)[:, None] * np.ones(3), 4)) == 4
+    assert searching.first_distinct(np.array([ZERO, other]), 9).tolist() == [0, 1][:places]
+    assert len(searching.first_distinct(np.arange(9)[:, None] * np.ones(3), 4)) == 4
 
 
 def test_ends_that_lie_far_apart_count_as_a_step_of_thirty_centimetres():
     """Of six ends two gaps are of ten metres: all steps are equal."""
     x = np.array([0, 10, 20, 20.3, 20.6, 20.9])
-    found = searching.spread(np.column_stack([x, 0 * x]), 3)
+    found = searching.sample_beams(np.column_stack([x, 0 * x]), 3)
     assert sorted(found[:, 0]) == [0, 20.3, 20.9]
 
 
@@ -73,14 +73,14 @@ def test_ends_that_lie_far_apart_count_as_a_step_of_thirty_centimetres():
 def test_headings_move_the_mean_beam_by_a_cell(length, headings):
     """Not coarser than three degrees, not finer than for a beam across the map (141.4 cells)."""
     map, ends = Likelihoods(ROOM), length * np.array([(1, 0), (0, 1)])
-    cells, step = searching._turned(map, ends)
+    cells, step = searching._cells_by_heading(map, ends)
     assert cells.shape == (headings, 2, 2) and step == 2 * np.pi / headings
 
 
 def test_the_covariance_of_a_pose_that_nothing_tells_is_that_of_all_poses_within_four_cells():
     map = Likelihoods(ROOM)
-    scan, step = searching._turned(map, np.array([(70.0, 0), (0, 80)]))
-    found = searching._covariance(map, scan, np.array([0, 0, 9, 9]), step)
+    scan, step = searching._cells_by_heading(map, np.array([(70.0, 0), (0, 80)]))
+    found = searching._leaf_covariance(map, scan, np.array([0, 0, 9, 9]), step)
     expected = np.array([0.05, 0.05, step]) ** 2 * (60 / 9 + 1 / 12)
     np.testing.assert_allclose(found, np.diag(expected), atol=1e-15)
 
@@ -105,7 +105,7 @@ def test_a_place_is_believed_where_it_fits(fit, found):
     points = (
         [(x / 4, 0) for x in range(1, 12)] + [(0, y / 4) for y in range(8)] + [(1, 1), (2, 1.6)]
     )
-    places = searching.places_of(map, np.array(points), margin=0.01)
+    places = searching.distinct_places(map, np.array(points), margin=0.01)
     assert len(places) == 1 and places.found == found
 
 
@@ -113,7 +113,7 @@ SOUGHT = {"least": 0.5, "margin": 0.05, "most_places": 6, "beams": 60, "nodes": 
 USUAL = [
     *(
         (search, SOUGHT),
-        (searching.places_of, SOUGHT),
+        (searching.distinct_places, SOUGHT),
         (localize, {"particles": 1000, "beams": 60}),
     ),
     (hill_climb, {"steps": "halving", "rounds": 60, "score": field_score}),
@@ -154,7 +154,7 @@ def test_what_is_of_another_kind_is_named_at_once(name, of, given, named):
 
 def test_a_second_session_is_sought_on_cells_of_five_centimetres(monkeypatch):
     """Scans that score less than 0.7 are passed over at once, and none is tied where none is."""
-    asked, nothing = set(), searching.places_of(None, np.zeros((0, 2)))
+    asked, nothing = set(), searching.distinct_places(None, np.zeros((0, 2)))
     sought = lambda map, scan, *, least: asked.add((map.resolution, least)) or nothing  # noqa: E731
     monkeypatch.setattr(joining, "search", sought)
     found = joining.merge(LOG[:3], LOG[3:6])
@@ -201,7 +201,9 @@ def test_the_errors_of_the_odometry_add_up_as_squares(step):
     along = noise.distance_noise**2 * way + 0.002**2
     about = noise.turn_noise**2 * turn + noise.heading_noise**2 * way
     about += (noise.turn_bias * turn) ** 2 + 0.001**2
-    np.testing.assert_allclose(spread(np.array(step), noise) ** 2, (along, along, about))
+    np.testing.assert_allclose(
+        odometry_deviation(np.array(step), noise) ** 2, (along, along, about)
+    )
 
 
 def driven(*steps):
@@ -216,7 +218,7 @@ def test_a_scan_of_which_a_quarter_is_off_the_map_is_turned_more(on, starts):
     map, ends, asked = QuadtreeMap(), [(1, y / 2) for y in range(8)], []
     map.insert_scan((0, 0), ends[:on])
     still = lambda map, points, start, *, score: asked.append(start) or start  # noqa: E731
-    tries = [_particles.LATE[:1], _particles.LATE]
+    tries = [_particles.LATE_TURNS[:1], _particles.LATE_TURNS]
     pose, _ = _particles._climbed(still, map, ZERO, scan_of(ends), tries)
     assert pose.tolist() == [0, 0, 0] and len(asked) == starts
 
@@ -234,14 +236,14 @@ def test_sixty_beams_of_a_scan_are_weighed_and_each_may_meet_anything(times):
 
 
 def test_a_map_that_could_not_be_made_anew_is_made_with_the_next(monkeypatch):
-    live, insert, fails = LiveMap(Planned((9,))), _live_map.insert, [True]
+    live, insert, fails = LiveMap(Planned((9,))), _live_map.insert_placed, [True]
 
     def failing(*given, free):
         if threading.current_thread().name == "new map" and fails and fails.pop():
             raise MemoryError
         insert(*given, free=free)
 
-    monkeypatch.setattr(_live_map, "insert", failing)
+    monkeypatch.setattr(_live_map, "insert_placed", failing)
     for scan in LOG[:9]:
         live.add(scan)
     with pytest.raises(MemoryError):
@@ -274,10 +276,10 @@ def test_particles_move_by_the_odometry_with_its_errors(way, errors):
     first = LaserScan([], [], odometry=None if way is None else ZERO)
     second = LaserScan([], [], odometry=way)
     poses, rng = np.zeros((20_000, 3)), np.random.default_rng(1)
-    found = localizing.moved(poses, first, second, rng)
+    found = localizing.predict(poses, first, second, rng)
     np.testing.assert_allclose(found.std(0), errors, rtol=0.03)
     np.testing.assert_allclose(found.mean(0), ZERO if way is None else way, atol=0.02)
-    assert localizing.moved(poses, None, second, rng) is poses
+    assert localizing.predict(poses, None, second, rng) is poses
 
 
 def believed_of(fits, there, monkeypatch, places=((ZERO, 1.0),)):
@@ -365,7 +367,7 @@ def test_fresh_particles_come_to_places_that_are_worse_by_a_tenth(missing, both)
     found = localizing.fresh_poses(Likelihoods(map), ends, 9000, np.random.default_rng(1))
     assert np.unique(np.rint(found[:, 0])).tolist() == [5, 20][: 1 + both]
     if not both:  # as widely as the place is uncertain
-        (spread,) = searching.places_of(Likelihoods(map), ends, margin=0.1).covariances
+        (spread,) = searching.distinct_places(Likelihoods(map), ends, margin=0.1).covariances
         np.testing.assert_allclose(np.cov(found.T), spread, atol=0.1 * spread.max())
     for nowhere in (9 * ends, ends[:1]):  # and where a hundred places are as good
         assert len(localizing.fresh_poses(Likelihoods(ROOM), nowhere, 40, None)) == 0

@@ -32,7 +32,7 @@ def expected(log, poses):
     """The map of all scans at their corrected poses."""
     map = blank()
     for scan, pose in zip(log, poses, strict=True):
-        _live_map.insert(map, None, scan, pose, free=False)
+        _live_map.insert_placed(map, None, scan, pose, free=False)
     return state(map)
 
 
@@ -87,7 +87,7 @@ def test_a_new_graph_closes_loops():
 
 def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
     """Catches a map that is empty for seconds, and one that misses what came meanwhile."""
-    real, go = _live_map.insert, held_back(monkeypatch)
+    real, go = _live_map.insert_placed, held_back(monkeypatch)
     live, old = LiveMap(Planned((9,)), map=blank()), blank()
     for k, scan in enumerate(LOG):
         real(old, None, scan, live.add(scan).pose, free=False)
@@ -166,7 +166,7 @@ def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, h
     live = LiveMap(graph, map=blank(), start=START)
     for scan in log[:first]:
         live.add(scan)
-    place, insert = graph.add, _live_map.insert
+    place, insert = graph.add, _live_map.insert_placed
 
     def placed(scan):
         place(scan)
@@ -184,7 +184,7 @@ def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, h
         if done == "listed":  # and interrupted where a map is being made that it should come into
             full = SimpleNamespace(append=Mock(side_effect=KeyboardInterrupt))
             live._anew = SimpleNamespace(placed=full, thread=threading.current_thread())
-        patch.setitem(LiveMap.finish.__globals__, "insert", interrupted)
+        patch.setitem(LiveMap.finish.__globals__, "insert_placed", interrupted)
         with pytest.raises(KeyboardInterrupt):
             live.add(log[first])
     live._anew = None

@@ -189,7 +189,7 @@ def test_the_steps_are_those_of_the_literal_filter():
     random = rng(3)
     for wide in (0.01, *np.linspace(0.09, 0.2, 30), 9.0):
         poses = random.normal(0, wide, (1500, 3))
-        assert inner.enough(poses) == literal.enough(poses.tolist())
+        assert inner.kld_sample_size(poses) == literal.enough(poses.tolist())
     map, points = Likelihoods(ROOM), seen(ROOM.segments, (1.2, 1.6, 0.4)).points()
     poses = np.array([1.2, 1.6, 0.4]) + random.normal(0, 0.1, (9, 3))
     for pose, found in zip(poses, map.fits(points, poses), strict=True):
@@ -233,7 +233,7 @@ def test_the_places_of_a_belief():
 
     def believed(far, fit, least):
         weights = np.r_[np.full(100, (1 - far) / 100), np.full(50, far / 50)]
-        return inner.believed(poses, weights, inner.at_places(poses, weights), fit, least)
+        return inner.estimate(poses, weights, inner.at_places(poses, weights), fit, least)
 
     even = believed(1 / 3, 0.95, 0.9)
     assert even.reason == "not yet: 2 places" and even.share == pytest.approx(2 / 3)

@@ -103,17 +103,17 @@ def test_too_few_places_that_look_alike_undo_it(monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(LoopCloser, "seek", sought)
         patch.setattr(KeyFrames, "optimize", optimized)
-        good = alignment.merge(*graphs, places)
+        good = alignment.merge_graphs(*graphs, places)
     assert across(good, n) > 30 and solved[0], "others are sought where the first ones put it"
     assert open_by[0] < 1e-6, "the second session is laid where one of them says"
-    monkeypatch.setattr(_merge, "TIED", 1.1)
-    found = alignment.merge(*graphs, places)
+    monkeypatch.setattr(_merge, "LEAST_TIED_SHARE", 1.1)
+    found = alignment.merge_graphs(*graphs, places)
     assert "places that both passed look alike" in found.doubt and not across(found, n)
     assert {r.reason for r in found.graph.rejected} >= {found.doubt.split(": ")[1].split(";")[0]}
     alike, passed, *_ = map(int, re.findall(r"\d+", found.doubt))
-    monkeypatch.setattr(_merge, "TIED", Fraction(alike, passed))
-    assert across(alignment.merge(*graphs, places), n) > 30, "just so many must be alike"
-    twice = alignment.merge(*graphs, lambda scan: np.repeat(places(scan), 2, axis=0))
+    monkeypatch.setattr(_merge, "LEAST_TIED_SHARE", Fraction(alike, passed))
+    assert across(alignment.merge_graphs(*graphs, places), n) > 30, "just so many must be alike"
+    twice = alignment.merge_graphs(*graphs, lambda scan: np.repeat(places(scan), 2, axis=0))
     assert "only 0 places" in twice.doubt, "two places are none"
     for graph, before in zip(graphs, kept, strict=True):
         np.testing.assert_array_equal(graph.poses, before.poses)

@@ -27,7 +27,7 @@ from segmap.matching import (
     systematic,
 )
 from segmap.matching import _particles as particles_file
-from segmap.matching._live_map import insert, overlap_of
+from segmap.matching._live_map import insert_placed, overlap_of
 from segmap.poses import between, compose, transform
 from segmap.quadtree import QuadtreeMap
 from segmap.simulation import (
@@ -131,7 +131,7 @@ def followed(log, map, start, rng, *, particles, odometry, noise, resample, matc
             if np.hypot(x, y) > 0.3 or abs(turn) > 0.3:
                 wide = np.array([0.1, 0.1, 0.05])
                 if told is not None and odometry is not None:
-                    wide = particles_file.spread(between(told, wheels), odometry)
+                    wide = particles_file.odometry_deviation(between(told, wheels), odometry)
                 for p, field in zip(own, fields, strict=True):
                     values = particles_file._log_likelihood(field, points, compose(p.pose, AROUND))
                     covariance, weight = particles_file.proposal(values, wide)
@@ -144,7 +144,7 @@ def followed(log, map, start, rng, *, particles, odometry, noise, resample, matc
         best = max(range(particles), key=lambda k: own[k].likely)
         overlap = overlap_of(own[best].map, scan, own[best].pose)
         for p in own:
-            insert(p.map, None, scan, p.pose, free=free)
+            insert_placed(p.map, None, scan, p.pose, free=free)
             if len(points) and is_first:
                 p.drawn, told = p.pose, wheels
         yield [p.pose for p in own], shares(own), [*parents], best, overlap, own[best].map
@@ -193,7 +193,7 @@ def test_it_is_the_plain_filter_with_any_options(seed):
 
 @pytest.mark.parametrize("call", [0, 1, 7, 20])
 def test_an_interrupt_leaves_the_map_of_the_scan_before(call, monkeypatch):
-    map, left, insert = QuadtreeMap(resolution=0.05), [call], particles_file.insert
+    map, left, insert = QuadtreeMap(resolution=0.05), [call], particles_file.insert_placed
 
     def interrupted(*given, **options):
         left[0] -= 1
@@ -201,7 +201,7 @@ def test_an_interrupt_leaves_the_map_of_the_scan_before(call, monkeypatch):
             raise KeyboardInterrupt
         insert(*given, **options)
 
-    monkeypatch.setattr(particles_file, "insert", interrupted)
+    monkeypatch.setattr(particles_file, "insert_placed", interrupted)
     before = state(map)
     with pytest.raises(KeyboardInterrupt):
         steps = particle_mapping(room_log(), particles=3, rng=np.random.default_rng(1), map=map)
@@ -269,7 +269,7 @@ def test_the_proposal_equals_its_loops():
     log, map = room_log(), QuadtreeMap(resolution=0.01)
     points, peak = log[0].points(), log.truth[0]
     map.insert_scan(peak[:2], transform(peak, points))
-    lattice = particles_file.LATTICE * particles_file.APART
+    lattice = particles_file.LATTICE * particles_file.PEAK_STEP
     field = DistanceField.around(map, points, peak)
     found = particles_file._log_likelihood(field, points, compose(peak, lattice))
     leaves, few = map.leaves(), points[np.linspace(0, len(points) - 1, 60).astype(int)]
@@ -283,7 +283,7 @@ def test_the_proposal_equals_its_loops():
     exact = np.array([value(offset) for offset in lattice])
     wide = np.array([0.02, 0.03, 0.01])
     covariance, weight = particles_file.proposal(exact, wide)
-    bent = np.array(literal.information(value, particles_file.APART))
+    bent = np.array(literal.information(value, particles_file.PEAK_STEP))
     assert np.linalg.eigvalsh(bent).min() > 0
     np.testing.assert_allclose(np.linalg.inv(covariance), bent + np.diag(wide**-2), rtol=1e-6)
     shrunk = np.log(np.sqrt(np.linalg.det(covariance)) / wide.prod())

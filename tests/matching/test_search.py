@@ -200,10 +200,10 @@ def test_fewer_beams_spread_along_the_walls():
     """A near wall of many ends and a far one of few, equally long: both get as many."""
     near = np.stack([np.linspace(0, 2, 180), np.ones(180)], -1)
     far = np.stack([np.linspace(8, 10, 20), np.full(20, 9.0)], -1)
-    kept = inner.spread(np.concatenate([near, far]), 40)
+    kept = inner.sample_beams(np.concatenate([near, far]), 40)
     assert len(kept) == 40 and abs((kept[:, 1] > 5).sum() - 20) <= 3
-    np.testing.assert_array_equal(np.sort(inner.spread(far, 60)[:, 0]), far[:, 0])
-    assert len(inner.spread(np.ones((9, 2)), 3)) == 3
+    np.testing.assert_array_equal(np.sort(inner.sample_beams(far, 60)[:, 0]), far[:, 0])
+    assert len(inner.sample_beams(np.ones((9, 2)), 3)) == 3
 
 
 def test_it_says_why_nothing_is_found():

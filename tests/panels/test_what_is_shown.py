@@ -13,7 +13,7 @@ from segmap.matching import map_scans
 from segmap.panels import ComparePanel, LivePanel, QuadtreePanel, ScanPanel
 from segmap.panels._base import VIEW
 from segmap.panels._live_picture import LivePicture
-from segmap.panels._view import FRAME, View
+from segmap.panels._view import PART_IN_FRAME, View
 from segmap.plotting import (
     ERROR,
     RESULT,
@@ -260,7 +260,7 @@ def test_a_part_of_one_map_fills_the_picture_without_a_cut(x, y):
     assert (ax.get_xlim(), ax.get_ylim()) == (x, y)
     view.enlarge(2)
     wide, high = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
-    assert wide / high == pytest.approx(8 * FRAME[0] / (6 * FRAME[1]))
+    assert wide / high == pytest.approx(8 * PART_IN_FRAME[0] / (6 * PART_IN_FRAME[1]))
     assert max(x[1] / wide, y[1] / high) == pytest.approx(2)
     assert (np.mean(ax.get_xlim()), np.mean(ax.get_ylim())) == (np.mean(x), np.mean(y))
 
@@ -271,7 +271,7 @@ def test_the_frame_is_about_that_of_a_panel():
     panel._look.enlarge(4)
     panel._figure.draw_without_rendering()
     found = panel._figure.axes[0].get_window_extent().size / panel._figure.bbox.size
-    assert found == pytest.approx(FRAME, abs=0.08)
+    assert found == pytest.approx(PART_IN_FRAME, abs=0.08)
 
 
 # ------------------------------------------------------------------ a live map

@@ -348,7 +348,7 @@ def forever():
 @pytest.mark.parametrize(("work", "stays"), [(forever, True), (partial(time.sleep, 60), False)])
 def test_a_worker_is_stopped_at_once_and_begins_anew(worker, work, stays, monkeypatch):
     """Catches a stop that waits for the work, or ends a worker that would have listened."""
-    monkeypatch.setattr(_job, "PATIENCE", 20 if stays else 0.3)  # a machine with much to do
+    monkeypatch.setattr(_job, "STEP_PATIENCE_S", 20 if stays else 0.3)  # a machine with much to do
     worker.do(callable, forever)  # it has read this file now
     process, ended = worker.start(), []
 
@@ -484,7 +484,7 @@ def test_an_uploaded_name_that_is_none_is_told(name, words):
 
 def test_the_size_of_an_upload_is_what_arrives(monkeypatch):
     """Catches a page that says 1 byte and sends what fills the disk."""
-    monkeypatch.setattr("segmap.panels.workbench._source.MOST", 1000)
+    monkeypatch.setattr("segmap.panels.workbench._source.MOST_UPLOAD_BYTES", 1000)
     made, piece = bench(), b"#" * 400
     said = [made._source.take("a.log", 10**9, 0, piece)]
     said += [made._source.take("a.log", 900, start, piece) for start in (0, 400, 800, 800)]
@@ -689,7 +689,9 @@ def test_the_page_holds_what_came_of_it(both):
     """Catches a result in the place of another, rows that experiments cannot compare, and a run
     that asks for loops where there is no graph."""
     outcome, rows, canvas, found = both.outcome, both.runs, both.canvas, both.outcome.reductions
-    assert both.verdict.value == _shown.placed(outcome) and outcome.verdict.doubled is not None
+    assert (
+        both.verdict.value == _shown.verdict_html(outcome) and outcome.verdict.doubled is not None
+    )
     assert both.figures.value == _shown.left(outcome)
     assert both.listed.value == _shown.runs_table(rows.to_dict("records"), {0, 1})
     assert both.listing.value == _shown.code(both.code)

@@ -150,7 +150,7 @@ def test_what_is_said_of_a_run_letter_by_letter(outcome):
         f"fusion: {many[0]}",
         f"odd & even: {many[1]}",
     ]
-    assert _shown.placed(outcome) == (
+    assert _shown.verdict_html(outcome) == (
         '<div style="border-left: 12px solid #c47f00; padding: 3px 9px; line-height: 1.45">'
         f"<b>HALF &lt;a&gt; map</b></div>{lines}a &amp; b<br>by &lt;hand&gt;, 1.2 s</div>"
     )

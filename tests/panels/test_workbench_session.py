@@ -149,7 +149,7 @@ def test_a_loop_is_taken_back_without_a_scan_placed_anew(mended, monkeypatch):
     assert mended.edits.value().keys() == EDITS.keys() - {"veto", "tie"}
     assert "mending the graph" in said and not any("placing" in words for words in said)
     found = segmap.alignment.pose_graph(mended.log)
-    assert np.array_equal(mended.outcome.solved.poses, found.poses)
+    assert np.array_equal(mended.outcome.alignment_in_log_frame.poses, found.poses)
     assert np.array_equal(mended.outcome.alignment.loops()["second"], found.loops()["second"])
 
 

@@ -29,7 +29,7 @@ STOREYS = (
     "alignment",
     "matching experiments exports",
     "testing _warm",
-    "_recipe",
+    "_map_pipeline",
     "plotting",
     "panels",
     "segmap",

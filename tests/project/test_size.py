@@ -16,7 +16,7 @@ STOREYS = {
         "metrics poses progress quadtree reduction scans segments simulation testing threads"
     ),
     "edges": "experiments exports hokuyo plotting readers",
-    "entry points": "__init__ __main__ _call _commands _recipe _warm panels",
+    "entry points": "__init__ __main__ _call _commands _map_pipeline _warm panels",
 }
 #: Lines of code of the core, at most: a commit that raises this says which issue grants it.
 CORE_LINES = 13_495

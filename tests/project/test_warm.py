@@ -37,7 +37,7 @@ def test_every_kernel_has_a_case_and_knows_its_named_tuples():
     named tuple that its annotations do not say: it ends when the tuple's module has moved; and a
     bar that stands still, or runs ahead, while loops are compiled."""
     for name in _warm.cases():
-        _warm.run(name)
+        _warm.run_case(name)
     kernels = [k for k in gc.get_objects() if type(k) is Compiled]
     ours = [k for k in kernels if k.plain.__module__.startswith("segmap.")]
     told = _warm.loops(_warm.cases().values())  # of so many a bar tells how many are compiled

@@ -217,12 +217,12 @@ class TestBundled:
 
     def test_a_clone_goes_before_the_wheel(self, monkeypatch, tmp_path):
         package = Path(readers.__file__).parents[1]
-        assert (package.with_name("data"), package / "data") == _bundled.PLACES
+        assert (package.with_name("data"), package / "data") == _bundled.DATA_FOLDERS
         for place, lines in (("clone", 1), ("wheel", 2)):
             (tmp_path / place / "a").mkdir(parents=True)
             content = text([flaser(TRUTH[0], ODOMETRY[0])] * lines)
             (tmp_path / place / "a" / "a.log.gz").write_text(content)
-        monkeypatch.setattr(_bundled, "PLACES", (tmp_path / "clone", tmp_path / "wheel"))
+        monkeypatch.setattr(_bundled, "DATA_FOLDERS", (tmp_path / "clone", tmp_path / "wheel"))
         assert len(readers.load("a")) == 1
 
 

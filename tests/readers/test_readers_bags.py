@@ -305,7 +305,7 @@ class TestDamage:
     @pytest.mark.parametrize("packed", ["BZ2", "LZ4", "zstd"])
     def test_bombs_are_refused(self, tmp_path, monkeypatch, packed):
         """Each chunk is unpacked to what is left of the budget, never as a whole."""
-        monkeypatch.setattr(_bounds, "UNPACKED", 100_000)
+        monkeypatch.setattr(_bounds, "MOST_UNPACKED_BYTES", 100_000)
         if packed == "zstd":
             path = tmp_path / "bomb.mcap"
             data = pytest.importorskip("rosbags.rosbag2.storage_mcap").zstd.compress(
@@ -314,7 +314,7 @@ class TestDamage:
             chunk = bytes(28) + b"\4\0\0\0zstd" + len(data).to_bytes(8, "little") + data
             path.write_bytes(b"\x89MCAP0\r\n" + b"\6" + len(chunk).to_bytes(8, "little") + chunk)
         else:
-            monkeypatch.setattr(_bounds, "RATIO", 1)
+            monkeypatch.setattr(_bounds, "MOST_UNPACKED_RATIO", 1)
             path = bags.write(tmp_path, "ros1", compression=packed, story=_nothing_seen)
         with pytest.raises(LogError, match="unpacks to more than"):
             readers.read(path)
@@ -322,7 +322,7 @@ class TestDamage:
     @pytest.mark.parametrize("kind", ["bz2", "lz4", "zstd"])
     def test_a_chunk_may_fill_the_budget_and_no_more(self, monkeypatch, kind):
         """Catches a bomb that is cut short in silence."""
-        monkeypatch.setattr(_bounds, "UNPACKED", 100)
+        monkeypatch.setattr(_bounds, "MOST_UNPACKED_BYTES", 100)
         module = {"lz4": "lz4.frame", "zstd": "rosbags.rosbag2.storage_mcap"}.get(kind, kind)
         found = pytest.importorskip(module)
         pack = getattr(found, "zstd", found).compress
@@ -365,7 +365,7 @@ class TestDamage:
 
     def test_what_fills_the_budget_is_no_bomb(self, tmp_path, monkeypatch):
         """Catches a limit of one byte less, and data that are cut off where the budget ends."""
-        monkeypatch.setattr(_bounds, "UNPACKED", 500)
+        monkeypatch.setattr(_bounds, "MOST_UNPACKED_BYTES", 500)
         packers = {"bz2": bz2.compress, "lz4": importlib.import_module("lz4.frame").compress}
         for kind, pack in (packers | {"zstd": _bounds._zstd().compress}).items():
             for size, most in ((10, 500), (11, 550)):  # 50 times its size

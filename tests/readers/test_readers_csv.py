@@ -133,7 +133,7 @@ class TestTurns:
         assert [len(scan) for scan in log] == lengths
 
     def test_a_file_without_an_end_of_scan_is_refused(self, written, monkeypatch):
-        monkeypatch.setattr("segmap.readers._turns.MOST_BEAMS", 99)
+        monkeypatch.setattr("segmap.readers._turns.MOST_BEAMS_READ", 99)
         with pytest.raises(LogError, match="at most 99 beams in a scan"):
             read_csv(written("1,1\n" * 100), columns="angle_deg,range_m")
         with pytest.raises(LogError, match="at most 99 beams in a scan"):  # the second of two
@@ -159,7 +159,7 @@ class TestTurns:
         columns = head if "time" in head else head + ",other"
         path = written(text([columns + (",scan" if numbered else ""), *lines]))
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("segmap.arrays.slips.check_ranges", lambda *arguments: None)
+            patch.setattr("segmap.arrays.unit_checks.check_ranges", lambda *arguments: None)
             log = readers.read(path)
         assert [s.ranges.tolist() for s in log] == [[r * far for r in scan] for scan in scans]
         assert [s.angles.tolist() for s in log] == [[a * turn for a in turned] for turned in angles]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from log_samples import ODOMETRY, PLAYER_1, PLAYER_2, text
 
-from segmap.readers.carmen._player import spread
+from segmap.readers.carmen._player import beam_directions
 
 HEAD = "1000.500 16777343 6665"
 SCAN = "-1.5708 +1.5708 +1.5708"
@@ -83,12 +83,12 @@ def test_a_rounded_step_does_not_add_up(first, last, step, count, true_last, dig
         f"{np.radians(step):.{digits}f}",
     ]
     lost = 0.36 if count == 682 and digits == 4 else 0.01
-    assert np.degrees(spread(settings, count)[-1]) == pytest.approx(true_last, abs=lost)
+    assert np.degrees(beam_directions(settings, count)[-1]) == pytest.approx(true_last, abs=lost)
 
 
 @pytest.mark.parametrize(("count", "last"), [(181, 3.14159), (182, 3.14159 * 181 / 182)])
 def test_of_two_rounded_steps_an_odd_number_of_beams_takes_both_ends(count, last):
     step = f"{np.mean([3.14159 / count, 3.14159 / (count - 1)]):.6f}"
-    assert spread(["0", "3.14159", step], count)[-1] == pytest.approx(last)
+    assert beam_directions(["0", "3.14159", step], count)[-1] == pytest.approx(last)
     with pytest.raises(ValueError, match="expected angles in radians, got 10 "):
-        spread(["10", "3.14159", step], count)
+        beam_directions(["10", "3.14159", step], count)

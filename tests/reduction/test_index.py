@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from segmap.reduction._index import empty_index, enter, leave, meeting, wider
+from segmap.reduction._index import empty_index, enter, meeting, take_out, wider
 
 
 @pytest.mark.parametrize("unit", [0.02, 0.3, 300.0])
@@ -19,7 +19,7 @@ def test_what_meets_is_found_once_and_nothing_else(unit, shift):
         index = wider(index, 400) if i == 300 else index
         enter(index, i, s[i], reach[i])
     for i in range(0, 400, 3):
-        leave(index, i)
+        take_out(index, i)
     low, high = s.min(1) - reach[:, None], s.max(1) + reach[:, None]
     expected = (low[:, None] <= high + 0.2).all(-1) & (high[:, None] >= low - 0.2).all(-1)
     expected &= expected.T  # both were grown by 0.2 once
@@ -36,7 +36,7 @@ def test_a_touch_is_a_meeting():
         enter(index, 0, np.array([[place, 0.0]]), 0.0)
         assert meeting(index, np.array([[place + 0.1, 0.1]]), 0.1, found) == 1
         assert meeting(index, np.array([[place + 0.1, 0.1]]), 0.099, found) == 0
-        leave(index, 0)
+        take_out(index, 0)
 
 
 def test_a_box_wider_than_all_levels_is_in_the_last_one():
@@ -45,5 +45,5 @@ def test_a_box_wider_than_all_levels_is_in_the_last_one():
     enter(index, 0, np.zeros((1, 2)), 1e77)
     assert index.levels[-2, 0] == index.levels[-1, 0] == 1
     assert meeting(index, np.full((1, 2), 5.0), 0.1, found) == 1
-    leave(index, 0)
+    take_out(index, 0)
     assert not index.levels[:, 0].any()

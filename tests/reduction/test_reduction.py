@@ -9,7 +9,7 @@ import pytest
 from segmap import reduction
 from segmap.progress import told
 from segmap.reduction import METHODS, Reduction, _points
-from segmap.reduction._runner import run, run_online
+from segmap.reduction._runner import run_offline, run_online
 from segmap.segments import SegmentMap, length
 
 methods = pytest.mark.parametrize("name", METHODS)
@@ -138,7 +138,7 @@ def test_members_are_those_of_an_output(index):
 
 
 def test_as_many_points_as_are_allowed_are_made(monkeypatch):
-    monkeypatch.setattr(_points, "MOST_POINTS", 10)
+    monkeypatch.setattr(_points, "MOST_SPACED_POINTS", 10)
     assert len(_points.stand_ins(np.array([[(0, 0), (1, 0)]], float), 0.1)[0]) == 11
     with pytest.raises(ValueError, match="at most 10 points"):
         _points.stand_ins(np.array([[(0, 0), (1.1, 0)]], float), 0.1)
@@ -164,7 +164,7 @@ def test_the_runner_refuses_a_result_that_breaks_its_promises(out, into, message
     """Each is what a slip in a new method gives."""
     found = out, np.array(into)
     with pytest.raises(RuntimeError, match=f"slip: {message}"):
-        run("slip", WALLS, lambda rows: found)
+        run_offline("slip", WALLS, lambda rows: found)
 
 
 @pytest.mark.parametrize("live", [[1], [1, 1, 1], [1, 2]])
@@ -183,7 +183,7 @@ def test_the_runner_sorts_by_scan_and_carries_back():
 
     def steps(rows):
         assert list(rows.scans()) == [(0, 2), (2, 4)]
-        assert rows.row.tolist() == [1, 3, 0, 4]
+        assert rows.source_row.tolist() == [1, 3, 0, 4]
         yield 2
         yield 4
         return rows.segments, np.arange(4)
@@ -192,7 +192,7 @@ def test_the_runner_sorts_by_scan_and_carries_back():
     assert found.parents.tolist() == [2, 0, -1, 1, 3]
     assert found.scan_live.tolist() == [2, 4]
     assert found.seconds >= found.scan_seconds.sum() > 0
-    whole = run("kept", map, lambda rows: (rows.segments, np.arange(4)))
+    whole = run_offline("kept", map, lambda rows: (rows.segments, np.arange(4)))
     assert whole.parents.tolist() == [0, 1, -1, 2, 3]
     assert whole.scan_seconds is None
 

@@ -15,7 +15,7 @@ from segmap.plotting import ERROR, GROUPS, RAW, RESULT, TRUTH, axes_or_new, map_
 from segmap.quadtree import Frontier, QuadtreeMap
 
 from .._landscapes import Landscape, peaks, profile_peaks
-from .._trials import Trial
+from .._matcher_trials import Trial
 from ..literal import crossed_cells, ray_cells
 
 #: Marks of matchers, used in turn.

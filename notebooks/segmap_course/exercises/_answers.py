@@ -1,7 +1,7 @@
 """What a function answers to cases, and when two answers are the same.
 
-An answer is a plain value, as it comes back from another process too (see `_alone`); or `Raised`,
-the exception in its place; or `Other`, for something that is no plain value. The stub's answer is
+An answer is a plain value, as it comes back from another process too (see `_sandbox_protocol`); or
+`Raised`, the exception in its place; or `Other`, for something that is no plain value. The stub's answer is
 None.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from segmap.angles import axial_difference
 from segmap.arrays import Array
 
-from .._alone import Other, Raised, decode, encode, reply
+from .._sandbox_protocol import Other, Raised, decode, encode, reply
 
 #: What one case asks: words -> the arguments.
 Cases = Mapping[str, tuple[Any, ...]]

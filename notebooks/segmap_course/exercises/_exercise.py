@@ -14,8 +14,8 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.plotting import ERROR, TRUTH
 
-from .._alone import Raised
 from .._cells import lacking
+from .._sandbox_protocol import Raised
 from ._answers import Cases, agree, answered, close, in_full, numbers, text
 
 Rng = np.random.Generator

@@ -10,7 +10,7 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.poses import transform
 
-from .._alone import Surface
+from .._sandbox_protocol import Surface
 from ..literal import MOVES, climb_step, distance_score, systematic, weighed
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed, edited

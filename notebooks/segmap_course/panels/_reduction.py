@@ -48,7 +48,7 @@ from segmap.reduction import (
 )
 from segmap.segments import SegmentMap, midpoint
 
-from .._known import NOISES, known_building
+from .._known_buildings import NOISES, known_building
 from ._lesson import LessonPanel, keyword, note, pick, play, slide, tick
 
 #: Pixels: two pictures side by side.

@@ -16,7 +16,7 @@ from segmap.plotting import ERROR, MAP, RAW, RESULT, draw_scan, draw_segments
 from segmap.poses import compose, transform
 from segmap.poses.motions import arc
 from segmap.scans import LaserScan
-from segmap.scans.moving import carried
+from segmap.scans.motion import motion_compensated
 from segmap.segments import length, point_distance
 from segmap.simulation import URG_04LX, Sensor, simulate
 
@@ -93,7 +93,7 @@ class MovingPanel(LessonPanel):
         rng = np.random.default_rng(1)
         self.scan = simulate(self.walls, path, sensor=laser, rng=rng, moving=True)[0]
         if self.deskewed.value and self.scan.delays is not None:
-            self.scan = carried(self.scan, arc(motion * self.scan.delays[:, None]))
+            self.scan = motion_compensated(self.scan, arc(motion * self.scan.delays[:, None]))
         points = transform(self.pose, self.scan.points())
         far = point_distance(points[:, None], self.walls).min(axis=1)
         degrees, centimetres = abs(self.turn.value) * period, 100 * self.speed.value * period

@@ -26,14 +26,21 @@ from .._walls import constraints
 from . import _kernels as kernels
 from ._scenes import Candidate, Heuristic, Scene, corners, scene
 
-#: So many guesses are judged, those of them that are valuable are refined: at most so many.
-TRIED, REFINED = 150, 10
-#: Of guesses this near, metres and radians, the one with the longest walls is judged; ...
-NEAR = 0.1, np.radians(3)
+#: So many guesses are judged.
+JUDGED_GUESSES = 150
+#: At most so many of them, the most valuable ones, are refined.
+REFINED_GUESSES = 10
+#: Of guesses within this distance and turn, metres and radians, the one with the longest walls is
+#: judged; ...
+ALIKE_GUESSES = 0.1, np.radians(3)
+#: ... candidates within this distance and turn, metres and radians, are one.
+ONE_CANDIDATE = 0.3, np.radians(10)
 #: ... candidates this near are one.
-SAME = 0.3, np.radians(10)
-#: Share of the walls, and metres of wall across the others, that are enough to believe a match.
-LEAST_SHARE, LEAST_ACROSS = 0.40, 0.25
+ONE_CANDIDATE = 0.3, np.radians(10)
+#: Share of the walls that is enough to believe a match.
+LEAST_MATCHED_SHARE = 0.40
+#: Metres of wall across the others that are enough to believe a match.
+LEAST_ACROSS_M = 0.25
 #: As many matched walls, or more, are all the evidence that can be asked for.
 ENOUGH_WALLS = 4
 
@@ -51,7 +58,7 @@ def angle_candidates(
     whole: bool = False,
     min_length: Annotated[Metres, at_least(0)] = 0.10,
     most_pairs: Count = 50,
-    penalty: Annotated[Positive, at_least(0), at_most(arrays.MOST)] = 4.0,
+    penalty: Annotated[Positive, at_least(0), at_most(arrays.MOST_COUNTED)] = 4.0,
     viewpoints: tuple[ArrayLike | None, ArrayLike | None] = (None, None),
 ) -> list[Candidate]:
     """Guesses of how one set of segments lies on another, best first (A 3.3.1, steps 1 and 2).
@@ -103,12 +110,12 @@ def angle_candidates(
     )
     poses = _refined_poses(s, t, rule)
     value, hidden = np.empty(len(poses)), _hidden_lengths(poses, s, t)
-    kernels.values(s.segments, t.segments, poses, rule, value)
+    kernels.pose_values(s.segments, t.segments, poses, rule, value)
     score = value - penalty * hidden
     outside = compose(poses, (*-t.middle, 0.0)) + [*s.middle, 0.0]
-    best = best_distinct(poses, score, REFINED, SAME)
+    best = best_distinct(poses, score, REFINED_GUESSES, ONE_CANDIDATE)
     columns = outside[best], *np.array([value, hidden, score])[:, best].tolist()
-    walls = _matched(poses[best], s, t, rule)
+    walls = _wall_constraints(poses[best], s, t, rule)
     return [Candidate(*row, *wall) for *row, wall in zip(*columns, walls, strict=True)]
 
 
@@ -122,10 +129,10 @@ def _refined_poses(s: Scene, t: Scene, rule: Rule) -> Array:
     while (count := kernels.superpose(first, second, tried)) > len(tried):
         tried = np.empty((count, 4))
     tried = tried[:count]
-    best = best_distinct(tried, tried[:, 3], TRIED, NEAR)
+    best = best_distinct(tried, tried[:, 3], JUDGED_GUESSES, ALIKE_GUESSES)
     poses, worth = tried[best, :3].copy(), np.empty(len(best))
-    kernels.values(s.segments, t.segments, poses, rule, worth)
-    poses = poses[best_distinct(poses, worth, REFINED, SAME)]
+    kernels.pose_values(s.segments, t.segments, poses, rule, worth)
+    poses = poses[best_distinct(poses, worth, REFINED_GUESSES, ONE_CANDIDATE)]
     room = np.empty((2 * len(s.segments) * len(t.segments), 5))
     for pose in poses:
         kernels.refine(s.segments, t.segments, pose, rule, room)
@@ -137,14 +144,16 @@ def best_distinct(
 ) -> NDArray[np.int64]:
     """Indices of at most so many of the best poses, best first, each unlike all before it."""
     chosen = np.empty(most, np.int64)
-    return chosen[: kernels.distinct(poses, np.argsort(-worth, kind="stable"), *near, chosen)]
+    return chosen[
+        : kernels.choose_distinct_poses(poses, np.argsort(-worth, kind="stable"), *near, chosen)
+    ]
 
 
 def _hidden_lengths(poses: Array, s: Scene, t: Scene) -> Array:
     """Length of wall, (k,) array, metres, that one scene has seen through a wall of the other."""
     found, stood = np.zeros(len(poses)), transform(poses, t.places)
     for k, pose in enumerate(poses):
-        there = kernels.moved(t.segments, *pose)
+        there = kernels.segments_at_pose(t.segments, *pose)
         looks = ((s.places, s.segments, there), (stood[k], there, s.segments))
         for places, segments, walls in looks:
             least = np.inf  # from the best of the places
@@ -154,12 +163,12 @@ def _hidden_lengths(poses: Array, s: Scene, t: Scene) -> Array:
     return found
 
 
-def _matched(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tuple[int, Array]]:
+def _wall_constraints(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tuple[int, Array]]:
     """For each pose how many walls match, and the constraints about where the current frame is."""
     found, described = [], describe(s.segments)
     value = np.empty((len(s.segments), len(t.segments)))
     for pose, (x, y) in zip(poses, transform(poses, -t.middle[None])[:, 0], strict=True):
-        there = kernels.moved(t.segments, *pose)
+        there = kernels.segments_at_pose(t.segments, *pose)
         kernels.fill_values(s.segments, described, there, rule, value)
         some = value > 0
         rows = np.empty((2 * np.count_nonzero(some), 5))
@@ -175,8 +184,8 @@ def match_angles(
     current_segments: Segments,
     *,
     rng: np.random.Generator,
-    least_share: Positive = LEAST_SHARE,
-    least_across: Positive = LEAST_ACROSS,
+    least_share: Positive = LEAST_MATCHED_SHARE,
+    least_across: Positive = LEAST_ACROSS_M,
     rival: Positive = 0.88,
     **options: Any,
 ) -> Match:
@@ -271,7 +280,7 @@ def angle_correspondence(
     """
     arrays.function(extract, "extract", "of points")
     chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
-    found = [arrays.called(extract, "extract", scan.points()) for scan in log]
+    found = [arrays.call_given(extract, "extract", scan.points()) for scan in log]
     segments = [arrays.segments(each, "extract(points)") for each in found]
     seen = [(each, scan.sensor_pose[:2]) for each, scan in zip(segments, log, strict=True)]
     map = transform(trail.poses[0], seen[0][0]) if grow and seen else None
@@ -311,14 +320,18 @@ def _on_map(
     farther from it, and must have as much evidence as a match of scans.
     """
     size = float(length(walls).sum())
-    rules = {"least_share": LEAST_SHARE, "least_across": LEAST_ACROSS, "penalty": 0.0} | thresholds
+    rules = {
+        "least_share": LEAST_MATCHED_SHARE,
+        "least_across": LEAST_ACROSS_M,
+        "penalty": 0.0,
+    } | thresholds
     share, across = rules.pop("least_share"), rules.pop("least_across")
     rules.pop("rival", None)
     reach = 1.5 * np.hypot(*walls.reshape(-1, 2).T).max(initial=0.0)  # the scan's, and some
     near = map[point_distance(pose[:2], map) <= reach]
     for found in angle_candidates(near, walls, rng=rng, **rules):
         x, y, turn = between(pose, found.pose)
-        distance, angle = NEAR if known else SAME
+        distance, angle = ALIKE_GUESSES if known else ONE_CANDIDATE
         believed = known or (found.value >= share * size and found.wall_across() >= across)
         if np.hypot(x, y) < distance and abs(turn) < angle and believed:
             return found.pose

@@ -20,11 +20,11 @@ from .._walls import constraints
 #: by 3 degrees.
 SIMILAR = np.radians(8)
 #: Share of the shorter wall that the other one must cover, for both walls of two corners.
-COVERED = 0.3
+LEAST_COVERED_SHARE = 0.3
 #: Least-squares steps of a guess that is refined.
-ROUNDS = 4
+REFINING_ROUNDS = 4
 #: What stands so near to a wall, metres, does not hide it: noise, and the far end of a corner.
-MARGIN = 0.10
+HIDING_MARGIN_M = 0.10
 #: A pivot of less than this share of the whole is rounding.
 SINGULAR = 1e-9
 
@@ -51,7 +51,7 @@ def superpose(first: Array, second: Array, found: Array) -> int:
                 else:
                     on_i = min(a[5], -b[4]) - max(a[4], -b[5])
                     on_j = min(a[7], -b[6]) - max(a[6], -b[7])
-                if on_i < COVERED * at_i or on_j < COVERED * at_j:
+                if on_i < LEAST_COVERED_SHARE * at_i or on_j < LEAST_COVERED_SHARE * at_j:
                     continue
                 if count < len(found):
                     heading = a[2] - b[2] + turn + way * np.pi
@@ -65,7 +65,7 @@ def superpose(first: Array, second: Array, found: Array) -> int:
 
 
 @compiled
-def distinct(
+def choose_distinct_poses(
     poses: Array, order: NDArray[np.int64], place: float, turn: float, chosen: NDArray[np.int64]
 ) -> int:
     """Write the indices of poses unlike all before them in an order; return how many.
@@ -89,7 +89,7 @@ def distinct(
 
 
 @compiled
-def moved(s: Array, x: float, y: float, heading: float) -> Array:
+def segments_at_pose(s: Array, x: float, y: float, heading: float) -> Array:
     """Segments `(n, 2, 2)`, metres, carried by a pose, metres and radians."""
     out, c, z = np.empty_like(s), np.cos(heading), np.sin(heading)
     for i in range(len(s)):
@@ -111,11 +111,11 @@ def fill_values(s: Array, a: Array, t: Array, rule: Rule, found: Array) -> float
 
 
 @compiled
-def values(s: Array, t: Array, poses: Array, rule: Rule, found: Array) -> None:
+def pose_values(s: Array, t: Array, poses: Array, rule: Rule, found: Array) -> None:
     """Value of each pose `(k, 3)` of t in the frame of s, metres: the sum of match values."""
     a, pairs = describe(s), np.empty((len(s), len(t)))
     for k in range(len(poses)):
-        there = moved(t, poses[k, 0], poses[k, 1], poses[k, 2])
+        there = segments_at_pose(t, poses[k, 0], poses[k, 1], poses[k, 2])
         found[k] = fill_values(s, a, there, rule, pairs)
 
 
@@ -161,12 +161,12 @@ def refine(s: Array, t: Array, pose: Array, rule: Rule, rows: Array) -> None:
     a, value = describe(s), np.empty((len(s), len(t)))
     x, y, heading = pose[0], pose[1], pose[2]
     before = worth = 0.0
-    for k in range(ROUNDS + 1):
-        there = moved(t, x, y, heading)
+    for k in range(REFINING_ROUNDS + 1):
+        there = segments_at_pose(t, x, y, heading)
         worth = fill_values(s, a, there, rule, value)
         if k == 0:
             before = worth
-        if k < ROUNDS:
+        if k < REFINING_ROUNDS:
             dx, dy, turn = _least_move(rows, constraints(s, a, there, value, rows))
             c, d = np.cos(turn), np.sin(turn)
             x, y, heading = dx + c * x - d * y, dy + d * x + c * y, heading + turn
@@ -181,7 +181,7 @@ def _is_hidden(px: float, py: float, x: float, y: float, walls: Array) -> bool:
     Walls `(n, 2, 2)`, metres; one whose line passes within the margin of (x, y) hides nothing.
     """
     reach = np.hypot(x - px, y - py)
-    if reach <= MARGIN:
+    if reach <= HIDING_MARGIN_M:
         return False
     dx, dy = (x - px) / reach, (y - py) / reach
     for k in range(len(walls)):
@@ -193,8 +193,8 @@ def _is_hidden(px: float, py: float, x: float, y: float, walls: Array) -> bool:
         size, part = np.hypot(wx, wy), a / (a - b)
         ahead = dx * (x0 + part * wx - px) + dy * (y0 + part * wy - py)
         off = abs((x - x0) * wy - (y - y0) * wx) / size
-        clear = MARGIN / 3 < ahead < reach and off > MARGIN
-        if clear and min(part, 1 - part) * size > MARGIN / 3:
+        clear = HIDING_MARGIN_M / 3 < ahead < reach and off > HIDING_MARGIN_M
+        if clear and min(part, 1 - part) * size > HIDING_MARGIN_M / 3:
             return True
     return False
 

@@ -22,12 +22,16 @@ from . import _kernels as kernels
 Heuristic = Literal["all", "consecutive", "random", "perpendicular"]
 
 
-#: Lines nearer to parallel, radians, meet too far away; pairs nearer to upright are perpendicular.
-PARALLEL, RIGHT = np.radians(20), np.radians(8)
+#: Lines that cross at a smaller angle, radians, meet too far away.
+LEAST_CROSSING_RAD = np.radians(20)
+#: Pairs that are nearer than this to a right angle, radians, are perpendicular.
+PERPENDICULAR_RAD = np.radians(8)
 #: By noise a segment may begin so much before the one that it follows ends, radians.
 OVERTAKEN = np.radians(2)
-#: Longest segments that viewpoints are looked for among, and viewpoints kept.
-WALLS, PLACES = 8, 3
+#: Viewpoints are looked for among so many of the longest segments.
+VIEWPOINT_WALLS = 8
+#: So many viewpoints are kept.
+MOST_VIEWPOINTS = 3
 
 
 class Candidate(NamedTuple):
@@ -124,8 +128,8 @@ def wall_pairs(
     at, sizes = angle(segments), length(segments)
     turn = np.abs(axial_difference(at[first], at[second]))
     shorter = np.minimum(sizes[first], sizes[second])
-    crooked = np.flatnonzero(turn > PARALLEL)
-    square = crooked[turn[crooked] > np.pi / 2 - RIGHT]
+    crooked = np.flatnonzero(turn > LEAST_CROSSING_RAD)
+    square = crooked[turn[crooked] > np.pi / 2 - PERPENDICULAR_RAD]
     chosen = {
         "consecutive": crooked[(second - first)[crooked] == 1],
         "random": rng.permutation(crooked)[:most],
@@ -176,7 +180,7 @@ def viewpoints(segments: Array) -> Array:
     A wall that was seen whole has nothing before it. So where the sensor stood all segments of its
     scan are in sight; and a place from which they all are is nearly as good as where it stood.
     """
-    walls = segments[np.argsort(-length(segments), kind="stable")[:WALLS]]
+    walls = segments[np.argsort(-length(segments), kind="stable")[:VIEWPOINT_WALLS]]
     middles, along = midpoint(walls), walls[:, 1] - walls[:, 0]
     normals = np.stack([-along[:, 1], along[:, 0]], -1) / length(walls)[:, None]
     first, second = np.triu_indices(len(walls), 1)  # half way between walls, and beside each
@@ -191,7 +195,7 @@ def viewpoints(segments: Array) -> Array:
         least = min(least, lost[k])
     places = tried[lost <= least + slack]
     chosen = [int(np.argmin(np.hypot(*(places - places.mean(0)).T)))]
-    while len(chosen) < min(PLACES, len(places)):  # the one farthest from those chosen
+    while len(chosen) < min(MOST_VIEWPOINTS, len(places)):  # the one farthest from those chosen
         apart = np.hypot(*(places[:, None] - places[chosen]).T).min(0)
         chosen.append(int(np.argmax(apart)))
     return places[chosen]

@@ -28,13 +28,15 @@ from ._lines import BackboneStep
 # What is expected of an orthogonal building before the result is believed:
 #: A segment follows a direction to within this, radians: six standard deviations of a wall of 1 m,
 #: seen with 20 beams and 10 mm of noise.
-FOLLOWS = np.radians(3.0)
+ALONG_AXIS_RAD = np.radians(3.0)
 #: Walls of one scan that leave more after the best common rotation, radians, are bent: straight
 #: ones left 0.02 to 0.6 degrees in all logs, a ring of 30 m radius 1.8.
-SPREAD = np.radians(1.0)
-#: Corrections of more than `BEND`, radians, in a straight stretch, metres, come from a gentle bend
-#: as well as from bad odometry: real logs needed up to 3.7 degrees, a ring of 60 m radius 9.
-STRETCH, BEND = 10.0, np.radians(4.0)
+BENT_WALLS_RAD = np.radians(1.0)
+#: Length of a straight stretch, metres, in which corrections are added up.
+STRAIGHT_STRETCH_M = 10.0
+#: Larger corrections in a stretch, radians, come from a gentle bend as well as from bad odometry:
+#: real logs needed up to 3.7 degrees, a ring of 60 m radius 9.
+MOST_BEND_RAD = np.radians(4.0)
 
 
 @dataclass(frozen=True)
@@ -182,13 +184,13 @@ class _Backbone:
             partner[:] = partner if t.follow else -1
         pose = geometry.turned(guess, seen, self.lines, partner, t.parallel)  # step 6
         if not reason:
-            pose = geometry.moved(pose, seen, self.lines, partner)  # step 7
+            pose = geometry.shifted_onto_lines(pose, seen, self.lines, partner)  # step 7
         if k:
             self.trail.place(pose, reason)
         if not skipped:
             self.last, self.lost = pose, bool(reason and len(seen))
             laid = transform(pose, seen)  # step 8; A merges them before they are moved
-            self.walls = geometry.merged(self.walls, laid, t.distance / 2, t.parallel)
+            self.walls = geometry.merged_into_walls(self.walls, laid, t.distance / 2, t.parallel)
         known = (guess, pose, seen, partner, self.lines, self.known)
         return BackboneStep(*known, bool(skipped), rebuilt, reason if k else "")
 
@@ -225,7 +227,7 @@ def _causes(steps: Sequence[BackboneStep], orthogonal: float) -> tuple[list[Find
     if share < orthogonal:
         wrong = [f"{share:.0%} of the wall seen follows two perpendicular directions"]
         wrong[0] += f", expected at least {orthogonal:.0%}"
-    if spread > SPREAD:
+    if spread > BENT_WALLS_RAD:
         wrong.append(f"the walls of a scan disagree by {np.degrees(spread):.1f} degrees")
     if wrong and orthogonal > 0:
         why = "(not an orthogonal building, or odometry too bad)"
@@ -234,9 +236,9 @@ def _causes(steps: Sequence[BackboneStep], orthogonal: float) -> tuple[list[Find
     bend = _bend_corrected(steps)
     words = (
         f"the assumption is doubtful: straight stretches were turned by {np.degrees(bend):.1f} "
-        f"degrees in {STRETCH:g} m (a gentle bend, or bad odometry)"
+        f"degrees in {STRAIGHT_STRETCH_M:g} m (a gentle bend, or bad odometry)"
     )
-    return [Finding(Cause.NOT_ORTHOGONAL, bend, words)] if bend > BEND else [], False
+    return [Finding(Cause.NOT_ORTHOGONAL, bend, words)] if bend > MOST_BEND_RAD else [], False
 
 
 def _share_followed(steps: Sequence[BackboneStep]) -> float:
@@ -247,7 +249,7 @@ def _share_followed(steps: Sequence[BackboneStep]) -> float:
     laid = np.concatenate([transform(s.pose, s.segments) for s in looked])
     angles, weight = angle_of(laid), length(laid)
     off = np.abs(axial_difference(2 * angles, 2 * steps[-1].known[:, None])) / 2
-    return float(((off < FOLLOWS) @ weight).max() / weight.sum())
+    return float(((off < ALONG_AXIS_RAD) @ weight).max() / weight.sum())
 
 
 def _bend_corrected(steps: Sequence[BackboneStep]) -> float:
@@ -255,5 +257,7 @@ def _bend_corrected(steps: Sequence[BackboneStep]) -> float:
     poses: Array = np.array([s.pose for s in steps])
     way = np.append(0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T)))
     straight = [0.0 if "turning" in s.reason else s.rotation for s in steps]
-    sums = np.bincount((way // STRETCH).astype(int), straight)[: int(way[-1] // STRETCH)]
+    sums = np.bincount((way // STRAIGHT_STRETCH_M).astype(int), straight)[
+        : int(way[-1] // STRAIGHT_STRETCH_M)
+    ]
     return float(np.median(np.abs(sums))) if len(sums) else 0.0

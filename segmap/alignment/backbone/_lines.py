@@ -195,7 +195,7 @@ def turned(pose: Array, seen: Array, lines: Lines, partner: Indices, parallel: f
     return np.array([pose[0], pose[1], float(wrap(pose[2] + turn))])
 
 
-def moved(pose: Array, seen: Array, lines: Lines, partner: Indices) -> Array:
+def shifted_onto_lines(pose: Array, seen: Array, lines: Lines, partner: Indices) -> Array:
     """A pose, (3,) array, moved by the ends of the segments as turned (step 7; A: not turned)."""
     on = partner >= 0
     ends, normal = transform(pose, seen[on]), lines.normal[partner[on]]
@@ -205,7 +205,7 @@ def moved(pose: Array, seen: Array, lines: Lines, partner: Indices) -> Array:
     return pose + np.append(shift, 0.0)
 
 
-def merged(walls: Walls, segments: Array, distance: float, parallel: float) -> Walls:
+def merged_into_walls(walls: Walls, segments: Array, distance: float, parallel: float) -> Walls:
     """The significant segments with those of another scan merged in (A 3.3.2, step 8).
 
     Segments `(m, 2, 2)`, metres, in the frame of the walls. One is a piece of a wall where both its

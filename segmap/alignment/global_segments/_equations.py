@@ -4,7 +4,7 @@ Both are the same problem, A's 2.3: the x that make `sum w |x_i - x_j + c|^2` le
 derivatives to zero gives `B x = A` with a graph Laplacian B, which leaves one x of each connected
 group of scans free: that one is held. *Slips:* A's 2.6 lacks a minus before its first sum, the
 right sides of 2.11 and 2.15 have the wrong sign, and 2.13-2.14 lack a factor 2 and half of what
-stands off the diagonal. Here all of them come from `solve`.
+stands off the diagonal. Here all of them come from `solve_differences`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...angles import axial_difference, wrap
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import APART, describe
+from ...kernels import APART_WEIGHT, describe
 from ...poses import transform
 from ...segments import angle
 from ..graph import groups
@@ -27,9 +27,9 @@ Indices = NDArray[np.int64]
 
 
 #: A round is the last when no scan moves by more, metres and radians.
-CONVERGED = 1e-4
+ROUNDS_CONVERGED = 1e-4
 #: Parts of `spread` that the weights go down by when all scans are joined.
-FINER = (1.0, 1 / 4, 1 / 10)
+SPREAD_PARTS = (1.0, 1 / 4, 1 / 10)
 #: Pairs that weigh less are left out: scans joined by such pairs alone count as not joined.
 LEAST_WEIGHT = 1e-6
 
@@ -44,7 +44,7 @@ class Rules(NamedTuple):
 
     def finer(self) -> list[Rules]:
         """Those of the last stages, with ever less spread."""
-        return [self._replace(spread=part * self.spread) for part in FINER]
+        return [self._replace(spread=part * self.spread) for part in SPREAD_PARTS]
 
 
 class Scans(NamedTuple):
@@ -63,10 +63,10 @@ class Scans(NamedTuple):
 
     def only(self, scans: Indices) -> Scans:
         """Those scans alone, by their indices, (s,) int array; the same segments, metres."""
-        return stacked([self.segments[self.first[k] : self.first[k + 1]] for k in scans])
+        return stacked_scans([self.segments[self.first[k] : self.first[k + 1]] for k in scans])
 
 
-def stacked(segments: list[Array]) -> Scans:
+def stacked_scans(segments: list[Array]) -> Scans:
     """Segments of scans, one `(n, 2, 2)` array a scan, metres, in the frame of its robot."""
     first = np.cumsum([0, *(len(found) for found in segments)])
     return Scans(np.concatenate([np.empty((0, 2, 2)), *segments]), first)
@@ -88,7 +88,7 @@ class Pairs(NamedTuple):
 @compiled
 def _similar(s: Array, d: Array, u: int, v: int, most: float) -> float:
     """Segment distance of u and v of s, which d describes; infinity where not below `most`."""
-    reach = most / APART + d[u, 4] + d[v, 4]
+    reach = most / APART_WEIGHT + d[u, 4] + d[v, 4]
     if abs(d[u, 0] - d[v, 0]) >= reach or abs(d[u, 1] - d[v, 1]) >= reach:
         return np.inf
     return distance_below(s[u], s[v], d[u], d[v], most)
@@ -174,7 +174,9 @@ def corresponding(
     return Pairs(i, j, u, v, weight[some]), edge[some]
 
 
-def solve(i: Indices, j: Indices, weight: Array, gap: Array, held: NDArray[np.bool_]) -> Array:
+def solve_differences(
+    i: Indices, j: Indices, weight: Array, gap: Array, held: NDArray[np.bool_]
+) -> Array:
     """The x, `(n, c)`, with the least `sum w |x_i - x_j + gap|^2`, zero where held (2.3-2.6).
 
     Of p pairs, gaps `(p, c)`. Every group of connected scans must have one that is held.
@@ -183,7 +185,7 @@ def solve(i: Indices, j: Indices, weight: Array, gap: Array, held: NDArray[np.bo
     --------
     >>> ends = np.array([0, 1]), np.array([1, 2])
     >>> held = np.array([True, False, False])
-    >>> solve(*ends, np.ones(2), np.array([[1.0], [2.0]]), held).ravel().tolist()
+    >>> solve_differences(*ends, np.ones(2), np.array([[1.0], [2.0]]), held).ravel().tolist()
     [0.0, 1.0, 3.0]
     """
     from scipy.sparse import coo_array
@@ -213,13 +215,13 @@ def with_one_held(i: Indices, j: Indices, held: NDArray[np.bool_]) -> NDArray[np
 def best_turns(segments: Array, pairs: Pairs, held: NDArray[np.bool_]) -> Array:
     """Turns of all scans, `(n,)` radians, that make corresponding segments most parallel (2.8)."""
     gap = axial_difference(angle(segments[pairs.u]), angle(segments[pairs.v]))
-    return solve(pairs.i, pairs.j, pairs.weight, gap[:, None], held)[:, 0]
+    return solve_differences(pairs.i, pairs.j, pairs.weight, gap[:, None], held)[:, 0]
 
 
 def best_shifts(segments: Array, pairs: Pairs, held: NDArray[np.bool_]) -> Array:
     """Shifts of all scans, `(n, 2)` metres, that bring end points to their feet (2.12)."""
     gap, i, j = feet(segments, pairs)
-    return solve(i, j, np.tile(pairs.weight, 4), gap, held)
+    return solve_differences(i, j, np.tile(pairs.weight, 4), gap, held)
 
 
 def feet(segments: Array, pairs: Pairs) -> tuple[Array, Indices, Indices]:
@@ -252,6 +254,6 @@ def settled(
         poses[:, 2] = wrap(poses[:, 2] + turns)
         shifts = best_shifts(scans.world(poses), pairs, fixed)
         poses[:, :2] += shifts
-        if max(np.abs(turns).max(), np.abs(shifts).max()) < CONVERGED:
+        if max(np.abs(turns).max(), np.abs(shifts).max()) < ROUNDS_CONVERGED:
             break
     return poses

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from ... import arrays
 from ...angles import wrap
-from ...arrays import Array, Count, Metres, Radians, below
-from ...kernels import APART, describe
+from ...arrays import Array, Count, Metres, Radians, upper_bound_excluded
+from ...kernels import APART_WEIGHT, describe
 from ...poses import between, compose, interpolate, inverse
 from ...scans import Log
 from ...segments import angle as angle_of
@@ -25,16 +25,18 @@ from . import _equations as equations
 from ._equations import Indices, Pairs, Rules, Scans
 
 #: Standard deviation of a wall's position from one scan to another, metres, for the residuals.
-SIGMA = 0.03
+WALL_POSITION_SIGMA_M = 0.03
 #: Where a smaller share of the walls lies across a direction, it is free.
-ACROSS = 0.02
-#: Two scans so near to each other, metres and radians, must see the same walls.
-PLACE, VIEW = 0.50, np.radians(30.0)
+LEAST_ACROSS_SHARE = 0.02
+#: Two scans nearer to each other than this, metres, ...
+SAME_VIEW_M = 0.50
+#: ... and turned by less, radians, must see the same walls.
+SAME_VIEW_RAD = np.radians(30.0)
 NO_ODOMETRY = "no odometry to begin from"
 NOTHING_SHARED = "shares no two walls with the scans around it: hangs on odometry"
-TORN = "torn from its neighbours farther than segments correspond"
-BEYOND = "beyond a break: not tied to the largest group of scans"
-DOUBLED = "sees other walls than an earlier scan at the same place"
+TORN_FROM_NEIGHBOURS = "torn from its neighbours farther than segments correspond"
+BEYOND_A_BREAK = "beyond a break: not tied to the largest group of scans"
+SEES_OTHER_WALLS = "sees other walls than an earlier scan at the same place"
 
 
 @alignment_method
@@ -43,7 +45,7 @@ def global_segments(
     *,
     start: ArrayLike | None = None,
     similar: Metres = 0.20,
-    angle: Annotated[Radians, below(np.pi / 2)] = np.radians(15.0),
+    angle: Annotated[Radians, upper_bound_excluded(np.pi / 2)] = np.radians(15.0),
     spread: Metres = 0.05,
     reach: Metres = 1.0,
     rounds: Count = 15,
@@ -109,7 +111,7 @@ def global_segments(
     else:
         return Outcome(np.zeros((len(log), 3)), ["", *[NO_ODOMETRY] * len(log)][: len(log)])
     # 1. The scans that are kept
-    scans = equations.stacked([long_segments(scan, min_length) for scan in log])
+    scans = equations.stacked_scans([long_segments(scan, min_length) for scan in log])
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(guess[:, :2], axis=0).T))])
     kept = kept_scans(scans.world(guess), scans.first, way, reach, rules)
     # 2. and 3. These, joined and aligned
@@ -127,8 +129,8 @@ def global_segments(
     pairs, _ = equations.corresponding(scans.world(poses), scans.first, edges, stage)
     reasons = _doubts(scans, poses, pairs)
     for k, before in zip(rest, place - 1, strict=True):
-        broken = why[before] in (BEYOND, TORN, NOTHING_SHARED)
-        reasons[k] = reasons[k] or (BEYOND if broken else "")
+        broken = why[before] in (BEYOND_A_BREAK, TORN_FROM_NEIGHBOURS, NOTHING_SHARED)
+        reasons[k] = reasons[k] or (BEYOND_A_BREAK if broken else "")
     for k, reason in zip(kept, why, strict=True):
         reasons[k] = reason
     return Outcome(poses, reasons, graph)
@@ -211,7 +213,12 @@ def _align_kept(
     label = np.unique(np.column_stack([group, part]), axis=0, return_inverse=True)[1].ravel()
     beyond = np.flatnonzero(label != np.bincount(label).argmax())
     why, again = _doubts(scans, poses, pairs), _doubled(scans, poses, edges[edge])
-    marks = [(begins, NOTHING_SHARED), (torn, TORN), (beyond, BEYOND), (again, DOUBLED)]
+    marks = [
+        (begins, NOTHING_SHARED),
+        (torn, TORN_FROM_NEIGHBOURS),
+        (beyond, BEYOND_A_BREAK),
+        (again, SEES_OTHER_WALLS),
+    ]
     for marked, reason in marks:
         for k in marked:
             why[k] = why[k] or reason
@@ -219,7 +226,7 @@ def _align_kept(
     square = (equations.feet(scans.world(poses), pairs)[0] ** 2).sum(-1).reshape(4, -1).mean(0)
     total, weight = np.bincount(owner, pairs.weight * square), np.bincount(owner, pairs.weight)
     i, j = edges[joined].T
-    residuals = np.sqrt(total / weight) / SIGMA
+    residuals = np.sqrt(total / weight) / WALL_POSITION_SIGMA_M
     loop = way[j] - way[i] > 2 * reach
     graph = Graph(edges[joined], between(poses[i], poses[j]), loop, residuals)
     return poses, graph, ["", *why[1:]]
@@ -227,7 +234,7 @@ def _align_kept(
 
 def _overlapping(scans: Scans, poses: Array, way: Array, window: float, rules: Rules) -> Indices:
     """Pairs of scans, `(m, 2)`, whose views overlap, at most `window` metres of way apart."""
-    segments, gap = scans.world(poses), rules.similar / APART
+    segments, gap = scans.world(poses), rules.similar / APART_WEIGHT
     boxes = np.full((len(poses), 4), np.nan)
     for k, (begin, end) in enumerate(zip(scans.first[:-1], scans.first[1:], strict=True)):
         if end > begin:
@@ -247,7 +254,7 @@ def _doubts(scans: Scans, poses: Array, pairs: Pairs) -> list[str]:
     whole = np.bincount(both, weight, count)
     ways = weight * np.exp(2j * angle_of(world[np.r_[pairs.u, pairs.v]]))
     total = np.bincount(both, ways.real, count) + 1j * np.bincount(both, ways.imag, count)
-    one_way = (whole - np.abs(total)) / 2 < ACROSS * whole
+    one_way = (whole - np.abs(total)) / 2 < LEAST_ACROSS_SHARE * whole
     marks = zip(whole > 0, one_way, strict=True)
     return [NOTHING_SHARED if not some else ONE_DIRECTION if one else "" for some, one in marks]
 
@@ -257,7 +264,7 @@ def _doubled(scans: Scans, poses: Array, joined: Indices) -> Indices:
     count = np.diff(scans.first)
     i, j = np.triu_indices(len(poses), 1)
     step = poses[j] - poses[i]
-    same = np.hypot(step[:, 0], step[:, 1]) < PLACE
-    same &= (np.abs(wrap(step[:, 2])) < VIEW) & (np.minimum(count[i], count[j]) > 1)
+    same = np.hypot(step[:, 0], step[:, 1]) < SAME_VIEW_M
+    same &= (np.abs(wrap(step[:, 2])) < SAME_VIEW_RAD) & (np.minimum(count[i], count[j]) > 1)
     known = np.isin(i * len(poses) + j, joined[:, 0] * len(poses) + joined[:, 1])
     return np.unique(j[same & ~known])

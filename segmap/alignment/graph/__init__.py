@@ -14,9 +14,10 @@ from ._graph import (
     solve_graph,
 )
 from ._solver import SCALE, Solver, solve
-from ._spread import NEARBY, spread
+from ._spread import NEARBY, place_deviations
 
 __all__ = [
     "NEARBY", "REAL", "REAL_ERRORS", "SCALE", "Edge", "Graph", "Rejected", "Solver", "deviations",
-    "groups", "information", "loops_of", "residuals", "solve", "solve_graph", "spread", "stacked",
+    "groups", "information", "loops_of", "place_deviations", "residuals", "solve", "solve_graph",
+    "stacked",
 ]  # fmt: skip

@@ -16,7 +16,7 @@ from ...compiled import compiled
 from ._equations import Edges, Flags, Indices
 
 #: A pivot that is left with less than this part of its entry is rounding: the pose is free.
-ROUNDING = 1e-15
+PIVOT_ROUNDING = 1e-15
 
 
 class Factor(NamedTuple):
@@ -112,7 +112,7 @@ def factorise(f: Factor, edges: Edges, marked: Flags, work: Array, lists: Indice
     for j in range(len(f.pose)):
         left = f.length[j]
         if marked[j]:
-            _gather(f, edges, j, work)
+            _assemble_column(f, edges, j, work)
             if lists[0, j] < j:
                 _subtract(f, lists[0, j], j - 1, left + 1, work, sums)
             k = lists[2, j]
@@ -141,7 +141,7 @@ def _wait(f: Factor, k: int, left: int, lists: Indices) -> None:
 
 
 @compiled
-def _gather(f: Factor, edges: Edges, j: int, work: Array) -> None:
+def _assemble_column(f: Factor, edges: Edges, j: int, work: Array) -> None:
     """Sum the blocks of all edges in column j of the matrix, by row; 1 for a pose without edges."""
     s = f.head[f.pose[j]]
     if s < 0:
@@ -156,7 +156,7 @@ def _gather(f: Factor, edges: Edges, j: int, work: Array) -> None:
                 work[row, k] += edges.blocks[e, 2, turned if side else k]
         s = f.link[s]
     for k in range(3):
-        f.pivots[j, k] = ROUNDING * work[j, 4 * k]
+        f.pivots[j, k] = PIVOT_ROUNDING * work[j, 4 * k]
 
 
 @compiled

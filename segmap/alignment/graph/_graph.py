@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ... import arrays
 from ...angles import wrap
 from ...arrays import Array, Positive, at_least, at_most
-from ...poses.information import checked
+from ...poses.information import checked_information
 from ...poses.motions import between, compose
 from ._equations import Edge, Indices
 from ._solver import SCALE, solve
@@ -91,7 +91,7 @@ def solve_graph(
     relative: ArrayLike,
     *,
     information: ArrayLike | None = None,
-    scale: Annotated[Positive, at_least(arrays.LEAST), at_most(np.inf)] = SCALE,
+    scale: Annotated[Positive, at_least(arrays.SMALLEST_THRESHOLD_M), at_most(np.inf)] = SCALE,
 ) -> Array:
     """Poses that fit measured motions best, the first scan held (Grisetti et al. 2010).
 
@@ -131,7 +131,7 @@ def solve_graph(
     ends = arrays.table(edges, "edges", 2, unit="numbers of scans").astype(np.int64)
     m, motion = len(ends), arrays.poses(relative, "relative", count=len(ends))
     real = np.broadcast_to(np.linalg.inv(REAL), (m, 3, 3))
-    weight = real if information is None else checked(information, m)
+    weight = real if information is None else checked_information(information, m)
     if not m:
         return start
     if ends.min() < 0 or ends.max() >= len(start):

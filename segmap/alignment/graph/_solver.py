@@ -19,22 +19,24 @@ from ._factor import Factor, factorise, find_structure, link_slots, substitute
 #: closed better, false loops are far beyond.
 SCALE = 3.0
 #: Rounds are at most so many: what is solved takes three to fifteen.
-ROUNDS = 30
+MOST_SOLVER_ROUNDS = 30
 #: Steps of the solver end where no pose moves by more than this, metres and radians: a hundredth of
 #: what a laser sees.
-CONVERGED = 1e-5
+SOLVER_CONVERGED = 1e-5
 #: Where no pose moves by more than this, metres and radians, the bend of the loss is used as well:
-#: weights alone come closer to the minimum by a third at each step. It takes at most so large a
-#: part of an edge's weight: all of it would leave a pose free that only this edge ties.
-NEAR, BENT = 0.03, 0.9
+#: weights alone come closer to the minimum by a third at each step.
+NEAR_MINIMUM = 0.03
+#: The bend takes at most so large a part of an edge's weight: all of it would leave a pose free
+#: that only this edge ties.
+MOST_BENT_SHARE = 0.9
 #: Equations that are kept until they change by so many metres, radians, parts. At 0.01 what was
 #: solved lazily lay so far from the minimum that Intel without odometry slid along a corridor.
-STALE = 0.003
+STALE_CHANGE = 0.003
 #: A loss that rises by no more than this part, and by this much an edge, is rounding.
-SAME = 1e-9
+LOSS_ROUNDING = 1e-9
 #: New poses are eliminated last. The order is made anew after so many times the cube root of all:
 #: an order costs their number, and what is added to late ones the square of how many these are.
-LATE = 7.0
+LATE_POSES_FACTOR = 7.0
 
 
 class Solution(NamedTuple):
@@ -54,7 +56,9 @@ class Step(NamedTuple):
 
     stale: float  # equations are kept until they change by so much
     curved: bool = False  # whether the bend of the loss is used
-    near: float = NEAR  # it is where the last step was smaller than this, metres and radians
+    near: float = (
+        NEAR_MINIMUM  # it is where the last step was smaller than this, metres and radians
+    )
     size: float = np.inf  # of the last step
 
 
@@ -83,7 +87,7 @@ class Solver:
         """Add m edges; the poses that they name are given to the next `solve`."""
         old, new = self._count, self._count + len(more.first)
         if new > len(self._edges.ends):
-            longer: Any = (_longer(field, max(new, 2 * old)) for field in self._edges)
+            longer: Any = (_enlarged(field, max(new, 2 * old)) for field in self._edges)
             self._edges = Edges(*longer)
         e = self._edges
         e.ends[old:new] = np.stack([more.first, more.second], -1)
@@ -93,27 +97,29 @@ class Solver:
         e.made[old:new] = np.inf
         self._count = new
 
-    def solve(self, poses: Array, *, rounds: int = ROUNDS, lazily: bool = False) -> Solution:
+    def solve(
+        self, poses: Array, *, rounds: int = MOST_SOLVER_ROUNDS, lazily: bool = False
+    ) -> Solution:
         """Poses that fit all edges best, from some to begin with; the first stays where it is.
 
         Minimises the sum of Cauchy losses of the residuals by at most so many rounds; every pose
         must be tied to the first through edges. `lazily` keeps equations that have changed by less
-        than `STALE`: the minimum is the same, the way to it may take a round more, and costs only
-        what the new edges change. The newest pose is held then: stale equations would turn the map
-        to and fro about the first. Raises LinAlgError where information leaves a pose free.
+        than `STALE_CHANGE`: the minimum is the same, the way to it may take a round more, and costs
+        only what the new edges change. The newest pose is held then: stale equations would turn the
+        map to and fro about the first. Raises LinAlgError where information leaves a pose free.
         """
         poses = before = poses.copy()
         n, edges = len(poses), self._known()
         factor = self._prepared(n, n - 1 if lazily else 0)
-        keep = STALE if lazily else ALL
+        keep = STALE_CHANGE if lazily else ALL
         step, loss = Step(keep), np.inf
         for count in range(1, rounds + 1):
             # 1. Half the loss and its gradient; equations that are stale are made anew
-            gradient, bent = np.zeros((n, 3)), BENT if step.curved else 0.0
+            gradient, bent = np.zeros((n, 3)), MOST_BENT_SHARE if step.curved else 0.0
             room = np.empty((6, 3))
             now = linearise(poses, edges, bent, step.stale, gradient, self._changed, room)
             gradient[factor.pose[0]] = 0.0
-            if step.curved and now > loss * (1 + SAME) + SAME * len(self):
+            if step.curved and now > loss * (1 + LOSS_ROUNDING) + LOSS_ROUNDING * len(self):
                 poses, step = before, Step(ALL, near=step.size / 4)
                 continue
             # 2. The columns of the factor that these change
@@ -123,7 +129,7 @@ class Solver:
             substitute(factor, move)
             before, loss, poses = poses, now, np.empty_like(poses)
             size = advance(before, move, factor.column, poses)
-            if size < CONVERGED:
+            if size < SOLVER_CONVERGED:
                 return Solution(poses, True, count)
             step = Step(keep, size < step.near, step.near, size)
         return Solution(poses, False, rounds)
@@ -162,8 +168,8 @@ class Solver:
         f, ends = self._factor, self._edges.ends[: self._count]
         if f is not None and len(f.pose) == n and len(f.link) == 2 * len(ends):
             return f
-        if f is None or n - self._ordered > LATE * n ** (1 / 3):
-            f, used, changed = _ordered(n, ends, held), 0, np.ones(n, np.bool_)
+        if f is None or n - self._ordered > LATE_POSES_FACTOR * n ** (1 / 3):
+            f, used, changed = _minimum_degree_factor(n, ends, held), 0, np.ones(n, np.bool_)
             self._ordered = n
         else:
             changed = np.arange(n) >= len(f.pose)
@@ -173,27 +179,29 @@ class Solver:
         marked, lists = changed[f.pose], np.empty((4, n), np.int64)
         while (found := find_structure(f, ends, marked, used, lists)) < 0:
             room, used = 2 * len(f.rows), -1 - found
-            f = f._replace(rows=_longer(f.rows, room), values=_longer(f.values, 9 * room))
+            f = f._replace(rows=_enlarged(f.rows, room), values=_enlarged(f.values, 9 * room))
         self._changed, self._used = changed, found
         self._factor = f  # last: until then an interrupt leaves the one before in use
         return f
 
 
-def solve(poses: Array, edges: Edge, *, rounds: int = ROUNDS, scale: float = SCALE) -> Solution:
+def solve(
+    poses: Array, edges: Edge, *, rounds: int = MOST_SOLVER_ROUNDS, scale: float = SCALE
+) -> Solution:
     """Poses `(n, 3)` that fit m edges best, and `converged`, as `Solver.solve` has them."""
     solver = Solver(scale)
     solver.add(edges)
     return solver.solve(poses, rounds=rounds)
 
 
-def _longer(array: Any, count: int) -> Any:
+def _enlarged(array: Any, count: int) -> Any:
     """A copy with room for so many rows."""
     longer = np.zeros((count, *array.shape[1:]), array.dtype)
     longer[: len(array)] = array
     return longer
 
 
-def _ordered(n: int, ends: Indices, held: int) -> Factor:
+def _minimum_degree_factor(n: int, ends: Indices, held: int) -> Factor:
     """An empty factor of n poses, in an order of minimum degree; the pose held comes first."""
     from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import splu
@@ -217,7 +225,7 @@ def _ordered(n: int, ends: Indices, held: int) -> Factor:
 def _widened(f: Factor, n: int, ends: Indices) -> Factor:
     """The factor with columns for new poses at its end, and slots for new edges."""
     late, known = np.arange(len(f.pose), n), len(f.link) // 2
-    head, link = np.r_[f.head, np.full(len(late), -1)], _longer(f.link, 2 * len(ends))
+    head, link = np.r_[f.head, np.full(len(late), -1)], _enlarged(f.link, 2 * len(ends))
     link[2 * known :] = -1
     link_slots(head, link, ends, known, int(f.pose[0]))
     return f._replace(
@@ -225,7 +233,7 @@ def _widened(f: Factor, n: int, ends: Indices) -> Factor:
         pose=np.r_[f.pose, late],
         head=head,
         link=link,
-        start=_longer(f.start, n),
-        length=_longer(f.length, n),
-        pivots=_longer(f.pivots, n),
+        start=_enlarged(f.start, n),
+        length=_enlarged(f.length, n),
+        pivots=_enlarged(f.pivots, n),
     )

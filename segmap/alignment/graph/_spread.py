@@ -17,7 +17,7 @@ DRAWS = 32
 NEARBY = 20.0
 
 
-def spread(
+def place_deviations(
     poses: Array, edges: Edge, weight: Array, *, reach: float = NEARBY
 ) -> tuple[Array, Array]:
     """Standard deviation of the place of each pose, `(n,)`, as the information of all edges has it.

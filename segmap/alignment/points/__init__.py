@@ -2,9 +2,9 @@
 
 from ._match import PointStep, match_points, point_steps
 from ._point_kernels import place_clouds
-from ._point_map import FAR, FINE, LAST, PointMap, in_range
+from ._point_map import FARTHEST_POINT_M, LAST, SEARCH_CELL_M, PointMap, in_range
 
 __all__ = [
-    "FAR", "FINE", "LAST", "PointMap", "PointStep", "in_range", "match_points", "place_clouds",
-    "point_steps",
+    "FARTHEST_POINT_M", "LAST", "SEARCH_CELL_M", "PointMap", "PointStep", "in_range",
+    "match_points", "place_clouds", "point_steps",
 ]  # fmt: skip

@@ -14,7 +14,14 @@ from ... import arrays
 from ...arrays import Array, Metres, Share, checked
 from ...poses import transform
 from .._result import Match, no_match
-from ._point_map import LAST, ON_A_SCAN, ROUNDS, SAMPLE, PointMap, in_range
+from ._point_map import (
+    LAST,
+    MOST_DESCENT_STEPS,
+    SCAN_VARIANCE_INFLATION,
+    SEARCH_POINTS,
+    PointMap,
+    in_range,
+)
 
 
 @checked
@@ -62,7 +69,7 @@ def match_points(
     if min(len(before), len(now)) < 6:
         return no_match(begin, f"too few points: {len(before)} and {len(now)}")
     map = PointMap(before)
-    return map.register(now, begin, reach=reach, overlap=overlap, inflation=ON_A_SCAN)
+    return map.register(now, begin, reach=reach, overlap=overlap, inflation=SCAN_VARIANCE_INFLATION)
 
 
 class PointStep(NamedTuple):
@@ -128,8 +135,8 @@ def point_steps(
     if min(len(before), len(now)) < 6:
         return []
     map, steps = PointMap(before), []
-    stride, converged = 1 + len(now) // SAMPLE, False
-    for _ in range(ROUNDS + 1):
+    stride, converged = 1 + len(now) // SEARCH_POINTS, False
+    for _ in range(MOST_DESCENT_STEPS + 1):
         found = map.descend(now, pose, reach, LAST, stride, rounds=1)
         index = found.rows[:, 5].astype(np.int64)
         points, offsets = transform(pose, now[index]), found.rows[:, 3:4]

@@ -14,14 +14,18 @@ from ._step_kernels import gauss_newton_step, half_angle, normal_equations
 
 #: A neighbourhood is a wall where its variance across is below this share of that along: corners
 #: and bushes lie above.
-NARROW = 0.15
+WALL_VARIANCE_RATIO = 0.15
 #: A beam that meets the back of a wall at a flatter angle than this (its sine) may be noise.
 BACK = 0.05
 
 
-#: Radius within which a wall's direction is fitted, metres: from ten times the noise of a laser to
-#: what holds five beams of half a degree at 25 m; five points show whether they form a wall.
-NARROWEST, WIDEST, ENOUGH = 0.12, 1.0, 5
+#: Smallest radius within which a wall's direction is fitted, metres: ten times the noise of a
+#: laser.
+SMALLEST_FIT_M = 0.12
+#: Largest such radius, metres: it holds five beams of half a degree at 25 m.
+LARGEST_FIT_M = 1.0
+#: So many points show whether they form a wall.
+LEAST_FIT_POINTS = 5
 
 
 class PointGrid(NamedTuple):
@@ -102,9 +106,9 @@ def fit_normal(grid: PointGrid, k: int) -> None:
     scatter about the mean.
     """
     points, first, size, columns = grid.points, grid.first, grid.size, grid.columns
-    x, y, reach, n = points[k, 0], points[k, 1], NARROWEST, 0
+    x, y, reach, n = points[k, 0], points[k, 1], SMALLEST_FIT_M, 0
     xx = xy = yy = 0.0
-    while n < ENOUGH and reach <= 1.001 * WIDEST:
+    while n < LEAST_FIT_POINTS and reach <= 1.001 * LARGEST_FIT_M:
         low = max(int((y - reach - grid.y) / size), 0)
         high = min(int((y + reach - grid.y) / size), grid.rows - 1)
         n = 0
@@ -124,7 +128,7 @@ def fit_normal(grid: PointGrid, k: int) -> None:
         reach *= 2.0
     nx = ny = math.nan
     middle, half = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
-    if n >= ENOUGH and middle - half < NARROW * (middle + half):
+    if n >= LEAST_FIT_POINTS and middle - half < WALL_VARIANCE_RATIO * (middle + half):
         ny, nx = half_angle(xx - yy, -2.0 * xy)
         if grid.sided and nx * (grid.viewpoints[k, 0] - x) + ny * (grid.viewpoints[k, 1] - y) < 0:
             nx, ny = -nx, -ny
@@ -132,7 +136,7 @@ def fit_normal(grid: PointGrid, k: int) -> None:
 
 
 @compiled
-def residuals(
+def wall_residuals(
     grid: PointGrid,
     current: Array,
     pose: Array,
@@ -223,7 +227,7 @@ def point_to_line(
     """
     sigma, near, used = floor, 0.0, 0
     for _ in range(rounds):
-        used, near = residuals(grid, current, pose, reach, stride, partner, rows)
+        used, near = wall_residuals(grid, current, pose, reach, stride, partner, rows)
         if used < 6:
             break
         sigma = normal_equations(rows, used, floor, system)

@@ -14,37 +14,39 @@ from ...threads import computed
 from .._result import Match, no_match
 from . import _point_kernels as kernels
 from . import _search_kernels
-from ._step_kernels import FREE, uncertainty
+from ._step_kernels import FREE_EIGENVALUE_RATIO, uncertainty
 
 # What follows are properties of lasers and of walls, the same for every building.
 #: Side of the cells that points are sorted into, metres: about the reach of the last steps.
-CELL = 0.15
+PARTNER_CELL_M = 0.15
 #: Smallest standard deviation, metres, that offsets from a wall are believed to have: a laser's.
 FLOOR = 0.01
-#: Cells of the search, metres: half the reach of the descent that follows; and the standard
-#: deviation of a wall in them, which a wall between two cells must not escape.
-FINE, BAND = 0.05, 0.06
+#: Side of the cells of the search, metres: half the reach of the descent that follows.
+SEARCH_CELL_M = 0.05
+#: Standard deviation of a wall in them, metres: a wall between two cells must not escape.
+SEARCH_BAND_M = 0.06
 #: Maxima over 1, 2, 4, 8 and 16 cells: wider ones bound nothing in a window of half a metre.
 LEVELS = 5
 #: So many points of a scan are enough for the search, and far from the answer for the descent.
-SAMPLE = 250
-#: Offsets of points from their walls are not independent: the variance of measured errors is this
-#: many times the Hessian's, on a scan (tests/alignment/test_covariances.py) and on a map, where the
-#: poses of its scans err as well.
-ON_A_SCAN, INFLATION = 1.7, 2.0
+SEARCH_POINTS = 250
+#: Offsets of points from their walls are not independent: on a scan the variance of measured errors
+#: is this many times the Hessian's (tests/alignment/test_covariances.py).
+SCAN_VARIANCE_INFLATION = 1.7
+#: On a map, where the poses of its scans err as well, it is this many times the Hessian's.
+MAP_VARIANCE_INFLATION = 2.0
 #: A motion that the walls leave free is one along a direction where its shift is at least this
 #: share of it, the turn counted as the length by which it moves the scan's points.
-SHIFT = 0.7
+ALONG_FREE_SHARE = 0.7
 #: A wall faces a motion that moves points on it across it by more than this share (a cosine):
 #: normals of a straight wall err by a tenth of a radian.
-FACING = 0.3
+FACING_COSINE = 0.3
 #: More steps are never made: most descents take 10 to 20.
-ROUNDS = 60
+MOST_DESCENT_STEPS = 60
 #: How far partners are sought in the end, metres: ten times the noise of a laser.
 LAST = 0.12
 #: Points farther from the robot than this are left out, metres: no laser for buildings reaches so
 #: far, and one absurd range or pose would ask for a map of a million cells a side.
-FAR = 100.0
+FARTHEST_POINT_M = 100.0
 
 
 class Descent(NamedTuple):
@@ -70,7 +72,7 @@ class PointMap:
 
     def __init__(self, points: Array, viewpoints: Array | None = None) -> None:
         left, low, right, top = kernels.bounding_box(points)
-        size = max(CELL, max(right - left, top - low) / 2000)
+        size = max(PARTNER_CELL_M, max(right - left, top - low) / 2000)
         columns, rows = int((right - left) / size) + 1, int((top - low) / size) + 1
         sided = viewpoints is not None
         seen_from = points if viewpoints is None else viewpoints
@@ -94,7 +96,7 @@ class PointMap:
         reach: float = 0.3,
         last: float = LAST,
         overlap: float = 0.0,
-        inflation: float = INFLATION,
+        inflation: float = MAP_VARIANCE_INFLATION,
     ) -> Match:
         """Point-to-line ICP from a start (Censi 2008; A 2.5.1: Lu and Milios 1997).
 
@@ -103,7 +105,7 @@ class PointMap:
         """
         if len(current) < 6:
             return no_match(start, f"the scan has only {len(current)} points")
-        found = self.descend(current, start, reach, last, 1 + len(current) // SAMPLE)
+        found = self.descend(current, start, reach, last, 1 + len(current) // SEARCH_POINTS)
         if len(found.rows) < 6:
             return no_match(start, f"only {len(found.rows)} points lie near walls", found.near)
         if found.near < overlap:
@@ -111,10 +113,10 @@ class PointMap:
         # Along a direction that the walls do not fix, the match says nothing: one metre. In a round
         # room it is the heading that they do not fix: that is no direction
         covariance, scratch = np.empty((3, 3)), np.empty((2, 3, 3))
-        variance, span = inflation * found.sigma**2, _span(current)
+        variance, span = inflation * found.sigma**2, _rms_range(current)
         x, y, shift = uncertainty(found.system, variance, span, scratch[0], scratch[1], covariance)
-        free = None if shift < SHIFT else np.array([x, y])
-        turns = 0 <= shift < SHIFT
+        free = None if shift < ALONG_FREE_SHARE else np.array([x, y])
+        turns = 0 <= shift < ALONG_FREE_SHARE
         return Match(found.pose, covariance, True, "", found.near, free, turns)
 
     def descend(
@@ -124,7 +126,7 @@ class PointMap:
         reach: float,
         last: float,
         stride: int,
-        rounds: int = ROUNDS,
+        rounds: int = MOST_DESCENT_STEPS,
     ) -> Descent:
         """Some steps of point-to-line ICP, from a start, with every `stride`-th point at first.
 
@@ -135,7 +137,7 @@ class PointMap:
         partner = np.full(len(current), -1)
         points, reaches = np.ascontiguousarray(current), (float(reach), float(last))
         sigma, near, used, reach, stride, converged = kernels.point_to_line(
-            self._grid, points, pose, *reaches, FLOOR, _span(current), stride, rounds,
+            self._grid, points, pose, *reaches, FLOOR, _rms_range(current), stride, rounds,
             partner, rows, system, scratch,
         )  # fmt: skip
         pose[2] = wrap(pose[2])
@@ -149,15 +151,15 @@ class PointMap:
         points on it across it; walls are sought within the reach of the last steps.
         """
         found = self.descend(current, pose, LAST, LAST, stride=1, rounds=1)
-        scale = np.array([1.0, 1.0, 1.0 / _span(current)])
+        scale = np.array([1.0, 1.0, 1.0 / _rms_range(current)])
         values, motions = np.linalg.eigh(found.system[:, :3] * scale * scale[:, None])
-        loose = motions.T[values <= FREE * values[-1]]
+        loose = motions.T[values <= FREE_EIGENVALUE_RATIO * values[-1]]
         across = np.abs((found.rows[:, :3] * scale) @ loose.T)
-        return loose[~(across > FACING).any(0)]
+        return loose[~(across > FACING_COSINE).any(0)]
 
     def nearest(self, current: Array, pose: Array, guess: Array) -> Array:
         """A pose `(3,)` moved along the motions that no wall fixes, to where a guess says."""
-        scale = np.array([1.0, 1.0, _span(current)])
+        scale = np.array([1.0, 1.0, _rms_range(current)])
         away = (guess - pose) * scale
         away[2] = wrap(guess[2] - pose[2]) * scale[2]
         loose = self.unfixed(current, pose)
@@ -169,24 +171,27 @@ class PointMap:
 
     @computed
     def levels(self) -> _search_kernels.Levels:
-        """Likelihoods of cells of `FINE` metres and their maxima over 2, 4, 8 and 16 cells a side.
+        """Likelihoods of cells of `SEARCH_CELL_M`; their maxima over 2, 4, 8 and 16 cells a side.
 
         (5, columns, rows) array of bytes.
         """
-        r = int(np.ceil(2.5 * BAND / FINE))
-        away = np.arange(-r, r + 1) ** 2 * FINE**2
-        stamp = (255 * np.exp(-(away[:, None] + away) / (2 * BAND**2))).astype(np.uint8)
+        r = int(np.ceil(2.5 * SEARCH_BAND_M / SEARCH_CELL_M))
+        away = np.arange(-r, r + 1) ** 2 * SEARCH_CELL_M**2
+        stamp = (255 * np.exp(-(away[:, None] + away) / (2 * SEARCH_BAND_M**2))).astype(np.uint8)
         points, (x, y) = self._grid.points, self.corner.tolist()
         _, _, right, top = kernels.bounding_box(points)
-        columns, rows = int((right - x) / FINE) + r + 2, int((top - y) / FINE) + r + 2
+        columns, rows = (
+            int((right - x) / SEARCH_CELL_M) + r + 2,
+            int((top - y) / SEARCH_CELL_M) + r + 2,
+        )
         levels = np.zeros((LEVELS, columns * rows), np.uint8)
-        _search_kernels.fill_levels(levels, rows, points, x, y, FINE, stamp)
+        _search_kernels.fill_levels(levels, rows, points, x, y, SEARCH_CELL_M, stamp)
         return levels.reshape(LEVELS, columns, rows)
 
     @property
     def corner(self) -> Array:
         """Lower left corner of the levels, (2,) array, metres: nothing lies in the widest there."""
-        margin = 3 * BAND + (1 << (LEVELS - 1)) * FINE
+        margin = 3 * SEARCH_BAND_M + (1 << (LEVELS - 1)) * SEARCH_CELL_M
         return np.array([self._grid.x - margin, self._grid.y - margin])
 
     def search(
@@ -208,24 +213,26 @@ class PointMap:
         mean likelihood of the points, 0 to 1, less what its distance costs.
         """
         begin, k = np.array(start, float), int(np.ceil(turn / step))
-        points = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE].T)
+        points = np.ascontiguousarray(current[:: 1 + len(current) // SEARCH_POINTS].T)
         _, columns, rows = self.levels.shape
-        map = _search_kernels.Likelihoods(self.levels.reshape(LEVELS, -1), columns, rows, FINE)
-        score, h, i, j = _search_kernels.search(
-            map, points, begin - (*self.corner, 0.0), step, k, int(np.ceil(reach / FINE)),
+        map = _search_kernels.Likelihoods(
+            self.levels.reshape(LEVELS, -1), columns, rows, SEARCH_CELL_M
+        )
+        score, h, i, j = _search_kernels.correlative_search(
+            map, points, begin - (*self.corner, 0.0), step, k, int(np.ceil(reach / SEARCH_CELL_M)),
             reach_cost, least,
         )  # fmt: skip
-        pose = begin + (i * FINE, j * FINE, (h - k) * step)
+        pose = begin + (i * SEARCH_CELL_M, j * SEARCH_CELL_M, (h - k) * step)
         return (pose if h >= 0 else None), score
 
 
 def in_range(points: Array) -> Array:
     """Those points of `(n, 2)`, metres, that a laser can have seen from near the origin."""
-    near = np.abs(points) < FAR
+    near = np.abs(points) < FARTHEST_POINT_M
     return points if near.all() else points[near.all(1)]
 
 
-def _span(current: Array) -> float:
+def _rms_range(current: Array) -> float:
     """Root mean square distance of points `(m, 2)` from the robot, metres."""
     flat = current.ravel()
     return math.sqrt(float(flat @ flat) / len(current)) + 1e-9

@@ -20,9 +20,9 @@ Indices = NDArray[np.int64]
 
 #: After so many points a sum is given up where the rest cannot lift it above what is asked. Loops
 #: of a length that is known beforehand take a quarter of the time.
-CHUNK = 8
+POINTS_PER_CHUNK = 8
 #: No sum.
-NONE = -1
+NO_SUM = -1
 
 
 class Likelihoods(NamedTuple):
@@ -117,23 +117,23 @@ def _sums(
 ) -> None:
     """Write sums of likelihoods, 255 each, under scan h moved to each block of a square at (i, j).
 
-    The square has `side` blocks of `2^level` cells a side; NONE where a sum is not above `least`,
+    The square has `side` blocks of `2^level` cells a side; NO_SUM where a sum is not above `least`,
     or the block is not in the window. Outside of the map likelihoods are 0.
     """
     cells, edge = scan.inside[h], scan.edge[h]
     count, beside = scan.counts[h, 0], scan.counts[h, 1]
     for block in range(side * side):
         a, b = i + (block // side << level), j + (block % side << level)
-        totals[block] = NONE
+        totals[block] = NO_SUM
         if a > 2 * radius or b > 2 * radius:
             continue
         here = map.levels[level, a * map.rows + b :]
         total, begin, left = 0, 0, 255 * (count + beside)
-        while begin + CHUNK <= count and total + left > least:
-            for k in range(CHUNK):
+        while begin + POINTS_PER_CHUNK <= count and total + left > least:
+            for k in range(POINTS_PER_CHUNK):
                 total += int(here[cells[begin + k]])
-            left -= 255 * CHUNK
-            begin += CHUNK
+            left -= 255 * POINTS_PER_CHUNK
+            begin += POINTS_PER_CHUNK
         if total + left <= least:
             continue
         for k in range(begin, count):
@@ -181,7 +181,7 @@ def _best_of_block(
         half, first = 1 << (level - 1), used
         _sums(map, level - 1, scan, h, i, j, 2, radius, full * (best + cost), totals)
         for q in range(4):
-            if totals[q] != NONE:
+            if totals[q] != NO_SUM:
                 a, b = i + half * (q // 2), j + half * (q % 2)
                 score, m = totals[q] / full - cost, used
                 while m > first and value[m - 1] > score:  # ascending: the best is taken first
@@ -195,14 +195,14 @@ def _best_of_block(
 
 
 @compiled
-def _cost(scan: Headings, h: int, reach_cost: float) -> float:
+def _heading_cost(scan: Headings, h: int, reach_cost: float) -> float:
     """What a heading costs: nothing in the middle, as much as the farthest shift at both ends."""
     middle = len(scan.inside) // 2
     return reach_cost * ((h - middle) / max(middle, 1)) ** 2
 
 
 @compiled
-def search(
+def correlative_search(
     map: Likelihoods,
     points: Array,
     start: Array,
@@ -232,10 +232,10 @@ def search(
     for turn in range(headings + 1):
         if turn < headings:
             h = half + (turn + 1) // 2 * (1 if turn % 2 else -1)
-            cost = _cost(scan, h, reach_cost)
+            cost = _heading_cost(scan, h, reach_cost)
             _sums(map, last, scan, h, 0, 0, side, radius, full * (best + cost), totals)
             for b in range(side * side):
-                if totals[b] != NONE:
+                if totals[b] != NO_SUM:
                     bound[count], block[count] = totals[b] / full - cost, h * side * side + b
                     count += 1
         while count and turn in (0, headings):
@@ -249,7 +249,7 @@ def search(
             if count:
                 h, b = block[top] // (side * side), block[top] % (side * side)
                 i, j = b // side * width, b % side * width
-                cost = _cost(scan, h, reach_cost)
+                cost = _heading_cost(scan, h, reach_cost)
                 score, i, j = _best_of_block(
                     map, scan, h, i, j, bound[top], radius, cost, reach_cost, best
                 )

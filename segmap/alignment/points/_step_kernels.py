@@ -9,7 +9,7 @@ from ...compiled import compiled
 
 #: A direction is not fixed by the walls where its eigenvalue is below this share of the largest:
 #: walls that err by their noise alone leave a thousandth.
-FREE = 0.01
+FREE_EIGENVALUE_RATIO = 0.01
 
 
 @compiled
@@ -116,7 +116,7 @@ def gauss_newton_step(
     most = _principal_axes(system, span, a, axes)
     x = y = heading = 0.0
     for k in range(3):
-        if a[k, k] > FREE * most:
+        if a[k, k] > FREE_EIGENVALUE_RATIO * most:
             along = axes[0, k] * system[0, 3] + axes[1, k] * system[1, 3]
             along = (along + axes[2, k] * system[2, 3] / span) / a[k, k]
             x -= axes[0, k] * along
@@ -142,7 +142,7 @@ def uncertainty(
         for j in range(3):
             covariance[i, j] = 0.0
     for k in range(3):
-        fixed = a[k, k] > FREE * most
+        fixed = a[k, k] > FREE_EIGENVALUE_RATIO * most
         shift = math.hypot(axes[0, k], axes[1, k])
         if not fixed and shift > most_shift:
             x, y, most_shift = axes[0, k] / (shift + 1e-300), axes[1, k] / (shift + 1e-300), shift

@@ -13,8 +13,18 @@ from ...poses.motions import between, compose
 from ...scans import LaserScan
 from ...scans.causes import Cause, Finding
 from ...threads import in_threads
-from .._result import SURE, Match, Outcome, Trail, no_match
-from ..graph import NEARBY, REAL_ERRORS, Edge, Graph, Rejected, deviations, groups, spread, stacked
+from .._result import SURE_M, Match, Outcome, Trail, no_match
+from ..graph import (
+    NEARBY,
+    REAL_ERRORS,
+    Edge,
+    Graph,
+    Rejected,
+    deviations,
+    groups,
+    place_deviations,
+    stacked,
+)
 from ..points import PointMap, in_range
 from ._breaks import breaks
 from ._key_frames import KeyFrames
@@ -23,29 +33,47 @@ from ._wheels import Wheels
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
 Matcher = Callable[[PointMap, Array, Array], Match]
 
-#: Without odometry a step is looked for anew where at most this share of the scan lies on the map,
-#: and believed where more does, by so much more than before: below it false places match.
-SURE_OVERLAP, BETTER = 0.7, 0.1
-#: It is looked for so far about the last place, metres: so many times the last step, for each scan
-#: that was lost before, and no farther.
-REACH, STEPS, FARTHEST = 1.5, 1.5, 6.0
-#: Two places whose scores differ by less are one as likely as the other, if they lie so far apart.
-ALIKE, APART, TURNED = 0.05, 0.5, np.radians(15)
-#: Along a corridor no larger turn is believed. After so many scans that were lost in a row a map
-#: begins anew; standard deviations of the step to it, metres and radians.
-CORRIDOR_TURN, LOST = np.radians(60), 2
+#: Without odometry a step is looked for anew where at most this share of the scan lies on the map.
+SURE_OVERLAP = 0.7
+#: The place that is found must hold so much more of the scan: below it false places match.
+OVERLAP_GAIN = 0.1
+#: The search for a lost scan reaches at least so far about the last place, metres.
+LEAST_SEARCH_M = 1.5
+#: It reaches so many times the last step, for each scan that was lost before ...
+SEARCH_STEPS = 1.5
+#: ... and no farther than this, metres.
+FARTHEST_SEARCH_M = 6.0
+#: Two places whose scores differ by less are equally likely, ...
+ALIKE_SCORES = 0.05
+#: ... if they lie so far apart, metres, ...
+OTHER_PLACE_M = 0.5
+#: ... or are turned by so much, radians.
+OTHER_PLACE_RAD = np.radians(15)
+#: Along a corridor no larger turn is believed, radians.
+CORRIDOR_TURN_RAD = np.radians(60)
+#: After so many lost scans in a row a map begins anew.
+LOST_IN_A_ROW = 2
+#: Standard deviations of the step to it: metres, metres and radians.
 BREAK = (1.5, 1.5, np.radians(60))
-#: Without odometry a match is a guess where no more than this share of the scan lies on the map, or
-#: where it has turned so far and not nearly all does: in drives through plans of buildings such
-#: matches are wrong by metres one time in fifteen and more, others one in six hundred.
-GUESSED_OVERLAP, GUESSED_TURN, NEARLY_ALL = 0.5, np.radians(45), 0.9
-#: A descent that goes farther from where the search began is no match: it slides along walls.
-SLIDE, SLIDE_ANGLE = 0.3, 0.2
+#: Without odometry a match is a guess where no more than this share of the scan lies on the map:
+#: in drives through plans of buildings such matches are wrong by metres one time in fifteen and
+#: more, others one in six hundred.
+GUESSED_OVERLAP = 0.5
+#: It is a guess too where it has turned by more than this, radians, ...
+GUESSED_TURN_RAD = np.radians(45)
+#: ... and less than this share of the scan lies on the map.
+NEARLY_WHOLE_OVERLAP = 0.9
+#: A descent that goes farther from where the search began, metres, is no match: it slides along
+#: walls.
+MOST_SLIDE_M = 0.3
+#: Nor is one that turns by more, radians.
+MOST_SLIDE_RAD = 0.2
 #: Standard deviation of the odometry along a direction that a match leaves free, metres.
 ALONG_ERROR = 0.2
-#: At last each scan is laid on the map of so many key frames within so many metres: more of them,
-#: and those of all passes, since the loops have brought these together.
-AROUND, NEAR = 15, 4.0
+#: At last each scan is laid on the map of so many key frames ...
+FINAL_NEIGHBOURS = 15
+#: ... within so many metres, of all passes, since the loops have brought these together.
+FINAL_NEIGHBOURHOOD_M = 4.0
 #: Loops that stay open by this many standard deviations contradict the rest.
 OPEN = 5.0
 #: Why a scan is not used although it matched.
@@ -84,15 +112,15 @@ class FrontEnd:
     """Tracks a robot scan by scan: the matcher lays each on the map of the last key frames."""
 
     def __init__(self, first: LaserScan, matcher: Matcher, rules: Tracking) -> None:
-        self.scans, self.points = [first], _seen(first)  # and the points of the last one
+        self.scans, self.points = [first], _points_in_range(first)  # and the points of the last one
         blind = "" if len(self.points) else "too few points"
         self.trail, self.matcher, self.rules = Trail([first], reason=blind), matcher, rules
         least = np.diag([rules.match_error, rules.match_error, rules.match_turn_error]) ** 2
         self.frames = KeyFrames(self.points, self.trail.poses[0], least)
-        self.frame = [0]  # the key frame of each scan,
-        self.offset = [np.zeros(3)]  # and its pose there
+        self.key_frame_of_scan = [0]  # the key frame of each scan,
+        self.pose_in_key_frame = [np.zeros(3)]  # and its pose there
         self.overlap = [np.nan]  # share of each scan on the map before it; NaN where lost
-        self.loose = [False]  # whether nothing says how far it went along the walls
+        self.free_along_corridor = [False]  # whether nothing says how far it went along the walls
         self.along = [0.0]  # its standard deviation then, metres; 0 where the match tells
         self.driven = [False]  # whether the odometry outweighed its match
         self.tied = [True]  # of each key frame: whether a match fixes the step to it
@@ -103,7 +131,7 @@ class FrontEnd:
 
     def track(self, scan: LaserScan) -> Match:
         """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
-        points, before = _seen(scan), self.offset[-1]
+        points, before = _points_in_range(scan), self.pose_in_key_frame[-1]
         self.trail.add(scan)
         measured = self.measured()
         self.wheels.drive(self.trail.step() if measured else np.full(3, np.nan))
@@ -127,9 +155,9 @@ class FrontEnd:
         self.lost = 0 if match.matched or measured else self.lost + 1
         self.scans.append(scan)
         self.points = points
-        self.frame.append(len(self.frames) - 1)
-        self.offset.append(match.pose)
-        self.loose.append(loose)
+        self.key_frame_of_scan.append(len(self.frames) - 1)
+        self.pose_in_key_frame.append(match.pose)
+        self.free_along_corridor.append(loose)
         self.along.append(along)
         self.driven.append(driven)
         self.overlap.append(match.overlap if match.matched or measured else np.nan)
@@ -139,32 +167,32 @@ class FrontEnd:
 
     def _regained(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
         """Without odometry: the match, or a better one at any heading about the last place."""
-        last = self.offset[-1]
-        reach = max(REACH, STEPS * float(np.hypot(*self.trail.step()[:2])))
+        last = self.pose_in_key_frame[-1]
+        reach = max(LEAST_SEARCH_M, SEARCH_STEPS * float(np.hypot(*self.trail.step()[:2])))
         found: list[tuple[float, Match]] = []
         for quarter in range(4):
             about = last + (0.0, 0.0, quarter * np.pi / 2)
-            start, score = map.search(
-                points, about, reach=min(reach * (1 + self.lost), FARTHEST), turn=np.pi / 4,
-                least=0.45,
-            )  # fmt: skip
+            far = min(reach * (1 + self.lost), FARTHEST_SEARCH_M)
+            start, score = map.search(points, about, reach=far, turn=np.pi / 4, least=0.45)
             if start is None:
                 continue
             other = map.register(points, start, overlap=SURE_OVERLAP)
             x, y, heading = np.abs(between(start, other.pose))
-            if other.matched and np.hypot(x, y) <= SLIDE and heading <= SLIDE_ANGLE:
+            if other.matched and np.hypot(x, y) <= MOST_SLIDE_M and heading <= MOST_SLIDE_RAD:
                 found.append((score, other))
         if not found:
             return match
         best, chosen = max(found, key=lambda each: each[0])
         for score, other in found:
             x, y, heading = np.abs(between(chosen.pose, other.pose))
-            if score > best - ALIKE and (np.hypot(x, y) > APART or heading > TURNED):
+            if score > best - ALIKE_SCORES and (
+                np.hypot(x, y) > OTHER_PLACE_M or heading > OTHER_PLACE_RAD
+            ):
                 return match
-        if match.matched and not chosen.overlap > match.overlap + BETTER:
+        if match.matched and not chosen.overlap > match.overlap + OVERLAP_GAIN:
             return match
         if chosen.free is not None:
-            if match.matched or abs(between(last, chosen.pose)[2]) > CORRIDOR_TURN:
+            if match.matched or abs(between(last, chosen.pose)[2]) > CORRIDOR_TURN_RAD:
                 return match
             along = chosen.free @ (guess[:2] - chosen.pose[:2]) * chosen.free
             chosen = replace(chosen, pose=chosen.pose + (*along, 0.0))
@@ -176,9 +204,9 @@ class FrontEnd:
 
     def needs_frame(self, step: float, turn: float) -> bool:
         """Whether the last scan is farther from its key frame, or the first to have points."""
-        x, y, heading = self.offset[-1]
+        x, y, heading = self.pose_in_key_frame[-1]
         moved = np.hypot(x, y) > step or abs(heading) > turn
-        anew = self.lost >= LOST and len(self.points) >= 6
+        anew = self.lost >= LOST_IN_A_ROW and len(self.points) >= 6
         return bool(moved or anew or (self.local is None and len(self.points)))
 
     def add_frame(self, match: Match) -> None:
@@ -186,7 +214,7 @@ class FrontEnd:
         scan = len(self.scans) - 1
         step, turn = self.rules.step_error, self.rules.turn_error
         covariance = match.covariance if match.matched else np.diag([step, step, turn]) ** 2
-        if self.lost >= LOST:  # nothing ties it to the map before but a guess
+        if self.lost >= LOST_IN_A_ROW:  # nothing ties it to the map before but a guess
             self.lost, covariance = 0, np.diag(BREAK) ** 2
             self.begins.append(len(self.frames))
         elif match.matched and self._guessed(match):
@@ -195,9 +223,9 @@ class FrontEnd:
             along = np.array([*match.free, 0.0]) / ALONG_ERROR
             covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
         self.frames.add(scan, self.points, match.pose, covariance)
-        self.tied.append(match.matched and not self.loose[scan])
+        self.tied.append(match.matched and not self.free_along_corridor[scan])
         last = len(self.frames) - 1
-        self.frame[scan], self.offset[scan] = last, np.zeros(3)
+        self.key_frame_of_scan[scan], self.pose_in_key_frame[scan] = last, np.zeros(3)
         self.wheels.begin()
         self.see_last_frames()
 
@@ -206,8 +234,8 @@ class FrontEnd:
         scan = len(self.scans) - 1
         if self.trail.measured(scan):
             return False
-        turned = abs(between(self.offset[-2], match.pose)[2])
-        if match.overlap < (NEARLY_ALL if turned > GUESSED_TURN else GUESSED_OVERLAP):
+        turned = abs(between(self.pose_in_key_frame[-2], match.pose)[2])
+        if match.overlap < (NEARLY_WHOLE_OVERLAP if turned > GUESSED_TURN_RAD else GUESSED_OVERLAP):
             return True
         return any(self.along[self.frames.scan[-1] : scan])
 
@@ -219,16 +247,16 @@ class FrontEnd:
 
     def refine(self) -> None:
         """Lay each scan between key frames on the map of all that are near, whenever those were."""
-        keys, own = np.array(self.frames.scan), np.array(self.frame)
+        keys, own = np.array(self.frames.scan), np.array(self.key_frame_of_scan)
         others = np.flatnonzero((keys[own] != np.arange(len(own))) & ~np.array(self.driven))
-        around = self.frames.neighbourhoods(AROUND, NEAR)
+        around = self.frames.neighbourhoods(FINAL_NEIGHBOURS, FINAL_NEIGHBOURHOOD_M)
 
         def refined(scans: NDArray[np.int64]) -> list[Array]:
             """Poses of scans of one key frame in it, by the map of those around it."""
-            frame, found = self.frame[scans[0]] if len(scans) else 0, []
+            frame, found = self.key_frame_of_scan[scans[0]] if len(scans) else 0, []
             map = self.frames.map_of(around(frame), frame)
             for scan in scans:
-                points, offset = _seen(self.scans[scan]), self.offset[scan]
+                points, offset = _points_in_range(self.scans[scan]), self.pose_in_key_frame[scan]
                 if map is not None and len(points) >= 6:
                     match = map.register(points, offset, overlap=self.rules.overlap)
                     offset = match.pose if match.matched else offset
@@ -239,15 +267,15 @@ class FrontEnd:
         laid = in_threads(refined, by_frame, "laying each scan once more")
         for scans, found in zip(by_frame, laid, strict=True):
             for scan, offset in zip(scans, found, strict=True):
-                self.offset[scan] = offset
+                self.pose_in_key_frame[scan] = offset
 
     def poses(self) -> Array:
         """Poses of all scans so far, `(k, 3)` array, metres and radians."""
-        return compose(self.frames.poses[self.frame], np.array(self.offset))
+        return compose(self.frames.poses[self.key_frame_of_scan], np.array(self.pose_in_key_frame))
 
     def pose(self) -> Array:
         """Pose of the last scan, (3,) array, metres and radians."""
-        return compose(self.frames.poses[self.frame[-1]], self.offset[-1])
+        return compose(self.frames.poses[self.key_frame_of_scan[-1]], self.pose_in_key_frame[-1])
 
     def graph(self, rejected: Sequence[Rejected] = ()) -> Graph | None:
         """Edges between key frames, by the scans' indices; None before there is one."""
@@ -261,11 +289,15 @@ class FrontEnd:
 
     def outcome(self, rejected: Sequence[Rejected] = ()) -> Outcome:
         """Poses, reasons and standard deviations of all scans, the graph, and what it doubts."""
-        graph, frame, reasons = self.graph(rejected), np.array(self.frame), self.trail.reasons
+        graph, frame, reasons = (
+            self.graph(rejected),
+            np.array(self.key_frame_of_scan),
+            self.trail.reasons,
+        )
         far, near, left = np.zeros(len(frame)), np.zeros(len(frame)), np.zeros(0)
         if graph is not None:
             weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
-            far, near = spread(self.frames.poses, stacked(self.frames.edges), weight)
+            far, near = place_deviations(self.frames.poses, stacked(self.frames.edges), weight)
             far, near = far[frame], near[frame]
             seeing = np.array([not own for own in reasons], float)
             matched = np.bincount(frame, seeing, len(self.frames)).astype(float)
@@ -279,7 +311,7 @@ class FrontEnd:
         return Outcome(self.poses(), reasons, graph, causes, far, near)
 
 
-def _seen(scan: LaserScan) -> Array:
+def _points_in_range(scan: LaserScan) -> Array:
     """Points of a scan, `(m, 2)`, metres, that a laser can have seen."""
     return in_range(scan.points())
 
@@ -319,10 +351,10 @@ def findings(
         add(Cause.NO_DISTANCE, loose, f"at {loose} of {count} scans {LOOSE}")
     if apart := sum(reason == UNTIED for reason in reasons):
         add(Cause.UNTIED, apart, f"no match ties {apart} of {count} scans to the rest")
-    if vague := int((far > SURE).sum()):
-        words = f"{vague} of {count} scans may be more than {2 * SURE} m off, {_worst(far)}"
+    if vague := int((far > SURE_M).sum()):
+        words = f"{vague} of {count} scans may be more than {2 * SURE_M} m off, {_worst(far)}"
         if near is not None:
-            close = int((near > SURE).sum())
+            close = int((near > SURE_M).sum())
             most = f"{close} of {count}, {_worst(near)}" if close else "none"
             words += f"; relative to those within {NEARBY:g} m {most}"
         add(Cause.VAGUE, vague, words)

@@ -12,7 +12,7 @@ from ... import arrays
 from ...arrays import Array
 from ...poses.motions import between, compose
 from ..graph import REAL, Edge, Solver, information, stacked
-from ..points import FAR, PointMap, place_clouds
+from ..points import FARTHEST_POINT_M, PointMap, place_clouds
 
 Members = Sequence[int] | NDArray[np.int64]
 
@@ -23,7 +23,7 @@ class KeyFrames:
     def __init__(self, points: Array, pose: Array, least: Array = REAL) -> None:
         self.scan = [0]  # index in the log of each key frame
         self.points = [points]  # of each, in the frame of the robot
-        self.path, self.along = [0.0], np.zeros(1)  # metres driven up to each
+        self.distance = np.zeros(1)  # metres driven up to each
         self.poses = np.array([pose])
         self.edges: list[Edge] = []
         self.converged = True  # whether the last `optimize` came to an end: the poses fit best
@@ -38,21 +38,22 @@ class KeyFrames:
         """Append a key frame at its motion `(3,)` from the last one, with an edge between them."""
         new = len(self)
         self.edges.append(Edge(new - 1, new, relative, information(covariance, self.least)))
-        path = self.path[-1] + float(np.hypot(relative[0], relative[1]))
+        driven = self.distance[-1] + float(np.hypot(relative[0], relative[1]))
         self.poses = np.vstack([self.poses, compose(self.poses[-1], relative)])
-        self.along = np.append(self.along, path)
+        self.distance = np.append(self.distance, driven)
         self.scan.append(scan)
         self.points.append(points)
-        self.path.append(path)
 
     def extend(self, later: KeyFrames, joint: int, edges: list[Edge]) -> None:
         """Append the key frames behind one of another graph, which is the last one of this."""
         last, rest = len(self) - 1, slice(joint + 1, None)
         moved = compose(self.poses[last], between(later.poses[joint], later.poses[rest]))
-        way, scans = self.path[last] - later.path[joint], self.scan[last] - later.scan[joint]
+        way, scans = (
+            self.distance[last] - later.distance[joint],
+            self.scan[last] - later.scan[joint],
+        )
         self.poses = np.vstack([self.poses, moved])
-        self.path += [way + path for path in later.path[rest]]
-        self.along = np.array(self.path)
+        self.distance = np.append(self.distance, way + later.distance[rest])
         self.scan += [scans + scan for scan in later.scan[rest]]
         self.points += later.points[rest]
         self.edges += edges
@@ -101,7 +102,9 @@ class KeyFrames:
         counts = np.array([len(cloud) for cloud in clouds], np.int64)
         placed, seen_from = np.empty((2, counts.sum(), 2))
         poses = between(self.poses[origin], self.poses[members])
-        used = place_clouds(np.concatenate(clouds), counts, poses, FAR, placed, seen_from)
+        used = place_clouds(
+            np.concatenate(clouds), counts, poses, FARTHEST_POINT_M, placed, seen_from
+        )
         return placed[:used], seen_from[:used]
 
     def map_of(self, members: Members, origin: int) -> PointMap | None:
@@ -110,7 +113,7 @@ class KeyFrames:
         return PointMap(points, viewpoints) if len(points) else None
 
 
-def pairs(loops: ArrayLike, name: str) -> list[list[int]]:
+def loop_pairs(loops: ArrayLike, name: str) -> list[list[int]]:
     """Both scans of each loop."""
     found = arrays.indices(loops, name)
     if found.size and found.shape[1:] != (2,):
@@ -119,7 +122,7 @@ def pairs(loops: ArrayLike, name: str) -> list[list[int]]:
 
 
 @contextmanager
-def all_or_nothing(*parts: object) -> Iterator[None]:
+def rollback_on_error(*parts: object) -> Iterator[None]:
     """Undo what is done to objects whose lists only grow, where it ends before its end."""
     kept = [(part, dict(vars(part))) for part in parts]
     lengths = [(v, len(v)) for _, known in kept for v in known.values() if isinstance(v, list)]

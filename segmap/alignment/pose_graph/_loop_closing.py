@@ -13,27 +13,34 @@ from ...poses.motions import between, compose
 from .._result import Match, no_match
 from ..graph import Edge, Rejected, deviations, information, residuals, stacked
 from ..points import PointMap
+from ._graph_distance import key_frames_in_square, path_lengths
 from ._key_frames import KeyFrames
-from ._ways import beside, walk
 
 # Where loops are sought:
 #: Old places are proposed this much farther off than the window: they can be seen from there.
-BESIDE = 2.0
+BEYOND_WINDOW_M = 2.0
 #: Half side of the window in heading.
-TURN = np.radians(20)
-#: What a place looks like from any heading: shares of the points in rings up to this radius,
-#: metres, as three key frames before and after it see them.
-RINGS, RADIUS, VIEW = 16, 8.0, 3
+WINDOW_HALF_RAD = np.radians(20)
+#: What a place looks like from any heading: shares of the points in so many rings ...
+DESCRIPTOR_RINGS = 16
+#: ... up to this radius, metres, ...
+DESCRIPTOR_RADIUS_M = 8.0
+#: ... as so many key frames before and after it see them.
+DESCRIPTOR_FRAMES = 3
 #: After a step that no match confirms the robot may be anywhere. The places that look most alike
-#: are then searched in this window at every heading, over a path of at most this length, metres.
-LOST_REACH, LOST_PATH = 2.0, 15.0
-#: Key frames that follow each other by less than this are one pass; so many passes are searched.
-GAP, PASSES = 3, 3
+#: are then searched in a window of this half side, metres, at every heading, ...
+LOST_WINDOW_M = 2.0
+#: ... over a path of at most this length, metres.
+LOST_PATH_M = 15.0
+#: Key frames that follow each other by less than this are one pass.
+PASS_GAP_FRAMES = 3
+#: So many passes are searched.
+SEARCHED_PASSES = 3
 #: Half sides of windows that the neighbours of an old key frame cover, metres. In larger ones the
 #: old map is made of those along as long a way: else the true place may lie where it has ended.
-COVERED = 2.5
+COVERED_WINDOW_M = 2.5
 #: So many points of the new place are registered: more do not make it surer.
-SAMPLE = 750
+REGISTERED_POINTS = 750
 #: Maps of old places that are kept ready, for memory's sake.
 KEPT = 40
 # Which loops are believed:
@@ -41,12 +48,15 @@ KEPT = 40
 AGREED_ANGLE = np.radians(4)
 #: ... and are compared only where their ends lie within this path of each other, metres: beyond it
 #: the error of the path itself would count.
-STRETCH = 8.0
-#: Accepted loops that a new one is compared with: older ones lie farther back than `STRETCH`.
-RECENT = 30
-#: Other loops that must agree where the robot may be anywhere, since many rooms are built alike,
-#: and when the log ends. Then loops of one scan to passes farther apart than `STRETCH` count too.
-LOST_WITNESSES, LAST_WITNESSES = 5, 1
+COMPARED_PATH_M = 8.0
+#: Accepted loops that a new one is compared with: older ones lie farther back than
+#: `COMPARED_PATH_M`.
+COMPARED_LOOPS = 30
+#: Other loops that must agree where the robot may be anywhere, since many rooms are built alike.
+LOST_WITNESSES = 5
+#: Other loops that must agree when the log ends. Then loops of one scan to passes farther apart
+#: than `COMPARED_PATH_M` count too.
+LAST_WITNESSES = 1
 #: With a standard deviation above this, metres, a loop is no way through the graph, and without
 #: odometry no witness of others: along a corridor it fixes nothing.
 VAGUE = 0.2
@@ -55,8 +65,11 @@ STRAIN_ANGLE = np.radians(0.5)
 #: Loops that the solution leaves open by more standard deviations are taken out at the end.
 CONTRADICTED = 15.0
 #: Why a loop is not believed that no other, or too few, agree with.
-ALONE = "no other loop agrees with it"
-CONTRADICTS, VETOED = "the rest of the graph contradicts it", "it was vetoed"
+UNSUPPORTED_LOOP = "no other loop agrees with it"
+#: Why a loop is not believed that the solved graph contradicts.
+CONTRADICTED_LOOP = "the rest of the graph contradicts it"
+#: Why a loop is not believed that the caller left out.
+VETOED_LOOP = "it was vetoed"
 
 
 @dataclass(frozen=True)
@@ -143,7 +156,7 @@ class LoopCloser:
         confirms no other, which may slide as far.
         """
         new = len(self.frames) - 1
-        view, _ = self.frames.points_around(self._neighbours(new, VIEW), new)
+        view, _ = self.frames.points_around(self._neighbours(new, DESCRIPTOR_FRAMES), new)
         self.descriptors.append(descriptor(view))
         return self.seek(new, new, confirmed=confirmed, measured=measured)
 
@@ -167,8 +180,8 @@ class LoopCloser:
         found = self._confirmed_by_others(fresh)
         self.believe(found)
         self.lost_since = None if found else self.lost_since
-        path = self.frames.path
-        self._give_up([e for e in self.pending if path[new] - path[e.second] > STRETCH])
+        path = self.frames.distance
+        self._give_up([e for e in self.pending if path[new] - path[e.second] > COMPARED_PATH_M])
         # 4. Whether the poses leave one open so far that the graph has to be solved at once
         left = [residuals(self.frames.poses, loop) for loop in found]
         return any(
@@ -177,19 +190,23 @@ class LoopCloser:
 
     def _by_place(self, new: int, before: int) -> list[Window]:
         """Around the nearest old key frame of each pass, as far as the map may have drifted."""
-        poses, along, widest = self.frames.poses, self.frames.along, self.rules.max_reach + BESIDE
+        poses, along, widest = (
+            self.frames.poses,
+            self.frames.distance,
+            self.rules.max_reach + BEYOND_WINDOW_M,
+        )
         near = np.empty(before, np.int64)
-        near = near[: beside(poses, new, widest, near)]
+        near = near[: key_frames_in_square(poses, new, widest, near)]
         path, distance = along[new] - along[near], np.hypot(*(poses[near] - poses[new])[:, :2].T)
-        far = (distance >= self._reach(path) + BESIDE) | (path <= self.rules.min_path)
+        far = (distance >= self._reach(path) + BEYOND_WINDOW_M) | (path <= self.rules.min_path)
         near, path, distance = near[~far], path[~far], distance[~far]
         if not len(near):
             return []
         reach = self._reach(np.minimum(path, self._way(new, near)))
-        kept = distance < reach + BESIDE
+        kept = distance < reach + BEYOND_WINDOW_M
         reaches = dict(zip(near[kept].tolist(), reach[kept].tolist(), strict=True))
         best = _best_of_passes(near[kept], distance[kept])
-        return [Window(k, between(poses[k], poses[new]), reaches[k], TURN) for k in best]
+        return [Window(k, between(poses[k], poses[new]), reaches[k], WINDOW_HALF_RAD) for k in best]
 
     def _reach(self, way: Array) -> Array:
         """How far the map may have bent along ways `(m,)`, metres."""
@@ -202,18 +219,18 @@ class LoopCloser:
         """
         most = max((self.rules.max_reach - self.rules.reach) / self.drift, 0.0)
         metres = np.full(len(self.frames), np.inf)
-        walk(self.frames.along, self.ways, new, old, most, metres)
+        path_lengths(self.frames.distance, self.ways, new, old, most, metres)
         return metres[old]
 
     def _by_descriptor(self, new: int, before: int) -> list[Window]:
         """Where the robot is lost: on what looks most like the place, at any heading."""
-        lost, path = self.lost_since, self.frames.path
-        if lost is None or path[new] - path[lost] > LOST_PATH:
+        lost, path = self.lost_since, self.frames.distance
+        if lost is None or path[new] - path[lost] > LOST_PATH_M:
             return []
         descriptors, old = np.array(self.descriptors), min(lost, before)
         unlike = np.abs(descriptors[:old] - descriptors[new]).sum(1)
         best = _best_of_passes(np.arange(old), unlike)
-        return [Window(k, np.zeros(3), LOST_REACH, np.pi) for k in best]
+        return [Window(k, np.zeros(3), LOST_WINDOW_M, np.pi) for k in best]
 
     def measure(self, window: Window, map: PointMap | None, new: int) -> Match:
         """How a key frame lies on an old one by their surroundings, or why that is not told."""
@@ -223,7 +240,7 @@ class LoopCloser:
         seen, _ = frames.points_around(range(first, new + 1), new)
         if map is None or len(seen) < 6:
             return no_match(window.guess, "too few points")
-        seen = seen[:: 1 + len(seen) // SAMPLE]
+        seen = seen[:: 1 + len(seen) // REGISTERED_POINTS]
         place = {"reach": window.reach, "turn": window.turn, "least": rules.likelihood}
         start, _ = map.search(seen, window.guess, reach_cost=0.05, **place)
         if start is None:
@@ -237,8 +254,8 @@ class LoopCloser:
 
         On a map that ends before the window does, the best place is not the true one.
         """
-        path, near = self.frames.along, self._neighbours(window.old, self.rules.old_frames)
-        far = window.reach if window.reach > COVERED else 0.0
+        path, near = self.frames.distance, self._neighbours(window.old, self.rules.old_frames)
+        far = window.reach if window.reach > COVERED_WINDOW_M else 0.0
         place = path[window.old]
         first, end = np.searchsorted(path, [place - far, place + far + 1e-9])
         around = window.old, int(min(first, near.start)), int(max(end, near.stop))
@@ -257,13 +274,13 @@ class LoopCloser:
         found: list[Edge] = []
         lost = self.lost_since is not None
         enough = LOST_WITNESSES if lost else self.rules.witnesses
-        known = self.pending + self.accepted[-RECENT:]
+        known = self.pending + self.accepted[-COMPARED_LOOPS:]
         for loop, reach in fresh:
             others = self.agreeing(loop, known)
             agree = self._witnesses([loop, *others])
-            way = [self.frames.path[k] for k in {each.second for each in agree}]
+            way = [self.frames.distance[k] for k in {each.second for each in agree}]
             if len(way) > enough and (lost or max(way) - min(way) >= min(reach, self.rules.span)):
-                found += _without([loop, *others], found + self.accepted[-RECENT:])
+                found += _edges_but([loop, *others], found + self.accepted[-COMPARED_LOOPS:])
         return found
 
     def _witnesses(self, loops: list[Edge]) -> list[Edge]:
@@ -275,11 +292,11 @@ class LoopCloser:
 
         Of other scans and near at both ends; or, `apart`, of the same scan to passes far apart.
         """
-        path, chosen = self.frames.path, []
+        path, chosen = self.frames.distance, []
         for other in known:
-            far = abs(path[loop.first] - path[other.first]) > STRETCH
+            far = abs(path[loop.first] - path[other.first]) > COMPARED_PATH_M
             same = loop.second == other.second
-            near = abs(path[loop.second] - path[other.second]) <= STRETCH
+            near = abs(path[loop.second] - path[other.second]) <= COMPARED_PATH_M
             if far and same if apart else not far and not same and near:
                 chosen.append(other)
         if not chosen:
@@ -291,13 +308,13 @@ class LoopCloser:
         agree = (np.hypot(x, y) < self.rules.tolerance) & (np.abs(heading) < AGREED_ANGLE)
         return [chosen[i] for i in np.flatnonzero(agree)]
 
-    def settle(self) -> bool:
+    def finish_pending(self) -> bool:
         """At the end of the log: believe loops that a few others agree with, reject the rest."""
-        known, found = [*self.pending, *self.accepted[-RECENT:]], []
+        known, found = [*self.pending, *self.accepted[-COMPARED_LOOPS:]], []
         for loop in self.pending if self.lost_since is None else []:
             others = self.agreeing(loop, known) + self.agreeing(loop, known, apart=True)
             found += [loop] if len(self._witnesses(others)) >= LAST_WITNESSES else []
-        self._give_up(_without(self.pending, found))
+        self._give_up(_edges_but(self.pending, found))
         self.believe(found)
         return bool(found)
 
@@ -310,23 +327,23 @@ class LoopCloser:
         open_by = zip(frames.edges, left, strict=True)
         out = [e for e, d in open_by if e.loop and not e.forced and d > CONTRADICTED]
         for loop in out:
-            self._reject(loop.first, loop.second, CONTRADICTS)
-        frames.exchange(_without(frames.edges, out))
+            self._reject(loop.first, loop.second, CONTRADICTED_LOOP)
+        frames.exchange(_edges_but(frames.edges, out))
         return bool(out)
 
-    def veto(self, loops: list[Edge], reason: str = VETOED) -> None:
+    def veto(self, loops: list[Edge], reason: str = VETOED_LOOP) -> None:
         """Take loops out; others that were taken out since they contradict the rest come back."""
-        self.accepted = _without(self.accepted, loops)
+        self.accepted = _edges_but(self.accepted, loops)
         self.ways = _ways(self.accepted)
         steps = [edge for edge in self.frames.edges if not edge.loop]
         self.frames.exchange(steps + self.accepted)
-        self.rejected = [r for r in self.rejected if r.reason != CONTRADICTS]
+        self.rejected = [r for r in self.rejected if r.reason != CONTRADICTED_LOOP]
         for loop in loops:
             self._reject(loop.first, loop.second, reason)
 
     def believe(self, loops: list[Edge]) -> None:
         """Make loops edges of the graph, and ways through it."""
-        self.pending = _without(self.pending, loops)
+        self.pending = _edges_but(self.pending, loops)
         self.accepted += loops
         self.frames.edges += loops
         self.ways = np.concatenate([self.ways, _ways(loops)])
@@ -334,8 +351,8 @@ class LoopCloser:
     def _give_up(self, loops: list[Edge]) -> None:
         """Reject loops that no other has confirmed in time."""
         for loop in loops:
-            self._reject(loop.first, loop.second, ALONE)
-        self.pending = _without(self.pending, loops)
+            self._reject(loop.first, loop.second, UNSUPPORTED_LOOP)
+        self.pending = _edges_but(self.pending, loops)
 
     def _reject(self, old: int, new: int, reason: str) -> None:
         """Keep the reason, under the indices of the scans."""
@@ -345,8 +362,10 @@ class LoopCloser:
 def descriptor(points: Array) -> Array:
     """Shares of points `(m, 2)`, metres, by their distance from the origin, (16,) array."""
     distance = np.hypot(points[:, 0], points[:, 1])
-    ring = (distance[distance <= RADIUS] * (RINGS / RADIUS)).astype(np.int64)
-    counts = np.bincount(np.minimum(ring, RINGS - 1), minlength=RINGS)
+    ring = (
+        distance[distance <= DESCRIPTOR_RADIUS_M] * (DESCRIPTOR_RINGS / DESCRIPTOR_RADIUS_M)
+    ).astype(np.int64)
+    counts = np.bincount(np.minimum(ring, DESCRIPTOR_RINGS - 1), minlength=DESCRIPTOR_RINGS)
     return np.asarray(counts / max(counts.sum(), 1))
 
 
@@ -367,13 +386,13 @@ def _best_of_passes(members: NDArray[np.int64], cost: Array) -> list[int]:
 
     `cost` is that of each member, `(m,)`.
     """
-    cuts = np.flatnonzero(np.diff(members) > GAP) + 1
+    cuts = np.flatnonzero(np.diff(members) > PASS_GAP_FRAMES) + 1
     passes = [run for run in np.split(np.arange(len(members)), cuts) if len(run)]
     best = sorted((run[np.argmin(cost[run])] for run in passes), key=lambda k: float(cost[k]))
-    return [int(members[k]) for k in best[:PASSES]]
+    return [int(members[k]) for k in best[:SEARCHED_PASSES]]
 
 
-def _without(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
+def _edges_but(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
     """The edges but for those gone: the same objects, not equal ones."""
     known = {id(edge) for edge in gone}
     return [edge for edge in edges if id(edge) not in known]

@@ -15,23 +15,28 @@ from ...poses.motions import between, compose
 from ...progress import each
 from ...scans import LaserScan
 from ...scans.causes import Cause, Finding
-from .._result import Alignment, concluded
+from .._result import Alignment, checked_alignment
 from ..graph import Edge, information
 from ._front_end import BREAK, FrontEnd
-from ._loop_closing import LOST_WITNESSES, TURN, LoopCloser, Window
-from ._parts import Joint, append, inside
+from ._loop_closing import LOST_WITNESSES, WINDOW_HALF_RAD, LoopCloser, Window
+from ._parts import SharedKeyFrame, append, front_end_and_closer
 from ._pose_graph import LiveGraph
 
 #: About a place that was found the loop is measured in a window of this half side, metres.
-REACH = 0.5
-#: Where key frames of both lie so near and look so alike, metres and radians, they should be tied;
-#: in one building 96 of 100 are (Intel, Freiburg 079), and so many must be.
-BESIDE, FACING, TIED = 1.0, np.pi / 4, 0.5
+FOUND_PLACE_WINDOW_M = 0.5
+#: Where key frames of both lie so near, metres, ...
+TIED_FRAMES_M = 1.0
+#: ... and look in so similar directions, radians, they should be tied; ...
+TIED_FRAMES_RAD = np.pi / 4
+#: ... so large a share must be. In one building 96 of 100 are (Intel, Freiburg 079).
+LEAST_TIED_SHARE = 0.5
 #: Why two sessions are not merged, in the words of `Alignment.doubt`.
 NOT_MERGED = "the sessions are not merged"
 
 
-def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Array]) -> Alignment:
+def merge_graphs(
+    first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Array]
+) -> Alignment:
     """One alignment of two sessions in one building, tied by the places that both have seen.
 
     Key frames of the second are sought in the first, until as many agree as for a robot that is
@@ -61,15 +66,15 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
         if not len(arrays.instance(given, name, LiveGraph)):
             raise ValueError(f"{name} must hold scans")
     graph, part = deepcopy((first, second))
-    (front, closer), (_, its_closer) = inside(graph), inside(part)
+    (front, closer), (_, its_closer) = front_end_and_closer(graph), front_end_and_closer(part)
     for own in (closer, its_closer):
-        own.settle()
+        own.finish_pending()
     # 1. The second begins anew behind the first: only loops tie it
-    joint = _begin_anew(front, inside(part)[0])
-    append(graph, part, inside(part)[0].scans[1:], joint)
+    joint = _begin_anew(front, front_end_and_closer(part)[0])
+    append(graph, part, front_end_and_closer(part)[0].scans[1:], joint)
     # 2. The place that enough others agree with
     frames, reason, alike = front.frames, "", 0
-    loops, most = _found(front, closer, joint.frame, places)
+    loops, most = _agreeing_loops(front, closer, joint.frame, places)
     if not loops:
         reason = f"only {most} places of the second are found in the first and agree"
     else:
@@ -79,7 +84,7 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
         frames.poses[rest] = compose(compose(frames.poses[loop.first], loop.relative), moved)
         closer.believe(loops)
         frames.optimize()
-        away = np.abs(frames.along - frames.along[loop.second])[rest]
+        away = np.abs(frames.distance - frames.distance[loop.second])[rest]
         order = (joint.frame + np.argsort(away, kind="stable")).tolist()
         for new in each(order, "closing loops of place"):
             measured = front.trail.measured(frames.scan[new])
@@ -91,17 +96,17 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
         tied = {edge.second for edge in across}
         passed = _passed_by_both(frames.poses, joint.frame)
         alike = len(tied & passed)
-        if alike < (least := max(LOST_WITNESSES, TIED * len(passed))):
+        if alike < (least := max(LOST_WITNESSES, LEAST_TIED_SHARE * len(passed))):
             reason = f"{alike} of {len(passed)} places that both passed look alike, {least:g} must"
             closer.veto(across, reason)
             closer.pending = []
-    found = concluded("merge", front.scans, graph.settled(), work_time() - begun)
+    found = checked_alignment("merge", front.scans, graph.outcome(), work_time() - begun)
     words = f"{NOT_MERGED}: {reason}"
     none = [Finding(Cause.NOT_MERGED, alike, words, doubtful=True)] if reason else []
     return replace(found, causes=(*none, *found.causes))
 
 
-def _begin_anew(front: FrontEnd, later: FrontEnd) -> Joint:
+def _begin_anew(front: FrontEnd, later: FrontEnd) -> SharedKeyFrame:
     """Make the first scan of another session the next key frame, whose place is not known."""
     first = replace(later.scans[0], odometry=None)  # its odometry begins in a frame of its own
     front.scans.append(first)
@@ -109,18 +114,18 @@ def _begin_anew(front: FrontEnd, later: FrontEnd) -> Joint:
     front.trail.place(front.trail.poses[-1], later.trail.reasons[0])
     scan, frame = len(front.scans) - 1, len(front.frames)
     front.frames.add(scan, later.frames.points[0], np.zeros(3), np.diag(BREAK) ** 2)
-    front.frame.append(frame)
-    front.offset.append(np.zeros(3))
-    front.loose.append(False)
+    front.key_frame_of_scan.append(frame)
+    front.pose_in_key_frame.append(np.zeros(3))
+    front.free_along_corridor.append(False)
     front.along.append(0.0)
     front.driven.append(False)
     front.overlap.append(np.nan)
     front.tied.append(False)
     front.begins.append(frame)
-    return Joint(frame, scan, 0, 0)
+    return SharedKeyFrame(frame, scan, 0, 0)
 
 
-def _found(
+def _agreeing_loops(
     front: FrontEnd, closer: LoopCloser, begin: int, places: Callable[[LaserScan], Array]
 ) -> tuple[list[Edge], int]:
     """Loops from key frames since `begin` to those before that enough agree with, and how many."""
@@ -129,12 +134,12 @@ def _found(
     old = frames.poses[:begin]
     closer.lost_since = begin  # what is compared was seen since then
     for new in each(range(begin, len(frames)), "seeking place"):
-        given = arrays.called(places, "places", front.scans[frames.scan[new]])
+        given = arrays.call_given(places, "places", front.scans[frames.scan[new]])
         place = arrays.poses(given, "places")
         if len(place) != 1:
             continue
         near = int(np.argmin(np.hypot(*(old - place[0])[:, :2].T)))
-        window = Window(near, between(old[near], place[0]), REACH, TURN)
+        window = Window(near, between(old[near], place[0]), FOUND_PLACE_WINDOW_M, WINDOW_HALF_RAD)
         match = closer.measure(window, closer.map_around(window), new)
         if match.matched:
             weight = information(match.covariance, frames.least)
@@ -154,6 +159,6 @@ def _passed_by_both(poses: Array, begin: int) -> set[int]:
     found = set()
     for new in range(begin, len(poses)):
         x, y, turn = between(poses[new], poses[:begin]).T
-        if ((np.hypot(x, y) < BESIDE) & (np.abs(turn) < FACING)).any():
+        if ((np.hypot(x, y) < TIED_FRAMES_M) & (np.abs(turn) < TIED_FRAMES_RAD)).any():
             found.add(new)
     return found

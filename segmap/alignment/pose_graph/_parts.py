@@ -14,7 +14,7 @@ from ...compiled import work_time
 from ...poses import between, compose
 from ...progress import Progress, announce, each
 from ...scans import LaserScan, Log
-from .._result import Alignment, concluded
+from .._result import Alignment, checked_alignment
 from ..graph import Edge, Rejected
 from ._front_end import FrontEnd
 from ._loop_closing import LoopCloser
@@ -64,7 +64,7 @@ def align_parts(
     >>> align_parts([log[:40], log[40:]])
     Alignment(align_parts: 80 scans, 80 used)
     """
-    begun, work = work_time(), partial(_aligned, thresholds)
+    begun, work = work_time(), partial(_part_graph, thresholds)
     arrays.instance(parts, "parts", Sequence)
     logs = [arrays.instance(log, f"parts[{k}]", Log) for k, log in enumerate(parts)]
     logs = [log for log in logs if len(log)]
@@ -74,33 +74,33 @@ def align_parts(
     # 1. Each part alone; 2. as they come, joined to those before
     for log, part in zip(each(logs, "joining part"), run(work, logs), strict=True):
         if len(graph):
-            _join(graph, part, log)
+            _append_part(graph, part, log)
         else:
             graph = part
-            inside(graph)[0].scans += log
+            front_end_and_closer(graph)[0].scans += log
     # 3. All poses together; 4. each scan once more, as in `pose_graph`
-    found = graph.settled()
+    found = graph.outcome()
     scans = [scan for log in logs for scan in log]
-    return concluded("align_parts", scans, found, work_time() - begun)
+    return checked_alignment("align_parts", scans, found, work_time() - begun)
 
 
-def _aligned(thresholds: dict[str, Any], log: Log) -> LiveGraph:
+def _part_graph(thresholds: dict[str, Any], log: Log) -> LiveGraph:
     """The graph of one part, without what the caller has or can make again: it may travel far."""
     graph = LiveGraph(**thresholds)
     graph.extend(log)
-    front, closer = inside(graph)
+    front, closer = front_end_and_closer(graph)
     front.frames.optimize()
     front.scans, front.local, closer.maps = [], None, {}
     return graph
 
 
-def inside(graph: LiveGraph) -> tuple[FrontEnd, LoopCloser]:
+def front_end_and_closer(graph: LiveGraph) -> tuple[FrontEnd, LoopCloser]:
     """The two halves of a graph that has scans."""
     assert graph._parts is not None
     return graph._parts
 
 
-class Joint(NamedTuple):
+class SharedKeyFrame(NamedTuple):
     """The key frame that two graphs share, and its scan: their indices in one and in the other."""
 
     frame: int
@@ -114,9 +114,9 @@ class Joint(NamedTuple):
         return [edge._replace(first=edge.first + n, second=edge.second + n) for edge in kept]
 
 
-def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
+def _append_part(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
     """Make the graph of the next part the end of a graph, with the loops between them."""
-    (front, closer), (later, its_closer) = inside(graph), inside(part)
+    (front, closer), (later, its_closer) = front_end_and_closer(graph), front_end_and_closer(part)
     # 1. Its first scans follow the graph, for alone they had too little of a map to lie on
     front.see_last_frames()
     its_frame = min(graph.tracking.frames, len(later.frames) - 1)
@@ -125,23 +125,25 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
         graph.add(ahead)
     # 2. The next one is a key frame of both, and what comes behind it is known
     front.add_frame(front.track(log[its_scan]))
-    joint = Joint(len(front.frames) - 1, len(front.scans) - 1, its_frame, its_scan)
+    joint = SharedKeyFrame(len(front.frames) - 1, len(front.scans) - 1, its_frame, its_scan)
     append(graph, part, log[its_scan + 1 :], joint)
     # 3. Loops that lead to the parts before, as if the robot drove there now
     found = {loop.second for loop in closer.accepted}
     for new in range(joint.frame, len(front.frames)):
         announce(new / len(front.frames), "looking for loops between parts")
         scan = front.frames.scan[new]
-        confirmed = front.loose[scan] or not front.trail.reasons[scan]
+        confirmed = front.free_along_corridor[scan] or not front.trail.reasons[scan]
         if closer.seek(new, joint.frame, confirmed=confirmed, measured=front.trail.measured(scan)):
             front.frames.optimize(lazily=True)
         closer.lost_since = None if new in found else closer.lost_since
     closer.pending += joint.moved(its_closer.pending)
 
 
-def append(graph: LiveGraph, part: LiveGraph, scans: Sequence[LaserScan], joint: Joint) -> None:
+def append(
+    graph: LiveGraph, part: LiveGraph, scans: Sequence[LaserScan], joint: SharedKeyFrame
+) -> None:
     """Append what lies behind the joint in another graph: these scans, and its own loops."""
-    (front, closer), (later, its_closer) = inside(graph), inside(part)
+    (front, closer), (later, its_closer) = front_end_and_closer(graph), front_end_and_closer(part)
     its_frame, its_scan = joint.its_frame, joint.its_scan
     front.frames.extend(later.frames, its_frame, joint.moved(later.frames.edges))
     trail, its, rest = front.trail, later.trail, slice(its_scan + 1, None)
@@ -150,9 +152,11 @@ def append(graph: LiveGraph, part: LiveGraph, scans: Sequence[LaserScan], joint:
     trail.odometry += its.odometry[rest]
     trail.reasons += its.reasons[rest]
     front.scans += scans
-    front.frame += [joint.frame - its_frame + frame for frame in later.frame[rest]]
-    front.offset += later.offset[rest]
-    front.loose += later.loose[rest]
+    front.key_frame_of_scan += [
+        joint.frame - its_frame + frame for frame in later.key_frame_of_scan[rest]
+    ]
+    front.pose_in_key_frame += later.pose_in_key_frame[rest]
+    front.free_along_corridor += later.free_along_corridor[rest]
     front.along += later.along[rest]
     front.driven += later.driven[rest]
     front.overlap += later.overlap[rest]
@@ -162,7 +166,7 @@ def append(graph: LiveGraph, part: LiveGraph, scans: Sequence[LaserScan], joint:
     _append_loops(closer, its_closer, joint)
 
 
-def _append_loops(closer: LoopCloser, later: LoopCloser, at: Joint) -> None:
+def _append_loops(closer: LoopCloser, later: LoopCloser, at: SharedKeyFrame) -> None:
     """Append the loops behind the joint that are believed, and those that are rejected."""
     n, k = at.frame - at.its_frame, at.scan - at.its_scan
     closer.descriptors += later.descriptors[at.its_frame :]

@@ -21,25 +21,27 @@ from ...poses.motions import between, compose, inverse, wrap
 from ...progress import Progress, announce, each
 from ...scans import LaserScan, Log
 from ...threads import Locked, locked
-from .._result import Alignment, Match, Outcome, alignment_method, concluded, no_match
+from .._result import Alignment, Match, Outcome, alignment_method, checked_alignment, no_match
 from ..graph import REAL, Edge, Graph, loops_of
 from ..points import PointMap
-from ._front_end import BETTER, SLIDE, SLIDE_ANGLE, SURE_OVERLAP, FrontEnd, Tracking
-from ._key_frames import all_or_nothing, pairs
-from ._loop_closing import LOST_REACH, LoopCloser, LoopClosing, Window
+from ._front_end import MOST_SLIDE_M, MOST_SLIDE_RAD, OVERLAP_GAIN, SURE_OVERLAP, FrontEnd, Tracking
+from ._key_frames import loop_pairs, rollback_on_error
+from ._loop_closing import LOST_WINDOW_M, LoopCloser, LoopClosing, Window
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Above `SURE_OVERLAP` nobody looks in twice the window; a place there has to hold `BETTER` more of
-#: the scan, and at least this much.
-LEAST = 0.6
+#: Above `SURE_OVERLAP` nobody looks in twice the window; a place there has to hold `OVERLAP_GAIN`
+#: more of the scan, and at least this share of it.
+LEAST_FOUND_OVERLAP = 0.6
 #: A match within this turn of the odometry agrees with it: ordinary wheels err by 3 degrees a step.
-AGREES = np.radians(5)
-#: One that does not agree has to hold this much more of the scan, and as much as a scan of half a
-#: round gains where it turns back to what it has seen. Intel's wheels err by up to 25 degrees: what
-#: agrees with them and is false holds 0.17 less, and more.
-MORE, ROUND = 0.05, np.pi
+ODOMETRY_AGREES_RAD = np.radians(5)
+#: A match that does not agree with the odometry has to hold this much more of the scan, ...
+AGAINST_ODOMETRY_GAIN = 0.05
+#: ... and as much as a scan of half a round, radians, gains where it turns back to what it has
+#: seen. Intel's wheels err by up to 25 degrees: what agrees with them and is false holds 0.17 less,
+#: and more.
+HALF_ROUND_RAD = np.pi
 
 HalfSide = Annotated[Metres, at_most(20)]
 HalfTurn = Annotated[Radians, at_most(np.pi)]
@@ -107,7 +109,7 @@ def pose_graph(
         closing=closing,
     )
     graph.extend(log)
-    return graph.settled()
+    return graph.outcome()
 
 
 class Placed(NamedTuple):
@@ -160,7 +162,7 @@ class LiveGraph(Locked):
         self.step, self.turn, self.drift = step, turn, drift
         self.window, self.window_angle, self.seconds = window, window_angle, 0.0
         self._parts: tuple[FrontEnd, LoopCloser] | None = None
-        self._mended = False  # whether poses have moved since the last scan
+        self._moved_since_scan = False  # whether poses have moved since the last scan
 
     @locked
     def add(self, scan: LaserScan) -> Placed:
@@ -168,11 +170,11 @@ class LiveGraph(Locked):
         arrays.instance(scan, "scan", LaserScan)
         begun, closed = work_time(), False
         if self._parts is None:
-            front = FrontEnd(scan, self._laid, self.tracking)
+            front = FrontEnd(scan, self._match_on_map, self.tracking)
             self._parts = front, LoopCloser(front.frames, self.drift, self.closing)
         else:
             front, closer = self._parts
-            with all_or_nothing(front, front.trail, front.wheels, front.frames, closer):
+            with rollback_on_error(front, front.trail, front.wheels, front.frames, closer):
                 # 1. The scan on the map of the last key frames
                 match = front.track(scan)
                 if front.needs_frame(self.step, self.turn):
@@ -185,7 +187,7 @@ class LiveGraph(Locked):
                     if closed:
                         front.frames.optimize(lazily=True)
         self.seconds += work_time() - begun
-        closed, self._mended = closed or self._mended, False
+        closed, self._moved_since_scan = closed or self._moved_since_scan, False
         return Placed(self._parts[0].pose(), closed)
 
     def extend(self, log: Log) -> None:
@@ -193,38 +195,44 @@ class LiveGraph(Locked):
         for scan in each(arrays.instance(log, "log", Log), "placing scan"):
             self.add(scan)
 
-    def _laid(self, map: PointMap, points: Array, guess: Array) -> Match:
+    def _match_on_map(self, map: PointMap, points: Array, guess: Array) -> Match:
         """A scan's points `(m, 2)` searched for about a guess, then moved by a descent.
 
         In twice the window where little fits. Where odometry gave the guess, a match that turns the
         robot far from it gives way to one that agrees and fits nearly as well: a scan that turns
         fits best where it sees nothing new. Along a direction that no wall faces the guess holds.
         """
-        best = self._sought(map, points, guess, self.window, self.window_angle)
+        best = self._search_and_register(map, points, guess, self.window, self.window_angle)
         if not (best.matched and best.overlap > SURE_OVERLAP):
-            match = self._sought(map, points, guess, 2 * self.window, 2 * self.window_angle)
-            best = match if match.overlap > max(best.overlap + BETTER, LEAST) else best
+            match = self._search_and_register(
+                map, points, guess, 2 * self.window, 2 * self.window_angle
+            )
+            best = (
+                match
+                if match.overlap > max(best.overlap + OVERLAP_GAIN, LEAST_FOUND_OVERLAP)
+                else best
+            )
         if self._parts is not None and self._parts[0].measured():
-            best = self._agreeing(map, points, guess, best)
+            best = self._prefer_odometry(map, points, guess, best)
         if not best.matched:
             return no_match(guess, best.reason, best.overlap)
         if best.free is None and not best.turns:
             return best
         return replace(best, pose=map.nearest(points, best.pose, guess))
 
-    def _agreeing(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
+    def _prefer_odometry(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
         """The match, or one that agrees with the odometry's guess where it fits nearly as well."""
-        if not match.matched or abs(wrap(match.pose[2] - guess[2])) <= AGREES:
+        if not match.matched or abs(wrap(match.pose[2] - guess[2])) <= ODOMETRY_AGREES_RAD:
             return match
-        other = self._sought(map, points, guess, self.window, AGREES)
-        if not other.matched or abs(wrap(other.pose[2] - guess[2])) > AGREES:
+        other = self._search_and_register(map, points, guess, self.window, ODOMETRY_AGREES_RAD)
+        if not other.matched or abs(wrap(other.pose[2] - guess[2])) > ODOMETRY_AGREES_RAD:
             return match
         # By the guess it has turned so much since the last key frame, which is what it sees newly
         back = min(abs(wrap(match.pose[2] - other.pose[2])), abs(guess[2]))
-        more = MORE + back / ROUND
+        more = AGAINST_ODOMETRY_GAIN + back / HALF_ROUND_RAD
         return match if match.overlap > other.overlap + more else other
 
-    def _sought(
+    def _search_and_register(
         self, map: PointMap, points: Array, guess: Array, reach: float, turn: float
     ) -> Match:
         """The best place in a window about a guess; half sides in metres and radians."""
@@ -233,12 +241,12 @@ class LiveGraph(Locked):
             return no_match(guess, "nothing like it near")
         match = map.register(points, start, overlap=self.tracking.overlap)
         x, y, heading = between(start, match.pose)
-        if np.hypot(x, y) > SLIDE or abs(heading) > SLIDE_ANGLE:
+        if np.hypot(x, y) > MOST_SLIDE_M or abs(heading) > MOST_SLIDE_RAD:
             return no_match(start, "it slides over the map", match.overlap)
         return match
 
     @locked
-    def settled(self) -> Outcome:
+    def outcome(self) -> Outcome:
         """What the method hands to its runner, once all scans are there."""
         if self._parts is None:
             return Outcome(np.zeros((0, 3)), ())
@@ -246,7 +254,7 @@ class LiveGraph(Locked):
         announce(0.0, "solving for all poses")
         # 4. All poses together, without loops that the others contradict
         front.frames.optimize()
-        if closer.settle():
+        if closer.finish_pending():
             front.frames.optimize()
         if closer.drop_contradicted():
             front.frames.optimize()
@@ -262,10 +270,10 @@ class LiveGraph(Locked):
         Of a whole log the result is equal to that of `pose_graph`.
         """
         begun = work_time()
-        found = self.settled()
+        found = self.outcome()
         self.seconds += work_time() - begun
         scans = [] if self._parts is None else self._parts[0].scans
-        return concluded("pose_graph", scans, found, self.seconds)
+        return checked_alignment("pose_graph", scans, found, self.seconds)
 
     @locked
     def loops(self) -> pd.DataFrame:
@@ -287,7 +295,7 @@ class LiveGraph(Locked):
             closer.veto([known[row] for row in rows])
 
     @locked
-    def mended(self, veto: ArrayLike = (), tie: ArrayLike = ()) -> Alignment:
+    def with_loops(self, veto: ArrayLike = (), tie: ArrayLike = ()) -> Alignment:
         """`refine` without some loops and with others, each two scans; ties are as `match` says.
 
         Examples
@@ -297,10 +305,10 @@ class LiveGraph(Locked):
         >>> graph.extend(load("corridor"))
         >>> graph.refine().loops()[["first", "second"]].values.tolist()
         [[0, 145], [1, 147], [3, 149], [4, 151]]
-        >>> graph.mended(veto=[(3, 149)], tie=[(5, 152)]).loops()["first"].tolist()
+        >>> graph.with_loops(veto=[(3, 149)], tie=[(5, 152)]).loops()["first"].tolist()
         [0, 1, 4, 5]
         """
-        out, more = pairs(veto, "veto"), pairs(tie, "tie")
+        out, more = loop_pairs(veto, "veto"), loop_pairs(tie, "tie")
         for first, second in out:
             known = self.loops()[["first", "second"]].values.tolist()
             if [first, second] not in known:
@@ -329,10 +337,13 @@ class LiveGraph(Locked):
         >>> graph.loops()[["first", "second", "scans"]].values.tolist()
         [[2, 9, 7]]
         """
-        (old, at), (new, there) = self._hung(first, "first"), self._hung(second, "second")
+        (old, at), (new, there) = (
+            self._key_frame_of(first, "first"),
+            self._key_frame_of(second, "second"),
+        )
         assert self._parts is not None
         closer = self._parts[1]
-        window = Window(old, np.zeros(3), LOST_REACH, np.pi)
+        window = Window(old, np.zeros(3), LOST_WINDOW_M, np.pi)
         found = closer.measure(window, closer.map_around(window), new)
         return replace(found, pose=between(at, compose(found.pose, there)))
 
@@ -344,7 +355,10 @@ class LiveGraph(Locked):
         as sure as a match in a real building. It is one of `loops`, and can be vetoed.
         """
         relative = arrays.pose(pose, "pose")
-        (old, at), (new, there) = self._hung(first, "first"), self._hung(second, "second")
+        (old, at), (new, there) = (
+            self._key_frame_of(first, "first"),
+            self._key_frame_of(second, "second"),
+        )
         if old == new:
             raise ValueError(f"second must hang on another key frame than {first}, got {second}")
         motion = compose(compose(at, relative), inverse(there))
@@ -353,22 +367,22 @@ class LiveGraph(Locked):
         with self._mending() as closer:
             closer.believe([Edge(old, new, motion, np.linalg.inv(REAL), True, True)])
 
-    def _hung(self, scan: int, name: str) -> tuple[int, Array]:
+    def _key_frame_of(self, scan: int, name: str) -> tuple[int, Array]:
         """The key frame that a scan hangs on, and its pose there."""
         scan = arrays.whole(scan, name, least=0)
         if self._parts is None or scan >= len(self):
             raise ValueError(f"{name} must be one of the {len(self)} scans so far, got {scan}")
-        return self._parts[0].frame[scan], self._parts[0].offset[scan]
+        return self._parts[0].key_frame_of_scan[scan], self._parts[0].pose_in_key_frame[scan]
 
     @contextmanager
     def _mending(self) -> Iterator[LoopCloser]:
         """The graph's loops, to change them: then all poses are solved."""
         assert self._parts is not None
         begun, (front, closer) = work_time(), self._parts
-        with all_or_nothing(front.frames, closer):
+        with rollback_on_error(front.frames, closer):
             yield closer
             front.frames.optimize()
-        self._mended = True
+        self._moved_since_scan = True
         self.seconds += work_time() - begun
 
     @property

@@ -14,20 +14,32 @@ import numpy as np
 from ...arrays import Array
 from ...poses.motions import between, compose, wrap
 from .._result import Match
-from ..points import FINE, LAST, PointMap
+from ..points import LAST, SEARCH_CELL_M, PointMap
 
-#: Ordinary wheels err in place by so many metres, metres a metre driven and metres a radian turned,
-PLACE_M, PLACE_OF_WAY, PLACE_OF_TURN = 0.01, 0.03, 0.05
-#: and in heading by so many radians, radians a metre and radians a radian (standard deviations).
-HEADING_RAD, HEADING_OF_WAY, HEADING_OF_TURN = math.radians(0.5), 0.03, 0.05
-#: How much more these wheels err, the last so many matches tell; fewer than the other do not.
-RECENT, ENOUGH = 100, 10
-#: So many of them, and so long a residual of three normal variables has as many below it.
-SHARE, NORMAL = 0.9, 2.5
+#: Ordinary wheels err in place by at least this, metres (a standard deviation, as all below), ...
+PLACE_ERROR_M = 0.01
+#: ... by so many metres a metre driven ...
+PLACE_ERROR_M_PER_M = 0.03
+#: ... and by so many metres a radian turned.
+PLACE_ERROR_M_PER_RAD = 0.05
+#: They err in heading by at least this, radians, ...
+HEADING_ERROR_RAD = math.radians(0.5)
+#: ... by so many radians a metre ...
+HEADING_ERROR_RAD_PER_M = 0.03
+#: ... and by so many radians a radian.
+HEADING_ERROR_RAD_PER_RAD = 0.05
+#: The last so many matches tell how much more these wheels err.
+RECENT_MATCHES = 100
+#: Fewer matches do not tell.
+LEAST_MATCHES = 10
+#: The residual that this share of them lies below is compared ...
+RESIDUAL_QUANTILE = 0.9
+#: ... with the length that the same share of three normal variables lies below.
+NORMAL_QUANTILE = 2.5
 #: A match contradicts the odometry that is off by more standard deviations.
-CONTRADICTS = 5.0
+CONTRADICTION_SIGMAS = 5.0
 #: More than so many count as so many: wheels slip.
-MOST = 10.0
+MOST_WHEEL_FACTOR = 10.0
 #: A point on a wall lies within this distance of it, metres: a scan's noise, and what is left of
 #: the poses of the map.
 ON_WALL_M = 0.05
@@ -37,9 +49,12 @@ LEAST_POINTS = 6
 #: outweigh so many times the points that do by the match alone. Real logs: below 1.5 where the
 #: wheels are wrong; people about a robot: above 1.9.
 OUTWEIGHS = 1.8
-#: A match stands where it moves by less than its own noise, metres and radians. Then the odometry
-#: is believed unless so much of the scan contradicts it: people are less.
-STANDS_M, STANDS_RAD, PEOPLE = 0.03, math.radians(0.6), 0.3
+#: A match stands where it moves by less than its own noise, metres, ...
+MATCH_STANDS_M = 0.03
+#: ... and radians.
+MATCH_STANDS_RAD = math.radians(0.6)
+#: Then the odometry is believed unless this share of the scan contradicts it: people are less.
+PEOPLE_SHARE = 0.3
 #: Standard deviation of a place where odometry won, metres: what the rest of the graph may move.
 WON_M = 0.2
 
@@ -70,15 +85,15 @@ class Wheels:
         if not match.matched or not math.isfinite(off := self._off(match.pose)):
             return match
         usual = self._usual()
-        if self.way > PLACE_M and off > CONTRADICTS * usual:
+        if self.way > PLACE_ERROR_M and off > CONTRADICTION_SIGMAS * usual:
             driven = self._driven(map, points, match, usual)
             here, there = (map.near(points, one.pose, ON_WALL_M) for one in (match, driven))
             against, agree = (np.count_nonzero(a & ~b) for a, b in ((here, there), (there, here)))
-            weight = agree * min(off / usual, MOST)
+            weight = agree * min(off / usual, MOST_WHEEL_FACTOR)
             x, y, heading = match.pose
-            stands = math.hypot(x, y) < STANDS_M and abs(heading) < STANDS_RAD
+            stands = math.hypot(x, y) < MATCH_STANDS_M and abs(heading) < MATCH_STANDS_RAD
             if (agree >= LEAST_POINTS and weight > OUTWEIGHS * against) or (
-                stands and against < PEOPLE * len(points)
+                stands and against < PEOPLE_SHARE * len(points)
             ):
                 return driven
         self.off.append(off)
@@ -86,10 +101,12 @@ class Wheels:
 
     def _driven(self, map: PointMap, points: Array, match: Match, usual: float) -> Match:
         """The scan as it lies within the errors of ordinary wheels; else as the odometry has it."""
-        place, _, heading = CONTRADICTS * self._ordinary()
-        start, _ = map.search(points, self.motion, reach=max(place, 2 * FINE), turn=heading)
+        place, _, heading = CONTRADICTION_SIGMAS * self._ordinary()
+        start, _ = map.search(
+            points, self.motion, reach=max(place, 2 * SEARCH_CELL_M), turn=heading
+        )
         found = match if start is None else map.register(points, start, reach=LAST)
-        if not found.matched or self._off(found.pose) > CONTRADICTS:
+        if not found.matched or self._off(found.pose) > CONTRADICTION_SIGMAS:
             known = np.diag((usual * self._ordinary()) ** 2)
             found = Match(self.motion, known, matched=True)
         loose = found.covariance + np.diag([WON_M, WON_M, 0.0]) ** 2
@@ -97,14 +114,22 @@ class Wheels:
 
     def _ordinary(self) -> Array:
         """Standard deviations of ordinary wheels in place, place and heading, `(3,)`."""
-        place = PLACE_M + PLACE_OF_WAY * self.way + PLACE_OF_TURN * self.turn
-        heading = HEADING_RAD + HEADING_OF_WAY * self.way + HEADING_OF_TURN * self.turn
+        place = PLACE_ERROR_M + PLACE_ERROR_M_PER_M * self.way + PLACE_ERROR_M_PER_RAD * self.turn
+        heading = (
+            HEADING_ERROR_RAD
+            + HEADING_ERROR_RAD_PER_M * self.way
+            + HEADING_ERROR_RAD_PER_RAD * self.turn
+        )
         return np.array([place, place, heading])
 
     def _usual(self) -> float:
         """How many times more than ordinary ones these wheels err."""
-        recent = sorted(self.off[-RECENT:])
-        return max(recent[int(SHARE * len(recent))] / NORMAL, 1.0) if len(recent) >= ENOUGH else 1.0
+        recent = sorted(self.off[-RECENT_MATCHES:])
+        return (
+            max(recent[int(RESIDUAL_QUANTILE * len(recent))] / NORMAL_QUANTILE, 1.0)
+            if len(recent) >= LEAST_MATCHES
+            else 1.0
+        )
 
     def _off(self, pose: Array) -> float:
         """How far a pose in the key frame is off, in deviations of ordinary wheels; maybe NaN."""

@@ -17,37 +17,51 @@ from ...scans.odometry import Steps
 from .._result import Match
 from ..points import LAST, PointMap, in_range
 
-#: Scans from which steps are sought: spread evenly over the log, and around those that turn.
-STARTS, TURNING_STARTS = 75, 30
+#: Scans from which steps are sought, spread evenly over the log.
+EVEN_STARTS = 75
+#: Scans that turn, around which steps are sought too.
+TURNING_STARTS = 30
 #: ... and over one without odometry, where nothing else tells what rides in a part of it.
 STARTS_ALONE = 300
 #: Those around lie so many scans from one that turns.
-AROUND = np.array([-6, -4, -2, 2, 4, 6])
+SCANS_AROUND_TURN = np.array([-6, -4, -2, 2, 4, 6])
 #: Scans from the start to the end of a step, tried one after the other.
 STRIDES = (1, 2, 4, 8, 16)
-#: Half sides of the search.
-REACH_M, TURN_RAD = 0.8, np.radians(45)
-#: A step ends where the robot has moved so far ...
-MOVED_M, TURNED_RAD = 0.2, np.radians(8)
-#: ... and counts where so much of the scan lies on the other, and its place is known this well.
-LEAST_OVERLAP, MOST_DEVIATION_M = 0.7, 0.05
-#: A scan stands for the laser where it moved by less; the rest is sought if it is more than this.
-STANDS_M, STANDS_RAD, REST = 0.1, np.radians(3), 0.15
+#: Half side of the search, metres.
+STEP_SEARCH_M = 0.8
+#: Half of the headings that are searched, radians.
+STEP_SEARCH_RAD = np.radians(45)
+#: A step ends where the robot has moved so far, metres, ...
+STEP_END_M = 0.2
+#: ... or has turned by so much, radians, ...
+STEP_END_RAD = np.radians(8)
+#: ... and counts where so large a share of the scan lies on the other, ...
+LEAST_STEP_OVERLAP = 0.7
+#: ... and its place is known to this standard deviation, metres.
+MOST_DEVIATION_M = 0.05
+#: A scan stands for the laser where it moved by less, metres, ...
+LASER_STANDS_M = 0.1
+#: ... and turned by less, radians.
+LASER_STANDS_RAD = np.radians(3)
+#: The rest of the scan is then searched for if it is more than this share of it.
+LEAST_REST_SHARE = 0.15
 
 
 def torn(steps: Steps) -> int:
     """At how many steps a part of the scan stands for the laser though the rest moves."""
-    return int((steps.overlap <= LEAST_OVERLAP).sum())
+    return int((steps.overlap <= LEAST_STEP_OVERLAP).sum())
 
 
 def blind_steps(log: Log) -> Steps:
     """Steps of a log that its scans alone tell; none where no walls fix the motion."""
-    many = STARTS if np.isfinite(log.odometry).all(1).any() else STARTS_ALONE
+    many = EVEN_STARTS if np.isfinite(log.odometry).all(1).any() else STARTS_ALONE
     starts = np.unique(np.linspace(0, max(len(log) - 2, 0), many).astype(int))
     found = _steps_from(log, starts if len(log) > 1 else starts[:0])
     # A drive along corridors turns at few places: look there once more
-    turning = np.array([first for first, _, motion, _ in found if abs(motion[2]) > TURNED_RAD / 2])
-    around = np.unique(turning[:, None] + AROUND) if len(turning) else starts[:0]
+    turning = np.array(
+        [first for first, _, motion, _ in found if abs(motion[2]) > STEP_END_RAD / 2]
+    )
+    around = np.unique(turning[:, None] + SCANS_AROUND_TURN) if len(turning) else starts[:0]
     around = np.setdiff1d(around[(around >= 0) & (around < len(log) - 1)], starts)
     found += _steps_from(log, around[:: 1 + len(around) // TURNING_STARTS])
     first, second = ([row[k] for row in found] for k in (0, 1))
@@ -77,41 +91,43 @@ def _step_from(log: Log, first: int) -> tuple[int, Array, float] | None:
         current = in_range(log[first + stride].points())
         if len(current) < 6:
             break
-        match = _matched(map, current)
+        match = _step_match(map, current)
         if match is None or match.free is not None:
             break
         if np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]) > MOST_DEVIATION_M:
             break
         known = first + stride, match.pose, match.overlap
-        if np.hypot(*match.pose[:2]) > MOVED_M or abs(match.pose[2]) > TURNED_RAD:
+        if np.hypot(*match.pose[:2]) > STEP_END_M or abs(match.pose[2]) > STEP_END_RAD:
             break
     return known
 
 
-def _matched(map: PointMap, current: Array) -> Match | None:
+def _step_match(map: PointMap, current: Array) -> Match | None:
     """Where a scan `(m, 2)` lies on the map, if it does; if a part stands, where the rest lies.
 
     What rides with the robot stands for the laser. It is nearer than the walls: the rest counts
     only where it is farther away, for a person who passes by is not.
     """
-    match = _found(map, current)
+    match = _registered_at_rest(map, current)
     if match is not None and _stands(match.pose):
         rides = map.near(current, match.pose, LAST)
         away = np.hypot(*current.T)
-        if 1 - rides.mean() > REST and np.median(away[~rides]) > np.median(away[rides]):
-            rest = _found(map, current[~rides])
-            if rest is not None and rest.overlap > LEAST_OVERLAP and not _stands(rest.pose):
+        if 1 - rides.mean() > LEAST_REST_SHARE and np.median(away[~rides]) > np.median(away[rides]):
+            rest = _registered_at_rest(map, current[~rides])
+            if rest is not None and rest.overlap > LEAST_STEP_OVERLAP and not _stands(rest.pose):
                 return replace(rest, overlap=float(map.near(current, rest.pose, LAST).mean()))
-    return match if match is not None and match.overlap > LEAST_OVERLAP else None
+    return match if match is not None and match.overlap > LEAST_STEP_OVERLAP else None
 
 
-def _found(map: PointMap, current: Array) -> Match | None:
+def _registered_at_rest(map: PointMap, current: Array) -> Match | None:
     """Where points `(m, 2)` lie on the map, searched for as if the robot stood."""
-    start, _ = map.search(current, np.zeros(3), reach=REACH_M, turn=TURN_RAD, least=0.3)
+    start, _ = map.search(
+        current, np.zeros(3), reach=STEP_SEARCH_M, turn=STEP_SEARCH_RAD, least=0.3
+    )
     match = None if start is None else map.register(current, start)
     return match if match is not None and match.matched else None
 
 
 def _stands(motion: Array) -> bool:
     """Whether a motion `(3,)` is next to none."""
-    return bool(np.hypot(*motion[:2]) < STANDS_M and abs(motion[2]) < STANDS_RAD)
+    return bool(np.hypot(*motion[:2]) < LASER_STANDS_M and abs(motion[2]) < LASER_STANDS_RAD)

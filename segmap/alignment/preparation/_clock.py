@@ -11,7 +11,7 @@ from ...scans import Log
 from ...scans.causes import Cause, Finding
 
 #: From this share of the scans on it is not the clock: they are in another order.
-SHUFFLED = 0.1
+SHUFFLED_SCANS_SHARE = 0.1
 #: Nobody leaves a recorder running for so long that a robot stands, seconds.
 LEAP_S = 600.0
 
@@ -28,7 +28,7 @@ def with_clock_mended(log: Log) -> Log:
     broken = (steps < 0) | (steps > max(LEAP_S, 1000 * usual))
     if not broken.any():
         return log
-    if (back := int((steps < 0).sum())) > SHUFFLED * len(steps):
+    if (back := int((steps < 0).sum())) > SHUFFLED_SCANS_SHARE * len(steps):
         words = f"at {back} of {len(log)} scans time goes back: they may be in another order"
         return replace(log, causes=(*log.causes, Finding(Cause.ORDER, back, words)))
     mended = times[0] + np.r_[0.0, np.cumsum(np.where(broken, usual, steps))]

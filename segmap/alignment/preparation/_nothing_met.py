@@ -12,9 +12,11 @@ from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding
 
 #: Scans that are looked at, spread over the log.
-SAMPLE = 200
-#: A number is met in so many of them; fewer scans than the second do not tell.
-SCANS, LEAST_SCANS = 0.25, 10
+NOTHING_MET_SCANS = 200
+#: A number that means "nothing met" occurs in this share of the scans.
+MET_IN_SHARE = 0.25
+#: Fewer scans do not tell.
+LEAST_TELLING_SCANS = 10
 #: So many other ranges are nearer: what rides with the robot is the nearest of all.
 NEARER = 0.25
 #: Half of the beams beside those that hold it differ by this share of it. Those beside a part of a
@@ -33,7 +35,7 @@ class Look(NamedTuple):
     largest: bool = False  # it is the largest of all ranges, else the most frequent
 
 
-LOOKS = (
+NUMBER_PATTERNS = (
     # Far from all others. No format writes finer steps than a millimetre.
     Look(0.001, 0.0, share=0.003, about=0.1, stands_out=0.98, largest=True),
     # With a jitter of some millimetres; most for 2 cm in real logs: 0.013, 34 in 100.
@@ -49,16 +51,16 @@ def without_nothing_met(log: Log) -> Log:
     Such a number stands out among the ranges, is none of the nearest, and is met in many scans
     beside beams that see something else. A driver may have several.
     """
-    if len(log) < LEAST_SCANS:
+    if len(log) < LEAST_TELLING_SCANS:
         return log
-    some = log[:: 1 + len(log) // SAMPLE]
+    some = log[:: 1 + len(log) // NOTHING_MET_SCANS]
     ranges = np.concatenate([np.empty(0), *(np.where(s.valid, s.ranges, np.nan) for s in some)])
     scan = np.repeat(np.arange(len(some)), [len(s) for s in some])
     causes, numbers = list(log.causes), []
     while (told := _number_among(ranges)) is not None:
         number, width = told
         holds = np.abs(ranges - number) <= width
-        if len(np.unique(scan[holds])) < SCANS * len(some):
+        if len(np.unique(scan[holds])) < MET_IN_SHARE * len(some):
             break
         words = f"a range of {number:.5g} m means nothing met: {100 * holds.mean():.2g} % of all"
         causes.append(Finding(Cause.NOTHING_MET, number, words))
@@ -78,7 +80,7 @@ def without_nothing_met(log: Log) -> Log:
 def _number_among(ranges: Array) -> tuple[float, float] | None:
     """A number among ranges `(m,)`, NaN where invalid, and how far off it is held, metres."""
     known = np.sort(ranges[np.isfinite(ranges)])
-    for look in LOOKS if len(known) else ():
+    for look in NUMBER_PATTERNS if len(known) else ():
         width = np.maximum(look.width, look.relative_width * known)
         begin, end = (np.searchsorted(known, known + side * width) for side in (-1, 1))
         most = len(known) - 1 if look.largest else int(np.argmax(end - begin))

@@ -14,16 +14,16 @@ from ...poses.motions import compose
 from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import (
-    CONTRADICTS,
-    ENOUGH,
+    CONTRADICTING_COSINE,
+    LEAST_COMPARED_STEPS,
     REPEATS_M,
     REPEATS_RAD,
-    RIGHT_TURN,
-    RIGHT_WAY,
+    RIGHT_TURN_RATIOS,
+    RIGHT_WAY_RATIOS,
     OdometryComparison,
     Steps,
-    compared,
     delay_of,
+    odometry_against_steps,
     odometry_jumps,
     shifted,
     steps_of,
@@ -31,7 +31,7 @@ from ...scans.odometry import (
 from ._blind_steps import blind_steps
 
 #: Names of units, and the metres of each.
-UNITS = {
+ODOMETRY_UNITS = {
     "millimetres": 0.001,
     "centimetres": 0.01,
     "inches": 0.0254,
@@ -40,18 +40,25 @@ UNITS = {
     "kilometres": 1000.0,
 }
 #: Shares of the way that wheels may say, in any unit.
-WHEELS = (0.86, 1.12)
+WAY_RATIOS = (0.86, 1.12)
 #: Directions of straight steps agree from here on.
-AGREES = 0.9
+AGREEING_COSINE = 0.9
 #: A laser that looks this far aside is mounted so; less is the noise of some logs.
 ASIDE_RAD = np.radians(8)
-#: A lever arm is told from here on; none is longer than a robot.
-LEVER_M, LONGEST_LEVER_M = 0.15, 2.0
+#: A lever arm is told from here on, metres.
+LEAST_LEVER_M = 0.15
+#: None is longer than a robot, metres.
+LONGEST_LEVER_M = 2.0
 #: At this share of the steps scans stand although the wheels drive: 0 in right logs.
-STILL = 0.15
-#: A delay counts from one scan on, where it leaves this share of the disagreement; one of more
-#: than so many scans must leave less.
-DELAY_SCANS, DELAY_GAIN, LONG_DELAY_SCANS, LONG_DELAY_GAIN = 1.0, 0.6, 10.0, 0.35
+STILL_SHARE = 0.15
+#: A delay counts from so many scans on, ...
+LEAST_DELAY_SCANS = 1.0
+#: ... where it leaves at most this share of the disagreement.
+DELAY_LEFT_SHARE = 0.6
+#: A delay of more scans than this ...
+LONG_DELAY_SCANS = 10.0
+#: ... must leave less of it.
+LONG_DELAY_LEFT_SHARE = 0.35
 #: What can be wrong with an odometry that contradicts itself.
 MIRRORS: dict[str, Callable[[Array], Array]] = {
     "its y counts to the right": lambda rows: rows * (1, -1, 1),
@@ -66,8 +73,8 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
     if not np.isfinite(rows).all(1).any():
         return log
     late, left = delay_of(rows, steps)
-    if abs(late) >= DELAY_SCANS and left < (
-        DELAY_GAIN if abs(late) <= LONG_DELAY_SCANS else LONG_DELAY_GAIN
+    if abs(late) >= LEAST_DELAY_SCANS and left < (
+        DELAY_LEFT_SHARE if abs(late) <= LONG_DELAY_SCANS else LONG_DELAY_LEFT_SHARE
     ):
         rows = shifted(rows, np.arange(len(rows)) + late)
         causes.append(_delay(late, log.times))
@@ -93,17 +100,17 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
 def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     """Odometry `(k, 3)` in the unit and the frame of the matches, and what that took."""
     causes: list[Finding] = []
-    found = compared(rows, steps)
-    if len(found.steps.first) < ENOUGH:
+    found = odometry_against_steps(rows, steps)
+    if len(found.steps.first) < LEAST_COMPARED_STEPS:
         return rows, causes
     # 1. Its unit
-    for name, metres in UNITS.items():
-        if WHEELS[0] * metres < found.way < WHEELS[1] * metres:
+    for name, metres in ODOMETRY_UNITS.items():
+        if WAY_RATIOS[0] * metres < found.way < WAY_RATIOS[1] * metres:
             rows = rows * (metres, metres, 1)
             causes.append(Finding(Cause.UNIT, metres, f"the odometry is in {name}: converted"))
-            found = compared(rows, steps)
+            found = odometry_against_steps(rows, steps)
     # 2. Whether it, or the laser, is mirrored
-    if found.agreement < CONTRADICTS and found.still < STILL:
+    if found.agreement < CONTRADICTING_COSINE and found.still < STILL_SHARE:
         mirrored = _unmirrored(rows, steps)
         if mirrored is None:
             words = "the odometry moves otherwise than the scans do: it is left out"
@@ -114,34 +121,34 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
         words, rows = mirrored
         words = f"the odometry moves across its own heading, {words}: put right"
         causes.append(Finding(Cause.ODOMETRY_MIRRORED, found.agreement, words))
-        found = compared(rows, steps)
-    elif found.turn < -RIGHT_TURN[0]:
+        found = odometry_against_steps(rows, steps)
+    elif found.turn < -RIGHT_TURN_RATIOS[0]:
         words = "the laser or the wheels count turns the other way: one of both is mirrored"
         remedy = "--clockwise where the laser hangs upside down, else mend the odometry"
         causes.append(Finding(Cause.MIRRORED, found.turn, words, remedy, doubtful=True))
         rows = rows * (1, -1, -1)  # as the scans have it: the map may be the mirror image
-        found = compared(rows, steps)
-    elif not (np.isnan(found.turn) or RIGHT_TURN[0] < found.turn < RIGHT_TURN[1]):
+        found = odometry_against_steps(rows, steps)
+    elif not (np.isnan(found.turn) or RIGHT_TURN_RATIOS[0] < found.turn < RIGHT_TURN_RATIOS[1]):
         words = f"the scans turn by {found.turn:.2f} of what the odometry says: it is left out"
         return _nothing(rows), [*causes, Finding(Cause.SCALE, found.turn, words, doubtful=True)]
     # 3. Where the laser looks
     lever = found.lever
-    if found.agreement >= AGREES and abs(found.direction) > ASIDE_RAD:
+    if found.agreement >= AGREEING_COSINE and abs(found.direction) > ASIDE_RAD:
         rows = compose(rows, np.array([0.0, 0.0, -found.direction]))
         causes.append(_mounting(-found.direction))
-        found = compared(rows, steps)
+        found = odometry_against_steps(rows, steps)
     # 4. What it makes of the way
-    if np.isfinite(found.way) and not RIGHT_WAY[0] <= found.way <= RIGHT_WAY[1]:
+    if np.isfinite(found.way) and not RIGHT_WAY_RATIOS[0] <= found.way <= RIGHT_WAY_RATIOS[1]:
         off = 100 * abs(1 / found.way - 1)
         words = f"wheels or ranges are {off:.0f} % off: scans move by {found.way:.3f} of the way"
         causes.append(Finding(Cause.SCALE, found.way, words, doubtful=True))
         rows = rows * (found.way, found.way, 1)
     # 5. Where the laser sits, and what moves along
     x, y = np.nan_to_num(lever)
-    if LEVER_M < np.hypot(x, y) < LONGEST_LEVER_M:
+    if LEAST_LEVER_M < np.hypot(x, y) < LONGEST_LEVER_M:
         words = f"the laser sits {x:.2f} m ahead and {y:.2f} m left of where the log has it"
         causes.append(Finding(Cause.LEVER_ARM, float(np.hypot(x, y)), words, "--mount auto"))
-    if found.still > STILL:
+    if found.still > STILL_SHARE:
         words = f"at {100 * found.still:.0f} % of the steps the scans stand though the wheels drive"
         why = "people, or parts of the robot, move along with it"
         causes.append(Finding(Cause.BODY, found.still, f"{words}: {why}", doubtful=True))
@@ -150,7 +157,7 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
 
 def mounting_of(found: OdometryComparison) -> Array:
     """The place of the log's robot frame on the robot, (3,) array, as turns and ways tell it."""
-    turned = -found.direction if found.agreement >= AGREES else 0.0
+    turned = -found.direction if found.agreement >= AGREEING_COSINE else 0.0
     turned = turned if abs(turned) > ASIDE_RAD else 0.0
     x, y = np.nan_to_num(found.lever)
     return np.array([x, y, turned])
@@ -185,9 +192,11 @@ def _unmirrored(rows: Array, steps: Steps) -> tuple[str, Array] | None:
     """
     for words, change in MIRRORS.items():
         changed = change(rows)
-        found = compared(changed, steps)
-        turns_right = np.isnan(found.turn) or RIGHT_TURN[0] < found.turn < RIGHT_TURN[1]
-        if turns_right and found.agreement > AGREES:
+        found = odometry_against_steps(changed, steps)
+        turns_right = (
+            np.isnan(found.turn) or RIGHT_TURN_RATIOS[0] < found.turn < RIGHT_TURN_RATIOS[1]
+        )
+        if turns_right and found.agreement > AGREEING_COSINE:
             aside = found.direction if abs(found.direction) > ASIDE_RAD else 0.0
             return words, compose(changed, np.array([0.0, 0.0, -aside]))
     return None
@@ -232,4 +241,4 @@ def compare_odometry(log: Log) -> OdometryComparison:
     (1.0, 1.0)
     """
     arrays.instance(log, "log", Log)
-    return compared(log.odometry, blind_steps(log))
+    return odometry_against_steps(log.odometry, blind_steps(log))

@@ -13,7 +13,7 @@ from ...poses.motions import compose, inverse
 from ...progress import Progress
 from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding
-from ...scans.odometry import compared
+from ...scans.odometry import odometry_against_steps
 from .. import _deskew
 from ._blind_steps import blind_steps, torn
 from ._body import without_body
@@ -23,7 +23,7 @@ from ._odometry import mounting_of, with_odometry_corrected
 from ._range_unit import with_ranges_in_metres
 
 #: So many steps between which something rides make a map doubtful: right logs have one at most.
-TORN = 3
+MOST_RIDING_STEPS = 3
 
 
 @checked
@@ -84,14 +84,14 @@ def prepared(
     steps = blind_steps(log)
     if not keep_body and (seen := without_body(log, steps)) is not log:
         log, steps = seen, blind_steps(seen)
-    if torn(steps) >= TORN:
+    if torn(steps) >= MOST_RIDING_STEPS:
         words = f"at {torn(steps)} of {len(steps.first)} steps a part of the scan stands still"
         why = "for the laser while the rest moves: people, or parts of the robot, move along"
         told = Finding(Cause.BODY, torn(steps), f"{words} {why}", doubtful=True)
         log = replace(log, causes=(*log.causes, told))
     if isinstance(mount, str):
         arrays.one_of(mount, "mount", ["auto"])
-        place = mounting_of(compared(log.odometry, steps))
+        place = mounting_of(odometry_against_steps(log.odometry, steps))
         log = replace(log, scans=tuple(_mounted(scan, place) for scan in log))
         steps = steps._replace(motion=compose(compose(place, steps.motion), inverse(place)))
     log = with_odometry_corrected(log, steps)

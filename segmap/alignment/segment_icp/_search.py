@@ -15,22 +15,24 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import ACROSS, ANGULAR, APART, apart, describe, mean_line_terms
+from ...kernels import ACROSS_WEIGHT, ANGULAR_WEIGHT, APART_WEIGHT, apart, describe, mean_line_terms
 
 Indices = NDArray[np.int64]
 
 #: Differences of costs and of places below this, in metres, are rounding.
-ROUNDING = 1e-9
+COST_ROUNDING_M = 1e-9
 #: Directions whose sine differs by less are tried once.
 SAME_WAY = 0.02
 
 
 #: The best turn is looked for among so many on either side.
-TURNS = 4
-#: It turns and shifts at most so often before the steps become finer, and by how much they do.
-ROUNDS, FINER = 5, 4.0
+TURNS_PER_SIDE = 4
+#: It turns and shifts at most so often before the steps become finer.
+MOST_ROUNDS_PER_STEP = 5
+#: The next step is this many times finer.
+STEP_DIVISOR = 4.0
 #: The search ends below this step, metres.
-LAST_STEP = 5e-5
+FINEST_STEP_M = 5e-5
 #: Cost in metres that a shift by one metre must save. One wall across in a scan of 70 saves 0.004;
 #: the noise of walls along a corridor a tenth of that, and moves no scan.
 SLOPE = 0.004
@@ -43,18 +45,20 @@ def distance_below(u: Array, v: Array, a: Array, b: Array, most: float) -> float
     Segments are (2, 2) arrays, which a and b, (5,) arrays, describe.
     """
     turn = abs(a[2] * b[3] - a[3] * b[2])
-    if ANGULAR * (a[4] + b[4]) * turn / 2 >= most:  # tan(a / 2) >= sin(a) / 2
+    if ANGULAR_WEIGHT * (a[4] + b[4]) * turn / 2 >= most:  # tan(a / 2) >= sin(a) / 2
         return np.inf
     angular, across = mean_line_terms(a, b)
-    so_far = ANGULAR * angular + ACROSS * across
+    so_far = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across
     if so_far >= most:
         return np.inf
-    found = so_far + APART * apart(u, v)
+    found = so_far + APART_WEIGHT * apart(u, v)
     return found if found < most else np.inf
 
 
 @compiled
-def moved(s: Array, x: float, y: float, turn: float, about_x: float, about_y: float) -> Array:
+def turned_about(
+    s: Array, x: float, y: float, turn: float, about_x: float, about_y: float
+) -> Array:
     """Segments `(n, 2, 2)` turned about a point, then shifted; metres, radians."""
     c, z = np.cos(turn), np.sin(turn)
     out = np.empty_like(s)
@@ -82,10 +86,10 @@ def correspondences(
         x, y, dx, dy, half = a[i, 0], a[i, 1], a[i, 2], a[i, 3], a[i, 4]
         for j in range(len(reference)):
             u, v = r[j, 0] - x, r[j, 1] - y
-            beside = abs(u * dx + v * dy) < half + r[j, 4] - ROUNDING
+            beside = abs(u * dx + v * dy) < half + r[j, 4] - COST_ROUNDING_M
             if not beside or abs(dx * r[j, 3] - dy * r[j, 2]) >= sine:
                 continue
-            if APART * (abs(v * dx - u * dy) - (half + r[j, 4]) * sine) >= most:
+            if APART_WEIGHT * (abs(v * dx - u * dy) - (half + r[j, 4]) * sine) >= most:
                 continue
             if distance_below(current[i], reference[j], a[i], r[j], most) < most:
                 out[n, 0], out[n, 1] = i, j
@@ -129,11 +133,11 @@ def best_turn(
     """Of evenly spaced turns about a point, the one with the least cost; radians (step 2)."""
     away = np.empty(len(current))
     best, turn = cost(reference, r, current, pairs, penalty, away), 0.0
-    for k in range(-TURNS, TURNS + 1):
-        tried = k * width / TURNS
-        turned = moved(current, 0.0, 0.0, tried, about_x, about_y)
+    for k in range(-TURNS_PER_SIDE, TURNS_PER_SIDE + 1):
+        tried = k * width / TURNS_PER_SIDE
+        turned = turned_about(current, 0.0, 0.0, tried, about_x, about_y)
         found = cost(reference, r, turned, pairs, penalty, away)
-        if found < best - ROUNDING:
+        if found < best - COST_ROUNDING_M:
             best, turn = found, tried
     return turn
 
@@ -186,7 +190,7 @@ def best_shift(
     failed, k = 0, 0
     while failed < len(around):
         u, v = x + step * around[k, 0], y + step * around[k, 1]
-        shifted = moved(current, u, v, 0.0, 0.0, 0.0)
+        shifted = turned_about(current, u, v, 0.0, 0.0, 0.0)
         found = cost(reference, r, shifted, pairs, penalty, away)
         if found < best - SLOPE * step:
             best, x, y, failed = found, u, v, 0
@@ -195,7 +199,7 @@ def best_shift(
     return x, y
 
 
-def least_cost(
+def turn_and_shift(
     reference: Array, current: Array, angle: float, distance: float, width: float, step: float
 ) -> tuple[Array, Array, Indices]:
     """Turn, then shift, until neither helps; again with finer steps (A 2.5.1, step 6).
@@ -208,21 +212,21 @@ def least_cost(
     pairs = correspondences(reference, r, current, angle, distance)
     least = cost(reference, r, current, pairs, distance, away)
     best = (motion, current, pairs)
-    while step > LAST_STEP:
-        for _ in range(ROUNDS):
+    while step > FINEST_STEP_M:
+        for _ in range(MOST_ROUNDS_PER_STEP):
             px, py = current.mean((0, 1))  # a turn about the middle leaves the shift nearly alone
             turn = best_turn(reference, r, current, pairs, distance, px, py, width)
-            turned = moved(current, 0.0, 0.0, turn, px, py)
+            turned = turned_about(current, 0.0, 0.0, turn, px, py)
             x, y = best_shift(reference, r, turned, pairs, distance, step)
-            current = moved(turned, x, y, 0.0, px, py)
+            current = turned_about(turned, x, y, 0.0, px, py)
             c, s, (u, v) = np.cos(turn), np.sin(turn), motion[:2] - (px, py)
             motion = np.array([px + x + c * u - s * v, py + y + s * u + c * v, motion[2] + turn])
             pairs = correspondences(reference, r, current, angle, distance)
             found = cost(reference, r, current, pairs, distance, away)
-            if found < least - ROUNDING:
+            if found < least - COST_ROUNDING_M:
                 least, best = found, (motion, current, pairs)
             if turn == 0.0 and x == 0.0 and y == 0.0:
                 break
         motion, current, pairs = best
-        width, step = width / FINER, step / FINER
+        width, step = width / STEP_DIVISOR, step / STEP_DIVISOR
     return best

@@ -12,26 +12,38 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ... import arrays
-from ...arrays import Array, Count, Metres, Positive, Radians, Segments, at_most, below, checked
-from ...kernels import ACROSS, APART, describe
+from ...arrays import (
+    Array,
+    Count,
+    Metres,
+    Positive,
+    Radians,
+    Segments,
+    at_most,
+    checked,
+    upper_bound_excluded,
+)
+from ...kernels import ACROSS_WEIGHT, APART_WEIGHT, describe
 from ...poses import between, compose, transform
 from ...scans import Log
 from ...segments import MIN_LENGTH, length
 from ...segments import angle as angle_of
 from .._result import Match, Outcome, Trail, alignment_method, long_segments, no_match
 from .._walls import constraints, wall_covariance
-from ._search import Indices, least_cost
+from ._search import Indices, turn_and_shift
 
 #: Segment distance (A 2.7.7) of two parallel walls one metre apart: follows from its weights.
-SIDEWAYS = ACROSS / 2 + APART
-#: The search begins with this part of its widest turn and step, for a wide search finds other walls
-#: as well; it is widened to the whole where less than this share of the scan finds a partner.
-NEAR, ENOUGH = 1 / 16, 0.70
+SIDEWAYS = ACROSS_WEIGHT / 2 + APART_WEIGHT
+#: The search begins with this part of its widest turn and step: a wide search finds other walls
+#: too.
+NARROW_SEARCH_PART = 1 / 16
+#: It is widened to the whole where less than this share of the scan finds a partner.
+LEAST_PARTNER_SHARE = 0.70
 #: Where a smaller share of the walls lies across a direction, it is free.
-LEAST_ACROSS = 0.02
+FREE_ACROSS_SHARE = 0.02
 ONE_DIRECTION = "walls in one direction only: along them the guess was kept"
 
-Acute = Annotated[Radians, below(np.pi / 2)]
+Acute = Annotated[Radians, upper_bound_excluded(np.pi / 2)]
 SomeShare = Annotated[Positive, at_most(1)]
 
 
@@ -92,12 +104,14 @@ def match_segments(
         return no_match(guess, "no segments in the scan")
     if not len(theirs):
         return no_match(guess, "no segments to match with")
-    for part in (NEAR, 1.0):
+    for part in (NARROW_SEARCH_PART, 1.0):
         widest = (part * angle, part * distance / SIDEWAYS / 4)
-        motion, ended, pairs = least_cost(theirs, transform(guess, ours), angle, distance, *widest)
+        motion, ended, pairs = turn_and_shift(
+            theirs, transform(guess, ours), angle, distance, *widest
+        )
         found = np.isin(np.arange(len(ours)), pairs[:, 0])
         overlap = float(length(ours)[found].sum() / length(ours).sum())
-        if overlap >= ENOUGH:
+        if overlap >= LEAST_PARTNER_SHARE:
             break
     pose = compose(motion, guess)
     if overlap < share:
@@ -107,11 +121,11 @@ def match_segments(
     normal = angle_of(ended[found]) + np.pi / 2
     n = np.stack([np.cos(normal), np.sin(normal)], -1)
     across, ways = np.linalg.eigh(n.T @ n / len(n))
-    free = None if across[0] >= LEAST_ACROSS else ways[:, 0]
-    return Match(pose, _covariance(theirs, ended, pairs, pose), True, "", overlap, free)
+    free = None if across[0] >= FREE_ACROSS_SHARE else ways[:, 0]
+    return Match(pose, _segment_covariance(theirs, ended, pairs, pose), True, "", overlap, free)
 
 
-def _covariance(reference: Array, current: Array, pairs: Indices, pose: Array) -> Array:
+def _segment_covariance(reference: Array, current: Array, pairs: Indices, pose: Array) -> Array:
     """Covariance `(3, 3)` of the pose (3,) at which pairs of segments lie together.
 
     Each wall of the scan pulls alike, however long it is (A's 2.1): the short ones err most.

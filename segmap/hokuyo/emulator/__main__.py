@@ -18,7 +18,7 @@ from . import Emulator, Replay
 def main(arguments: list[str] | None = None) -> int:
     """Run it and return its exit code: 0, or 1 after a line that says what went wrong."""
     speak()
-    given = _parser().parse_args(arguments)
+    given = _emulator_parser().parse_args(arguments)
     try:
         _run(given)
     except (SensorError, OSError, ValueError) as error:
@@ -45,7 +45,7 @@ def _bytes(path: Path) -> bytes:
         return file.read()
 
 
-def _parser() -> argparse.ArgumentParser:
+def _emulator_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m segmap.hokuyo.emulator", description=__doc__)
     parser.add_argument("--model", choices=("URG-04LX", "UST-10LX"), default="URG-04LX")
     parser.add_argument(

@@ -15,16 +15,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._protocol import SensorError
-from ._unit import RATES, Unit
+from ._unit import EMULATED_RATES, Unit
 
 #: Faults of the wire, by name.
-FAULTS = ("flip", "lose", "stale", "stop", "silence", "unplug")
+WIRE_FAULTS = ("flip", "lose", "stale", "stop", "silence", "unplug")
 #: What a buffer may hold from before: the end of a scan and a piece of an answer.
-STALE = b"0AI0AI0AJ0AK\n\nGD00440\n00P\n"
+STALE_BYTES = b"0AI0AI0AJ0AK\n\nGD00440\n00P\n"
 #: Bytes read at once.
-PIECE = 4096
+READ_PIECE_BYTES = 4096
 
-_ADDRESS = re.compile(r"(?:(?:\[(?P<six>[^]]+)]|(?P<host>[^:]*)):)?(?P<port>[0-9]{1,5})")
+_LISTEN_ADDRESS = re.compile(r"(?:(?:\[(?P<six>[^]]+)]|(?P<host>[^:]*)):)?(?P<port>[0-9]{1,5})")
 
 
 class Fault(NamedTuple):
@@ -77,7 +77,7 @@ class Wire:
         if fault.kind == "lose":
             return data[1:]
         if fault.kind == "stale":
-            return STALE + data
+            return STALE_BYTES + data
         if fault.kind == "silence":
             self._mute_until = self.clock() + fault.seconds
         self._stopped = self._stopped or fault.kind == "stop"
@@ -141,7 +141,7 @@ class Terminal:
     def read(self) -> bytes:
         """What has come."""
         try:
-            return os.read(self._ends[0], PIECE)
+            return os.read(self._ends[0], READ_PIECE_BYTES)
         except BlockingIOError:
             return b""
 
@@ -159,7 +159,9 @@ class Terminal:
         if unit.usb:
             return True
         known: dict[Any, int] = {
-            getattr(termios, f"B{rate}"): rate for rate in RATES if hasattr(termios, f"B{rate}")
+            getattr(termios, f"B{rate}"): rate
+            for rate in EMULATED_RATES
+            if hasattr(termios, f"B{rate}")
         }
         speed = termios.tcgetattr(self._ends[0])[5]
         return known.get(speed) == (unit.rate if unit.rate in known.values() else None)
@@ -172,7 +174,7 @@ class Listener:
     """
 
     def __init__(self, address: str) -> None:
-        found = _ADDRESS.fullmatch(address)
+        found = _LISTEN_ADDRESS.fullmatch(address)
         if found is None or int(found["port"]) > 65535:
             raise ValueError(f"tcp must be [host:]port, such as '10940' or '0', got {address!r}")
         self._host, self._port = found["six"] or found["host"] or "127.0.0.1", int(found["port"])
@@ -205,7 +207,7 @@ class Listener:
         heard = b""
         if self._client is not None:
             try:
-                heard = self._client.recv(PIECE)
+                heard = self._client.recv(READ_PIECE_BYTES)
                 left = not heard
             except BlockingIOError:
                 left = False

@@ -12,7 +12,7 @@ import numpy as np
 
 from ... import arrays
 from ...arrays import Count, Seconds, at_least, checked
-from ._device import FAULTS, Fault, Listener, Terminal, Unplugged, Wire
+from ._device import WIRE_FAULTS, Fault, Listener, Terminal, Unplugged, Wire
 from ._unit import Unit, World
 from ._worlds import ModelName, Replay, Room, furnished_room
 
@@ -164,7 +164,7 @@ class Emulator:
         elif kind == "wrap":
             self.unit.wrap_clock()
         else:
-            arrays.one_of(kind, "kind", (*FAULTS, "status", "wrap"))
+            arrays.one_of(kind, "kind", (*WIRE_FAULTS, "status", "wrap"))
             self.wire.plan(Fault(kind, after, seconds))
 
     def mend(self) -> None:

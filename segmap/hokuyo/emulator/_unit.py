@@ -32,10 +32,10 @@ from ._worlds import MODELS, ModelName
 #: From the number of a turn to the millimetres of all its steps.
 World = Callable[[int], NDArray[np.int64]]
 #: Beyond every distance, millimetres.
-FARTHEST = 1 << 20
+FARTHEST_MM = 1 << 20
 #: No request is longer; what is, is forgotten.
-LONGEST = 80
-RATES = (19200, 38400, 57600, 115200, 250000, 500000, 750000)
+LONGEST_REQUEST = 80
+EMULATED_RATES = (19200, 38400, 57600, 115200, 250000, 500000, 750000)
 #: What SCIP 1.1 answers to V.
 OLD_VERSION = (
     b"VEND:Hokuyo Automatic Co.,Ltd.",
@@ -91,16 +91,18 @@ class Unit:
         self.model = MODELS[model]
         if model != "URG-04LX":
             arrays.one_of(protocol, "protocol", ("2.0",))
-        if rate not in RATES:
-            raise ValueError(f"rate must be one of {RATES}, got {rate}")
+        if rate not in EMULATED_RATES:
+            raise ValueError(f"rate must be one of {EMULATED_RATES}, got {rate}")
         self.world = arrays.function(world, "world", "from a turn to its millimetres")
-        arrays.called(inspect.signature(world).bind, "world", 0)  # a call would draw from its noise
+        arrays.call_given(
+            inspect.signature(world).bind, "world", 0
+        )  # a call would draw from its noise
         self.speed, self.usb, self.timing = speed, usb, timing
         self.stamp, self.rate, self.next_rate = stamp, rate, rate
         self.old, self._switches = protocol != "2.0", protocol == "1.1"
         self.laser, self.dead, self.trouble = self.old, False, ""
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
-        self._begun = arrays.number(arrays.called(clock, "clock"), "clock()", unit="seconds")
+        self._begun = arrays.number(arrays.call_given(clock, "clock"), "clock()", unit="seconds")
         self.stream: ScanRequest | None = None
         self.received: list[str] = []
         self._next_turn, self._line = 0, b""
@@ -122,9 +124,9 @@ class Unit:
     def receive(self, data: bytes) -> None:
         """Take bytes of the host, and act on each whole line."""
         *lines, self._line = (self._line + data).replace(b"\r", b"\n").split(b"\n")
-        self._line = self._line[-LONGEST:]
+        self._line = self._line[-LONGEST_REQUEST:]
         for line in lines:
-            text = line[-LONGEST:].decode("ascii", "replace")
+            text = line[-LONGEST_REQUEST:].decode("ascii", "replace")
             if text and not self.dead:
                 self.received.append(text)
                 del self.received[:-1000]
@@ -231,7 +233,7 @@ class Unit:
         if not text[2:].isdigit():
             return encode_reply(text, "01")
         rate = int(text[2:])
-        if rate not in RATES:
+        if rate not in EMULATED_RATES:
             return encode_reply(text, "02")
         status = "03" if rate == self.rate else "00"
         self.next_rate = rate
@@ -245,7 +247,7 @@ class Unit:
 
     def _do_gd(self, text: str) -> bytes:
         """Commands are served about once a turn: the answer waits for the end of this one."""
-        request, status = _checked(text, self.model.steps)
+        request, status = _scan_request(text, self.model.steps)
         if request is None or not self.laser:
             return encode_reply(text, status or "10")
         when = (self.turn() + 2) * self.model.turn
@@ -255,7 +257,7 @@ class Unit:
     _do_gs = _do_gd
 
     def _do_md(self, text: str) -> bytes:
-        request, status = _checked(text, self.model.steps)
+        request, status = _scan_request(text, self.model.steps)
         if request is not None:
             self.stream, self.laser, self._next_turn = request, True, self.turn() + 2
         return encode_reply(text, status or "00")
@@ -296,11 +298,11 @@ def clustered(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64]:
     """
     filled = np.append(millimetres, np.repeat(millimetres[-1:], -len(millimetres) % max(size, 1)))
     groups = filled.reshape(-1, max(size, 1))
-    nearest = np.where(groups >= LOWEST, groups, FARTHEST).min(axis=1)
-    return np.where(nearest < FARTHEST, nearest, groups[:, 0])
+    nearest = np.where(groups >= LOWEST, groups, FARTHEST_MM).min(axis=1)
+    return np.where(nearest < FARTHEST_MM, nearest, groups[:, 0])
 
 
-def _checked(text: str, steps: int) -> tuple[ScanRequest | None, str]:
+def _scan_request(text: str, steps: int) -> tuple[ScanRequest | None, str]:
     """The request, or the status that refuses it."""
     try:
         request = parse_request(text)

@@ -11,11 +11,11 @@ from ... import arrays
 from ...arrays import Array, Segments, checked
 from ...scans.error_codes import (
     LOWEST,
-    NEIGHBOURS_BAD,
-    NOT_MEASURED,
+    NEIGHBOURS_BAD_CODE,
+    NOT_MEASURED_CODE,
     NOTHING_FAR,
-    NOTHING_MET,
-    TOO_NEAR,
+    NOTHING_MET_CODE,
+    UTM_TOO_NEAR_CODE,
 )
 from ...simulation import (
     URG_04LX,
@@ -75,7 +75,7 @@ def _limits(model: str, limits: str) -> dict[str, str]:
 
 
 #: Steps 44 to 725 are measured; see SCIP 2.0 (Hokuyo C-42-03320B), tables 2 and 3.
-_URG = Model(
+_URG_MODEL = Model(
     _version("URG-04LX", "3.1.04(02/Aug./2007)", "SCIP 2.0"),
     _limits(
         "URG-04LX(Hokuyo Automatic Co.,Ltd.)",
@@ -84,9 +84,9 @@ _URG = Model(
     "",
     URG_04LX,
     769,
-    NOTHING_MET,
-    NEIGHBOURS_BAD,
-    NOT_MEASURED,
+    NOTHING_MET_CODE,
+    NEIGHBOURS_BAD_CODE,
+    NOT_MEASURED_CODE,
     ("ME", "HD", "HE", "ND", "NE", "%S"),
 )
 #: 1081 beams over 270 degrees, forty turns a second. Its data sheet promises 0.06 to 10 m on white
@@ -110,11 +110,11 @@ _UST = Model(
     ),
     1081,
     NOTHING_FAR,
-    TOO_NEAR,
+    UTM_TOO_NEAR_CODE,
     NOTHING_FAR,
     (),
 )
-MODELS = {"URG-04LX": _URG, "UST-10LX": _UST}
+MODELS = {"URG-04LX": _URG_MODEL, "UST-10LX": _UST}
 
 
 class Room:

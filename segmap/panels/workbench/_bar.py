@@ -11,7 +11,7 @@ import ipywidgets as W
 
 from ...compiled import COMPILING
 from ...files import as_html
-from ...progress import EARLY, time_left, told
+from ...progress import FIRST_ESTIMATE_S, time_left, told
 from ._job import Worker, said
 
 
@@ -51,7 +51,7 @@ class Bar:
     def tick(self) -> None:
         """Say it with the time that it takes still, or has taken."""
         taken, share = time.monotonic() - self._begun, self._share
-        spent = f", {taken:.0f} s so far" if taken >= EARLY else " ..."
+        spent = f", {taken:.0f} s so far" if taken >= FIRST_ESTIMATE_S else " ..."
         if not self._words.startswith(COMPILING) and (left := time_left(taken, share)):
             spent = f", {left}"
         self.say(f"{self._words}{spent}", share)

@@ -14,7 +14,8 @@ from ...arrays import Array
 
 #: What may be shown: the map before, what is left of it, or both beside each other.
 SHOWN = ("before", "after", "both")
-HERE, SCRIPTS = Path(__file__).parent, ("measure.js", "canvas.js")
+SCRIPTS_FOLDER = Path(__file__).parent
+SCRIPTS = ("measure.js", "canvas.js")
 #: Nothing is pointed at.
 NOTHING = [-1, -1]
 
@@ -33,8 +34,8 @@ class Canvas(anywidget.AnyWidget):
     asked about before they are left.
     """
 
-    _esm = "".join((HERE / name).read_text(encoding="utf-8") for name in SCRIPTS)
-    _css = (HERE / "canvas.css").read_text(encoding="utf-8")
+    _esm = "".join((SCRIPTS_FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    _css = (SCRIPTS_FOLDER / "canvas.css").read_text(encoding="utf-8")
     before = traitlets.Bytes(b"").tag(sync=True)
     first = traitlets.Bytes(b"").tag(sync=True)
     second = traitlets.Bytes(b"").tag(sync=True)

@@ -11,19 +11,21 @@ from traitlets import TraitError
 
 from ... import alignment, extraction, reduction
 from ..._call import Call
-from ..._recipe import BEGIN, Recipe
+from ..._map_pipeline import BEGIN, MapChoices
 from ...arrays import described
 from ...files import as_html
 from ...readers import Session
 from ...scans import Log
 from .._control import ENTRY, control, folded, wrong
-from ._edits import NUMBERS, Edits
+from ._edits import NUMBER_ENTRIES, Edits
 
-#: A slider goes in twentieths of the default up to ten times it.
-STEPS, TIMES = 20, 10
+#: A slider goes in so many steps a default ...
+SLIDER_STEPS = 20
+#: ... up to so many times the default.
+SLIDER_DEFAULTS = 10
 WRAP: Any = {"flex_flow": "row wrap", "align_items": "center"}
 #: Names of the lists, one below the other.
-NAME = {"description_width": "104px"}
+LIST_NAME_STYLE = {"description_width": "104px"}
 #: Below each list stands what the method that is chosen does.
 SMALL = '<div style="line-height: 1.35; font-size: 12px; margin-left: 4px">'
 #: What the list of second methods says of none.
@@ -52,7 +54,7 @@ class Choice:
         self._functions = functions
         self._made: dict[str, dict[str, Any]] = {}
         self.picker: Any = W.Dropdown(
-            options=list(functions), value=first, description=name, style=NAME
+            options=list(functions), value=first, description=name, style=LIST_NAME_STYLE
         )
         self.picker.layout.flex, self.picker.layout.min_width = "1 1 200px", "0"
         self._box = W.Box(layout=W.Layout(**WRAP))
@@ -117,7 +119,7 @@ def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
             found[name] = made
     if varies:
         usual = found.pop(varies).value
-        step, most = usual / STEPS, TIMES * usual
+        step, most = usual / SLIDER_STEPS, SLIDER_DEFAULTS * usual
         moved = control(function, varies, least=step, most=most, step=step)
         moved.style.description_width = ENTRY["description_width"]
         found = {varies: moved, **found}
@@ -210,7 +212,16 @@ class Choices:
             each.wrong.value = as_html(text) if own else ""
             if own:
                 each.settings.value = True
-        own = word in ("north", "EPSG", "name", "latitude", "longitude", "tie", "veto", *NUMBERS)
+        own = word in (
+            "north",
+            "EPSG",
+            "name",
+            "latitude",
+            "longitude",
+            "tie",
+            "veto",
+            *NUMBER_ENTRIES,
+        )
         self.edits.wrong.value = as_html(text) if own else ""
 
     def prepare(self) -> dict[str, Any]:
@@ -226,13 +237,13 @@ class Choices:
             raise ValueError(f"laser must be like '0.2 0 180', or auto, got {text!r}") from None
         return {name: value for name, value in found.items() if value}
 
-    def recipe(self, log: str) -> Recipe:
+    def recipe(self, log: str) -> MapChoices:
         """All that is chosen, for the log that an expression gives."""
         chosen = (each.call() for each in (self.align, self.extract, self.method, self.second))
         align, extract, *methods = (call for call in chosen if call is not None)
         least, prepare = float(self.least.value), self.prepare()
         seen, edits = float(self.people.value) or None, self.edits.asked()
-        return Recipe(align, extract, least, methods, prepare, seen, edits, log)
+        return MapChoices(align, extract, least, methods, prepare, seen, edits, log)
 
     def views(self) -> dict[str, Any]:
         """Their controls, by the steps of the way."""

@@ -10,7 +10,7 @@ import ipywidgets as W
 from .._control import ENTRY, folded, wrong
 
 #: Entries of numbers, by their options: how many, label and example.
-NUMBERS = {
+NUMBER_ENTRIES = {
     "crop": (4, "crop [m]", "left low right high"),
     "place": (2, "place of (0, 0)", "latitude longitude"),
     "north": (1, "north [degrees]", "90, which is up"),
@@ -37,7 +37,7 @@ class Edits:
         self.square.layout.width = "auto"
         self.crop, self.place, self.north = (
             W.Text(description=label, placeholder=hint, **wide)
-            for _, label, hint in NUMBERS.values()
+            for _, label, hint in NUMBER_ENTRIES.values()
         )
         self.square.tooltip = "turn the map"
         self.crop.tooltip = "what lies outside of the rectangle is left out, metres of the map"
@@ -60,7 +60,7 @@ class Edits:
         """What is edited, by the options of `segmap map`, as a session keeps it."""
         found: dict[str, Any] = {"veto": [*self.veto], "tie": [*self.tie]}
         found["square"] = self.square.value
-        for name, (count, label, hint) in NUMBERS.items():
+        for name, (count, label, hint) in NUMBER_ENTRIES.items():
             text = getattr(self, name).value
             try:
                 found[name] = [float(word) for word in text.replace(",", " ").split()]
@@ -89,7 +89,7 @@ class Edits:
         """Set what a session keeps, and nothing else."""
         self.take_loops(held)
         self.square.value, self.crs.value = held.get("square", False), held.get("crs", "")
-        for name in NUMBERS:
+        for name in NUMBER_ENTRIES:
             value = held.get(name, [])
             numbers = value if isinstance(value, list) else [value]
             getattr(self, name).value = " ".join(map(str, numbers))

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ... import _warm, exports
-from ..._recipe import Outcome, cropped, world_of
+from ..._map_pipeline import Pipeline, cropped, world_of
 from ...arrays import Array
 from ...files import shown
 from ...poses import transform
@@ -19,13 +19,15 @@ from ...scans import Log
 
 #: Sides of the cells of a map for a robot, metres.
 CELL = 0.05
-#: Of so many scans points are drawn at most, and while a map grows.
-MOST_SCANS, SKETCHED = 400, 50
+#: Points of so many scans are drawn at most.
+MOST_DRAWN_SCANS = 400
+#: Points of so many scans are drawn while a map grows.
+SKETCHED_SCANS = 50
 #: Leaves of at most this occupancy are free, as in `exports.write_ros_map`.
-FREE = 0.25
+FREE_OCCUPANCY = 0.25
 
 
-def write(path: str | Path, outcome: Outcome, which: int = 0) -> None:
+def write_outcome(path: str | Path, outcome: Pipeline, which: int = 0) -> None:
     """Write what a method leaves in the format that the end of the name asks for."""
     reduced, end = outcome.reductions[which], Path(path).suffix.lower()
     if end == ".yaml":
@@ -40,30 +42,30 @@ def write(path: str | Path, outcome: Outcome, which: int = 0) -> None:
         exports.write_segments(path, reduced, world=world_of(outcome.recipe.edits))
 
 
-def written(outcome: Outcome, name: str) -> dict[str, bytes]:
-    """The files that `write` makes, by their names."""
+def written(outcome: Pipeline, name: str) -> dict[str, bytes]:
+    """The files that `write_outcome` makes, by their names."""
     with tempfile.TemporaryDirectory() as folder:
-        write(Path(folder) / name, outcome)
+        write_outcome(Path(folder) / name, outcome)
         return {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
 
 
-def cells(outcome: Outcome) -> QuadtreeMap:
+def cells(outcome: Pipeline) -> QuadtreeMap:
     """The quadtree of an outcome: what is occupied and what is free."""
-    tree = build_map(outcome.seen, outcome.alignment.trusted, resolution=CELL)
+    tree = build_map(outcome.log_without_passers, outcome.alignment.trusted, resolution=CELL)
     return cropped(tree, outcome.recipe.edits.get("crop"))
 
 
-def free_space(outcome: Outcome) -> Array:
+def free_space(outcome: Pipeline) -> Array:
     """Squares that beams crossed, `(n, 3)`: lower left corner and side, metres."""
     _warm.dispatch(["quadtree all"])
     tree = cells(outcome)
     x, y, side = tree.leaves()[:3]
-    return np.stack([x, y, side], -1)[tree.leaf_occupancy() <= FREE]
+    return np.stack([x, y, side], -1)[tree.leaf_occupancy() <= FREE_OCCUPANCY]
 
 
-def points(log: Log, poses: Array, *, sketched: bool = False) -> Array:
+def drawn_points(log: Log, poses: Array, *, sketched: bool = False) -> Array:
     """Where beams of scans ended, `(n, 2)`, metres: all that can be drawn, or a sketch of them."""
     known = np.flatnonzero(np.isfinite(poses).all(1))
-    scans = known[:: 1 + len(known) // (SKETCHED if sketched else MOST_SCANS)]
+    scans = known[:: 1 + len(known) // (SKETCHED_SCANS if sketched else MOST_DRAWN_SCANS)]
     found = [transform(poses[k], log[int(k)].points()[:: 1 + sketched]) for k in scans]
     return np.concatenate([np.zeros((0, 2)), *found])

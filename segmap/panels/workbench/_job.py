@@ -21,24 +21,28 @@ import time
 from collections.abc import Callable, Sequence
 from typing import IO, Any
 
-from ..._recipe import Outcome, Placing
+from ..._map_pipeline import Pipeline, Placing
 from ...arrays import Array
 from ...progress import Stopped, announce, told
 from ...scans import Log
-from ._files import points
+from ._files import drawn_points
 
 #: What the worker begins with: it finds the package that this Python has imported.
 START = (
     "import sys; sys.path[:] = sys.argv[1:]; from segmap.panels.workbench import _job; _job.serve()"
 )
 #: What to do with a function that cannot be sent.
-HERE = "what only this notebook defines runs with workbench.run()"
+RUNS_HERE = "what only this notebook defines runs with workbench.run()"
 #: What both sides have, by the name of its type.
 Kept = dict[str, Any]
-#: A step may take so long, and is told at most every so often: seconds.
-PATIENCE, OFTEN = 0.2, 0.1
-#: What is placed so far is shown so often, seconds, and for at most this share of the time.
-SEEN, SHARE = 0.5, 0.02
+#: A step may take so long before it is told, seconds.
+STEP_PATIENCE_S = 0.2
+#: It is told at most every so often, seconds.
+STEP_NEWS_S = 0.1
+#: What is placed so far is shown so often, seconds, ...
+SKETCH_NEWS_S = 0.5
+#: ... and for at most this share of the time.
+SKETCH_TIME_SHARE = 0.02
 
 
 class Failed(Exception):
@@ -73,7 +77,7 @@ class Worker:
             try:
                 _Writer(work, self._kept).dump((function, given))
             except Exception as fault:
-                raise Failed(f"{fault}; {HERE}") from fault
+                raise Failed(f"{fault}; {RUNS_HERE}") from fault
             self._kept |= _kept(given)
             result = self._done(process, work.getvalue())
             self._kept |= _kept([result])
@@ -124,11 +128,11 @@ class Worker:
         if process is None or self._idle.is_set():
             return
         self._heard.clear()
-        if self._lock.acquire(timeout=PATIENCE):  # else a long log is on its way
+        if self._lock.acquire(timeout=STEP_PATIENCE_S):  # else a long log is on its way
             with contextlib.suppress(OSError, ValueError):
                 _send(process.stdin, None)  # type: ignore[arg-type]
             self._lock.release()
-        if not (self._heard.wait(PATIENCE) or self._idle.is_set()):
+        if not (self._heard.wait(STEP_PATIENCE_S) or self._idle.is_set()):
             self.end()
 
     def end(self) -> None:
@@ -142,7 +146,7 @@ class Worker:
 
 def _kept(values: Sequence[Any]) -> Kept:
     """The log and the outcome that both sides have: they go only once, for that takes seconds."""
-    return {type(value).__name__: value for value in values if isinstance(value, Log | Outcome)}
+    return {type(value).__name__: value for value in values if isinstance(value, Log | Pipeline)}
 
 
 class _Writer(pickle.Pickler):
@@ -199,13 +203,15 @@ def serve() -> None:
             _send(answers, ("heard", None))
             raise Stopped
         now = time.monotonic()
-        if share == 0 or now - told_at > OFTEN:
+        if share == 0 or now - told_at > STEP_NEWS_S:
             told_at = now
             _send(answers, ("told", (share, str(words))))
         if isinstance(words, Placing) and share > 0 and now > seen_at:
             poses = words.graph.poses
-            _send(answers, ("grown", (poses[:, :2], points(words.log, poses, sketched=True))))
-            seen_at = time.monotonic() + max(SEEN, (time.monotonic() - now) / SHARE)
+            _send(answers, ("grown", (poses[:, :2], drawn_points(words.log, poses, sketched=True))))
+            seen_at = time.monotonic() + max(
+                SKETCH_NEWS_S, (time.monotonic() - now) / SKETCH_TIME_SHARE
+            )
 
     with contextlib.suppress(ImportError):
         import numba  # noqa: F401 -- while the user still reads the page
@@ -217,7 +223,7 @@ def serve() -> None:
             try:
                 function, given = _Reader(io.BytesIO(work), kept).load()
             except Exception as fault:
-                raise ValueError(f"{fault}; {HERE}") from fault
+                raise ValueError(f"{fault}; {RUNS_HERE}") from fault
             kept |= _kept(given)
             with told(hand_on):
                 result = function(*given)

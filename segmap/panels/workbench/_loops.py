@@ -10,7 +10,7 @@ import ipywidgets as W
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..._recipe import Outcome
+from ..._map_pipeline import Pipeline
 from ...arrays import Array
 from ...plotting import DPI, ERROR, MAP, draw_points, figure_png, map_axes
 from ...poses import transform
@@ -19,8 +19,10 @@ from ._choices import WRAP
 from ._edits import Edits
 from ._shown import LINES
 
-#: Pixels of the longer side of the picture of two scans, and of the numbers beside and below it.
-SIDE, NUMBERS = 360, (40, 30)
+#: Pixels of the longer side of the picture of two scans.
+PAIR_SIDE_PIXELS = 360
+#: Pixels of the numbers beside and below it.
+AXIS_ROOM_PIXELS = (40, 30)
 #: What lies within this of a scan is drawn, metres.
 NEAR = 15.0
 #: Rows that are seen of the list.
@@ -46,7 +48,7 @@ class Loops:
         changed: Callable[[], None],
     ) -> None:
         self._edits, self._look, self._changed = edits, look, changed
-        self._outcome: Outcome | None = None
+        self._outcome: Pipeline | None = None
         self.listed: Any = W.Select(rows=ROWS, layout=W.Layout(width="auto"))
         self.mend: Any = W.Button(layout=W.Layout(width="auto", align_self="flex-start"))
         number: Any = {"style": {"description_width": "40px"}, "layout": W.Layout(width="130px")}
@@ -69,7 +71,7 @@ class Loops:
         self.mend.on_click(self._mend)
         self.tie.on_click(self._tie)
 
-    def show(self, outcome: Outcome) -> None:
+    def show(self, outcome: Pipeline) -> None:
         """List the loops of another run; there is nothing to see where its method has no graph."""
         self._outcome = None  # nothing is drawn until all is listed
         if outcome.alignment.graph is None:
@@ -144,7 +146,7 @@ class Loops:
             self._changed()
 
 
-def overlaid(outcome: Outcome, first: int, second: int) -> str:
+def overlaid(outcome: Pipeline, first: int, second: int) -> str:
     """Two scans over each other, where their poses put them, as HTML."""
     figure = Figure(dpi=DPI, layout="constrained")
     ax = figure.subplots()
@@ -155,7 +157,9 @@ def overlaid(outcome: Outcome, first: int, second: int) -> str:
         draw_points(transform(poses[scan], near), ax=ax, color=color, size=size)
     map_axes(ax).set(xlabel="", ylabel="")
     sides = np.array([np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())])
-    width, height = sides / sides.max() * SIDE + NUMBERS  # a narrow corridor: a narrow picture
+    width, height = (
+        sides / sides.max() * PAIR_SIDE_PIXELS + AXIS_ROOM_PIXELS
+    )  # a narrow corridor: a narrow picture
     figure.set_size_inches(width / DPI, height / DPI)
     apart = float(np.hypot(*(poses[first] - poses[second])[:2]))
     words = f"scan {first} black, scan {second} orange, {apart:.1f} m apart: do their walls agree?"

@@ -69,7 +69,7 @@ def laid_out(steps: Mapping[str, Sequence[Any]], bar: Sequence[Any], seen: Seque
         box.add_class(f"segmap-{name}")
     page = W.Box(boxes, layout=W.Layout(width="100%"))
     page.add_class("segmap-page")
-    _named(page)
+    _add_tooltips(page)
     return page
 
 
@@ -140,9 +140,9 @@ class Page:
             each.disabled = not done
 
 
-def _named(page: Any) -> None:
+def _add_tooltips(page: Any) -> None:
     """Give each control that has none a tooltip: else its label says "null"."""
     for child in getattr(page, "children", ()):
         if getattr(child, "description", "") and child.has_trait("tooltip"):
             child.tooltip = child.tooltip or child.description
-        _named(child)
+        _add_tooltips(child)

@@ -7,7 +7,7 @@ from typing import Any
 
 import ipywidgets as W
 
-from ..._recipe import Outcome
+from ..._map_pipeline import Pipeline
 from ...arrays import LIMIT
 from . import _shown
 
@@ -25,7 +25,7 @@ class Runs:
 
     def __init__(self) -> None:
         self.rows: list[dict[str, Any]] = []
-        self.made: dict[int, Outcome] = {}
+        self.made: dict[int, Pipeline] = {}
         self.listed = W.HTML(layout=W.Layout(width="100%", overflow="auto"))
 
     def take(self, rows: Sequence[Mapping[str, Any]]) -> int:
@@ -35,7 +35,7 @@ class Runs:
         self._show()
         return len(rows) - len(self.rows)
 
-    def add(self, outcome: Outcome) -> None:
+    def add(self, outcome: Pipeline) -> None:
         """One more; a row that is known is not repeated."""
         for row in outcome.rows(outcome.given.name):
             if row not in self.rows:

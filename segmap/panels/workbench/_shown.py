@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..._display import facts
-from ..._recipe import Outcome
+from ..._map_pipeline import Pipeline
 from ...alignment import Verdict
 from ...files import as_html
 from ...metrics import grade_quality, grade_reduction, reduction_rate
@@ -17,8 +17,10 @@ from ...plotting import DPI, MAP, RAW, RESULT, draw_segments, figure_png, map_ax
 from ...scans import Log
 from ...segments import SegmentMap
 
-#: Pixels of the static picture.
-WIDTH, HEIGHT = 648, 320
+#: Width of the static picture, pixels.
+STATIC_WIDTH = 648
+#: Its height, pixels.
+STATIC_HEIGHT = 320
 #: Colours of the verdicts, which colour-blind eyes tell apart too.
 COLORS = {"good": "#009e73", "doubtful": "#c47f00", "not a map": "#d55e00"}
 #: So many runs are listed.
@@ -45,16 +47,16 @@ def about(log: Log) -> str:
     return f"{LINES}{'<br>'.join(lines)}</div>"
 
 
-def titles(outcome: Outcome) -> list[str]:
+def titles(outcome: Pipeline) -> list[str]:
     """A title for each picture: the map before, and what each method leaves."""
-    after = [f"{call.name}: {len(reduced)}" for call, reduced, _ in outcome.found()]
+    after = [f"{call.name}: {len(reduced)}" for call, reduced, _ in outcome.results()]
     return [f"before: {len(outcome.map)} segments", *after]
 
 
-def summary(outcome: Outcome, size: Sequence[float]) -> str:
+def summary(outcome: Pipeline, size: Sequence[float]) -> str:
     """What the picture shows, in words for who does not see it."""
     wide, high = size
-    return f"{outcome.verdict.words}. {outcome.words()}. {wide:.1f} m wide, {high:.1f} m high."
+    return f"{outcome.verdict.words}. {outcome.summary()}. {wide:.1f} m wide, {high:.1f} m high."
 
 
 def verdict_line(verdict: Verdict) -> str:
@@ -63,16 +65,16 @@ def verdict_line(verdict: Verdict) -> str:
     return f'<div style="{stripe}"><b>{as_html(verdict.words)}</b></div>'
 
 
-def placed(outcome: Outcome) -> str:
+def verdict_html(outcome: Pipeline) -> str:
     """The verdict on the map, what to doubt of it, and the time that the poses took, as HTML."""
     way = f"{outcome.recipe.align.name}, {outcome.alignment.seconds:.1f} s"
     return verdict_line(outcome.verdict) + _lines([outcome.alignment.doubt, way])
 
 
-def left(outcome: Outcome) -> str:
+def left(outcome: Pipeline) -> str:
     """What each method leaves, in A's words for reduction and quality, as HTML."""
     said = []
-    for call, reduced, kept in outcome.found():
+    for call, reduced, kept in outcome.results():
         rate = reduction_rate(outcome.map, reduced)
         said += [
             f"{call.name} ({call.words()}): {len(reduced)} of {len(outcome.map)} segments left, "
@@ -124,9 +126,9 @@ def _bar(share: float) -> str:
     return f'<td style="{style}">{share:.1%}</td>'
 
 
-def still(outcome: Outcome) -> bytes:
+def still(outcome: Pipeline) -> bytes:
     """The picture for readers without a kernel: the map, and beside it what is left, over it."""
-    figure = Figure((WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout="constrained")
+    figure = Figure((STATIC_WIDTH / DPI, STATIC_HEIGHT / DPI), dpi=DPI, layout="constrained")
     count = 1 + len(outcome.reductions)
     first, *others = figure.subplots(1, count, sharex=True, sharey=True)
     draw_segments(outcome.map, ax=first, color=MAP, width=0.7)

@@ -21,13 +21,13 @@ from ...scans import Log
 from .._control import wrong
 from . import _shown
 from ._bar import Bar
-from ._choices import NAME, WRAP
+from ._choices import LIST_NAME_STYLE, WRAP
 from ._job import said
 
 #: What the list of bundled logs says of a log of one's own.
 OWN = "(a log of your own)"
 #: The largest file that is taken from a browser, bytes.
-MOST = 100_000_000
+MOST_UPLOAD_BYTES = 100_000_000
 LARGEST = "a file up to 100 MB; larger ones by their path"
 #: The longest name of a file on usual disks, bytes.
 LONGEST = 255
@@ -60,7 +60,7 @@ class Source:
         self._drop: Callable[[], object] = str
         files = readers.data_file("malaga").parent.glob("*/*.log.gz")
         self.names = sorted(path.parent.name for path in files)
-        named: Any = {"style": NAME, "layout": W.Layout(width="auto")}
+        named: Any = {"style": LIST_NAME_STYLE, "layout": W.Layout(width="auto")}
         hint = "my.log.gz, then Enter"
         self.controls: Any = (
             W.Dropdown(options=[OWN, *self.names], description="bundled log", **named),
@@ -84,7 +84,7 @@ class Source:
             self._take(readers.load(str(source)), f"segmap.load({source!r})")
         else:
             self._take(
-                read(arrays.file(source, "source")),
+                read_source(arrays.file(source, "source")),
                 f'segmap.read({str(source)!r}, on_error="skip")',
             )
 
@@ -111,7 +111,7 @@ class Source:
     def _read(self, folder: str | Path, name: str) -> None:
         expression = f'segmap.read({name!r}, on_error="skip")'
         given = (str(folder), name)
-        self._begin(_read, given, lambda log: self._take(log, expression), self._refused)
+        self._begin(_read_in_folder, given, lambda log: self._take(log, expression), self._refused)
 
     def _refused(self, text: str) -> None:
         """Say why a log that was asked for is not there, beside what asked; nothing is run now."""
@@ -130,7 +130,7 @@ class Source:
         name = name or "upload.log"
         if name == ".." or len(name.encode()) > LONGEST:
             raise ValueError(f"{name[:40]!r} cannot be the name of a file: give it another one")
-        if (most := max(size, start + len(content))) > MOST:
+        if (most := max(size, start + len(content))) > MOST_UPLOAD_BYTES:
             self.stop()
             raise ValueError(f"{name} has {most / 1e6:.1f} MB: only {LARGEST}")
         if start == 0:
@@ -157,17 +157,17 @@ class Source:
         self._folder = ""
 
 
-def read(path: Path) -> Log | Session:
+def read_source(path: Path) -> Log | Session:
     """A log, or a session by the end of its name."""
     ours = path.suffix.lower() == ".segmap"
     return read_session(path) if ours else readers.read(path, on_error="skip")
 
 
-def _read(folder: str, name: str) -> Log | Session:
+def _read_in_folder(folder: str, name: str) -> Log | Session:
     """A log by its name in a folder, so that what is said of it is what its user knows."""
     with contextlib.chdir(folder):
         try:
-            return read(Path(name))
+            return read_source(Path(name))
         except readers.LogError as fault:  # what follows there is for who writes Python
             raise ValueError(". ".join(str(fault).split("\n")[:2])) from fault
 
@@ -178,7 +178,7 @@ def _upload(description: str, take: Callable[[str, int, int, bytes], int]) -> An
         from ._upload import Upload
     except ImportError:  # anywidget is not installed
         return W.Label(f"upload needs anywidget: {pip_install('lab')}")
-    return Upload(description, MOST, take)
+    return Upload(description, MOST_UPLOAD_BYTES, take)
 
 
 @contextlib.contextmanager

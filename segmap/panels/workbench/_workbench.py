@@ -13,7 +13,7 @@ import numpy as np
 
 from ... import arrays, exports
 from ..._display import counted
-from ..._recipe import Outcome, Recipe, begin, follow
+from ..._map_pipeline import MapChoices, Pipeline, begin, follow
 from ...arrays import Array
 from ...files import file_name, shown
 from ...plotting import thumbnail
@@ -52,7 +52,7 @@ class Workbench(Page, Work):
     deskew : checkbox
         Whether beams are carried to the start of their scan; where they have times only.
     bundled, path, upload : controls
-    outcome : Outcome or None
+    outcome : Pipeline or None
         Alignment, map and reductions of the last good run.
     about, state, verdict, chosen : labels
         What the log is; what happens, or why it does not; whether the map is one; what is pointed
@@ -77,8 +77,8 @@ class Workbench(Page, Work):
     def __init__(self, log: Log | None = None) -> None:
         if log is not None:
             arrays.instance(log, "log", Log)
-        self.outcome: Outcome | None = None
-        self._known, self._seen = cast(Outcome | None, None), cast(Outcome | None, None)
+        self.outcome: Pipeline | None = None
+        self._known, self._seen = cast(Pipeline | None, None), cast(Pipeline | None, None)
         self._runs, self._history = Runs(), list[Mapping[str, Any]]()
         self.listed = self._runs.listed
         self._worker, self._thread, self._bar = Worker(), threading.Thread(), Bar()
@@ -128,7 +128,7 @@ class Workbench(Page, Work):
             self._show(self.log, follow(*self._work(anew=True)))
         self._settle()
 
-    def _work(self, *, anew: bool = False) -> tuple[Recipe, Log, Outcome | None]:
+    def _work(self, *, anew: bool = False) -> tuple[MapChoices, Log, Pipeline | None]:
         """What is to be done, on what is known; of a run that was stopped nothing, if anew."""
         known = None if anew and self._known is not None and self._known.stopped else self._known
         return self._choices.recipe(self._source.expression), self.log, known
@@ -144,7 +144,7 @@ class Workbench(Page, Work):
         if self.canvas is not None:
             self.canvas.grow(way, points, f"scan {len(way)} of {len(self.log)}")
 
-    def _reduce(self, recipe: Recipe, log: Log, begun: Outcome) -> None:
+    def _reduce(self, recipe: MapChoices, log: Log, begun: Pipeline) -> None:
         """Show a new map while it is reduced, and then what is left of it."""
         if log is self.log:
             if not self._is_shown(begun):
@@ -226,7 +226,7 @@ class Workbench(Page, Work):
         self._source.stop()
         self._worker.stop()
 
-    def _show(self, log: Log, outcome: Outcome) -> None:
+    def _show(self, log: Log, outcome: Pipeline) -> None:
         self.outcome = outcome
         self._runs.add(outcome)
         self._show_map(outcome)
@@ -241,7 +241,7 @@ class Workbench(Page, Work):
         self._bar.say(f"{outcome.given.name}: {words}", 1.0)
         self.chosen.value = "point at a segment that is left: what it was made of lights up"
 
-    def _show_map(self, outcome: Outcome) -> None:
+    def _show_map(self, outcome: Pipeline) -> None:
         """Show a map, its way and loops, and what is left of it where that is known."""
         map, done = outcome.map, outcome.is_reduced()
         if self.canvas is not None:
@@ -259,12 +259,12 @@ class Workbench(Page, Work):
             self.canvas.summary = _shown.summary(outcome, self.canvas.size) if done else ""
         elif done:
             self.picture.value = _shown.still(outcome)
-        self.verdict.value = _shown.placed(outcome)
+        self.verdict.value = _shown.verdict_html(outcome)
         self.extracted.value = f"{len(map)} segments of {len(np.unique(map.scan))} scans"
         if not self._is_shown(outcome):
             self.loops.show(outcome)
 
-    def _is_shown(self, outcome: Outcome) -> bool:
+    def _is_shown(self, outcome: Pipeline) -> bool:
         """Whether its map is seen already: who looks at two scans is not disturbed then."""
         known = self._known
         if known is None or (self.canvas is not None and self.canvas.growing):
@@ -290,7 +290,7 @@ class Workbench(Page, Work):
 
         `which` is 0 for the first method, 1 for the second.
         """
-        reduced, map = self._result(which), cast(Outcome, self.outcome).map
+        reduced, map = self._result(which), cast(Pipeline, self.outcome).map
         rows = reduced.members(index)
         scans, size = len(np.unique(map.scan[rows])), float(length(reduced.segments[index]))
         self.chosen.value = (
@@ -320,14 +320,14 @@ class Workbench(Page, Work):
             exports.write_session(path, session)
         else:
             self._result(which)
-            _files.write(path, cast(Outcome, self.outcome), which)
+            _files.write_outcome(path, cast(Pipeline, self.outcome), which)
 
     def _download(self, button: Any) -> None:
         """Hand the first result to the browser."""
         end = SAVES[button.description]
         with telling(self._bar.wrong):
             way = [self.log.name, self._result().method]
-            way.append(cast(Outcome, self.outcome).stopped.replace(" ", "-"))
+            way.append(cast(Pipeline, self.outcome).stopped.replace(" ", "-"))
             name = file_name("-".join(filter(None, way)) + end)
             if end == ".yaml":  # its cells take seconds
                 self._begin(_files.written, (self.outcome, name), self._save)
@@ -377,7 +377,7 @@ class Workbench(Page, Work):
         if (made := self._seen) is None:
             return
         if "points" in on and not canvas.points:
-            canvas.points = canvas.packed(_files.points(made.log, made.alignment.trusted))
+            canvas.points = canvas.packed(_files.drawn_points(made.log, made.alignment.trusted))
         if "free space" in on and not canvas.free and not self._thread.is_alive():
             self._begin(_files.free_space, (made,), self._freed)
 
@@ -396,4 +396,4 @@ class Workbench(Page, Work):
     def __repr__(self) -> str:
         if self.outcome is None:
             return f"Workbench({shown(self.log.name)}: not run yet)"
-        return f"Workbench({shown(self.outcome.given.name)}: {self.outcome.words()})"
+        return f"Workbench({shown(self.outcome.given.name)}: {self.outcome.summary()})"

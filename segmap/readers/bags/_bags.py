@@ -31,19 +31,19 @@ import numpy as np
 
 from ... import arrays
 from ...angles import wrap
-from ...arrays import Array, checked, slips
+from ...arrays import Array, checked, unit_checks
 from ...files import shown
 from ...progress import announce
 from ...scans import LaserScan, Log
-from .._lines import LATEST, LogError, OnError, Reading, UnknownFormat, stem
+from .._lines import LATEST_TIME_S, LogError, OnError, Reading, UnknownFormat, stem
 from .._mounting import flat, in_space, level
 from .._raw_scans import Track, clean, known, place_of
 from ..packed import log_file
 from ._files import FRAMES, Bag, kind_of, opened
 from ._frames import Frames
 
-SCAN = "sensor_msgs/msg/LaserScan"
-ODOMETRY = "nav_msgs/msg/Odometry"
+SCAN_TYPE = "sensor_msgs/msg/LaserScan"
+ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 STATIC = "tf_static"
 #: No laser waits longer from beam to beam, seconds.
 MOST_APART = 1.0
@@ -109,12 +109,12 @@ def read(
     """Scans and odometry, then as much of the transforms as is needed; no truth."""
     with opened(path) as bag:
         said = _Recording(bag, on_error)
-        scan = _chosen(bag, SCAN, scan, "scan")
+        scan = _chosen_topic(bag, SCAN_TYPE, scan, "scan")
         if scan is None:
-            raise LogError(bag.path, f"holds no sensor_msgs/LaserScan, but {_listed(bag)}")
-        odometry = _chosen(bag, ODOMETRY, odometry, "odometry")
-        wheels = {odometry: ODOMETRY} if odometry else said.frames_in(static=False)
-        said.each({scan: SCAN, **wheels, **said.frames_in(static=True)})
+            raise LogError(bag.path, f"holds no sensor_msgs/LaserScan, but {_topics_text(bag)}")
+        odometry = _chosen_topic(bag, ODOMETRY_TYPE, odometry, "odometry")
+        wheels = {odometry: ODOMETRY_TYPE} if odometry else said.frames_in(static=False)
+        said.each({scan: SCAN_TYPE, **wheels, **said.frames_in(static=True)})
         if not said.scans:
             raise LogError(bag.path, f"holds no scan in {scan}{said.why()}")
         said.know_frames(odometry is None)
@@ -133,8 +133,8 @@ class _Recording(Reading):
     def each(self, kinds: Mapping[str, str]) -> None:
         """Take in each message of topics of these kinds; a damaged one is told or counted."""
         takes: dict[str, Callable[[Any, float], None]] = {
-            SCAN: self.take_scan,
-            ODOMETRY: self.take_odometry,
+            SCAN_TYPE: self.take_scan,
+            ODOMETRY_TYPE: self.take_odometry,
         }
         counts = Counter[str]()
         count = max(sum(self.bag.topics(kind).get(topic, 0) for topic, kind in kinds.items()), 1)
@@ -161,18 +161,18 @@ class _Recording(Reading):
         laser = message.header.frame_id
         if self.scans and laser != self.laser:
             raise ValueError(f"expected a scan of {self.laser}, got one of {laser}")
-        self.scans.append((_time(message.header, received), _beams(message)))
+        self.scans.append((_header_time(message.header, received), _beams_of_message(message)))
         self.laser = laser
 
     def take_odometry(self, message: Any, received: float) -> None:
         place, turn = message.pose.pose.position, message.pose.pose.orientation
         pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
-        self.track.add(_time(message.header, received), level(pose), len(self.scans))
+        self.track.add(_header_time(message.header, received), level(pose), len(self.scans))
         self.base = self.base or message.child_frame_id
 
     def take_frames(self, message: Any, received: float) -> None:
         for transform in message.transforms:
-            self.frames.take(transform, _time(transform.header, received), len(self.scans))
+            self.frames.take(transform, _header_time(transform.header, received), len(self.scans))
 
     def frames_in(self, *, static: bool) -> dict[str, str]:
         """Topics of transforms and their kinds: of those that stand still, or of the others."""
@@ -221,7 +221,7 @@ class _Recording(Reading):
         return Log(name, scans, None, self.skipped, track, ordered, met.causes, assumed)
 
 
-def _beams(message: Any) -> LaserScan:
+def _beams_of_message(message: Any) -> LaserScan:
     """Ranges and directions of a message, in the frame of the laser."""
     ranges = np.asarray(message.ranges, float)
     first, step = float(message.angle_min), float(message.angle_increment)
@@ -237,22 +237,22 @@ def _beams(message: Any) -> LaserScan:
     return LaserScan(known, first + step * count, max_range=most, delays=delays)
 
 
-def _time(header: Any, received: float) -> float:
+def _header_time(header: Any, received: float) -> float:
     """Seconds of a header, or those of the recorder where it has none."""
     stamp = header.stamp
     time = stamp.sec + stamp.nanosec / 1e9 or received
-    if not abs(time) <= LATEST:
+    if not abs(time) <= LATEST_TIME_S:
         raise ValueError(f"expected a time, got {time:.6g} s")
     return time
 
 
-def _chosen(bag: Bag, kind: str, named: str | None, argument: str) -> str | None:
+def _chosen_topic(bag: Bag, kind: str, named: str | None, argument: str) -> str | None:
     """The topic that is named, or else the one with most messages; None where there is none."""
     topics = {topic: count for topic, count in bag.topics(kind).items() if count > 0}
     if named is not None:
         if (found := next((t for t in topics if t.strip("/") == named.strip("/")), None)) is None:
             reason = f"{argument} must be a topic of {kind.replace('/msg', '')} in the bag"
-            raise LogError(bag.path, f"{reason}, got {named!r}, but {_listed(bag)}")
+            raise LogError(bag.path, f"{reason}, got {named!r}, but {_topics_text(bag)}")
         return found
     ranked = sorted(topics, key=lambda topic: (-topics[topic], topic))
     if len(ranked) > 1:
@@ -262,10 +262,10 @@ def _chosen(bag: Bag, kind: str, named: str | None, argument: str) -> str | None
     return ranked[0] if ranked else None
 
 
-def _listed(bag: Bag) -> str:
+def _topics_text(bag: Bag) -> str:
     found = dict.fromkeys(f"{c.topic} ({c.msgtype.replace('/msg', '')})" for c in bag.connections)
     return f"the bag holds {', '.join(found)[:1000] or 'nothing'}"
 
 
 def _warn(text: str) -> None:
-    slips.warn(shown(text))
+    unit_checks.warn(shown(text))

@@ -11,22 +11,24 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from ...files import RATIO
+from ...files import MOST_UNPACKED_RATIO
 from .._lines import LogError
 
 #: A bag unpacks to at most so many bytes, or to 50 times its size: pictures shrink to a tenth,
 #: a simulated laser that sees nothing to a five hundredth.
-UNPACKED = 1 << 28
-#: Bytes of a metadata.yaml, and brackets in it, whose nesting costs time by its square.
-MOST_METADATA, MOST_BRACKETS = 1 << 22, 10_000
-CHUNK = 6
+MOST_UNPACKED_BYTES = 1 << 28
+#: Bytes of a metadata.yaml.
+MOST_METADATA_BYTES = 1 << 22
+#: Brackets in it, whose nesting costs time by its square.
+MOST_BRACKETS = 10_000
+CHUNK_RECORD = 6
 
 
 class Budget:
     """How many bytes a bag may still unpack to."""
 
     def __init__(self, path: Path, size: int) -> None:
-        self.path, self.most = path, max(UNPACKED, RATIO * size)
+        self.path, self.most = path, max(MOST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * size)
         self.left = self.most
 
     def take(self, count: int) -> None:
@@ -65,7 +67,7 @@ def _check_mcap(path: Path, budget: Budget) -> None:
             start = file.tell()
             if size > end - start:
                 raise LogError(path, f"byte {start}: announces {size} bytes, {end - start} follow")
-            if code == CHUNK:
+            if code == CHUNK_RECORD:
                 record = file.read(size)
                 (length,) = struct.unpack_from("<I", record, 28)
                 kind = record[32 : 32 + length].decode("ascii", "replace")
@@ -94,8 +96,8 @@ def _check_database(path: Path) -> None:
 def check_metadata(path: Path) -> None:
     """Refuse a metadata.yaml that takes for ever, and messages that are packed one by one."""
     with path.open("rb") as file:
-        text = file.read(MOST_METADATA + 1)
-    if len(text) > MOST_METADATA or len(re.findall(rb"[\[{]", text)) > MOST_BRACKETS:
+        text = file.read(MOST_METADATA_BYTES + 1)
+    if len(text) > MOST_METADATA_BYTES or len(re.findall(rb"[\[{]", text)) > MOST_BRACKETS:
         raise LogError(path, "is larger than that of any bag")
     if b"compression_mode: message" in text.lower():
         raise LogError(path, "each message is packed: ros2 bag convert unpacks them")

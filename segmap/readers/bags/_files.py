@@ -24,7 +24,9 @@ from ._bounds import Budget, check_metadata, look_through
 
 #: What the first bytes of a file say.
 MAGIC = {b"#ROSBAG V": "ROS 1", b"SQLite format 3\0": ".db3", b"\x89MCAP0\r\n": ".mcap"}
-METADATA, LONGEST = "metadata.yaml", max(map(len, MAGIC))
+METADATA_FILE = "metadata.yaml"
+#: The longest of the first bytes that tell a bag's format.
+LONGEST_MAGIC_BYTES = max(map(len, MAGIC))
 SUFFIXES = (".db3", ".mcap", ".bag")
 #: Messages with transforms between frames: today's, and how ROS 1 called them first.
 FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
@@ -34,7 +36,7 @@ MESSAGES = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
 
 def sole_file(path: Path) -> Path:
     """The only bag in a folder without metadata, as a recorder that was killed leaves it."""
-    if not path.is_dir() or (path / METADATA).is_file():
+    if not path.is_dir() or (path / METADATA_FILE).is_file():
         return path
     files = [file for file in path.iterdir() if file.suffix in SUFFIXES and file.is_file()]
     return files[0] if len(files) == 1 else path
@@ -44,10 +46,10 @@ def kind_of(path: Path) -> str | None:
     """Which bag a file or a folder is, by its first bytes; None for what is none."""
     path = sole_file(path)
     if path.is_dir():
-        return "folder" if (path / METADATA).is_file() else None
+        return "folder" if (path / METADATA_FILE).is_file() else None
     try:
         with open_bytes(path) as file:
-            head = file.read(LONGEST)
+            head = file.read(LONGEST_MAGIC_BYTES)
     except BROKEN:
         return None
     return next((kind for magic, kind in MAGIC.items() if head.startswith(magic)), None)
@@ -101,7 +103,7 @@ class Bag:
         try:
             return self._decode(data, kind)
         except Exception as fault:
-            raise ValueError(f"expected a message of {kind} ({_words(fault)})") from fault
+            raise ValueError(f"expected a message of {kind} ({_fault_text(fault)})") from fault
 
 
 @cache
@@ -132,13 +134,13 @@ def opened(path: Path) -> Iterator[Bag]:
     with damage(path):
         if kind != "folder":
             with path.open("rb") as start:
-                if not start.read(LONGEST).startswith(tuple(MAGIC)):
+                if not start.read(LONGEST_MAGIC_BYTES).startswith(tuple(MAGIC)):
                     raise LogError(path, "is a bag that is packed as a whole: unpack it first")
         if kind == "ROS 1":
             reader = _reader_1(path, budget)
         else:
             if kind == "folder":
-                check_metadata(path / METADATA)
+                check_metadata(path / METADATA_FILE)
             for file in files:
                 look_through(file, kind_of(file) if file.is_file() else None, budget)
             reader = _readers_2()[kind](path)
@@ -163,11 +165,11 @@ def damage(path: Path) -> Iterator[None]:
         reason = f"is a bag of ROS: reading it needs {pip_install('ros')}"
         raise LogError(path, reason) from fault
     except Exception as fault:
-        reason = f"is damaged, or no bag that rosbags reads ({_words(fault)})"
+        reason = f"is damaged, or no bag that rosbags reads ({_fault_text(fault)})"
         raise LogError(path, reason) from fault
 
 
-def _words(fault: Exception) -> str:
+def _fault_text(fault: Exception) -> str:
     return f"{type(fault).__name__}: {str(fault)[:300]}"
 
 

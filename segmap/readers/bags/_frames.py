@@ -11,8 +11,11 @@ from .._mounting import in_space, level
 from .._raw_scans import Track
 
 #: A laser that moves by more than this on its robot, in metres and radians, has no place on it.
-STILL = 0.01, np.radians(1)
-ODOMETRY, BASE = "odom", "base"
+FIXED_LASER = 0.01, np.radians(1)
+#: What the name of the frame of odometry holds.
+ODOMETRY_FRAME = "odom"
+#: What the name of the robot's own frame holds.
+BASE_FRAME = "base"
 
 
 class Frames:
@@ -32,15 +35,15 @@ class Frames:
         parent, child = _name(transform.header.frame_id), _name(transform.child_frame_id)
         place, turn = transform.transform.translation, transform.transform.rotation
         pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
-        if _is(parent, ODOMETRY):
+        if _is(parent, ODOMETRY_FRAME):
             self.tracks.setdefault(child, Track()).add(time, level(pose), after)
         first = self.poses.setdefault(child, pose)
         step = np.linalg.inv(first) @ pose
         turn = np.arccos(np.clip((np.trace(step[:3, :3]) - 1) / 2, -1, 1))
         if (
             self.above.setdefault(child, parent) != parent
-            or np.abs(step[:3, 3]).max() > STILL[0]
-            or turn > STILL[1]
+            or np.abs(step[:3, 3]).max() > FIXED_LASER[0]
+            or turn > FIXED_LASER[1]
         ):
             self.moving.add(child)
 
@@ -69,7 +72,7 @@ class Frames:
 
     def base_of(self, laser: str) -> str:
         """The robot's frame where no odometry names it: the first "base" above the laser."""
-        return next((f for f in self.chain(_name(laser)) if _is(f, BASE)), _name(laser))
+        return next((f for f in self.chain(_name(laser)) if _is(f, BASE_FRAME)), _name(laser))
 
     def driven(self) -> tuple[str, Track]:
         """The frame that moves in the frame of the odometry, and its poses; the one with most."""

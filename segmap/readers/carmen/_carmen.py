@@ -42,10 +42,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...arrays import Array, slips
+from ...arrays import Array, unit_checks
 from ...poses import compose
 from ...scans import Skipped
-from .._lines import Lines, counted, merged, numbers, pose, time
+from .._lines import Lines, counted_fields, float_fields, merged_skipped, pose_fields, time
 from .._raw_scans import (
     NOWHERE,
     Extrinsic,
@@ -62,7 +62,7 @@ from .._text import TextFormat
 OLD = ("FLASER", "RLASER")
 NEW = tuple(f"{kind}LASER{k}" for kind in ("ROBOT", "RAW") for k in range(1, 6))
 #: Lines of a recorder that hold neither a scan nor where its laser sits.
-OTHERS = (
+CARMEN_OTHERS = (
     *("SYNC", "TRUEPOS", "GLOBALPOS", "POSITION", "MARKER", "SCANMARK", "MESSAGE", "TEXT"),
     *("NMEAGGA", "NMEARMC", "NMEAVTG", "NMEAGLL", "GPS", "IMU", "COMPASS", "GYRO", "SONAR"),
     *("BUMPER", "LASER3", "LASER4", "REMISSIONFLASER", "REMISSIONRLASER", "PANTILT", "ARM"),
@@ -76,14 +76,14 @@ OFFSETS = tuple(
     for kind in ("", "side_", "angular_")
 )
 #: Settings of the sensor at the start of a ROBOTLASERn or RAWLASERn line.
-HEAD = 7
-KEYWORDS = frozenset(("PARAM", "ODOM", *OLD, *NEW, *OTHERS, *MAPPED))
+ROBOTLASER_SETTINGS = 7
+CARMEN_KEYWORDS = frozenset(("PARAM", "ODOM", *OLD, *NEW, *CARMEN_OTHERS, *MAPPED))
 
 
 class Carmen(TextFormat):
     """A CARMEN log."""
 
-    name, keywords = "CARMEN", KEYWORDS
+    name, keywords = "CARMEN", CARMEN_KEYWORDS
     expected = "a FLASER, RLASER, ROBOTLASER or RAWLASER line"
 
     def __init__(self, lines: Lines) -> None:
@@ -97,19 +97,21 @@ class Carmen(TextFormat):
             self.scans.append(_parse_old(fields))
         elif keyword in NEW:
             self.scans.append(parse_robotlaser(fields))
-        elif keyword in KEYWORDS:
+        elif keyword in CARMEN_KEYWORDS:
             self.recorded = True
             self.mapped |= keyword in MAPPED
             if keyword == "PARAM" and rest and rest[0] in OFFSETS:
-                value = pose([*rest[1:2], "0", "0"], rest[0])[0]
+                value = pose_fields([*rest[1:2], "0", "0"], rest[0])[0]
                 if "angular" in rest[0]:
-                    slips.check_angles(value, rest[0])
+                    unit_checks.check_angles(value, rest[0])
                 self.parameters[rest[0]] = float(value)
             elif keyword == "ODOM" and len(rest) >= 9:
-                self.track.add(time(rest[6]), pose(rest[:3], "the odometry"), len(self.scans))
+                self.track.add(
+                    time(rest[6]), pose_fields(rest[:3], "the odometry"), len(self.scans)
+                )
         elif _is_strange(fields):
             said = f"lines of no known meaning, {keyword[:40]} first"
-            self.unknown = merged(self.unknown, Skipped(1, said))
+            self.unknown = merged_skipped(self.unknown, Skipped(1, said))
         else:
             raise ValueError(f"expected a line of a CARMEN log, got {keyword[:40]!r}")
 
@@ -162,14 +164,14 @@ class Carmen(TextFormat):
 
 
 def _parse_old(fields: list[str]) -> RawScan:
-    ranges, rest = counted(fields[1:], "ranges")
+    ranges, rest = counted_fields(fields[1:], "ranges")
     if len(rest) not in (0, 6, 9):
         raise ValueError(
             f"announces {len(ranges)} ranges and {len(rest)} fields follow them, expected 0, 6 or 9"
         )
-    laser = pose(rest[:3], "the laser") if rest else NOWHERE
-    odometry = pose(rest[3:6], "the odometry") if rest else NOWHERE
-    found = numbers(ranges, "ranges")
+    laser = pose_fields(rest[:3], "the laser") if rest else NOWHERE
+    odometry = pose_fields(rest[3:6], "the odometry") if rest else NOWHERE
+    found = float_fields(ranges, "ranges")
     when = time(rest[6]) if len(rest) == 9 else None
     angles = half_turn(len(found))
     return RawScan(fields[0], found, angles, when, odometry, laser, assumed=(view_of(angles),))
@@ -177,7 +179,7 @@ def _parse_old(fields: list[str]) -> RawScan:
 
 def _is_strange(fields: list[str]) -> bool:
     """Whether a line is a word and at most one field, and not the torn beginning of a known one."""
-    whole = not any(known.startswith(fields[0]) for known in KEYWORDS)
+    whole = not any(known.startswith(fields[0]) for known in CARMEN_KEYWORDS)
     return len(fields) <= 2 and re.fullmatch("[A-Z_]{2,}", fields[0]) is not None and whole
 
 
@@ -188,25 +190,27 @@ def _rounded(pose: Array) -> tuple[float, ...]:
 
 def parse_robotlaser(fields: list[str]) -> RawScan:
     """One ROBOTLASERn or RAWLASERn line; the keyword names the laser."""
-    head = numbers(fields[1 : HEAD + 1], "the sensor's settings")
-    if len(head) < HEAD or not np.isfinite(head[1:5]).all():
-        raise ValueError(f"expected {HEAD} finite settings of the sensor after {fields[0]}")
-    ranges, rest = counted(fields[HEAD + 1 :], "ranges")
-    _, rest = counted(rest, "remissions", least=0)
+    head = float_fields(fields[1 : ROBOTLASER_SETTINGS + 1], "the sensor's settings")
+    if len(head) < ROBOTLASER_SETTINGS or not np.isfinite(head[1:5]).all():
+        raise ValueError(
+            f"expected {ROBOTLASER_SETTINGS} finite settings of the sensor after {fields[0]}"
+        )
+    ranges, rest = counted_fields(fields[ROBOTLASER_SETTINGS + 1 :], "ranges")
+    _, rest = counted_fields(rest, "remissions", least=0)
     posed = fields[0].startswith("ROBOT")
     wanted = 14 if posed else 3
     if len(rest) != wanted:
         raise ValueError(f"expected {wanted} fields after the remissions, got {len(rest)}")
-    laser = pose(rest[:3], "the laser") if posed else NOWHERE
-    odometry = pose(rest[3:6], "the robot") if posed else NOWHERE
-    found, when = numbers(ranges, "ranges"), time(rest[-3])
+    laser = pose_fields(rest[:3], "the laser") if posed else NOWHERE
+    odometry = pose_fields(rest[3:6], "the robot") if posed else NOWHERE
+    found, when = float_fields(ranges, "ranges"), time(rest[-3])
     start, view, resolution, limit = head[1:5]
     if view < 0 or resolution < 0:
         raise ValueError(f"expected angles that count up, got a step of {min(view, resolution):g}")
     if not (abs(start) < 10 and view < 10 and resolution < 10):
         raise ValueError(f"expected the beams' angles in radians, got {head[1:4].tolist()}")
     angles = start + (resolution or view / max(len(found) - 1, 1)) * np.arange(len(found))
-    slips.check_angles(angles, "angles")
+    unit_checks.check_angles(angles, "angles")
     limit = limit if limit > 0 else np.inf
     spread = () if resolution else (f"beams are spread evenly over {np.degrees(view):.4g} degrees",)
     return RawScan(fields[0], found, angles, when, odometry, laser, limit, assumed=spread)

@@ -11,17 +11,20 @@ Assumed: the beams follow the rule of `half_turn`, and the laser sits at the rob
 
 from __future__ import annotations
 
-from .._lines import Lines, counted, numbers, pose
+from .._lines import Lines, counted_fields, float_fields, pose_fields
 from .._raw_scans import NOWHERE, RawScan, half_turn, view_of
 from .._text import TextFormat
 
-POSE, SCAN = "Odometry", "Laser"
+#: First word of a line with a pose.
+DPSLAM_POSE = "Odometry"
+#: First word of a line with a scan.
+DPSLAM_SCAN = "Laser"
 
 
 class DpSlam(TextFormat):
     """A log of DP-SLAM."""
 
-    name, keywords, expected = "DP-SLAM", (POSE, SCAN), f"a {SCAN} line"
+    name, keywords, expected = "DP-SLAM", (DPSLAM_POSE, DPSLAM_SCAN), f"a {DPSLAM_SCAN} line"
 
     def __init__(self, lines: Lines) -> None:
         super().__init__(lines)
@@ -29,16 +32,18 @@ class DpSlam(TextFormat):
 
     def _take(self, fields: list[str]) -> None:
         odometry, self.odometry = self.odometry, NOWHERE  # a damaged line leaves none
-        if fields[0] == POSE:
-            self.odometry = pose(fields[1:], "the odometry")
-        elif fields[0] == SCAN:
-            ranges, rest = counted(fields[1:], "ranges")
+        if fields[0] == DPSLAM_POSE:
+            self.odometry = pose_fields(fields[1:], "the odometry")
+        elif fields[0] == DPSLAM_SCAN:
+            ranges, rest = counted_fields(fields[1:], "ranges")
             if rest:
                 count = len(ranges)
                 raise ValueError(f"announces {count} ranges, but {count + len(rest)} follow")
-            found, angles = numbers(ranges, "ranges"), half_turn(len(ranges))
+            found, angles = float_fields(ranges, "ranges"), half_turn(len(ranges))
             view = (view_of(angles),)
-            self.scans.append(RawScan(SCAN, found, angles, odometry=odometry, assumed=view))
+            self.scans.append(RawScan(DPSLAM_SCAN, found, angles, odometry=odometry, assumed=view))
         else:
             self.odometry = odometry
-            raise ValueError(f"expected an {POSE} or {SCAN} line, got {fields[0][:40]!r}")
+            raise ValueError(
+                f"expected an {DPSLAM_POSE} or {DPSLAM_SCAN} line, got {fields[0][:40]!r}"
+            )

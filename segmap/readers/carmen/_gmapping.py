@@ -23,7 +23,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...arrays import Array
-from .._lines import Lines, counted, is_count, numbers, pose, time
+from .._lines import Lines, counted_fields, float_fields, is_count, pose_fields, time
 from .._raw_scans import (
     URG_STEP,
     Extrinsic,
@@ -35,15 +35,18 @@ from .._raw_scans import (
 )
 from .._text import TextFormat
 
-SCAN, MATCHED = "LASER_READING", "SM_UPDATE"
+#: First word of a line with a scan.
+GMAPPING_SCAN = "LASER_READING"
+#: First word of a line with the pose that GMapping found for it.
+GMAPPING_MATCHED = "SM_UPDATE"
 #: Lines that hold neither a scan nor its pose.
-OTHERS = (
+GMAPPING_OTHERS = (
     *("PARAM", "ODOM", "ODO_UPDATE", "NEFF", "RESAMPLE", "FRAME", "ENTROPY"),
     *("SIMULATOR_POS", "COMMENT"),
 )
-KEYWORDS = frozenset((SCAN, MATCHED, *OTHERS))
+GMAPPING_KEYWORDS = frozenset((GMAPPING_SCAN, GMAPPING_MATCHED, *GMAPPING_OTHERS))
 #: Beams of lasers that look over more than half a turn, and the turn from one to the next.
-WIDE = {540: np.radians(0.5), 541: np.radians(0.5), 682: URG_STEP, 683: URG_STEP}
+WIDE_LASER_STEPS_RAD = {540: np.radians(0.5), 541: np.radians(0.5), 682: URG_STEP, 683: URG_STEP}
 #: Fields of a particle: x, y, theta, weight.
 PARTICLE = 4
 
@@ -51,23 +54,23 @@ PARTICLE = 4
 class GMapping(TextFormat):
     """A run of GMapping."""
 
-    name, keywords, expected = "GMapping", KEYWORDS, f"a {SCAN} line"
+    name, keywords, expected = "GMapping", GMAPPING_KEYWORDS, f"a {GMAPPING_SCAN} line"
 
     def __init__(self, lines: Lines) -> None:
         super().__init__(lines)
         self.reach = np.inf
 
     def _take(self, fields: list[str]) -> None:
-        if fields[0] == SCAN:
-            self.scans.append(_parse_scan(fields))
-        elif fields[0] == MATCHED and self.scans:
+        if fields[0] == GMAPPING_SCAN:
+            self.scans.append(_gmapping_scan(fields))
+        elif fields[0] == GMAPPING_MATCHED and self.scans:
             self.scans[-1] = self.scans[-1]._replace(pose=_heaviest(fields))
         elif fields[:2] == ["PARAM", "maxrange"]:
-            reach = float(numbers(fields[2:3] or [""], "maxrange")[0])
+            reach = float(float_fields(fields[2:3] or [""], "maxrange")[0])
             if not reach > 0:
                 raise ValueError(f"expected metres for maxrange, got {fields[2][:40]!r}")
             self.reach = reach
-        elif fields[0] not in KEYWORDS:
+        elif fields[0] not in GMAPPING_KEYWORDS:
             raise ValueError(f"expected a line of a GMapping run, got {fields[0][:40]!r}")
 
     def _finished(self) -> list[RawScan]:
@@ -77,14 +80,14 @@ class GMapping(TextFormat):
         return extrinsic_by_offset(scans, np.zeros(3))
 
 
-def _parse_scan(fields: list[str]) -> RawScan:
-    ranges, rest = counted(fields[1:], "ranges")
+def _gmapping_scan(fields: list[str]) -> RawScan:
+    ranges, rest = counted_fields(fields[1:], "ranges")
     if len(rest) != PARTICLE:
         raise ValueError(f"expected x, y, heading and the time after the ranges, got {len(rest)}")
-    odometry, found = pose(rest[:3], "the odometry"), numbers(ranges, "ranges")
+    odometry, found = pose_fields(rest[:3], "the odometry"), float_fields(ranges, "ranges")
     n, when = len(found), time(rest[3])
-    angles = centred(n, WIDE[n]) if n in WIDE else half_turn(n)
-    return RawScan(SCAN, found, angles, when, odometry, assumed=(view_of(angles),))
+    angles = centred(n, WIDE_LASER_STEPS_RAD[n]) if n in WIDE_LASER_STEPS_RAD else half_turn(n)
+    return RawScan(GMAPPING_SCAN, found, angles, when, odometry, assumed=(view_of(angles),))
 
 
 def _heaviest(fields: list[str]) -> Array:
@@ -92,8 +95,8 @@ def _heaviest(fields: list[str]) -> Array:
     field = fields[1] if len(fields) > 1 else ""
     if not is_count(field) or len(fields) != 2 + PARTICLE * int(field):
         raise ValueError(f"announces {field[:40]!r} particles, but {len(fields) - 2} fields follow")
-    weights = numbers(fields[5::PARTICLE], "the weights")
+    weights = float_fields(fields[5::PARTICLE], "the weights")
     if np.isnan(weights).all():
         raise ValueError("expected the weight of a particle, got none")
     best = 2 + PARTICLE * int(np.nanargmax(weights))
-    return pose(fields[best : best + 3], "the heaviest particle")
+    return pose_fields(fields[best : best + 3], "the heaviest particle")

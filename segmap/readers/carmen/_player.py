@@ -32,18 +32,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Array, slips
-from .._lines import Lines, is_count, is_number, numbers, pose, time
+from ...arrays import Array, unit_checks
+from .._lines import Lines, float_fields, is_count, is_number, pose_fields, time
 from .._raw_scans import NOWHERE, Extrinsic, RawScan, Track, half_turn, uncorrected, view_of
 from .._text import TextFormat
 
 POSITION = ("position ", "position2d ")
-OTHERS = frozenset(
+PLAYER_OTHERS = frozenset(
     ("sync", "gps", "wifi", "sonar", "ptz", "truth", "power", "camera", "fiducial", "joystick")
     + ("blobfinder", "position3d", "player", "aio", "dio", "imu", "opaque", "localize", "ranger")
     + ("actarray", "wsn", "rfid", "pointcloud3d", "bumper", "ir", "gripper", "simulation", "log")
 )
-INTERFACES = frozenset(("laser", "position", "position2d")) | OTHERS
+INTERFACES = frozenset(("laser", "position", "position2d")) | PLAYER_OTHERS
 #: Fields of a laser message before the number of ranges, by its type and subtype: with and without
 #: time and angles in Player 1, which has no types.
 LASER_HEADS: dict[tuple[int, ...], tuple[int, ...]] = {
@@ -85,8 +85,8 @@ class Player(TextFormat):
         message = _message(fields)
         if message.device.startswith("laser"):
             if message.kind == GEOMETRY:
-                place = pose(message.body[:3], "the place of the laser")
-                slips.check_angles(place[2], "the laser's heading")
+                place = pose_fields(message.body[:3], "the place of the laser")
+                unit_checks.check_angles(place[2], "the laser's heading")
                 self.places[message.device] = place
             elif message.kind in LASER_HEADS:
                 self.scans.append(_parse_laser(message))
@@ -136,27 +136,27 @@ def _parse_position(message: Message) -> tuple[float | None, Array]:
         body, when = body[1:], time(body[0])
     if len(body) not in POSITION_FIELDS:
         raise ValueError(f"expected x y heading vx vy turn stall, got {len(body)} fields")
-    return when, pose(body[:3], "the odometry")
+    return when, pose_fields(body[:3], "the odometry")
 
 
 def _parse_laser(message: Message) -> RawScan:
     body = message.body
-    size, ranges = _split(body, LASER_HEADS[message.kind])
-    head, found = body[:size], numbers(ranges, "ranges")
+    size, ranges = _split_body(body, LASER_HEADS[message.kind])
+    head, found = body[:size], float_fields(ranges, "ranges")
     odometry, limit = NOWHERE, np.inf
     if size == 8:
-        odometry = pose(head[1:4], "the pose of the robot")
+        odometry = pose_fields(head[1:4], "the pose of the robot")
     if size > 4:
-        (stated,) = numbers(head[-1:], "the maximum range")
+        (stated,) = float_fields(head[-1:], "the maximum range")
         limit = float(stated) if stated > 0 else np.inf
     settings = head[-4:-1] if size > 4 else head[-3:]
-    angles = half_turn(len(found)) if size < 2 else spread(settings, len(found))
+    angles = half_turn(len(found)) if size < 2 else beam_directions(settings, len(found))
     view = (view_of(angles),) if size < 2 else ()
     when = time(head[0]) if size in (1, 4) else message.time
     return RawScan(message.device, found, angles, when, odometry, limit=limit, assumed=view)
 
 
-def _split(body: list[str], heads: Sequence[int]) -> tuple[int, list[str]]:
+def _split_body(body: list[str], heads: Sequence[int]) -> tuple[int, list[str]]:
     """How many fields lie before the number of ranges, and the ranges without intensities."""
     for size in heads:
         word = body[size] if size < len(body) else ""
@@ -169,7 +169,7 @@ def _split(body: list[str], heads: Sequence[int]) -> tuple[int, list[str]]:
     )
 
 
-def spread(settings: Sequence[str], count: int) -> Array:
+def beam_directions(settings: Sequence[str], count: int) -> Array:
     """Directions of beams from their first, last and step, (count,) array, radians.
 
     The step is often rounded to four decimals, which would add up over a scan: where it agrees with
@@ -178,10 +178,10 @@ def spread(settings: Sequence[str], count: int) -> Array:
 
     Examples
     --------
-    >>> spread(["-1.5708", "1.5708", "0.0087"], 361)[-1].round(4)
+    >>> beam_directions(["-1.5708", "1.5708", "0.0087"], 361)[-1].round(4)
     np.float64(1.5708)
     """
-    first, last, step = angles = numbers(settings, "the angles of the beams")
+    first, last, step = angles = float_fields(settings, "the angles of the beams")
     if not (np.abs(angles) < 10).all():
         raise ValueError(f"expected angles in radians, got {' '.join(settings)[:80]}")
     turn = last - first
@@ -191,5 +191,5 @@ def spread(settings: Sequence[str], count: int) -> Array:
             if parts and abs(abs(turn) / parts - abs(step)) <= tolerance:
                 return first + turn / parts * np.arange(count)
     angles = first + np.copysign(step, turn) * np.arange(count)
-    slips.check_angles(angles, "angles")
+    unit_checks.check_angles(angles, "angles")
     return angles

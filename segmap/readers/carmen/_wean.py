@@ -17,13 +17,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .._lines import is_number, numbers, pose, time
+from .._lines import float_fields, is_number, pose_fields, time
 from .._raw_scans import Extrinsic, RawScan, extrinsic_by_poses, half_turn, view_of
 from .._text import TextFormat
 
-SCAN, POSE = "L", "O"
-#: Fields before the ranges, ranges, and fields after them.
-HEAD, BEAMS, TAIL = 7, 180, 1
+#: First word of a line with a scan.
+WEAN_SCAN = "L"
+#: First word of a line with a pose.
+WEAN_POSE = "O"
+#: Fields before the ranges.
+FIELDS_BEFORE_RANGES = 7
+#: Ranges of a line.
+WEAN_RANGES = 180
+#: Fields after them.
+FIELDS_AFTER_RANGES = 1
 CENTIMETRES = np.array([0.01, 0.01, 1.0])
 #: How far ahead of the robot's centre the laser sits where the poses do not tell, metres.
 OFFSET = np.array([0.25, 0.0, 0.0])
@@ -32,18 +39,21 @@ OFFSET = np.array([0.25, 0.0, 0.0])
 class WeanHall(TextFormat):
     """A log of Wean Hall."""
 
-    name, expected = "Wean Hall", f"an {SCAN} line with {BEAMS} ranges"
+    name, expected = "Wean Hall", f"an {WEAN_SCAN} line with {WEAN_RANGES} ranges"
 
     @classmethod
     def claims(cls, fields: Sequence[str]) -> bool:
         """Whether a line is one of this format."""
-        wanted = {SCAN: HEAD + BEAMS + TAIL, POSE: 5}.get(fields[0])
+        wanted = {
+            WEAN_SCAN: FIELDS_BEFORE_RANGES + WEAN_RANGES + FIELDS_AFTER_RANGES,
+            WEAN_POSE: 5,
+        }.get(fields[0])
         return len(fields) == wanted and is_number(fields[1])
 
     def _take(self, fields: list[str]) -> None:
-        if fields[0] not in (SCAN, POSE):
-            raise ValueError(f"expected an {SCAN} or {POSE} line, got {fields[0][:40]!r}")
-        if fields[0] == SCAN:
+        if fields[0] not in (WEAN_SCAN, WEAN_POSE):
+            raise ValueError(f"expected an {WEAN_SCAN} or {WEAN_POSE} line, got {fields[0][:40]!r}")
+        if fields[0] == WEAN_SCAN:
             self.scans.append(_parse(fields))
 
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
@@ -51,13 +61,14 @@ class WeanHall(TextFormat):
 
 
 def _parse(fields: list[str]) -> RawScan:
-    if len(fields) != HEAD + BEAMS + TAIL:
+    if len(fields) != FIELDS_BEFORE_RANGES + WEAN_RANGES + FIELDS_AFTER_RANGES:
         raise ValueError(
-            f"expected {HEAD - 1} fields, {BEAMS} ranges and a time, got {len(fields)}"
+            f"expected {FIELDS_BEFORE_RANGES - 1} fields, {WEAN_RANGES} ranges "
+            f"and a time, got {len(fields)}"
         )
-    ranges = numbers(fields[HEAD:-TAIL], "ranges") / 100
-    robot = pose(fields[1:4], "the robot") * CENTIMETRES
-    laser = pose(fields[4:7], "the laser") * CENTIMETRES
-    angles = half_turn(BEAMS)
+    ranges = float_fields(fields[FIELDS_BEFORE_RANGES:-FIELDS_AFTER_RANGES], "ranges") / 100
+    robot = pose_fields(fields[1:4], "the robot") * CENTIMETRES
+    laser = pose_fields(fields[4:7], "the laser") * CENTIMETRES
+    angles = half_turn(WEAN_RANGES)
     when, view = time(fields[-1]), (view_of(angles),)
-    return RawScan(SCAN, ranges, angles, when, robot, laser, assumed=view)
+    return RawScan(WEAN_SCAN, ranges, angles, when, robot, laser, assumed=view)

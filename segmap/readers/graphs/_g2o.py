@@ -18,20 +18,20 @@ import numpy as np
 
 from ...arrays import Array
 from ...scans import Log
-from .._lines import Lines, numbers, pose
+from .._lines import Lines, float_fields, pose_fields
 from .._raw_scans import NOWHERE, Extrinsic, RawScan, assemble, extrinsic_by_poses, known_truth
 from .._text import TextFormat
 from ..carmen import parse_robotlaser
 
 VERTICES = ("VERTEX2", "VERTEX_SE2")
-LASERS = ("ROBOTLASER1", "ROBOTLASER2")
-OTHERS = ("EDGE2", "EDGE_SE2", "EDGE_SE2_XY", "VERTEX_XY", "FIX", "PARAMS_SE2OFFSET", "EQUIV")
+G2O_LASERS = ("ROBOTLASER1", "ROBOTLASER2")
+G2O_OTHERS = ("EDGE2", "EDGE_SE2", "EDGE_SE2_XY", "VERTEX_XY", "FIX", "PARAMS_SE2OFFSET", "EQUIV")
 
 
 class G2o(TextFormat):
     """A g2o graph with scans."""
 
-    name, keywords = "g2o", (*VERTICES, *LASERS, *OTHERS)
+    name, keywords = "g2o", (*VERTICES, *G2O_LASERS, *G2O_OTHERS)
     expected = "a ROBOTLASER1 line after each vertex"
 
     def __init__(self, lines: Lines) -> None:
@@ -42,13 +42,13 @@ class G2o(TextFormat):
     def _take(self, fields: list[str]) -> None:
         if fields[0] in VERTICES:
             self.vertex = NOWHERE
-            numbers(fields[1:2], "the vertex")
-            self.vertex = pose(fields[2:], "the vertex")
-        elif fields[0] in LASERS:
+            float_fields(fields[1:2], "the vertex")
+            self.vertex = pose_fields(fields[2:], "the vertex")
+        elif fields[0] in G2O_LASERS:
             self.scans.append(parse_robotlaser(fields))
             self.truth.append(self.vertex)
             self.vertex = NOWHERE
-        elif fields[0] not in OTHERS:
+        elif fields[0] not in G2O_OTHERS:
             raise ValueError(f"expected a line of a g2o graph, got {fields[0][:40]!r}")
 
     def _finished(self) -> list[RawScan]:

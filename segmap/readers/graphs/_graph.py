@@ -18,11 +18,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import FAR, Array
+from ...arrays import LARGEST_COORDINATE, Array
 from ...poses.information import SYMMETRIC, rotated
-from .._lines import Lines, LogError, is_count, numbers, pose
+from .._lines import Lines, LogError, float_fields, is_count, pose_fields
 from ..packed import log_file
-from ._g2o import LASERS, OTHERS, VERTICES
+from ._g2o import G2O_LASERS, G2O_OTHERS, VERTICES
 
 #: Of each kind of edge: where the nine entries of the information stand among the six in the file.
 ORDERS = {"EDGE_SE2": (0, 1, 2, 1, 3, 4, 2, 4, 5), "EDGE2": (0, 1, 4, 1, 2, 5, 4, 5, 3)}
@@ -75,18 +75,18 @@ def read_graph(path: str | Path) -> PoseGraph:
         for kind, *fields in lines:
             try:
                 if kind in VERTICES:
-                    number = _number(fields, 0)
+                    number = _vertex_number(fields, 0)
                     if number in poses:
                         raise ValueError(
                             f"vertex {number} stands in the file twice, expected it once"
                         )
-                    poses[number] = pose(fields[1:], "the vertex")
+                    poses[number] = pose_fields(fields[1:], "the vertex")
                     if np.isnan(poses[number]).any():
                         raise ValueError("expected metres and radians for the vertex, got nan")
                 elif kind in ORDERS:
-                    ends = _number(fields, 0), _number(fields, 1)
-                    found.append((lines.number, *ends, _measured(fields[2:], ORDERS[kind])))
-                elif kind not in (*OTHERS, *LASERS):
+                    ends = _vertex_number(fields, 0), _vertex_number(fields, 1)
+                    found.append((lines.number, *ends, _measured_motion(fields[2:], ORDERS[kind])))
+                elif kind not in (*G2O_OTHERS, *G2O_LASERS):
                     raise ValueError(f"expected a VERTEX_SE2 or EDGE_SE2 line, got {kind[:40]!r}")
             except ValueError as fault:
                 raise lines.error(str(fault)) from None
@@ -103,7 +103,7 @@ def read_graph(path: str | Path) -> PoseGraph:
     return PoseGraph(np.array([poses[k] for k in ids]), edges, relative, information, ids)
 
 
-def _number(fields: Sequence[str], place: int) -> int:
+def _vertex_number(fields: Sequence[str], place: int) -> int:
     """The number of a vertex."""
     field = fields[place] if len(fields) > place else ""
     if not is_count(field):
@@ -111,10 +111,13 @@ def _number(fields: Sequence[str], place: int) -> int:
     return int(field)
 
 
-def _measured(fields: Sequence[str], order: Sequence[int]) -> Array:
+def _measured_motion(fields: Sequence[str], order: Sequence[int]) -> Array:
     """A motion and the nine entries of its information, (12,) array."""
-    motion, six = pose(fields[:3], "the edge"), numbers(fields[3:], "the information of the edge")
-    if len(six) != 6 or np.isnan(motion).any() or not (np.abs(six) <= FAR).all():
+    motion, six = (
+        pose_fields(fields[:3], "the edge"),
+        float_fields(fields[3:], "the information of the edge"),
+    )
+    if len(six) != 6 or np.isnan(motion).any() or not (np.abs(six) <= LARGEST_COORDINATE).all():
         raise ValueError(
             "expected 3 finite numbers for the motion of the edge and 6 for its information, got "
             f"{' '.join(fields)[:120]}"

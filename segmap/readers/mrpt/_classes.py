@@ -44,7 +44,7 @@ class Wheels(NamedTuple):
     pose: Array
 
 
-def _scan(stream: Stream, version: int) -> Turn:
+def _laser_scan(stream: Stream, version: int) -> Turn:
     aperture, to_left, limit = stream.values("f?f")
     place = stream.object("CPose3D")
     if version < 6:
@@ -93,7 +93,7 @@ def _movement(stream: Stream, version: int) -> Movement:
     return Movement(step)
 
 
-def _frame(stream: Stream, version: int) -> list[Any]:
+def _sensory_frame(stream: Stream, version: int) -> list[Any]:
     stream.values("I" if version < 2 else "")
     time = _seconds(stream.values("Q")[0]) if version == 0 else None
     found = stream.many("CObservation")
@@ -182,11 +182,11 @@ def _seconds(ticks: int) -> float | None:
 
 
 PARSERS: Parsers = {
-    "CSensoryFrame": (_frame, range(3)),
+    "CSensoryFrame": (_sensory_frame, range(3)),
     "CActionCollection": (_actions, range(1)),
     "CSimpleMap": (_simple_map, range(2)),
     "CRawlog": (_rawlog, range(2)),
-    "CObservation2DRangeScan": (_scan, range(8)),
+    "CObservation2DRangeScan": (_laser_scan, range(8)),
     "CObservationOdometry": (_wheels, range(3)),
     "CObservationComment": (_comment, range(1)),
     "CActionRobotMovement2D": (_movement, range(8)),

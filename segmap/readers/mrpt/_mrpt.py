@@ -23,12 +23,12 @@ from typing import Any
 import numpy as np
 
 from ...angles import wrap
-from ...arrays import LIMIT, Array, slips
+from ...arrays import LIMIT, Array, unit_checks
 from ...poses import compose
 from ...progress import announce
 from ...scans import LaserScan, Log
 from ...scans.causes import Finding
-from .._lines import BROKEN, LATEST, LogError, Reading, open_bytes
+from .._lines import BROKEN, LATEST_TIME_S, LogError, Reading, open_bytes
 from .._mounting import Tilted, flat, level
 from .._raw_scans import Track, clean, known, known_truth
 from ._classes import PARSERS, Movement, Turn, Wheels
@@ -61,7 +61,7 @@ class _Recording(Reading):
         elif isinstance(found, Movement):
             self.pose, self.moved = _pose(compose(self.pose, _pose(found.step))), True
         elif isinstance(found, Wheels) and found.time is not None:
-            self.track.add(_time(found.time), _pose(found.pose), len(self.turns))
+            self.track.add(_checked_time(found.time), _pose(found.pose), len(self.turns))
         elif isinstance(found, Unknown):
             reason = f"byte {found.start}: {found.what} is no 2D scan, or not known here"
             self.leave_out(LogError(self.path, reason))
@@ -116,12 +116,12 @@ def claims(path: Path) -> bool:
 def _sound(turn: Turn) -> Turn:
     """A turn whose values were checked, and whose place is one in the plane."""
     place, mirrored = flat(turn.place)
-    slips.check_angles(turn.angles, "angles")
+    unit_checks.check_angles(turn.angles, "angles")
     if not len(turn.ranges):
         raise ValueError("expected ranges, got a scan without")
     truth = level(turn.truth) if turn.truth.ndim > 1 else turn.truth
     truth = truth if np.isnan(truth).all() else _pose(truth)
-    time = None if turn.time is None else _time(turn.time)
+    time = None if turn.time is None else _checked_time(turn.time)
     angles = -turn.angles if mirrored else turn.angles
     return turn._replace(place=place, angles=angles, truth=truth, time=time)
 
@@ -132,7 +132,7 @@ def _pose(values: Array) -> Array:
     return np.array([values[0], values[1], wrap(values[2])])
 
 
-def _time(seconds: float) -> float:
-    if not seconds <= LATEST:
+def _checked_time(seconds: float) -> float:
+    if not seconds <= LATEST_TIME_S:
         raise ValueError(f"expected a time, got {seconds:.6g} s since 1970")
     return seconds

@@ -20,14 +20,14 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from ...arrays import Array
-from ...files import RATIO, UNPACKED
+from ...files import LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO
 from .._lines import BROKEN, LogError, open_bytes
 
 END = 0x88
 #: Longer names are damage, as MRPT itself has it.
 LONGEST_NAME = 120
 #: A name, and how two classes were called before.
-NAME = re.compile(rb"(?:mrpt::\w+::)?(C[A-Z0-9]\w+)")
+CLASS_NAME = re.compile(rb"(?:mrpt::\w+::)?(C[A-Z0-9]\w+)")
 RENAMED = {"CSensorialFrame": "CSensoryFrame", "CSensFrameProbSequence": "CSimpleMap"}
 #: What may be skipped, and what may follow: parts of these have other names.
 SKIPPED = re.compile("CObservation|CAction")
@@ -122,7 +122,9 @@ class Stream:
         is_old = size < 0x80
         length = size & 0x7F
         marked = not is_old or self.take(3) == b"\0\0\0"
-        name = NAME.fullmatch(self.take(length)) if marked and length <= LONGEST_NAME else None
+        name = (
+            CLASS_NAME.fullmatch(self.take(length)) if marked and length <= LONGEST_NAME else None
+        )
         if name is None:
             raise self.broken("expected an object of MRPT", start)
         (version,) = self.values("i" if is_old else "B")
@@ -144,7 +146,7 @@ class Stream:
 
 def unpacked(path: Path) -> tuple[bytes, str]:
     """All bytes of a file, and what is wrong where it is packed and ends too early."""
-    most = max(UNPACKED, RATIO * path.stat().st_size)
+    most = max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * path.stat().st_size)
     parts: list[bytes] = []  # never more than `most`: a file may be made to fill the memory
     try:
         with open_bytes(path) as file:

@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Any, cast
 
 from ... import arrays
-from ...files import RATIO, UNPACKED, members, shown, unzipped
+from ...files import LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO, members, shown, unzipped
 from .._lines import LogError, UnknownFormat, open_bytes
 
 #: First bytes of a file that gzip packed, ...
@@ -157,7 +157,7 @@ def _listed(names: list[str]) -> str:
 
 def unpacked(path: Path, folder: Path) -> Path:
     """The plain file, or the folder of an archive, below `folder`; `path` where it is plain."""
-    most = max(UNPACKED, RATIO * path.stat().st_size)
+    most = max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * path.stat().st_size)
     try:
         while True:
             front = _front(path)

@@ -7,16 +7,16 @@ from ._csv import read_csv
 from ._csv_columns import head_of
 from ._dumps import Ld19, RpLidar
 from ._hokuyo_text import HokuyoText
-from ._npz import log_of
+from ._npz import log_from_arrays
 from ._rawseeds import Rawseeds, read_trajectory
 
 __all__ = [
-    "FILES", "FOLDERS", "CoreSlam", "HokuyoText", "Ld19", "Rawseeds", "RpLidar", "head_of",
-    "log_of", "read_csv", "read_trajectory",
+    "TABLE_FILES", "TABLE_FOLDERS", "CoreSlam", "HokuyoText", "Ld19", "Rawseeds", "RpLidar",
+    "head_of", "log_from_arrays", "read_csv", "read_trajectory",
 ]  # fmt: skip
 
-FILES = (Binary("NPZ", _npz.claims, _npz.read), Binary("CSV", head_of, _csv.read))
-FOLDERS = (
+TABLE_FILES = (Binary("NPZ", _npz.claims, _npz.read), Binary("CSV", head_of, _csv.read))
+TABLE_FOLDERS = (
     Binary("Rawseeds", _rawseeds.files_of, _rawseeds.read_folder),
-    Binary("Hokuyo text", _hokuyo_text.numbered, _hokuyo_text.read_folder),
+    Binary("Hokuyo text", _hokuyo_text.numbered, _hokuyo_text.read_hokuyo_folder),
 )

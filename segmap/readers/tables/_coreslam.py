@@ -26,7 +26,7 @@ from ...arrays import Array
 from ...poses import compose
 from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
-from .._lines import Lines, is_number, numbers, time
+from .._lines import Lines, float_fields, is_number, time
 from .._raw_scans import URG_ASSUMED, URG_REACH, URG_STEP, centred, known, urg_delays
 from .._text import TextFormat
 
@@ -46,7 +46,7 @@ METRES_PER_TICK = 2 * np.pi * 0.077 / 2000
 WHEEL_SEPARATION = 0.330
 SENSOR_POSE = (0.145, 0.0, 0.0)
 #: What the files do not say of the robot.
-ASSUMED = (
+CORESLAM_ASSUMED = (
     "wheels of 77 mm radius, 2000 ticks a turn, 330 mm apart",
     "the laser sits 0.145 m ahead of the robot's centre",
 )
@@ -77,10 +77,10 @@ class CoreSlam(TextFormat):
             raise ValueError(
                 f"expected {header} fields and {beams} ranges, got {len(fields)} in all"
             )
-        ticks = numbers(fields[left : left + 2], "the ticks of the wheels") * (1, sign)
+        ticks = float_fields(fields[left : left + 2], "the ticks of the wheels") * (1, sign)
         if not (np.abs(ticks) <= MOST_TICKS).all():
             raise ValueError(f"expected the ticks of the wheels, got {ticks.tolist()}")
-        when, ranges = time(fields[0], unit=1e-6), numbers(fields[header:], "ranges")
+        when, ranges = time(fields[0], unit=1e-6), float_fields(fields[header:], "ranges")
         self.scans.append((when, ticks, ranges))
 
     def _log(self, name: str) -> Log:
@@ -99,7 +99,7 @@ class CoreSlam(TextFormat):
             scans,
             None,
             self.lines.skipped,
-            assumed=(URG_ASSUMED, *(() if stands else ASSUMED)),
+            assumed=(URG_ASSUMED, *(() if stands else CORESLAM_ASSUMED)),
         )
 
 

@@ -26,7 +26,7 @@ import numpy as np
 from ...arrays import brief, checked
 from ...scans import Log
 from .._lines import Lines, LogError, OnError, stem, time
-from .._turns import COUNTERCLOCKWISE, Beams, angle, distance, number
+from .._turns import COUNTERCLOCKWISE, Beams, direction_field, distance, number_field
 from ..packed import log_file
 from ._csv_columns import EXAMPLE, Head, first_row, head, head_of, wanting
 
@@ -52,17 +52,17 @@ class _Table(Beams):
         said = {role: fields[column.place].strip().strip("\"'") for role, column in columns.items()}
         factors = {role: column.factor or 1.0 for role, column in columns.items()}
         beam = (
-            angle(said["angle"], factors["angle"]),
+            direction_field(said["angle"], factors["angle"]),
             distance(said["range"], factors["range"]),
             time(said["time"], unit=factors["time"]) if "time" in said else np.nan,
-            number(said["scan"], "the scan") if "scan" in said else np.nan,
+            number_field(said["scan"], "the scan") if "scan" in said else np.nan,
         )
         self.scans.append(beam)
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
     """Read a file whose header names the columns: no odometry, no truth."""
-    return _read(path, name, on_error, _stated(path))
+    return _read_table(path, name, on_error, _stated(path))
 
 
 @checked
@@ -124,7 +124,7 @@ def read_csv(
         else:
             row = first_row(place)
             found = head(names, row.separator, row.line)
-        return _read(place, stem(place), on_error, found, clockwise)
+        return _read_table(place, stem(place), on_error, found, clockwise)
 
 
 def _stated(path: Path) -> Head:
@@ -137,5 +137,5 @@ def _stated(path: Path) -> Head:
     return found
 
 
-def _read(path: Path, name: str, on_error: str, found: Head, clockwise: bool = False) -> Log:
+def _read_table(path: Path, name: str, on_error: str, found: Head, clockwise: bool = False) -> Log:
     return _Table(Lines(path, on_error, found.separator), found, clockwise).walked()._log(name)

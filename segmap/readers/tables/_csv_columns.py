@@ -22,9 +22,9 @@ ROLES = {
 #: Words that may stand beside them and change nothing.
 FILLERS = ("id", "no", "nr", "number", "index", "value")
 CLOCKWISE = ("cw", "clockwise")
-TURNS = (*CLOCKWISE, "ccw", "counterclockwise")
+TURN_WORDS = (*CLOCKWISE, "ccw", "counterclockwise")
 #: How each unit is written, and the metres, radians or seconds of it.
-WRITTEN: dict[str, dict[str, float]] = {
+UNIT_WORDS: dict[str, dict[str, float]] = {
     "angle": {"deg degs degree degrees °": np.pi / 180, "rad rads radian radians": 1.0},
     "range": {
         "m meter meters metre metres": 1.0,
@@ -39,17 +39,19 @@ WRITTEN: dict[str, dict[str, float]] = {
     },
     "scan": {},
 }
-UNITS = {
+COLUMN_UNITS = {
     role: {word: factor for words, factor in units.items() for word in words.split()}
-    for role, units in WRITTEN.items()
+    for role, units in UNIT_WORDS.items()
 }
 EXAMPLE = "columns=['angle_deg', 'range_mm']"
 #: So many lines are looked at for a header.
-FIRST = 20
+HEADER_LINES = 20
 #: No header is longer, in bytes.
-LONGEST = 4096
-#: How the programs of RPLidar begin a file of degrees, clockwise, and millimetres.
-SLAMTEC, SLAMTEC_COLUMNS = "#RPLIDAR SCAN DATA", ("angle_deg_cw", "range_mm", "quality")
+LONGEST_HEADER_BYTES = 4096
+#: How the programs of RPLidar begin a file ...
+SLAMTEC_HEAD = "#RPLIDAR SCAN DATA"
+#: ... of degrees, clockwise, and millimetres.
+SLAMTEC_COLUMNS = ("angle_deg_cw", "range_mm", "quality")
 
 
 class Column(NamedTuple):
@@ -79,7 +81,7 @@ def head_of(path: Path) -> Head | None:
     """
     comment, count = None, 0
     for number, line in _beginning(path):
-        if line.startswith(SLAMTEC):
+        if line.startswith(SLAMTEC_HEAD):
             return head(SLAMTEC_COLUMNS, None, number)
         separator, names = split(line.lstrip("#"))
         found = None
@@ -118,9 +120,9 @@ def head(names: Sequence[str], separator: str | None = None, line: int = 0) -> H
             continue
         if role in columns:
             raise ValueError(f"{columns[role].name!r} and {name!r} are both columns of the {role}")
-        units = [factor for word, factor in UNITS[role].items() if word in words[1:]]
+        units = [factor for word, factor in COLUMN_UNITS[role].items() if word in words[1:]]
         columns[role] = Column(place, units[0] if units else None, name.strip())
-        if role == "angle" and (said := [w in CLOCKWISE for w in words if w in TURNS]):
+        if role == "angle" and (said := [w in CLOCKWISE for w in words if w in TURN_WORDS]):
             clockwise = any(said)
     return Head(columns, separator, line, clockwise)
 
@@ -131,8 +133,8 @@ def wanting(found: Head) -> str:
         if role not in found.columns:
             return f"no column is the {role}: name the columns, such as {EXAMPLE}"
     for role, column in found.columns.items():
-        if column.factor is None and UNITS[role]:
-            short = ", ".join(words.split()[0] for words in WRITTEN[role])
+        if column.factor is None and COLUMN_UNITS[role]:
+            short = ", ".join(words.split()[0] for words in UNIT_WORDS[role])
             return (
                 f"the unit of {column.name!r} is not said ({short}): "
                 f"write it into the header, or call segmap.readers.read_csv(path, {EXAMPLE})"
@@ -152,7 +154,7 @@ def _role(name: str, words: Sequence[str]) -> str | None:
     first = words[0] if words and not re.search("[0-9:]", name) else ""
     for role, names in ROLES.items():
         if first in names or first.removesuffix("s") in names:
-            known = {*UNITS[role], *FILLERS, *TURNS}
+            known = {*COLUMN_UNITS[role], *FILLERS, *TURN_WORDS}
             return role if known.issuperset(words[1:]) else None
     return None
 
@@ -160,9 +162,9 @@ def _role(name: str, words: Sequence[str]) -> str | None:
 def _beginning(path: Path) -> Iterator[tuple[int, str]]:
     """The first lines of a file that are not empty, with their numbers."""
     with suppress(*BROKEN, OSError), open_bytes(path) as file:
-        for number in range(1, FIRST + 1):
-            line = file.readline(LONGEST + 1)
-            if len(line) > LONGEST:
+        for number in range(1, HEADER_LINES + 1):
+            line = file.readline(LONGEST_HEADER_BYTES + 1)
+            if len(line) > LONGEST_HEADER_BYTES:
                 return
             if text := line.decode("utf-8-sig", "replace").strip():
                 yield number, text

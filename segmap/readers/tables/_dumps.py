@@ -22,10 +22,10 @@ from typing import ClassVar
 import numpy as np
 
 from .._lines import time
-from .._turns import Beam, Beams, angle, distance
+from .._turns import Beam, Beams, direction_field, distance
 
 DEGREES = np.pi / 180
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+DUMP_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
 
 class _Dump(Beams):
@@ -59,7 +59,7 @@ class RpLidar(_Dump):
     pattern = re.compile(r"(?:S\s+)?theta:\s*([0-9.]+)\s+Dist:\s*([0-9.]+)\s+Q:\s*[0-9]+\s*")
 
     def _beam(self, found: re.Match[str]) -> Beam:
-        return angle(found[1], DEGREES), distance(found[2], 0.001), np.nan, np.nan
+        return direction_field(found[1], DEGREES), distance(found[2], 0.001), np.nan, np.nan
 
 
 class Ld19(_Dump):
@@ -74,4 +74,9 @@ class Ld19(_Dump):
 
     def _beam(self, found: re.Match[str]) -> Beam:
         when = time(found[2], unit=1e-9) if found[1] else np.nan
-        return angle(found[3], DEGREES), distance(found[5], UNITS[found[4]]), when, np.nan
+        return (
+            direction_field(found[3], DEGREES),
+            distance(found[5], DUMP_UNITS[found[4]]),
+            when,
+            np.nan,
+        )

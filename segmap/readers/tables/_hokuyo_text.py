@@ -21,14 +21,14 @@ import numpy as np
 from ...arrays import LIMIT
 from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
-from .._lines import Lines, LogError, Reading, is_number, merged, numbers
+from .._lines import Lines, LogError, Reading, float_fields, is_number, merged_skipped
 from .._text import TextFormat
-from .._turns import COUNTERCLOCKWISE, MOST_BEAMS, MOST_TURN
+from .._turns import COUNTERCLOCKWISE, MOST_BEAMS_READ, MOST_DIRECTION_RAD
 
 #: So many files of a kind, and lines of a file, are looked at.
 FEW = 20
 #: What two numbers a line do not say, and what their files do not.
-ASSUMED = (
+HOKUYO_TEXT_ASSUMED = (
     "ranges in millimetres",
     "angles in radians",
     COUNTERCLOCKWISE,
@@ -48,15 +48,17 @@ class HokuyoText(TextFormat):
         return len(fields) == 2 and all(is_number(field) for field in fields)
 
     def _take(self, fields: list[str]) -> None:
-        beam = numbers(fields, "range and angle")
-        if len(beam) != 2 or abs(beam[0]) > LIMIT or not abs(beam[1]) <= MOST_TURN:
+        beam = float_fields(fields, "range and angle")
+        if len(beam) != 2 or abs(beam[0]) > LIMIT or not abs(beam[1]) <= MOST_DIRECTION_RAD:
             raise ValueError(f"expected {self.expected}, got {' '.join(fields)[:80]}")
-        if len(self.scans) == MOST_BEAMS:
-            raise self.lines.error(f"expected one scan, but there are more than {MOST_BEAMS} beams")
+        if len(self.scans) == MOST_BEAMS_READ:
+            raise self.lines.error(
+                f"expected one scan, but there are more than {MOST_BEAMS_READ} beams"
+            )
         self.scans.append(beam)
 
     def _log(self, name: str) -> Log:
-        return Log(name, [self.scan()], None, self.lines.skipped, assumed=ASSUMED)
+        return Log(name, [self.scan()], None, self.lines.skipped, assumed=HOKUYO_TEXT_ASSUMED)
 
     def scan(self) -> LaserScan:
         """All beams, at a time that nobody knows."""
@@ -88,7 +90,7 @@ def _suffix(path: Path) -> str:
     return Path(path.name.removesuffix(".gz")).suffix.lower()
 
 
-def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
+def read_hokuyo_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     """Read a scan a file; "skip" leaves out, and counts, files without."""
     scans, reading = [], Reading(folder, on_error)
     for path in numbered(folder):
@@ -98,10 +100,10 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
             reading.damaged(fault)
         else:
             scans.append(found.scan())
-            reading.skipped = merged(reading.skipped, found.lines.skipped)
+            reading.skipped = merged_skipped(reading.skipped, found.lines.skipped)
     if not scans:
         raise LogError(folder, f"holds no scan; {reading.skipped.reason}")
-    return Log(name, scans, None, reading.skipped, assumed=(*ASSUMED, IN_ORDER))
+    return Log(name, scans, None, reading.skipped, assumed=(*HOKUYO_TEXT_ASSUMED, IN_ORDER))
 
 
 def _is_scan(path: Path) -> bool:

@@ -29,20 +29,24 @@ from ...arrays import Array
 from ...files import read_arrays, shown
 from ...progress import each
 from ...scans import NOTHING_SKIPPED, LaserScan, Log
-from .._lines import LATEST, LogError
+from .._lines import LATEST_TIME_S, LogError
 from .._raw_scans import known, known_truth, place_of
 
 NEEDED = ("ranges", "angles")
-#: Where a zip file holds the length of the first name, and the name.
-NAME_LENGTH, NAME = 26, 30
+#: Byte of a zip file that holds the length of the first name.
+NAME_LENGTH_OFFSET = 26
+#: Byte at which the first name begins.
+NAME_OFFSET = 30
 
 
 def claims(path: Path) -> bool:
     """Whether a file is a zip whose first member is an array."""
     with path.open("rb") as file:
-        start = file.read(NAME + 300)
-    length = int.from_bytes(start[NAME_LENGTH : NAME_LENGTH + 2], "little")
-    return start.startswith(b"PK\x03\x04") and start[NAME : NAME + length].endswith(b".npy")
+        start = file.read(NAME_OFFSET + 300)
+    length = int.from_bytes(start[NAME_LENGTH_OFFSET : NAME_LENGTH_OFFSET + 2], "little")
+    return start.startswith(b"PK\x03\x04") and start[NAME_OFFSET : NAME_OFFSET + length].endswith(
+        b".npy"
+    )
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
@@ -55,12 +59,12 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
         got = f"got {', '.join(sorted(held))[:80]}; no {missing[0]}"
         raise LogError(path, f"expected arrays {' and '.join(NEEDED)}, {got}")
     try:
-        return log_of(name, held)
+        return log_from_arrays(name, held)
     except ValueError as fault:
         raise LogError(path, str(fault)) from fault
 
 
-def log_of(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
+def log_from_arrays(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
     """A log of arrays by their names."""
     ranges = np.atleast_2d(arrays.numbers(held["ranges"], "ranges"))
     if ranges.ndim != 2 or not len(ranges):
@@ -68,7 +72,7 @@ def log_of(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
     shape, count = ranges.shape, len(ranges)
     angles = _each(held, "angles", np.empty(0), *shape)
     times = np.atleast_1d(arrays.numbers(held.get("times", np.full(count, np.nan)), "times"))
-    is_seconds = np.isnan(times) | (np.abs(times) <= LATEST)
+    is_seconds = np.isnan(times) | (np.abs(times) <= LATEST_TIME_S)
     if (
         times.shape != (count,)
         or not is_seconds.all()

@@ -36,11 +36,11 @@ from .._lines import (
     LogError,
     OnError,
     Reading,
-    counted,
+    counted_fields,
+    float_fields,
     is_number,
-    merged,
-    numbers,
-    pose,
+    merged_skipped,
+    pose_fields,
     time,
 )
 from .._raw_scans import (
@@ -60,11 +60,23 @@ from .._raw_scans import (
 from .._text import TextFormat
 from ..packed import log_file
 
-LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
-ODOMETRY, TRUTH = "ODOMETRY_XYT", "GROUNDTRUTH"
-PATTERN = re.compile(rf"({'|'.join((*LASERS, ODOMETRY, TRUTH))})\.csv(\.gz)?$", re.IGNORECASE)
-#: Columns of the files, by which they are told apart.
-SICK_HEAD, HOKUYO_COLUMNS, ODOMETRY_COLUMNS, TRUTH_COLUMNS = 3, 682, 7, 13
+RAWSEEDS_LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
+#: What the name of the file of odometry holds.
+RAWSEEDS_ODOMETRY = "ODOMETRY_XYT"
+#: What the name of the file of the truth holds.
+RAWSEEDS_TRUTH = "GROUNDTRUTH"
+PATTERN = re.compile(
+    rf"({'|'.join((*RAWSEEDS_LASERS, RAWSEEDS_ODOMETRY, RAWSEEDS_TRUTH))})\.csv(\.gz)?$",
+    re.IGNORECASE,
+)
+#: Columns before the ranges in a file of a SICK.
+SICK_HEAD_COLUMNS = 3
+#: Columns of a file of a Hokuyo.
+HOKUYO_COLUMNS = 682
+#: Columns of the file of odometry.
+ODOMETRY_COLUMNS = 7
+#: Columns of the file of the truth.
+TRUTH_COLUMNS = 13
 #: Ground truth is not interpolated over more seconds than this: it exists only in some places.
 TRUTH_GAP = 1.0
 
@@ -81,7 +93,7 @@ class Rawseeds(TextFormat):
         return len(fields) >= ODOMETRY_COLUMNS and is_number(fields[0])
 
     def _take(self, fields: list[str]) -> None:
-        self.scans.append(_parse_scan([field.strip() for field in fields]))
+        self.scans.append(_rawseeds_scan([field.strip() for field in fields]))
 
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         backwards = np.pi if "REAR" in self.lines.path.name.upper() else 0.0
@@ -97,19 +109,21 @@ def files_of(folder: Path) -> dict[str, Path]:
 def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     """Read a recording: of its first laser, with odometry and truth at the times of the scans."""
     files = files_of(folder)
-    lasers = [laser for laser in LASERS if laser in files]
+    lasers = [laser for laser in RAWSEEDS_LASERS if laser in files]
     if not lasers:
-        raise LogError(folder, f"holds no scans, expected {LASERS[0]}.csv or {LASERS[1]}.csv")
+        raise LogError(
+            folder, f"holds no scans, expected {RAWSEEDS_LASERS[0]}.csv or {RAWSEEDS_LASERS[1]}.csv"
+        )
     found = Rawseeds(Lines(files[lasers[0]], on_error, ",")).walked()
     times = np.array([scan.time for scan in found.scans])
     truth = np.full((len(times), 3), np.nan)
-    if ODOMETRY in files:
-        found.track, reading = _track(files[ODOMETRY], on_error)
-        found.unknown = merged(found.unknown, reading.skipped)
-    if TRUTH in files:
-        track, reading = _track(files[TRUTH], on_error)
+    if RAWSEEDS_ODOMETRY in files:
+        found.track, reading = _read_track(files[RAWSEEDS_ODOMETRY], on_error)
+        found.unknown = merged_skipped(found.unknown, reading.skipped)
+    if RAWSEEDS_TRUTH in files:
+        track, reading = _read_track(files[RAWSEEDS_TRUTH], on_error)
         truth = interpolate(*track.ordered(), times, max_gap=TRUTH_GAP)
-        found.unknown = merged(found.unknown, reading.skipped)
+        found.unknown = merged_skipped(found.unknown, reading.skipped)
     return replace(found._log(name), truth=known_truth(truth))
 
 
@@ -130,10 +144,10 @@ def read_trajectory(path: str | Path, *, on_error: OnError = "raise") -> tuple[A
     (array([10.5]), array([[1. , 2. , 0.5]]))
     """
     with log_file(path) as place:
-        return _track(place, on_error)[0].ordered()
+        return _read_track(place, on_error)[0].ordered()
 
 
-def _track(path: Path, on_error: str) -> tuple[Track, Reading]:
+def _read_track(path: Path, on_error: str) -> tuple[Track, Reading]:
     lines, track = Lines(path, on_error, ","), Track()
     for when, where in lines.each(_parse_pose):
         track.add(when, where)
@@ -142,9 +156,9 @@ def _track(path: Path, on_error: str) -> tuple[Track, Reading]:
     return track, lines
 
 
-def _parse_scan(columns: list[str]) -> RawScan:
+def _rawseeds_scan(columns: list[str]) -> RawScan:
     if len(columns) == HOKUYO_COLUMNS:
-        metres = np.clip(numbers(columns[1:], "ranges"), -LIMIT, LIMIT)
+        metres = np.clip(float_fields(columns[1:], "ranges"), -LIMIT, LIMIT)
         found, codes = as_ranges(1000 * metres)
         angles, when = centred(len(found), URG_STEP), time(columns[0])
         turn = codes, urg_delays(angles), (URG_ASSUMED,)
@@ -153,23 +167,23 @@ def _parse_scan(columns: list[str]) -> RawScan:
         raise ValueError(
             "holds poses and no scan: read its folder, or the poses with read_trajectory"
         )
-    if len(columns) < SICK_HEAD:
+    if len(columns) < SICK_HEAD_COLUMNS:
         raise ValueError(f"expected t, count, offset and ranges, got {len(columns)} columns")
-    ranges, rest = counted([columns[1], *columns[SICK_HEAD:]], "ranges")
+    ranges, rest = counted_fields([columns[1], *columns[SICK_HEAD_COLUMNS:]], "ranges")
     if rest:
         raise ValueError(f"announces {len(ranges)} ranges, but {len(ranges) + len(rest)} follow")
-    (quarters,) = numbers(columns[2:3], "the offset")
+    (quarters,) = float_fields(columns[2:3], "the offset")
     if not abs(quarters) <= 720:
         raise ValueError(f"expected an offset in quarter degrees, got {columns[2][:40]}")
     angles = half_turn(len(ranges)) + np.radians(quarters / 4)
-    return RawScan("sick", numbers(ranges, "ranges"), angles, time(columns[0]))
+    return RawScan("sick", float_fields(ranges, "ranges"), angles, time(columns[0]))
 
 
 def _parse_pose(fields: list[str]) -> tuple[float, Array]:
     if len(fields) == ODOMETRY_COLUMNS:
-        return time(fields[0].strip()), pose(fields[4:7], "the odometry")
+        return time(fields[0].strip()), pose_fields(fields[4:7], "the odometry")
     if len(fields) == TRUTH_COLUMNS:
-        return time(fields[0].strip()), pose(fields[1:4], "the ground truth")
+        return time(fields[0].strip()), pose_fields(fields[1:4], "the ground truth")
     raise ValueError(
         f"expected {TRUTH_COLUMNS} columns of ground truth or {ODOMETRY_COLUMNS} of odometry, "
         f"got {len(fields)}"

@@ -15,20 +15,20 @@ from ...compiled import compiled
 from ...kernels import describe, describe_one, join_sums
 from ...progress import parts
 from ...segments import length
-from .._index import LEVEL, Index, empty_index, enter, enter_all, leave, meeting
-from .._runner import Found, Indices, Rows, by_lowest
+from .._index import LEVEL_COLUMN, Index, empty_index, enter, enter_all, meeting, take_out
+from .._runner import Found, Indices, Rows, ordered_by_first_input
 from ._fit_kernels import (
     EQUAL,
     HARD,
     Limits,
     Room,
-    charge,
+    assignment_cost,
     empty_room,
     fit,
-    keep,
+    insert_ranked,
+    load_member,
     rounded,
-    sums_of,
-    take,
+    segment_sums,
     turned_and_lost,
 )
 
@@ -36,10 +36,12 @@ from ._fit_kernels import (
 #: three buildings with and without the filter, no more is missed or invented at qualities of 0.9,
 #: 0.85 and 0.8 than by segment similarity, the best of the others.
 MISSED = 0.075
-#: Rounds at most, and the share of the sum by which one must lower it for another to follow.
-ROUNDS, FALL = 6, 1e-4
+#: Rounds at most.
+MOST_EXCHANGE_ROUNDS = 6
+#: Another round follows where one lowers the sum by this share.
+LEAST_FALL_SHARE = 1e-4
 #: What lowers the sum by less than this share of the penalty changes nothing.
-LEAST = 1e-6
+LEAST_GAIN_SHARE = 1e-6
 
 
 class State(NamedTuple):
@@ -72,7 +74,7 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
     state = State(
         s=s,
         d=d,
-        sums=sums_of(d),
+        sums=segment_sums(d),
         line=line,
         about=describe(line),
         who=np.full((n, 2), -1),
@@ -95,8 +97,8 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
     longest, room = np.argsort(-np.round(length(s), 9), kind="stable"), empty_room(n)
     for part in parts(np.arange(n), "least cost: finding the output of segment"):
         _assign_all(state, part, limits)
-    for _ in range(ROUNDS):
-        before, opened = state.total[0], np.flatnonzero(state.outputs.link[:, LEVEL] >= 0)
+    for _ in range(MOST_EXCHANGE_ROUNDS):
+        before, opened = state.total[0], np.flatnonzero(state.outputs.link[:, LEVEL_COLUMN] >= 0)
         sizes = np.floor(state.about[opened, 4] / EQUAL + 0.5)
         opened = opened[np.argsort(-sizes, kind="stable")]
         for part in parts(opened, "least cost: drawing anew output", size=64):
@@ -104,11 +106,11 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
         _close_all(state, limits)
         for part in parts(longest, "least cost: trying as an output segment"):
             free = _exchange_all(state, part, free, limits)
-        if state.total[0] >= before * (1.0 - FALL):
+        if state.total[0] >= before * (1.0 - LEAST_FALL_SHARE):
             break
-    alive = state.outputs.link[:, LEVEL] >= 0
+    alive = state.outputs.link[:, LEVEL_COLUMN] >= 0
     into = (np.cumsum(alive) - 1)[state.who[:, 0]]
-    order, into = by_lowest(into, np.arange(n), int(alive.sum()))
+    order, into = ordered_by_first_input(into, np.arange(n), int(alive.sum()))
     return line[alive][order], into
 
 
@@ -124,8 +126,8 @@ def _assign(state: State, i: int, limits: Limits) -> None:
     for k in range(2):
         cost[i, k], who[i, k] = np.inf, -1
     for k in range(meeting(state.outputs, state.s[i], HARD * limits.distance, near)):
-        value = charge(state.s, state.d, i, state.line, state.about, near[k], limits)
-        keep(cost, who, i, near[k], rounded(value))
+        value = assignment_cost(state.s, state.d, i, state.line, state.about, near[k], limits)
+        insert_ranked(cost, who, i, near[k], rounded(value))
     state.total[0] += cost[i, 0]
     state.margin[who[i, 0]] += min(cost[i, 1] - cost[i, 0], limits.penalty)
     if who[i, 0] != f or who[i, 1] != g or cost[i, 0] != first or cost[i, 1] != second:
@@ -136,11 +138,11 @@ def _assign(state: State, i: int, limits: Limits) -> None:
 @compiled
 def _switch(state: State, f: int, limits: Limits) -> None:
     """Open an output that is drawn already, or close it: what is near goes where it costs least."""
-    if state.outputs.link[f, LEVEL] < 0:
+    if state.outputs.link[f, LEVEL_COLUMN] < 0:
         enter(state.outputs, f, state.line[f], 0.0)
         state.total[0] += limits.penalty
     else:
-        leave(state.outputs, f)
+        take_out(state.outputs, f)
         state.total[0] -= limits.penalty
     near = state.lists[1]
     for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
@@ -181,7 +183,7 @@ def _refit(state: State, room: Room, f: int, free: int, limits: Limits) -> int:
     for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
         i = near[k]
         if state.who[i, 0] == f:
-            take(room, count, i, state.s, state.d)
+            load_member(room, count, i, state.s, state.d)
             room.caps[count] = state.cost[i, 1]
             if count == 0:
                 for j in range(6):
@@ -189,7 +191,7 @@ def _refit(state: State, room: Room, f: int, free: int, limits: Limits) -> int:
             else:
                 join_sums(room.sums, state.sums[i], room.sums)
             count, before = count + 1, before + state.cost[i, 0]
-    most = before - LEAST * limits.penalty
+    most = before - LEAST_GAIN_SHARE * limits.penalty
     if count == 0 or fit(state.s, room, count, limits, state.line[f], most) == np.inf:
         return free
     _copy(state, room.line, free)
@@ -212,7 +214,10 @@ def _close_all(state: State, limits: Limits) -> None:
     heap = [(0.0, 0)]  # the compiler learns what an entry is
     heap.pop()
     for f in range(len(state.line)):
-        if state.outputs.link[f, LEVEL] >= 0 and state.margin[f] < (1.0 + LEAST) * limits.penalty:
+        if (
+            state.outputs.link[f, LEVEL_COLUMN] >= 0
+            and state.margin[f] < (1.0 + LEAST_GAIN_SHARE) * limits.penalty
+        ):
             heapq.heappush(heap, (_loss(state, f, limits), f))
     while len(heap):
         key, f = heapq.heappop(heap)
@@ -235,7 +240,7 @@ def _may_gain(state: State, h: int, count: int, limits: Limits) -> bool:
         turned, lost = turned_and_lost(state.s, state.d, i, state.about, h, limits)
         if turned + lost >= most:
             continue
-        offer = charge(state.s, state.d, i, state.line, state.about, h, limits)
+        offer = assignment_cost(state.s, state.d, i, state.line, state.about, h, limits)
         if offer < most:
             fall[state.who[i, 0]] += margin - max(offer - cost[i, 0], 0.0)
             gain += max(cost[i, 0] - offer, 0.0)
@@ -247,7 +252,7 @@ def _may_gain(state: State, h: int, count: int, limits: Limits) -> bool:
     for k in range(count):
         f = state.who[near[k], 0]
         state.seen[f], fall[f] = 0, 0.0
-    return gain > LEAST / 2.0 * penalty
+    return gain > LEAST_GAIN_SHARE / 2.0 * penalty
 
 
 @compiled
@@ -269,7 +274,7 @@ def _exchange(state: State, j: int, h: int, limits: Limits) -> int:
         return h
     for k in range(count):
         i = near[k]
-        offer[i] = charge(state.s, state.d, i, state.line, state.about, h, limits)
+        offer[i] = assignment_cost(state.s, state.d, i, state.line, state.about, h, limits)
         gain += max(cost[i, 0] - offer[i], 0.0)
     for k in range(count):
         f = state.who[near[k], 0]
@@ -280,7 +285,7 @@ def _exchange(state: State, j: int, h: int, limits: Limits) -> int:
         offer[near[k]] = np.inf
     for k in range(others):
         state.seen[beside[k]] = 0
-    if gain <= LEAST * penalty:
+    if gain <= LEAST_GAIN_SHARE * penalty:
         return h
     before, closed = state.total[0], 0
     _switch(state, h, limits)
@@ -295,7 +300,7 @@ def _exchange(state: State, j: int, h: int, limits: Limits) -> int:
         beside[closed], beside[best] = beside[best], beside[closed]
         _switch(state, beside[closed], limits)
         closed += 1
-    if closed > 0 and state.total[0] < before - LEAST * penalty:
+    if closed > 0 and state.total[0] < before - LEAST_GAIN_SHARE * penalty:
         return beside[0]
     for k in range(closed):
         _switch(state, beside[k], limits)

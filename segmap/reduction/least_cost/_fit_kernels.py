@@ -14,23 +14,23 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...compiled import compiled
 from ...kernels import (
-    ACROSS,
-    ANGULAR,
-    APART,
+    ACROSS_WEIGHT,
+    ANGULAR_WEIGHT,
+    APART_WEIGHT,
     apart,
-    lay,
     mean_line_terms,
     off_segment,
     order_by_first,
+    place_on_line,
 )
 
 Indices = NDArray[np.int64]
 #: A merge is looked at whose first estimate is up to so many penalties: estimates are too high.
-WIDE = 3.0
+ESTIMATE_PENALTIES = 3.0
 #: A member may lie so many times the distance off the line, or the line is refused.
 HARD = 2.0
 #: Rounds in which a line is turned and shifted; each halves what it tried where nothing helped.
-STEPS = 6
+LINE_FIT_ROUNDS = 6
 #: Costs that differ by less are equal, metres: then what was tried first counts.
 EQUAL = 1e-12
 
@@ -71,7 +71,7 @@ def empty_room(n: int) -> Room:
     return room
 
 
-def sums_of(d: Array) -> Array:
+def segment_sums(d: Array) -> Array:
     """Weight, centre and scatter xx, xy, yy of segments that are described, `(n, 6)`."""
     whole, (x, y) = 2 * d[:, 4], d[:, 2:4].T
     scatter = (whole**3 / 12 * p for p in (x * x, x * y, y * y))
@@ -79,7 +79,7 @@ def sums_of(d: Array) -> Array:
 
 
 @compiled
-def take(room: Room, k: int, i: int, s: Array, d: Array) -> None:
+def load_member(room: Room, k: int, i: int, s: Array, d: Array) -> None:
     """Let input i be member k."""
     room.who[k] = i
     for j in range(4):
@@ -95,7 +95,7 @@ def rounded(cost: float) -> float:
 
 
 @compiled
-def keep(nearest: Array, who: Indices, i: int, j: int, value: float) -> None:
+def insert_ranked(nearest: Array, who: Indices, i: int, j: int, value: float) -> None:
     """Put a neighbour into the list of the nearest of i, where it is among them (ties: lower)."""
     at = who.shape[1]
     while at > 0 and (
@@ -112,14 +112,14 @@ def keep(nearest: Array, who: Indices, i: int, j: int, value: float) -> None:
 def distance_between(u: Array, v: Array, a: Array, b: Array) -> float:
     """Distance of quality between two segments, (2, 2), described by (5,) arrays; metres."""
     angular, across = mean_line_terms(a, b)
-    return ANGULAR * angular + ACROSS * across + APART * apart(u, v)
+    return ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across + APART_WEIGHT * apart(u, v)
 
 
 @compiled
 def turned_and_lost(
     s: Array, d: Array, i: int, about: Array, f: int, limits: Limits
 ) -> tuple[float, float]:
-    """The two terms of `charge` that are quickly found: of the angle, and of metres not beside."""
+    """The quick terms of `assignment_cost`: of the angle, and of metres not beside."""
     x, y, dx, dy = about[f, 0], about[f, 1], about[f, 2], about[f, 3]
     px, py, qx, qy = s[i, 0, 0] - x, s[i, 0, 1] - y, s[i, 1, 0] - x, s[i, 1, 1] - y
     off = max(abs(px * dy - py * dx), abs(qx * dy - qy * dx))
@@ -130,11 +130,13 @@ def turned_and_lost(
         kept = max(min(high, about[f, 4]) - max(low, -about[f, 4]), 0.0)
         lost *= 1.0 - kept / (high - low)
     angular = (d[i, 4] + about[f, 4]) * sine / (1.0 + abs(d[i, 2] * dx + d[i, 3] * dy))
-    return ANGULAR * angular, limits.missed * lost
+    return ANGULAR_WEIGHT * angular, limits.missed * lost
 
 
 @compiled
-def charge(s: Array, d: Array, i: int, line: Array, about: Array, f: int, limits: Limits) -> float:
+def assignment_cost(
+    s: Array, d: Array, i: int, line: Array, about: Array, f: int, limits: Limits
+) -> float:
     """What input i of (n, 2, 2) costs if it goes to segment f of (m, 2, 2); `inf`: too far off.
 
     Both are described by (n, 5) and (m, 5). Its distance, and the price of the metres that are not
@@ -145,7 +147,7 @@ def charge(s: Array, d: Array, i: int, line: Array, about: Array, f: int, limits
         return np.inf
     turned, lost = turned_and_lost(s, d, i, about, f, limits)
     _, most = mean_line_terms(d[i], about[f])
-    return turned + ACROSS * most + APART * near + lost
+    return turned + ACROSS_WEIGHT * most + APART_WEIGHT * near + lost
 
 
 @compiled
@@ -160,7 +162,9 @@ def _reach(room: Room, count: int, line: Line) -> tuple[float, float]:
 
 
 @compiled
-def _line_cost(s: Array, room: Room, count: int, limits: Limits, line: Line, most: float) -> float:
+def _assignment_line_cost(
+    s: Array, room: Room, count: int, limits: Limits, line: Line, most: float
+) -> float:
     """Cost of the segment on a line that spans all members; `inf` from `most` on."""
     (x, y, dx, dy), frame = line, room.frame
     first, last = _reach(room, count, line)
@@ -184,7 +188,7 @@ def _line_cost(s: Array, room: Room, count: int, limits: Limits, line: Line, mos
             near = min(near, off_segment(x, y, s[i]))
             near = min(near, off_segment(x + whole * dx, y + whole * dy, s[i]))
         angular, across = mean_line_terms(room.about[k], frame)
-        cost = ANGULAR * angular + ACROSS * across + APART * near
+        cost = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across + APART_WEIGHT * near
         if (
             off > limits.distance
             or abs(dx * room.about[k, 3] - dy * room.about[k, 2]) > limits.sine
@@ -217,11 +221,11 @@ def fit(s: Array, room: Room, count: int, limits: Limits, guess: Array, most: fl
     """
     theta = np.arctan2(2.0 * room.sums[4], room.sums[3] - room.sums[5]) / 2.0
     line = room.sums[1], room.sums[2], np.cos(theta), np.sin(theta)
-    best = _line_cost(s, room, count, limits, line, most)
+    best = _assignment_line_cost(s, room, count, limits, line, most)
     mx, my = (guess[0, 0] + guess[1, 0]) / 2.0, (guess[0, 1] + guess[1, 1]) / 2.0
     along = np.arctan2(guess[1, 1] - guess[0, 1], guess[1, 0] - guess[0, 0])
     other = mx, my, np.cos(along), np.sin(along)
-    found = _line_cost(s, room, count, limits, other, min(best - EQUAL, most))
+    found = _assignment_line_cost(s, room, count, limits, other, min(best - EQUAL, most))
     if found < best:
         best, line, theta = found, other, along
     if best == np.inf:
@@ -229,7 +233,7 @@ def fit(s: Array, room: Room, count: int, limits: Limits, guess: Array, most: fl
     low, high = _reach(room, count, line)
     (x, y, _, _), shift, offset = line, 0.2 * limits.distance, 0.0
     turn, was = min(0.1, 4.0 * shift / max(high - low, 2.0 * shift)), (np.inf, np.inf)
-    for _ in range(STEPS):
+    for _ in range(LINE_FIT_ROUNDS):
         now, then, held = (theta, offset), was, line
         for k in range(4):
             t = now[0] + (turn if k == 0 else -turn if k == 1 else 0.0)
@@ -238,12 +242,12 @@ def fit(s: Array, room: Room, count: int, limits: Limits, guess: Array, most: fl
                 continue
             dx, dy = (np.cos(t), np.sin(t)) if k < 2 else (held[2], held[3])
             at = x - o * dy, y + o * dx, dx, dy
-            found = _line_cost(s, room, count, limits, at, best - EQUAL)
+            found = _assignment_line_cost(s, room, count, limits, at, best - EQUAL)
             if found < best:
                 best, line, theta, offset = found, at, t, o
         was = now
         if (theta, offset) == now:
             turn, shift = turn / 2.0, shift / 2.0
     low, high = _reach(room, count, line)
-    lay(room.line, line[0], line[1], line[2], line[3], low, high)
+    place_on_line(room.line, line[0], line[1], line[2], line[3], low, high)
     return best

@@ -9,9 +9,9 @@ from ...kernels import describe
 from ...progress import announce, parts
 from ...segments import length
 from .._index import empty_index
-from .._runner import Found, Length, Reduction, Rows, Turn, run, survivors
+from .._runner import Found, Length, Reduction, Rows, Turn, resolve_merges, run_offline
 from ._exchange import exchanged
-from ._fit_kernels import Limits, empty_room, sums_of
+from ._fit_kernels import Limits, empty_room, segment_sums
 from ._merge_kernels import State, estimate_all, merge_some, nearest_neighbours
 
 #: Neighbours of each input that may merge with it.
@@ -20,7 +20,7 @@ NEIGHBOURS = 8
 #: of a hundred fewer remain, but at low quality more is invented than by Fusion (chapter 58).
 PRICE = 0.25
 #: Two segments at a distance d across cost together about this share of d.
-SHARE = 0.3
+ACROSS_COST_SHARE = 0.3
 
 
 @checked
@@ -72,13 +72,15 @@ def least_cost(
     """
     price = max(PRICE, penalty / distance / 40)
     limits = Limits(penalty, price, price, distance, float(np.sin(angle)), gap)
-    return run("least_cost", map, lambda rows: exchanged(rows, merged(rows, limits)[0], limits))
+    return run_offline(
+        "least_cost", map, lambda rows: exchanged(rows, merged_greedily(rows, limits)[0], limits)
+    )
 
 
-def merged(rows: Rows, limits: Limits) -> Found:
+def merged_greedily(rows: Rows, limits: Limits) -> Found:
     """The first phase: outputs, and the cluster of each segment."""
     s, n, d = rows.segments, len(rows.segments), describe(rows.segments)
-    reach = min(max(limits.penalty / SHARE, limits.gap), 2 * limits.distance)
+    reach = min(max(limits.penalty / ACROSS_COST_SHARE, limits.gap), 2 * limits.distance)
     # step 1: pairs that may merge, both ways, ascending; then the list of neighbours of each
     who, least = np.full((n, NEIGHBOURS), -1), np.full((n, NEIGHBOURS), np.inf)
     places = empty_index(n, max(2 * reach, length(s).mean() if n else 0.0))
@@ -98,7 +100,7 @@ def merged(rows: Rows, limits: Limits) -> Found:
         s=s,
         d=d,
         drawn=s.copy(),
-        sums=np.column_stack([sums_of(d), np.zeros(n)]),
+        sums=np.column_stack([segment_sums(d), np.zeros(n)]),
         link=np.column_stack([own, 0 * own, 0 * own + 1, own, own, np.where(some, first[:-1], -1)]),
         after=np.full(n, -1),
         near=near,
@@ -118,5 +120,5 @@ def merged(rows: Rows, limits: Limits) -> Found:
             state = state._replace(heap=np.concatenate([state.heap, np.empty_like(state.heap)]))
         merge_some(state, fitting, limits)
     announce(1.0, f"least cost: merging {n} segments")
-    alive, parents = survivors(state.link[:, 0])
+    alive, parents = resolve_merges(state.link[:, 0])
     return state.drawn[alive], parents

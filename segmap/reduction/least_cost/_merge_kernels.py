@@ -6,11 +6,20 @@ from typing import NamedTuple
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import apart, describe_one, join_sums, lay, length_of, span
+from ...kernels import apart, describe_one, join_sums, length_of, place_on_line, span
 from ...segments import MIN_LENGTH
 from .._index import Index, enter, meeting
 from .._runner import Indices
-from ._fit_kernels import WIDE, Limits, Room, distance_between, fit, keep, rounded, take
+from ._fit_kernels import (
+    ESTIMATE_PENALTIES,
+    Limits,
+    Room,
+    distance_between,
+    fit,
+    insert_ranked,
+    load_member,
+    rounded,
+)
 
 #: So many pairs and members are fitted between two words about how far the merging is: 5 ms.
 WORK = 2000
@@ -69,14 +78,14 @@ def nearest_neighbours(
             j = near[k]
             if apart(s[i], s[j]) <= reach or crosses(s[i], s[j]):
                 value = rounded(distance_between(s[j], s[i], d[j], d[i]))
-                keep(nearest, who, i, j, value)
-                keep(nearest, who, j, i, value)
+                insert_ranked(nearest, who, i, j, value)
+                insert_ranked(nearest, who, j, i, value)
         enter(places, i, s[i], 0.0)
 
 
 # ------------------------------------------------------------------ steps 3 and 4: the cheapest
 @compiled
-def _longer(state: State, a: int, b: int) -> bool:
+def _second_is_longer(state: State, a: int, b: int) -> bool:
     """Whether the segment of b is longer than that of a."""
     return length_of(state.drawn[b]) > length_of(state.drawn[a]) + MIN_LENGTH
 
@@ -132,7 +141,7 @@ def _estimate(state: State, room: Room, a: int, b: int, limits: Limits) -> None:
     That is what it costs to draw the larger cluster's segment out over the smaller one's.
     """
     drawn, link, line = state.drawn, state.link, room.frame
-    members, longer = link[b, 2] - link[a, 2], _longer(state, a, b)
+    members, longer = link[b, 2] - link[a, 2], _second_is_longer(state, a, b)
     describe_one(drawn[b if longer else a], line)
     low_a, high_a = span(drawn[a], line[0], line[1], line[2], line[3])
     low_b, high_b = span(drawn[b], line[0], line[1], line[2], line[3])
@@ -143,14 +152,14 @@ def _estimate(state: State, room: Room, a: int, b: int, limits: Limits) -> None:
     low_a, high_a = span(drawn[a], line[0], line[1], line[2], line[3])
     low_b, high_b = span(drawn[b], line[0], line[1], line[2], line[3])
     low, high = min(low_a, low_b), max(high_a, high_b)
-    lay(room.line, line[0], line[1], line[2], line[3], low, high)
+    place_on_line(room.line, line[0], line[1], line[2], line[3], low, high)
     describe_one(room.line, line)
     total, i = -state.sums[small, 6], link[small, 3]
-    while i >= 0 and total <= WIDE * limits.penalty:
+    while i >= 0 and total <= ESTIMATE_PENALTIES * limits.penalty:
         total += distance_between(state.s[i], room.line, state.d[i], line)
         i = state.after[i]
-    if total <= WIDE * limits.penalty:
-        key = rounded(max(total, 0.0) / WIDE)
+    if total <= ESTIMATE_PENALTIES * limits.penalty:
+        key = rounded(max(total, 0.0) / ESTIMATE_PENALTIES)
         _put(state, key, a, b, 0)
 
 
@@ -160,14 +169,14 @@ def _fit_pair(state: State, room: Room, a: int, b: int, limits: Limits) -> float
     link, fitted, fits, count = state.link, state.fitted, state.fits, 0
     if fitted[a, 0] == b and fitted[a, 1] == link[a, 1] and fitted[a, 2] == link[b, 1]:
         return fits[a, 4]
-    most = state.sums[a, 6] + state.sums[b, 6] + WIDE * limits.penalty
+    most = state.sums[a, 6] + state.sums[b, 6] + ESTIMATE_PENALTIES * limits.penalty
     join_sums(state.sums[a], state.sums[b], room.sums)
     for c in (a, b):
         i = link[c, 3]
         while i >= 0:
-            take(room, count, i, state.s, state.d)
+            load_member(room, count, i, state.s, state.d)
             i, count = state.after[i], count + 1
-    long = state.drawn[b if _longer(state, a, b) else a]
+    long = state.drawn[b if _second_is_longer(state, a, b) else a]
     fitted[a, 0], fitted[a, 1], fitted[a, 2] = b, link[a, 1], link[b, 1]
     fits[a, 4] = fit(state.s, room, count, limits, long, most)
     for k in range(4):
@@ -176,7 +185,7 @@ def _fit_pair(state: State, room: Room, a: int, b: int, limits: Limits) -> float
 
 
 @compiled
-def _merge(state: State, a: int, b: int) -> None:
+def _merge_clusters(state: State, a: int, b: int) -> None:
     """Let cluster b go into cluster a: segment, cost, sums, members, version, neighbours."""
     link, near = state.link, state.near
     join_sums(state.sums[a], state.sums[b], state.sums[a])
@@ -244,7 +253,7 @@ def merge_some(state: State, room: Room, limits: Limits) -> None:
             if size[0] > 0 and delta > heap[0, 0]:
                 _put(state, delta, a, b, 1)
                 continue
-        _merge(state, a, b)
+        _merge_clusters(state, a, b)
         entry = link[a, 5]
         while entry >= 0:
             _estimate(state, room, min(a, near[entry, 0]), max(a, near[entry, 0]), limits)

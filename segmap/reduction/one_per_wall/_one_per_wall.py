@@ -6,23 +6,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arrays import LEAST, Array, Positive, Segments, checked
+from ...arrays import SMALLEST_THRESHOLD_M, Array, Positive, Segments, checked
 from ...progress import each, parts
 from ...segments import SegmentMap, length, midpoint
 from .._index import empty_index, enter_all
-from .._runner import Found, Indices, Reduction, Rows, by_lowest, run
-from ._pair_kernels import APART, find_pairs, offsets, pull
-from ._wall_kernels import WIDE, Walls, enter_looks, grow, take_in
+from .._runner import Found, Indices, Reduction, Rows, ordered_by_first_input, run_offline
+from ._pair_kernels import PAIR_OFFSET_M, find_pairs, offsets, pull
+from ._wall_kernels import ABSORBED_TOLERANCES, Walls, absorb_weaker, enter_looks, grow
 
 #: Standard deviation of the ends of a look about its wall, metres, where poses are true: polylines
 #: are extracted to 0.03 m. From 0.010 to 0.017, 55 to 58 of the benchmark's 60 maps are good.
-BEND = 0.0115
+LOOK_SIGMA_M = 0.0115
 #: Fewer pairs tell nothing about the noise.
-FEWEST = 8
-#: Rounds in which scans move, each with the noise that the last one left, and steps in each.
-ROUNDS, STEPS = 10, 6
+LEAST_NOISE_PAIRS = 8
+#: Rounds in which scans move, each with the noise that the last one left.
+NOISE_ROUNDS = 10
+#: Steps in each round.
+ALIGNING_STEPS = 6
 #: Of what its pairs ask for a scan moves this share in a step: two scans must not change places.
-SHARE = 0.8
+STEP_SHARE = 0.8
 
 
 @checked
@@ -67,38 +69,41 @@ def one_per_wall(map: Segments, *, factor: Positive = 1.0) -> Reduction:
 
     def reduce(rows: Rows) -> Found:
         nonlocal noise
-        n = len(rows.row)
+        n = len(rows.source_row)
         s, sensors = rows.segments, np.full((n, 2), np.nan)
-        of = scan[rows.row] if several else np.arange(n)
+        of = scan[rows.source_row] if several else np.arange(n)
         if places is not None:
-            sensors = places[scan[rows.row]]
-        index = empty_index(n, float(max(length(s).mean() if n else 0.0, 2 * APART)))
+            sensors = places[scan[rows.source_row]]
+        index = empty_index(n, float(max(length(s).mean() if n else 0.0, 2 * PAIR_OFFSET_M)))
         near, pairs, count, left = np.empty(n + 1, np.int64), np.empty((64, 2), np.int64), 0, 0.0
         for part in parts(np.arange(n), "one per wall: pairing segment"):
             pairs, count = find_pairs(s, of, sensors, index, near, part, pairs, count)
-        if count >= FEWEST:
+        if count >= LEAST_NOISE_PAIRS:
             pairs = pairs[:count]
-            noise = left = spread(offsets(s, pairs)) / np.sqrt(2)
+            noise = left = robust_sigma(offsets(s, pairs)) / np.sqrt(2)
             if several and noise > 0:
-                s, sensors, left = _agreed(s, sensors, of, pairs, noise)
-        tolerance = 3 * factor * float(np.hypot(left, BEND))
-        if tolerance < LEAST:  # no wall is drawn so finely
-            raise ValueError(f"factor must make {LEAST:.0e} m of the noise at least, got {factor}")
-        return _drawn(rows, s, sensors, tolerance)
+                s, sensors, left = _scans_aligned(s, sensors, of, pairs, noise)
+        tolerance = 3 * factor * float(np.hypot(left, LOOK_SIGMA_M))
+        if tolerance < SMALLEST_THRESHOLD_M:  # no wall is drawn so finely
+            raise ValueError(
+                f"factor must make {SMALLEST_THRESHOLD_M:.0e} m of the noise at least, got {factor}"
+            )
+        return _walls_drawn(rows, s, sensors, tolerance)
 
-    found = run("one_per_wall", map, reduce)
+    found = run_offline("one_per_wall", map, reduce)
     lost = [] if several else ["which scan saw what, so that none was moved"]
     lost += [] if places is not None else ["where its sensor was, so that no hidden gap is bridged"]
     doubt = f"the map does not tell {', or '.join(lost)}" if lost else ""
     return replace(found, noise=noise, doubt=doubt)
 
 
-def spread(values: Array) -> float:
+def robust_sigma(values: Array) -> float:
     """Standard deviation of values about 0, most of which are normal; others count no more.
 
     Examples
     --------
-    >>> round(spread(np.append(np.random.default_rng(0).normal(0, 2, 1000), np.full(100, 50.0))))
+    >>> normal = np.random.default_rng(0).normal(0, 2, 1000)
+    >>> round(robust_sigma(np.append(normal, np.full(100, 50.0))))
     2
     """
     sizes = abs(values)
@@ -109,7 +114,7 @@ def spread(values: Array) -> float:
     return found
 
 
-def _agreed(
+def _scans_aligned(
     s: Array, sensors: Array, scan: Indices, pairs: Indices, noise: float
 ) -> tuple[Array, Array, float]:
     """Segments and sensors where the scans agree best, and the noise that is left.
@@ -123,12 +128,12 @@ def _agreed(
     first = np.ones((len(scans), 3)) / noise**2  # a turn moves the looks by this noise too
     first[:, 2] *= np.bincount(of, lever) / count
     moved, left = np.zeros((len(scans), 3)), noise
-    for _ in each(range(ROUNDS), "one per wall: moving scans, round"):
-        for _ in range(STEPS):
+    for _ in each(range(NOISE_ROUNDS), "one per wall: moving scans, round"):
+        for _ in range(ALIGNING_STEPS):
             normal, right = first[:, :, None] * np.eye(3), -first * moved
             pull(s, pairs, of, centre, max(left, noise / 10), normal, right)
             normal[:, 2, 2] += first[:, 0] * 1e-9  # a scan of one look turns about its middle
-            step = np.linalg.solve(normal, right[..., None])[..., 0] * SHARE
+            step = np.linalg.solve(normal, right[..., None])[..., 0] * STEP_SHARE
             moved += step
             c, d = np.cos(step[of, 2]), np.sin(step[of, 2])
             turn = np.stack([c, -d, d, c], axis=-1).reshape(-1, 2, 2)
@@ -136,11 +141,11 @@ def _agreed(
             s = np.einsum("nij,nkj->nki", turn, s - centre[of, None]) + to[:, None]
             sensors = np.einsum("nij,nj->ni", turn, sensors - centre[of]) + to
             centre = centre + step[:, :2]
-        left = spread(offsets(s, pairs)) / np.sqrt(2)
+        left = robust_sigma(offsets(s, pairs)) / np.sqrt(2)
     return s, sensors, left
 
 
-def _drawn(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Found:
+def _walls_drawn(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Found:
     """One segment for each wall, and the wall of each look."""
     n, sizes = len(s), length(s)
     unit = float(max(sizes.mean() if n else 0.0, 1.0))
@@ -171,9 +176,11 @@ def _drawn(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Found:
     places, into = empty_index(count, unit), np.arange(count)
     enter_all(places, drawn)
     for part in parts(weakest, "one per wall: taking in wall"):
-        take_in(drawn, metres, part, places, walls.near, WIDE * tolerance, into)
+        absorb_weaker(
+            drawn, metres, part, places, walls.near, ABSORBED_TOLERANCES * tolerance, into
+        )
     while (into[into] != into).any():
         into = into[into]
     left, label = np.unique(into[walls.label], return_inverse=True)
-    order, parents = by_lowest(label, rows.row, len(left))
+    order, parents = ordered_by_first_input(label, rows.source_row, len(left))
     return drawn[left][order], parents

@@ -12,15 +12,17 @@ from .._index import Index, enter, meeting
 
 Indices = NDArray[np.int64]
 #: Shorter looks have no pairs, metres: their direction is mostly noise of the range.
-LEAST = 0.3
-#: Looks at one wall lie no farther apart, metres, and turn no more, sine of 10 degrees.
-APART, SINE = 0.25, 0.174
+LEAST_LOOK_M = 0.3
+#: Looks at one wall lie no farther apart, metres, ...
+PAIR_OFFSET_M = 0.25
+#: ... and turn no more: sine of 10 degrees.
+PAIR_TURN_SINE = 0.174
 #: Looks overlap by at least this share of the shorter one.
 OVERLAP = 0.5
 
 
 @compiled
-def _over(s: Array, i: int, j: int) -> tuple[float, float, float, float]:
+def _overlap_of(s: Array, i: int, j: int) -> tuple[float, float, float, float]:
     """Where look j lies beside look i: from and to along i, and its offset there; metres."""
     whole = length_of(s[i])
     x, y = s[i, 0, 0], s[i, 0, 1]
@@ -58,20 +60,23 @@ def find_pairs(
     """
     for i in part:
         size = length_of(s[i])
-        if size < LEAST:
+        if size < LEAST_LOOK_M:
             continue
         dx, dy = (s[i, 1, 0] - s[i, 0, 0]) / size, (s[i, 1, 1] - s[i, 0, 1]) / size
-        for k in range(meeting(places, s[i], APART, near)):
+        for k in range(meeting(places, s[i], PAIR_OFFSET_M, near)):
             j = near[k]
             if scan[i] == scan[j]:
                 continue
             other = length_of(s[j])
             cross = (s[j, 1, 1] - s[j, 0, 1]) * dx - (s[j, 1, 0] - s[j, 0, 0]) * dy
-            if abs(cross) > SINE * other or _side(s, sensors, i, i) * _side(s, sensors, i, j) < 0:
+            if (
+                abs(cross) > PAIR_TURN_SINE * other
+                or _side(s, sensors, i, i) * _side(s, sensors, i, j) < 0
+            ):
                 continue
             a, b = (i, j) if other <= size + SAME else (j, i)  # along the longer look
-            low, high, one, two = _over(s, a, b)
-            if high - low < OVERLAP * min(size, other) - SAME or abs(one + two) / 2 > APART:
+            low, high, one, two = _overlap_of(s, a, b)
+            if high - low < OVERLAP * min(size, other) - SAME or abs(one + two) / 2 > PAIR_OFFSET_M:
                 continue
             if count == len(pairs):
                 more = np.empty((2 * count, 2), np.int64)
@@ -89,7 +94,7 @@ def offsets(s: Array, pairs: Indices) -> Array:
     """How far the looks of each pair are apart in the middle of what they share, `(p,)`, metres."""
     found = np.empty(len(pairs))
     for p in range(len(pairs)):
-        _, _, one, two = _over(s, pairs[p, 0], pairs[p, 1])
+        _, _, one, two = _overlap_of(s, pairs[p, 0], pairs[p, 1])
         found[p] = (one + two) / 2
     return found
 
@@ -112,7 +117,7 @@ def pull(
     row = np.empty(3)
     for p in range(len(pairs)):
         i, j = pairs[p, 0], pairs[p, 1]
-        low, high, one, two = _over(s, i, j)
+        low, high, one, two = _overlap_of(s, i, j)
         if high <= low:
             continue
         whole = length_of(s[i])

@@ -9,26 +9,35 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import SAME, lay, length_of, order_by_first, span
-from .._index import Index, enter, enter_all, leave, meeting
+from ...kernels import SAME, length_of, order_by_first, place_on_line, span
+from .._index import Index, enter, enter_all, meeting, take_out
 
 Indices = NDArray[np.int64]
-#: Gaps that are bridged, metres; those up to HIDDEN if something stood before them.
-GAP, HIDDEN = 0.3, 1.0
+#: Gaps that are bridged, metres.
+BRIDGED_GAP_M = 0.3
+#: Gaps that are bridged if something stood before them, metres.
+HIDDEN_GAP_M = 1.0
 #: A beam that passed through so much of a gap, metres, saw that there is no wall.
 THROUGH = 0.1
-#: What hides a gap stands so far before it, metres: what is nearer, a pilaster, is the wall.
-NICHE, SHADOW = 0.3, 2.0
+#: What hides a gap stands at least so far before it, metres: what is nearer, a pilaster, is the
+#: wall.
+NICHE_DEPTH_M = 0.3
+#: It stands at most so far before it, metres.
+SHADOW_DEPTH_M = 2.0
 #: What hides at least this share of a gap hides it.
 SHADE = 0.5
 #: A look turns no more from its wall: sine of 30 degrees.
-SINE = 0.5
+LOOK_TURN_SINE = 0.5
 #: How often a wall may change its members.
-ROUNDS = 12
+MOST_MEMBER_CHANGES = 12
 #: Least weight of a member in the fit of a line.
 WEIGHT = 0.01
-#: A wall takes in one with so many times less metres, so many tolerances off, this share beside it.
-MORE, WIDE, BESIDE = 1.5, 1.5, 0.8
+#: A wall absorbs one with so many times less metres, ...
+LONGER_RATIO = 1.5
+#: ... at most so many tolerances off, ...
+ABSORBED_TOLERANCES = 1.5
+#: ... and with this share of it beside the wall.
+ABSORBED_OVERLAP = 0.8
 
 
 class Walls(NamedTuple):
@@ -50,14 +59,14 @@ class Walls(NamedTuple):
 
 
 @compiled
-def _bridged(walls: Walls, line: Array, low: float, high: float, tolerance: float) -> bool:
+def _gap_is_hidden(walls: Walls, line: Array, low: float, high: float, tolerance: float) -> bool:
     """Whether something hid a gap, from low to high along a line, and no beam passed through it.
 
     A line is a point and a unit direction, (4,).
     """
     s, sensors, gap, hidden = walls.s, walls.sensors, np.empty((2, 2)), False
     x, y, dx, dy = line[0], line[1], line[2], line[3]
-    lay(gap, x, y, dx, dy, low, high)
+    place_on_line(gap, x, y, dx, dy, low, high)
     for k in range(meeting(walls.fans, gap, 0.0, walls.seen)):
         j = walls.seen[k]
         px, py = sensors[j, 0] - x, sensors[j, 1] - y
@@ -68,11 +77,11 @@ def _bridged(walls: Walls, line: Array, low: float, high: float, tolerance: floa
             v = (s[j, e, 1] - y) * dx - (s[j, e, 0] - x) * dy
             if from_v < 0.0:
                 v = -v
-            behind, before = behind and v < -tolerance, before and NICHE < v < abs(from_v)
+            behind, before = behind and v < -tolerance, before and NICHE_DEPTH_M < v < abs(from_v)
             if behind or before:
                 on = from_u + (u - from_u) * abs(from_v) / (abs(from_v) - v)
                 begin, end = min(begin, on), max(end, on)
-                before = before and np.hypot(on - u, v) <= SHADOW
+                before = before and np.hypot(on - u, v) <= SHADOW_DEPTH_M
         shared = min(high, end) - max(low, begin)
         if behind and abs(from_v) > tolerance and shared > THROUGH:
             return False
@@ -91,14 +100,14 @@ def _together(walls: Walls, seed: int, line: Array, tolerance: float) -> tuple[i
     low, high = span(walls.grown, x, y, dx, dy)
     walls.who[0] = seed
     spans[0, 0], spans[0, 1] = span(s[seed], x, y, dx, dy)
-    for k in range(meeting(walls.places, walls.grown, HIDDEN + tolerance, near)):
+    for k in range(meeting(walls.places, walls.grown, HIDDEN_GAP_M + tolerance, near)):
         i = near[k]
         one = (s[i, 0, 1] - y) * dx - (s[i, 0, 0] - x) * dy
         other = (s[i, 1, 1] - y) * dx - (s[i, 1, 0] - x) * dy
         off, rise = max(abs(one), abs(other)), abs(one - other)
         begin, end = span(s[i], x, y, dx, dy)
-        near_by = begin <= high + HIDDEN and end >= low - HIDDEN
-        if i != seed and near_by and off <= tolerance and rise <= SINE * length_of(s[i]):
+        near_by = begin <= high + HIDDEN_GAP_M and end >= low - HIDDEN_GAP_M
+        if i != seed and near_by and off <= tolerance and rise <= LOOK_TURN_SINE * length_of(s[i]):
             walls.who[count], spans[count, 0], spans[count, 1] = i, begin, end
             count += 1
     order = walls.order
@@ -106,8 +115,9 @@ def _together(walls: Walls, seed: int, line: Array, tolerance: float) -> tuple[i
     first, has, reached = 0, False, spans[order[0], 0]
     for k in range(count):
         low = spans[order[k], 0]
-        if low - reached > GAP + SAME and not (
-            low - reached <= HIDDEN + SAME and _bridged(walls, line, reached, low, tolerance)
+        if low - reached > BRIDGED_GAP_M + SAME and not (
+            low - reached <= HIDDEN_GAP_M + SAME
+            and _gap_is_hidden(walls, line, reached, low, tolerance)
         ):
             if has:
                 return first, k
@@ -118,7 +128,7 @@ def _together(walls: Walls, seed: int, line: Array, tolerance: float) -> tuple[i
 
 
 @compiled
-def _fit(walls: Walls, first: int, stop: int, line: Array, tolerance: float) -> None:
+def _fit_robust_line(walls: Walls, first: int, stop: int, line: Array, tolerance: float) -> None:
     """The line of total least squares of some looks; those that lie far off it count less."""
     s, weight, sums = walls.s, walls.spans, np.zeros(6)
     x, y, dx, dy = line[0], line[1], line[2], line[3]
@@ -145,14 +155,14 @@ def _fit(walls: Walls, first: int, stop: int, line: Array, tolerance: float) -> 
 
 
 @compiled
-def _spread(walls: Walls, first: int, stop: int, line: Array, out: Array) -> None:
+def _draw_span(walls: Walls, first: int, stop: int, line: Array, out: Array) -> None:
     """Draw the segment on a line that spans some looks."""
     low, high = np.inf, -np.inf
     for k in range(first, stop):
         look = walls.s[walls.who[walls.order[k]]]
         begin, end = span(look, line[0], line[1], line[2], line[3])
         low, high = min(low, begin), max(high, end)
-    lay(out, line[0], line[1], line[2], line[3], low, high)
+    place_on_line(out, line[0], line[1], line[2], line[3], low, high)
 
 
 @compiled
@@ -166,7 +176,7 @@ def enter_looks(walls: Walls) -> None:
                 fan[0, c] = walls.sensors[i, c]
             for e in range(2):
                 x, y = s[i, e, 0] - fan[0, 0], s[i, e, 1] - fan[0, 1]
-                longer = 1.0 + SHADOW / max(np.hypot(x, y), SAME)
+                longer = 1.0 + SHADOW_DEPTH_M / max(np.hypot(x, y), SAME)
                 fan[1 + e, 0], fan[1 + e, 1] = fan[0, 0] + longer * x, fan[0, 1] + longer * y
             enter(walls.fans, i, fan, 0.0)
 
@@ -178,13 +188,13 @@ def grow(walls: Walls, seeds: Indices, count: int, tolerance: float) -> int:
     for seed in seeds:
         if walls.label[seed] >= 0:
             continue
-        stamp = count * (ROUNDS + 1)
+        stamp = count * (MOST_MEMBER_CHANGES + 1)
         size, members = length_of(s[seed]), 0
         line[0], line[1] = s[seed, 0, 0], s[seed, 0, 1]
         line[2] = (s[seed, 1, 0] - s[seed, 0, 0]) / size
         line[3] = (s[seed, 1, 1] - s[seed, 0, 1]) / size
-        lay(walls.grown, line[0], line[1], line[2], line[3], 0.0, size)
-        for _ in range(ROUNDS):
+        place_on_line(walls.grown, line[0], line[1], line[2], line[3], 0.0, size)
+        for _ in range(MOST_MEMBER_CHANGES):
             first, stop = _together(walls, seed, line, tolerance)
             stamp, same = stamp + 1, members == stop - first
             members = stop - first
@@ -194,19 +204,19 @@ def grow(walls: Walls, seeds: Indices, count: int, tolerance: float) -> int:
                 mark[i] = stamp
             if same:
                 break
-            _fit(walls, first, stop, line, tolerance)
-            _spread(walls, first, stop, line, walls.grown)
-        _spread(walls, first, stop, line, drawn[count])
+            _fit_robust_line(walls, first, stop, line, tolerance)
+            _draw_span(walls, first, stop, line, walls.grown)
+        _draw_span(walls, first, stop, line, drawn[count])
         for k in range(first, stop):
             i = walls.who[walls.order[k]]
             walls.label[i] = count
-            leave(walls.places, i)
+            take_out(walls.places, i)
         count += 1
     return count
 
 
 @compiled
-def take_in(
+def absorb_weaker(
     drawn: Array,
     metres: Array,
     weakest: Indices,
@@ -223,7 +233,7 @@ def take_in(
         best, least, size = -1, reach, length_of(drawn[a])
         for k in range(meeting(places, drawn[a], reach, near)):
             b = near[k]
-            if b == a or metres[b] < MORE * metres[a] - SAME:
+            if b == a or metres[b] < LONGER_RATIO * metres[a] - SAME:
                 continue
             whole = length_of(drawn[b])
             x, y = drawn[b, 0, 0], drawn[b, 0, 1]
@@ -232,10 +242,10 @@ def take_in(
             off = 0.0
             for e in range(2):
                 off = max(off, abs((drawn[a, e, 1] - y) * dx - (drawn[a, e, 0] - x) * dy))
-            beside = min(high, whole) - max(low, 0.0) >= BESIDE * size - SAME
+            beside = min(high, whole) - max(low, 0.0) >= ABSORBED_OVERLAP * size - SAME
             if beside and (off < least - SAME or (off <= least + SAME and b < best)):
                 best, least = b, min(off, least)
         if best >= 0:
             into[a] = best
             metres[best] += metres[a]
-            leave(places, a)
+            take_out(places, a)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ... import arrays
 from ...arrays import Array, Count, Metres, Segments, at_least, checked
-from .._points import MOST_POINTS, points_behind
+from .._points import MOST_SPACED_POINTS, points_behind
 from .._runner import Length, Reduction, Rows, Steps, Turn, run_online
 from ._prototypes import Prototype, chosen, settled
 from .lines import (
@@ -131,7 +131,7 @@ def fuzzy_clustering(
                 for k in range(first[i], first[i + 1]):
                     own.get(tuple(spots[k]), []).append((i, k))
             for place in sorted(starts):
-                if len(own[place]) * len(starts[place]) > MOST_POINTS:
+                if len(own[place]) * len(starts[place]) > MOST_SPACED_POINTS:
                     raise ValueError(
                         f"cell must be smaller for this map, got {cell} m: one scan has points "
                         f"times segments = {len(own[place]) * len(starts[place]):.3g} in one"
@@ -159,7 +159,7 @@ def _check_cells(s: Array, cell: float, origin: Array) -> None:
     """Refuse cells that would be too many, or have no number."""
     low, high = (np.floor((f(s, axis=1) - origin) / cell) for f in (np.min, np.max))
     cuts = (high - low).sum()
-    if cuts > MOST_POINTS or np.abs([low, high]).max(initial=0) >= MOST_CELLS:
+    if cuts > MOST_SPACED_POINTS or np.abs([low, high]).max(initial=0) >= MOST_CELLS:
         raise ValueError(
             f"cell must be larger for this map, got {cell} m, "
             f"which makes {cuts:.3g} pieces of its segments: is it in metres?"

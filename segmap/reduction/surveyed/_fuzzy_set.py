@@ -12,7 +12,15 @@ from ...arrays import Array, Metres, Quantity, Radians, Segments, at_most, check
 from ...compiled import compiled
 from ...segments import SegmentMap, length, take_points
 from ...segments import angle as angle_of
-from .._runner import Found, Indices, Reduction, Rows, by_lowest, run, survivors
+from .._runner import (
+    Found,
+    Indices,
+    Reduction,
+    Rows,
+    ordered_by_first_input,
+    resolve_merges,
+    run_offline,
+)
 
 #: Above this share of length along no axis, the building is not one for this method.
 SLANTED = 0.25
@@ -94,24 +102,27 @@ def fuzzy_set(
             doubt = f"not orthogonal: {share:.0%} of the length is along no axis"
         kept, slanted = np.flatnonzero(laid), np.flatnonzero(~laid)
         errors = error + sizes[kept] / 2 * np.sin(off[kept])
-        walls, first = np.empty((2 * len(kept), 5)), np.append(rows.row[kept], rows.row[kept])
+        walls, first = (
+            np.empty((2 * len(kept), 5)),
+            np.append(rows.source_row[kept], rows.source_row[kept]),
+        )
         walls[: len(kept)] = _laid(map, rows, kept, upright[kept], axis, errors, error)
         members = merge_all(walls, first, len(kept), limits)
-        alive, ends = survivors(members)
+        alive, ends = resolve_merges(members)
         across, low, high, _, up = walls[: len(members)][alive].T
         flat = np.stack([np.stack([low, across], -1), np.stack([high, across], -1)], 1)
         standing = up[:, None, None] == 1
-        out = _turned(np.where(standing, flat[..., ::-1], flat), axis)
+        out = _about_origin(np.where(standing, flat[..., ::-1], flat), axis)
         into = np.empty(n, np.int64)  # outputs: those of the rectangles, then each slanted one
         into[kept], into[slanted] = ends[: len(kept)], len(out) + np.arange(len(slanted))
         out = np.concatenate([out, s[slanted]])
-        order, into = by_lowest(into, rows.row, len(out))
+        order, into = ordered_by_first_input(into, rows.source_row, len(out))
         return out[order], into
 
-    return replace(run("fuzzy_set", map, reduce), doubt=doubt)
+    return replace(run_offline("fuzzy_set", map, reduce), doubt=doubt)
 
 
-def _turned(points: Array, angle: float) -> Array:
+def _about_origin(points: Array, angle: float) -> Array:
     """Points `(..., 2)` turned about the origin."""
     c, s, x, y = np.cos(angle), np.sin(angle), points[..., 0], points[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], -1)
@@ -132,11 +143,11 @@ def _laid(
     upright, else 0.
     """
     up, which = upright.astype(np.int64), np.arange(len(kept))
-    s = _turned(rows.segments[kept], -axis)
+    s = _about_origin(rows.segments[kept], -axis)
     across, along = s[which, :, 1 - up].mean(axis=1), np.sort(s[which, :, up], axis=1)
     if isinstance(map, SegmentMap) and map.points is not None and map.first is not None and len(s):
-        points, first = take_points(map.points, map.first, rows.row[kept])
-        owner, turned = np.repeat(which, np.diff(first)), _turned(points, -axis)
+        points, first = take_points(map.points, map.first, rows.source_row[kept])
+        owner, turned = np.repeat(which, np.diff(first)), _about_origin(points, -axis)
         beside = np.abs(turned[np.arange(len(turned)), 1 - up[owner]] - across[owner])
         errors = np.maximum(np.maximum.reduceat(beside, first[:-1]), least)
     return np.column_stack([across, along, errors, up])

@@ -8,13 +8,21 @@ import numpy as np
 
 from ...arrays import Array, Metres, Segments, checked
 from ...compiled import compiled
-from ...kernels import ACROSS, ANGULAR, APART, PERPENDICULAR, apart, become_mean, turn_between
+from ...kernels import (
+    ACROSS_WEIGHT,
+    ANGULAR_WEIGHT,
+    APART_WEIGHT,
+    PERPENDICULAR,
+    apart,
+    replace_by_mean,
+    turn_between,
+)
 from ...segments import angle, length, midpoint
-from .._index import Index, empty_index, enter, leave, meeting
-from .._runner import Found, Indices, Reduction, Rows, run, survivors
+from .._index import Index, empty_index, enter, meeting, take_out
+from .._runner import Found, Indices, Reduction, Rows, resolve_merges, run_offline
 
 #: Costs are compared in steps of so many metres: rounding must not choose.
-STEP = 1e-12
+COST_STEP_M = 1e-12
 
 
 @checked
@@ -55,11 +63,11 @@ def segment_similarity(map: Segments, *, distance: Metres = 0.03) -> Reduction:
     array([[0.  , 0.05],
            [3.  , 0.05]])
     """
-    return run("segment_similarity", map, lambda rows: _reduce(rows, distance))
+    return run_offline("segment_similarity", map, lambda rows: _reduce(rows, distance))
 
 
 def _reduce(rows: Rows, distance: float) -> Found:
-    n, lengths, reach = len(rows.segments), length(rows.segments), distance / APART
+    n, lengths, reach = len(rows.segments), length(rows.segments), distance / APART_WEIGHT
     unit, (x, y) = max(2 * reach, lengths.mean() if n else 0.0), midpoint(rows.segments).T
     order = np.lexsort((y, np.floor(x / unit)))  # what is near in space is near in memory
     s, leaves = rows.segments[order], 1 << max(int(np.ceil(np.log2(max(n, 1)))), 1)
@@ -82,7 +90,7 @@ def _reduce(rows: Rows, distance: float) -> Found:
     _cluster(state, distance)
     into, left = np.empty(n, np.int64), np.empty_like(s)
     into[order], left[order] = order[state.parents], s
-    alive, parents = survivors(into)
+    alive, parents = resolve_merges(into)
     return left[alive], parents
 
 
@@ -109,7 +117,7 @@ class State(NamedTuple):
 
 
 @compiled
-def _line_cost(s: Array, lines: Array, i: int, j: int, share: float, turn: float) -> float:
+def _direction_cost(s: Array, lines: Array, i: int, j: int, share: float, turn: float) -> float:
     """`0.66 D_ang + 0.09 D_uva`, metres, where j lies at `turn` from i and pulls with `share`."""
     direction = lines[i, 0] + share * turn
     dx = (s[i, 0, 0] + s[i, 1, 0] - s[j, 0, 0] - s[j, 1, 0]) / 2
@@ -121,7 +129,7 @@ def _line_cost(s: Array, lines: Array, i: int, j: int, share: float, turn: float
         share * off + lines[i, 1] / 2 * np.sin(abs(share * turn)),
         rest * off + lines[j, 1] / 2 * np.sin(abs(rest * turn)),
     )
-    return ANGULAR * angular + ACROSS * most
+    return ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * most
 
 
 @compiled
@@ -130,23 +138,23 @@ def _turn(s: Array, lines: Array, i: int, j: int, share: float) -> float:
     turn = turn_between(lines[i, 0], lines[j, 0])
     if abs(abs(turn) - np.pi / 2) > PERPENDICULAR:
         return turn
-    left = _line_cost(s, lines, i, j, share, np.pi / 2)
-    right = _line_cost(s, lines, i, j, share, -np.pi / 2)
-    return -np.pi / 2 if right < left - STEP else np.pi / 2
+    left = _direction_cost(s, lines, i, j, share, np.pi / 2)
+    right = _direction_cost(s, lines, i, j, share, -np.pi / 2)
+    return -np.pi / 2 if right < left - COST_STEP_M else np.pi / 2
 
 
 @compiled
-def _cost(s: Array, lines: Array, i: int, j: int, distance: float) -> float:
+def _pair_cost(s: Array, lines: Array, i: int, j: int, distance: float) -> float:
     """Cost of i < j (A 2.33 to 2.35) in steps; infinite where not below `distance`, metres."""
     share = lines[j, 2] / (lines[i, 2] + lines[j, 2])
     turn = _turn(s, lines, i, j, share)
     least = share * (1 - share) * abs(turn) * (lines[i, 1] + lines[j, 1])
-    if ANGULAR * least >= distance:  # no tangent is smaller than its angle
+    if ANGULAR_WEIGHT * least >= distance:  # no tangent is smaller than its angle
         return np.inf
-    cost = _line_cost(s, lines, i, j, share, turn)
+    cost = _direction_cost(s, lines, i, j, share, turn)
     if cost < distance:
-        cost += APART * apart(s[i], s[j])
-    return np.rint(cost / STEP) if cost < distance else np.inf
+        cost += APART_WEIGHT * apart(s[i], s[j])
+    return np.rint(cost / COST_STEP_M) if cost < distance else np.inf
 
 
 @compiled
@@ -161,18 +169,18 @@ def _play(state: State, i: int) -> None:
 
 
 @compiled
-def _look(state: State, i: int, distance: float, merges: int, tell: bool) -> None:
+def _find_partner(state: State, i: int, distance: float, merges: int, tell: bool) -> None:
     """Find the cheapest partner behind i; where asked, `tell` those before i what i costs."""
     s, lines, rank, costs, partner = state.s, state.lines, state.rank, state.costs, state.partner
     costs[i], partner[i], state.looked[i] = np.inf, -1, merges
-    for k in range(meeting(state.places, s[i], distance / APART, state.near)):
+    for k in range(meeting(state.places, s[i], distance / APART_WEIGHT, state.near)):
         j = state.near[k]
         if rank[j] > rank[i]:
-            cost = _cost(s, lines, i, j, distance)
+            cost = _pair_cost(s, lines, i, j, distance)
             if cost < costs[i] or (cost == costs[i] and rank[j] < rank[partner[i]]):
                 costs[i], partner[i] = cost, j
         elif j != i and tell:
-            cost = _cost(s, lines, j, i, distance)
+            cost = _pair_cost(s, lines, j, i, distance)
             if cost < costs[j] or (cost == costs[j] and rank[i] < rank[partner[j]]):
                 costs[j], partner[j], state.looked[j] = cost, i, merges
                 _play(state, j)
@@ -180,14 +188,14 @@ def _look(state: State, i: int, distance: float, merges: int, tell: bool) -> Non
 
 
 @compiled
-def _merge(state: State, i: int, j: int) -> None:
+def _merge_to_mean(state: State, i: int, j: int) -> None:
     """i becomes the mean segment of both and takes in j."""
     s, lines = state.s, state.lines
     share = lines[j, 2] / (lines[i, 2] + lines[j, 2])
     direction = lines[i, 0] + share * _turn(s, lines, i, j, share)
-    leave(state.places, i)
-    leave(state.places, j)
-    lines[i, 0], lines[i, 1] = direction, become_mean(s, i, j, share, direction)
+    take_out(state.places, i)
+    take_out(state.places, j)
+    lines[i, 0], lines[i, 1] = direction, replace_by_mean(s, i, j, share, direction)
     lines[i, 2] += lines[j, 2]
     state.parents[j], state.costs[j] = i, np.inf
     enter(state.places, i, s[i], 0.0)
@@ -200,15 +208,15 @@ def _cluster(state: State, distance: float) -> None:
     for i in range(len(s)):
         enter(state.places, i, s[i], 0.0)
     for i in range(len(state.s)):
-        _look(state, i, distance, merges, False)
+        _find_partner(state, i, distance, merges, False)
     while len(state.s) > 0 and state.costs[state.winners[1]] < np.inf:
         i = state.winners[1]
         j = state.partner[i]
         if state.parents[j] != j or state.changed[j] > state.looked[i]:
-            _look(state, i, distance, merges, False)
+            _find_partner(state, i, distance, merges, False)
             continue
         merges += 1
-        _merge(state, i, j)
+        _merge_to_mean(state, i, j)
         state.changed[i] = merges
         _play(state, j)
-        _look(state, i, distance, merges, True)
+        _find_partner(state, i, distance, merges, True)

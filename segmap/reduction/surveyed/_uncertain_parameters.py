@@ -85,7 +85,7 @@ def uncertain_parameters(
     def steps(rows: Rows) -> Steps:
         s, off = rows.segments, np.full(len(rows.segments), float(eps))
         if isinstance(map, SegmentMap) and map.points is not None and map.first is not None:
-            points, first = take_points(map.points, map.first, rows.row)
+            points, first = take_points(map.points, map.first, rows.source_row)
             beside = point_distance(points, np.repeat(s, np.diff(first), axis=0))
             off = np.maximum.reduceat(beside, first[:-1]).clip(LEAST_RHO) if len(s) else off
         walls, ends = list[UncertainWall](), np.empty((0, 2, 2))

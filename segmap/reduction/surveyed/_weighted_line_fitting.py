@@ -12,7 +12,7 @@ from ...arrays import Array, Metres, Positive, Radians, Segments, at_least, at_m
 from ...compiled import compiled
 from ...kernels import gap_along
 from .._points import points_behind
-from .._runner import Length, Reduction, Rows, Steps, Turn, by_lowest, run_online
+from .._runner import Length, Reduction, Rows, Steps, Turn, ordered_by_first_input, run_online
 from .lines import SAME, Point, parents_of
 
 #: Chis closer than this are equal; a line rests when its angle moves by less, radians.
@@ -109,7 +109,7 @@ def weighted_line_fitting(
                 lines[count], ends[count] = wall.line, wall.ends
             yield len(walls)
         into = parents_of((wall.members for wall in walls), len(rows.segments))
-        order, into = by_lowest(into, rows.row, len(walls))
+        order, into = ordered_by_first_input(into, rows.source_row, len(walls))
         return ends[: len(walls)][order], into
 
     return run_online("weighted_line_fitting", map, steps)

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...kernels import SAME as SAME
 from .._runner import Indices
 
 Point = Sequence[float]
 Segment = Sequence[Point]
 #: A point of a line, metres, and its unit direction.
 Line = tuple[float, float, float, float]
-
-#: Shorter than this a segment has no angle; lengths and gaps that differ by less are equal. Metres.
-SAME = 1e-9
 
 
 def segment_length(s: Segment) -> float:

@@ -12,7 +12,13 @@ from segmap.alignment import LoopClosing, align_parts, pose_graph
 from segmap.alignment.graph import Edge, Rejected
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser
-from segmap.alignment.pose_graph._parts import Joint, _aligned, _append_loops, _join, inside
+from segmap.alignment.pose_graph._parts import (
+    SharedKeyFrame,
+    _append_loops,
+    _append_part,
+    _part_graph,
+    front_end_and_closer,
+)
 from segmap.testing import assert_poses_equal
 
 LOG = logs.loop_log(step=0.5)
@@ -48,7 +54,7 @@ def test_parts_are_joined_by_the_loops_between_them(joined):
 
 def test_a_part_that_comes_back_is_solved_and_light():
     """Catches windows about places that its own loops would move, and maps that travel."""
-    front, closer = inside(_aligned({"closing": LoopClosing(strain=9.0)}, LOG))
+    front, closer = front_end_and_closer(_part_graph({"closing": LoopClosing(strain=9.0)}, LOG))
     known = front.frames.poses
     front.frames.optimize()
     assert closer.accepted and np.array_equal(front.frames.poses[0], known[0])
@@ -60,7 +66,7 @@ def test_what_a_part_knows_of_loops_is_kept_behind_the_joint():
     """Its key frame 10, of scan 20, is key frame 50 of scan 100."""
     closer, part = (LoopCloser(KeyFrames(POINTS, START), 0.03, LoopClosing()) for _ in range(2))
     loops = [Edge(k, k + 30, START, np.eye(3), True) for k in (9, 10, 12)]
-    joint = Joint(50, 100, 10, 20)
+    joint = SharedKeyFrame(50, 100, 10, 20)
     part.rejected = [Rejected(19, 90, "before"), Rejected(20, 91, "why")]
     part.ways = np.array([(9, 39), (10, 40)])
     closer.frames.edges = joint.moved(loops)
@@ -84,11 +90,11 @@ def test_key_frames_behind_the_joint_are_as_if_added_one_by_one():
         for s, ends in (((0, 0, 0), (0, 4)), ((0, 0, 0), (0, 2)), ((7, 3, 2), (1, 4)))
     )
     one.extend(later, 1, whole.edges[2:])
-    for name in ("poses", "along", "path", "scan"):
+    for name in ("poses", "distance", "scan"):
         np.testing.assert_allclose(getattr(one, name), getattr(whole, name), err_msg=name)
     assert len(one) == len(one.points) == len(whole) and len(one.edges) == len(whole.edges)
     one.add(10, POINTS, motions[0], np.eye(3))
-    assert one.path[-1] == one.along[-1] == whole.path[-1] + 1 and len(one.poses) == 6
+    assert one.distance[-1] == whole.distance[-1] + 1 and len(one.poses) == 6
 
 
 def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
@@ -105,30 +111,30 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
         self.lost_since = self.lost_since if confirmed else new
         return False
 
-    def settle(self):
+    def finish_pending(self):
         settled.extend(edge[:2] for edge in self.pending)
         return False
 
     monkeypatch.setattr(LoopCloser, "seek", seek)
-    monkeypatch.setattr(LoopCloser, "settle", settle)
+    monkeypatch.setattr(LoopCloser, "finish_pending", finish_pending)
     odd = 36, 45, 46
     near = logs.changed(LOG[:50], lambda k, ranges: 0 * ranges + 0.5 if k in odd else ranges)
-    first, second = (_aligned({}, part) for part in cut(near, 20))
-    inside(second)[1].pending = [Edge(12, 14, START, np.eye(3), True)]
-    inside(second)[1].rejected = [Rejected(20, 25, "why")]
-    frames = inside(second)[0].frames
+    first, second = (_part_graph({}, part) for part in cut(near, 20))
+    front_end_and_closer(second)[1].pending = [Edge(12, 14, START, np.eye(3), True)]
+    front_end_and_closer(second)[1].rejected = [Rejected(20, 25, "why")]
+    frames = front_end_and_closer(second)[0].frames
     frames.edges.append(Edge(11, len(frames) - 1, START, np.eye(3), True))
-    front, later = (inside(graph)[0] for graph in (first, second))
+    front, later = (front_end_and_closer(graph)[0] for graph in (first, second))
     front.scans += near[:20]
-    front.loose[3] = later.loose[36 - 20] = True
+    front.free_along_corridor[3] = later.free_along_corridor[36 - 20] = True
     later.lost, later.tied[-2] = 2, False
     later.begins.append(len(frames) - 3)
     asked.clear()
-    _join(first, second, near[20:])
+    _append_part(first, second, near[20:])
     joint = asked[-1][1]
     alone = [call for call in asked if call[1] == joint]
     assert [new for new, *_ in alone] == list(range(joint, alone[-1][0] + 1))
-    assert np.flatnonzero(front.loose).tolist() == [3, 36]
+    assert np.flatnonzero(front.free_along_corridor).tolist() == [3, 36]
     last = len(front.frames) - 1
     assert [k for k, tied in enumerate(front.tied) if not tied] == [joint + 1, last - 1]
     assert (front.lost, front.begins) == (2, [0, last - 2])
@@ -138,8 +144,10 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     ]
     (gone,) = (new for new, *_ in alone if front.frames.scan[new] in lost)
     assert {since[new] for new, *_ in alone if new > gone} == {gone}
-    assert inside(first)[1].lost_since is None, "the loop at the end of the part found it again"
-    assert (40, 45, "why") in inside(first)[1].rejected
+    assert front_end_and_closer(first)[1].lost_since is None, (
+        "the loop at the end of the part found it again"
+    )
+    assert (40, 45, "why") in front_end_and_closer(first)[1].rejected
     first.refine()
     assert settled == [(joint + 2, joint + 4)]
 

@@ -19,7 +19,7 @@ from segmap.alignment.graph import (
 )
 from segmap.alignment.graph._equations import Edges, linearise
 from segmap.alignment.graph._graph import REAL
-from segmap.alignment.graph._solver import STALE
+from segmap.alignment.graph._solver import STALE_CHANGE
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.angles import wrap
 from segmap.poses import between, compose
@@ -258,7 +258,7 @@ def test_equations_are_stale_where_their_weight_has_changed_by_a_part_of_itself(
     for x in (0.1, 0.1 + moved):
         changed[:] = False
         poses, room = np.array([(0, 0, 0), (x, 0, 0)]), np.empty((6, 3))
-        linearise(poses, edges, 0.0, STALE, np.zeros((2, 3)), changed, room)
+        linearise(poses, edges, 0.0, STALE_CHANGE, np.zeros((2, 3)), changed, room)
     assert changed.all() == changed.any() == stale
 
 

@@ -15,7 +15,7 @@ from segmap.alignment.pose_graph._front_end import FrontEnd
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window, descriptor
 from segmap.alignment.pose_graph._merge import _begin_anew
-from segmap.alignment.pose_graph._parts import _aligned, _join, inside
+from segmap.alignment.pose_graph._parts import _append_part, _part_graph, front_end_and_closer
 from segmap.poses import between
 from segmap.scans import LaserScan
 
@@ -74,7 +74,7 @@ def front(step=ZERO) -> FrontEnd:
 def test_a_lost_robot_is_sought_farther_the_faster_and_the_longer_lost(step, lost, reach):
     one, map = front(np.array([0, step, 1.0])), Scripted()
     one.lost = lost
-    one.offset.append(np.array([3.0, 4.0, 0.5]))
+    one.pose_in_key_frame.append(np.array([3.0, 4.0, 0.5]))
     assert one._regained(map, np.zeros((9, 2)), ZERO, NOTHING) is NOTHING
     np.testing.assert_allclose([asked["reach"] for asked in map.asked], [reach] * 4)
     quarters = np.pi / 2 * np.arange(4)[:, None] * (0, 0, 1)
@@ -135,7 +135,7 @@ def test_a_key_frame_is_set_where_the_robot_has_moved_or_sees_again(
     offset, lost, points, local, needed
 ):
     one = front()
-    one.offset[-1], one.lost, one.points = np.array(offset), lost, np.zeros((points, 2))
+    one.pose_in_key_frame[-1], one.lost, one.points = np.array(offset), lost, np.zeros((points, 2))
     one.local = one.local if local else None
     assert one.needs_frame(0.5, np.radians(30)) == needed
 
@@ -163,8 +163,8 @@ def test_another_session_begins_at_a_key_frame_that_next_to_nothing_ties():
     assert _begin_anew(one, two) == (1, 3, 0, 0) and len(one.scans) == 4
     expected = information(np.diag([1.5, 1.5, np.radians(60)]) ** 2, one.frames.least)
     np.testing.assert_allclose(one.frames.edges[0].information, expected)
-    assert (one.begins, one.tied, one.loose) == ([0, 1], [True, False], [False] * 4)
-    assert one.frame == [0, 0, 0, 1] and len(one.poses()) == len(one.trail.poses) == 4
+    assert (one.begins, one.tied, one.free_along_corridor) == ([0, 1], [True, False], [False] * 4)
+    assert one.key_frame_of_scan == [0, 0, 0, 1] and len(one.poses()) == len(one.trail.poses) == 4
     assert (one.trail.poses[-1].tolist(), one.trail.reasons[-1]) == ([1, 2, 3], "why")
 
 
@@ -176,8 +176,8 @@ def test_at_last_scans_lie_on_the_nearest_key_frames_within_four_metres(spacing,
     for k in range(40):
         one.frames.add(2 * k + 2, np.zeros((6, 2)), np.array([spacing, 0, 0]), np.eye(3))
         one.scans += [SCAN, SCAN]
-        one.frame += [k, k + 1]
-        one.offset += [ZERO, ZERO]
+        one.key_frame_of_scan += [k, k + 1]
+        one.pose_in_key_frame += [ZERO, ZERO]
     one.frames.map_of = lambda members, origin: asked.append((origin, sorted(members)))
     one.refine()
     members = dict(asked)[20]
@@ -217,11 +217,11 @@ def test_in_twice_the_window_a_place_must_hold_more(near, far, taken):
     asked, both = [], [place(overlap=abs(x), matched=x > 0) for x in (near, far)]
 
     class Graph(LiveGraph):
-        def _sought(self, map, points, guess, reach, turn):
+        def _search_and_register(self, map, points, guess, reach, turn):
             asked.append((reach, turn))
             return both[len(asked) - 1]
 
-    found = Graph()._laid(None, None, ZERO)
+    found = Graph()._match_on_map(None, None, ZERO)
     windows = np.outer((1, 2), (0.5, np.radians(40)))
     np.testing.assert_allclose(asked, windows if near < 0.705 else windows[:1])
     assert found is both[taken == "far"] if taken else not found.matched
@@ -230,7 +230,7 @@ def test_in_twice_the_window_a_place_must_hold_more(near, far, taken):
 @pytest.mark.parametrize(("wall", "x"), [(True, 0.1), (False, 0.3)])
 def test_along_what_no_wall_faces_the_guess_counts(wall, x):
     map = Scripted((ZERO, 0.9, place(0.1, free=ALONG_X)), wall=wall)
-    found = LiveGraph()._laid(map, np.zeros((9, 2)), np.array([0.3, 0.2, 0.1]))
+    found = LiveGraph()._match_on_map(map, np.zeros((9, 2)), np.array([0.3, 0.2, 0.1]))
     np.testing.assert_allclose(found.pose, (x, 0, 0), atol=1e-12)
     assert map.asked[-1] == {"overlap": 0.4}
 
@@ -240,7 +240,9 @@ def test_along_what_no_wall_faces_the_guess_counts(wall, x):
 )
 def test_a_match_that_slides_from_where_the_search_began_is_none(x, degrees, matched):
     map = Scripted((ZERO, 0.9, place(0, x, degrees)))
-    assert LiveGraph()._sought(map, np.zeros((9, 2)), ZERO, 0.5, 0.5).matched == matched
+    assert (
+        LiveGraph()._search_and_register(map, np.zeros((9, 2)), ZERO, 0.5, 0.5).matched == matched
+    )
 
 
 # ------------------------------------------------------------------ key frames and parts
@@ -259,15 +261,15 @@ def test_lazily_only_what_is_new_is_solved_and_else_everything():
 
 def test_behind_the_joint_the_robot_goes_on_as_in_its_part(monkeypatch):
     """And loops that lead to the part before move the poses before the next ones are sought."""
-    first, second = (_aligned({}, part) for part in (LOG[:20], LOG[20:40]))
-    (front, _), (later, _), asked = inside(first), inside(second), []
+    first, second = (_part_graph({}, part) for part in (LOG[:20], LOG[20:40]))
+    (front, _), (later, _), asked = front_end_and_closer(first), front_end_and_closer(second), []
     front.scans += LOG[:20]
     sought = iter(range(99))
     monkeypatch.setattr(LoopCloser, "seek", lambda *given, **said: next(sought) >= 0)
     monkeypatch.setattr(KeyFrames, "optimize", lambda self, *, lazily: asked.append(lazily))
     behind = later.frames.scan[10]
     later.begins += [10, 12]
-    _join(first, second, LOG[20:40])
+    _append_part(first, second, LOG[20:40])
     own, whole = np.array(later.trail.poses[behind:]), np.array(front.trail.poses[20 + behind :])
     np.testing.assert_allclose(between(whole[0], whole), between(own[0], own), atol=1e-9)
     assert front.begins == [0, len(front.frames) - len(later.frames) + 12]
@@ -436,7 +438,7 @@ def test_loops_that_may_slide_confirm_none_without_odometry(slides, measured, be
     found = closer._confirmed_by_others([(closer.pending[-1], 2.0)])
     assert len(found) == believed
     closer.pending = [loop(k, 30 + k, along=0.21) for k in range(9)]
-    assert closer.settle() == measured and len(closer.rejected) == 9 * (not measured)
+    assert closer.finish_pending() == measured and len(closer.rejected) == 9 * (not measured)
 
 
 @pytest.mark.parametrize(("deviation", "counts"), [(0.19, True), (0.21, False)])

@@ -16,9 +16,9 @@ from segmap.alignment._result import Match, no_match
 from segmap.alignment.graph import REAL, Edge, information
 from segmap.alignment.points import PointMap
 from segmap.alignment.pose_graph import FrontEnd, _front_end, _loop_closing
+from segmap.alignment.pose_graph._graph_distance import path_lengths
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window
-from segmap.alignment.pose_graph._ways import walk
 from segmap.poses import between
 from segmap.scans import Log
 from segmap.simulation import (
@@ -183,16 +183,16 @@ def test_what_agrees_with_the_odometry_may_fit_less_well(heading, turned, less, 
         return Match(pose, np.eye(3), matched, "", overlap)
 
     class Graph(LiveGraph):
-        def _sought(self, map, points, guess, reach, turn):
+        def _search_and_register(self, map, points, guess, reach, turn):
             assert (reach, turn) == (0.5, pytest.approx(np.radians(5)))
             return self.other
 
     graph, guess, best = Graph(), np.array([0, 0, heading]), match(turned, 0.9)
     graph.other = match(0.03 * np.sign(turned), 0.9 - less)
-    assert (graph._agreeing(None, None, guess, best) is best) == kept
+    assert (graph._prefer_odometry(None, None, guess, best) is best) == kept
     for other in (match(0.0, 0.9, matched=False), match(0.1, 0.9), match(-0.1, 0.9)):
         graph.other = other
-        assert graph._agreeing(None, None, guess, best) is best
+        assert graph._prefer_odometry(None, None, guess, best) is best
 
 
 # ------------------------------------------------------------------ nothing to go by
@@ -201,7 +201,7 @@ def test_what_agrees_with_the_odometry_may_fit_less_well(heading, turned, less, 
     [
         ({"witnesses": 1000, "LAST_WITNESSES": 1000}, "no other loop agrees with it"),
         ({"tolerance": 1e-6}, ""),
-        ({"STRETCH": 1e-6}, "no other loop agrees with it"),
+        ({"COMPARED_PATH_M": 1e-6}, "no other loop agrees with it"),
         ({"likelihood": 1.0}, "the two places look different"),
         ({"overlap": 1.01}, "too little of the new place is in the old one"),
         ({"CONTRADICTED": 1e-6}, "the rest of the graph contradicts it"),
@@ -267,7 +267,7 @@ def test_ways_are_the_shortest_along_the_path_and_through_loops(seed):
     begin, most, wanted = rng.integers(30), rng.choice([3, 9, 99]), rng.permutation(30)[:9]
     far = dijkstra(csgraph_from_dense(link, null_value=np.inf), directed=False, indices=begin)
     metres = np.full(30, np.inf)
-    walk(along, loops, begin, wanted, most, metres)
+    path_lengths(along, loops, begin, wanted, most, metres)
     assert metres[wanted].tolist() == np.where(far <= most, far, np.inf)[wanted].tolist()
 
 
@@ -302,7 +302,7 @@ def test_at_the_end_loops_to_passes_far_apart_are_witnesses(first, motion, belie
     old = 24 if first == 14 else 20
     there = Edge(old, 30, np.array([30.0 - old, 0, 0]), sure, True)
     closer.pending = [there, Edge(first, 30, np.array(motion), sure, True)]
-    assert closer.settle() == bool(believed)
+    assert closer.finish_pending() == bool(believed)
     assert len(closer.accepted) == believed and len(closer.rejected) == 2 - believed
     assert not closer.pending
 
@@ -372,7 +372,7 @@ def test_a_loop_is_sought_where_the_way_since_the_old_place_is_over_ten_metres()
     for scan, step in enumerate([(0, 0, np.pi)] + [(1, 0, 0)] * 6, start=6):
         frames.add(scan, np.zeros((0, 2)), np.array(step, float), np.eye(3))
     found = [[window.old for window in closer._by_place(new, new)] for new in (11, 12)]
-    assert frames.path[11:] == [10, 11] and found == [[], [0]]
+    assert frames.distance[11:].tolist() == [10, 11] and found == [[], [0]]
     (window,) = closer._by_place(12, 12)
     assert (window.reach, window.turn) == (1 + 0.03 * 11, np.radians(20))
     np.testing.assert_allclose(window.guess, between(frames.poses[0], frames.poses[12]))
@@ -409,10 +409,10 @@ def test_a_scan_of_six_points_is_laid_and_refined(count, monkeypatch):
     laid, refined = (Match(np.array([x, 0, 0]), REAL, True, "", 1.0) for x in (0.1, 0.2))
     front = FrontEnd(first, lambda *given: laid, Tracking())
     assert front.track(few).reason == ("" if count == 6 else "too few points")
-    before = front.offset[1]
+    before = front.pose_in_key_frame[1]
     monkeypatch.setattr(PointMap, "register", lambda *given, **rules: refined)
     front.refine()
-    assert front.offset[1] is (refined.pose if count == 6 else before)
+    assert front.pose_in_key_frame[1] is (refined.pose if count == 6 else before)
 
 
 @pytest.mark.parametrize("method", [pose_graph, point_icp])
@@ -422,6 +422,6 @@ def test_the_rules_of_tracking_count(method, monkeypatch):
     assert "too little of it lies on the map" in found.reasons
     one, ten = (method(log, tracking=Tracking(frames=n)).poses for n in (1, 10))
     assert not np.array_equal(one, ten)
-    monkeypatch.setattr(_front_end, "NEAR", 1e-6)
+    monkeypatch.setattr(_front_end, "FINAL_NEIGHBOURHOOD_M", 1e-6)
     own = method(log).poses  # at last on its own key frame alone
     assert np.array_equal(own, ten) == (method is point_icp)

@@ -8,7 +8,7 @@ from conftest import shared_file
 from segmap import read
 from segmap.alignment import LiveGraph, Tracking, align_to_truth, pose_graph
 from segmap.alignment._result import no_match
-from segmap.alignment.pose_graph._front_end import LOST, FrontEnd
+from segmap.alignment.pose_graph._front_end import LOST_IN_A_ROW, FrontEnd
 from segmap.metrics import relation_errors
 from segmap.poses import between, compose
 from segmap.scans import LaserScan
@@ -63,7 +63,7 @@ def test_after_two_scans_in_a_row_a_map_begins_anew():
         graph.add(seen(ELSEWHERE, there + (0.05 * k, 0, 0)))
     front = graph._parts[0]
     (_, begins) = front.begins
-    assert front.frames.scan[begins] == 4 + LOST - 1 and front.lost == 0
+    assert front.frames.scan[begins] == 4 + LOST_IN_A_ROW - 1 and front.lost == 0
     found = graph.refine()
     assert found.used.sum() == 6 and not found.used[:4].any()  # the larger part counts
     steps = between(found.poses[6:-1], found.poses[7:])

@@ -7,7 +7,7 @@ import os
 import pytest
 import segmap_course.__main__ as command
 import submitted
-from segmap_course._alone import Other, decode, encode
+from segmap_course._sandbox_protocol import Other, decode, encode
 from segmap_course.grading import _grade
 from segmap_course.grading._jail import Ended
 from segmap_course.grading._report import code_of, duplicates

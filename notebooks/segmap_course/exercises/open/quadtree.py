@@ -10,7 +10,7 @@ from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.simulation import cast_rays
 
-from ..._trials import room_walk
+from ..._matcher_trials import room_walk
 from ._open import Challenge, Prediction, admit
 
 #: A beam each half degree, all round.

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
-from .._words import Usage, say
+from .._output import Usage, print_line
 
 
 class Command(argparse.ArgumentParser):
@@ -91,7 +91,7 @@ class Command(argparse.ArgumentParser):
         """As argparse does, with the word that was meant."""
         if action.choices is not None and value not in action.choices:
             known = list(map(str, action.choices))
-            said = f"invalid choice: {value!r}{one_of(str(value), known)}"
+            said = f"invalid choice: {value!r}{one_of_known(str(value), known)}"
             raise argparse.ArgumentError(action, said)
 
 
@@ -108,9 +108,9 @@ class _Help(argparse.Action):
             text = parser.format_method(values)
         else:
             known = list(parser.methods)
-            parser.error(f"--help {values}: there is no such method{one_of(values, known)}")
+            parser.error(f"--help {values}: there is no such method{one_of_known(values, known)}")
         for line in text.rstrip().split("\n"):
-            say(line)
+            print_line(line)
         parser.exit()
 
 
@@ -131,7 +131,7 @@ def meant(word: str, known: Iterable[str]) -> str:
     return f" (did you mean {near[0]}?)" if near else ""
 
 
-def one_of(word: str, known: list[str]) -> str:
+def one_of_known(word: str, known: list[str]) -> str:
     """The word that one may have meant, or all that are known."""
     return meant(word, known) or f"; one of {', '.join(known)}"
 

@@ -12,13 +12,13 @@ import numpy as np
 
 from ..._call import Call
 from ..._display import counted
-from ..._recipe import Outcome, Recipe, world_of
+from ..._map_pipeline import MapChoices, Pipeline, world_of
 from ...alignment import METHODS, Alignment, usual_method
 from ...scans import Log
 from ...scans.causes import Cause
-from ...scans.moving import is_timed
+from ...scans.motion import is_timed
 from ...segments import SegmentMap
-from .._words import Report, seconds
+from .._output import Report, seconds
 from ._command import Command
 from ._logs import add_logs, add_strict
 from ._settings import EDITS, PREPARE
@@ -77,7 +77,7 @@ def preparing_of(given: argparse.Namespace) -> dict[str, Any]:
     return {name: value for name in PREPARE if (value := getattr(given, name, None))}
 
 
-def recipe_of(given: argparse.Namespace, log: Log) -> Recipe:
+def recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
     """What the options say of the way to poses, and what is edited on a map.
 
     By default: the true poses where the log has one for each scan; else all poses at once, loops
@@ -89,7 +89,7 @@ def recipe_of(given: argparse.Namespace, log: Log) -> Recipe:
     if name == "ground_truth" != usual_method(log):  # some scans have none
         align = replace(align, thresholds={"missing": "drop", **align.thresholds})
     prepare = preparing_of(given) if hasattr(given, "no_deskew") else {"no_deskew": True}
-    return Recipe(align, prepare=prepare, edits=edits_of(given))
+    return MapChoices(align, prepare=prepare, edits=edits_of(given))
 
 
 def edits_of(given: argparse.Namespace) -> dict[str, Any]:
@@ -104,9 +104,9 @@ def call(
     return Call(name, function, chosen_thresholds(given, function, prefix))
 
 
-def placed(given: argparse.Namespace, log: Log, report: Report) -> Outcome:
+def placed_outcome(given: argparse.Namespace, log: Log, report: Report) -> Pipeline:
     """The log with its beams carried to the start of each scan, and a pose for each scan."""
-    return tell_poses(Outcome(recipe_of(given, log), log), report)
+    return tell_poses(Pipeline(recipe_of(given, log), log), report)
 
 
 def add_align(command: Command, without: str = ALIGN) -> None:
@@ -121,10 +121,10 @@ def add_align(command: Command, without: str = ALIGN) -> None:
     add_thresholds(command, "thresholds of the alignment methods", functions, "align_")
 
 
-def tell_poses(made: Outcome, report: Report) -> Outcome:
+def tell_poses(made: Pipeline, report: Report) -> Pipeline:
     """Say how a log was de-skewed, aligned and turned, each as soon as it is."""
     tell_deskewing(made, report)
-    tell_alignment(made.solved, report)
+    tell_alignment(made.alignment_in_log_frame, report)
     if made.recipe.edits.get("square"):
         degrees = float(np.degrees(made.turn))
         words = f"by {degrees:.2f} degrees about the origin: most walls along x and y"
@@ -132,7 +132,7 @@ def tell_poses(made: Outcome, report: Report) -> Outcome:
     return made
 
 
-def tell_deskewing(made: Outcome, report: Report) -> None:
+def tell_deskewing(made: Pipeline, report: Report) -> None:
     """Say of how many scans the beams were carried to their start, where they have their times."""
     if any(found.cause is Cause.SKEW for found in made.log.causes):
         return  # no beam is carried, and the doubt of the alignment says why

@@ -1,8 +1,9 @@
-"""A student's function alone: values as plain data, and the loop that answers cases in a jail.
+"""A student's function alone: values as plain data, and the loop that answers cases in a sandbox.
 
-The judge stands outside. It sends a cell, then one case at a time, and gets back one value at a
+The grader stands outside. It sends a cell, then one case at a time, and gets back one value at a
 time: numbers, texts, bytes, lists, tuples and arrays, as JSON. Nothing that comes back becomes
-code, and no expected value goes in. A jail is given the text of this file, which needs only numpy.
+code, and no expected value goes in. The sandbox is given the text of this file, which needs only
+numpy.
 """
 
 from __future__ import annotations

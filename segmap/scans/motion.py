@@ -13,14 +13,16 @@ from ..poses.motions import between, compose, inverse, twist, wrap
 from ._scans import LaserScan
 from .causes import Cause, Finding
 
-#: A robot that has moved by less than this since a scan stands: poses of matches err by as much.
-STANDS_M, STANDS_RAD = 0.01, np.radians(0.2)
+#: A robot that has moved by less than this since a scan, metres, ...
+ROBOT_STANDS_M = 0.01
+#: ... and radians, stands: poses of matches err by as much.
+ROBOT_STANDS_RAD = np.radians(0.2)
 #: And it sees the same: half of the beams differ by less, metres.
-SAME_M = 0.1
+SAME_BEAM_M = 0.1
 #: So many looks from one place are drawn: more add noise and no wall.
-LOOKS = 20
+MOST_LOOKS_FROM_ONE_PLACE = 20
 #: Between scans that are farther apart than this nobody knows how the robot moved, seconds.
-GAP = 1.0
+LONGEST_GAP_S = 1.0
 
 
 def is_timed(scans: Iterable[LaserScan]) -> bool:
@@ -28,7 +30,7 @@ def is_timed(scans: Iterable[LaserScan]) -> bool:
     return any(scan.delays is not None for scan in scans)
 
 
-def twists(times: Array, poses: Array) -> Array:
+def velocities(times: Array, poses: Array) -> Array:
     """How the robot moved at each scan, `(k, 3)`, metres and radians a second; 0 where unknown.
 
     Poses `(k, 3)` that scans were matched at lie in the middle of each scan, so the difference is
@@ -36,7 +38,7 @@ def twists(times: Array, poses: Array) -> Array:
     A laser turns evenly where the stamps of a computer do not: scans lie whole turns apart.
     """
     known, steps = np.isfinite(poses).all(1) & np.isfinite(times), np.diff(times)
-    close = known[:-1] & known[1:] & (steps > 0) & (steps <= GAP)
+    close = known[:-1] & known[1:] & (steps > 0) & (steps <= LONGEST_GAP_S)
     turn = np.median(steps[close]) if close.any() else 1.0
     turns = np.where(close, np.maximum(np.rint(np.where(close, steps, 0.0) / turn), 1), 0)
     clock, here = np.r_[0.0, np.cumsum(turns * turn)], np.arange(len(times))
@@ -46,7 +48,7 @@ def twists(times: Array, poses: Array) -> Array:
     return np.where(apart[:, None] > 0, found / np.where(apart > 0, apart, 1.0)[:, None], 0.0)
 
 
-def carried(scan: LaserScan, motions: Array) -> LaserScan:
+def motion_compensated(scan: LaserScan, motions: Array) -> LaserScan:
     """The scan as if all beams had been measured at its `time`.
 
     `motions`, `(n, 3)` or `(3,)`, says where the robot was at each beam, in its frame at `time`.
@@ -72,43 +74,47 @@ def standing(scans: Sequence[LaserScan], poses: Array) -> NDArray[np.bool_]:
     """
     found, first, looks = np.zeros(len(poses), bool), 0, 1
     step = np.abs(between(poses[:-1], poses[1:]))
-    near = (np.hypot(step[:, 0], step[:, 1]) < STANDS_M) & (step[:, 2] < STANDS_RAD)
+    near = (np.hypot(step[:, 0], step[:, 1]) < ROBOT_STANDS_M) & (step[:, 2] < ROBOT_STANDS_RAD)
     for k in (np.flatnonzero(near) + 1).tolist():
         if not near[k - 2] or k == 1:  # the stay begins at the scan before
             first, looks = k - 1, 1
         x, y, turn = np.abs(between(poses[first], poses[k]))
-        if not (np.hypot(x, y) < STANDS_M and turn < STANDS_RAD and _alike(scans[first], scans[k])):
+        if not (
+            np.hypot(x, y) < ROBOT_STANDS_M
+            and turn < ROBOT_STANDS_RAD
+            and _measure_the_same(scans[first], scans[k])
+        ):
             first, looks = k, 1
             continue
         twice = np.array_equal(scans[k - 1].ranges, scans[k].ranges, equal_nan=True)
-        found[k] = twice or looks >= LOOKS
+        found[k] = twice or looks >= MOST_LOOKS_FROM_ONE_PLACE
         looks += not twice
     return found
 
 
-def _alike(a: LaserScan, b: LaserScan) -> bool:
+def _measure_the_same(a: LaserScan, b: LaserScan) -> bool:
     """Whether half of the beams of two scans measure the same."""
     if len(a) != len(b):
         return False
     both = a.valid & b.valid
-    return bool(both.any() and np.median(np.abs(a.ranges[both] - b.ranges[both])) < SAME_M)
+    return bool(both.any() and np.median(np.abs(a.ranges[both] - b.ranges[both])) < SAME_BEAM_M)
 
 
 def stood(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:
     """At how many scans of a log the robot stands, poses `(k, 3)`, and what becomes of them."""
     count = int(standing(scans, poses).sum())
     words = f"at {count} of {len(poses)} scans the robot stands, and they add nothing: not drawn"
-    return [Finding(Cause.STANDS, count, words)] if count >= LOOKS else []
+    return [Finding(Cause.STANDS, count, words)] if count >= MOST_LOOKS_FROM_ONE_PLACE else []
 
 
-def unmoved(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:
+def skew_warning(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:
     """In how many scans beams err by more than their spacing, if the robot moved as it measured.
 
     Their times are not used: whether it stood, `alignment.deskew` finds.
     """
     if not is_timed(scans):
         return []
-    motions = twists(np.array([scan.time for scan in scans]), poses)
+    motions = velocities(np.array([scan.time for scan in scans]), poses)
     many, turn, way = 0, 0.0, 0.0
     for scan, motion in zip(scans, motions, strict=True):
         if scan.delays is None or len(scan) < 2 or not scan.valid.any():

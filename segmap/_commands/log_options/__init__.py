@@ -23,7 +23,7 @@ from ._poses import (
     call,
     check_options,
     edits_of,
-    placed,
+    placed_outcome,
     preparing_of,
     recipe_of,
     tell_alignment,
@@ -37,7 +37,7 @@ __all__ = [
     "LENGTH", "NO_MAP", "Command", "Completion", "add_align", "add_logs", "add_output",
     "add_poses", "add_strict", "add_thresholds", "add_world", "allowed", "call",
     "check_options", "check_places", "concluded", "each_log", "edits_of", "examples",
-    "finished", "is_log", "is_session", "log_of", "parsed", "placed", "preparing_of",
+    "finished", "is_log", "is_session", "log_of", "parsed", "placed_outcome", "preparing_of",
     "recipe_of", "refuse_others", "refuse_wrong", "tell_alignment", "tell_deskewing",
     "tell_poses",
 ]  # fmt: skip

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from .. import arrays
-from ..arrays import Array, Poses, slips
+from ..arrays import Array, Poses, unit_checks
 from ._scans import Log
 
 
-def poses_for(log: Log, poses: Poses) -> Array:
+def checked_poses(log: Log, poses: Poses) -> Array:
     """Poses of an alignment or an array, `(k, 3)`, metres and radians: one a scan, or ValueError.
 
     Rows of NaN have no pose. A warning tells of headings that look like degrees.
@@ -22,11 +22,11 @@ def poses_for(log: Log, poses: Poses) -> Array:
     rows = arrays.poses(poses, count=len(log), missing=True)
     own = [log.odometry] if log.truth is None else [log.odometry, log.truth]
     if not any(np.array_equal(rows, known, equal_nan=True) for known in own):
-        slips.check_headings(rows, "the poses")
+        unit_checks.check_headings(rows, "the poses")
     return rows
 
 
-def warn_of_nothing(empty: bool, log: Log, poses: Array, nothing: str) -> None:
+def warn_if_empty_map(empty: bool, log: Log, poses: Array, nothing: str) -> None:
     """Say why a map of a log is empty: scans without pose `(k, 3)` or valid beam, or `nothing`."""
     if not empty or not len(log):
         return
@@ -42,4 +42,4 @@ def warn_of_nothing(empty: bool, log: Log, poses: Array, nothing: str) -> None:
     parts.append((len(placed) - len(blind), nothing))
     reasons = ", ".join(f"{count} of {len(log)} scans {text}" for count, text in parts if count)
     text = f"the map of log {log.name!r} is empty: {reasons}"
-    slips.warn(text)
+    unit_checks.warn(text)

@@ -44,7 +44,7 @@ POLYLINES = Call("extract_polylines", extraction.extract_polylines)
 
 
 @dataclass(frozen=True)
-class Recipe:
+class MapChoices:
     """All choices between a log and its maps: `log` is the expression that gives it.
 
     `least` is the length of the filter, `seen_through` the share of `without_passers`; `prepare`
@@ -109,7 +109,7 @@ class Recipe:
             veto, tie = self.mends()
             graph = f"segmap.alignment.LiveGraph({self.align.arguments().removeprefix(', ')})"
             lines += [f"graph = {graph}", "graph.extend(log)", "graph.refine()"]
-            lines.append(f"found = graph.mended({veto=}, {tie=})")
+            lines.append(f"found = graph.with_loops({veto=}, {tie=})")
         else:
             lines.append(f"found = {called(alignment, 'alignment', self.align, 'log')}")
         if "square" in self.edits:
@@ -133,18 +133,18 @@ class Recipe:
         return ("import numpy as np\n\n" if "np." in body else "") + f"import segmap\n\n{body}\n"
 
 
-class Outcome:
+class Pipeline:
     """What follows from a recipe and a log; each step is done where it is asked for first.
 
     What is as it was `before`, on the same log, is not done again. `given` is the log as it was
-    read, `log` the one that is aligned; `grown` a pose graph before it is mended, and what it gave;
-    `solved` the alignment before it is turned; `map` what is reduced. Where the graph was `stopped`
-    after some scans, which are the log then, these are its words.
+    read, `log` the one that is aligned; `live_graph` a pose graph before it is mended, and what it
+    gave; `alignment_in_log_frame` the alignment before it is turned; `map` what is reduced. Where
+    the graph was `stopped` after some scans, which are the log then, these are its words.
     """
 
     stopped: str = ""
 
-    def __init__(self, recipe: Recipe, log: Log, before: Outcome | None = None) -> None:
+    def __init__(self, recipe: MapChoices, log: Log, before: Pipeline | None = None) -> None:
         self.recipe, self.given = recipe, log
         self._known: list[tuple[Call, Reduction, float]] = []
         if before is not None:
@@ -153,11 +153,11 @@ class Outcome:
                 if chosen != was[steps]:
                     return
                 vars(self).update((k, v) for k, v in vars(before).items() if k in steps.split())
-            self._known = before.found() if before.is_reduced() else before._known
+            self._known = before.results() if before.is_reduced() else before._known
 
     def __getstate__(self) -> dict[str, Any]:
         """What another process is sent: a graph may take hundreds of megabytes."""
-        return {k: v for k, v in vars(self).items() if k != "grown"} | {"_known": []}
+        return {k: v for k, v in vars(self).items() if k != "live_graph"} | {"_known": []}
 
     def is_reduced(self) -> bool:
         """Whether all is done."""
@@ -180,7 +180,7 @@ class Outcome:
         return alignment.prepared(self.given, **preparing(self.recipe.prepare))
 
     @computed
-    def grown(self) -> tuple[LiveGraph, Alignment] | None:
+    def live_graph(self) -> tuple[LiveGraph, Alignment] | None:
         """Where the alignment is a pose graph."""
         announce(0.0, f"aligning {len(self.log)} scans by {self.recipe.align.name}")
         if self.recipe.align.name != "pose_graph":
@@ -208,14 +208,14 @@ class Outcome:
         self.given, self.log = cut
 
     @computed
-    def solved(self) -> Alignment:
+    def alignment_in_log_frame(self) -> Alignment:
         """The poses, loops mended."""
-        if self.grown is None:
+        if self.live_graph is None:
             return self.recipe.align.run(self.log)
         if not any(self.recipe.mends()):
-            return self.grown[1]
+            return self.live_graph[1]
         announce(0.0, "mending the graph")
-        return self._told(copy.deepcopy(self.grown[0]).mended(*self.recipe.mends()))
+        return self._told(copy.deepcopy(self.live_graph[0]).with_loops(*self.recipe.mends()))
 
     def _told(self, found: Alignment) -> Alignment:
         """With what was found in the log: a graph that grows scan by scan knows no log."""
@@ -226,15 +226,19 @@ class Outcome:
         """By which most walls run along x and y, radians; 0 where that is not asked for."""
         if not self.recipe.edits.get("square"):
             return 0.0
-        return -main_direction(extraction.build_map(self.log, self.solved.trusted))
+        return -main_direction(extraction.build_map(self.log, self.alignment_in_log_frame.trusted))
 
     @computed
     def alignment(self) -> Alignment:
         """The poses in the frame of the map."""
-        return self.solved.turned(self.turn) if self.turn else self.solved
+        return (
+            self.alignment_in_log_frame.turned(self.turn)
+            if self.turn
+            else self.alignment_in_log_frame
+        )
 
     @computed
-    def seen(self) -> Log:
+    def log_without_passers(self) -> Log:
         """Without people who walked through."""
         share, poses = self.recipe.seen_through, self.alignment.trusted
         return self.log if share is None else without_passers(self.log, poses, seen_through=share)
@@ -242,7 +246,7 @@ class Outcome:
     @computed
     def extracted(self) -> SegmentMap:
         """All segments."""
-        log, poses, extract = self.seen, self.alignment.trusted, self.recipe.extract
+        log, poses, extract = self.log_without_passers, self.alignment.trusted, self.recipe.extract
         thresholds = {**extract.thresholds, "keep_points": self.recipe.keeps_points()}
         announce(0.0, f"extracting segments by {extract.name}")
         return extraction.build_map(log, poses, extract=extract.function, **thresholds)
@@ -282,7 +286,7 @@ class Outcome:
         announce(0.0, "measuring quality")
         return [quality(self.map, reduced) for reduced in reductions]
 
-    def found(self) -> list[tuple[Call, Reduction, float]]:
+    def results(self) -> list[tuple[Call, Reduction, float]]:
         """Each method with its reduction and its quality."""
         return list(zip(self.recipe.methods, self.reductions, self.qualities, strict=True))
 
@@ -292,11 +296,11 @@ class Outcome:
         cut = f"[:{len(self.given)}]" if self.stopped else ""
         return replace(self.recipe, log=f"{log}{cut}{mark}{more}").code()
 
-    def words(self) -> str:
+    def summary(self) -> str:
         """What each method leaves, and its quality."""
         return ", ".join(
             f"{call.name} leaves {len(reduced)} of {len(self.map)} segments, quality {kept:.1%}"
-            for call, reduced, kept in self.found()
+            for call, reduced, kept in self.results()
         )
 
     def rows(self, name: str) -> list[dict[str, Any]]:
@@ -331,24 +335,24 @@ class Outcome:
                 "quality": round(kept, 9),
                 "seconds": round(reduced.seconds, 6),
             }
-            for call, reduced, kept in self.found()
+            for call, reduced, kept in self.results()
         ]
 
 
-def _chosen(recipe: Recipe) -> dict[str, Any]:
+def _chosen(recipe: MapChoices) -> dict[str, Any]:
     """The steps of an outcome, in their order, and what each hangs on beside those before it."""
     return {
         "log given stopped": recipe.prepare,
-        "grown": recipe.align,
-        "solved": recipe.mends(),
+        "live_graph": recipe.align,
+        "alignment_in_log_frame": recipe.mends(),
         "turn alignment": recipe.edits.get("square"),
-        "seen": recipe.seen_through,
+        "log_without_passers": recipe.seen_through,
         "extracted verdict": (recipe.extract, recipe.keeps_points()),
         "cropped map": (recipe.edits.get("crop"), recipe.least),
     }
 
 
-def begin(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
+def begin(recipe: MapChoices, log: Log, before: Pipeline | None = None) -> Pipeline:
     """The map and its verdict, done here and now; not its reductions.
 
     Raises
@@ -357,17 +361,17 @@ def begin(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
         Where a function refuses its thresholds or the log, or no segment is left.
     """
     world_of(recipe.edits)  # a wrong place is refused now, and not where the map is written
-    made = Outcome(recipe, log, before)
+    made = Pipeline(recipe, log, before)
     verdict = made.verdict  # before the map, of which it may say why nothing is left
     if not len(made.map):
         raise ValueError(f"{verdict}; no segment is left: loosen extraction, filter or crop")
     return made
 
 
-def follow(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
+def follow(recipe: MapChoices, log: Log, before: Pipeline | None = None) -> Pipeline:
     """All that follows, as `begin`."""
     made = begin(recipe, log, before)
-    made.found()
+    made.results()
     return made
 
 

@@ -15,22 +15,24 @@ from ._tables import Array, numbers
 #: No sensor counts its directions beyond two turns, radians.
 MOST_ANGLE = 4 * np.pi
 #: No laser for buildings reaches so far, metres.
-FAR = 1000.0
+FARTHEST_RANGE_M = 1000.0
 #: Half of a scan is beyond this in no building, metres: by itself it is no proof.
-WIDE = 100.0
+HALF_RANGE_M = 100.0
 #: The numbers that sensors send where nothing is met, from the first to the last.
-NOTHING_MET = (65_533.0, 65_535.0)
+NOTHING_MET_NUMBERS = (65_533.0, 65_535.0)
 #: A turn between two scans, radians, that says something about the unit.
-TURN = 0.1
+LEAST_TELLING_TURN_RAD = 0.1
 #: Share of such turns beyond pi: 0 in radians, wound up or not, at least 0.13 in degrees, on all
 #: logs that we have (thinned to every tenth scan: at most 0.03 in radians).
-SHARE = 0.05
+BEYOND_PI_SHARE = 0.05
 #: And so many of them at least.
-LEAST = 3
-#: No wall is matched over a longer distance, and no gap between neighbours asked for, metres.
-MOST_DISTANCE, MOST_GAP = 10.0, 100.0
+LEAST_TURNS_BEYOND_PI = 3
+#: No wall is matched over a longer distance, metres.
+MOST_MATCH_DISTANCE_M = 10.0
+#: No longer gap between neighbours is asked for, metres.
+MOST_GAP_M = 100.0
 #: Share of the size of a map that is long for a threshold.
-LONG = 0.05
+LONG_THRESHOLD_SHARE = 0.05
 #: Ten times the usual bandwidth of directions, radians a metre.
 MOST_BANDWIDTH = 10.0
 
@@ -52,21 +54,21 @@ def check_ranges(ranges: Array, max_range: float) -> None:
     100 m and beyond `max_range`; the largest of all does not count where it is beyond `max_range`:
     a sensor's word for nothing.
     """
-    if not (ranges > WIDE).any():
+    if not (ranges > HALF_RANGE_M).any():
         return
     known = ranges[np.isfinite(ranges) & (ranges > 0)]
-    words = (known >= NOTHING_MET[0]) & (known <= NOTHING_MET[1])
-    if (words & (known < max_range)).sum() >= LEAST:
+    words = (known >= NOTHING_MET_NUMBERS[0]) & (known <= NOTHING_MET_NUMBERS[1])
+    if (words & (known < max_range)).sum() >= LEAST_TURNS_BEYOND_PI:
         least = f"{known[words].min():.6g}"
         warn(f"ranges of {least} m mean that nothing was met: write np.inf, or a max_range below")
     known = known[~words]
     known = known[(known < max_range) | (known < known.max(initial=0.0))]
-    if len(known) < LEAST:
+    if len(known) < LEAST_TURNS_BEYOND_PI:
         return
     half = float(np.median(known))
-    if half > FAR:
+    if half > FARTHEST_RANGE_M:
         warn("half of the ranges are above 1000 m: these look like millimetres, ranges / 1000")
-    elif half > WIDE and half >= max_range:
+    elif half > HALF_RANGE_M and half >= max_range:
         warn(
             "half of the ranges are above 100 m and beyond max_range: these look like millimetres, "
             "ranges / 1000, or centimetres, ranges / 100"
@@ -85,8 +87,8 @@ def check_headings(poses: Array, name: str) -> None:
     if not far.any():
         return
     jumps = np.abs(np.diff(heading))
-    turns = jumps[jumps > TURN]
-    leaps = (turns > np.pi).sum() >= max(SHARE * len(turns), LEAST)
+    turns = jumps[jumps > LEAST_TELLING_TURN_RAD]
+    leaps = (turns > np.pi).sum() >= max(BEYOND_PI_SHARE * len(turns), LEAST_TURNS_BEYOND_PI)
     even = (heading[far] % 15 == 0).all() and np.abs(heading[far]).max() <= 720
     as_degrees, as_radians = _agree(poses, np.pi / 180), _agree(poses, 1.0)
     if even or (leaps and as_degrees >= as_radians):
@@ -98,14 +100,18 @@ def _agree(poses: Array, unit: float) -> float:
     """How well the way from pose to pose agrees with the headings in a unit, radians: 0 to 1."""
     step = np.diff(poses[:, :2], axis=0)
     moved = np.hypot(*step.T) > 0
-    if moved.sum() < LEAST:
+    if moved.sum() < LEAST_TURNS_BEYOND_PI:
         return 0.0
     off = np.arctan2(step[moved, 1], step[moved, 0]) - unit * poses[:-1, 2][moved]
     return float(np.abs(np.mean(np.exp(1j * off))))
 
 
 def check_lengths(
-    data: object = None, *, most: float = MOST_DISTANCE, share: float = LONG, **thresholds: float
+    data: object = None,
+    *,
+    most: float = MOST_MATCH_DISTANCE_M,
+    share: float = LONG_THRESHOLD_SHARE,
+    **thresholds: float,
 ) -> None:
     """Warn of thresholds, metres, that are longer than any building has a use for.
 

@@ -15,7 +15,7 @@ LOOP_PATH = 0.5
 
 
 @compiled
-def beside(poses: Array, new: int, half: float, near: NDArray[np.int64]) -> int:
+def key_frames_in_square(poses: Array, new: int, half: float, near: NDArray[np.int64]) -> int:
     """Write which poses lie in a square about the new one, half a side in metres; their number."""
     count = 0
     for k in range(len(near)):
@@ -25,7 +25,7 @@ def beside(poses: Array, new: int, half: float, near: NDArray[np.int64]) -> int:
 
 
 @compiled
-def walk(
+def path_lengths(
     along: Array,
     ways: NDArray[np.int64],
     begin: int,

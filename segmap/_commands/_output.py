@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 #: What a user can mend: a damaged log, a wrong argument, a full disk, a missing package.
 FAULTS = (ValueError, OSError, ImportError, MemoryError)
 #: So many seconds after Control-C the program ends in the middle of a compiled loop.
-PATIENCE = 0.5
+STOP_PATIENCE_S = 0.5
 
 
 class Usage(ValueError):
@@ -77,7 +77,7 @@ class Report:
     def say(self, text: str = "") -> None:
         """Print a line that is no figure of the log; in JSON there is no place for it."""
         if not (self._json or self._quiet):
-            say(text)
+            print_line(text)
 
     def line(self, word: str, text: str, **figures: Any) -> None:
         """One thing about the log, below its name; without a word it belongs to the line before."""
@@ -102,7 +102,7 @@ class Report:
     def end(self) -> None:
         """Print the object, where JSON was asked for."""
         if self._json:
-            say(json.dumps(self.found))
+            print_line(json.dumps(self.found))
 
 
 def finite(value: Any) -> Any:
@@ -110,7 +110,7 @@ def finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def say(text: str = "") -> None:
+def print_line(text: str = "") -> None:
     """Print one line; a bar that is shown moves below it."""
     from tqdm import tqdm
 
@@ -118,7 +118,7 @@ def say(text: str = "") -> None:
     sys.stdout.flush()
 
 
-def tell(text: str) -> None:
+def print_error(text: str) -> None:
     """Say beside the output what went wrong."""
     lines = "\n".join(map(shown, text.split("\n")))
     print(f"segmap: {lines}", file=sys.stderr)
@@ -163,7 +163,7 @@ def progress(total: int, unit: str) -> tqdm[Any]:
 
 
 @contextmanager
-def moving(*, quiet: bool = False) -> Iterator[None]:
+def progress_bars(*, quiet: bool = False) -> Iterator[None]:
     """Show on a terminal how far long work says it is, below the bar that `progress` makes."""
     if quiet or not sys.stderr.isatty():
         yield
@@ -205,8 +205,8 @@ def stoppable() -> Iterator[None]:
 
     def watch() -> None:
         """Wait for the signal, and then for the program to end by itself."""
-        if heard.recv(1) and not ended.wait(PATIENCE):
-            tell("stopped")
+        if heard.recv(1) and not ended.wait(STOP_PATIENCE_S):
+            print_error("stopped")
             os._exit(130)
 
     before = signal.set_wakeup_fd(told_of.fileno())

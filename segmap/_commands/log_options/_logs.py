@@ -28,12 +28,22 @@ from ...readers import (
     read_session,
 )
 from ...scans import Log
-from .._words import FAULTS, Report, Usage, percent, progress, reason, say, stoppable, tell
+from .._output import (
+    FAULTS,
+    Report,
+    Usage,
+    percent,
+    print_error,
+    print_line,
+    progress,
+    reason,
+    stoppable,
+)
 from ._command import Command
 from ._settings import applied
 
 #: Stands for the name of the log.
-NAME = "{name}"
+LOG_NAME = "{name}"
 #: Exit code where a log gave no map.
 NO_MAP = 3
 #: Files of these kinds lie beside logs: some quote a line of one.
@@ -87,7 +97,7 @@ def _csv(text: str) -> Path:
     return Path(text)
 
 
-def begin(log: Log, source: str) -> str:
+def say_which_log(log: Log, source: str) -> str:
     """Which log comes now."""
     where = "" if source == log.name else f", {source}"
     return f"{log.name}: {counted(len(log), 'scan')}{where}"
@@ -96,7 +106,7 @@ def begin(log: Log, source: str) -> str:
 def each_log(
     given: argparse.Namespace,
     work: Work,
-    head: Callable[[Log, str], str] = begin,
+    head: Callable[[Log, str], str] = say_which_log,
     check: Callable[[argparse.Namespace], None] = lambda given: None,
 ) -> int:
     """Do one log after the other, and name at the end those that failed.
@@ -129,11 +139,11 @@ def each_log(
                     check(own)
                 paths = targets.paths(log.name, source)
                 report.begin(log, head(log, source))
-                if log.skipped and head is begin:  # `info` tells it among the rest
+                if log.skipped and head is say_which_log:  # `info` tells it among the rest
                     count, why = log.skipped
                     words = f"{counted(count, 'line')} left out; {why}"
                     report.line("damaged", words, lines=count)
-                if left and head is begin:
+                if left and head is say_which_log:
                     report.line("session", f"its {', '.join(left)} left out: no option here")
                 codes.append(work(own, log, paths, report))
             except BrokenPipeError:  # nobody reads any more
@@ -147,9 +157,9 @@ def each_log(
     if given.table:
         write_table(given.table, reports)
     for why in failed:
-        tell(why)
+        print_error(why)
     if len(chosen) > 1 and not (given.json or given.quiet):
-        say(f"{len(chosen) - len(failed)} of {counted(len(chosen), 'log')} done")
+        print_line(f"{len(chosen) - len(failed)} of {counted(len(chosen), 'log')} done")
     return 1 if failed else max(codes)
 
 
@@ -198,7 +208,7 @@ def sources(text: str) -> Iterator[str]:
     if rest := [str(path.relative_to(folder)) for path in inside if path not in found]:
         more = f" and {len(rest) - NAMED} more" if len(rest) > NAMED else ""
         names = f"{', '.join(map(shown, rest[:NAMED]))}{more}"
-        tell(f"{shown(folder)}: left out, since no log: {names}")
+        print_error(f"{shown(folder)}: left out, since no log: {names}")
     yield from (log for path in found or [folder] for log in logs_in(path))
 
 
@@ -311,7 +321,7 @@ def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> in
     asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
     report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
     if verdict.grade == "doubtful":
-        tell(f"{report.found['source']}: {verdict}")
+        print_error(f"{report.found['source']}: {verdict}")
     return NO_MAP if too_little(given, verdict) else 0
 
 
@@ -340,13 +350,13 @@ def add_output(command: Command, suffixes: Sequence[str], what: str) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        type=partial(_checked, suffixes),
+        type=partial(_with_known_suffix, suffixes),
         help=f"write {what}; the name ends in {', '.join(suffixes)}; may be given more than once; "
-        f"{NAME} in it stands for the name of the log, for several logs: 'maps/{NAME}.svg'",
+        f"{LOG_NAME} in it stands for the name of the log, for several logs: 'maps/{LOG_NAME}.svg'",
     )
 
 
-def _checked(suffixes: Sequence[str], text: str) -> str:
+def _with_known_suffix(suffixes: Sequence[str], text: str) -> str:
     if not text.lower().endswith(tuple(suffixes)) or text.startswith(tuple(suffixes)):
         raise argparse.ArgumentTypeError(f"{text!r} must end in one of {', '.join(suffixes)}")
     return text
@@ -361,16 +371,16 @@ class Targets:
 
     def alike(self) -> str:
         """The first name that is the same for all logs; empty where there is none."""
-        return next((pattern for pattern in self._patterns if NAME not in pattern), "")
+        return next((pattern for pattern in self._patterns if LOG_NAME not in pattern), "")
 
     def fixed(self) -> list[Path]:
         """A path in each folder that is the same for all logs: whether it can be written to."""
         paths = map(Path, self._patterns)
-        return [path for path in paths if NAME not in str(path.parent)]
+        return [path for path in paths if LOG_NAME not in str(path.parent)]
 
     def paths(self, name: str, source: str) -> list[Path]:
         """The files for a log of this name, none of them written before, nor the log itself."""
-        found = [Path(pattern.replace(NAME, name)) for pattern in self._patterns]
+        found = [Path(pattern.replace(LOG_NAME, name)) for pattern in self._patterns]
         for path in found:
             place = path.resolve()
             writable(path)
