@@ -25,9 +25,7 @@ from .segments import SegmentMap, main_direction
 from .threads import computed
 
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
-#: Of so many scans a map is kept where the work is stopped.
-LEAST_SCANS = 2
-
+LEAST_SCANS = 2  #: of so many a map is kept where the work is stopped
 #: The options of `segmap map` that name a function, and how those of its thresholds begin.
 BEGIN = {"align": "align_", "extract": "extract_", "method": "", "second": "second_"}
 

@@ -50,7 +50,7 @@ def cases() -> dict[str, Callable[[], Found]]:
         "quadtree all": _trees,
         **ours,
         "alignment match_points": _matched_points,
-        "extraction all": _extracted,
+        "extraction all": _extract_scans,
         "metrics all": _measure_maps,
         "simulation all": _cast_rays,
     }
@@ -175,7 +175,7 @@ def _matched_points() -> Found:
     return [match.pose, match.covariance]
 
 
-def _extracted() -> Found:
+def _extract_scans() -> Found:
     points = _room()
     return [
         extraction.extract_clusters(points, closed=True),

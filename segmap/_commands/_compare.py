@@ -81,7 +81,7 @@ def add(commands: Any) -> None:
         "of the map",
     )
     log_options.add_output(command, SUFFIXES, "a picture of the curves, or all runs")
-    command.set_defaults(run=partial(log_options.each_log, work=compare, check=check))
+    command.set_defaults(run=partial(log_options.each_log, work=compare_methods, check=check))
 
 
 def check(given: argparse.Namespace) -> None:
@@ -96,7 +96,7 @@ def check(given: argparse.Namespace) -> None:
         raise ValueError(f"--walls {error}") from error
 
 
-def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+def compare_methods(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Run all methods on the map of one log, and print what each leaves."""
     _warm.dispatch(f"reduction {name}" for name in METHODS)
     made = log_options.placed_outcome(given, log, report)

@@ -46,7 +46,6 @@ BACK_OFF = (0.1, 2.0)
 PACE_SCANS = 11
 #: So many times slower than asked is slow.
 SLOW_PACE_RATIO = 1.5
-
 Step = Annotated[Count, at_least(0)]
 Cluster = Annotated[Count, at_most(99)]
 

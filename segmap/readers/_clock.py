@@ -40,7 +40,7 @@ def on_one_clock(
     if after is None:
         after = np.searchsorted(mended[0], mended[1])
     steps = [np.diff(t) - step for t, step in zip((scans, poses), usual, strict=True)]
-    stretches, causes = [part.copy() for part in alone], _told(steps, back, after)
+    stretches, causes = [part.copy() for part in alone], _clock_findings(steps, back, after)
     stretches[1] += stretches[0][after[0] - 1] if after[0] else 0  # what begins later
     stretches[0] += stretches[1][after == 0].max(initial=0)  # begins on the clock of then
     around = np.clip(after + np.array([[-NEAR_SCANS], [NEAR_SCANS]]), 0, len(scans) - 1)
@@ -71,7 +71,7 @@ def _shifts(times: Array, stretches: NDArray[np.int64], step: float) -> Array:
     return np.array(shifts)
 
 
-def _told(
+def _clock_findings(
     steps: Sequence[Array], back: Sequence[NDArray[np.bool_]], after: NDArray[np.int64]
 ) -> list[Finding]:
     """That a clock was set back, of the scans or else of the poses, by how much and where first."""

@@ -162,7 +162,7 @@ def test_what_is_said_of_a_run_letter_by_letter(outcome):
         said.append(f"{name}: {many[k]} of 5 segments left, {graded}")
     assert _shown.left(outcome) == f"{lines}{'<br>'.join(map(escape, [*said, 'a < b']))}</div>"
     told = [f"<b>{LOG.name if k == 'scans' else k}</b> {escape(v)}" for k, v in facts(LOG)]
-    assert _shown.about(LOG) == f"{lines}{'<br>'.join(told)}</div>"
+    assert _shown.about_html(LOG) == f"{lines}{'<br>'.join(told)}</div>"
     code = _shown.code("a < b")
     assert code.startswith("<pre style=") and ">a &lt; b</pre>" in code
     assert code.endswith('</pre><button class="jupyter-button segmap-copy">Copy</button>')
@@ -237,7 +237,7 @@ def test_a_log_is_taken_by_its_name_its_path_or_itself(source, tmp_path, monkeyp
     assert not path.continuous_update and upload.most == 100_000_000
     bundled.value = "room"
     assert made.expression == "segmap.load('room')" and made.log.name == "room"
-    assert len(took) == 2 and made.about.value == _shown.about(made.log)
+    assert len(took) == 2 and made.about.value == _shown.about_html(made.log)
     bundled.value = OWN
     assert len(took) == 2 and begun == []
     bundled.value = "room"

@@ -367,7 +367,7 @@ class TestDamage:
         """Catches a limit of one byte less, and data that are cut off where the budget ends."""
         monkeypatch.setattr(_bounds, "MOST_UNPACKED_BYTES", 500)
         packers = {"bz2": bz2.compress, "lz4": importlib.import_module("lz4.frame").compress}
-        for kind, pack in (packers | {"zstd": _bounds._zstd().compress}).items():
+        for kind, pack in (packers | {"zstd": _bounds._zstd_bounded().compress}).items():
             for size, most in ((10, 500), (11, 550)):  # 50 times its size
                 budget = _bounds.Budget(tmp_path, size)
                 assert len(budget.unpack(kind, pack(bytes(most - 3)))) == most - 3

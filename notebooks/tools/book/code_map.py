@@ -28,7 +28,7 @@ STOREYS = (
     (
         "Around the methods",
         "experiments, files that go out, drawings, the whole way from log to map",
-        "experiments exports testing _warm _recipe plotting",
+        "experiments exports testing _warm _map_pipeline plotting",
     ),
     (
         "Entry points",

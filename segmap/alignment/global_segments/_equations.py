@@ -241,7 +241,7 @@ def feet(segments: Array, pairs: Pairs) -> tuple[Array, Indices, Indices]:
     return np.concatenate(gaps), i, j
 
 
-def settled(
+def settled_poses(
     scans: Scans, poses: Array, edges: Indices, held: NDArray[np.bool_], rules: Rules
 ) -> Array:
     """Poses `(k, 3)` after turning all, then shifting all, until nothing moves; metres, radians."""

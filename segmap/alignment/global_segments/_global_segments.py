@@ -125,7 +125,7 @@ def global_segments(
     ends = np.column_stack([place - 1, np.minimum(place, len(kept) - 1)])
     edges = np.unique(np.column_stack([np.repeat(rest, 2), kept[ends].ravel()]), axis=0)
     for stage in rules.finer():
-        poses = equations.settled(scans, poses, edges, held, stage)
+        poses = equations.settled_poses(scans, poses, edges, held, stage)
     pairs, _ = equations.corresponding(scans.world(poses), scans.first, edges, stage)
     reasons = _doubts(scans, poses, pairs)
     for k, before in zip(rest, place - 1, strict=True):
@@ -194,7 +194,7 @@ def _align_kept(
     stages = [(window, rules) for window in windows[:-1]]
     for window, stage in [*stages, *((np.inf, finer) for finer in rules.finer())]:
         edges = _overlapping(scans, poses, way, window, stage)
-        poses = equations.settled(scans, poses, edges, held, stage)
+        poses = equations.settled_poses(scans, poses, edges, held, stage)
         pairs, edge = equations.corresponding(scans.world(poses), scans.first, edges, stage)
         # Each group but the first moves whole: its first scan hangs on the one before it
         group = groups(pairs.i, pairs.j, len(poses))

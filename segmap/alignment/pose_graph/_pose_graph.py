@@ -24,25 +24,13 @@ from ...threads import Locked, locked
 from .._result import Alignment, Match, Outcome, alignment_method, checked_alignment, no_match
 from ..graph import REAL, Edge, Graph, loops_of
 from ..points import PointMap
+from . import _front_end, _wheels
 from ._front_end import MOST_SLIDE_M, MOST_SLIDE_RAD, OVERLAP_GAIN, SURE_OVERLAP, FrontEnd, Tracking
 from ._key_frames import loop_pairs, rollback_on_error
 from ._loop_closing import LOST_WINDOW_M, LoopCloser, LoopClosing, Window
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: Above `SURE_OVERLAP` nobody looks in twice the window; a place there has to hold `OVERLAP_GAIN`
-#: more of the scan, and at least this share of it.
-LEAST_FOUND_OVERLAP = 0.6
-#: A match within this turn of the odometry agrees with it: ordinary wheels err by 3 degrees a step.
-ODOMETRY_AGREES_RAD = np.radians(5)
-#: A match that does not agree with the odometry has to hold this much more of the scan, ...
-AGAINST_ODOMETRY_GAIN = 0.05
-#: ... and as much as a scan of half a round, radians, gains where it turns back to what it has
-#: seen. Intel's wheels err by up to 25 degrees: what agrees with them and is false holds 0.17 less,
-#: and more.
-HALF_ROUND_RAD = np.pi
-
 HalfSide = Annotated[Metres, at_most(20)]
 HalfTurn = Annotated[Radians, at_most(np.pi)]
 
@@ -207,11 +195,8 @@ class LiveGraph(Locked):
             match = self._search_and_register(
                 map, points, guess, 2 * self.window, 2 * self.window_angle
             )
-            best = (
-                match
-                if match.overlap > max(best.overlap + OVERLAP_GAIN, LEAST_FOUND_OVERLAP)
-                else best
-            )
+            least = max(best.overlap + OVERLAP_GAIN, _front_end.LEAST_FOUND_OVERLAP)
+            best = match if match.overlap > least else best
         if self._parts is not None and self._parts[0].measured():
             best = self._prefer_odometry(map, points, guess, best)
         if not best.matched:
@@ -222,14 +207,15 @@ class LiveGraph(Locked):
 
     def _prefer_odometry(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
         """The match, or one that agrees with the odometry's guess where it fits nearly as well."""
-        if not match.matched or abs(wrap(match.pose[2] - guess[2])) <= ODOMETRY_AGREES_RAD:
+        near = _wheels.ODOMETRY_AGREES_RAD
+        if not match.matched or abs(wrap(match.pose[2] - guess[2])) <= near:
             return match
-        other = self._search_and_register(map, points, guess, self.window, ODOMETRY_AGREES_RAD)
-        if not other.matched or abs(wrap(other.pose[2] - guess[2])) > ODOMETRY_AGREES_RAD:
+        other = self._search_and_register(map, points, guess, self.window, near)
+        if not other.matched or abs(wrap(other.pose[2] - guess[2])) > near:
             return match
         # By the guess it has turned so much since the last key frame, which is what it sees newly
         back = min(abs(wrap(match.pose[2] - other.pose[2])), abs(guess[2]))
-        more = AGAINST_ODOMETRY_GAIN + back / HALF_ROUND_RAD
+        more = _wheels.AGAINST_ODOMETRY_GAIN + back / _wheels.HALF_ROUND_RAD
         return match if match.overlap > other.overlap + more else other
 
     def _search_and_register(

@@ -276,7 +276,7 @@ class Unit:
         if self.trouble:
             return encode_reply(request.text, "50")
         turn = self.turn()
-        met = clustered(self._met(turn)[request.first : request.last + 1], request.cluster)
+        met = cluster_coded(self._met(turn)[request.first : request.last + 1], request.cluster)
         body = encode_scan(self._stamp(turn), met, CHARACTERS[request.kind])
         return encode_reply(request.text, status, body)
 
@@ -288,7 +288,7 @@ class Unit:
         return (self.stamp + round(1000 * self.model.turn * turn)) % (1 << 24)
 
 
-def clustered(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64]:
+def cluster_coded(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64]:
     """The smallest distance of each group; an error only where all are errors.
 
     Examples

@@ -40,7 +40,7 @@ def heading(text: str) -> str:
     return f'<h2 style="font-size: 15px; margin: 6px 0 2px">{as_html(text)}</h2>'
 
 
-def about(log: Log) -> str:
+def about_html(log: Log) -> str:
     """What a log is, in one paragraph of HTML."""
     named = [(log.name if word == "scans" else word, text) for word, text in facts(log)]
     lines = (f"<b>{as_html(word)}</b> {as_html(text)}" for word, text in named)

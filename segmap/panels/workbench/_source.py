@@ -95,7 +95,7 @@ class Source:
             raise ValueError(f"{log.name} must hold one scan at least, got none")
         self._taken(log, session)
         self.log, self.expression, self.ready = log, expression, True
-        self.about.value, self.wrong.value = _shown.about(log), ""
+        self.about.value, self.wrong.value = _shown.about_html(log), ""
         self.controls[0].value = log.name if expression == f"segmap.load({log.name!r})" else OWN
 
     def _opened(self, change: Any) -> None:

@@ -45,12 +45,12 @@ class Budget:
             frames = importlib.import_module("lz4.frame")
             found = frames.LZ4FrameDecompressor().decompress(data, self.left + 1)
         else:
-            found = _zstd().ZstdDecompressor().decompress(data, self.left + 1)
+            found = _zstd_bounded().ZstdDecompressor().decompress(data, self.left + 1)
         self.take(len(found))
         return found
 
 
-def _zstd() -> Any:
+def _zstd_bounded() -> Any:
     return importlib.import_module("rosbags.rosbag2.storage_mcap").zstd
 
 
@@ -110,6 +110,6 @@ def look_through(path: Path, kind: str | None, budget: Budget) -> None:
     elif kind == ".db3":
         _check_database(path)
     elif path.suffix in (".zstd", ".zst"):
-        with _zstd().open(path, "rb") as file:
+        with _zstd_bounded().open(path, "rb") as file:
             while part := file.read(1 << 20):
                 budget.take(len(part))

@@ -32,7 +32,7 @@ from .._lines import BROKEN, LATEST_TIME_S, LogError, Reading, open_bytes
 from .._mounting import Tilted, flat, level
 from .._raw_scans import Track, clean, known, known_truth
 from ._classes import PARSERS, Movement, Turn, Wheels
-from ._stream import Broken, Stream, Unknown, unpacked
+from ._stream import Broken, Stream, Unknown, unpacked_stream
 
 OBJECTS = ("CSensoryFrame", "CActionCollection", "CObservation", "CSimpleMap", "CRawlog")
 
@@ -69,7 +69,7 @@ class _Recording(Reading):
 
 def recorded(path: Path, on_error: str = "raise") -> _Recording:
     """All turns of lasers in a file, and what was left out; `place` is `(3,)`, in the plane."""
-    data, fault = unpacked(path)
+    data, fault = unpacked_stream(path)
     found, stream = _Recording(path, on_error), Stream(data, PARSERS)
     if fault:
         found.damaged(LogError(path, fault))

@@ -144,7 +144,7 @@ class Stream:
         raise self.broken(f"{what} is not known here, and its end was not found", start)
 
 
-def unpacked(path: Path) -> tuple[bytes, str]:
+def unpacked_stream(path: Path) -> tuple[bytes, str]:
     """All bytes of a file, and what is wrong where it is packed and ends too early."""
     most = max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * path.stat().st_size)
     parts: list[bytes] = []  # never more than `most`: a file may be made to fill the memory

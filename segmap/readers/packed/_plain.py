@@ -36,8 +36,10 @@ MARKS = {
     codecs.BOM_UTF16_LE: "utf-16",
     codecs.BOM_UTF16_BE: "utf-16",
 }
-#: Bytes of the front that are looked at, and those that are copied at once.
-FRONT_BYTES, CHUNK_BYTES = 1024, 1 << 20
+#: Bytes of the front that are looked at.
+FRONT_BYTES = 1024
+#: Bytes that are copied at once.
+CHUNK_BYTES = 1 << 20
 #: No options, and no table of loops, are longer.
 MOST_TEXT_BYTES = 10_000_000
 #: Names of so many files are listed.

@@ -24,7 +24,7 @@ from ._fit_kernels import (
     Room,
     assignment_cost,
     empty_room,
-    fit,
+    fit_cheapest_line,
     insert_ranked,
     load_member,
     rounded,
@@ -192,7 +192,7 @@ def _refit(state: State, room: Room, f: int, free: int, limits: Limits) -> int:
                 join_sums(room.sums, state.sums[i], room.sums)
             count, before = count + 1, before + state.cost[i, 0]
     most = before - LEAST_GAIN_SHARE * limits.penalty
-    if count == 0 or fit(state.s, room, count, limits, state.line[f], most) == np.inf:
+    if count == 0 or fit_cheapest_line(state.s, room, count, limits, state.line[f], most) == np.inf:
         return free
     _copy(state, room.line, free)
     _switch(state, free, limits)

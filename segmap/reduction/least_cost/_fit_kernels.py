@@ -213,7 +213,9 @@ def _assignment_line_cost(
 
 
 @compiled
-def fit(s: Array, room: Room, count: int, limits: Limits, guess: Array, most: float) -> float:
+def fit_cheapest_line(
+    s: Array, room: Room, count: int, limits: Limits, guess: Array, most: float
+) -> float:
     """Leave the segment of least cost for the members in `room.line`; its cost, `inf`: too dear.
 
     From the line of total least squares, `room.sums`, or that of a guess, whichever costs less, to

@@ -15,7 +15,7 @@ from ._fit_kernels import (
     Limits,
     Room,
     distance_between,
-    fit,
+    fit_cheapest_line,
     insert_ranked,
     load_member,
     rounded,
@@ -178,7 +178,7 @@ def _fit_pair(state: State, room: Room, a: int, b: int, limits: Limits) -> float
             i, count = state.after[i], count + 1
     long = state.drawn[b if _second_is_longer(state, a, b) else a]
     fitted[a, 0], fitted[a, 1], fitted[a, 2] = b, link[a, 1], link[b, 1]
-    fits[a, 4] = fit(state.s, room, count, limits, long, most)
+    fits[a, 4] = fit_cheapest_line(state.s, room, count, limits, long, most)
     for k in range(4):
         fits[a, k] = room.line[k // 2, k % 2]
     return fits[a, 4]

@@ -124,7 +124,7 @@ def fuzzy_clustering(
         for done, (begin, stop) in enumerate(rows.scans(), 1):
             starts: dict[Cell, list[Prototype]] = {}
             for i in range(begin, stop):
-                for place, start in clipped(s[i], cell, origin.tolist()):
+                for place, start in clipped_to_cells(s[i], cell, origin.tolist()):
                     starts.setdefault(place, []).append(start)
             own: dict[Cell, list[tuple[int, int]]] = {place: [] for place in starts}
             for i in range(begin, stop):
@@ -187,7 +187,7 @@ class Cluster:
             self.counts[i] = self.counts.get(i, 0) + count
 
 
-def clipped(s: Segment, cell: float, corner: Point) -> list[tuple[Cell, Prototype]]:
+def clipped_to_cells(s: Segment, cell: float, corner: Point) -> list[tuple[Cell, Prototype]]:
     """Step 1: a prototype for each piece of a segment, in the cells that it passes through."""
     (ax, ay), (bx, by) = s
     size, cuts = segment_length(s), {0.0, 1.0}
@@ -248,14 +248,14 @@ def alike(a: Cluster, b: Cluster, limits: Limits) -> bool:
     return gap_along(a.ends, b.ends, tb + turn / 2) <= gap + SAME
 
 
-def wall_of(cluster: Cluster) -> Cluster:
+def wall_of_cluster(cluster: Cluster) -> Cluster:
     """What a cluster is in by now: a wall of the buffer, or itself."""
-    return cluster if cluster.wall is None else wall_of(cluster.wall)
+    return cluster if cluster.wall is None else wall_of_cluster(cluster.wall)
 
 
 def unite(a: Cluster, b: Cluster) -> None:
     """Cluster, or wall, a absorbs b; what a is in then has what b is in."""
-    mine, its = wall_of(a), wall_of(b)
+    mine, its = wall_of_cluster(a), wall_of_cluster(b)
     a.absorb(b)
     b.wall = a
     if mine is not a and mine is not its:
@@ -288,5 +288,5 @@ def group_across(
         buffer.append(cluster.wall)
     for row, column in sorted(updated):
         around = [(row + r, column + c) for r in (-1, 0, 1) for c in (-1, 0, 1)]
-        near = {wall_of(c).place for place in around for c in cells.get(place, [])}
+        near = {wall_of_cluster(c).place for place in around for c in cells.get(place, [])}
         group([buffer[k] for k in sorted(near)], limits)

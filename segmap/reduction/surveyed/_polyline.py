@@ -85,7 +85,7 @@ def polyline(
                 members = [every[i] for i in chain]
                 corners = polyline_through(members, tolerance) if len(chain) > 1 else members[0]
                 owned = [nearest_piece(s, corners)[1] for s in members]
-                pieces = pieces_of(corners)
+                pieces = pieces_between(corners)
                 kept = [k for k, s in enumerate(pieces) if k in owned or math.dist(*s) <= bridge]
                 into[chain] = [len(map) + kept.index(k) for k in owned]
                 map += [pieces[k] for k in kept]
@@ -127,12 +127,12 @@ def chains(count: int, pairs: Sequence[tuple[int, int]]) -> list[list[int]]:
     return found
 
 
-def apart(u: Segment, v: Segment) -> float:
+def distance_between(u: Segment, v: Segment) -> float:
     """A 2.39: the smaller of the two directed Hausdorff distances, metres."""
     return min(max(point_to_segment(p, s) for p in t) for s, t in ((u, v), (v, u)))
 
 
-def pieces_of(corners: Sequence[Point]) -> list[Segment]:
+def pieces_between(corners: Sequence[Point]) -> list[Segment]:
     """The segments from corner to corner."""
     return [[a, b] for a, b in itertools.pairwise(corners)]
 
@@ -140,8 +140,8 @@ def pieces_of(corners: Sequence[Point]) -> list[Segment]:
 def nearest_piece(s: Segment, corners: Sequence[Point]) -> tuple[float, int]:
     """Distance of the nearest piece, metres, and which it is; ties: the first."""
     best, at = math.inf, 0
-    for k, piece in enumerate(pieces_of(corners)):
-        if (far := apart(s, piece)) < best - SAME:
+    for k, piece in enumerate(pieces_between(corners)):
+        if (far := distance_between(s, piece)) < best - SAME:
             best, at = far, k
     return best, at
 

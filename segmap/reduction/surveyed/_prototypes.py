@@ -12,8 +12,10 @@ from ...compiled import compiled
 from .._runner import Indices
 from .lines import SAME, Point
 
-#: Prototypes rest when no membership changes by more; they move so often at most.
-REST, MOST_MOVES = 1e-6, 100
+#: Prototypes rest when no membership changes by more.
+MEMBERSHIP_REST = 1e-6
+#: They move so often at most.
+MOST_MOVES = 100
 
 
 class Prototype(NamedTuple):
@@ -88,7 +90,7 @@ def settled(points: Array, starts: Array, noise: float) -> Array:
         if kept < k:
             k, known = kept, False
             continue
-        if k == 0 or (known and change < REST):
+        if k == 0 or (known and change < MEMBERSHIP_REST):
             break
         known = True
         for j in range(k):

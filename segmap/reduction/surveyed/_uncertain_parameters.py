@@ -24,8 +24,10 @@ from .lines import (
     spanning,
 )
 
-#: No fused line is known better than this, metres and radians.
-LEAST_RHO, LEAST_THETA = 0.001, 1e-4
+#: No fused line is known better than this, metres, ...
+LEAST_RHO_M = 0.001
+#: ... and radians.
+LEAST_THETA_RAD = 1e-4
 
 
 @checked
@@ -87,7 +89,7 @@ def uncertain_parameters(
         if isinstance(map, SegmentMap) and map.points is not None and map.first is not None:
             points, first = take_points(map.points, map.first, rows.source_row)
             beside = point_distance(points, np.repeat(s, np.diff(first), axis=0))
-            off = np.maximum.reduceat(beside, first[:-1]).clip(LEAST_RHO) if len(s) else off
+            off = np.maximum.reduceat(beside, first[:-1]).clip(LEAST_RHO_M) if len(s) else off
         walls, ends = list[UncertainWall](), np.empty((0, 2, 2))
         for begin, stop in rows.scans():
             for i in range(begin, stop):
@@ -137,7 +139,7 @@ class UncertainWall:
 def uncertain(s: Segment, eps: float, i: int) -> UncertainWall:
     """A 2.37: a segment whose points lie within eps, metres, of it."""
     theta = math.asin(min(1.0, 2 * eps / segment_length(s)))
-    return UncertainWall(s, max(eps, LEAST_RHO), theta, [i])
+    return UncertainWall(s, max(eps, LEAST_RHO_M), theta, [i])
 
 
 def fused(walls: Sequence[UncertainWall], origin: str) -> UncertainWall:
@@ -167,7 +169,7 @@ def fused(walls: Sequence[UncertainWall], origin: str) -> UncertainWall:
     known_theta = sum(1 / wall.sigma_theta**2 for wall in walls)
     return UncertainWall(
         ends,
-        max(known_rho**-0.5, LEAST_RHO),
-        max(known_theta**-0.5, LEAST_THETA),
+        max(known_rho**-0.5, LEAST_RHO_M),
+        max(known_theta**-0.5, LEAST_THETA_RAD),
         [i for wall in walls for i in wall.members],
     )
