@@ -127,7 +127,7 @@ def chains(count: int, pairs: Sequence[tuple[int, int]]) -> list[list[int]]:
     return found
 
 
-def distance_between(u: Segment, v: Segment) -> float:
+def distance_to_piece(u: Segment, v: Segment) -> float:
     """A 2.39: the smaller of the two directed Hausdorff distances, metres."""
     return min(max(point_to_segment(p, s) for p in t) for s, t in ((u, v), (v, u)))
 
@@ -141,7 +141,7 @@ def nearest_piece(s: Segment, corners: Sequence[Point]) -> tuple[float, int]:
     """Distance of the nearest piece, metres, and which it is; ties: the first."""
     best, at = math.inf, 0
     for k, piece in enumerate(pieces_between(corners)):
-        if (far := distance_between(s, piece)) < best - SAME:
+        if (far := distance_to_piece(s, piece)) < best - SAME:
             best, at = far, k
     return best, at
 
