@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array, Metres, Quantity, Radians, Segments, at_most, checked
 from ...compiled import compiled
+from ...kernels import SAME
 from ...segments import SegmentMap, length, take_points
 from ...segments import angle as angle_of
 from .._runner import (
@@ -24,8 +25,6 @@ from .._runner import (
 
 #: Above this share of length along no axis, the building is not one for this method.
 SLANTED = 0.25
-#: Angles closer than this, radians, are equal.
-SAME = 1e-9
 
 
 @checked
@@ -154,7 +153,7 @@ def _laid(
 
 
 @compiled
-def whole(value: float) -> int:
+def nanometres(value: float) -> int:
     """Metres as whole nanometres: what differs by rounding is equal."""
     return int(np.floor(value * 1e9 + 0.5))
 
@@ -162,12 +161,12 @@ def whole(value: float) -> int:
 @compiled
 def before(walls: Array, first: Indices, f: int, g: int) -> bool:
     """Step 4: the precise one comes first, then the one with the first input."""
-    e, other = whole(walls[f, 3]), whole(walls[g, 3])
+    e, other = nanometres(walls[f, 3]), nanometres(walls[g, 3])
     return e < other or (e == other and first[f] < first[g])
 
 
 @compiled
-def apart(walls: Array, f: int, g: int, limits: Array) -> float:
+def rectangles_apart(walls: Array, f: int, g: int, limits: Array) -> float:
     """How far two rectangles are apart, metres; infinite beyond a limit or for another axis."""
     across = abs(walls[f, 0] - walls[g, 0])
     along = max(0.0, max(walls[f, 1], walls[g, 1]) - min(walls[f, 2], walls[g, 2]))
@@ -180,16 +179,20 @@ def partner(walls: Array, first: Indices, into: Indices, count: int, f: int, lim
     """The nearest of the rectangles that are left, to a nanometre; ties: by `before`; or -1."""
     best = -1
     for g in range(count):
-        far = apart(walls, f, g, limits) if into[g] == g else np.inf
+        far = rectangles_apart(walls, f, g, limits) if into[g] == g else np.inf
         if far < np.inf:
-            closer = -1 if best < 0 else whole(far) - whole(apart(walls, f, best, limits))
+            closer = (
+                -1
+                if best < 0
+                else nanometres(far) - nanometres(rectangles_apart(walls, f, best, limits))
+            )
             if closer < 0 or (closer == 0 and before(walls, first, g, best)):
                 best = g
     return best
 
 
 @compiled
-def merge(f: Array, g: Array, out: Array) -> None:
+def merge_rectangles(f: Array, g: Array, out: Array) -> None:
     """Step 5: the precise one counts for more; the error covers both and is never the better's."""
     out[0] = (f[0] / f[3] + g[0] / g[3]) / (1 / f[3] + 1 / g[3])
     out[1], out[2] = min(f[1], g[1]), max(f[2], g[2])
@@ -217,10 +220,10 @@ def merge_all(walls: Array, first: Indices, count: int, limits: Array) -> Indice
         if g < 0:
             alone[f] = True
             continue
-        merge(walls[f], walls[g], walls[count])
+        merge_rectangles(walls[f], walls[g], walls[count])
         first[count] = min(first[f], first[g])
         into[f] = into[g] = count
         for h in range(count):
-            if apart(walls, count, h, limits) < np.inf:
+            if rectangles_apart(walls, count, h, limits) < np.inf:
                 alone[h] = False
         count += 1
