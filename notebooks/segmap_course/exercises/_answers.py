@@ -1,8 +1,8 @@
 """What a function answers to cases, and when two answers are the same.
 
 An answer is a plain value, as it comes back from another process too (see `_sandbox_protocol`); or
-`Raised`, the exception in its place; or `Other`, for something that is no plain value. The stub's answer is
-None.
+`Raised`, the exception in its place; or `Other`, for something that is no plain value. The answer
+of the stub is None.
 """
 
 from __future__ import annotations
