@@ -25,7 +25,9 @@ from .segments import SegmentMap, main_direction
 from .threads import computed
 
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
-LEAST_SCANS = 2  #: of so many a map is kept where the work is stopped
+#: Of so many scans a map is kept where the work is stopped.
+LEAST_SCANS = 2
+
 #: The options of `segmap map` that name a function, and how those of its thresholds begin.
 BEGIN = {"align": "align_", "extract": "extract_", "method": "", "second": "second_"}
 
@@ -229,11 +231,8 @@ class Pipeline:
     @computed
     def alignment(self) -> Alignment:
         """The poses in the frame of the map."""
-        return (
-            self.alignment_in_log_frame.turned(self.turn)
-            if self.turn
-            else self.alignment_in_log_frame
-        )
+        found = self.alignment_in_log_frame
+        return found.turned(self.turn) if self.turn else found
 
     @computed
     def log_without_passers(self) -> Log:

@@ -46,6 +46,7 @@ BACK_OFF = (0.1, 2.0)
 PACE_SCANS = 11
 #: So many times slower than asked is slow.
 SLOW_PACE_RATIO = 1.5
+
 Step = Annotated[Count, at_least(0)]
 Cluster = Annotated[Count, at_most(99)]
 
@@ -60,8 +61,7 @@ class UrgSensor:
     ----------
     port : str or Path or Port
         A device; "auto" for the one Hokuyo on USB; `tcp://host` or `tcp://host:port` of one on
-        Ethernet, port 10940 where none is named; or an open port, as `serial.Serial` is, that
-        does not wait for ever.
+        Ethernet, port 10940 where none is named; or an open port that does not wait for ever.
     rates : sequence of int, bits a second
         To look for the sensor at; it is then switched to the first. USB takes any, Ethernet none.
     reconnect : float

@@ -134,7 +134,7 @@ def outcome():
         alignment=SimpleNamespace(seconds=1.25, doubt="a & b"),
         verdict=SimpleNamespace(grade="doubtful", words="HALF <a> map"),
         reductions=some,
-        found=lambda: found,
+        results=lambda: found,
     )
 
 
@@ -245,7 +245,7 @@ def test_a_log_is_taken_by_its_name_its_path_or_itself(source, tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     path.value = "x.log"
     ((function, given, then, failed),) = begun
-    assert given == (str(tmp_path), "x.log") and function.__name__ == "_read"
+    assert given == (str(tmp_path), "x.log") and function.__name__ == "_read_in_folder"
     failed("x.log: <is> none")
     assert (made.ready, made.about.value) == (False, "no log: choose one")
     assert made.wrong.value == "x.log: &lt;is&gt; none" and made.log.name == "room"

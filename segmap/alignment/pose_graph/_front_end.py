@@ -35,9 +35,6 @@ Matcher = Callable[[PointMap, Array, Array], Match]
 
 #: Without odometry a step is looked for anew where at most this share of the scan lies on the map.
 SURE_OVERLAP = 0.7
-#: Above `SURE_OVERLAP` nobody looks in twice the window; a place there has to hold `OVERLAP_GAIN`
-#: more of the scan, and at least this share of it.
-LEAST_FOUND_OVERLAP = 0.6
 #: The place that is found must hold so much more of the scan: below it false places match.
 OVERLAP_GAIN = 0.1
 #: The search for a lost scan reaches at least so far about the last place, metres.

@@ -24,13 +24,24 @@ from ...threads import Locked, locked
 from .._result import Alignment, Match, Outcome, alignment_method, checked_alignment, no_match
 from ..graph import REAL, Edge, Graph, loops_of
 from ..points import PointMap
-from . import _front_end, _wheels
 from ._front_end import MOST_SLIDE_M, MOST_SLIDE_RAD, OVERLAP_GAIN, SURE_OVERLAP, FrontEnd, Tracking
 from ._key_frames import loop_pairs, rollback_on_error
 from ._loop_closing import LOST_WINDOW_M, LoopCloser, LoopClosing, Window
 
 if TYPE_CHECKING:
     import pandas as pd
+
+#: Above `SURE_OVERLAP` nobody looks in twice the window; a place there has to hold `OVERLAP_GAIN`
+#: more of the scan, and at least this share of it.
+LEAST_OVERLAP = 0.6
+#: A match within this turn of the odometry agrees with it: ordinary wheels err by 3 degrees a step.
+ODOMETRY_AGREES_RAD = np.radians(5)
+#: A match that does not agree with the odometry has to hold this much more of the scan, ...
+AGAINST_ODOMETRY_GAIN = 0.05
+#: ... and as much as half a round, radians, gains where it turns back. Intel's wheels err by up to
+#: 25 degrees: what agrees with them and is false holds 0.17 less, and more.
+HALF_ROUND_RAD = np.pi
+
 HalfSide = Annotated[Metres, at_most(20)]
 HalfTurn = Annotated[Radians, at_most(np.pi)]
 
@@ -78,8 +89,7 @@ def pose_graph(
     Returns
     -------
     Alignment
-        With the graph. A scan without a match carries the odometry step; loops tie what follows to
-        the rest again.
+        With the graph. A scan without a match carries the odometry step; loops tie the rest again.
 
     Examples
     --------
@@ -103,8 +113,7 @@ def pose_graph(
 class Placed(NamedTuple):
     """Where a scan lies, `(3,)`, metres and radians, and whether it moved the ones before it.
 
-    `closed` says whether loops that it closed moved earlier poses: what was drawn from those is out
-    of date.
+    `closed` says whether loops that it closed moved earlier poses: drawings of those are old.
     """
 
     pose: Array
@@ -190,12 +199,10 @@ class LiveGraph(Locked):
         robot far from it gives way to one that agrees and fits nearly as well: a scan that turns
         fits best where it sees nothing new. Along a direction that no wall faces the guess holds.
         """
-        best = self._search_and_register(map, points, guess, self.window, self.window_angle)
+        best = self._search(map, points, guess, self.window, self.window_angle)
         if not (best.matched and best.overlap > SURE_OVERLAP):
-            match = self._search_and_register(
-                map, points, guess, 2 * self.window, 2 * self.window_angle
-            )
-            least = max(best.overlap + OVERLAP_GAIN, _front_end.LEAST_FOUND_OVERLAP)
+            match = self._search(map, points, guess, 2 * self.window, 2 * self.window_angle)
+            least = max(best.overlap + OVERLAP_GAIN, LEAST_OVERLAP)
             best = match if match.overlap > least else best
         if self._parts is not None and self._parts[0].measured():
             best = self._prefer_odometry(map, points, guess, best)
@@ -207,18 +214,17 @@ class LiveGraph(Locked):
 
     def _prefer_odometry(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
         """The match, or one that agrees with the odometry's guess where it fits nearly as well."""
-        near = _wheels.ODOMETRY_AGREES_RAD
-        if not match.matched or abs(wrap(match.pose[2] - guess[2])) <= near:
+        if not match.matched or abs(wrap(match.pose[2] - guess[2])) <= ODOMETRY_AGREES_RAD:
             return match
-        other = self._search_and_register(map, points, guess, self.window, near)
-        if not other.matched or abs(wrap(other.pose[2] - guess[2])) > near:
+        other = self._search(map, points, guess, self.window, ODOMETRY_AGREES_RAD)
+        if not other.matched or abs(wrap(other.pose[2] - guess[2])) > ODOMETRY_AGREES_RAD:
             return match
         # By the guess it has turned so much since the last key frame, which is what it sees newly
         back = min(abs(wrap(match.pose[2] - other.pose[2])), abs(guess[2]))
-        more = _wheels.AGAINST_ODOMETRY_GAIN + back / _wheels.HALF_ROUND_RAD
+        more = AGAINST_ODOMETRY_GAIN + back / HALF_ROUND_RAD
         return match if match.overlap > other.overlap + more else other
 
-    def _search_and_register(
+    def _search(
         self, map: PointMap, points: Array, guess: Array, reach: float, turn: float
     ) -> Match:
         """The best place in a window about a guess; half sides in metres and radians."""
@@ -323,10 +329,7 @@ class LiveGraph(Locked):
         >>> graph.loops()[["first", "second", "scans"]].values.tolist()
         [[2, 9, 7]]
         """
-        (old, at), (new, there) = (
-            self._key_frame_of(first, "first"),
-            self._key_frame_of(second, "second"),
-        )
+        (old, at), (new, there) = self._frame_of(first, "first"), self._frame_of(second, "second")
         assert self._parts is not None
         closer = self._parts[1]
         window = Window(old, np.zeros(3), LOST_WINDOW_M, np.pi)
@@ -341,10 +344,7 @@ class LiveGraph(Locked):
         as sure as a match in a real building. It is one of `loops`, and can be vetoed.
         """
         relative = arrays.pose(pose, "pose")
-        (old, at), (new, there) = (
-            self._key_frame_of(first, "first"),
-            self._key_frame_of(second, "second"),
-        )
+        (old, at), (new, there) = self._frame_of(first, "first"), self._frame_of(second, "second")
         if old == new:
             raise ValueError(f"second must hang on another key frame than {first}, got {second}")
         motion = compose(compose(at, relative), inverse(there))
@@ -353,7 +353,7 @@ class LiveGraph(Locked):
         with self._mending() as closer:
             closer.believe([Edge(old, new, motion, np.linalg.inv(REAL), True, True)])
 
-    def _key_frame_of(self, scan: int, name: str) -> tuple[int, Array]:
+    def _frame_of(self, scan: int, name: str) -> tuple[int, Array]:
         """The key frame that a scan hangs on, and its pose there."""
         scan = arrays.whole(scan, name, least=0)
         if self._parts is None or scan >= len(self):

@@ -28,14 +28,6 @@ HEADING_ERROR_RAD = math.radians(0.5)
 HEADING_ERROR_RAD_PER_M = 0.03
 #: ... and by so many radians a radian.
 HEADING_ERROR_RAD_PER_RAD = 0.05
-#: A match within this turn of the odometry agrees with it: ordinary wheels err by 3 degrees a step.
-ODOMETRY_AGREES_RAD = math.radians(5)
-#: A match that does not agree with the odometry has to hold this much more of the scan, ...
-AGAINST_ODOMETRY_GAIN = 0.05
-#: ... and as much as a scan of half a round, radians, gains where it turns back to what it has
-#: seen. Intel's wheels err by up to 25 degrees: what agrees with them and is false holds 0.17 less,
-#: and more.
-HALF_ROUND_RAD = math.pi
 #: The last so many matches tell how much more these wheels err.
 RECENT_MATCHES = 100
 #: Fewer matches do not tell.

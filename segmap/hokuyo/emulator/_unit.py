@@ -293,7 +293,7 @@ def cluster_coded(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64
 
     Examples
     --------
-    >>> clustered(np.array([300, 200, 7, 500, 7]), 2)
+    >>> cluster_coded(np.array([300, 200, 7, 500, 7]), 2)
     array([200, 500,   7])
     """
     filled = np.append(millimetres, np.repeat(millimetres[-1:], -len(millimetres) % max(size, 1)))

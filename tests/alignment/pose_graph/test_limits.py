@@ -217,7 +217,7 @@ def test_in_twice_the_window_a_place_must_hold_more(near, far, taken):
     asked, both = [], [place(overlap=abs(x), matched=x > 0) for x in (near, far)]
 
     class Graph(LiveGraph):
-        def _search_and_register(self, map, points, guess, reach, turn):
+        def _search(self, map, points, guess, reach, turn):
             asked.append((reach, turn))
             return both[len(asked) - 1]
 
@@ -240,9 +240,7 @@ def test_along_what_no_wall_faces_the_guess_counts(wall, x):
 )
 def test_a_match_that_slides_from_where_the_search_began_is_none(x, degrees, matched):
     map = Scripted((ZERO, 0.9, place(0, x, degrees)))
-    assert (
-        LiveGraph()._search_and_register(map, np.zeros((9, 2)), ZERO, 0.5, 0.5).matched == matched
-    )
+    assert LiveGraph()._search(map, np.zeros((9, 2)), ZERO, 0.5, 0.5).matched == matched
 
 
 # ------------------------------------------------------------------ key frames and parts

@@ -183,7 +183,7 @@ def test_what_agrees_with_the_odometry_may_fit_less_well(heading, turned, less, 
         return Match(pose, np.eye(3), matched, "", overlap)
 
     class Graph(LiveGraph):
-        def _search_and_register(self, map, points, guess, reach, turn):
+        def _search(self, map, points, guess, reach, turn):
             assert (reach, turn) == (0.5, pytest.approx(np.radians(5)))
             return self.other
 
