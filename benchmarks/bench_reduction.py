@@ -22,9 +22,9 @@ TARGETS = {
     "fusion": "<= 50 ms",
     "least_cost": "<= 150 ms at 20",
     "segment_similarity": "<= 200 ms",
-    "uncertain_parameters": "<= 100 ms",
-    "polyline": "<= 200 ms",
-    "fuzzy_clustering": "<= 100 ms",
+    "uncertain_parameters": "<= 300 ms",
+    "polyline": "<= 600 ms",
+    "fuzzy_clustering": "<= 600 ms",
 }
 
 

@@ -227,7 +227,8 @@ def stretches(claims: Sequence[View], size: float) -> list[tuple[float, float, i
             continue
         middle = (begin + end) / 2
         near = [(v.off, c) for c, v in enumerate(claims) if v.t0 <= middle <= v.t1]
-        best = next((c for off, c in near if off <= min(near)[0] + 1e-12), -1)
+        least = min(near, default=(0.0, -1))[0]
+        best = next((c for off, c in near if off <= least + 1e-12), -1)
         if found and found[-1][2] == best:
             found[-1] = found[-1][0], end, best
         else:
