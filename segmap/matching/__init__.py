@@ -9,12 +9,13 @@ from ._merge import merge
 from ._particles import Particles, particle_mapping, particle_paths
 from ._route import NoRoute, route
 from ._scores import descent_score, distance_score, nearest_score, occupancy_score
-from ._search import Places, search
+from ._search import Places, Uncertainty, search
 from ._weights import effective_number, systematic
 
 __all__ = [
     "MATCHERS", "SCORES", "Belief", "DistanceField", "LiveMap", "NoRoute", "Particles", "Places",
-    "Score", "Step", "descent_score", "distance_score", "effective_number", "field_score",
-    "hill_climb", "localize", "map_scans", "merge", "nearest_score", "occupancy_score",
-    "particle_mapping", "particle_paths", "route", "sample_and_rank", "search", "systematic",
+    "Score", "Step", "Uncertainty", "descent_score", "distance_score", "effective_number",
+    "field_score", "hill_climb", "localize", "map_scans", "merge", "nearest_score",
+    "occupancy_score", "particle_mapping", "particle_paths", "route", "sample_and_rank", "search",
+    "systematic",
 ]  # fmt: skip

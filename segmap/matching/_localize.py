@@ -18,7 +18,7 @@ from ..scans import LaserScan
 from ..segments import SegmentMap
 from ._field import either_map
 from ._likelihoods import Likelihoods
-from ._search import distinct_places, sample_beams
+from ._search import Uncertainty, distinct_places, sample_beams
 from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 
 #: A robot whose scans fit worse is lost: the wrong building has .50 to .75.
@@ -71,8 +71,8 @@ class Belief(NamedTuple):
     `pose`, (3,) array, and `covariance`, (3, 3), metres and radians, are mean and spread of the
     particles at the likeliest place; `share` is that of the weight there; `fit` is how well the
     scans fit, 0 to 1: the mean over the last few, as in `search`. `reason` is empty where the robot
-    is found, and says else "not yet: 3 places" or that it is lost. `poses` (n, 3) and `weights`
-    (n,) are the particles.
+    is found, and says else "not yet: 3 places" or that it is lost; `uncertainty` is its kind.
+    `poses` (n, 3) and `weights` (n,) are the particles.
     """
 
     pose: Array
@@ -82,6 +82,7 @@ class Belief(NamedTuple):
     reason: str
     poses: Array
     weights: Array
+    uncertainty: Uncertainty = Uncertainty.NONE
 
     @property
     def found(self) -> bool:
@@ -216,7 +217,7 @@ def predict(
 def fresh_poses(map: Likelihoods, ends: Array, count: int, rng: np.random.Generator) -> Array:
     """Poses at all places that explain a scan, `(count, 3)` or none."""
     places = distinct_places(map, ends, margin=PLACE_SCORE_MARGIN, most_places=MOST_FRESH_PLACES)
-    if not len(places) or "more than" in places.reason:
+    if not len(places) or places.uncertainty == Uncertainty.TOO_MANY_PLACES:
         return np.zeros((0, 3))
     chosen = np.arange(count) % len(places)
     roots = np.linalg.cholesky(places.covariances)[chosen]
@@ -283,7 +284,8 @@ def estimate(
     """The likeliest of the places, and what is known of it; it must fit so well."""
     if not places:
         unknown = np.full(3, np.nan), np.full((3, 3), np.nan)
-        return Belief(*unknown, 0.0, fit, "lost: no place explains the scan", poses, weights)
+        words, kind = "lost: no place explains the scan", Uncertainty.NO_PLACE
+        return Belief(*unknown, 0.0, fit, words, poses, weights, kind)
     shares = np.array([weights[place].sum() for place in places])
     place, share = places[int(np.argmax(shares))], float(shares.max())
     weight = weights[place] / share
@@ -292,11 +294,11 @@ def estimate(
     mean = weight @ flat
     covariance = np.asarray(((flat - mean).T * weight) @ (flat - mean))
     pose = np.array([mean[0], mean[1], float(wrap(mean[2] + poses[place[0], 2]))])
-    reason = ""
+    kind, reason = Uncertainty.NONE, ""
     if fit < LOST_FIT:
-        reason = f"lost: the best pose fits to {fit:.2f} only"
+        kind, reason = Uncertainty.LOST, f"lost: the best pose fits to {fit:.2f} only"
     elif fit < least:
-        reason = f"not yet: the best place fits to {fit:.2f} only"
+        kind, reason = Uncertainty.POOR_FIT, f"not yet: the best place fits to {fit:.2f} only"
     elif len(places) > 1:
-        reason = f"not yet: {len(places)} places"
-    return Belief(pose, covariance, share, fit, reason, poses, weights)
+        kind, reason = Uncertainty.SEVERAL_PLACES, f"not yet: {len(places)} places"
+    return Belief(pose, covariance, share, fit, reason, poses, weights, kind)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +40,18 @@ MOST_LEAVES = 2**16
 SHIFTS = np.stack(np.meshgrid(*[np.arange(-4, 5)] * 3), -1).reshape(-1, 3)
 
 
+class Uncertainty(StrEnum):
+    """Why it is not known where the robot is; empty where it is. Code asks for these, not words."""
+
+    NONE = ""
+    NO_PLACE = "no place explains the scan"
+    SEVERAL_PLACES = "several places explain it"
+    TOO_MANY_PLACES = "more places explain it than are listed"
+    POOR_FIT = "the best place does not fit well"
+    NOT_FINISHED = "the search was stopped"
+    LOST = "the robot was found and is lost"
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Places:
     """Where on a map a scan may have been taken, the best place first.
@@ -56,6 +69,8 @@ class Places:
         Why the first place is not the only one, or not believed; empty where it is.
     nodes
         So many blocks of poses were looked into.
+    uncertainty
+        The kind of the reason.
     """
 
     poses: Array
@@ -64,6 +79,7 @@ class Places:
     covariances: Array
     reason: str
     nodes: int
+    uncertainty: Uncertainty = Uncertainty.NONE
 
     @property
     def found(self) -> bool:
@@ -151,7 +167,7 @@ def distinct_places(
     """The places of points `(n, 2)`, metres: see `search`."""
     if not len(points):
         none = np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros((0, 3, 3))
-        return Places(*none, "no beam of the scan has an end", 0)
+        return Places(*none, "no beam of the scan has an end", 0, Uncertainty.NO_PLACE)
     used = sample_beams(np.clip(points, -FAR_AWAY, FAR_AWAY), beams)
     scan, step = _cells_by_heading(map, used)
     full = 255 * len(used)
@@ -162,19 +178,20 @@ def distinct_places(
     poses[:, :2] = map.corner + (leaves[:, 2:] + 0.5) * map.size
     poses[:, 2] = wrap(leaves[:, 1] * step)
     chosen = first_distinct(poses, most_places + 1)
-    reason = stopped
-    if not stopped and not len(chosen):
-        reason = f"no pose scores {least:.6g}"
-    elif len(chosen) > 1:
-        count = f"more than {most_places}" if len(chosen) > most_places else len(chosen)
-        reason = reason or f"{count} places explain it"
-    chosen = chosen[:most_places]
+    many, chosen = len(chosen), chosen[:most_places]
     fits = map.fits(used, poses[chosen])
-    if len(chosen) and not reason and fits[0] < SURE_FIT:
-        reason = f"the best place fits it to {fits[0]:.2f} only"
+    kind, reason = stopped
+    if not reason and not many:
+        kind, reason = Uncertainty.NO_PLACE, f"no pose scores {least:.6g}"
+    elif not reason and many > most_places:
+        kind, reason = Uncertainty.TOO_MANY_PLACES, f"more than {most_places} places explain it"
+    elif not reason and many > 1:
+        kind, reason = Uncertainty.SEVERAL_PLACES, f"{many} places explain it"
+    elif not reason and fits[0] < SURE_FIT:
+        kind, reason = Uncertainty.POOR_FIT, f"the best place fits it to {fits[0]:.2f} only"
     spreads = [_leaf_covariance(map, scan, leaves[k], step) for k in chosen]
     scores, covariances = leaves[chosen, 0] / full, np.reshape(spreads, (-1, 3, 3))
-    return Places(poses[chosen], scores, fits, covariances, reason, looked)
+    return Places(poses[chosen], scores, fits, covariances, reason, looked, kind)
 
 
 def _cells_by_heading(map: Likelihoods, points: Array) -> tuple[Counts, float]:
@@ -193,7 +210,7 @@ def _cells_by_heading(map: Likelihoods, points: Array) -> tuple[Counts, float]:
 
 def _leaves(
     map: Likelihoods, scan: Counts, least: int, slack: int, nodes: int | None
-) -> tuple[Cells, int, str]:
+) -> tuple[Cells, int, tuple[Uncertainty, str]]:
     """Poses with a sum of at least `least`, and at most `slack` below the best: sum, heading,
     column and row; how many blocks were looked into, and why not all."""
     rows, columns = map.shape
@@ -205,14 +222,14 @@ def _leaves(
     order = order[np.argsort(-bound[order], kind="stable")]
     blocks = np.stack([bound[order], *np.unravel_index(order, (len(scan), up, across))], -1)
     state, leaves = np.array([least, 0, 0, len(bound)]), np.empty((MOST_LEAVES, 4), np.int64)
-    todo, stopped = np.empty((3 * TOP + 4, 4), np.int64), ""
-    while state[2] < len(blocks) and not stopped:
+    todo, stopped = np.empty((3 * TOP + 4, 4), np.int64), (Uncertainty.NONE, "")
+    while state[2] < len(blocks) and not stopped[0]:
         portion = PORTION if nodes is None else max(min(PORTION, nodes - int(state[3])), 1)
         branch_and_bound(grid, blocks, least, slack, portion, todo, state, leaves)
         if state[1] == MOST_LEAVES:
-            stopped = f"it fits at more than {MOST_LEAVES} poses"
+            stopped = Uncertainty.TOO_MANY_PLACES, f"it fits at more than {MOST_LEAVES} poses"
         elif nodes is not None and state[3] >= nodes and state[2] < len(blocks):
-            stopped = f"the search stopped after {state[3]} blocks"
+            stopped = Uncertainty.NOT_FINISHED, f"the search stopped after {state[3]} blocks"
     kept = leaves[: state[1]]
     return kept[kept[:, 0] >= max(state[0] - slack, least)], int(state[3]), stopped
 

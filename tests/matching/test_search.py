@@ -5,8 +5,9 @@ import pytest
 from conftest import slow
 from segmap_course import literal
 
+from segmap import load
 from segmap.angles import wrap
-from segmap.matching import DistanceField, Places, search
+from segmap.matching import DistanceField, Places, Uncertainty, localize, search
 from segmap.matching import _likelihoods as likelihoods
 from segmap.matching import _search as inner
 from segmap.poses import compose, transform
@@ -259,3 +260,18 @@ def test_a_map_is_of_either_kind():
     for large in (wide, SegmentMap([[(0, 0), (1e5, 0)]])):
         with pytest.raises(ValueError, match="too large"):
             search(large, scan)
+
+
+def test_why_a_place_is_not_believed_has_a_kind_beside_its_words():
+    """Catches code that would have to ask for words: a rewording changes who is found."""
+    log = load("room")
+    map = build_map(log, log.truth)
+    kinds = {
+        search(map, log[20]).uncertainty: Uncertainty.NONE,
+        search(map, log[20], least=1.0).uncertainty: Uncertainty.NO_PLACE,
+        search(map, log[20], margin=0.6, least=0.2).uncertainty: Uncertainty.TOO_MANY_PLACES,
+        search(map, log[20], nodes=1).uncertainty: Uncertainty.NOT_FINISHED,
+    }
+    assert all(found == wanted for found, wanted in kinds.items())
+    belief = list(localize(map, log[:12], rng=np.random.default_rng(1)))[-1]
+    assert (belief.uncertainty == Uncertainty.NONE) == belief.found == (not belief.reason)

@@ -38,6 +38,9 @@ STRAIGHT_STRETCH_M = 10.0
 #: real logs needed up to 3.7 degrees, a ring of 60 m radius 9.
 MOST_BEND_RAD = np.radians(4.0)
 
+#: Why a scan is not used that was taken while the robot turned.
+WHILE_TURNING = "taken while turning"
+
 
 @dataclass(frozen=True)
 class Thresholds(Settings):
@@ -199,7 +202,7 @@ class _Backbone:
         if k and not self.trail.measured(k):
             return "no odometry from the scan before"
         if k and abs(self.trail.step()[2]) > self.t.turning:
-            return "taken while turning"
+            return WHILE_TURNING
         near = np.hypot(*(guess - self.last)[:2]) < self.t.step
         return f"less than {self.t.step:g} m from the last scan used" if near else ""
 
@@ -256,7 +259,7 @@ def _bend_corrected(steps: Sequence[BackboneStep]) -> float:
     """Median over whole stretches of the sum of rotations while not turning, radians."""
     poses: Array = np.array([s.pose for s in steps])
     way = np.append(0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T)))
-    straight = [0.0 if "turning" in s.reason else s.rotation for s in steps]
+    straight = [0.0 if s.reason == WHILE_TURNING else s.rotation for s in steps]
     sums = np.bincount((way // STRAIGHT_STRETCH_M).astype(int), straight)[
         : int(way[-1] // STRAIGHT_STRETCH_M)
     ]
