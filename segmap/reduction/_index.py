@@ -58,13 +58,6 @@ def empty_index(count: int, unit: float) -> Index:
     return Index(box, link, head, np.zeros((65, 2)), float(unit))
 
 
-def wider(index: Index, count: int) -> Index:
-    """The same index, with room for so many boxes, more than before."""
-    box, link = np.empty((count, 4)), np.full((count, 4), -1)
-    box[: len(index.box)], link[: len(index.box)] = index.box, index.link
-    return index._replace(box=box, link=link)
-
-
 @compiled
 def _address(column: int, row: int, level: int) -> int:
     """A number for a cell, other than that of all near it: cells of a column stand side by side."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from segmap.reduction._index import empty_index, enter, meeting, take_out, wider
+from segmap.reduction._index import empty_index, enter, meeting, take_out
 
 
 @pytest.mark.parametrize("unit", [0.02, 0.3, 300.0])
@@ -14,9 +14,8 @@ def test_what_meets_is_found_once_and_nothing_else(unit, shift):
     size = 10 ** rng.uniform(-2, 1.5, (400, 1, 1))
     s = rng.uniform(-8, 8, (400, 1, 2)) + shift + size * rng.uniform(-0.5, 0.5, (400, 2, 2))
     reach = np.where(np.arange(400) % 2, 0.0, 0.1)
-    index, found = empty_index(300, unit), np.empty(401, np.int64)
+    index, found = empty_index(400, unit), np.empty(401, np.int64)
     for i in range(400):
-        index = wider(index, 400) if i == 300 else index
         enter(index, i, s[i], reach[i])
     for i in range(0, 400, 3):
         take_out(index, i)
