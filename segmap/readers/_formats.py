@@ -8,17 +8,14 @@ from pathlib import Path
 from . import bags, mrpt, tables
 from ._lines import Lines, UnknownFormat
 from ._text import Binary, TextFormat
-from .carmen import Carmen, DpSlam, GMapping, Player, WeanHall
-from .graphs import G2o
-from .tables import CoreSlam, HokuyoText, Ld19, Rawseeds, RpLidar
+from .carmen import CARMEN_FORMATS
+from .graphs import GRAPH_FORMATS
+from .tables import TABLE_FORMATS
 
 #: These are asked first, in this order.
 BINARY_FORMATS: tuple[Binary, ...] = (bags.BAG, mrpt.MRPT, *tables.TABLE_FILES)
 FOLDER_FORMATS: tuple[Binary, ...] = (bags.BAG, *tables.TABLE_FOLDERS)
-TEXT_FORMATS: tuple[type[TextFormat], ...] = (
-    *(Carmen, GMapping, G2o, Player, DpSlam, WeanHall, HokuyoText, CoreSlam),
-    *(RpLidar, Ld19, Rawseeds),
-)
+TEXT_FORMATS: tuple[type[TextFormat], ...] = (*CARMEN_FORMATS, *GRAPH_FORMATS, *TABLE_FORMATS)
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
 LOOKED_AT_LINES = 200
 #: Names of all formats of single files.

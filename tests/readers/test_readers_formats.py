@@ -1,6 +1,8 @@
 """CARMEN logs of the new kind, g2o, Rawseeds, Hokuyo text and CoreSLAM."""
 
 import gzip
+import importlib
+import pkgutil
 
 import numpy as np
 import pytest
@@ -26,6 +28,8 @@ from mrpt_samples import BINARY_FILES
 
 from segmap import poses, readers
 from segmap.readers import LogError
+from segmap.readers._formats import NAMES_OF_FORMATS
+from segmap.readers._text import TextFormat
 from segmap.readers.tables._coreslam import integrate
 
 
@@ -235,3 +239,21 @@ def test_every_format_tells_of_the_same_room(name, tmp_path):
 def test_longer_scans_are_told_apart_too(read):
     lengths = [len(read(s)[0]) for s in (CARMEN_NEW, HOKUYO, CORESLAM, SICK, HOKUYO_CSV)]
     assert lengths == [len(RANGES.split()), 22, 683, 181, 681]
+
+
+def test_every_format_is_asked_and_has_a_sample(tmp_path):
+    """Catches a reader that nobody registered, and one that no test of damaged files meets."""
+    for module in pkgutil.walk_packages(readers.__path__, "segmap.readers."):
+        importlib.import_module(module.name)
+    todo, names = [TextFormat], set()
+    while todo:
+        form = todo.pop()
+        todo += form.__subclasses__()
+        names |= {form.name} if hasattr(form, "name") else set()
+    assert names <= set(NAMES_OF_FORMATS) and len(names) > 10
+    found = set()
+    for name, content in SINGLE_FILES.items():
+        path = tmp_path / name
+        path.write_text(content)
+        found.add(readers.format_of(path))
+    assert names - found == set()

@@ -14,6 +14,8 @@ from pathlib import Path
 import nbformat
 from nbformat import NotebookNode
 
+from segmap.readers._formats import NAMES_OF_FORMATS
+
 from .citations import with_links
 from .code_map import code_map
 
@@ -60,7 +62,8 @@ def copy_sources(folder: Path, chapters: list[Path] = CHAPTERS) -> list[str]:
         for path in ROOT.glob(pattern):
             _copy(path, folder / path.relative_to(ROOT))
     for path in (Path(__file__).parent / "pages").glob("*.md"):
-        shutil.copy(path, folder / path.name)
+        text = path.read_text(encoding="utf-8").replace("{formats}", ", ".join(NAMES_OF_FORMATS))
+        (folder / path.name).write_text(text, encoding="utf-8")
     (folder / "code_map.md").write_text(code_map(), encoding="utf-8")
     (folder / "_static" / "panels").mkdir(parents=True)
     for path in PICTURES.glob("*.webp"):

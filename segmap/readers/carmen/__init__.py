@@ -6,4 +6,9 @@ from ._gmapping import GMapping
 from ._player import Player
 from ._wean import WeanHall
 
-__all__ = ["Carmen", "DpSlam", "GMapping", "Player", "WeanHall", "parse_robotlaser"]
+__all__ = [
+    "CARMEN_FORMATS", "Carmen", "DpSlam", "GMapping", "Player", "WeanHall", "parse_robotlaser",
+]  # fmt: skip
+
+#: Of formats that claim as many lines the first is taken.
+CARMEN_FORMATS = (Carmen, GMapping, Player, DpSlam, WeanHall)

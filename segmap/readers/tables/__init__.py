@@ -11,8 +11,8 @@ from ._npz import log_from_arrays
 from ._rawseeds import Rawseeds, read_trajectory
 
 __all__ = [
-    "TABLE_FILES", "TABLE_FOLDERS", "CoreSlam", "HokuyoText", "Ld19", "Rawseeds", "RpLidar",
-    "head_of", "log_from_arrays", "read_csv", "read_trajectory",
+    "TABLE_FILES", "TABLE_FOLDERS", "TABLE_FORMATS", "CoreSlam", "HokuyoText", "Ld19", "Rawseeds",
+    "RpLidar", "head_of", "log_from_arrays", "read_csv", "read_trajectory",
 ]  # fmt: skip
 
 TABLE_FILES = (Binary("NPZ", _npz.claims, _npz.read), Binary("CSV", head_of, _csv.read))
@@ -20,3 +20,4 @@ TABLE_FOLDERS = (
     Binary("Rawseeds", _rawseeds.files_of, _rawseeds.read_folder),
     Binary("Hokuyo text", _hokuyo_text.numbered, _hokuyo_text.read_hokuyo_folder),
 )
+TABLE_FORMATS = (HokuyoText, CoreSlam, RpLidar, Ld19, Rawseeds)
