@@ -147,6 +147,23 @@ NPZ = npz(
     truth=np.array(TRUTH),
 )
 #: Every format that is a single file.
+RPLIDAR_RECORD = text(
+    f"{angle == 0}\t15\t{angle:.1f}\t{1000 + 10 * angle:.1f}"
+    for _ in range(2)
+    for angle in range(0, 360, 72)
+)
+ROSTOPIC = text(
+    [
+        "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.angle_min,"
+        "field.angle_max,field.angle_increment,field.time_increment,field.scan_time,"
+        "field.range_min,field.range_max," + ",".join(f"field.ranges{k}" for k in range(5)),
+        *(
+            f"{int(when * 1e9)},{k},{int(when * 1e9)},laser,-1.5708,1.5708,0.7854,0.001,0.1,0.02,"
+            f"80.0,{','.join(RANGES.split())}"
+            for k, when in enumerate(TIMES)
+        ),
+    ]
+)
 SINGLE_FILES = {
     "carmen": CARMEN,
     "carmen_new": CARMEN_NEW,
@@ -162,6 +179,8 @@ SINGLE_FILES = {
     "wean": WEAN,
     "csv": CSV,
     "rplidar": RPLIDAR,
+    "rplidar_record": RPLIDAR_RECORD,
+    "rostopic": ROSTOPIC,
     "ld19": LD19,
     "sick": SICK,
     "hokuyo_csv": HOKUYO_CSV,
@@ -171,4 +190,13 @@ RAWSEEDS = {
     "HOKUYO_FRONT.csv": HOKUYO_CSV,
     "ODOMETRY_XYT.csv": ODOMETRY_CSV,
     "run-GROUNDTRUTH.csv": GROUNDTRUTH,
+}
+#: How a text may lie in a file.
+ENCODINGS = {
+    "a mark": lambda text: b"\xef\xbb\xbf" + text.encode(),
+    "utf-16": lambda text: text.encode("utf-16"),
+    "utf-16 big": lambda text: b"\xfe\xff" + text.encode("utf-16-be"),
+    "utf-16 without a mark": lambda text: text.encode("utf-16-le"),
+    "utf-32": lambda text: text.encode("utf-32"),
+    "lines of Windows": lambda text: text.replace("\n", "\r\n").encode(),
 }

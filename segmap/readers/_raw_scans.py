@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import chain
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,6 +34,8 @@ URG_ASSUMED = f"a URG-04LX, which sees {URG_REACH} m and turns in {URG_TURN} s"
 NOWHERE = np.array(NO_POSE)
 #: Poses closer than this, in metres and radians, are one: logs print three decimals or more.
 SAME_POSE = 1e-3
+#: No laser waits longer from beam to beam, seconds.
+MOST_APART = 1.0
 
 
 class RawScan(NamedTuple):
@@ -97,6 +99,22 @@ def clean(ranges: Array, limit: float) -> Array:
     """Ranges `(n,)`, with `inf` where nothing was met and NaN where the value is no distance."""
     unit_checks.check_ranges(ranges, limit)
     return np.where(ranges >= limit, np.inf, np.where(ranges > 0, ranges, np.nan))
+
+
+def beams_of_message(message: Any) -> LaserScan:
+    """Ranges and directions of a `sensor_msgs/LaserScan`, in the frame of the laser."""
+    ranges = np.asarray(message.ranges, float)
+    first, step = float(message.angle_min), float(message.angle_increment)
+    if not len(ranges):
+        raise ValueError("expected ranges, got a scan without")
+    if not (np.isfinite([first, step]).all() and (step or len(ranges) == 1)):
+        raise ValueError(f"expected angles in radians, got {first:.6g} and steps of {step:.6g}")
+    least, most = float(message.range_min), float(message.range_max)
+    most = most if most > 0 else np.inf
+    known = clean(np.where(ranges < least, np.nan, ranges), most)
+    count, apart = np.arange(len(ranges)), abs(float(message.time_increment))
+    delays = count * apart if 0 < apart <= MOST_APART else None
+    return LaserScan(known, first + step * count, max_range=most, delays=delays)
 
 
 def centred(count: int, step: float) -> Array:

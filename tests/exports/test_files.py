@@ -97,6 +97,7 @@ def test_the_table_of_writers_is_whole():
         "segmap/files.py",
         "segmap/hokuyo/_record.py",  # a line a scan
         "segmap/experiments/_files.py",  # a line a run
+        "segmap/readers/packed/_plain.py",  # what is unpacked, into a folder that goes
         "segmap/panels/workbench/_source.py",  # an upload, into a folder that goes with it
         "segmap_course/exercises/open/scans.py",  # a log of one line, alike
         "segmap_course/grading/_grade.py",  # a line an answer, where it goes on after a crash

@@ -50,6 +50,7 @@ ROOMS = [
 MADE = {
     *("AgainstWalls", "Alignment", "Belief", "Graph", "LogError", "Match", "Methods", "NoRoute"),
     *("OdometryComparison", "Places", "Port", "Reduction", "SensorError", "SensorGone", "Squares"),
+    "Uncertainty",
     *("Tree", "UnknownFormat", "Verdict", "take_points"),
 }
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.

@@ -33,6 +33,8 @@ ASSUMED = {
     "wean": {"180 beams look over 180 degrees", SICK.format(50)},
     "csv": {COUNTER, WRAPS},
     "rplidar": {WRAPS},
+    "rplidar_record": set(),
+    "rostopic": {CENTRE},
     "ld19": {WRAPS},
     "sick": {SICK.format(50)},
     "hokuyo_csv": {URG},
@@ -40,9 +42,9 @@ ASSUMED = {
 #: When the bags begin, seconds.
 START = 1e6
 #: Formats that hold no time.
-TIMELESS = {"hokuyo", "dpslam", "rplidar"}
+TIMELESS = {"hokuyo", "dpslam", "rplidar", "rplidar_record"}
 #: Formats of one sensor, whose mirror turns in a time that is known, and of beams with a time each.
-TURNING = {"coreslam", "coreslam_13", "hokuyo_csv", "csv", "ld19"}
+TURNING = {"coreslam", "coreslam_13", "hokuyo_csv", "csv", "ld19", "rostopic"}
 
 
 @pytest.mark.parametrize("name", SINGLE_FILES)

@@ -10,7 +10,7 @@ import zipfile
 import log_samples as samples
 import numpy as np
 import pytest
-from log_samples import CARMEN, CARMEN_NEW, CSV, RAWSEEDS
+from log_samples import CARMEN, CARMEN_NEW, CSV, ENCODINGS, RAWSEEDS
 
 from segmap import LogError, exports, readers
 from segmap._commands import main
@@ -23,14 +23,6 @@ PACKINGS = {
     ".bz2": bz2.compress,
     ".zst": zstd.compress,
     ".xz.gz": lambda data: gzip.compress(lzma.compress(data)),
-}
-ENCODINGS = {
-    "a mark": lambda text: b"\xef\xbb\xbf" + text.encode(),
-    "utf-16": lambda text: text.encode("utf-16"),
-    "utf-16 big": lambda text: b"\xfe\xff" + text.encode("utf-16-be"),
-    "utf-16 without a mark": lambda text: text.encode("utf-16-le"),
-    "utf-32": lambda text: text.encode("utf-32"),
-    "lines of Windows": lambda text: text.replace("\n", "\r\n").encode(),
 }
 
 

@@ -200,7 +200,7 @@ ROOM = {
 
 
 #: Formats of a sensor whose turn is known; the others measure all beams at once.
-TURNING = {"coreslam", "coreslam_13", "hokuyo_csv", "csv", "ld19"}
+TURNING = {"coreslam", "coreslam_13", "hokuyo_csv", "csv", "ld19", "rostopic"}
 
 
 @pytest.mark.parametrize("name", SINGLE_FILES)

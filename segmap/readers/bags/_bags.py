@@ -37,7 +37,7 @@ from ...progress import announce
 from ...scans import LaserScan, Log
 from .._lines import LATEST_TIME_S, LogError, OnError, Reading, UnknownFormat, stem
 from .._mounting import flat, in_space, level
-from .._raw_scans import Track, clean, known, place_of
+from .._raw_scans import Track, beams_of_message, known, place_of
 from ..packed import log_file
 from ._files import FRAMES, Bag, kind_of, opened
 from ._frames import Frames
@@ -45,8 +45,6 @@ from ._frames import Frames
 SCAN_TYPE = "sensor_msgs/msg/LaserScan"
 ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 STATIC = "tf_static"
-#: No laser waits longer from beam to beam, seconds.
-MOST_APART = 1.0
 
 
 @checked
@@ -161,7 +159,7 @@ class _Recording(Reading):
         laser = message.header.frame_id
         if self.scans and laser != self.laser:
             raise ValueError(f"expected a scan of {self.laser}, got one of {laser}")
-        self.scans.append((_header_time(message.header, received), _beams_of_message(message)))
+        self.scans.append((_header_time(message.header, received), beams_of_message(message)))
         self.laser = laser
 
     def take_odometry(self, message: Any, received: float) -> None:
@@ -219,22 +217,6 @@ class _Recording(Reading):
         track = None if is_whole or not len(met.track) else met.track
         ordered = all(scan.delays is None for scan in scans)
         return Log(name, scans, None, self.skipped, track, ordered, met.causes, assumed)
-
-
-def _beams_of_message(message: Any) -> LaserScan:
-    """Ranges and directions of a message, in the frame of the laser."""
-    ranges = np.asarray(message.ranges, float)
-    first, step = float(message.angle_min), float(message.angle_increment)
-    if not len(ranges):
-        raise ValueError("expected ranges, got a scan without")
-    if not (np.isfinite([first, step]).all() and (step or len(ranges) == 1)):
-        raise ValueError(f"expected angles in radians, got {first:.6g} and steps of {step:.6g}")
-    least, most = float(message.range_min), float(message.range_max)
-    most = most if most > 0 else np.inf
-    known = clean(np.where(ranges < least, np.nan, ranges), most)
-    count, apart = np.arange(len(ranges)), abs(float(message.time_increment))
-    delays = count * apart if 0 < apart <= MOST_APART else None
-    return LaserScan(known, first + step * count, max_range=most, delays=delays)
 
 
 def _header_time(header: Any, received: float) -> float:

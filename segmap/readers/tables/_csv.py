@@ -28,7 +28,17 @@ from ...scans import Log
 from .._lines import Lines, LogError, OnError, stem, time
 from .._turns import COUNTERCLOCKWISE, Beams, direction_field, distance, number_field
 from ..packed import log_file
-from ._csv_columns import EXAMPLE, Head, first_row, head, head_of, wanting
+from ._csv_columns import (
+    EXAMPLE,
+    Head,
+    decimal,
+    first_row,
+    first_rows,
+    head,
+    head_of,
+    wanting,
+    with_units_told,
+)
 
 
 class _Table(Beams):
@@ -36,20 +46,23 @@ class _Table(Beams):
 
     expected = "lines of angle and range"
 
-    def __init__(self, lines: Lines, head: Head, clockwise: bool) -> None:
+    def __init__(self, lines: Lines, head: Head, clockwise: bool, told: Sequence[str]) -> None:
         super().__init__(lines)
         self.head, self.clockwise = head, clockwise or bool(head.clockwise)
-        if not clockwise and head.clockwise is None:
-            self.assumed = (COUNTERCLOCKWISE,)
+        counted = not clockwise and head.clockwise is None
+        self.assumed = (*told, *(COUNTERCLOCKWISE,) * counted)
         self.last = max(column.place for column in head.columns.values())
 
     def _take(self, fields: list[str]) -> None:
-        if self.lines.number == self.head.line:
+        if self.lines.number <= self.head.line:
             return
         if len(fields) <= self.last:
             raise ValueError(f"expected {self.last + 1} columns or more, got {len(fields)}")
         columns = self.head.columns
-        said = {role: fields[column.place].strip().strip("\"'") for role, column in columns.items()}
+        said = {
+            role: decimal(fields[column.place].strip().strip("\"'"), self.lines.separator)
+            for role, column in columns.items()
+        }
         factors = {role: column.factor or 1.0 for role, column in columns.items()}
         beam = (
             direction_field(said["angle"], factors["angle"]),
@@ -62,7 +75,7 @@ class _Table(Beams):
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
     """Read a file whose header names the columns: no odometry, no truth."""
-    return _read_table(path, name, on_error, _stated(path))
+    return _read_table(path, name, on_error, *_stated(path))
 
 
 @checked
@@ -120,22 +133,31 @@ def read_csv(
             raise ValueError(f"columns must name angle and range with units: {fault}")
     with log_file(path) as place:
         if names is None:
-            found = _stated(place)
+            found, told = _stated(place)
         else:
             row = first_row(place)
-            found = head(names, row.separator, row.line)
-        return _read_table(place, stem(place), on_error, found, clockwise)
+            found, told = head(names, row.separator, row.line), []
+        return _read_table(place, stem(place), on_error, found, told, clockwise)
 
 
-def _stated(path: Path) -> Head:
-    """What the header says, which must be enough."""
+def _stated(path: Path) -> tuple[Head, list[str]]:
+    """What the header says, and what the numbers below it say of units: must be enough."""
     found = head_of(path)
     if found is None:
         raise LogError(path, f"no header names angle and range: name the columns, {EXAMPLE}")
+    found, told = with_units_told(found, first_rows(path, found))
     if fault := wanting(found):
         raise LogError(path, fault, found.line)
-    return found
+    return found, told
 
 
-def _read_table(path: Path, name: str, on_error: str, found: Head, clockwise: bool = False) -> Log:
-    return _Table(Lines(path, on_error, found.separator), found, clockwise).walked()._log(name)
+def _read_table(
+    path: Path,
+    name: str,
+    on_error: str,
+    found: Head,
+    told: Sequence[str],
+    clockwise: bool = False,
+) -> Log:
+    lines = Lines(path, on_error, found.separator)
+    return _Table(lines, found, clockwise, told).walked()._log(name)

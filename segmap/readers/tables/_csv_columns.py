@@ -1,4 +1,4 @@
-"""Which column of a CSV file is what, and in which unit: told by its header, never guessed."""
+"""Which column of a CSV file is what, and in which unit: by its header, or by its numbers, told."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ROLES = {
     "scan": ("scan", "frame", "rotation", "revolution", "sweep", "turn"),
 }
 #: Words that may stand beside them and change nothing.
-FILLERS = ("id", "no", "nr", "number", "index", "value")
+FILLERS = ("id", "no", "nr", "number", "index", "value", "in")
 CLOCKWISE = ("cw", "clockwise")
 TURN_WORDS = (*CLOCKWISE, "ccw", "counterclockwise")
 #: How each unit is written, and the metres, radians or seconds of it.
@@ -30,6 +30,8 @@ UNIT_WORDS: dict[str, dict[str, float]] = {
         "m meter meters metre metres": 1.0,
         "cm centimeter centimeters centimetres": 0.01,
         "mm millimeter millimeters millimetres": 0.001,
+        "ft feet foot": 0.3048,
+        "in inch inches": 0.0254,
     },
     "time": {
         "s sec secs second seconds": 1.0,
@@ -46,6 +48,10 @@ COLUMN_UNITS = {
 EXAMPLE = "columns=['angle_deg', 'range_mm']"
 #: So many lines are looked at for a header.
 HEADER_LINES = 20
+#: Ranges whose median is above this, and whole numbers, are millimetres where no unit is said.
+LEAST_MILLIMETRES = 100
+#: A first line of Excel that names the separator.
+SEPARATOR_LINE = re.compile(r"(?i)sep=.")
 #: No header is longer, in bytes.
 LONGEST_HEADER_BYTES = 4096
 #: How the programs of RPLidar begin a file ...
@@ -81,6 +87,8 @@ def head_of(path: Path) -> Head | None:
     """
     comment, count = None, 0
     for number, line in _beginning(path):
+        if SEPARATOR_LINE.fullmatch(line):
+            continue
         if line.startswith(SLAMTEC_HEAD):
             return head(SLAMTEC_COLUMNS, None, number)
         separator, names = split(line.lstrip("#"))
@@ -93,7 +101,8 @@ def head_of(path: Path) -> Head | None:
                 return found
             fields = [field.strip() for field in line.split(comment.separator)]
             fits = len(fields) == count and all(
-                is_number(fields[column.place]) for column in comment.columns.values()
+                is_number(decimal(fields[column.place], comment.separator))
+                for column in comment.columns.values()
             )
             return comment if fits else found
         comment, count = (found, len(names)) if found else (comment, count)
@@ -103,9 +112,9 @@ def head_of(path: Path) -> Head | None:
 def first_row(path: Path) -> Head:
     """What separates the fields of a file, and the line of its header, 0 where it has none."""
     for number, line in _beginning(path):
-        if not line.startswith("#"):
+        if not (line.startswith("#") or SEPARATOR_LINE.fullmatch(line)):
             separator, fields = split(line)
-            numeric = all(is_number(field) for field in fields if field)
+            numeric = all(is_number(decimal(field, separator)) for field in fields if field)
             return Head({}, separator, 0 if numeric else number)
     return Head({}, None, 0)
 
@@ -115,7 +124,8 @@ def head(names: Sequence[str], separator: str | None = None, line: int = 0) -> H
     columns: dict[str, Column] = {}
     clockwise = None
     for place, name in enumerate(names):
-        words = re.findall(r"[a-zµ°]+", name.lower().replace("μ", "µ"))
+        apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)  # `AngleInDegrees`
+        words = re.findall(r"[a-zµ°]+", apart.lower().replace("μ", "µ"))
         if (role := _role(name, words)) is None:
             continue
         if role in columns:
@@ -132,8 +142,9 @@ def wanting(found: Head) -> str:
     for role in ("angle", "range"):
         if role not in found.columns:
             return f"no column is the {role}: name the columns, such as {EXAMPLE}"
-    for role, column in found.columns.items():
-        if column.factor is None and COLUMN_UNITS[role]:
+    for role in ("angle", "range"):
+        column = found.columns[role]
+        if column.factor is None:
             short = ", ".join(words.split()[0] for words in UNIT_WORDS[role])
             return (
                 f"the unit of {column.name!r} is not said ({short}): "
@@ -142,11 +153,57 @@ def wanting(found: Head) -> str:
     return ""
 
 
-def split(line: str) -> tuple[str | None, list[str]]:
+def split(line: str, known: str | None = None) -> tuple[str | None, list[str]]:
     """What separates the fields of a line, None for white space, and the fields."""
-    separator = next((mark for mark in ";\t," if mark in line), None)
+    separator = known or next((mark for mark in ";\t," if mark in line), None)
     closed = line if separator else re.sub(r"\s+(?=[\[(])", "", line)
     return separator, [field.strip().strip("\"'") for field in closed.strip().split(separator)]
+
+
+def decimal(field: str, separator: str | None) -> str:
+    """A number with a point; with a comma too, unless commas separate the fields.
+
+    Examples
+    --------
+    >>> decimal("2000,5", ";"), decimal("2000.5", ",")
+    ('2000.5', '2000.5')
+    """
+    return field if separator == "," else field.replace(",", ".", 1)
+
+
+def with_units_told(found: Head, rows: Sequence[Sequence[str]]) -> tuple[Head, list[str]]:
+    """A head whose units the numbers of its first rows tell, and what was taken from them.
+
+    Angles that span more than a turn in radians are degrees. Ranges in whole numbers, half of them
+    above 100, are millimetres. A time without a unit is left out.
+    """
+    columns, told = dict(found.columns), []
+    if "time" in columns and columns["time"].factor is None:
+        told.append(f"the column {columns.pop('time').name!r} says no unit: left out")
+    for role in ("angle", "range"):
+        column = columns.get(role)
+        if column is None or column.factor is not None:
+            continue
+        fields = [row[column.place] for row in rows if len(row) > column.place]
+        values = np.array([float(field) for field in fields if is_number(field)])
+        values = values[np.isfinite(values) & (values != 0)]
+        if not len(values):
+            continue
+        if role == "angle" and np.ptp(values) > 2 * np.pi + 0.1:
+            columns[role] = column._replace(factor=np.pi / 180)
+            told.append(f"{column.name!r} is in degrees, since it spans more than 2 pi")
+        whole = (values == np.floor(values)).all()
+        if role == "range" and whole and np.median(values) > LEAST_MILLIMETRES:
+            columns[role] = column._replace(factor=0.001)
+            told.append(f"{column.name!r} is in millimetres, since it holds whole numbers")
+    return found._replace(columns=columns), told
+
+
+def first_rows(path: Path, found: Head) -> list[list[str]]:
+    """The fields of the first lines below a head."""
+    below = (line for number, line in _beginning(path) if number > found.line)
+    rows = (split(line, found.separator)[1] for line in below if not line.startswith("#"))
+    return [[decimal(field, found.separator) for field in row] for row in rows]
 
 
 def _role(name: str, words: Sequence[str]) -> str | None:

@@ -1,7 +1,8 @@
-"""What the programs beside cheap sensors print: RPLidar's `ultra_simple`, and LD06, LD19's SDK.
+"""What programs of cheap sensors print: RPLidar's `ultra_simple`, `rplidar`, LD06, LD19's SDK.
 
     S  theta: 12.34 Dist: 01234.00 Q: 47
     stamp(ns):1234,angle:12.34,distance(mm):1234,intensity:200
+    True    15    12.34    1234.0
 
 Angles are degrees, and grow clockwise on both sensors: they are turned round, so that scans run
 counter-clockwise. RPLidar's distances are millimetres; the SDK's lines say theirs. 0 is no
@@ -21,7 +22,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .._lines import time
+from .._lines import Lines, is_number, time
 from .._turns import Beam, Beams, direction_field, distance
 
 DEGREES = np.pi / 180
@@ -80,3 +81,30 @@ class Ld19(_Dump):
             when,
             np.nan,
         )
+
+
+class RpLidarRecord(Beams):
+    """What the examples of the Python package `rplidar` write, a beam a line.
+
+    Whether a new turn begins, quality, degrees and millimetres.
+    """
+
+    name, expected = "RPLidar record", "lines of True or False, quality, degrees, millimetres"
+
+    def __init__(self, lines: Lines) -> None:
+        super().__init__(lines)
+        self.turns = 0
+
+    @classmethod
+    def claims(cls, fields: Sequence[str]) -> bool:
+        """Whether a line is one of this format."""
+        return (
+            len(fields) == 4 and fields[0] in ("True", "False") and all(map(is_number, fields[1:]))
+        )
+
+    def _take(self, fields: list[str]) -> None:
+        if not self.claims(fields):
+            raise ValueError(f"expected {self.expected}, got {' '.join(fields)[:60]!r}")
+        self.turns += fields[0] == "True"
+        where = direction_field(fields[2], DEGREES), distance(fields[3], 0.001)
+        self.scans.append((*where, np.nan, float(self.turns)))

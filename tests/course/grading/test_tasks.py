@@ -254,7 +254,15 @@ def test_a_list_of_what_a_task_gives_is_read_as_words():
 def test_a_module_is_taken_apart_by_its_names():
     source = Source("segmap.panels._compare")
     assert not source.is_package and Source("segmap.panels").is_package
-    wanted = {"WIDTH", "HEIGHT", "ComparePanel", "_show_only", "W", "METHODS", "annotations"}
+    wanted = {
+        "PAIR_WIDTH",
+        "PAIR_HEIGHT",
+        "ComparePanel",
+        "_show_only",
+        "W",
+        "METHODS",
+        "annotations",
+    }
     assert wanted <= {*source.nodes} and "_draw" not in source.nodes
     assert source.origin(source.nodes["METHODS"]) == "segmap.reduction"
     assert source.origin(source.nodes["Panel"]) == "segmap.panels._base"
@@ -262,4 +270,4 @@ def test_a_module_is_taken_apart_by_its_names():
     assert Source("segmap.panels").origin(Source("segmap.panels").nodes["Panel"]) == (
         "segmap.panels._base"
     )
-    assert source.code(source.nodes["WIDTH"]) == "WIDTH, HEIGHT = 600, 270"
+    assert source.code(source.nodes["PAIR_WIDTH"]) == "PAIR_WIDTH = 600"
