@@ -49,7 +49,8 @@ else if (all) all.scrollTop = (all.scrollTop + 800) % all.scrollHeight;
 return found !== undefined && found.clientHeight > 100"""
 LOST = "return /model not found/i.test(document.body.innerText)"
 UNFINISHED = """
-const p = [...document.querySelectorAll('.jp-CodeCell .jp-InputPrompt')].map(e => e.textContent);
+const cells = [...document.querySelectorAll('.jp-CodeCell:not(:has(.jp-Placeholder))')];
+const p = cells.map(e => e.querySelector('.jp-InputPrompt').textContent);
 return p.filter(t => !/\\[\\d+\\]/.test(t)).length + (p.length ? 0 : 1)"""
 
 

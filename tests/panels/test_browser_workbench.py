@@ -359,7 +359,11 @@ def test_without_eyes_or_mouse_a_map_is_made_cropped_turned_and_placed(app, brow
                         ("north [degrees]", "60")):  # fmt: skip
         browser.type(browser.find(ENTRY.format(label)), text + ENTER)
     pressed(browser, "Run", ENTER)
-    made = ".cropped(0, 0, 5, 5)", "main_direction", "Earth(latitude=36.0, longitude=-4.0, north="
+    made = (
+        ".cropped(0, 0, 5, 5)",
+        "main_direction",
+        "Earth(latitude=36, longitude=-4, north=np.radians(60))",
+    )
     wait("the map", lambda: all(text in browser.run(TEXT) for text in made), 120)
     wait("its end", lambda: browser.run(READY, "Run"))
     browser.type(browser.find(ENTRY.format("crop [m]")), f"\ue009a\ue0000 0 4 4{ENTER}")

@@ -594,10 +594,13 @@ def test_what_cannot_be_done_is_greyed_and_why_stands_beside_its_cause(worker):
     assert made.edits.wrong.value.startswith("crop [m] must be like") and "<b>" not in str(
         made.edits.wrong.value
     )
+    seen = {made.start: [], made.stop: []}
+    for button, states in seen.items():  # the work may end before anybody looks
+        button.observe(lambda change, states=states: states.append(change.new), "disabled")
     made.edits.crop.value = ""
     made.start.click()
-    assert made.start.disabled and not made.stop.disabled
     made.wait()
+    assert seen == {made.start: [True, False], made.stop: [False, True]}
     assert made.method.wrong.value == made.edits.wrong.value == ""
     assert "segmap-wrong" not in made.state._dom_classes
     assert not any(each.disabled for each in needs) and made.stop.disabled
