@@ -44,6 +44,7 @@ BOUND = 20.0
 def nothing_is_left(monkeypatch):
     """Catches a port, a connection or a thread that a test leaves behind; waits are short."""
     monkeypatch.setattr(_sensor, "BACK_OFF", (0.02, 0.1))
+    gc.collect()  # what an earlier test left
     before = open_files()
     yield
     gc.collect()

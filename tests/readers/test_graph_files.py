@@ -138,6 +138,42 @@ def test_what_gtsam_writes_is_read(referee, tmp_path):
     np.testing.assert_allclose(found.information, ours.information, rtol=1e-3, atol=0.5)
 
 
+THREE = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 1 1 1.5\n"
+TWO = "EDGE_SE2 0 1 1 0 0 10 0 0 10 0 10\nEDGE_SE2 1 2 0 1 1.5 10 0 0 10 0 10\n"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "EDGE_PRIOR_SE2 0 0 0 0 100 0 0 100 0 100",
+        "EDGE_BEARING_SE2_XY 0 7 0.785 5",
+        "EDGE_SE2_SWITCHABLE 0 2 9 1 1 1.5 10 0 0 10 0 10",
+        "VERTEX_SWITCH 9 1",
+        "PARAMS_SE2OFFSET 0 0 0 0",
+        "EDGE_SE2_OFFSET 0 1 0 0 1 0 0 10 0 0 10 0 10",
+        "FIX 0",
+    ],
+)
+def test_lines_that_do_not_concern_the_poses_are_left_out_and_counted(line, tmp_path):
+    """Catches a closed list of words: a prior of gtsam refuses the whole graph."""
+    path = tmp_path / "it.g2o"
+    path.write_text(f"{THREE}{line}\n{TWO}{line}\n")
+    graph = read_graph(path)
+    assert len(graph.poses) == 3 and graph.edges.tolist() == [[0, 1], [1, 2]]
+    assert graph.left_out == {line.split()[0]: 2}
+
+
+def test_keys_of_64_bits_are_names_of_vertices(tmp_path):
+    """Catches the symbols of gtsam, whose first letter stands in the highest byte."""
+    x0 = (ord("x") << 56) + 0
+    path = tmp_path / "it.g2o"
+    path.write_text(f"VERTEX_SE2 {x0} 0 0 0\nVERTEX_SE2 {x0 + 1} 1 0 0\n")
+    assert read_graph(path).ids.tolist() == [x0, x0 + 1]
+    path.write_text(f"VERTEX_SE2 {2**63} 0 0 0\n")
+    with pytest.raises(LogError, match="expected the number of a vertex"):
+        read_graph(path)
+
+
 # ----------------------------------------------------------------------------- refused
 GRAPH = a_graph(2, 3, 0)
 LINES = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 9 0 0 9 0 9\n"

@@ -5,14 +5,16 @@
 
 The motion is the second vertex as seen from the first. g2o measures what is left of it in the frame
 where the motion ends, `solve_graph` in the frame where it begins: the information is turned. The
-older VERTEX2 and EDGE2 of TORO order it as I11 I12 I22 I33 I13 I23. Scans, landmarks and fixed
-vertices are left out.
+older VERTEX2 and EDGE2 of TORO order it as I11 I12 I22 I33 I13 I23. Scans, landmarks, fixed
+vertices, priors, bearings, switches and parameters are left out, and counted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -20,10 +22,12 @@ from numpy.typing import NDArray
 
 from ...arrays import LARGEST_COORDINATE, Array
 from ...poses.information import SYMMETRIC, rotated
-from .._lines import Lines, LogError, float_fields, is_count, pose_fields
+from .._lines import Lines, LogError, float_fields, pose_fields
 from ..packed import log_file
 from ._g2o import G2O_LASERS, G2O_OTHERS, VERTICES
 
+#: Lines that g2o and gtsam write besides: priors, bearings, switches, landmarks, parameters.
+LEFT_OUT = re.compile(r"(?!.*SE3)(EDGE|VERTEX|PARAMS|LANDMARK|PRIOR|BR|FIX)(_[A-Z0-9_]+)?")
 #: Of each kind of edge: where the nine entries of the information stand among the six in the file.
 ORDERS = {"EDGE_SE2": (0, 1, 2, 1, 3, 4, 2, 4, 5), "EDGE2": (0, 1, 4, 1, 2, 5, 4, 5, 3)}
 
@@ -43,6 +47,7 @@ class PoseGraph(NamedTuple):
     relative: Array  #: (m, 3): pose of the second in the frame of the first
     information: Array  #: (m, 3, 3): inverse covariance, in the frame of the first
     ids: NDArray[np.int64] | None = None  #: (n,): names of the vertices; None: their rows
+    left_out: Mapping[str, int] = MappingProxyType({})  #: lines that do not concern the poses
 
 
 def read_graph(path: str | Path) -> PoseGraph:
@@ -69,6 +74,7 @@ def read_graph(path: str | Path) -> PoseGraph:
     (array([[0, 1]]), array([[1.1, 0. , 0. ]]), array([3, 5]))
     """
     poses: dict[int, Array] = {}
+    left_out: dict[str, int] = {}
     found: list[tuple[int, int, int, Array]] = []
     with log_file(path) as place:
         lines = Lines(place)
@@ -86,7 +92,9 @@ def read_graph(path: str | Path) -> PoseGraph:
                 elif kind in ORDERS:
                     ends = _vertex_number(fields, 0), _vertex_number(fields, 1)
                     found.append((lines.number, *ends, _measured_motion(fields[2:], ORDERS[kind])))
-                elif kind not in (*G2O_OTHERS, *G2O_LASERS):
+                elif kind in (*G2O_OTHERS, *G2O_LASERS) or LEFT_OUT.fullmatch(kind):
+                    left_out[kind] = left_out.get(kind, 0) + 1
+                else:
                     raise ValueError(f"expected a VERTEX_SE2 or EDGE_SE2 line, got {kind[:40]!r}")
             except ValueError as fault:
                 raise lines.error(str(fault)) from None
@@ -100,13 +108,14 @@ def read_graph(path: str | Path) -> PoseGraph:
     values = np.reshape([edge[3] for edge in found], (-1, 12))
     relative = values[:, :3]
     information = rotated(values[:, 3:].reshape(-1, 3, 3), -relative[:, 2])
-    return PoseGraph(np.array([poses[k] for k in ids]), edges, relative, information, ids)
+    order = np.array([poses[k] for k in ids])
+    return PoseGraph(order, edges, relative, information, ids, left_out)
 
 
 def _vertex_number(fields: Sequence[str], place: int) -> int:
     """The number of a vertex."""
     field = fields[place] if len(fields) > place else ""
-    if not is_count(field):
+    if not re.fullmatch("[0-9]{1,19}", field) or int(field) > np.iinfo(np.int64).max:
         raise ValueError(f"expected the number of a vertex, got {field[:40]!r}")
     return int(field)
 
