@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from segmap import alignment, load
+from segmap import alignment, load, matching
 from segmap.poses.motions import between
 from segmap.scans.causes import Cause
+from segmap.scans.odometry import contradictions
 
 LOG = load("corridor")
 
@@ -60,3 +61,25 @@ def test_what_prepared_told_is_not_told_again():
     log = alignment.prepared(with_odometry(started_again))
     assert [each.cause for each in log.causes] == [Cause.JUMP]
     assert alignment.METHODS["ground_truth"](log).causes == log.causes
+
+
+def test_straight_steps_that_contradict_each_other_are_told():
+    """Catches headings that count clockwise: each step is turned by another angle."""
+    found = alignment.METHODS["ground_truth"](with_odometry(lambda rows: rows * (1, 1, -1)))
+    assert {Cause.MIRRORED, Cause.NO_ODOMETRY} <= {each.cause for each in found.causes}
+    assert found.verdict.grade == "doubtful"
+
+
+def test_scans_that_are_not_used_contradict_nothing():
+    """Catches poses that only carry the odometry on, or that nobody believes."""
+    used = np.arange(len(LOG)) % 2 == 0
+    poses = np.where(used[:, None], LOG.truth, LOG.truth * (3, 3, 1))
+    assert contradictions(LOG, poses, used) == []
+    assert contradictions(LOG, poses, ~used | used) != []
+
+
+def test_the_step_between_two_merged_sessions_is_no_jump():
+    """Catches two odometries, each with its own origin, taken for one."""
+    half = len(LOG) // 2
+    found = matching.merge(LOG[: half + 20], LOG[half - 20 :])
+    assert not {each.cause for each in found.causes} & {Cause.JUMP, Cause.SCALE, Cause.MIRRORED}

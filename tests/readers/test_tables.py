@@ -67,6 +67,16 @@ def test_all_ways_to_write_a_table_give_one_log(folder, table, encoding):
         assert (scan.time == pytest.approx(100.0 + k)) if timed else np.isnan(scan.time)
 
 
+@pytest.mark.parametrize("head", ["", "sep=;\n", "# mine\n\nsep=;\n", "sep=;\nwinkel;abstand\n"])
+def test_named_columns_begin_below_what_stands_before_the_numbers(tmp_path, head):
+    """Catches the line of Excel that names the separator, taken for a beam."""
+    path = tmp_path / "it.csv"
+    path.write_text(f"{head}0,5;1500,5\n90;2000\n180;900\n")
+    log = readers.read_csv(path, columns=["angle_deg", "range_mm"])
+    assert log[0].ranges.tolist() == [1.5005, 2.0, 0.9] and not log.skipped
+    assert np.degrees(log[0].angles[0]) == pytest.approx(0.5)
+
+
 def test_units_that_the_numbers_tell_are_used_and_told(tmp_path):
     """Catches a unit guessed in silence, and a column nobody needs that stops the reading."""
     path = tmp_path / "it.csv"

@@ -110,12 +110,12 @@ def head_of(path: Path) -> Head | None:
 
 
 def first_row(path: Path) -> Head:
-    """What separates the fields of a file, and the line of its header, 0 where it has none."""
+    """What separates the fields of a file, and the last line before its first row of numbers."""
     for number, line in _beginning(path):
         if not (line.startswith("#") or SEPARATOR_LINE.fullmatch(line)):
             separator, fields = split(line)
             numeric = all(is_number(decimal(field, separator)) for field in fields if field)
-            return Head({}, separator, 0 if numeric else number)
+            return Head({}, separator, number - 1 if numeric else number)
     return Head({}, None, 0)
 
 
