@@ -254,7 +254,10 @@ def contradictions(
     if not np.isfinite(rows).all(-1).any():
         return []
     jumps = odometry_jumps(rows, np.array([scan.time for scan in scans]))
-    found = odometry_against_steps(rows, _steps_between(poses, used))
+    steps = _steps_between(poses, used)
+    before = [np.searchsorted(jumps, ends, "right") for ends in steps[:2]]
+    whole = before[0] == before[1]  # no jump lies between
+    found = odometry_against_steps(rows, Steps(*(each[whole] for each in steps[:3])))
     remedy = "begin with alignment.prepared(log)"
     first = f"the odometry jumps {counted(len(jumps), 'time')}, first at scan"
     told = {each.cause for each in getattr(scans, "causes", ())}
@@ -265,6 +268,12 @@ def contradictions(
             Cause.MIRRORED,
             found.turn,
             "the map turns the other way than the odometry: the laser or the wheels are mirrored",
+        ),
+        (
+            abs(found.turn) < RIGHT_TURN_RATIOS[0] or abs(found.turn) > RIGHT_TURN_RATIOS[1],
+            Cause.SCALE,
+            found.turn,
+            f"the map turns by {abs(found.turn):.2f} of what the odometry says",
         ),
         (
             found.agreement < CONTRADICTING_COSINE,

@@ -83,3 +83,10 @@ def test_the_step_between_two_merged_sessions_is_no_jump():
     half = len(LOG) // 2
     found = matching.merge(LOG[: half + 20], LOG[half - 20 :])
     assert not {each.cause for each in found.causes} & {Cause.JUMP, Cause.SCALE, Cause.MIRRORED}
+
+
+@pytest.mark.parametrize("factor", [0.0, 0.5, 2.0])
+def test_an_odometry_that_turns_otherwise_is_told(factor):
+    """Catches wheels whose headings are in another unit, or stand still."""
+    found = alignment.METHODS["ground_truth"](with_odometry(lambda rows: rows * (1, 1, factor)))
+    assert any("the map turns by" in each.words and each.doubtful for each in found.causes)
