@@ -50,7 +50,7 @@ def running(command: list[str], log: Path, **options: Any) -> Iterator[subproces
                     continue
 
 
-def wait(what: str, answer: Callable[[], Any], seconds: float = 60) -> Any:
+def wait(what: str, answer: Callable[[], Any], seconds: float = 120) -> Any:
     """The first answer that is not empty; a failure that says what never came."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -90,10 +90,21 @@ class Browser:
         return str(next(iter(self._call("POST", "/element", place).values())))
 
     def click(self, path: str) -> None:
-        self._call("POST", f"/element/{self.find(path)}/click", {})
+        self._do(lambda: f"/element/{self.find(path)}/click", {})
 
     def type(self, element: str, keys: str) -> None:
-        self._call("POST", f"/element/{element}/value", {"text": keys})
+        self._do(lambda: f"/element/{element}/value", {"text": keys})
+
+    def _do(self, path: Callable[[], str], body: Any) -> None:
+        """As a person does: what is greyed or covered at this moment is tried again."""
+        end = time.monotonic() + 20
+        while True:
+            try:
+                return self._call("POST", path(), body)
+            except urllib.error.HTTPError as error:
+                if error.code != 400 or time.monotonic() > end:
+                    raise AssertionError(error.read().decode()[:300]) from error
+            time.sleep(0.1)
 
     def size(self, width: int, height: int) -> None:
         self._call("POST", "/window/rect", {"width": width, "height": height})

@@ -130,14 +130,14 @@ class Page:
 
     def _grey(self, *, ready: bool, busy: bool, done: bool, edited: bool) -> None:
         """Grey what cannot be done: where no log is `ready`, while `busy`, before a run is done."""
-        self.start.disabled, self.stop.disabled = busy or not ready, not busy
-        self.undo.disabled = busy or not edited
+        self.stop.disabled, self.undo.disabled = not busy, busy or not edited
         for each in (self.loops.mend, self.loops.tie, *self.edits.controls):
             each.disabled = busy
         for each in (*self.files.children, self.edits.drag):
             each.disabled = busy or not done
         for each in (self.shown, self.tool, *self.layers.values()):
             each.disabled = not done
+        self.start.disabled = busy or not ready  # the last: who sees it ready finds all else so
 
 
 def _add_tooltips(page: Any) -> None:
