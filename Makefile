@@ -26,7 +26,7 @@ NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 	--nbval-sanitize-with=tests/nbval.cfg -p no:cacheprovider
 
 # Every compiled loop on small cases, on bad arguments, on extreme lengths and on damaged maps.
-INDEXED := $(wildcard $(foreach name,warm doors returns quadtree_files reduction_properties,tests/*/test_$(name).py))
+INDEXED := $(wildcard $(foreach name,warm entry_points returns quadtree_files reduction_properties,tests/*/test_$(name).py))
 
 .NOTPARALLEL:
 .PHONY: help lab app handout grade test test-all test-lowest mutants fuzz bounds refresh panels bench book clean

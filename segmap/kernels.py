@@ -1,4 +1,4 @@
-"""Small compiled loops that the kernels of several rooms call: segments apart, cells of a grid.
+"""Small compiled loops that the kernels of several packages call: segments apart, cells of a grid.
 
 They take plain numbers and rows of arrays, check nothing, and are called from compiled loops only.
 """

@@ -68,7 +68,7 @@ def hill_climb(
     start : (3,) array, metres and radians
         The previous pose.
     score : callable
-        One of the scores of this room, or any function of map, points and poses.
+        One of the scores of this package, or any function of map, points and poses.
     steps : "halving" or "thesis"
         16 mm and 1.6 degrees, halved four times when no move improves; or B's 1 mm and 1 degree,
         with which the robot gets lost, since one degree is too coarse.

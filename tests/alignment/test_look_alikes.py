@@ -167,7 +167,7 @@ def test_where_a_turn_fits_as_well_the_odometry_has_its_word(seed, step):
 SEEDS = range(1, 21)
 
 
-def test_doors_that_repeat_close_no_false_loop():
+def test_entry_points_that_repeat_close_no_false_loop():
     """A lap and a half: the doors come again with the odometry metres off."""
     found = verdict(drive_through("repeated doors", 1, SHORT)[:415])
     assert found.false == 0

@@ -1,17 +1,17 @@
-"""The public assertions and the zoo of inputs."""
+"""The public assertions and the samples of inputs."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from zoo import point_zoo, scan_zoo, segment_zoo
+from input_samples import point_samples, scan_samples, segment_samples
 
 import segmap
 from segmap import arrays, plotting
 from segmap.segments import angle, length
 from segmap.testing import assert_poses_equal, assert_segments_equal
 
-SEGMENTS, POINTS, SCANS = segment_zoo(), point_zoo(), scan_zoo()
+SEGMENTS, POINTS, SCANS = segment_samples(), point_samples(), scan_samples()
 THREE = np.array([[(0, 0), (1, 0)], [(1, 1), (1, 2)], [(0, 5), (2, 5)]], float)
 NUMBER = st.floats(-20, 20)
 MAP = st.lists(st.tuples(st.tuples(NUMBER, NUMBER), st.tuples(NUMBER, NUMBER)), max_size=6)
@@ -136,7 +136,7 @@ def test_poses_of_another_shape_are_refused(actual):
         assert_poses_equal(actual, np.zeros((3, 3)))
 
 
-# --------------------------------------------------------------------------- zoos
+# --------------------------------------------------------------------------- samples
 def test_the_zoos_hold_what_their_names_say():
     """Catches an animal that has lost its stripes."""
     assert all(np.isfinite(s).all() and s.shape[1:] == (2, 2) for s in SEGMENTS.values())
@@ -178,7 +178,7 @@ WALLS = {
 @pytest.mark.parametrize("name", SCANS)
 def test_every_scan_of_the_zoo_becomes_a_map(name):
     scan = SCANS[name]
-    log, pose = segmap.Log("zoo", [scan]), [(1, 2, 3)]
+    log, pose = segmap.Log("sample", [scan]), [(1, 2, 3)]
     for closed in (False, True):
         map = segmap.build_map(log, pose, closed=closed)
         assert len(map) == WALLS[name](closed) and np.isfinite(map.segments).all()

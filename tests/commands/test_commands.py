@@ -637,7 +637,7 @@ COARSE = {"gap": 9.0, "tolerance": 0.5, "min_points": 2, "min_length": 0.01}
 
 @pytest.mark.parametrize("name", [*FORMATS, "ros1", "mcap", "it.segmap"])
 def test_a_log_of_each_kind_gives_one_map_by_command_page_and_library(run, name):
-    """Catches a format that one of the doors reads in another way, or loses poses of."""
+    """Catches a format that command, page or library reads in another way, or loses poses of."""
     for path, content in FORMATS.get(name, {}).items():
         Path(path).parent.mkdir(exist_ok=True)
         Path(path).write_bytes(content)

@@ -43,9 +43,9 @@ def test_addresses(address, host, port):
 )
 def test_what_is_no_address(addresses, why):
     """Catches a traceback, a name that is looked up, and a port that wraps around."""
-    for door, address in itertools.product((UrgSensor, partial(open_port, rate=1)), addresses):
+    for opened, address in itertools.product((UrgSensor, partial(open_port, rate=1)), addresses):
         with pytest.raises(ValueError, match=f"port '.*{why}.*write it as tcp://192") as error:
-            door(address)
+            opened(address)
         assert len(str(error.value)) < 250
 
 

@@ -108,7 +108,7 @@ def off_relations(turn):
     return np.stack(relation_errors(np.arange(60.0), turned(turn, WEAVING), rows))
 
 
-DOORS = {
+FUNCTIONS = {
     "deskew": carried_back,
     "localize": kept_track_of,
     "search": found_anywhere,
@@ -124,9 +124,9 @@ DOORS = {
 }
 
 
-@pytest.mark.parametrize("door", DOORS.values(), ids=DOORS)
-def test_nothing_depends_on_where_the_heading_jumps(door):
+@pytest.mark.parametrize("function", FUNCTIONS.values(), ids=FUNCTIONS)
+def test_nothing_depends_on_where_the_heading_jumps(function):
     """Catches a difference of headings, a rounded or an interpolated one that nobody wraps."""
-    wanted = np.asarray(door(0.0), float)
+    wanted = np.asarray(function(0.0), float)
     for turn in TURNS:
-        np.testing.assert_allclose(door(turn), wanted, atol=2e-3, err_msg=f"turned by {turn}")
+        np.testing.assert_allclose(function(turn), wanted, atol=2e-3, err_msg=f"turned by {turn}")

@@ -17,8 +17,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from browsers import ROOT, SCREENSHOT, browser, free_port, running, wait
+from input_samples import text_samples
 from makefile import app_command
-from zoo import text_zoo
 
 from segmap import exports, readers, simulation
 
@@ -165,7 +165,7 @@ def test_text_that_became_html_runs_nothing(app, browser):
     """Catches a policy that lets a mistake of the page run a stranger's code."""
     browser.open(app)
     wait("the workbench", lambda: browser.run("return !!document.querySelector('.segmap-canvas')"))
-    for text in (text for text in text_zoo() if "window.hit" in text):
+    for text in (text for text in text_samples() if "window.hit" in text):
         browser.run("document.body.insertAdjacentHTML('afterbegin', arguments[0])", text)
         browser.run("document.querySelectorAll('body > a, body > button').forEach(e => e.click())")
     time.sleep(0.3)

@@ -1,4 +1,4 @@
-"""Hostile names, words and values through every door of the page: shown, they do nothing."""
+"""Hostile names, words and values through every field of the page: shown, they do nothing."""
 
 import json
 from dataclasses import replace
@@ -7,8 +7,8 @@ from html.parser import HTMLParser
 import ipywidgets as W
 import pytest
 from driven_panels import LOG
+from input_samples import text_samples, value_samples
 from segmap_course.exercises import Check
-from zoo import text_zoo, value_zoo
 
 from segmap.exports import write_session
 from segmap.methods import Method
@@ -22,10 +22,10 @@ from segmap.scans.causes import Cause, Finding
 
 TAGS = {"b", "br", "button", "div", "h1", "h2", "img", "pre"}
 TAGS |= {"table", "thead", "tbody", "tr", "th", "td"}
-TEXTS = text_zoo()
+TEXTS = text_samples()
 #: What does not fit the numbers of a run, and what does not fit its words.
-NO_NUMBERS = value_zoo()
-NO_WORDS = [value for value in value_zoo() if not isinstance(value, str)]
+NO_NUMBERS = value_samples()
+NO_WORDS = [value for value in value_samples() if not isinstance(value, str)]
 ROW = {
     **{"map": "m", "alignment": "a", "align_thresholds": "", "align_seconds": 1.0},
     **{"extraction": "e", "extract_thresholds": "", "filtered": 0, "verdict": "good"},
@@ -173,7 +173,7 @@ def test_a_row_whose_values_have_other_types_is_left_out_and_told(page, tmp_path
              for value in (NO_WORDS if kind is str else NO_NUMBERS)]  # fmt: skip
     wrong += [ROW | {k: 4.5} for k, kind in COLUMNS.items() if kind is int]
     wrong += [{k: v for k, v in ROW.items() if k != left} for left in ROW]
-    for value in value_zoo():
+    for value in value_samples():
         row = {name: value for name, kind in COLUMNS.items() if kind is not float}
         Seen(_shown.runs_table([ROW | row]))
     write_session(tmp_path / "it.segmap", Session(LOG, {}, [ROW | {"more": [TEXTS[0]]}]))
@@ -186,7 +186,7 @@ def test_a_row_whose_values_have_other_types_is_left_out_and_told(page, tmp_path
     assert page.runs.to_dict("records") == [ROW]
 
 
-@pytest.mark.parametrize("value", value_zoo())
+@pytest.mark.parametrize("value", value_samples())
 def test_a_choice_of_another_type_is_refused_and_the_log_is_kept(value, page, tmp_path):
     """Catches a session that ends the page in another error, or of which a half is taken."""
     names = ("align", "method", "second", "filter", "seen_through", "no_deskew", "mount")

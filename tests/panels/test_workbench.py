@@ -61,8 +61,8 @@ def done(**chosen):
 
 @pytest.mark.parametrize("kind", ["room", "malaga", "no truth", "no odometry", "beam times"])
 def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch, capsys):
-    """Catches another alignment, method or threshold by default behind one of the two doors, and
-    Python that cannot read the path."""
+    """Catches another alignment, method or threshold by default in page or command, and Python
+    that cannot read the path."""
     monkeypatch.chdir(tmp_path)
     made = Workbench(segmap.load("room"))
     if kind in ("room", "malaga"):

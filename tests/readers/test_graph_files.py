@@ -17,7 +17,7 @@ gtsam = later("gtsam")
 
 
 @pytest.fixture
-def referee():
+def gtsam_answers():
     return pytest.importorskip("gtsam", reason="gtsam is not installed here")
 
 
@@ -112,7 +112,7 @@ def optimized(graph, values) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_gtsam_finds_the_same_errors_and_minimum(referee, seed, tmp_path):
+def test_gtsam_finds_the_same_errors_and_minimum(gtsam_answers, seed, tmp_path):
     """Catches information that is not turned: alike only where nothing turns."""
     for noise in (0.2, 0.002):
         ours = a_graph(seed, noise=noise)
@@ -125,7 +125,7 @@ def test_gtsam_finds_the_same_errors_and_minimum(referee, seed, tmp_path):
     np.testing.assert_allclose(optimized(graph, values)[:, :2], solved[:, :2], atol=1e-5)
 
 
-def test_what_gtsam_writes_is_read(referee, tmp_path):
+def test_what_gtsam_writes_is_read(gtsam_answers, tmp_path):
     """It writes six digits: the information and the poses are those, and in their places."""
     ours = a_graph(5)
     write_graph(tmp_path / "it.g2o", ours)

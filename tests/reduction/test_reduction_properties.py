@@ -5,6 +5,7 @@ from inspect import unwrap
 
 import numpy as np
 import pytest
+from input_samples import segment_samples
 from reduction_maps import (
     MAPS,
     TWINS,
@@ -18,7 +19,6 @@ from reduction_maps import (
     redundant_map,
     second_building,
 )
-from zoo import segment_zoo
 
 from segmap.metrics import quality
 from segmap.poses import transform
@@ -108,10 +108,10 @@ def test_equals_the_plain_method(name, make, seed):
 
 
 @twins
-@pytest.mark.parametrize("zoo", segment_zoo())
-def test_equals_the_plain_method_in_the_zoo(name, zoo):
+@pytest.mark.parametrize("sample", segment_samples())
+def test_equals_the_plain_method_on_the_samples(name, sample):
     """Empty, points, duplicates, crossings, a map far from the origin."""
-    segments = segment_zoo()[zoo]
+    segments = segment_samples()[sample]
     wide = {"sigma": max(0.3, length(segments).sum() / 60)}
     near = {"distance": 0.3, "angle": 0.3, "min_length": 0.0}
     near = {k: v for k, v in near.items() if k in unwrap(METHODS[name].function).__kwdefaults__}
@@ -148,9 +148,9 @@ def test_machine_code_finds_what_its_source_finds(monkeypatch, name, make):
 
 
 @alone
-@pytest.mark.parametrize("zoo", segment_zoo())
-def test_machine_code_finds_what_its_source_finds_in_the_zoo(monkeypatch, name, zoo):
-    segments = segment_zoo()[zoo]
+@pytest.mark.parametrize("sample", segment_samples())
+def test_machine_code_finds_what_its_source_finds_on_the_samples(monkeypatch, name, sample):
+    segments = segment_samples()[sample]
     scans, sensors = np.arange(len(segments)) // 2, np.zeros((len(segments), 2))
     assert_plain(monkeypatch, name, SegmentMap(segments, scans, sensors=sensors))
 

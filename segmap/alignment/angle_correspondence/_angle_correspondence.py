@@ -1,7 +1,7 @@
 """Angle correspondence (A 2.5.1, 3.3.1): how two scans lie, from their walls alone.
 
 An angle between two walls of one scan is laid on a similar angle of the other; every such guess is
-judged by the length of wall on which both scans then agree. No odometry is needed (Amigoni,
+scored by the length of wall on which both scans then agree. No odometry is needed (Amigoni,
 Gasparini and Gini 2006).
 """
 
@@ -26,12 +26,12 @@ from .._walls import constraints
 from . import _kernels as kernels
 from ._scenes import Candidate, Heuristic, Scene, corners, scene
 
-#: So many guesses are judged.
-JUDGED_GUESSES = 150
+#: So many guesses are scored.
+SCORED_GUESSES = 150
 #: At most so many of them, the most valuable ones, are refined.
 REFINED_GUESSES = 10
 #: Of guesses within this distance and turn, metres and radians, the one with the longest walls is
-#: judged; ...
+#: scored; ...
 ALIKE_GUESSES = 0.1, np.radians(3)
 #: ... candidates within this distance and turn, metres and radians, are one.
 ONE_CANDIDATE = 0.3, np.radians(10)
@@ -129,7 +129,7 @@ def _refined_poses(s: Scene, t: Scene, rule: Rule) -> Array:
     while (count := kernels.superpose(first, second, tried)) > len(tried):
         tried = np.empty((count, 4))
     tried = tried[:count]
-    best = best_distinct(tried, tried[:, 3], JUDGED_GUESSES, ALIKE_GUESSES)
+    best = best_distinct(tried, tried[:, 3], SCORED_GUESSES, ALIKE_GUESSES)
     poses, worth = tried[best, :3].copy(), np.empty(len(best))
     kernels.pose_values(s.segments, t.segments, poses, rule, worth)
     poses = poses[best_distinct(poses, worth, REFINED_GUESSES, ONE_CANDIDATE)]

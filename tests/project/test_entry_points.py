@@ -21,7 +21,7 @@ from dataclasses import fields, is_dataclass
 import bag_samples
 import numpy as np
 import pytest
-from door_table import (
+from entry_point_table import (
     ARRAYS,
     CHANGED_BY_USE,
     CLOTHES,
@@ -41,7 +41,7 @@ from matplotlib import pyplot
 from segmap import experiments, exports, hokuyo, readers
 
 #: The library as far as it takes arrays and numbers. `literal` is loops to read, without checks.
-ROOMS = [
+PACKAGES = [
     "angles", "poses", "segments", "scans", "extraction", "metrics", "simulation", "alignment",
     "reduction", "quadtree", "matching", "exports", "readers", "plotting", "experiments",
     "panels", "testing", "hokuyo", "hokuyo.emulator",
@@ -58,24 +58,24 @@ PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "me
          "square_corners", "Panel", "control", "player", "slider", "text"}  # fmt: skip
 
 
-def public(room):
-    """Functions, constructors and methods of a room, each with its name."""
-    module = importlib.import_module(f"segmap.{room}")
+def public(package):
+    """Functions, constructors and methods of a package, each with its name."""
+    module = importlib.import_module(f"segmap.{package}")
     for name in getattr(module, "__all__", vars(module)):
         found = getattr(module, name)
         made_here = getattr(found, "__module__", "").startswith(module.__name__)
-        is_door = inspect.isfunction(found) or (
+        is_entry = inspect.isfunction(found) or (
             inspect.isclass(found) and not issubclass(found, tuple)
         )
-        if made_here and is_door and not name.startswith("_") and name not in MADE | PARTS:
+        if made_here and is_entry and not name.startswith("_") and name not in MADE | PARTS:
             yield name, found
-    for thing in OBJECTS.get(room, []):
+    for thing in OBJECTS.get(package, []):
         for name, method in inspect.getmembers(thing, inspect.ismethod):
             if not name.startswith("_") and name in vars(type(thing)):
                 yield f"{type(thing).__name__}.{name}", method
 
 
-DOORS = [(room, name, found) for room in ROOMS for name, found in public(room)]
+ENTRY_POINTS = [(package, name, found) for package in PACKAGES for name, found in public(package)]
 
 
 def parameters(function):
@@ -83,29 +83,29 @@ def parameters(function):
     return [p for p in kept if p.kind is not p.VAR_KEYWORD]
 
 
-def good(room, door, parameter):
+def good(package, called, parameter):
     """A good value of a parameter."""
     name = parameter.name
-    if f"{door}.{name}" in FREE:
+    if f"{called}.{name}" in FREE:
         return "it"
-    for key in (f"{door}.{name}", f"{door.split('.')[-1]}.{name}", f"{room}.{name}", name):
+    for key in (f"{called}.{name}", f"{called.split('.')[-1]}.{name}", f"{package}.{name}", name):
         if key in GOOD and (parameter.default in (None, parameter.empty) or "." in key):
             return GOOD[key]() if isinstance(GOOD[key], type) else GOOD[key]
     assert parameter.default not in (None, parameter.empty), (
-        f"{room}.{door}: give its parameter {name!r} a value in GOOD, or a place in FREE"
+        f"{package}.{called}: give its parameter {name!r} a value in GOOD, or a place in FREE"
     )
     return parameter.default
 
 
-def cases(room, door, function):
-    """Each bad argument of a door: its name, a word for it, itself, whether it must not pass."""
+def cases(package, called, function):
+    """Each bad argument of a function: name, word for it, value, whether it must not pass."""
     for parameter in parameters(function):
         name = parameter.name
-        if f"{door}.{name}" in FREE or (value := good(room, door, parameter)) is None:
+        if f"{called}.{name}" in FREE or (value := good(package, called, parameter)) is None:
             continue
         for must, bad in ((True, spoilt(value, name in ARRAYS)), (False, odd(value))):
             for word, thing in bad.items():
-                meant = f"{door}.{name}={word}" in MEANT
+                meant = f"{called}.{name}={word}" in MEANT
                 if not meant and (thing is not None or parameter.default is not None):
                     yield name, word, thing, must
 
@@ -113,7 +113,7 @@ def cases(room, door, function):
 @pytest.fixture(scope="module", autouse=True)
 def bounded(tmp_path_factory):
     """No case may fill the memory, and files are written and read in a folder of the test."""
-    folder = tmp_path_factory.mktemp("doors")
+    folder = tmp_path_factory.mktemp("entry_points")
     (folder / "good.log.gz").write_bytes(readers.data_file("room/room.log.gz").read_bytes())
     bag_samples.write(folder, "ros1")
     (folder / "beams.csv").write_text("0,1\n1,2\n")
@@ -136,15 +136,15 @@ def bounded(tmp_path_factory):
     resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
-def call(room, door, function, /, **changed):
+def call(package, called, function, /, **changed):
     """Call with good values where there is no default, and what is changed."""
     given, positional, owner = {}, [], getattr(function, "__self__", None)
     if owner is not None and not inspect.isclass(owner):
         function = getattr(copy.deepcopy(owner), function.__name__)
     for p in parameters(function):
-        chosen = {f"{door}.{p.name}", f"{room}.{p.name}"} & set(GOOD)
+        chosen = {f"{called}.{p.name}", f"{package}.{p.name}"} & set(GOOD)
         if p.default is p.empty or p.name in changed or chosen:
-            value = changed[p.name] if p.name in changed else good(room, door, p)
+            value = changed[p.name] if p.name in changed else good(package, called, p)
             if p.kind in (p.POSITIONAL_OR_KEYWORD, p.VAR_POSITIONAL) and len(given) == 0:
                 positional.append(value)
             else:
@@ -171,14 +171,14 @@ def numbers_in(found):
 SLIPS = ".*(look like|looks like|is empty: |neither map holds)"
 
 
-def complaint(room, door, function, name, bad, must):
+def complaint(package, called, function, name, bad, must):
     """What is wrong with the answer to a bad argument; nothing where it is as it should be."""
     bad = copy.deepcopy(bad) if isinstance(bad, CHANGED_BY_USE) else bad  # others get it too
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", SLIPS, UserWarning)
         try:
-            found = call(room, door, function, **{name: bad})
+            found = call(package, called, function, **{name: bad})
         except ValueError as error:
             words = ["max_size", "window", "corner", r"scan \d", r"saved\.csv, line \d"] + [
                 p.name for p in parameters(function)
@@ -189,9 +189,9 @@ def complaint(room, door, function, name, bad, must):
                 return f"leaves an empty figure behind: {error}"
             return "" if named or "broadcast" in str(error) else f"does not name {name}: {error}"
         except hokuyo.SensorError as error:  # what a sensor sends is judged by its own words
-            return "" if room == "hokuyo" and str(error) else f"SensorError: {error}"
+            return "" if package == "hokuyo" and str(error) else f"SensorError: {error}"
         except AssertionError:
-            return "" if door.startswith("assert_") else "AssertionError"
+            return "" if called.startswith("assert_") else "AssertionError"
         except TypeError as error:  # what is called says so itself
             return "" if callable(bad) and f"{name}: " in str(error) else f"TypeError: {error}"
         except Exception as error:
@@ -199,19 +199,23 @@ def complaint(room, door, function, name, bad, must):
             return f"{type(error).__name__}: {error}"
     if must:
         return "was accepted"
-    fine = door in NAN_IS_MEANT or (isinstance(bad, np.ndarray) and np.isnan(bad).any())
+    fine = called in NAN_IS_MEANT or (isinstance(bad, np.ndarray) and np.isnan(bad).any())
     return "" if fine or not np.isnan(numbers_in(found)).any() else "gives NaN in silence"
 
 
-@pytest.mark.parametrize(("room", "door", "function"), DOORS, ids=lambda v: v if v in ROOMS else "")
-def test_bad_arguments_are_value_errors(room, door, function):
+@pytest.mark.parametrize(
+    ("package", "called", "function"), ENTRY_POINTS, ids=lambda v: v if v in PACKAGES else ""
+)
+def test_bad_arguments_are_value_errors(package, called, function):
     """Catches a traceback of numpy, numba or scipy, nonsense that passes in silence, and a hang."""
-    call(room, door, function)  # as it should be: else all that follows fails for another reason
+    call(
+        package, called, function
+    )  # as it should be: else all that follows fails for another reason
     wrong = []
-    for name, word, bad, must in cases(room, door, function):
+    for name, word, bad, must in cases(package, called, function):
         faulthandler.dump_traceback_later(300, exit=True)
-        if said := complaint(room, door, function, name, bad, must):
-            wrong.append(f"{door}({name}={word}) {said}")
+        if said := complaint(package, called, function, name, bad, must):
+            wrong.append(f"{called}({name}={word}) {said}")
         faulthandler.cancel_dump_traceback_later()
     assert not wrong, "\n".join(wrong)
 
@@ -229,17 +233,21 @@ def told(found):
 
 
 @pytest.mark.parametrize(
-    ("room", "door", "function"),
-    [door for door in DOORS if door[0] not in ("plotting", "panels")],  # which give pictures
-    ids=lambda v: v if v in ROOMS else "",
+    ("package", "called", "function"),
+    [
+        called for called in ENTRY_POINTS if called[0] not in ("plotting", "panels")
+    ],  # which give pictures
+    ids=lambda v: v if v in PACKAGES else "",
 )
-def test_the_same_call_in_other_clothes_gives_the_same_result(room, door, function):
+def test_the_same_call_in_other_clothes_gives_the_same_result(package, called, function):
     """Catches a compiler's error for a long number, a list that adds itself, and what is kept."""
-    kept = [p for p in parameters(function) if f"{door}.{p.name}" not in FREE]
-    value, said = {p.name: good(room, door, p) for p in kept}, {}
+    kept = [p for p in parameters(function) if f"{called}.{p.name}" not in FREE]
+    value, said = {p.name: good(package, called, p) for p in kept}, {}
     for word in CLOTHES:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            found = call(room, door, function, **{n: dressed(v, word) for n, v in value.items()})
+            found = call(
+                package, called, function, **{n: dressed(v, word) for n, v in value.items()}
+            )
         said[word] = repr(told(found))
     assert [word for word in CLOTHES if said[word] != said["none"]] == []

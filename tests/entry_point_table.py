@@ -1,6 +1,6 @@
-"""What the walk through all doors brings along: a good value for every parameter, and the bad ones.
+"""What the test of entry points brings along: good values of all parameters, and bad ones.
 
-See test_doors.
+See test_entry_points.
 """
 
 from __future__ import annotations
@@ -60,15 +60,15 @@ for _scan in LOG:
     LIVE.add(_scan)
 LIVE.tie(0, 3, PATH[3] - PATH[0])
 STEPS = list(matching.particle_mapping(LOG, particles=2, rng=rng()))
-#: Objects whose public methods are doors too.
+#: Objects whose public methods are entry points too.
 OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
            "quadtree": [TREE], "segments": [MAP], "scans": [LOG, LOG[0]],
            "simulation": [simulation.URG_04LX], "alignment": [ALIGNMENT, LIVE],
            "reduction": [REDUCTION, reduction.LiveReduction()],
            "hokuyo.emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
 
-#: Good values by the name of a parameter; `function.parameter` comes first, then `room.parameter`.
-#: A parameter that is not here keeps its default.
+#: Good values by the name of a parameter; `function.parameter` comes first, then
+#: `package.parameter`. A parameter that is not here keeps its default.
 GOOD = {
     "share": 0.5, "words": "it", "mount": (0.2, 0.0, 0.1),
     "matching.first": LOG, "matching.second": LOG, "merge_graphs.places": lambda scan: np.zeros((0,

@@ -8,13 +8,13 @@ from segmap.arrays import Array
 from segmap.scans import LaserScan
 
 
-def segment_zoo() -> dict[str, Array]:
+def segment_samples() -> dict[str, Array]:
     """Maps of segments that have broken programs: empty, crossing, vertical, repeated, tiny, far.
 
     New arrays at each call. All are finite.
     """
     wall = [(0, 0), (2, 0)]
-    zoo = {
+    samples = {
         "empty": [],
         "single": [wall],
         "vertical": [[(1, 0), (1, 2)]],
@@ -32,7 +32,7 @@ def segment_zoo() -> dict[str, Array]:
         "tiny": [[(0, 0), (1e-7, 0)], [(0, 1e-7), (1e-7, 1e-7)]],
         "contained": [wall, [(0.5, 0), (1, 0)]],
     }
-    arrays = {name: np.array(list_, float).reshape(-1, 2, 2) for name, list_ in zoo.items()}
+    arrays = {name: np.array(list_, float).reshape(-1, 2, 2) for name, list_ in samples.items()}
     return {
         **arrays,
         "far away": arrays["crossing"] + 1e6,
@@ -41,14 +41,14 @@ def segment_zoo() -> dict[str, Array]:
     }
 
 
-def point_zoo() -> dict[str, Array]:
+def point_samples() -> dict[str, Array]:
     """Points of a scan, in the order of the beams, that have broken programs.
 
     New arrays at each call. All are finite.
     """
     line = np.linspace(0, 1, 11)
     ones, turn = np.ones(11), np.linspace(0, 2 * np.pi, 90, endpoint=False)
-    zoo = {
+    samples = {
         "empty": np.empty((0, 2)),
         "one": np.array([(1.0, 2.0)]),
         "two": np.array([(0.0, 1.0), (0.1, 1.0)]),
@@ -62,10 +62,10 @@ def point_zoo() -> dict[str, Array]:
         "noisy": np.stack([line, 1 + np.random.default_rng(1).normal(0, 0.01, 11)], 1),
         "tiny": np.stack([line, ones], 1) * 1e-7,
     }
-    return {**zoo, "far away": zoo["corner"] + 1e6}
+    return {**samples, "far away": samples["corner"] + 1e6}
 
 
-def scan_zoo() -> dict[str, LaserScan]:
+def scan_samples() -> dict[str, LaserScan]:
     """Scans that have broken programs: without a valid beam, with NaN, over the whole turn.
 
     Ranges in metres, `(n,)`, angles in radians.
@@ -106,7 +106,7 @@ def _walls() -> Array:
     return np.tile(room, (20, 1, 1)) + rng.normal(0, 0.01, (80, 2, 2))
 
 
-def text_zoo() -> list[str]:
+def text_samples() -> list[str]:
     """Names and words from outside that have run code, moved a cursor, or led to other folders."""
     code = "window.hit=1"
     return [
@@ -122,8 +122,8 @@ def text_zoo() -> list[str]:
     ]
 
 
-def value_zoo() -> list[object]:
+def value_samples() -> list[object]:
     """The same as JSON may hold it where a number or a word should stand, and no numbers."""
-    texts = text_zoo()
+    texts = text_samples()
     inside = [[texts[0]], {texts[1]: texts[1]}, {texts[2]: [texts[2]]}]
     return [*texts[:3], *inside, [inside], True, None, 10**400, 1e999, -1e300, [], {}]
