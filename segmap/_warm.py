@@ -112,8 +112,8 @@ def _named(function: Any) -> list[Any]:
     scope = function.__globals__
     found = [scope[name] for name in names & scope.keys()]
     found += [cell.cell_contents for cell in function.__closure__ or ()]
-    rooms = [vars(one) for one in found if getattr(one, "__name__", "").startswith("segmap.")]
-    return found + [room[name] for room in rooms for name in names & room.keys()]
+    packages = [vars(one) for one in found if getattr(one, "__name__", "").startswith("segmap.")]
+    return found + [each[name] for each in packages for name in names & each.keys()]
 
 
 def _room() -> Array:
