@@ -1,4 +1,4 @@
-"""For who teaches: `python -m segmap_course handout FOLDER`, `grade FOLDER -o grades.csv`."""
+"""For teachers: `python -m segmap_course handout FOLDER`, `grade FOLDER -o grades.csv`."""
 
 from __future__ import annotations
 

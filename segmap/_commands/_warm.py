@@ -34,7 +34,7 @@ def run(given: argparse.Namespace) -> None:
     names, start = list(_warm.cases()), time.monotonic()
     jobs = max(1, min(given.jobs or cores(), len(names)))
     where = "one core" if jobs == 1 else f"{jobs} cores"
-    print_line(f"Compiling the loops of segmap on {where}, which is kept for later ...")
+    print_line(f"Compiling the loops of segmap on {where}, once for this machine ...")
     importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
     with progress(len(names), "method") as bar:
         _run_all(names, jobs, bar)
