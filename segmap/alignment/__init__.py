@@ -4,6 +4,7 @@ Every method has one signature, `method(log, *, thresholds) -> Alignment`, and s
 """
 
 from ..methods import Method
+from ..scans.causes import Unmatched
 from ._baselines import align_to_truth, ground_truth, odometry, position_errors, usual_method
 from ._deskew import deskew
 from ._point_icp import point_icp
@@ -19,13 +20,13 @@ from .backbone import backbone, backbone_steps, least_translation, mean_rotation
 from .global_segments import global_segments
 from .graph import Graph, solve_graph
 from .points import match_points, point_steps
-from .pose_graph import LiveGraph, LoopClosing, Tracking, align_parts, merge_graphs, pose_graph
+from .pose_graph import LiveGraph, LoopClosing, Tracking, merge_graphs, pose_graph
 from .preparation import OdometryComparison, compare_odometry, prepared
 from .segment_icp import match_segments, segment_icp
 
 __all__ = [
     "METHODS", "Alignment", "Graph", "LiveGraph", "LoopClosing", "Match", "OdometryComparison",
-    "Tracking", "Verdict", "align_parts", "align_to_truth", "angle_candidates",
+    "Tracking", "Unmatched", "Verdict", "align_to_truth", "angle_candidates",
     "angle_correspondence", "backbone", "backbone_steps", "compare_odometry", "deskew",
     "global_segments", "ground_truth", "least_translation", "match_angles", "match_points",
     "match_segments", "match_values", "mean_rotation", "merge_graphs", "odometry", "point_icp",

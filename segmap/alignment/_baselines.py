@@ -11,6 +11,7 @@ from .. import arrays
 from ..arrays import Array, Seconds, at_least, at_most, checked
 from ..poses import between, compose, interpolate, inverse, transform
 from ..scans import Log
+from ..scans.causes import Unmatched
 from ._result import Outcome, Trail, alignment_method
 
 
@@ -27,7 +28,7 @@ def odometry(log: Log) -> Outcome:
     Alignment(odometry: 225 scans, 225 used)
     """
     poses = log.odometry
-    return _known_poses(log, poses, np.asarray(np.isfinite(poses).all(1)), "no odometry")
+    return _known_poses(log, poses, np.asarray(np.isfinite(poses).all(1)), Unmatched.NO_ODOMETRY)
 
 
 def usual_method(log: Log) -> str:
@@ -88,7 +89,7 @@ def ground_truth(
     Alignment(ground_truth: 225 scans, 224 used)
     """
     if len(log) == 0:
-        return Outcome([], [])
+        return Outcome([])
     if (times is None) != (poses is None):
         raise ValueError("times and poses belong together: give both, or neither")
     if times is not None and poses is not None:
@@ -112,16 +113,16 @@ def ground_truth(
         first = int(np.argmax(known))
         back = between(log.odometry[first], log.odometry[0])
         found[0] = compose(found[first], back) if np.isfinite(back).all() else found[first]
-    return _known_poses(log, found, known, "no ground truth at its time")
+    return _known_poses(log, found, known, Unmatched.NO_TRUTH)
 
 
-def _known_poses(log: Log, poses: Array, known: NDArray[np.bool_], missing: str) -> Outcome:
+def _known_poses(log: Log, poses: Array, known: NDArray[np.bool_], missing: Unmatched) -> Outcome:
     """Poses `(k, 3)`, metres and radians, where they are known; elsewhere the odometry goes on."""
     first = poses[0] if len(log) and np.isfinite(poses[0]).all() else None
-    trail = Trail(log, first, "" if known.all() or known[0] else missing)
+    trail = Trail(log, first, Unmatched.NONE if known.all() or known[0] else missing)
     for pose, is_known in zip(poses[1:], known[1:], strict=True):
         trail.place(pose) if is_known else trail.carry(missing)
-    return trail.outcome()
+    return Outcome(trail.laid)
 
 
 def _with_gaps_filled(truth: Array, times: Array, max_gap: float) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 from .. import arrays
 from ..arrays import Array, Metres, Radians
 from ..scans import Log
-from ._result import Match, Outcome, Trail, alignment_method
+from ._result import Match, Outcome, alignment_method
 from .points import PointMap
 from .pose_graph import FrontEnd, Tracking
 
@@ -49,14 +49,12 @@ def point_icp(
     Alignment(point_icp: 40 scans, 40 used)
     """
     arrays.instance(tracking, "tracking", Tracking)
-    if len(log) == 0:
-        return Trail(log).outcome()
 
     def matcher(map: PointMap, points: Array, guess: Array) -> Match:
         return map.register(points, guess, reach=reach, overlap=tracking.overlap)
 
-    front = FrontEnd(log[0], matcher, tracking)
-    for scan in log[1:]:
+    front = FrontEnd(matcher, tracking)
+    for scan in log:
         match = front.track(scan)
         if front.needs_frame(step, turn):
             front.add_frame(match)

@@ -20,7 +20,7 @@ from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan, Log
-from ..scans.causes import Finding, doubt_of
+from ..scans.causes import Finding, Unmatched, doubt_of
 from ..scans.motion import skew_warning, stood
 from ..scans.odometry import contradictions
 from ..segments import SegmentMap, length
@@ -46,7 +46,7 @@ class Match:
     covariance : (3, 3) array
         Of x, y (metres) and heading (radians); infinite on the diagonal where nothing matched.
     matched, reason
-        Why nothing matched; empty where it did.
+        Why nothing matched, in words; empty where it did.
     overlap
         Share of the current scan that found its partner, in [0, 1].
     free : (2,) array or None
@@ -54,6 +54,8 @@ class Match:
         corridor's own direction); None where both directions are fixed.
     turns
         Whether nothing fixes a turn about some centre, as in a round room.
+    unmatched
+        The kind of the reason.
     """
 
     pose: Array
@@ -63,6 +65,7 @@ class Match:
     overlap: float = 0.0
     free: Array | None = None
     turns: bool = False
+    unmatched: Unmatched = Unmatched.NONE
 
     def __repr__(self) -> str:
         x, y, heading = self.pose.round(4) + 0.0
@@ -73,10 +76,10 @@ class Match:
         return f"Match({found}, overlap {self.overlap:.2f}{loose})"
 
 
-def no_match(start: ArrayLike, reason: str, overlap: float = 0.0) -> Match:
+def no_match(start: ArrayLike, why: Unmatched, reason: str = "", overlap: float = 0.0) -> Match:
     """A match that found nothing: it keeps the start, (3,) array, and knows nothing of the pose."""
-    unknown = np.diag(np.full(3, np.inf))
-    return Match(np.array(start, float), unknown, False, reason, overlap)
+    pose, unknown = np.array(start, float), np.diag(np.full(3, np.inf))
+    return Match(pose, unknown, False, reason or str(why), overlap, unmatched=why)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -94,7 +97,7 @@ class Alignment(Pictured):
     method
         Its name in `alignment.METHODS`.
     reasons
-        Why a scan was not used; empty where it was.
+        Why a scan was not used, in words; empty where it was.
     graph
         Edges, rejected loops and residuals of a pose graph.
     causes
@@ -106,6 +109,8 @@ class Alignment(Pictured):
     local_spread : (k,) array, metres, or None
         The same relative to the scans within 20 m. In a building of 300 m no place may be known in
         the whole, and each room be right.
+    unmatched
+        The kind of each reason.
 
     Examples
     --------
@@ -122,6 +127,7 @@ class Alignment(Pictured):
     causes: tuple[Finding, ...] = ()
     spread: Array | None = None
     local_spread: Array | None = None
+    unmatched: tuple[Unmatched, ...] = ()
 
     @property
     def doubt(self) -> str:
@@ -203,11 +209,21 @@ class Alignment(Pictured):
         return f"Alignment({self.method}: {len(self)} scans, {int(self.used.sum())} used{doubt})"
 
 
-class Outcome(NamedTuple):
-    """What a method hands to the runner: a pose and a reason for each scan, and what it may add."""
+class Laid(NamedTuple):
+    """The pose of a scan, (3,) array, metres and radians, and why it is not used, if it is not.
 
-    poses: ArrayLike
-    reasons: Sequence[str]
+    Without a reason in words those of the kind count.
+    """
+
+    pose: Array
+    unmatched: Unmatched = Unmatched.NONE
+    reason: str = ""
+
+
+class Outcome(NamedTuple):
+    """What a method hands to the runner: a row for each scan, and what it may add."""
+
+    laid: Sequence[Laid]
     graph: Graph | None = None
     causes: Sequence[Finding] = ()
     spread: Array | None = None
@@ -218,7 +234,7 @@ def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
     """Make `method(log, *, thresholds) -> Outcome` a member of the family.
 
     Each call checks the log and the thresholds as they are declared, is timed, and raises
-    RuntimeError where the method gave not one finite pose and one reason for each scan.
+    RuntimeError where the method gave not one finite pose for each scan.
     """
     name = method.__name__
 
@@ -241,13 +257,15 @@ def checked_alignment(
     name: str, scans: Sequence[LaserScan], found: Outcome, seconds: float
 ) -> Alignment:
     """The alignment of scans by a method of that name, checked."""
-    poses, reasons = np.array(found.poses, float).reshape(-1, 3), tuple(found.reasons)
-    if len(poses) != len(scans) or len(reasons) != len(scans) or not np.isfinite(poses).all():
-        raise RuntimeError(f"{name} must give a finite pose and a reason for each scan")
-    used = np.array([not reason for reason in reasons], bool)
+    poses = np.reshape([row.pose for row in found.laid], (-1, 3)).astype(float)
+    if len(poses) != len(scans) or not np.isfinite(poses).all():
+        raise RuntimeError(f"{name} must give a finite pose for each scan")
+    unmatched = tuple(row.unmatched for row in found.laid)
+    reasons = tuple(row.reason or str(row.unmatched) for row in found.laid)
+    used = np.array([why is Unmatched.NONE for why in unmatched], bool)
     causes = (*getattr(scans, "causes", ()), *skew_warning(scans, poses), *stood(scans, poses))
     causes += (*contradictions(scans, poses, used), *found.causes)
-    evidence = reasons, found.graph, causes, found.spread, found.local_spread
+    evidence = reasons, found.graph, causes, found.spread, found.local_spread, unmatched
     return Alignment(poses, used, seconds, name, *evidence)
 
 
@@ -258,59 +276,47 @@ class Trail:
     poses. The guess is the last pose and the odometry step; where the log holds no odometry for one
     of the two scans, the robot is assumed to repeat its last motion (constant velocity).
 
-    More scans may be added as they come. The first has the pose `first`, where that is None its
-    odometry, or the origin where it has none; `reason` says why it is not used, if it is not.
+    The first has the pose `first`, where that is None its odometry, or the origin where it has
+    none; it is not used where it is `unmatched`.
     """
 
     def __init__(
-        self, log: Sequence[LaserScan], first: Array | None = None, reason: str = ""
+        self, log: Log, first: Array | None = None, unmatched: Unmatched = Unmatched.NONE
     ) -> None:
-        self.odometry = [_odometry(scan) for scan in log]
-        if first is None and len(log):
-            first = self.odometry[0]
-        start = first if first is not None and np.isfinite(first).all() else np.zeros(3)
-        self.poses: list[Array] = [start][: len(log)]
-        self.reasons: list[str] = [reason][: len(log)]
+        self.odometry = log.odometry
+        self.laid: list[Laid] = []
+        if len(log):
+            start = self.odometry[0] if first is None else first
+            self.place(start if np.isfinite(start).all() else np.zeros(3), unmatched)
 
-    def add(self, scan: LaserScan) -> None:
-        """Make a scan that has just come the next one of the log."""
-        self.odometry.append(_odometry(scan))
+    def pose(self, scan: int = -1) -> Array:
+        """Pose of a scan, of the last one by default, (3,) array, metres and radians."""
+        return self.laid[scan].pose
 
     def guess(self) -> Array:
         """Expected pose of the next scan, (3,) array, metres and radians."""
-        return compose(self.poses[-1], self.step())
+        return compose(self.pose(), self.step())
 
     def step(self) -> Array:
         """Expected motion to the next scan, (3,) array, metres and radians."""
-        scan = len(self.poses)
+        scan = len(self.laid)
         if self.measured(scan):
             return between(self.odometry[scan - 1], self.odometry[scan])
-        return between(self.poses[-2], self.poses[-1]) if len(self.poses) > 1 else np.zeros(3)
+        return between(self.pose(-2), self.pose()) if scan > 1 else np.zeros(3)
 
     def measured(self, scan: int) -> bool:
         """Whether the log says how the robot moved to a scan from the one before."""
         return bool(np.isfinite(self.odometry[scan - 1 : scan + 1]).all())
 
-    def place(self, pose: ArrayLike, reason: str = "") -> None:
-        """Append the pose of the next scan, (3,) array, metres and radians.
+    def place(
+        self, pose: ArrayLike, unmatched: Unmatched = Unmatched.NONE, reason: str = ""
+    ) -> None:
+        """Append the pose of the next scan, (3,) array, metres and radians."""
+        self.laid.append(Laid(np.asarray(pose, float), unmatched, reason))
 
-        The reason tells why that pose does not count as used, if it does not.
-        """
-        self.poses.append(np.asarray(pose, float))
-        self.reasons.append(reason)
-
-    def carry(self, reason: str) -> None:
+    def carry(self, unmatched: Unmatched, reason: str = "") -> None:
         """Append the guess: the next scan could not be matched, for this reason."""
-        self.place(self.guess(), reason)
-
-    def outcome(self, graph: Graph | None = None, causes: Sequence[Finding] = ()) -> Outcome:
-        """All poses and reasons, for the runner."""
-        return Outcome(np.reshape(self.poses, (-1, 3)), self.reasons, graph, causes)
-
-
-def _odometry(scan: LaserScan) -> Array:
-    """Pose by odometry, (3,) array, metres and radians; NaN where the scan has none."""
-    return np.full(3, np.nan) if scan.odometry is None else scan.odometry
+        self.place(self.guess(), unmatched, reason)
 
 
 def long_segments(scan: LaserScan, min_length: float) -> Array:

@@ -148,7 +148,7 @@ class LiveMap(Locked):
         """
         begun, number = work_time(), len(self.graph)
         self._exchange()
-        if self._start is None and (seen := self._sought(scan)).reason:
+        if self._start is None and not (seen := self._sought(scan)).found:
             known = np.isfinite(seen.pose[0])
             overlap = overlap_of(self.map, scan, seen.pose) if known else 0.0
             seconds = work_time() - begun
@@ -170,7 +170,7 @@ class LiveMap(Locked):
                 self._scans.append((number, scan))
             raise
         self._begin()
-        matched = not any(self.graph.reasons[-1:])
+        matched = self.graph.front_end.rows[-1].used
         seconds = work_time() - begun
         return Step(pose, np.nan, seconds, closed, matched, overlap)
 

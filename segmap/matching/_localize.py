@@ -87,7 +87,7 @@ class Belief(NamedTuple):
     @property
     def found(self) -> bool:
         """Whether the robot is at the pose."""
-        return not self.reason
+        return self.uncertainty is Uncertainty.NONE
 
 
 @checked

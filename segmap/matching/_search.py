@@ -84,7 +84,7 @@ class Places:
     @property
     def found(self) -> bool:
         """Whether the robot is at the first place: no other explains the scan as well."""
-        return not self.reason
+        return self.uncertainty is Uncertainty.NONE
 
     def __len__(self) -> int:
         return len(self.poses)
@@ -181,13 +181,15 @@ def distinct_places(
     many, chosen = len(chosen), chosen[:most_places]
     fits = map.fits(used, poses[chosen])
     kind, reason = stopped
-    if not reason and not many:
+    if kind is not Uncertainty.NONE:
+        pass
+    elif not many:
         kind, reason = Uncertainty.NO_PLACE, f"no pose scores {least:.6g}"
-    elif not reason and many > most_places:
+    elif many > most_places:
         kind, reason = Uncertainty.TOO_MANY_PLACES, f"more than {most_places} places explain it"
-    elif not reason and many > 1:
+    elif many > 1:
         kind, reason = Uncertainty.SEVERAL_PLACES, f"{many} places explain it"
-    elif not reason and fits[0] < SURE_FIT:
+    elif fits[0] < SURE_FIT:
         kind, reason = Uncertainty.POOR_FIT, f"the best place fits it to {fits[0]:.2f} only"
     spreads = [_leaf_covariance(map, scan, leaves[k], step) for k in chosen]
     scores, covariances = leaves[chosen, 0] / full, np.reshape(spreads, (-1, 3, 3))

@@ -44,6 +44,34 @@ class Cause(StrEnum):
     OTHER = "other"  # words of an earlier version
 
 
+class Unmatched(StrEnum):
+    """Why a pose rests on no match; empty where it does. Code asks for these, never for words.
+
+    The words that stand beside it may say more, with numbers.
+    """
+
+    NONE = ""
+    # What the scan, and what it is matched with, show
+    TOO_LITTLE_SEEN = "too few points"  # or walls
+    NO_REFERENCE = "nothing to match it with"
+    # What the match says
+    NO_PLACE = "nothing like it near"
+    LITTLE_OVERLAP = "too little of it lies on the map"
+    SLIDES = "it slides over the map"
+    OTHER_PLACE = "another place fits nearly as well"
+    FREE_DIRECTION = "neither walls nor odometry say how far it went"
+    # What the other scans say
+    UNTIED = "no match ties it to the rest"
+    TORN = "torn from its neighbours farther than segments correspond"
+    OTHER_WALLS = "sees other walls than an earlier scan at the same place"
+    # Why it was not matched at all
+    TURNING = "taken while turning"
+    TOO_NEAR = "too near to the last scan used"
+    NO_ODOMETRY = "no odometry"
+    NO_TRUTH = "no ground truth at its time"
+    ASSUMPTION = "the assumption of the method fails"
+
+
 @dataclass(frozen=True)
 class Finding:
     """One thing that was found.

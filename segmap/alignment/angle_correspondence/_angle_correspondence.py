@@ -20,8 +20,9 @@ from ...kernels import Rule, describe
 from ...poses import between, compose, transform
 from ...reduction import polyline
 from ...scans import Log
+from ...scans.causes import Unmatched
 from ...segments import SegmentMap, length, point_distance
-from .._result import Match, Outcome, Trail, alignment_method, no_match
+from .._result import Laid, Match, Outcome, Trail, alignment_method, no_match
 from .._walls import constraints
 from . import _kernels as kernels
 from ._scenes import Candidate, Heuristic, Scene, corners, scene
@@ -34,8 +35,6 @@ REFINED_GUESSES = 10
 #: scored; ...
 ALIKE_GUESSES = 0.1, np.radians(3)
 #: ... candidates within this distance and turn, metres and radians, are one.
-ONE_CANDIDATE = 0.3, np.radians(10)
-#: ... candidates this near are one.
 ONE_CANDIDATE = 0.3, np.radians(10)
 #: Share of the walls that is enough to believe a match.
 LEAST_MATCHED_SHARE = 0.40
@@ -225,17 +224,17 @@ def match_angles(
     found = angle_candidates(*given, rng=rng, **options)
     sizes = [float(length(arrays.segments(segments)).sum()) for segments in given]
     if not found:
-        return no_match(np.zeros(3), "no two walls of one stand at an angle that the other has too")
+        words = "no two walls of one stand at an angle that the other has too"
+        return no_match(np.zeros(3), Unmatched.NO_PLACE, words)
     best, second = found[0], found[1].score if len(found) > 1 else -np.inf
-    doubt = ""
     if best.score < least_share * min(sizes) * 3 / min(max(best.walls, 1), ENOUGH_WALLS):
-        doubt = "too little of the walls matches"
-    elif second > rival * best.score:
-        doubt = "another place fits nearly as well"
-    elif best.wall_across() < least_across:
-        doubt = "too little wall fixes the motion along the others"
-    if doubt:
-        return no_match(np.zeros(3), doubt)
+        words = "too little of the walls matches"
+        return no_match(np.zeros(3), Unmatched.LITTLE_OVERLAP, words)
+    if second > rival * best.score:
+        return no_match(np.zeros(3), Unmatched.OTHER_PLACE)
+    if best.wall_across() < least_across:
+        words = "too little wall fixes the motion along the others"
+        return no_match(np.zeros(3), Unmatched.FREE_DIRECTION, words)
     return Match(best.pose, best.covariance(), True, overlap=min(1.0, best.value / sizes[1]))
 
 
@@ -280,29 +279,32 @@ def angle_correspondence(
     """
     arrays.function(extract, "extract", "of points")
     chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
-    found = [arrays.call_given(extract, "extract", scan.points()) for scan in log]
-    segments = [arrays.segments(each, "extract(points)") for each in found]
+    given = [arrays.call_given(extract, "extract", scan.points()) for scan in log]
+    segments = [arrays.segments(each, "extract(points)") for each in given]
     seen = [(each, scan.sensor_pose[:2]) for each, scan in zip(segments, log, strict=True)]
-    map = transform(trail.poses[0], seen[0][0]) if grow and seen else None
+    map = transform(trail.pose(0), seen[0][0]) if grow and seen else None
     reference = 0
     for k in range(1, len(log)):
-        pose, reason, kept = trail.guess(), "", False
+        found, kept = Laid(trail.guess()), False
         for known in dict.fromkeys((reference, k - 1)):
             sets, stood = zip(seen[known], seen[k], strict=True)
             match = match_angles(*sets, rng=chance, viewpoints=stood, **thresholds)
             if match.matched and (known == k - 1 or match.overlap >= new_reference):
-                pose, reason = compose(trail.poses[known], match.pose), ""
+                found = Laid(compose(trail.pose(known), match.pose))
                 kept, reference = known == reference, known
                 break
-            reason = match.reason or reason
+            if not match.matched:
+                found = Laid(found.pose, match.unmatched, match.reason)
         if map is not None:
             walls = seen[k][0]
             if not kept:
-                place = _on_map(map, walls, pose, chance, thresholds, known=not reason)
-                pose, reason = (pose, reason) if place is None else (place, "")
-            map = map if reason else _grown(map, transform(pose, walls), thresholds)
-        trail.place(pose, reason)
-    return trail.outcome()
+                sure = found.unmatched is Unmatched.NONE
+                place = _on_map(map, walls, found.pose, chance, thresholds, known=sure)
+                found = found if place is None else Laid(place)
+            if found.unmatched is Unmatched.NONE:
+                map = _grown(map, transform(found.pose, walls), thresholds)
+        trail.place(*found)
+    return Outcome(trail.laid)
 
 
 def _on_map(

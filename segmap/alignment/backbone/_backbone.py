@@ -18,7 +18,7 @@ from ...arrays import Array, Metres, Positive, Radians, Settings, Share
 from ...extraction import extract_polylines
 from ...poses import transform
 from ...scans import LaserScan, Log
-from ...scans.causes import Cause, Finding
+from ...scans.causes import Cause, Finding, Unmatched
 from ...segments import angle as angle_of
 from ...segments import length
 from .._result import Outcome, Trail, alignment_method
@@ -37,9 +37,6 @@ STRAIGHT_STRETCH_M = 10.0
 #: Larger corrections in a stretch, radians, come from a gentle bend as well as from bad odometry:
 #: real logs needed up to 3.7 degrees, a ring of 60 m radius 9.
 MOST_BEND_RAD = np.radians(4.0)
-
-#: Why a scan is not used that was taken while the robot turned.
-WHILE_TURNING = "taken while turning"
 
 
 @dataclass(frozen=True)
@@ -136,9 +133,9 @@ def backbone(
     walk = _Backbone(log, Thresholds(*lengths, new_direction, follow))
     causes, fails = _causes([walk.step(k, scan) for k, scan in enumerate(log)], orthogonal)
     trail = Trail(log) if fails else walk.trail
-    while len(trail.poses) < len(log):
-        trail.carry(str(causes[0]))
-    return trail.outcome(causes=causes)
+    while len(trail.laid) < len(log):
+        trail.carry(Unmatched.ASSUMPTION, str(causes[0]))
+    return Outcome(trail.laid, causes=causes)
 
 
 def backbone_steps(log: Log, **thresholds: Any) -> list[BackboneStep]:
@@ -169,42 +166,46 @@ class _Backbone:
 
     def step(self, k: int, scan: LaserScan) -> BackboneStep:
         """Lay one scan."""
-        t, guess = self.t, self.trail.guess() if k else self.trail.poses[0]
+        t, guess = self.t, self.trail.guess() if k else self.trail.pose()
         skipped = self._skipped(k, guess)
         seen = extract_polylines(scan.points())
         seen = seen[length(seen) > t.min_length]  # A 3.3.2, step 3
         rebuilt = not skipped and self._rebuilt(guess)  # step 4
         there = transform(guess, seen)  # step 5
         partner = geometry.partners(there, self.lines, t.distance, t.angle)
-        missing = "" if (partner >= 0).any() else "no segment on a line of the backbone"
-        if not len(seen):
-            missing = f"no segment longer than {t.min_length:g} m"
-        elif not len(self.lines.angle):
-            missing = "no backbone yet"
-        reason = skipped or missing
-        if reason:
+        why, reason = skipped or (Unmatched.NONE, "")
+        if not skipped and not len(seen):
+            why, reason = Unmatched.TOO_LITTLE_SEEN, f"no segment longer than {t.min_length:g} m"
+        elif not skipped and not len(self.lines.angle):
+            why, reason = Unmatched.NO_REFERENCE, "no backbone yet"
+        elif not skipped and not (partner >= 0).any():
+            why, reason = Unmatched.LITTLE_OVERLAP, "no segment on a line of the backbone"
+        used = why is Unmatched.NONE
+        if not used:
             partner = geometry.parallels(there, self.lines, t.angle)
             partner[:] = partner if t.follow else -1
         pose = geometry.turned(guess, seen, self.lines, partner, t.parallel)  # step 6
-        if not reason:
+        if used:
             pose = geometry.shifted_onto_lines(pose, seen, self.lines, partner)  # step 7
         if k:
-            self.trail.place(pose, reason)
+            self.trail.place(pose, why, reason)
         if not skipped:
-            self.last, self.lost = pose, bool(reason and len(seen))
+            self.last, self.lost = pose, not used and len(seen) > 0
             laid = transform(pose, seen)  # step 8; A merges them before they are moved
             self.walls = geometry.merged_into_walls(self.walls, laid, t.distance / 2, t.parallel)
         known = (guess, pose, seen, partner, self.lines, self.known)
-        return BackboneStep(*known, bool(skipped), rebuilt, reason if k else "")
+        said = (why, reason) if k else (Unmatched.NONE, "")
+        return BackboneStep(*known, skipped is not None, rebuilt, *said)
 
-    def _skipped(self, k: int, guess: Array) -> str:
-        """Why a scan is left out; empty where it is not (A 3.3.2, step 2)."""
+    def _skipped(self, k: int, guess: Array) -> tuple[Unmatched, str] | None:
+        """Why a scan is left out; None where it is not (A 3.3.2, step 2)."""
         if k and not self.trail.measured(k):
-            return "no odometry from the scan before"
+            return Unmatched.NO_ODOMETRY, "no odometry from the scan before"
         if k and abs(self.trail.step()[2]) > self.t.turning:
-            return WHILE_TURNING
-        near = np.hypot(*(guess - self.last)[:2]) < self.t.step
-        return f"less than {self.t.step:g} m from the last scan used" if near else ""
+            return Unmatched.TURNING, str(Unmatched.TURNING)
+        if np.hypot(*(guess - self.last)[:2]) < self.t.step:
+            return Unmatched.TOO_NEAR, f"less than {self.t.step:g} m from the last scan used"
+        return None
 
     def _rebuilt(self, guess: Array) -> bool:
         """Build the backbone where there is none yet or a relevant rotation has just ended."""
@@ -259,7 +260,7 @@ def _bend_corrected(steps: Sequence[BackboneStep]) -> float:
     """Median over whole stretches of the sum of rotations while not turning, radians."""
     poses: Array = np.array([s.pose for s in steps])
     way = np.append(0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T)))
-    straight = [0.0 if s.reason == WHILE_TURNING else s.rotation for s in steps]
+    straight = [0.0 if s.unmatched is Unmatched.TURNING else s.rotation for s in steps]
     sums = np.bincount((way // STRAIGHT_STRETCH_M).astype(int), straight)[
         : int(way[-1] // STRAIGHT_STRETCH_M)
     ]

@@ -15,6 +15,7 @@ from ... import arrays
 from ...angles import axial_difference, axial_mean, axial_mean_of_two, wrap
 from ...arrays import Array, Share
 from ...poses import transform
+from ...scans.causes import Unmatched
 from ...segments import angle, extreme_projections, length, midpoint
 
 Indices = NDArray[np.int64]
@@ -64,8 +65,8 @@ class BackboneStep(NamedTuple):
         The backbone at that time, and its directions so far, (d,) array, radians.
     skipped, rebuilt
         Whether the scan was left out, and whether the backbone was built anew for it.
-    reason
-        Why the scan was not used; empty where it was.
+    unmatched, reason
+        Why the scan was not used, as a kind and in words; empty where it was.
     """
 
     guess: Array
@@ -76,6 +77,7 @@ class BackboneStep(NamedTuple):
     known: Array
     skipped: bool
     rebuilt: bool
+    unmatched: Unmatched
     reason: str
 
     @property
@@ -272,7 +274,7 @@ def spread_left(steps: Sequence[BackboneStep]) -> float:
     left = []
     for s in steps:
         on = s.partner >= 0
-        if not s.reason and on.sum() > 1:
+        if s.unmatched is Unmatched.NONE and on.sum() > 1:
             weight, laid = length(s.segments[on]) ** 3, transform(s.pose, s.segments[on])
             off = axial_difference(s.lines.angle[s.partner[on]], angle(laid))
             off = axial_difference(off, mean_rotation(off, weight))

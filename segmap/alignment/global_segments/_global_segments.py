@@ -5,6 +5,7 @@ Elseberg, Creed, Lakaemper, "A line segment based system for 2D global mapping",
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated
 
@@ -17,8 +18,9 @@ from ...arrays import Array, Count, Metres, Radians, upper_bound_excluded
 from ...kernels import APART_WEIGHT, describe
 from ...poses import between, compose, interpolate, inverse
 from ...scans import Log
+from ...scans.causes import Unmatched
 from ...segments import angle as angle_of
-from .._result import Outcome, alignment_method, long_segments
+from .._result import Laid, Outcome, alignment_method, long_segments
 from ..graph import Graph, groups
 from ..segment_icp import ONE_DIRECTION, SIDEWAYS
 from . import _equations as equations
@@ -32,11 +34,13 @@ LEAST_ACROSS_SHARE = 0.02
 SAME_VIEW_M = 0.50
 #: ... and turned by less, radians, must see the same walls.
 SAME_VIEW_RAD = np.radians(30.0)
-NO_ODOMETRY = "no odometry to begin from"
-NOTHING_SHARED = "shares no two walls with the scans around it: hangs on odometry"
-TORN_FROM_NEIGHBOURS = "torn from its neighbours farther than segments correspond"
-BEYOND_A_BREAK = "beyond a break: not tied to the largest group of scans"
-SEES_OTHER_WALLS = "sees other walls than an earlier scan at the same place"
+#: Why a scan is not used, where its kind says less.
+WORDS = {
+    Unmatched.NO_ODOMETRY: "no odometry to begin from",
+    Unmatched.LITTLE_OVERLAP: "shares no two walls with the scans around it: hangs on odometry",
+    Unmatched.UNTIED: "beyond a break: not tied to the largest group of scans",
+    Unmatched.FREE_DIRECTION: ONE_DIRECTION,
+}
 
 
 @alignment_method
@@ -109,7 +113,8 @@ def global_segments(
         guess = interpolate(known, log.odometry[known], at)
         guess = guess if known[0] == 0 else between(guess[0], guess)  # from the origin on
     else:
-        return Outcome(np.zeros((len(log), 3)), ["", *[NO_ODOMETRY] * len(log)][: len(log)])
+        lost = [Unmatched.NONE, *[Unmatched.NO_ODOMETRY] * len(log)][: len(log)]
+        return _outcome(np.zeros((len(log), 3)), lost)
     # 1. The scans that are kept
     scans = equations.stacked_scans([long_segments(scan, min_length) for scan in log])
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(guess[:, :2], axis=0).T))])
@@ -127,13 +132,19 @@ def global_segments(
     for stage in rules.finer():
         poses = equations.settled_poses(scans, poses, edges, held, stage)
     pairs, _ = equations.corresponding(scans.world(poses), scans.first, edges, stage)
-    reasons = _doubts(scans, poses, pairs)
+    whole = _doubts(scans, poses, pairs)
+    broken = Unmatched.UNTIED, Unmatched.TORN, Unmatched.LITTLE_OVERLAP
     for k, before in zip(rest, place - 1, strict=True):
-        broken = why[before] in (BEYOND_A_BREAK, TORN_FROM_NEIGHBOURS, NOTHING_SHARED)
-        reasons[k] = reasons[k] or (BEYOND_A_BREAK if broken else "")
-    for k, reason in zip(kept, why, strict=True):
-        reasons[k] = reason
-    return Outcome(poses, reasons, graph)
+        whole[k] = whole[k] or (Unmatched.UNTIED if why[before] in broken else Unmatched.NONE)
+    for k, own in zip(kept, why, strict=True):
+        whole[k] = own
+    return _outcome(poses, whole, graph)
+
+
+def _outcome(poses: Array, why: Sequence[Unmatched], graph: Graph | None = None) -> Outcome:
+    """Poses `(k, 3)`, metres and radians, with what speaks against each, for the runner."""
+    rows = zip(poses, why, strict=True)
+    return Outcome([Laid(pose, own, WORDS.get(own, "")) for pose, own in rows], graph)
 
 
 def kept_scans(segments: Array, first: Indices, way: Array, reach: float, rules: Rules) -> Indices:
@@ -185,7 +196,7 @@ def hung_between(kept: Indices, poses: Array, guess: Array, way: Array) -> Array
 
 def _align_kept(
     scans: Scans, guess: Array, way: Array, reach: float, rules: Rules
-) -> tuple[Array, Graph, list[str]]:
+) -> tuple[Array, Graph, list[Unmatched]]:
     """Poses of the kept scans, the edges between them, and what speaks against each pose."""
     poses, held = guess.copy(), np.arange(len(guess)) == 0
     windows = [2 * reach]
@@ -214,14 +225,14 @@ def _align_kept(
     beyond = np.flatnonzero(label != np.bincount(label).argmax())
     why, again = _doubts(scans, poses, pairs), _doubled(scans, poses, edges[edge])
     marks = [
-        (begins, NOTHING_SHARED),
-        (torn, TORN_FROM_NEIGHBOURS),
-        (beyond, BEYOND_A_BREAK),
-        (again, SEES_OTHER_WALLS),
+        (begins, Unmatched.LITTLE_OVERLAP),
+        (torn, Unmatched.TORN),
+        (beyond, Unmatched.UNTIED),
+        (again, Unmatched.OTHER_WALLS),
     ]
-    for marked, reason in marks:
+    for marked, kind in marks:
         for k in marked:
-            why[k] = why[k] or reason
+            why[k] = why[k] or kind
     joined, owner = np.unique(edge, return_inverse=True)
     square = (equations.feet(scans.world(poses), pairs)[0] ** 2).sum(-1).reshape(4, -1).mean(0)
     total, weight = np.bincount(owner, pairs.weight * square), np.bincount(owner, pairs.weight)
@@ -229,7 +240,7 @@ def _align_kept(
     residuals = np.sqrt(total / weight) / WALL_POSITION_SIGMA_M
     loop = way[j] - way[i] > 2 * reach
     graph = Graph(edges[joined], between(poses[i], poses[j]), loop, residuals)
-    return poses, graph, ["", *why[1:]]
+    return poses, graph, [Unmatched.NONE, *why[1:]]
 
 
 def _overlapping(scans: Scans, poses: Array, way: Array, window: float, rules: Rules) -> Indices:
@@ -247,16 +258,17 @@ def _overlapping(scans: Scans, poses: Array, way: Array, window: float, rules: R
     return np.column_stack([i, j])[meet.all(1)]
 
 
-def _doubts(scans: Scans, poses: Array, pairs: Pairs) -> list[str]:
-    """What speaks against each pose, by the segments that it rests on; empty where nothing does."""
+def _doubts(scans: Scans, poses: Array, pairs: Pairs) -> list[Unmatched]:
+    """What speaks against each pose, by the segments that it rests on."""
     count, world = len(poses), scans.world(poses)
     both, weight = np.r_[pairs.i, pairs.j], np.tile(pairs.weight, 2)
     whole = np.bincount(both, weight, count)
     ways = weight * np.exp(2j * angle_of(world[np.r_[pairs.u, pairs.v]]))
     total = np.bincount(both, ways.real, count) + 1j * np.bincount(both, ways.imag, count)
     one_way = (whole - np.abs(total)) / 2 < LEAST_ACROSS_SHARE * whole
+    free, none = Unmatched.FREE_DIRECTION, Unmatched.LITTLE_OVERLAP
     marks = zip(whole > 0, one_way, strict=True)
-    return [NOTHING_SHARED if not some else ONE_DIRECTION if one else "" for some, one in marks]
+    return [none if not some else free if one else Unmatched.NONE for some, one in marks]
 
 
 def _doubled(scans: Scans, poses: Array, joined: Indices) -> Indices:

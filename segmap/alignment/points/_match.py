@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ... import arrays
 from ...arrays import Array, Metres, Share, checked
 from ...poses import transform
+from ...scans.causes import Unmatched
 from .._result import Match, no_match
 from ._point_map import (
     LAST,
@@ -67,7 +68,8 @@ def match_points(
     """
     before, now, begin = _given(reference, current, start)
     if min(len(before), len(now)) < 6:
-        return no_match(begin, f"too few points: {len(before)} and {len(now)}")
+        words = f"too few points: {len(before)} and {len(now)}"
+        return no_match(begin, Unmatched.TOO_LITTLE_SEEN, words)
     map = PointMap(before)
     return map.register(now, begin, reach=reach, overlap=overlap, inflation=SCAN_VARIANCE_INFLATION)
 

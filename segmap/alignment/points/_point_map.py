@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import Array
 from ...poses.motions import wrap
+from ...scans.causes import Unmatched
 from ...threads import computed
 from .._result import Match, no_match
 from . import _point_kernels as kernels
@@ -104,12 +105,14 @@ class PointMap:
         metres at first and `last` in the end; then a share `overlap` of the points must have one.
         """
         if len(current) < 6:
-            return no_match(start, f"the scan has only {len(current)} points")
+            words = f"the scan has only {len(current)} points"
+            return no_match(start, Unmatched.TOO_LITTLE_SEEN, words)
         found = self.descend(current, start, reach, last, 1 + len(current) // SEARCH_POINTS)
         if len(found.rows) < 6:
-            return no_match(start, f"only {len(found.rows)} points lie near walls", found.near)
+            words = f"only {len(found.rows)} points lie near walls"
+            return no_match(start, Unmatched.LITTLE_OVERLAP, words, found.near)
         if found.near < overlap:
-            return no_match(start, "too little of it lies on the map", found.near)
+            return no_match(start, Unmatched.LITTLE_OVERLAP, overlap=found.near)
         # Along a direction that the walls do not fix, the match says nothing: one metre. In a round
         # room it is the heading that they do not fix: that is no direction
         covariance, scratch = np.empty((3, 3)), np.empty((2, 3, 3))

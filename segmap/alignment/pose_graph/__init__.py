@@ -4,10 +4,9 @@ from ._breaks import breaks
 from ._front_end import FrontEnd, Tracking
 from ._loop_closing import LoopClosing
 from ._merge import merge_graphs
-from ._parts import align_parts
 from ._pose_graph import LiveGraph, Placed, pose_graph
 
 __all__ = [
-    "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "Tracking", "align_parts", "breaks",
-    "merge_graphs", "pose_graph",
+    "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "Tracking", "breaks", "merge_graphs",
+    "pose_graph",
 ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,9 +12,9 @@ from numpy.typing import NDArray
 from ...arrays import Array, Count, Metres, Positive, Radians, Settings
 from ...poses.motions import between, compose
 from ...scans import LaserScan
-from ...scans.causes import Cause, Finding
+from ...scans.causes import Cause, Finding, Unmatched
 from ...threads import in_threads
-from .._result import SURE_M, Match, Outcome, Trail, no_match
+from .._result import SURE_M, Laid, Match, Outcome, no_match
 from ..graph import (
     NEARBY,
     REAL_ERRORS,
@@ -27,7 +28,7 @@ from ..graph import (
 )
 from ..points import PointMap, in_range
 from ._breaks import breaks
-from ._key_frames import KeyFrames
+from ._key_frames import KeyFrames, Undoable
 from ._wheels import Wheels
 
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
@@ -76,9 +77,6 @@ FINAL_NEIGHBOURS = 15
 FINAL_NEIGHBOURHOOD_M = 4.0
 #: Loops that stay open by this many standard deviations contradict the rest.
 OPEN = 5.0
-#: Why a scan is not used although it matched.
-LOOSE = "neither walls nor odometry say how far it went"
-UNTIED = "no match ties it to the rest"
 
 
 @dataclass(frozen=True)
@@ -108,67 +106,94 @@ class Tracking(Settings):
     match_turn_error: Radians = REAL_ERRORS[1]
 
 
-class FrontEnd:
+@dataclass
+class TrackedScan:
+    """A scan that was laid: where it hangs, and what its match has told."""
+
+    scan: LaserScan
+    odometry: Array  # NaN where it has none
+    frame: int  # its key frame,
+    pose: Array  # and its pose there
+    place: Array  # where it was laid when it came: loops do not move this one
+    unmatched: Unmatched = Unmatched.NONE
+    reason: str = ""
+    overlap: float = np.nan  # share of it on the map before it; NaN where lost
+    along: float = 0.0  # standard deviation along the walls, metres; 0 where the match tells
+    driven: bool = False  # whether the odometry outweighed its match
+
+    @property
+    def used(self) -> bool:
+        """Whether a match tells where it lies."""
+        return self.unmatched is Unmatched.NONE
+
+
+class FrontEnd(Undoable):
     """Tracks a robot scan by scan: the matcher lays each on the map of the last key frames."""
 
-    def __init__(self, first: LaserScan, matcher: Matcher, rules: Tracking) -> None:
-        self.scans, self.points = [first], _points_in_range(first)  # and the points of the last one
-        blind = "" if len(self.points) else "too few points"
-        self.trail, self.matcher, self.rules = Trail([first], reason=blind), matcher, rules
+    def __init__(self, matcher: Matcher, rules: Tracking) -> None:
+        self.rows: list[TrackedScan] = []
+        self.points = np.zeros((0, 2))  # of the last scan
+        self.matcher, self.rules = matcher, rules
         least = np.diag([rules.match_error, rules.match_error, rules.match_turn_error]) ** 2
-        self.frames = KeyFrames(self.points, self.trail.poses[0], least)
-        self.key_frame_of_scan = [0]  # the key frame of each scan,
-        self.pose_in_key_frame = [np.zeros(3)]  # and its pose there
-        self.overlap = [np.nan]  # share of each scan on the map before it; NaN where lost
-        self.free_along_corridor = [False]  # whether nothing says how far it went along the walls
-        self.along = [0.0]  # its standard deviation then, metres; 0 where the match tells
-        self.driven = [False]  # whether the odometry outweighed its match
-        self.tied = [True]  # of each key frame: whether a match fixes the step to it
-        self.wheels = Wheels()
-        self.begins = [0]  # key frames at which a map began anew
+        self.frames, self.wheels = KeyFrames(least), Wheels()
+        self.begins = 0  # the key frame at which the map began, or began anew
         self.lost = 0  # scans in a row without odometry and match
-        self.local = self.frames.map_of([0], 0)
+        self.local: PointMap | None = None
 
     def track(self, scan: LaserScan) -> Match:
         """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
-        points, before = _points_in_range(scan), self.pose_in_key_frame[-1]
-        self.trail.add(scan)
-        measured = self.measured()
-        self.wheels.drive(self.trail.step() if measured else np.full(3, np.nan))
+        self.points = points = in_range(scan.points())
+        odometry = np.full(3, np.nan) if scan.odometry is None else scan.odometry
+        start = odometry if np.isfinite(odometry).all() else np.zeros(3)
+        row = TrackedScan(scan, odometry, len(self.frames) - 1, np.zeros(3), start)
+        self.rows.append(row)
+        if len(self.rows) == 1:
+            row.unmatched = Unmatched.NONE if len(points) else Unmatched.TOO_LITTLE_SEEN
+            return Match(start, np.eye(3), matched=True)
+        before, measured, map = self.rows[-2], self.measured(), self.local
+        self.wheels.drive(self.step() if measured else np.full(3, np.nan))
         # A motion that goes on from match to false match grows until it is many metres a scan:
         # without odometry the robot stands after a scan that did not match
-        lost = self.trail.reasons[-1] not in ("", LOOSE)
-        step = np.zeros(3) if lost and not measured else self.trail.step()
-        guess, map = compose(before, step), self.local
-        loose, along, driven = False, 0.0, False
+        lost = not (before.used or before.unmatched is Unmatched.FREE_DIRECTION)
+        step = np.zeros(3) if lost and not measured else self.step()
+        guess = compose(before.pose, step)
         if map is None or len(points) < 6:
-            match = no_match(guess, "too few points")
+            match = no_match(guess, Unmatched.TOO_LITTLE_SEEN)
         else:
             match = self.matcher(map, points, guess)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
                 match = self._regained(map, points, guess, match)
             weighed = self.wheels.weighed(map, points, match)
-            driven, match = weighed is not match, weighed
-            if (match.free is not None or match.turns) and not measured:
-                loose = len(map.unfixed(points, match.pose)) > 0
-                along = float(np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]))
+            row.driven, match = weighed is not match, weighed
+        row.unmatched, row.reason = match.unmatched, match.reason
+        if map is not None and (match.free is not None or match.turns) and not measured:
+            if len(map.unfixed(points, match.pose)):
+                row.unmatched = Unmatched.FREE_DIRECTION
+            row.along = float(np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]))
         self.lost = 0 if match.matched or measured else self.lost + 1
-        self.scans.append(scan)
-        self.points = points
-        self.key_frame_of_scan.append(len(self.frames) - 1)
-        self.pose_in_key_frame.append(match.pose)
-        self.free_along_corridor.append(loose)
-        self.along.append(along)
-        self.driven.append(driven)
-        self.overlap.append(match.overlap if match.matched or measured else np.nan)
-        reason = LOOSE if loose else match.reason
-        self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
+        row.pose = match.pose
+        row.overlap = match.overlap if match.matched or measured else np.nan
+        row.place = compose(before.place, between(before.pose, match.pose))
         return match
+
+    def step(self) -> Array:
+        """Expected motion to the last scan, (3,) array, metres and radians: as `Trail.step`."""
+        if self.measured():
+            return between(self.rows[-2].odometry, self.rows[-1].odometry)
+        if len(self.rows) < 3:
+            return np.zeros(3)
+        return between(self.rows[-3].place, self.rows[-2].place)
+
+    def measured(self, scan: int = -1) -> bool:
+        """Whether odometry says how the robot came to a scan, to the last one by default."""
+        scan %= len(self.rows)
+        both = [row.odometry for row in self.rows[max(scan - 1, 0) : scan + 1]]
+        return bool(np.isfinite(both).all())
 
     def _regained(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
         """Without odometry: the match, or a better one at any heading about the last place."""
-        last = self.pose_in_key_frame[-1]
-        reach = max(LEAST_SEARCH_M, SEARCH_STEPS * float(np.hypot(*self.trail.step()[:2])))
+        last = self.rows[-2].pose
+        reach = max(LEAST_SEARCH_M, SEARCH_STEPS * float(np.hypot(*self.step()[:2])))
         found: list[tuple[float, Match]] = []
         for quarter in range(4):
             about = last + (0.0, 0.0, quarter * np.pi / 2)
@@ -198,65 +223,56 @@ class FrontEnd:
             chosen = replace(chosen, pose=chosen.pose + (*along, 0.0))
         return chosen
 
-    def measured(self) -> bool:
-        """Whether odometry says how the robot came to the scan that is laid now."""
-        return self.trail.measured(len(self.scans))
-
     def needs_frame(self, step: float, turn: float) -> bool:
-        """Whether the last scan is farther from its key frame, or the first to have points."""
-        x, y, heading = self.pose_in_key_frame[-1]
+        """Whether the last scan is far from its key frame, or the first, or the first to see."""
+        x, y, heading = self.rows[-1].pose
         moved = np.hypot(x, y) > step or abs(heading) > turn
         anew = self.lost >= LOST_IN_A_ROW and len(self.points) >= 6
-        return bool(moved or anew or (self.local is None and len(self.points)))
+        first = not len(self.frames) or (self.local is None and len(self.points))
+        return bool(moved or anew or first)
 
     def add_frame(self, match: Match) -> None:
         """Make the last scan the newest key frame, at its match."""
-        scan = len(self.scans) - 1
+        row, new = self.rows[-1], len(self.frames)
         step, turn = self.rules.step_error, self.rules.turn_error
         covariance = match.covariance if match.matched else np.diag([step, step, turn]) ** 2
         if self.lost >= LOST_IN_A_ROW:  # nothing ties it to the map before but a guess
             self.lost, covariance = 0, np.diag(BREAK) ** 2
-            self.begins.append(len(self.frames))
-        elif match.matched and self._guessed(match):
+            self.begins = new
+        elif match.matched and new and self._guessed(match):
             covariance = covariance + np.diag(BREAK) ** 2
-        if match.matched and match.free is not None and self.trail.measured(scan):
+        if match.matched and match.free is not None and self.measured():
             along = np.array([*match.free, 0.0]) / ALONG_ERROR
             covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
-        self.frames.add(scan, self.points, match.pose, covariance)
-        self.tied.append(match.matched and not self.free_along_corridor[scan])
-        last = len(self.frames) - 1
-        self.key_frame_of_scan[scan], self.pose_in_key_frame[scan] = last, np.zeros(3)
+        tied = match.matched and row.unmatched is not Unmatched.FREE_DIRECTION
+        self.frames.add(len(self.rows) - 1, self.points, match.pose, covariance, tied=tied)
+        row.frame, row.pose = new, np.zeros(3)
         self.wheels.begin()
-        self.see_last_frames()
+        first = max(new + 1 - self.rules.frames, self.begins)
+        self.local = self.frames.map_of(range(first, new + 1), new)
 
     def _guessed(self, match: Match) -> bool:
         """Whether the match of the last scan may be any: no odometry nor wall led to it."""
-        scan = len(self.scans) - 1
-        if self.trail.measured(scan):
+        if self.measured():
             return False
-        turned = abs(between(self.pose_in_key_frame[-2], match.pose)[2])
+        turned = abs(between(self.rows[-2].pose, match.pose)[2])
         if match.overlap < (NEARLY_WHOLE_OVERLAP if turned > GUESSED_TURN_RAD else GUESSED_OVERLAP):
             return True
-        return any(self.along[self.frames.scan[-1] : scan])
+        return any(row.along for row in self.rows[self.frames.rows[-1].scan : -1])
 
-    def see_last_frames(self) -> None:
-        """Make the local map anew, of the last key frames."""
-        last = len(self.frames) - 1
-        first = max(last - self.rules.frames + 1, self.begins[-1])
-        self.local = self.frames.map_of(range(first, last + 1), last)
-
-    def refine(self) -> None:
+    def register_again(self) -> None:
         """Lay each scan between key frames on the map of all that are near, whenever those were."""
-        keys, own = np.array(self.frames.scan), np.array(self.key_frame_of_scan)
-        others = np.flatnonzero((keys[own] != np.arange(len(own))) & ~np.array(self.driven))
+        keys, own = self.frames.scans, self._key_frames()
+        driven = np.array([row.driven for row in self.rows])
+        others = np.flatnonzero((keys[own] != np.arange(len(own))) & ~driven)
         around = self.frames.neighbourhoods(FINAL_NEIGHBOURS, FINAL_NEIGHBOURHOOD_M)
 
         def refined(scans: NDArray[np.int64]) -> list[Array]:
             """Poses of scans of one key frame in it, by the map of those around it."""
-            frame, found = self.key_frame_of_scan[scans[0]] if len(scans) else 0, []
+            frame, found = self.rows[scans[0]].frame if len(scans) else 0, []
             map = self.frames.map_of(around(frame), frame)
             for scan in scans:
-                points, offset = _points_in_range(self.scans[scan]), self.pose_in_key_frame[scan]
+                points, offset = in_range(self.rows[scan].scan.points()), self.rows[scan].pose
                 if map is not None and len(points) >= 6:
                     match = map.register(points, offset, overlap=self.rules.overlap)
                     offset = match.pose if match.matched else offset
@@ -267,15 +283,20 @@ class FrontEnd:
         laid = in_threads(refined, by_frame, "laying each scan once more")
         for scans, found in zip(by_frame, laid, strict=True):
             for scan, offset in zip(scans, found, strict=True):
-                self.pose_in_key_frame[scan] = offset
+                self.rows[scan].pose = offset
 
     def poses(self) -> Array:
         """Poses of all scans so far, `(k, 3)` array, metres and radians."""
-        return compose(self.frames.poses[self.key_frame_of_scan], np.array(self.pose_in_key_frame))
+        there = np.reshape([row.pose for row in self.rows], (-1, 3))
+        return compose(self.frames.poses[self._key_frames()], there)
 
     def pose(self) -> Array:
         """Pose of the last scan, (3,) array, metres and radians."""
-        return compose(self.frames.poses[self.key_frame_of_scan[-1]], self.pose_in_key_frame[-1])
+        return compose(self.frames.poses[self.rows[-1].frame], self.rows[-1].pose)
+
+    def _key_frames(self) -> NDArray[np.int64]:
+        """The key frame of each scan, `(k,)`."""
+        return np.array([row.frame for row in self.rows], np.int64)
 
     def graph(self, rejected: Sequence[Rejected] = ()) -> Graph | None:
         """Edges between key frames, by the scans' indices; None before there is one."""
@@ -283,37 +304,37 @@ class FrontEnd:
         if not frames.edges:
             return None
         edges = stacked(frames.edges)
-        ends = np.array(frames.scan)[np.stack([edges.first, edges.second], -1)]
+        ends = frames.scans[np.stack([edges.first, edges.second], -1)]
         left, motion = deviations(frames.poses, edges), edges.relative
         return Graph(ends, motion, edges.loop, left, tuple(rejected), edges.information)
 
     def outcome(self, rejected: Sequence[Rejected] = ()) -> Outcome:
         """Poses, reasons and standard deviations of all scans, the graph, and what it doubts."""
-        graph, frame, reasons = (
-            self.graph(rejected),
-            np.array(self.key_frame_of_scan),
-            self.trail.reasons,
-        )
+        graph, frame, poses = self.graph(rejected), self._key_frames(), self.poses()
+        rows = self.rows
+        laid = [
+            Laid(pose, row.unmatched, row.reason) for row, pose in zip(rows, poses, strict=True)
+        ]
         far, near, left = np.zeros(len(frame)), np.zeros(len(frame)), np.zeros(0)
         if graph is not None:
             weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
             far, near = place_deviations(self.frames.poses, stacked(self.frames.edges), weight)
             far, near = far[frame], near[frame]
-            seeing = np.array([not own for own in reasons], float)
-            matched = np.bincount(frame, seeing, len(self.frames)).astype(float)
-            apart = untied(self.tied, self.frames.edges, matched)[frame]
-            both = zip(reasons, apart, strict=True)
-            reasons = [own or (UNTIED if alone else "") for own, alone in both]
+            matched = np.bincount(frame, [row.used for row in rows], len(self.frames)).astype(float)
+            tied = [key.tied for key in self.frames.rows]
+            apart = untied(tied, self.frames.edges, matched)[frame]
+            alone = [row.used and far for row, far in zip(rows, apart, strict=True)]
+            laid = [
+                Laid(own.pose, Unmatched.UNTIED) if a else own
+                for own, a in zip(laid, alone, strict=True)
+            ]
             left = graph.residuals[graph.loop]
-        far, near = np.hypot(far, self.along), np.hypot(near, self.along)
-        torn = breaks(np.array(self.trail.odometry), self.poses(), np.array(self.overlap))
-        causes = torn + findings(reasons, far, left, near=near, converged=self.frames.converged)
-        return Outcome(self.poses(), reasons, graph, causes, far, near)
-
-
-def _points_in_range(scan: LaserScan) -> Array:
-    """Points of a scan, `(m, 2)`, metres, that a laser can have seen."""
-    return in_range(scan.points())
+        along, overlap = np.array([(row.along, row.overlap) for row in rows]).reshape(-1, 2).T
+        far, near = np.hypot(far, along), np.hypot(near, along)
+        causes = breaks(np.reshape([row.odometry for row in rows], (-1, 3)), poses, overlap)
+        why = [own.unmatched for own in laid]
+        causes += findings(why, far, left, near=near, converged=self.frames.converged)
+        return Outcome(laid, graph, causes, far, near)
 
 
 def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
@@ -329,7 +350,7 @@ def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArra
 
 
 def findings(
-    reasons: Sequence[str],
+    unmatched: Sequence[Unmatched],
     far: Array,
     left: Array,
     *,
@@ -341,15 +362,16 @@ def findings(
     `far` and `near` are the standard deviations of all places in the whole and relative to those
     within 20 m, `left` is what the solution leaves of each loop, `(m,)`, in standard deviations.
     """
-    count, found = len(reasons), []
+    count, found, counts = len(unmatched), [], Counter(unmatched)
 
     def add(cause: Cause, value: int, words: str) -> None:
         """One more finding; `Alignment.verdict` weighs the scans themselves."""
         found.append(Finding(cause, value, words))
 
-    if loose := sum(reason == LOOSE for reason in reasons):
-        add(Cause.NO_DISTANCE, loose, f"at {loose} of {count} scans {LOOSE}")
-    if apart := sum(reason == UNTIED for reason in reasons):
+    if loose := counts[Unmatched.FREE_DIRECTION]:
+        words = f"at {loose} of {count} scans {Unmatched.FREE_DIRECTION}"
+        add(Cause.NO_DISTANCE, loose, words)
+    if apart := counts[Unmatched.UNTIED]:
         add(Cause.UNTIED, apart, f"no match ties {apart} of {count} scans to the rest")
     if vague := int((far > SURE_M).sum()):
         words = f"{vague} of {count} scans may be more than {2 * SURE_M} m off, {_worst(far)}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,14 +18,29 @@ from ..points import FARTHEST_POINT_M, PointMap, place_clouds
 Members = Sequence[int] | NDArray[np.int64]
 
 
-class KeyFrames:
+class Undoable:
+    """A part of a graph that `rollback_on_error` puts back as it was.
+
+    Its lists only grow, but for the last row, and what else its fields hold is exchanged and never
+    changed in place. Fields that are undoable themselves are put back too.
+    """
+
+
+class KeyFrame(NamedTuple):
+    """A scan that stands for the map."""
+
+    scan: int  # index in the log
+    points: Array  # in the frame of the robot
+    tied: bool  # whether a match fixes the step to it
+
+
+class KeyFrames(Undoable):
     """The scans that stand for the map, half a metre apart, with poses that loops still move."""
 
-    def __init__(self, points: Array, pose: Array, least: Array = REAL) -> None:
-        self.scan = [0]  # index in the log of each key frame
-        self.points = [points]  # of each, in the frame of the robot
-        self.distance = np.zeros(1)  # metres driven up to each
-        self.poses = np.array([pose])
+    def __init__(self, least: Array = REAL) -> None:
+        self.rows: list[KeyFrame] = []
+        self.poses = np.zeros((0, 3))
+        self.distance = np.zeros(0)  # metres driven up to each
         self.edges: list[Edge] = []
         self.converged = True  # whether the last `optimize` came to an end: the poses fit best
         self.least = least  # covariance that every match has at least
@@ -32,31 +48,41 @@ class KeyFrames:
         self._last: Edge | None = None  # of the edges that the solver has
 
     def __len__(self) -> int:
-        return len(self.scan)
+        return len(self.rows)
 
-    def add(self, scan: int, points: Array, relative: Array, covariance: Array) -> None:
-        """Append a key frame at its motion `(3,)` from the last one, with an edge between them."""
+    @property
+    def scans(self) -> NDArray[np.int64]:
+        """Index in the log of each key frame, `(n,)`."""
+        return np.array([row.scan for row in self.rows], np.int64)
+
+    def add(
+        self, scan: int, points: Array, motion: Array, covariance: Array, *, tied: bool = True
+    ) -> None:
+        """Append a key frame at its motion `(3,)` from the last one, with an edge between them.
+
+        The first one has its pose for the motion, and no edge.
+        """
+        new, pose, way = len(self), motion, 0.0
+        if new:
+            self.edges.append(Edge(new - 1, new, motion, information(covariance, self.least)))
+            pose = compose(self.poses[-1], motion)
+            way = self.distance[-1] + float(np.hypot(motion[0], motion[1]))
+        self.poses = np.vstack([self.poses, pose])
+        self.distance = np.append(self.distance, way)
+        self.rows.append(KeyFrame(scan, points, tied))
+
+    def extend(self, later: KeyFrames, scan: int, covariance: Array) -> None:
+        """Append the key frames of another graph, whose first scan has this index here.
+
+        The first lies where the last one of this graph does, as uncertain as the covariance says.
+        """
         new = len(self)
-        self.edges.append(Edge(new - 1, new, relative, information(covariance, self.least)))
-        driven = self.distance[-1] + float(np.hypot(relative[0], relative[1]))
-        self.poses = np.vstack([self.poses, compose(self.poses[-1], relative)])
-        self.distance = np.append(self.distance, driven)
-        self.scan.append(scan)
-        self.points.append(points)
-
-    def extend(self, later: KeyFrames, joint: int, edges: list[Edge]) -> None:
-        """Append the key frames behind one of another graph, which is the last one of this."""
-        last, rest = len(self) - 1, slice(joint + 1, None)
-        moved = compose(self.poses[last], between(later.poses[joint], later.poses[rest]))
-        way, scans = (
-            self.distance[last] - later.distance[joint],
-            self.scan[last] - later.scan[joint],
-        )
+        self.add(scan, later.rows[0].points, np.zeros(3), covariance, tied=False)
+        moved = compose(self.poses[-1], between(later.poses[0], later.poses[1:]))
         self.poses = np.vstack([self.poses, moved])
-        self.distance = np.append(self.distance, way + later.distance[rest])
-        self.scan += [scans + scan for scan in later.scan[rest]]
-        self.points += later.points[rest]
-        self.edges += edges
+        self.distance = np.append(self.distance, self.distance[-1] + later.distance[1:])
+        self.rows += [row._replace(scan=scan + row.scan) for row in later.rows[1:]]
+        self.edges += [e._replace(first=new + e.first, second=new + e.second) for e in later.edges]
 
     def optimize(self, *, lazily: bool = False) -> None:
         """Move the poses to where all edges fit best.
@@ -98,7 +124,7 @@ class KeyFrames:
 
         In the frame of the key frame `origin`.
         """
-        clouds = [self.points[k] for k in members]
+        clouds = [self.rows[k].points for k in members]
         counts = np.array([len(cloud) for cloud in clouds], np.int64)
         placed, seen_from = np.empty((2, counts.sum(), 2))
         poses = between(self.poses[origin], self.poses[members])
@@ -122,15 +148,21 @@ def loop_pairs(loops: ArrayLike, name: str) -> list[list[int]]:
 
 
 @contextmanager
-def rollback_on_error(*parts: object) -> Iterator[None]:
-    """Undo what is done to objects whose lists only grow, where it ends before its end."""
-    kept = [(part, dict(vars(part))) for part in parts]
-    lengths = [(v, len(v)) for _, known in kept for v in known.values() if isinstance(v, list)]
+def rollback_on_error(*parts: Undoable) -> Iterator[None]:
+    """Undo what is done to parts of a graph, where it ends before its end."""
+    kept: dict[int, tuple[Undoable, dict[str, object]]] = {}
+    todo = [*parts]
+    while todo:
+        part = todo.pop()
+        kept[id(part)] = part, dict(vars(part))
+        todo += [v for v in vars(part).values() if isinstance(v, Undoable) and id(v) not in kept]
+    fields = [(part, name, value) for part, known in kept.values() for name, value in known.items()]
+    lengths = [(value, len(value)) for *_, value in fields if isinstance(value, list)]
     try:
         yield
     except BaseException:
-        for part, known in kept:
-            vars(part).update(known)
+        for part, name, value in fields:
+            setattr(part, name, value)
         for grown, length in lengths:
             del grown[length:]
         raise

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from ...arrays import Array, Count, Metres, Positive, Settings
 from ...poses.motions import between, compose
+from ...scans.causes import Unmatched
 from .._result import Match, no_match
 from ..graph import Edge, Rejected, deviations, information, residuals, stacked
 from ..points import PointMap
 from ._graph_distance import key_frames_in_square, path_lengths
-from ._key_frames import KeyFrames
+from ._key_frames import KeyFrames, Undoable
 
 # Where loops are sought:
 #: Old places are proposed this much farther off than the window: they can be seen from there.
@@ -130,7 +131,7 @@ class Window(NamedTuple):
     turn: float
 
 
-class LoopCloser:
+class LoopCloser(Undoable):
     """Finds loops as key frames come in, and says which it does not believe.
 
     Accepted loops become edges of the frames. `drift` is the share of the path by which the map may
@@ -139,7 +140,7 @@ class LoopCloser:
 
     def __init__(self, frames: KeyFrames, drift: float, rules: LoopClosing) -> None:
         self.frames, self.drift, self.rules = frames, drift, rules
-        self.descriptors = [descriptor(frames.points[0])]
+        self.descriptors: list[Array] = []
         self.lost_since: int | None = None
         self.measured = True
         self.pending: list[Edge] = []
@@ -239,15 +240,16 @@ class LoopCloser:
         first = max(new - rules.new_frames, lost if lost <= new else 0)
         seen, _ = frames.points_around(range(first, new + 1), new)
         if map is None or len(seen) < 6:
-            return no_match(window.guess, "too few points")
+            return no_match(window.guess, Unmatched.TOO_LITTLE_SEEN)
         seen = seen[:: 1 + len(seen) // REGISTERED_POINTS]
         place = {"reach": window.reach, "turn": window.turn, "least": rules.likelihood}
         start, _ = map.search(seen, window.guess, reach_cost=0.05, **place)
         if start is None:
-            return no_match(window.guess, "the two places look different")
+            return no_match(window.guess, Unmatched.NO_PLACE, "the two places look different")
         if (overlap := map.register(seen, start, reach=0.2).overlap) < rules.overlap:
-            return no_match(start, "too little of the new place is in the old one", overlap)
-        return map.register(frames.points[new], start, reach=0.2)
+            words = "too little of the new place is in the old one"
+            return no_match(start, Unmatched.LITTLE_OVERLAP, words, overlap)
+        return map.register(frames.rows[new].points, start, reach=0.2)
 
     def map_around(self, window: Window) -> PointMap | None:
         """The surroundings of an old key frame, in its frame, as far as the window; some are kept.
@@ -326,8 +328,6 @@ class LoopCloser:
         left = deviations(frames.poses, stacked(frames.edges))
         open_by = zip(frames.edges, left, strict=True)
         out = [e for e, d in open_by if e.loop and not e.forced and d > CONTRADICTED]
-        for loop in out:
-            self._reject(loop.first, loop.second, CONTRADICTED_LOOP)
         frames.exchange(_edges_but(frames.edges, out))
         return bool(out)
 
@@ -337,7 +337,6 @@ class LoopCloser:
         self.ways = _ways(self.accepted)
         steps = [edge for edge in self.frames.edges if not edge.loop]
         self.frames.exchange(steps + self.accepted)
-        self.rejected = [r for r in self.rejected if r.reason != CONTRADICTED_LOOP]
         for loop in loops:
             self._reject(loop.first, loop.second, reason)
 
@@ -356,7 +355,14 @@ class LoopCloser:
 
     def _reject(self, old: int, new: int, reason: str) -> None:
         """Keep the reason, under the indices of the scans."""
-        self.rejected.append(Rejected(self.frames.scan[old], self.frames.scan[new], reason))
+        rows = self.frames.rows
+        self.rejected.append(Rejected(rows[old].scan, rows[new].scan, reason))
+
+    def not_believed(self) -> list[Rejected]:
+        """All loops that are no edges, also those that the solution left open at the end."""
+        rows, left = self.frames.rows, _edges_but(self.accepted, self.frames.edges)
+        ends = [(rows[loop.first].scan, rows[loop.second].scan) for loop in left]
+        return [*self.rejected, *(Rejected(*pair, CONTRADICTED_LOOP) for pair in ends)]
 
 
 def descriptor(points: Array) -> Array:

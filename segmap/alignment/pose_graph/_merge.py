@@ -16,10 +16,9 @@ from ...progress import each
 from ...scans import LaserScan
 from ...scans.causes import Cause, Finding
 from .._result import Alignment, checked_alignment
-from ..graph import Edge, information
-from ._front_end import BREAK, FrontEnd
-from ._loop_closing import LOST_WITNESSES, WINDOW_HALF_RAD, LoopCloser, Window
-from ._parts import SharedKeyFrame, append, front_end_and_closer
+from ..graph import Edge, Rejected, information
+from ._front_end import BREAK
+from ._loop_closing import LOST_WITNESSES, WINDOW_HALF_RAD, Window
 from ._pose_graph import LiveGraph
 
 #: About a place that was found the loop is measured in a window of this half side, metres.
@@ -65,76 +64,76 @@ def merge_graphs(
     for given, name in ((first, "first"), (second, "second")):
         if not len(arrays.instance(given, name, LiveGraph)):
             raise ValueError(f"{name} must hold scans")
-    graph, part = deepcopy((first, second))
-    (front, closer), (_, its_closer) = front_end_and_closer(graph), front_end_and_closer(part)
-    for own in (closer, its_closer):
+    graph, later = deepcopy((first, second))
+    front, closer, frames = graph.front_end, graph.loop_closer, graph.front_end.frames
+    for own in (closer, later.loop_closer):
         own.finish_pending()
     # 1. The second begins anew behind the first: only loops tie it
-    joint = _begin_anew(front, front_end_and_closer(part)[0])
-    append(graph, part, front_end_and_closer(part)[0].scans[1:], joint)
+    begin, reason, alike = len(frames), "", 0
+    _append(graph, later)
     # 2. The place that enough others agree with
-    frames, reason, alike = front.frames, "", 0
-    loops, most = _agreeing_loops(front, closer, joint.frame, places)
+    loops, most = _agreeing_loops(graph, begin, places)
     if not loops:
         reason = f"only {most} places of the second are found in the first and agree"
     else:
         # 3. All others from there on, as within one log
-        loop, rest = loops[0], slice(joint.frame, None)
+        loop, rest = loops[0], slice(begin, None)
         moved = between(frames.poses[loop.second], frames.poses[rest])
         frames.poses[rest] = compose(compose(frames.poses[loop.first], loop.relative), moved)
         closer.believe(loops)
         frames.optimize()
         away = np.abs(frames.distance - frames.distance[loop.second])[rest]
-        order = (joint.frame + np.argsort(away, kind="stable")).tolist()
+        order = (begin + np.argsort(away, kind="stable")).tolist()
         for new in each(order, "closing loops of place"):
-            measured = front.trail.measured(frames.scan[new])
-            if closer.seek(new, joint.frame, confirmed=True, measured=measured):
+            measured = front.measured(frames.rows[new].scan)
+            if closer.seek(new, begin, confirmed=True, measured=measured):
                 frames.optimize(lazily=True)
         frames.optimize()
         # 4. Whether the places that both passed are tied
-        across = [edge for edge in closer.accepted if edge.first < joint.frame <= edge.second]
+        across = [edge for edge in closer.accepted if edge.first < begin <= edge.second]
         tied = {edge.second for edge in across}
-        passed = _passed_by_both(frames.poses, joint.frame)
+        passed = _passed_by_both(frames.poses, begin)
         alike = len(tied & passed)
         if alike < (least := max(LOST_WITNESSES, LEAST_TIED_SHARE * len(passed))):
             reason = f"{alike} of {len(passed)} places that both passed look alike, {least:g} must"
             closer.veto(across, reason)
             closer.pending = []
-    found = checked_alignment("merge", front.scans, graph.outcome(), work_time() - begun)
+    found, scans = graph.outcome(), [row.scan for row in front.rows]
+    merged = checked_alignment("merge", scans, found, work_time() - begun)
     words = f"{NOT_MERGED}: {reason}"
     none = [Finding(Cause.NOT_MERGED, alike, words, doubtful=True)] if reason else []
-    return replace(found, causes=(*none, *found.causes))
+    return replace(merged, causes=(*none, *merged.causes))
 
 
-def _begin_anew(front: FrontEnd, later: FrontEnd) -> SharedKeyFrame:
-    """Make the first scan of another session the next key frame, whose place is not known."""
-    first = replace(later.scans[0], odometry=None)  # its odometry begins in a frame of its own
-    front.scans.append(first)
-    front.trail.add(first)
-    front.trail.place(front.trail.poses[-1], later.trail.reasons[0])
-    scan, frame = len(front.scans) - 1, len(front.frames)
-    front.frames.add(scan, later.frames.points[0], np.zeros(3), np.diag(BREAK) ** 2)
-    front.key_frame_of_scan.append(frame)
-    front.pose_in_key_frame.append(np.zeros(3))
-    front.free_along_corridor.append(False)
-    front.along.append(0.0)
-    front.driven.append(False)
-    front.overlap.append(np.nan)
-    front.tied.append(False)
-    front.begins.append(frame)
-    return SharedKeyFrame(frame, scan, 0, 0)
+def _append(graph: LiveGraph, later: LiveGraph) -> None:
+    """Append all scans and loops of another session, which may have begun anywhere."""
+    front, closer, its = graph.front_end, graph.loop_closer, later.loop_closer
+    frame, scan = len(front.frames), len(front.rows)
+    rows = [replace(row, frame=frame + row.frame) for row in later.front_end.rows]
+    # The odometry begins in a frame of its own
+    rows[0] = replace(
+        rows[0], scan=replace(rows[0].scan, odometry=None), odometry=np.full(3, np.nan)
+    )
+    front.rows += rows
+    front.frames.extend(later.front_end.frames, scan, np.diag(BREAK) ** 2)
+    closer.descriptors += its.descriptors
+    closer.accepted += [e for e in front.frames.edges if e.loop and e.first >= frame]
+    closer.ways = np.concatenate([closer.ways, frame + its.ways])
+    closer.rejected += [
+        Rejected(scan + r.first, scan + r.second, r.reason) for r in its.not_believed()
+    ]
 
 
 def _agreeing_loops(
-    front: FrontEnd, closer: LoopCloser, begin: int, places: Callable[[LaserScan], Array]
+    graph: LiveGraph, begin: int, places: Callable[[LaserScan], Array]
 ) -> tuple[list[Edge], int]:
     """Loops from key frames since `begin` to those before that enough agree with, and how many."""
-    frames, most = front.frames, 0
+    rows, closer, frames, most = graph.front_end.rows, graph.loop_closer, graph.front_end.frames, 0
     known: list[Edge] = []
     old = frames.poses[:begin]
     closer.lost_since = begin  # what is compared was seen since then
     for new in each(range(begin, len(frames)), "seeking place"):
-        given = arrays.call_given(places, "places", front.scans[frames.scan[new]])
+        given = arrays.call_given(places, "places", rows[frames.rows[new].scan].scan)
         place = arrays.poses(given, "places")
         if len(place) != 1:
             continue

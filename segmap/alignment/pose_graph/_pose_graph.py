@@ -20,6 +20,7 @@ from ...compiled import work_time
 from ...poses.motions import between, compose, inverse, wrap
 from ...progress import Progress, announce, each
 from ...scans import LaserScan, Log
+from ...scans.causes import Unmatched
 from ...threads import Locked, locked
 from .._result import Alignment, Match, Outcome, alignment_method, checked_alignment, no_match
 from ..graph import REAL, Edge, Graph, loops_of
@@ -156,36 +157,32 @@ class LiveGraph(Locked):
     ) -> None:
         self.tracking = arrays.instance(tracking, "tracking", Tracking)
         self.closing = arrays.instance(closing, "closing", LoopClosing)
-        self.step, self.turn, self.drift = step, turn, drift
+        self.step, self.turn = step, turn
         self.window, self.window_angle, self.seconds = window, window_angle, 0.0
-        self._parts: tuple[FrontEnd, LoopCloser] | None = None
+        self.front_end = FrontEnd(self._match_on_map, self.tracking)
+        self.loop_closer = LoopCloser(self.front_end.frames, drift, self.closing)
         self._moved_since_scan = False  # whether poses have moved since the last scan
 
     @locked
     def add(self, scan: LaserScan) -> Placed:
         """Place the next scan, and close the loops that it finds."""
         arrays.instance(scan, "scan", LaserScan)
-        begun, closed = work_time(), False
-        if self._parts is None:
-            front = FrontEnd(scan, self._match_on_map, self.tracking)
-            self._parts = front, LoopCloser(front.frames, self.drift, self.closing)
-        else:
-            front, closer = self._parts
-            with rollback_on_error(front, front.trail, front.wheels, front.frames, closer):
-                # 1. The scan on the map of the last key frames
-                match = front.track(scan)
-                if front.needs_frame(self.step, self.turn):
-                    # 2. A new key frame, and the loops that it closes
-                    begins = not any(map(len, front.frames.points))  # from there none is lost
-                    front.add_frame(match)
-                    measured = front.trail.measured(len(front.scans) - 1)
-                    closed = closer.close(confirmed=match.matched or begins, measured=measured)
-                    # 3. All key frames anew where loops have moved them
-                    if closed:
-                        front.frames.optimize(lazily=True)
+        begun, closed, front = work_time(), False, self.front_end
+        with rollback_on_error(front, self.loop_closer):
+            # 1. The scan on the map of the last key frames
+            match = front.track(scan)
+            if front.needs_frame(self.step, self.turn):
+                # 2. A new key frame, and the loops that it closes
+                sees = any(len(row.points) for row in front.frames.rows)  # before, none is lost
+                front.add_frame(match)
+                known = {"confirmed": match.matched or not sees, "measured": front.measured()}
+                closed = self.loop_closer.close(**known)
+                # 3. All key frames anew where loops have moved them
+                if closed:
+                    front.frames.optimize(lazily=True)
         self.seconds += work_time() - begun
         closed, self._moved_since_scan = closed or self._moved_since_scan, False
-        return Placed(self._parts[0].pose(), closed)
+        return Placed(front.pose(), closed)
 
     def extend(self, log: Log) -> None:
         """Place all scans of a log, one after the other."""
@@ -204,10 +201,10 @@ class LiveGraph(Locked):
             match = self._search(map, points, guess, 2 * self.window, 2 * self.window_angle)
             least = max(best.overlap + OVERLAP_GAIN, LEAST_OVERLAP)
             best = match if match.overlap > least else best
-        if self._parts is not None and self._parts[0].measured():
+        if self.front_end.measured():
             best = self._prefer_odometry(map, points, guess, best)
         if not best.matched:
-            return no_match(guess, best.reason, best.overlap)
+            return no_match(guess, best.unmatched, best.reason, best.overlap)
         if best.free is None and not best.turns:
             return best
         return replace(best, pose=map.nearest(points, best.pose, guess))
@@ -230,19 +227,19 @@ class LiveGraph(Locked):
         """The best place in a window about a guess; half sides in metres and radians."""
         start, _ = map.search(points, guess, reach=reach, turn=turn)
         if start is None:
-            return no_match(guess, "nothing like it near")
+            return no_match(guess, Unmatched.NO_PLACE)
         match = map.register(points, start, overlap=self.tracking.overlap)
         x, y, heading = between(start, match.pose)
         if np.hypot(x, y) > MOST_SLIDE_M or abs(heading) > MOST_SLIDE_RAD:
-            return no_match(start, "it slides over the map", match.overlap)
+            return no_match(start, Unmatched.SLIDES, overlap=match.overlap)
         return match
 
     @locked
     def outcome(self) -> Outcome:
         """What the method hands to its runner, once all scans are there."""
-        if self._parts is None:
-            return Outcome(np.zeros((0, 3)), ())
-        front, closer = self._parts
+        front, closer = self.front_end, self.loop_closer
+        if not front.rows:
+            return Outcome(())
         announce(0.0, "solving for all poses")
         # 4. All poses together, without loops that the others contradict
         front.frames.optimize()
@@ -251,8 +248,8 @@ class LiveGraph(Locked):
         if closer.drop_contradicted():
             front.frames.optimize()
         # 5. Each scan once more, on the map that the loops have straightened
-        front.refine()
-        return front.outcome(closer.rejected)
+        front.register_again()
+        return front.outcome(closer.not_believed())
 
     @locked
     def refine(self) -> Alignment:
@@ -264,7 +261,7 @@ class LiveGraph(Locked):
         begun = work_time()
         found = self.outcome()
         self.seconds += work_time() - begun
-        scans = [] if self._parts is None else self._parts[0].scans
+        scans = [row.scan for row in self.front_end.rows]
         return checked_alignment("pose_graph", scans, found, self.seconds)
 
     @locked
@@ -278,13 +275,13 @@ class LiveGraph(Locked):
 
         Loops that had been given up because the rest contradicted them come back.
         """
-        known = [] if self._parts is None else [e for e in self._parts[0].frames.edges if e.loop]
+        known = [edge for edge in self.front_end.frames.edges if edge.loop]
         rows = np.unique(arrays.indices(loops, "loops"))
         if not len(rows) or rows[0] < 0 or rows[-1] >= len(known):
             given = rows.tolist()
             raise ValueError(f"loops must be rows of the {len(known)} closed so far, got {given}")
-        with self._mending() as closer:
-            closer.veto([known[row] for row in rows])
+        with self._optimized():
+            self.loop_closer.veto([known[row] for row in rows])
 
     @locked
     def with_loops(self, veto: ArrayLike = (), tie: ArrayLike = ()) -> Alignment:
@@ -330,8 +327,7 @@ class LiveGraph(Locked):
         [[2, 9, 7]]
         """
         (old, at), (new, there) = self._frame_of(first, "first"), self._frame_of(second, "second")
-        assert self._parts is not None
-        closer = self._parts[1]
+        closer = self.loop_closer
         window = Window(old, np.zeros(3), LOST_WINDOW_M, np.pi)
         found = closer.measure(window, closer.map_around(window), new)
         return replace(found, pose=between(at, compose(found.pose, there)))
@@ -350,24 +346,23 @@ class LiveGraph(Locked):
         motion = compose(compose(at, relative), inverse(there))
         if old > new:
             old, new, motion = new, old, inverse(motion)
-        with self._mending() as closer:
-            closer.believe([Edge(old, new, motion, np.linalg.inv(REAL), True, True)])
+        with self._optimized():
+            self.loop_closer.believe([Edge(old, new, motion, np.linalg.inv(REAL), True, True)])
 
     def _frame_of(self, scan: int, name: str) -> tuple[int, Array]:
         """The key frame that a scan hangs on, and its pose there."""
         scan = arrays.whole(scan, name, least=0)
-        if self._parts is None or scan >= len(self):
+        if scan >= len(self):
             raise ValueError(f"{name} must be one of the {len(self)} scans so far, got {scan}")
-        return self._parts[0].key_frame_of_scan[scan], self._parts[0].pose_in_key_frame[scan]
+        return self.front_end.rows[scan].frame, self.front_end.rows[scan].pose
 
     @contextmanager
-    def _mending(self) -> Iterator[LoopCloser]:
-        """The graph's loops, to change them: then all poses are solved."""
-        assert self._parts is not None
-        begun, (front, closer) = work_time(), self._parts
-        with rollback_on_error(front.frames, closer):
-            yield closer
-            front.frames.optimize()
+    def _optimized(self) -> Iterator[None]:
+        """Solve for all poses behind a change of the loops."""
+        begun = work_time()
+        with rollback_on_error(self.loop_closer):
+            yield
+            self.front_end.frames.optimize()
         self._moved_since_scan = True
         self.seconds += work_time() - begun
 
@@ -375,26 +370,30 @@ class LiveGraph(Locked):
     @locked
     def poses(self) -> Array:
         """Poses of all scans, `(k, 3)` array, metres and radians, as the loops so far have them."""
-        return np.zeros((0, 3)) if self._parts is None else self._parts[0].poses()
+        return self.front_end.poses()
 
     @property
     @locked
     def reasons(self) -> tuple[str, ...]:
         """Why each scan so far was not matched, as it came; empty where it was."""
-        return () if self._parts is None else tuple(self._parts[0].trail.reasons)
+        return tuple(row.reason or str(row.unmatched) for row in self.front_end.rows)
+
+    @property
+    @locked
+    def unmatched(self) -> tuple[Unmatched, ...]:
+        """The kind of each reason."""
+        return tuple(row.unmatched for row in self.front_end.rows)
 
     @property
     @locked
     def graph(self) -> Graph | None:
         """Edges between key frames, by the scans' indices; None before there is one."""
-        return None if self._parts is None else self._parts[0].graph(self._parts[1].rejected)
+        return self.front_end.graph(self.loop_closer.not_believed())
 
     def __len__(self) -> int:
-        return 0 if self._parts is None else len(self._parts[0].scans)
+        return len(self.front_end.rows)
 
     def __repr__(self) -> str:
-        if self._parts is None:
-            return "LiveGraph(0 scans)"
-        front, closer = self._parts
-        counts = f"{len(front.frames)} key frames, {len(closer.accepted)} loops"
+        frames, loops = len(self.front_end.frames), len(self.loop_closer.accepted)
+        counts = f"{frames} key frames, {loops} loops"
         return f"LiveGraph({len(self)} scans: {counts})"

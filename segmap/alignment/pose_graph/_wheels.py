@@ -15,6 +15,7 @@ from ...arrays import Array
 from ...poses.motions import between, compose, wrap
 from .._result import Match
 from ..points import LAST, SEARCH_CELL_M, PointMap
+from ._key_frames import Undoable
 
 #: Ordinary wheels err in place by at least this, metres (a standard deviation, as all below), ...
 PLACE_ERROR_M = 0.01
@@ -59,7 +60,7 @@ PEOPLE_SHARE = 0.3
 WON_M = 0.2
 
 
-class Wheels:
+class Wheels(Undoable):
     """The motion since the last key frame by odometry, and its standard deviations."""
 
     def __init__(self) -> None:

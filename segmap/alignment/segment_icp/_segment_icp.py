@@ -26,6 +26,7 @@ from ...arrays import (
 from ...kernels import ACROSS_WEIGHT, APART_WEIGHT, describe
 from ...poses import between, compose, transform
 from ...scans import Log
+from ...scans.causes import Unmatched
 from ...segments import MIN_LENGTH, length
 from ...segments import angle as angle_of
 from .._result import Match, Outcome, Trail, alignment_method, long_segments, no_match
@@ -101,9 +102,9 @@ def match_segments(
     ours, theirs = (np.ascontiguousarray(s[length(s) >= MIN_LENGTH]) for s in given)
     guess = arrays.pose(start, "start")
     if not len(ours):
-        return no_match(guess, "no segments in the scan")
+        return no_match(guess, Unmatched.TOO_LITTLE_SEEN, "no segments in the scan")
     if not len(theirs):
-        return no_match(guess, "no segments to match with")
+        return no_match(guess, Unmatched.NO_REFERENCE, "no segments to match with")
     for part in (NARROW_SEARCH_PART, 1.0):
         widest = (part * angle, part * distance / SIDEWAYS / 4)
         motion, ended, pairs = turn_and_shift(
@@ -115,9 +116,11 @@ def match_segments(
             break
     pose = compose(motion, guess)
     if overlap < share:
-        return no_match(guess, f"too few segments found a partner: less than {share:.0%}", overlap)
+        words = f"too few segments found a partner: less than {share:.0%}"
+        return no_match(guess, Unmatched.LITTLE_OVERLAP, words, overlap)
     if np.hypot(*(pose - guess)[:2]) > distance / SIDEWAYS or abs(motion[2]) > angle:
-        return no_match(guess, "farther from the start than segments correspond", overlap)
+        words = "farther from the start than segments correspond"
+        return no_match(guess, Unmatched.SLIDES, words, overlap)
     normal = angle_of(ended[found]) + np.pi / 2
     n = np.stack([np.cos(normal), np.sin(normal)], -1)
     across, ways = np.linalg.eigh(n.T @ n / len(n))
@@ -194,17 +197,19 @@ def segment_icp(
             rule = {"angle": angle, "distance": distance, "share": share}
             found = match_segments(known, seen, trail.guess(), **rule)
             lost = 0 if found.matched else lost + bool(len(seen))
-            if found.matched:
-                trail.place(found.pose, "" if found.free is None else ONE_DIRECTION)
+            if found.matched and found.free is None:
+                trail.place(found.pose)
+            elif found.matched:
+                trail.place(found.pose, Unmatched.FREE_DIRECTION, ONE_DIRECTION)
             elif lost < patience:
-                trail.carry(found.reason)
+                trail.carry(found.unmatched, found.reason)
             else:
-                trail.carry(f"{found.reason}; the map begins anew")
+                trail.carry(found.unmatched, f"{found.reason}; the map begins anew")
                 map = []
         # 2. A new key frame, where it lies far enough from the last
-        pose = trail.poses[-1]
+        pose = trail.pose()
         if len(seen) and (not map or (k and found.matched)):
             x, y, turn = between(map[-1][0], pose) if map else np.full(3, np.inf)
             if np.hypot(x, y) >= spacing or abs(turn) >= angle:
                 map = [*map, (pose, transform(pose, seen))][-frames:]
-    return trail.outcome()
+    return Outcome(trail.laid)
