@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
@@ -25,6 +25,7 @@ from .segments import SegmentMap, main_direction
 from .threads import computed
 
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
+Found = TypeVar("Found")
 #: Of so many scans a map is kept where the work is stopped.
 LEAST_SCANS = 2
 
@@ -133,6 +134,23 @@ class MapChoices:
         return ("import numpy as np\n\n" if "np." in body else "") + f"import segmap\n\n{body}\n"
 
 
+#: The steps of a pipeline, in their order, and the choice that each hangs on beside those before.
+STEPS: list[tuple[computed[Any], Callable[[MapChoices], Any]]] = []
+
+
+def step(
+    choice: Callable[[MapChoices], Any],
+) -> Callable[[Callable[[Pipeline], Found]], computed[Found]]:
+    """The next step: it is done once, and anew where this choice, or one before it, is another."""
+
+    def made(work: Callable[[Pipeline], Found]) -> computed[Found]:
+        found = computed(work)
+        STEPS.append((found, choice))
+        return found
+
+    return made
+
+
 class Pipeline:
     """What follows from a recipe and a log; each step is done where it is asked for first.
 
@@ -142,17 +160,17 @@ class Pipeline:
     the graph was `stopped` after some scans, which are the log then, these are its words.
     """
 
-    stopped: str = ""
-
     def __init__(self, recipe: MapChoices, log: Log, before: Pipeline | None = None) -> None:
-        self.recipe, self.given = recipe, log
+        self.recipe, self.given, self.stopped = recipe, log, ""
         self._known: list[tuple[Call, Reduction, float]] = []
         if before is not None:
-            was = _chosen(before.recipe)
-            for steps, chosen in _chosen(recipe).items():
-                if chosen != was[steps]:
+            if recipe.prepare == before.recipe.prepare:
+                self.given, self.stopped = before.given, before.stopped
+            for found, choice in STEPS:
+                if choice(recipe) != choice(before.recipe):
                     return
-                vars(self).update((k, v) for k, v in vars(before).items() if k in steps.split())
+                if (name := found.func.__name__) in vars(before):
+                    setattr(self, name, getattr(before, name))
             self._known = before.results() if before.is_reduced() else before._known
 
     def __getstate__(self) -> dict[str, Any]:
@@ -170,7 +188,7 @@ class Pipeline:
         names += ["metrics all"] + ["quadtree all"] * (self.recipe.seen_through is not None)
         _warm.dispatch(names)
 
-    @computed
+    @step(lambda recipe: recipe.prepare)
     def log(self) -> Log:
         """With its beams, its clock and its odometry put right."""
         self.dispatch()
@@ -179,7 +197,7 @@ class Pipeline:
         announce(0.0, f"preparing {len(self.given)} scans")
         return alignment.prepared(self.given, **preparing(self.recipe.prepare))
 
-    @computed
+    @step(lambda recipe: recipe.align)
     def live_graph(self) -> tuple[LiveGraph, Alignment] | None:
         """Where the alignment is a pose graph."""
         announce(0.0, f"aligning {len(self.log)} scans by {self.recipe.align.name}")
@@ -207,7 +225,7 @@ class Pipeline:
         cut = (replace(each[:count], causes=(*each.causes, known)) for each in both)
         self.given, self.log = cut
 
-    @computed
+    @step(MapChoices.mends)
     def alignment_in_log_frame(self) -> Alignment:
         """The poses, loops mended."""
         if self.live_graph is None:
@@ -221,26 +239,26 @@ class Pipeline:
         """With what was found in the log: a graph that grows scan by scan knows no log."""
         return replace(found, causes=(*self.log.causes, *found.causes))
 
-    @computed
+    @step(lambda recipe: recipe.edits.get("square"))
     def turn(self) -> float:
         """By which most walls run along x and y, radians; 0 where that is not asked for."""
         if not self.recipe.edits.get("square"):
             return 0.0
         return -main_direction(extraction.build_map(self.log, self.alignment_in_log_frame.trusted))
 
-    @computed
+    @step(lambda recipe: recipe.edits.get("square"))
     def alignment(self) -> Alignment:
         """The poses in the frame of the map."""
         found = self.alignment_in_log_frame
         return found.turned(self.turn) if self.turn else found
 
-    @computed
+    @step(lambda recipe: recipe.seen_through)
     def log_without_passers(self) -> Log:
         """Without people who walked through."""
         share, poses = self.recipe.seen_through, self.alignment.trusted
         return self.log if share is None else without_passers(self.log, poses, seen_through=share)
 
-    @computed
+    @step(lambda recipe: (recipe.extract, recipe.keeps_points()))
     def extracted(self) -> SegmentMap:
         """All segments."""
         log, poses, extract = self.log_without_passers, self.alignment.trusted, self.recipe.extract
@@ -248,17 +266,17 @@ class Pipeline:
         announce(0.0, f"extracting segments by {extract.name}")
         return extraction.build_map(log, poses, extract=extract.function, **thresholds)
 
-    @computed
+    @step(lambda recipe: (recipe.extract, recipe.keeps_points()))
     def verdict(self) -> Verdict:
         """Whether that is a map."""
         return self.alignment.verdict_on(self.extracted)
 
-    @computed
+    @step(lambda recipe: recipe.edits.get("crop"))
     def cropped(self) -> SegmentMap:
         """What lies in the rectangle."""
         return cropped(self.extracted, self.recipe.edits.get("crop"))
 
-    @computed
+    @step(lambda recipe: recipe.least)
     def map(self) -> SegmentMap:
         """What is long enough."""
         return self.cropped.filtered(self.recipe.least) if self.recipe.least else self.cropped
@@ -334,19 +352,6 @@ class Pipeline:
             }
             for call, reduced, kept in self.results()
         ]
-
-
-def _chosen(recipe: MapChoices) -> dict[str, Any]:
-    """The steps of an outcome, in their order, and what each hangs on beside those before it."""
-    return {
-        "log given stopped": recipe.prepare,
-        "live_graph": recipe.align,
-        "alignment_in_log_frame": recipe.mends(),
-        "turn alignment": recipe.edits.get("square"),
-        "log_without_passers": recipe.seen_through,
-        "extracted verdict": (recipe.extract, recipe.keeps_points()),
-        "cropped map": (recipe.edits.get("crop"), recipe.least),
-    }
 
 
 def begin(recipe: MapChoices, log: Log, before: Pipeline | None = None) -> Pipeline:

@@ -18,9 +18,9 @@ import numpy as np
 
 from . import alignment, extraction, matching, metrics, quadtree, readers, reduction, simulation
 from .arrays import Array
-from .compiled import COMPILING, PLAIN, Compiled, missing
+from .compiled import PLAIN, Compiled, missing
 from .methods import Method
-from .progress import announce, part_of
+from .progress import announce, compiling_only
 from .scans import LaserScan, Log
 from .segments import SegmentMap
 
@@ -80,7 +80,7 @@ def dispatch(names: Iterable[str]) -> None:
 
         if len(missing) == before:  # else the time so far would begin anew
             announce(done(0.0), "loading compiled loops")
-        with part_of(COMPILING, done):
+        with compiling_only(done):
             known[name]()
         _dispatched.add(name)
 

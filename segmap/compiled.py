@@ -23,7 +23,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar, cast, get_args, get_type_hints
 
-from .progress import announce
+from .progress import Compiling, announce
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -64,10 +64,7 @@ class Compiled(Generic[P, R]):
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         """Run the machine code."""
         if self._fast is None:
-            with _no_collecting():
-                with signals_held(), _paused():
-                    self._fast = self._build()
-                return self(*args, **kwargs)
+            return self._first(*args, **kwargs)
         if not self._floats:
             return self._fast(*args, **kwargs)
         given: list[Any] = list(args)
@@ -75,11 +72,19 @@ class Compiled(Generic[P, R]):
             given[k] = float(given[k])
         return self._fast(*given, **kwargs)
 
-    def _build(self) -> Callable[P, R]:
+    def _first(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        """Run it for the first time: it is compiled now."""
         hints, names = get_type_hints(self.plain), self._code.co_varnames
         self._floats = [k for k in range(self._code.co_argcount) if hints.get(names[k]) is float]
         if os.environ.get(PLAIN) == "1":
-            return self.plain
+            self._fast = self.plain
+            return self(*args, **kwargs)
+        with _no_collecting():
+            with signals_held(), _paused():
+                self._fast = self._build()
+            return self(*args, **kwargs)
+
+    def _build(self) -> Callable[P, R]:
         try:
             import numba
         except ImportError:
@@ -183,7 +188,7 @@ def _cached_code(source: types.FunctionType, own: Any, *, told: bool) -> Callabl
         code = known(*asked) if code is None else code
         if code is None and source.__module__.startswith("segmap"):
             missing.append(source.__qualname__)
-            if told and not announce(0.0, f"{COMPILING}: {len(missing)} loops so far"):
+            if told and not announce(0.0, Compiling(f"{COMPILING}: {len(missing)} loops so far")):
                 _say_once()
         return code
 

@@ -32,6 +32,10 @@ class Stopped(Exception):
     """The work was stopped before it was done."""
 
 
+class Compiling(str):
+    """Words on loops that are compiled: the share that is done says nothing of the time left."""
+
+
 @contextmanager
 def told(progress: Progress) -> Iterator[None]:
     """Tell a listener how far all work is that is called within.
@@ -58,15 +62,15 @@ def told(progress: Progress) -> Iterator[None]:
 
 
 @contextmanager
-def part_of(words: str, share_of: Callable[[float], float]) -> Iterator[None]:
-    """Of all work called within only that is told which has these words, its share as another."""
+def compiling_only(share_of: Callable[[float], float]) -> Iterator[None]:
+    """Of all work called within only compiling is told, its share as another."""
     if (listen := _listener.get()) is None:
         yield
         return
 
     def hand_on(share: float, said: str) -> None:
         """From the share of the part to the share of the whole."""
-        if said.startswith(words):
+        if isinstance(said, Compiling):
             listen(share_of(share), said)
 
     with told(hand_on):

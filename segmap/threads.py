@@ -138,7 +138,8 @@ class Locked:
     def become(self, other: Self) -> None:
         """Take over what another one holds, which nobody uses any more."""
         with self.lock:
-            vars(self).update(vars(other) | {"lock": self.lock})
+            for name in vars(other).keys() - {"lock"}:
+                setattr(self, name, getattr(other, name))
 
 
 class _Torn:

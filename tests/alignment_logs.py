@@ -141,7 +141,7 @@ def walked(
     steps: int, points: np.ndarray = np.zeros((0, 2)), closer: type[LoopCloser] = LoopCloser
 ) -> LoopCloser:
     """Key frames a metre apart on a line, and what closes loops among them."""
-    frames = KeyFrames(points, np.zeros(3))
-    for scan in range(1, steps + 1):
-        frames.add(scan, points, np.array([1.0, 0, 0]), np.eye(3))
+    frames = KeyFrames()
+    for scan in range(steps + 1):
+        frames.add(scan, points, np.array([float(scan > 0), 0, 0]), np.eye(3))
     return closer(frames, 0.03, LoopClosing())

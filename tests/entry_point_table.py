@@ -139,7 +139,7 @@ GOOD |= {
     "assert_segments_equal.expected": WALLS, "draw_segments.error": None,
     "executor": ThreadPoolExecutor(1), "LiveMap.graph": alignment.LiveGraph(),
     "LiveMap.map": quadtree.QuadtreeMap(),
-    "LiveMap.walls": reduction.LiveReduction(), "align_parts.parts": [LOG[:2], LOG[2:]],
+    "LiveMap.walls": reduction.LiveReduction(),
     "function": reduction.METHODS["fusion"].function, "digest.map": MAP, "front.points":
     PATH[:, :2], "reduction_at.points": PATH[:, :2], "names": "malaga", "load_online.name":
     "intel", "read_records.path": "runs.csv", "write_records.path": "saved.csv",
@@ -169,10 +169,7 @@ GOOD |= {
 #: Parameters that may be anything.
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
 #: Who listens is called where there is much to tell: see test_progress.
-FREE |= {
-    f"{name}.progress"
-    for name in ("align_parts", "deskew", "pose_graph", "prepared", "read", "told")
-}
+FREE |= {f"{name}.progress" for name in ("deskew", "pose_graph", "prepared", "read", "told")}
 FREE |= {"placed_at.crs"}  # `Grid` tells of it, as of its name
 #: NaN is what these say of a time or scan that has none.
 NAN_IS_MEANT = {

@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import _warm, exports, quadtree, readers
 from ..files import shown
-from ..matching import localize
+from ..matching import Uncertainty, localize
 from ..progress import each
 from ..scans import Log
 from ..segments import SegmentMap
@@ -20,6 +20,8 @@ from .log_options import NO_MAP, add_logs, each_log, examples, is_log, is_sessio
 
 #: Pictures that the YAML of a map for ROS names.
 PICTURES = (".pgm", ".png", ".bmp")
+#: A robot that was found, or has no place, is lost; else it is not found yet.
+LOST_KINDS = (Uncertainty.LOST, Uncertainty.NO_PLACE)
 
 
 def add(commands: Any) -> None:
@@ -104,7 +106,7 @@ def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: R
     found = np.array([belief.found for belief in beliefs], bool)
     times = f"{int(found.sum())} of {len(log)} scans"
     first = f", the first is scan {int(found.argmax())}" if found.any() else ""
-    lost = sum("lost" in belief.reason for belief in beliefs)
+    lost = sum(belief.uncertainty in LOST_KINDS for belief in beliefs)
     report.line("found", f"{times}{first}; lost at {lost}", found=int(found.sum()), lost=lost,
                 scans=len(log))  # fmt: skip
     if not beliefs:

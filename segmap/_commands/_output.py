@@ -16,10 +16,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from ..compiled import COMPILING
 from ..files import shown
-from ..progress import time_left, told
-from ..readers import LogError, UnknownFormat
+from ..progress import Compiling, time_left, told
+from ..readers import HeadError, LogError, UnknownFormat
 from ..scans import Log
 
 if TYPE_CHECKING:
@@ -128,7 +127,7 @@ def reason(error: BaseException) -> str:
     """Why something failed, in one line; for what is no log also what to do, as it stands."""
     if isinstance(error, UnknownFormat):
         return str(error)
-    if isinstance(error, LogError) and error.line and "read_csv" not in error.reason:
+    if isinstance(error, LogError) and error.line and not isinstance(error, HeadError):
         return f"{error} (--skip leaves damaged lines out)"
     if isinstance(error, OSError) and error.strerror:
         return f"{shown(error.filename)}: {error.strerror}" if error.filename else error.strerror
@@ -180,7 +179,7 @@ def progress_bars(*, quiet: bool = False) -> Iterator[None]:
         (bar,) = bars
         if share < bar.n or words.split()[0] != bar.desc.split(" ")[0]:
             bar.reset()
-        said = "" if words.startswith(COMPILING) else time_left(time.time() - bar.start_t, share)
+        said = "" if isinstance(words, Compiling) else time_left(time.time() - bar.start_t, share)
         bar.bar_format = f"{shape} {said}"
         bar.set_description_str(shown(words), refresh=False)
         bar.update(share - bar.n)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..arrays import Array, Count, Gap, Metres, Poses, at_least, checked
-from ..poses import transform
+from ..poses.motions import transform
 from ..progress import announce
 from ..scans import LaserScan, Log
 from ..scans.motion import standing

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..poses import transform
+from ..poses.motions import transform
 from ..segments import SegmentMap
 from ._field import (
     MATCHER_MARGIN_M,

@@ -15,7 +15,7 @@ from ..alignment import LiveGraph
 from ..arrays import Array, checked
 from ..compiled import work_time
 from ..extraction import extract_polylines
-from ..poses import compose, inverse, transform
+from ..poses.motions import compose, inverse, transform
 from ..quadtree import QuadtreeMap, free_ends
 from ..reduction import LiveReduction
 from ..scans import LaserScan

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from .. import arrays
-from ..angles import wrap
 from ..arrays import Array, Count, at_least, at_most, checked
-from ..poses import between, compose
+from ..poses.motions import between, compose, wrap
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ..segments import SegmentMap

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from ..angles import wrap
 from ..arrays import Array, Count, at_least, checked
+from ..poses.motions import wrap
 from ..quadtree import QuadtreeMap
 from ..segments import SegmentMap
 from ._field import DistanceField, either_map

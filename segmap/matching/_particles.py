@@ -221,7 +221,7 @@ def _steps(
             overlap = overlap_of(maps[best], scan, poses[best])
             for own, pose in zip(maps, poses, strict=True):
                 insert_placed(own, None, scan, pose, free=free)
-            vars(map).update(vars(deepcopy(maps[best])))
+            map.become(deepcopy(maps[best]))
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
         if len(points) and not settled:

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import arrays
-from ..angles import wrap
 from ..arrays import Array, Count, Share, checked
 from ..compiled import compiled
+from ..poses.motions import wrap
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ..segments import SegmentMap
@@ -94,7 +94,7 @@ class Places:
             return f"Places(none: {self.reason})"
         x, y, heading = self.poses[0].round(4) + 0.0
         best = f"{x:.6g} m, {y:.6g} m, {np.degrees(heading):.4g} deg, score {self.scores[0]:.2f}"
-        return f"Places({best}{f'; {self.reason}' if self.reason else ''})"
+        return f"Places({best}{self.reason and f'; {self.reason}'})"
 
 
 @checked
@@ -176,7 +176,7 @@ def distinct_places(
     leaves = leaves[np.lexsort((*leaves.T[:0:-1], -leaves[:, 0]))]
     poses = np.empty((len(leaves), 3))
     poses[:, :2] = map.corner + (leaves[:, 2:] + 0.5) * map.size
-    poses[:, 2] = wrap(leaves[:, 1] * step)
+    poses[:, 2] = wrap(step * leaves[:, 1].astype(float))
     chosen = first_distinct(poses, most_places + 1)
     many, chosen = len(chosen), chosen[:most_places]
     fits = map.fits(used, poses[chosen])

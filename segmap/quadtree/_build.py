@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..arrays import LIMIT, Array, Poses, Quantity, Share, checked
-from ..poses import compose, transform
+from ..poses.motions import compose, transform
 from ..scans import LaserScan, Log
 from ..scans.pose_argument import checked_poses, warn_if_empty_map
 from ._map import QuadtreeMap, Resolution

@@ -7,7 +7,7 @@ map that `exports.write_segments` wrote, `read_graph` a pose graph of g2o,
 """
 
 from ._bundled import data_file
-from ._lines import LogError, UnknownFormat
+from ._lines import HeadError, LogError, UnknownFormat
 from ._raw_scans import half_turn
 from ._read import format_of, load, read
 from ._segments import read_segments
@@ -18,7 +18,7 @@ from .packed import logs_in, read_text
 from .tables import read_csv, read_trajectory
 
 __all__ = [
-    "LogError", "PoseGraph", "Session", "UnknownFormat", "data_file", "format_of", "half_turn",
-    "load", "logs_in", "read", "read_bag", "read_csv", "read_graph", "read_segments",
+    "HeadError", "LogError", "PoseGraph", "Session", "UnknownFormat", "data_file", "format_of",
+    "half_turn", "load", "logs_in", "read", "read_bag", "read_csv", "read_graph", "read_segments",
     "read_session", "read_text", "read_trajectory",
 ]  # fmt: skip

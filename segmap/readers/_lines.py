@@ -66,6 +66,10 @@ class UnknownFormat(LogError):
     """A file or folder that is no log of any format: in a folder of logs it may be passed over."""
 
 
+class HeadError(LogError):
+    """A table whose first line does not say what its columns are: no other line is at fault."""
+
+
 class Reading:
     """A file while it is read: damage ends the reading ("raise"), or is counted ("skip")."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar, overload
 
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from .._display import Pictured
 from ..arrays import Array, unit_checks
-from ..poses import transform
+from ..poses.motions import transform
 from .causes import Finding, doubt_of
 
 T = TypeVar("T")
@@ -235,10 +236,9 @@ class Log(Pictured, Sequence[LaserScan]):
             return self.scans[index]
         chosen = np.arange(len(self))[index]
         truth = None if self.truth is None else self.truth[chosen]
-        part = object.__new__(Log)  # the units of the whole are checked, a part may be thin
-        scans = tuple(self.scans[k] for k in chosen)
-        known = None if truth is None else _frozen(truth)
-        vars(part).update(vars(self) | {"scans": scans, "truth": known})
+        part = copy(self)  # the units of the whole are checked, a part may be thin
+        object.__setattr__(part, "scans", tuple(self.scans[k] for k in chosen))
+        object.__setattr__(part, "truth", None if truth is None else _frozen(truth))
         return part
 
     def __iter__(self) -> Iterator[LaserScan]:

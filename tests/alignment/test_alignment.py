@@ -15,7 +15,7 @@ from segmap_course import literal
 
 from segmap import alignment, load
 from segmap.alignment import METHODS, Alignment
-from segmap.alignment._result import Outcome, alignment_method
+from segmap.alignment._result import Laid, Outcome, alignment_method
 from segmap.alignment.backbone import _lines as lines
 from segmap.alignment.global_segments import _equations as equations
 from segmap.alignment.segment_icp import ONE_DIRECTION
@@ -143,19 +143,19 @@ def test_every_log_gets_a_finite_pose_and_a_reason(name, case):
 @pytest.mark.parametrize(
     "outcome",
     [
-        Outcome(np.zeros((1, 3)), ["", ""]),
-        Outcome(np.zeros((2, 3)), [""]),
-        Outcome([(0, 0, 0), (np.nan, 0, 0)], ["", ""]),
+        Outcome([Laid(np.zeros(3))]),
+        Outcome([Laid(np.zeros(3))] * 3),
+        Outcome([Laid(np.zeros(3)), Laid(np.array([np.nan, 0, 0]))]),
     ],
 )
 def test_the_runner_refuses_a_broken_result(outcome):
-    """A pose too few, a scan without a reason, a NaN: the method is at fault and is named."""
+    """A pose too few, one too many, a NaN: the method is at fault and is named."""
 
     @alignment_method
     def broken(log: Log) -> Outcome:
         return outcome
 
-    with pytest.raises(RuntimeError, match="broken must give a finite pose and a reason"):
+    with pytest.raises(RuntimeError, match="broken must give a finite pose for each scan"):
         broken(plain()[:2])
 
 

@@ -7,8 +7,8 @@ import pytest
 from segmap_course import literal
 
 from segmap.alignment.points import _point_kernels as kernels
+from segmap.alignment.points._point_kernels import uncertainty
 from segmap.alignment.points._point_map import SEARCH_CELL_M, PointMap
-from segmap.alignment.points._step_kernels import uncertainty
 from segmap.poses import between, transform
 from segmap.simulation import SICK_LMS200, cast_rays, office
 

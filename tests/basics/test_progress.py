@@ -36,7 +36,6 @@ def lines_of(log, path, pack=open):
 
 WORK = {
     "graph": partial(alignment.pose_graph, LOG),
-    "parts": partial(alignment.align_parts, [LOG[:6], LOG[6:]]),
     "merged": partial(matching.merge, LOG[:6], LOG[6:]),
     "deskewed": partial(alignment.deskew, logs.moving_log()),
     "by_scan": partial(reduction.basic_online, build_map(LOG, LOG.truth)),

@@ -22,7 +22,7 @@ from segmap._commands import _compare, _locate, _occupancy, log_options, main
 from segmap._commands._output import Report, metres, progress, seconds
 from segmap._map_pipeline import cropped
 from segmap.alignment import Alignment, Verdict
-from segmap.matching import Belief
+from segmap.matching import Belief, Uncertainty
 from segmap.scans.causes import Cause, Finding
 
 WALL = [[(0.0, 0.0), (10.0, 0.0)]]
@@ -218,10 +218,10 @@ def test_a_matcher_that_lost_the_robot_says_at_which_scan(run, monkeypatch):
 
 
 # ------------------------------------------------------------------------------- locate
-def belief(x, reason):
+def belief(x, reason, uncertainty=Uncertainty.NONE):
     spread = np.diag([0.0009, 0.0016, 9.0])  # of x, y and heading: the third is no length
     nothing = np.zeros((0, 3)), np.zeros(0)
-    return Belief(np.array([x, -1.5, np.pi / 2]), spread, 0.875, 0.5, reason, *nothing)
+    return Belief(np.array([x, -1.5, np.pi / 2]), spread, 0.875, 0.5, reason, *nothing, uncertainty)
 
 
 FOUND = ["  found     2 of 61 scans, the first is scan 1; lost at 1",
@@ -236,14 +236,18 @@ LOST = ["  found     1 of 61 scans, the first is scan 0; lost at 1", "  place   
 @pytest.mark.parametrize(
     ("beliefs", "code", "said"),
     [
-        ([(1, "lost"), (2, ""), (2.5, "")], 0, FOUND),
-        ([(1, ""), (2, "not yet: 3 places"), (np.nan, "lost")], 3, LOST),
+        ([(1, "gone", Uncertainty.LOST), (2, ""), (2.5, "")], 0, FOUND),
+        (
+            [(1, ""), (2, "3", Uncertainty.SEVERAL_PLACES), (np.nan, "lost", Uncertainty.NO_PLACE)],
+            3,
+            LOST,
+        ),
         ([], 3, ["  found     0 of 61 scans; lost at 0"]),
     ],
 )
 def test_locate_tells_the_last_belief(run, monkeypatch, beliefs, code, said):
     """Catches the first place for the last, a spread that adds radians, and an exit code of 0."""
-    found = [belief(x, reason) for x, reason in beliefs]
+    found = [belief(*given) for given in beliefs]
     monkeypatch.setattr(_locate, "localize", lambda map, log, rng: iter(found))
     quadtree.QuadtreeMap(resolution=0.5, size=4).save("squares.npz")
     Path("squares.npz").rename("SQUARES.NPZ")

@@ -25,6 +25,7 @@ from segmap.panels.workbench._loops import Loops
 from segmap.panels.workbench._source import OWN, Source
 from segmap.panels.workbench._upload import Upload
 from segmap.plotting import MAP, RAW, RESULT, draw_segments, figure_png, map_axes
+from segmap.progress import Compiling
 from segmap.scans import Skipped
 
 
@@ -43,8 +44,8 @@ def test_each_word_of_the_bar(monkeypatch):
         (200.0, 0.0, "measuring", "measuring ..."),
         (202.0, 0.049, "measuring", "measuring, 2 s so far"),
         (204.0, 0.05, "measuring", "measuring, 76 s left"),
-        (300.0, 0.05, f"{COMPILING}: 3 loops", f"{COMPILING}: 3 loops ..."),
-        (330.0, 0.50, f"{COMPILING}: 9 loops", f"{COMPILING}: 9 loops, 30 s so far"),
+        (300.0, 0.05, Compiling(f"{COMPILING}: 3 loops"), f"{COMPILING}: 3 loops ..."),
+        (330.0, 0.50, Compiling(f"{COMPILING}: 9 loops"), f"{COMPILING}: 9 loops, 30 s so far"),
         (331.0, 0.01, "measuring", "measuring ..."),
         (331.0, 0.05, "measuring", "measuring ..."),
     ):

@@ -19,7 +19,7 @@ from conftest import slow
 
 from segmap import _warm
 from segmap.compiled import COMPILING, PLAIN, _say_once, compiled, signals_held, work_time
-from segmap.progress import announce, told
+from segmap.progress import Compiling, announce, told
 
 #: Its window of search takes half a minute in plain Python: a smaller one stands in CASE.
 SLOW = "alignment pose_graph"
@@ -340,7 +340,7 @@ def test_what_is_needed_is_loaded_once_and_tells_of_compiling_alone(monkeypatch)
     def case(name):
         ran.append(name)
         announce(0.7, "placing scan 3 of 4")
-        announce(0.0, f"{COMPILING}: {len(ran)} loops so far")
+        announce(0.0, Compiling(f"{COMPILING}: {len(ran)} loops so far"))
 
     monkeypatch.setattr(_warm, "cases", lambda: {n: partial(case, n) for n in ("a", "b")})
     monkeypatch.setattr(_warm, "_dispatched", set())

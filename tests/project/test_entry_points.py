@@ -48,7 +48,17 @@ PACKAGES = [
 ]  # fmt: skip
 #: What the library makes itself and hands out: nobody else has to call these.
 MADE = {
-    *("AgainstWalls", "Alignment", "Belief", "Graph", "LogError", "Match", "Methods", "NoRoute"),
+    *(
+        "AgainstWalls",
+        "Alignment",
+        "Belief",
+        "Graph",
+        "HeadError",
+        "LogError",
+        "Match",
+        "Methods",
+        "NoRoute",
+    ),
     *("OdometryComparison", "Places", "Port", "Reduction", "SensorError", "SensorGone", "Squares"),
     "Uncertainty",
     *("Tree", "UnknownFormat", "Verdict", "take_points"),

@@ -154,9 +154,9 @@ def worn_wheels(log: Log, *, factor: Positive = 1.0) -> Outcome:
     Alignment(worn_wheels: 61 scans, 61 used)
     """
     trail = Trail(log)
-    while len(trail.poses) < len(log):
-        trail.place(compose(trail.poses[-1], trail.step() * (factor, factor, 1)))
-    return trail.outcome()
+    while len(trail.laid) < len(log):
+        trail.place(compose(trail.pose(), trail.step() * (factor, factor, 1)))
+    return Outcome(trail.laid)
 '''
 
 WORN_WHEELS_TEST = '''"""Worn wheels: a drive whose truth is known, and a factor that is none."""

@@ -17,7 +17,7 @@ from ... import arrays
 from ...arrays import Array, Count, Metres, Positive, Segments, at_least, at_most, checked
 from ...extraction import extract_polylines
 from ...kernels import Rule, describe
-from ...poses import between, compose, transform
+from ...poses.motions import between, compose, transform
 from ...reduction import polyline
 from ...scans import Log
 from ...scans.causes import Unmatched
@@ -111,7 +111,7 @@ def angle_candidates(
     value, hidden = np.empty(len(poses)), _hidden_lengths(poses, s, t)
     kernels.pose_values(s.segments, t.segments, poses, rule, value)
     score = value - penalty * hidden
-    outside = compose(poses, (*-t.middle, 0.0)) + [*s.middle, 0.0]
+    outside = compose(poses, np.array([*-t.middle, 0.0])) + [*s.middle, 0.0]
     best = best_distinct(poses, score, REFINED_GUESSES, ONE_CANDIDATE)
     columns = outside[best], *np.array([value, hidden, score])[:, best].tolist()
     walls = _wall_constraints(poses[best], s, t, rule)

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ... import arrays
-from ...angles import axial_difference, wrap
+from ...angles import axial_difference
 from ...arrays import Array, Metres, Segments, checked
 from ...kernels import describe
+from ...poses.motions import wrap
 from ...segments import MIN_LENGTH, angle, length, midpoint
 from .._walls import wall_covariance
 from . import _kernels as kernels

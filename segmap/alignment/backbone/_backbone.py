@@ -16,7 +16,7 @@ from ... import arrays
 from ...angles import axial_difference, wrap
 from ...arrays import Array, Metres, Positive, Radians, Settings, Share
 from ...extraction import extract_polylines
-from ...poses import transform
+from ...poses.motions import transform
 from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding, Unmatched
 from ...segments import angle as angle_of

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ... import arrays
 from ...angles import axial_difference, axial_mean, axial_mean_of_two, wrap
 from ...arrays import Array, Share
-from ...poses import transform
+from ...poses.motions import transform
 from ...scans.causes import Unmatched
 from ...segments import angle, extreme_projections, length, midpoint
 

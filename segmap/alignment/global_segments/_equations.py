@@ -14,11 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...angles import axial_difference, wrap
+from ...angles import axial_difference
 from ...arrays import Array
 from ...compiled import compiled
 from ...kernels import APART_WEIGHT, describe
-from ...poses import transform
+from ...poses.motions import transform, wrap
 from ...segments import angle
 from ..graph import groups
 from ..segment_icp import distance_below

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ... import arrays
-from ...angles import wrap
 from ...arrays import Array, Count, Metres, Radians, upper_bound_excluded
 from ...kernels import APART_WEIGHT, describe
-from ...poses import between, compose, interpolate, inverse
+from ...poses import interpolate
+from ...poses.motions import between, compose, inverse, wrap
 from ...scans import Log
 from ...scans.causes import Unmatched
 from ...segments import angle as angle_of
@@ -35,7 +35,7 @@ SAME_VIEW_M = 0.50
 #: ... and turned by less, radians, must see the same walls.
 SAME_VIEW_RAD = np.radians(30.0)
 #: Why a scan is not used, where its kind says less.
-WORDS = {
+WHY_WORDS = {
     Unmatched.NO_ODOMETRY: "no odometry to begin from",
     Unmatched.LITTLE_OVERLAP: "shares no two walls with the scans around it: hangs on odometry",
     Unmatched.UNTIED: "beyond a break: not tied to the largest group of scans",
@@ -144,7 +144,7 @@ def global_segments(
 def _outcome(poses: Array, why: Sequence[Unmatched], graph: Graph | None = None) -> Outcome:
     """Poses `(k, 3)`, metres and radians, with what speaks against each, for the runner."""
     rows = zip(poses, why, strict=True)
-    return Outcome([Laid(pose, own, WORDS.get(own, "")) for pose, own in rows], graph)
+    return Outcome([Laid(pose, own, WHY_WORDS.get(own, "")) for pose, own in rows], graph)
 
 
 def kept_scans(segments: Array, first: Indices, way: Array, reach: float, rules: Rules) -> Indices:

@@ -1,7 +1,7 @@
 """Pose graphs: measured motions between poses, and the poses that fit all of them best."""
 
-from ._equations import Edge, stacked
 from ._graph import (
+    NEARBY,
     REAL,
     REAL_ERRORS,
     Graph,
@@ -10,11 +10,12 @@ from ._graph import (
     groups,
     information,
     loops_of,
+    place_deviations,
     residuals,
     solve_graph,
 )
 from ._solver import SCALE, Solver, solve
-from ._spread import NEARBY, place_deviations
+from ._solver_kernels import Edge, stacked
 
 __all__ = [
     "NEARBY", "REAL", "REAL_ERRORS", "SCALE", "Edge", "Graph", "Rejected", "Solver", "deviations",

@@ -12,8 +12,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from ._equations import Edge, Edges, Indices, advance, linearise
-from ._factor import Factor, factorise, find_structure, link_slots, substitute
+from ._solver_kernels import (
+    Edge,
+    Edges,
+    Factor,
+    Indices,
+    advance,
+    factorise,
+    find_structure,
+    linearise,
+    link_slots,
+    substitute,
+)
 
 #: Residuals of this many standard deviations have half the weight: nine of ten true edges are
 #: closed better, false loops are far beyond.

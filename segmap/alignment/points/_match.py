@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ... import arrays
 from ...arrays import Array, Metres, Share, checked
-from ...poses import transform
+from ...poses.motions import transform
 from ...scans.causes import Unmatched
 from .._result import Match, no_match
 from ._point_map import (

@@ -15,7 +15,6 @@ from ...threads import computed
 from .._result import Match, no_match
 from . import _point_kernels as kernels
 from . import _search_kernels
-from ._step_kernels import FREE_EIGENVALUE_RATIO, uncertainty
 
 # What follows are properties of lasers and of walls, the same for every building.
 #: Side of the cells that points are sorted into, metres: about the reach of the last steps.
@@ -117,7 +116,9 @@ class PointMap:
         # room it is the heading that they do not fix: that is no direction
         covariance, scratch = np.empty((3, 3)), np.empty((2, 3, 3))
         variance, span = inflation * found.sigma**2, _rms_range(current)
-        x, y, shift = uncertainty(found.system, variance, span, scratch[0], scratch[1], covariance)
+        x, y, shift = kernels.uncertainty(
+            found.system, variance, span, scratch[0], scratch[1], covariance
+        )
         free = None if shift < ALONG_FREE_SHARE else np.array([x, y])
         turns = 0 <= shift < ALONG_FREE_SHARE
         return Match(found.pose, covariance, True, "", found.near, free, turns)
@@ -156,7 +157,7 @@ class PointMap:
         found = self.descend(current, pose, LAST, LAST, stride=1, rounds=1)
         scale = np.array([1.0, 1.0, 1.0 / _rms_range(current)])
         values, motions = np.linalg.eigh(found.system[:, :3] * scale * scale[:, None])
-        loose = motions.T[values <= FREE_EIGENVALUE_RATIO * values[-1]]
+        loose = motions.T[values <= kernels.FREE_EIGENVALUE_RATIO * values[-1]]
         across = np.abs((found.rows[:, :3] * scale) @ loose.T)
         return loose[~(across > FACING_COSINE).any(0)]
 

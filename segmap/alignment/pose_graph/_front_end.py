@@ -27,9 +27,8 @@ from ..graph import (
     stacked,
 )
 from ..points import PointMap, in_range
-from ._breaks import breaks
 from ._key_frames import KeyFrames, Undoable
-from ._wheels import Wheels
+from ._wheels import Wheels, breaks
 
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
 Matcher = Callable[[PointMap, Array, Array], Match]
@@ -320,14 +319,12 @@ class FrontEnd(Undoable):
             weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
             far, near = place_deviations(self.frames.poses, stacked(self.frames.edges), weight)
             far, near = far[frame], near[frame]
-            matched = np.bincount(frame, [row.used for row in rows], len(self.frames)).astype(float)
+            used = [row.used for row in rows]
+            matched = np.bincount(frame, used, len(self.frames)).astype(float)
             tied = [key.tied for key in self.frames.rows]
-            apart = untied(tied, self.frames.edges, matched)[frame]
-            alone = [row.used and far for row, far in zip(rows, apart, strict=True)]
-            laid = [
-                Laid(own.pose, Unmatched.UNTIED) if a else own
-                for own, a in zip(laid, alone, strict=True)
-            ]
+            apart = untied(tied, self.frames.edges, matched)[frame] & used
+            for k in np.flatnonzero(apart):
+                laid[k] = Laid(poses[k], Unmatched.UNTIED)
             left = graph.residuals[graph.loop]
         along, overlap = np.array([(row.along, row.overlap) for row in rows]).reshape(-1, 2).T
         far, near = np.hypot(far, along), np.hypot(near, along)

@@ -14,8 +14,7 @@ from ...scans.causes import Unmatched
 from .._result import Match, no_match
 from ..graph import Edge, Rejected, deviations, information, residuals, stacked
 from ..points import PointMap
-from ._graph_distance import key_frames_in_square, path_lengths
-from ._key_frames import KeyFrames, Undoable
+from ._key_frames import KeyFrames, Undoable, key_frames_in_square, path_lengths
 
 # Where loops are sought:
 #: Old places are proposed this much farther off than the window: they can be seen from there.
@@ -191,11 +190,8 @@ class LoopCloser(Undoable):
 
     def _by_place(self, new: int, before: int) -> list[Window]:
         """Around the nearest old key frame of each pass, as far as the map may have drifted."""
-        poses, along, widest = (
-            self.frames.poses,
-            self.frames.distance,
-            self.rules.max_reach + BEYOND_WINDOW_M,
-        )
+        poses, along = self.frames.poses, self.frames.distance
+        widest = self.rules.max_reach + BEYOND_WINDOW_M
         near = np.empty(before, np.int64)
         near = near[: key_frames_in_square(poses, new, widest, near)]
         path, distance = along[new] - along[near], np.hypot(*(poses[near] - poses[new])[:, :2].T)
@@ -368,9 +364,8 @@ class LoopCloser(Undoable):
 def descriptor(points: Array) -> Array:
     """Shares of points `(m, 2)`, metres, by their distance from the origin, (16,) array."""
     distance = np.hypot(points[:, 0], points[:, 1])
-    ring = (
-        distance[distance <= DESCRIPTOR_RADIUS_M] * (DESCRIPTOR_RINGS / DESCRIPTOR_RADIUS_M)
-    ).astype(np.int64)
+    near = distance[distance <= DESCRIPTOR_RADIUS_M]
+    ring = (near * (DESCRIPTOR_RINGS / DESCRIPTOR_RADIUS_M)).astype(np.int64)
     counts = np.bincount(np.minimum(ring, DESCRIPTOR_RINGS - 1), minlength=DESCRIPTOR_RINGS)
     return np.asarray(counts / max(counts.sum(), 1))
 

@@ -24,7 +24,7 @@ from ...arrays import (
     upper_bound_excluded,
 )
 from ...kernels import ACROSS_WEIGHT, APART_WEIGHT, describe
-from ...poses import between, compose, transform
+from ...poses.motions import between, compose, transform
 from ...scans import Log
 from ...scans.causes import Unmatched
 from ...segments import MIN_LENGTH, length

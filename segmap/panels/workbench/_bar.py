@@ -9,9 +9,8 @@ from typing import Any
 
 import ipywidgets as W
 
-from ...compiled import COMPILING
 from ...files import as_html
-from ...progress import FIRST_ESTIMATE_S, time_left, told
+from ...progress import FIRST_ESTIMATE_S, Compiling, time_left, told
 from ._job import Worker, said
 
 
@@ -52,7 +51,7 @@ class Bar:
         """Say it with the time that it takes still, or has taken."""
         taken, share = time.monotonic() - self._begun, self._share
         spent = f", {taken:.0f} s so far" if taken >= FIRST_ESTIMATE_S else " ..."
-        if not self._words.startswith(COMPILING) and (left := time_left(taken, share)):
+        if not isinstance(self._words, Compiling) and (left := time_left(taken, share)):
             spent = f", {left}"
         self.say(f"{self._words}{spent}", share)
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from ...arrays import brief, checked
 from ...scans import Log
-from .._lines import Lines, LogError, OnError, stem, time
+from .._lines import HeadError, Lines, LogError, OnError, stem, time
 from .._turns import COUNTERCLOCKWISE, Beams, direction_field, distance, number_field
 from ..packed import log_file
 from ._csv_columns import (
@@ -147,7 +147,7 @@ def _stated(path: Path) -> tuple[Head, list[str]]:
         raise LogError(path, f"no header names angle and range: name the columns, {EXAMPLE}")
     found, told = with_units_told(found, first_rows(path, found))
     if fault := wanting(found):
-        raise LogError(path, fault, found.line)
+        raise HeadError(path, fault, found.line)
     return found, told
 
 

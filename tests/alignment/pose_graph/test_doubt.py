@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.linalg import inv
 
-from segmap.alignment import Alignment, Tracking, point_icp, pose_graph
+from segmap.alignment import Alignment, Tracking, Unmatched, point_icp, pose_graph
 from segmap.alignment.graph import REAL, SCALE, Edge, place_deviations, residuals, stacked
-from segmap.alignment.pose_graph._front_end import LOOSE, UNTIED, findings, untied
+from segmap.alignment.pose_graph._front_end import findings, untied
 from segmap.poses import between, compose
 from segmap.scans import Log
 from segmap.scans.causes import doubt_of
@@ -97,10 +97,12 @@ def test_what_hangs_on_a_step_without_a_match_is_untied(loops, apart):
 def test_reasons_and_the_sentence():
     """A scan's own reason comes first; counts and the worst scan by two standard deviations."""
     far = np.array([0.1, 0.3, 1.2, 0.1, 0.1])
-    reasons = ["", "", "", "it slides", UNTIED]
-    assert said([""] * 5, np.zeros(5), np.zeros(9)) == ""
-    assert said([*reasons[:4], LOOSE], far, np.r_[6, 7, np.ones(7)], converged=False) == (
-        f"at 1 of 5 scans {LOOSE}; 2 of 5 scans may be more than 0.5 m off, scan 2 by 2.4 m; "
+    none, loose = Unmatched.NONE, Unmatched.FREE_DIRECTION
+    assert said([none] * 5, np.zeros(5), np.zeros(9)) == ""
+    assert said(
+        [none, none, none, Unmatched.SLIDES, loose], far, np.r_[6, 7, np.ones(7)], converged=False
+    ) == (
+        f"at 1 of 5 scans {loose}; 2 of 5 scans may be more than 0.5 m off, scan 2 by 2.4 m; "
         "2 of 9 loops stay open by over 5 standard deviations; "
         "the solver stopped before it came to an end"
     )
@@ -116,9 +118,11 @@ def test_rooms_are_known_in_a_building_that_is_not():
     far, near = place_deviations(poses, stacked(steps), np.ones(601), reach=20.0)
     found = Alignment(poses, np.ones(601, bool), 0.0, spread=far, local_spread=near)
     assert found.sure.mean() < 0.5 and found.locally_sure.all()
-    assert "m; relative to those within 20 m none" in said([""] * 601, far, np.ones(1), near=near)
+    assert "m; relative to those within 20 m none" in said(
+        [Unmatched.NONE] * 601, far, np.ones(1), near=near
+    )
     torn = np.where(np.arange(601) == 300, 0.4, near)
-    told = said([""] * 601, far, np.ones(1), near=torn)
+    told = said([Unmatched.NONE] * 601, far, np.ones(1), near=torn)
     assert told.endswith("relative to those within 20 m 1 of 601, scan 300 by 0.8 m")
 
 
@@ -140,7 +144,8 @@ def test_between_endless_walls_without_odometry_no_scan_is_used(method):
     found = method(log)
     assert logs.errors(log, found.poses)[0].max() > 1
     assert found.used.tolist() == [True] + [False] * (len(log) - 1)
-    assert set(found.reasons[1:]) == {LOOSE} and LOOSE in found.doubt
+    assert set(found.unmatched[1:]) == {Unmatched.FREE_DIRECTION}
+    assert found.reasons[1] in found.doubt
 
 
 def test_between_endless_walls_the_wheels_alone_are_not_sure():
@@ -154,7 +159,7 @@ def test_a_kidnapped_robot_says_what_hangs_on_the_wheels():
     log = logs.joined(logs.loop_log()[:40], logs.office_log()[9:])
     found = pose_graph(log)
     assert found.used[:40].all() and not found.used[41:].any()
-    assert set(found.reasons[41:]) <= {UNTIED, "too little of it lies on the map"}
+    assert set(found.unmatched[41:]) <= {Unmatched.UNTIED, Unmatched.LITTLE_OVERLAP}
     assert f"of {len(log)} scans to the rest" in found.doubt
 
 

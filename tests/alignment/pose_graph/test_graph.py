@@ -17,9 +17,9 @@ from segmap.alignment.graph import (
     solve,
     stacked,
 )
-from segmap.alignment.graph._equations import Edges, linearise
 from segmap.alignment.graph._graph import REAL
 from segmap.alignment.graph._solver import STALE_CHANGE
+from segmap.alignment.graph._solver_kernels import Edges, linearise
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.angles import wrap
 from segmap.poses import between, compose
@@ -308,7 +308,8 @@ def test_a_pose_that_information_leaves_free_is_refused(free):
 def test_key_frames_hand_edges_over_that_are_new_and_begin_anew_where_some_were_undone():
     """Catches a solver that still holds a loop that was taken out, or an edge of a scan undone."""
     start, edges = world(120)
-    frames = KeyFrames(np.zeros((3, 2)), np.zeros(3))
+    frames = KeyFrames()
+    frames.add(0, np.zeros((3, 2)), np.zeros(3), np.eye(3))
     each = [Edge(*fields) for fields in zip(*edges[:4], strict=True)]
     for edge in each[:119]:
         frames.add(edge.second, np.zeros((3, 2)), edge.relative, np.eye(3))

@@ -3,23 +3,23 @@
 The maps and matches here are scripted: they say what a test needs, and keep what was asked of them.
 """
 
+from dataclasses import replace
+
 import alignment_logs as logs
 import numpy as np
 import pytest
 from alignment_logs import walked
 
-from segmap.alignment import LiveGraph, Tracking, align_parts
+from segmap.alignment import LiveGraph, Tracking, Unmatched
 from segmap.alignment._result import Match, no_match
 from segmap.alignment.graph import Edge, Solver, information, stacked
 from segmap.alignment.pose_graph._front_end import FrontEnd
-from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window, descriptor
-from segmap.alignment.pose_graph._merge import _begin_anew
-from segmap.alignment.pose_graph._parts import _append_part, _part_graph, front_end_and_closer
+from segmap.alignment.pose_graph._merge import _append
 from segmap.poses import between
 from segmap.scans import LaserScan
 
-ZERO, NOTHING = np.zeros(3), no_match(np.zeros(3), "nothing")
+ZERO, NOTHING = np.zeros(3), no_match(np.zeros(3), Unmatched.NO_PLACE)
 SCAN, LOG = logs.office_log()[0], logs.loop_log(step=0.5)
 ALONG_X = np.array([1.0, 0.0])
 
@@ -62,8 +62,9 @@ def loop(first, second, x=None, degrees=0.0, *, along=0.01) -> Edge:
 # ------------------------------------------------------------------ the front end
 def front(step=ZERO) -> FrontEnd:
     """A front end whose matcher finds nothing, of a robot that makes such steps."""
-    found = FrontEnd(SCAN, lambda map, points, guess: NOTHING, Tracking())
-    found.trail.step = lambda: step
+    found = FrontEnd(lambda map, points, guess: NOTHING, Tracking())
+    found.add_frame(found.track(SCAN))
+    found.step = lambda: step
     return found
 
 
@@ -74,7 +75,8 @@ def front(step=ZERO) -> FrontEnd:
 def test_a_lost_robot_is_sought_farther_the_faster_and_the_longer_lost(step, lost, reach):
     one, map = front(np.array([0, step, 1.0])), Scripted()
     one.lost = lost
-    one.pose_in_key_frame.append(np.array([3.0, 4.0, 0.5]))
+    one.rows[-1].pose = np.array([3.0, 4.0, 0.5])
+    one.rows.append(one.rows[-1])
     assert one._regained(map, np.zeros((9, 2)), ZERO, NOTHING) is NOTHING
     np.testing.assert_allclose([asked["reach"] for asked in map.asked], [reach] * 4)
     quarters = np.pi / 2 * np.arange(4)[:, None] * (0, 0, 1)
@@ -106,6 +108,7 @@ def test_what_is_believed_of_a_lost_robot(best, other, before, found):
     if other is not None:
         answers.insert(0, (other[1].pose, *other))
     one, map = front(), Scripted(*answers)
+    one.rows.append(one.rows[-1])
     chosen = one._regained(map, np.zeros((9, 2)), ZERO, before)
     assert (chosen is not before) == found
     if found:
@@ -115,7 +118,9 @@ def test_what_is_believed_of_a_lost_robot(best, other, before, found):
 @pytest.mark.parametrize(("degrees", "found"), [(59, True), (-59, True), (61, False), (-61, False)])
 def test_along_a_corridor_no_large_turn_is_believed_and_the_guess_says_how_far(degrees, found):
     best = place(1.0, 0.2, degrees, free=ALONG_X)
-    chosen = front()._regained(
+    one = front()
+    one.rows.append(one.rows[-1])
+    chosen = one._regained(
         Scripted((best.pose, 0.9, best)), np.zeros((9, 2)), np.array([0.4, 0.7, 0]), NOTHING
     )
     expected = (0.4, 0.2, np.radians(degrees)) if found else ZERO
@@ -135,7 +140,7 @@ def test_a_key_frame_is_set_where_the_robot_has_moved_or_sees_again(
     offset, lost, points, local, needed
 ):
     one = front()
-    one.pose_in_key_frame[-1], one.lost, one.points = np.array(offset), lost, np.zeros((points, 2))
+    one.rows[-1].pose, one.lost, one.points = np.array(offset), lost, np.zeros((points, 2))
     one.local = one.local if local else None
     assert one.needs_frame(0.5, np.radians(30)) == needed
 
@@ -150,22 +155,30 @@ def test_a_step_without_a_match_ties_little_and_behind_a_break_next_to_nothing(l
     one.add_frame(NOTHING)
     expected = information(np.diag(deviations) ** 2, one.frames.least)
     np.testing.assert_allclose(one.frames.edges[0].information, expected)
-    assert one.begins == ([0, 1] if lost == 2 else [0])
-    assert one.lost == (0 if lost == 2 else 1) and one.tied == [True, False]
+    assert one.begins == (1 if lost == 2 else 0)
+    assert one.lost == (0 if lost == 2 else 1)
+    assert [row.tied for row in one.frames.rows] == [True, False]
 
 
 def test_another_session_begins_at_a_key_frame_that_next_to_nothing_ties():
-    one, two = front(), front()
-    for x in (3.0, 1.0):
-        one.track(SCAN)
-        one.trail.poses[-1] = np.array([x, 2.0, 3.0])
-    two.trail.reasons[0] = "why"
-    assert _begin_anew(one, two) == (1, 3, 0, 0) and len(one.scans) == 4
-    expected = information(np.diag([1.5, 1.5, np.radians(60)]) ** 2, one.frames.least)
-    np.testing.assert_allclose(one.frames.edges[0].information, expected)
-    assert (one.begins, one.tied, one.free_along_corridor) == ([0, 1], [True, False], [False] * 4)
-    assert one.key_frame_of_scan == [0, 0, 0, 1] and len(one.poses()) == len(one.trail.poses) == 4
-    assert (one.trail.poses[-1].tolist(), one.trail.reasons[-1]) == ([1, 2, 3], "why")
+    """Catches the second odometry taken for the way between them, and rows of the first one."""
+    one, two = LiveGraph(), LiveGraph()
+    one.extend(LOG[:4])
+    two.extend(LOG[100:103])
+    _append(one, two)
+    frames, rows = one.front_end.frames, one.front_end.rows
+    begin = next(k for k, row in enumerate(frames.rows) if row.scan == 4)
+    own = two.front_end
+    assert [row.tied for row in frames.rows[begin:]] == [False, *[True] * (len(own.frames) - 1)]
+    assert [row.scan - 4 for row in frames.rows[begin:]] == [row.scan for row in own.frames.rows]
+    assert [row.frame - begin for row in rows[4:]] == [row.frame for row in own.rows]
+    expected = information(np.diag([1.5, 1.5, np.radians(60)]) ** 2, frames.least)
+    edge = next(edge for edge in frames.edges if edge.second == begin)
+    np.testing.assert_allclose(edge.information, expected)
+    assert not one.front_end.measured(4) and rows[4].scan.odometry is None
+    its, there = two.poses, one.poses[4:]
+    np.testing.assert_allclose(between(there[0], there), between(its[0], its), atol=1e-9)
+    np.testing.assert_allclose(there[0], one.poses[3], atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -175,11 +188,9 @@ def test_at_last_scans_lie_on_the_nearest_key_frames_within_four_metres(spacing,
     asked, one = [], front()
     for k in range(40):
         one.frames.add(2 * k + 2, np.zeros((6, 2)), np.array([spacing, 0, 0]), np.eye(3))
-        one.scans += [SCAN, SCAN]
-        one.key_frame_of_scan += [k, k + 1]
-        one.pose_in_key_frame += [ZERO, ZERO]
+        one.rows += [replace(one.rows[0], frame=k), replace(one.rows[0], frame=k + 1)]
     one.frames.map_of = lambda members, origin: asked.append((origin, sorted(members)))
-    one.refine()
+    one.register_again()
     members = dict(asked)[20]
     half = around // 2
     assert members == list(range(20 - half, 20 + half + 1)) and len(asked) == 40
@@ -190,11 +201,12 @@ def test_the_local_map_is_of_the_last_ten_key_frames_behind_a_break():
     for _ in range(14):
         one.frames.add(0, np.zeros((6, 2)), ZERO, np.eye(3))
     one.frames.map_of = lambda members, origin: asked.append((list(members), origin))
-    for begins in (0, 4, 5, 6):
-        one.begins.append(begins)
-        one.see_last_frames()
-    assert [members[0] for members, _ in asked] == [5, 5, 5, 6]
-    assert all(members[-1] == origin == 14 for members, origin in asked)
+    for begins in (0, 6, 7, 9):
+        one.begins = begins
+        one.add_frame(place())
+    assert [members[0] for members, _ in asked] == [6, 7, 8, 9]
+    assert [members[-1] for members, _ in asked] == [15, 16, 17, 18]
+    assert all(members[-1] == origin for members, origin in asked)
 
 
 def test_one_scan_is_solved_and_used():
@@ -221,7 +233,9 @@ def test_in_twice_the_window_a_place_must_hold_more(near, far, taken):
             asked.append((reach, turn))
             return both[len(asked) - 1]
 
-    found = Graph()._match_on_map(None, None, ZERO)
+    graph = Graph()
+    graph.add(logs.without_odometry(LOG[:1])[0])
+    found = graph._match_on_map(None, None, ZERO)
     windows = np.outer((1, 2), (0.5, np.radians(40)))
     np.testing.assert_allclose(asked, windows if near < 0.705 else windows[:1])
     assert found is both[taken == "far"] if taken else not found.matched
@@ -230,7 +244,9 @@ def test_in_twice_the_window_a_place_must_hold_more(near, far, taken):
 @pytest.mark.parametrize(("wall", "x"), [(True, 0.1), (False, 0.3)])
 def test_along_what_no_wall_faces_the_guess_counts(wall, x):
     map = Scripted((ZERO, 0.9, place(0.1, free=ALONG_X)), wall=wall)
-    found = LiveGraph()._match_on_map(map, np.zeros((9, 2)), np.array([0.3, 0.2, 0.1]))
+    graph = LiveGraph()
+    graph.add(logs.without_odometry(LOG[:1])[0])
+    found = graph._match_on_map(map, np.zeros((9, 2)), np.array([0.3, 0.2, 0.1]))
     np.testing.assert_allclose(found.pose, (x, 0, 0), atol=1e-12)
     assert map.asked[-1] == {"overlap": 0.4}
 
@@ -255,28 +271,6 @@ def test_lazily_only_what_is_new_is_solved_and_else_everything():
         np.testing.assert_array_equal(frames.poses, poses)
         lazy.append(poses)
     assert not np.array_equal(*lazy)
-
-
-def test_behind_the_joint_the_robot_goes_on_as_in_its_part(monkeypatch):
-    """And loops that lead to the part before move the poses before the next ones are sought."""
-    first, second = (_part_graph({}, part) for part in (LOG[:20], LOG[20:40]))
-    (front, _), (later, _), asked = front_end_and_closer(first), front_end_and_closer(second), []
-    front.scans += LOG[:20]
-    sought = iter(range(99))
-    monkeypatch.setattr(LoopCloser, "seek", lambda *given, **said: next(sought) >= 0)
-    monkeypatch.setattr(KeyFrames, "optimize", lambda self, *, lazily: asked.append(lazily))
-    behind = later.frames.scan[10]
-    later.begins += [10, 12]
-    _append_part(first, second, LOG[20:40])
-    own, whole = np.array(later.trail.poses[behind:]), np.array(front.trail.poses[20 + behind :])
-    np.testing.assert_allclose(between(whole[0], whole), between(own[0], own), atol=1e-9)
-    assert front.begins == [0, len(front.frames) - len(later.frames) + 12]
-    assert len(front.trail.poses) == 40 and len(asked) == next(sought) and all(asked)
-
-
-def test_an_executor_is_one():
-    with pytest.raises(ValueError, match="executor must be"):
-        align_parts([LOG[:2]], executor=3)
 
 
 # ------------------------------------------------------------------ loops
@@ -329,7 +323,9 @@ def test_old_places_are_proposed_two_metres_beside_the_window(x, found):
 def test_how_a_loop_is_measured(overlap, matched, reason):
     closer = walked(30, np.ones((9, 2)))
     match = place(0.5, overlap=overlap, matched=matched)
-    map = Scripted((ZERO, 0.9, match if matched else no_match(ZERO, reason, overlap)))
+    map = Scripted(
+        (ZERO, 0.9, match if matched else no_match(ZERO, Unmatched.NO_PLACE, reason, overlap))
+    )
     window = Window(3, np.array([1.0, 2, 3]), 1.5, 0.3)
     found = closer.measure(window, map, 30)
     search, *rest = map.asked
@@ -418,7 +414,8 @@ def test_a_scan_that_its_match_leaves_free_is_as_vague_as_the_match(free):
     """Catches scans that stand for the laser in a corridor, 50 in a row, sure to the centimetre."""
     match = Match(ZERO, np.diag([0.9, 0.02, 0.01]) ** 2, True, "", 1.0, free)
     scan = LaserScan(np.full(40, 2.0), np.linspace(-1, 1, 40))
-    found = FrontEnd(scan, lambda map, points, guess: match, Tracking())
+    found = FrontEnd(lambda map, points, guess: match, Tracking())
+    found.add_frame(found.track(scan))
     for _ in range(3):
         found.track(scan)
     spread = found.outcome().spread

@@ -11,7 +11,6 @@ from segmap import load
 from segmap.alignment import Alignment, Graph, LiveGraph
 from segmap.alignment.graph import Edge
 from segmap.alignment.pose_graph._key_frames import loop_pairs
-from segmap.alignment.pose_graph._parts import front_end_and_closer
 from segmap.poses import between, compose, inverse
 from segmap.testing import assert_poses_equal
 
@@ -50,7 +49,7 @@ def test_loops_are_listed_with_their_span_and_both_places():
 def test_without_a_false_loop_the_graph_is_as_if_it_had_never_been(driven):
     """Catches a loop that is left as a witness, a way or an edge, and another one taken out."""
     graph, wanted = deepcopy(driven), deepcopy(driven)
-    front, closer = front_end_and_closer(graph)
+    front, closer = graph.front_end, graph.loop_closer
     false = [Edge(k, k + 60, FALSE, np.eye(3) * 1e4, True, True) for k in (20, 21)]
     known = len(graph.loops())
     closer.believe(false[:1])
@@ -58,12 +57,12 @@ def test_without_a_false_loop_the_graph_is_as_if_it_had_never_been(driven):
     closer.believe(false[1:])
     front.frames.optimize()
     assert np.hypot(*(graph.poses - driven.poses)[:, :2].T).max() > 0.5
-    row = graph.loops().query(f"first == {front.frames.scan[20]}").index
+    row = graph.loops().query(f"first == {front.frames.rows[20].scan}").index
     graph.veto([row[-1], known + 2])
     assert {(r.first, r.second) for r in closer.rejected if "veto" in r.reason} == {
-        (front.frames.scan[k], front.frames.scan[k + 60]) for k in (20, 21)
+        (front.frames.rows[k].scan, front.frames.rows[k + 60].scan) for k in (20, 21)
     }
-    its_front, its_closer = front_end_and_closer(wanted)
+    its_front, its_closer = wanted.front_end, wanted.loop_closer
     its_closer.believe([Edge(3, 130, between(*its_front.frames.poses[[3, 130]]), np.eye(3), True)])
     its_front.frames.optimize()
     assert_poses_equal(graph.poses, wanted.poses, atol=1e-4)
@@ -93,7 +92,7 @@ def test_a_forced_tie_holds_and_the_loops_that_contradict_it_give_way(driven, en
 def test_a_tie_may_be_told_from_either_end_and_moves_with_the_world(driven):
     one, two = deepcopy(driven), deepcopy(driven)
     world = np.array([30.0, -8.0, 2.5])
-    frames = front_end_and_closer(two)[0].frames
+    frames = two.front_end.frames
     frames.poses = compose(world, frames.poses)
     relative = compose(between(*driven.poses[[61, 290]]), (0.3, 0.4, 0.1))
     one.tie(61, 290, relative)
@@ -109,7 +108,7 @@ def test_loops_that_a_false_tie_drove_out_come_back_with_its_veto(driven):
     """Catches a veto that leaves the graph without them for good, or counts them as rejected."""
     graph, known = deepcopy(driven), driven.loops()[["first", "second"]].values.tolist()
     assert len(known) > 3
-    rejected = list(front_end_and_closer(driven)[1].rejected)
+    rejected = driven.loop_closer.not_believed()
     for end in (330, 334, 338):  # against one tie alone they stay, and a step gives way
         graph.tie(0, end, FALSE)
     graph.refine()
@@ -117,11 +116,9 @@ def test_loops_that_a_false_tie_drove_out_come_back_with_its_veto(driven):
     assert len(listed) < len(known) + 3
     graph.veto(range(len(listed) - 3, len(listed)))
     assert graph.loops()[["first", "second"]].values.tolist() == known
-    found, wanted = (front_end_and_closer(each)[0].frames.poses for each in (graph, driven))
+    found, wanted = (each.front_end.frames.poses for each in (graph, driven))
     assert_poses_equal(found, wanted, atol=1e-4)
-    assert [
-        r for r in front_end_and_closer(graph)[1].rejected if "veto" not in r.reason
-    ] == rejected
+    assert [r for r in graph.loop_closer.not_believed() if "veto" not in r.reason] == rejected
 
 
 def test_two_places_are_matched_at_any_heading_or_a_reason_is_given(driven):
@@ -137,7 +134,7 @@ def test_two_places_are_matched_at_any_heading_or_a_reason_is_given(driven):
 
 def test_a_place_before_one_where_the_robot_was_lost_can_be_matched(driven):
     graph = deepcopy(driven)
-    front_end_and_closer(graph)[1].lost_since = 170
+    graph.loop_closer.lost_since = 170
     assert graph.match(340, 9).matched
 
 
@@ -163,7 +160,7 @@ def test_what_is_interrupted_changes_nothing(driven, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(front_end_and_closer(graph)[0].frames, "optimize", fails)
+        patch.setattr(graph.front_end.frames, "optimize", fails)
         for work in (lambda: graph.veto(0), lambda: graph.tie(61, 290, FALSE)):
             with pytest.raises(KeyboardInterrupt):
                 work()

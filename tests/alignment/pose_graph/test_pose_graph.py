@@ -11,13 +11,20 @@ from conftest import slow
 from scipy.sparse.csgraph import csgraph_from_dense, dijkstra
 
 from segmap import load
-from segmap.alignment import Alignment, LiveGraph, LoopClosing, Tracking, point_icp, pose_graph
+from segmap.alignment import (
+    Alignment,
+    LiveGraph,
+    LoopClosing,
+    Tracking,
+    Unmatched,
+    point_icp,
+    pose_graph,
+)
 from segmap.alignment._result import Match, no_match
 from segmap.alignment.graph import REAL, Edge, information
 from segmap.alignment.points import PointMap
 from segmap.alignment.pose_graph import FrontEnd, _front_end, _loop_closing
-from segmap.alignment.pose_graph._graph_distance import path_lengths
-from segmap.alignment.pose_graph._key_frames import KeyFrames
+from segmap.alignment.pose_graph._key_frames import KeyFrames, path_lengths
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window
 from segmap.poses import between
 from segmap.scans import Log
@@ -231,9 +238,10 @@ def test_loops_that_wait_when_the_log_ends_are_believed_or_rejected(monkeypatch)
 
 def test_believed_loops_shorten_the_way_to_old_places():
     """Three times round ten metres: what a loop has fixed is half a metre away, not ten."""
-    frames = KeyFrames(np.zeros((0, 2)), np.zeros(3))
-    for scan in range(1, 31):
-        frames.add(scan, np.zeros((0, 2)), np.array([1.0, 0, np.pi / 5]), np.eye(3))
+    frames = KeyFrames()
+    for scan in range(31):
+        step = (1.0, 0, np.pi / 5) if scan else (0, 0, 0)
+        frames.add(scan, np.zeros((0, 2)), np.array(step), np.eye(3))
     closer = LoopCloser(frames, 0.03, LoopClosing())
     assert closer._way(30, np.arange(30)).tolist() == list(range(30, 0, -1))
     assert np.isinf(walked(500)._way(500, np.array([100]))[0])  # 367 m fill the widest window
@@ -361,7 +369,7 @@ def test_a_loop_that_stays_far_open_is_taken_out(metres, out):
         weight = np.eye(3) / 0.1**2
         closer.believe([Edge(2, 18, np.array([16.0 + metres, 0, 0]), weight, True)])
     assert closer.drop_contradicted() == out
-    assert [loop[:2] for loop in closer.rejected] == [(2, 18)] * out
+    assert [loop[:2] for loop in closer.not_believed()] == [(2, 18)] * out
     assert len(frames.edges) == 20 + (metres is not None and not out)
 
 
@@ -390,7 +398,9 @@ def test_a_step_along_a_wall_is_known_as_well_as_the_odometry(wheels):
     """Else such steps, free by a metre, take all the tension of a loop; without wheels they do."""
     log = load("corridor")[:2]
     log = log if wheels else logs.without_odometry(log)
-    front = FrontEnd(log[0], lambda _, points, guess: no_match(guess, "none"), Tracking())
+    nothing = lambda _, points, guess: no_match(guess, Unmatched.NO_PLACE)  # noqa: E731
+    front = FrontEnd(nothing, Tracking())
+    front.add_frame(front.track(log[0]))
     front.track(log[1])
     loose = np.diag([0.25, 1e-4, 1e-4])
     match = Match(np.array([0.5, 0, 0]), loose, True, "", 1.0, np.array([1.0, 0]))
@@ -407,12 +417,13 @@ def test_a_scan_of_six_points_is_laid_and_refined(count, monkeypatch):
     seen = np.cumsum(second.valid) <= count
     few = replace(second, ranges=np.where(seen, second.ranges, np.nan))
     laid, refined = (Match(np.array([x, 0, 0]), REAL, True, "", 1.0) for x in (0.1, 0.2))
-    front = FrontEnd(first, lambda *given: laid, Tracking())
+    front = FrontEnd(lambda *given: laid, Tracking())
+    front.add_frame(front.track(first))
     assert front.track(few).reason == ("" if count == 6 else "too few points")
-    before = front.pose_in_key_frame[1]
+    before = front.rows[1].pose
     monkeypatch.setattr(PointMap, "register", lambda *given, **rules: refined)
-    front.refine()
-    assert front.pose_in_key_frame[1] is (refined.pose if count == 6 else before)
+    front.register_again()
+    assert front.rows[1].pose is (refined.pose if count == 6 else before)
 
 
 @pytest.mark.parametrize("method", [pose_graph, point_icp])

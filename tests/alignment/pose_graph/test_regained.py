@@ -6,7 +6,7 @@ import pytest
 from conftest import shared_file
 
 from segmap import read
-from segmap.alignment import LiveGraph, Tracking, align_to_truth, pose_graph
+from segmap.alignment import LiveGraph, Tracking, Unmatched, align_to_truth, pose_graph
 from segmap.alignment._result import no_match
 from segmap.alignment.pose_graph._front_end import LOST_IN_A_ROW, FrontEnd
 from segmap.metrics import relation_errors
@@ -28,7 +28,9 @@ def seen(walls, pose) -> LaserScan:
 
 def front_of(walls, pose) -> FrontEnd:
     """A front end whose matcher never finds anything."""
-    return FrontEnd(seen(walls, pose), lambda map, points, guess: no_match(guess, "no"), Tracking())
+    front = FrontEnd(lambda map, points, guess: no_match(guess, Unmatched.NO_PLACE), Tracking())
+    front.add_frame(front.track(seen(walls, pose)))
+    return front
 
 
 @pytest.mark.parametrize(
@@ -61,9 +63,8 @@ def test_after_two_scans_in_a_row_a_map_begins_anew():
         graph.add(seen(ROOM, HERE + (0.1 * k, 0, 0)))
     for k in range(8):
         graph.add(seen(ELSEWHERE, there + (0.05 * k, 0, 0)))
-    front = graph._parts[0]
-    (_, begins) = front.begins
-    assert front.frames.scan[begins] == 4 + LOST_IN_A_ROW - 1 and front.lost == 0
+    front = graph.front_end
+    assert front.frames.rows[front.begins].scan == 4 + LOST_IN_A_ROW - 1 and front.lost == 0
     found = graph.refine()
     assert found.used.sum() == 6 and not found.used[:4].any()  # the larger part counts
     steps = between(found.poses[6:-1], found.poses[7:])
