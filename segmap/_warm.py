@@ -219,4 +219,6 @@ def _match() -> Found:
     scan = LaserScan(np.hypot(*points.T), np.arctan2(*points.T[::-1]))
     for places in (matching.search(each, scan, beams=12) for each in (map, room)):
         found += [places.poses, places.scores, places.covariances]
+    beliefs = matching.localize(map, [scan, scan], rng=rng, particles=300, beams=12)
+    found += [belief.poses for belief in beliefs]
     return [*found, matching.DistanceField(room).distance]

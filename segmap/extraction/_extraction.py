@@ -253,10 +253,8 @@ def _polylines_of(
     given = gap, tolerance, min_points, min_length
     if closed:
         return _joined([_polylines(scan.points(), *given, closed) for scan in scans])
-    angles, poses = (
-        np.concatenate([s.angles for s in scans]),
-        np.array([s.sensor_pose for s in scans]),
-    )
+    angles = np.concatenate([s.angles for s in scans])
+    poses = np.array([s.sensor_pose for s in scans])
     beams = np.array([np.concatenate([s.ranges for s in scans]), np.cos(angles), np.sin(angles)])
     first, turns = np.cumsum([0, *map(len, scans)]), poses[:, 2].copy()
     far = [s.max_range for s in scans]

@@ -11,14 +11,16 @@ from .. import arrays
 from ..arrays import Array, Metres, checked
 from ..compiled import compiled
 from ..kernels import off_segment
+from ..poses.motions import transform
 from ..quadtree import QuadtreeMap
 from ..segments import SegmentMap, point_distance
-from ._scores import Cells, Counts, all_placed, blocks_of, scan_and_poses, whole
+from ._scores import Cells, Counts, blocks_of, scan_and_poses, whole
 
 #: What a scan is laid on: squares, or walls.
 Map = QuadtreeMap | SegmentMap
 
 Singles = NDArray[np.float32]
+Places = NDArray[np.uint32]
 #: Distances are whole numbers, the longest in a window below this: 32 bits.
 MOST_WINDOW_DISTANCE = 2**31 - 1
 #: Around the ends of a scan at its start, metres: how far a matcher may move them.
@@ -94,10 +96,8 @@ class DistanceField:
             bounds if window is None else window, corner, side
         )
         corner = corner + first * side
-        self.unit, self.cells = (
-            MOST_WINDOW_DISTANCE // (columns + rows),
-            np.full((rows, columns), NO_OCCUPIED_CELL, np.int32),
-        )
+        self.unit = MOST_WINDOW_DISTANCE // (columns + rows)
+        self.cells = np.full((rows, columns), NO_OCCUPIED_CELL, np.int32)
         self._frame = np.array([*corner, side, columns, rows, -side / self.unit])
         if isinstance(map, SegmentMap):
             self._measure(map.segments, corner)
@@ -145,7 +145,7 @@ class DistanceField:
         ends, at = scan_and_poses(points, poses)
         if not len(at):
             raise ValueError("poses must hold at least one pose, to know where the scan is")
-        placed = np.concatenate([at[:, :2], all_placed(ends, at)])
+        placed = np.concatenate([at[:, :2], transform(at, ends).reshape(-1, 2)])
         window = [*(placed.min(0) - MATCHER_MARGIN_M), *(placed.max(0) + MATCHER_MARGIN_M)]
         return cls(map, window, resolution=resolution)
 
@@ -184,7 +184,7 @@ class DistanceField:
 
         def score(poses: Array) -> Array:
             """The score at each pose."""
-            cells, found = np.empty(len(near), np.int32), np.empty(len(poses))
+            cells, found = np.empty(len(near), np.uint32), np.empty(len(poses))
             look_up(flat, self._frame, ends, poses, cells, found)
             return found
 
@@ -331,7 +331,7 @@ def distance_transform(grid: Counts, unit: int, room: Cells, share: Array) -> No
 
 @compiled
 def look_up(
-    field: Counts, frame: Array, points: Singles, poses: Array, cells: Counts, found: Array
+    field: Counts, frame: Array, points: Singles, poses: Array, cells: Places, found: Array
 ) -> None:
     """Write the sum of the field under points `(2, n)` at each pose `(k, 3)`.
 
@@ -349,7 +349,7 @@ def look_up(
             x = c * points[0, m] - s * points[1, m] + dx
             y = s * points[0, m] + c * points[1, m] + dy
             x, y = min(most_x, max(zero, x)), min(most_y, max(zero, y))
-            cells[m] = np.int32(y) * columns + np.int32(x)
+            cells[m] = np.int32(y) * columns + np.int32(x)  # unsigned: none from the end
         total = whole(0)
         for m in range(points.shape[1]):
             total += field[cells[m]]

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..poses.motions import transform
+from ..compiled import compiled
 from ..segments import SegmentMap
+from ..threads import Rows, in_threads, shares
 from ._field import (
     MATCHER_MARGIN_M,
     MOST_WINDOW_DISTANCE,
@@ -17,6 +18,7 @@ from ._field import (
     fits,
     transform_cells,
 )
+from ._scores import Counts
 
 Levels = NDArray[np.uint8]
 #: Standard deviation of an end of a beam about its wall, metres: noise, cells, and what moved.
@@ -27,6 +29,10 @@ ANYTHING = 0.1
 LIKELIHOOD_CELL_M = 0.05
 #: The widest squares are 2^TOP cells a side.
 TOP = 6
+#: Logarithm of what a beam is worth whose end lies in a cell of each of the 256 values.
+LOGARITHMS = np.log((1 - ANYTHING) * (np.arange(256) / 255) + ANYTHING)
+#: Fewer poses than this for each thread take less time than to start it.
+LEAST_POSES_OF_THREAD = 2000
 
 
 class Likelihoods:
@@ -64,8 +70,20 @@ class Likelihoods:
 
     def fits(self, points: Array, poses: Array) -> Array:
         """How well points `(n, 2)` fit at poses `(k, 3)`, metres and radians: (k,), 0 to 1."""
-        worth = self.likelihood(transform(poses, points))
-        return np.asarray(np.exp(np.log((1 - ANYTHING) * worth + ANYTHING).mean(-1)))
+        turn = poses[:, 2:]
+        placed = np.concatenate([poses[:, :2], np.cos(turn), np.sin(turn)], 1)
+        rows, columns = self.levels.shape[1:]
+        frame = np.array([*self.corner, self.size, 1 << TOP, columns, rows])
+        level = self.levels[0].ravel()
+        ends, found = np.ascontiguousarray(points.T), np.empty(len(poses))
+
+        def weigh(rows: Rows) -> None:
+            room, sums = np.empty(len(points), np.int32), np.empty(len(rows))
+            weigh_poses(level, frame, ends, placed[rows], room, sums)
+            found[rows] = np.exp(sums / len(points))
+
+        in_threads(weigh, shares(np.arange(len(poses)), LEAST_POSES_OF_THREAD))
+        return found
 
 
 def _distances(map: Map) -> tuple[Array, Array, float]:
@@ -82,11 +100,35 @@ def _distances(map: Map) -> tuple[Array, Array, float]:
     first = cells.min(0) - edge
     columns, rows = (cells.max(0) + edge + 1 - first).tolist()
     fits(columns, rows)
-    grid, unit = (
-        np.full((rows, columns), NO_OCCUPIED_CELL, np.int32),
-        MOST_WINDOW_DISTANCE // (columns + rows),
-    )
+    grid = np.full((rows, columns), NO_OCCUPIED_CELL, np.int32)
+    unit = MOST_WINDOW_DISTANCE // (columns + rows)
     x, y = (cells - first).T
     grid[y, x] = 0
     transform_cells(grid, unit)
     return grid * (size / unit), map.corner + first * size, size
+
+
+# ---------------------------------------------------------------------------------- loops
+@compiled
+def weigh_poses(
+    level: Levels, frame: Array, points: Array, placed: Array, cells: Counts, found: Array
+) -> None:
+    """Write the sum of the logarithms under points `(2, n)` at each pose `(k, 4)`.
+
+    A pose is x, y, and cosine and sine of its heading; a point beyond the edge counts as on it.
+    `frame` holds left and low edge of the map, cell side, cells of the border, columns and rows
+    with it; `cells`, `(n,)`, is room to work in: so the compiler takes several beams at a time.
+    """
+    left, low, side, border, columns = frame[0], frame[1], frame[2], frame[3], np.int32(frame[4])
+    last_x, last_y = frame[4] - 1.0, frame[5] - 1.0
+    for k in range(len(placed)):
+        x0, y0, c, s = placed[k, 0], placed[k, 1], placed[k, 2], placed[k, 3]
+        for m in range(points.shape[1]):
+            x = (x0 + c * points[0, m] - s * points[1, m] - left) / side + border
+            y = (y0 + s * points[0, m] + c * points[1, m] - low) / side + border
+            x, y = min(last_x, max(0.0, x)), min(last_y, max(0.0, y))
+            cells[m] = np.int32(y) * columns + np.int32(x)
+        total = 0.0
+        for m in range(points.shape[1]):
+            total += LOGARITHMS[level[cells[m]]]
+        found[k] = total

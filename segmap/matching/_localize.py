@@ -11,12 +11,14 @@ from scipy.spatial import cKDTree
 
 from .. import arrays
 from ..arrays import Array, Count, at_least, at_most, checked
+from ..compiled import compiled
 from ..poses.motions import between, compose, wrap
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ..segments import SegmentMap
 from ._field import either_map
 from ._likelihoods import Likelihoods
+from ._scores import Cells
 from ._search import Uncertainty, distinct_places, sample_beams
 from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 
@@ -184,12 +186,8 @@ def _beliefs(
                 weights = np.r_[(1 - new) * weights, np.full(len(fresh), new / len(fresh))]
                 poses, fits = np.concatenate([poses, fresh]), np.r_[fits, there]
                 fit, anew = (fit if led and fit else there.max()), True  # the mean begins anew
-            patience = (
-                min(2 * patience, LONGEST_WAIT_SCANS)
-                if new <= BETTER_FIT_SHARE and len(poses)
-                else 1
-            )
-            wait = patience
+            again = new <= BETTER_FIT_SHARE and len(poses)
+            wait = patience = min(2 * patience, LONGEST_WAIT_SCANS) if again else 1
         weights = weights * fits ** (BEAM_WEIGHT_PART * len(points))
         weights /= weights.sum() or 1.0
         places = at_places(poses, weights)
@@ -210,7 +208,7 @@ def predict(
     if before.odometry is not None and scan.odometry is not None:
         way = between(before.odometry, scan.odometry)
         error = ERROR_AT_REST + ERROR_PER_M * np.hypot(*way[:2]) + ERROR_PER_RAD * abs(way[2])
-    return compose(poses, way + rng.normal(0, error[[0, 0, 1]], poses.shape))
+    return compose(poses, way + rng.standard_normal(poses.shape) * error[[0, 0, 1]])
 
 
 def fresh_poses(map: Likelihoods, ends: Array, count: int, rng: np.random.Generator) -> Array:
@@ -227,14 +225,7 @@ def fresh_poses(map: Likelihoods, ends: Array, count: int, rng: np.random.Genera
 def kld_sample_size(poses: Array) -> int:
     """How many of the first particles are enough for the cells in which these lie (Fox 2003)."""
     cells = np.floor(poses / KLD_CELL).astype(np.int64)
-    first = np.unique(cells, axis=0, return_index=True)[1]
-    count = np.arange(len(poses)) + 1
-    k = np.maximum(np.searchsorted(np.sort(first), count - 1, side="right") - 1, 1)
-    a = 2 / (9 * k)
-    needed = np.maximum(
-        k / (2 * KLD_ERROR) * (1 - a + np.sqrt(a) * KLD_QUANTILE) ** 3, LEAST_PARTICLES
-    )
-    return min(int(np.argmax(np.r_[count >= needed, True])) + 1, len(poses))
+    return int(enough_particles(cells, np.full(2 << len(poses).bit_length(), -1)))
 
 
 def at_places(poses: Array, weights: Array) -> list[NDArray[np.int64]]:
@@ -301,3 +292,28 @@ def estimate(
     elif len(places) > 1:
         kind, reason = Uncertainty.SEVERAL_PLACES, f"not yet: {len(places)} places"
     return Belief(pose, covariance, share, fit, reason, poses, weights, kind)
+
+
+# ---------------------------------------------------------------------------------- loops
+@compiled
+def enough_particles(cells: Cells, slots: Cells) -> int:
+    """How many of the first particles are enough for the cells in which they lie (Fox 2003).
+
+    `cells` are `(n, 3)` whole numbers. `slots`, a power of two of -1, more than n, is a table of
+    the first particle in each cell.
+    """
+    found, needed, last = 0, 0.0, len(slots) - 1
+    for k in range(len(cells)):
+        i, j, h = cells[k, 0], cells[k, 1], cells[k, 2]
+        at = (73856093 * i ^ 19349663 * j ^ 83492791 * h) & last
+        one = slots[at]
+        while one >= 0 and not (cells[one, 0] == i and cells[one, 1] == j and cells[one, 2] == h):
+            at = (at + 1) & last
+            one = slots[at]
+        if one < 0:
+            slots[at], found = k, found + 1
+            a = 2 / (9 * max(found - 1, 1))
+            needed = (1 - a + np.sqrt(a) * KLD_QUANTILE) ** 3 / (9 * a * KLD_ERROR)
+        if k + 1 >= max(needed, LEAST_PARTICLES):
+            return k + 1
+    return len(cells)

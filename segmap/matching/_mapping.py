@@ -17,8 +17,8 @@ from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ._field import NothingNear
 from ._live_map import FOUND, LiveMap, Step, insert_placed, overlap_of
-from ._matchers import Score, field_score, hill_climb, prepared_score, sample_and_rank
-from ._scores import descent_score, nearest_score, occupancy_score, scan_and_poses
+from ._matchers import Prepared, Score, field_score, hill_climb, prepared_score, sample_and_rank
+from ._scores import descent_score, nearest_score, occupancy_score
 
 #: From a map, points and a start, with a score, to a pose.
 Matcher = Callable[..., Array]
@@ -203,7 +203,7 @@ def _match_by_score(
         values = prepared_score(score, map, points, start)
     except NothingNear:
         return start, np.nan
-    pose = found_by(matcher, map, points, start, asked(values, points, score))
+    pose = found_by(matcher, map, points, start, Prepared(values, points, score))
     return pose, float(values(pose[None])[0])
 
 
@@ -213,13 +213,3 @@ def found_by(
     """What a matcher answers, checked: it may be the user's own."""
     found = arrays.call_given(matcher, "matcher", map, points, start, score=score)
     return arrays.pose(found, "matcher(map, points, start)")
-
-
-def asked(values: Callable[[Array], Array], points: Array, score: Score) -> Score:
-    """A score as matchers ask it: the prepared `values` of poses where the points are the same."""
-
-    def ask(map: QuadtreeMap, ends: ArrayLike, poses: ArrayLike) -> Array:
-        """The score at poses `(k, 3)`, metres and radians."""
-        return values(scan_and_poses(ends, poses)[1]) if ends is points else score(map, ends, poses)
-
-    return ask

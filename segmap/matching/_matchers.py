@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -88,20 +89,20 @@ def hill_climb(
     >>> hill_climb(tree, walls, (0.03, -0.02, 0.0)).round(2) + 0
     array([0., 0., 0.])
     """
-    sizes = list(MOVE_SIZES[steps])
+    moves = [MOVES * (length, length, turn) for length, turn in MOVE_SIZES[steps]]
     ends, pose = arrays.points(points), arrays.pose(start, "start")
     values = prepared_score(score, map, ends, pose)
     best = float(values(pose[None])[0])
     for _ in range(rounds):
-        while sizes:
-            tried = pose + MOVES * (sizes[0][0], sizes[0][0], sizes[0][1])
+        while moves:
+            tried = pose + moves[0]
             found = values(tried)
-            if found.max() > best:
+            if found[top := int(found.argmax())] > best:
                 break
-            sizes.pop(0)
-        if not sizes:
+            moves.pop(0)
+        if not moves:
             break
-        pose, best = tried[int(np.argmax(found))], float(found.max())
+        pose, best = tried[top], float(found[top])
     return wrapped(pose)
 
 
@@ -158,6 +159,21 @@ def sample_and_rank(
     return wrapped(poses[int(np.argmax(found))])
 
 
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A score with its `values` of poses for the points `(n, 2)` of one scan."""
+
+    values: Callable[[Array], Array]
+    points: Array
+    score: Score
+
+    def __call__(self, map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
+        """The score at poses `(k, 3)`, metres and radians, of these points or of others."""
+        if points is self.points:
+            return self.values(scan_and_poses(points, poses)[1])
+        return self.score(map, points, poses)
+
+
 def wrapped(pose: Array) -> Array:
     """The pose with its heading in [-pi, pi); one that is there already keeps every bit."""
     turned = pose if -np.pi <= pose[2] < np.pi else (pose[0], pose[1], wrap(pose[2]))
@@ -171,6 +187,8 @@ def prepared_score(
 
     A field is transformed once, around where the start `(3,)` puts the points.
     """
+    if isinstance(score, Prepared) and points is score.points:
+        return score.values
     arrays.function(score, "score", "of map, points and poses, nearest_score say")
     either_map(map, empty=True)
     if score is field_score and len(points):

@@ -19,8 +19,8 @@ from ..simulation import OdometryNoise
 from ._field import DistanceField, NothingNear
 from ._likelihoods import ANYTHING
 from ._live_map import FOUND, insert_placed, overlap_of
-from ._mapping import Matcher, _check_scan, _warm, asked, drawing, found_by
-from ._matchers import field_score, hill_climb
+from ._mapping import Matcher, _check_scan, _warm, drawing, found_by
+from ._matchers import Prepared, field_score, hill_climb
 from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 
 #: Beams of a scan that are weighed, evenly chosen: neighbours meet one wall, and would say the same
@@ -193,9 +193,7 @@ def _steps(
             if wheels is not None:
                 step = between(wheels, scan.odometry)
                 poses = compose(poses, step)
-                tries = (
-                    [LATE_TURNS] if abs(step[2]) > FAST_TURN_RAD else [LATE_TURNS[:1], LATE_TURNS]
-                )
+                tries = [LATE_TURNS[:1], LATE_TURNS][int(abs(step[2]) > FAST_TURN_RAD) :]
             wheels = scan.odometry
         try:
             if len(points) and settled:
@@ -245,7 +243,7 @@ def _climbed(
         except NothingNear:
             return start, None
         values = field.scorer(points)
-        score = asked(values, points, field_score)
+        score = Prepared(values, points, field_score)
         found = np.array([found_by(matcher, map, points, each, score) for each in starts])
         answers.append((found[np.argmax(values(found))], field))
         if len(tries) == 1 or overlap_of(map, scan, answers[-1][0]) >= GOOD_OVERLAP:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from ..arrays import Array
 from ..compiled import compiled
+from ..poses.motions import transform
 from ..quadtree import QuadtreeMap
 
 Counts = NDArray[np.int32]
@@ -49,7 +49,7 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
     """
     blocks_of(map)
     ends, at = scan_and_poses(points, poses)
-    value = map.occupancy(all_placed(ends, at)).reshape(len(at), len(ends))
+    value = map.occupancy(transform(at, ends).reshape(-1, 2)).reshape(len(at), len(ends))
     return np.where(value > 0.5, value, 0.0).sum(1)
 
 
@@ -73,8 +73,8 @@ def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arr
     leaves = map.leaves()
     occupied = leaves.occ > leaves.vis - leaves.occ
     corner = np.stack([leaves.x[occupied], leaves.y[occupied]], -1)
-    distance = cKDTree(corner + map.resolution / 2).query(all_placed(ends, at))[0]
-    return -np.asarray(distance).reshape(len(at), len(ends)).sum(1)
+    distance = cKDTree(corner + map.resolution / 2).query(transform(at, ends))[0]
+    return -np.asarray(distance).sum(1)
 
 
 def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -125,23 +125,12 @@ def _searched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> tuple[Ho
     holds = blocks_of(map)
     ends, at = scan_and_poses(points, poses)
     x, y, _ = at.T[:, :, None]
-    c, s = (
-        np.array([turn(angle) for angle in at[:, 2]]).reshape(-1, 1)
-        for turn in (math.cos, math.sin)
-    )
+    c, s = np.cos(at[:, 2:]), np.sin(at[:, 2:])
     left, low = map.corner + map.tree.corner * map.resolution
     places = np.empty((len(at), len(ends), 2))
     places[:, :, 0] = (c * ends[:, 0] - s * ends[:, 1] + (x - left)) / map.resolution
     places[:, :, 1] = (s * ends[:, 0] + c * ends[:, 1] + (y - low)) / map.resolution
     return holds, places, np.zeros(len(at))
-
-
-def all_placed(points: Array, poses: Array) -> Array:
-    """Points of all poses in the frame of the map, metres: the n points at each of the k poses."""
-    c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
-    x, y = points.T
-    placed = np.stack([c * x - s * y + poses[:, :1], s * x + c * y + poses[:, 1:2]], -1)
-    return placed.reshape(-1, 2)
 
 
 def blocks_of(map: QuadtreeMap) -> Holds:
@@ -165,13 +154,7 @@ def scan_and_poses(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
 # Callers bring all arrays, since each that a loop makes for itself takes long to compile.
 @compiled
 def nearest_distances(
-    vis: Counts,
-    occ: Counts,
-    holds: Holds,
-    places: Array,
-    path: Cells,
-    todo: Cells,
-    found: Array,
+    vis: Counts, occ: Counts, holds: Holds, places: Array, path: Cells, todo: Cells, found: Array
 ) -> None:
     """Add the sum over places `(k, n, 2)` of the distance to the nearest occupied cell's centre.
 

@@ -86,12 +86,8 @@ def doubled_walls(
     across, away = facing[i] + turn / 2, places[j] - places[i]
     beside = np.abs(away[:, 0] * np.cos(across) + away[:, 1] * np.sin(across))
     along = np.abs(away[:, 1] * np.cos(across) - away[:, 0] * np.sin(across))
-    same = (
-        (np.abs(turn) <= angle)
-        & (along < DOUBLED_PIECE_M)
-        & (nearest < beside)
-        & (beside < farthest)
-    )
+    same = (np.abs(turn) <= angle) & (along < DOUBLED_PIECE_M)
+    same &= (nearest < beside) & (beside < farthest)
     return len(np.unique(pairs[same])) / len(places)
 
 

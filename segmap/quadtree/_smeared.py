@@ -53,9 +53,8 @@ def smeared_walls(map: QuadtreeMap) -> float:
     seen = keys[np.bincount(where, leaves.occ[hit], len(keys)) >= LEAST_ENDED_RAYS]
     if not len(seen):
         return float("nan")
-    square = (
-        np.arange(SMEARED_WIDTH_CELLS)[:, None] * row + np.arange(SMEARED_WIDTH_CELLS)
-    ).ravel()
+    width = np.arange(SMEARED_WIDTH_CELLS)
+    square = (width[:, None] * row + width).ravel()
     first = seen  # the lower left cells of squares that are full so far
     for step in square:
         first = first[np.isin(first + step, seen)]

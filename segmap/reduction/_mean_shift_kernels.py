@@ -95,21 +95,15 @@ def climb(
     cannot rest, and the others follow to its step, where one may move again. One that a step leaves
     where it was stays there.
     """
-    n, found, period, rest = (
-        len(points),
-        points / DEVIATIONS_PER_UNIT,
-        period / DEVIATIONS_PER_UNIT,
-        (stop / DEVIATIONS_PER_UNIT) ** 2,
-    )
+    n, found, period = len(points), points / DEVIATIONS_PER_UNIT, period / DEVIATIONS_PER_UNIT
+    rest = (stop / DEVIATIONS_PER_UNIT) ** 2
     strips, steps = _in_strips(found, PULL_REACH, group), np.zeros(group.max() + 1, np.int64)
     moving = np.arange(n if most > 0 else 0)
     with team() as each:
 
         def advance(runs: Runs, bound: float) -> None:
-            words, parts = (
-                f"moving {len(moving)} of {n} pieces",
-                range(0, len(runs.todo), RUNS_PER_THREAD),
-            )
+            words = f"moving {len(moving)} of {n} pieces"
+            parts = range(0, len(runs.todo), RUNS_PER_THREAD)
             each(lambda k: _move(strips, runs, k, bound, period), parts, words)
 
         while len(moving):

@@ -12,7 +12,7 @@ from segmap.angles import wrap
 from segmap.matching import _localize as inner
 from segmap.matching import localize
 from segmap.matching._likelihoods import Likelihoods
-from segmap.poses import compose
+from segmap.poses import compose, transform
 from segmap.quadtree import build_map
 from segmap.segments import SegmentMap
 from segmap.simulation import (
@@ -190,11 +190,28 @@ def test_the_steps_are_those_of_the_literal_filter():
     for wide in (0.01, *np.linspace(0.09, 0.2, 30), 9.0):
         poses = random.normal(0, wide, (1500, 3))
         assert inner.kld_sample_size(poses) == literal.enough(poses.tolist())
+    far = random.integers(-3, 4, (3000, 3)) * (2.5e8, 2.5e8, 0.2)
+    assert inner.kld_sample_size(far) == literal.enough(far.tolist())
     map, points = Likelihoods(ROOM), seen(ROOM.segments, (1.2, 1.6, 0.4)).points()
     poses = np.array([1.2, 1.6, 0.4]) + random.normal(0, 0.1, (9, 3))
     for pose, found in zip(poses, map.fits(points, poses), strict=True):
         expected = literal.fit(lambda p: float(map.likelihood(np.array(p))), points.tolist(), pose)
         assert found == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("kind", ["walls", "squares"])
+@pytest.mark.parametrize("threads", ["1", "2"])
+def test_poses_are_weighed_as_arrays_weigh_them(kind, threads, monkeypatch):
+    """On the map, beside it and far beyond. Catches a cell beside, an edge, a part left out."""
+    monkeypatch.setenv("SEGMAP_THREADS", threads)
+    scans = simulate(ROOM.segments, drive([(1, 1), (3, 1)], step=0.3), sensor=ROUND, rng=rng(1))
+    map = Likelihoods(ROOM if kind == "walls" else build_map(scans, scans.truth))
+    for seed, (count, wide) in enumerate([(1, 0.1), (2, 3), (50, 1), (999, 1e7), (8001, 0.3)]):
+        points = rng(seed).permutation(scans[0].points())[: 1 + 20 * seed]
+        poses = scans.truth[0] + rng(seed).normal(0, wide, (count, 3))
+        worth = 0.9 * map.likelihood(transform(poses, points)) + 0.1
+        expected = np.exp(np.log(worth).mean(1))
+        np.testing.assert_allclose(map.fits(points, poses), expected, rtol=1e-12, atol=0)
 
 
 @pytest.mark.parametrize("seed", range(4))

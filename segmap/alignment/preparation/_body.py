@@ -214,11 +214,8 @@ def _by_pairs(looks: Looks, part: Part, directions: Directions, *, whole: bool) 
     # 1. A body, and the neighbours that it fills; half of a beam beside it may see it too
     rides, median = _share_of_first(seen.rides, seen.another), _median(ranges)
     smooth = np.isclose(median, np.roll(median, -1), 0, CONSTANT_RANGE_M)  # with the next column
-    constant, body, narrow = (
-        _constant(ranges),
-        rides > (RIDES_SHARE if whole else RIDES_IN_PART),
-        np.zeros(len(median), bool),
-    )
+    constant, narrow = _constant(ranges), np.zeros(len(median), bool)
+    body = rides > (RIDES_SHARE if whole else RIDES_IN_PART)
     while (body != narrow).any():
         narrow, after, before = body, np.roll(body, 1), np.roll(body, -1)
         filled = constant & (after & np.roll(smooth, 1) | before & smooth)

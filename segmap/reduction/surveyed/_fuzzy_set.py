@@ -101,10 +101,7 @@ def fuzzy_set(
             doubt = f"not orthogonal: {share:.0%} of the length is along no axis"
         kept, slanted = np.flatnonzero(laid), np.flatnonzero(~laid)
         errors = error + sizes[kept] / 2 * np.sin(off[kept])
-        walls, first = (
-            np.empty((2 * len(kept), 5)),
-            np.append(rows.source_row[kept], rows.source_row[kept]),
-        )
+        walls, first = np.empty((2 * len(kept), 5)), np.tile(rows.source_row[kept], 2)
         walls[: len(kept)] = _laid(map, rows, kept, upright[kept], axis, errors, error)
         members = merge_all(walls, first, len(kept), limits)
         alive, ends = resolve_merges(members)
