@@ -5,6 +5,8 @@ They take plain numbers and rows of arrays, check nothing, and are called from c
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,7 @@ from .compiled import compiled
 from .segments import MIN_LENGTH
 
 Indices = NDArray[np.int64]
+Window = Indices | tuple[int, int, int, int]
 #: Weight of the angle in the segment distance (A 2.7.7).
 ANGULAR_WEIGHT = 0.66
 #: Weight of the distance across.
@@ -237,3 +240,45 @@ def place_on_line(
     """Put a segment, (2, 2), on the line through (x, y), from `low` to `high` along (dx, dy)."""
     s[0, 0], s[0, 1] = x + low * dx, y + low * dy
     s[1, 0], s[1, 1] = x + high * dx, y + high * dy
+
+
+class Nodes(NamedTuple):
+    """Nodes of a quadtree, four a block, and which blocks hold an occupied cell, `(b,)`."""
+
+    vis: NDArray[np.int32]
+    occ: NDArray[np.int32]
+    holds: NDArray[np.bool_]
+
+
+@compiled
+def leaves_in(nodes: Nodes, window: Window, todo: Indices, found: Indices) -> int:
+    """Write node, x, y (cells) and level of the leaves in a window into `found`, `(n, 4)`.
+
+    All of them, or where blocks that hold an occupied cell are marked, occupied cells alone.
+    `window` is left, low, right and high; `todo`, `(3 levels + 4, 4)`, is room to work in, its
+    first row holds the root. Returns the number of leaves.
+    """
+    vis, occ, holds, count, waiting = nodes.vis, nodes.occ, nodes.holds, 0, 1
+    every = len(holds) == 0
+    while waiting > 0:
+        waiting -= 1
+        block, x, y = todo[waiting, 0], todo[waiting, 1], todo[waiting, 2]
+        level = todo[waiting, 3] - 1
+        side = 1 << level
+        for q in range(4):
+            at_x, at_y = x + side * (q & 1), y + side * (q >> 1)
+            if at_x >= window[2] or at_y >= window[3]:
+                continue
+            if at_x + side <= window[0] or at_y + side <= window[1]:
+                continue
+            node = 4 * block + q
+            child = ~np.int64(vis[node])
+            if child >= 0 and (every or holds[child]):
+                todo[waiting, 0], todo[waiting, 1] = child, at_x
+                todo[waiting, 2], todo[waiting, 3] = at_y, level
+                waiting += 1
+            elif child < 0 and (every or 2 * np.int64(occ[node]) > vis[node]):
+                found[count, 0], found[count, 1] = node, at_x
+                found[count, 2], found[count, 3] = at_y, level
+                count += 1
+    return count

@@ -92,17 +92,15 @@ def hill_climb(
     moves = [MOVES * (length, length, turn) for length, turn in MOVE_SIZES[steps]]
     ends, pose = arrays.points(points), arrays.pose(start, "start")
     values = prepared_score(score, map, ends, pose)
-    best = float(values(pose[None])[0])
-    for _ in range(rounds):
-        while moves:
-            tried = pose + moves[0]
-            found = values(tried)
-            if found[top := int(found.argmax())] > best:
-                break
+    best = values(pose[None])[0]
+    while moves and rounds:
+        tried = pose + moves[0]
+        found = values(tried)
+        top = int(found.argmax())
+        if found[top] > best:
+            pose, best, rounds = tried[top], found[top], rounds - 1
+        else:
             moves.pop(0)
-        if not moves:
-            break
-        pose, best = tried[top], float(found[top])
     return wrapped(pose)
 
 

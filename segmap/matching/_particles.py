@@ -256,9 +256,8 @@ def _log_likelihood(field: DistanceField | None, points: Array, poses: Array) ->
     few = points[np.linspace(0, len(points) - 1, min(WEIGHED_BEAMS, len(points))).astype(np.int64)]
     ends = transform(poses, few).reshape(-1, 2)
     each = np.column_stack([ends, np.zeros(len(ends))])
-    away = np.full(len(ends), -np.inf)
-    if field is not None:
-        away = field.scorer(np.zeros((1, 2)))(each)  # each end as a scan of one point
+    away, point = np.full(len(ends), -np.inf), np.zeros((1, 2))
+    away = away if field is None else field.scorer(point)(each)  # each end as a scan of one point
     near = np.exp(-(away**2) / (2 * PARTICLE_SIGMA_M**2))
     found: Array = np.log((1 - ANYTHING) * near + ANYTHING).reshape(len(poses), -1).sum(1)
     return found

@@ -301,41 +301,6 @@ def insert(
 
 # ------------------------------------------------------------------------- the whole tree
 @compiled
-def leaves_in(
-    vis: Counts, occ: Counts, holds: Holds, window: Cells, todo: Cells, found: Cells
-) -> int:
-    """Write node, x, y (cells) and level of the leaves in a window into `found`, `(n, 4)`.
-
-    All of them, or where blocks that hold an occupied cell are marked in `holds`, `(b,)`, occupied
-    cells alone. `window` is left, low, right and high; `todo`, `(4 DEPTH, 4)`, is room to work in,
-    its first row holds the root. Returns the number of leaves.
-    """
-    count, waiting, every = 0, 1, len(holds) == 0
-    while waiting > 0:
-        waiting -= 1
-        block, x, y = todo[waiting, 0], todo[waiting, 1], todo[waiting, 2]
-        level = todo[waiting, 3] - 1
-        side = 1 << level
-        for q in range(4):
-            at_x, at_y = x + side * (q & 1), y + side * (q >> 1)
-            if at_x >= window[2] or at_y >= window[3]:
-                continue
-            if at_x + side <= window[0] or at_y + side <= window[1]:
-                continue
-            node = 4 * block + q
-            child = ~whole(vis[node])
-            if child >= 0 and (every or holds[child]):
-                todo[waiting, 0], todo[waiting, 1] = child, at_x
-                todo[waiting, 2], todo[waiting, 3] = at_y, level
-                waiting += 1
-            elif child < 0 and (every or 2 * whole(occ[node]) > vis[node]):
-                found[count, 0], found[count, 1] = node, at_x
-                found[count, 2], found[count, 3] = at_y, level
-                count += 1
-    return count
-
-
-@compiled
 def compact(
     vis: Counts,
     occ: Counts,

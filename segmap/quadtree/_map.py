@@ -147,10 +147,7 @@ class QuadtreeMap(Pictured, Locked):
     @locked
     @checked
     def to_grid(
-        self,
-        resolution: float | None = None,
-        *,
-        value: Literal["max", "mean", "variance"] = "max",
+        self, resolution: float | None = None, *, value: Literal["max", "mean", "variance"] = "max"
     ) -> Array:
         """Occupancy on a grid over the whole root, `(rows, columns)`, row 0 lowest.
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..arrays import Array
+from ..kernels import Nodes, leaves_in
 from ..threads import Locked, locked
 from . import _kernels as kernels
 
@@ -179,7 +180,7 @@ class Tree(Locked):
         found = np.empty((3 * self.used + 1, 4), np.int64)
         todo = np.empty((4 * kernels.DEPTH, 4), np.int64)
         todo[0] = self.block, 0, 0, self.level
-        return found[: kernels.leaves_in(self.vis, self.occ, holds, window, todo, found)]
+        return found[: leaves_in(Nodes(self.vis, self.occ, holds), window, todo, found)]
 
     @locked
     def occupied_blocks(self) -> kernels.Holds:

@@ -248,12 +248,8 @@ class Log(Pictured, Sequence[LaserScan]):
         count = f"{len(self)} scan" + "s" * (len(self) != 1)
         moved = sum(scan.odometry is not None for scan in self.scans)
         known = 0 if self.truth is None else int(np.isfinite(self.truth).all(1).sum())
-        parts = [
-            count,
-            _share_text(moved, len(self), "odometry"),
-            _share_text(known, len(self), "truth"),
-        ]
-        return f"Log({self.name!r}, {', '.join(parts)})"
+        told = _share_text(moved, len(self), "odometry"), _share_text(known, len(self), "truth")
+        return f"Log({self.name!r}, {', '.join((count, *told))})"
 
 
 def _share_text(count: int, of: int, what: str) -> str:

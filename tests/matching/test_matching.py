@@ -5,6 +5,7 @@ import pytest
 from quadtrees import literal_of, random_map
 from segmap_course import literal
 
+from segmap.kernels import Nodes
 from segmap.matching import _scores as loops
 from segmap.matching import (
     descent_score,
@@ -78,6 +79,21 @@ def test_nearest_is_the_kd_tree_everywhere(seed):
     assert (descent_score(map, [(0, 0)], poses) <= exact + 1e-9).all()
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("wide", [0.0, 0.02, 0.3, 30.0])
+def test_nearest_of_many_poses_is_that_of_each(seed, wide):
+    """Alike and not, on edges, far outside. Catches what is nearest to one pose only left out."""
+    map, rng = random_map(seed)
+    points = rng.normal(0, 2, (40, 2))
+    for count in (2, 17, 50):
+        poses = rng.normal(0, wide, (count, 3)) + (*rng.uniform(*np.reshape(map.bounds, (2, 2))), 1)
+        poses[::5, :2] = np.round(poses[::5, :2] / map.resolution) * map.resolution
+        poses[1] += (rng.choice([0, 1e6, -1e200]), 0, 0)
+        each = [nearest_score(map, points, pose)[0] for pose in poses]
+        assert nearest_score(map, points, poses).tolist() == each
+        np.testing.assert_allclose(each, distance_score(map, points, poses), rtol=1e-9)
+
+
 class Watched:
     """An array that remembers what was asked of it."""
 
@@ -97,9 +113,9 @@ def test_the_search_looks_into_few_blocks(seed):
     map, rng = random_map(seed)
     tree, path = map.tree, np.full(map.tree.level + 1, map.tree.block)
     todo, occ = np.empty((3 * tree.level + 4, 4), np.int64), Watched(tree.occ)
-    places, found = rng.uniform(0, 1 << tree.level, (1, 300, 2)), np.zeros(1)
-    scan = places, path, todo, found
-    loops.nearest_distances.plain(tree.vis, occ, tree.occupied_blocks(), *scan)
+    nodes = Nodes(tree.vis, occ, tree.occupied_blocks())
+    for x, y in rng.uniform(0, 1 << tree.level, (300, 2)):
+        loops.nearest_square.plain(nodes, path, todo, x, y)
     assert len({node // 4 for node in occ.asked}) > 10 and len(occ.asked) < 4 * 3 * 300
 
 

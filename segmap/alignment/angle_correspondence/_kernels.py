@@ -128,12 +128,8 @@ def _least_move(rows: Array, count: int) -> tuple[float, float, float]:
     xx = xy = xt = xo = yy = yt = yo = tt = to = 0.0
     for k in range(count):
         x, y, t, off, weight = rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4]
-        xx, xy, xt, xo = (
-            xx + weight * x * x,
-            xy + weight * x * y,
-            xt + weight * x * t,
-            xo + weight * x * off,
-        )
+        xx, xy = xx + weight * x * x, xy + weight * x * y
+        xt, xo = xt + weight * x * t, xo + weight * x * off
         yy, yt, yo = yy + weight * y * y, yt + weight * y * t, yo + weight * y * off
         tt, to = tt + weight * t * t, to + weight * t * off
     least = SINGULAR * (xx + yy + tt)

@@ -184,10 +184,8 @@ class PointMap:
         stamp = (255 * np.exp(-(away[:, None] + away) / (2 * SEARCH_BAND_M**2))).astype(np.uint8)
         points, (x, y) = self._grid.points, self.corner.tolist()
         _, _, right, top = kernels.bounding_box(points)
-        columns, rows = (
-            int((right - x) / SEARCH_CELL_M) + r + 2,
-            int((top - y) / SEARCH_CELL_M) + r + 2,
-        )
+        columns = int((right - x) / SEARCH_CELL_M) + r + 2
+        rows = int((top - y) / SEARCH_CELL_M) + r + 2
         levels = np.zeros((LEVELS, columns * rows), np.uint8)
         _search_kernels.fill_levels(levels, rows, points, x, y, SEARCH_CELL_M, stamp)
         return levels.reshape(LEVELS, columns, rows)

@@ -114,10 +114,8 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
         mirrored = _unmirrored(rows, steps)
         if mirrored is None:
             words = "the odometry moves otherwise than the scans do: it is left out"
-            return _nothing(rows), [
-                *causes,
-                Finding(Cause.NO_ODOMETRY, found.agreement, words, doubtful=True),
-            ]
+            told = Finding(Cause.NO_ODOMETRY, found.agreement, words, doubtful=True)
+            return _nothing(rows), [*causes, told]
         words, rows = mirrored
         words = f"the odometry moves across its own heading, {words}: put right"
         causes.append(Finding(Cause.ODOMETRY_MIRRORED, found.agreement, words))

@@ -177,12 +177,7 @@ def ways(s: Array) -> Array:
 
 @compiled
 def best_shift(
-    reference: Array,
-    r: Array,
-    current: Array,
-    pairs: Indices,
-    penalty: float,
-    step: float,
+    reference: Array, r: Array, current: Array, pairs: Indices, penalty: float, step: float
 ) -> tuple[float, float]:
     """Shift reached by steps of so many metres that each lessen the cost, until none does (4)."""
     around, away = ways(current), np.empty(len(current))

@@ -101,13 +101,7 @@ def offsets(s: Array, pairs: Indices) -> Array:
 
 @compiled
 def pull(
-    s: Array,
-    pairs: Indices,
-    of: Indices,
-    centre: Array,
-    sigma: float,
-    normal: Array,
-    right: Array,
+    s: Array, pairs: Indices, of: Indices, centre: Array, sigma: float, normal: Array, right: Array
 ) -> None:
     """Add what the pairs ask of their two scans to the normal equations, `(k, 3, 3)` and `(k, 3)`.
 
