@@ -1,4 +1,7 @@
-"""Mapping with particles: writes `data/records/particles.csv`, the corridor loop over 20 seeds."""
+"""Particles on a known map, a step of their filter; and mapping with particles.
+
+Writes `data/records/particles.csv`, the corridor loop over 20 seeds.
+"""
 
 import csv
 from collections.abc import Iterator
@@ -9,17 +12,28 @@ from segmap_course import corridor_walk, room_walk
 
 from segmap import Log, read
 from segmap.matching import particle_mapping, particle_paths
+from segmap.matching._likelihoods import Likelihoods
+from segmap.matching._localize import at_places, estimate, predict, redrawn
+from segmap.matching._search import sample_beams
 from segmap.metrics import relation_errors
-from segmap.quadtree import QuadtreeMap
-from segmap.simulation import OdometryNoise, drifting_odometry
+from segmap.quadtree import QuadtreeMap, build_map
+from segmap.simulation import (
+    URG_04LX,
+    OdometryNoise,
+    drifting_odometry,
+    drive,
+    office,
+    simulate,
+)
 
-from .measure import RECORDS, SHARED, Row, missing
+from .measure import RECORDS, SHARED, Row, missing, on_cores
 
 #: Name of a log -> seconds within which a relation finds its scans, and GMapping's error, metres.
 REAL = {"intel": (0.02, "0.070 +- 0.083"), "fr079": (0.1, "0.061 +- 0.044")}
 
 
 def rows() -> Iterator[Row]:
+    yield from steps_of_a_filter()
     found = []
     for particles in (1, 30):
         off = [loop(seed, particles) for seed in range(20)]
@@ -43,6 +57,29 @@ def rows() -> Iterator[Row]:
         )
     for name in REAL:
         yield from real(name)
+
+
+def steps_of_a_filter() -> Iterator[Row]:
+    """In an office that 60 beams see: moved, weighed, told apart, estimated and drawn anew."""
+    rng, path = np.random.default_rng(0), drive([(0.7, 5), (11.3, 5), (10, 5), (10, 7.4)], step=0.2)
+    log = simulate(office(rng=rng), path, sensor=URG_04LX, rng=rng)
+    known = Likelihoods(build_map(log, log.truth))
+    scans = [replace(scan, odometry=at) for scan, at in zip(log, log.truth, strict=True)]
+    points = sample_beams(scans[11].points(), 60)
+    for count in (1_000, 10_000, 100_000):
+        poses = log.truth[10] + rng.normal(0, 0.05, (count, 3))
+
+        def step(poses: np.ndarray = poses, count: int = count) -> None:
+            moved = predict(poses, scans[10], scans[11], rng)
+            weights = known.fits(points, moved) ** (len(points) / 3)
+            weights /= weights.sum()
+            places = at_places(moved, weights)
+            estimate(moved, weights, places, 0.9, 0.9)
+            redrawn(moved, weights, places, count, rng)
+
+        weighing = on_cores(lambda poses=poses: known.fits(points, poses))
+        yield Row(f"weighing {count} poses, 60 beams, one / all cores", weighing)
+        yield Row(f"a step of {count} particles, one / all cores", on_cores(step))
 
 
 def run(log: Log, particles: int, seed: int = 1, **options):
