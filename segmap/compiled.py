@@ -119,8 +119,8 @@ class Compiled(Generic[P, R]):
         scope = dict(function.__globals__)
         for name, kernel in self._used().items():
             if isinstance(kernel, Compiled):
-                if kernel._inner is None:
-                    inner = kernel._jit(njit, no_cpython_wrapper=True)
+                if kernel._inner is None:  # one that Python has called already serves kernels too
+                    inner = kernel._fast or kernel._jit(njit, no_cpython_wrapper=True)
                     kernel._inner = _for_any_number(inner)
                 scope[name] = kernel._inner
         linked = types.FunctionType(function.__code__, scope, function.__name__)

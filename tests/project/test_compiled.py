@@ -76,6 +76,27 @@ def test_plain_python_gives_the_same(how):
         )
 
 
+@compiled
+def doubled(x: float) -> float:
+    return 2 * x
+
+
+@compiled
+def doubled_twice(x: float) -> float:
+    return doubled(doubled(x))
+
+
+def test_a_kernel_that_python_has_called_serves_other_kernels(tmp_path, monkeypatch):
+    """Catches one that is compiled again for other kernels: what a newcomer waits for."""
+    event = pytest.importorskip("numba.core.event")
+    monkeypatch.delenv(PLAIN, raising=False)
+    monkeypatch.setattr("numba.config.CACHE_DIR", str(tmp_path))
+    with event.install_recorder("numba:compile") as seen:
+        assert (doubled(1.5), doubled_twice(1.5)) == (3.0, 6.0)
+    names = [one.data["dispatcher"].py_func.__name__ for _, one in seen.buffer if one.is_start]
+    assert sorted(names) == ["doubled", "doubled_twice"]
+
+
 #: Written anew for each case below; `kernel.py`, whose date and content the cache looks at, is not.
 KERNEL = """
 from names import LIMIT, State, half

@@ -153,7 +153,7 @@ class Solver:
         gradient, room = np.zeros(poses.shape), np.empty((6, 3))
         linearise(poses, edges, 0.0, ALL, gradient, self._changed, room)
         self._factorise(factor, edges)
-        for pull, move in zip(pulls[:, factor.pose], moves, strict=True):
+        for pull, move in zip(pulls.take(factor.pose, 1), moves, strict=True):
             pull[0] = 0.0  # the pose that is held
             substitute(factor, pull)
             move[:] = pull[factor.column]
