@@ -61,9 +61,9 @@ ON_MAP_M = 0.12
 FOUND = 0.6
 
 
-def overlap_of(map: QuadtreeMap, scan: LaserScan, pose: Array) -> float:
-    """Share of the ends of a scan at a pose `(3,)` that lie on a map; 1 where the map is empty."""
-    points = scan.points()
+def overlap_of(map: QuadtreeMap, points: Array, pose: Array) -> float:
+    """Share of the ends `(n, 2)` of a scan at a pose `(3,)` that lie on a map; 1 where the map is
+    empty."""
     if not len(points):
         return 0.0
     ends = np.column_stack([transform(pose, points), np.zeros(len(points))])
@@ -150,14 +150,14 @@ class LiveMap(Locked):
         self._exchange()
         if self._start is None and not (seen := self._sought(scan)).found:
             known = np.isfinite(seen.pose[0])
-            overlap = overlap_of(self.map, scan, seen.pose) if known else 0.0
+            overlap = overlap_of(self.map, scan.points(), seen.pose) if known else 0.0
             seconds = work_time() - begun
             return Step(seen.pose, np.nan, seconds, False, False, overlap)
         try:
             found, closed = self.graph.add(scan)
             self._stale |= closed
             pose = self._in_map(found)
-            overlap = overlap_of(self.map, scan, pose)
+            overlap = overlap_of(self.map, scan.points(), pose)
             insert_placed(self.map, self.walls, scan, pose, free=self._free)
             self._scans.append((number, scan))
             if self._anew is not None:  # it comes into the new map once its turn comes

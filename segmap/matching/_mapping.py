@@ -139,7 +139,7 @@ def _mapping_steps(
         try:
             if len(points) and inserted >= settle:
                 pose, value = _match_by_score(matcher, score, map, points, pose)
-            overlap = overlap_of(map, scan, pose)
+            overlap = overlap_of(map, points, pose)
             insert_placed(map, None, scan, pose, free=free)
             inserted += len(points) > 0
         except ValueError as error:
@@ -174,7 +174,7 @@ def _warm(score: Score) -> None:
     """
     map, points = QuadtreeMap(resolution=0.1, size=1.6, free_resolution=0.2), np.eye(2)
     for _ in range(2):
-        overlap_of(map, LaserScan([1.0], [0.0]), np.zeros(3))
+        overlap_of(map, points, np.zeros(3))
         map.insert_scan((0.05, 0.05), points, -points)
         _match_by_score(hill_climb, score, map, points, np.zeros(3))
 

@@ -198,7 +198,7 @@ def _steps(
         try:
             if len(points) and settled:
                 both = zip(maps, poses, strict=True)
-                found = [_climbed(matcher, *each, scan, tries) for each in both]
+                found = [_climbed(matcher, *each, points, tries) for each in both]
                 poses = np.array([pose for pose, _ in found])
                 best = int(np.argmax(likely))
                 way = np.abs(between(drawn[best], poses[best]))
@@ -216,7 +216,7 @@ def _steps(
                             poses[i] = compose(peak, noise * turned)
                     drawn, wheels_drawn = poses.copy(), wheels
             best = int(np.argmax(likely))
-            overlap = overlap_of(maps[best], scan, poses[best])
+            overlap = overlap_of(maps[best], points, poses[best])
             for own, pose in zip(maps, poses, strict=True):
                 insert_placed(own, None, scan, pose, free=free)
             map.become(deepcopy(maps[best]))
@@ -229,13 +229,13 @@ def _steps(
 
 
 def _climbed(
-    matcher: Matcher, map: QuadtreeMap, start: Array, scan: LaserScan, tries: Sequence[Array]
+    matcher: Matcher, map: QuadtreeMap, start: Array, points: Array, tries: Sequence[Array]
 ) -> tuple[Array, DistanceField | None]:
     """The pose that the matcher finds from a start, and the field; the start with nothing near.
 
     More turns are tried where too little of the scan lies on the map, and kept if it then does.
     """
-    points, answers = scan.points(), []
+    answers = []
     for turns in tries:
         starts = start + turns
         try:
@@ -246,7 +246,7 @@ def _climbed(
         score = Prepared(values, points, field_score)
         found = np.array([found_by(matcher, map, points, each, score) for each in starts])
         answers.append((found[np.argmax(values(found))], field))
-        if len(tries) == 1 or overlap_of(map, scan, answers[-1][0]) >= GOOD_OVERLAP:
+        if len(tries) == 1 or overlap_of(map, points, answers[-1][0]) >= GOOD_OVERLAP:
             return answers[-1]
     return answers[0]
 

@@ -166,8 +166,8 @@ def test_a_second_session_is_sought_on_cells_of_five_centimetres(monkeypatch):
 def test_an_end_lies_on_the_map_twelve_centimetres_and_half_a_cell_from_it(off, on):
     map = QuadtreeMap(resolution=0.05)
     map.insert_scan((0, 0), [(1.025, 0.025)])
-    assert overlap_of(map, scan_of([(1.025, 0.025 + off)]), ZERO) == on
-    assert overlap_of(map, LaserScan([], []), ZERO) == 0
+    assert overlap_of(map, np.array([(1.025, 0.025 + off)]), ZERO) == on
+    assert overlap_of(map, np.zeros((0, 2)), ZERO) == 0
 
 
 @pytest.mark.parametrize(("on", "found"), [(3, True), (2, False)])
@@ -219,7 +219,7 @@ def test_a_scan_of_which_a_quarter_is_off_the_map_is_turned_more(on, starts):
     map.insert_scan((0, 0), ends[:on])
     still = lambda map, points, start, *, score: asked.append(start) or start  # noqa: E731
     tries = [_particles.LATE_TURNS[:1], _particles.LATE_TURNS]
-    pose, _ = _particles._climbed(still, map, ZERO, scan_of(ends), tries)
+    pose, _ = _particles._climbed(still, map, ZERO, np.array(ends), tries)
     assert pose.tolist() == [0, 0, 0] and len(asked) == starts
 
 

@@ -92,7 +92,7 @@ def climbed(p, scan, tries, matcher):
             for at in p.pose + tried
         ]
         answers.append((max(found, key=lambda pose: field.score(points, pose)[0]), field))
-        if len(tries) == 1 or overlap_of(p.map, scan, answers[-1][0]) >= 0.75:
+        if len(tries) == 1 or overlap_of(p.map, scan.points(), answers[-1][0]) >= 0.75:
             return answers[-1]
     return answers[0]
 
@@ -142,7 +142,7 @@ def followed(log, map, start, rng, *, particles, odometry, noise, resample, matc
                     p.drawn = p.pose
                 told = wheels
         best = max(range(particles), key=lambda k: own[k].likely)
-        overlap = overlap_of(own[best].map, scan, own[best].pose)
+        overlap = overlap_of(own[best].map, scan.points(), own[best].pose)
         for p in own:
             insert_placed(p.map, None, scan, p.pose, free=free)
             if len(points) and is_first:
