@@ -20,7 +20,7 @@ from ._scores import Cells, Counts, blocks_of, scan_and_poses, whole
 Map = QuadtreeMap | SegmentMap
 
 Singles = NDArray[np.float32]
-Places = NDArray[np.uint32]
+Unsigned = NDArray[np.uint32]
 #: Distances are whole numbers, the longest in a window below this: 32 bits.
 MOST_WINDOW_DISTANCE = 2**31 - 1
 #: Around the ends of a scan at its start, metres: how far a matcher may move them.
@@ -331,7 +331,7 @@ def distance_transform(grid: Counts, unit: int, room: Cells, share: Array) -> No
 
 @compiled
 def look_up(
-    field: Counts, frame: Array, points: Singles, poses: Array, cells: Places, found: Array
+    field: Counts, frame: Array, points: Singles, poses: Array, cells: Unsigned, found: Array
 ) -> None:
     """Write the sum of the field under points `(2, n)` at each pose `(k, 3)`.
 
