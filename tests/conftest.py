@@ -49,6 +49,14 @@ def dask(folder):
         yield client.get_executor()
 
 
+def only(monkeypatch, *names):
+    """No other reduction method is there: all of them take minutes."""
+    from segmap.reduction import METHODS
+
+    for name in METHODS.keys() - {*names}:
+        monkeypatch.delitem(METHODS, name)
+
+
 class later:
     """A module that is imported when it is first used: every worker collects every test file."""
 
@@ -61,10 +69,29 @@ class later:
         return getattr(import_module(self._name), name)
 
 
+def without_pictures(monkeypatch):
+    """Figures are drawn, and stored as a few bytes: a PNG takes longer than all the rest.
+
+    The list of all figures that are to be stored, the last one last.
+    """
+    kept = []
+    monkeypatch.setattr(
+        "matplotlib.figure.Figure.savefig",
+        lambda figure, file, **how: file.write(b"\x89PNG" + bytes(20)) and kept.append(figure),
+    )
+    return kept
+
+
 @pytest.fixture
 def no_png(monkeypatch):
     """A panel draws its figure, and makes no picture of it."""
-    monkeypatch.setattr("segmap.panels._base.figure_png", lambda figure, **finer: bytes(24))
+    without_pictures(monkeypatch)
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """All figures that are drawn for a picture: `figures[-1]` is what is seen now."""
+    return without_pictures(monkeypatch)
 
 
 @pytest.fixture
@@ -121,7 +148,7 @@ def workloads():
 @pytest.fixture
 def run(tmp_path, monkeypatch, capsys):
     """Run a command in a folder of its own: exit code, output, what is said beside it."""
-    from segmap._commands import main
+    from segmap.__main__ import main
 
     monkeypatch.chdir(tmp_path)
 

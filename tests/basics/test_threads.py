@@ -17,7 +17,7 @@ from segmap.alignment import pose_graph
 from segmap.extraction import build_map, extract_polylines
 from segmap.metrics import errors
 from segmap.poses import transform
-from segmap.reduction._mean_shift_kernels import climb
+from segmap.reduction import common_directions
 from segmap.scans import LaserScan, Log
 from segmap.threads import THREADS, in_threads, shares
 
@@ -135,13 +135,12 @@ def test_an_interrupt_ends_the_work_at_once():
 
 def test_threads_or_none_climb_to_the_same_places(monkeypatch, three):
     """Centres of one thread that another moves too, or moves by the last step's sums."""
-    points = np.abs(np.random.default_rng(0).normal(0, 30, (6000, 3)))
-    group = np.sort(np.arange(6000) % 7)
-    several = climb(points, group, 100.0, 1 / 200)
+    ends = np.random.default_rng(0).normal(0, 30, (6000, 1, 2))
+    walls = ends + np.random.default_rng(1).uniform(-0.5, 0.5, (6000, 2, 2))
+    several = common_directions(walls, sigma=1.0)
     monkeypatch.setenv(THREADS, "1")
-    one = climb(points, group, 100.0, 1 / 200)
-    np.testing.assert_array_equal(several[0], one[0])
-    assert several[1] == one[1] > 10
+    np.testing.assert_array_equal(several.centres, common_directions(walls, sigma=1.0).centres)
+    assert np.abs(several.centres - common_directions(walls, sigma=1.0, steps=10).centres).max() > 0
 
 
 def test_an_error_ends_it_and_what_has_not_begun_is_left(three):

@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from chapter_rules import links, markdown
-from conftest import later, slow
+from conftest import later, only, slow
 from makefile import ROOT
 from mrpt_samples import BINARY_FILES
 
@@ -36,16 +36,10 @@ from segmap import (
     reduction,
     simulation,
 )
-from segmap._call import Call
-from segmap._commands import _compare, _pictures, main
-from segmap._commands._compare import thinned
-from segmap._commands._output import metres, plain_warnings, print_line
-from segmap._commands.log_options._thresholds import thresholds
-from segmap._map_pipeline import follow
+from segmap.__main__ import main
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.panels.workbench import Workbench
-from segmap.panels.workbench._source import read_source
 from segmap.quadtree import QuadtreeMap
 from segmap.scans.causes import Cause, Finding
 
@@ -164,7 +158,9 @@ def test_a_map_is_what_the_library_makes_in_every_format(run, near):
     kept = segmap.quality(segmap.build_map(segmap.read(near), segmap.read(near).truth), wanted)
     assert f"quality   {100 * kept:.1f} %" in said and ", ".join(names) in said
     off = metrics.errors(segmap.build_map(segmap.read(near), segmap.read(near).truth), wanted)
-    assert f"lie {metres(off.mean())} off on average, {metres(off.max())} at most" in said
+    told = re.search(r"lie ([\d.]+) (mm|m) off on average, ([\d.]+) (mm|m) at most", said).groups()
+    told = [float(told[k]) / {"mm": 1000, "m": 1}[told[k + 1]] for k in (0, 2)]
+    assert told == pytest.approx([off.mean(), off.max()], abs=0.005)
     assert said.startswith(f"near: 12 scans, {near}\n")
     for name in ("it.csv", "it.npz"):
         assert np.array_equal(readers.read_segments(name).segments, wanted.segments)
@@ -183,8 +179,7 @@ def test_beams_with_times_are_carried_to_the_start_of_their_scan(run, command, m
     log = logs.moving_log()
     exports.write_arrays("moving.npz", log)
     if command == "compare":
-        few = {"fusion": reduction.METHODS["fusion"]}
-        monkeypatch.setattr("segmap._commands._compare.METHODS", few)
+        only(monkeypatch, "fusion")
     words = command, "moving.npz", "--align", "pose_graph"
     code, said, _ = run(*words, "--json")
     found = json.loads(said)
@@ -250,7 +245,6 @@ def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
     said = " ".join(run("map", "--help", "strange")[1].split())
     assert "--skew DEGREES How askew. Default: 10 degrees." in said
     assert "--angle METRES Its width. Default: 0.2 metres." in said and "--bend DEGREES/M" in said
-    assert all(m.varies in thresholds(m.function) for m in reduction.METHODS.values())
 
 
 def test_switches_filters_and_thresholds_of_the_extraction(run, near):
@@ -410,22 +404,26 @@ def test_every_command_says_json(run, folder, command):
 
 
 @pytest.mark.parametrize(("wide", "tall", "rows"), [(8, 2, 2), (2, 8, 1), (8, 8, 1)])
-def test_a_picture_holds_both_maps_at_one_scale(monkeypatch, tmp_path, wide, tall, rows):
+def test_a_picture_holds_both_maps_at_one_scale(run, figures, wide, tall, rows):
     """Catches a map that is missing or squeezed: wide ones stand below each other, 7 inches long.
 
     A frame of 0.9 inches is left for titles and scales, and no map is thinner than 0.3 of 7.
     """
-    figures = []
-    monkeypatch.setattr(_pictures, "figure_png", lambda figure: figures.append(figure) or PNG)
-    wall = segmap.SegmentMap([[(0, 0), (wide, 0)], [(0.1, 0), (wide, 0)], [(0, 0), (0, tall)]])
-    reduced = reduction.basic_offline(wall)
-    _pictures.write_map_picture(tmp_path / "it.png", wall, reduced)
-    sides = 7 * np.maximum(np.array([wide, tall]) / 8, 0.3) + 0.9
+    rng = np.random.default_rng(1)
+    path = simulation.drive([(1, 1), (wide - 1, tall - 1)], step=1.0, turn=0.8)
+    walls = simulation.rectangular_room(wide, tall)
+    log = simulation.simulate(walls, path, sensor=simulation.SICK_LMS200, rng=rng)
+    exports.write_carmen("it.log", log, path)
+    assert run("map", "it.log", "--method", "basic_offline", "-o", "it.png")[0] == 0
+    log = segmap.read("it.log")
+    wall = segmap.build_map(log, log.truth)
+    reduced, size = reduction.basic_offline(wall), np.ptp(wall.segments, axis=(0, 1))
+    sides = 7 * np.maximum(size / size.max(), 0.3) + 0.9
     assert figures[0].get_size_inches() == pytest.approx(sides * (3 - rows, rows))
     shown = [ax.collections[0].get_segments() for ax in figures[0].axes]
-    assert [len(drawn) for drawn in shown] == [3, 2] == [len(wall), len(reduced)]
+    assert [len(drawn) for drawn in shown] == [len(wall), len(reduced)]
     titles = [ax.get_title() for ax in figures[0].axes]
-    assert titles == ["Segments: 3", "Reduced: 2"]
+    assert titles == [f"Segments: {len(wall)}", f"Reduced: {len(reduced)}"]
     first, second = figures[0].axes
     assert first.get_shared_x_axes().joined(first, second)
     assert first.get_shared_y_axes().joined(first, second)
@@ -434,28 +432,30 @@ def test_a_picture_holds_both_maps_at_one_scale(monkeypatch, tmp_path, wide, tal
     assert bool(first.get_xlabel()) == (rows == 1) and bool(second.get_ylabel()) == (rows == 2)
 
 
-def test_curves_are_drawn_from_none_to_all(monkeypatch, tmp_path):
-    figures, runs = [], segmap.experiments.load_records("malaga")
-    monkeypatch.setattr(_pictures, "figure_png", lambda figure: figures.append(figure) or PNG)
-    runs = segmap.experiments.select(runs, filtered=False)
-    _pictures.write_curves(tmp_path / "it.png", runs, 0.9)
+def test_curves_are_drawn_from_none_to_all(run, near, figures, monkeypatch):
+    only(monkeypatch, "fuzzy_set", "hybrid", "fusion")
+    assert run("compare", near, "-o", "it.png")[0] == 0
     figures[0].draw_without_rendering()
     (ax,) = figures[0].axes
     curves, legend = ax.get_window_extent(), ax.get_legend().get_window_extent()
     assert ax.get_ylim() == (0, 1) and curves.x1 < legend.x0 < legend.x1 < figures[0].bbox.x1
     assert legend.x0 - curves.x1 < 0.05 * curves.width < curves.width / 2
     assert legend.y0 + legend.y1 == pytest.approx(curves.y0 + curves.y1, rel=0.01)
-    assert _pictures._inches(np.zeros((0, 2))) == (7.9, 7.9)  # of no map at all
 
 
-def test_only_warnings_for_users_are_shown(capsys):
+def test_only_warnings_for_users_are_shown(run, monkeypatch):
     class Own(UserWarning):
         pass
 
-    with plain_warnings():
+    def warned(log):
         warnings.warn("mine", Own, stacklevel=1)
         warnings.showwarning("another's", Warning, "it.py", 1)
-    assert capsys.readouterr().err == "warning: mine\n"
+        return alignment.odometry(log)
+
+    method = replace(alignment.METHODS["odometry"], function=warned)
+    monkeypatch.setitem(alignment.METHODS, "odometry", method)
+    _, _, beside = run("map", "room", "--align", "odometry", "--method", "none")
+    assert "warning: mine\n" in beside and "another" not in beside
 
 
 def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
@@ -658,11 +658,13 @@ def test_a_log_of_each_kind_gives_one_map_by_command_page_and_library(run, name)
     wanted = segmap.build_map(log, poses.trusted, **COARSE)
     found = readers.read_segments("out.npz")
     assert np.array_equal(found.segments, wanted.segments) and len(wanted) > 0
-    page = read_source(Path(name))  # as its worker does
-    recipe, held, _ = Workbench(page if isinstance(page, segmap.Log) else page.log)._work()
-    coarse = Call("extract_polylines", segmap.extract_polylines, COARSE)
-    made = follow(replace(recipe, extract=coarse), held, None)
-    assert np.array_equal(made.map.segments, wanted.segments)
+    page = Workbench()
+    page.open(name)
+    for threshold, value in COARSE.items():
+        page.extract[threshold].value = value
+    page.method.value = "fuzzy_set"
+    page.run()
+    assert np.array_equal(page.outcome.map.segments, wanted.segments)
 
 
 def test_options_in_a_file_are_those_of_the_command(run, near):
@@ -779,7 +781,7 @@ LOOP = """
 import sys
 from hashlib import pbkdf2_hmac
 from segmap import reduction
-from segmap._commands import main
+from segmap.__main__ import main
 def forever(map):
     print("begun", flush=True)
     pbkdf2_hmac("sha256", b"", b"", 2**31 - 1)
@@ -1044,8 +1046,7 @@ def test_each_of_the_two_is_prepared_once_and_nothing_that_is_known_of_it_is_los
 @pytest.mark.parametrize("methods", [("fuzzy_set", "hybrid", "fusion"), slow(reduction.METHODS)])
 def test_methods_are_compared_at_one_quality(run, near, monkeypatch, methods):
     """Catches a method that is missing, a column that is not that of the quality asked for."""
-    chosen = {name: reduction.METHODS[name] for name in methods}
-    monkeypatch.setattr(_compare, "METHODS", chosen)
+    only(monkeypatch, *methods)
     exports.write_carmen("short.log", segmap.read(near)[:3])
     code, said, _ = run("compare", "short.log", "--quality", "90", "-o", "it.png", "-o", "it.csv")
     assert code == 0 and "at quality 90.0 %" in said and "(--all" not in said
@@ -1066,8 +1067,7 @@ def test_methods_are_compared_at_one_quality(run, near, monkeypatch, methods):
 @pytest.fixture
 def plan(tmp_path, monkeypatch):
     """A few methods, a drive through a room of 6 m x 4 m at noisy poses, and its walls."""
-    few = {name: reduction.METHODS[name] for name in ("hybrid", "least_cost")}
-    monkeypatch.setattr(_compare, "METHODS", few)
+    only(monkeypatch, "hybrid", "least_cost")
     rng, walls = np.random.default_rng(3), simulation.rectangular_room(6, 4)
     path = simulation.drive([(1, 1), (5, 1), (5, 3)], step=1.0, turn=0.8)
     log = simulation.simulate(walls, path, sensor=simulation.SICK_LMS200, rng=rng)
@@ -1131,15 +1131,19 @@ def test_a_damaged_plan_is_named_before_the_log_is_read(run, plan):
     assert "--walls plan.csv, line 2: expected numbers for x1,y1,x2,y2,scan" in beside
 
 
-def test_what_is_compared_of_a_long_log_is_said(run, near, monkeypatch):
-    monkeypatch.setattr(_compare, "METHODS", {"hybrid": reduction.METHODS["hybrid"]})
-    monkeypatch.setattr(_compare, "MOST_COMPARED_SEGMENTS", 60)
-    map = segmap.build_map(segmap.read(near), segmap.read(near).truth)
-    part = thinned(map)
-    count, scans = len(part), len(np.unique(part.scan))
-    assert 1 < scans < SCANS < count <= 60 < len(map)
-    told = f"{len(map)} segments; compared on {count} of them, from {scans} of {SCANS} scans (--all"
-    assert told in run("compare", near)[1]
+def test_what_is_compared_of_a_long_log_is_said(run, monkeypatch):
+    """Catches a map that loses more than it must: at most 2000 segments are compared."""
+    only(monkeypatch, "hybrid")
+    log = segmap.load("malaga")
+    map = segmap.build_map(log, log.truth).filtered(0.3)
+    for step in range(1, 9):
+        part = map[np.isin(map.scan, np.unique(map.scan)[::step])]
+        if len(part) <= 2000:
+            break
+    scans, every = (len(np.unique(each.scan)) for each in (part, map))
+    assert step > 1
+    told = f"{len(map)} segments; compared on {len(part)} of them, from {scans} of {every} scans (-"
+    assert told in run("compare", "malaga", "--filter", 0.3, "--align", "ground_truth")[1]
 
 
 # ------------------------------------------------------------------------------ convert
@@ -1223,7 +1227,7 @@ def clone(tmp_path, monkeypatch):
     for name in ("00_start_here", "11_next"):
         (source / f"{name}.ipynb").write_text(json.dumps({"cells": cells}), encoding="utf-8")
     (tmp_path / "clone" / "data" / "README.md").write_text("data")
-    monkeypatch.setattr("segmap._commands._notebooks.chapters_folder", lambda: source)
+    monkeypatch.setattr("segmap.files.__file__", str(source.parent / "segmap" / "files.py"))
     monkeypatch.setenv("JUPYTER_DATA_DIR", str(tmp_path / "jupyter"))
     return source
 
@@ -1324,8 +1328,6 @@ def test_a_reader_that_has_gone_ends_the_program_with_1(clone, monkeypatch):
                 raise BrokenPipeError
 
         monkeypatch.setattr(sys, "stdout", Gone())
-        with pytest.raises(BrokenPipeError):
-            print_line("a line that the next program is to see at once")
         assert main(["notebooks", str(clone.parent / "work")]) == 1
         os.write(out.fileno(), b"what Python still has to say")
     assert (clone / "nobody.txt").read_bytes() == b""
@@ -1346,7 +1348,7 @@ def test_the_program_is_light_and_ends_with_the_code_of_the_command(near, tmp_pa
     assert done.stdout.endswith("1 of 2 logs done\n")
     assert "segmap: gone.log: does not exist" in done.stderr and "Traceback" not in done.stderr
     loaded = set(re.findall(r"\| +([\w.]+)$", done.stderr, re.MULTILINE))
-    assert "segmap._commands._map" in loaded
+    assert "segmap.readers" in loaded
     assert loaded & {"numba", "matplotlib", "pandas", "ipywidgets"} == set()
 
 

@@ -1,10 +1,13 @@
 """What commands say of themselves: the short help, the long one, and that of one method."""
 
+import io
 import json
 import re
 import shlex
 import shutil
 import subprocess
+from contextlib import redirect_stdout, suppress
+from functools import cache
 from itertools import pairwise
 
 import pandas as pd
@@ -12,7 +15,7 @@ import pytest
 from conftest import slow
 
 from segmap import alignment, extraction, reduction
-from segmap._commands._main import parser
+from segmap.__main__ import main
 
 FUNCTIONS = {
     name: getattr(method, "function", method)
@@ -22,23 +25,42 @@ FUNCTIONS = {
 
 #: What a command that is run as its help shows it waits for: a browser, a sensor.
 WAITS = {"app", "sensor info", "sensor record"}
-NAMES = [name for action in parser()._actions for name in getattr(action, "choices", None) or ()]
 
 
-def examples_of(command):
+@cache
+def said(*words):
+    """What a command prints, where it ends so."""
+    with redirect_stdout(io.StringIO()) as out, suppress(SystemExit):
+        main([*words])
+    return out.getvalue()
+
+
+NAMES = re.findall(r"^    (\w+)", said("--help"), re.MULTILINE)
+
+
+def options_of(text):
+    """The options of a help, each with what it says of it."""
+    parts = re.split(
+        r"^  (?:-\w(?: \S+)?, )?(--[\w-]+)", text.partition("\nexamples:")[0], flags=re.M
+    )
+    return {
+        name: " ".join(told.split()) for name, told in zip(parts[1::2], parts[2::2], strict=True)
+    }
+
+
+def examples_of(name):
     """The lines below `examples:`, without `segmap`, and without what is said of them."""
-    lines = command.epilog.partition("examples:\n")[2].splitlines()
+    lines = said(name, "--help").partition("examples:\n")[2].splitlines()
     return [re.split(r"\s{3,}", line.strip())[0].removeprefix("segmap ") for line in lines]
 
 
 @pytest.mark.parametrize("name", [slow(n) if n in ("compare", "warm") else n for n in NAMES])
-def test_examples_run_as_they_stand_one_after_the_other(run, tmp_path, commands, name):
+def test_examples_run_as_they_stand_one_after_the_other(run, tmp_path, name):
     """Catches an example that needs a file which nobody has, and an option that is gone."""
-    examples = examples_of(commands[name])
+    examples = examples_of(name)
     assert sum(line.split()[0] == name for line in examples) >= 3
     for line in examples:
         words = shlex.split(line)
-        parser().parse_args(words)
         if not WAITS & {words[0], " ".join(words[:2])}:
             assert run(*words)[0] == 0, line
             written = [file for flag, file in pairwise(words) if flag in ("-o", "--table")]
@@ -53,48 +75,32 @@ printf '%s\\n' "${COMPREPLY[@]}"
 """
 
 
-@pytest.fixture(scope="module")
-def commands():
-    (found,) = (a.choices for a in parser()._actions if isinstance(a.choices, dict))
-    return found
+@pytest.mark.parametrize("name", NAMES)
+def test_the_short_help_fits_on_a_screen_and_names_what_the_long_one_tells(name):
+    """Catches a help that nobody reads to its end, an option that none tells of, no example."""
+    short, long = said(name, "--help"), said(name, "--help-all")
+    assert short.count("\n") <= 60 and short.split("\n\n")[1].endswith(".")
+    assert re.search(rf"^  segmap {name}", short, re.MULTILINE)
+    thresholds = {
+        option for method in FUNCTIONS for option in options_of(said("map", "-h", method))
+    }
+    for option, told in options_of(long).items():
+        assert told and (option in short or option in thresholds), option
 
 
-def test_the_short_help_fits_on_a_screen_and_has_examples(commands):
-    """Catches a command whose help nobody reads to its end, and one without an example."""
-    for name, command in commands.items():
-        said = command.format_help()
-        assert said.count("\n") <= 60, name
-        assert re.search(rf"^  segmap {name}", said, re.MULTILINE), name
-        assert command.description.endswith((".", ".\n")), name
-
-
-def test_an_option_is_told_or_named_in_the_short_help_and_told_in_the_long_one(commands):
-    """Catches an option that no help tells of: thresholds are told method by method."""
-    for name, command in commands.items():
-        short, long = command.format_help(), command.format_all()
-        for action in command._actions:
-            if action.help != "==SUPPRESS==":
-                assert action.help, (name, action.dest)
-                assert all(option in short for option in action.option_strings[:1]), name
-        for group in command.methods.values():
-            assert all(action.option_strings[0] in long for action in group._group_actions)
-
-
-def test_each_threshold_has_a_sentence_a_unit_and_its_default(commands):
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_each_threshold_has_a_sentence_a_unit_and_its_default(name):
     """Catches a threshold that a docstring forgot: nobody can tell what it does."""
-    told = commands["map"].methods
-    assert set(told) == set(FUNCTIONS)
-    for name, group in told.items():
-        assert len(group.description) > 30, name  # the first line of the docstring
-        for action in group._group_actions:
-            words, _, default = action.help.rpartition(" Default: ")
-            assert len(words) > 15 and words[0] == words[0].upper(), (name, words)
-            assert "As in" not in words and default.endswith("."), (name, words)
-    (angle,) = (a for a in told["least_cost"]._group_actions if a.dest == "angle")
-    assert (angle.metavar, angle.help.rpartition("Default: ")[2]) == ("DEGREES", "5 degrees.")
-    (chi2,) = (a for a in told["weighted_line_fitting"]._group_actions if a.dest == "chi2")
-    assert "holds 99 % of looks" in commands["map"].format_method("weighted_line_fitting")
-    assert chi2.help.endswith("Default: 9.21.")
+    shown, long = said("map", "--help", name), said("map", "--help-all")
+    assert shown.startswith(f"{name}:\n") and len(shown.splitlines()[1]) > 30  # of its docstring
+    for option, told in options_of(shown).items():
+        unit, words, default = re.fullmatch(r"(\S+) +(\S.*) Default: (.*)\.", told).groups()
+        assert len(words) > 15 and words[0] == words[0].upper() and "As in" not in words
+        assert option in long, option
+        if (name, option) == ("least_cost", "--angle"):
+            assert (unit, default) == ("DEGREES", "5 degrees")
+        if (name, option) == ("weighted_line_fitting", "--chi2"):
+            assert "holds 99 % of looks" in words and default == "9.21"
 
 
 def test_help_of_a_method_is_asked_for_by_its_name(run):

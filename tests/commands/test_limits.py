@@ -1,13 +1,12 @@
 """Commands on results made by hand: what they say to the letter, and what they do at each limit."""
 
+import inspect
 import io
 import json
 import os
 import re
 import subprocess
 import sys
-from argparse import Namespace
-from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,32 +14,15 @@ import numpy as np
 import pandas as pd
 import pytest
 import tqdm
+from conftest import only
 
 import segmap
 from segmap import alignment, experiments, exports, quadtree, readers, reduction
-from segmap._commands import _compare, _locate, _occupancy, log_options, main
-from segmap._commands._output import Report, metres, progress, seconds
-from segmap._map_pipeline import cropped
+from segmap.__main__ import main
 from segmap.alignment import Alignment, Verdict
-from segmap.matching import Belief, Uncertainty
 from segmap.scans.causes import Cause, Finding
 
-WALL = [[(0.0, 0.0), (10.0, 0.0)]]
-
-
 # ------------------------------------------------------------------------------- words
-def test_units_change_at_a_tenth():
-    """Catches 0.0 s for 80 ms, and -250 mm for a quarter of a metre."""
-    said = [metres(v) for v in (0.0994, 0.1, 0.12, -0.05, -0.25)]
-    assert said == ["99.4 mm", "0.10 m", "0.12 m", "-50.0 mm", "-0.25 m"]
-    assert [seconds(v) for v in (0.094, 0.1, 0.12)] == ["94 ms", "0.1 s", "0.1 s"]
-
-
-def test_a_bar_of_one_step_is_none(monkeypatch):
-    """Catches a bar that is there for one log alone, and one in a file that nobody looks at."""
-    for screen, shown in ((io.StringIO(), []), (Terminal(), [2, 3])):
-        monkeypatch.setattr(sys, "stderr", screen)
-        assert [n for n in (1, 2, 3) if not progress(n, "log").disable] == shown
 
 
 @pytest.mark.parametrize(
@@ -48,13 +30,13 @@ def test_a_bar_of_one_step_is_none(monkeypatch):
     [
         (("compare", "it.log"), {"method": (2, 2, "hybrid")}),
         (("info", "it.log", "it.log"), {"log": (2, 2, "it.log: ")}),
+        (("info", "it.log"), {}),
     ],
 )
 def test_a_bar_grows_to_its_end(run, monkeypatch, words, bars):
-    """Catches a bar that stays at nothing while the work goes on, or says no name."""
+    """Catches one that stays at nothing, says no name, or is there for one step or in a file."""
     exports.write_carmen("it.log", segmap.load("room")[:4])
-    few = {name: reduction.METHODS[name] for name in ("fusion", "hybrid")}
-    monkeypatch.setattr(_compare, "METHODS", few)
+    only(monkeypatch, "fusion", "hybrid")
     found = {}
 
     def close(bar):
@@ -62,10 +44,11 @@ def test_a_bar_grows_to_its_end(run, monkeypatch, words, bars):
             found[bar.unit] = bar.n, bar.total, bar.postfix or bar.desc
 
     monkeypatch.setattr("tqdm.tqdm.close", close)
-    monkeypatch.setattr(sys, "stderr", Terminal())
-    run(*words)
-    found.pop("it", None)  # the bar of what is done within a step
-    assert found == bars
+    for screen, shown in ((io.StringIO(), {}), (Terminal(), bars)):
+        monkeypatch.setattr(sys, "stderr", screen)
+        run(*words)
+        found.pop("it", None)  # the bar of what is done within a step
+        assert found == shown
 
 
 class Terminal(io.StringIO):
@@ -137,19 +120,15 @@ def test_an_alignment_is_told_with_its_commonest_reasons_first(run, monkeypatch)
     ("grade", "placed", "strict", "code"),
     [("good", 9, 0.9, 0), ("good", 8, 0.9, 3), ("doubtful", 10, 1.0, 0), ("not a map", 10, 0.0, 3)],
 )
-def test_strict_is_met_by_just_as_many(grade, placed, strict, code, capsys):
+def test_strict_is_met_by_just_as_many(run, monkeypatch, grade, placed, strict, code):
     """Catches 9 of 10 scans that are fewer than 0.9, and --force that is not asked."""
-    verdict, report = Verdict(grade, "as said", placed, 10), Report("it")
-    given, paths = Namespace(strict=strict, strict_verdict=False, force=False), [Path("it.svg")]
-    assert log_options.concluded(given, verdict, report) == code
-    assert ("(--strict asks" in capsys.readouterr().out) == (code == 3 and grade == "good")
-    assert log_options.allowed(given, verdict, paths, report) == ([] if code else paths)
-    assert (
-        log_options.allowed(
-            Namespace(strict=strict, strict_verdict=False, force=True), verdict, paths, report
-        )
-        == paths
-    )
+    verdict = Verdict(grade, "as said", placed, 10)
+    monkeypatch.setattr(Alignment, "verdict_on", lambda found, map: verdict)
+    words = ("map", "room", "--align", "odometry", "--strict", strict, "-o", "it.svg")
+    ended, said, _ = run(*words)
+    assert (ended, Path("it.svg").exists()) == (code, code == 0)
+    assert ("(--strict asks" in said) == (code == 3 and grade == "good")
+    assert run(*words, "--force")[0] == code and Path("it.svg").exists()
 
 
 SWAPPED = ("139.7 35.7", "90.5 0", "-120 45", "180 -90")
@@ -179,11 +158,14 @@ def test_a_folder_is_read_by_name_and_what_cannot_be_read_was_a_log(run, monkeyp
 
 
 # ---------------------------------------------------------------------------- map, occupancy
-def test_a_crop_beside_the_map_tells_how_far_that_reaches():
+def test_a_crop_beside_the_map_tells_how_far_that_reaches(run):
     """Catches x for y, and the middle of the map for its end."""
-    map = segmap.SegmentMap([[(-1, 2), (3, 5)], [(0, 1), (4, 2)]])
-    with pytest.raises(ValueError, match=r"from x -1\.00 to 4\.00 m, y 1\.00 to 5\.00 m$"):
-        cropped(map, (8, 8, 9, 9))
+    log = segmap.load("room")
+    ends = segmap.build_map(log, log.truth).segments.reshape(-1, 2)
+    (left, low), (right, high) = ends.min(0), ends.max(0)
+    code, _, beside = run("map", "room", "--crop", 50, 50, 60, 60)
+    reach = f"from x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m"
+    assert code == 1 and beside.endswith(f"{reach}\n")
 
 
 def test_occupancy_tells_size_and_area(run):
@@ -202,133 +184,124 @@ def test_occupancy_tells_size_and_area(run):
     assert told["text"].startswith(words)
 
 
-def test_a_matcher_that_lost_the_robot_says_at_which_scan(run, monkeypatch):
+def blind(name, *scans):
+    """A file of the bundled log, of which some scans see a round wall that is not there."""
+    log = segmap.load("room")
+    odd = [replace(s, ranges=np.full(len(s), 1.0)) if k in scans else s for k, s in enumerate(log)]
+    exports.write_carmen(name, segmap.Log("room", odd))
+
+
+@pytest.mark.parametrize("lost", [None, 60])
+def test_a_matcher_that_lost_the_robot_says_at_which_scan(run, lost):
     """Catches a good map of a lost robot, and one that is never good."""
-    steps = list(segmap.matching.map_scans(
-        segmap.load("room"), map=quadtree.QuadtreeMap(resolution=0.05),
-        matcher=segmap.matching.MATCHERS["hill climbing"](np.random.default_rng(0)),
-        score=segmap.matching.SCORES["field"], rng=np.random.default_rng(0)))  # fmt: skip
-    for lost in (None, 60):
-        told = [step._replace(found=k != lost) for k, step in enumerate(steps)]
-        monkeypatch.setattr(_occupancy, "map_scans", lambda *given, told=told, **named: iter(told))
-        _, said, _ = run("occupancy", "room", "--matcher", "hill-climbing")
-        doubt = "DOUBTFUL: lost at scan 60, and what follows hangs on it; 60 of 61 scans placed"
-        wanted = "GOOD: 61 of 61 scans placed" if lost is None else doubt
-        assert said.splitlines()[-1].startswith(f"  verdict   {wanted}")
+    blind("it.log", lost)
+    _, said, _ = run("occupancy", "it.log", "--matcher", "hill-climbing")
+    doubt = "DOUBTFUL: lost at scan 60, and what follows hangs on it; 60 of 61 scans placed"
+    wanted = "GOOD: 61 of 61 scans placed" if lost is None else doubt
+    assert said.splitlines()[-1].startswith(f"  verdict   {wanted}")
 
 
 # ------------------------------------------------------------------------------- locate
-def belief(x, reason, uncertainty=Uncertainty.NONE):
-    spread = np.diag([0.0009, 0.0016, 9.0])  # of x, y and heading: the third is no length
-    nothing = np.zeros((0, 3)), np.zeros(0)
-    return Belief(np.array([x, -1.5, np.pi / 2]), spread, 0.875, 0.5, reason, *nothing, uncertainty)
-
-
-FOUND = ["  found     2 of 61 scans, the first is scan 1; lost at 1",
-         "  place     2.50 m, -1.50 m, 90.0 degrees, within 50.0 mm",
-         "  assumed   the laser sits at the robot's centre",
-         "  verdict   found: 87.5 % of the particles are there, scans fit to 0.50"]  # fmt: skip
-LOST = ["  found     1 of 61 scans, the first is scan 0; lost at 1", "  place     unknown",
-        "  assumed   the laser sits at the robot's centre",
-        "  verdict   lost: 87.5 % of the particles are there, scans fit to 0.50"]  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("beliefs", "code", "said"),
-    [
-        ([(1, "gone", Uncertainty.LOST), (2, ""), (2.5, "")], 0, FOUND),
-        (
-            [(1, ""), (2, "3", Uncertainty.SEVERAL_PLACES), (np.nan, "lost", Uncertainty.NO_PLACE)],
-            3,
-            LOST,
-        ),
-        ([], 3, ["  found     0 of 61 scans; lost at 0"]),
-    ],
-)
-def test_locate_tells_the_last_belief(run, monkeypatch, beliefs, code, said):
+@pytest.mark.parametrize("lost", [False, True])
+def test_locate_tells_the_last_belief(run, lost):
     """Catches the first place for the last, a spread that adds radians, and an exit code of 0."""
-    found = [belief(*given) for given in beliefs]
-    monkeypatch.setattr(_locate, "localize", lambda map, log, rng: iter(found))
-    quadtree.QuadtreeMap(resolution=0.5, size=4).save("squares.npz")
+    log = segmap.load("room")
+    map = quadtree.build_map(log, log.truth, resolution=0.05)
+    map.save("squares.npz")
     Path("squares.npz").rename("SQUARES.NPZ")
-    ended, told, _ = run("locate", "SQUARES.NPZ", "room")
-    assert ended == code and told.splitlines() == ["room: 61 scans", *said]
+    blind("it.log", *range(40, 61 * lost))
+    code, told, _ = run("locate", "SQUARES.NPZ", "it.log")
+    log = segmap.read("it.log")
+    beliefs = list(segmap.matching.localize(map, log, rng=np.random.default_rng(0)))
+    last, found = beliefs[-1], [k for k, belief in enumerate(beliefs) if belief.found]
+    (x, y, h), off = last.pose, np.sqrt(np.trace(last.covariance[:2, :2]))
+    within = f"{1000 * off:.1f} mm" if off < 0.1 else f"{off:.2f} m"
+    words = f"{x:.2f} m, {y:.2f} m, {np.degrees(h):.1f} degrees, within {within}"
+    assert (code, bool(last.reason)) == ((3, True) if lost else (0, False))
+    assert told.splitlines()[1].startswith(
+        f"  found     {len(found)} of 61 scans, the first is scan {found[0]}; lost at "
+    )
+    assert told.splitlines()[2] == f"  place     {words if np.isfinite(x) else 'unknown'}"
+    share = f"{100 * last.share:.1f} % of the particles are there, scans fit to {last.fit:.2f}"
+    assert told.splitlines()[-1] == f"  verdict   {last.reason or 'found'}: {share}"
 
 
 # ------------------------------------------------------------------------------- compare
-def test_a_method_is_sought_by_doubling_and_then_between(monkeypatch):
-    """Catches a search that ends beside the quality, or never, or that waits for a slow method."""
-    default = _compare.thresholds(reduction.fusion)["tolerance"].default
+def made_up(monkeypatch, quality, seconds=lambda value: 0.1):
+    """`compare` asks for runs, and is given these; what it asks for, as parts of the default."""
+    asked = []
 
-    def tried(limit, slow_at=np.inf, seconds=20.0):
-        """Thresholds that are run, of the default, where all up to a limit are good."""
-        found = []
+    def sweep(maps, methods, settings):
+        ((name, map),), (method,) = maps.items(), methods
+        varies = reduction.METHODS[method].varies
+        default = inspect.signature(getattr(reduction, method)).parameters[varies].default
+        (value,) = settings[method][varies]
+        asked.append(round(value / default, 6))
+        row = {"map": name, "filtered": 0.0, "method": method, varies: value, "n_before": len(map)}
+        kept = quality(method, asked[-1])
+        gone = 1 - kept if kept == kept else 0.99
+        left = round((1 - gone) * len(map))
+        row |= {"n_after": left, "reduction": gone, "quality": kept, "seconds": seconds(asked[-1])}
+        return pd.DataFrame([row])
 
-        def sweep(maps, methods, settings):
-            value = settings["fusion"]["tolerance"][0] / default
-            found.append(round(value, 6))
-            took = seconds if value >= slow_at else 0.1
-            return pd.DataFrame({"quality": [0.9 if value <= limit else 0.5], "seconds": [took]})
-
-        monkeypatch.setattr("segmap.experiments.sweep", sweep)
-        assert len(_compare.searched({}, "fusion", 0.9)) == len(found)
-        return found
-
-    root, doubled = 2**0.5, [1, 2, 4, 8, 16, 32]
-    assert tried(3.0) == pytest.approx([1, 2, 4, 2 * root, 2 * root * root**0.5], abs=1e-5)
-    assert tried(0.3) == pytest.approx([1, 0.5, 0.25, 0.25 * root, 0.25 * root**0.5], abs=1e-5)
-    assert tried(1e9) == doubled and len(tried(0)) == 6
-    assert tried(31)[:6] == doubled and len(tried(31)) == 8
-    assert tried(1e9, slow_at=4) == doubled and tried(1e9, slow_at=4, seconds=20.1) == [1, 2, 4]
-    assert tried(1e9, slow_at=0, seconds=99.0) == [1]
+    monkeypatch.setattr("segmap.experiments.sweep", sweep)
+    exports.write_carmen("it.log", segmap.load("room")[:4])
+    return asked
 
 
-def test_a_map_is_thinned_scan_by_scan_beyond_2000_segments():
-    """Catches a map of just so many that loses half, one scan that loses itself, and hours."""
-    for scans, count, step in ((2, 2000, 1), (2, 2001, 2), (1, 2001, 1), (100, 9000, 5)):
-        scan = np.arange(count) % scans
-        part = _compare.thinned(segmap.SegmentMap(np.tile(WALL, (count, 1, 1)), scan))
-        assert part.scan.tolist() == scan[scan % step == 0].tolist()
+TWICE, ROOT = [1, 2, 4, 8, 16, 32], 2**0.5
 
 
 @pytest.mark.parametrize(
-    ("beside", "large", "fine"),
-    [(1.01, 1, True), (0.99, 1, False), (10, 50, True), (10, 50.1, False), (10, 0.1, True)],
+    ("limit", "slow_at", "seconds", "tried"),
+    [
+        (3.0, np.inf, 0, [1, 2, 4, 2 * ROOT, 2 * ROOT * ROOT**0.5]),
+        (0.3, np.inf, 0, [1, 0.5, 0.25, 0.25 * ROOT, 0.25 * ROOT**0.5]),
+        (1e9, np.inf, 0, TWICE),
+        (0, np.inf, 0, [1 / k for k in TWICE]),
+        (31, np.inf, 0, [*TWICE, 16 * ROOT, 16 * ROOT * ROOT**0.5]),
+        (1e9, 4, 20.0, TWICE),
+        (1e9, 4, 20.1, [1, 2, 4]),
+        (1e9, 0, 99.0, [1]),
+    ],
 )
-def test_a_plan_is_of_another_place_beyond_its_limits(beside, large, fine, capsys):
-    """Catches a plan of a few walls that is refused, and one in millimetres that is not.
+def test_a_method_is_sought_by_doubling_and_then_between(
+    run, monkeypatch, limit, slow_at, seconds, tried
+):
+    """Catches a search that ends beside the quality, or never, or that waits for a slow method."""
+    only(monkeypatch, "fusion")
+    asked = made_up(
+        monkeypatch,
+        lambda method, value: 0.9 if value <= limit else 0.5,
+        lambda value: seconds if value >= slow_at else 0.1,
+    )
+    assert run("compare", "it.log", "--quality", "90")[0] == 0
+    assert asked == pytest.approx(tried, abs=1e-5)
 
-    A tenth of the map lies beside a wall, or the plan is fifty times as large.
-    """
-    map = segmap.SegmentMap([[(0, 0), (beside, 0)], [(beside, 3), (10, 3)], [(0, 0.0), (0, 0.0)]])
-    plan = np.array([[(0, 0), (beside, 0)], [(0, -4), (0, 10 * large - 4)]])[: 1 + (large > 1)]
-    given, report = Namespace(plan=segmap.SegmentMap(plan), walls="p.csv"), Report("it")
-    with nullcontext() if fine else pytest.raises(ValueError, match="A plan must be in metres"):
-        _compare.check_plan(given, map, report)
-        assert report.found["plan"]["walls"] == len(plan)
-        assert report.found["plan"]["beside"] == pytest.approx(beside / 10, abs=0.01)
 
-
-def test_the_table_has_the_best_first_and_the_run_that_is_nearest(monkeypatch, capsys):
+def test_the_table_has_the_best_first_and_the_run_that_is_nearest(run, monkeypatch):
     """Catches the worst first, a run without quality that is nearest, and gone taken for left."""
-    rows = [("hybrid", np.nan, 0.3, 70), ("hybrid", 0.7, 0.4, 40), ("fusion", 0.8, 0.5, 50),
-            ("fusion", 0.86, 0.6, 35), ("least_cost", 0.2, 0.9, 10)]  # fmt: skip
-    runs = pd.DataFrame([{"method": method, "quality": quality, "n_before": 100, "n_after": left,
-                          reduction.METHODS[method].varies: value, "seconds": 0.5}
-                         for method, quality, value, left in rows])  # fmt: skip
-    at = pd.DataFrame([{"hybrid": 0.52, "fusion": 0.61, "least_cost": np.nan}])
-    monkeypatch.setattr("segmap.experiments.equal_quality", lambda runs, quality: at)
-    report = Report("it")
-    nearest = _compare.print_table(runs, 0.9, report)
-    lines = capsys.readouterr().out.splitlines()
-    assert [" ".join(line.split()) for line in lines[1:3]] == [
-        "at quality 90.0 % gone left nearest run",
-        "fusion 61.0 % 39 --tolerance 0.6: quality 86.0 %, 35 left, 0.5 s",
+    only(monkeypatch, "hybrid", "fusion", "least_cost")
+    kept = {"hybrid": 0.98, "fusion": 0.95, "least_cost": 0.5}
+    made_up(
+        monkeypatch,
+        lambda method, value: (
+            np.nan if (method, value) == ("hybrid", 1) else max(kept[method] - value / 20, 0.0)
+        ),
+    )
+    code, said, _ = run("compare", "it.log", "--quality", "90")
+    table = said[said.index("at quality 90.0 %") :].splitlines()
+    assert code == 0 and table[0].split()[3:] == ["gone", "left", "nearest", "run"]
+    rows = [line.split() for line in table[1:4]]
+    assert rows[0][:2] == ["fusion", "10.0"] and rows[2][:4] == [
+        "least_cost",
+        "not",
+        "reached",
+        "-",
     ]
-    assert lines[4].split()[:4] == ["least_cost", "not", "reached", "-"]
-    assert (lines[0], lines[-1]) == ("", "") and len(lines) == 6
-    assert nearest["hybrid"]["n_after"] == 40 and next(iter(nearest)) == "fusion"
-    assert report.found["methods"]["least_cost"]["gone"] is None
+    assert rows[1][0] == "hybrid" and "quality 90.0 %" in table[1] and "nan" not in table[2]
+    count = int(re.search(r"(\d+) segments", said)[1])
+    assert int(rows[0][3]) == round(0.9 * count)
 
 
 # ---------------------------------------------------------------------------- streams

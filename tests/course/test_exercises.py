@@ -11,8 +11,7 @@ from right_answers import RIGHT
 from scipy.optimize import minimize, minimize_scalar
 from segmap_course import EXERCISES, Check, Exercise
 from segmap_course.exercises import decode, encode
-from segmap_course.exercises._answers import answered, same_line, same_poses
-from segmap_course.grading.handout._solutions import solution
+from submitted import solution
 
 from segmap import plotting
 from segmap.angles import axial_difference
@@ -25,9 +24,9 @@ EACH = pytest.mark.parametrize("exercise", EXERCISES.values(), ids=EXERCISES)
 # -------------------------------------------------------------- all exercises alike
 def right(exercise):
     """Two right answers: from another idea, and the library's source as one's own function."""
-    source = solution(exercise, "mine")
+    mine, source = solution(exercise.name)
     exec("from __future__ import annotations\n" + source, space := {})
-    return RIGHT[exercise.name], space["mine"]
+    return RIGHT[exercise.name], space[mine]
 
 
 @EACH
@@ -45,7 +44,7 @@ def test_right_answers_pass_and_each_mistake_fails_with_its_own_hint(exercise):
             sent = json.loads(json.dumps(encode(exercise.answers(function, cases))))
             assert exercise.verdict(decode(sent), cases)
         for hint, mistake in exercise.mistakes.items():
-            assert exercise.verdict(answered(mistake, cases), cases).hint == hint
+            assert exercise.verdict(exercise.answers(mistake, cases), cases).hint == hint
     assert repr(exercise.fresh(3)) == repr(exercise.fresh(3)) != repr(exercise.cases)
 
 
@@ -242,10 +241,10 @@ def test_a_verdict_is_that_of_the_viewing_sector(seed):
 
 def test_a_milliradian_is_a_mistake():
     """Catches tolerances that let a slip through."""
-    assert same_line(0.5 + 1e-9, 0.5) and not same_line(0.501, 0.5)
-    poses = np.array([[1.0, 2.0, 0.5]])
-    assert same_poses(poses, poses)
-    assert not same_poses(poses + [0, 0, 1e-6], poses)
+    for name, slip in (("axial_mean", 1e-3), ("compose", np.array([0, 0, 1e-6]))):
+        check = EXERCISES[name]
+        for part, fine in ((1e-6, True), (1.0, False)):
+            assert bool(check.verdict([one + part * slip for one in check.expected()])) == fine
 
 
 # ------------------------------------------------------------- the library is no answer

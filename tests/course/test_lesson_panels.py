@@ -7,10 +7,7 @@ import pytest
 import segmap_course as course
 from conftest import slow
 from driven_panels import LEANING, LOG, ROOM, WALLS, assert_answers, unpainted
-from matplotlib.figure import Figure
 from quadtrees import leaves_of
-from segmap_course.panels._graphs import partnered
-from segmap_course.panels._quadtree import touched_cells
 
 from segmap import LaserScan, Log, SegmentMap, fusion, load, quality
 from segmap.alignment import backbone_steps, match_angles, match_points, odometry, pose_graph
@@ -128,28 +125,18 @@ def test_keywords_of_the_method_are_shown_at_first_in_one_unit_whatever_the_pane
         course.BasicPanel(WALLS, tolerance=0.3, count=4)
 
 
-@unpainted
-def test_the_icp_panel_keeps_the_whole_moving_scan_in_the_picture():
+def test_the_icp_panel_keeps_the_whole_moving_scan_in_the_picture(figures):
     """Catches a scan that vanishes where nothing has a partner, or that leaves the frame."""
     points = LOG[1].points()
-    panel, figure = course.IcpPanel(LOG[0].points(), points, (0.5, 0, 0), reach=0.1), Figure()
+    panel = course.IcpPanel(LOG[0].points(), points, (0.5, 0, 0), reach=0.1)
     panel.x.value, panel.y.value, panel.turn.value = 2.0, 2.0, 45
-    panel._draw(figure)
-    ax = figure.axes[0]
+    ax = figures[-1].axes[0]
     scan = transform(panel.steps[0].pose, points)
     whole, blue = (line for line in ax.lines if line.get_zorder() == 1)
     assert whole.get_xydata() == pytest.approx(scan) and len(blue.get_xdata()) < len(scan)
     low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
     assert (scan > low).all() and (scan < high).all()
     assert whole.get_color() != blue.get_color() == RESULT
-
-
-def test_a_point_between_two_with_partners_has_one_and_others_have_not():
-    """Catches a wall that matches drawn as if every second point of it had no partner."""
-    scan = np.array([(0.1 * k, 0.0) for k in range(9)])
-    assert partnered(scan, scan[[2, 4, 8]]).nonzero()[0].tolist() == [2, 3, 4, 8]
-    assert partnered(scan, scan[[2, 3, 5, 8]]).nonzero()[0].tolist() == [2, 3, 5, 8]
-    assert not partnered(scan, scan[:0]).any()
 
 
 @unpainted
@@ -192,16 +179,14 @@ def test_a_panel_of_a_reduction_shows_what_the_method_finds(name, map, method, s
     assert panel.quality.value.startswith(f"quality {quality(map, found):.1%}")
 
 
-@unpainted
-def test_sector_panel_forgets_the_door_when_it_has_seen_through_it():
+def test_sector_panel_forgets_the_door_when_it_has_seen_through_it(figures):
     """Catches a panel that shows all scans whichever is chosen, or the sensor of another one."""
-    panel, figure = course.SectorPanel(DOOR), Figure()
+    panel = course.SectorPanel(DOOR)
     assert panel.count.value == "3 of 4 segments left" and len(panel.map) == 4
     panel.scan.value = 0
     assert panel.count.value == "1 of 1 segments left" and len(panel.map) == 1
-    panel._draw(figure)
-    assert figure.axes[0].lines[-1].get_xydata().tolist() == [[0, 0]]
-    assert figure.axes[0].get_ylim() == pytest.approx((-0.3, 5.3))  # of the whole map
+    assert figures[-1].axes[0].lines[-1].get_xydata().tolist() == [[0, 0]]
+    assert figures[-1].axes[0].get_ylim() == pytest.approx((-0.3, 5.3))  # of the whole map
 
 
 @unpainted
@@ -227,25 +212,21 @@ def test_hybrid_panel_moves_the_origin_and_not_the_map():
     assert panel.count.value == "2 of 3 segments left"
 
 
-@unpainted
-def test_hybrid_panel_draws_every_line_in_the_box_of_its_result():
+def test_hybrid_panel_draws_every_line_in_the_box_of_its_result(figures):
     """Catches dots drawn by the other representative, far from the result of the same colour."""
     upright = np.array([[(1, 0), (1.1, 3)], [(1.1, 0), (1, 3)], [(1, 0), (1.1, 3)]])
-    figure = Figure()
-    course.HybridPanel(SegmentMap(upright))._draw(figure)
-    dots, cross = (c.get_offsets() for c in figure.axes[1].collections[:2])
+    course.HybridPanel(SegmentMap(upright))
+    dots, cross = (c.get_offsets() for c in figures[-1].axes[1].collections[:2])
     assert len(dots) == 3 and len(cross) == 1
     assert (abs(dots - cross) < [10, 0.20]).all()
 
 
-@unpainted
-def test_mean_shift_panel_draws_each_way_from_its_piece_to_its_centre():
+def test_mean_shift_panel_draws_each_way_from_its_piece_to_its_centre(figures):
     """Catches ways drawn in another order than the pieces, and clusters that share a colour."""
-    figure, panel = Figure(), course.MeanShiftPanel(CORNER)
+    panel = course.MeanShiftPanel(CORNER)
     panel.sigma.value, panel.angle.value = 0.5, 1
     assert panel.pieces.value == "8 pieces, 2 clusters"
-    panel._draw(figure)
-    ways, begin, end = figure.axes[1].collections
+    ways, begin, end = figures[-1].axes[1].collections
     assert np.array_equal([way[0] for way in ways.get_segments()], begin.get_offsets())
     assert np.array_equal([way[1] for way in ways.get_segments()], end.get_offsets())
     assert len(np.unique(end.get_facecolors(), axis=0)) == len(panel.directions.theta)
@@ -260,15 +241,15 @@ def test_distance_panel_turned_wall():
     assert panel.apart.value == "apart 1.000 m" and panel.turned.value == "turned 2.000 m"
 
 
-@unpainted
-def test_matcher_panel_shows_the_landscape_of_the_heading_that_the_scan_has():
+def test_matcher_panel_shows_the_landscape_of_the_heading_that_the_scan_has(figures):
     """Catches the slider "and turned", which once changed the words and not the picture."""
     shown, _, _ = PANELS["MatcherPanel"]
     panel = course.MatcherPanel(*shown)
     best = []
     for turn in (0, 15):
         panel.turn.value = turn
-        best.append(panel._lands["field", float(turn)].values.max())
+        shown = [ax.images[0].get_array() for ax in figures[-1].axes if ax.images]
+        best.append(max(image.max() for image in shown))
     assert best[0] > best[1]
 
 
@@ -429,11 +410,13 @@ def test_without_the_mask_a_ray_crosses_the_neighbours_of_its_end():
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_touched_cells_are_those_whose_square_the_segment_meets(seed):
-    """Against every cell of a box, by clipping the segment to its square."""
+def test_touched_cells_are_those_whose_square_the_ray_meets(seed):
+    """Against every cell of a box, by clipping the ray, between corners of cells, to its square."""
     rng = np.random.default_rng(seed)
     start, end = rng.integers(-6, 7, (2, 2))
-    expected = set()
+    map = QuadtreeMap(resolution=1, size=32, corner=(-16, -16))
+    course.insert_variant(map, start + 0.5, [end + 0.5], touched=True, mask=False)
+    expected = {tuple(end.tolist())}
     for x in range(-9, 9):
         for y in range(-9, 9):
             low, high = 0.0, 1.0
@@ -443,10 +426,11 @@ def test_touched_cells_are_those_whose_square_the_segment_meets(seed):
                 else:
                     t = sorted(((c - a) / d, (c + 1 - a) / d))
                     low, high = max(low, t[0]), min(high, t[1])
-            if low <= high + 1e-12:
+            if low <= high + 1e-12 and (x, y) != tuple(end.tolist()):
                 expected.add((x, y))
-    found = touched_cells(tuple(start.tolist()), tuple(end.tolist()))
-    assert {tuple(c) for c in found.tolist()} == expected
+    cells = np.stack(np.meshgrid(np.arange(-12, 12), np.arange(-12, 12)), -1).reshape(-1, 2)
+    seen = cells[map.occupancy(cells + 0.5) != 0.5]
+    assert {tuple(cell) for cell in seen.tolist()} == expected
 
 
 @unpainted

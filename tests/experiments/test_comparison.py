@@ -22,8 +22,7 @@ from segmap.experiments import (
     write_records,
 )
 from segmap.plotting import draw_curves, draw_online
-from segmap.plotting._experiments import METHOD_STYLES
-from segmap.readers import _bundled
+from segmap.readers import data_file
 
 
 def runs(*rows):
@@ -109,21 +108,23 @@ def test_pareto_of_all_and_of_each_method():
 WALLS = SegmentMap(np.random.default_rng(0).uniform(0, 9, (50, 2, 2)), np.arange(50) // 5)
 
 
-def test_times_add_up_end_with_the_last_scan_and_come_back_from_a_file(tmp_path, monkeypatch):
+def test_times_add_up_and_end_with_the_last_scan():
     """Catches seconds of single scans, and a last scan that is not a multiple."""
     found = METHODS["basic_online"](WALLS)
     times = online_times(found, {"distance": 0.2}, every=4)
     assert list(times["scans"]) == [4, 8, 10]
     np.testing.assert_allclose(times["seconds"], np.cumsum(found.scan_seconds)[[3, 7, 9]])
     assert list(times["live"]) == found.scan_live[[3, 7, 9]].tolist()
-    (tmp_path / "records" / "online").mkdir(parents=True)
-    write_records(times, tmp_path / "records" / "online" / "hall.csv")
-    monkeypatch.setattr(_bundled, "DATA_FOLDERS", (tmp_path,))
-    pd.testing.assert_frame_equal(load_online("hall"), times, atol=1e-6)
-    with pytest.raises(ValueError, match="name must be of hall, got 'room'"):
-        load_online("room")
     with pytest.raises(ValueError, match="must be of an on-line method, got Reduction"):
         online_times(METHODS["fusion"](WALLS), {})
+
+
+def test_times_come_back_from_a_file(tmp_path):
+    place = data_file("records/online/intel.csv")
+    write_records(load_online("intel"), tmp_path / "it.csv")
+    assert (tmp_path / "it.csv").read_text() == place.read_text()
+    with pytest.raises(ValueError, match="name must be of intel, got 'room'"):
+        load_online("room")
 
 
 def test_power_of_growth():
@@ -149,15 +150,14 @@ def test_curves_have_a_colour_for_each_method_everywhere():
     ax = draw_curves(frame, ax=axes(), quality=0.85)
     ax.legend()
     lines = {line.get_label(): line for line in ax.lines[1:]}
-    assert lines["fusion"].get_color() == METHOD_STYLES["fusion"][0]
     assert [t.get_text() for t in ax.get_legend().get_texts()] == ["fusion", "hybrid", "mine"]
     assert lines["fusion"].get_xydata().tolist() == [[0.6, 0.7], [0.8, 0.6], [0.9, 0.4]]
     assert ax.get_xlabel() == "quality" and ax.get_ylabel() == "reduction"
     other = draw_curves(frame[3:], ax=axes())
-    assert other.lines[1].get_color() == METHOD_STYLES["hybrid"][0]
-    assert set(METHOD_STYLES) >= set(METHODS)
-    for column in zip(*list(METHOD_STYLES.values()), strict=True):
-        assert len(set(column)) in (2, len(METHOD_STYLES))  # lines: whole or dashed
+    assert other.lines[1].get_color() == lines["hybrid"].get_color()
+    every = draw_curves(runs(*((name, 0.5, 0.5) for name in METHODS)), ax=axes()).lines[1:]
+    for looks in ([line.get_color() for line in every], [line.get_marker() for line in every]):
+        assert len({*looks}) == len(METHODS)
     for where in (("hall", 0.1), ("room", 0.0)):
         with pytest.raises(ValueError, match="frame must hold runs on one map, with one filter"):
             draw_curves(runs(*FUSION, ("fusion", 0.5, 0.5, *where)), ax=axes())

@@ -26,7 +26,6 @@ from sweep_samples import (
 
 from segmap import METHODS, metrics
 from segmap.experiments import read_records, select, sweep, thresholds_of
-from segmap.experiments._plan import digest
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +55,9 @@ def test_runs_are_those_of_the_methods_run_by_hand(expected):
         assert run["reduction"] == pytest.approx(metrics.reduction_rate(before, after), abs=1e-9)
         wasted, lost = metrics.invented(before, after), metrics.missed(before, after)
         assert (run["invented"], run["missed"]) == pytest.approx((wasted, lost), abs=1e-4)
-        assert run["seconds"] > 0 and run["digest"] == digest(MAPS[run["map"]])
+        assert run["seconds"] > 0
+    known = expected.drop_duplicates(["map", "digest"])
+    assert len({*known["map"]}) == len({*known["digest"]}) == len(known) == 2
 
 
 def test_the_order_is_that_of_the_request(expected):
@@ -106,11 +107,11 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize(("arguments", "options", "said"), MISTAKES)
-def test_mistakes_are_found_before_anything_runs(arguments, options, said, monkeypatch):
+def test_mistakes_are_found_before_anything_runs(arguments, options, said):
     """Catches an hour of runs that ends in a spelling mistake."""
-    monkeypatch.setattr("segmap.experiments._sweep.run_job", lambda job: pytest.fail("it ran"))
-    with pytest.raises(ValueError, match=said):
-        sweep(*arguments, **options)
+    pool = ThreadPoolExecutor(1, initializer=pytest.fail, initargs=("it ran",))
+    with pool, pytest.raises(ValueError, match=said):
+        sweep(*arguments, **options, executor=pool)
 
 
 def break_down(map, *, threshold: float = 0.5):

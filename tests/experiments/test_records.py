@@ -26,7 +26,7 @@ from segmap.experiments import (
     thresholds_of,
     write_records,
 )
-from segmap.readers import _bundled
+from segmap.readers import data_file
 from segmap.reduction import METHODS
 
 
@@ -257,16 +257,13 @@ def test_select(expected):
     assert list(select(near, tolerance=0.3).index) == [1, 2], "a part in 10^9, to both sides"
 
 
-def test_records_by_name(tmp_path, monkeypatch):
+def test_records_by_name():
     """Catches a traceback of paths for a name that is not there, and other tables read as runs."""
-    folder = tmp_path / "records"
-    folder.mkdir()
-    write_records(pd.concat([run()] * 3), folder / "hall.csv")
-    write_records(run(map="room"), folder / "room.csv")
-    (folder / "alignment.csv").write_text("log,method\nhall,backbone\n", encoding="utf-8")
-    monkeypatch.setattr(_bundled, "DATA_FOLDERS", (tmp_path / "absent", tmp_path))
-    assert list(load_records("hall")["map"]) == ["hall"] * 3 and len(load_records()) == 4
-    with pytest.raises(ValueError, match="names must be of alignment, hall, room, got 'attic'"):
+    one, every = load_records("malaga"), load_records()
+    assert len(data_file("records/malaga.csv").read_text().splitlines()) == 1 + len(one)
+    assert {*one["map"]} == {"malaga"} < {"office", "intel"} | {*every["map"]} == {*every["map"]}
+    assert len(every[every["map"] == "malaga"]) == len(one)
+    with pytest.raises(ValueError, match=r"names must be of alignment, .*, got 'attic'"):
         load_records("attic")
 
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from emulated import far_pattern, needs_terminals, open_files, pattern
+from emulated import Wired, far_pattern, needs_terminals, open_files, pattern
+from scip import replies, reply, scan_lines
 
 from segmap.hokuyo import SensorError, UrgSensor, decode, parse_scan
-from segmap.hokuyo._protocol import encode_reply, encode_scan, parse_reply
 from segmap.hokuyo.emulator import Emulator, Replay, Room, Unit, furnished_room
-from segmap.hokuyo.emulator._device import Fault, Wire
 from segmap.simulation import URG_04LX, rectangular_room
 
 UST = {"model": "UST-10LX"}
@@ -31,11 +30,8 @@ class Bench:
         return said
 
     def status(self, text, seconds=0.0):
-        return parse_reply(self.says(text, seconds).strip(b"\n").split(b"\n")).status
-
-
-def replies(said):
-    return [parse_reply(one.split(b"\n")) for one in said.strip(b"\n").split(b"\n\n")]
+        (found,) = replies(self.says(text, seconds))
+        return found.status
 
 
 @pytest.mark.parametrize(
@@ -170,7 +166,8 @@ def test_a_long_line_is_forgotten():
     bench = Bench()
     for _ in range(100):
         bench.unit.receive(b"x" * 1000)
-    assert len(bench.unit._line) <= 80
+    kept = [held for held in vars(bench.unit).values() if isinstance(held, bytes | bytearray)]
+    assert max(map(len, kept)) <= 80
     assert replies(bench.says(""))[0].status == "0E"
     assert bench.status("VV") == "00"
 
@@ -193,13 +190,13 @@ def test_a_room_is_driven_through_there_and_back():
 def test_a_replay_gives_one_turn_after_the_other():
     """Catches a replay that stands still, one that ends, and replies that are no scan."""
     turns = [np.arange(met, met + 5) for met in (500, 600, 0)]  # codes too
-    sent = b"".join(encode_reply("GD0380038401", "00", encode_scan(0, met, 3)) for met in turns)
+    sent = b"".join(reply("GD0380038401", "00", scan_lines(0, met)) for met in turns)
     others = b"VV\n00P\nVEND:x;0\nPROD:y;0\nFIRM:z;0\n\nGD0380038401\n10Q\n\n"
     replay = Replay(others + sent)
     assert [replay(turn)[380:385].tolist() for turn in range(4)] == [
         turns[k].tolist() for k in (0, 1, 2, 0)
     ]
-    sent_far = encode_reply("GD0000108001", "00", encode_scan(0, far_pattern(1), 3))
+    sent_far = reply("GD0000108001", "00", scan_lines(0, far_pattern(1)))
     assert (Replay(sent_far, **UST)(0) == far_pattern(1)).all()
     with pytest.raises(SensorError, match="more than 769 steps"):
         Replay(sent_far)
@@ -212,13 +209,16 @@ def test_a_replay_gives_one_turn_after_the_other():
 # ------------------------------------------------------------------------------ wire
 def test_a_fault_of_the_wire_spoils_one_byte():
     """Catches a flipped bit that takes the next byte with it, and a fault at another place."""
-    wire, sent = Wire(lambda: 0.0, np.random.default_rng(1)), b"GD0044072501"
-    wire.plan(Fault("flip", 2))
-    found = wire.passed(sent)
-    changed = [a ^ b for a, b in zip(found, sent, strict=True)]
+    port, sent = Wired(), b"BM\n00P\n\n"
+
+    def says(kind, at):
+        port.plan(kind, at)
+        port.write(b"BM\nQT\n")
+        return port.read(port.in_waiting)[: len(sent)]
+
+    changed = [a ^ b for a, b in zip(says("flip", 2), sent, strict=True)]
     assert changed[2].bit_count() == 1 and not any(changed[:2] + changed[3:])
-    wire.plan(Fault("lose", 11))
-    assert wire.passed(sent) == sent[:-1]
+    assert says("lose", 4) == sent[:4] + sent[5:] + b"Q"
 
 
 @pytest.mark.parametrize(

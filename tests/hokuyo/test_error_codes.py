@@ -1,14 +1,13 @@
 """What is no distance: one table for the driver, the emulator, the recorder and the readers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from emulated import URG, Wired, connected
+from emulated import Wired, connected
 
 from segmap import LaserScan, read
-from segmap.hokuyo import parse_scan, record
-from segmap.hokuyo._geometry import laser_scan
-from segmap.hokuyo._protocol import ScanRequest, encode_scan
-from segmap.hokuyo.emulator._worlds import MODELS
+from segmap.hokuyo import record
 from segmap.scans.error_codes import CODES, LOWEST, as_far_ranges, as_ranges
 
 #: Every code, and the distances about the border and below the reach.
@@ -17,8 +16,11 @@ MET = np.r_[np.arange(25), 500, 4095, 4096, 5599]
 
 def driven():
     """The scan that the driver makes of `MET`."""
-    request = ScanRequest("GD", 370, 370 + len(MET) - 1)
-    return laser_scan(parse_scan(encode_scan(0, MET, 3), 3), request, URG, time=0.0)
+    steps = np.full(769, 1000)
+    steps[370 : 370 + len(MET)] = MET
+    with connected(Wired(world=lambda turn: steps)) as sensor:
+        scan = sensor.scan(first=370, last=370 + len(MET) - 1)
+    return replace(scan, time=0.0)
 
 
 def read_text(tmp_path, name, text):
@@ -86,8 +88,8 @@ def test_codes_are_those_of_the_model():
     expected = [nan, inf, nan, nan, nan, nan, nan, 0.023, 60.0, inf, inf, nan]
     assert np.array_equal(ranges, expected, equal_nan=True)
     assert codes.tolist() == [0, 1, 2, 3, 5, 19, 22, 0, 0, 60001, 65533, 65534]
-    for model, meant in (("UST-10LX", nan), ("URG-04LX", inf)):
-        six = np.full(MODELS[model].steps, 6)
+    for model, steps, meant in (("UST-10LX", 1081, nan), ("URG-04LX", 769, inf)):
+        six = np.full(steps, 6)
         with connected(Wired(world=lambda turn, six=six: six, model=model)) as sensor:
             scan = sensor.scan()
         assert np.array_equal(scan.ranges, np.full(len(scan), meant), equal_nan=True)

@@ -2,18 +2,19 @@
 
 import contextlib
 import itertools
+import re
 
 import numpy as np
 import pytest
 from emulated import Wired, capture, connected, turn_of
 
-from segmap.hokuyo import SensorError, UrgSensor, _sensor
-from segmap.hokuyo._connect import URG_RATES
-from segmap.hokuyo._port import find_port, ports
-from segmap.hokuyo.emulator import Replay, Room
-from segmap.hokuyo.emulator._unit import Unit
-from segmap.hokuyo.emulator._worlds import MODELS
+from segmap.hokuyo import SensorError, UrgSensor, checksum, encode
+from segmap.hokuyo.__main__ import main as bench
+from segmap.hokuyo.emulator import Replay, Room, Unit
 from segmap.simulation import rectangular_room
+
+#: Bit rates of an RS-232 line, the likeliest first.
+RATES = (115200, 19200, 57600, 38400, 500000, 250000, 750000)
 
 
 @contextlib.contextmanager
@@ -38,14 +39,14 @@ def first(sensor, count, **settings):
         {"streaming": True, "timing": True},
         {"rate": 57600, "usb": False, "protocol": "1.1"},
         {"rate": 115200, "usb": False, "streaming": True},
-        *({"rate": rate, "usb": False} for rate in URG_RATES),
+        *({"rate": rate, "usb": False} for rate in RATES),
     ],
     ids=str,
 )
 def test_connects_whatever_it_was_left_doing(state):
     """Catches a rate that is missing, or a driver that stays at the one it found."""
     port = Wired(**state)
-    with connected(port, rates=URG_RATES) as sensor:
+    with connected(port, rates=RATES) as sensor:
         assert sensor.rate == 115200
         assert port.unit.usb or port.baudrate == port.unit.rate == 115200
         assert sensor.info["SERI"] == "H0000000"
@@ -62,8 +63,9 @@ def test_an_old_firmware_is_refused():
 
 def test_geometry_comes_from_the_sensor(monkeypatch):
     """Catches numbers of an URG-04LX in the driver."""
-    monkeypatch.setitem(MODELS["URG-04LX"].limits, "AMIN", "100")
-    monkeypatch.setitem(MODELS["URG-04LX"].limits, "AFRT", "400")
+    told = Wired().unit.model.limits
+    monkeypatch.setitem(told, "AMIN", "100")
+    monkeypatch.setitem(told, "AFRT", "400")
     with sensor_of() as sensor:
         scan = sensor.scan()
         assert len(scan) == 626
@@ -71,7 +73,7 @@ def test_geometry_comes_from_the_sensor(monkeypatch):
         turn_of(scan, first=100)
 
 
-def test_auto_looks_for_the_vendor(monkeypatch):
+def test_auto_looks_for_the_vendor(monkeypatch, capsys):
     """Catches a modem that is taken for the laser, or one of two lasers taken at random."""
     list_ports = pytest.importorskip("serial.tools.list_ports")
     from serial.tools.list_ports_common import ListPortInfo
@@ -83,8 +85,10 @@ def test_auto_looks_for_the_vendor(monkeypatch):
         monkeypatch.setattr(list_ports, "comports", lambda: found)
 
     plugged(("/dev/modem", 0x1234), ("/dev/laser", 0x15D1))
-    assert find_port() == "/dev/laser"
-    assert [port.device for port in ports()] == ["/dev/laser", "/dev/modem"]
+    with pytest.raises(SensorError, match="cannot open /dev/laser"):
+        UrgSensor("auto")
+    assert bench(["list"]) == 0
+    assert re.findall(r"/dev/\w+", capsys.readouterr().out) == ["/dev/laser", "/dev/modem"]
     plugged(("/dev/modem", None))
     with pytest.raises(SensorError, match="no Hokuyo"):
         UrgSensor("auto")
@@ -124,13 +128,20 @@ def test_turns_that_nobody_fetched_are_counted():
         assert sensor.unsent > 15 and f"{sensor.unsent} not sent" in repr(sensor)
 
 
-def test_a_clock_that_stands_still_counts_nothing(monkeypatch):
+def test_a_clock_that_stands_still_counts_nothing():
     """Catches a division by the time from stamp to stamp."""
-    port = Wired()
-    monkeypatch.setattr(port.unit, "_stamp", lambda turn: 5)
-    with connected(port) as sensor:
+    stamps = itertools.chain([5] * 6, itertools.cycle([5, 6]))
+
+    def stamped(data, at):
+        lines = data.split(b"\n")
+        for k in range(1, len(lines)):
+            if lines[k - 1] == b"99b":
+                told = encode(next(stamps), 4)
+                lines[k] = told + checksum(told)
+        return b"\n".join(lines)
+
+    with connected(Wired(stamped)) as sensor:
         assert len(first(sensor, 4)) == 4
-        monkeypatch.setattr(port.unit, "_stamp", lambda turn: 5 + turn % 2)
         first(sensor, 4)
         assert (sensor.unsent, sensor.dropped) == (0, 0)
 
@@ -190,12 +201,13 @@ def test_steps_that_it_has_not(wrong, message):
 )
 def test_a_room_is_seen_as_it_is(model, size, place):
     """Catches beams that turn the wrong way, or steps that lie elsewhere."""
-    sensor = MODELS[model].sensor.ideal()
+    told = Wired(model=model).unit.model.sensor
+    sensor = told.ideal()
     world = Room(rectangular_room(*size), [(*place, 0.0)], sensor, model=model)
     with sensor_of(world, model=model) as sensor:
         points = sensor.scan().points() + place
     (x, y), (width, depth) = points.T, size
-    assert len(x) == MODELS[model].sensor.beams
+    assert len(x) == told.beams
     off = np.min([abs(x), abs(x - width), abs(y), abs(y - depth)], 0)
     assert off.max() < 0.001
     assert points[0, 1] < place[1] < points[-1, 1]
@@ -299,22 +311,16 @@ def test_turns_are_counted_over_the_end_of_the_sensors_clock(left):
 
 
 @pytest.mark.parametrize("kind", ["MD", "MS"])
-def test_a_laser_that_may_be_on_is_switched_off(kind, monkeypatch):
+def test_a_laser_that_may_be_on_is_switched_off(kind):
     """The sensor begins to stream, and nobody hears that it does.
 
     Catches a driver that learns of the laser from the answer alone.
     """
     port = Wired()
     with connected(port) as sensor:
-        ask = _sensor.ask
-
-        def unheard(lines, command):
-            ask(lines, command)
-            raise SensorError(f"no answer to {command}")
-
-        with monkeypatch.context() as patch:
-            patch.setattr(_sensor, "ask", unheard)
-            with pytest.raises(SensorError, match="no answer to M"):
-                next(sensor.scans(short=kind == "MS"))
+        heard, port.spoil = port.spoil, lambda data, at: b""
+        with pytest.raises(SensorError, match="no answer to"):
+            next(sensor.scans(short=kind == "MS"))
+        port.spoil = heard
         assert not port.unit.laser and any(text.startswith(kind) for text in port.unit.received)
         turn_of(sensor.scan())

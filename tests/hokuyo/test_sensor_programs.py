@@ -7,10 +7,10 @@ import time
 
 import pytest
 from emulated import far_pattern, far_turn, needs_terminals, pattern, turn_of, wait_for
+from scip import reply, scan_lines
 
 from segmap import read
 from segmap.hokuyo.__main__ import main as bench
-from segmap.hokuyo._protocol import encode_reply, encode_scan
 from segmap.hokuyo.emulator import Emulator
 from segmap.hokuyo.emulator.__main__ import main as emulate
 
@@ -136,7 +136,7 @@ def test_from_a_shell(line, tmp_path, capsys, monkeypatch):
     """
     log, link, options = tmp_path / "some.log", tmp_path / "laser", ["--model", "UST-10LX"]
     (world, _, _), last = WORLDS[line], 1080 if line == "tcp" else 768
-    capture = encode_reply(f"GD0000{last:04}01", "00", encode_scan(0, world(1), 3))
+    capture = reply(f"GD0000{last:04}01", "00", scan_lines(0, world(1)))
     (tmp_path / "it.scip").write_bytes(capture)
     if line == "tcp":
         options += ["--tcp", "0"]

@@ -106,6 +106,27 @@ def test_the_new_map_is_taken_as_soon_as_it_is_ready():
     assert live._anew is None and state(live.map) == expected(LOG[:11], live.poses)
 
 
+def test_a_map_that_could_not_be_made_anew_is_made_with_the_next(monkeypatch):
+    live, insert, fails = LiveMap(Planned((9,))), _live_map.insert_placed, [True]
+
+    def failing(*given, free):
+        if threading.current_thread().name == "new map" and fails and fails.pop():
+            raise MemoryError
+        insert(*given, free=free)
+
+    monkeypatch.setattr(_live_map, "insert_placed", failing)
+    for scan in LOG[:9]:
+        live.add(scan)
+    with pytest.raises(MemoryError):
+        live.add(LOG[9])
+        live.finish()
+    live.finish()
+    again = QuadtreeMap()
+    for (_, scan), pose in zip(live._scans, live.poses, strict=True):
+        insert(again, None, scan, pose, free=False)
+    assert state(live.map) == state(again) and not fails
+
+
 def test_what_the_map_held_before_stays():
     given = blank()
     given.insert_scan((0, 0), [(9.0, 9.0)])

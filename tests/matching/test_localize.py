@@ -14,6 +14,7 @@ from segmap.matching import localize
 from segmap.matching._likelihoods import Likelihoods
 from segmap.poses import compose, transform
 from segmap.quadtree import build_map
+from segmap.scans import LaserScan
 from segmap.segments import SegmentMap
 from segmap.simulation import (
     SICK_LMS200,
@@ -241,6 +242,27 @@ def test_the_whole_run_is_that_of_the_literal_filter(seed):
         assert np.abs(turned).max() < 1e-9 and belief.fit == pytest.approx(fit)
         sizes.add(len(weights))
     assert len(searched) >= 2 and len(sizes) >= 2
+
+
+STILL = np.zeros(3)
+
+
+@pytest.mark.parametrize(
+    ("way", "errors"),
+    [
+        *((None, (0.1, 0.1, 0.1)), (STILL, (0.02, 0.02, 0.01))),
+        *(((3, -4, 0), (0.52, 0.52, 0.26)), ((0, 0, -2), (0.02, 0.02, 0.21))),
+    ],
+)
+def test_particles_move_by_the_odometry_with_its_errors(way, errors):
+    """At rest, for each metre and for each radian; 0.1 m and 0.1 rad where there is none."""
+    first = LaserScan([], [], odometry=None if way is None else STILL)
+    second = LaserScan([], [], odometry=way)
+    poses, random = np.zeros((20_000, 3)), rng(1)
+    found = inner.predict(poses, first, second, random)
+    np.testing.assert_allclose(found.std(0), errors, rtol=0.03)
+    np.testing.assert_allclose(found.mean(0), STILL if way is None else way, atol=0.02)
+    assert inner.predict(poses, None, second, random) is poses
 
 
 def test_the_places_of_a_belief():

@@ -5,8 +5,6 @@ import pytest
 from quadtrees import literal_of, random_map
 from segmap_course import literal
 
-from segmap.kernels import Nodes
-from segmap.matching import _scores as loops
 from segmap.matching import (
     descent_score,
     distance_score,
@@ -92,31 +90,6 @@ def test_nearest_of_many_poses_is_that_of_each(seed, wide):
         each = [nearest_score(map, points, pose)[0] for pose in poses]
         assert nearest_score(map, points, poses).tolist() == each
         np.testing.assert_allclose(each, distance_score(map, points, poses), rtol=1e-9)
-
-
-class Watched:
-    """An array that remembers what was asked of it."""
-
-    def __init__(self, array):
-        self.array, self.asked = array, []
-
-    def __getitem__(self, at):
-        self.asked.append(at)
-        return self.array[at]
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_the_search_looks_into_few_blocks(seed):
-    """Nearest first: two of a hundred blocks of cells are looked into for a place, where the other
-    order looks into 4 to 18 and finds the same.
-    """
-    map, rng = random_map(seed)
-    tree, path = map.tree, np.full(map.tree.level + 1, map.tree.block)
-    todo, occ = np.empty((3 * tree.level + 4, 4), np.int64), Watched(tree.occ)
-    nodes = Nodes(tree.vis, occ, tree.occupied_blocks())
-    for x, y in rng.uniform(0, 1 << tree.level, (300, 2)):
-        loops.nearest_square.plain(nodes, path, todo, x, y)
-    assert len({node // 4 for node in occ.asked}) > 10 and len(occ.asked) < 4 * 3 * 300
 
 
 def test_descent_misses_the_nearest_cell():

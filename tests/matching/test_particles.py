@@ -191,6 +191,31 @@ def test_it_is_the_plain_filter_with_any_options(seed):
         own[0].insert_scan((0, 0), [(1, 1)])
 
 
+@pytest.mark.parametrize("step", [(3, 4, 0), (0, 0, -2), (0, 0, 0)])
+def test_the_errors_of_the_odometry_add_up_as_squares(step):
+    noise, way, turn = OdometryNoise(0.1, 0.2, 0.3, 0.4), np.hypot(*step[:2]), abs(step[2])
+    along = noise.distance_noise**2 * way + 0.002**2
+    about = noise.turn_noise**2 * turn + noise.heading_noise**2 * way
+    about += (noise.turn_bias * turn) ** 2 + 0.001**2
+    np.testing.assert_allclose(
+        particles_file.odometry_deviation(np.array(step), noise) ** 2, (along, along, about)
+    )
+
+
+@pytest.mark.parametrize("times", [1, 40])
+def test_sixty_beams_of_a_scan_are_weighed_and_each_may_meet_anything(times):
+    """One on its wall, one off by its standard deviation, one far away; and no map at all."""
+    map = QuadtreeMap(resolution=0.05)
+    map.insert_scan((0, 0), [(1.025, 0.025)])
+    points = np.repeat([(1.025, 0.025), (1.025, 0.075), (1.025, 2.0)], times, axis=0)
+    each, field = np.log([1, 0.9 * np.exp(-0.5) + 0.1, 0.1]), DistanceField(map)
+    found = [
+        particles_file._log_likelihood(near, points, np.zeros((1, 3)))[0] for near in (field, None)
+    ]
+    expected = min(times, 20) * np.array([each.sum(), 3 * np.log(0.1)])
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
 @pytest.mark.parametrize("call", [0, 1, 7, 20])
 def test_an_interrupt_leaves_the_map_of_the_scan_before(call, monkeypatch):
     map, left, insert = QuadtreeMap(resolution=0.05), [call], particles_file.insert_placed

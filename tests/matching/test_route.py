@@ -9,7 +9,6 @@ from scipy.sparse.csgraph import dijkstra
 
 from segmap import simulation
 from segmap.matching import NoRoute, route
-from segmap.matching._route import _clear
 from segmap.plotting import square_corners
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.segments import point_distance
@@ -53,14 +52,6 @@ def clear_on_grid(map, radius):
     i, j = np.mgrid[-cells : cells + 1, -cells : cells + 1]
     gap = np.hypot(*np.maximum(np.abs([i, j]) - 1, 0)) * map.resolution
     return (grid < 0.5) & ~binary_dilation(grid > 0.5, gap < radius - 1e-9)
-
-
-@pytest.mark.parametrize("radius", [0.0, 0.05, 0.15, 0.33])
-def test_squares_are_clear_where_cells_are(office, radius):
-    """Catches a quarter that is lost, or comes twice, where a square is split."""
-    clear, expected = _clear(office, radius), clear_on_grid(office, radius)
-    at = np.moveaxis(np.indices(expected.shape)[::-1], 0, -1).reshape(-1, 2)
-    assert np.array_equal(clear.at(at) >= 0, expected.ravel()) and expected.any()
 
 
 def length_on_grid(map, start, goal, radius):

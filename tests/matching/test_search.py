@@ -8,8 +8,6 @@ from segmap_course import literal
 from segmap import load
 from segmap.angles import wrap
 from segmap.matching import DistanceField, Places, Uncertainty, localize, search
-from segmap.matching import _likelihoods as likelihoods
-from segmap.matching import _search as inner
 from segmap.poses import compose, transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.scans import LaserScan
@@ -92,21 +90,6 @@ def test_search_is_every_pose_tried(seed):
         np.testing.assert_allclose(found.poses[:, :2], corner + (poses[:, 1:] + 0.5) * 0.1)
         turned = wrap(found.poses[:, 2] - 2 * np.pi * poses[:, 0] / count)
         np.testing.assert_allclose(turned, 0, atol=1e-9)
-
-
-@pytest.mark.parametrize("top", [0, 1, 3])
-@pytest.mark.parametrize(("margin", "least"), [(0.1, 0.5), (0.02, 0.1)])
-def test_the_size_of_the_first_blocks_changes_nothing(top, margin, least, monkeypatch):
-    """Many small blocks of many rows and columns, in portions of one block each."""
-    map, random = small_map(7)
-    scan = scan_of(random.uniform(-1, 1, (7, 2)))
-    expected = search(map, scan, most_places=99, margin=margin, least=least)
-    monkeypatch.setattr(inner, "TOP", top)
-    monkeypatch.setattr(likelihoods, "TOP", top)
-    monkeypatch.setattr(inner, "PORTION", 1)
-    found = search(map, scan, most_places=99, margin=margin, least=least)
-    np.testing.assert_array_equal(found.poses, expected.poses)
-    np.testing.assert_allclose(found.covariances, expected.covariances)
 
 
 @pytest.mark.parametrize("kind", ["walls", "squares"])
@@ -198,13 +181,21 @@ def test_the_covariance_holds_the_error_and_grows_along_a_corridor():
 
 
 def test_fewer_beams_spread_along_the_walls():
-    """A near wall of many ends and a far one of few, equally long: both get as many."""
+    """A near wall of many ends and a far one of few, equally long: both count as much."""
     near = np.stack([np.linspace(0, 2, 180), np.ones(180)], -1)
     far = np.stack([np.linspace(8, 10, 20), np.full(20, 9.0)], -1)
-    kept = inner.sample_beams(np.concatenate([near, far]), 40)
-    assert len(kept) == 40 and abs((kept[:, 1] > 5).sum() - 20) <= 3
-    np.testing.assert_array_equal(np.sort(inner.sample_beams(far, 60)[:, 0]), far[:, 0])
-    assert len(inner.sample_beams(np.ones((9, 2)), 3)) == 3
+    scan = scan_of(np.concatenate([near, far]))
+    for wall in ([(0, 1), (2, 1)], [(8, 9), (10, 9)]):  # half of the beams are explained
+        found = search(SegmentMap([wall]), scan, beams=40, least=0.3, most_places=99)
+        assert found.scores[0] == pytest.approx(0.5, abs=0.08)
+    assert len(search(SegmentMap([[(0, 1), (2, 1)]]), scan_of(np.ones((9, 2))), beams=3)) > 0
+
+
+@pytest.mark.parametrize(("more", "found"), [(-1e-3, True), (1e-3, False)])
+def test_a_place_is_found_where_it_scores_as_much_as_asked(more, found):
+    map = SegmentMap(np.concatenate([square_room(4), box(0.5, 0.8, (3, 3, 0.2))]))
+    scan = seen(map.segments, (1.2, 1.6, 0.4))
+    assert search(map, scan, least=search(map, scan).scores[0] + more).found == found
 
 
 def test_it_says_why_nothing_is_found():

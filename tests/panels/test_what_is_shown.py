@@ -3,17 +3,12 @@
 import ipywidgets as W
 import numpy as np
 import pytest
-from driven_panels import LOG, RUNS, WALLS
+from driven_panels import LOG, RUNS, VIEW, WALLS, parts_of, press, view_of
 from matplotlib.figure import Figure
 
 from segmap import LaserScan, Log, load, panels
 from segmap.experiments import select, thresholds_of, thresholds_text
-from segmap.extraction import extract_polylines
-from segmap.matching import map_scans
-from segmap.panels import ComparePanel, LivePanel, QuadtreePanel, ScanPanel
-from segmap.panels._base import VIEW
-from segmap.panels._live_picture import LivePicture
-from segmap.panels._view import PART_IN_FRAME, View
+from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel
 from segmap.plotting import (
     ERROR,
     RESULT,
@@ -26,7 +21,7 @@ from segmap.plotting import (
     figure_png,
 )
 from segmap.poses import transform
-from segmap.quadtree import QuadtreeMap, build_map
+from segmap.quadtree import build_map
 from segmap.reduction import METHODS
 
 DRIFTED = LOG.truth + np.array([0.3, -0.2, 0.1])
@@ -42,7 +37,7 @@ def blank(width=480, height=360):
 def shown(panel):
     """What readers without a kernel see; the words beside it are those of the panel."""
     bundle = panel._repr_mimebundle_()
-    assert bundle[VIEW]["model_id"] == panel._view.model_id
+    assert bundle[VIEW]["model_id"]
     words = bundle["text/plain"]
     assert words == repr(panel) and words.startswith(f"{type(panel).__name__}(")
     return bundle["image/png"]
@@ -141,20 +136,21 @@ def test_a_panel_shows_what_the_library_gives(make, wanted, texts, controls):
         assert shown(panel) == figure_png(figure), values
         assert bytes(panel.picture.value) == figure_png(finer, finer=2)
     assert panel.picture.layout.max_width == f"{min(900, 144 * figure.get_figwidth()):.0f}px"
-    for play in panel._players:
+    players = [part for part in parts_of(view_of(panel)) if type(part) is W.Play]
+    for play in players:
         play.playing = True
     panel.reset()
-    assert not any(play.playing for play in panel._players)
+    assert not any(play.playing for play in players)
     first = [options[0] for options in controls.values()]
     assert [getattr(panel, name).value for name in controls] == first
 
 
-def test_of_many_points_some_are_drawn():
+def test_of_many_points_some_are_drawn(figures):
     """Catches a cloud that is drawn whole, or turned around, since every point takes time."""
     angles = np.linspace(0, 1, 4000)
     scan = LaserScan(1 + angles, angles, odometry=(0, 0, 0))
-    panel = ScanPanel(Log("many", [scan, scan]))
-    drawn = np.array(panel._figure.axes[0].lines[0].get_data()).T
+    ScanPanel(Log("many", [scan, scan]))
+    drawn = np.array(figures[-1].axes[0].lines[0].get_data()).T
     assert np.array_equal(drawn, np.tile(scan.points(), (2, 1))[::3])
 
 
@@ -187,8 +183,9 @@ def test_all_sliders_are_as_declared():
                 found[name] = part.min, part.max, part.step, part.interval
                 assert not part.playing
         assert found == SLIDERS[type(panel).__name__]
-        beside, shown_at = panel._view.children
-        assert panel._view.layout.flex_flow == "row wrap", "beside the picture where there is room"
+        view = view_of(panel)
+        beside, shown_at = view.children
+        assert view.layout.flex_flow == "row wrap", "beside the picture where there is room"
         assert [side.layout.flex for side in (beside, shown_at)] == ["0 1 440px", "1 1 540px"]
         rows, pictured = beside.children, shown_at.children
         assert {box.layout.flex_flow for box in rows if type(box) is W.Box} == {"row wrap"}
@@ -226,89 +223,54 @@ def test_all_sliders_are_as_declared():
         ("+++0", (3, 9), (-1, 4)),
     ],
 )
-def test_each_button_shows_its_part_of_the_whole(keys, x, y):
+def test_each_button_shows_its_part_of_the_whole(figures, keys, x, y):
     """Catches a step that is too large, a part beyond the drawing, and a press without effect."""
-    figure, calls = Figure(), []
-    left, right, plot = figure.subplots(1, 3)
-    for ax, aspect in ((left, 1), (right, 1), (plot, "auto")):
-        ax.set(aspect=aspect, xlim=(3, 9), ylim=(-1, 4))
 
-    def first():
-        view.whole()
-        view.set(figure)
+    class Three(Panel):
+        """Two maps, and a plot that is none."""
 
-    view = View(lambda: calls.append(view.set(figure)), first)
-    view.take(figure)
-    near, far, west, east, north, south, all_of_it = view.buttons
-    buttons = dict(zip("+-<>^v0", (near, far, west, east, north, south, all_of_it), strict=True))
-    for key in keys:
-        buttons[key].click()
+        def __init__(self):
+            self._assemble(())
+
+        def _draw(self, figure: Figure) -> None:
+            for ax, aspect in zip(figure.subplots(1, 3), (1, 1, "auto"), strict=True):
+                ax.set(aspect=aspect, xlim=(3, 9), ylim=(-1, 4))
+
+    panel = Three()
+    press(view_of(panel), keys)
+    left, right, plot = figures[-1].axes
     for ax in (left, right):
         assert ax.get_xlim() == pytest.approx(x, abs=1e-3)
         assert ax.get_ylim() == pytest.approx(y, abs=1e-3)
     assert (plot.get_xlim(), plot.get_ylim()) == ((3, 9), (-1, 4))
-    assert len(calls) == len(keys.replace("0", ""))
 
 
 @pytest.mark.parametrize(("x", "y"), [((0, 1), (0, 9)), ((0, 9), (0, 1)), ((0, 4), (0, 3))])
-def test_a_part_of_one_map_fills_the_picture_without_a_cut(x, y):
-    figure = Figure((8, 6))
-    ax = figure.subplots()
-    ax.set(aspect=1, xlim=x, ylim=y)
-    view = View(lambda: view.set(figure), print)
-    view.take(figure)
-    assert (ax.get_xlim(), ax.get_ylim()) == (x, y)
-    view.enlarge(2)
+def test_a_part_of_one_map_fills_the_picture_without_a_cut(figures, x, y):
+    """Catches white beside a part of a map, and a part from beside its middle."""
+
+    class One(Panel):
+        """A map that fills its picture."""
+
+        def __init__(self):
+            self._assemble(())
+
+        def _draw(self, figure: Figure) -> None:
+            figure.subplots().set(aspect=1, xlim=x, ylim=y)
+
+    panel = One()
+    assert (figures[-1].axes[0].get_xlim(), figures[-1].axes[0].get_ylim()) == (x, y)
+    press(view_of(panel), "++")
+    figures[-1].draw_without_rendering()
+    (ax,) = figures[-1].axes
     wide, high = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
-    assert wide / high == pytest.approx(8 * PART_IN_FRAME[0] / (6 * PART_IN_FRAME[1]))
+    frame = ax.get_window_extent().size / figures[-1].bbox.size
     assert max(x[1] / wide, y[1] / high) == pytest.approx(2)
     assert (np.mean(ax.get_xlim()), np.mean(ax.get_ylim())) == (np.mean(x), np.mean(y))
-
-
-def test_the_frame_is_about_that_of_a_panel():
-    """Catches a part of a map that is drawn with white beside it."""
-    panel = ScanPanel(LOG)
-    panel._look.enlarge(4)
-    panel._figure.draw_without_rendering()
-    found = panel._figure.axes[0].get_window_extent().size / panel._figure.bbox.size
-    assert found == pytest.approx(PART_IN_FRAME, abs=0.08)
+    assert frame.min() > 0.68
 
 
 # ------------------------------------------------------------------ a live map
-
-
-@pytest.mark.parametrize("given", [{}, {"resolution": 0.05, "start": (1, 2, 0.5)}])
-def test_the_live_panel_shows_what_the_library_gives(given):
-    log, side = load("room")[:4], given.get("resolution", 0.02)
-    map = QuadtreeMap(resolution=side, free_resolution=16 * side)
-    steps = list(map_scans(log, map=map, start=given.get("start", (0, 0, 0))))
-    panel, pose = LivePanel(log, **given), steps[-1].pose
-    assert (panel.taken, panel.lost, panel.seconds, repr(panel)) == (
-        0,
-        0,
-        0.0,
-        "LivePanel(0 scans)",
-    )
-    panel.run(4)
-    assert panel.taken == 4 and 0 < panel.seconds < 60
-    for tolerance in (0.03, 0.005, 0.1):
-        panel.tolerance.value = tolerance
-        own = extract_polylines(log[3].points(), tolerance=tolerance)
-        picture, segments = LivePicture(), transform(pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
-        picture.show(map, log[3], pose, segments)
-        assert bytes(panel.picture.value) == picture.png() == shown(panel)
-        assert panel.count.value == f"{len(own)} segments"
-    passed = log[3].time - log[0].time
-    texts = (panel.leaves, panel.rate, panel.dropped, panel.graph, panel.state)
-    assert [part.value for part in texts] == [
-        f"{len(map.leaves().x)} leaves",
-        f"{3 / passed:.1f} scans a second",
-        "0 dropped, 0 left out",
-        "",
-        "",
-    ]
-    panel.run(0)
-    assert panel.taken == 4
 
 
 def test_the_rate_is_that_of_the_last_twenty_scans():

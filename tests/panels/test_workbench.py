@@ -23,7 +23,7 @@ from emulated import wait_for
 
 import segmap
 from segmap import Log, SegmentMap, alignment, exports, progress, readers, reduction
-from segmap._commands import main
+from segmap.__main__ import main
 from segmap._display import facts
 from segmap.arrays import Metres, Radians, checked
 from segmap.experiments import pareto

@@ -12,7 +12,7 @@ from matplotlib.image import imread
 
 import segmap
 from segmap import readers
-from segmap._commands import main
+from segmap.__main__ import main
 from segmap.panels import Workbench
 from segmap.panels.workbench import _loops
 

@@ -21,6 +21,7 @@ from dataclasses import fields, is_dataclass
 import bag_samples
 import numpy as np
 import pytest
+from conftest import without_pictures
 from entry_point_table import (
     ARRAYS,
     CHANGED_BY_USE,
@@ -141,7 +142,7 @@ def bounded(tmp_path_factory):
     resource.setrlimit(resource.RLIMIT_AS, (12 << 30, hard))
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        patch.setattr("segmap.panels._base.figure_png", lambda figure, **finer: b"")
+        without_pictures(patch)
         yield
     resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 

@@ -2,19 +2,14 @@
 
 import gzip
 from contextlib import nullcontext
-from pathlib import Path
-from types import SimpleNamespace
 
 import mrpt_samples as mrpt
 import numpy as np
 import pytest
 from log_samples import CORESLAM, ODOMETRY, SICK, TIMES, flaser, robotlaser, text
-from scipy.spatial.transform import Rotation
 
 from segmap import readers
-from segmap.readers import LogError, _mounting
-from segmap.readers.bags._bounds import Budget
-from segmap.readers.bags._frames import Frames
+from segmap.readers import LogError
 
 GOOD = flaser((1, 2, 0.5), (0, 0, 0), 1.0)
 ROBOT = "ROBOTLASER1 0 {} {} {} 80 0 0 2 1 2 0 0 0 0 0 0 0 0 0 0 0 0 1 h 0"
@@ -176,72 +171,6 @@ def test_a_laser_of_a_g2o_whose_place_varies_is_at_the_robots_centre(read, keywo
     lines = (robotlaser((k, 0, 0), (0, k, 0), t, keyword=keyword) for k, t in enumerate(TIMES))
     log = read("VERTEX2 0 0 0 0\n" + text(lines))
     assert log[0].sensor_pose == pytest.approx([0, 0, heading])
-
-
-# ------------------------------------------------------------------------- in space, bags
-@pytest.mark.parametrize("turn", [(1, 2, 3, 4), (-0.3, 0.1, -0.7, 0.2), (0, 0, 2, 1)])
-def test_a_quaternion_turns_as_scipy_has_it(turn):
-    w, *axis = turn
-    found = _mounting.in_space((1, -2, 3), turn)
-    np.testing.assert_allclose(
-        found[:3, :3], Rotation.from_quat([*axis, w]).as_matrix(), atol=1e-12
-    )
-    assert found[:3, 3].tolist() == [1, -2, 3] and found[3].tolist() == [0, 0, 0, 1]
-
-
-def tilted(degrees):
-    angle = np.radians(degrees)
-    return _mounting.in_space((0, 0, 0), (np.cos(angle / 2), np.sin(angle / 2), 0, 0))
-
-
-def test_a_laser_may_be_tilted_by_five_degrees():
-    for degrees, hangs in ((4.9, False), (-4.9, False), (175.1, True), (184.9, True)):
-        assert _mounting.flat(tilted(degrees))[1] == hangs
-    for degrees in (5.1, -5.5, 90, 174.9, 185.5):
-        with pytest.raises(_mounting.Tilted, match="tilted by"):
-            _mounting.flat(tilted(degrees))
-    for way in (1.0, -1.0):  # a matrix of rounded numbers
-        assert _mounting.flat(np.diag([1, way, way * (1 + 1e-9), 1]))[1] == (way < 0)
-
-
-def test_poses_in_space_have_limits():
-    """Catches a place 10 000 km away to the left, and a turn that is none."""
-    for far in (1e7, -1e7):
-        pose = _mounting.in_space((far, 0, 0), (1.1e-6, 0, 0, 0))
-        assert _mounting.level(pose).tolist() == [far, 0, 0]
-        pose[0, 3] *= 1.1
-        with pytest.raises(ValueError):
-            _mounting.level(pose)
-        for place, length in ((1.1 * far, 1), (far, 0.9e-6)):
-            with pytest.raises(ValueError):
-                _mounting.in_space((place, 0, 0), (length, 0, 0, 0))
-
-
-@pytest.mark.parametrize(("ahead", "degrees", "moves"), [
-    (0.0099, 0.9, False), (-0.0099, -0.9, False), (0.0101, 0, True), (-0.0101, 0, True),
-    (0, 1.1, True), (0, -1.1, True)])  # fmt: skip
-def test_a_frame_that_trembles_stands_still(ahead, degrees, moves):
-    """Catches a laser that is refused for the noise of its mounting, and one that drives on it."""
-    frames = Frames()
-    for k in range(2):
-        angle = k * np.radians(degrees) / 2
-        turn = SimpleNamespace(w=np.cos(angle), x=0, y=0, z=np.sin(angle))
-        where = SimpleNamespace(
-            translation=SimpleNamespace(x=1 + k * ahead, y=2, z=0), rotation=turn
-        )
-        said = {"header": SimpleNamespace(frame_id="/base"), "child_frame_id": "laser"}
-        frames.take(SimpleNamespace(**said, transform=where), k)
-    assert (frames.moving == {"laser"}) == moves
-    with pytest.raises(ValueError, match="laser moves") if moves else nullcontext():
-        assert frames.place("laser", "base")[:2, 3].tolist() == [1, 2]
-
-
-def test_a_bag_may_unpack_to_256_megabytes():
-    for size, most in ((10, 256 << 20), (10 << 20, 500 << 20)):
-        budget = Budget(Path("it.bag"), size)
-        budget.take(most)
-        with pytest.raises(LogError, match="unpacks to more"):
-            budget.take(1)
 
 
 # ---------------------------------------------------------------------------------- MRPT

@@ -13,7 +13,7 @@ import pytest
 from log_samples import CARMEN, CARMEN_NEW, CSV, ENCODINGS, RAWSEEDS
 
 from segmap import LogError, exports, readers
-from segmap._commands import main
+from segmap.__main__ import main
 
 zstd = pytest.importorskip("backports.zstd")
 

@@ -3,16 +3,15 @@
 import gzip
 import pickle
 import re
-from pathlib import Path
-from types import SimpleNamespace
+import sys
+import zipfile
 
 import numpy as np
 import pytest
 from log_samples import CARMEN, ODOMETRY, TIMES, TRUTH, flaser, robotlaser, row, text
 
 from segmap import poses, readers
-from segmap.readers import LogError, _bundled
-from segmap.readers._raw_scans import same_poses
+from segmap.readers import LogError
 
 
 def beams(log):
@@ -192,38 +191,24 @@ def test_a_rear_laser_looks_back(read, said, heading):
     np.testing.assert_allclose(log[0].sensor_pose, (0, 0, heading), atol=1e-9)
 
 
-def test_poses_agree_whichever_is_ahead():
-    here, there = np.array([(0, 0, np.pi), (1, 2, np.nan)]), np.array([(0, 0, -np.pi), (1, 2, 5)])
-    assert same_poses(here, there)
-    for off in ((1e-2, 0, 0), (0, -1e-2, 0), (0, 0, 1e-2)):
-        assert not same_poses(here[:1], there[:1] + off)
-        assert not same_poses(there[:1] + off, here[:1])
-
-
 class TestBundled:
-    def test_what_is_not_here_says_what_to_do(self, monkeypatch):
+    def test_what_is_not_here_says_what_to_do(self, monkeypatch, tmp_path):
         with pytest.raises(ValueError, match=r"'malaga'.*got 'malga'") as caught:
             readers.load("malga")
         known = re.findall(r"'(\w+)'", str(caught.value))[:-1]
         assert known == sorted(known) and len(known) > 2
         with pytest.raises(ValueError, match="name must be"):
             readers.data_file(3)
-        monkeypatch.setattr(_bundled, "find_spec", lambda name: None)
+        monkeypatch.setitem(sys.modules, "rtbdata", None)
         with pytest.raises(ValueError, match="pip install rtb-data"):
             readers.load("killian")
-        there = SimpleNamespace(submodule_search_locations=["rtbdata"])
-        monkeypatch.setattr(_bundled, "find_spec", lambda name: there)
-        assert _bundled.find("killian") == Path("rtbdata/data/killian.g2o.zip")
-
-    def test_a_clone_goes_before_the_wheel(self, monkeypatch, tmp_path):
-        package = Path(readers.__file__).parents[1]
-        assert (package.with_name("data"), package / "data") == _bundled.DATA_FOLDERS
-        for place, lines in (("clone", 1), ("wheel", 2)):
-            (tmp_path / place / "a").mkdir(parents=True)
-            content = text([flaser(TRUTH[0], ODOMETRY[0])] * lines)
-            (tmp_path / place / "a" / "a.log.gz").write_text(content)
-        monkeypatch.setattr(_bundled, "DATA_FOLDERS", (tmp_path / "clone", tmp_path / "wheel"))
-        assert len(readers.load("a")) == 1
+        (tmp_path / "rtbdata" / "data").mkdir(parents=True)
+        (tmp_path / "rtbdata" / "__init__.py").touch()
+        with zipfile.ZipFile(tmp_path / "rtbdata" / "data" / "killian.g2o.zip", "w") as packed:
+            packed.writestr("killian.g2o", text([robotlaser((0, 0, 0), (0, 0, 0), 1.0)]))
+        monkeypatch.syspath_prepend(tmp_path)
+        monkeypatch.delitem(sys.modules, "rtbdata")
+        assert len(readers.load("killian")) == 1
 
 
 def test_what_is_no_log_is_told_apart_from_a_damaged_one(read, tmp_path):

@@ -11,7 +11,7 @@ import pytest
 from log_samples import TIMES, TRUTH
 
 from segmap import readers
-from segmap.readers import LogError, _bundled
+from segmap.readers import LogError, data_file
 
 START = TIMES[0]
 
@@ -192,7 +192,7 @@ def test_malaga_is_converted_from_a_log_and_a_map(tmp_path):
 
 
 def converter():
-    place = _bundled.find("malaga").parent / "convert.py"
+    place = data_file("malaga/convert.py")
     spec = importlib.util.spec_from_file_location("convert_malaga", place)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

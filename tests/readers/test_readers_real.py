@@ -13,9 +13,9 @@ from scipy.spatial import cKDTree
 
 from segmap import poses, readers
 from segmap.angles import wrap
-from segmap.readers import LogError, _bundled
+from segmap.readers import LogError, data_file
 
-MALAGA = _bundled.find("malaga").parent
+MALAGA = data_file("malaga")
 #: Where Debian's package mrpt-common puts the files that Malaga was converted from.
 DATASETS = Path("/usr/share/mrpt/datasets")
 

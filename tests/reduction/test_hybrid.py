@@ -11,7 +11,6 @@ from segmap import build_map, load, quality
 from segmap.experiments import front
 from segmap.poses import transform
 from segmap.reduction import hough, hybrid, hybrid_fusion
-from segmap.reduction._hough import hough_line_of
 from segmap.segments import SegmentMap
 from segmap.testing import assert_segments_equal
 
@@ -29,11 +28,10 @@ def test_both_end_points_lie_on_the_line(segment, near):
     assert 0 <= hough(segment)[1] < np.pi
 
 
-def test_many_lines_at_once_are_those_of_the_loops_and_of_the_literal_method():
+def test_many_lines_at_once_are_those_of_the_literal_method():
     """Catches two definitions that drift apart."""
     segments = np.random.default_rng(8).uniform(-9, 9, (50, 2, 2))
     found = hough(segments)
-    assert found == pytest.approx(np.array([hough_line_of(segments, i) for i in range(50)]))
     assert found == pytest.approx(np.array([literal.hough(s) for s in segments]))
     assert hough(segments, found[:, 1]) == pytest.approx(found)
 

@@ -10,7 +10,6 @@ from segmap import build_map, load
 from segmap.methods import bracket, halved
 from segmap.metrics import quality
 from segmap.reduction import METHODS, least_cost, reduce_to
-from segmap.reduction.least_cost._merge_kernels import crosses
 from segmap.segments import SegmentMap, length
 
 LOG = load("malaga")
@@ -71,22 +70,6 @@ def test_segments_without_length_cost_no_quality(wanted):
     found = reduce_to(mixed, quality=wanted)
     assert len(found) == len(alone) < len(map)
     assert quality(mixed, found) == quality(map, alone) >= wanted
-
-
-@pytest.mark.parametrize("place", [(0, 0), (7, -3)])
-def test_segments_cross_where_both_ends_lie_on_other_sides(place):
-    """Catches a sign in one of the four sides, which the end points' distances often hide."""
-    ends = np.random.default_rng(1).uniform(-1, 1, (300, 2, 2, 2))
-
-    def sides(of, line):
-        way = line[:, 1] - line[:, 0]
-        away = of - line[:, :1]
-        return np.prod(way[:, None, 0] * away[..., 1] - way[:, None, 1] * away[..., 0], axis=1)
-
-    wanted = (sides(ends[:, 0], ends[:, 1]) < 0) & (sides(ends[:, 1], ends[:, 0]) < 0)
-    found = [crosses(u, v) for u, v in ends + np.array(place)]
-    assert 30 < wanted.sum() < 150
-    assert found == wanted.tolist()
 
 
 def test_a_quality_that_is_asked_for_is_met_by_about_as_few_segments_as_any_penalty_leaves():

@@ -8,12 +8,7 @@ from reduction_maps import redundant_map
 from segmap_course.literal.reduction.mean_shift import cut
 
 from segmap.reduction import common_directions, mean_shift
-from segmap.reduction._mean_shift import pieces_of
-from segmap.reduction._mean_shift_kernels import climb
 from segmap.segments import length
-
-#: Two points of one group.
-ALIKE = np.zeros(2, int)
 
 
 @pytest.mark.parametrize(
@@ -21,27 +16,27 @@ ALIKE = np.zeros(2, int)
 )
 def test_pieces_are_as_few_as_are_no_longer_than_sigma(wall, pieces):
     """3 * 0.2 / 0.2 is above 3 in floating point and makes four; 1.4 / 0.2 is below 7."""
-    found, owner = pieces_of(np.array([[(1.0, 0.0), (1.0, wall)]]), 0.2)
-    assert owner.tolist() == [0] * pieces
-    np.testing.assert_allclose(length(found), wall / pieces, atol=1e-15)
+    found = common_directions([[(1.0, 0.0), (1.0, wall)]], sigma=0.2, steps=0).pieces
+    np.testing.assert_allclose(length(found), [wall / pieces] * pieces, atol=1e-15)
     np.testing.assert_allclose(found[1:, 0], found[:-1, 1], atol=1e-15)
 
 
 def test_points_at_three_deviations_pull_and_those_beyond_do_not():
     """Equal pieces of one wall lie at whole multiples of sigma: rounding must not choose."""
     for gap, share in ((3.0 + 1e-12, np.exp(-4.5) / (1 + np.exp(-4.5))), (3.0 + 1e-6, 0.0)):
-        points = np.array([[0.0, 0.0, 0.0], [0.0, gap, 0.0]])
-        centres, _ = climb(points, ALIKE, np.inf, 10.0)
-        assert centres[0, 1] == pytest.approx(gap * share, abs=1e-12)
+        walls = [[(0, 0), (1, 0)], [(0, gap), (1, gap)]]
+        begin, one = (common_directions(walls, sigma=1, steps=k).centres for k in (0, 1))
+        assert (one - begin)[0, 1] == pytest.approx(gap * share, abs=1e-12)
 
 
 def test_all_climb_until_the_slowest_rests():
     """A stop of each centre by itself, or a freeze below the stop: the others go on a little."""
-    crowd = np.abs(np.random.default_rng(0).normal(0, 1.5, (60, 3)))
-    slow = np.array([[900.0, 0.0, 0.0], [902.0, 0.0, 0.0]])
-    alone, steps = climb(crowd, np.zeros(60, int), 100.0, 1 / 200)
-    both, more = climb(np.concatenate([crowd, slow]), np.zeros(62, int), 100.0, 1 / 200)
-    assert more > steps
+    places = np.random.default_rng(0).normal(0, 1.5, (60, 1, 2))
+    crowd = places + [(-0.1, 0), (0.1, 0)]
+    slow = crowd[:1] - places[:1] + np.reshape([(900, 0), (902, 0)], (2, 1, 2))
+    alone, both = (
+        common_directions(map, sigma=1).centres for map in (crowd, np.concatenate([crowd, slow]))
+    )
     assert 1e-6 < np.abs(both[:60] - alone).max() < 0.05
 
 

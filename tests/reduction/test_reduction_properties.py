@@ -120,6 +120,20 @@ def test_equals_the_plain_method_on_the_samples(name, sample):
     assert_literal(name, SegmentMap(segments, scans, sensors=sensors), **thresholds)
 
 
+@pytest.mark.parametrize("name", [n for n in TWINS if n != "mean_shift"])
+@pytest.mark.parametrize("shift", [0.0, -1e4])
+@pytest.mark.parametrize("seed", range(2))
+def test_equals_the_plain_method_where_sizes_differ_by_thousands(name, shift, seed):
+    """Catches a level of the index whose cells are too small, a column or row too few, a slot that
+    two cells share, a box that is still there though it was taken out."""
+    rng, n = np.random.default_rng(seed), 40 if name == "least_cost" else 120
+    size = 10 ** rng.uniform(-2, 1.5, (n, 1, 1))
+    spread = np.array([8, 0.5])[seed] * rng.uniform(-1, 1, (n, 1, 2))
+    segments = spread + shift + size * rng.uniform(-0.5, 0.5, (n, 2, 2))
+    sensors = rng.uniform(-8, 8, (n // 4, 2)) + shift
+    assert_literal(name, SegmentMap(segments, np.arange(n) // 4, sensors=sensors))
+
+
 @twins
 @pytest.mark.parametrize("turn", [0.0, 0.4, np.pi / 2])
 def test_equals_the_plain_method_on_a_real_map(name, turn):

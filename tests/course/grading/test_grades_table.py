@@ -1,36 +1,42 @@
 """The table of grades: what a person wrote is kept, whatever a student's folder is called."""
 
+import csv
 import hashlib
 import json
 import os
+import tempfile
 from datetime import datetime
+from pathlib import Path
 
 import pytest
 from segmap_course.__main__ import main
-from segmap_course.grading._report import (
-    Outcome,
-    Row,
-    Table,
-    _runs,
-    class_report,
-    duplicates,
-    late,
-    number,
-    page,
-    write_feedback,
-)
-from segmap_course.grading._submissions import Answer, Book, Submission
-from segmap_course.grading.handout._tasks import Task
+from segmap_course.grading import Table, class_report, duplicates, write_feedback
+from segmap_course.grading.handout import Task
+from submitted import rows_of
 
 STUB = "def my_f(x): ..."
 F = Task("f", "x", ("my_f",), 4, stub=STUB)
 HAND = Task("f_by_hand", "x", (), 6, by_hand=True)
+ANSWER = "def my_f(x): return x"
+END = datetime.fromisoformat("2026-11-23T10:00")
 
 
-def row(student, share=1.0, source="def my_f(x): return x", time=0.0):
-    book = Book("a.ipynb", time, [Answer("f-answer", "code", source)])
-    outcome = Outcome("right" if share == 1 else "wrong", "", share)
-    return Row(Submission(student, "", [book], []), {"f": outcome}, "bubblewrap")
+def row(student, share=1.0, source=ANSWER, time=0.0):
+    """A student's row, as the grader makes it of a file, with a share of the points of `f`."""
+    return handed(student, {"a.ipynb": (time, [("f-answer", "code", source)])}, share)
+
+
+def handed(student, files, share=1.0):
+    with tempfile.TemporaryDirectory() as folder:
+        (found,) = rows_of(Path(folder), {student: files})
+    return told(found._replace(jail="bubblewrap"), "right" if share == 1 else "wrong", "", share)
+
+
+def told(found, kind, reason="", share=0.0, task="f", **more):
+    (outcome,) = list(found.outcomes.values())[:1]
+    outcome = outcome._replace(kind=kind, reason=reason, share=share, **more)
+    kept = {name: held for name, held in found.outcomes.items() if name in ("f", "g")}
+    return found._replace(outcomes=kept | {task: outcome})
 
 
 def test_the_command_takes_all_of_it(tmp_path, capsys):
@@ -53,27 +59,22 @@ def test_the_command_takes_all_of_it(tmp_path, capsys):
 # ------------------------------------------------------------------ letter by letter
 
 
-def told(student, kind, reason="", share=0.0, **more):
-    return row(student)._replace(outcomes={"f": Outcome(kind, reason, share, **more)})
-
-
 def test_the_table_is_written_whole(tmp_path):
     """Catches a column that moves, what a person wrote that is lost, and a row out of order."""
     path, open_one = tmp_path / "g.csv", Task("g", "x", ("my_g",), 0)
-    end = datetime.fromisoformat("2026-11-23T10:00")
-    stamp = end.timestamp()
+    stamp = END.timestamp()
     before = "student,points,f_by_hand,remark,extra_by_hand,f,"
     path.write_text(f'{before}\nbob,0,"5,5",ill,\'+1,0\nzoe,,1,,,\n')
-    table = Table(path, [F, open_one, HAND], end)
-    books = [
-        Book(f"{k}.ipynb", stamp + 3600 * k, [Answer("f-answer", "code", f"def my_f(): {k}")])
-        for k in (9, 1)
-    ]
-    bob = Submission("bob", "=Bob", books, ["c.ipynb cannot be\nread"])
-    outcomes = {"f": Outcome("wrong", "why", 0.5), "g": Outcome("ended", "")}
-    table.add(Row(bob, outcomes, "none"))
-    ann = row("ann")
-    table.add(ann._replace(outcomes=ann.outcomes | {"g": Outcome("right", "", 1.0)}), "f: bob")
+    table = Table(path, [F, open_one, HAND], END)
+    files = {
+        f"{k}.ipynb": (stamp + 3600 * k, [("f-answer", "code", f"def my_f(): {k}")]) for k in (9, 1)
+    }
+    bob = handed("bob", files)
+    held = bob.submission._replace(name="=Bob", problems=["c.ipynb cannot be\nread"])
+    bob = bob._replace(submission=held, jail="none")
+    bob = told(told(bob, "wrong", "why", 0.5), "ended", task="g")
+    table.add(bob)
+    table.add(told(row("ann"), "right", "", 1.0, task="g"), "f: bob")
     head = "student,name,points,of,f,g,f_by_hand,extra_by_hand,total,reasons,late,alike,jail,notes"
     assert path.read_text() == (
         f"{head},remark\n"
@@ -84,7 +85,7 @@ def test_the_table_is_written_whole(tmp_path):
         "zoe,,,,,,1,,,,,,,,\n"
     )
     assert table.changes == ["bob points: 0 -> 2", "bob f: 0 -> 2"]
-    table.add(Row(bob, outcomes | {"f": Outcome("right", "", 1.0)}, "none"), "f: ann")
+    table.add(told(bob, "right", "", 1.0), "f: ann")
     assert len(table.changes) == 2, "told of once"
     assert "bob,'=Bob,4,4,4,ended,\"5,5\",'+1,10.5," in path.read_text()
     path.write_text("student\nkim\n")
@@ -100,13 +101,23 @@ def test_a_table_that_is_another_s_is_not_overwritten(tmp_path, text):
     assert path.read_text() == text
 
 
-def test_points_in_a_cell_and_hours_after_the_end():
-    cells = {"5,5": 5.5, " 3 ": 3, "'-1": -1, "'+2.5": 2.5, "": 0, "ill": 0}
-    assert {cell: number(cell) for cell in cells} == cells
-    end = datetime.fromisoformat("2026-11-23T10:00")
-    for hours, said in ((-1, ""), (0, ""), (0.5, "0.5 h"), (1000, "1000.0 h")):
-        assert late(row("ann", time=end.timestamp() + 3600 * hours).submission, end) == said
-    assert late(Submission("ann", "", [], []), end) == ""
+@pytest.mark.parametrize(
+    ("written", "points"),
+    [("5,5", 5.5), (" 3 ", 3), ("'-1", -1), ("'+2.5", 2.5), ("", 0), ("ill", 0)],
+)
+def test_points_that_a_person_wrote_are_added(tmp_path, written, points):
+    path = tmp_path / "g.csv"
+    path.write_text(f'student,f_by_hand\nann,"{written}"\n')
+    Table(path, [F, HAND]).add(row("ann"))
+    (found,) = csv.DictReader(path.read_text().splitlines())
+    assert float(found["total"]) == 4 + points
+
+
+@pytest.mark.parametrize(("hours", "said"), [(-1, ""), (0, ""), (0.5, "0.5 h"), (1000, "1000.0 h")])
+def test_hours_after_the_end(tmp_path, hours, said):
+    Table(tmp_path / "g.csv", [F], END).add(row("ann", time=END.timestamp() + 3600 * hours))
+    (found,) = csv.DictReader((tmp_path / "g.csv").read_text().splitlines())
+    assert found["late"] == said
 
 
 def test_the_exports_letter_by_letter(tmp_path):
@@ -126,12 +137,13 @@ def test_the_exports_letter_by_letter(tmp_path):
 
 def test_the_class_report_line_by_line():
     """Catches a reason that is not shared, or cut, and a stub that is called wrong."""
+    one = row("ann")
     rows = [
-        *(told(name, "wrong", f"turn it first expected 4, got {name}") for name in "abc"),
-        *(told(name, "wrong", "x" * 200) for name in "de"),
-        *(told(name, "ended", "by signal 9") for name in "fghi"),
-        *(told("j", "missing"), told("k", "right", "", 1.0), told("l", "right", "", 1.0)),
-        *(told("m", "empty", "nothing"), told("n", "unreadable", "no notebook")),
+        *(told(one, "wrong", f"turn it first expected 4, got {name}") for name in "abc"),
+        *2 * [told(one, "wrong", "x" * 200)],
+        *4 * [told(one, "ended", "by signal 9")],
+        *(told(one, "missing"), *2 * [told(one, "right", "", 1.0)]),
+        *(told(one, "empty", "nothing"), told(one, "unreadable", "no notebook")),
     ]
     assert class_report(rows, [F, HAND]) == [
         "f: 2 of 14 right, 1 not judged, 2 unanswered, 9 wrong",
@@ -146,9 +158,6 @@ def test_the_class_report_line_by_line():
 
 def test_nearly_equal_is_nine_of_ten_runs_of_five_marks():
     """Catches two that share an idea, short ones that must be alike, and a list without end."""
-    marks = ["Module", "Assign", "Name", "BinOp", "c", "Add", "1", "Name"]
-    assert _runs("a = b.c + 1") == {tuple(marks[k : k + 5]) for k in range(4)}
-    assert _runs("a = (") == set() == _runs("1")
 
     def answer(*changed):
         lines = (f"    x{k} = y.m{k}(z, {k + 1000 * (k in changed)})" for k in range(30))
@@ -175,13 +184,19 @@ def test_a_page_has_the_name_of_its_student(name, tmp_path):
     assert found == (cut if len(name) > 200 else name)
 
 
-def test_the_page_of_a_student_is_written_whole():
+def page(folder, found, tasks):
+    write_feedback(folder, found, tasks)
+    return (folder / f"{found.submission.student}.html").read_text()
+
+
+def test_the_page_of_a_student_is_written_whole(tmp_path):
     """Catches a section that is lost, points of the wrong task, and a mark of HTML that works."""
-    answers = [Answer("f-answer", "code", "def my_f(x): <1>"), Answer("f_by_hand", "markdown", "I")]
-    handed = Submission("ann", "Ann <Lee>", [Book("a.ipynb", 0.0, answers)], ["b is <odd>."])
-    found = Row(handed, {"f": Outcome("wrong", "turn & go", 0.5, "case <3>")})
+    answers = [("f-answer", "code", "def my_f(x): <1>"), ("f_by_hand", "markdown", "I")]
+    found = handed("ann", {"a.ipynb": (0.0, answers)})
+    held = found.submission._replace(name="Ann <Lee>", problems=["b is <odd>."])
+    found = told(found._replace(submission=held), "wrong", "turn & go", 0.5, cases="case <3>")
     other = HAND._replace(name="g_by_hand", points=1, rubric="")
-    shown = page(found, [F, HAND._replace(rubric="| 6 | <good> |"), other])
+    shown = page(tmp_path, found, [F, HAND._replace(rubric="| 6 | <good> |"), other])
     head, _, body = shown.partition("</style></head><body>\n")
     assert "default-src 'none'" in head and "<title>ann, Ann &lt;Lee&gt;</title>" in head
     assert body == (
@@ -194,8 +209,12 @@ def test_the_page_of_a_student_is_written_whole():
         "<section><h2>g_by_hand: graded by hand, up to 1 points</h2>"
         "<p>Nothing was handed in.</p></section>\n</body></html>\n"
     )
-    newer = Book("new.ipynb", 9.0, [Answer("f-answer", "code", "def my_f(x): 2")])
-    twice = row("ann")._replace(submission=handed._replace(name="", books=[newer, *handed.books]))
-    said = page(twice, [F])
+    files = {
+        "a.ipynb": (0.0, answers),
+        "new.ipynb": (9.0, [("f-answer", "code", "def my_f(x): 2")]),
+    }
+    twice = handed("ann", files)
+    held = twice.submission._replace(problems=["b is <odd>."])
+    said = page(tmp_path, twice._replace(submission=held), [F])
     assert '<section class="right"><h2>f: 4 of 4 points</h2><p>Right. (f: new.ipynb counts' in said
     assert "<h1>ann</h1>\n<p>4 of 4 points. b is" in said and "by hand" not in said

@@ -6,7 +6,6 @@ import sys
 
 import pytest
 import submitted
-from segmap_course._cells import apart, bound_names, free_names, imports_of
 from segmap_course.grading import graded, plan_of
 
 TURNED = "np.cos(h) * u - np.sin(h) * v, np.sin(h) * u + np.cos(h) * v"
@@ -23,6 +22,8 @@ CASES = {
     "helper": ([HELPER], SHORT,
                "uses `rotated` of another cell: put it into this one", "other cell"),
     "helper inside": ([], HELPER + SHORT, "", "right"),
+    "inner names": ([], submitted.COMPOSE.replace("= a_from_b", "= same(a_from_b)").replace(
+        "    x, y", "    def same(n):\n        return [p for p in n]\n    x, y", 1), "", "right"),
     "constant": (["WHOLE = 6.283185307179586"], LIMIT,
                  "uses `WHOLE` of another cell: put it into this one", "other cell"),
     "both": ([HELPER + "WHOLE = 6.283185307179586"], SHORT.replace("2 * np.pi", "WHOLE"),
@@ -101,16 +102,3 @@ def test_the_notebook_and_the_grader_agree(name, notebooks, outcomes):
 def test_a_guess_that_needs_another_cell_is_told_too(notebooks):
     assert "uses `half` of another cell: put it into this one" in notebooks["guess"]
     assert notebooks["pure guess"].startswith("passed")
-
-
-def test_names_of_a_cell():
-    """Catches a name of an inner function, a parameter, a comprehension or Python's own."""
-    source = "import a.b as c, d.e\nfrom f import g\nx = y = len(z)\ndef h(i):\n"
-    source += "    global k\n    def m(n): return n + i + o + x\n    return [p for p in m(c)]\n"
-    assert free_names(source) == {"z", "o"}
-    assert bound_names(source) >= {"c", "d", "g", "x", "y", "h"}
-    assert free_names("x = (") == bound_names("%x") == set()
-    assert free_names("x = " + "-" * 10_000 + "y") in ({"y"}, set())
-    text = "!ls\n  %time 3\nfrom __future__ import annotations\nimport a\nfrom . import b"
-    assert [type(node).__name__ for node in imports_of(text)] == ["Import", "ImportFrom"]
-    assert apart(["b", "a"]) == "uses `a`, `b` of another cell: put them into this one"
