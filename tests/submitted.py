@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import pytest
 from segmap_course.grading import graded, plan_of
 from segmap_course.grading.handout import write_solutions
 
@@ -261,5 +262,7 @@ def solved() -> dict[str, str]:
 
 def solution(name: str) -> tuple[str, str]:
     """What the solution of an exercise defines, and its source."""
+    if name not in solved():
+        pytest.skip("no chapter asks for it")
     source = solved()[name]
     return source.rpartition("\n")[2].partition(" = ")[0], source

@@ -11,7 +11,7 @@ from right_answers import RIGHT
 from scipy.optimize import minimize, minimize_scalar
 from segmap_course import EXERCISES, Check, Exercise
 from segmap_course.exercises import decode, encode
-from submitted import solution
+from submitted import solution, solved
 
 from segmap import plotting
 from segmap.angles import axial_difference
@@ -24,6 +24,8 @@ EACH = pytest.mark.parametrize("exercise", EXERCISES.values(), ids=EXERCISES)
 # -------------------------------------------------------------- all exercises alike
 def right(exercise):
     """Two right answers: from another idea, and the library's source as one's own function."""
+    if exercise.name not in solved():  # no chapter asks for it
+        return (RIGHT[exercise.name],)
     mine, source = solution(exercise.name)
     exec("from __future__ import annotations\n" + source, space := {})
     return RIGHT[exercise.name], space[mine]

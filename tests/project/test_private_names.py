@@ -10,6 +10,8 @@ from pathlib import Path
 TESTS = Path(__file__).parents[1]
 #: What Python, pandas and IPython name with an underscore, though it is public.
 PUBLIC = re.compile(r"_(?:_\w+__|replace|asdict|fields|make|repr_\w+_|ipython_\w+_)$")
+#: Of other packages and of Python, which they give no other name.
+OTHERS = ("_handle_custom_msg", "_dom_classes", "_instances", "_exit", "_parent_process")
 #: A private name of ours, in a string that is given to `monkeypatch` or to another interpreter.
 SPELLED = re.compile(r"\b(?:segmap|segmap_course)(?:\.\w+)*?(?:\.| import [^\n]*?\b)(_[a-zA-Z]\w*)")
 BY_STRING = ("setattr", "getattr", "delattr", "hasattr")
@@ -29,7 +31,7 @@ def private(source: str) -> list[str]:
             found |= {e.name for e in node.names if e.name.startswith("segmap") and hides(e.name)}
         elif isinstance(node, ast.Attribute):
             here = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
-            if not here and hides(node.attr) and node.attr not in own:
+            if not here and hides(node.attr) and node.attr not in (*own, *OTHERS):
                 found.add(f"{ast.unparse(node.value)[:30]}.{node.attr}")
         elif isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in BY_STRING:
             texts = [a.value for a in node.args if isinstance(a, ast.Constant)]

@@ -1,25 +1,22 @@
 """What a chapter asks for and what its copies hold, cell by cell; solutions run by themselves."""
 
 import json
+import os
 import stat
+from pathlib import Path
 
 import pytest
 from segmap_course import EXERCISES, OPEN_EXERCISES
-from segmap_course.exercises._answers import answered
 from segmap_course.grading.handout import (
     Task,
-    _handout,
     chapters,
     handout,
+    listed,
     package,
     tasks_of,
     write_solutions,
 )
-from segmap_course.grading.handout._given import BASICS, listed
-from segmap_course.grading.handout._handout import student_copy, text, write_folder
-from segmap_course.grading.handout._solutions import solution
-from segmap_course.grading.handout._source import Source
-from segmap_course.grading.handout._tasks import Place, parts, places
+from submitted import solution
 
 #: Cells of a made-up chapter: those that begin with a capital are text.
 SOURCES = (
@@ -38,7 +35,7 @@ SOURCES = (
     "my_log = my_poses = None\ncourse.check_own_log(my_log, my_poses)",
     "course.check_compose()",
 )
-NAME = "99_x.ipynb"
+NAME, FIRST = "99_x.ipynb", "00_start_here.ipynb"
 
 
 def made_up(*sources):
@@ -85,23 +82,11 @@ def test_the_tasks_of_a_chapter_are_read_whole():
         Task("by_hand_99_11", NAME, (), 6, by_hand=True, rubric=own),
         Task("own_log_99_by_hand", NAME, (), 10, by_hand=True, rubric=own),
     ]
-    cells = made_up("my_f = 1", "course.check_f(my_f, later)", "my_f = later = 2")["cells"]
-    assert places(cells, {"check_f"}) == [Place("check_f", ("my_f",), "(my_f, later)", 0, 1)]
+    cells = "my_f = 1", "course.check_compose(my_f, later)", "my_f = later = 2"
+    (found,) = tasks_of(NAME, made_up(*cells))
+    assert found.answers == ("my_f",) and found.given == "(my_f, later)"
     with pytest.raises(ValueError, match="checks what no cell before it defines"):
-        places(cells[1:], {"check_f"})
-    found = places(made_up(*SOURCES)["cells"])
-    assert [(place.written, place.checked, place.given) for place in found] == [
-        (4, 5, "my_compose"),
-        (7, 7, "my_guess"),
-        (9, 10, "my_map"),
-        (12, 12, "(my_log, my_poses)"),
-    ]
-    assert parts(
-        {"source": "x = 1\ncourse.check_compose(\n    x\n)\ny = 2\ncourse.check_cast_ray(y)"}
-    ) == (
-        "x = 1\ny = 2",
-        "course.check_compose(\n    x\n)\ncourse.check_cast_ray(y)",
-    )
+        tasks_of(NAME, made_up(*cells[1:]))
 
 
 def meta(name, points=None, **said):
@@ -110,9 +95,20 @@ def meta(name, points=None, **said):
     return {"nbgrader": {**found, "grade_id": name, "schema_version": 3, "task": False, **worth}}
 
 
-def test_a_student_s_copy_is_written_whole():
+@pytest.fixture
+def clone(tmp_path, monkeypatch):
+    """Chapters of a clone: one that is made up, another that it links to."""
+    folder = tmp_path / "clone" / "notebooks"
+    folder.mkdir(parents=True)
+    for name, sources in ((NAME, SOURCES), ("54_fusion.ipynb", ["Title"]), (FIRST, ["Title"])):
+        (folder / name).write_text(json.dumps(made_up(*sources)))
+    monkeypatch.setattr("segmap.files.__file__", str(folder.parent / "segmap" / "files.py"))
+
+
+def test_a_student_s_copy_is_written_whole(clone, tmp_path):
     """Catches a cell that is lost or stands twice, a check in an answer, and points that differ."""
-    copy = student_copy(NAME, made_up(*SOURCES), {"54_fusion.ipynb"})
+    handout(tmp_path / "lab", wanted="54,99")
+    copy = json.loads((tmp_path / "lab" / NAME).read_text())
     held = [(c["id"], c["cell_type"], c["source"], c["metadata"]) for c in copy["cells"]]
     assert copy["nbformat"] == 4 and all(
         (cell["outputs"], cell["execution_count"]) == ([], None)
@@ -169,7 +165,8 @@ def test_a_student_s_copy_is_written_whole():
         by_hand("own_log_99_by_hand", 10),
         ("c13", "code", SOURCES[13], {}),
     ]
-    assert "- none\n" in student_copy(NAME, made_up("Title"), [])["cells"][1]["source"]
+    other = json.loads((tmp_path / "lab" / "54_fusion.ipynb").read_text())
+    assert "- none\n" in other["cells"][1]["source"]
 
 
 def test_a_handout_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
@@ -189,24 +186,27 @@ def test_a_handout_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
     assert sorted(path.name for path in folder.iterdir()) == names
     assert [path.name for path in folder.parent.iterdir() if path.name[0] == "."] == []
     made = (folder / names[0]).read_bytes()
-    assert (
-        made == text(json.loads(made)) and b"\\u" not in text({"ä": 1}) == b'{\n "\xc3\xa4": 1\n}\n'
-    )
-    monkeypatch.setattr(_handout.secrets, "randbits", lambda bits: bits)
+    assert made.decode() == json.dumps(json.loads(made), indent=1, ensure_ascii=False) + "\n"
+    monkeypatch.setattr("secrets.randbits", lambda bits: bits)
     key, _ = handout(tmp_path / "x", wanted="11")
     assert json.loads(key.read_text())["seed"] == 128, "bits that nobody can guess"
     with pytest.raises(ValueError, match="whole number from 0 on, got -1"):
         handout(tmp_path / "y", seed=-1)
     (tmp_path / ".z.part").mkdir()
     (tmp_path / ".z.part" / "left").write_text("over")
-    with pytest.raises(TypeError):
-        write_folder(tmp_path / "z", {"a": b"1", "b": None})
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", lambda part, folder: os.close(-1))
+        with pytest.raises(OSError):
+            handout(tmp_path / "z", wanted="11")
     assert not (tmp_path / "z").exists() and not (tmp_path / ".z.part").exists()
-    write_folder(tmp_path / "z", {"a": b"1", "c/b": b"2", "c/d": b"3"})
-    assert (tmp_path / "z" / "c" / "b").read_bytes() == b"2"
-    with pytest.raises(ValueError, match="holds a, c already"):
-        write_solutions(tmp_path / "z", "11")
-    assert list((tmp_path / "z").glob("*/*.ipynb")) == []
+    assert write_solutions(tmp_path / "z", "11,13") == 2
+    made = sorted((tmp_path / "z").glob("*/*.ipynb"))
+    assert [path.name for path in made] == names
+    (tmp_path / "held").mkdir()
+    (tmp_path / "held" / "a").touch()
+    with pytest.raises(ValueError, match="holds a already"):
+        write_solutions(tmp_path / "held", "11")
+    assert [path.name for path in (tmp_path / "held").iterdir()] == ["a"]
 
 
 def test_chapters_stand_in_their_order():
@@ -217,22 +217,23 @@ def test_chapters_stand_in_their_order():
 def test_a_solution_is_right_with_what_its_task_gives(name):
     """Catches a solution that lacks what it calls, or is refused since it calls the library."""
     exercise = EXERCISES[name]
-    source, rooms = solution(exercise, "mine"), package(exercise)[1]
+    (mine, source), rooms = solution(name), package(exercise)[1]
     given = [f"from {room} import {one}" for room, names in rooms.items() for one in names]
     assert {line for line in source.splitlines() if "import" in line and "segmap" in line} <= {
         *given
     }
     exec(source, space := {})
-    assert exercise.verdict(answered(space["mine"], exercise.cases))
+    assert exercise.verdict(exercise.answers(space[mine]))
 
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_what_a_task_gives_is_the_most_that_does_not_reach_its_answer(name):
     """Catches basics that are lost, or carry the solution in their source or by what they call."""
     source, given = package(EXERCISES[name])
-    held = {one for names in BASICS.values() for one in names}
+    every = [package(exercise)[1] for exercise in EXERCISES.values()]
+    held = {one for given in every for names in given.values() for one in names}
     kept = {one for names in given.values() for one in names}
-    assert list(given) == list(BASICS) and kept <= held and name not in kept
+    assert list(given) == list(every[0]) and name not in kept
     assert len(held - kept) <= 6, held - kept
     lines = source.splitlines()
     head = [line.split()[1] for line in lines if line.startswith(("import ", "from "))]
@@ -249,25 +250,3 @@ def test_a_list_of_what_a_task_gives_is_read_as_words():
     assert words.startswith("`segmap.angles`: wrap, axial_difference, axial_mean")
     assert "`segmap.poses`: " in words and "compose" not in words
     assert OPEN_EXERCISES.keys().isdisjoint(EXERCISES)
-
-
-def test_a_module_is_taken_apart_by_its_names():
-    source = Source("segmap.panels._compare")
-    assert not source.is_package and Source("segmap.panels").is_package
-    wanted = {
-        "PAIR_WIDTH",
-        "PAIR_HEIGHT",
-        "ComparePanel",
-        "_show_only",
-        "W",
-        "METHODS",
-        "annotations",
-    }
-    assert wanted <= {*source.nodes} and "_draw" not in source.nodes
-    assert source.origin(source.nodes["METHODS"]) == "segmap.reduction"
-    assert source.origin(source.nodes["Panel"]) == "segmap.panels._base"
-    assert source.origin(source.nodes["Figure"]) == "matplotlib.figure"
-    assert Source("segmap.panels").origin(Source("segmap.panels").nodes["Panel"]) == (
-        "segmap.panels._base"
-    )
-    assert source.code(source.nodes["PAIR_WIDTH"]) == "PAIR_WIDTH = 600"
