@@ -49,14 +49,6 @@ def dask(folder):
         yield client.get_executor()
 
 
-def only(monkeypatch, *names):
-    """No other reduction method is there: all of them take minutes."""
-    from segmap.reduction import METHODS
-
-    for name in METHODS.keys() - {*names}:
-        monkeypatch.delitem(METHODS, name)
-
-
 class later:
     """A module that is imported when it is first used: every worker collects every test file."""
 
@@ -80,6 +72,22 @@ def without_pictures(monkeypatch):
         lambda figure, file, **how: file.write(b"\x89PNG" + bytes(20)) and kept.append(figure),
     )
     return kept
+
+
+@pytest.fixture
+def only():
+    """`only(names)`: no other reduction method is there, since all of them take minutes."""
+    from segmap.reduction import METHODS
+
+    whole = dict(METHODS)
+
+    def keep(*names):
+        for name in whole.keys() - {*names}:
+            del METHODS[name]
+
+    yield keep
+    METHODS.clear()
+    METHODS.update(whole)
 
 
 @pytest.fixture
