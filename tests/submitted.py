@@ -236,7 +236,8 @@ def rows_of(folder: Path, students: dict[str, dict[str, tuple[float, Cells]]]) -
     """
     for student, files in students.items():
         for name, (time, cells) in files.items():
-            path = folder / student / name if len(files) > 1 else folder / f"{student}.ipynb"
+            alone = list(files) == ["a.ipynb"]
+            path = folder / f"{student}.ipynb" if alone else folder / student / name
             path.parent.mkdir(parents=True, exist_ok=True)
             made = [{"id": id, "cell_type": kind, "source": text} for id, kind, text in cells]
             path.write_text(json.dumps({"cells": made}))

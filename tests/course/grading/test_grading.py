@@ -6,6 +6,8 @@ import os
 import shutil
 import socket
 import subprocess
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,13 +17,9 @@ from makefile import ROOT, make
 from segmap_course import EXERCISES
 from segmap_course.__main__ import main
 from segmap_course.exercises import decode, encode
-from segmap_course.grading import _jail
-from segmap_course.grading._grade import job, judged, run
-from segmap_course.grading._jail import Jail, Limits
-from segmap_course.grading._report import Outcome, Row, page
-from segmap_course.grading._submissions import Answer, Book, Submission, submissions
-from segmap_course.grading.handout._solutions import solution
-from segmap_course.grading.handout._tasks import Task
+from segmap_course.grading import Limits, graded, plan_of, write_feedback
+from segmap_course.grading.handout import Task
+from submitted import solution
 
 LIMITS = Limits(seconds=30, cpu=10)
 TASK = Task(
@@ -31,17 +29,29 @@ TASK = Task(
 
 @pytest.fixture(scope="module")
 def jail():
-    """A jail; where this system has none, `test_without_a_jail_nothing_runs` is what is tested."""
+    """There are jails; where there is none, `test_without_a_jail_nothing_runs` is the test."""
     plain = ["bwrap", "--unshare-user", "--disable-userns", "--ro-bind", "/", "/", "true"]
     if shutil.which("bwrap") is None or subprocess.run(plain, check=False).returncode:
         pytest.skip("bubblewrap does not run here")
-    with Jail(LIMITS) as found:
-        yield found
+
+
+def outcomes(folder, cells, task=TASK, seed=None):
+    """What becomes of cells, by their students, each in a jail of its own."""
+    for student, cell in cells.items():
+        (folder / f"{student}.ipynb").write_text(notebook((f"{task.name}-answer", cell)))
+    plan = plan_of("11", None)._replace(tasks=[task], seed=seed)
+    rows = graded(folder, plan, limits=LIMITS)
+    return {row.submission.student: row.outcomes[task.name] for row in rows}
+
+
+def said(cell, seed=None, task=TASK):
+    with tempfile.TemporaryDirectory() as folder:
+        return outcomes(Path(folder), {"ann": cell}, task, seed)["ann"]
 
 
 # ------------------------------------------------------------------ from handout to table
 @pytest.fixture(scope="module")
-def graded(jail, tmp_path_factory):
+def classroom(jail, tmp_path_factory):
     """Rows of the table by student, pages by student, and what was said."""
     root = tmp_path_factory.mktemp("course")
     victim = root / "victim"
@@ -59,9 +69,9 @@ def graded(jail, tmp_path_factory):
 
 
 @pytest.mark.parametrize("student", submitted.KINDS)
-def test_each_submission_ends_as_it_must(graded, student):
+def test_each_submission_ends_as_it_must(classroom, student):
     """Catches a kind that is taken for another, and one answer that spoils the next."""
-    root, rows, _ = graded
+    root, rows, _ = classroom
     row, kind = rows[student], submitted.KINDS[student]
     tasks = json.loads((root / "out.instructor.json").read_text())["tasks"]
     assert int(row["of"]) == sum(task["points"] for task in tasks if not task["by_hand"])
@@ -71,8 +81,8 @@ def test_each_submission_ends_as_it_must(graded, student):
     assert int(row["points"]) == int(row["compose"]) + int(row["cast_ray"])
 
 
-def test_nothing_of_the_grader_came_to_harm(graded):
-    root, rows, _ = graded
+def test_nothing_of_the_grader_came_to_harm(classroom):
+    root, rows, _ = classroom
     assert (root / "victim" / "thesis.txt").read_text() == "three years of work"
     assert sorted(rows) == sorted(submitted.KINDS)
     assert course.check_compose(lambda a, b: a + b).hint.startswith("a step ahead")
@@ -84,33 +94,44 @@ def test_nothing_of_the_grader_came_to_harm(graded):
     assert "cast_ray: 11 of 12 right, 1 not judged" in lines
 
 
-def test_feedback_names_the_mistake(graded):
-    _, _, pages = graded
+def test_feedback_names_the_mistake(classroom):
+    _, _, pages = classroom
     assert sorted(pages) == sorted(submitted.KINDS)
     assert "turn it by the first heading" in pages["03_wrong"]
     assert "library" in pages["04_library"] and "write your own" in pages["04_library"]
     assert "&lt;script&gt;alert(1)" in pages["01_right"] and "<script" not in pages["01_right"]
 
 
-def test_feedback_shows_open_cases_in_full_and_hidden_ones_not():
+def test_feedback_shows_open_cases_in_full_and_hidden_ones_not(jail, tmp_path):
     """Catches a case that is cut to three numbers, and numbers of a hidden case on a page."""
     exercise = EXERCISES["fit_line"]
-    hidden = list(exercise.fresh(4711).values())
-    wrong = [0.25] * (len(exercise.cases) + len(hidden))
-    found = judged(exercise, wrong, hidden)
+    task = TASK._replace(name="fit_line", answers=("my_fit",), given="my_fit")
+    cell = "def my_fit(points):\n    return 0.25  # <b>\n"
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "ann.ipynb").write_text(notebook(("fit_line-answer", cell)))
+    plan = plan_of("11", None)._replace(tasks=[task], seed=4711)
+    (row,) = graded(tmp_path / "in", plan, limits=LIMITS)
+    found = row.outcomes["fit_line"]
     assert all(words in found.cases for words in exercise.cases)
     said = found.cases + found.reason
+    hidden = [case for draw in range(5) for case in exercise.fresh((4711, draw)).values()]
     known, unseen = (
         {f"{x:.6f}".rstrip("0") for (points,) in cases for x in points.ravel()}
         for cases in (exercise.cases.values(), hidden)
     )
     assert all(number in said for number in known) and "got      0.25" in said
     assert not any(number in said for number in unseen - known if len(number) > 6)
-    right = [*exercise.expected(), *wrong[len(exercise.cases) :]]
-    assert judged(exercise, right, hidden).cases == ""
-    row = Row(handed("fit_line", "<b>"), {"fit_line": found._replace(cases="<i>")})
-    shown = page(row, [TASK._replace(name="fit_line")])
-    assert "&lt;i&gt;" in shown and "&lt;b&gt;" in shown
+    write_feedback(tmp_path / "pages", row, [task])
+    shown = (tmp_path / "pages" / "ann.html").read_text()
+    assert "&lt;b&gt;" in shown and "<b>" not in shown
+    right = outcomes(tmp_path / "in", {"ann": solution("fit_line")[1]}, named("fit_line"))["ann"]
+    assert right.cases == ""
+
+
+def named(exercise):
+    """The task of an exercise, answered by what its solution defines."""
+    mine, _ = solution(exercise)
+    return TASK._replace(name=exercise, answers=(mine,), given=mine)
 
 
 # ------------------------------------------------------------------ one answer in its jail
@@ -118,65 +139,53 @@ def body(text):
     return f"import os, socket, sys, threading\ndef my_compose(a, b):\n    {text}\n"
 
 
-def handed(task, cell, student="ann"):
-    return Submission(
-        student, "", [Book("a.ipynb", 0, [Answer(f"{task}-answer", "code", cell)])], []
-    )
+FAULTS = [
+    ("def my_compose(a, b: return 3", "syntax"),
+    ("%timeit 3\n" + submitted.COMPOSE, "syntax"),
+    ("1 / 0\n" + submitted.COMPOSE, "raised"),
+    ("raise SystemExit\n" + submitted.COMPOSE, "raised"),
+    (body("raise KeyboardInterrupt"), "wrong"),
+    ("my_other = 3", "missing"),
+    ("my_compose = 3", "missing"),
+    (body("os.kill(os.getpid(), 9)"), "ended"),
+    (body("return np.zeros(10**6)"), "wrong"),
+    ("x = '\\ud800'\n" + submitted.COMPOSE, "right"),
+    ("print('hello')\n" + submitted.COMPOSE.replace("    x,", "    print(3)\n    x,"), "right"),
+    ("from segmap.plotting import draw_map\n" + submitted.COMPOSE, "right"),
+    ("from segmap.poses import inverse, transform\n" + body("return inverse(a)"), "wrong"),
+    ("#" * 300_000, "too much"),
+]
 
 
-def said(jail, cell, seed=None):
-    exercise = EXERCISES["compose"]
-    hidden = [] if seed is None else list(exercise.fresh(seed).values())
-    found = run(job(handed("compose", cell), TASK, exercise), exercise, hidden, jail)
-    return found if isinstance(found, Outcome) else judged(exercise, found, hidden)
+@pytest.fixture(scope="module")
+def faults(jail, tmp_path_factory):
+    """What becomes of the cells of `FAULTS`, all handed in by one class."""
+    cells = {f"{k:02}": cell for k, (cell, _) in enumerate(FAULTS)}
+    return outcomes(tmp_path_factory.mktemp("faults"), cells)
 
 
-@pytest.mark.parametrize(
-    ("cell", "kind"),
-    [
-        ("def my_compose(a, b: return 3", "syntax"),
-        ("%timeit 3\n" + submitted.COMPOSE, "syntax"),
-        ("1 / 0\n" + submitted.COMPOSE, "raised"),
-        ("raise SystemExit\n" + submitted.COMPOSE, "raised"),
-        (body("raise KeyboardInterrupt"), "wrong"),
-        ("my_other = 3", "missing"),
-        ("my_compose = 3", "missing"),
-        (body("os.kill(os.getpid(), 9)"), "ended"),
-        (body("return np.zeros(10**6)"), "wrong"),
-        ("x = '\\ud800'\n" + submitted.COMPOSE, "right"),
-        ("print('hello')\n" + submitted.COMPOSE.replace("    x,", "    print(3)\n    x,"), "right"),
-        ("from segmap.plotting import draw_map\n" + submitted.COMPOSE, "right"),
-        ("from segmap.poses import inverse, transform\n" + body("return inverse(a)"), "wrong"),
-        ("#" * 300_000, "too much"),
-    ],
-)
-def test_faults_are_told_apart(jail, cell, kind):
-    assert said(jail, cell).kind == kind
+@pytest.mark.parametrize("k", range(len(FAULTS)))
+def test_faults_are_told_apart(faults, k):
+    assert faults[f"{k:02}"].kind == FAULTS[k][1]
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="for root alone")
 def test_the_jail_of_root_belongs_to_nobody(jail):
     """Catches bubblewrap that root starts: it keeps rights, and the limit of processes is void."""
-    assert said(jail, "import os\nassert os.getuid() == 65534\n" + submitted.COMPOSE).right
+    assert said("import os\nassert os.getuid() == 65534\n" + submitted.COMPOSE).right
 
 
 def test_python_finds_its_library_without_proc(jail):
     """Catches a jail in which the interpreter of a container, or one's own, does not start."""
     cell = "import os, sys\nassert os.environ['LD_LIBRARY_PATH'] == sys.base_prefix + '/lib'\n"
-    assert said(jail, cell + submitted.COMPOSE).right
+    assert said(cell + submitted.COMPOSE).right
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EXERCISES)
 def test_a_solution_is_right_in_the_jail(jail, name):
     """Catches a task that cannot be answered with what it gives, and hidden cases that refuse."""
-    exercise = EXERCISES[name]
-    hidden = list(exercise.fresh(4711).values())
-    task = TASK._replace(name=name, answers=("mine",), given="mine")
-    found = run(
-        job(handed(name, solution(exercise, "mine")), task, exercise), exercise, hidden, jail
-    )
-    assert judged(exercise, found, hidden).right
+    assert said(solution(name)[1], 4711, named(name)).right
 
 
 # ------------------------------------------------------------------ attacks
@@ -199,7 +208,7 @@ def test_an_attack_earns_nothing_and_harms_nothing(jail, grader, name):
     secret, ear = grader
     cell = submitted.attack(name, secret, ear.getsockname()[1])
     for _ in range(1 + ("sys.mine" in cell)):
-        found = said(jail, cell, seed=4711)
+        found = said(cell, seed=4711)
         assert not found.right and found.share == 0
         assert "found" not in found.reason or "hidden case" in name or "pipe" in name
     assert secret.read_text() == "the seed is 4711"
@@ -215,8 +224,8 @@ def test_a_hidden_case_stays_hidden(jail, name):
     known = f"    if tuple(a) not in {[tuple(c[0].tolist()) for c in exercise.cases.values()]}:\n"
     head, rest = submitted.COMPOSE.replace("a_from_b", "a").replace("b_from_c", "b").split("\n", 1)
     cell = f"{head}\n{known}{harm}{rest}"
-    found = said(jail, cell, seed=4711)
-    assert said(jail, cell).right
+    found = said(cell, seed=4711)
+    assert said(cell).right
     assert found.reason == "right on the cases shown; on a hidden one it raises an exception"
 
 
@@ -247,10 +256,8 @@ FOOLS = "my_map = [*segmap.simulation.rectangular_room().tolist(), [(10, 10), (1
 def test_an_open_exercise_is_judged_where_no_student_s_code_runs(
     jail, task, given, cell, kind, words
 ):
-    exercise = course.OPEN_EXERCISES[task]
     asked = Task(task, "x", (given,), 4, "import numpy as np\nimport segmap", given)
-    found = run(job(handed(task, cell), asked, exercise), exercise, [], jail)
-    found = found if isinstance(found, Outcome) else judged(exercise, found, [])
+    found = said(cell, task=asked)
     assert found.kind == kind and words in found.reason
 
 
@@ -313,8 +320,9 @@ def notebook(*cells):
 def test_what_is_no_notebook_is_a_problem_of_its_student_alone(tmp_path, text):
     (tmp_path / "a.ipynb").write_text(text)
     (tmp_path / "b.ipynb").write_text(notebook(("f-answer", "def my_f(): 2")))
-    bad, good = submissions(tmp_path)
-    assert "no notebook" in bad.problems[0] and good.problems == []
+    plan = plan_of("11", None)._replace(tasks=[TASK])
+    bad, good = (row.submission.problems for row in graded(tmp_path, plan, unprotected=True))
+    assert "no notebook" in bad[0] and good == []
 
 
 def test_what_is_wrong_is_said_at_the_door(tmp_path, capsys):
@@ -337,7 +345,7 @@ def test_what_is_wrong_is_said_at_the_door(tmp_path, capsys):
 def test_without_a_jail_nothing_runs(tmp_path, monkeypatch, capsys):
     """Catches a grader that runs hostile code as its own user without a word."""
     which = {name: shutil.which(name) for name in ("bwrap", "prlimit")} | {"bwrap": None}
-    monkeypatch.setattr(_jail.shutil, "which", which.get)
+    monkeypatch.setattr(shutil, "which", which.get)
     (tmp_path / "ann.ipynb").write_text(notebook(("compose-answer", submitted.COMPOSE)))
     words = ["grade", str(tmp_path), "-o", str(tmp_path / "g.csv"), "--chapters", "11"]
     assert main(words) == 1

@@ -2,20 +2,16 @@
 
 import json
 import os
-from types import SimpleNamespace
+import tempfile
+from pathlib import Path
 
-import numpy as np
 import pytest
 import submitted
-from segmap_course import EXERCISES, OPEN_EXERCISES
+from segmap_course import EXERCISES
 from segmap_course.__main__ import main
-from segmap_course.exercises import NOT_GIVEN, Raised
-from segmap_course.grading import _grade, _submissions, graded, plan_of, read_key
-from segmap_course.grading._grade import Plan, judged, needed
-from segmap_course.grading._jail import Ended, Limits
-from segmap_course.grading._report import Outcome
-from segmap_course.grading._submissions import Answer, Book, Submission, submissions
-from segmap_course.grading.handout import Task, package
+from segmap_course.grading import graded, plan_of, read_key
+from segmap_course.grading.handout import Task
+from submitted import rows_of
 
 F = Task("f", "x", ("my_f", "my_g"), 4, stub="def my_f(): ...\nmy_g = 0")
 
@@ -28,6 +24,21 @@ def write(path, *cells, time=None):
     path.parent.mkdir(exist_ok=True)
     path.write_text(json.dumps({"cells": cells}))
     os.utime(path, (time or 1, time or 1))
+
+
+def submissions(folder):
+    """What was handed in, as the grader reads it; no code of it runs."""
+    return [row.submission for row in graded(folder, PLAN, unprotected=True)]
+
+
+PLAN = plan_of("11", None)
+PLAN = PLAN._replace(tasks=PLAN.tasks[:1])
+
+
+def read(submission):
+    """A submission as plain values."""
+    books = [(b.file, b.time, [tuple(cell) for cell in b.cells]) for b in submission.books]
+    return submission.student, submission.name, books, submission.problems
 
 
 def test_a_folder_of_submissions_is_read_whole(tmp_path):
@@ -51,24 +62,24 @@ def test_a_folder_of_submissions_is_read_whole(tmp_path):
     ann, bob, eve = submissions(tmp_path)
     said = ann.problems.pop()
     assert said.startswith("c.ipynb cannot be read: it is no notebook (JSONDecodeError: Exp")
-    answers = [Answer("c", "code", "**Name:** no"), Answer("", "None", "")]
-    first = Answer("n", "markdown", "".join(named["source"]))
-    books = [Book("a.ipynb", 7, answers)]
-    books += [Book("b.ipynb", 5, [first, Answer("f-answer", "code", "b")])]
-    assert ann == Submission("ann", "Ann Lee", books, [])
-    held = [Answer("n", "markdown", long["source"]), Answer("x", "code", "x\ny")]
-    assert bob == Submission("bob", "x" * 100, [Book("bob.ipynb", 1, held)], [])
-    assert eve == Submission("eve", "", [], ["the folder holds no notebook"])
+    first = "n", "markdown", "".join(named["source"])
+    books = [("a.ipynb", 7, [("c", "code", "**Name:** no"), ("", "None", "")])]
+    books += [("b.ipynb", 5, [first, ("f-answer", "code", "b")])]
+    assert read(ann) == ("ann", "Ann Lee", books, [])
+    held = [("n", "markdown", long["source"]), ("x", "code", "x\ny")]
+    assert read(bob) == ("bob", "x" * 100, [("bob.ipynb", 1, held)], [])
+    assert read(eve) == ("eve", "", [], ["the folder holds no notebook"])
 
 
-def test_a_file_that_is_too_large_is_a_problem_of_300_letters(tmp_path, monkeypatch):
-    path = tmp_path / f"{'n' * 240}.ipynb"
+def test_a_file_that_is_too_large_is_a_problem_of_300_letters(tmp_path):
+    path = tmp_path / f"{'n' * 249}.ipynb"
     write(path, cell("x"))
-    monkeypatch.setattr(_submissions, "MOST_BYTES", path.stat().st_size)
     assert submissions(tmp_path)[0].problems == []
-    monkeypatch.setattr(_submissions, "MOST_BYTES", path.stat().st_size - 1)
+    os.truncate(path, 200_000_000)
     (said,) = submissions(tmp_path)[0].problems
-    assert said == f"{path.name} cannot be read: expected a file of at most 0 MB"[:300]
+    assert len(said) == 300 and said.startswith(
+        f"{path.name} cannot be read: expected a file of at"
+    )
     path.unlink()
     path.mkdir()
     assert submissions(tmp_path)[0].problems == ["the folder holds no notebook"]
@@ -85,8 +96,14 @@ def test_a_folder_without_sense_is_refused_in_words(tmp_path):
         submissions(tmp_path / "in")
 
 
-def book(*cells, file="a.ipynb"):
-    return Book(file, 0.0, [Answer(*each) for each in cells])
+def handed(*files):
+    """A submission of files, each a list of cells, the newest first."""
+    held = {f"{k}.ipynb": (99 - k, list(cells)) for k, cells in enumerate(files)}
+    with tempfile.TemporaryDirectory() as folder:
+        if not held:
+            (Path(folder) / "ann").mkdir()
+        (row,) = rows_of(Path(folder), {"ann": held})
+    return row.submission
 
 
 @pytest.mark.parametrize(
@@ -109,139 +126,47 @@ def book(*cells, file="a.ipynb"):
     ],
 )
 def test_the_cell_that_answers_a_task(cells, found):
-    assert book(*cells).find(F) == (cells[found][2] if isinstance(found, int) else found)
+    (book,) = handed(cells).books
+    assert book.find(F) == (cells[found][2] if isinstance(found, int) else found)
 
 
 def test_of_all_files_the_newest_with_something_written_counts():
     """Catches a note where all say the same, and the answer of an older file."""
     stub, one, two = (
-        book(("f-answer", "code", text), file=f"{k}.ipynb")
-        for k, text in enumerate([F.stub, "my_f = my_g = 1", "my_f = my_g = 2"])
+        [("f-answer", "code", text)] for text in (F.stub, "my_f = my_g = 1", "my_f = my_g = 2")
     )
     written = ("f-answer", "code", "I think"), ("f_by_hand", "markdown", "so"), ("x", "code", "no")
     note = "f: 1.ipynb counts, the newest of 2 files that answer it"
-    for books, found in [
+    for files, found in [
         ([], (None, "")),
-        ([book(("x", "code", "no"))], (None, "")),
+        ([[("x", "code", "no")]], (None, "")),
         ([stub, stub], (F.stub, "")),
-        ([stub, one], (one.cells[0].source, "")),
-        ([one, one, stub], (one.cells[0].source, "")),
-        ([stub, one, two], (one.cells[0].source, note)),
+        ([stub, one], (one[0][2], "")),
+        ([one, one, stub], (one[0][2], "")),
+        ([stub, one, two], (one[0][2], note)),
     ]:
-        assert Submission("ann", "", books, []).find(F) == found
-    both = book(("f-answer", "code", "my_f = my_g = 1"), ("x", "code", "my_f = my_g = 2"))
+        assert handed(*files).find(F) == found
+    both = handed([("f-answer", "code", "my_f = my_g = 1"), ("x", "code", "my_f = my_g = 2")])
     note = "f: the last of 2 cells that answer it counts"
-    assert Submission("ann", "", [both], []).find(F) == ("my_f = my_g = 2", note)
-    assert Submission("ann", "", [both], []).beside("my_f = my_g = 2") == ["my_f = my_g = 1"]
-    assert Submission("ann", "", [book(*written), one], []).written("f_by_hand") == (
-        "I think\n\nso\n\nmy_f = my_g = 1"
-    )
-    assert Submission("ann", "", [one], []).written("g_by_hand") is None
+    assert both.find(F) == ("my_f = my_g = 2", note)
+    assert both.beside("my_f = my_g = 2") == ["my_f = my_g = 1"]
+    assert handed(written, one).written("f_by_hand") == "I think\n\nso\n\nmy_f = my_g = 1"
+    assert handed(one).written("g_by_hand") is None
 
 
 # ------------------------------------------------------------------ from a folder to outcomes
-
-COMPOSE, HAND = plan_of("11", None).tasks[0], Task("own_by_hand", "x", (), 6, by_hand=True)
-(GUESS,) = (task for task in plan_of("13", None).tasks if task.name == "predict_beams_on_wall")
-
-
-@pytest.fixture
-def asked(monkeypatch):
-    """Grades without a jail: cells of these tests run here; all that a jail would be asked."""
-    seen = SimpleNamespace(jails=[], jobs=[])
-
-    class Nowhere:
-        def __init__(self, *given, **named):
-            seen.jails.append((given, named))
-
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *_):
-            pass
-
-        __str__ = lambda self: "nowhere"  # noqa: E731
-
-    def answers(jail, job, cases):
-        seen.jobs.append((str(jail), job, cases))
-        exec(f"{job['imports']}\n{job['cell']}", space := {})
-        if "ends" in space:
-            raise Ended("too long", space["ends"])
-        if job["package"] is None:
-            return [eval(job["given"], space)]
-        return [space[job["names"][0]](*case) for case in cases]
-
-    monkeypatch.setattr(_grade, "Jail", Nowhere)
-    monkeypatch.setattr(_grade, "answers", answers)
-    return seen
-
-
-def test_what_becomes_of_each_answer(tmp_path, asked):
-    """Catches a student who gets another's points, and hidden cases that nobody draws."""
-    cells = {
-        "ann": [cell(submitted.COMPOSE, "compose-answer"), cell("my_beams = 15")],
-        "bob": [cell(submitted.WRONG, "compose-answer")],
-        "cid": [cell("my_compose = 1\nends = 'slow'")],
-        "eve": [cell("my_compose = ends = ''\n#" + " " * 199_976)],
-        "fay": [cell("my_compose = 1\n#" + " " * 199_985)],
-    }
-    name = GUESS.answers[0]
-    for student, made in cells.items():
-        for each in made:
-            each["source"] = each["source"].replace("my_beams", name)
-        write(tmp_path / f"{student}.ipynb", *made)
-    (tmp_path / "kim.ipynb").write_text("{")
-    limits = Limits(1.0, 2, 3)
-    plan = Plan([COMPOSE, HAND, GUESS], 3)
-    rows = list(graded(tmp_path, plan, limits=limits, unprotected=True))
-    assert [row.submission.student for row in rows] == ["ann", "bob", "cid", "eve", "fay", "kim"]
-    assert {row.jail for row in rows} == {"nowhere"}
-    found = {row.submission.student: row.outcomes for row in rows}
-    missing = Outcome("missing", f"no cell defines {name}")
-    right = Outcome("right", "", 1.0)
-    assert found["ann"]["compose"] == right and found["ann"][GUESS.name].share == 1
-    assert (found["bob"]["compose"].kind, found["bob"]["compose"].share) == ("wrong", 0)
-    assert found["bob"][GUESS.name] == found["cid"][GUESS.name] == missing
-    assert found["cid"]["compose"] == Outcome("too long", "slow")
-    assert found["eve"]["compose"].kind == "too long" and len(cells["eve"][0]["source"]) == 200_000
-    assert found["fay"]["compose"] == Outcome("too much", "the cell has 200001 characters")
-    unread = found["kim"]["compose"]
-    assert unread.kind == "unreadable" and unread.reason == "; ".join(rows[5].submission.problems)
-    assert asked.jails == [((limits,), {"unprotected": True})]
-    exercise = EXERCISES["compose"]
-    hidden = [case for draw in range(5) for case in exercise.fresh((3, draw)).values()]
-    jobs = {
-        job["names"]: (jail, job, cases) for jail, job, cases in asked.jobs if "ends" not in job
-    }
-    jail, job, cases = next(each for each in asked.jobs if "def my_comp" in each[1]["cell"])
-    wanted = [*exercise.cases.values(), *hidden]
-    assert len(jobs) == 2 and jail == "nowhere" and len(cases) == len(wanted)
-    for one, other in zip(cases, wanted, strict=True):
-        assert all(np.array_equal(*pair) for pair in zip(one, other, strict=True))
-    assert job == {
-        "imports": "import numpy as np",
-        "cell": job["cell"],
-        "names": ("my_compose",),
-        "given": "my_compose",
-        "package": package(exercise),
-    }
-    assert jobs[GUESS.answers][1]["package"] is None and jobs[GUESS.answers][2] == [()]
-    asked.jobs.clear()
-    next(graded(tmp_path, Plan([COMPOSE])))
-    assert len(asked.jobs[0][2]) == len(exercise.cases), "no seed, no hidden case"
-    assert asked.jails[1:] == [((Limits(),), {"unprotected": False})]
 
 
 def test_what_cannot_be_graded_is_said(tmp_path):
     write(tmp_path / "in" / "ann.ipynb")
     with pytest.raises(ValueError, match="ask for no answer"):
-        next(graded(tmp_path / "in", Plan([])))
+        next(graded(tmp_path / "in", PLAN._replace(tasks=[])))
 
 
 def test_a_plan_is_that_of_its_handout(tmp_path):
     assert main(["handout", str(tmp_path / "lab"), "--chapters", "11", "--seed", "3"]) == 0
     key = tmp_path / "lab.instructor.json"
-    assert read_key(key) == plan_of("11", 3) == Plan(plan_of("11", None).tasks, 3, 0.0)
+    assert read_key(key) == plan_of("11", 3) == plan_of("11", None)._replace(seed=3)
     held = json.loads(key.read_text())
     key.write_text(json.dumps(held | {"format": "segmap handout 9"}))
     with pytest.raises(ValueError, match="is written as 'segmap handout 9', this version reads"):
@@ -251,32 +176,22 @@ def test_a_plan_is_that_of_its_handout(tmp_path):
         read_key(key)
 
 
-def test_a_verdict_tells_its_kind():
-    """Catches a share for what is wrong, and an answer of the library that is called wrong."""
-    exercise = EXERCISES["compose"]
-    known, hidden = exercise.expected(), list(exercise.fresh(1).values())
-    memory = Outcome("memory", "it asks for more memory than an answer may have")
-    full = [*known, *exercise.expected(dict(enumerate(hidden)))]
-    assert judged(exercise, full, hidden, 0.5) == Outcome("right", "", 1.0)
-    assert judged(exercise, [*full[:-1], Raised("MemoryError", "")], hidden, 0.5) == memory
-    assert judged(exercise, [*full[:-1], None], hidden).share == 0 == Outcome("ended", "x").share
-    start = "right on the cases shown; on a hidden one it "
-    for last, said in ((None, "gives another answer"), (Raised("KeyError", "3"), "raises an exce")):
-        found = judged(exercise, [*full[:-1], last], hidden, 0.5)
-        assert found[:1] + found[2:] == ("wrong", 0.5, "") and found.reason.startswith(start + said)
-    given = judged(exercise, [Raised("LookupError", f"wrap {NOT_GIVEN}")] * len(full), hidden, 0.5)
-    assert (given.kind, given.share) == ("library", 0.0) and NOT_GIVEN in given.reason
-    guess = OPEN_EXERCISES["predict_beams_on_wall"]
-    assert judged(guess, [15], [])[::2] == ("right", 1.0)
-    assert judged(guess, [4], [], 0.5)[::2] == ("wrong", 0.0)
-
-
-def test_of_the_imports_those_that_a_cell_uses():
-    text = "import numpy as np\nimport os.path\nfrom math import cos, sin as s\nimport nothing"
-    assert needed(text, "np.x; os.path; s(1); sin(2)") == (
-        "import numpy as np\nimport os.path\nfrom math import sin as s"
-    )
-    assert needed(text, "npx = 3") == ""
+@pytest.mark.parametrize(
+    ("does", "said"),
+    [("return None", "gives another answer"), ("raise KeyError", "raises an exce")],
+)
+def test_what_is_right_on_the_open_cases_alone_has_a_share(tmp_path, does, said):
+    """Catches hidden cases that nobody draws, and a share for what is wrong."""
+    shown = [tuple(case[0].tolist()) for case in EXERCISES["compose"].cases.values()]
+    head, rest = submitted.COMPOSE.split("\n", 1)
+    right = f"{head}\n    if tuple(a_from_b) not in {shown}:\n        {does}\n{rest}"
+    for student, text in (("ann", right), ("bob", submitted.WRONG)):
+        write(tmp_path / f"{student}.ipynb", cell(text, "compose-answer"))
+    for seed, kind in ((None, "right"), (3, "wrong")):
+        plan = PLAN._replace(seed=seed, partial=0.5)
+        ann, bob = (row.outcomes["compose"] for row in graded(tmp_path, plan, unprotected=True))
+        assert (ann.kind, ann.share, bob.share) == (kind, 0.5 if seed else 1.0, 0)
+    assert ann.reason.startswith(f"right on the cases shown; on a hidden one it {said}")
 
 
 @pytest.mark.parametrize("newest", ["a", "b", "c"])
