@@ -18,7 +18,6 @@ from segmap.scans import Log
 from segmap.simulation import (
     OdometryNoise,
     Sensor,
-    _city,
     box,
     drive,
     office,
@@ -32,6 +31,8 @@ LASER = Sensor("laser", 181, -np.pi / 2, np.pi / 180, max_range=8.0, sigma=0.01)
 WHEELS = OdometryNoise(turn_bias=0.03, turn_noise=0.03, heading_noise=0.01, distance_noise=0.1)
 LENGTH, SHORT, DEPTH, WIDTH = 40.0, 24.0, 13.0, 2.0
 DOOR, THICK = 0.9, 0.15
+#: What stands on a wall that is uneven, metres.
+WIDTHS, DEPTHS = (0.7, 1.6), (-0.3, 0.6)
 #: A loop is false where it is wrong by more, metres and standard deviations.
 FALSE, CLAIMED = 0.5, 3.0
 #: A return: a key frame so near an older pose, seen from the same heading, after so long a path.
@@ -48,7 +49,20 @@ def ring(rng: np.random.Generator, made: "Building", length: float) -> np.ndarra
     inner = box(length - 2 * WIDTH, DEPTH - 2 * WIDTH, (length / 2, DEPTH / 2, 0))[:, ::-1]
     walls = [made.below(outer[0], rng), made.above(inner[0], rng)]
     walls += [made.back(wall, rng) for wall in (outer[2], inner[2])]
-    return np.concatenate([*walls, *(_city._facade(w, rng) for w in (*outer[1::2], *inner[1::2]))])
+    return np.concatenate([*walls, *(uneven(w, rng) for w in (*outer[1::2], *inner[1::2]))])
+
+
+def uneven(wall: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Something else in every four metres to its right or left: no two places look alike."""
+    reach = float(np.hypot(*(wall[1] - wall[0])))
+    count = int(reach // 4)
+    half = rng.uniform(*WIDTHS, count) / 2
+    begin = reach / count * np.arange(count) + rng.uniform(0.3, reach / count - 2 * half - 0.3)
+    along = np.stack([begin, begin, begin + 2 * half, begin + 2 * half], -1).ravel()
+    deep = rng.uniform(*DEPTHS, count)
+    right = np.stack([0 * deep, deep, deep, 0 * deep], -1).ravel()
+    line = polyline(np.stack([np.r_[0, along, reach], -np.r_[0, right, 0]], -1))
+    return transform((*wall[0], np.arctan2(*(wall[1] - wall[0])[::-1])), line)
 
 
 def doors(wall: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -87,8 +101,8 @@ class Building(NamedTuple):
 VISIT, NEXT = (((x, 1), (x, -1.5), (x, 1)) for x in (16, 20))
 BUILDINGS = {
     "repeated doors": Building(doors, doors, plain),
-    "equal offices": Building(equal_offices, plain, _city._facade, VISIT, NEXT),
-    "featureless hall": Building(plain, plain, _city._facade),
+    "equal offices": Building(equal_offices, plain, uneven, VISIT, NEXT),
+    "featureless hall": Building(plain, plain, uneven),
 }
 
 
