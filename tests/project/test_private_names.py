@@ -24,7 +24,6 @@ HELD = {
     "alignment/test_angle_correspondence.py": "kernels against `literal`",
     "alignment/test_backbone.py": "kernels against `literal`",
     "alignment/test_global_segments.py": "equations against their literal form",
-    "alignment/test_look_alikes.py": "walls of the kind that `simulation.city` makes",
     "alignment/test_point_map.py": "kernels against numpy: partners, steps and their uncertainty",
     "alignment_logs.py": "to be made public: key frames",
     "course/grading/test_jail.py": "crashes and attacks: the sandbox by itself",
@@ -43,7 +42,6 @@ HELD = {
     "panels/test_workbench_parts.py": "words and messages of the page, letter by letter",
     "project/test_compiled.py": "the compiler of kernels itself",
     "project/test_warm.py": "the compiler of kernels itself",
-    "quadtree/test_quadtree_interrupts.py": "crashes: an interrupt anywhere in a scan",
     "readers/test_readers_bags.py": "crashes: bags that unpack to more than memory holds",
     "reduction/test_reduction.py": "results that the runner refuses: no method of ours gives them",
 }

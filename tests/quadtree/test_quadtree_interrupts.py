@@ -1,22 +1,16 @@
 """What must not break a map: an interrupt anywhere in a scan, and more rays than a count holds."""
 
-from contextlib import suppress
+import sys
 
 import numpy as np
 import pytest
 from conftest import slow
 
 from segmap.matching import distance_score, nearest_score
-from segmap.quadtree import QuadtreeMap, _kernels
-from segmap.quadtree._tree import Tree
+from segmap.quadtree import QuadtreeMap
 
-#: More than the last call of each loop in a scan that grows, splits and joins.
-CALLS = [0, slow(1), 2, slow(3), 4, slow(5)]
-LOOPS = [
-    *((_kernels, "insert", side) for side in (None, 0.4)),
-    *((Tree, "_double", side) for side in (None, 0.4)),
-    (_kernels, "compact", 0.4),  # the thesis joins nothing
-]
+#: Of the calls and returns of two scans that grow, split and join.
+STEPS = [*range(2, 75, 8), *range(75, 480, 36), *map(slow, range(1, 480, 3))]
 
 
 def scan(seed):
@@ -25,28 +19,32 @@ def scan(seed):
     return rng.uniform(0, 4, 2), rng.uniform(-9, 13, (60, 2)), rng.uniform(0, 4, (9, 2))
 
 
-@pytest.mark.parametrize("call", CALLS)
-@pytest.mark.parametrize(("where", "name", "free_resolution"), LOOPS)
-def test_an_interrupt_leaves_a_tree(where, name, call, free_resolution, monkeypatch, tmp_path):
+@pytest.mark.parametrize("free_resolution", [None, 0.4])  # the thesis joins nothing
+@pytest.mark.parametrize("step", STEPS)
+def test_an_interrupt_leaves_a_tree(step, free_resolution, tmp_path):
     """Catches blocks that a loop took and its caller never heard of: the next scan took them again,
     the file was refused, and scores read beyond what they knew of the tree before."""
     map = QuadtreeMap(resolution=0.1, size=6.4, free_resolution=free_resolution)
     map.insert_scan(*scan(0))
     nearest_score(map, [(0, 0)], (1, 1, 0))  # it remembers the tree as it is
-    loop, left = getattr(where, name), [call]
+    left = step
 
-    def interrupted(*given):
-        found, left[0] = loop(*given), left[0] - 1
-        if left[0] == -1:
+    def count(frame, event, argument):
+        nonlocal left
+        left -= event in ("call", "return")
+        if left == 0:
+            sys.setprofile(None)
             raise KeyboardInterrupt
-        return found
 
-    monkeypatch.setattr(where, name, interrupted)
-    with suppress(KeyboardInterrupt):
-        for seed in (1, 2):
-            map.insert_scan(*(20 * part for part in scan(seed)))
-    monkeypatch.undo()
-    assert left[0] < call, "the loop was never called"
+    scans = [[20 * part for part in scan(seed)] for seed in (1, 2)]
+    try:
+        sys.setprofile(count)
+        for each in scans:
+            map.insert_scan(*each)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        sys.setprofile(None)
     for seed in (None, 3):
         if seed is not None:
             map.insert_scan(*scan(seed))
