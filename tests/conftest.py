@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from hypothesis import settings
+from programs import program
 
 #: Files of tests lie in memory where there is much of it: a slow disk doubles the time they take.
 MEMORY = Path("/dev/shm")
@@ -156,7 +157,7 @@ def workloads():
 @pytest.fixture
 def run(tmp_path, monkeypatch, capsys):
     """Run a command in a folder of its own: exit code, output, what is said beside it."""
-    from segmap.__main__ import main
+    main = program("segmap")
 
     monkeypatch.chdir(tmp_path)
 

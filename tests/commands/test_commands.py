@@ -24,6 +24,7 @@ from chapter_rules import links, markdown
 from conftest import later, slow
 from makefile import ROOT
 from mrpt_samples import BINARY_FILES
+from programs import program
 
 import segmap
 from segmap import (
@@ -36,12 +37,13 @@ from segmap import (
     reduction,
     simulation,
 )
-from segmap.__main__ import main
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.panels.workbench import Workbench
 from segmap.quadtree import QuadtreeMap
 from segmap.scans.causes import Cause, Finding
+
+main = program("segmap")
 
 plt = later("matplotlib.pyplot")
 
@@ -779,14 +781,14 @@ def test_control_c_ends_with_130_and_leaves_nothing_half_written(run, near, monk
 #: A method that does not hear of Control-C for hours.
 LOOP = """
 import sys
+from importlib import import_module
 from hashlib import pbkdf2_hmac
 from segmap import reduction
-from segmap.__main__ import main
 def forever(map):
     print("begun", flush=True)
     pbkdf2_hmac("sha256", b"", b"", 2**31 - 1)
 object.__setattr__(reduction.METHODS["hybrid"], "function", forever)
-sys.exit(main(["map", "room", "--method", "hybrid"]))
+sys.exit(import_module("segmap.__main__").main(["map", "room", "--method", "hybrid"]))
 """
 
 

@@ -13,9 +13,11 @@ from itertools import pairwise
 import pandas as pd
 import pytest
 from conftest import slow
+from programs import program
 
 from segmap import alignment, extraction, reduction
-from segmap.__main__ import main
+
+main = program("segmap")
 
 FUNCTIONS = {
     name: getattr(method, "function", method)

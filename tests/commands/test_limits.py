@@ -14,12 +14,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import tqdm
+from programs import program
 
 import segmap
 from segmap import alignment, experiments, exports, quadtree, readers, reduction
-from segmap.__main__ import main
 from segmap.alignment import Alignment, Verdict
 from segmap.scans.causes import Cause, Finding
+
+main = program("segmap")
 
 # ------------------------------------------------------------------------------- words
 

@@ -17,11 +17,11 @@ import numpy as np
 import pandas as pd
 import pytest
 import segmap_course as course
+from programs import program
 from segmap_course import load_trials, write_trials
 
 import segmap
 from segmap import LaserScan, Log, SegmentMap, exports, readers
-from segmap.__main__ import main
 from segmap.experiments import (
     load_alignments,
     load_records,
@@ -40,6 +40,8 @@ from segmap.files import (
 )
 from segmap.hokuyo import record
 from segmap.quadtree import QuadtreeMap
+
+main = program("segmap")
 
 LOG = Log("one", [LaserScan([1.0], [0.0])], [(0, 0, 0)])
 MAP = QuadtreeMap(resolution=0.5, size=2)

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import program
 
 from segmap import LaserScan, read
 from segmap.hokuyo import record
-from segmap.hokuyo.__main__ import main as program
+
+recorder = program("segmap.hokuyo")
 
 ANGLES = (np.arange(682) - 340) * 2 * np.pi / 1024
 
@@ -119,7 +121,7 @@ def test_what_cannot_be_recorded_is_told_before_a_sensor_is_asked(name, tmp_path
     before = sorted(tmp_path.iterdir())
     with pytest.raises((ValueError, OSError), match=IMPOSSIBLE[name]):
         record(NotAsked(), path)
-    assert program(["record", str(path), "--port", "/no-port"]) == 1
+    assert recorder(["record", str(path), "--port", "/no-port"]) == 1
     said = capsys.readouterr().err
     assert re.search(IMPOSSIBLE[name], said) and "/no-port" not in said
     assert sorted(tmp_path.iterdir()) == before
@@ -147,7 +149,7 @@ def test_trying_out_leaves_nothing(name, tmp_path, capsys, monkeypatch):
         if said.startswith("Permission"):
             monkeypatch.setattr(os, "open", refused)
             monkeypatch.setattr(Path, "mkdir", refused)
-        assert program(command + more) == 1
+        assert recorder(command + more) == 1
         assert said in capsys.readouterr().err
     monkeypatch.undo()
     assert sorted(tmp_path.rglob("*")) == before

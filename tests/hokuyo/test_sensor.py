@@ -7,11 +7,13 @@ import re
 import numpy as np
 import pytest
 from emulated import Wired, capture, connected, turn_of
+from programs import program
 
 from segmap.hokuyo import SensorError, UrgSensor, checksum, encode
-from segmap.hokuyo.__main__ import main as bench
 from segmap.hokuyo.emulator import Replay, Room, Unit
 from segmap.simulation import rectangular_room
+
+bench = program("segmap.hokuyo")
 
 #: Bit rates of an RS-232 line, the likeliest first.
 RATES = (115200, 19200, 57600, 38400, 500000, 250000, 750000)

@@ -7,12 +7,14 @@ import time
 
 import pytest
 from emulated import far_pattern, far_turn, needs_terminals, pattern, turn_of, wait_for
+from programs import program
 from scip import reply, scan_lines
 
 from segmap import read
-from segmap.hokuyo.__main__ import main as bench
 from segmap.hokuyo.emulator import Emulator
-from segmap.hokuyo.emulator.__main__ import main as emulate
+
+bench = program("segmap.hokuyo")
+emulate = program("segmap.hokuyo.emulator")
 
 FAR = {"tcp": "0", "model": "UST-10LX"}
 WORLDS = {"terminal": (pattern, turn_of, {}), "tcp": (far_pattern, far_turn, FAR)}

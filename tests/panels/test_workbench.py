@@ -20,10 +20,10 @@ import numpy as np
 import pytest
 from driven_panels import LOG
 from emulated import wait_for
+from programs import program
 
 import segmap
 from segmap import Log, SegmentMap, alignment, exports, progress, readers, reduction
-from segmap.__main__ import main
 from segmap._display import facts
 from segmap.arrays import Metres, Radians, checked
 from segmap.experiments import pareto
@@ -37,6 +37,8 @@ from segmap.panels.workbench._page import SAVES
 from segmap.panels.workbench._source import OWN
 from segmap.plotting import thumbnail
 from segmap.progress import announce
+
+main = program("segmap")
 
 METHODS = {**alignment.METHODS, **reduction.METHODS}
 

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from driven_panels import parts_of, view_of
 from matplotlib.image import imread
+from programs import program
 
 import segmap
 from segmap import exports, readers
-from segmap.__main__ import main
 from segmap.panels import Workbench
+
+main = program("segmap")
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 from makefile import ROOT, lab_command, make
+from programs import program
 
 from segmap import METHODS, experiments, fusion, quality
 from segmap.metrics import invented, missed
@@ -105,7 +106,7 @@ def test_the_orders_under_both_judges_are_those_of_the_records():
 
 def test_the_session_of_commands_is_true(names, tmp_path, monkeypatch, capsys):
     """Catches a printed line, an option or a figure that the commands have left behind."""
-    from segmap.__main__ import main
+    main = program("segmap")
     from segmap.alignment import METHODS
 
     block = re.search(r"```console\n\$ segmap (.*?)\n(.*?)```", COMMAND, re.DOTALL)
@@ -124,7 +125,7 @@ def test_the_session_of_commands_is_true(names, tmp_path, monkeypatch, capsys):
 
 def test_the_commands_of_the_table_are_those_that_there_are(capsys):
     """Catches a new command that no newcomer hears of, and an ending that is no longer written."""
-    from segmap.__main__ import main
+    main = program("segmap")
 
     listed = re.findall(r"^\| `segmap (\w+)\b", COMMAND, re.MULTILINE)
     with pytest.raises(SystemExit):

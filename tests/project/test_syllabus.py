@@ -5,7 +5,9 @@ from pathlib import Path
 
 import minutes
 from chapter_rules import CHAPTERS, ROOT
-from segmap_course.__main__ import parser
+from programs import program
+
+parser = program("segmap_course", "parser")
 
 TEXT = minutes.SYLLABUS.read_text(encoding="utf-8")
 INSTRUCTOR = (ROOT / "notebooks/INSTRUCTOR.md").read_text(encoding="utf-8")

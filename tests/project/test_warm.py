@@ -8,12 +8,14 @@ import tomllib
 
 import numpy as np
 from makefile import ROOT
+from programs import program
 
 import segmap
 from segmap import _warm
-from segmap.__main__ import main
 from segmap.arrays import Array
 from segmap.compiled import Compiled, compiled
+
+main = program("segmap")
 
 
 def test_the_version_is_the_one_of_the_project():

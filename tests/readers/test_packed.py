@@ -11,9 +11,11 @@ import log_samples as samples
 import numpy as np
 import pytest
 from log_samples import CARMEN, CARMEN_NEW, CSV, ENCODINGS, RAWSEEDS
+from programs import program
 
 from segmap import LogError, exports, readers
-from segmap.__main__ import main
+
+main = program("segmap")
 
 zstd = pytest.importorskip("backports.zstd")
 

@@ -5,14 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import shared_file
+from scipy.spatial import cKDTree
 
 from segmap import load, read
 from segmap.alignment import pose_graph, position_errors
-from segmap.alignment.points._point_map import PointMap
 from segmap.metrics import relation_errors
 from segmap.poses import between, transform
 from segmap.scans import Log
 from segmap.simulation import OdometryNoise, drifting_odometry
+
+#: Side of the cells of walls, and how far beside one a point may lie, metres.
+CELL, BAND = 0.05, 0.06
 
 
 def test_malaga():
@@ -93,12 +96,11 @@ def _walls_fit(log, poses, old, new, relative):
         )
         for at, half in ((old, 12), (new, 6))
     )
-    map, best = PointMap(there), 0.0
+    walls, best = cKDTree(np.unique(np.floor(there / CELL), axis=0)), 0.0
     shifts = np.arange(-0.2, 0.21, 0.1)
     for turn in np.radians([-2, -1, 0, 1, 2]):
         for shift in np.stack(np.meshgrid(shifts, shifts), -1).reshape(-1, 2):
-            points = transform(relative + (*shift, turn), here)
-            cells = np.floor((points - map.corner) / 0.05).astype(int)
-            inside = (cells >= 0).all(1) & (cells < map.levels[0].shape).all(1)
-            best = max(best, map.levels[0][tuple(cells[inside].T)].sum() / 255 / len(here))
+            cells = np.floor(transform(relative + (*shift, turn), here) / CELL)
+            away = CELL * walls.query(cells)[0]
+            best = max(best, np.exp(-(away**2) / (2 * BAND**2)).mean())
     return best

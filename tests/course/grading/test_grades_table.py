@@ -9,10 +9,12 @@ from datetime import datetime
 from pathlib import Path
 
 import pytest
-from segmap_course.__main__ import main
+from programs import program
 from segmap_course.grading import Table, class_report, duplicates, write_feedback
 from segmap_course.grading.handout import Task
 from submitted import rows_of
+
+main = program("segmap_course")
 
 STUB = "def my_f(x): ..."
 F = Task("f", "x", ("my_f",), 4, stub=STUB)

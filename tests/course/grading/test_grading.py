@@ -14,12 +14,14 @@ import pytest
 import segmap_course as course
 import submitted
 from makefile import ROOT, make
+from programs import program
 from segmap_course import EXERCISES
-from segmap_course.__main__ import main
 from segmap_course.exercises import decode, encode
 from segmap_course.grading import Limits, graded, plan_of, write_feedback
 from segmap_course.grading.handout import Task
 from submitted import solution
+
+main = program("segmap_course")
 
 LIMITS = Limits(seconds=30, cpu=10)
 TASK = Task(

@@ -5,10 +5,12 @@ import re
 
 import pytest
 from chapter_rules import CHAPTERS
+from programs import program
 from segmap_course import EXERCISES, OPEN_EXERCISES
-from segmap_course.__main__ import main
 from segmap_course.grading.handout import defines
 from submitted import solution
+
+main = program("segmap_course")
 
 
 @pytest.fixture(scope="module")

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 import submitted
+from programs import program
 from segmap_course import EXERCISES
-from segmap_course.__main__ import main
 from segmap_course.grading import graded, plan_of, read_key
 from segmap_course.grading.handout import Task
 from submitted import rows_of
+
+main = program("segmap_course")
 
 F = Task("f", "x", ("my_f", "my_g"), 4, stub="def my_f(): ...\nmy_g = 0")
 
