@@ -186,7 +186,8 @@ def test_fewer_beams_spread_along_the_walls():
     far = np.stack([np.linspace(8, 10, 20), np.full(20, 9.0)], -1)
     scan = scan_of(np.concatenate([near, far]))
     for wall in ([(0, 1), (2, 1)], [(8, 9), (10, 9)]):  # half of the beams are explained
-        found = search(SegmentMap([wall]), scan, beams=40, least=0.3, most_places=99)
+        known = SegmentMap([wall, [(0, -0.1), (0.05, -0.1)]])  # and where the robot stands
+        found = search(known, scan, beams=40, least=0.3, most_places=99)
         assert found.scores[0] == pytest.approx(0.5, abs=0.08)
     assert len(search(SegmentMap([[(0, 1), (2, 1)]]), scan_of(np.ones((9, 2))), beams=3)) > 0
 
