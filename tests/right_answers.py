@@ -196,6 +196,39 @@ def frontier_by_shifts(grid):
     return found.astype(int).tolist()
 
 
+def cost_by_masked_average(distances, beside, lengths, penalty):
+    some = [(d[p], lengths[p]) for d, p in zip(distances, beside, strict=True) if p.any()]
+    means = [np.average(d, weights=sizes) for d, sizes in some]
+    return (sum(means) + penalty * (len(distances) - len(means))) / len(distances)
+
+
+def mean_of_complex_numbers(u, v, weight_u, weight_v):
+    (a, b), (c, d) = (s @ [1, 1j] for s in (u, v))
+    first, second = b - a, d - c
+    second = second if (second / first).real > 0 else -second
+    turn = np.angle(second / first)
+    middle = (weight_u * (a + b) + weight_v * (c + d)) / 2 / (weight_u + weight_v)
+    return middle.real, middle.imag, np.angle(first) + weight_v / (weight_u + weight_v) * turn
+
+
+def noise_by_a_loop(apart):
+    found = 1.4826 * np.median([abs(d) for d in apart])
+    for _ in range(10):
+        kept = [d * d for d in apart if abs(d) <= 2.5 * found]
+        found = math.sqrt(sum(kept) / len(kept) / 0.9113)
+    return found / math.sqrt(2)
+
+
+def far_ends_by_pairs(members):
+    points = [tuple(p) for s in members for p in s]
+    return max(((p, q) for p in points for q in points), key=lambda pair: math.dist(*pair))
+
+
+def laplacian_by_rows(count, edges, weights):
+    rows = np.eye(count)[edges[:, 0]] - np.eye(count)[edges[:, 1]]
+    return rows.T @ (weights[:, None] * rows)
+
+
 #: Exercise -> its answer. Some use helpers of the library, some lists or whole numbers.
 RIGHT = {
     "compose": composed_by_complex_numbers,
@@ -238,5 +271,11 @@ RIGHT = {
     "pose_covariance": pose_covariance_closed,
     "verdict": verdict_by_parts,
     "invented_metres": metres_between_ends,
+    "pose_cost": cost_by_masked_average,
+    "mean_line": lambda u, v, a, b: mean_of_complex_numbers(u, v, a, b),
+    "look_noise": noise_by_a_loop,
+    "building_axis": lambda a, w: np.angle((w * np.exp(4j * a)).sum()) / 4 % (np.pi / 2),
+    "far_ends": far_ends_by_pairs,
+    "laplacian": laplacian_by_rows,
     "memberships": lambda squares, noise: softmax(-np.log(np.append(squares, noise**2)))[:-1],
 }

@@ -1,4 +1,4 @@
-"""`segmap merge FIRST SECOND`: one map of two sessions in one building, or why they cannot be merged."""
+"""`segmap merge FIRST SECOND`: one map of two sessions, or why they cannot be merged."""
 
 from __future__ import annotations
 

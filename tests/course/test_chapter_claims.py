@@ -7,12 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from segmap_course import compare_with_walls, represent
 
-from segmap import alignment, simulation
+from segmap import SegmentMap, alignment, simulation
 from segmap.angles import wrap
-from segmap.extraction import extract_polylines
-from segmap.poses import between
+from segmap.extraction import build_map, extract_polylines
+from segmap.metrics import quality
+from segmap.poses import between, transform
+from segmap.quadtree import without_passers
+from segmap.reduction import fusion, fusion_online, hybrid, hybrid_fusion, least_cost
 from segmap.scans import Log
+from segmap.segments import point_distance
 
 pytestmark = pytest.mark.slow
 
@@ -138,7 +143,11 @@ def test_the_heading_jumps_more_in_wider_corridors(seed):
     assert (np.diff(by_lines) > 0).all() and (by_lines > by_wheels).all()
 
 
-def office_pairs(seed: int) -> list[tuple]:
+#: A laser that sees all round, beside those of the library.
+ALL_ROUND = simulation.Sensor("all round", 720, -np.pi, np.pi / 360, max_range=12.0, sigma=0.01)
+
+
+def office_pairs(seed: int, sensor: simulation.Sensor = simulation.URG_04LX) -> list[tuple]:
     """Sixty pairs of scans of simulated offices, as in chapter 32, and how they really lie."""
     rng, pairs = np.random.default_rng(seed), []
     for _ in range(60):
@@ -146,7 +155,7 @@ def office_pairs(seed: int) -> list[tuple]:
         at = (rng.uniform(1, 3), rng.choice([2.5, 7.5]) + rng.uniform(-0.5, 0.5))
         p = np.array([*at, rng.uniform(-np.pi, np.pi)])
         q = p + [*rng.uniform(-0.7, 0.7, 2), rng.uniform(-np.pi, np.pi)]
-        scans = simulation.simulate(walls, [p, q], sensor=simulation.URG_04LX, rng=rng)
+        scans = simulation.simulate(walls, [p, q], sensor=sensor, rng=rng)
         pairs.append((*(extract_polylines(s.points()) for s in scans), between(p, q)))
     return pairs
 
@@ -179,3 +188,131 @@ def test_angles_are_seldom_wrong_in_one_office_and_random_walls_miss_most():
     assert min(right for right, _ in believed) >= 45
     assert sum(wrong for _, wrong in believed) <= 1
     assert max(wrong for _, wrong in undoubted) <= 5 < sum(wrong for _, wrong in undoubted)
+
+
+AS_TOLD = {"penalty": 0.0, "rival": 1.0, "least_share": 1e-6, "least_across": 1e-6}
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 32])
+def test_with_a_laser_of_half_a_turn_the_ways_to_pair_walls_are_alike(seed):
+    """Chapter 32: the SICK; the penalty leaves many wrong matches, doubt few of them."""
+    pairs = office_pairs(seed, simulation.SICK_LMS200)
+    few = [
+        right_and_wrong(pairs, heuristic=name, most_pairs=10)
+        for name in ("consecutive", "random", "perpendicular", "all")
+    ]
+    assert all(28 <= right <= 35 and wrong <= 4 for right, wrong in few)
+    assert max(right for right, _ in few) - min(right for right, _ in few) <= 3
+    hidden, doubted = (right_and_wrong(pairs, **o) for o in (AS_TOLD | {"penalty": 4.0}, {}))
+    assert 10 <= hidden[1] <= 14 and doubted[1] <= 4 and doubted[0] < 0.85 * hidden[0]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 32])
+def test_with_a_laser_that_sees_all_round_only_random_pairs_miss(seed):
+    """Chapter 32: and the method as told is right in nearly all pairs."""
+    pairs = office_pairs(seed, ALL_ROUND)
+    few = {
+        name: right_and_wrong(pairs, heuristic=name, most_pairs=10)
+        for name in ("consecutive", "random", "perpendicular", "all")
+    }
+    assert few.pop("random")[0] <= 45 and min(right for right, _ in few.values()) >= 58
+    assert right_and_wrong(pairs, **AS_TOLD, whole=True)[0] >= 58
+
+
+def graph_poses(log: Log) -> np.ndarray:
+    """Poses of our pose graph, laid as a whole on the true ones."""
+    return alignment.align_to_truth(alignment.pose_graph(log).poses, log.truth, best=True)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("sensor", ["URG", "SICK", "all round"])
+def test_reduced_segments_are_as_good_as_the_poses(sensor, seed):
+    """Chapter 66: a few mm with true poses, some more with a graph's; as far off as the poses."""
+    eye = {"URG": simulation.URG_04LX, "SICK": simulation.SICK_LMS200, "all round": ALL_ROUND}
+    walls = simulation.office(rng=np.random.default_rng(2012), rooms=2)
+    way = simulation.drive([(0.7, 5), (3.3, 5), (2, 5), (2, 7.4)], step=0.2, turn=0.3)
+    rng = np.random.default_rng(seed)
+    log = simulation.simulate(walls, way, sensor=eye[sensor], rng=rng)
+    errors = []
+    for sigma in (0.0, 0.01, 0.02):
+        off = rng.normal(size=way.shape) * (sigma, sigma, np.radians(15 * sigma))
+        found = represent(log, log.truth + off)
+        errors.append(compare_with_walls(found, walls).loc["reduced segments", "error"])
+    of_graph = represent(log, graph_poses(log))
+    errors.append(compare_with_walls(of_graph, walls).loc["reduced segments", "error"])
+    true, one_cm, two_cm, graph = errors
+    assert true < 0.004 and graph < 0.0045
+    assert 0.005 < one_cm < 0.010 and 0.016 < two_cm < 0.030
+
+
+EYES = {"URG": simulation.URG_04LX, "SICK": simulation.SICK_LMS200, "all round": ALL_ROUND}
+#: How far each pose errs on its own, metres; "graph" stands for the poses of our pose graph.
+POSES = (0.0, 0.01, 0.02, "graph")
+
+
+def rooms_seen(sensor: str, poses: float | str, seed: int) -> SegmentMap:
+    """The map of a drive through two rooms, from poses of one kind."""
+    walls = simulation.office(rng=np.random.default_rng(2012), rooms=2)
+    way = simulation.drive([(0.7, 5), (3.3, 5), (2, 5), (2, 7.4)], step=0.2, turn=0.3)
+    rng = np.random.default_rng(seed)
+    log = simulation.simulate(walls, way, sensor=EYES[sensor], rng=rng)
+    if isinstance(poses, str):
+        return build_map(log, graph_poses(log))
+    off = rng.normal(size=way.shape) * (poses, poses, np.radians(15 * poses))
+    return build_map(log, log.truth + off)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("poses", POSES)
+@pytest.mark.parametrize("sensor", EYES)
+def test_the_quality_of_least_cost_is_never_below_the_promise(sensor, poses, seed):
+    """Chapter 58: for any map; the promise is one for the worst map, and here it is far below."""
+    seen = rooms_seen(sensor, poses, seed)
+    for penalty in (0.015, 0.07, 0.3):
+        kept = least_cost(seen, penalty=penalty)
+        spent = penalty * (len(seen) - len(kept)) / len(seen)
+        assert quality(seen, kept) >= np.exp(-spent / 0.05)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("poses", POSES)
+@pytest.mark.parametrize("sensor", EYES)
+def test_fusion_on_line_leaves_fewer_segments_where_each_pose_errs(sensor, poses, seed):
+    """Chapter 54: a third at 2 cm; as many where poses are true or a graph's. Hybrid leaves most
+    of the three on-line ones."""
+    seen = rooms_seen(sensor, poses, seed)
+    at_end, online, alone, both = (f(seen) for f in (fusion, fusion_online, hybrid, hybrid_fusion))
+    if poses == 0.02:
+        assert len(online) < 0.7 * len(at_end)
+        assert quality(seen, online) < quality(seen, at_end) - 0.03
+    else:
+        assert len(online) <= len(at_end) <= len(online) + (3 if poses == 0.01 else 0)
+    assert len(alone) > 1.3 * max(len(online), len(both))
+
+
+def walked(seed: int, people: int) -> tuple[Log, np.ndarray]:
+    """A log of a corridor with people who walk past the robot; and the walls, as in chapter 62."""
+    rng, scans = np.random.default_rng(seed), []
+    walls, path = simulation.office(rng=rng), simulation.drive([(1.0, 5.0), (11.0, 5.0)], step=0.1)
+    y = 5 + rng.uniform(0.4, 0.7, people) * rng.choice([-1, 1], people)
+    starts, steps = rng.uniform(0, 11, people), rng.uniform(0.1, 0.25, people)
+    for k in range(len(path)):
+        at = zip(0.5 + (starts + k * steps) % 11, y, strict=True)
+        there = np.concatenate([walls, *(simulation.box(0.4, 0.25, (*xy, 0)) for xy in at)])
+        eye = simulation.SICK_LMS200
+        scans += simulation.simulate(there, path[k : k + 1], sensor=eye, rng=rng)
+    return Log("office", scans, path), walls
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_many_people_hide_one_another(seed):
+    """Chapter 62: of ten most beams go, of forty less than half; walls stay either way."""
+    for people, least, most in ((10, 0.6, 1.0), (40, 0.15, 0.45)):
+        log, walls = walked(seed, people)
+        met = []
+        for seen in (log, without_passers(log, log.truth)):
+            ends = [transform(p, s.points()) for p, s in zip(seen.truth, seen, strict=True)]
+            off = point_distance(np.concatenate(ends)[:, None], walls).min(axis=1)
+            met.append([(off < 0.06).sum(), (off > 0.12).sum()])
+        wall, gone = 1 - np.divide(met[1], met[0])
+        assert least < gone < most and wall < 0.01

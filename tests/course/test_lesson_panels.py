@@ -10,19 +10,32 @@ from driven_panels import LEANING, LOG, ROOM, WALLS, assert_answers, unpainted
 from quadtrees import leaves_of
 
 from segmap import LaserScan, Log, SegmentMap, fusion, load, quality
-from segmap.alignment import backbone_steps, match_angles, match_points, odometry, pose_graph
+from segmap.alignment import (
+    backbone_steps,
+    match_angles,
+    match_points,
+    match_segments,
+    odometry,
+    pose_graph,
+)
 from segmap.exports import ros_classes
 from segmap.extraction import extract_polylines
 from segmap.plotting import RESULT
-from segmap.poses import transform
+from segmap.poses import between, transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.reduction import (
     basic_offline,
     basic_online,
+    fusion_online,
+    fuzzy_clustering,
+    fuzzy_set,
     hybrid,
+    hybrid_fusion,
     least_cost,
     mean_shift,
     polyline,
+    segment_similarity,
+    uncertain_parameters,
     viewing_sector,
     weighted_line_fitting,
 )
@@ -63,11 +76,12 @@ PANELS = {
     "AnglePanel": ((LOG,), "rank", 1),
     "BackbonePanel": ((LOG,), "scan", 3),
     "BasicPanel": ((WALLS,), "distance", 0.05),
-    "ChainPanel": ((BENT,), "tolerance", 0.4),
+    "EarlyMethodsPanel": ((BENT,), "tolerance", 0.4),
     "ClassesPanel": ((build_map(LOG, LOG.truth),), "occupied", 0.9),
     "ClusterPanel": ((LOG[0],), "gap", 0.05),
     "DistancePanel": ((), "angle", 30),
     "FusionPanel": ((WALLS,), "tolerance", 0.12),
+    "GlobalPanel": ((LOG,), "similar", 0.05),
     "GroundTruthPanel": ((LOG,), "late", 0.1),
     "HybridPanel": ((LEANING,), "origin", 20),
     "IcpPanel": ((LOG[0].points(), LOG[1].points(), (0.5, 0, 0)), "x", -0.2),
@@ -79,6 +93,7 @@ PANELS = {
         3,
     ),
     "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
+    "OnlinePanel": ((WALLS,), "by", "fusion_online"),
     "PlacePanel": ((build_map(LOG, LOG.truth, resolution=0.05), LOG), "scan", 2),
     "ParticlePanel": ((LOG,), "particles", 2),
     "MovingPanel": ((ROOM, (1, 1, 0)), "turn", 150),
@@ -88,9 +103,10 @@ PANELS = {
     "RoomPanel": ((ROOM, (1, 1, 0)), "beams", 51),
     "RoutePanel": ((OPEN, (1, 1), (1, 1.5)), "goal_x", 2.0),
     "SectorPanel": ((DOOR,), "scan", 0),
+    "SegmentIcpPanel": ((LOG,), "x", 1.5),
     "StoragePanel": ((LOG, LOG.truth, ROOM), "resolution", 10.0),
     "WallsPanel": ((), "distance", 0.1),
-    "WeightedPanel": ((WALLS,), "place", 0.10),
+    "LineErrorPanel": ((WALLS,), "place", 0.10),
 }
 
 
@@ -119,8 +135,8 @@ def test_keywords_of_the_method_are_shown_at_first_in_one_unit_whatever_the_pane
         shown = panel(WALLS, distance=0.3, angle=np.radians(20))
         assert (shown.distance.value, shown.angle.value) == (0.3, 20)
         assert shown.angle.description == "angle [degrees]" and shown.angle.min == 1
-        assert shown.chosen() == {"distance": 0.3, "angle": np.radians(20)}
-    assert course.WeightedPanel(WALLS, place=0.1).chosen()["sigma_place"] == 0.1
+        assert shown.chosen().items() >= {"distance": 0.3, "angle": np.radians(20)}.items()
+    assert course.LineErrorPanel(WALLS, place=0.1).chosen()["sigma_place"] == 0.1
     with pytest.raises(TypeError, match="BasicPanel has no keyword count, tolerance"):
         course.BasicPanel(WALLS, tolerance=0.3, count=4)
 
@@ -149,12 +165,21 @@ def test_the_icp_panel_keeps_the_whole_moving_scan_in_the_picture(figures):
         ("HybridPanel", LEANING, hybrid, {"angle": 5, "distance": 0.05}),
         ("MeanShiftPanel", CORNER, mean_shift, {"sigma": 0.5, "angle": 10}),
         ("MeanShiftPanel", CORNER, mean_shift, {"sigma": 0.5, "angle": 1}),
-        ("WeightedPanel", WALLS, weighted_line_fitting, {"place": 0.1, "heading": 2, "chi2": 3}),
-        ("WeightedPanel", WALLS, weighted_line_fitting, {"place": 0.2, "gap": 0, "chi2": 30}),
+        ("LineErrorPanel", WALLS, weighted_line_fitting, {"place": 0.1, "heading": 2, "chi2": 3}),
+        ("LineErrorPanel", WALLS, weighted_line_fitting, {"place": 0.2, "gap": 0, "chi2": 30}),
         ("LeastCostPanel", WALLS, least_cost, {"penalty": 0.4, "distance": 0.2}),
         ("LeastCostPanel", BROKEN, least_cost, {"gap": 0.09}),
-        ("ChainPanel", BENT, polyline, {"tolerance": 0.4, "far": 0.25}),
-        ("ChainPanel", BENT, polyline, {"bridge": 0.0}),
+        ("EarlyMethodsPanel", BENT, polyline, {"tolerance": 0.4, "far": 0.25}),
+        ("EarlyMethodsPanel", BENT, polyline, {"bridge": 0.0}),
+        ("LineErrorPanel", WALLS, uncertain_parameters, {"distance": 0.2, "angle": 20}),
+        ("LineErrorPanel", WALLS, uncertain_parameters, {"eps": 0.05}),
+        ("LineErrorPanel", WALLS, segment_similarity, {"cost": 0.1}),
+        ("EarlyMethodsPanel", WALLS, fuzzy_set, {"across": 0.04, "along": 0.1, "angle": 5}),
+        ("EarlyMethodsPanel", WALLS, fuzzy_clustering, {"cell": 1, "noise": 0.3}),
+        ("OnlinePanel", BENT, hybrid_fusion, {"tolerance": 0.2, "every": 1, "distance": 0.4}),
+        ("OnlinePanel", BENT, hybrid_fusion, {"min_length": 1.0}),
+        ("OnlinePanel", BENT, fusion_online, {"tolerance": 0.2}),
+        ("HybridPanel", LEANING, hybrid, {"min_length": 0}),
         ("SectorPanel", DOOR, viewing_sector, {"forget": False}),
         ("SectorPanel", DOOR, viewing_sector, {"rejoin": False}),
         ("SectorPanel", DOOR, viewing_sector, {"min_length": 1.0, "distance": 0.02}),
@@ -163,11 +188,13 @@ def test_the_icp_panel_keeps_the_whole_moving_scan_in_the_picture(figures):
 def test_a_panel_of_a_reduction_shows_what_the_method_finds(name, map, method, settings):
     """Catches degrees taken for radians, thresholds not handed on, a box without effect."""
     panel = getattr(course, name)(map)
+    if method.__name__ in getattr(getattr(panel, "by", None), "options", ()):
+        panel.by.value = method.__name__
     for control, value in settings.items():
         getattr(panel, control).value = value
     if method is basic_online:
         panel.online.value = True
-    named = {"place": "sigma_place", "heading": "sigma_heading"}
+    named = {"place": "sigma_place", "heading": "sigma_heading", "cost": "distance"}
     given = {named.get(k, k): v for k, v in settings.items()}
     given |= {k: np.radians(given[k]) for k in ("angle", "sigma_heading") if k in given}
     if method is mean_shift:
@@ -177,6 +204,48 @@ def test_a_panel_of_a_reduction_shows_what_the_method_finds(name, map, method, s
     assert panel.reduction.method == method.__name__
     assert panel.count.value == f"{len(found)} of {len(map)} segments left"
     assert panel.quality.value.startswith(f"quality {quality(map, found):.1%}")
+
+
+@unpainted
+def test_thresholds_of_other_methods_are_grey_and_not_handed_on():
+    """Catches a slider that moves and changes nothing, and one that stays grey."""
+    panel = course.LineErrorPanel(WALLS)
+    assert not panel.chi2.disabled and panel.eps.disabled and panel.cost.disabled
+    panel.by.value = "segment_similarity"
+    assert panel.chosen() == {"distance": 0.03}
+    assert panel.chi2.disabled and panel.eps.disabled and not panel.cost.disabled
+    panel.reset()
+    assert not panel.chi2.disabled and panel.cost.disabled
+
+
+@unpainted
+@pytest.mark.parametrize("name", ["LineErrorPanel", "EarlyMethodsPanel", "OnlinePanel"])
+def test_the_sliders_of_each_method_end_where_it_ends(name):
+    """Catches a slider that reaches a value which its method refuses."""
+    panel = getattr(course, name)(BENT)
+    for chosen in panel.by.options:
+        panel.by.value = chosen
+        for slid in [part for part in panel._controls if hasattr(part, "min")]:
+            for end in (slid.min, slid.max):
+                if not slid.disabled:
+                    slid.value = end
+                    assert panel.reduction.method == chosen
+
+
+@unpainted
+def test_segment_icp_panel_begins_off_the_truth_and_ends_in_the_match():
+    """Catches degrees taken for radians, thresholds not handed on, a start about another pose."""
+    panel = course.SegmentIcpPanel(LOG, apart=2)
+    first, second = (extract_polylines(LOG[k].points()) for k in (0, 2))
+    real = between(LOG.truth[0], LOG.truth[2])
+    for chosen in ({"angle": 30, "distance": 0.5}, {"share": 0.9, "angle": 2}):
+        for control, value in chosen.items():
+            getattr(panel, control).value = value
+        turned = {k: np.radians(v) if k == "angle" else v for k, v in chosen.items()}
+        found = match_segments(first, second, real + [0.2, 0.2, np.radians(5)], **turned)
+        assert panel.match.matched == found.matched
+        np.testing.assert_allclose(panel.match.pose, found.pose, atol=1e-12)
+        panel.reset()
 
 
 def test_sector_panel_forgets_the_door_when_it_has_seen_through_it(figures):
@@ -331,7 +400,7 @@ def test_backbone_panel_shows_what_the_method_does():
         assert panel.turned.value == f"{turned}, {len(steps[k].lines.angle)} lines"
         assert panel.state.value == (steps[k].reason or "used")
     panel.min_length.value = 3.0
-    assert len(panel.step.segments) < len(steps[50].segments)
+    assert len(panel.now.segments) < len(steps[50].segments)
 
 
 @unpainted

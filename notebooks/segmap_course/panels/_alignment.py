@@ -1,4 +1,4 @@
-"""Panels of the chapters on ground truth, angle correspondence and the backbone."""
+"""Panels of the chapters on ground truth, on segments laid on segments, and on the backbone."""
 
 from __future__ import annotations
 
@@ -11,14 +11,16 @@ from segmap.alignment import (
     angle_candidates,
     backbone,
     backbone_steps,
+    global_segments,
     ground_truth,
     match_angles,
+    match_segments,
 )
 from segmap.alignment.angle_correspondence import Candidate
 from segmap.alignment.backbone import BackboneStep
 from segmap.extraction import extract_polylines
 from segmap.plotting import ERROR, MAP, RESULT, TRUTH, draw_alignment, draw_path, draw_segments
-from segmap.poses import transform
+from segmap.poses import between, transform
 from segmap.scans import Log
 
 from ..drawings import draw_backbone
@@ -88,13 +90,18 @@ class AnglePanel(LessonPanel):
 
     candidates: list[Candidate]
     match: Match
+    method = staticmethod(angle_candidates)
     scan = slide(lambda p: p.first, 0, lambda p: len(p.log) - 2, 1, "", label="first scan")
     apart = slide(
         lambda p: p.later, 1, lambda p: max(2, min(40, len(p.log) - 1)), 1, "", label="scans apart"
     )
     rank = slide(0, 0, 9, 1, "", label="candidate")
+    heuristic = keyword()
+    distance = keyword(0.01, 0.30, 0.01, label="T_p")
+    far = keyword(0.02, 0.60, 0.02)
+    long = keyword(0.0, 2.0, 0.1)
     found = verdict = note()
-    rows = ("scan", "apart", "rank", "found verdict")
+    rows = ("scan", "apart", "rank", "heuristic", "distance", "far", "long", "found verdict")
 
     def __init__(self, log: Log, *, scan: int = 0, apart: int = 1) -> None:
         if len(log) < 2:
@@ -107,10 +114,9 @@ class AnglePanel(LessonPanel):
         second = min(first + self.apart.value, len(self.log) - 1)
         walls, others = (extract_polylines(self.log[k].points()) for k in (first, second))
         places = (self.log[first].sensor_pose[:2], self.log[second].sensor_pose[:2])
-        self.candidates = angle_candidates(
-            walls, others, rng=np.random.default_rng(0), viewpoints=places
-        )
-        self.match = match_angles(walls, others, rng=np.random.default_rng(0), viewpoints=places)
+        chosen = {**self.chosen(), "viewpoints": places}
+        self.candidates = angle_candidates(walls, others, rng=np.random.default_rng(0), **chosen)
+        self.match = match_angles(walls, others, rng=np.random.default_rng(0), **chosen)
         ax = draw_segments(walls, ax=figure.subplots(), color=MAP)
         ax.set_title(f"scan {second} on scan {first}")
         found = self.match.matched
@@ -129,6 +135,92 @@ class AnglePanel(LessonPanel):
         return f"AnglePanel({pair}: {self.found.value}; {self.verdict.value})"
 
 
+class SegmentIcpPanel(LessonPanel):
+    """Two scans as segments, and how segment ICP moves one onto the other from a wrong start.
+
+    The scans of a log are `scan` and the one so many scans later; the start is off from where the
+    second belongs, by the truth, or by the odometry where no truth is known. The walls of the first
+    are black; those of the second are orange at the start, and blue at the end if there is a match.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> panel = SegmentIcpPanel(load("room"), scan=3, apart=2)
+    >>> panel.verdict.value
+    'match, overlap 1.00'
+    """
+
+    match: Match
+    method = staticmethod(match_segments)
+    scan = slide(lambda p: p.first, 0, lambda p: len(p.log) - 2, 1, "", label="first scan")
+    x = slide(0.2, -2.0, 2.0, 0.1, label="start off in x")
+    y = slide(0.2, -2.0, 2.0, 0.1, label="start off in y")
+    turn = slide(5, -45, 45, 1, "degrees", label="and turned")
+    angle = keyword(1, 45, 1)
+    distance = keyword(0.05, 1.0, 0.05)
+    share = keyword(0.05, 1.0, 0.05)
+    verdict = error = note()
+    rows = ("scan", "x", "y", "turn", "angle", "distance", "share", "verdict error")
+    words = "scan {scan}, {distance:.2f} m, {angle} degrees: {verdict}; {error}"
+
+    def __init__(self, log: Log, *, scan: int = 0, apart: int = 1, **first: float) -> None:
+        if len(log) < 2:
+            raise ValueError(f"log must hold at least two scans, got {len(log)}")
+        self.log, self.first, self.apart = log, scan, apart
+        self._truth = log.odometry if log.truth is None else log.truth
+        self._begin(**first)
+
+    def _draw(self, figure: Figure) -> None:
+        k = self.scan.value
+        later = min(k + self.apart, len(self.log) - 1)
+        walls, others = (extract_polylines(self.log[i].points()) for i in (k, later))
+        true = np.isfinite(self._truth[[k, later]]).all()
+        known = self._truth if true else self.log.odometry
+        real = between(known[k], known[later])
+        start = real + [self.x.value, self.y.value, self.turn.meant()]
+        self.match = found = match_segments(walls, others, start, **self.chosen())
+        x, y, turn = between(real, found.pose)
+        said = f"match, overlap {found.overlap:.2f}" if found.matched else f"none: {found.reason}"
+        self.verdict.value = said
+        self.error.value = f"{100 * np.hypot(x, y):.1f} cm, {abs(np.degrees(turn)):.1f} degrees off"
+        ax = draw_segments(walls, ax=figure.subplots(), color=MAP)
+        draw_segments(transform(start, others), ax=ax, color=ERROR, width=0.8)
+        if found.matched:
+            draw_segments(transform(found.pose, others), ax=ax, color=RESULT)
+        ax.set_title(f"scan {later} on scan {k}")
+
+
+class GlobalPanel(LessonPanel):
+    """A log aligned by its segments all at once, for what counts as similar (A 2.5.1).
+
+    `similar` and `angle` say which segments may be one wall, `spread` (A's sigma squared) how fast
+    a pair loses weight with its distance. The truth, where it is known, is green.
+    """
+
+    alignment: Alignment
+    method = staticmethod(global_segments)
+    similar = keyword(0.05, 0.60, 0.05)
+    angle = keyword(2, 45, 1)
+    spread = keyword(0.005, 0.50, 0.005)
+    count = error = note()
+    rows = ("similar", "angle", "spread", "count error")
+    words = "similar {similar:.2f} m, spread {spread:.3f} m: {count}, {error}"
+
+    def __init__(self, log: Log, **first: float) -> None:
+        if log.truth is None or not np.isfinite(log.odometry).all():
+            raise ValueError(f"log {log.name!r} must have odometry, and the truth of each scan")
+        self.log, self.truth = log, log.truth
+        self._begin(**first)
+
+    def _draw(self, figure: Figure) -> None:
+        self.alignment = found = global_segments(self.log, **self.chosen())
+        self.count.value = f"{found.used.sum()} of {len(self.log)} scans used"
+        off = np.hypot(*(found.poses - self.truth)[:, :2].T)
+        self.error.value = f"{off[-1]:.2f} m off at the end, {off.max():.2f} m at most"
+        ax = draw_alignment(self.log, found, ax=figure.subplots())
+        ax.plot(*self.truth[:, :2].T, color=TRUTH, linewidth=1)
+
+
 class BackbonePanel(LessonPanel):
     """A log, scan by scan: the lines of the backbone, and how the scan is turned and placed.
 
@@ -137,33 +229,38 @@ class BackbonePanel(LessonPanel):
     whether the scan was used, or why not.
     """
 
-    step: BackboneStep
+    now: BackboneStep
     method = staticmethod(backbone)
     scan = slide(0, 0, lambda p: len(p.log) - 1, 1, "")
     play = play("scan")
     min_length = keyword(0.2, 3.0, 0.1)
+    distance = keyword(0.05, 1.0, 0.05, label="delta: distance")
+    angle = keyword(1, 45, 1, label="theta: angle")
+    step = keyword(0.05, 2.0, 0.05, label="eps: step")
+    rotation = keyword(5, 120, 5, label="gamma: rotation")
     state = turned = note()
-    rows = ("play scan", "min_length", "state turned")
+    rows = ("play scan", "min_length", "distance", "angle", "step", "rotation", "state turned")
     words = "scan {scan}, min_length {min_length:.1f} m: {state}; {turned}"
 
     def __init__(self, log: Log, **first: float) -> None:
         if not len(log):
             raise ValueError("log must hold at least one scan, got none")
         self.log = log
-        self._known: dict[float, list[BackboneStep]] = {}
+        self._known: dict[tuple[float, ...], list[BackboneStep]] = {}
         self._begin(**first)
 
     def _draw(self, figure: Figure) -> None:
-        k, length = self.scan.value, self.min_length.value
-        if length not in self._known:
-            self._known[length] = backbone_steps(self.log, min_length=length)
-        steps = self._known[length]
-        self.step = steps[k]
-        self.state.value = self.step.reason or "used"
-        turned = f"turned by {np.degrees(self.step.rotation):.2f} deg"
-        self.turned.value = f"{turned}, {len(self.step.lines.angle)} lines"
+        k, chosen = self.scan.value, self.chosen()
+        asked = tuple(chosen.values())
+        if asked not in self._known:
+            self._known[asked] = backbone_steps(self.log, **chosen)
+        steps = self._known[asked]
+        self.now = steps[k]
+        self.state.value = self.now.reason or "used"
+        turned = f"turned by {np.degrees(self.now.rotation):.2f} deg"
+        self.turned.value = f"{turned}, {len(self.now.lines.angle)} lines"
         way = np.array([s.pose for s in steps])
-        ax = draw_backbone(self.step, ax=figure.subplots())
+        ax = draw_backbone(self.now, ax=figure.subplots())
         draw_path(way[: k + 1], ax=ax, color=RESULT)
         low, high = way[:, :2].min(0) - MARGIN, way[:, :2].max(0) + MARGIN
         ax.set(title=f"scan {k}", xlim=(low[0], high[0]), ylim=(low[1], high[1]))

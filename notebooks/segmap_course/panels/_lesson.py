@@ -31,6 +31,8 @@ class Part:
     of: str | None = None
     #: What a sentence says of a box that is not ticked, and of one that is.
     says: tuple[str, str] | None = None
+    #: What the list `by` must say for it to count; empty: anything. Else it is greyed.
+    only: tuple[str, ...] = ()
 
 
 class LessonPanel(Panel):
@@ -41,6 +43,8 @@ class LessonPanel(Panel):
     """
 
     method: Any
+    #: The list from which a method is chosen, where a panel has several.
+    by: Any
     rows: tuple[str, ...]
     words: str
     pixels: Any = {}  # noqa: RUF012
@@ -53,13 +57,24 @@ class LessonPanel(Panel):
             raise TypeError(f"{type(self).__name__} has no keyword {', '.join(sorted(unknown))}")
         for name, part in self._parts.items():
             setattr(self, name, part.make(self, name, first.get(name)))
+        if any(part.only for part in self._parts.values()):
+            self.by.observe(self._grey, "value")
+            self._grey()
         rows = [tuple(getattr(self, name) for name in row.split()) for row in self.rows]
         self._assemble(*rows, **self.pixels)
 
+    def _grey(self, change: Any = None) -> None:
+        """Disable what means nothing to the method that is chosen."""
+        for name, part in self._parts.items():
+            if part.only:
+                getattr(self, name).disabled = self.by.value not in part.only
+
     def chosen(self) -> dict[str, Any]:
         """The keywords of the method as the controls stand, in its units."""
-        parts = {name: part.of for name, part in self._parts.items() if part.of is not None}
-        return {of or name: getattr(self, name).meant() for name, of in parts.items()}
+        parts = {n: part for n, part in self._parts.items() if part.of is not None}
+        said = {name: getattr(self, name) for name in parts}
+        counts = {n: p for n, p in parts.items() if not p.only or self.by.value in p.only}
+        return {part.of or name: said[name].meant() for name, part in counts.items()}
 
     def __repr__(self) -> str:
         said = {name: getattr(self, name).value for name in self._parts}
@@ -68,27 +83,43 @@ class LessonPanel(Panel):
 
 
 def keyword(
-    least: Any = None, most: Any = None, step: Any = None, *, of: str = "", **more: Any
+    least: Any = None,
+    most: Any = None,
+    step: Any = None,
+    *,
+    of: str = "",
+    by: tuple[Callable[..., Any], ...] = (),
+    **more: Any,
 ) -> Any:
     """A slider, or a box to tick, for a keyword of the panel's method: its unit and its default.
 
     The range is as it is read, angles in degrees; `of` is the keyword, where the control has
-    another name. More is a `label`, or a `value` at first in place of the default.
+    another name, and `by` the methods that have it, where the panel has several. More is a `label`,
+    or a `value` at first in place of the default.
     """
 
     def make(panel: LessonPanel, name: str, first: Any) -> Any:
         given = more if first is None else more | {"value": first}
-        return control(panel.method, of or name, least=least, most=most, step=step, **given)
+        function = by[0] if by else panel.method
+        return control(function, of or name, least=least, most=most, step=step, **given)
 
-    return Part(make, of)
+    return Part(make, of, only=tuple(function.__name__ for function in by))
 
 
 def slide(
-    first: Any, least: Any, most: Any, step: float, unit: str = "m", *, label: str = ""
+    first: Any,
+    least: Any,
+    most: Any,
+    step: float,
+    unit: str = "m",
+    *,
+    label: str = "",
+    only: tuple[str, ...] = (),
 ) -> Any:
     """A slider for anything else; the first three may be functions of the panel.
 
-    `meant()` is its value in metres or radians.
+    `meant()` is its value in metres or radians; `only` are the choices of `by` with which it
+    counts.
     """
 
     def make(panel: LessonPanel, name: str, _: Any) -> Any:
@@ -97,7 +128,7 @@ def slide(
         made.meant = lambda: MEANT.get(unit, float)(made.value)
         return made
 
-    return Part(make)
+    return Part(make, only=only)
 
 
 def play(moved: str, **more: int) -> Any:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -107,10 +109,23 @@ class MatcherPanel(LessonPanel):
     x = slide(10, -25, 25, 1, "cm", label="start off in x")
     y = slide(10, -25, 25, 1, "cm", label="start off in y")
     turn = slide(3, -20, 20, 1, "degrees", label="and turned")
+    rounds = slide(60, 1, 60, 1, "", label="moves at most")
+    shift = slide(2.0, 0.2, 10.0, 0.2, "cm", label="sigma of a shift")
+    rotation = slide(2.0, 0.2, 20.0, 0.2, "degrees", label="sigma of a turn")
     step = slide(0, 0, 60, 1, "")
     play = play("step", interval=300)
     count = error = note()
-    rows = ("matcher score", "x", "y", "turn", "play step", "count error")
+    rows = (
+        "matcher score",
+        "x",
+        "y",
+        "turn",
+        "rounds",
+        "shift",
+        "rotation",
+        "play step",
+        "count error",
+    )
     words = "{matcher}, {score}: {count}, {error}"
     pixels = {"width": 400, "height": 380}  # noqa: RUF012
 
@@ -123,6 +138,8 @@ class MatcherPanel(LessonPanel):
     def _draw(self, figure: Figure) -> None:
         start = self.pose + [self.x.meant(), self.y.meant(), self.turn.meant()]
         climbs = self.matcher.value.startswith("hill")
+        self.rounds.disabled = not climbs
+        self.shift.disabled = self.rotation.disabled = self.matcher.value != "sample and rank"
         self.poses = self._visited(start, climbs)
         k = min(self.step.value, len(self.poses) - 1)
         now = self.poses[k][-1]
@@ -162,7 +179,10 @@ class MatcherPanel(LessonPanel):
             return values
 
         rng = np.random.default_rng(0 if climbs else 64)
-        MATCHERS[self.matcher.value](rng)(self.map, self.points, start, score=watched)
+        options: dict[str, Any] = {"rounds": self.rounds.value} if climbs else {}
+        if not self.shift.disabled:
+            options = {"sigma": (self.shift.meant(), float(self.rotation.meant()))}
+        MATCHERS[self.matcher.value](rng)(self.map, self.points, start, score=watched, **options)
         return found[1:] if climbs else found
 
 
@@ -178,11 +198,11 @@ class ParticlePanel(LessonPanel):
     'the best 2.6 cm off'
     """
 
-    #: What `particle_mapping` has yielded.
+    #: What `particle_mapping` has yielded so far.
     steps: list[Particles]
     particles = slide(8, 1, 30, 1, "")
     noise = slide(1.0, 0.0, 3.0, 0.1, "")
-    scan = slide(0, 0, lambda panel: len(panel.log) - 1, 1, "")
+    scan = slide(lambda p: len(p.log) // 4, 0, lambda p: len(p.log) - 1, 1, "")
     play = play("scan", interval=200)
     count = error = note()
     rows = ("particles noise", "play scan", "count error")
@@ -193,7 +213,7 @@ class ParticlePanel(LessonPanel):
         if log.truth is None:
             raise ValueError(f"{log.name} must have a true pose for every scan")
         self.log, self.truth = log, log.truth
-        self._runs: dict[tuple[int, float], list[Particles]] = {}
+        self._runs: dict[tuple[int, float], tuple[list[Particles], Iterator[Particles]]] = {}
         self._begin()
 
     def _draw(self, figure: Figure) -> None:
@@ -202,8 +222,9 @@ class ParticlePanel(LessonPanel):
         if chosen not in self._runs:
             rng = np.random.default_rng(1)
             options: Any = {"particles": chosen[0], "noise": chosen[1], "start": truth[0]}
-            self._runs[chosen] = list(particle_mapping(self.log, rng=rng, **options))
-        self.steps = self._runs[chosen]
+            self._runs[chosen] = [], particle_mapping(self.log, rng=rng, **options)
+        self.steps, still = self._runs[chosen]  # only as far as it was asked for
+        self.steps.extend(islice(still, max(k + 1 - len(self.steps), 0)))
         step, paths = self.steps[k], particle_paths(self.steps[: k + 1])
         self.count.value = f"{step.effective:.1f} of {chosen[0]} count"
         off = np.hypot(*(step.pose - truth[k])[:2])
@@ -236,7 +257,7 @@ class PlacePanel(LessonPanel):
     """
 
     beliefs: list[Belief]
-    scan = slide(0, 0, lambda p: len(p.log) - 1, 1, "")
+    scan = slide(lambda p: len(p.log) // 2, 0, lambda p: len(p.log) - 1, 1, "")
     play = play("scan", interval=300)
     carried = tick("carried away", says=("as it drives", "carried away"))
     place = error = note()

@@ -116,8 +116,9 @@ class RayPanel(LessonPanel):
     touched = tick("all cells touched")
     mask = tick("mask", True)
     beams = slide(360, 90, 1080, 90, "")
+    bias = slide(20, 1, 60, 1, "")
     walls_kept = outside = note()
-    rows = ("touched mask", "beams", "walls_kept outside")
+    rows = ("touched mask", "beams", "bias", "walls_kept outside")
     words = "{walls_kept}, {outside}"
 
     def __init__(
@@ -128,7 +129,8 @@ class RayPanel(LessonPanel):
         self._begin()
 
     def _draw(self, figure: Figure) -> None:
-        self.map = QuadtreeMap(resolution=_SIDE, size=128 * _SIDE, corner=(-1.21, -1.21))
+        size = {"size": 128 * _SIDE, "bias": self.bias.value}
+        self.map = QuadtreeMap(resolution=_SIDE, corner=(-1.21, -1.21), **size)
         count, ways = self.beams.value, {"touched": self.touched.value, "mask": self.mask.value}
         sensor = Sensor("all round", count, -np.pi, 2 * np.pi / count, max_range=20.0)
         log = simulate(self.walls, self.poses, sensor=sensor, rng=np.random.default_rng(0))

@@ -41,10 +41,8 @@ from segmap.reduction import (
     least_cost,
     mean_shift,
     one_per_wall,
-    polyline,
     segment_similarity,
     viewing_sector,
-    weighted_line_fitting,
 )
 from segmap.segments import SegmentMap, midpoint
 
@@ -130,9 +128,10 @@ class HybridPanel(ReductionPanel):
     method = staticmethod(hybrid)
     distance = keyword(0.05, 0.60, 0.05)
     angle = keyword(1, 30, 1)
+    min_length = keyword(0.0, 1.0, 0.05)
     origin = slide(0, -100, 100, 1, label="origin at x")
     dropped = note()
-    rows = ("distance", "angle", "origin", "count dropped quality")
+    rows = ("distance", "angle", "min_length", "origin", "count dropped quality")
     words = "{distance:.2f} m, {angle} degrees, origin at {origin} m: {count}"
     pixels = WIDE
 
@@ -200,21 +199,6 @@ class MeanShiftPanel(ReductionPanel):
         right.set(title="its pieces, and where they climb to", xlabel="x [m]")
 
 
-class WeightedPanel(ReductionPanel):
-    """A map, best with points and places of the sensor, and its weighted line fitting (A 2.7.3).
-
-    For each error that poses may have: of the place of a scan, and of its heading.
-    """
-
-    method = staticmethod(weighted_line_fitting)
-    place = keyword(0.0, 0.20, 0.005, of="sigma_place", label="error of place")
-    heading = keyword(0.0, 3.0, 0.1, of="sigma_heading", label="heading")
-    chi2 = keyword(1.0, 30.0, 0.2, value=9.2)
-    gap = keyword(0.0, 2.0, 0.05)
-    rows = ("place", "heading", "chi2", "gap", "count", "rate quality")
-    words = "poses within {place:.3f} m, {heading:.1f} degrees: {count}"
-
-
 class SectorPanel(ReductionPanel):
     """What was seen so far and the map that the viewing sector makes of it, scan by scan (A 2.7.5).
 
@@ -270,21 +254,6 @@ class LeastCostPanel(ReductionPanel):
         self.unseen.value = f"invented {metres[0]:.2f} m, missed {metres[1]:.2f} m"
 
 
-class ChainPanel(ReductionPanel):
-    """A map and its polylines, for each tolerance and bridge (A 2.7.10).
-
-    Segments farther apart than `far` do not match; longer links than `bridge`, which nobody saw,
-    are left out.
-    """
-
-    method = staticmethod(polyline)
-    tolerance = keyword(0.01, 0.40, 0.01)
-    far = keyword(0.02, 0.30, 0.01)
-    bridge = keyword(0.0, 2.0, 0.1)
-    rows = ("tolerance", "far", "bridge", "count", "rate quality")
-    words = "tolerance {tolerance:.2f} m: {count}"
-
-
 class WallsPanel(ReductionPanel):
     """A floor with 13 walls whose poses are off, what a method leaves of it, and two judges.
 
@@ -305,8 +274,8 @@ class WallsPanel(ReductionPanel):
     method = staticmethod(segment_similarity)
     noise = pick(NOISES, "poses off by [m]")
     by = pick(("segment_similarity", "one_per_wall"), "method")
-    distance = keyword(0.005, 0.15, 0.005)
-    factor = slide(1.0, 0.2, 4.0, 0.2, "")
+    distance = keyword(0.005, 0.15, 0.005, by=(segment_similarity,))
+    factor = keyword(0.2, 4.0, 0.2, by=(one_per_wall,))
     walls = metres = estimate = note()
     rows = ("noise by", "distance factor", "count quality", "walls estimate", "metres")
     words = "poses off by {noise} m, {by}, {distance:.3f} m, factor {factor:.1f}: {count}"
@@ -317,7 +286,7 @@ class WallsPanel(ReductionPanel):
     def _draw(self, figure: Figure) -> None:
         walls, true, self.map = known_building("floor", self.noise.value)
         if self.by.value == "one_per_wall":
-            self._tell(one_per_wall(self.map, factor=self.factor.meant()))
+            self._tell(one_per_wall(self.map, **self.chosen()))
             self.estimate.value = f"poses off by {1000 * self.reduction.noise:.0f} mm, it says"
         else:
             self._tell(self.method(self.map, **self.chosen()))

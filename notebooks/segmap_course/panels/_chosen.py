@@ -1,0 +1,116 @@
+"""Panels in which one of several methods of reduction is chosen, each with its thresholds."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from segmap.plotting import RESULT, draw_before_after
+from segmap.reduction import (
+    METHODS,
+    fusion_online,
+    fuzzy_clustering,
+    fuzzy_set,
+    hybrid_fusion,
+    polyline,
+    segment_similarity,
+    uncertain_parameters,
+    weighted_line_fitting,
+)
+
+from ._lesson import keyword, pick
+from ._reduction import WIDE, ReductionPanel
+
+
+class ChosenPanel(ReductionPanel):
+    """A map, and what is left of it by the method that `by` says; thresholds of others are grey."""
+
+    words = "{by}: {count}"
+
+    def _draw(self, figure: Figure) -> None:
+        self.method = METHODS[self.by.value].function
+        super()._draw(figure)
+
+
+class OnlinePanel(ChosenPanel):
+    """Fusion of the map and each scan, or Hybrid with a Fusion now and then (A 2.7.9, 7).
+
+    Beside the map stands how many segments it holds after each scan.
+    """
+
+    by = pick(("hybrid_fusion", "fusion_online"), "method")
+    tolerance = keyword(0.01, 0.20, 0.01, by=(hybrid_fusion, fusion_online))
+    every = keyword(1, 100, 1, by=(hybrid_fusion,))
+    distance = keyword(0.05, 0.60, 0.05, by=(hybrid_fusion,))
+    min_length = keyword(0.0, 1.0, 0.05, by=(hybrid_fusion,))
+    rows = ("by", "tolerance", "every", "distance", "min_length", "count", "rate quality")
+    pixels = WIDE
+
+    def _draw(self, figure: Figure) -> None:
+        self._tell(METHODS[self.by.value](self.map, **self.chosen()))
+        left, right = figure.subplots(1, 2)
+        draw_before_after(self.map, self.reduction, ax=left)
+        right.plot(self.reduction.scan_live, color=RESULT)
+        right.set(title="the map while it grows", xlabel="scan", ylabel="segments", ylim=(0, None))
+
+
+class LineErrorPanel(ChosenPanel):
+    """A map, best with points and places of the sensor, and three methods that weigh lines.
+
+    Weighted line fitting for each error that poses may have, of place and of heading (A 2.7.3),
+    uncertain parameters (A 2.7.8), and segment similarity, which knows no errors (A 2.7.7).
+    """
+
+    by = pick(("weighted_line_fitting", "uncertain_parameters", "segment_similarity"), "method")
+    place = keyword(
+        0.0, 0.20, 0.005, of="sigma_place", label="error of place", by=(weighted_line_fitting,)
+    )
+    heading = keyword(
+        0.0, 3.0, 0.1, of="sigma_heading", label="heading", by=(weighted_line_fitting,)
+    )
+    chi2 = keyword(1.0, 30.0, 0.2, value=9.2, by=(weighted_line_fitting,))
+    gap = keyword(0.0, 2.0, 0.05, by=(weighted_line_fitting,))
+    distance = keyword(0.01, 0.30, 0.01, by=(uncertain_parameters,))
+    angle = keyword(1, 30, 1, by=(uncertain_parameters,))
+    eps = keyword(0.005, 0.10, 0.005, by=(uncertain_parameters,))
+    cost = keyword(
+        0.005, 0.15, 0.005, of="distance", label="cost of a merge", by=(segment_similarity,)
+    )
+    rows = (
+        "by",
+        "place heading",
+        "chi2 gap",
+        "distance angle",
+        "eps cost",
+        "count",
+        "rate quality",
+    )
+    words = "{by}, poses within {place:.3f} m, {heading:.1f} degrees: {count}"
+
+
+class EarlyMethodsPanel(ChosenPanel):
+    """A map and three early methods: polylines, fuzzy set, fuzzy clustering (A 2.7.10, 4, 6).
+
+    Of polylines, segments farther apart than `far` do not match; longer links than `bridge`, which
+    nobody saw, are left out.
+    """
+
+    by = pick(("polyline", "fuzzy_set", "fuzzy_clustering"), "method")
+    tolerance = keyword(0.01, 0.40, 0.01, by=(polyline,))
+    far = keyword(0.02, 0.30, 0.01, by=(polyline,))
+    bridge = keyword(0.0, 2.0, 0.1, by=(polyline,))
+    across = keyword(0.02, 0.60, 0.02, by=(fuzzy_set,))
+    along = keyword(0.05, 1.0, 0.05, by=(fuzzy_set,))
+    angle = keyword(1, 45, 1, by=(fuzzy_set,))
+    cell = keyword(0.5, 5.0, 0.5, by=(fuzzy_clustering,))
+    noise = keyword(0.02, 0.30, 0.01, by=(fuzzy_clustering,))
+    rows = (
+        "by",
+        "tolerance far",
+        "bridge",
+        "across along",
+        "angle",
+        "cell noise",
+        "count",
+        "rate quality",
+    )
+    words = "{by}, tolerance {tolerance:.2f} m: {count}"
