@@ -46,6 +46,13 @@ def parts_of(view):
     return [view, *(part for child in getattr(view, "children", ()) for part in parts_of(child))]
 
 
+def controls(panel):
+    """Name -> what of a panel a reader moves."""
+    told = (W.Label, W.HTML, W.Play, W.Button, W.Image)
+    found = {n: v for n, v in vars(panel).items() if isinstance(v, W.ValueWidget)}
+    return {name: part for name, part in found.items() if not isinstance(part, told)}
+
+
 def press(view, keys):
     """Click the buttons below a picture: + and - zoom, < > ^ v move, 0 resets."""
     found = [part for part in parts_of(view) if type(part) is W.Button][-7:]

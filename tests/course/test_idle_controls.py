@@ -12,7 +12,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import pytest
 from chapter_rules import CHAPTERS, code_cells
-from driven_panels import seen
+from driven_panels import controls, seen
 
 pytestmark = pytest.mark.slow
 
@@ -32,7 +32,8 @@ WITH_PANELS = [path for path in CHAPTERS if any(MADE.search(s) for s in loaded(p
 def others(control) -> list:
     """Values of a control that are not the one that it shows."""
     if hasattr(control, "options"):
-        known = [value for _, value in control._options_full]
+        given = control.options.items() if isinstance(control.options, dict) else control.options
+        known = [each[1] if isinstance(each, tuple) else each for each in given]
     elif hasattr(control, "min"):
         step = getattr(control, "step", 1) or 1
         known = [control.min, control.max, control.value + step, control.value - step]
@@ -43,9 +44,8 @@ def others(control) -> list:
 
 def idle(panel) -> list[str]:
     """Names of the controls that can be moved, and change neither the picture nor a text."""
-    names = {id(part): name for name, part in vars(panel).items()}
     found = []
-    for control in panel._controls:
+    for name, control in controls(panel).items():
         panel.reset()
         if control.disabled or not (values := others(control)):
             continue
@@ -55,7 +55,7 @@ def idle(panel) -> list[str]:
             if seen(panel)[:2] != start:
                 break
         else:
-            found.append(names[id(control)])
+            found.append(name)
     panel.reset()
     return found
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import segmap_course as course
 from conftest import slow
-from driven_panels import LEANING, LOG, ROOM, WALLS, assert_answers, unpainted
+from driven_panels import LEANING, LOG, ROOM, WALLS, assert_answers, controls, unpainted
 from quadtrees import leaves_of
 
 from segmap import LaserScan, Log, SegmentMap, fusion, load, quality
@@ -225,7 +225,7 @@ def test_the_sliders_of_each_method_end_where_it_ends(name):
     panel = getattr(course, name)(BENT)
     for chosen in panel.by.options:
         panel.by.value = chosen
-        for slid in [part for part in panel._controls if hasattr(part, "min")]:
+        for slid in [part for part in controls(panel).values() if hasattr(part, "min")]:
             for end in (slid.min, slid.max):
                 if not slid.disabled:
                     slid.value = end

@@ -1,6 +1,6 @@
 """Tests use public names: a file of tests that takes a private one stands in a list that shrinks.
 
-`python tests/project/test_private_names.py` prints what each file of tests takes.
+`python tests/kinds/test_private_names.py` prints what each file of tests takes.
 """
 
 import ast
