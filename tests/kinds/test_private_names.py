@@ -12,13 +12,11 @@ import pytest
 TESTS = Path(__file__).parents[1]
 #: The files that take some, each with its reason; a file that takes none any more leaves the list.
 HELD = {
-    "alignment/pose_graph/test_align_parts.py": "to be made public: key frames of several sessions",
     "alignment/pose_graph/test_doubt.py": "to be made public: findings of the odometry",
     "alignment/pose_graph/test_graph.py": "kernels against numpy: equations and their solver",
     "alignment/pose_graph/test_limits.py": "to be made public: limits of loop closing",
     "alignment/pose_graph/test_mended.py": "to be made public: loops by hand",
     "alignment/pose_graph/test_pose_graph.py": "to be made public: steps of loop closing",
-    "alignment/pose_graph/test_pose_graph_real.py": "to be made public: how well walls fit",
     "alignment/pose_graph/test_regained.py": "to be made public: a robot that is lost",
     "alignment/test_alignment.py": "kernels against `literal`; results that the runner refuses",
     "alignment/test_angle_correspondence.py": "kernels against `literal`",
