@@ -483,7 +483,10 @@ def test_touched_cells_are_those_whose_square_the_ray_meets(seed):
     """Against every cell of a box, by clipping the ray, between corners of cells, to its square."""
     rng = np.random.default_rng(seed)
     start, end = rng.integers(-6, 7, (2, 2))
+    cells = np.stack(np.meshgrid(np.arange(-9, 9), np.arange(-9, 9)), -1).reshape(-1, 2)
     map = QuadtreeMap(resolution=1, size=32, corner=(-16, -16))
+    map.insert_scan((-8.5, -8.5), cells + 0.5)  # a leaf for each cell
+    before = leaves_of(map)
     course.insert_variant(map, start + 0.5, [end + 0.5], touched=True, mask=False)
     expected = {tuple(end.tolist())}
     for x in range(-9, 9):
@@ -497,9 +500,9 @@ def test_touched_cells_are_those_whose_square_the_ray_meets(seed):
                     low, high = max(low, t[0]), min(high, t[1])
             if low <= high + 1e-12 and (x, y) != tuple(end.tolist()):
                 expected.add((x, y))
-    cells = np.stack(np.meshgrid(np.arange(-12, 12), np.arange(-12, 12)), -1).reshape(-1, 2)
-    seen = cells[map.occupancy(cells + 0.5) != 0.5]
-    assert {tuple(cell) for cell in seen.tolist()} == expected
+    after = leaves_of(map)
+    seen = [leaf for leaf, count in after.items() if count[0] > before[leaf][0]]
+    assert {(x - 16, y - 16) for x, y, _ in seen} == expected  # of the map's corner
 
 
 @unpainted

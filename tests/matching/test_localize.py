@@ -268,6 +268,7 @@ def test_particles_move_by_the_odometry_with_its_errors(way, errors):
 def test_the_places_of_a_belief():
     """Two heaps of particles are two places until one is dead; headings about pi are one."""
     heap = rng(1).normal(0, 0.05, (100, 3)) + (1, 2, np.pi)
+    heap[:, 2] = wrap(heap[:, 2])
     poses = np.concatenate([heap, heap[:50] + (3, 0, 0)])
 
     def believed(far, fit, least):
