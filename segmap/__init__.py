@@ -42,7 +42,7 @@ from .scans import LaserScan, Log
 from .segments import SegmentMap
 
 if TYPE_CHECKING:
-    from . import arrays, experiments, exports, hokuyo, matching, panels, plotting, testing
+    from . import arrays, experiments, exports, hokuyo, matching, panels, plan, plotting, testing
 
 __version__ = "0.2.0"
 
@@ -68,6 +68,7 @@ __all__ = [
     "matching",
     "metrics",
     "panels",
+    "plan",
     "plotting",
     "poses",
     "progress",

@@ -20,6 +20,7 @@ from segmap import (
     exports,
     matching,
     metrics,
+    plan,
     quadtree,
     readers,
     reduction,
@@ -52,6 +53,7 @@ MAP = segments.SegmentMap(WALLS)
 REDUCTION = reduction.METHODS["hybrid"](MAP)
 RUNS = experiments.sweep({"it": MAP}, ["fusion"], {"fusion": {"tolerance": [0.01, 0.04]}})
 GRAPH = readers.PoseGraph(PATH[:2], [(0, 1)], PATH[1:2], [np.eye(3)])
+PLAN = plan.floor_plan(MAP, TREE)
 TIMES = pd.DataFrame(
     {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
 )
@@ -64,6 +66,7 @@ STEPS = list(matching.particle_mapping(LOG, particles=2, rng=rng()))
 OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
            "quadtree": [TREE], "segments": [MAP], "scans": [LOG, LOG[0]],
            "simulation": [simulation.URG_04LX], "alignment": [ALIGNMENT, LIVE],
+           "plan": [PLAN],
            "reduction": [REDUCTION, reduction.LiveReduction()],
            "hokuyo.emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
 
@@ -150,6 +153,7 @@ GOOD |= {
     "thresholds": {"distance": 0.2}, "run": {"distance": 0.2}, "sweep.grids":
     {"fusion": {"tolerance": [0.04]}},
 }  # fmt: skip
+GOOD |= {"free": TREE, "why.of": PLAN.rooms[0], "from_room": 0, "to_room": 0}
 GOOD |= {
     "UrgSensor.port": Newly,
     "UrgSensor.clock": lambda: Newly.last.now,

@@ -45,7 +45,7 @@ from segmap import experiments, exports, hokuyo, readers
 PACKAGES = [
     "angles", "poses", "segments", "scans", "extraction", "metrics", "simulation", "alignment",
     "reduction", "quadtree", "matching", "exports", "readers", "plotting", "experiments",
-    "panels", "testing", "hokuyo", "hokuyo.emulator",
+    "panels", "testing", "hokuyo", "hokuyo.emulator", "plan",
 ]  # fmt: skip
 #: What the library makes itself and hands out: nobody else has to call these.
 MADE = {
@@ -61,7 +61,7 @@ MADE = {
         "NoRoute",
     ),
     *("OdometryComparison", "Places", "Port", "Reduction", "SensorError", "SensorGone", "Squares"),
-    "Uncertainty",
+    *("Uncertainty", "Door", "FloorPlan", "Room"),
     *("Tree", "UnknownFormat", "Verdict", "take_points"),
 }
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.

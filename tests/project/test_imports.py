@@ -26,7 +26,7 @@ STOREYS = (
     "scans kernels",
     "readers simulation extraction metrics",
     "hokuyo reduction quadtree",
-    "alignment",
+    "alignment plan",
     "matching experiments exports",
     "testing _warm",
     "_map_pipeline",

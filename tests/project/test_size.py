@@ -13,13 +13,13 @@ ROOT = Path(__file__).resolve().parents[2]
 STOREYS = {
     "core": (
         "_display alignment angles arrays compiled extraction files kernels matching methods "
-        "metrics poses progress quadtree reduction scans segments simulation testing threads"
+        "metrics plan poses progress quadtree reduction scans segments simulation testing threads"
     ),
     "edges": "experiments exports hokuyo plotting readers",
     "entry points": "__init__ __main__ _call _commands _map_pipeline _warm panels",
 }
 #: Lines of code of the core, at most: a commit that raises this says which issue grants it.
-CORE_LINES = 13_830
+CORE_LINES = 14_430
 #: A core that is so much smaller lowers the figure.
 SLACK_LINES = 150
 #: Modules of a folder, lines of a file that is read to its end.

@@ -11,7 +11,16 @@ from typing import Any
 #: The rooms with public names, as a reader meets them.
 ROOMS = (
     *("segmap", "scans", "readers", "simulation", "angles", "poses", "segments", "extraction"),
-    *("metrics", "alignment", "reduction", "quadtree", "matching", "exports", "experiments"),
+    *(
+        "metrics",
+        "alignment",
+        "reduction",
+        "quadtree",
+        "matching",
+        "plan",
+        "exports",
+        "experiments",
+    ),
     *("progress", "hokuyo", "hokuyo.emulator", "plotting", "panels", "testing", "arrays"),
     *("segmap_course", "segmap_course.literal"),
 )

@@ -22,8 +22,8 @@ STOREYS = (
     ),
     (
         "Methods",
-        "reduction, quadtree, alignment, matching; the sensor",
-        "hokuyo reduction quadtree alignment matching",
+        "reduction, quadtree, alignment, matching, floor plans; the sensor",
+        "hokuyo reduction quadtree alignment matching plan",
     ),
     (
         "Around the methods",

@@ -1,0 +1,182 @@
+"""Cells between the lines of a building, the edges between them, and doorways."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from ..arrays import Array
+from ..quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap
+from ._lines import Indices, Line
+
+#: Of the rays at an occupied square more than this share ended there.
+LEAST_ENDED_SHARE = 0.2
+#: So many rays ended at an occupied square, or crossed a free one.
+LEAST_RAYS = 2
+#: The sides of a line are looked at so far off it, metres.
+BESIDE_LINE_M = 1e-3
+#: And farther, in squares, for the cell that lies there behind what is not free; a cross wall may
+#: stand half as far from the end of an opening.
+BESIDE_STEPS = 4
+#: A jamb: so much of the wall is covered, within so much beyond the end of an opening, metres.
+JAMB_M = 0.15
+JAMB_REACH_M = 0.3
+#: A cross wall is occupied between these distances from the line, metres, at this share.
+CROSS_FROM_M = 0.25
+CROSS_TO_M = 0.75
+CROSS_SHARE = 0.6
+
+Mask = NDArray[np.bool_]
+
+
+class Grid(NamedTuple):
+    """Squares `(rows, columns)`: unknown, free or occupied; metres.
+
+    Row and column grow along `up` and `right` from the middle of the first square, `origin`.
+    """
+
+    kind: Indices
+    origin: Array
+    right: Array
+    up: Array
+    side: float
+
+    def places(self) -> Array:
+        """Middles of all squares, `(rows, columns, 2)`."""
+        rows, columns = (np.arange(n)[:, None] * self.side for n in self.kind.shape)
+        return self.origin + (rows * self.up)[:, None] + columns * self.right
+
+    def squares(self, points: Array) -> tuple[Indices, Indices]:
+        """Rows and columns of points `(..., 2)`; beside the grid those of its border."""
+        to = points - self.origin
+        row, column = (np.rint(to @ way / self.side).astype(int) for way in (self.up, self.right))
+        return row.clip(0, len(self.kind) - 1), column.clip(0, len(self.kind[0]) - 1)
+
+    def at(self, points: Array, values: Indices | None = None) -> Indices:
+        """Kind of the squares at points, or other values of them."""
+        return (self.kind if values is None else values)[self.squares(points)]
+
+
+def grid_along(free: QuadtreeMap, turn: float, segments: Array, side: float) -> Grid:
+    """Squares along an axis of the building, about all segments and all free space."""
+    both, finest = free.leaves(), free.resolution
+    cell = float(np.ldexp(finest, max(0, round(np.log2(side / finest)))))
+    vis, left, low, _ = free.rasterize(both.vis, shown=both.vis > 0, resolution=cell)
+    occ = free.rasterize(both.occ, shown=both.vis > 0, resolution=cell)[0]
+    least = min(LEAST_RAYS, max(1, free.scans))  # a map of a grid has one ray a square
+    kind = np.full(vis.shape, UNKNOWN)
+    kind[(occ <= 0) & (vis >= least)] = FREE
+    kind[(occ >= least) & (occ > LEAST_ENDED_SHARE * vis)] = OCCUPIED
+    right = np.array([np.cos(turn), np.sin(turn)])
+    up = np.array([-right[1], right[0]])
+    known = np.argwhere(kind == FREE)[:, ::-1] * cell + (left + cell / 2, low + cell / 2)
+    points = np.concatenate([known, segments.reshape(-1, 2)]) @ np.stack([right, up], -1)
+    start = points.min(0) - 2 * side
+    shape = np.ceil(np.ptp(points, axis=0) / side + 4).astype(int)[::-1]
+    grid = Grid(np.full(shape, UNKNOWN), start @ [right, up], right, up, side)
+    column, row = np.moveaxis((grid.places() - (left, low)) / cell - 0.5, -1, 0)
+    ndimage.map_coordinates(kind, [row, column], grid.kind, order=0, mode="grid-constant")
+    return grid
+
+
+class Run(NamedTuple):
+    """An open stretch of a line, metres along it, and what makes it a doorway; or nothing."""
+
+    line: int
+    low: float
+    high: float
+    door: str
+
+
+class Edges(NamedTuple):
+    """Squares of all lines: the cells on both sides and the open run, `(n, 3)`, -1 for none."""
+
+    squares: Indices
+    runs: list[Run]
+
+
+def cell_keys(points: Array, lines: list[Line]) -> Indices:
+    """The place of points between the lines of each axis, as one whole number."""
+    key = np.zeros(points.shape[:-1], np.int64)
+    for axis in sorted({line.axis for line in lines}):
+        mine = [line for line in lines if line.axis == axis]
+        offsets = np.sort([line.offset for line in mine])
+        key = key * (len(mine) + 1) + np.searchsorted(offsets, points @ mine[0].normal)
+    return key
+
+
+def connected(key: Indices, mask: Mask, least: float) -> Indices:
+    """Numbers of the parts of a mask that touch and have one key, -1 below so many squares."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    number, pairs = np.cumsum(mask.ravel()).reshape(mask.shape) - 1, []
+    for a, b in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
+        same = mask[a] & mask[b] & (key[a] == key[b])
+        pairs.append(np.stack([number[a][same], number[b][same]]))
+    i, j = np.concatenate(pairs, 1)
+    links = coo_array((np.ones(len(i), np.int8), (i, j)), shape=(mask.sum(),) * 2)
+    group = connected_components(links, directed=False)[1]
+    large = np.bincount(group) >= least
+    found = np.full(mask.shape, -1)
+    found[mask] = np.where(large, np.cumsum(large) - 1, -1)[group]
+    return found
+
+
+def edges_between(
+    lines: list[Line], grid: Grid, cells: Indices, door: tuple[float, float]
+) -> Edges:
+    """What lies between the cells on both sides of each line, square by square."""
+    corners = grid.places()[[0, 0, -1, -1], [0, -1, 0, -1]]
+    thick = ndimage.binary_dilation(grid.kind == OCCUPIED)
+    squares, runs, keys = list[Indices](), list[Run](), cell_keys(grid.places(), lines)
+    for number, line in enumerate(lines):
+        low, high = np.sort(corners @ line.way)[[0, -1]]
+        at = np.arange(low, high, grid.side) + grid.side / 2
+        points = at[:, None] * line.way + line.offset * line.normal
+        beside = grid.side * line.normal
+        clear = grid.at(points) == FREE
+        clear &= (grid.at(points + beside) != OCCUPIED) & (grid.at(points - beside) != OCCUPIED)
+        which = np.searchsorted(line.spans[:, 0], at, "right") - 1
+        covered = (which >= 0) & (at <= line.spans[which, 1])
+        off = np.arange(CROSS_FROM_M, CROSS_TO_M + grid.side / 2, grid.side)[:, None] * line.normal
+        cross = [
+            ndimage.maximum_filter1d(
+                thick[grid.squares(points[:, None] + side * off)].mean(1) > CROSS_SHARE,
+                BESIDE_STEPS + 1,
+            )
+            for side in (1, -1)
+        ]
+        run, clear = np.full(len(at), -1), np.concatenate([[False], clear & ~covered, [False]])
+        for a, b in np.flatnonzero(np.diff(clear)).reshape(-1, 2).tolist():
+            run[a:b] = len(runs)
+            ends = at[a] - grid.side / 2, at[b - 1] + grid.side / 2
+            runs.append(Run(number, *ends, _doorway(covered, cross, a, b, grid.side, door)))
+        sides = []
+        for way in (line.normal, -line.normal):
+            key, cell = cell_keys(points + BESIDE_LINE_M * way, lines), np.full(len(at), -1)
+            for step in range(BESIDE_STEPS, 0, -1):
+                there = grid.squares(points + step * grid.side * way)
+                cell = np.where((cells[there] >= 0) & (keys[there] == key), cells[there], cell)
+            sides.append(cell)
+        squares.append(np.stack([*sides, run], -1))
+    return Edges(np.concatenate(squares or [np.zeros((0, 3), np.int64)]), runs)
+
+
+def _doorway(
+    covered: Mask, cross: list[Mask], first: int, last: int, side: float, door: tuple[float, float]
+) -> str:
+    """What makes a doorway of the open run from the first square to before the last; or nothing."""
+    reach, kinds, free = round(JAMB_REACH_M / side), list[str](), False
+    for inner, low, high in ((first, max(first - reach, 0), first), (last - 1, last, last + reach)):
+        walls = cross[0][inner], cross[1][inner]
+        free |= not all(walls)  # else it is a corridor between cross walls
+        if covered[low:high].sum() * side >= JAMB_M - side / 2:
+            kinds.append("a jamb")
+        elif any(walls):
+            kinds.append("a cross wall")
+    fits = free and len(kinds) == 2 and door[0] <= (last - first) * side <= door[1]
+    return " and ".join(kinds) if fits else ""

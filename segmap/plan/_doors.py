@@ -1,0 +1,92 @@
+"""Doors: doorways that lead from one room to another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..arrays import Array
+from ..quadtree import OCCUPIED
+from ..segments import length, midpoint
+from ._cells import Edges, Grid
+from ._lines import Indices, Line
+
+#: The room on one side of a doorway is looked for so far off it, metres: through a thick wall.
+ROOM_REACH_M = 0.8
+#: Doorways between the same rooms whose middles are so near are one, metres.
+ONE_DOOR_M = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Door:
+    """A doorway.
+
+    Parameters
+    ----------
+    ends : (2, 2) array, metres
+        Both jambs.
+    rooms : two int
+        Indices in `FloorPlan.rooms`, ascending; -1 where nothing was seen.
+    reason : str
+        Why it is one.
+    """
+
+    ends: Array
+    rooms: tuple[int, int]
+    reason: str
+
+    @property
+    def width(self) -> float:
+        """From jamb to jamb, metres."""
+        return float(length(self.ends))
+
+    @property
+    def place(self) -> Array:
+        """Its middle, `(2,)`, metres."""
+        return midpoint(self.ends)
+
+    def __repr__(self) -> str:
+        return f"Door({self.width:.2f} m, between {self.rooms[0]} and {self.rooms[1]})"
+
+
+def find_doors(edges: Edges, lines: list[Line], grid: Grid, labels: Indices) -> list[Door]:
+    """Doorways with two rooms, or a room and none: of two faces of a wall the narrower."""
+    found, kept = list[Door](), list[Door]()
+    steps = np.arange(grid.side / 2, ROOM_REACH_M, grid.side)[:, None]
+    for run in edges.runs:
+        if not run.door:
+            continue
+        line, rooms = lines[run.line], list[int]()
+        ends = np.array([[run.low], [run.high]]) * line.way + line.offset * line.normal
+        for side in (1, -1):
+            path = midpoint(ends) + side * steps * line.normal
+            row, column = grid.squares(path)
+            before = np.logical_and.accumulate(grid.kind[row, column] != OCCUPIED)
+            rooms.append(int(next((k for k in labels[row, column][before] if k >= 0), -1)))
+        if rooms[0] != rooms[1]:
+            words = f"open for {length(ends):.2f} m between {run.door}; both sides are wider"
+            found.append(Door(ends, (min(rooms), max(rooms)), words))
+    for door in sorted(found, key=lambda one: one.width):
+        same = [one.place for one in kept if one.rooms == door.rooms]
+        if all(np.hypot(*(place - door.place)) > ONE_DOOR_M for place in same):
+            kept.append(door)
+    return kept
+
+
+def shortest_way(doors: list[Door], places: Array, start: int, goal: int) -> list[Door]:
+    """Doors from room to room, of which `places` `(r, 2)` lie inside; none lead: a ValueError."""
+    from scipy.sparse.csgraph import dijkstra
+
+    by = {pair: door for door in reversed(doors) for pair in (door.rooms, door.rooms[::-1])}
+    apart = np.zeros((len(places),) * 2)
+    for (a, b), door in by.items():
+        apart[a, b] = np.hypot(*(places[[a, b]] - door.place).T).sum()
+    far, before = dijkstra(apart, indices=[start], return_predecessors=True)
+    if not np.isfinite(far[0, goal]):
+        raise ValueError("no doors that were seen lead from one room to the other")
+    way = [goal]
+    while way[-1] != start:
+        way.append(int(before[0, way[-1]]))
+    return [by[pair] for pair in pairwise(way[::-1])]

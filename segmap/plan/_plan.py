@@ -1,0 +1,220 @@
+"""Floor plans: walls, clutter, rooms and doors from the segments and the free space of a map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
+
+from .. import arrays
+from ..arrays import Array, Metres, Positive, Segments, Share, checked
+from ..progress import announce
+from ..quadtree import FREE, QuadtreeMap
+from ..reduction import Reduction
+from ..segments import length
+from ._cells import cell_keys, connected, edges_between, grid_along
+from ._doors import Door, find_doors, shortest_way
+from ._lines import Indices, building_axes, wall_lines
+from ._polygons import Room, room_of, shapely_or_hint
+from ._rooms import find_rooms
+from ._walls import draw_walls
+
+#: Side of the squares of free space, metres.
+SQUARE_M = 0.05
+#: A building is at most so wide: farther, coordinates are likely millimetres; metres.
+WIDEST_BUILDING_M = 400.0
+#: And so wide at least, metres: coordinates are likely kilometres.
+NARROWEST_BUILDING_M = 0.5
+#: Segments below this length make no line, metres.
+LEAST_LINE_PIECE_M = 0.3
+#: The outline goes around rooms so far off: half of a thick wall between two, metres.
+WALL_BETWEEN_M = 0.3
+#: Smaller cells, in squares, are none: single rays between what is not free.
+LEAST_CELL_SQUARES = 4
+#: Length that no axis takes is told from this share on.
+ROUND_SHARE = 0.15
+
+
+@dataclass(frozen=True, eq=False)
+class FloorPlan:
+    """What a person would draw.
+
+    Parameters
+    ----------
+    walls, clutter : Reduction
+        Straight faces of walls with closed corners, and what is none; `members` are the segments
+        behind each.
+    thickness : (w,) array, metres
+        From each wall to the other face of the same wall, NaN where that was not seen.
+    side : (w,) int array
+        1 where the free side of a wall lies to the left on the way from its first end to its
+        second, -1 to the right, 0 where both are free, or neither.
+    residual : (w,) array, metres
+        Root mean square distance of the segments behind: a long wall that poses have bent.
+    rooms : list of Room
+        The largest first.
+    doors : list of Door
+    outline : list of (n, 2) arrays, metres
+        The border of all rooms, with the walls between them.
+    axes : (k,) array, radians
+        Along and across which walls run.
+    doubt : str
+        What is not as the method assumes; nothing where all is.
+    """
+
+    walls: Reduction
+    clutter: Reduction
+    thickness: Array
+    side: Indices
+    residual: Array
+    rooms: list[Room]
+    doors: list[Door]
+    outline: list[Array]
+    axes: Array
+    doubt: str
+
+    @property
+    def graph(self) -> NDArray[np.bool_]:
+        """Which rooms a door joins, `(r, r)`: the topological map of A 2.1."""
+        found = np.zeros((len(self.rooms),) * 2, bool)
+        for door in self.doors:
+            found[door.rooms] = found[door.rooms[::-1]] = True
+        return found
+
+    def why(self, of: Room | Door) -> str:
+        """Why a room or a door of this plan is one, in words."""
+        return (of if isinstance(of, Room) else arrays.instance(of, "of", Door)).reason
+
+    def room_at(self, points: ArrayLike) -> Indices:
+        """The room of points `(n, 2)`, metres: `(n,)` int array, -1 for none."""
+        shapely = shapely_or_hint()
+        places, found = arrays.points(points), np.full(len(arrays.points(points)), -1)
+        for k, room in reversed([*enumerate(self.rooms)]):
+            inside = shapely.contains_xy(shapely.Polygon(room.outline, room.holes), *places.T)
+            found[inside] = k
+        return found
+
+    def route(self, from_room: int | str, to_room: int | str) -> list[Door]:
+        """The doors on the shortest way from one room to another, by index or name.
+
+        Raises
+        ------
+        ValueError
+            Where no doors lead there.
+        """
+        names, ends = [room.name for room in self.rooms], []
+        for name, room in (("from_room", from_room), ("to_room", to_room)):
+            given = names.index(arrays.one_of(room, name, names)) if isinstance(room, str) else room
+            ends.append(arrays.whole(given, name, least=0, most=len(names) - 1))
+        places = np.array([room.place for room in self.rooms])
+        return shortest_way(self.doors, places, ends[0], ends[1])
+
+    def __repr__(self) -> str:
+        area = sum(room.area for room in self.rooms)
+        doubt = f"; {self.doubt}" if self.doubt else ""
+        return (
+            f"FloorPlan({len(self.rooms)} rooms of {area:.1f} m2, {len(self.doors)} doors, "
+            f"{len(self.walls)} walls{doubt})"
+        )
+
+
+@checked
+def floor_plan(
+    map: Segments,
+    free: QuadtreeMap,
+    *,
+    regular: bool = False,
+    door: tuple[float, float] = (0.55, 2.5),
+    kappa: Positive = 1.25,
+    share: Share = 0.5,
+    run: Metres = 2.0,
+    band: Metres = 0.15,
+    least_area: Positive = 1.5,
+) -> FloorPlan:
+    """A floor plan: straight walls with closed corners, rooms with their areas, doors.
+
+    Walls of a building run along few axes, so their lines cut the plane into cells (Mura et al.
+    2014 do so in space). What is free in a cell joins the next one where neither a wall nor a
+    doorway stands between both.
+
+    Parameters
+    ----------
+    map : SegmentMap, Reduction or (n, 2, 2) array
+        Best reduced, by `one_per_wall`.
+    free : QuadtreeMap
+        Of the same scans, with a `free_resolution` of 0.05 m.
+    regular : bool
+        Whether walls that are turned by less than a degree from an axis become parallel to it.
+    door : two floats, metres
+        The narrowest and the widest doorway.
+    kappa
+        A doorway stands between two rooms that hold a circle of so many times its width: without
+        this rule every niche is a room.
+    share, run
+        Two cells join where so much of their border is open, or an opening is so wide.
+    band
+        Segments whose offsets differ by less are on one line.
+    least_area : float, square metres
+        Smaller rooms go into their neighbour.
+
+    Raises
+    ------
+    ValueError
+        Where coordinates are likely in another unit, or nothing was seen free.
+
+    Examples
+    --------
+    >>> from segmap import load, build_map, quadtree, reduction
+    >>> log = load("room")
+    >>> walls = reduction.one_per_wall(build_map(log, log.truth, keep_points=True))
+    >>> free = quadtree.build_map(log, log.truth, resolution=0.05, free_resolution=0.05)
+    >>> plan = floor_plan(walls, free)
+    >>> len(plan.rooms), len(plan.doors)
+    (3, 2)
+    """
+    shapely = shapely_or_hint()
+    segments = arrays.segments(map, "map")
+    arrays.instance(free, "free", QuadtreeMap)
+    widths = arrays.row(door, "door", 2)
+    if not 0 < widths[0] < widths[1]:
+        raise ValueError(f"door must be the narrowest and the widest, metres, got {door}")
+    wide = float(np.ptp(segments.reshape(-1, 2), axis=0).max()) if len(segments) else 0.0
+    if not NARROWEST_BUILDING_M <= wide <= WIDEST_BUILDING_M:
+        raise ValueError(f"map must be a building in metres, got one that is {wide:.6g} m wide")
+    if not (free.leaves().vis > 0).any():
+        raise ValueError("free must hold a scan, got a map in which nothing was seen")
+    announce(0.0, "plan: lines of the walls")
+    long = segments[length(segments) >= LEAST_LINE_PIECE_M]
+    axes = building_axes(long)
+    grid = grid_along(free, float(axes[0]) if len(axes) else 0.0, segments, SQUARE_M)
+    lines = wall_lines(long, axes, band)
+    cells = connected(cell_keys(grid.places(), lines), grid.kind == FREE, LEAST_CELL_SQUARES)
+    edges = edges_between(lines, grid, cells, (float(widths[0]), float(widths[1])))
+    labels, told = find_rooms(grid, cells, edges, kappa, share, run, least_area)
+    parts = connected(labels, labels >= 0, least_area / grid.side**2)
+    rooms = [
+        room_of(parts[box] == k, box, lines, grid, told[labels[parts == k][0]])
+        for k, box in enumerate(ndimage.find_objects(parts + 1))
+    ]
+    order = np.argsort([-room.area for room in rooms], kind="stable")
+    number = np.append(np.argsort(order), -1)
+    rooms = [replace(rooms[k], name=f"room {n}") for n, k in enumerate(order, 1)]
+    found = find_doors(edges, lines, grid, number[parts])
+    doors = [door for door in found if door.rooms[0] >= 0]
+    walls = draw_walls(segments, axes, grid, number[parts], regular)
+    shapes = [shapely.Polygon(room.outline) for room in rooms]
+    around = shapely.union_all(shapely.buffer(shapes, WALL_BETWEEN_M, join_style="mitre"))
+    outline = [np.array(part.exterior.coords)[:-1] for part in shapely.get_parts(around)]
+    off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
+    graph = np.bincount([k for door in doors for k in door.rooms], minlength=len(rooms))
+    alone = [rooms[k].name for k in np.flatnonzero(graph == 0)] if len(rooms) > 1 else []
+    outside = len(found) - len(doors)
+    doubts = {
+        f"{off:.0%} of the walls lie on no line: round or oblique": off > ROUND_SHARE,
+        f"{outside} openings lead to where nothing was seen: windows, glass": outside,
+        f"no door was seen of {', '.join(alone)}": alone,
+    }
+    doubt = "; ".join(words for words, so in doubts.items() if so)
+    return FloorPlan(*walls, rooms, doors, outline, axes, doubt)

@@ -1,0 +1,123 @@
+"""Cells join to rooms where nothing stands between them; doorways stay between rooms."""
+
+from __future__ import annotations
+
+import heapq
+from collections import Counter
+from collections.abc import Callable
+
+import numpy as np
+from scipy import ndimage
+
+from ._cells import Edges, Grid
+from ._lines import Indices
+
+#: In the border of two rooms this stands for all of it; runs of the edges are its open parts.
+WHOLE = -2
+
+
+class Partition:
+    """Rooms that grow by joining.
+
+    `members` are the cells of each room, `near` its neighbours with the squares of their border:
+    all of them, and those in each open run of the edges.
+    """
+
+    def __init__(self, grid: Grid, cells: Indices, edges: Edges, kappa: float) -> None:
+        self.cells, self.edges, self.side, self.kappa = cells, edges, grid.side, kappa
+        self.boxes = ndimage.find_objects(cells + 1)
+        self.members = {cell: [cell] for cell in range(len(self.boxes))}
+        self.area = np.bincount(cells[cells >= 0]) * grid.side**2
+        self.near: dict[int, dict[int, Counter[int]]] = {cell: {} for cell in self.members}
+        self.widths: dict[int, float] = {}
+        self.enough = kappa * max((one.high - one.low for one in edges.runs if one.door), default=0)
+        met = (edges.squares[:, :2] >= 0).all(1) & (edges.squares[:, 0] != edges.squares[:, 1])
+        for one, other, run in edges.squares[met].tolist():
+            border = self.near[one].setdefault(other, Counter())
+            self.near[other][one] = border
+            border[WHOLE] += 1
+            border[run] += run >= 0
+
+    def join(self, a: int, b: int) -> list[tuple[int, int]]:
+        """Two rooms become one, that with more neighbours: its borders that have changed."""
+        kept, gone = (a, b) if len(self.near[a]) >= len(self.near[b]) else (b, a)
+        changed = self.near.pop(gone)
+        del self.near[kept][gone], changed[kept]
+        for other, border in changed.items():
+            del self.near[other][gone]
+            self.near[kept].setdefault(other, Counter()).update(border)
+            self.near[other][kept] = self.near[kept][other]
+        self.members[kept] += self.members.pop(gone)
+        self.area[kept] += self.area[gone]
+        width = max(self.widths.pop(kept, 0), self.widths.pop(gone, 0))
+        if width >= self.enough:
+            self.widths[kept] = width
+        return [(min(kept, other), max(kept, other)) for other in changed]
+
+    def opening(self, a: int, b: int, *, doors: bool) -> dict[int, float]:
+        """Metres of the border in each open run, doorways or others."""
+        runs, border = self.edges.runs, self.near[a][b]
+        return {
+            k: n * self.side for k, n in border.items() if k >= 0 and bool(runs[k].door) == doors
+        }
+
+    def width(self, room: int) -> float:
+        """Diameter of the largest circle in a room, metres; at least the widest that is asked."""
+        if room not in self.widths:
+            rows, columns = zip(*(self.boxes[cell] for cell in self.members[room]), strict=True)
+            spans = [
+                slice(min(b.start for b in s), max(b.stop for b in s)) for s in (rows, columns)
+            ]
+            own = np.zeros(len(self.boxes) + 1, bool)
+            own[self.members[room]] = True
+            away = ndimage.distance_transform_edt(np.pad(own[self.cells[tuple(spans)]], 1))
+            self.widths[room] = float(2 * away.max() - 1) * self.side
+        return self.widths[room]
+
+    def merge(self, score: Callable[[int, int], tuple[float, float]]) -> None:
+        """Join neighbours, those with the lowest score first, while one is finite."""
+        heap = [(*score(a, b), a, b) for a in self.near for b in self.near[a] if a < b]
+        heapq.heapify(heap)
+        while heap and heap[0][0] < np.inf:
+            *was, a, b = heapq.heappop(heap)
+            if b in self.near.get(a, ()):
+                now = score(a, b)
+                for pair in self.join(a, b) if now == tuple(was) else [(a, b)]:
+                    heapq.heappush(heap, (*score(*pair), *pair))
+
+
+def find_rooms(
+    grid: Grid, cells: Indices, edges: Edges, kappa: float, share: float, run: float, least: float
+) -> tuple[Indices, list[str]]:
+    """The room of each square, -1 for none, and what made each room, in words."""
+    part = Partition(grid, cells, edges, kappa)
+
+    def openness(a: int, b: int) -> tuple[float, float]:
+        found = part.opening(a, b, doors=False)
+        metres = sum(found.values())
+        shared = metres / (part.near[a][b][WHOLE] * grid.side)
+        joins = bool(found) and (shared >= share or max(found.values()) >= run)
+        return (-metres, -shared) if joins else (np.inf, 0.0)
+
+    def narrowness(a: int, b: int) -> tuple[float, float]:
+        found = part.opening(a, b, doors=True)
+        door = edges.runs[max(found, key=lambda run: found[run])] if found else None
+        times = min(part.width(a), part.width(b)) / (door.high - door.low) if door else np.inf
+        return (times, 0.0) if times < kappa else (np.inf, 0.0)
+
+    def smallness(a: int, b: int) -> tuple[float, float]:
+        size, border = min(part.area[a], part.area[b]), part.near[a][b]
+        wide = border.total() - border[WHOLE]
+        return (float(size), -wide) if size < least and wide else (np.inf, 0.0)
+
+    part.merge(openness)
+    part.merge(narrowness)
+    part.merge(smallness)
+    number, told = np.full(len(part.boxes) + 1, -1), list[str]()
+    for room in [room for room in part.near if part.area[room] >= least]:
+        number[part.members[room]] = len(told)
+        told.append(
+            f"{len(part.members[room])} cells between lines of walls: nothing stands between them, "
+            f"or a doorway too wide for both; it holds a circle of {part.width(room):.2f} m"
+        )
+    return number[cells], told

@@ -1,0 +1,212 @@
+"""Walls as a person draws them: one line a face, closed corners, clutter apart."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..angles import axial_difference
+from ..arrays import Array
+from ..extraction import fit_line
+from ..poses import transform
+from ..quadtree import FREE
+from ..reduction import Reduction
+from ..segments import MIN_LENGTH, angle, length, midpoint
+from ._cells import Grid, Mask
+from ._lines import AXIS_BAND_RAD, Indices, quarter_turn, union
+
+#: Parallel looks within this distance, metres, with one free side are one face.
+FACE_BAND_M = 0.12
+#: Looks that are turned by more than this, radians, are none of one face.
+FACE_TURN_RAD = np.radians(12)
+#: How far off a segment its free side is looked for, metres.
+FREE_SIDE_M = (0.10, 0.15)
+#: One side is the free one where its share of free squares is larger by so much.
+FREE_SIDE_SHARE = 0.25
+#: Looks on one line belong to one face over gaps of so much, metres: the leaves of a door.
+FACE_GAP_M = 2.5
+#: A face goes on over gaps of so much, metres; where free space lies before them; where also no
+#: ray passed through.
+BRIDGED_M = 0.3
+HIDDEN_M = 1.0
+#: Before a gap in a wall there is free space at this distance, metres; a cross wall reaches on.
+BEFORE_M = 0.9
+#: Shorter ones are clutter, metres: along an axis, along none, with one room on both sides.
+SHORTEST_WALL_M = 0.3
+SHORTEST_OBLIQUE_M = 0.5
+SHORTEST_ALONE_M = 1.0
+#: Other ends that are so near a wall, before it or behind, end there, metres.
+T_REACH_M = 0.15
+#: Walls that are turned by less from an axis are made regular, radians.
+REGULAR_TURN_RAD = np.radians(1)
+#: Points of a segment by whose squares those of all its points are known (Simpson's rule).
+SIMPSON = np.array([(1, 0), *[(0.5, 0.5)] * 4, (0, 1)])
+#: Ends so near the crossing of their lines meet there, metres.
+CORNER_M = 0.3
+#: Free space in the angle of a corner is looked for so far along its sides, metres.
+ANGLE_REACH_M = (0.08, 0.11, 0.14, 0.17)
+#: Walls that are turned by less than this, radians, have no corner.
+CORNER_TURN_RAD = np.radians(20)
+#: Two faces of one wall lie at most so far apart, metres; with one room at that distance on both
+#: sides, it stands alone.
+THICKEST_WALL_M = 0.5
+
+
+def draw_walls(
+    segments: Array, axes: Array, grid: Grid, labels: Indices, regular: bool
+) -> tuple[Reduction, Reduction, Array, Indices, Array]:
+    """Walls with closed corners, and clutter; of walls thickness, free side, residual."""
+    drawn, side, residual, face = straight_faces(segments, grid)
+    off = quarter_turn(angle(drawn)[:, None] - axes)
+    off = np.take_along_axis(off, abs(off).argmin(1)[:, None], 1) if len(axes) else off + np.inf
+    if regular:
+        turn = np.where(abs(off) <= REGULAR_TURN_RAD, -off, 0)[:, 0]
+        middle = midpoint(drawn)
+        drawn = transform(np.column_stack([middle, turn]), drawn - middle[:, None])
+    away = np.arange(grid.side, THICKEST_WALL_M, grid.side)[:, None, None] * normals(drawn)
+    beside = np.stack([grid.at(midpoint(drawn) + k * away, labels) for k in (1, -1)])
+    room = np.take_along_axis(beside, (beside >= 0).argmax(1)[:, None], 1)[:, 0]
+    alone = (room[0] == room[1]) & (room[0] >= 0)
+    least = np.where(abs(off[:, 0]) <= AXIS_BAND_RAD, SHORTEST_WALL_M, SHORTEST_OBLIQUE_M)
+    wall = length(drawn) >= np.where(alone, SHORTEST_ALONE_M, least)
+    shut = drawn.copy()
+    shut[wall] = closed(drawn[wall], grid)
+    wall &= length(shut) >= SHORTEST_WALL_M
+
+    def made(these: Array, which: Mask) -> Reduction:
+        number = np.append(np.where(which, np.cumsum(which) - 1, -1), -1)
+        return Reduction(these[which], number[face], 0.0, "floor_plan")
+
+    walls, faces = made(shut, wall), (side[wall], residual[wall])
+    return walls, made(drawn, ~wall), thicknesses(walls.segments, side[wall]), *faces
+
+
+def normals(segments: Array) -> Array:
+    """Unit vectors to the left of segments, `(n, 2)`."""
+    way = (segments[:, 1] - segments[:, 0]) / np.maximum(length(segments), MIN_LENGTH)[:, None]
+    return np.stack([-way[:, 1], way[:, 0]], -1)
+
+
+def free_sides(segments: Array, grid: Grid) -> Indices:
+    """The free side of segments, 1 left, -1 right, 0 for both or neither, `(n,)`."""
+    share = np.linspace(0.1, 0.9, 9)[:, None, None]
+    points = segments[:, 0] + share * (segments[:, 1] - segments[:, 0])
+    off = np.array(FREE_SIDE_M)[:, None, None, None] * normals(segments)
+    left, right = ((grid.at(points + k * off) == FREE).mean((0, 1)) for k in (1, -1))
+    clear = abs(left - right) >= FREE_SIDE_SHARE
+    return np.where(clear, np.sign(left - right), 0).astype(np.int64)
+
+
+def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, Indices]:
+    """One straight segment for each face: the longest look gathers those that lie on it.
+
+    Returned are faces, their free sides, residuals, and of each segment its face.
+    """
+    side, turn, sizes = free_sides(segments, grid), angle(segments), length(segments)
+    left, face = np.argsort(-sizes, kind="stable"), np.full(len(segments), -1)
+    drawn, sides, residual = list[Array](), list[int](), list[float]()
+    while len(left):
+        mine, chosen = segments[left], np.arange(1)
+        for _ in range(4):
+            weight = np.ceil(sizes[left[chosen]] / grid.side).astype(int)
+            points = np.repeat(SIMPSON @ mine[chosen], weight, axis=0)
+            centre, direction = fit_line(points.reshape(-1, 2))
+            way = np.array([np.cos(direction), np.sin(direction)])
+            normal, to = np.array([-way[1], way[0]]), mine - centre
+            turned = abs(axial_difference(turn[left], direction))
+            facing = side[left] * np.where((mine[:, 1] - mine[:, 0]) @ way > 0, 1, -1)
+            near = (abs(to @ normal).max(1) <= FACE_BAND_M) & (turned <= FACE_TURN_RAD)
+            near &= facing * facing[0] >= 0
+            near[0] = True
+            spans = np.sort(to @ way, 1)
+            blocks = union(spans[near], FACE_GAP_M)
+            low, high = blocks[np.searchsorted(blocks[:, 0], spans[0, 0], "right") - 1]
+            chosen = np.flatnonzero(near & (spans[:, 0] >= low) & (spans[:, 1] <= high))
+        front = int(np.sign(facing[chosen] @ sizes[left[chosen]]))
+        for low, high in _bridged(union(spans[chosen]), centre, way, front * normal, grid):
+            own = chosen[(spans[chosen, 0] >= low) & (spans[chosen, 1] <= high)]
+            face[left[own]] = len(drawn)
+            drawn.append(centre + np.array([[low], [high]]) * way)
+            sides.append(front)
+            squares = ((to[own] @ normal) ** 2).mean(1)
+            residual.append(float(np.sqrt(np.average(squares, weights=sizes[left[own]]))))
+        left = np.delete(left, chosen)
+    return np.reshape(drawn, (-1, 2, 2)), np.array(sides, np.int64), np.array(residual), face
+
+
+def _bridged(spans: Array, centre: Array, way: Array, front: Array, grid: Grid) -> Array:
+    """Intervals with those made one that leave a small gap, or one that no ray passed.
+
+    Where free space lies before the gap, it is the same wall: a cross wall reaches farther.
+    """
+    kept = [spans[0].tolist()]
+    for low, high in spans[1:].tolist():
+        gap = low - kept[-1][1]
+        points = centre + np.linspace(kept[-1][1], low, 3 + int(gap / grid.side))[1:-1, None] * way
+        before, passed = ((grid.at(points + k * front) == FREE).mean() for k in (BEFORE_M, 0.0))
+        hidden = gap <= BRIDGED_M or (gap <= HIDDEN_M and passed == 0)
+        if hidden and before > 0.5:
+            kept[-1][1] = high
+        else:
+            kept.append([low, high])
+    return np.array(kept)
+
+
+def _crossings(segments: Array) -> tuple[Array, Array, Array]:
+    """Where the line of each segment crosses those of all others: inward directions `(2 n, 2)`.
+
+    And metres along these from each end to the crossing, `(2 n, n)`, and from the start of the
+    other segment; NaN where both are nearly parallel. End `2 i` is the start of segment i.
+    """
+    ends, left = segments.reshape(-1, 2), normals(segments)
+    way = np.stack([left[:, 1], -left[:, 0]], -1)
+    inward = np.stack([way, -way], 1).reshape(-1, 2)
+    across = inward @ left.T
+    across[abs(across) < np.sin(CORNER_TURN_RAD)] = np.nan
+    to = segments[:, 0] - ends[:, None]
+    ahead = (to * left).sum(-1) / across
+    return inward, ahead, ahead * (inward @ way.T) - (to * way).sum(-1)
+
+
+def closed(segments: Array, grid: Grid) -> Array:
+    """Segments whose ends meet: at corners, then on walls, as a T.
+
+    A corner has free space in its angle, or all around; the former come first, then the nearest.
+    """
+    out, size = segments.copy(), length(segments)
+    flat = out.reshape(-1, 2)  # a view
+    inward, ahead, at = _crossings(segments)
+    open_end = np.ones(len(flat), bool)
+    with np.errstate(invalid="ignore"):
+        both = np.stack([at, size - at], -1).reshape(len(flat), -1)  # to both ends of the other
+        off = np.maximum(abs(np.repeat(ahead, 2, 1)), abs(both))
+        half = np.repeat(size, 2) / 2
+        room = (np.repeat(ahead, 2, 1) < half[:, None]) & (both < half)
+        i, j = np.nonzero(np.triu(room & (off <= CORNER_M)))
+    crossing = flat[i] + ahead[i, j // 2, None] * inward[i]
+    reach = np.array(ANGLE_REACH_M)[:, None, None] * (inward[i] + inward[j])
+    inner, outer = ((grid.at(crossing + k * reach) == FREE).mean(0) for k in (1, -1))
+    for k in np.lexsort([off[i, j], inner < 0.5]):
+        if open_end[i[k]] and open_end[j[k]] and max(inner[k], outer[k]) >= 0.5:
+            flat[[i[k], j[k]]] = crossing[k]
+            open_end[[i[k], j[k]]] = False
+    inward, ahead, at = _crossings(out)
+    with np.errstate(invalid="ignore"):
+        hit = (at > 0) & (at < length(out)) & (ahead >= -T_REACH_M) & (ahead <= T_REACH_M)
+    hit[~open_end] = False
+    for end in np.flatnonzero(hit.any(1)):
+        near = ahead[end, hit[end]]
+        flat[end] += near[abs(near).argmin()] * inward[end]
+    return out
+
+
+def thicknesses(walls: Array, side: Indices) -> Array:
+    """From each wall to its other face, metres: `(n,)`, NaN where that was not seen."""
+    back = -side[:, None] * normals(walls)
+    to = walls - walls[:, None, :1]  # (n, n, 2, 2)
+    behind = np.einsum("ijpk,ik->ijp", to, back).mean(-1)
+    along = np.sort(np.einsum("ijpk,ik->ijp", to, back[:, ::-1] * (1, -1)), -1)
+    low, high = np.moveaxis(along[np.arange(len(walls)), np.arange(len(walls))], -1, 0)[..., None]
+    common = np.minimum(along[..., 1], high) - np.maximum(along[..., 0], low)
+    faces = (back @ back.T < -np.cos(FACE_TURN_RAD)) & (common > SHORTEST_WALL_M)
+    found = np.where(faces & (behind > 0), behind, np.inf).min(1, initial=np.inf)
+    return np.where(found <= THICKEST_WALL_M, found, np.nan)

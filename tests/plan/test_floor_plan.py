@@ -1,0 +1,162 @@
+"""Floor plans of simulated offices, whose rooms and doors are known."""
+
+import numpy as np
+import pytest
+
+from segmap import build_map, plan, quadtree, reduction
+from segmap.poses import compose, transform
+from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, map_of_grid
+from segmap.simulation import Sensor, circular_room, drive, office, polyline, simulate
+
+LASER = Sensor("whole turn", 720, -np.pi, np.pi / 360, max_range=20.0, sigma=0.01)
+ROOMS = 3
+
+
+def seen(walls, way, turn=0.0, shift=(0.0, 0.0), seed=0):
+    """Segments and free space of a drive, at true poses, the frame turned and shifted."""
+    log = simulate(walls, drive(way, step=0.4), sensor=LASER, rng=np.random.default_rng(seed))
+    poses = compose((*shift, turn), log.truth)
+    walls = reduction.one_per_wall(build_map(log, poses, keep_points=True))
+    return walls, quadtree.build_map(log, poses, resolution=0.05, free_resolution=0.05)
+
+
+def office_seen(seed, **frame):
+    way = [(1.0, 5.0)]
+    for x in 4.0 * np.arange(ROOMS) + 2.0:
+        way += [(x, 5.0), (x, 7.3), (x, 5.0), (x, 2.7), (x, 5.0)]
+    return seen(office(rng=np.random.default_rng(seed), rooms=ROOMS), way, seed=seed, **frame)
+
+
+@pytest.fixture(scope="module")
+def offices():
+    return {turn: plan.floor_plan(*office_seen(1, turn=turn)) for turn in (0.0, 0.4, np.pi / 2)}
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4, np.pi / 2])
+def test_an_office_has_its_rooms_and_doors(offices, turn):
+    """Catches a niche that becomes a room, a door that is lost, a plan that follows the frame."""
+    found = offices[turn]
+    assert len(found.rooms) == 2 * ROOMS + 1 and len(found.doors) == 2 * ROOMS
+    corridor = found.rooms[0]
+    assert corridor.area == pytest.approx(2.0 * 4.0 * ROOMS, rel=0.04)
+    assert all(0 in door.rooms for door in found.doors)
+    assert all(door.width == pytest.approx(0.85, abs=0.11) for door in found.doors)
+    middles = transform((0, 0, turn), [(4 * k + 2.0, y) for k in range(ROOMS) for y in (2.5, 7.5)])
+    assert sorted(found.room_at(middles)) == [*range(1, 2 * ROOMS + 1)]
+    assert found.room_at(transform((0, 0, turn), [(1.0, 5.0), (50, 50)])).tolist() == [0, -1]
+
+
+def test_a_turned_map_has_the_same_plan(offices):
+    """Catches lines, squares or corners that are looked for along x and y only."""
+    one, other = offices[0.0], offices[0.4]
+    areas = [sorted(room.area for room in each.rooms) for each in (one, other)]
+    assert np.allclose(*areas, rtol=0.05)
+    sizes = [np.hypot(*np.diff(each.walls.segments, axis=1)[:, 0].T).sum() for each in (one, other)]
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.05)
+
+
+def test_a_shifted_map_has_the_shifted_plan():
+    """Catches a corner of the squares that is not carried along."""
+    shift = np.array([10.0, -5.0])
+    one, other = (plan.floor_plan(*office_seen(2, shift=each)) for each in ((0, 0), shift))
+    assert len(one.rooms) == len(other.rooms)
+    places = [sorted((door.place - off).tolist() for door in each.doors)
+              for each, off in ((one, (0, 0)), (other, shift))]  # fmt: skip
+    assert np.allclose(*places, atol=0.1)
+
+
+def test_walls_are_straight_and_meet(offices):
+    """Catches corners that stay open, crumbs among walls, and segments that are lost silently."""
+    found = offices[0.0]
+    ends = found.walls.segments.reshape(-1, 2)
+    for corner in [(0, 4), (0, 6), (12, 4), (12, 6)]:  # of the corridor
+        near = ends[np.hypot(*(ends - corner).T) < 0.05].round(9)
+        assert len(np.unique(near, axis=0)) < len(near)
+    assert np.hypot(*np.diff(found.walls.segments, axis=1)[:, 0].T).min() >= 0.3
+    one_of_both = (found.walls.parents >= 0) ^ (found.clutter.parents >= 0)
+    assert one_of_both.all()
+    assert all(len(found.walls.members(k)) for k in range(len(found.walls)))
+
+
+def test_thin_walls_have_a_thickness(offices):
+    """Catches a thickness across a room, and the free side taken for the back."""
+    found = offices[0.0]
+    known = np.isfinite(found.thickness)
+    assert known.mean() > 0.3
+    assert (abs(found.thickness[known] - 0.1) < 0.01).mean() > 0.9  # the others are cupboards
+
+
+def test_regular_walls_run_along_the_axes():
+    """Catches walls that are turned about the origin and not about themselves."""
+    walls, free = office_seen(1, turn=0.4)
+    plain, regular = (plan.floor_plan(walls, free, regular=each) for each in (False, True))
+    assert len(plain.walls) == pytest.approx(len(regular.walls), abs=3)
+    way = np.diff(regular.walls.segments, axis=1)[:, 0]
+    off = (np.arctan2(way[:, 1], way[:, 0]) - regular.axes[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4
+    assert not ((abs(off) > 1e-6) & (abs(off) < np.radians(0.9))).any()
+    assert np.ptp(regular.walls.segments, axis=(0, 1)) == pytest.approx(
+        np.ptp(plain.walls.segments, axis=(0, 1)), abs=0.05
+    )
+
+
+def test_a_route_names_its_doors(offices):
+    """Catches a way that skips a door, or that is one of rooms and not of doors."""
+    found = offices[0.0]
+    way = found.route(1, "room 4")
+    assert [set(door.rooms) for door in way] == [{0, 1}, {0, 3}]
+    assert found.route(2, 2) == []
+    assert found.graph.sum() == 4 * ROOMS and (found.graph == found.graph.T).all()
+    with pytest.raises(ValueError, match="to_room"):
+        found.route(0, "kitchen")
+
+
+def test_what_is_not_joined_has_no_route():
+    """Catches a way through a wall."""
+    kinds = np.full((100, 200), UNKNOWN)
+    kinds[10:90, 10:190] = OCCUPIED
+    kinds[11:89, 11:95] = kinds[11:89, 105:189] = FREE
+    walls = [polyline(corners, closed=True) / 20 for corners in (
+        [(10.5, 10.5), (95.5, 10.5), (95.5, 89.5), (10.5, 89.5)],
+        [(104.5, 10.5), (189.5, 10.5), (189.5, 89.5), (104.5, 89.5)])]  # fmt: skip
+    found = plan.floor_plan(np.concatenate(walls), map_of_grid(kinds, resolution=0.05))
+    assert [round(room.area, 1) for room in found.rooms] == [16.8, 16.8] and not found.doors
+    assert "no door was seen" in found.doubt
+    assert "cells between lines" in found.why(found.rooms[0])
+    with pytest.raises(ValueError, match="no doors"):
+        found.route(0, 1)
+
+
+def test_a_niche_is_no_room_where_the_rule_of_circles_holds():
+    """Catches the rule left out: then a door niche is a room of its own."""
+    walls = polyline(
+        [(0, 0), (6, 0), (6, 4), (3.5, 4), (3.5, 5.3), (2, 5.3), (2, 4), (0, 4)], closed=True
+    )
+    found = seen(walls, [(1, 1), (5, 1), (5, 3), (2.7, 3)])
+    assert len(plan.floor_plan(*found).rooms) == 1
+    assert len(plan.floor_plan(*found, kappa=0.1).rooms) == 2
+
+
+def test_a_round_room_is_told():
+    """Catches a doubt that says nothing where no wall lies on an axis."""
+    walls = circular_room(4.0)
+    found = plan.floor_plan(*seen(walls, [(3, 3), (5, 3), (5, 5)]))
+    assert "round" in found.doubt
+    assert sum(room.area for room in found.rooms) == pytest.approx(np.pi * 16, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"scale": 1000.0}, "metres"),
+        ({"scale": 0.001}, "metres"),
+        ({"door": (2.0, 1.0)}, "door"),
+        ({"free": quadtree.QuadtreeMap(resolution=0.05)}, "nothing was seen"),
+    ],
+)
+def test_what_cannot_be_a_building_is_refused(change, words):
+    """Catches millimetres that end as a full memory."""
+    walls, free = office_seen(1)
+    segments = walls.segments * change.pop("scale", 1.0)
+    free = change.pop("free", free)
+    with pytest.raises(ValueError, match=words):
+        plan.floor_plan(segments, free, **change)
