@@ -5,9 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from segmap.alignment import LoopClosing
-from segmap.alignment.pose_graph._key_frames import KeyFrames
-from segmap.alignment.pose_graph._loop_closing import LoopCloser
 from segmap.poses import between, compose
 from segmap.scans import Log
 from segmap.simulation import (
@@ -135,13 +132,3 @@ def joined(first: Log, second: Log, step: Sequence = (0.25, 0.0, 0.0)) -> Log:
     on = compose(start, between(second.odometry[0], second.odometry))
     rest = changed(second, odometry=on)
     return Log("kidnapped", [*first, *rest], np.concatenate([first.truth, second.truth]))
-
-
-def walked(
-    steps: int, points: np.ndarray = np.zeros((0, 2)), closer: type[LoopCloser] = LoopCloser
-) -> LoopCloser:
-    """Key frames a metre apart on a line, and what closes loops among them."""
-    frames = KeyFrames()
-    for scan in range(steps + 1):
-        frames.add(scan, points, np.array([float(scan > 0), 0, 0]), np.eye(3))
-    return closer(frames, 0.03, LoopClosing())

@@ -12,18 +12,13 @@ import pytest
 TESTS = Path(__file__).parents[1]
 #: The files that take some, each with its reason; a file that takes none any more leaves the list.
 HELD = {
-    "alignment/pose_graph/test_doubt.py": "to be made public: findings of the odometry",
     "alignment/pose_graph/test_graph.py": "kernels against numpy: equations and their solver",
-    "alignment/pose_graph/test_limits.py": "to be made public: limits of loop closing",
-    "alignment/pose_graph/test_mended.py": "to be made public: loops by hand",
-    "alignment/pose_graph/test_pose_graph.py": "to be made public: steps of loop closing",
-    "alignment/pose_graph/test_regained.py": "to be made public: a robot that is lost",
+    "alignment/pose_graph/test_pose_graph.py": "steps of loop closing, a matcher that fails",
     "alignment/test_alignment.py": "kernels against `literal`; results that the runner refuses",
     "alignment/test_angle_correspondence.py": "kernels against `literal`",
     "alignment/test_backbone.py": "kernels against `literal`",
     "alignment/test_global_segments.py": "equations against their literal form",
     "alignment/test_point_map.py": "kernels against numpy: partners, steps and their uncertainty",
-    "alignment_logs.py": "to be made public: key frames",
     "course/grading/test_jail.py": "crashes and attacks: the sandbox by itself",
     "course/grading/test_one_answer.py": "crashes: what an answer does ends no grading",
     "emulated.py": "faults of a wire, in the thread and by the clock of a test",
@@ -31,7 +26,7 @@ HELD = {
     "hokuyo/test_sensor_address.py": "crashes: a socket that is slow, dead or of another",
     "matching/test_live_map.py": "crashes: interrupts and threads that draw a map anew",
     "matching/test_localize.py": "steps against the `literal` filter",
-    "matching/test_merge.py": "to be made public: places that both sessions passed",
+    "matching/test_merge.py": "places that both sessions passed, and solutions on the way",
     "matching/test_particles.py": "steps against the `literal` filter",
     "panels/test_hostile.py": "crashes: hostile words at every entry of the page",
     "panels/test_live.py": "crashes: threads of the panel, a scan that fails",

@@ -10,7 +10,6 @@ import pytest
 from segmap import load
 from segmap.alignment import Alignment, Graph, LiveGraph
 from segmap.alignment.graph import Edge
-from segmap.alignment.pose_graph._key_frames import loop_pairs
 from segmap.poses import between, compose, inverse
 from segmap.testing import assert_poses_equal
 
@@ -145,12 +144,11 @@ def test_what_is_drawn_is_out_of_date_after_a_tie(driven):
     assert [graph.add(LOG[-1]).closed for _ in range(2)] == [True, False]
 
 
-def test_scans_come_in_pairs():
-    for given in ([], [(1, 2)], [(1, 2), (3, 4)]):
-        assert loop_pairs(given, "tie") == [list(pair) for pair in given]
-    for wrong in ([1, 2], [(1, 2, 3)]):
-        with pytest.raises(ValueError, match="tie must be pairs of scans"):
-            loop_pairs(wrong, "tie")
+@pytest.mark.parametrize("wrong", [[1, 2], [(1, 2, 3)]])
+@pytest.mark.parametrize("name", ["tie", "veto"])
+def test_scans_come_in_pairs(driven, name, wrong):
+    with pytest.raises(ValueError, match=f"{name} must be pairs of scans"):
+        driven.with_loops(**{name: wrong})
 
 
 def test_what_is_interrupted_changes_nothing(driven, monkeypatch):

@@ -6,7 +6,6 @@ from functools import cache
 import alignment_logs as logs
 import numpy as np
 import pytest
-from alignment_logs import walked
 from conftest import slow
 from scipy.sparse.csgraph import csgraph_from_dense, dijkstra
 
@@ -34,6 +33,16 @@ from segmap.simulation import (
     office,
     simulate,
 )
+
+
+def walked(
+    steps: int, points: np.ndarray = np.zeros((0, 2)), closer: type[LoopCloser] = LoopCloser
+) -> LoopCloser:
+    """Key frames a metre apart on a line, and what closes loops among them."""
+    frames = KeyFrames()
+    for scan in range(steps + 1):
+        frames.add(scan, points, np.array([float(scan > 0), 0, 0]), np.eye(3))
+    return closer(frames, 0.03, LoopClosing())
 
 
 @cache
