@@ -146,7 +146,6 @@ NPZ = npz(
     times=np.array(TIMES),
     truth=np.array(TRUTH),
 )
-#: Every format that is a single file.
 RPLIDAR_RECORD = text(
     f"{angle == 0}\t15\t{angle:.1f}\t{1000 + 10 * angle:.1f}"
     for _ in range(2)
@@ -164,6 +163,29 @@ ROSTOPIC = text(
         ),
     ]
 )
+XV11 = text(
+    line
+    for turn in range(2)
+    for line in [
+        "AngleInDegrees,DistInMM,Intensity,ErrorCodeHEX",
+        *(f"{a:.0f},{r},15,{0 if a else 8035}" for a, r in TURNS[turn * 8 : turn * 8 + 8]),
+        "ROTATION_SPEED,5.01",
+    ]
+)
+ECHO = text(
+    line
+    for time in TIMES
+    for line in [
+        *("header:", "  stamp:", f"    sec: {time:.0f}", "    nanosec: 250000000"),
+        *("angle_min: -1.5708", "angle_increment: 0.7854", "range_max: 80.0", "ranges:"),
+        *(f"- {r}" for r in RANGES.split()),
+        "---",
+    ]
+)
+WIDE = text(
+    ["time_s;-90;-45;0;45;90;135", *(f"{t};1.5;2;2.5;inf;3.0;".replace(".", ",") for t in TIMES)]
+)
+#: Every format that is a single file.
 SINGLE_FILES = {
     "carmen": CARMEN,
     "carmen_new": CARMEN_NEW,
@@ -182,6 +204,9 @@ SINGLE_FILES = {
     "rplidar_record": RPLIDAR_RECORD,
     "rostopic": ROSTOPIC,
     "ld19": LD19,
+    "xv11": XV11,
+    "echo": ECHO,
+    "wide": WIDE,
     "sick": SICK,
     "hokuyo_csv": HOKUYO_CSV,
 }

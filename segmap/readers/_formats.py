@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
 
@@ -13,21 +14,25 @@ from .graphs import GRAPH_FORMATS
 from .tables import TABLE_FORMATS
 
 #: These are asked first, in this order.
-BINARY_FORMATS: tuple[Binary, ...] = (bags.BAG, mrpt.MRPT, *tables.TABLE_FILES)
+BINARY_FORMATS: tuple[Binary, ...] = (bags.BAG, mrpt.MRPT, *tables.ARRAY_FILES)
 FOLDER_FORMATS: tuple[Binary, ...] = (bags.BAG, *tables.TABLE_FOLDERS)
 TEXT_FORMATS: tuple[type[TextFormat], ...] = (*CARMEN_FORMATS, *GRAPH_FORMATS, *TABLE_FORMATS)
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
 LOOKED_AT_LINES = 200
+#: Lines with words of one format are so many of them at least, where a head names columns; ...
+WORDS_SHARE = 0.1
+#: ... and those that are told by their shape alone.
+SHAPE_SHARE = 0.5
 #: Names of all formats of single files.
 NAMES_OF_FORMATS = (
     *(form.name for form in TEXT_FORMATS),
-    *(form.name for form in BINARY_FORMATS),
+    *(form.name for form in (*BINARY_FORMATS, *tables.HEADED_FILES)),
 )
 #: What a user writes whose data are in none of the formats.
 WHAT_TO_DO = f"""\
-Known formats: {", ".join(NAMES_OF_FORMATS)}.
-A line a beam without a header: \
-segmap.readers.read_csv(path, columns=['angle_deg', 'range_mm', 'quality']).
+Known formats: {", ".join(NAMES_OF_FORMATS)} (CSV, RPLidar, LD19, XV-11).
+A table with a line a beam: --columns angle_deg,range_mm names its columns, \
+segmap.readers.read_csv in Python.
 Measurements in arrays (metres, radians, seconds) become a log by three lines:
     import segmap
     scans = [segmap.LaserScan(ranges, angles, time=t) for t, ranges in measured]
@@ -35,7 +40,12 @@ Measurements in arrays (metres, radians, seconds) become a log by three lines:
 
 
 def recognise(path: Path) -> Binary | type[TextFormat]:
-    """The first format that claims a file or folder, or else the one of most of the first lines."""
+    """The format of a file or folder, by what speaks for it.
+
+    That is the first bytes or what lies in a folder; then the words with which lines begin; then a
+    head that names columns; then the shape of most of the first lines; and only then a guess from
+    what their numbers are.
+    """
     for form in FOLDER_FORMATS if path.is_dir() else BINARY_FORMATS:
         if form.claims(path):
             return form
@@ -49,13 +59,31 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
     lines = Lines(path, "skip", separator="\n")
     sample = [line[0] for line in islice(lines, LOOKED_AT_LINES)]
     split = {separator: [line.split(separator) for line in sample] for separator in (None, ",")}
-    votes = [sum(map(form.claims, filter(None, split[form.separator]))) for form in TEXT_FORMATS]
-    if any(votes):
-        return TEXT_FORMATS[votes.index(max(votes))]
+    votes = {
+        form: sum(map(form.claims, filter(None, split[form.separator]))) for form in TEXT_FORMATS
+    }
+    for share, by_shape, tables_next in (
+        (WORDS_SHARE, False, tables.HEADED_FILES),
+        (SHAPE_SHARE, True, ()),
+        (0.0, False, tables.GUESSED_FILES),
+    ):
+        least = max(share * len(sample), 1)
+        forms = [form for form in TEXT_FORMATS if votes[form] >= least]
+        if forms := [form for form in forms if by_shape or not form.by_shape]:
+            return max(forms, key=lambda form: votes[form])
+        for each in tables_next if lines.number else ():
+            if each.claims(path):
+                return each
     if lines.first:
         raise UnknownFormat(path, lines.first.reason, lines.first.line)
-    found = "is empty, expected a log"
-    if lines.number:
-        first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
-        found = f"is of no known format: {first}"
-    raise UnknownFormat(path, f"{found}\n{WHAT_TO_DO}")
+    raise UnknownFormat(path, _looks_like(path, sample, lines.number))
+
+
+def _looks_like(path: Path, sample: Sequence[str], count: int) -> str:
+    """What a file of no known format holds, and what to do with it."""
+    if not count:
+        return f"is empty, expected a log\n{WHAT_TO_DO}"
+    if not sample:
+        return f"is of no known format: it has comments only\n{WHAT_TO_DO}"
+    found = f"is of no known format: it starts with {sample[0][:40]!r}"
+    return f"{found}\n{tables.looks_like(path)}{WHAT_TO_DO}"

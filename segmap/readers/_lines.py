@@ -94,14 +94,21 @@ class Reading:
 
 
 class Lines(Reading):
-    """The fields of each line of a file; empty lines and comments (`#`) are left out.
+    """The fields of each line of a file; empty lines and `comments` are left out.
 
     Fields are separated by white space where `separator` is None.
     """
 
-    def __init__(self, path: Path, on_error: str = "raise", separator: str | None = None) -> None:
+    def __init__(
+        self,
+        path: Path,
+        on_error: str = "raise",
+        separator: str | None = None,
+        comments: str = "#",
+        encoding: str = "ascii",
+    ) -> None:
         super().__init__(path, on_error)
-        self.separator, self.number = separator, 0
+        self.separator, self.comments, self.encoding, self.number = separator, comments, encoding, 0
 
     def error(self, reason: str) -> LogError:
         """An error about the line that was read last."""
@@ -150,9 +157,9 @@ class Lines(Reading):
                         raise self.error(
                             f"unpacks to more than {most} bytes: unpack it, if it is a log"
                         )
-                    text = line.decode("ascii", "replace").strip()
+                    text = line.decode(self.encoding, "replace").strip()
                     fields = text.split(self.separator)
-                    if text and not text.startswith("#") and fields:
+                    if text and fields and not (self.comments and text.startswith(self.comments)):
                         empty = 0
                         yield fields
                     elif (empty := empty + 1) > MAX_EMPTY:

@@ -35,6 +35,8 @@ class TextFormat:
     #: The first words of its lines.
     keywords: ClassVar[Collection[str]] = ()
     separator: ClassVar[str | None] = None
+    #: Whether its lines have no words of their own: numbers alone tell it.
+    by_shape: ClassVar[bool] = False
 
     def __init__(self, lines: Lines) -> None:
         self.lines, self.scans, self.track = lines, list[Any](), Track()

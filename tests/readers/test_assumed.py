@@ -36,13 +36,16 @@ ASSUMED = {
     "rplidar_record": set(),
     "rostopic": {CENTRE},
     "ld19": {WRAPS},
+    "xv11": {COUNTER},
+    "echo": {CENTRE},
+    "wide": {"the head holds degrees, counter-clockwise", "ranges are in metres"},
     "sick": {SICK.format(50)},
     "hokuyo_csv": {URG},
 }
 #: When the bags begin, seconds.
 START = 1e6
 #: Formats that hold no time.
-TIMELESS = {"hokuyo", "dpslam", "rplidar", "rplidar_record"}
+TIMELESS = {"hokuyo", "dpslam", "rplidar", "rplidar_record", "xv11"}
 #: Formats of one sensor, whose mirror turns in a time that is known, and of beams with a time each.
 TURNING = {"coreslam", "coreslam_13", "hokuyo_csv", "csv", "ld19", "rostopic"}
 

@@ -296,10 +296,6 @@ class TestDamage:
         log = read(*story, on_error="skip")
         assert len(log) == 2 and log.skipped.lines == 1 and "message 2" in log.skipped.reason
 
-    def test_scans_of_two_lasers_in_one_topic_are_told(self, read):
-        with pytest.raises(LogError, match="message 2: expected a scan of laser, got one of other"):
-            read(scan(), scan(START + 1, frame="other"))
-
     def test_a_whole_bag_may_not_be_packed(self, tmp_path):
         data = bags.write(tmp_path, "ros1").read_bytes()
         (tmp_path / "it.bag.gz").write_bytes(gzip.compress(data))
@@ -312,7 +308,9 @@ class TestDamage:
         at = data.index(b"index_pos=") + len(b"index_pos=")
         data[at : at + 8] = bytes(8)
         path.write_bytes(data)
-        with pytest.raises(LogError, match="not indexed, reindex before reading"):
+        with pytest.raises(
+            LogError, match="was never closed: 5 messages are whole; `rosbag reindex`"
+        ):
             readers.read(path)
 
     @pytest.mark.parametrize("packed", ["BZ2", "LZ4", "zstd"])
@@ -391,13 +389,9 @@ class TestDamage:
 
     def test_a_record_may_end_with_its_file(self, tmp_path):
         path = tmp_path / "it.mcap"
-        for more, said in ((0, ""), (1, "byte 17: announces 4 bytes, 3 follow")):
+        for more, whole in ((0, 20), (1, 8)):
             path.write_bytes(b"\x89MCAP0\r\n\1" + (3 + more).to_bytes(8, "little") + b"abc")
-            if not said:
-                _bounds.look_through(path, ".mcap", _bounds.Budget(path, 20))
-                continue
-            with pytest.raises(LogError, match=said):
-                _bounds.look_through(path, ".mcap", _bounds.Budget(path, 20))
+            assert _bounds.look_through(path, ".mcap", _bounds.Budget(path, 20)) == whole
 
     @pytest.mark.parametrize("text", [b" " * (1 << 22), b"[" * 5000 + b"{" * 5000])
     def test_metadata_at_the_limit_are_read(self, tmp_path, text):

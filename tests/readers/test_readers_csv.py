@@ -52,8 +52,11 @@ class TestHeader:
     @pytest.mark.parametrize(
         ("head", "reason"),
         [
-            ("angle,range_mm", r"line 1: the unit of 'angle' is not said \(deg, rad"),
-            ("angle_deg,range", "the unit of 'range' is not said .*read_csv"),
+            (
+                "angle,range_mm",
+                "line 1: the unit of 'angle' is not said: .*--columns angle_deg,range_mm",
+            ),
+            ("angle_deg,range", "the unit of 'range' is not said: .*read_csv"),
         ],
     )
     def test_what_it_does_not_say_is_not_guessed(self, read, head, reason):

@@ -1,13 +1,16 @@
 """Bags of ROS 1 and ROS 2: scans, odometry, and where the laser sits.
 
-    sensor_msgs/LaserScan     the scans of one topic, time of the header
+    sensor_msgs/LaserScan     the scans of one topic, time of the header; messages that are parts of
+                              one turn are joined; of a MultiEchoLaserScan the first echo counts
     nav_msgs/Odometry         of one topic, interpolated at the times of the scans, heading along
                               the shorter way; a scan before the first and after the last has none
     tf2_msgs/TFMessage        /tf_static and /tf: the laser's place on the robot; and the odometry,
-                              from the frame odom to the one below it, where no topic has any
+                              how the robot's frame moves in the one above, where no topic has any
 
-A laser that hangs upside down is honoured: its beams turn the other way. One that is tilted, or
-that moves on the robot, is refused. The robot's frame is the one that the odometry names.
+Topics are those of one robot: the odometry is the one whose frame carries the laser, by tf or by
+its name. A laser that hangs upside down is honoured: its beams turn the other way. One that is
+tilted, or that moves on the robot, is refused. The robot's frame is the one that the odometry
+names. Of several lasers in one topic the one that met most is read.
 
 Ranges from `range_max` on and `inf` met nothing; those below `range_min`, `-inf` and NaN are
 errors. Angles are `angle_min` plus multiples of `angle_increment`, which may be negative. Beam k is
@@ -22,55 +25,73 @@ Assumed: without a transform the laser sits at the robot's centre.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ... import arrays
+from ..._display import counted
 from ...angles import wrap
 from ...arrays import Array, checked, unit_checks
 from ...files import shown
+from ...poses import interpolate
 from ...progress import announce
 from ...scans import LaserScan, Log
 from .._lines import LATEST_TIME_S, LogError, OnError, Reading, UnknownFormat, stem
 from .._mounting import flat, in_space, level
-from .._raw_scans import Track, beams_of_message, known, place_of
+from .._raw_scans import Track, known, known_truth, place_of
 from ..packed import log_file
 from ._files import FRAMES, Bag, kind_of, opened
 from ._frames import Frames
+from ._lasers import ScanMessage, beams_of, of_one_laser, time_between, turn_of_parts, turns
 
-SCAN_TYPE = "sensor_msgs/msg/LaserScan"
-ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
+SCAN_TYPES = ("sensor_msgs/msg/LaserScan", "sensor_msgs/msg/MultiEchoLaserScan")
+ODOMETRY_TYPES = ("nav_msgs/msg/Odometry",)
+#: Poses that are odometry or truth where they are named.
+POSE_TYPES = (
+    *ODOMETRY_TYPES,
+    *(f"geometry_msgs/msg/{kind}Stamped" for kind in ("Pose", "PoseWithCovariance", "Transform")),
+)
 STATIC = "tf_static"
+#: A topic of this name holds the scans as they were measured, if it has half as many as another.
+USUAL_SCAN_TOPIC = "scan"
 
 
 @checked
 def read_bag(
     path: str | Path,
     *,
-    scan: str | None = None,
+    scan: str | Sequence[str] | None = None,
     odometry: str | None = None,
+    truth: str | None = None,
     on_error: OnError = "raise",
 ) -> Log:
     """Read a bag of ROS 1 or ROS 2, with the package `rosbags` (`pip install rosbags`).
 
-    Scans are those of a topic of `sensor_msgs/LaserScan`. Odometry is that of a topic of
-    `nav_msgs/Odometry`, interpolated at the times of the scans, or else the way of the frame below
-    `odom`; scans before its beginning and after its end have none. Where the laser sits, upside
-    down or not, is what `/tf_static` and `/tf` say. Ranges from `range_max` on met nothing, those
-    below `range_min` are errors. Beams have their times, whose order `alignment.deskew` finds.
+    Scans are those of a topic of `sensor_msgs/LaserScan` or MultiEchoLaserScan. Odometry is that of
+    a topic of `nav_msgs/Odometry`, interpolated at the times of the scans, or else how the robot's
+    frame moves in the one above it; scans before its beginning and after its end have none. Where
+    the laser sits, upside down or not, is what `/tf_static` and `/tf` say. Ranges from `range_max`
+    on met nothing, those below `range_min` are errors. Beams have their times, whose order
+    `alignment.deskew` finds.
 
     Parameters
     ----------
     path : str or Path
         A `.bag`; a folder with a metadata.yaml, or with one bag alone; a `.db3` or an `.mcap`.
-    scan, odometry : str or None
-        Names of topics; None takes the one with most messages, and warns where there are others.
+    scan : str, list of str or None
+        A topic, or several: then their scans make one log, each with its laser's place on the
+        robot. None takes `/scan`, or else the topic with most messages, and warns of others.
+    odometry, truth : str or None
+        A topic of Odometry, PoseStamped, PoseWithCovarianceStamped or TransformStamped. None takes
+        the Odometry of the robot that carries the laser, and no truth.
     on_error : "raise" or "skip"
-        As in `read`: a message that is damaged is left out, a bag that is broken ends there.
+        As in `read`: a message that is damaged is left out, of a bag that is cut off what is whole
+        is read.
 
     Raises
     ------
@@ -86,137 +107,233 @@ def read_bag(
 
     Examples
     --------
-    >>> log = read_bag("office.bag", scan="/front/scan")  # doctest: +SKIP
+    >>> log = read_bag("office.bag", scan=["/front/scan", "/rear/scan"])  # doctest: +SKIP
     """
-    for name, topic in (("scan", scan), ("odometry", odometry)):
-        if not isinstance(topic, str | None):
-            raise ValueError(f"{name} must be the name of a topic, got {arrays.brief(topic)}")
+    scans = [scan] if isinstance(scan, str) else scan
+    for name, topics in (("scan", scans), ("odometry", [odometry]), ("truth", [truth])):
+        listed = topics is None or isinstance(topics, list | tuple)
+        if not listed or not all(isinstance(t, str | None) for t in topics or ()):
+            raise ValueError(f"{name} must be the name of a topic, got {arrays.brief(topics)}")
     with log_file(path, folders=True) as place:
         if not kind_of(place):
             raise UnknownFormat(place, "is no bag of ROS, expected a .bag, .mcap, .db3 or a folder")
-        return read(place, stem(place), on_error, scan, odometry)
+        return read(place, stem(place), on_error, scans, odometry, truth)
 
 
 def read(
     path: Path,
     name: str,
     on_error: str = "raise",
-    scan: str | None = None,
+    scans: Sequence[str] | None = None,
     odometry: str | None = None,
+    truth: str | None = None,
 ) -> Log:
-    """Scans and odometry, then as much of the transforms as is needed; no truth."""
-    with opened(path) as bag:
-        said = _Recording(bag, on_error)
-        scan = _chosen_topic(bag, SCAN_TYPE, scan, "scan")
-        if scan is None:
-            raise LogError(bag.path, f"holds no sensor_msgs/LaserScan, but {_topics_text(bag)}")
-        odometry = _chosen_topic(bag, ODOMETRY_TYPE, odometry, "odometry")
-        wheels = {odometry: ODOMETRY_TYPE} if odometry else said.frames_in(static=False)
-        said.each({scan: SCAN_TYPE, **wheels, **said.frames_in(static=True)})
-        if not said.scans:
-            raise LogError(bag.path, f"holds no scan in {scan}{said.why()}")
-        said.know_frames(odometry is None)
-        return said.log(name)
+    """Scans and odometry, then as much of the transforms as is needed."""
+    reading = Reading(path, on_error)
+    with opened(path, reading) as bag:
+        said = _Recording(bag, reading)
+        lasers = _scan_topics(bag, scans)
+        if not lasers:
+            held = f"{_topics_text(bag)}{reading.why()}"
+            raise LogError(bag.path, f"holds no sensor_msgs/LaserScan, but {held}")
+        named = {
+            word: _named_topic(bag, POSE_TYPES, topic, word)
+            for word, topic in (("odometry", odometry), ("truth", truth))
+            if topic is not None
+        }
+        wheels = {named["odometry"]} if odometry else bag.topics(*ODOMETRY_TYPES)
+        said.each({*lasers, *named.values(), *wheels, *said.frames_in(static=True)})
+        if not said.messages:
+            raise LogError(bag.path, f"holds no scan in {', '.join(lasers)}{reading.why()}")
+        said.choose(named.get("odometry"))
+        return said.log(name, named.get("truth"))
 
 
-class _Recording(Reading):
+class Way(NamedTuple):
+    """Poses of one topic, and the frame that moved."""
+
+    track: Track
+    child: str
+
+
+class _Recording:
     """What the messages of one bag said so far."""
 
-    def __init__(self, bag: Bag, on_error: str) -> None:
-        super().__init__(bag.path, on_error)
-        self.bag, self.track, self.frames = bag, Track(), Frames()
-        self.scans: list[tuple[float, LaserScan]] = []
-        self.laser, self.base = "", ""
+    def __init__(self, bag: Bag, reading: Reading) -> None:
+        self.bag, self.path, self.reading = bag, bag.path, reading
+        self.messages: list[ScanMessage] = []
+        self.ways: dict[str, Way] = {}
+        self.frames, self.odometry = Frames(), Way(Track(), "")
+        self.assumed: list[str] = []
 
-    def each(self, kinds: Mapping[str, str]) -> None:
-        """Take in each message of topics of these kinds; a damaged one is told or counted."""
-        takes: dict[str, Callable[[Any, float], None]] = {
-            SCAN_TYPE: self.take_scan,
-            ODOMETRY_TYPE: self.take_odometry,
-        }
+    def each(self, topics: set[str], *, ordered: bool = True) -> None:
+        """Take in each message of these topics; a damaged one is told or counted.
+
+        Where they are not `ordered`, scans were taken in before.
+        """
+        kinds = {c.topic: c.msgtype for c in self.bag.connections if c.topic in topics}
         counts = Counter[str]()
-        count = max(sum(self.bag.topics(kind).get(topic, 0) for topic, kind in kinds.items()), 1)
+        count = max(sum(self.bag.topics(*kinds.values()).get(topic, 0) for topic in kinds), 1)
         for topic, received, data in self._to_the_break(self.bag.messages(kinds)):
             announce(counts.total() / count, f"reading message {counts[topic] + 1} of {topic}")
             counts[topic] += 1
             try:
                 message = self.bag.decoded(data, kinds[topic])
                 with np.errstate(all="ignore"):
-                    takes.get(kinds[topic], self.take_frames)(message, received / 1e9)
+                    self._take(topic, kinds[topic], message, received / 1e9, ordered)
             except ValueError as fault:
                 reason = f"{topic}, message {counts[topic]}: {fault}"
             else:
                 continue
-            self.damaged(LogError(self.path, reason))
+            self.reading.damaged(LogError(self.path, reason))
 
     def _to_the_break(self, found: Iterator[Any]) -> Iterator[Any]:
         try:
             yield from found
         except LogError as fault:
-            self.damaged(fault)
+            self.reading.damaged(fault)
 
-    def take_scan(self, message: Any, received: float) -> None:
-        laser = message.header.frame_id
-        if self.scans and laser != self.laser:
-            raise ValueError(f"expected a scan of {self.laser}, got one of {laser}")
-        self.scans.append((_header_time(message.header, received), beams_of_message(message)))
-        self.laser = laser
+    def _take(self, topic: str, kind: str, message: Any, received: float, ordered: bool) -> None:
+        number, after = len(self.messages), len(self.messages) if ordered else None
+        if kind in FRAMES:
+            for transform in message.transforms:
+                self.frames.take(transform, _header_time(transform.header, received), after)
+            return
+        when = _header_time(message.header, received)
+        if kind in SCAN_TYPES:
+            laser, beams = message.header.frame_id, beams_of(message)
+            self.messages.append(ScanMessage(number, topic, laser, when, beams))
+            return
+        child = str(getattr(message, "child_frame_id", ""))
+        way = self.ways.setdefault(topic, Way(Track(), child))
+        way.track.add(when, _planar_pose(message), after)
 
-    def take_odometry(self, message: Any, received: float) -> None:
-        place, turn = message.pose.pose.position, message.pose.pose.orientation
-        pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
-        self.track.add(_header_time(message.header, received), level(pose), len(self.scans))
-        self.base = self.base or message.child_frame_id
+    def frames_in(self, *, static: bool) -> set[str]:
+        """Topics of transforms: of those that stand still, or of the others."""
+        return {t for t in self.bag.topics(*FRAMES) if t.endswith(STATIC) == static}
 
-    def take_frames(self, message: Any, received: float) -> None:
-        for transform in message.transforms:
-            self.frames.take(transform, _header_time(transform.header, received), len(self.scans))
+    # ----------------------------------------------------------------- odometry
+    def choose(self, named: str | None) -> None:
+        """Take the odometry of the robot that carries the laser, or else what frames tell."""
+        laser = self.messages[0]
+        ways = {t: way for t, way in self.ways.items() if way.track.times} if not named else {}
+        if named:
+            self.odometry = self.ways.get(named, self.odometry)
+        if len(ways) == 1:
+            (self.odometry,) = ways.values()
+        if not self.odometry.track.times or self.place(laser.frame) is None:
+            self.each(self.frames_in(static=False), ordered=False)
+        if named:
+            return
+        ranked = sorted(ways, key=lambda topic: self._rank(topic, laser))
+        mine = [topic for topic in ranked if not self._foreign(topic, laser)]
+        self.odometry = ways[mine[0]] if mine else Way(Track(), "")
+        if len(ranked) > 1 and mine:
+            counts = ", ".join(f"{topic} ({len(ways[topic].track.times)})" for topic in ranked)
+            other = ranked[1]
+            _warn(f"{self.path}: {counts}: {mine[0]} is read, {_other('odometry', other)}")
+        elif ranked and not mine:
+            self.assumed.append(f"{', '.join(ranked)} is of another robot than {laser.frame}")
+        if not mine:
+            base, above, track = self.frames.driven(laser.frame)
+            self.odometry = Way(track, base)
+            if base and not above.split("/")[-1].startswith("odom"):
+                self.assumed.append(f"the odometry is how {base} moves in {above}")
 
-    def frames_in(self, *, static: bool) -> dict[str, str]:
-        """Topics of transforms and their kinds: of those that stand still, or of the others."""
-        found = {topic: kind for kind in FRAMES for topic in self.bag.topics(kind)}
-        return {topic: k for topic, k in found.items() if topic.endswith(STATIC) == static}
+    def _rank(self, topic: str, laser: ScanMessage) -> tuple[Any, ...]:
+        way = self.ways[topic]
+        shared = sum(
+            a == b for a, b in zip(topic.split("/")[:-1], laser.topic.split("/")[:-1], strict=False)
+        )
+        usual = topic.split("/")[-1] == "odom"
+        carries = self.frames.carries(way.child, laser.frame)
+        return -carries, -shared, not usual, -len(way.track.times), topic
 
-    def know_frames(self, moved: bool) -> None:
-        """What moved is the odometry, or is read only where something is still not known."""
-        if moved:
-            self.base, self.track = self.frames.driven()
-        elif not self.base or self.place() is None:
-            self.each(self.frames_in(static=False))
+    def _foreign(self, topic: str, laser: ScanMessage) -> bool:
+        """Whether an odometry is of another robot: by tf and names, or by a number in a name."""
+        child = self.ways[topic].child
+        pairs = ((topic, laser.topic), (child, laser.frame))
+        spaces = [tuple(name.strip("/").split("/")[:-1][:1] for name in pair) for pair in pairs]
+        differ = [a and b and a != b for a, b in spaces]
+        twins = any(
+            a and b and a != b and _without_digits(a[0]) == _without_digits(b[0]) for a, b in spaces
+        )
+        carries = self.frames.carries(child, laser.frame)
+        return carries <= 0 and (twins or (carries < 0 and any(differ)))
 
-    def place(self) -> Array | None:
+    def place(self, laser: str) -> Array | None:
         """The laser's pose on the robot, in space."""
         try:
-            return self.frames.place(self.laser, self.base or self.frames.base_of(self.laser))
+            return self.frames.place(laser, self.odometry.child or self.frames.base_of(laser))
         except ValueError as fault:
             raise LogError(self.path, str(fault)) from fault
 
-    def log(self, name: str) -> Log:
-        assumed: list[str] = []
-        if (space := self.place()) is None:
-            _warn(
-                f"{self.path}: no tf tells where {self.laser} sits on {self.base}; "
-                "it is taken to be at its centre"
-            )
-            space, assumed = np.eye(4), [place_of(np.zeros(3))]
-        try:
-            place, mirrored = flat(space)
-        except ValueError as fault:
-            raise LogError(self.path, str(fault)) from fault
-        met = self.track.met([time for time, _ in self.scans])
+    # ---------------------------------------------------------------------- log
+    def log(self, name: str, truth: str | None) -> Log:
+        """All scans with their odometry."""
+        rows, ordered = [], True
+        topics = dict.fromkeys(message.topic for message in self.messages)
+        for topic in topics:
+            mine, left = of_one_laser([m for m in self.messages if m.topic == topic])
+            self.assumed += [left] if left else []
+            place, mirrored = self._mounted(mine[0].frame, alone=len(topics) == 1)
+            found = turns(mine)
+            usual = time_between(found)
+            if usual:
+                count = f"{counted(len(mine), 'message')} of {topic}"
+                self.assumed.append(f"{count} are parts of {counted(len(found), 'turn')}")
+            for parts in found:
+                beams = turn_of_parts(parts, usual)
+                ordered &= bool(usual) or beams.delays is None
+                rows.append((parts[0].number, parts[0].time, beams, place, mirrored))
+        rows.sort(key=lambda row: row[0])
+        firsts, track = [row[0] for row in rows], self.odometry.track
+        track.after = np.searchsorted(firsts, track.after).tolist()
+        met = track.met([row[1] for row in rows])
         poses = met.poses
-        if self.track.times and np.isnan(poses).all():
+        if track.times and np.isnan(poses).all():
             _warn(f"{self.path}: no scan lies within the time of the odometry")
         poses[:, 2] = wrap(poses[:, 2])
         scans = []
-        for (_, beams), time, pose in zip(self.scans, met.times, poses, strict=True):
+        for (*_, beams, place, mirrored), time, pose in zip(rows, met.times, poses, strict=True):
             angles = -beams.angles if mirrored else beams.angles
             sensor = beams.max_range, place, None, beams.delays
             scans.append(LaserScan(beams.ranges, angles, time, known(pose), *sensor))
         is_whole = len(met.track) <= len(scans) and np.isfinite(poses).all()
-        track = None if is_whole or not len(met.track) else met.track
-        ordered = all(scan.delays is None for scan in scans)
-        return Log(name, scans, None, self.skipped, track, ordered, met.causes, assumed)
+        dense = None if is_whole or not len(met.track) else met.track
+        right = None
+        if truth:
+            right = known_truth(interpolate(*self.ways[truth].track.ordered(), met.times))
+        assumed, skipped = self.assumed, self.reading.skipped
+        return Log(name, scans, right, skipped, dense, ordered, met.causes, assumed)
+
+    def _mounted(self, laser: str, *, alone: bool) -> tuple[Array, bool]:
+        """Where a laser sits on the robot, and whether it hangs upside down."""
+        space = self.place(laser)
+        base = self.odometry.child or "the robot"
+        if space is None and not alone:
+            raise LogError(self.path, f"no tf tells where {laser} sits: read its topic alone")
+        if space is None:
+            words = f"no tf tells where {laser} sits on {base}; it is taken to be at its centre"
+            _warn(f"{self.path}: {words}")
+            space = np.eye(4)
+            self.assumed.append(place_of(np.zeros(3)))
+        try:
+            return flat(space)
+        except ValueError as fault:
+            raise LogError(self.path, str(fault)) from fault
+
+
+def _planar_pose(message: Any) -> Array:
+    """x, y, heading of a message with a pose, however deep it lies in it."""
+    if hasattr(message, "transform"):
+        place, turn = message.transform.translation, message.transform.rotation
+    else:
+        pose = message.pose
+        while hasattr(pose, "pose"):
+            pose = pose.pose
+        place, turn = pose.position, pose.orientation
+    return level(in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z)))
 
 
 def _header_time(header: Any, received: float) -> float:
@@ -228,20 +345,43 @@ def _header_time(header: Any, received: float) -> float:
     return time
 
 
-def _chosen_topic(bag: Bag, kind: str, named: str | None, argument: str) -> str | None:
-    """The topic that is named, or else the one with most messages; None where there is none."""
-    topics = {topic: count for topic, count in bag.topics(kind).items() if count > 0}
-    if named is not None:
-        if (found := next((t for t in topics if t.strip("/") == named.strip("/")), None)) is None:
-            reason = f"{argument} must be a topic of {kind.replace('/msg', '')} in the bag"
-            raise LogError(bag.path, f"{reason}, got {named!r}, but {_topics_text(bag)}")
-        return found
-    ranked = sorted(topics, key=lambda topic: (-topics[topic], topic))
+def _scan_topics(bag: Bag, named: Sequence[str] | None) -> list[str]:
+    """The topics that are named, or else the usual one, or the one with most messages."""
+    if named:
+        return [_named_topic(bag, SCAN_TYPES, topic, "scan") for topic in named]
+    topics = {topic: count for topic, count in bag.topics(*SCAN_TYPES).items() if count > 0}
+    most = max(topics.values(), default=0)
+    ranked = sorted(
+        topics,
+        key=lambda topic: (
+            topic.split("/")[-1] != USUAL_SCAN_TOPIC or 2 * topics[topic] < most,
+            -topics[topic],
+            topic,
+        ),
+    )
     if len(ranked) > 1:
         counts = ", ".join(f"{topic} ({topics[topic]})" for topic in ranked)
-        _warn(f"{bag.path}: {counts}: {ranked[0]} is read, "
-              f"readers.read_bag(path, {argument}={ranked[1]!r}) reads another")  # fmt: skip
-    return ranked[0] if ranked else None
+        _warn(f"{bag.path}: {counts}: {ranked[0]} is read, {_other('scan', ranked[1])}")
+    return ranked[:1]
+
+
+def _named_topic(bag: Bag, kinds: Sequence[str], named: str, argument: str) -> str:
+    """The topic that is named."""
+    topics = [topic for topic, count in bag.topics(*kinds).items() if count > 0]
+    if (found := next((t for t in topics if t.strip("/") == named.strip("/")), None)) is None:
+        reason = f"{argument} must be a topic of {kinds[0].replace('/msg', '')} in the bag"
+        raise LogError(bag.path, f"{reason}, got {named!r}, but {_topics_text(bag)}")
+    return found
+
+
+def _other(argument: str, topic: str) -> str:
+    """How another topic is read."""
+    python = f"readers.read_bag(path, {argument}={topic!r})"
+    return f"--{argument}-topic {topic} or {python} reads another"
+
+
+def _without_digits(name: str) -> str:
+    return re.sub("[0-9]+", "#", name)
 
 
 def _topics_text(bag: Bag) -> str:

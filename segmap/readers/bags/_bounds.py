@@ -54,19 +54,20 @@ def _zstd_bounded() -> Any:
     return importlib.import_module("rosbags.rosbag2.storage_mcap").zstd
 
 
-def _check_mcap(path: Path, budget: Budget) -> None:
+def _check_mcap(path: Path, budget: Budget) -> int:
     """Unpack each chunk once, within bounds; `rosbags` does so again when it is wanted.
 
-    The chunks of a file may be listed once only in its summary.
+    The chunks of a file may be listed once only in its summary. Returned is where the last whole
+    record ends of a file without an end; else 0.
     """
-    end, starts = path.stat().st_size, []
+    end, starts, whole = path.stat().st_size, [], 8
     with path.open("rb") as file:
         file.seek(8)
         while len(head := file.read(9)) == 9:
             code, size = struct.unpack("<BQ", head)
             start = file.tell()
             if size > end - start:
-                raise LogError(path, f"byte {start}: announces {size} bytes, {end - start} follow")
+                return whole
             if code == CHUNK_RECORD:
                 record = file.read(size)
                 (length,) = struct.unpack_from("<I", record, 28)
@@ -75,11 +76,13 @@ def _check_mcap(path: Path, budget: Budget) -> None:
                     budget.unpack(kind, record[40 + length :])
             elif code == 8:
                 starts.append(file.read(24)[16:])
-            file.seek(start + size)
+            file.seek(whole := start + size)
             if code == 2:
+                whole = 0
                 break
     if len(starts) != len(set(starts)):
         raise LogError(path, "lists a chunk twice")
+    return whole
 
 
 def _check_database(path: Path) -> None:
@@ -90,7 +93,8 @@ def _check_database(path: Path) -> None:
                 raise LogError(path, f"holds a {kind} that no recorder makes: {(sql or '')[:80]}")
         (said,) = db.execute("PRAGMA quick_check(1)").fetchone()
         if said != "ok":
-            raise LogError(path, f"is a damaged database: {said[:200]}")
+            why = f"is a damaged database: {said[:200]}; `sqlite3 FILE .recover` mends a copy of it"
+            raise LogError(path, why)
 
 
 def check_metadata(path: Path) -> None:
@@ -103,13 +107,17 @@ def check_metadata(path: Path) -> None:
         raise LogError(path, "each message is packed: ros2 bag convert unpacks them")
 
 
-def look_through(path: Path, kind: str | None, budget: Budget) -> None:
-    """What a file of ROS 2 would unpack to, and whether it refers to itself."""
+def look_through(path: Path, kind: str | None, budget: Budget) -> int:
+    """What a file of ROS 2 would unpack to, and whether it refers to itself.
+
+    Returned is where the whole part of an .mcap ends that is cut off; else 0.
+    """
     if kind == ".mcap":
-        _check_mcap(path, budget)
-    elif kind == ".db3":
+        return _check_mcap(path, budget)
+    if kind == ".db3":
         _check_database(path)
     elif path.suffix in (".zstd", ".zst"):
         with _zstd_bounded().open(path, "rb") as file:
             while part := file.read(1 << 20):
                 budget.take(len(part))
+    return 0

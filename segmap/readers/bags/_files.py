@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from ..._display import pip_install
-from .._lines import BROKEN, LogError, open_bytes
+from .._lines import BROKEN, LogError, Reading, open_bytes
 from ._bounds import Budget, check_metadata, look_through
 
 #: What the first bytes of a file say.
@@ -30,8 +30,6 @@ LONGEST_MAGIC_BYTES = max(map(len, MAGIC))
 SUFFIXES = (".db3", ".mcap", ".bag")
 #: Messages with transforms between frames: today's, and how ROS 1 called them first.
 FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
-#: All messages of a database, in the order in which they were written.
-MESSAGES = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
 
 
 def sole_file(path: Path) -> Path:
@@ -74,11 +72,11 @@ class Bag:
             else lambda kind: str(self.types.generate_msgdef(kind)[1])
         )
 
-    def topics(self, kind: str) -> dict[str, int]:
-        """Names of the topics with messages of one type, and how many each has."""
+    def topics(self, *kinds: str) -> dict[str, int]:
+        """Names of the topics with messages of these types, and how many each has."""
         found: dict[str, int] = {}
         for each in self.connections:
-            if each.msgtype == kind:
+            if each.msgtype in kinds:
                 found[each.topic] = found.get(each.topic, 0) + int(each.msgcount)
         return found
 
@@ -125,8 +123,11 @@ def _types(is_2: bool) -> Any:
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[Bag]:
-    """A bag, closed in the end; one that is damaged, or made to fill the memory, is a LogError."""
+def opened(path: Path, reading: Reading) -> Iterator[Bag]:
+    """A bag, closed in the end; one that is damaged, or made to fill the memory, is a LogError.
+
+    `reading` says whether a bag that is cut off may be read as far as it is whole.
+    """
     path = sole_file(path)
     kind = str(kind_of(path))
     files = list(path.iterdir()) if kind == "folder" else [path]
@@ -136,17 +137,21 @@ def opened(path: Path) -> Iterator[Bag]:
             with path.open("rb") as start:
                 if not start.read(LONGEST_MAGIC_BYTES).startswith(tuple(MAGIC)):
                     raise LogError(path, "is a bag that is packed as a whole: unpack it first")
+        rosbags = importlib.import_module(f"{__package__}._rosbags")
         if kind == "ROS 1":
-            reader = _reader_1(path, budget)
+            reader = rosbags.Ros1(path, reading, budget)
         else:
             if kind == "folder":
                 check_metadata(path / METADATA_FILE)
-            for file in files:
-                look_through(file, kind_of(file) if file.is_file() else None, budget)
-            reader = _readers_2()[kind](path)
-        reader.open()
+            wholes = [look_through(f, kind_of(f) if f.is_file() else None, budget) for f in files]
+            reader = rosbags.READERS_2[kind](path)
+            if kind == ".mcap" and wholes[0]:
+                reader.whole = wholes[0]
+                why = f"is cut off behind byte {wholes[0]}: `mcap recover` mends a copy of it"
+                reading.damaged(LogError(path, f"{why}, --skip reads what is whole"))
     try:
         with damage(path):
+            reader.open()
             bag = Bag(path, reader, kind != "ROS 1", budget)
         yield bag
     finally:
@@ -171,62 +176,3 @@ def damage(path: Path) -> Iterator[None]:
 
 def _fault_text(fault: Exception) -> str:
     return f"{type(fault).__name__}: {str(fault)[:300]}"
-
-
-def _reader_1(path: Path, budget: Budget) -> Any:
-    """The reader of ROS 1, with chunks that are listed once and unpack within the budget.
-
-    Messages come in the order of the file, and not of their times.
-    """
-    module = importlib.import_module("rosbags.rosbag1.reader")
-    kinds = {module.decompressors[kind]: kind for kind in ("bz2", "lz4")}
-
-    class Entry(module.IndexData):  # type: ignore[misc, name-defined]
-        def __lt__(self, other: Any) -> bool:
-            return (self.chunk_pos, self.offset) < (other.chunk_pos, other.offset)
-
-    class Reader(module.Reader):  # type: ignore[misc, name-defined]
-        def open(self) -> None:
-            self.seen: set[int] = set()
-            super().open()
-            for connection, entries in self.indexes.items():
-                self.indexes[connection] = sorted(Entry(*entry) for entry in entries)
-
-        def read_chunk_info(self) -> Any:
-            found = super().read_chunk_info()
-            if found.pos in self.seen:
-                raise LogError(path, f"lists the chunk at byte {found.pos} twice")
-            self.seen.add(found.pos)
-            return found
-
-        def read_chunk(self) -> Any:
-            chunk = super().read_chunk()
-            if chunk.decompressor not in kinds:
-                return chunk
-            kind = kinds[chunk.decompressor]
-            return chunk._replace(decompressor=lambda data: budget.unpack(kind, data))
-
-    return Reader(path)
-
-
-def _readers_2() -> dict[str, Any]:
-    """Readers of ROS 2 by kind of file, whose messages come in the order of the file too."""
-    folder = importlib.import_module("rosbags.rosbag2.reader").DirectoryReader
-    database = importlib.import_module("rosbags.rosbag2.storage_sqlite3").Sqlite3Reader
-    mcap = importlib.import_module("rosbags.rosbag2.storage_mcap").McapReader
-
-    class Database(database):  # type: ignore[misc, valid-type]
-        def messages(self, connections: Any, *when: None) -> Iterator[tuple[Any, int, bytes]]:
-            found = {each.id: each for each in connections}
-            for topic, time, data in self.dbconn.execute(MESSAGES):
-                if topic in found:
-                    yield found[topic], time, data
-
-    class Mcap(mcap):  # type: ignore[misc, valid-type]
-        def messages(self, connections: Any, *when: None) -> Iterator[tuple[Any, int, bytes]]:
-            yield from self.messages_scan(connections)
-
-    class Folder(folder):  # type: ignore[misc, valid-type]
-        STORAGE_PLUGINS = {"mcap": Mcap, "sqlite3": Database}  # noqa: RUF012
-
-    return {"folder": Folder, ".db3": Database, ".mcap": Mcap}

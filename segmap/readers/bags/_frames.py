@@ -28,15 +28,13 @@ class Frames:
         self.above: dict[str, str] = {}
         self.poses: dict[str, Array] = {}
         self.moving: set[str] = set()
-        self.tracks: dict[str, Track] = {}
+        self.tracks: dict[tuple[str, str], Track] = {}
 
     def take(self, transform: Any, time: float, after: int | None = None) -> None:
         """Take in one transform: geometry_msgs/TransformStamped, its time, and scans before it."""
-        parent, child = _name(transform.header.frame_id), _name(transform.child_frame_id)
+        parent, child = plain(transform.header.frame_id), plain(transform.child_frame_id)
         place, turn = transform.transform.translation, transform.transform.rotation
         pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
-        if _is(parent, ODOMETRY_FRAME):
-            self.tracks.setdefault(child, Track()).add(time, level(pose), after)
         first = self.poses.setdefault(child, pose)
         step = np.linalg.inv(first) @ pose
         turn = np.arccos(np.clip((np.trace(step[:3, :3]) - 1) / 2, -1, 1))
@@ -46,6 +44,8 @@ class Frames:
             or turn > FIXED_LASER[1]
         ):
             self.moving.add(child)
+        if first is pose or child in self.moving or ODOMETRY_FRAME in parent:
+            self.tracks.setdefault((child, parent), Track()).add(time, level(pose), after)
 
     def chain(self, frame: str) -> dict[str, Array]:
         """The frame itself and all above it, each with the pose of the frame in it."""
@@ -61,7 +61,7 @@ class Frames:
 
         It is a ValueError where something between the two moves.
         """
-        up, down = self.chain(_name(laser)), self.chain(_name(base))
+        up, down = self.chain(plain(laser)), self.chain(plain(base))
         common = next((frame for frame in up if frame in down), None)
         if common is None:
             return None
@@ -72,20 +72,47 @@ class Frames:
 
     def base_of(self, laser: str) -> str:
         """The robot's frame where no odometry names it: the first "base" above the laser."""
-        return next((f for f in self.chain(_name(laser)) if _is(f, BASE_FRAME)), _name(laser))
+        return next((f for f in self.chain(plain(laser)) if _is(f, BASE_FRAME)), plain(laser))
 
-    def driven(self) -> tuple[str, Track]:
-        """The frame that moves in the frame of the odometry, and its poses; the one with most."""
-        if not self.tracks:
-            return "", Track()
-        return max(self.tracks.items(), key=lambda found: len(found[1].times))
+    def carries(self, base: str, laser: str) -> int:
+        """Whether a frame carries the laser: 1, 0 where nothing tells, -1 where others carry it."""
+        up, base = list(self.chain(plain(laser))), plain(base)
+        if base in up or {*self._rigid(base)} & {*self._rigid(up[0])}:
+            return 1
+        told = {*self.above, *self.above.values()}
+        return -1 if base in told and up[0] in told else 0
+
+    def _rigid(self, frame: str) -> list[str]:
+        """The frame and those above it, as far as none moves in the next."""
+        up = list(self.chain(frame))
+        return up[: next((k + 1 for k, f in enumerate(up) if f in self.moving), len(up))]
+
+    def driven(self, laser: str) -> tuple[str, str, Track]:
+        """The robot's frame, the one above in which it moves, and its poses there.
+
+        That is the lowest link that moves, from the robot's frame on, and that of an odometry
+        before others; where nothing is known of the laser, the odometry with most poses.
+        """
+        up = list(self.chain(plain(laser)))
+        base = next((k for k, frame in enumerate(up) if _is(frame, BASE_FRAME)), 0)
+        for frame in up[base:]:
+            links = [link for link in self.tracks if link[0] == frame]
+            told = [link for link in links if ODOMETRY_FRAME in link[1]] or links
+            if told and (frame in self.moving or ODOMETRY_FRAME in told[0][1]):
+                link = max(told, key=lambda each: len(self.tracks[each].times))
+                return *link, self.tracks[link]
+        found = [link for link in self.tracks if ODOMETRY_FRAME in link[1]]
+        if len(up) > 1 or not found:
+            return "", "", Track()
+        link = max(found, key=lambda each: len(self.tracks[each].times))
+        return *link, self.tracks[link]
 
 
-def _name(frame: str) -> str:
+def plain(frame: str) -> str:
     """The name of a frame: ROS 1 may write it with a slash before it."""
     return frame.strip("/")
 
 
 def _is(frame: str, word: str) -> bool:
-    """Whether the last part of a name begins with a word: `robot1/odom_combined` is an odom."""
+    """Whether the last part of a name begins with a word: `robot1/base_link` is a base."""
     return frame.split("/")[-1].startswith(word)

@@ -1,27 +1,34 @@
 """Logs that are tables: CSV, arrays, dumps of cheap sensors, Hokuyo text, CoreSLAM, Rawseeds."""
 
 from .._text import Binary
-from . import _csv, _hokuyo_text, _npz, _rawseeds, _rostopic
+from . import _hokuyo_text, _npz, _rawseeds, _table, _wide
 from ._coreslam import CoreSlam
-from ._csv import read_csv
-from ._csv_columns import head_of
-from ._dumps import Ld19, RpLidar, RpLidarRecord
 from ._hokuyo_text import HokuyoText
+from ._layout import first_rows, headed_of, layout_of, looks_like
 from ._npz import log_from_arrays
 from ._rawseeds import Rawseeds, read_trajectory
+from ._table import read_csv
 
 __all__ = [
-    "TABLE_FILES", "TABLE_FOLDERS", "TABLE_FORMATS", "CoreSlam", "HokuyoText", "Ld19", "Rawseeds",
-    "RpLidar", "RpLidarRecord", "head_of", "log_from_arrays", "read_csv", "read_trajectory",
+    "ARRAY_FILES", "GUESSED_FILES", "HEADED_FILES", "TABLE_FOLDERS", "TABLE_FORMATS", "CoreSlam",
+    "HokuyoText", "Rawseeds", "first_rows", "headed_of", "layout_of", "log_from_arrays",
+    "looks_like", "read_csv", "read_trajectory",
 ]  # fmt: skip
 
-TABLE_FILES = (
-    Binary("NPZ", _npz.claims, _npz.read),
-    Binary("rostopic", _rostopic.rostopic_columns, _rostopic.read_rostopic),
-    Binary("CSV", head_of, _csv.read),
+ARRAY_FILES = (Binary("NPZ", _npz.claims, _npz.read),)
+#: Told by a head, or by names that stand in each line.
+HEADED_FILES = (
+    Binary("rostopic", _wide.is_echo, _wide.read_echo),
+    Binary("table of scans", _wide.wide_of, _wide.read_wide),
+    Binary("table", headed_of, _table.read),
+)
+#: What is taken for a table though nothing says so: where it has no other format.
+GUESSED_FILES = (
+    Binary("table", layout_of, _table.read),
+    Binary("table of scans", _wide.bare_of, _wide.read_bare),
 )
 TABLE_FOLDERS = (
     Binary("Rawseeds", _rawseeds.files_of, _rawseeds.read_folder),
     Binary("Hokuyo text", _hokuyo_text.numbered, _hokuyo_text.read_hokuyo_folder),
 )
-TABLE_FORMATS = (HokuyoText, CoreSlam, RpLidar, RpLidarRecord, Ld19, Rawseeds)
+TABLE_FORMATS = (HokuyoText, CoreSlam, Rawseeds)

@@ -57,6 +57,7 @@ MOST_TICKS = 1e12
 class CoreSlam(TextFormat):
     """A log of CoreSLAM: of the layout that most lines have, the first where none has any."""
 
+    by_shape = True
     name, expected = "CoreSLAM", f"lines of {' or '.join(map(str, LAYOUTS))} numbers"
 
     def __init__(self, lines: Lines) -> None:

@@ -40,12 +40,15 @@ IN_ORDER = "scans in the order of the numbers in the files' names"
 class HokuyoText(TextFormat):
     """One scan."""
 
+    by_shape = True
     name, expected = "Hokuyo text", "lines of range in millimetres and angle in radians"
 
     @classmethod
     def claims(cls, fields: Sequence[str]) -> bool:
         """Whether a line is one of this format."""
-        return len(fields) == 2 and all(is_number(field) for field in fields)
+        if len(fields) != 2 or not all(map(is_number, fields)):
+            return False
+        return float(fields[0]) % 1 == 0 and abs(float(fields[1])) <= MOST_DIRECTION_RAD
 
     def _take(self, fields: list[str]) -> None:
         beam = float_fields(fields, "range and angle")

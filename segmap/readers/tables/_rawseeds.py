@@ -84,13 +84,18 @@ TRUTH_GAP = 1.0
 class Rawseeds(TextFormat):
     """The file of one laser; with it odometry and truth, where its folder is read."""
 
+    by_shape = True
     name, separator = "Rawseeds", ","
     expected = "lines of a SICK or Hokuyo file"
 
     @classmethod
     def claims(cls, fields: Sequence[str]) -> bool:
         """Whether a line, split at commas, is one of these files."""
-        return len(fields) >= ODOMETRY_COLUMNS and is_number(fields[0])
+        return is_number(fields[0]) and (
+            len(fields) in (ODOMETRY_COLUMNS, TRUTH_COLUMNS, HOKUYO_COLUMNS)
+            or fields[1:2] == [f" {len(fields) - SICK_HEAD_COLUMNS}"]
+            or fields[1:2] == [str(len(fields) - SICK_HEAD_COLUMNS)]
+        )
 
     def _take(self, fields: list[str]) -> None:
         self.scans.append(_rawseeds_scan([field.strip() for field in fields]))

@@ -1,0 +1,119 @@
+"""Whose scans a topic holds: one laser of several, and turns of which each message is a part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..._display import counted
+from ...scans import LaserScan
+from .._raw_scans import MOST_APART, beams_of_message
+
+#: A part begins so many beams beside where the one before ended, at most.
+PART_GAP_BEAMS = 1.5
+#: From this share of messages on that go on where the one before ended, they are parts of turns.
+PARTS_SHARE = 0.4
+
+
+class ScanMessage(NamedTuple):
+    """A message with a scan: which in the bag it is, topic and frame, its time, its beams."""
+
+    number: int
+    topic: str
+    frame: str
+    time: float
+    beams: LaserScan
+
+    @property
+    def step(self) -> float:
+        """Turn from one beam to the next, radians, with its sign."""
+        angles = self.beams.angles
+        return float(angles[1] - angles[0]) if len(angles) > 1 else 0.0
+
+    @property
+    def laser(self) -> tuple[str, float, bool]:
+        """What tells lasers of one topic apart."""
+        return self.frame, self.beams.max_range, self.step >= 0
+
+
+def beams_of(message: Any) -> LaserScan:
+    """The beams of a LaserScan, or of a MultiEchoLaserScan, of which the first echo counts."""
+    if len(message.ranges) and hasattr(message.ranges[0], "echoes"):
+        echoes = [each.echoes for each in message.ranges]
+        message.ranges = np.array([each[0] if len(each) else np.nan for each in echoes], float)
+    return beams_of_message(message)
+
+
+def of_one_laser(messages: Sequence[ScanMessage]) -> tuple[list[ScanMessage], str]:
+    """The messages of the laser of a topic that met most, and what is left out, in words."""
+    lasers: dict[Any, list[ScanMessage]] = {}
+    for each in messages:
+        lasers.setdefault(each.laser, []).append(each)
+
+    def met(mine: list[ScanMessage]) -> tuple[int, int]:
+        return sum(bool(each.beams.valid.any()) for each in mine), len(mine)
+
+    ranked = sorted(lasers.values(), key=met, reverse=True)
+    first, *others = ranked
+    if not others:
+        return first, ""
+    left = ", ".join(f"{counted(len(m), 'scan')} of {m[0].frame}" for m in others)
+    return first, f"{first[0].topic} holds several lasers: {first[0].frame} is read, {left} are not"
+
+
+def turns(messages: Sequence[ScanMessage]) -> list[list[ScanMessage]]:
+    """Messages of one laser, those that are parts of one turn together.
+
+    They are parts where most go on at the angle at which the one before ended; a turn ends where
+    the angle falls back.
+    """
+    pairs = list(pairwise(messages))
+    goes_on = sum(_goes_on(a, b) for a, b in pairs)
+    if not pairs or goes_on < PARTS_SHARE * len(pairs):
+        return [[each] for each in messages]
+    found = [[messages[0]]]
+    for a, b in pairs:
+        if _ahead(a, b) > 0 and 0 <= b.time - a.time <= MOST_APART:
+            found[-1].append(b)
+        else:
+            found.append([b])
+    return found
+
+
+def turn_of_parts(parts: Sequence[ScanMessage], usual: float) -> LaserScan:
+    """The parts of one turn as a scan, each beam with its time; parts are `usual` seconds apart."""
+    if len(parts) == 1 and not usual:
+        return parts[0].beams
+    times = np.array([each.time for each in parts])
+    lasts = np.append(np.diff(times), usual)
+    delays = [
+        time
+        - times[0]
+        + (np.arange(n := len(b.ranges)) * last / n if b.delays is None else b.delays)
+        for time, last, b in zip(times, lasts, (each.beams for each in parts), strict=True)
+    ]
+    ranges, angles = (
+        np.concatenate([getattr(each.beams, name) for each in parts])
+        for name in ("ranges", "angles")
+    )
+    most = parts[0].beams.max_range
+    return LaserScan(ranges, angles, max_range=most, delays=np.concatenate(delays))
+
+
+def time_between(found: Sequence[Sequence[ScanMessage]]) -> float:
+    """The usual seconds from part to part; 0 where each message is a turn."""
+    steps = [b.time - a.time for parts in found for a, b in pairwise(parts)]
+    return float(np.median(steps)) if steps else 0.0
+
+
+def _ahead(a: ScanMessage, b: ScanMessage) -> float:
+    """How far the second message begins ahead of the first, in the direction of its turn."""
+    return float(np.copysign(1.0, a.step) * (b.beams.angles[0] - a.beams.angles[0]))
+
+
+def _goes_on(a: ScanMessage, b: ScanMessage) -> bool:
+    off = b.beams.angles[0] - a.beams.angles[-1] - a.step
+    return _ahead(a, b) > 0 and abs(float(off)) <= PART_GAP_BEAMS * abs(a.step)

@@ -1,0 +1,283 @@
+"""What columns of tables are called, and in which units they are: the one place for all tables.
+
+A name says what a column is and its unit, in many spellings; where it says no unit, numbers tell
+it, or it is asked for. Columns without names are told by their numbers too.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+
+#: First words of a column's name.
+ROLES = {
+    "angle": "angle theta bearing azimuth angule heading deg degrees",
+    "range": "range distance dist dis r radius",
+    "time": "time timestamp stamp t",
+    "scan": "scan frame rotation revolution sweep turn",
+    "new": "new newscan start startbit sync",
+    "error": "error errorcode",
+    "x": "x",
+    "y": "y",
+}
+#: Words that may stand beside them and change nothing.
+FILLERS = ("id", "no", "nr", "number", "index", "value", "values", "in", "code", "hex", "lidar")
+CLOCKWISE = ("cw", "clockwise")
+TURN_WORDS = (*CLOCKWISE, "ccw", "counterclockwise")
+LENGTHS = {
+    "m meter meters metre metres": 1.0,
+    "cm centimeter centimeters centimetres": 0.01,
+    "mm millimeter millimeters millimetres": 0.001,
+    "ft feet foot": 0.3048,
+    "in inch inches": 0.0254,
+}
+#: How each unit is written, and the metres, radians or seconds of it; U+FFFD is what other
+#: encodings make of ° and µ.
+UNIT_WORDS: dict[str, dict[str, float]] = {
+    "angle": {"deg degs degree degrees ° \ufffd": np.pi / 180, "rad rads radian radians": 1.0},
+    "range": LENGTHS,
+    "x": LENGTHS,
+    "y": LENGTHS,
+    "time": {
+        "s sec secs second seconds": 1.0,
+        "ms msec millis milliseconds": 1e-3,
+        "us µs \ufffds usec micros microseconds": 1e-6,
+        "ns nsec nanos nanoseconds": 1e-9,
+    },
+}
+COLUMN_UNITS = {
+    role: {word: factor for words, factor in units.items() for word in words.split()}
+    for role, units in UNIT_WORDS.items()
+}
+#: Names of programs that say no unit -> the columns that they mean.
+KNOWN_TABLES = {
+    ("theta", "dist", "q"): ("angle_deg_cw", "range_mm", "quality"),
+    ("angle", "distance", "intensity"): ("angle_deg_cw", "", "quality"),
+    ("stamp", "angle", "distance", "intensity"): ("", "angle_deg_cw", "", "quality"),
+    ("angule", "distance", "quality"): ("angle_deg_cw", "range_mm", "quality"),
+    ("newscan", "quality", "angle", "distance"): ("new", "quality", "angle_deg_cw", "range_mm"),
+}
+#: Of the record that the Python package `rplidar` makes, which has no head.
+RPLIDAR_RECORD = KNOWN_TABLES["newscan", "quality", "angle", "distance"]
+#: Whole numbers whose median is above this are millimetres where no unit is said.
+LEAST_MILLIMETRES = 100
+#: So are numbers with a fraction whose median is above this: they could be centimetres below.
+LEAST_FRACTIONS = 700
+#: Numbers with a fraction whose largest is below this are metres.
+MOST_METRES = 60.0
+#: So many rows tell what is not said; two or three tell nothing.
+TELLING_ROWS = 8
+#: A column whose angles span so much at least, and no more than a turn, is in radians.
+LEAST_VIEW_RAD = 2.0
+#: Seconds from scan to scan.
+SCAN_PERIODS_S = (0.02, 2.0)
+#: From these on a number is a time since 1970, in the unit beside it.
+SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3), (1e8, 1.0))
+
+
+class Column(NamedTuple):
+    """One column: its place, what makes metres, radians or seconds of it, and its name."""
+
+    place: int
+    factor: float | None
+    name: str
+
+
+class Columns(NamedTuple):
+    """Columns by what they are; whether angles grow clockwise, None where nothing says it."""
+
+    by_role: dict[str, Column]
+    clockwise: bool | None = None
+    twice: str = ""  #: two names for one thing, of which the first is taken
+
+    @property
+    def enough(self) -> bool:
+        """Whether there are an angle and a range, or x and y."""
+        return any(pair <= {*self.by_role} for pair in ({"angle", "range"}, {"x", "y"}))
+
+
+def named(names: Sequence[str]) -> Columns:
+    """The columns that names stand for; of two of a kind the one that says its unit is taken."""
+    short = tuple(_plain_word(name) for name in names)
+    known = KNOWN_TABLES.get(short, ("",) * len(names))
+    found: dict[str, Column] = {}
+    clockwise, twice = None, ""
+    for place, (name, meant) in enumerate(zip(names, known, strict=True)):
+        words = _words(meant or name)
+        if (role := _role(meant or name, words)) is None:
+            continue
+        units = COLUMN_UNITS.get(role, {})
+        rest = words if words[0] in units and len(words) == 1 else words[1:]
+        factors = [factor for word, factor in units.items() if word in rest]
+        column = Column(place, factors[0] if factors else None, name.strip())
+        if role in found:
+            twice = f"{found[role].name!r} and {name!r} are both columns of the {role}"
+            if found[role].factor is not None or column.factor is None:
+                continue
+        found[role] = column
+        if role == "angle" and (said := [w in CLOCKWISE for w in words if w in TURN_WORDS]):
+            clockwise = any(said)
+    return Columns(found, clockwise, twice)
+
+
+def _words(name: str) -> list[str]:
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", " ", name)  # `AngleInDegrees`
+    apart = re.sub(r"(?i)\bdist(?=in ?mm)", "dist ", apart)
+    apart = re.sub(r"(?i)\b(in)(mm|cm|deg)", r"\1 \2", apart)
+    return re.findall(r"[a-zµ°\ufffd]+", apart.lower().replace("μ", "µ"))
+
+
+def _plain_word(name: str) -> str:
+    """A name without its unit, for `KNOWN_TABLES`."""
+    return re.sub(r"[\[(].*|[^a-z]", "", name.lower())
+
+
+def _role(name: str, words: Sequence[str]) -> str | None:
+    """What a column is; None where another word than a unit stands in its name."""
+    if not words or re.search("[0-9:]", name):
+        return None
+    for role, names in ROLES.items():
+        if {words[0], words[0].removesuffix("s")} & {*names.split()}:
+            known = {*COLUMN_UNITS.get(role, ()), *FILLERS, *TURN_WORDS}
+            return role if known.issuperset(words[1:]) else None
+    return None
+
+
+# ------------------------------------------------------------------------------- by numbers
+def with_units_told(found: Columns, rows: Array) -> tuple[Columns, list[str]]:
+    """Columns whose units the numbers of their rows `(m, k)` tell, and what was taken from them.
+
+    Angles that span more than a turn in radians are degrees. Ranges in whole numbers, half of them
+    above 100, are millimetres. A time whose unit nothing tells is left out.
+    """
+    columns, told = dict(found.by_role), list[str]()
+    for role in ("angle", "range", "x", "y", "time"):
+        column = columns.get(role)
+        if column is None or column.factor is not None:
+            continue
+        factor, why = _unit_of(role, rows[:, column.place])
+        if factor is not None:
+            columns[role] = column._replace(factor=factor)
+            told.append(f"{column.name!r} is in {why}")
+        elif role == "time":
+            told.append(f"the column {columns.pop('time').name!r} says no unit: left out")
+    return found._replace(by_role=columns), told
+
+
+def _unit_of(role: str, values: Array) -> tuple[float | None, str]:
+    """What makes metres, radians or seconds of numbers without a unit, and why."""
+    values = values[np.isfinite(values)]
+    if role == "time":
+        return _time_unit(values)
+    values = values[values != 0]
+    if not len(values):
+        return None, ""
+    span, whole = float(np.ptp(values)), bool((values == np.floor(values)).all())
+    if role == "angle":
+        if span > 2 * np.pi + 0.1:
+            return np.pi / 180, "degrees, since it spans more than 2 pi"
+        if span >= LEAST_VIEW_RAD and len(values) >= TELLING_ROWS and not whole:
+            return 1.0, f"radians, since it spans {span:.3g}"
+        return None, ""
+    middle = float(np.median(np.abs(values)))
+    if middle > (LEAST_MILLIMETRES if whole else LEAST_FRACTIONS):
+        return 0.001, f"millimetres, since it holds {'whole' if whole else 'large'} numbers"
+    if not whole and len(values) >= TELLING_ROWS and np.abs(values).max() < MOST_METRES:
+        return 1.0, f"metres, since it holds fractions up to {np.abs(values).max():.3g}"
+    return None, ""
+
+
+def _time_unit(values: Array) -> tuple[float | None, str]:
+    steps = np.diff(values)
+    steps = steps[steps > 0]
+    if not len(steps):
+        return None, ""
+    for least, factor in SINCE_1970:
+        if least <= values.min() and values.max() < 1000 * least:
+            return factor, "units since 1970"
+    if (values != np.floor(values)).any() and values.max() < SINCE_1970[-1][0]:
+        return 1.0, "seconds, since it holds fractions"
+    step = float(np.median(steps))
+    stands = len(steps) < len(values) / 3  # one time for all beams of a scan
+    fits = [
+        f for f in (1.0, 1e-3, 1e-6, 1e-9) if SCAN_PERIODS_S[0] <= step * f <= SCAN_PERIODS_S[1]
+    ]
+    unit = {1.0: "seconds", 1e-3: "milliseconds", 1e-6: "microseconds", 1e-9: "nanoseconds"}
+    if stands and len(fits) == 1:
+        return fits[0], f"{unit[fits[0]]}, since a scan takes {step:g} of them"
+    return None, ""
+
+
+def guessed(rows: Array) -> tuple[str, ...]:
+    """Names of columns without names, by their numbers `(m, k)`; none where these do not tell."""
+    count = rows.shape[1]
+    if len(rows) < TELLING_ROWS or not 2 <= count <= 8 or not np.isfinite(rows).all():
+        return ()
+    sweeps = [k for k in range(count) if _sweeps(rows[:, k])]
+    if len(sweeps) > 1:  # an index counts by ones
+        sweeps = [k for k in sweeps if not _counts_up(rows[:, k])] or sweeps
+    if len(sweeps) > 1:
+        sweeps = [k for k in sweeps if (np.diff(rows[:, k]) < 0).any()] or sweeps
+        sweeps = [max(sweeps, key=lambda k: float(np.ptp(rows[:, k])))]
+    clocks = [k for k in range(count) if (np.diff(rows[:, k]) >= 0).all() and np.ptp(rows[:, k])]
+    if len(sweeps) != 1:
+        return ()
+    (angle,) = sweeps
+    others = [k for k in range(count) if k != angle and k not in clocks and np.ptp(rows[:, k])]
+    others = [k for k in others if (rows[:, k] >= 0).all() and not _counts_up(rows[:, k])]
+    if not others:
+        return ()
+    ranked = sorted(others, key=lambda k: len(np.unique(rows[:, k])))
+    distance, names = ranked[-1], ["-"] * count
+    if len(ranked) > 1 and len(np.unique(rows[:, ranked[-2]])) == len(np.unique(rows[:, distance])):
+        return ()
+    names[angle], names[distance] = "angle", "range"
+    if clocks and angle not in clocks[:1]:
+        names[clocks[0]] = "time"
+    return tuple(names)
+
+
+def _sweeps(values: Array) -> bool:
+    """Whether numbers go one way like the angle of a laser that turns, and at times fall back."""
+    steps = np.diff(values)
+    ahead = steps if (steps > 0).sum() >= (steps < 0).sum() else -steps
+    span, falls = float(np.ptp(values)), -ahead[ahead < 0]
+    if not LEAST_VIEW_RAD <= span <= 720 or np.abs(values).max() > 720:
+        return False
+    mostly = (ahead > 0).sum() >= 0.8 * len(steps)
+    return bool(mostly and (falls > span / 2).sum() >= 0.5 * len(falls))
+
+
+def _counts_up(values: Array) -> bool:
+    steps = np.diff(values)
+    return bool((steps[steps > 0] == 1).all() and values.min() in (0, 1))
+
+
+def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
+    """A name with a unit for each column, as good as anybody can tell: it may be wrong."""
+    columns, _ = with_units_told(named(names), rows)
+    by_place = {column.place: (role, column) for role, column in columns.by_role.items()}
+    if not columns.enough and (guess := guessed(rows)):
+        columns, _ = with_units_told(named(guess), rows)
+        by_place = {column.place: (role, column) for role, column in columns.by_role.items()}
+    free = [k for k in range(len(names)) if k not in by_place]
+    for role in ("angle", "range"):
+        if role not in columns.by_role and free:
+            place = free.pop(0)
+            by_place[place] = role, Column(place, None, "")
+    usual = {"angle": np.pi / 180, "range": 0.001, "x": 1.0, "y": 1.0, "time": 1.0}
+    found = ["-"] * len(names)
+    for place, (role, column) in by_place.items():
+        if role not in usual:
+            found[place] = role
+            continue
+        large = np.nanmax(np.abs(rows[:, place]), initial=0.0) > MOST_METRES
+        factor = column.factor or (1.0 if role == "range" and not large else usual[role])
+        units: Mapping[str, float] = COLUMN_UNITS[role]
+        found[place] = f"{role}_{next(word for word, f in units.items() if f == factor)}"
+    return found

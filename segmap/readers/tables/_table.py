@@ -1,0 +1,209 @@
+"""Tables with a line a beam, whatever program wrote them: one reader for all.
+
+    angle_deg,range_mm,quality,time_s,scan             a head, anywhere in the first lines
+    S  theta: 12.34 Dist: 01234.00 Q: 47               names in each line: RPLidar's `ultra_simple`
+    stamp(ns):1234,angle:12.34,distance(mm):1234,...   LD06, LD19
+    AngleInDegrees,DistInMM,Intensity,ErrorCodeHEX     Neato and XV-11, a head before each turn
+    #RPLIDAR SCAN DATA                                 SLAMTEC's programs
+    True    15    12.34    1234.0                      the Python package rplidar
+    [(15, 12.34, 1234.0), ...]                         its scans, one a line
+    0.35,1.234                                         columns that the numbers tell
+
+Fields lie between commas, semicolons, tabs or white space, with decimal points or commas. A scan
+ends where its number or its head says so, or where the angle wraps; its time is that of its first
+beam, and unknown without a column of it. Times are numbers, ISO 8601 or the time of day. Angles are
+counter-clockwise unless their name, their program or the caller says otherwise. A range of 0 and an
+empty one are no measurement, `inf` is a beam that met nothing. Columns nobody needs are left out.
+There is no odometry and no truth.
+
+Assumed: beams are counter-clockwise, a scan ends where the angle wraps, and units, where the file
+does not say them; without a head also which column is what.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ...arrays import brief, checked
+from ...scans import Log
+from .._lines import Lines, LogError, OnError, is_number, stem, time
+from .._turns import COUNTERCLOCKWISE, Beams, direction_field, distance, number_field
+from ..packed import log_file
+from ._columns import Columns, named
+from ._layout import (
+    EXAMPLE,
+    LABEL,
+    TUPLE,
+    Layout,
+    begin_of,
+    decimal,
+    layout_of,
+    moment,
+    split,
+    wanting,
+)
+
+#: What an XV-11 says between its tables.
+CHATTER = ("rotation_speed", "getldsscan")
+
+
+class _Table(Beams):
+    """Beams in columns that are known."""
+
+    expected = "lines of angle and range"
+
+    def __init__(self, lines: Lines, layout: Layout, clockwise: bool) -> None:
+        super().__init__(lines)
+        self.layout, self.clockwise = layout, clockwise or bool(layout.columns.clockwise)
+        counted = not clockwise and layout.columns.clockwise is None
+        self.assumed = (*layout.told, *(COUNTERCLOCKWISE,) * counted)
+        self.columns = layout.columns.by_role
+        self.last = max(column.place for column in self.columns.values())
+        self.turns, self.brackets = 0, False
+
+    def _take(self, fields: list[str]) -> None:
+        (line,) = fields
+        layout = self.layout
+        if layout.labels:
+            said = dict(LABEL.findall(line))
+            if {*layout.labels} <= {*said}:
+                self._beam([said[label] for label in layout.labels])
+            elif any(re.search(rf"{re.escape(label)}\s*[:=]", line) for label in layout.labels):
+                wanted = ", ".join(layout.labels)
+                raise ValueError(f"expected a beam with {wanted}, got {line[:60]!r}")
+        elif line.startswith("[("):
+            self.turns += 1
+            self.brackets = True
+            for each in TUPLE.findall(line):
+                self._beam(split(each, ","))
+        elif self.lines.number > layout.line:
+            found = split(line.strip("()"), layout.separator)
+            if layout.line and tuple(found) == layout.names:
+                self.turns += 1
+            elif not found[0].lower().startswith(CHATTER):
+                self._beam(found)
+
+    def _beam(self, fields: list[str]) -> None:
+        if len(fields) <= self.last:
+            raise ValueError(f"expected {self.last + 1} columns or more, got {len(fields)}")
+        said = {
+            role: decimal(fields[column.place], self.layout.separator)
+            for role, column in self.columns.items()
+        }
+        factors = {role: column.factor or 1.0 for role, column in self.columns.items()}
+        if "angle" in said:
+            angle = direction_field(said["angle"], factors["angle"])
+            far = distance(said["range"], factors["range"])
+        else:
+            x, y = (number_field(said[role], role, factors[role]) for role in ("x", "y"))
+            angle, far = float(np.arctan2(y, x)), float(np.hypot(x, y)) or np.nan
+        if "error" in said and said["error"].strip("0") not in ("", "x", "X", "."):
+            far = np.nan
+        when = np.nan
+        if "time" in said:
+            text = said["time"]
+            when = time(text, unit=factors["time"]) if is_number(text) else moment(text)
+        if "new" in said:
+            self.turns += said["new"].lower() in ("true", "1", "1.0", "s")
+        number = number_field(said["scan"], "the scan") if "scan" in said else np.nan
+        if "scan" not in said and (self.turns or "new" in said or self.brackets):
+            number = float(self.turns)
+        self.scans.append((angle, far, when, number))
+
+
+def read(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a file whose head, labels or numbers say what its columns are."""
+    return _read_table(path, name, on_error, _stated(path))
+
+
+@checked
+def read_csv(
+    path: str | Path,
+    *,
+    columns: str | Sequence[str] | None = None,
+    clockwise: bool = False,
+    on_error: OnError = "raise",
+) -> Log:
+    """Read a table with a beam a line, whose columns the caller names.
+
+    Fields lie between commas, semicolons, tabs or white space. A scan ends where the column `scan`
+    changes or, without one, where the angle wraps.
+
+    Parameters
+    ----------
+    columns : list of str, or one str with commas
+        Names of the columns from the left, with units: `angle_deg` or `angle_rad`, `range_m`,
+        `range_cm`, `range_mm`, `range_ft` or `range_in`; where the file has them `time_s`,
+        `time_ms`, `time_us` or `time_ns`, and `scan`; any other name for a column to leave out.
+        Instead of the header's, where the file has one. None takes what `read` does.
+    clockwise : bool
+        Whether angles grow clockwise, seen from above, as those of most cheap sensors do. Scans are
+        turned round then.
+    on_error : "raise" or "skip"
+        As in `read`.
+
+    Raises
+    ------
+    LogError
+        As in `read`, and where nothing says columns or units.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "mine.csv"
+    ...     _ = path.write_text("0;1500\\n90;2000\\n180;0\\n0;1510\\n90;2010\\n180;900\\n")
+    ...     log = read_csv(path, columns=["angle_deg", "range_mm"])
+    >>> log, log[1].ranges
+    (Log('mine', 2 scans, no odometry, no truth), array([1.51, 2.01, 0.9 ]))
+    """
+    names = columns.split(",") if isinstance(columns, str) else columns
+    if names is not None:
+        if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
+            raise ValueError(
+                f"columns must be a list of names, such as {EXAMPLE}, got {brief(columns)}"
+            )
+        if fault := _unsaid(found := named(names)):
+            raise ValueError(f"columns must name angle and range with units: {fault}")
+    with log_file(path) as place:
+        if names is None:
+            return _read_table(place, stem(place), on_error, _stated(place), clockwise)
+        separator, line = begin_of(place)
+        layout = Layout(separator, line, tuple(names), found)
+        return _read_table(place, stem(place), on_error, layout, clockwise)
+
+
+def _unsaid(found: Columns) -> str:
+    """What names of a caller do not say; empty where they say all."""
+    if found.twice:
+        return found.twice
+    for role in ("x", "y") if "x" in found.by_role else ("angle", "range"):
+        if role not in found.by_role:
+            return f"no column is the {role}, such as {EXAMPLE}"
+        if found.by_role[role].factor is None:
+            return f"the unit of {found.by_role[role].name!r} is not said, such as {EXAMPLE}"
+    return ""
+
+
+def _stated(path: Path) -> Layout:
+    """What a file says of its columns: must be enough."""
+    found = layout_of(path)
+    if found is None:
+        raise LogError(path, f"no header names angle and range: name the columns, {EXAMPLE}")
+    if fault := wanting(found, path):
+        raise LogError(path, fault, found.line)
+    return found
+
+
+def _read_table(
+    path: Path, name: str, on_error: str, layout: Layout, clockwise: bool = False
+) -> Log:
+    return (
+        _Table(Lines(path, on_error, "\n", encoding="utf-8-sig"), layout, clockwise)
+        .walked()
+        ._log(name)
+    )
