@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from .._display import counted, facts, figures
-from ..readers import format_of, read_session
+from ..readers import UnknownFormat, format_of, read_session
 from ..scans import Log
 from ._output import Report
 from .log_options import add_logs, each_log, examples, is_session
@@ -41,7 +41,11 @@ def which_log_and_format(log: Log, source: str) -> str:
     """Which log comes now, and its format."""
     if Path(source).name == source and not Path(source).exists():
         return f"{log.name}: comes with segmap"
-    return f"{log.name}: {'session' if is_session(source) else format_of(source)}, {source}"
+    try:
+        form = "session" if is_session(source) else format_of(source)
+    except UnknownFormat:  # its columns were named
+        form = "table"
+    return f"{log.name}: {form}, {source}"
 
 
 def describe_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:

@@ -30,9 +30,9 @@ NAMES_OF_FORMATS = (
 )
 #: What a user writes whose data are in none of the formats.
 WHAT_TO_DO = f"""\
-Known formats: {", ".join(NAMES_OF_FORMATS)} (CSV, RPLidar, LD19, XV-11).
-A table with a line a beam: --columns angle_deg,range_mm names its columns, \
-segmap.readers.read_csv in Python.
+Known formats: {", ".join(NAMES_OF_FORMATS)}.
+Tables are CSV, of RPLidar, LD19, XV-11 and others: --columns angle_deg,range_mm names the \
+columns, segmap.readers.read_csv in Python.
 Measurements in arrays (metres, radians, seconds) become a log by three lines:
     import segmap
     scans = [segmap.LaserScan(ranges, angles, time=t) for t, ranges in measured]

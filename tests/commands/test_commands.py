@@ -148,6 +148,22 @@ def test_topics_of_a_bag_are_options(run, near):
     assert code == 1 and "is no bag of ROS" in beside
 
 
+def test_columns_and_poses_of_a_log_are_options(run):
+    """Catches columns that Python alone can name, and a file of poses that is sought in a bag."""
+    rows = [f"{0.1 * (k // 9):.1f} {20 * (k % 9)} {500 + k}" for k in range(27)]
+    Path("it.txt").write_text("\n".join(rows) + "\n")
+    Path("it.tum").write_text("".join(f"{k / 10} {k} 0 0 0 0 0 1\n" for k in range(3)))
+    given = ("--columns", "t_s,angle_deg,range_mm", "--truth", "it.tum", "--odometry", "it.tum")
+    code, said, _ = run("info", "it.txt", *given)
+    assert code == 0 and "3 scans in 0.2 s" in said and said.count("a path of 2.0 m") == 2
+    assert "poses of it.tum are the robot's" in said
+    code, _, beside = run("info", "it.txt", "--columns", "angle,range_mm,t")
+    assert code == 1 and "the unit of 'angle' is not said" in beside
+    bag = bag_samples.write(Path(), "mcap")
+    code, said, _ = run("info", bag, "--scan-topic", "/scan", "--truth", "/odom")
+    assert code == 0 and "truth     for each scan" in said
+
+
 # ------------------------------------------------------------------------------ map
 def test_a_map_is_what_the_library_makes_in_every_format(run, near):
     """Catches another map than the printed one, and files of the map before the reduction."""

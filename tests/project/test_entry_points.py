@@ -128,6 +128,7 @@ def bounded(tmp_path_factory):
     (folder / "good.log.gz").write_bytes(readers.data_file("room/room.log.gz").read_bytes())
     bag_samples.write(folder, "ros1")
     (folder / "beams.csv").write_text("0,1\n1,2\n")
+    (folder / "track.tum").write_text("-1 0 0 0 0 0 0 1\n9 1 0 0 0 0 0 1\n")
     (folder / "poses.csv").write_text("10.5, 1, 2, 0.5" + ", 0" * 9)
     TREE.save(folder / "map.npz")
     for name in ("segments.csv", "segments.npz"):

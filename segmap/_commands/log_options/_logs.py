@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from ..._display import counted
 from ...alignment import Verdict
@@ -21,10 +21,7 @@ from ...readers import (
     LogError,
     UnknownFormat,
     format_of,
-    load,
     logs_in,
-    read,
-    read_bag,
     read_session,
 )
 from ...scans import Log
@@ -40,6 +37,7 @@ from .._output import (
     stoppable,
 )
 from ._command import Command
+from ._reading import add_reading, read_log
 from ._settings import applied
 
 #: Stands for the name of the log.
@@ -85,10 +83,7 @@ def add_logs(command: Command) -> None:
         metavar="FILE",
         help="a .toml with options by their names, `tolerance = 0.05`; those given here win",
     )
-    for kind in ("scan", "odometry"):
-        group.add_argument(
-            f"--{kind}-topic", metavar="TOPIC", help=f"of a bag, its {kind}; default: the fullest"
-        )
+    add_reading(group)
 
 
 def _csv(text: str) -> Path:
@@ -249,23 +244,7 @@ def log_of(source: str, given: argparse.Namespace) -> tuple[Log, argparse.Namesp
         session = read_session(source)
         log = replace(session.log, name=Path(source).stem)
         return log, *applied(given, {**session.settings, **session.edits})
-    return _log_of(source, given), given, ()
-
-
-def _log_of(source: str, given: argparse.Namespace) -> Log:
-    """The log at a path, or the one of that name that comes with segmap."""
-    on_error: Literal["raise", "skip"] = "skip" if given.skip else "raise"
-    if given.scan_topic or given.odometry_topic:
-        topics = {"scan": given.scan_topic, "odometry": given.odometry_topic}
-        return read_bag(source, on_error=on_error, **topics)
-    if Path(source).exists() or Path(source).name != source or "." in source:
-        return read(source, on_error=on_error)
-    try:
-        return load(source)
-    except LogError:
-        raise
-    except ValueError as error:
-        raise LogError(Path(source), f"is neither a file nor a folder, and {error}") from error
+    return read_log(source, given), given, ()
 
 
 def add_strict(command: Command) -> None:

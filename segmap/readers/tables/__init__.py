@@ -6,13 +6,14 @@ from ._coreslam import CoreSlam
 from ._hokuyo_text import HokuyoText
 from ._layout import first_rows, headed_of, layout_of, looks_like
 from ._npz import log_from_arrays
-from ._rawseeds import Rawseeds, read_trajectory
+from ._rawseeds import Rawseeds
 from ._table import read_csv
+from ._trajectories import read_trajectory, with_trajectories
 
 __all__ = [
     "ARRAY_FILES", "GUESSED_FILES", "HEADED_FILES", "TABLE_FOLDERS", "TABLE_FORMATS", "CoreSlam",
     "HokuyoText", "Rawseeds", "first_rows", "headed_of", "layout_of", "log_from_arrays",
-    "looks_like", "read_csv", "read_trajectory",
+    "looks_like", "read_csv", "read_trajectory", "with_trajectories",
 ]  # fmt: skip
 
 ARRAY_FILES = (Binary("NPZ", _npz.claims, _npz.read),)

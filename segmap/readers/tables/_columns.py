@@ -258,6 +258,17 @@ def _counts_up(values: Array) -> bool:
     return bool((steps[steps > 0] == 1).all() and values.min() in (0, 1))
 
 
+def _turn_like(values: Array) -> tuple[bool, float]:
+    """How much numbers are like angles, in an order."""
+    return _sweeps(values), float(np.ptp(values[np.isfinite(values)]))
+
+
+def _measured_like(values: Array) -> tuple[int, float]:
+    """How much numbers are like ranges, in an order: many different ones, and large."""
+    known = values[np.isfinite(values)]
+    return len(np.unique(known)), float(np.median(known))
+
+
 def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
     """A name with a unit for each column, as good as anybody can tell: it may be wrong."""
     columns, _ = with_units_told(named(names), rows)
@@ -265,10 +276,11 @@ def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
     if not columns.enough and (guess := guessed(rows)):
         columns, _ = with_units_told(named(guess), rows)
         by_place = {column.place: (role, column) for role, column in columns.by_role.items()}
-    free = [k for k in range(len(names)) if k not in by_place]
-    for role in ("angle", "range"):
+    free = [k for k in range(len(names)) if k not in by_place and np.isfinite(rows[:, k]).any()]
+    for role, likely in (("angle", _turn_like), ("range", _measured_like)):
         if role not in columns.by_role and free:
-            place = free.pop(0)
+            place = max(free, key=lambda k, likely=likely: likely(rows[:, k]))  # type: ignore[misc]
+            free.remove(place)
             by_place[place] = role, Column(place, None, "")
     usual = {"angle": np.pi / 180, "range": 0.001, "x": 1.0, "y": 1.0, "time": 1.0}
     found = ["-"] * len(names)

@@ -27,20 +27,17 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import LIMIT, Array, checked
+from ...arrays import LIMIT
 from ...poses import interpolate
 from ...scans import Log
 from ...scans.error_codes import as_ranges
 from .._lines import (
     Lines,
     LogError,
-    OnError,
-    Reading,
     counted_fields,
     float_fields,
     is_number,
     merged_skipped,
-    pose_fields,
     time,
 )
 from .._raw_scans import (
@@ -50,7 +47,6 @@ from .._raw_scans import (
     URG_STEP,
     Extrinsic,
     RawScan,
-    Track,
     centred,
     half_turn,
     known_truth,
@@ -58,7 +54,7 @@ from .._raw_scans import (
     urg_delays,
 )
 from .._text import TextFormat
-from ..packed import log_file
+from ._trajectories import track_in
 
 RAWSEEDS_LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
 #: What the name of the file of odometry holds.
@@ -123,42 +119,13 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     times = np.array([scan.time for scan in found.scans])
     truth = np.full((len(times), 3), np.nan)
     if RAWSEEDS_ODOMETRY in files:
-        found.track, reading = _read_track(files[RAWSEEDS_ODOMETRY], on_error)
+        found.track, reading = track_in(files[RAWSEEDS_ODOMETRY], on_error)
         found.unknown = merged_skipped(found.unknown, reading.skipped)
     if RAWSEEDS_TRUTH in files:
-        track, reading = _read_track(files[RAWSEEDS_TRUTH], on_error)
+        track, reading = track_in(files[RAWSEEDS_TRUTH], on_error)
         truth = interpolate(*track.ordered(), times, max_gap=TRUTH_GAP)
         found.unknown = merged_skipped(found.unknown, reading.skipped)
     return replace(found._log(name), truth=known_truth(truth))
-
-
-@checked
-def read_trajectory(path: str | Path, *, on_error: OnError = "raise") -> tuple[Array, Array]:
-    """Read a file of poses: Rawseeds ground truth, or its odometry.
-
-    Its lines are `t, x, y, theta, 9 covariances`, or those of ODOMETRY_XYT.csv; damage is as in
-    `read`. Returned are times `(k,)`, ascending, and poses `(k, 3)`.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "GROUNDTRUTH.csv"
-    ...     _ = path.write_text("10.5, 1, 2, 0.5" + ", 0" * 9)
-    ...     read_trajectory(path)
-    (array([10.5]), array([[1. , 2. , 0.5]]))
-    """
-    with log_file(path) as place:
-        return _read_track(place, on_error)[0].ordered()
-
-
-def _read_track(path: Path, on_error: str) -> tuple[Track, Reading]:
-    lines, track = Lines(path, on_error, ","), Track()
-    for when, where in lines.each(_parse_pose):
-        track.add(when, where)
-    if not track.times:
-        raise LogError(path, "holds no pose, expected lines t, x, y, theta, 9 covariances")
-    return track, lines
 
 
 def _rawseeds_scan(columns: list[str]) -> RawScan:
@@ -182,14 +149,3 @@ def _rawseeds_scan(columns: list[str]) -> RawScan:
         raise ValueError(f"expected an offset in quarter degrees, got {columns[2][:40]}")
     angles = half_turn(len(ranges)) + np.radians(quarters / 4)
     return RawScan("sick", float_fields(ranges, "ranges"), angles, time(columns[0]))
-
-
-def _parse_pose(fields: list[str]) -> tuple[float, Array]:
-    if len(fields) == ODOMETRY_COLUMNS:
-        return time(fields[0].strip()), pose_fields(fields[4:7], "the odometry")
-    if len(fields) == TRUTH_COLUMNS:
-        return time(fields[0].strip()), pose_fields(fields[1:4], "the ground truth")
-    raise ValueError(
-        f"expected {TRUTH_COLUMNS} columns of ground truth or {ODOMETRY_COLUMNS} of odometry, "
-        f"got {len(fields)}"
-    )

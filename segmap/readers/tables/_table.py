@@ -30,7 +30,7 @@ import numpy as np
 
 from ...arrays import brief, checked
 from ...scans import Log
-from .._lines import Lines, LogError, OnError, is_number, stem, time
+from .._lines import HeadError, Lines, LogError, OnError, is_number, stem, time
 from .._turns import COUNTERCLOCKWISE, Beams, direction_field, distance, number_field
 from ..packed import log_file
 from ._columns import Columns, named
@@ -63,7 +63,7 @@ class _Table(Beams):
         self.assumed = (*layout.told, *(COUNTERCLOCKWISE,) * counted)
         self.columns = layout.columns.by_role
         self.last = max(column.place for column in self.columns.values())
-        self.turns, self.brackets = 0, False
+        self.turns = 0
 
     def _take(self, fields: list[str]) -> None:
         (line,) = fields
@@ -77,7 +77,6 @@ class _Table(Beams):
                 raise ValueError(f"expected a beam with {wanted}, got {line[:60]!r}")
         elif line.startswith("[("):
             self.turns += 1
-            self.brackets = True
             for each in TUPLE.findall(line):
                 self._beam(split(each, ","))
         elif self.lines.number > layout.line:
@@ -109,10 +108,14 @@ class _Table(Beams):
             when = time(text, unit=factors["time"]) if is_number(text) else moment(text)
         if "new" in said:
             self.turns += said["new"].lower() in ("true", "1", "1.0", "s")
-        number = number_field(said["scan"], "the scan") if "scan" in said else np.nan
-        if "scan" not in said and (self.turns or "new" in said or self.brackets):
-            number = float(self.turns)
+        turn = float(self.turns)
+        number = number_field(said["scan"], "the scan") if "scan" in said else turn
         self.scans.append((angle, far, when, number))
+
+    def _log(self, name: str) -> Log:
+        if not (self.turns or {"scan", "new"} & {*self.columns}):  # nothing numbers them
+            self.scans = [(*beam[:3], np.nan) for beam in self.scans]
+        return super()._log(name)
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
@@ -195,7 +198,7 @@ def _stated(path: Path) -> Layout:
     if found is None:
         raise LogError(path, f"no header names angle and range: name the columns, {EXAMPLE}")
     if fault := wanting(found, path):
-        raise LogError(path, fault, found.line)
+        raise HeadError(path, fault, found.line)
     return found
 
 

@@ -1,0 +1,69 @@
+"""How one log is read: columns of a table, topics of a bag, poses from a file of their own."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any, Literal
+
+from ...readers import LogError, load, read, read_bag, read_csv, with_trajectories
+from ...scans import Log
+
+#: A name of poses that ends so is a file, and no topic.
+POSE_FILES = (".csv", ".txt", ".tum")
+
+
+def add_reading(group: Any) -> None:
+    """The options that say how a log is read."""
+    group.add_argument(
+        "--columns",
+        metavar="NAMES",
+        help="of a table with a line a beam, its columns from the left: t,angle_deg,range_mm",
+    )
+    group.add_argument(
+        "--scan-topic",
+        action="append",
+        metavar="TOPIC",
+        help="of a bag, its scans; given twice, those of both; default: scan, or the fullest",
+    )
+    group.add_argument(
+        "--odometry-topic",
+        metavar="TOPIC",
+        help="of a bag, its odometry; default: that of the robot that carries the laser",
+    )
+    for kind in ("odometry", "truth"):
+        group.add_argument(
+            f"--{kind}",
+            metavar="FILE",
+            help=f"the {kind} from a file of poses ({', '.join(POSE_FILES)}), by their times; or a "
+            "topic of the bag",
+        )
+
+
+def read_log(source: str, given: argparse.Namespace) -> Log:
+    """The log that is named, as the options say."""
+    on_error: Literal["raise", "skip"] = "skip" if given.skip else "raise"
+    named = {kind: getattr(given, kind) for kind in ("odometry", "truth")}
+    files = {k: name for k, name in named.items() if name and name.lower().endswith(POSE_FILES)}
+    topics = {k: name for k, name in named.items() if name and k not in files}
+    if given.odometry_topic:
+        topics["odometry"] = given.odometry_topic
+    if given.columns:
+        log = read_csv(source, columns=given.columns, on_error=on_error)
+    elif given.scan_topic or topics:
+        log = read_bag(source, on_error=on_error, scan=given.scan_topic, **topics)
+    else:
+        log = _named_log(source, on_error)
+    return with_trajectories(log, **files) if files else log
+
+
+def _named_log(source: str, on_error: Literal["raise", "skip"]) -> Log:
+    """The log at a path, or the one of that name that comes with segmap."""
+    if Path(source).exists() or Path(source).name != source or "." in source:
+        return read(source, on_error=on_error)
+    try:
+        return load(source)
+    except LogError:
+        raise
+    except ValueError as error:
+        raise LogError(Path(source), f"is neither a file nor a folder, and {error}") from error
