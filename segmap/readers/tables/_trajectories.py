@@ -43,8 +43,8 @@ POSE_WORDS = {
     **{f"q{axis}": rf"q(_\w+)?_?{axis}" for axis in "xyzw"},
 }
 #: True poses farther apart than this, in usual steps, say nothing between; nor in seconds.
-LONGEST_GAP_STEPS = 3
-LONGEST_GAP_S = 1.0
+LONGEST_TRUTH_GAP_STEPS = 3
+LONGEST_TRUTH_GAP_S = 1.0
 
 
 class PoseLine(NamedTuple):
@@ -193,7 +193,7 @@ def with_trajectories(
     if truth is not None:
         known_times, poses = _track_of(truth, log).ordered()
         usual = float(np.median(np.diff(known_times))) if len(known_times) > 1 else 0.0
-        gap = max(LONGEST_GAP_S, LONGEST_GAP_STEPS * usual)
+        gap = max(LONGEST_TRUTH_GAP_S, LONGEST_TRUTH_GAP_STEPS * usual)
         right = known_truth(interpolate(known_times, poses, times, max_gap=gap))
         assumed.append(f"poses of {Path(truth).name} are the robot's")
     return Log(log.name, scans, right, log.skipped, track, log.order_known, causes, assumed)
