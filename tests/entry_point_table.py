@@ -172,6 +172,7 @@ GOOD |= {
     "Emulator.tcp": None,
     "capture": b"GD0383038401\n00P\nJUGnD\n06805m`\n\n",
 }
+GOOD |= {"localize_ekf.map": MAP, "localize_ekf.covariance": np.diag([0.1, 0.1, 0.05]) ** 2}
 #: Parameters that may be anything.
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
 #: Who listens is called where there is much to tell: see test_progress.

@@ -1,0 +1,167 @@
+"""An extended Kalman filter on walls: equal to least squares, consistent, and fooled as it must."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import slow
+
+from segmap.angles import wrap
+from segmap.extraction import extract_polylines
+from segmap.matching import localize_ekf
+from segmap.poses import compose, inverse, transform
+from segmap.scans import LaserScan
+from segmap.segments import SegmentMap, angle, midpoint, point_distance
+from segmap.simulation import (
+    SICK_LMS200,
+    URG_04LX,
+    OdometryNoise,
+    Sensor,
+    box,
+    drive,
+    rectangular_room,
+    simulate,
+)
+
+ROOM = np.concatenate([rectangular_room(6.0, 4.0), box(0.8, 0.5, (4.5, 2.8, 0.3))])
+PATH = drive([(1, 1), (5, 1), (5, 2), (1.5, 3)], step=0.2)
+RING = Sensor("ring", 360, -np.pi, np.radians(1), max_range=30.0, sigma=0.01)
+SPREAD = np.diag([0.1, 0.1, 0.03]) ** 2
+
+
+def rng(seed):
+    return np.random.default_rng(seed)
+
+
+def seen(path=PATH, sensor=RING, seed=1, walls=ROOM):
+    return simulate(walls, path, sensor=sensor, rng=rng(seed))
+
+
+def tracked(walls, log, start, spread=SPREAD, **options):
+    return list(localize_ekf(SegmentMap(walls), log, start, spread, **options))
+
+
+def off(pose, scan, state):
+    """Of each pair its turn and offset, at any pose: the residuals that the filter makes small."""
+    segments = transform(pose, extract_polylines(scan.points()))[state.pairs[:, 0]]
+    walls = ROOM[state.pairs[:, 1]]
+    turn = (angle(segments) - angle(walls) + np.pi / 2) % np.pi - np.pi / 2
+    (dx, dy), (x, y) = (walls[:, 1] - walls[:, 0]).T, (midpoint(segments) - walls[:, 0]).T
+    return np.concatenate([turn, (dx * y - dy * x) / np.hypot(dx, dy)])
+
+
+@pytest.mark.parametrize("mount", [(0, 0, 0), (0.3, -0.1, 0.5)])
+def test_one_scan_corrects_as_least_squares_with_a_prior_do(mount):
+    """Catches a wrong sign or lever arm, variances for deviations, a sensor taken for the robot."""
+    (scan,) = seen(PATH[12:13])
+    beams = simulate(ROOM, compose(PATH[12], mount)[None], sensor=RING, rng=rng(1))[0]
+    scan = replace(scan, ranges=beams.ranges, sensor_pose=mount)
+    start = PATH[12] + (0.05, -0.04, 0.02)
+    (state,) = tracked(ROOM, [scan], start)
+    assert len(state.pairs) >= 5 and state.unmatched <= 1
+    found = extract_polylines(scan.points())[state.pairs[:, 0]]
+    count = (point_distance(scan.points()[:, None], found) < 0.03).sum(0)
+    size = np.hypot(*(found[:, 1] - found[:, 0]).T)
+    weight = np.concatenate([np.sqrt(count / 12) * size, np.sqrt(count)]) / 0.01
+    steps = 1e-6 * np.eye(3)
+    slope = np.stack([off(start + d, scan, state) - off(start - d, scan, state) for d in steps], 1)
+    rows = np.concatenate([slope / 2e-6 * weight[:, None], np.linalg.inv(np.sqrt(SPREAD))])
+    right = np.r_[-off(start, scan, state) * weight, 0, 0, 0]
+    move = np.linalg.lstsq(rows, right, rcond=None)[0]
+    assert state.pose == pytest.approx(start + move, abs=1e-6)
+    assert state.covariance == pytest.approx(np.linalg.inv(rows.T @ rows), rel=1e-4)
+    assert state.innovations.T.ravel() == pytest.approx(off(start, scan, state), abs=1e-9)
+
+
+@pytest.mark.parametrize("seeds", [range(6), slow(range(50))])
+@pytest.mark.parametrize("sensor", [URG_04LX, SICK_LMS200, RING], ids=lambda s: s.name)
+def test_it_is_as_sure_as_it_may_be_on_true_walls(sensor, seeds):
+    """Catches noise of the wheels or of the lines forgotten or counted twice: NEES is 3 then."""
+    found, ends = [], []
+    for seed in seeds:
+        log = seen(sensor=sensor, seed=seed)
+        start = log.truth[0] + rng(seed).normal(0, (0.1, 0.1, 0.03))
+        states = tracked(ROOM, log, start)
+        found += [s.nees(t) for s, t in zip(states[1:], log.truth[1:], strict=True)]
+        ends.append(np.hypot(*(states[-1].pose - log.truth[-1])[:2]))
+    assert 1.5 < np.mean(found) < 3.6  # noise lies along the beams, of which a part is across
+    assert max(ends) < 0.01
+
+
+def test_the_world_may_be_turned_and_walls_named_otherwise():
+    """Catches a normal or a bound along the wall that hangs on which end comes first."""
+    log, frame = seen(seed=3)[:20], (3.0, -2.0, 2.5)
+    start = log.truth[0] + (0.05, 0.02, -0.02)
+    first = tracked(ROOM, log, start)
+    order = rng(1).permutation(len(ROOM))
+    walls = transform(frame, ROOM[order][:, ::-1])
+    turn = np.eye(3)
+    turn[:2, :2] = [[np.cos(2.5), -np.sin(2.5)], [np.sin(2.5), np.cos(2.5)]]
+    second = tracked(walls, log, compose(frame, start), turn @ SPREAD @ turn.T)
+    for one, other in zip(first, second, strict=True):
+        assert np.allclose(wrap(compose(frame, one.pose) - other.pose), 0, atol=1e-9)
+        assert turn @ one.covariance @ turn.T == pytest.approx(other.covariance, abs=1e-12)
+        assert (order[other.pairs[:, 1]] == one.pairs[:, 1]).all()
+        assert other.distances == pytest.approx(one.distances)
+
+
+def test_what_the_map_does_not_have_is_left_out():
+    """Catches a gate that lets everything in, and a wall that counts beyond its ends."""
+    crate = box(0.6, 0.6, (2.5, 2.0, 0.4))
+    log = seen(PATH[:15], walls=np.concatenate([ROOM, crate]))
+    states = tracked(ROOM, log, log.truth[0])
+    assert min(s.unmatched for s in states) >= 1
+    assert max(s.distances.max() for s in states) <= 9.22  # of two numbers, one in a hundred more
+    assert np.hypot(*(states[-1].pose - log.truth[-1])[:2]) < 0.01
+    short = ROOM.copy()
+    short[0, 1] = short[0, 0] + 0.1 * (short[0, 1] - short[0, 0])
+    assert all(0 not in s.pairs[:, 1] for s in tracked(short, log, log.truth[0])[:1])
+
+
+def test_a_wrong_pair_makes_it_sure_of_a_wrong_place():
+    """The counter-example of the chapter: two walls 0.3 m apart, a start that is 0.3 m off."""
+    walls = np.array([[(0, 0), (8, 0)], [(0, 3), (8, 3)], [(0, 3.3), (8, 3.3)]], float)
+    log = simulate(walls[:2], drive([(2, 1), (5, 1)], step=0.2), sensor=RING, rng=rng(1))
+    states = tracked(walls[1:], log, log.truth[0] + (0, 0.3, 0), np.diag([0.1, 0.3, 0.02]) ** 2)
+    last = states[-1]
+    assert (last.pairs[:, 1] == 1).all() and last.distances.max() < 9.3
+    assert last.pose[1] - log.truth[-1, 1] == pytest.approx(0.3, abs=0.02)
+    assert np.sqrt(last.covariance[1, 1]) < 0.01 and last.nees(log.truth[-1]) > 500
+
+
+def test_a_scan_that_sees_nothing_leaves_what_odometry_says():
+    """Catches a filter that stays where it is, and one that grows no less sure."""
+    log = seen(PATH[:4])
+    blind = [replace(s, ranges=np.full(len(s), np.inf)) for s in log]
+    states = tracked(ROOM, blind, log.truth[0])
+    way = compose(inverse(log[0].odometry), log[3].odometry)
+    assert states[-1].pose == pytest.approx(compose(log.truth[0], way), abs=1e-9)
+    grown = [np.linalg.det(s.covariance) for s in states]
+    assert np.allclose(states[0].covariance, SPREAD) and (np.diff(grown) > 0).all()
+    (none,) = localize_ekf(SegmentMap(np.zeros((0, 2, 2))), log[:1], log.truth[0], SPREAD)
+    assert none.unmatched > 3 and none.pose == pytest.approx(log.truth[0])
+
+
+def test_wheels_and_walls_that_err_make_it_less_sure():
+    """Catches a deviation that is read and not used."""
+    log = seen(PATH[:6])
+
+    def sureness(**options):
+        last = tracked(ROOM, log, log.truth[0], **options)[-1]
+        return 1 / np.linalg.det(last.covariance)
+
+    usual = sureness()
+    assert sureness(odometry_noise=OdometryNoise().ideal()) > 2 * usual
+    assert 2 * sureness(wall_sigma=0.02) < usual > 2 * sureness(sigma=0.03)
+
+
+def test_what_cannot_be_tracked_is_refused():
+    log = seen(PATH[:2])
+    for spread in (np.eye(2), np.diag([1, 1, 0.0]), np.diag([1, 1, -1.0]), [[1, 9, 0]] * 3):
+        with pytest.raises(ValueError, match=r"covariance must be \(3, 3\), symmetric"):
+            localize_ekf(SegmentMap(ROOM), log, PATH[0], spread)
+    with pytest.raises(ValueError, match="scans must be a Log"):
+        localize_ekf(SegmentMap(ROOM), 3, PATH[0], SPREAD)
+    bare = LaserScan(log[0].ranges, log[0].angles)
+    with pytest.raises(ValueError, match="scan 1 has no odometry"):
+        tracked(ROOM, [log[0], bare], PATH[0])
