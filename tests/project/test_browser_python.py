@@ -1,0 +1,88 @@
+"""A Python without numba, threads and processes, as in a browser: all imports, and a map is made."""
+
+import os
+import subprocess
+import sys
+import tomllib
+
+import pytest
+from chapter_rules import ROOT
+
+#: What such a Python lacks, before segmap is imported.
+LACKING = """
+import os, sys, threading
+sys.modules["numba"] = None
+for missing in ("_multiprocessing", "_posixshmem"):
+    sys.modules[missing] = None
+for name in ("fork", "sched_getaffinity"):
+    if hasattr(os, name):
+        delattr(os, name)
+os.cpu_count = lambda: 1
+def refuse(*given, **named):
+    raise RuntimeError("can't start new thread")
+threading.Thread.start = refuse
+"""
+
+IMPORTS = """
+import importlib, pkgutil
+import segmap, segmap_course
+for package in (segmap, segmap_course):
+    for found in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
+        if not found.name.endswith("__main__"):
+            importlib.import_module(found.name)
+            print(found.name)
+"""
+
+RUNS = """
+import numpy as np
+import segmap, segmap_course as course
+from segmap import alignment, quadtree, reduction
+from segmap.matching import localize_ekf
+log = segmap.load("room")[:5]
+found = alignment.point_icp(log)
+map = segmap.build_map(log, found)
+small = reduction.fusion(map)
+tree = quadtree.build_map(log, found, resolution=0.1)
+state = list(localize_ekf(segmap.SegmentMap(small.segments), log, log.truth[0], np.eye(3) / 99))
+png = map._repr_mimebundle_()["image/png"]
+panel = course.FusionPanel(map)
+panel.tolerance.value = 0.1
+away = np.hypot(*(found.poses - log.truth)[:, :2].T).max()
+print(len(map) > len(small) > 3, away < 0.05, len(tree.leaves().x) > 50, len(state), png[:4])
+assert "numba" not in str(sys.modules["numba"]) and course.check_compose(lambda a, b: a).hint
+"""
+
+
+def run(code):
+    done = subprocess.run(
+        [sys.executable, "-c", LACKING + code],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "MPLBACKEND": "agg"},
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout.splitlines()
+
+
+def test_everything_imports_without_numba_threads_and_processes():
+    """Catches a thread that an import starts, and a name of `os` or `multiprocessing` at the top of
+    a file that a browser does not have."""
+    imported = run(IMPORTS)
+    assert {"segmap.matching._kalman", "segmap_course.panels._tape"} <= set(imported)
+    assert len(imported) > 300
+
+
+def test_a_map_is_made_drawn_and_played_with_without_them():
+    """Catches work that only goes on in a second thread, and a loop that only numba runs."""
+    assert run(RUNS) == ["True True True 5 iVBO"]
+
+
+@pytest.mark.parametrize(("platform", "needed"), [("linux", True), ("emscripten", False)])
+def test_numba_is_asked_for_where_it_can_be_had(platform, needed):
+    """Catches a requirement that makes the installation fail in a browser."""
+    requirement = pytest.importorskip("packaging.requirements").Requirement
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    (numba,) = (r for r in map(requirement, project["dependencies"]) if r.name == "numba")
+    assert (numba.marker is None or numba.marker.evaluate({"sys_platform": platform})) is needed
