@@ -47,6 +47,29 @@ def resampled_by_counts(weights, offset):
     return np.repeat(np.arange(n), np.diff(below, prepend=0).astype(int))
 
 
+def scale_by_lstsq(measured, tape, sigma):
+    """The factor by a solver, its deviation by the inverse of the normal equations."""
+    (scale,), *_ = np.linalg.lstsq(tape[:, None], measured, rcond=None)
+    sure = sigma * np.linalg.inv(tape[None] @ tape[:, None])[0, 0] ** 0.5
+    off = [abs(m - scale * t) / sigma for m, t in zip(measured, tape, strict=True)]
+    return [scale, (scale - 1) / sure, max(off)]
+
+
+def trials_one_by_one(share, sure):
+    """Count until none has hit with a small enough probability."""
+    count, missed = 0, 1.0
+    while missed > 1 - sure:
+        count, missed = count + 1, missed * (1 - share * share)
+    return count
+
+
+def nees_by_whitening(poses, truths, covariances):
+    """The length of each error, in the frame in which the covariance is a unit."""
+    off = np.column_stack([(poses - truths)[:, :2], np.angle(np.exp(1j * (poses - truths)[:, 2]))])
+    pairs = zip(covariances, off, strict=True)
+    return [np.square(np.linalg.solve(np.linalg.cholesky(c), e)).sum() for c, e in pairs]
+
+
 def cells_by_formula(start, end):
     """After k steps along the longer axis, rounded from the end with the smaller coordinate."""
     start, end = np.array(start), np.array(end)
@@ -231,6 +254,9 @@ def laplacian_by_rows(count, edges, weights):
 
 #: Exercise -> its answer. Some use helpers of the library, some lists or whole numbers.
 RIGHT = {
+    "ransac_trials": trials_one_by_one,
+    "tape_scale": scale_by_lstsq,
+    "nees": nees_by_whitening,
     "compose": composed_by_complex_numbers,
     "heading_between": lambda a, b, t: wrap(a + t * wrap(b - a)),
     "beam_angles": lambda n: [np.radians(-90 + i * 180 / (n - n % 2)) for i in range(n)],

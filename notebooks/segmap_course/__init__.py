@@ -8,6 +8,15 @@ from __future__ import annotations
 from . import drawings, panels
 from ._conclusions import conclusions, density, filter_change
 from ._explore import Explored, drive_to_frontiers, explore, floor_of
+from ._found_lines import (
+    LINE_FINDERS,
+    LINE_SENSORS,
+    View,
+    near_metres,
+    office_views,
+    precision_and_recall,
+    visible_walls,
+)
 from ._known_buildings import Known, known_building
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._matcher_trials import (
@@ -37,6 +46,7 @@ from ._thesis import (
     thesis_results,
     within_thesis,
 )
+from ._unknown_building import Taped, Unknown, figures, reasons, unknown_building
 from .drawings import *
 from .exercises import Check, Exercise
 from .exercises.alignment import (
@@ -45,7 +55,12 @@ from .exercises.alignment import (
     check_move_onto_walls,
 )
 from .exercises.basic import check_hough, check_matches, check_merged
-from .exercises.lines import check_axial_mean, check_farthest_point, check_fit_line
+from .exercises.lines import (
+    check_axial_mean,
+    check_farthest_point,
+    check_fit_line,
+    check_ransac_trials,
+)
 from .exercises.maps import (
     check_best_run,
     check_mean_wall_error,
@@ -53,9 +68,11 @@ from .exercises.maps import (
     check_quality,
     check_reduction_at,
     check_reduction_rate,
+    check_tape_scale,
 )
 from .exercises.matching import (
     check_climb_step,
+    check_nees,
     check_resampled,
     check_scan_score,
     check_weighed,
@@ -68,7 +85,7 @@ from .exercises.mechanisms import (
     check_mean_line,
     check_pose_cost,
 )
-from .exercises.open import Challenge, OwnLog, Prediction
+from .exercises.open import Challenge, Decision, OwnLog, Prediction
 from .exercises.open.alignment import (
     break_icp,
     break_loss,
@@ -78,6 +95,7 @@ from .exercises.open.alignment import (
     predict_sparse_icp,
     predict_turned_quality,
 )
+from .exercises.open.decision import decide_map
 from .exercises.open.own_log import check_own_log
 from .exercises.open.quadtree import break_cells, break_matching, predict_coarse_leaves
 from .exercises.open.reduction import (
@@ -125,29 +143,32 @@ from .exercises.surveyed import (
 from .panels import *
 
 __all__ = [
-    "EXERCISES", "OPEN_EXERCISES", "THESIS_FILTERS", "THESIS_GRIDS", "Challenge", "Check",
-    "Exercise", "Explored", "Known", "Landscape", "OwnLog", "Prediction", "Representation", "Trial",
-    "alignment_table", "break_basic_order", "break_cells", "break_fusion", "break_icp",
-    "break_line", "break_loss", "break_matching", "break_quality", "break_reader", "break_sum",
-    "break_viewing_sector", "check_axial_mean", "check_beam_angles", "check_best_run",
-    "check_best_shift", "check_building_axis", "check_carried", "check_carried_beam",
-    "check_cast_ray", "check_cell_of", "check_climb_step", "check_compose", "check_distances",
-    "check_edge_error", "check_far_ends", "check_farthest_point", "check_fit_line",
-    "check_frontier_cells", "check_grown", "check_heading_between", "check_hough",
-    "check_inside_strip", "check_invented_metres", "check_laplacian", "check_least_translation",
-    "check_look_noise", "check_match_value", "check_matches", "check_mean_line",
-    "check_mean_shift_step", "check_mean_wall_error", "check_memberships", "check_merged",
-    "check_missed_metres", "check_move_onto_walls", "check_occupancy", "check_own_log",
-    "check_pixel", "check_pose_cost", "check_pose_covariance", "check_quality", "check_ray_cells",
+    "EXERCISES", "LINE_FINDERS", "LINE_SENSORS", "OPEN_EXERCISES", "THESIS_FILTERS", "THESIS_GRIDS",
+    "Challenge", "Check", "Decision", "Exercise", "Explored", "Known", "Landscape", "OwnLog",
+    "Prediction", "Representation", "Taped", "Trial", "Unknown", "View", "alignment_table",
+    "break_basic_order", "break_cells", "break_fusion", "break_icp", "break_line", "break_loss",
+    "break_matching", "break_quality", "break_reader", "break_sum", "break_viewing_sector",
+    "check_axial_mean", "check_beam_angles", "check_best_run", "check_best_shift",
+    "check_building_axis", "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of",
+    "check_climb_step", "check_compose", "check_distances", "check_edge_error", "check_far_ends",
+    "check_farthest_point", "check_fit_line", "check_frontier_cells", "check_grown",
+    "check_heading_between", "check_hough", "check_inside_strip", "check_invented_metres",
+    "check_laplacian", "check_least_translation", "check_look_noise", "check_match_value",
+    "check_matches", "check_mean_line", "check_mean_shift_step", "check_mean_wall_error",
+    "check_memberships", "check_merged", "check_missed_metres", "check_move_onto_walls",
+    "check_nees", "check_occupancy", "check_own_log", "check_pixel", "check_pose_cost",
+    "check_pose_covariance", "check_quality", "check_ransac_trials", "check_ray_cells",
     "check_reduction_at", "check_reduction_rate", "check_resampled", "check_scan_score",
-    "check_unwrapped", "check_verdict", "check_weighed", "compare_with_walls", "conclusions",
-    "corridor_walk", "density", "drawings", "drive_to_frontiers", "explore", "filter_change",
-    "floor_of", "heading_profile", "known_building", "landscape", "load_columns", "load_trials",
-    "occupied_centres", "panels", "peaks", "predict_beams_on_wall", "predict_coarse_leaves",
+    "check_tape_scale", "check_unwrapped", "check_verdict", "check_weighed", "compare_with_walls",
+    "conclusions", "corridor_walk", "decide_map", "density", "drawings", "drive_to_frontiers",
+    "explore", "figures", "filter_change", "floor_of", "heading_profile", "known_building",
+    "landscape", "load_columns", "load_trials", "near_metres", "occupied_centres", "office_views",
+    "panels", "peaks", "precision_and_recall", "predict_beams_on_wall", "predict_coarse_leaves",
     "predict_drift", "predict_fusion_left", "predict_fusion_twice", "predict_pieces",
-    "predict_scan_time", "predict_sparse_icp", "predict_turned_quality", "profile_peaks",
+    "predict_scan_time", "predict_sparse_icp", "predict_turned_quality", "profile_peaks", "reasons",
     "represent", "room_walk", "room_walls", "sample_points", "thesis_grid", "thesis_results",
-    "trial_table", "try_pair", "wall_errors", "within_thesis", "write_trials",
+    "trial_table", "try_pair", "unknown_building", "visible_walls", "wall_errors", "within_thesis",
+    "write_trials",
 ]  # fmt: skip
 __all__ += drawings.__all__
 __all__ += panels.__all__
@@ -157,9 +178,9 @@ EXERCISES: dict[str, Exercise] = {
     found.name: found for found in list(globals().values()) if isinstance(found, Exercise)
 }
 
-#: Name of each open exercise -> what judges it: predict and test, break it, a log of one's own.
-OPEN_EXERCISES: dict[str, Prediction | Challenge | OwnLog] = {
+#: Name of each open exercise -> its judge: predict and test, break it, decide, a log of one's own.
+OPEN_EXERCISES: dict[str, Prediction | Challenge | Decision | OwnLog] = {
     found.name: found
     for found in list(globals().values())
-    if isinstance(found, Prediction | Challenge | OwnLog)
+    if isinstance(found, Prediction | Challenge | Decision | OwnLog)
 }

@@ -75,7 +75,11 @@ def chapter(path: Path) -> Chapter:
         len(code),
         len(re.findall(r"^\w+ = (?:\w+\.)?(?:\w+Panel|Workbench)\(", joined, re.MULTILINE)),
         len(re.findall(r"^course\.check_(?!own_log)\w+\(", joined, re.MULTILINE)),
-        len(re.findall(r"^course\.(?:predict_|break_|check_own_log)\w*\(", joined, re.MULTILINE)),
+        len(
+            re.findall(
+                r"^course\.(?:predict_|break_|decide_|check_own_log)\w*\(", joined, re.MULTILINE
+            )
+        ),
     )
 
 

@@ -80,11 +80,13 @@ PANELS = {
     "ClassesPanel": ((build_map(LOG, LOG.truth),), "occupied", 0.9),
     "ClusterPanel": ((LOG[0],), "gap", 0.05),
     "DistancePanel": ((), "angle", 30),
+    "FinderPanel": ((), "method_name", "EM"),
     "FusionPanel": ((WALLS,), "tolerance", 0.12),
     "GlobalPanel": ((LOG,), "similar", 0.05),
     "GroundTruthPanel": ((LOG,), "late", 0.1),
     "HybridPanel": ((LEANING,), "origin", 20),
     "IcpPanel": ((LOG[0].points(), LOG[1].points(), (0.5, 0, 0)), "x", -0.2),
+    "KalmanPanel": ((SegmentMap(ROOM), LOG), "off", 40),
     "LandscapePanel": ((LOG,), "turn", 12),
     "LeastCostPanel": ((WALLS,), "penalty", 0.005),
     "MatcherPanel": (
@@ -105,6 +107,7 @@ PANELS = {
     "SectorPanel": ((DOOR,), "scan", 0),
     "SegmentIcpPanel": ((LOG,), "x", 1.5),
     "StoragePanel": ((LOG, LOG.truth, ROOM), "resolution", 10.0),
+    "TapePanel": ((course.unknown_building(),), "map", "C"),
     "WallsPanel": ((), "distance", 0.1),
     "LineErrorPanel": ((WALLS,), "place", 0.10),
 }

@@ -118,6 +118,16 @@ ANSWERS = {
             ([0, 0], "got shape (2,)"),
         ],
     ),
+    "decide_map": (
+        {"A": "doubled", "B": "spread", "C": "tape", "D": "keep"},
+        [
+            ({"A": "keep", "B": "spread", "C": "tape", "D": "tape"}, "A is not the one to keep"),
+            ({"A": "tape", "B": "tape", "C": "tape", "D": "keep"}, "B: 'tape' does not speak"),
+            ({"A": "keep", "B": "keep", "C": "tape", "D": "keep"}, "keep one, and refuse"),
+            ({"D": "keep"}, "name each of A, B, C, D"),
+            (["D"], "decide first"),
+        ],
+    ),
     "predict_sparse_icp": (0.1, [(2.0, "near enough is within 0.15 m")]),
     "break_icp": (
         (0.1, -0.57, -0.18),

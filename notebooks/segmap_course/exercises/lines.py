@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -189,6 +190,48 @@ check_farthest_point = Exercise(
         ),
         "give the index of the point, not its distance": (
             edited(_farthest_point, ("int(np.argmax(np.abs(off)))", "np.abs(off).max()"))
+        ),
+    },
+)
+
+
+# ------------------------------------------------------------------------- two random points
+def _shares(rng: Rng) -> Cases:
+    return {
+        "half of the points on the line": (float(rng.uniform(0.4, 0.6)), 0.99),
+        "a wall among many": (float(rng.uniform(0.08, 0.2)), float(rng.uniform(0.9, 0.999))),
+        "nearly all": (float(rng.uniform(0.8, 0.9)), float(rng.uniform(0.95, 0.999))),
+    }
+
+
+def _trials(share: float, sure: float) -> int:
+    return math.ceil(math.log(1 - sure) / math.log(1 - share**2))
+
+
+check_ransac_trials = Exercise(
+    "ransac_trials(share, sure) -> int: how many pairs of random points are needed so that with "
+    "this probability at least one pair lies on a line that holds this share of the points",
+    _trials,
+    _shares,
+    {
+        "both points must lie on the line: the share counts twice": (
+            edited(_trials, ("share**2", "share"))
+        ),
+        "too few are not enough: round up": edited(_trials, ("math.ceil(", "int(")),
+        "all trials must fail for none to hit: the power of 1 - share**2": (
+            edited(_trials, ("1 - share**2", "share**2"))
+        ),
+        "1 - sure is the probability that none hits": (
+            edited(_trials, ("math.log(1 - sure)", "math.log(sure)"))
+        ),
+        "a pair fails unless both points hit: 1 - share**2, not (1 - share)**2": (
+            edited(_trials, ("1 - share**2", "(1 - share) ** 2"))
+        ),
+        "1 over the share of good pairs is the mean number of trials, not enough to be sure": (
+            lambda share, sure: math.ceil(1 / share**2)
+        ),
+        "a number of trials is whole": (
+            lambda share, sure: math.log(1 - sure) / math.log(1 - share**2)
         ),
     },
 )

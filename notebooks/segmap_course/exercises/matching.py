@@ -1,4 +1,4 @@
-"""Exercises on scores and matchers: the score of a scan, a step of hill climbing."""
+"""Exercises on scores, matchers and filters: a scan, a step of a climb, what a filter claims."""
 
 from __future__ import annotations
 
@@ -245,6 +245,64 @@ check_weighed = Exercise(
         ),
         "divide by the sum, not by the largest": (
             edited(weighed, ("w / sum(each)", "w / max(each)"))
+        ),
+    },
+)
+
+
+# -------------------------------------------------------------------------------- consistency
+def _claims(rng: Rng) -> Cases:
+    def some(count: int) -> tuple[Array, Array, Array]:
+        truths = np.stack([anywhere(rng) for _ in range(count)]) * (1, 1, 0.9)
+        roots = rng.uniform(0.05, 0.3, (count, 3, 3)) * (1 + 2 * np.eye(3))
+        poses = truths + rng.uniform(0.1, 0.3, (count, 3)) * rng.choice([-1, 1], (count, 3))
+        return poses, truths, roots @ roots.swapaxes(1, 2)
+
+    poses, truths, covariances = some(2)
+    truths[:, 2], poses[:, 2] = np.pi - 0.05, 0.1 - np.pi
+    return {
+        "one pose": some(1),
+        "four poses": some(4),
+        "headings on both sides of 180 degrees": (poses, truths, covariances),
+    }
+
+
+def _nees(poses: Array, truths: Array, covariances: Array) -> Array:
+    off = poses - truths
+    off[:, 2] = (off[:, 2] + np.pi) % (2 * np.pi) - np.pi
+    return np.einsum("ni,nij,nj->n", off, np.linalg.inv(covariances), off)
+
+
+check_nees = Exercise(
+    "nees(poses, truths, covariances) -> (n,): normalised estimation error squared of poses (n, 3) "
+    "against the truth (n, 3), metres and radians, with their covariances (n, 3, 3)",
+    _nees,
+    _claims,
+    {
+        "headings of 179 and -179 degrees are 2 degrees apart: wrap their difference": (
+            edited(_nees, ("(off[:, 2] + np.pi) % (2 * np.pi) - np.pi", "off[:, 2]"))
+        ),
+        "divide by the covariance: the inverse stands between the errors": (
+            edited(_nees, ("np.linalg.inv(covariances)", "covariances"))
+        ),
+        "x, y and heading err together: the whole covariance counts, not its diagonal": (
+            edited(_nees, ("np.linalg.inv(covariances)", "np.linalg.inv(covariances * np.eye(3))"))
+        ),
+        "invert the covariance as a matrix, not each of its numbers": (
+            edited(_nees, ("np.linalg.inv(covariances)", "1 / covariances"))
+        ),
+        "the square is asked for, not its root": changed(_nees, np.sqrt),
+        "3 is expected, for three numbers: do not divide by their count": (
+            changed(_nees, lambda found: found / 3)
+        ),
+        "the heading counts too, not x and y alone": (
+            lambda p, t, c: np.einsum(
+                "ni,nij,nj->n", (p - t)[:, :2], np.linalg.inv(c[:, :2, :2]), (p - t)[:, :2]
+            )
+        ),
+        "one number for each pose: no mean over them": lambda *given: float(_nees(*given).mean()),
+        "headings are radians, as their variances are": (
+            edited(_nees, ("return", "off[:, 2] = np.degrees(off[:, 2])\n    return"))
         ),
     },
 )

@@ -25,9 +25,17 @@ from .alignment.correlative_search import correlative_search, likelihoods
 from .alignment.gauss_newton import edge_residual, gauss_newton
 from .alignment.global_segments import best_shifts, best_turns, least_squares
 from .alignment.moving_laser import after, carry_beam, steady_twist
+from .alignment.ndt import match_ndt, ndt_step, normals_of
 from .alignment.point_to_line import point_to_line, point_to_line_step
 from .alignment.segment_icp import correspond, segment_cost
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
+from .line_finders import (
+    lines_em,
+    lines_hough,
+    lines_incremental,
+    lines_ransac,
+    lines_regression,
+)
 from .lines import axial_difference, line_angle, placed, point_to_segment, segment_length
 from .metrics import against_walls, mean_lines, quality, segment_distance
 from .quadtrees.histograms import (
@@ -77,11 +85,13 @@ __all__ = [
     "fit_algebraic", "fit_total", "fusion", "fusion_online", "fuzzy_clustering", "fuzzy_set",
     "gauss_newton", "grown", "headings", "hill_climb", "histogram", "hough", "hough_lines",
     "hybrid", "hybrid_fusion", "information", "least_cost", "least_squares", "least_translation",
-    "likelihood", "likelihoods", "line_angle", "line_partner", "localize", "log_likelihood",
-    "match_histograms", "match_hough", "match_value", "mean_and_variance", "mean_lines",
-    "mean_rotation", "mean_segment", "mean_shift", "occupancy", "occupancy_score", "one_per_wall",
-    "placed", "places", "point_to_line", "point_to_line_step", "point_to_segment", "polyline",
-    "polyline_through", "quality", "quarters", "ray_cells", "sample_and_rank", "segment_cost",
-    "segment_distance", "segment_length", "segment_similarity", "steady_twist", "systematic",
-    "transforms", "uncertain_parameters", "viewing_sector", "weighed", "weighted_line_fitting",
+    "likelihood", "likelihoods", "line_angle", "line_partner", "lines_em", "lines_hough",
+    "lines_incremental", "lines_ransac", "lines_regression", "localize", "log_likelihood",
+    "match_histograms", "match_hough", "match_ndt", "match_value", "mean_and_variance",
+    "mean_lines", "mean_rotation", "mean_segment", "mean_shift", "ndt_step", "normals_of",
+    "occupancy", "occupancy_score", "one_per_wall", "placed", "places", "point_to_line",
+    "point_to_line_step", "point_to_segment", "polyline", "polyline_through", "quality", "quarters",
+    "ray_cells", "sample_and_rank", "segment_cost", "segment_distance", "segment_length",
+    "segment_similarity", "steady_twist", "systematic", "transforms", "uncertain_parameters",
+    "viewing_sector", "weighed", "weighted_line_fitting",
 ]  # fmt: skip

@@ -8,8 +8,9 @@ from ._alignment import (
     SegmentIcpPanel,
 )
 from ._chosen import EarlyMethodsPanel, LineErrorPanel, OnlinePanel
+from ._finders import FinderPanel
 from ._graphs import IcpPanel, PoseGraphPanel
-from ._matching import LandscapePanel, MatcherPanel, ParticlePanel, PlacePanel
+from ._matching import KalmanPanel, LandscapePanel, MatcherPanel, ParticlePanel, PlacePanel
 from ._quadtree import ClassesPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,
@@ -21,12 +22,13 @@ from ._reduction import (
     WallsPanel,
 )
 from ._scans import ClusterPanel, DistancePanel, MovingPanel, PolylinePanel, RoomPanel
+from ._tape import TapePanel
 
 __all__ = [
     "AnglePanel", "BackbonePanel", "BasicPanel", "ClassesPanel", "ClusterPanel", "DistancePanel",
-    "EarlyMethodsPanel", "FusionPanel", "GlobalPanel", "GroundTruthPanel", "HybridPanel",
-    "IcpPanel", "LandscapePanel", "LeastCostPanel", "LineErrorPanel", "MatcherPanel",
-    "MeanShiftPanel", "MovingPanel", "OnlinePanel", "ParticlePanel", "PlacePanel", "PolylinePanel",
-    "PoseGraphPanel", "RayPanel", "RoomPanel", "RoutePanel", "SectorPanel", "SegmentIcpPanel",
-    "StoragePanel", "WallsPanel", "insert_variant",
+    "EarlyMethodsPanel", "FinderPanel", "FusionPanel", "GlobalPanel", "GroundTruthPanel",
+    "HybridPanel", "IcpPanel", "KalmanPanel", "LandscapePanel", "LeastCostPanel", "LineErrorPanel",
+    "MatcherPanel", "MeanShiftPanel", "MovingPanel", "OnlinePanel", "ParticlePanel", "PlacePanel",
+    "PolylinePanel", "PoseGraphPanel", "RayPanel", "RoomPanel", "RoutePanel", "SectorPanel",
+    "SegmentIcpPanel", "StoragePanel", "TapePanel", "WallsPanel", "insert_variant",
 ]  # fmt: skip

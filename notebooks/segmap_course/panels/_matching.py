@@ -12,23 +12,29 @@ from numpy.typing import ArrayLike
 
 from segmap.angles import wrap
 from segmap.arrays import Array
+from segmap.extraction import extract_polylines
 from segmap.matching import (
     MATCHERS,
     SCORES,
     Belief,
     DistanceField,
+    KalmanState,
     Particles,
     localize,
+    localize_ekf,
     particle_mapping,
     particle_paths,
 )
-from segmap.plotting import ERROR, RAW, RESULT, TRUTH, draw_quadtree
+from segmap.plotting import ERROR, RAW, RESULT, TRUTH, draw_quadtree, draw_segments
+from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.scans import Log
+from segmap.segments import SegmentMap
+from segmap.simulation import OdometryNoise
 
 from .._landscapes import Landscape, heading_profile, landscape, peaks
-from ..drawings import draw_climb, draw_landscape, draw_profile
-from ._lesson import LessonPanel, note, pick, play, slide, tick
+from ..drawings import draw_climb, draw_landscape, draw_profile, label_axes
+from ._lesson import LessonPanel, keyword, note, pick, play, slide, tick
 
 
 class LandscapePanel(LessonPanel):
@@ -293,3 +299,64 @@ class PlacePanel(LessonPanel):
             ax.plot(*pose[:2], "o", color=color, markersize=6)
             ax.plot(*np.stack([pose[:2], pose[:2] + ahead], -1), color=color, linewidth=2)
         ax.set_title(f"{len(belief.poses)} particles", fontsize="medium")
+
+
+class KalmanPanel(LessonPanel):
+    """An extended Kalman filter on known walls, that starts beside its place (B 2.2).
+
+    Blue are the segments of the scan that a wall explains, orange all others, at the pose believed.
+    At the right the error of the place after each scan, and twice the deviation that is claimed.
+    The log has odometry, and a truth for every scan.
+
+    Examples
+    --------
+    >>> from segmap_course import room_walk, room_walls
+    >>> from segmap import SegmentMap
+    >>> panel = KalmanPanel(SegmentMap(room_walls()), room_walk(12))
+    >>> panel.scan.value = 11
+    >>> panel.claim.value
+    'twice the deviation 0.00 m'
+    """
+
+    states: list[KalmanState]
+    method = staticmethod(localize_ekf)
+    off = slide(0, -60, 60, 5, "cm", label="start off in y")
+    gate = keyword(0.5, 0.9999, 0.01)
+    scan = slide(0, 0, lambda panel: len(panel.log) - 1, 1, "")
+    play = play("scan", interval=200)
+    place = claim = note()
+    rows = ("off gate", "play scan", "place claim")
+    words = "start {off:+d} cm off, scan {scan}: {place}, {claim}"
+    pixels = {"width": 640, "height": 300}  # noqa: RUF012
+
+    def __init__(
+        self, map: SegmentMap, log: Log, *, odometry_noise: OdometryNoise = OdometryNoise()
+    ) -> None:
+        if log.truth is None:
+            raise ValueError(f"log {log.name!r} must have the truth of each scan")
+        self.map, self.log, self.truth, self.noise = map, log, log.truth, odometry_noise
+        self._begin()
+
+    def _draw(self, figure: Figure) -> None:
+        start, k = self.truth[0] + (0, self.off.meant(), 0), self.scan.value
+        spread = np.diag([0.1, max(0.1, abs(self.off.meant())), 0.03]) ** 2
+        chosen = self.chosen() | {"odometry_noise": self.noise}
+        self.states = list(localize_ekf(self.map, self.log, start, spread, **chosen))
+        away = np.array([s.pose - t for s, t in zip(self.states, self.truth, strict=True)])[:, :2]
+        error = np.hypot(*away.T)
+        claimed = 2 * np.array([np.sqrt(np.trace(s.covariance[:2, :2])) for s in self.states])
+        self.place.value = f"{error[k]:.2f} m off"
+        self.claim.value = f"twice the deviation {claimed[k]:.2f} m"
+        left, right = figure.subplots(1, 2)
+        draw_segments(self.map, ax=left, color=RAW)
+        seen = transform(self.states[k].pose, extract_polylines(self.log[k].points()))
+        paired = np.isin(np.arange(len(seen)), self.states[k].pairs[:, 0])
+        for some, color in ((seen[paired], RESULT), (seen[~paired], ERROR)):
+            if len(some):
+                draw_segments(some, ax=left, color=color)
+        left.plot(*self.truth[k, :2], "o", color=TRUTH)
+        left.plot(*self.states[k].pose[:2], "o", color=ERROR, markersize=4)
+        right.semilogy(np.maximum(error, 1e-4), color=ERROR, label="off")
+        right.semilogy(claimed, color=RESULT, label="twice the deviation")
+        right.axvline(k, color=RAW, linewidth=0.8)
+        label_axes(right, f"{len(seen[paired])} of {len(seen)} paired", "scan", "m")

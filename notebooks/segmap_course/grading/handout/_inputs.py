@@ -21,6 +21,7 @@ INPUTS = {
         "[7, 1, 5, 2, 11, 14, 4, 19, 13, 3, 12, 8, 16, 15, 10, 0, 6, 18, 17, 9, 20]"
     ),
     "break_viewing_sector": "[0.0, 0.11, 0.0]",
+    "decide_map": '{"A": "doubled", "B": "spread", "C": "tape", "D": "keep"}',
     "break_icp": "[0.1, -0.57, -0.18]",
     # A bit that falls in one character and rises in the next.
     "break_sum": "(np.where(np.arange(63) == 1, 0x41, 0x40), "

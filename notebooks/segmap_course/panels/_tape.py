@@ -1,0 +1,55 @@
+"""The panel of the chapter that asks whether a map is right: a tape that is laid across it."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from segmap.plotting import ERROR, MAP, RESULT, draw_segments
+from segmap.poses import transform
+from segmap.simulation import cast_rays
+
+from .._unknown_building import Unknown
+from ._lesson import LessonPanel, note, pick, slide
+
+
+class TapePanel(LessonPanel):
+    """A tape from wall to wall in one of the maps, through the place of a scan.
+
+    Examples
+    --------
+    >>> from segmap_course import unknown_building
+    >>> panel = TapePanel(unknown_building())
+    >>> panel.map.value = "C"
+    >>> panel.metres.value
+    '12.28 m from wall to wall'
+    """
+
+    map = pick(("A", "B", "C", "D"))
+    scan = slide(48, 0, lambda panel: len(panel.case.log) - 1, 1, "")
+    turn = slide(0, -90, 90, 5, "degrees", label="direction")
+    metres = sure = note()
+    rows = ("map", "scan", "turn", "metres sure")
+    words = "map {map}, scan {scan}, {turn} degrees: {metres}, {sure}"
+    pixels = {"width": 560, "height": 440}  # noqa: RUF012
+
+    def __init__(self, case: Unknown) -> None:
+        self.case = case
+        self._begin()
+
+    def _draw(self, figure: Figure) -> None:
+        walls, k = self.case.maps[self.map.value].segments, self.scan.value
+        alignment = self.case.alignments[self.map.value]
+        pose, both = alignment.poses[k], self.turn.meant() + np.array([0, np.pi])
+        far = cast_rays(walls, pose, both, max_range=50.0)
+        if np.isfinite(far).all():
+            self.metres.value = f"{far.sum():.2f} m from wall to wall"
+        else:
+            self.metres.value = "no wall at an end"
+        spread = alignment.spread
+        said = "its method does not tell" if spread is None else f"{2 * spread[k]:.2f} m"
+        self.sure.value = f"twice the deviation of the scan: {said}"
+        ax = draw_segments(walls, ax=figure.subplots(), color=MAP)
+        ends = np.minimum(far, 20.0)[:, None] * np.stack([np.cos(both), np.sin(both)], -1)
+        ax.plot(*transform(pose, ends).T, color=ERROR, linewidth=2)
+        ax.plot(*pose[:2], "o", color=RESULT)
