@@ -68,13 +68,13 @@ from .exercises.maps import (
     check_quality,
     check_reduction_at,
     check_reduction_rate,
-    check_tape_scale,
 )
 from .exercises.matching import (
     check_climb_step,
     check_nees,
     check_resampled,
     check_scan_score,
+    check_tape_scale,
     check_weighed,
 )
 from .exercises.mechanisms import (

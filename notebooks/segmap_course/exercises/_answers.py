@@ -7,7 +7,7 @@ of the stub is None.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -124,3 +124,89 @@ def same_poses(found: Any, expected: Any) -> bool:
 
 def _pair(found: Any, expected: Any) -> tuple[Array, Array]:
     return np.asarray(found, float), np.asarray(expected, float)
+
+
+# ---------------------------------- mistakes that any exercise may meet, and where answers differ
+#: What to tell -> how the right numbers were changed.
+COMMON: dict[str, Callable[[Array], Array]] = {
+    "the numbers are right, but angles in degrees: radians are wanted": np.degrees,
+    "a number was turned from degrees to radians that was none in degrees": np.radians,
+    "the size is right, the sign is the other way round": np.negative,
+    "the parts are right, in the other order": lambda right: (
+        right[..., ::-1] if right.ndim else right
+    ),
+    "each is one too many: count from 0, as Python does": lambda right: right + 1,
+    "each is one too few": lambda right: right - 1,
+    "this is twice the answer": lambda right: 2 * right,
+    "this is half of the answer": lambda right: right / 2,
+    "this is a thousand times the answer: mind the unit, metres or millimetres": (
+        lambda right: 1000 * right
+    ),
+    "a thousandth of the answer: mind the unit, metres or millimetres": lambda right: right / 1000,
+    "this is a hundred times the answer: no per cent, no centimetres": lambda right: 100 * right,
+    "this is the rest, 1 minus the answer": lambda right: 1 - right,
+    "this is the square of the answer": np.square,
+    "this is the root of the answer": lambda right: np.sqrt(np.abs(right)),
+    "the last one is missing": lambda right: right[:-1] if right.ndim else right,
+    "the first one is missing": lambda right: right[1:] if right.ndim else right,
+}
+SWAPPED = "the first two arguments are exchanged"
+
+
+def common_mistake(
+    found: Sequence[Any],
+    cases: Cases,
+    solution: Callable[..., Any],
+    same: Callable[[Any, Any], bool],
+) -> str:
+    """What to tell of answers that are the right ones, changed alike in all cases; "" for none.
+
+    Examples
+    --------
+    >>> cases = {"one": (0.5,), "another": (2.0,)}
+    >>> common_mistake([1.0, 4.0], cases, lambda x: x, close)
+    'this is twice the answer'
+    """
+    right = answered(solution, cases)
+    values = [numbers(answer) for answer in right]
+    if any(value is None for value in values):
+        return ""
+    for hint, change in COMMON.items():
+        changed = [np.asarray(change(value)).tolist() for value in values if value is not None]
+        if _alike(found, changed, same) and not _alike(right, changed, same):
+            return hint
+    if all(len(given) > 1 for given in cases.values()):
+        other = answered(lambda a, b, *rest: solution(b, a, *rest), cases)
+        if _alike(found, other, same) and not _alike(right, other, same):
+            return SWAPPED
+    return ""
+
+
+def _alike(one: Sequence[Any], other: Sequence[Any], same: Callable[[Any, Any], bool]) -> bool:
+    return all(agree(a, b, same) for a, b in zip(one, other, strict=True))
+
+
+def first_difference(got: Any, right: Any, given: Sequence[Any]) -> str:
+    """Of two long arrays of one shape the first place that differs, and what was given there.
+
+    Examples
+    --------
+    >>> first_difference([0] * 8, [0] * 5 + [1] * 3, (np.arange(8.0),))
+    '; they differ first at [5]: 1 is expected, got 0, for 5'
+    """
+    a, b = numbers(got), numbers(right)
+    if a is None or b is None or a.shape != b.shape or a.size <= 6:
+        return ""
+    apart = np.argwhere(~np.isclose(a, b, rtol=1e-9, atol=1e-9, equal_nan=True))
+    if not len(apart):
+        return ""
+    place = tuple(apart[0].tolist())
+    arrays = [
+        array
+        for array in map(numbers, given)
+        if array is not None and array.ndim and len(array) == len(b)
+    ]
+    said = f", for {', '.join(text(array[place[0]]) for array in arrays)}" if arrays else ""
+    told = f"{text(b[place])} is expected, got {text(a[place])}"
+    where = ", ".join(map(str, place))
+    return f"; they differ first at [{where}]: {told}{said}"

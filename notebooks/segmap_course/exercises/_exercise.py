@@ -16,7 +16,17 @@ from segmap.plotting import ERROR, TRUTH
 
 from .._cells import lacking
 from .._sandbox_protocol import Raised
-from ._answers import Cases, agree, answered, close, in_full, numbers, text
+from ._answers import (
+    Cases,
+    agree,
+    answered,
+    close,
+    common_mistake,
+    first_difference,
+    in_full,
+    numbers,
+    text,
+)
 
 Rng = np.random.Generator
 #: Cases are drawn again until each mistake is told by its own hint, at most so many times.
@@ -62,8 +72,8 @@ class Exercise:
     ...                   {"twice, not to the power of two": lambda x: x * x})
     >>> double(lambda x: x + x), double(lambda x: x**2)
     (passed, not yet: twice, not to the power of two)
-    >>> double(lambda x: x)
-    not yet: for a number expected 6, got 3 from double(3)
+    >>> double(lambda x: x), double(lambda x: x + 2.5)
+    (not yet: this is half of the answer, not yet: for a number expected 6, got 5.5 from double(3))
     """
 
     #: The signature, which begins with the name, and what is returned, with shapes and units.
@@ -151,8 +161,10 @@ class Exercise:
         """The hint of the mistake that gives these answers; empty where they are right, or None."""
         if found and all(answer is None for answer in found):
             return f"it returns nothing yet; the task is {self.task}"
-        known = self._known().items()
-        return next((hint for hint, f in known if self._agree(found, answered(f, cases))), None)
+        for hint, function in self._known().items():
+            if self._agree(found, answered(function, cases)):
+                return hint
+        return common_mistake(found, cases, self.solution, self.same) or None
 
     def _difference(self, found: Sequence[Any], cases: Cases) -> str:
         """The first case that has another answer, in full."""
@@ -161,6 +173,7 @@ class Exercise:
         said = f"but it raised {text(got)}" if isinstance(got, Raised) else f"got {text(got)}"
         if text(got) == text(right):
             said += f", which is off by {np.abs(np.subtract(got, right)).max():.1g}"
+        said += first_difference(got, right, cases[words])
         return f"for {words} expected {text(right)}, {said}{self._call(cases[words])}"
 
     def told(self, found: Sequence[Any]) -> str:

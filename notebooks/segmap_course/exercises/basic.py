@@ -250,6 +250,16 @@ _BY_SLOPE = (
 )
 
 
+def _by_quotient(segment: Array, near: float) -> Array:
+    """The same with Python's own numbers, which raise where numpy warns."""
+    (x0, y0), (x1, y1) = segment.tolist()
+    slope = (y1 - y0) / (x1 - x0)
+    theta = float(np.arctan2(1.0, -slope))
+    turns = np.round((near - theta) / np.pi)
+    rho = (y0 - slope * x0) * np.sin(theta)
+    return np.array([-rho if turns % 2 else rho, theta + turns * np.pi])
+
+
 def _whole_turns(segment: Array, near: float) -> Array:
     rho, theta = hough(segment)
     return np.array([rho, theta + 2 * np.pi * np.round((near - theta) / (2 * np.pi))])
@@ -263,6 +273,7 @@ check_hough = Exercise(
     {
         "an upright wall has no slope: take the angle of the normal with atan2, and rho from any "
         "point of the wall as x cos(theta) + y sin(theta)": edited(_line, *_BY_SLOPE),
+        "dy / dx divides by 0 where the wall is upright: take atan2(dy, dx)": _by_quotient,
         "(rho, theta) and (-rho, theta + pi) are one line: add the half turns that bring theta "
         "nearest to `near`": lambda segment, near: hough(segment),
         "half a turn of theta makes the normal look the other way: rho changes its sign": (

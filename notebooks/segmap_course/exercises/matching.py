@@ -306,3 +306,71 @@ check_nees = Exercise(
         ),
     },
 )
+
+
+# -------------------------------------------------------------- distances against a tape measure
+def _taped(rng: Rng) -> Cases:
+    def some(count: int, scale: float) -> tuple[Array, Array, float]:
+        tape = rng.uniform(1, 20, count) + 3 * np.arange(count)
+        sigma = float(rng.uniform(0.02, 0.06))
+        return scale * tape + rng.normal(0, sigma, count), tape, sigma
+
+    return {
+        "a map that is too large": some(3, 1 + rng.uniform(0.01, 0.05)),
+        "a map that is too small": some(4, 1 - rng.uniform(0.01, 0.05)),
+        "two distances": some(2, 1.0),
+    }
+
+
+def _tape_scale(measured: Array, tape: Array, sigma: float) -> Array:
+    square = (tape * tape).sum()
+    scale = (measured * tape).sum() / square
+    sure = sigma / np.sqrt(square)
+    rest = measured - scale * tape
+    return np.array([scale, (scale - 1) / sure, np.abs(rest).max() / sigma])
+
+
+check_tape_scale = Exercise(
+    "tape_scale(measured, tape, sigma) -> (3,): the factor s that makes the sum of the squares of "
+    "measured (n,) minus s times tape (n,), metres, smallest; how many of its standard deviations "
+    "it is above 1, where sigma is that of a measured distance; and the largest deviation from the "
+    "line, in sigmas",
+    _tape_scale,
+    _taped,
+    {
+        "least squares weigh long distances more: no mean of the ratios": (
+            edited(_tape_scale, ("(measured * tape).sum() / square", "(measured / tape).mean()"))
+        ),
+        "the line goes through 0: sum of the products over sum of the squares, not of the sums": (
+            edited(_tape_scale, ("(measured * tape).sum() / square", "measured.sum() / tape.sum()"))
+        ),
+        "the tape is right and the map is measured: divide by the squares of the tape": (
+            edited(
+                _tape_scale,
+                (
+                    "(measured * tape).sum() / square",
+                    "(measured**2).sum() / (measured * tape).sum()",
+                ),
+            )
+        ),
+        "the standard deviation of the factor is sigma over the root of the sum of squares": (
+            edited(_tape_scale, ("np.sqrt(square)", "square"))
+        ),
+        "the sum of the squares, not their mean: each distance makes the factor surer": (
+            edited(_tape_scale, ("np.sqrt(square)", "np.sqrt(square / len(tape))"))
+        ),
+        "count from 1, which is the factor of a right map": (
+            edited(_tape_scale, ("(scale - 1)", "scale"))
+        ),
+        "the deviation is that from the line, after the factor": (
+            edited(_tape_scale, ("scale * tape", "tape"))
+        ),
+        "a deviation below the line counts as one above: take absolute values": (
+            edited(_tape_scale, ("np.abs(rest).max()", "rest.max()"))
+        ),
+        "the largest deviation is asked for, not the root of the mean of their squares": (
+            edited(_tape_scale, ("np.abs(rest).max()", "np.sqrt((rest**2).mean())"))
+        ),
+        "in sigmas, not in metres": edited(_tape_scale, (".max() / sigma", ".max()")),
+    },
+)

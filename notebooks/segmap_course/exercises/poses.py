@@ -8,7 +8,7 @@ import numpy as np
 
 from segmap.angles import wrap
 from segmap.arrays import Array
-from segmap.poses import between, compose, interpolate, motions, transform
+from segmap.poses import between, compose, interpolate, inverse, motions, transform
 
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed
@@ -159,6 +159,12 @@ check_edge_error = Exercise(
         ),
         "headings 3.0 and -3.0 are 0.28 apart, not 6: wrap the difference": (
             lambda a, b, z: np.append(_edge_error(a, b, z)[:2], b[2] - a[2] - z[2])
+        ),
+        "the order of the two: the measurement comes first, seen from there the second pose": (
+            lambda a, b, z: compose(between(a, b), inverse(z))
+        ),
+        "the frame of the measured place is wanted, not that of the world: turn the difference": (
+            lambda a, b, z: b - compose(a, z)
         ),
         "all three parts are asked for, not only how far the place is off": (
             changed(_edge_error, lambda error: np.hypot(*error[:2]))

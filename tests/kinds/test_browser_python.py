@@ -1,4 +1,4 @@
-"""A Python without numba, threads and processes, as in a browser: all imports, and a map is made."""
+"""A Python without numba, threads and processes, as in a browser: all imports, a map is made."""
 
 import os
 import subprocess
