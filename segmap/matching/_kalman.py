@@ -23,6 +23,9 @@ BEHIND_M = 0.03
 #: The middle of what a scan sees may lie so far beyond the end of a wall, metres.
 BEYOND_END_M = 0.3
 
+#: A start that is known worse than to a kilometre is none, square metres.
+MOST_VARIANCE_M2 = 1e6
+
 
 class KalmanState(NamedTuple):
     """What an extended Kalman filter holds after a scan.
@@ -116,8 +119,8 @@ def localize_ekf(
         raise ValueError(f"scans must be a Log, or give scans, got {arrays.brief(scans)}")
     first, known = arrays.pose(start, "start"), arrays.values(covariance, "covariance")
     good = known.shape == (3, 3) and np.isfinite(known).all() and np.allclose(known, known.T)
-    if not good or np.linalg.eigvalsh(known)[0] <= 0:
-        said = "symmetric, and positive in all directions: nothing is known exactly"
+    if not good or np.linalg.eigvalsh(known)[0] <= 0 or known.max() > MOST_VARIANCE_M2:
+        said = "symmetric, positive in all directions, at most a square kilometre"
         raise ValueError(f"covariance must be (3, 3), {said}; got {arrays.brief(covariance)}")
     walls, limit = map.filtered(BEHIND_M).segments, float(chi2.ppf(gate, 2))
 
