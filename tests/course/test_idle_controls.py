@@ -43,19 +43,26 @@ def others(control) -> list:
 
 
 def idle(panel) -> list[str]:
-    """Names of the controls that can be moved, and change neither the picture nor a text."""
+    """Names of the controls that can be moved, and change neither the picture nor a text.
+
+    Where a panel has several methods, with each of them.
+    """
+    chooser = getattr(panel, "by", getattr(panel, "matcher", None))
     found = []
-    for name, control in controls(panel).items():
-        panel.reset()
-        if control.disabled or not (values := others(control)):
-            continue
-        start = seen(panel)[:2]
-        for value in values:
-            control.value = value
-            if seen(panel)[:2] != start:
-                break
-        else:
-            found.append(name)
+    for choice in [None] if chooser is None else chooser.options:
+        for name, control in controls(panel).items():
+            panel.reset()
+            if choice is not None:
+                chooser.value = choice
+            if control.disabled or not (values := others(control)):
+                continue
+            start = seen(panel)[:2]
+            for value in values:
+                control.value = value
+                if seen(panel)[:2] != start:
+                    break
+            else:
+                found.append(" of ".join(filter(None, (name, choice))))
     panel.reset()
     return found
 

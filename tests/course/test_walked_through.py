@@ -40,7 +40,7 @@ def walk(chapter, section, source, panel, controls, exercise):
 #: One panel and one exercise may serve the methods of one mechanism.
 WALKED = {
     "angle_correspondence": walk(
-        "32", "The idea", "transforms", "AnglePanel", "heuristic distance far long", "match_value"
+        "32", "The idea", "transforms", "AnglePanel", "heuristic distance far", "match_value"
     ),
     "segment_icp": walk(
         "32", "From a start", "segment_cost", "SegmentIcpPanel", "angle distance share", "pose_cost"

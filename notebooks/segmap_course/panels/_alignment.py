@@ -99,9 +99,8 @@ class AnglePanel(LessonPanel):
     heuristic = keyword()
     distance = keyword(0.01, 0.30, 0.01, label="T_p")
     far = keyword(0.02, 0.60, 0.02)
-    long = keyword(0.0, 2.0, 0.1)
     found = verdict = note()
-    rows = ("scan", "apart", "rank", "heuristic", "distance", "far", "long", "found verdict")
+    rows = ("scan", "apart", "rank", "heuristic", "distance", "far", "found verdict")
 
     def __init__(self, log: Log, *, scan: int = 0, apart: int = 1) -> None:
         if len(log) < 2:
