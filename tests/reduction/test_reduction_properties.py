@@ -129,7 +129,12 @@ def test_equals_the_plain_method_where_sizes_differ_by_thousands(name, shift, se
     rng, n = np.random.default_rng(seed), 40 if name == "least_cost" else 120
     size = 10 ** rng.uniform(-2, 1.5, (n, 1, 1))
     spread = np.array([8, 0.5])[seed] * rng.uniform(-1, 1, (n, 1, 2))
-    segments = spread + shift + size * rng.uniform(-0.5, 0.5, (n, 2, 2))
+    segments = spread + size * rng.uniform(-0.5, 0.5, (n, 2, 2))
+    walls = rng.uniform(-15, 15, (4, 2, 2))[rng.integers(0, 4, n // 2)]  # and pieces of these
+    begin = rng.uniform(0, 1, (n // 2, 1)) + [[0.0, 1.0]] * 10 ** rng.uniform(-3, 0, (n // 2, 1))
+    pieces = walls[:, :1] + begin[..., None] * (walls[:, 1:] - walls[:, :1])
+    segments[: n // 2] = pieces + rng.normal(0, 0.005, pieces.shape)
+    segments += shift
     sensors = rng.uniform(-8, 8, (n // 4, 2)) + shift
     assert_literal(name, SegmentMap(segments, np.arange(n) // 4, sensors=sensors))
 
