@@ -317,3 +317,17 @@ def test_a_log_of_words_stays_one_whatever_its_head(tmp_path):
     path = tmp_path / "it.log"
     path.write_text("# angle_deg range_mm\n" + CARMEN)
     assert readers.format_of(path) == "CARMEN"
+
+
+def test_arrays_alone_are_tables(tmp_path):
+    """Catches scans of rplidar kept by numpy.save, and a pickle that is opened."""
+    shots = np.array([np.stack([np.full(12, 15.0), TURN, 1000 * FAR], 1)] * 3)
+    np.save(tmp_path / "it.npy", shots)
+    log = readers.read(tmp_path / "it.npy")
+    assert len(log) == 3 and np.sort(log[2].ranges) == pytest.approx(np.sort(FAR))
+    assert np.sort(-np.degrees(log[0].angles)) == pytest.approx(TURN)
+    np.save(tmp_path / "it.npy", np.full((4, 361), 2.5))
+    assert [len(scan) for scan in readers.read(tmp_path / "it.npy")] == [361] * 4
+    np.save(tmp_path / "it.npy", np.array([[1], [1, 2]], object), allow_pickle=True)
+    with pytest.raises(LogError, match="is no array of numbers alone"):
+        readers.read(tmp_path / "it.npy")

@@ -5,8 +5,10 @@
 
 The motion is the second vertex as seen from the first. g2o measures what is left of it in the frame
 where the motion ends, `solve_graph` in the frame where it begins: the information is turned. The
-older VERTEX2 and EDGE2 of TORO order it as I11 I12 I22 I33 I13 I23. Scans, landmarks, fixed
-vertices, priors, bearings, switches and parameters are left out, and counted.
+older VERTEX2 and EDGE2 of TORO order it as I11 I12 I22 I33 I13 I23. Of a robot in a plane the
+VERTEX_SE3:QUAT and EDGE_SE3:QUAT are projected on it, with a warning; their information is of half
+an angle. Scans, landmarks, fixed vertices, priors, bearings, switches and parameters are left out,
+and counted.
 """
 
 from __future__ import annotations
@@ -20,16 +22,26 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import LARGEST_COORDINATE, Array
+from ...arrays import LARGEST_COORDINATE, Array, unit_checks
+from ...files import shown
 from ...poses.information import SYMMETRIC, rotated
 from .._lines import Lines, LogError, float_fields, pose_fields
+from .._mounting import in_space, level
 from ..packed import log_file
 from ._g2o import G2O_LASERS, G2O_OTHERS, VERTICES
 
 #: Lines that g2o and gtsam write besides: priors, bearings, switches, landmarks, parameters.
-LEFT_OUT = re.compile(r"(?!.*SE3)(EDGE|VERTEX|PARAMS|LANDMARK|PRIOR|BR|FIX)(_[A-Z0-9_]+)?")
+LEFT_OUT = re.compile(r"(EDGE|VERTEX|PARAMS|LANDMARK|PRIOR|BR|FIX)(_[A-Z0-9_]+)?")
 #: Of each kind of edge: where the nine entries of the information stand among the six in the file.
 ORDERS = {"EDGE_SE2": (0, 1, 2, 1, 3, 4, 2, 4, 5), "EDGE2": (0, 1, 4, 1, 2, 5, 4, 5, 3)}
+#: Poses in space.
+IN_SPACE = ("VERTEX_SE3:QUAT", "EDGE_SE3:QUAT")
+#: Of the 21 entries of the information of such an edge those in the plane, and what makes them of a
+#: whole angle: g2o's is the vector of a quaternion.
+PLANE_ENTRIES = (0, 1, 5, 6, 10, 20)
+WHOLE_ANGLE = np.array([1, 1, 0.5, 1, 0.5, 0.25])
+#: A robot that tilts by more than this, radians, is in no plane.
+MOST_TILT_IN_PLANE = np.radians(20)
 
 
 class PoseGraph(NamedTuple):
@@ -53,7 +65,8 @@ class PoseGraph(NamedTuple):
 def read_graph(path: str | Path) -> PoseGraph:
     """Read a pose graph of g2o, plain or packed: what `exports.write_graph` and gtsam write.
 
-    Lines are VERTEX_SE2 and EDGE_SE2, or VERTEX2 and EDGE2; poses are ordered by the numbers of the
+    Lines are VERTEX_SE2 and EDGE_SE2, VERTEX2 and EDGE2 of TORO, or those in space of a robot in a
+    plane, which are projected; poses are ordered by the numbers of the
     vertices.
 
     Raises
@@ -76,10 +89,14 @@ def read_graph(path: str | Path) -> PoseGraph:
     poses: dict[int, Array] = {}
     left_out: dict[str, int] = {}
     found: list[tuple[int, int, int, Array]] = []
+    lost = np.empty((0, 2))  # height and tilt of poses in space
     with log_file(path) as place:
         lines = Lines(place)
         for kind, *fields in lines:
             try:
+                if kind in IN_SPACE:
+                    kind, fields, more = _in_plane(kind, fields)
+                    lost = np.vstack([lost, more]).max(0, keepdims=True)
                 if kind in VERTICES:
                     number = _vertex_number(fields, 0)
                     if number in poses:
@@ -98,6 +115,9 @@ def read_graph(path: str | Path) -> PoseGraph:
                     raise ValueError(f"expected a VERTEX_SE2 or EDGE_SE2 line, got {kind[:40]!r}")
             except ValueError as fault:
                 raise lines.error(str(fault)) from None
+    for height, tilt in lost * (1, 180 / np.pi):
+        words = f"poses in space are projected: up to {height:.3g} m, {tilt:.3g} degrees are lost"
+        unit_checks.warn(f"{shown(place)}: {words}")
     if not poses:
         raise LogError(place, "holds no vertex of a graph, expected VERTEX_SE2 lines")
     ids = np.array(sorted(poses), np.int64)
@@ -110,6 +130,28 @@ def read_graph(path: str | Path) -> PoseGraph:
     information = rotated(values[:, 3:].reshape(-1, 3, 3), -relative[:, 2])
     order = np.array([poses[k] for k in ids])
     return PoseGraph(order, edges, relative, information, ids, left_out)
+
+
+def _in_plane(kind: str, fields: Sequence[str]) -> tuple[str, list[str], Array]:
+    """A line of a graph in space as one in the plane; and its height, metres, and tilt, radians."""
+    begin = 1 if kind == IN_SPACE[0] else 2
+    found = float_fields(fields[begin : begin + 7], "the pose")
+    if len(found) != 7:
+        raise ValueError(f"expected x, y, z and a quaternion, got {len(found)} fields")
+    pose = in_space(found[:3].tolist(), found[[6, 3, 4, 5]].tolist())
+    tilt = float(np.arccos(np.clip(pose[2, 2], -1, 1)))
+    if tilt > MOST_TILT_IN_PLANE:
+        said = f"{np.degrees(tilt):.0f} degrees"
+        raise ValueError(f"expected poses of a robot in a plane, got one that is tilted by {said}")
+    plane = [*fields[:begin], *map(repr, level(pose).tolist())]
+    lost = np.array([abs(found[2]), tilt])
+    if begin == 1:
+        return "VERTEX_SE2", plane, lost
+    entries = float_fields(fields[begin + 7 :], "the information of the edge")
+    if len(entries) != 21:
+        raise ValueError(f"expected 21 entries of information, got {len(entries)}")
+    six = entries[list(PLANE_ENTRIES)] * WHOLE_ANGLE
+    return "EDGE_SE2", [*plane, *map(repr, six.tolist())], lost
 
 
 def _vertex_number(fields: Sequence[str], place: int) -> int:

@@ -13,6 +13,8 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 from typing import IO, Any, cast
 
+import numpy as np
+
 from ... import arrays
 from ...files import LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO, members, shown, unzipped
 from .._lines import LogError, UnknownFormat, open_bytes
@@ -26,6 +28,8 @@ PACKINGS: dict[bytes, Callable[[Path], Any]] = {
     b"BZh": bz2.open,
     b"\x28\xb5\x2f\xfd": lambda path: _zstd(path),
 }
+#: First bytes of one array of numpy's.
+NPY = b"\x93NUMPY"
 #: First bytes of an archive by zip.
 ZIP = b"PK\x03\x04"
 #: Marks at the front of a text -> its encoding; the longer ones first.
@@ -170,6 +174,8 @@ def unpacked(path: Path, folder: Path) -> Path:
                 path = _copied(PACKINGS[pack](path), folder / _without_suffix(path), path, most)
             elif _is_tar(front) or (front.startswith(ZIP) and not _is_ours(path)):
                 return _extracted(path, folder, most)
+            elif front.startswith(NPY):
+                return _as_text(path, folder)
             elif encoding := _encoding(front):
                 text = folder / "text"
                 text.mkdir(exist_ok=True)
@@ -240,6 +246,28 @@ def _copied(source: IO[Any], target: Path, path: Path, most: int) -> Path:
                     path, f"unpacks to more than {most} bytes: unpack it, if it is a log"
                 )
     return target
+
+
+def _as_text(path: Path, folder: Path) -> Path:
+    """An array as a table: a row a line; of three dimensions a scan a line, its beams in brackets.
+
+    So scans of the package rplidar, `(k, n, 3)`, and ranges `(k, n)` are what they are as text.
+    """
+    try:
+        held = np.atleast_2d(np.load(path, allow_pickle=False))
+    except ValueError as fault:
+        words = "scans of several lengths, perhaps: write a line for each beam, or numpy.savez"
+        raise LogError(path, f"is no array of numbers alone ({fault}): {words}") from fault
+    if held.ndim > 3 or held.dtype.kind not in "iuf" or not held.size:
+        raise LogError(path, f"expected numbers, got {held.dtype} of shape {held.shape}")
+    text = folder / "text"
+    text.mkdir(exist_ok=True)
+    with (text / path.name).open("w", encoding="utf-8") as file:
+        for row in held.tolist():
+            beams = row if held.ndim == 2 else [str(tuple(beam)) for beam in row]
+            line = " ".join(map(str, beams)) if held.ndim == 2 else f"[{', '.join(beams)}]"
+            file.write(f"{line}\n")
+    return text / path.name
 
 
 def _extracted(path: Path, folder: Path, most: int) -> Path:
