@@ -472,6 +472,26 @@ def test_an_uploaded_file_is_read(tmp_path, worker):
     assert not made.start.disabled and made._source.wrong.value == ""
 
 
+def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
+    """Catches a table that Python alone can read, and a choice that is not the one of the page."""
+    rows = "".join(f"{0.1 * (k // 9):.1f};{20 * (k % 9)};{500 + k}\n" for k in range(27))
+    made = bench()
+    made._worker = worker
+    upload(made, "it.csv", rows.encode())
+    table = made._source.columns
+    assert "no known format" in made.state.value and table.view.layout.display == ""
+    assert [kind.value for kind in table.kinds] == ["-", "angle_deg", "range_mm"]
+    table.kinds[0].value = "time_s"
+    table.read.click()
+    made.wait()
+    assert len(made.log) == 3 and made.log.times == pytest.approx([0, 0.1, 0.2])
+    assert made.log[0].ranges.max() == pytest.approx(0.508)
+    names = "columns=['time_s', 'angle_deg', 'range_mm'], clockwise=False"
+    assert made._source.expression.startswith(f"segmap.readers.read_csv('it.csv', {names}")
+    made.bundled.value = "room"
+    assert table.view.layout.display == "none"
+
+
 @pytest.mark.parametrize(
     ("name", "words"),
     [("..", "cannot be the name"), ("n" * 300, f"{'n' * 40}&#x27; cannot be the name"),

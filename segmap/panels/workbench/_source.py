@@ -19,6 +19,7 @@ from ...files import as_html, shown
 from ...readers import Session, read_session
 from ...scans import Log
 from .._control import wrong
+from .._table_columns import TableColumns
 from . import _shown
 from ._bar import Bar
 from ._choices import LIST_NAME_STYLE, WRAP
@@ -69,8 +70,9 @@ class Source:
         )
         bundled, path, upload = self.controls
         self.about, self.wrong = W.HTML(), wrong()
+        self.columns, self._given = TableColumns(self._read_columns), ("", "")
         sent = W.Box([upload, W.Label(LARGEST)], layout=W.Layout(**WRAP))
-        self.view = W.VBox([bundled, path, sent, self.wrong, self.about])
+        self.view = W.VBox([bundled, path, sent, self.wrong, self.columns.view, self.about])
         self.open(first)
         bundled.observe(self._opened, names="value")
         path.observe(self._opened, names="value")
@@ -103,6 +105,7 @@ class Source:
         name = change["new"]
         known = self.expression == f"segmap.load({name!r})" and self.ready
         if name in self.names and not known:
+            self.columns.show((), ())
             with telling(self._refused):
                 self.open(name)
         elif name not in ("", OWN, *self.names):
@@ -110,8 +113,22 @@ class Source:
 
     def _read(self, folder: str | Path, name: str) -> None:
         expression = f'segmap.read({name!r}, on_error="skip")'
-        given = (str(folder), name)
+        self._given = given = (str(folder), name)
+        with contextlib.suppress(ValueError, OSError):
+            self.columns.show(*_table_in(*given))
         self._begin(_read_in_folder, given, lambda log: self._take(log, expression), self._refused)
+
+    def _read_columns(self, columns: list[str], clockwise: bool) -> None:
+        """Read the table again by what its columns are now."""
+        folder, name = self._given
+        way = f"columns={columns!r}, clockwise={clockwise}"
+        expression = f'segmap.readers.read_csv({name!r}, {way}, on_error="skip")'
+        self._begin(
+            _read_table_in_folder,
+            (folder, name, columns, clockwise),
+            lambda log: self._take(log, expression),
+            self._refused,
+        )
 
     def _refused(self, text: str) -> None:
         """Say why a log that was asked for is not there, beside what asked; nothing is run now."""
@@ -170,6 +187,25 @@ def _read_in_folder(folder: str, name: str) -> Log | Session:
             return read_source(Path(name))
         except readers.LogError as fault:  # what follows there is for who writes Python
             raise ValueError(". ".join(str(fault).split("\n")[:2])) from fault
+
+
+def _read_table_in_folder(folder: str, name: str, columns: list[str], clockwise: bool) -> Log:
+    """A table in a folder, whose columns are named."""
+    with contextlib.chdir(folder):
+        return readers.read_csv(name, columns=columns, clockwise=clockwise, on_error="skip")
+
+
+def _table_in(folder: str, name: str) -> tuple[list[str], list[list[str]]]:
+    """What the columns of a table may be, and its first rows; nothing of a log that is none."""
+    with contextlib.chdir(folder):
+        try:
+            if readers.format_of(name) != "table":
+                return [], []
+        except readers.UnknownFormat:
+            pass
+        names, rows = readers.first_rows(name)
+    rows = [row for row in rows if len(row) == len(names)]
+    return (names, rows) if {"angle", "range"} <= {n.split("_")[0] for n in names} else ([], [])
 
 
 def _upload(description: str, take: Callable[[str, int, int, bytes], int]) -> Any:
