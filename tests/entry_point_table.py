@@ -155,7 +155,15 @@ GOOD |= {
     "thresholds": {"distance": 0.2}, "run": {"distance": 0.2}, "sweep.grids":
     {"fusion": {"tolerance": [0.04]}},
 }  # fmt: skip
-GOOD |= {"free": TREE, "why.of": PLAN.rooms[0], "from_room": 0, "to_room": 0}
+GOOD |= {
+    "free": TREE,
+    "write_plan.plan": PLAN,
+    "write_plan.path": "written.dxf",
+    "write_sheet.plan": PLAN,
+    "why.of": PLAN.rooms[0],
+    "from_room": 0,
+    "to_room": 0,
+}
 GOOD |= {
     "UrgSensor.port": Newly,
     "UrgSensor.clock": lambda: Newly.last.now,

@@ -9,7 +9,18 @@ from typing import Any
 
 from .. import __version__
 from ..files import speak
-from . import _app, _compare, _convert, _info, _locate, _map, _merge, _notebooks, _occupancy, _warm
+from . import (
+    _app,
+    _compare,
+    _convert,
+    _info,
+    _locate,
+    _map,
+    _merge,
+    _notebooks,
+    _occupancy,
+    _warm,
+)
 from ._output import FAULTS, Usage, plain_warnings, print_error, progress_bars, reason
 from .log_options import Command, Completion, examples, parsed
 
@@ -50,8 +61,8 @@ def _add_sensor(commands: Any) -> None:
 
 #: In the order in which they are listed.
 COMMANDS = (
-    *(each.add for each in (_info, _map, _merge, _compare, _occupancy, _locate, _convert, _app)),
-    *(_add_sensor, _notebooks.add, _warm.add),
+    *(_info.add, _map.add, _map.add_plan, _merge.add, _compare.add, _occupancy.add, _locate.add),
+    *(_convert.add, _app.add, _add_sensor, _notebooks.add, _warm.add),
 )
 
 

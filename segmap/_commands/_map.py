@@ -1,4 +1,7 @@
-"""`segmap map LOG...`: poses, segments, a reduction, how good it is, and whether it is a map."""
+"""`segmap map LOG...`: poses, segments, a reduction, how good it is, and whether it is a map.
+
+And `segmap plan LOG...`: a floor plan with rooms, doors and areas.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +9,17 @@ import argparse
 import csv
 import re
 from dataclasses import replace
+from datetime import date
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .. import exports, extraction, metrics
+from .. import _warm, exports, extraction, metrics, quadtree, reduction
 from .._display import counted
-from .._map_pipeline import MapChoices, Pipeline, world_of
+from .._map_pipeline import MapChoices, Pipeline, cropped, world_of
 from ..arrays import declared
 from ..files import write_bytes
+from ..plan import floor_plan
 from ..quadtree import without_passers
 from ..readers import read_text
 from ..reduction import METHODS, Reduction
@@ -39,6 +44,12 @@ WRITTEN = (
 )
 #: The thresholds of the extraction begin so.
 EXTRACT = "extract_"
+#: What -o of a plan may end in.
+PLAN_SUFFIXES = (".svg", ".pdf", ".png", ".dxf", ".geojson", ".csv")
+#: Shorter segments are left out before a plan is drawn, metres (A 6.2.1).
+LEAST_PLANNED_M = 0.10
+#: Side of the squares of its free space, metres.
+PLAN_SQUARE_M = 0.05
 
 
 def add(commands: Any) -> None:
@@ -236,3 +247,72 @@ def tell_reduction(made: Pipeline, found: Reduction, report: Report) -> None:
             mean_error=float(errors.mean()),
             largest_error=float(errors.max()),
         )
+
+
+def add_plan(commands: Any) -> None:
+    """Name `segmap plan` and its arguments."""
+    command = commands.add_parser(
+        "plan",
+        help="a floor plan: walls, rooms with their areas, doors",
+        epilog=log_options.examples(
+            "plan room -o room.pdf                 a sheet to print",
+            "plan room -o room.dxf -o rooms.csv    layers for CAD, and a table of the rooms",
+            "plan room --regular -o room.geojson   nearly right angles become right",
+        ),
+    )
+    log_options.add_poses(command)
+    command.add_argument(
+        "--regular",
+        action="store_true",
+        help="walls that are turned by less than a degree from an axis become parallel to it",
+    )
+    command.add_argument(
+        "--door",
+        type=float,
+        nargs=2,
+        default=[0.55, 2.5],
+        metavar=("NARROWEST", "WIDEST"),
+        help="widths of a doorway, metres; default: 0.55 2.5",
+    )
+    log_options.add_world(command)
+    log_options.add_output(
+        command, PLAN_SUFFIXES, "the plan: a sheet, layers, geometries, a table of rooms"
+    )
+    command.set_defaults(run=partial(log_options.each_log, work=plan_of_log, check=check_plan))
+
+
+def check_plan(given: argparse.Namespace) -> None:
+    """Refuse options that do not go together."""
+    if not 0 < given.door[0] < given.door[1] < float("inf"):
+        given.refuse("--door wants the narrowest and the widest doorway, in metres")
+    log_options.check_options(given)
+
+
+def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+    """Map one log, draw its plan, and write what was asked for where there is a map."""
+    _warm.dispatch(["extraction all", "quadtree all", "reduction one_per_wall"])
+    made = log_options.placed_outcome(given, log, report)
+    poses, side = made.alignment.trusted, PLAN_SQUARE_M
+    seen = extraction.build_map(made.log, poses, keep_points=True)
+    verdict = made.alignment.verdict_on(seen)
+    free = quadtree.build_map(made.log, poses, resolution=side, free_resolution=side)
+    if given.crop is not None:
+        seen, free = cropped(seen, given.crop), cropped(free, given.crop)
+    walls = reduction.one_per_wall(seen.filtered(LEAST_PLANNED_M))
+    plan = floor_plan(walls, free, regular=given.regular, door=tuple(given.door))
+    area = sum(room.area for room in plan.rooms)
+    rooms, doors = counted(len(plan.rooms), "room"), counted(len(plan.doors), "door")
+    words = f"{rooms} of {area:.1f} m2, {doors}"
+    report.line("planned", words, rooms=len(plan.rooms), area=area, doors=len(plan.doors))
+    words = f"{counted(len(plan.walls), 'wall')}, {counted(len(plan.clutter), 'piece')} of clutter"
+    report.line("walls", words, walls=len(plan.walls), clutter=len(plan.clutter))
+    if plan.doubt:
+        report.line("doubt", plan.doubt, doubt_of_plan=plan.doubt)
+
+    def write(path: Path) -> None:
+        """With the day, as sheets have it."""
+        title, today = log.name, date.today().isoformat()
+        world = world_of(log_options.edits_of(given))
+        exports.write_plan(path, plan, title=title, verdict=verdict.words, date=today, world=world)
+
+    return log_options.finished(given, verdict, paths, report, write)

@@ -10,6 +10,7 @@ a map for ROS back, ours or another's.
 from ._arrays import write_arrays, write_session
 from ._graph import write_graph
 from ._maps import Classes, ros_classes, write_geojson, write_ros_map, write_svg
+from ._plan import write_plan
 from ._ros_maps import is_ros_map, read_ros_map
 from ._segments import write_segments
 from ._sheet import write_sheet
@@ -18,6 +19,6 @@ from ._world import Earth, Frame, Grid, placed_at
 
 __all__ = [
     "Classes", "Earth", "Frame", "Grid", "is_ros_map", "placed_at", "read_ros_map", "ros_classes",
-    "write_arrays", "write_carmen", "write_geojson", "write_graph", "write_ros_map",
+    "write_arrays", "write_carmen", "write_geojson", "write_graph", "write_plan", "write_ros_map",
     "write_segments", "write_session", "write_sheet", "write_svg", "write_tum",
 ]  # fmt: skip

@@ -100,16 +100,17 @@ def _wkt(map: SegmentMap, world: Frame) -> Iterator[str]:
 
 
 def _dxf(map: SegmentMap, world: Frame) -> Iterator[str]:
-    yield _tags((0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"))
-    yield _tags((9, "$INSUNITS"), (70, METRES), (0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES"))
+    yield dxf_tags((0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"))
+    yield dxf_tags((9, "$INSUNITS"), (70, METRES), (0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES"))
     for a, b, c, d in _rows(map):
         if (a, b) != (c, d):
             start, end = ((10, a), (20, b), (30, 0.0)), ((11, c), (21, d), (31, 0.0))
-            yield _tags((0, "LINE"), (8, "0"), *start, *end)
-    yield _tags((0, "ENDSEC"), (0, "EOF"))
+            yield dxf_tags((0, "LINE"), (8, "0"), *start, *end)
+    yield dxf_tags((0, "ENDSEC"), (0, "EOF"))
 
 
-def _tags(*pairs: tuple[int, str | int | float]) -> str:
+def dxf_tags(*pairs: tuple[int, str | int | float]) -> str:
+    """Lines of a DXF file: a code, and its value."""
     return "".join(f"{code}\n{value}\n" for code, value in pairs)
 
 

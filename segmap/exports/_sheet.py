@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import textwrap
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ import numpy as np
 from .. import arrays
 from ..arrays import Array, Segments, checked
 from ..files import shown, write_bytes
+from ..plan import FloorPlan, Room
 from ._world import Direction
 
 if TYPE_CHECKING:
@@ -40,6 +42,12 @@ WALL_MM = 0.35
 LETTERS_PER_LINE = 95
 #: Dots an inch of a picture.
 SHEET_DPI = 200
+#: Letters of the words on rooms, points: in small rooms, and in large ones.
+LETTERS_POINTS = (3.5, 8.0)
+#: What rooms are filled with.
+ROOM_TINT = "#dde8f3"
+#: What doors are drawn in.
+DOOR_COLOR = "#c0392b"
 ENDS = (".pdf", ".svg", ".png")
 
 
@@ -52,6 +60,7 @@ def write_sheet(
     verdict: str = "",
     date: str = "",
     north: Direction | None = None,
+    plan: FloorPlan | None = None,
 ) -> None:
     """Write a sheet to print: the map at a round scale, its bar, north, title, date and verdict.
 
@@ -68,6 +77,8 @@ def write_sheet(
         What the sheet says: `alignment.verdict_on(map).words` tells how far it can be trusted.
     north : float, radians
         Where north is in the map, counter-clockwise from x; by default the sheet shows y instead.
+    plan
+        Its rooms are tinted, with names, areas and sides, and its doors have their widths.
 
     Examples
     --------
@@ -83,19 +94,27 @@ def write_sheet(
     end = place.suffix.lower()
     if end not in ENDS:
         raise ValueError(f"path: the name must end in {', '.join(ENDS)}, got {place.name!r}")
-    for name, text in {"title": title, "verdict": verdict, "date": date}.items():
-        if "\0" in arrays.instance(text, name, str):
-            raise ValueError(f"{name} has a NUL character, got {text!r}")
+    words = checked_words(title, verdict, date)
+    if plan is not None:
+        arrays.instance(plan, "plan", FloorPlan)
     import matplotlib
 
     rules: Any = {"svg.fonttype": "none", "svg.hashsalt": "segmap", "pdf.fonttype": 42}
     with matplotlib.rc_context(rules), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a letter that no font here has
-        figure = _draw_sheet(segments, [shown(text) for text in (title, verdict, date)], north)
+        figure = _draw_sheet(segments, words, north, plan)
         kept, dated = io.BytesIO(), {".pdf": "CreationDate", ".svg": "Date"}
         metadata = {dated[end]: None} if end in dated else {}
         figure.savefig(kept, format=end[1:], dpi=SHEET_DPI, metadata=metadata)
     write_bytes(place, kept.getvalue())
+
+
+def checked_words(title: str, verdict: str, date: str) -> list[str]:
+    """What a sheet says, as it can be shown."""
+    for name, text in {"title": title, "verdict": verdict, "date": date}.items():
+        if "\0" in arrays.instance(text, name, str):
+            raise ValueError(f"{name} has a NUL character, got {text!r}")
+    return [shown(text) for text in (title, verdict, date)]
 
 
 def rounded_up(least: float) -> float:
@@ -110,7 +129,9 @@ def rounded_up(least: float) -> float:
     return float(next(k * ten for k in ROUND_MANTISSAS if k * ten >= least * (1 - 1e-9)))
 
 
-def _draw_sheet(segments: Array, words: list[str], north: float | None) -> Figure:
+def _draw_sheet(
+    segments: Array, words: list[str], north: float | None, plan: FloorPlan | None
+) -> Figure:
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
@@ -125,8 +146,14 @@ def _draw_sheet(segments: Array, words: list[str], north: float | None) -> Figur
     ax.set(xlim=(0, page[0]), ylim=(0, page[1]))
     ax.set_axis_off()
     middle = np.array([page[0] / 2, SHEET_MARGIN_MM + WORDS_BAND_MM + room[1] / 2])
-    placed = (segments - (low + high) / 2) * 1000 / scale + middle
+
+    def on_paper(points: Array) -> Array:
+        return np.asarray((points - (low + high) / 2) * 1000 / scale + middle)
+
+    placed = on_paper(segments)
     dot = 72 / INCH_MM  # points a millimetre
+    if plan is not None:
+        _draw_rooms(ax, plan, on_paper, scale)
     ax.add_collection(LineCollection(list(placed), colors="black", linewidths=WALL_MM * dot))
     title, verdict, date = words
     plain: dict[str, Any] = {"parse_math": False, "va": "top"}
@@ -153,6 +180,37 @@ def _draw_sheet(segments: Array, words: list[str], north: float | None) -> Figur
     x, y = foot + 1.4 * tip
     ax.text(x, y, "y" if north is None else "N", fontsize=11, ha="center", va="center")
     return figure
+
+
+def room_sides(plan: FloorPlan, room: Room) -> tuple[float, float]:
+    """Length and width of a room along the axes of its building, metres, the longer first."""
+    turn = plan.axes[0] if len(plan.axes) else 0.0
+    along = room.outline @ [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
+    width, length = np.sort(np.ptp(along, axis=0)).tolist()
+    return length, width
+
+
+def _draw_rooms(ax: Any, plan: FloorPlan, on_paper: Callable[[Array], Array], scale: float) -> None:
+    """Rooms with their words, clutter, doors with their widths."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    for room in plan.rooms:
+        rings = [Outline(on_paper(r), closed=False) for r in (room.outline, *room.holes)]
+        around = Outline.make_compound_path(*rings)
+        ax.add_patch(PathPatch(around, facecolor=ROOM_TINT, edgecolor="none"))
+        length, width = room_sides(plan, room)
+        lines = [shown(room.name), f"{room.area:.1f} m2", f"{length:.2f} x {width:.2f} m"]
+        size = np.clip(1000 * width / scale / 6, *LETTERS_POINTS)
+        ax.text(*on_paper(room.place), "\n".join(lines), fontsize=size, ha="center", va="center",
+                parse_math=False)  # fmt: skip
+    clutter = list(on_paper(plan.clutter.segments))
+    ax.add_collection(LineCollection(clutter, colors="0.6", linewidths=WALL_MM))
+    for door in plan.doors:
+        ax.plot(*on_paper(door.ends).T, color=DOOR_COLOR, linewidth=4 * WALL_MM)
+        ax.text(*on_paper(door.place), f"{door.width:.2f}", fontsize=LETTERS_POINTS[0],
+                color=DOOR_COLOR)  # fmt: skip
 
 
 def _draw_scale_bar(ax: Any, right: float, low: float, scale: float) -> None:

@@ -129,7 +129,7 @@ def floor_plan(
     door: tuple[float, float] = (0.55, 2.5),
     kappa: Positive = 1.25,
     share: Share = 0.5,
-    run: Metres = 2.0,
+    opening: Metres = 2.0,
     band: Metres = 0.15,
     least_area: Positive = 1.5,
 ) -> FloorPlan:
@@ -152,7 +152,7 @@ def floor_plan(
     kappa
         A doorway stands between two rooms that hold a circle of so many times its width: without
         this rule every niche is a room.
-    share, run
+    share, opening
         Two cells join where so much of their border is open, or an opening is so wide.
     band
         Segments whose offsets differ by less are on one line.
@@ -192,7 +192,7 @@ def floor_plan(
     lines = wall_lines(long, axes, band)
     cells = connected(cell_keys(grid.places(), lines), grid.kind == FREE, LEAST_CELL_SQUARES)
     edges = edges_between(lines, grid, cells, (float(widths[0]), float(widths[1])))
-    labels, told = find_rooms(grid, cells, edges, kappa, share, run, least_area)
+    labels, told = find_rooms(grid, cells, edges, kappa, share, opening, least_area)
     parts = connected(labels, labels >= 0, least_area / grid.side**2)
     rooms = [
         room_of(parts[box] == k, box, lines, grid, told[labels[parts == k][0]])

@@ -39,7 +39,8 @@ from segmap.files import (
     write_bytes,
 )
 from segmap.hokuyo import record
-from segmap.quadtree import QuadtreeMap
+from segmap.plan import floor_plan
+from segmap.quadtree import QuadtreeMap, map_of_grid
 
 main = program("segmap")
 
@@ -47,6 +48,8 @@ LOG = Log("one", [LaserScan([1.0], [0.0])], [(0, 0, 0)])
 MAP = QuadtreeMap(resolution=0.5, size=2)
 MAP.insert_scan((0.2, 0.2), [(1.2, 0.2)])
 WALLS = SegmentMap([[(0, 0), (1, 0)]])
+FREE = map_of_grid(np.ones((60, 80)), resolution=0.05)
+PLAN = floor_plan([[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(4, 3), (0, 3)], [(0, 3), (0, 0)]], FREE)
 GRAPH = readers.PoseGraph(np.zeros((2, 3)), [(0, 1)], [(1, 0, 0)], [np.eye(3)])
 
 #: Every function that writes a file in one go, and the end of the name that it wants.
@@ -60,6 +63,7 @@ WRITERS = {
     "map": (lambda path: MAP.save(path), ".npz"),
     "segment map": (lambda path: WALLS.save(path), ".npz"),
     "segments": (lambda path: exports.write_segments(path, WALLS), ".csv"),
+    "plan": (lambda path: exports.write_plan(path, PLAN), ".dxf"),
     "sheet": (lambda path: exports.write_sheet(path, WALLS), ".pdf"),
     "arrays": (lambda path: exports.write_arrays(path, LOG), ".npz"),
     "session": (lambda path: exports.write_session(path, readers.Session(LOG, {})), ".segmap"),
@@ -88,6 +92,7 @@ def test_the_table_of_writers_is_whole():
     assert functions - {"ros_classes", "placed_at", "is_ros_map", "read_ros_map"} == {
         *("write_tum", "write_carmen", "write_ros_map", "write_geojson", "write_svg"),
         *("write_segments", "write_graph", "write_arrays", "write_session", "write_sheet"),
+        "write_plan",
     }
     found = set()
     for package in (Path(segmap.__file__).parent, Path(course.__file__).parent):

@@ -33,11 +33,11 @@ def write_outcome(path: str | Path, outcome: Pipeline, which: int = 0) -> None:
     if end == ".yaml":
         exports.write_ros_map(path, cells(outcome))
     elif end in (".pdf", ".png"):
-        words = {"title": shown(outcome.given.name), "verdict": outcome.verdict.words}
+        title, words = shown(outcome.given.name), outcome.verdict.words
         today = datetime.date.today().isoformat()
         degrees = outcome.recipe.edits.get("north")
         north = None if degrees is None else math.radians(degrees[0])
-        exports.write_sheet(path, reduced, **words, date=today, north=north)
+        exports.write_sheet(path, reduced, title=title, verdict=words, date=today, north=north)
     else:
         exports.write_segments(path, reduced, world=world_of(outcome.recipe.edits))
 

@@ -1,0 +1,81 @@
+"""Plans that are written, as other programs read them."""
+
+import csv
+import json
+
+import ezdxf
+import numpy as np
+import pytest
+
+from segmap import exports, plan
+from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, map_of_grid
+from segmap.simulation import polyline
+
+
+@pytest.fixture(scope="module")
+def two_rooms():
+    """Two rooms of 4.7 m by 4 m behind one another, with a door of 0.9 m, walls 0.1 m thick."""
+    kinds = np.full((100, 240), UNKNOWN)
+    kinds[9:91, 9:211] = OCCUPIED
+    kinds[10:90, 10:108] = kinds[10:90, 112:210] = FREE
+    kinds[40:58, 108:112] = FREE
+    corners = [(0.5, 0.5), (5.4, 0.5), (5.4, 2.0), (5.6, 2.0), (5.6, 0.5), (10.5, 0.5)]
+    corners += [(10.5, 4.5), (5.6, 4.5), (5.6, 2.9), (5.4, 2.9), (5.4, 4.5), (0.5, 4.5)]
+    walls = polyline(corners, closed=True)
+    return plan.floor_plan(walls, map_of_grid(kinds, resolution=0.05))
+
+
+def test_a_drawing_has_its_layers(two_rooms, tmp_path):
+    """Catches rooms on the layer of walls, and a polyline that is not closed."""
+    exports.write_plan(tmp_path / "it.dxf", two_rooms)
+    drawing = ezdxf.readfile(tmp_path / "it.dxf")
+    by_layer = {}
+    for one in drawing.modelspace():
+        by_layer.setdefault(one.dxf.layer, []).append(one)
+    assert not drawing.audit().errors
+    assert len(by_layer["WALLS"]) == len(two_rooms.walls)
+    assert [one.is_closed for one in by_layer["ROOMS"]] == [True, True]
+    assert len(by_layer["DOORS"]) == 1
+    assert {one.dxf.text for one in by_layer["TEXT"]} == {
+        "room 1, 19.8 m2",  # the doorway is its
+        "room 2, 19.6 m2",
+    }
+
+
+def test_geometries_tell_what_they_are(two_rooms, tmp_path):
+    """Catches rings that are open or turn the wrong way round, and doors without their rooms."""
+    exports.write_plan(tmp_path / "it.geojson", two_rooms)
+    features = json.loads((tmp_path / "it.geojson").read_text())["features"]
+    kinds = [one["properties"]["kind"] for one in features]
+    assert kinds.count("room") == 2 and kinds.count("door") == 1
+    room, door = features[0], features[2]
+    ring = np.array(room["geometry"]["coordinates"][0])
+    assert (ring[0] == ring[-1]).all()
+    x, y = ring.T
+    assert (x[:-1] * y[1:] - x[1:] * y[:-1]).sum() / 2 == pytest.approx(19.8, abs=0.1)
+    assert door["properties"]["width"] == pytest.approx(0.9, abs=0.11)
+    assert door["properties"]["rooms"] == ["room 1", "room 2"]
+
+
+def test_a_table_has_a_row_for_each_room(two_rooms, tmp_path):
+    """Catches sides that are swapped, and a perimeter for an area."""
+    exports.write_plan(tmp_path / "it.csv", two_rooms)
+    rows = list(csv.DictReader((tmp_path / "it.csv").read_text().splitlines()))
+    assert [row["name"] for row in rows] == ["room 1", "room 2"]
+    for row in rows:
+        sizes = [float(row[name]) for name in ("area_m2", "perimeter_m", "length_m", "width_m")]
+        assert sizes == pytest.approx([19.7, 18.0, 5.0, 4.0], abs=0.25) and row["doors"] == "1"
+
+
+def test_a_sheet_names_rooms_and_doors(two_rooms, tmp_path):
+    """Catches a sheet with the walls alone."""
+    exports.write_plan(tmp_path / "it.svg", two_rooms, title="two rooms", date="2026-01-02")
+    text = (tmp_path / "it.svg").read_text()
+    door = f"{two_rooms.doors[0].width:.2f}"
+    assert all(word in text for word in ("two rooms", "room 1", "19.8 m2", door, "2026-01-02"))
+
+
+def test_another_ending_is_refused(two_rooms, tmp_path):
+    """Catches a file of no format."""
+    with pytest.raises(ValueError, match=r"\.geojson"):
+        exports.write_plan(tmp_path / "it.doc", two_rooms)
