@@ -28,7 +28,6 @@ Map = TypeVar("Map", SegmentMap, QuadtreeMap)
 Found = TypeVar("Found")
 #: Of so many scans a map is kept where the work is stopped.
 LEAST_SCANS = 2
-
 #: The options of `segmap map` that name a function, and how those of its thresholds begin.
 BEGIN = {"align": "align_", "extract": "extract_", "method": "", "second": "second_"}
 
@@ -134,13 +133,12 @@ class MapChoices:
         return ("import numpy as np\n\n" if "np." in body else "") + f"import segmap\n\n{body}\n"
 
 
+Choice = Callable[[MapChoices], Any]
 #: The steps of a pipeline, in their order, and the choice that each hangs on beside those before.
-STEPS: list[tuple[computed[Any], Callable[[MapChoices], Any]]] = []
+STEPS: list[tuple[computed[Any], Choice]] = []
 
 
-def step(
-    choice: Callable[[MapChoices], Any],
-) -> Callable[[Callable[[Pipeline], Found]], computed[Found]]:
+def step(choice: Choice) -> Callable[[Callable[[Pipeline], Found]], computed[Found]]:
     """The next step: it is done once, and anew where this choice, or one before it, is another."""
 
     def made(work: Callable[[Pipeline], Found]) -> computed[Found]:
@@ -163,9 +161,8 @@ class Pipeline:
     def __init__(self, recipe: MapChoices, log: Log, before: Pipeline | None = None) -> None:
         self.recipe, self.given, self.stopped = recipe, log, ""
         self._known: list[tuple[Call, Reduction, float]] = []
-        if before is not None:
-            if recipe.prepare == before.recipe.prepare:
-                self.given, self.stopped = before.given, before.stopped
+        if before is not None and recipe.prepare == before.recipe.prepare:
+            self.given, self.stopped = before.given, before.stopped
             for found, choice in STEPS:
                 if choice(recipe) != choice(before.recipe):
                     return
@@ -372,8 +369,7 @@ def begin(recipe: MapChoices, log: Log, before: Pipeline | None = None) -> Pipel
 
 def follow(recipe: MapChoices, log: Log, before: Pipeline | None = None) -> Pipeline:
     """All that follows, as `begin`."""
-    made = begin(recipe, log, before)
-    made.results()
+    (made := begin(recipe, log, before)).results()
     return made
 
 

@@ -170,7 +170,7 @@ class LiveMap(Locked):
                 self._scans.append((number, scan))
             raise
         self._begin()
-        matched = self.graph.front_end.rows[-1].used
+        matched = not any(self.graph.unmatched[-1:])
         seconds = work_time() - begun
         return Step(pose, np.nan, seconds, closed, matched, overlap)
 

@@ -181,15 +181,13 @@ def distinct_places(
     many, chosen = len(chosen), chosen[:most_places]
     fits = map.fits(used, poses[chosen])
     kind, reason = stopped
-    if kind is not Uncertainty.NONE:
-        pass
-    elif not many:
+    if not kind and not many:
         kind, reason = Uncertainty.NO_PLACE, f"no pose scores {least:.6g}"
-    elif many > most_places:
+    elif not kind and many > most_places:
         kind, reason = Uncertainty.TOO_MANY_PLACES, f"more than {most_places} places explain it"
-    elif many > 1:
+    elif not kind and many > 1:
         kind, reason = Uncertainty.SEVERAL_PLACES, f"{many} places explain it"
-    elif fits[0] < SURE_FIT:
+    elif not kind and fits[0] < SURE_FIT:
         kind, reason = Uncertainty.POOR_FIT, f"the best place fits it to {fits[0]:.2f} only"
     spreads = [_leaf_covariance(map, scan, leaves[k], step) for k in chosen]
     scores, covariances = leaves[chosen, 0] / full, np.reshape(spreads, (-1, 3, 3))

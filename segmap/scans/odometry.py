@@ -259,10 +259,11 @@ def contradictions(
     whole = before[0] == before[1]  # no jump lies between
     found = odometry_against_steps(rows, Steps(*(each[whole] for each in steps[:3])))
     remedy = "begin with alignment.prepared(log)"
-    first = f"the odometry jumps {counted(len(jumps), 'time')}, first at scan"
+    many = counted(len(jumps), "time") if len(jumps) else ""
+    first = f"the odometry jumps {many}, first at scan {jumps[:1].sum()}"
     told = {each.cause for each in getattr(scans, "causes", ())}
     says = [
-        (len(jumps) > 0, Cause.JUMP, len(jumps), f"{first} {jumps[:1].sum()}"),
+        (len(jumps) > 0, Cause.JUMP, len(jumps), first),
         (
             found.turn < -RIGHT_TURN_RATIOS[0],
             Cause.MIRRORED,

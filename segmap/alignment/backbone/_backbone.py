@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from ... import arrays
-from ...angles import axial_difference, wrap
+from ...angles import axial_difference
 from ...arrays import Array, Metres, Positive, Radians, Settings, Share
 from ...extraction import extract_polylines
-from ...poses.motions import transform
+from ...poses.motions import transform, wrap
 from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding, Unmatched
 from ...segments import angle as angle_of

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import arrays
-from ...angles import axial_difference, axial_mean, axial_mean_of_two, wrap
+from ...angles import axial_difference, axial_mean, axial_mean_of_two
 from ...arrays import Array, Share
-from ...poses.motions import transform
+from ...poses.motions import transform, wrap
 from ...scans.causes import Unmatched
 from ...segments import angle, extreme_projections, length, midpoint
 

@@ -30,6 +30,12 @@ class Undoable:
     changed in place. Fields that are undoable themselves are put back too.
     """
 
+    def fields(self) -> list[tuple[Undoable, str, object]]:
+        """All that is put back: of which part, under which name, and what it holds now."""
+        own = [(self, name, value) for name, value in vars(self).items()]
+        parts = [value for *_, value in own if isinstance(value, Undoable)]
+        return own + [field for part in parts for field in part.fields()]
+
 
 class KeyFrame(NamedTuple):
     """A scan that stands for the map."""
@@ -155,13 +161,7 @@ def loop_pairs(loops: ArrayLike, name: str) -> list[list[int]]:
 @contextmanager
 def rollback_on_error(*parts: Undoable) -> Iterator[None]:
     """Undo what is done to parts of a graph, where it ends before its end."""
-    kept: dict[int, tuple[Undoable, dict[str, object]]] = {}
-    todo = [*parts]
-    while todo:
-        part = todo.pop()
-        kept[id(part)] = part, dict(vars(part))
-        todo += [v for v in vars(part).values() if isinstance(v, Undoable) and id(v) not in kept]
-    fields = [(part, name, value) for part, known in kept.values() for name, value in known.items()]
+    fields = [field for part in parts for field in part.fields()]
     lengths = [(value, len(value)) for *_, value in fields if isinstance(value, list)]
     try:
         yield

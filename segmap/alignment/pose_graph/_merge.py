@@ -110,18 +110,15 @@ def _append(graph: LiveGraph, later: LiveGraph) -> None:
     front, closer, its = graph.front_end, graph.loop_closer, later.loop_closer
     frame, scan = len(front.frames), len(front.rows)
     rows = [replace(row, frame=frame + row.frame) for row in later.front_end.rows]
-    # The odometry begins in a frame of its own
-    rows[0] = replace(
-        rows[0], scan=replace(rows[0].scan, odometry=None), odometry=np.full(3, np.nan)
-    )
+    alone = replace(rows[0].scan, odometry=None)  # its odometry begins in a frame of its own
+    rows[0] = replace(rows[0], scan=alone, odometry=np.full(3, np.nan))
     front.rows += rows
     front.frames.extend(later.front_end.frames, scan, np.diag(BREAK) ** 2)
     closer.descriptors += its.descriptors
     closer.accepted += [e for e in front.frames.edges if e.loop and e.first >= frame]
     closer.ways = np.concatenate([closer.ways, frame + its.ways])
-    closer.rejected += [
-        Rejected(scan + r.first, scan + r.second, r.reason) for r in its.not_believed()
-    ]
+    gone = its.not_believed()
+    closer.rejected += [Rejected(scan + r.first, scan + r.second, r.reason) for r in gone]
 
 
 def _agreeing_loops(

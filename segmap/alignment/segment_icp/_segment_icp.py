@@ -197,15 +197,13 @@ def segment_icp(
             rule = {"angle": angle, "distance": distance, "share": share}
             found = match_segments(known, seen, trail.guess(), **rule)
             lost = 0 if found.matched else lost + bool(len(seen))
-            if found.matched and found.free is None:
-                trail.place(found.pose)
-            elif found.matched:
-                trail.place(found.pose, Unmatched.FREE_DIRECTION, ONE_DIRECTION)
-            elif lost < patience:
-                trail.carry(found.unmatched, found.reason)
+            if found.matched:
+                why = Unmatched.NONE if found.free is None else Unmatched.FREE_DIRECTION
+                trail.place(found.pose, why, ONE_DIRECTION if why else "")
             else:
-                trail.carry(found.unmatched, f"{found.reason}; the map begins anew")
-                map = []
+                anew = lost >= patience
+                trail.carry(found.unmatched, found.reason + "; the map begins anew" * anew)
+                map = [] if anew else map
         # 2. A new key frame, where it lies far enough from the last
         pose = trail.pose()
         if len(seen) and (not map or (k and found.matched)):
