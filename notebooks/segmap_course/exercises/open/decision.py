@@ -54,7 +54,7 @@ class Decision(Open):
             return self._check(f"decide first; the task is {self.task}")
         if set(given) != set(known):
             return self._check(f"name each of {', '.join(known)}, with 'keep' or with a witness")
-        kept = [name for name, reason in given.items() if reason == KEPT]
+        kept = [name for name, answer in given.items() if answer == KEPT]
         if len(kept) != 1:
             return self._check(f"keep one, and refuse the others by a witness each; kept: {kept}")
         if known[kept[0]]:
