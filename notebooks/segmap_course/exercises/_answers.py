@@ -183,7 +183,10 @@ def common_mistake(
 
 
 def _alike(one: Sequence[Any], other: Sequence[Any], same: Callable[[Any, Any], bool]) -> bool:
-    return all(agree(a, b, same) for a, b in zip(one, other, strict=True))
+    try:
+        return all(agree(a, b, same) for a, b in zip(one, other, strict=True))
+    except (IndexError, ValueError):  # an answer of another shape, of which `same` takes parts
+        return False
 
 
 def first_difference(got: Any, right: Any, given: Sequence[Any]) -> str:
