@@ -39,7 +39,7 @@ from segmap.reduction import (
     viewing_sector,
     weighted_line_fitting,
 )
-from segmap.simulation import URG_04LX, square_room
+from segmap.simulation import URG_04LX, rectangular_room, square_room
 from segmap.testing import assert_poses_equal
 
 #: A door in the wall at y = 3: shut in scan 0, open in scan 1, which sees the wall behind.
@@ -71,6 +71,8 @@ def looped():
     return pose_graph(LOOP)
 
 
+#: The other face of the walls of a room that are 0.3 m thick.
+SHELL = rectangular_room(4.6, 3.6) - 0.3
 #: Every lesson panel, a control of it, and a value that must change what is seen.
 PANELS = {
     "AnglePanel": ((LOG,), "rank", 1),
@@ -80,13 +82,13 @@ PANELS = {
     "ClassesPanel": ((build_map(LOG, LOG.truth),), "occupied", 0.9),
     "ClusterPanel": ((LOG[0],), "gap", 0.05),
     "DistancePanel": ((), "angle", 30),
-    "FinderPanel": ((), "method_name", "EM"),
+    "FinderPanel": ((), "view", 3),
     "FusionPanel": ((WALLS,), "tolerance", 0.12),
     "GlobalPanel": ((LOG,), "similar", 0.05),
     "GroundTruthPanel": ((LOG,), "late", 0.1),
     "HybridPanel": ((LEANING,), "origin", 20),
     "IcpPanel": ((LOG[0].points(), LOG[1].points(), (0.5, 0, 0)), "x", -0.2),
-    "KalmanPanel": ((SegmentMap(ROOM), LOG), "off", 40),
+    "KalmanPanel": ((SegmentMap(np.concatenate([ROOM, SHELL])), LOG), "off", -40),
     "LandscapePanel": ((LOG,), "turn", 12),
     "LeastCostPanel": ((WALLS,), "penalty", 0.005),
     "MatcherPanel": (
@@ -107,7 +109,7 @@ PANELS = {
     "SectorPanel": ((DOOR,), "scan", 0),
     "SegmentIcpPanel": ((LOG,), "x", 1.5),
     "StoragePanel": ((LOG, LOG.truth, ROOM), "resolution", 10.0),
-    "TapePanel": ((course.unknown_building(),), "map", "C"),
+    "TapePanel": ((course.unknown_building(),), "scan", 12),
     "WallsPanel": ((), "distance", 0.1),
     "LineErrorPanel": ((WALLS,), "place", 0.10),
 }

@@ -7,10 +7,14 @@ from matplotlib.figure import Figure
 
 from segmap.plotting import ERROR, MAP, RESULT, draw_segments
 from segmap.poses import transform
+from segmap.segments import length
 from segmap.simulation import cast_rays
 
 from .._unknown_building import Unknown
 from ._lesson import LessonPanel, note, pick, slide
+
+#: Shorter segments are measured to, but not drawn, metres.
+SHOWN_M = 1.0
 
 
 class TapePanel(LessonPanel):
@@ -31,7 +35,7 @@ class TapePanel(LessonPanel):
     metres = sure = note()
     rows = ("map", "scan", "turn", "metres sure")
     words = "map {map}, scan {scan}, {turn} degrees: {metres}, {sure}"
-    pixels = {"width": 560, "height": 440}  # noqa: RUF012
+    pixels = {"width": 360, "height": 300}  # noqa: RUF012
 
     def __init__(self, case: Unknown) -> None:
         self.case = case
@@ -49,7 +53,8 @@ class TapePanel(LessonPanel):
         spread = alignment.spread
         said = "its method does not tell" if spread is None else f"{2 * spread[k]:.2f} m"
         self.sure.value = f"twice the deviation of the scan: {said}"
-        ax = draw_segments(walls, ax=figure.subplots(), color=MAP)
+        long = walls[length(walls) > SHOWN_M]
+        ax = draw_segments(long, ax=figure.subplots(), color=MAP, width=0.8)
         ends = np.minimum(far, 20.0)[:, None] * np.stack([np.cos(both), np.sin(both)], -1)
         ax.plot(*transform(pose, ends).T, color=ERROR, linewidth=2)
         ax.plot(*pose[:2], "o", color=RESULT)
