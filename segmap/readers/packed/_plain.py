@@ -204,9 +204,12 @@ def _is_archive(path: Path) -> bool:
     """Whether a file, packed or not, holds several files."""
     front = _front(path)
     opener = next((open_ for magic, open_ in PACKINGS.items() if front.startswith(magic)), None)
-    return _is_tar(front if opener is None else _front(path, opener)) or (
-        front.startswith(ZIP) and not _is_ours(path)
-    )
+    if opener is not None:
+        try:
+            front = _front(path, opener)
+        except Exception:  # a damaged one: it is told when it is read
+            return False
+    return _is_tar(front) or (front.startswith(ZIP) and not _is_ours(path))
 
 
 def _is_tar(front: bytes) -> bool:

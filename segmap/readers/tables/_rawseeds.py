@@ -137,7 +137,7 @@ def _rawseeds_scan(columns: list[str]) -> RawScan:
         return RawScan("hokuyo", found, angles, when, NOWHERE, NOWHERE, URG_REACH, *turn)
     if len(columns) in (ODOMETRY_COLUMNS, TRUTH_COLUMNS):
         raise ValueError(
-            "holds poses and no scan: read its folder, or the poses with read_trajectory"
+            "holds poses and no scan: read its folder, or the poses by --truth and read_trajectory"
         )
     if len(columns) < SICK_HEAD_COLUMNS:
         raise ValueError(f"expected t, count, offset and ranges, got {len(columns)} columns")

@@ -1,0 +1,82 @@
+"""What a user sees of a file that cannot be read, and what it advises."""
+
+import re
+from pathlib import Path
+
+import bag_samples
+import numpy as np
+import pytest
+
+from segmap._commands import main
+
+BEAMS = "".join(f"{20 * (k % 18)};{66.6 + 3 * (k % 18):.1f}\n" for k in range(36))
+ROS2 = "angle_min: 0.0\nangle_increment: 0.1\nranges:\n- 1.0\n- '...'\n---\n"
+#: A file of each kind of fault, and words of its refusal: what it is, and what to do.
+REFUSALS = {
+    "empty.log": ("", "is empty, expected a log"),
+    "diary.txt": ("Dear diary\n", "it starts with 'Dear diary'.*log = segmap.Log"),
+    "comments.txt": ("# nothing\n", "it has comments only"),
+    "nounit.csv": (
+        f"angle;dist\n{BEAMS}",
+        "unit of 'dist' is not said.*--columns angle_deg,range_",
+    ),
+    "norange.csv": ("angle_deg\n1\n", "no known format"),
+    "numbers.txt": ("1;2;3\n4;5;9\n7;8;1\n", "3 columns between ';'.*--columns.*pandas.read_csv"),
+    "damaged.csv": ("angle_deg,range_mm\n1,x\n", "got 'x'.*--skip leaves damaged lines out"),
+    "degrees.csv": ("angle_deg,range_mm\n9000,1\n", "an angle within two turns"),
+    "short.log": ("FLASER 3 1\n", "announces 3 ranges, but 1 fields follow|holds no scan"),
+    "poses.csv": ("1,2,3,4,5,6,7\n", "holds poses and no scan: .*read_trajectory"),
+    "echo.yaml": (ROS2, "shortened: `ros2 topic echo --full-length`"),
+    "two.zip": ("zip", "no log|is an archive"),
+    "cut.gz": (b"\x1f\x8b\x08\x00broken", "broken or cut short"),
+    "cut.bag": ("bag", "is cut off.*`rosbag reindex`.*--skip reads what is whole"),
+    "cut.mcap": ("mcap", "is cut off.*`mcap recover`.*--skip reads what is whole"),
+    "old.bag": (b"#ROSBAG V1.2\n", "older version.*`rosbag fix`"),
+    "noscan.bag": ("noscan", "holds no sensor_msgs/LaserScan, but the bag holds /odom"),
+    "pickle.npy": ("npy", "no array of numbers alone.*write a line for each beam"),
+    "it.npz": ("npz", "expected arrays ranges and angles.*no angles"),
+    "missing.log": (None, "is neither a file nor a folder|does not exist"),
+}
+
+
+def made(name, content):
+    """The file itself; of what is no text the one that the word means."""
+    path = Path(name)
+    if content in ("bag", "mcap", "noscan"):
+        kind = "mcap" if content == "mcap" else "ros1"
+
+        def story(m):
+            for k in range(3):
+                yield "/odom", 1e6 + k, *m.odometry(1e6 + k, (0.0, 0.0, 0.0))
+                if content != "noscan":
+                    yield "/scan", 1e6 + k, *m.scan(1e6 + k)
+
+        whole = bag_samples.write(Path("whole"), kind, story)
+        data = (whole / "it.mcap" if whole.is_dir() else whole).read_bytes()
+        path.write_bytes(data if content == "noscan" else data[: int(0.9 * len(data))])
+    elif content == "npy":
+        np.save(path, np.array([[1], [1, 2]], object), allow_pickle=True)
+    elif content == "npz":
+        np.savez(path, ranges=np.ones((2, 3)))
+    elif content == "zip":
+        import zipfile
+
+        with zipfile.ZipFile(path, "w") as packed:
+            packed.writestr("a.txt", "hello\n")
+            packed.writestr("b.txt", "hello\n")
+    elif content is not None:
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_each_refusal_says_what_it_is_and_what_to_do(name, tmp_path, monkeypatch, capsys):
+    """Catches a refusal without advice, with the words of a program, or with bytes in it."""
+    monkeypatch.chdir(tmp_path)
+    Path("whole").mkdir()
+    content, said = REFUSALS[name]
+    made(name, content)
+    code = main(["map", name])
+    beside = capsys.readouterr().err
+    print(beside)
+    assert code == 1 and re.search(said, beside, re.DOTALL), beside
+    assert "\0" not in beside and "Traceback" not in beside and "Error:" not in beside
