@@ -9,6 +9,7 @@ from reduction_maps import MAPS, assert_literal, malaga
 from segmap import build_map, load
 from segmap.methods import bracket, halved
 from segmap.metrics import quality
+from segmap.poses import transform
 from segmap.reduction import METHODS, least_cost, reduce_to
 from segmap.segments import SegmentMap, length
 
@@ -70,6 +71,16 @@ def test_segments_without_length_cost_no_quality(wanted):
     found = reduce_to(mixed, quality=wanted)
     assert len(found) == len(alone) < len(map)
     assert quality(mixed, found) == quality(map, alone) >= wanted
+
+
+@pytest.mark.parametrize("turn", [0.0, 1.0, 2.5, 4.0])
+@pytest.mark.parametrize("swap", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_segments_that_cross_are_tried_though_their_ends_lie_apart(turn, swap):
+    """Catches a sign in one of the four sides of a crossing."""
+    one, other = ([(-0.4, 0), (0.4, 0)][:: swap[k]] for k in (0, 1))
+    cross = np.array([one, transform((0, 0, np.radians(20)), other)])
+    wide = {"penalty": 1.0, "angle": np.radians(60)}
+    assert len(least_cost(transform((7, -3, turn), cross), **wide)) == 1
 
 
 def test_a_quality_that_is_asked_for_is_met_by_about_as_few_segments_as_any_penalty_leaves():
