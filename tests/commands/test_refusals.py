@@ -6,8 +6,7 @@ from pathlib import Path
 import bag_samples
 import numpy as np
 import pytest
-
-from segmap._commands import main
+from programs import program
 
 BEAMS = "".join(f"{20 * (k % 18)};{66.6 + 3 * (k % 18):.1f}\n" for k in range(36))
 ROS2 = "angle_min: 0.0\nangle_increment: 0.1\nranges:\n- 1.0\n- '...'\n---\n"
@@ -75,7 +74,7 @@ def test_each_refusal_says_what_it_is_and_what_to_do(name, tmp_path, monkeypatch
     Path("whole").mkdir()
     content, said = REFUSALS[name]
     made(name, content)
-    code = main(["map", name])
+    code = program("segmap")(["map", name])
     beside = capsys.readouterr().err
     print(beside)
     assert code == 1 and re.search(said, beside, re.DOTALL), beside
