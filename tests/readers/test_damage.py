@@ -126,7 +126,7 @@ def test_files_that_are_no_logs(path, content, reason, on_error):
         (CSV, "1", "4 columns or more, got 1"),
         (CSV, "1,x,0,0", "a number for the range, got 'x'"),
         (RPLIDAR, "theta: 12.3", "expected a beam with theta:, Dist:, Q:"),
-        (LD19, "stamp(ns):1,angle:12.3,dist", "expected a beam with angle:, distance(,"),
+        (LD19, "stamp(ns):1,angle:12.3,dist", "expected a beam with stamp(ns):, angle:, "),
     ],
 )  # fmt: skip
 def test_damaged_lines_are_named_and_may_be_skipped(path, sample, line, reason):

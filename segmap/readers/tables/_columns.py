@@ -102,11 +102,14 @@ class Columns(NamedTuple):
 
 
 def named(names: Sequence[str]) -> Columns:
-    """The columns that names stand for; of two of a kind the one that says its unit is taken."""
+    """The columns that names stand for; of two of a kind the one that says its unit is taken.
+
+    Of two angles or ranges that both say one, neither is.
+    """
     short = tuple(_plain_word(name) for name in names)
     known = KNOWN_TABLES.get(short, ("",) * len(names))
     found: dict[str, Column] = {}
-    clockwise, twice = None, ""
+    clockwise, twice, doubtful = None, "", set[str]()
     for place, (name, meant) in enumerate(zip(names, known, strict=True)):
         words = _words(meant or name)
         if (role := _role(meant or name, words)) is None:
@@ -117,12 +120,14 @@ def named(names: Sequence[str]) -> Columns:
         column = Column(place, factors[0] if factors else None, name.strip())
         if role in found:
             twice = f"{found[role].name!r} and {name!r} are both columns of the {role}"
+            if role in ("angle", "range") and None not in (found[role].factor, column.factor):
+                doubtful.add(role)
             if found[role].factor is not None or column.factor is None:
                 continue
         found[role] = column
         if role == "angle" and (said := [w in CLOCKWISE for w in words if w in TURN_WORDS]):
             clockwise = any(said)
-    return Columns(found, clockwise, twice)
+    return Columns({k: v for k, v in found.items() if k not in doubtful}, clockwise, twice)
 
 
 def _words(name: str) -> list[str]:

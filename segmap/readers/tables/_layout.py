@@ -20,6 +20,8 @@ from ._columns import RPLIDAR_RECORD, Columns, guessed, named, proposed_names, w
 EXAMPLE = "columns=['angle_deg', 'range_mm']"
 #: So many lines tell what a file is.
 SAMPLE_LINES = 2000
+#: So many rows are shown where columns are chosen.
+SHOWN_ROWS = 6
 #: So many of them are looked at for a head.
 HEAD_LINES = 20
 #: No line of a table with a beam a line is longer.
@@ -280,7 +282,7 @@ def is_row(fields: Sequence[str]) -> bool:
     )
 
 
-def first_rows(path: str | Path, count: int = 6) -> tuple[list[str], list[list[str]]]:
+def first_rows(path: str | Path) -> tuple[list[str], list[list[str]]]:
     """Names that may fit the columns of a table, with units, and its first rows, as texts.
 
     Examples
@@ -300,7 +302,7 @@ def first_rows(path: str | Path, count: int = 6) -> tuple[list[str], list[list[s
         found = layout_of(place)
         names = found.names if found and len(found.names) == wide else ("-",) * wide
         table = _table_below(Layout(separator, line, names, named(names)), lines)
-        return proposed_names(names, table) if wide else [], rows[:count]
+        return proposed_names(names, table) if wide else [], rows[:SHOWN_ROWS]
 
 
 def looks_like(path: Path) -> str:

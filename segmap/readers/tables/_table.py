@@ -73,7 +73,7 @@ class _Table(Beams):
             if {*layout.labels} <= {*said}:
                 self._beam([said[label] for label in layout.labels])
             elif any(re.search(rf"{re.escape(label)}\s*[:=]", line) for label in layout.labels):
-                wanted = ", ".join(layout.labels)
+                wanted = ", ".join(f"{label}:" for label in layout.labels)
                 raise ValueError(f"expected a beam with {wanted}, got {line[:60]!r}")
         elif line.startswith("[("):
             self.turns += 1

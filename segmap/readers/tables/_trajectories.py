@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ... import arrays
 from ...arrays import Array, checked
 from ...poses import interpolate
 from ...scans import Log
@@ -173,6 +174,7 @@ def with_trajectories(
     Examples
     --------
     >>> import tempfile
+    >>> from segmap import LaserScan
     >>> log = Log("it", [LaserScan([1.0], [0.0], time=1.5)])
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder) / "it.tum"
@@ -180,26 +182,28 @@ def with_trajectories(
     ...     with_trajectories(log, truth=path).truth
     array([[1., 0., 0.]])
     """
+    arrays.instance(log, "log", Log)
+    given = {"odometry": odometry, "truth": truth}
+    files = {word: arrays.file(path, word) for word, path in given.items() if path is not None}
     scans, right, assumed = list(log), log.truth, list(log.assumed)
     track, causes, times = log.track, list(log.causes), log.times
-    if odometry is not None:
-        met = _track_of(odometry, log).met(times)
+    if "odometry" in files:
+        met = _track_of(files["odometry"], log).met(times)
         pairs = zip(log, met.times.tolist(), met.poses, strict=True)
         scans = [replace(scan, time=when, odometry=known(pose)) for scan, when, pose in pairs]
         dense = len(met.track) > len(scans) or np.isnan(met.poses).any()
         track, times = met.track if dense else None, met.times
         causes += met.causes
-        assumed.append(f"poses of {Path(odometry).name} are the robot's")
-    if truth is not None:
-        known_times, poses = _track_of(truth, log).ordered()
+    if "truth" in files:
+        known_times, poses = _track_of(files["truth"], log).ordered()
         usual = float(np.median(np.diff(known_times))) if len(known_times) > 1 else 0.0
         gap = max(LONGEST_TRUTH_GAP_S, LONGEST_TRUTH_GAP_STEPS * usual)
         right = known_truth(interpolate(known_times, poses, times, max_gap=gap))
-        assumed.append(f"poses of {Path(truth).name} are the robot's")
+    assumed += [f"poses of {path.name} are the robot's" for path in files.values()]
     return Log(log.name, scans, right, log.skipped, track, log.order_known, causes, assumed)
 
 
-def _track_of(path: str | Path, log: Log) -> Track:
+def _track_of(path: Path, log: Log) -> Track:
     """The poses of a file, some of which lie within the time of the scans."""
     with log_file(path) as place:
         found, _ = track_in(place, "raise")
