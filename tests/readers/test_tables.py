@@ -215,6 +215,11 @@ OTHERS = {
         text(",".join(["1600000000", str(200000000 * k), "laser", *SINGLE,
                        *(f"{r:.3f}" for r in FAR), *["0.0"] * 12]) for k in range(3)),
         False, "clock"),
+    "rostopic -p without its head": (
+        text(",".join([str(1600000000000000000 + 200000000 * k)] * 1 + [
+            "7", str(1600000000000000000 + 200000000 * k), "laser", *SINGLE,
+            *(f"{r:.3f}" for r in FAR)]) for k in range(3)),
+        False, "clock"),
     "rostopic echo": (
         echo(secs, [f"ranges: {[round(float(r), 3) for r in FAR]}"]), False, "clock"),
     "ros2 topic echo": (

@@ -190,21 +190,26 @@ def _view(count: int) -> Array:
 
 
 def _ros2(separator: str | None, rows: Sequence[Sequence[str]]) -> Wide | None:
-    """What `ros2 topic echo --csv` writes: seconds, nanoseconds, frame, numbers, ranges."""
-    begin = 3 + len(SINGLE_NUMBERS)
+    """What `ros2 topic echo --csv` writes: seconds, nanoseconds, frame, numbers, ranges.
+
+    Also what `rostopic echo -p` does, without its head: time, number, stamp, frame and so on.
+    """
     row = rows[0]
-    if separator != "," or len(row) <= begin or is_number(row[2]):
+    frame = next((k for k, field in enumerate(row[:4]) if not is_number(field)), 0)
+    begin = frame + 1 + len(SINGLE_NUMBERS)
+    if separator != "," or frame < 2 or len(row) <= begin:
         return None
-    if not all(map(is_number, (*row[:2], *row[3:begin]))):
+    if not all(map(is_number, row[frame + 1 : begin])):
         return None
-    first, last, step = map(float, row[3:6])
+    first, last, step = map(float, row[frame + 1 : frame + 4])
     count = round((last - first) / step) + 1 if step else 0
     if not 0 < count <= len(row) - begin + 1:
         return None
     places = tuple(range(begin, min(begin + count, len(row))))
-    single = tuple((word, 3 + k) for k, word in enumerate(SINGLE_NUMBERS))
+    single = tuple((word, frame + 1 + k) for k, word in enumerate(SINGLE_NUMBERS))
+    clock = ((0, 1.0), (1, 1e-9)) if frame == 2 else ((2, 1e-9),)
     told = (place_of(np.zeros(3)),)
-    return Wide(separator, 0, places, 1.0, ((0, 1.0), (1, 1e-9)), single, (), told)
+    return Wide(separator, 0, places, 1.0, clock, single, (), told)
 
 
 def read_wide(path: Path, name: str, on_error: str = "raise") -> Log:
