@@ -6,6 +6,6 @@ the free space from B's quadtree.
 
 from ._doors import Door
 from ._plan import FloorPlan, floor_plan
-from ._polygons import Room
+from ._polygons import Room, shapely_or_hint
 
-__all__ = ["Door", "FloorPlan", "Room", "floor_plan"]
+__all__ = ["Door", "FloorPlan", "Room", "floor_plan", "shapely_or_hint"]

@@ -19,3 +19,16 @@ def test_doors_that_are_none_are_refused(capsys):
     """Catches a width of doors that is used before anybody looks at it."""
     assert main(["plan", "room", "--door", "2", "1"]) == 2
     assert "narrowest" in capsys.readouterr().err
+
+
+def test_a_robot_that_is_found_has_a_room(tmp_path, capsys):
+    """Catches a room that is looked for in another frame, and a plan in degrees."""
+    plan, squares = tmp_path / "plan.geojson", tmp_path / "room.npz"
+    assert main(["plan", "room", "-o", str(plan)]) == 0
+    assert main(["occupancy", "room", "-o", str(squares)]) == 0
+    capsys.readouterr()
+    assert main(["locate", str(squares), "room", "--plan", str(plan)]) == 0
+    assert "room      room " in capsys.readouterr().out
+    assert main(["plan", "room", "--place", "52", "13", "-o", str(plan)]) == 0
+    assert main(["locate", str(squares), "room", "--plan", str(plan)]) == 2
+    assert "--place" in capsys.readouterr().err
