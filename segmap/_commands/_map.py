@@ -278,10 +278,10 @@ def add_plan(commands: Any) -> None:
     log_options.add_output(
         command, PLAN_SUFFIXES, "the plan: a sheet, layers, geometries, a table of rooms"
     )
-    command.set_defaults(run=partial(log_options.each_log, work=plan_of_log, check=check_plan))
+    command.set_defaults(run=partial(log_options.each_log, work=plan_of_log, check=check_doors))
 
 
-def check_plan(given: argparse.Namespace) -> None:
+def check_doors(given: argparse.Namespace) -> None:
     """Refuse options that do not go together."""
     if not 0 < given.door[0] < given.door[1] < float("inf"):
         given.refuse("--door wants the narrowest and the widest doorway, in metres")

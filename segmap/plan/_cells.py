@@ -13,7 +13,7 @@ from ..quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap
 from ._lines import Indices, Line
 
 #: Of the rays at an occupied square more than this share ended there.
-LEAST_ENDED_SHARE = 0.2
+OCCUPIED_ENDED_SHARE = 0.2
 #: So many rays ended at an occupied square, or crossed a free one.
 LEAST_RAYS = 2
 #: The sides of a line are looked at so far off it, metres.
@@ -69,7 +69,7 @@ def grid_along(free: QuadtreeMap, turn: float, segments: Array, side: float) -> 
     least = min(LEAST_RAYS, max(1, free.scans))  # a map of a grid has one ray a square
     kind = np.full(vis.shape, UNKNOWN)
     kind[(occ <= 0) & (vis >= least)] = FREE
-    kind[(occ >= least) & (occ > LEAST_ENDED_SHARE * vis)] = OCCUPIED
+    kind[(occ >= least) & (occ > OCCUPIED_ENDED_SHARE * vis)] = OCCUPIED
     right = np.array([np.cos(turn), np.sin(turn)])
     up = np.array([-right[1], right[0]])
     known = np.argwhere(kind == FREE)[:, ::-1] * cell + (left + cell / 2, low + cell / 2)

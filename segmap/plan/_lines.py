@@ -82,12 +82,12 @@ def wall_lines(segments: Array, axes: Array, band: float) -> list[Line]:
                 break
             offset = float(np.average(middles[chosen] @ normal, weights=sizes[chosen]))
             spans = np.sort(segments[chosen] @ way, axis=1)
-            found.append(Line(axis, way, normal, offset, chosen, union(spans)))
+            found.append(Line(axis, way, normal, offset, chosen, merged_spans(spans)))
             rows = np.delete(rows, np.s_[first : last[first]])
     return found
 
 
-def union(spans: Array, gap: float = 0.0) -> Array:
+def merged_spans(spans: Array, gap: float = 0.0) -> Array:
     """Intervals `(k, 2)` with those that overlap, or leave at most a gap, made one."""
     low, high = spans[np.argsort(spans[:, 0], kind="stable")].T
     reach = np.maximum.accumulate(high)

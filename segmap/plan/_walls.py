@@ -12,7 +12,7 @@ from ..quadtree import FREE
 from ..reduction import Reduction
 from ..segments import MIN_LENGTH, angle, length, midpoint
 from ._cells import Grid, Mask
-from ._lines import AXIS_BAND_RAD, Indices, quarter_turn, union
+from ._lines import AXIS_BAND_RAD, Indices, merged_spans, quarter_turn
 
 #: Parallel looks within this distance, metres, with one free side are one face.
 FACE_BAND_M = 0.12
@@ -118,11 +118,11 @@ def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, 
             near &= facing * facing[0] >= 0
             near[0] = True
             spans = np.sort(to @ way, 1)
-            blocks = union(spans[near], FACE_GAP_M)
+            blocks = merged_spans(spans[near], FACE_GAP_M)
             low, high = blocks[np.searchsorted(blocks[:, 0], spans[0, 0], "right") - 1]
             chosen = np.flatnonzero(near & (spans[:, 0] >= low) & (spans[:, 1] <= high))
         front = int(np.sign(facing[chosen] @ sizes[left[chosen]]))
-        for low, high in _bridged(union(spans[chosen]), centre, way, front * normal, grid):
+        for low, high in _bridged(merged_spans(spans[chosen]), centre, way, front * normal, grid):
             own = chosen[(spans[chosen, 0] >= low) & (spans[chosen, 1] <= high)]
             face[left[own]] = len(drawn)
             drawn.append(centre + np.array([[low], [high]]) * way)
