@@ -169,10 +169,10 @@ def common_mistake(
     """
     right = answered(solution, cases)
     values = [numbers(answer) for answer in right]
-    if any(value is None for value in values):
+    if any(value is None for value in values) or any(isinstance(each, Raised) for each in found):
         return ""
     for hint, change in COMMON.items():
-        changed = [np.asarray(change(value)).tolist() for value in values if value is not None]
+        changed = [np.asarray(change(value)) for value in values if value is not None]
         if _alike(found, changed, same) and not _alike(right, changed, same):
             return hint
     if all(len(given) > 1 for given in cases.values()):

@@ -172,7 +172,7 @@ class Exercise:
         words, got, right = next(pair for pair in pairs if not agree(*pair[1:], self.same))
         said = f"but it raised {text(got)}" if isinstance(got, Raised) else f"got {text(got)}"
         if text(got) == text(right):
-            said += f", which is off by {np.abs(np.subtract(got, right)).max():.1g}"
+            said += f", which is off by {np.abs(np.subtract(got, right, dtype=float)).max():.1g}"
         said += first_difference(got, right, cases[words])
         return f"for {words} expected {text(right)}, {said}{self._call(cases[words])}"
 
