@@ -79,7 +79,8 @@ GOOD = {
     "alignment.second": LIVE, "match.first": 0, "match.second": 3, "tie.first": 0, "tie.second": 3,
     "tie.pose": PATH[3] - PATH[0], "veto.loops": 0, "angle_candidates.viewpoints": np.zeros((2, 2)),
     "write_ros_map.path": "written.yaml", "read_bag.path": "it.bag", "read_bag.scan": "/scan",
-    "read_bag.odometry": "/odom", "read_bag.truth": "/odom", "with_trajectories.truth": "track.tum", "first_rows.path":
+    "read_bag.odometry": "/odom", "read_bag.truth": "/odom",
+    "with_trajectories.truth": "track.tum", "first_rows.path":
     "beams.csv", "with_trajectories.odometry": "track.tum",
     "read_trajectory.path": "poses.csv", "write_segments.path":
     "written.csv", "write_arrays.path": "written.npz", "write_session.path": "written.segmap",
