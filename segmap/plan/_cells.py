@@ -14,6 +14,8 @@ from ._lines import Indices, Line
 
 #: Of the rays at an occupied square more than this share ended there.
 OCCUPIED_ENDED_SHARE = 0.2
+#: And at a free square at most this one: in thousands of scans somebody stood everywhere once.
+FREE_ENDED_SHARE = 0.05
 #: So many rays ended at an occupied square, or crossed a free one.
 LEAST_RAYS = 2
 #: The sides of a line are looked at so far off it, metres.
@@ -68,7 +70,7 @@ def grid_along(free: QuadtreeMap, turn: float, segments: Array, side: float) -> 
     occ = free.rasterize(both.occ, shown=both.vis > 0, resolution=cell)[0]
     least = min(LEAST_RAYS, max(1, free.scans))  # a map of a grid has one ray a square
     kind = np.full(vis.shape, UNKNOWN)
-    kind[(occ <= 0) & (vis >= least)] = FREE
+    kind[(occ <= FREE_ENDED_SHARE * vis) & (vis >= least)] = FREE
     kind[(occ >= least) & (occ > OCCUPIED_ENDED_SHARE * vis)] = OCCUPIED
     right = np.array([np.cos(turn), np.sin(turn)])
     up = np.array([-right[1], right[0]])
