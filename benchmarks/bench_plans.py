@@ -9,6 +9,7 @@ ICRA 2016.
 
 import argparse
 from collections import deque
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
@@ -20,6 +21,8 @@ from scipy import ndimage
 from segmap import METHODS, SegmentMap, alignment, build_map, simulation
 from segmap.arrays import Array
 from segmap.metrics import against_walls
+
+from .measure import Row
 
 PIXEL_M = 0.05
 #: Cells of the way, in pixels; stops are six of them apart.
@@ -98,11 +101,18 @@ def is_good(walls: Array, map: SegmentMap, true: SegmentMap, method: partial, mo
     return bool(near and missed <= 0.01 and invented <= 0.03)
 
 
+def rows() -> Iterator[Row]:
+    """One that says how to start it: pictures of plans are not part of the project."""
+    yield Row(
+        "reduced maps of floor plans", "skipped", "python -m benchmarks.bench_plans FOLDER NAME"
+    )
+
+
 def main() -> None:
     asked = argparse.ArgumentParser(description=__doc__)
     asked.add_argument("folder", type=Path)
     asked.add_argument("names", nargs="+")
-    given, rows = asked.parse_args(), []
+    given, found = asked.parse_args(), []
     for name in given.names:
         new = np.random.default_rng
         free = np.array(Image.open(given.folder / f"{name}.png").convert("L")) > 250
@@ -120,8 +130,8 @@ def main() -> None:
             ("2 cm", erring, 0.02),
         ):
             seen = build_map(log, poses, keep_points=True)
-            rows += [(kind, m, is_good(walls, seen, true, f, most)) for m, f in TRIED.items()]
-    table = pd.DataFrame(rows, columns=["poses", "method", "good"])
+            found += [(kind, m, is_good(walls, seen, true, f, most)) for m, f in TRIED.items()]
+    table = pd.DataFrame(found, columns=["poses", "method", "good"])
     print(table.pivot_table("good", "method", "poses", aggfunc="sum").to_string())
 
 
