@@ -64,7 +64,7 @@ def merge_graphs(
     for given, name in ((first, "first"), (second, "second")):
         if not len(arrays.instance(given, name, LiveGraph)):
             raise ValueError(f"{name} must hold scans")
-    graph, later = deepcopy((first, second))
+    graph, later = deepcopy(first), deepcopy(second)  # two, though a session is merged with itself
     front, closer, frames = graph.front_end, graph.loop_closer, graph.front_end.frames
     for own in (closer, later.loop_closer):
         own.finish_pending()

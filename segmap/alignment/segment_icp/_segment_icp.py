@@ -92,6 +92,7 @@ def match_segments(
     Examples
     --------
     >>> room = np.array([[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(4, 3), (0, 3)]])
+    >>> from segmap.poses import transform
     >>> seen = transform((-1, -1, 0), room)
     >>> match_segments(room, seen, (1.1, 0.9, 0.05))
     Match(1 m, 1 m, 0 deg, overlap 1.00)
