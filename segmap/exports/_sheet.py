@@ -209,8 +209,9 @@ def _draw_rooms(ax: Any, plan: FloorPlan, on_paper: Callable[[Array], Array], sc
     ax.add_collection(LineCollection(clutter, colors="0.6", linewidths=WALL_MM))
     for door in plan.doors:
         ax.plot(*on_paper(door.ends).T, color=DOOR_COLOR, linewidth=4 * WALL_MM)
-        ax.text(*on_paper(door.place), f"{door.width:.2f}", fontsize=LETTERS_POINTS[0],
-                color=DOOR_COLOR)  # fmt: skip
+        size = np.clip(1000 * door.width / scale / 2.5, *LETTERS_POINTS)
+        ax.text(*on_paper(door.place), f"{door.width:.2f} m", fontsize=size, color=DOOR_COLOR,
+                ha="center", va="bottom")  # fmt: skip
 
 
 def _draw_scale_bar(ax: Any, right: float, low: float, scale: float) -> None:
