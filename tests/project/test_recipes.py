@@ -230,9 +230,9 @@ EXAMPLES = {
                 'SINGLE_FILES = {\n    "paces": text(twice(_PACE)),\n',
             ),
             (
-                "tests/readers/test_assumed.py",
+                SAMPLES,
                 "ASSUMED = {\n",
-                'ASSUMED = {\n    "paces": {FIVE, CENTRE, SICK.format(50)},\n',
+                'ASSUMED = {\n    "paces": {FIVE, CENTRE, SICK_REACH.format(50)},\n',
             ),
         ],
     ),

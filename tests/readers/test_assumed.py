@@ -6,42 +6,19 @@ from pathlib import Path
 import bag_samples as bags
 import numpy as np
 import pytest
-from log_samples import NPZ, RAWSEEDS, SINGLE_FILES
+from log_samples import (
+    ASSUMED,
+    CENTRE,
+    NPZ,
+    RAWSEEDS,
+    SINGLE_FILES,
+)
 
 import segmap
 from segmap import readers
 from segmap.readers import LogError
 from segmap.scans.causes import Cause
 
-CENTRE = "the laser sits at the robot's centre"
-FIVE, SICK = "5 beams look over 180 degrees, counter-clockwise", "ranges from {} m on met nothing"
-WRAPS, COUNTER = "a scan ends where the angle wraps", "beams counter-clockwise"
-URG = "a URG-04LX, which sees 5.6 m and turns in 0.1 s"
-#: What the sample of each format leaves open, by the beginning of its words.
-ASSUMED = {
-    "carmen": {FIVE, SICK.format(50)},
-    "carmen_new": {CENTRE},
-    "g2o": set(),
-    "player_1": {CENTRE, SICK.format(50)},
-    "player_2": set(),
-    "player_bare": {CENTRE, SICK.format(50)},
-    "hokuyo": {"ranges in millimetres", "angles in radians", COUNTER, "values below 20 are error"},
-    "coreslam": {URG, "wheels of 77 mm radius", "the laser sits 0.145 m ahead"},
-    "coreslam_13": {URG, "wheels of 77 mm radius", "the laser sits 0.145 m ahead"},
-    "gmapping": {FIVE, CENTRE, SICK.format(50)},
-    "dpslam": {FIVE, CENTRE, SICK.format(8.18)},
-    "wean": {"180 beams look over 180 degrees", SICK.format(50)},
-    "csv": {COUNTER, WRAPS},
-    "rplidar": {WRAPS},
-    "rplidar_record": set(),
-    "rostopic": {CENTRE},
-    "ld19": {WRAPS},
-    "xv11": {COUNTER},
-    "echo": {CENTRE},
-    "wide": {"the head holds degrees, counter-clockwise", "ranges are in metres"},
-    "sick": {SICK.format(50)},
-    "hokuyo_csv": {URG},
-}
 #: When the bags begin, seconds.
 START = 1e6
 #: Formats that hold no time.
