@@ -162,7 +162,7 @@ def floor_plan(
     Raises
     ------
     ValueError
-        Where coordinates are likely in another unit, or nothing was seen free.
+        Where coordinates are likely in another unit, all walls are short, or nothing was seen free.
 
     Examples
     --------
@@ -180,13 +180,14 @@ def floor_plan(
     widths = arrays.row(door, "door", 2)
     if not 0 < widths[0] < widths[1]:
         raise ValueError(f"door must be the narrowest and the widest, metres, got {door}")
-    wide = float(np.ptp(segments.reshape(-1, 2), axis=0).max()) if len(segments) else 0.0
+    long = segments[length(segments) >= LEAST_LINE_PIECE_M]
+    wide = float(np.ptp(long.reshape(-1, 2), axis=0).max()) if len(long) else 0.0
     if not NARROWEST_BUILDING_M <= wide <= WIDEST_BUILDING_M:
-        raise ValueError(f"map must be a building in metres, got one that is {wide:.6g} m wide")
+        said = f"its walls of {LEAST_LINE_PIECE_M:g} m and more reach over {wide:.6g} m"
+        raise ValueError(f"map must be a building in metres, but {said}")
     if not (free.leaves().vis > 0).any():
         raise ValueError("free must hold a scan, got a map in which nothing was seen")
     announce(0.0, "plan: lines of the walls")
-    long = segments[length(segments) >= LEAST_LINE_PIECE_M]
     axes = building_axes(long)
     grid = grid_along(free, float(axes[0]) if len(axes) else 0.0, segments, SQUARE_M)
     lines = wall_lines(long, axes, band)
@@ -202,7 +203,7 @@ def floor_plan(
     number = np.append(np.argsort(order), -1)
     rooms = [replace(rooms[k], name=f"room {n}") for n, k in enumerate(order, 1)]
     found = find_doors(edges, lines, grid, number[parts])
-    doors = [door for door in found if door.rooms[0] >= 0]
+    away = len(found) - len(doors := [door for door in found if door.rooms[0] >= 0])
     walls = draw_walls(segments, axes, grid, number[parts], regular)
     shapes = [shapely.Polygon(room.outline) for room in rooms]
     around = shapely.union_all(shapely.buffer(shapes, WALL_BETWEEN_M, join_style="mitre"))
@@ -210,10 +211,10 @@ def floor_plan(
     off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
     graph = np.bincount([k for door in doors for k in door.rooms], minlength=len(rooms))
     alone = [rooms[k].name for k in np.flatnonzero(graph == 0)] if len(rooms) > 1 else []
-    outside = len(found) - len(doors)
     doubts = {
+        "no room was found: where the walls are, nothing was seen free": not rooms,
         f"{off:.0%} of the walls lie on no line: round or oblique": off > ROUND_SHARE,
-        f"{outside} openings lead to where nothing was seen: windows, glass": outside,
+        f"{away} openings lead to where nothing was seen: windows, glass": away,
         f"no door was seen of {', '.join(alone)}": alone,
     }
     doubt = "; ".join(words for words, so in doubts.items() if so)

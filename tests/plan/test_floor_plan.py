@@ -27,6 +27,13 @@ def office_seen(seed, **frame):
     return seen(office(rng=np.random.default_rng(seed), rooms=ROOMS), way, seed=seed, **frame)
 
 
+def seen_free():
+    """One ray of a metre."""
+    tree = quadtree.QuadtreeMap(resolution=0.05, free_resolution=0.05)
+    tree.insert_scan((0.0, 0.0), [(1.0, 0.0)])
+    return tree
+
+
 @pytest.fixture(scope="module")
 def offices():
     return {turn: plan.floor_plan(*office_seen(1, turn=turn)) for turn in (0.0, 0.4, np.pi / 2)}
@@ -142,6 +149,19 @@ def test_a_round_room_is_told():
     found = plan.floor_plan(*seen(walls, [(3, 3), (5, 3), (5, 5)]))
     assert "round" in found.doubt
     assert sum(room.area for room in found.rooms) == pytest.approx(np.pi * 16, rel=0.05)
+
+
+@pytest.mark.parametrize("walls", [[], [[(0, 0), (0.2, 0)], [(1, 0), (1, 0.2)]]])
+def test_pieces_too_short_for_a_line_are_no_building(walls):
+    """Catches an index error of a map of crumbs."""
+    with pytest.raises(ValueError, match="a building in metres, but its walls"):
+        plan.floor_plan(np.reshape(walls, (-1, 2, 2)), seen_free())
+
+
+def test_a_plan_without_rooms_says_so():
+    """Catches walls that lie far from what was seen, and a plan of nothing that has no doubt."""
+    found = plan.floor_plan([[(90, 0), (93, 0)], [(93, 0), (93, 3)]], seen_free())
+    assert not found.rooms and "no room was found" in found.doubt
 
 
 @pytest.mark.parametrize(
