@@ -9,30 +9,31 @@ from matplotlib.ticker import PercentFormatter
 
 from .. import arrays
 from ..experiments import front, thresholds_text
+from ..reduction import METHODS
 from ._style import GROUPS, axes_or_new
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Method -> colour, marker and line, the same in all pictures.
-METHOD_STYLES = {
-    "basic_offline": ("#c47f00", "o", "-"),
-    "basic_online": ("#2299c4", "s", "--"),
-    "hybrid": ("#cc79a7", "^", "-"),
-    "mean_shift": ("#999933", "D", "-"),
-    "fusion": ("#0072b2", "v", "-"),
-    "hybrid_fusion": ("#882255", "X", "--"),
-    "weighted_line_fitting": ("#117733", "P", "-"),
-    "segment_similarity": ("#009e73", "p", "-"),
-    "uncertain_parameters": ("#d55e00", "h", "--"),
-    "least_cost": ("#000000", "d", "-"),
-    "one_per_wall": ("#cc3311", ".", "-"),
-    "polyline": ("#332288", "*", "--"),
-    "viewing_sector": ("#aa4499", "<", "-"),
-    "fusion_online": ("#4477aa", ">", "--"),
-    "fuzzy_set": ("#a08a00", "H", "-"),
-    "fuzzy_clustering": ("#663300", "8", "--"),
-}
+#: Colour, marker and line of each method, in the order of the registry.
+METHOD_STYLES = (
+    ("#c47f00", "o", "-"),
+    ("#2299c4", "s", "--"),
+    ("#cc79a7", "^", "-"),
+    ("#999933", "D", "-"),
+    ("#0072b2", "v", "-"),
+    ("#882255", "X", "--"),
+    ("#332288", "*", "--"),
+    ("#009e73", "p", "-"),
+    ("#d55e00", "h", "--"),
+    ("#117733", "P", "-"),
+    ("#000000", "d", "-"),
+    ("#cc3311", ".", "-"),
+    ("#4477aa", ">", "--"),
+    ("#a08a00", "H", "-"),
+    ("#663300", "8", "--"),
+    ("#aa4499", "<", "-"),
+)
 
 
 def draw_curves(
@@ -102,5 +103,6 @@ def draw_online(frame: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
 
 
 def method_style(method: str, index: int) -> tuple[str, str, str]:
-    """Colour, marker and line of a method; an unknown one takes the next colour."""
-    return METHOD_STYLES.get(method, (GROUPS[index % len(GROUPS)], "P", "-."))
+    """Colour, marker and line by the place in `METHODS`; another method takes the next colour."""
+    own = dict(zip(METHODS, METHOD_STYLES, strict=False))
+    return own.get(method, (GROUPS[index % len(GROUPS)], "P", "-."))

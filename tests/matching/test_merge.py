@@ -90,10 +90,16 @@ def test_too_few_places_that_look_alike_undo_it(monkeypatch):
         return compose(graphs[0].poses[0], place)[None]
 
     seek, solved, solve, open_by = LoopCloser.seek, [], KeyFrames.optimize, []
+    believe, ties, order = LoopCloser.believe, [], []
 
     def sought(self, *given, **said):
         solved.append(len(self.frames._solver) == len(self.frames.edges))
+        order.append(given[0])
         return seek(self, *given, **said)
+
+    def believed(self, loops):
+        ties.extend(loops)
+        believe(self, loops)
 
     def optimized(self, **given):
         loops = stacked([edge for edge in self.edges if edge.loop])
@@ -102,9 +108,11 @@ def test_too_few_places_that_look_alike_undo_it(monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(LoopCloser, "seek", sought)
+        patch.setattr(LoopCloser, "believe", believed)
         patch.setattr(KeyFrames, "optimize", optimized)
         good = alignment.merge_graphs(*graphs, places)
     assert across(good, n) > 30 and solved[0], "others are sought where the first ones put it"
+    assert order[0] == ties[0].second, "and outwards from the place that was found"
     assert open_by[0] < 1e-6, "the second session is laid where one of them says"
     monkeypatch.setattr(_merge, "LEAST_TIED_SHARE", 1.1)
     found = alignment.merge_graphs(*graphs, places)
@@ -122,7 +130,8 @@ def test_too_few_places_that_look_alike_undo_it(monkeypatch):
 
 def test_places_that_both_passed_lie_near_and_are_seen_the_same_way():
     old = [(0, 0, 3.1), (5, 0, 0)]
-    poses = np.array([*old, (0.9, 0, -3.1), (0.5, 0, 0), (5, 1.1, 0), (5, 0.9, 0)])
+    new = [(0.9, 0, -3.1), (0.5, 0, 0), (5, 1.1, 0), (5, 0.9, 0), (5, 0.5, 3)]
+    poses = np.array([*old, *new])
     assert _passed_by_both(poses, 2) == {2, 5}
 
 

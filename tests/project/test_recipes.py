@@ -11,12 +11,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import nbformat
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text()
 WRITTEN = ROOT / "tests/recipes"
 READERS, SAMPLES = "segmap/readers/carmen", "tests/log_samples.py"
+CHAPTER = "notebooks/43_walls_by_hand"
 EXERCISES, COURSE = "notebooks/segmap_course/exercises", "notebooks/segmap_course/__init__.py"
 
 #: The recipe's heading -> files that are written, with the names of their texts in `tests/recipes`,
@@ -111,7 +113,33 @@ EXAMPLES = {
             ),
         ],
     ),
+    "A new chapter": (
+        {f"{CHAPTER}.ipynb": "chapter"},
+        [
+            (
+                "notebooks/SYLLABUS.md",
+                "[50](50_which_map_is_best.ipynb), [51]",
+                "[43](43_walls_by_hand.ipynb), [50](50_which_map_is_best.ipynb), [51]",
+            )
+        ],
+    ),
 }
+#: What a recipe says to run before its tests.
+TOOLS = {
+    "A new chapter": (
+        ["notebooks/tools/refresh.py", f"{CHAPTER}.ipynb"],
+        ["notebooks/tools/minutes.py"],
+    )
+}
+
+
+def notebook(text):
+    """A notebook of cells that begin with `%% markdown` or `%% code`."""
+    cells = []
+    for cell in text.removeprefix("%% ").split("\n%% "):
+        kind, source = cell.split("\n", 1)
+        cells.append(getattr(nbformat.v4, f"new_{kind}_cell")(source.strip()))
+    return nbformat.writes(nbformat.v4.new_notebook(cells=cells))
 
 
 def recipe(heading):
@@ -134,7 +162,8 @@ def test_a_recipe_leads_to_a_change_that_its_tests_accept(heading, tmp_path):
     files, edits = EXAMPLES[heading]
     called = Path(next(iter(files))).stem.strip("_")
     for name, example in files.items():
-        shutil.copy(WRITTEN / f"{example}.txt", tmp_path / name)
+        text = (WRITTEN / f"{example}.txt").read_text()
+        (tmp_path / name).write_text(notebook(text) if name.endswith(".ipynb") else text)
     for name, before, after in edits:
         text = (tmp_path / name).read_text()
         assert text.count(before) == 1, (
@@ -146,10 +175,14 @@ def test_a_recipe_leads_to_a_change_that_its_tests_accept(heading, tmp_path):
         step = said.replace("<name>", called).replace("<subject>", called)
         assert f"`{name}`" in step, f"no step names {name}"
     places = {"PYTHONPATH": f"{tmp_path}{os.pathsep}{tmp_path / 'notebooks'}"}
-    lint = [sys.executable, "-m", "ruff", "check", "--no-cache", *files]
-    tests = [sys.executable, "-m", "pytest", "-q", "-m", "not slow", "-p", "no:nbval"]
-    for command in (lint, [*tests, *wanted.split(), "-k", called]):
+    lint, tools = ["-m", "ruff", "check", "--no-cache", *files], TOOLS.get(heading, ())
+    tests = ["-m", "pytest", "-q", "-m", "not slow", "-p", "no:nbval", *wanted.split()]
+    for command in (lint, *tools, tests if tools else [*tests, "-k", called]):
         ended = subprocess.run(
-            command, cwd=tmp_path, env=os.environ | places, capture_output=True, text=True
+            [sys.executable, *command],
+            cwd=tmp_path,
+            env=os.environ | places,
+            capture_output=True,
+            text=True,
         )
         assert ended.returncode == 0, ended.stdout[-3000:] + ended.stderr[-2000:]
