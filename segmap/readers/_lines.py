@@ -30,9 +30,16 @@ BROKEN = (
 MAX_EMPTY = 100_000
 #: How far the reading is, is told every so many lines.
 LINES_PER_ANNOUNCEMENT = 200
+#: What stands about a line and is none of it: white space but tabs, which separate fields, and what
+#: an XV-11 sends after its answers.
+STRIPPED = " \r\n\v\f\x1a"
 #: Later than this, in seconds, no clock stands.
 LATEST_TIME_S = 1e12
 
+#: A beam points nowhere beyond two turns, radians.
+MOST_DIRECTION_RAD = 4 * np.pi
+#: Fields of tables that say that nothing was measured.
+NOT_MEASURED = ("", "nan", "-nan", "null", "none", "na", "n/a", "#n/a", "-", "--")
 #: What a damaged line means: the end of reading, or one line less.
 OnError = Literal["raise", "skip"]
 T = TypeVar("T")
@@ -104,11 +111,10 @@ class Lines(Reading):
         path: Path,
         on_error: str = "raise",
         separator: str | None = None,
-        comments: str = "#",
-        encoding: str = "ascii",
+        comments: str | tuple[str, ...] = "#",
     ) -> None:
         super().__init__(path, on_error)
-        self.separator, self.comments, self.encoding, self.number = separator, comments, encoding, 0
+        self.separator, self.comments, self.number = separator, comments, 0
 
     def error(self, reason: str) -> LogError:
         """An error about the line that was read last."""
@@ -157,9 +163,10 @@ class Lines(Reading):
                         raise self.error(
                             f"unpacks to more than {most} bytes: unpack it, if it is a log"
                         )
-                    text = line.decode(self.encoding, "replace").strip()
+                    text = line.decode("utf-8-sig", "replace").strip(STRIPPED)
                     fields = text.split(self.separator)
-                    if text and fields and not (self.comments and text.startswith(self.comments)):
+                    comment = bool(self.comments) and text.startswith(self.comments)
+                    if fields and not (comment or text.isspace() or not text):
                         empty = 0
                         yield fields
                     elif (empty := empty + 1) > MAX_EMPTY:
@@ -244,3 +251,29 @@ def counted_fields(
     if not least <= int(field) <= len(rest):
         raise ValueError(f"announces {int(field)} {what}, but {len(rest)} fields follow")
     return rest[: int(field)], rest[int(field) :]
+
+
+def number_field(field: str, what: str, factor: float = 1.0) -> float:
+    """A field as a finite number, times the factor that makes metres or radians of it."""
+    found = float(field) * factor if is_number(field) else np.nan
+    if not abs(found) <= LIMIT:
+        raise ValueError(f"expected a number for {what}, got {field[:40]!r}")
+    return found
+
+
+def direction_field(field: str, factor: float) -> float:
+    """A direction in radians, within two turns."""
+    found = number_field(field, "the angle", factor)
+    if not abs(found) <= MOST_DIRECTION_RAD:
+        raise ValueError(f"expected an angle within two turns, got {field[:40]!r}")
+    return found
+
+
+def distance(field: str, factor: float) -> float:
+    """A range in metres; `inf` as it stands, NaN for nothing measured: an empty field, nan, 0."""
+    if field.lower() in NOT_MEASURED:
+        return np.nan
+    if field.lower() in ("inf", "+inf", "infinity"):
+        return np.inf
+    found = number_field(field, "the range", factor)
+    return found if found > 0 else np.nan

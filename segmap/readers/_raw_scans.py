@@ -238,6 +238,10 @@ def extrinsic_by_poses(
 
 
 # ---------------------------------------------------------------------------- assumed
+#: Said of a log whose file does not say which way angles grow.
+COUNTERCLOCKWISE = "beams counter-clockwise"
+
+
 def view_of(angles: Array) -> str:
     """That beams `(n,)`, whose directions the file does not say, look over so many degrees."""
     step = float(np.median(np.diff(angles))) if len(angles) > 1 else 0.0

@@ -1,12 +1,14 @@
 """Tables of beams as people have them: separator, decimal mark, encoding, head, units and names."""
 
 import os
+import re
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_samples import CARMEN, ENCODINGS, row, text
+from table_samples import CLOCK, FAR, OTHERS, TURN, echo, lines, secs
 
 from segmap import LogError, readers
 from segmap.readers import UnknownFormat
@@ -118,117 +120,6 @@ def test_units_that_the_numbers_tell_are_used_and_told(tmp_path):
 
 
 # --------------------------------------------------------------- as programs and people write them
-#: Three scans of twelve beams.
-TURN = np.arange(0, 360.0, 30)
-FAR = 2 + 0.21 * np.arange(12)
-BEAMS = [(k, a, r) for k in range(3) for a, r in zip(TURN, FAR, strict=True)]
-#: Times of the scans, where a table has them.
-CLOCK = 1.6e9 + 0.2 * np.arange(3)
-DAY = "2020-09-13 12:26:40.{}"
-
-
-def lines(line, mark=None):
-    """A line a beam, of the scan k, the angle a in degrees, r in metres."""
-    found = [line(k, a, r) for k, a, r in BEAMS]
-    return text(found if mark is None else [f.replace(".", mark) for f in found])
-
-
-def xv11(k):
-    beams = [f"{a:.0f},{1000 * r:.0f},15,0" for a, r in zip(TURN, FAR, strict=True)]
-    return ["AngleInDegrees,DistInMM,Intensity,ErrorCodeHEX", *beams, "ROTATION_SPEED,5.01"]
-
-
-def wide(names, begin=lambda k: [f"{0.2 * k:.1f}"], scale=1.0, mark=","):
-    ranges = [f"{scale * r:.3f}" if scale == 1 else f"{scale * r:.0f}" for r in FAR]
-    return text([mark.join(names), *(mark.join([*begin(k), *ranges]) for k in range(3))])
-
-
-SINGLE = ["0.0", "5.759587", "0.523599", "0.0", "0.1", "0.05", "12.0"]
-KEYS = [
-    *("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time"),
-    *("range_min", "range_max"),
-]
-
-
-def echo(stamp, ranges):
-    said = [f"{key}: {value}" for key, value in zip(KEYS, SINGLE, strict=True)]
-    return text(
-        line
-        for k in range(3)
-        for line in ["header:", "  seq: 4", *stamp(k), "  frame_id: laser", *said, *ranges, "---"]
-    )
-
-
-def secs(k):
-    return ["  stamp:", "    secs: 1600000000", f"    nsecs: {200000000 * k}"]
-
-
-#: Name -> the text, whether angles grow clockwise, and its times: of CLOCK, from zero, or none.
-OTHERS = {
-    "ultra_simple": (
-        lines(lambda k, a, r: (
-            f"{'S' if a == 0 else ' '}  theta: {a:06.2f} Dist: {1000 * r:08.2f} Q: 47")),
-        True, None),
-    "record_measurments": (lines(lambda k, a, r: f"{a == 0}\t15\t{a}\t{1000 * r:.1f}"), True, None),
-    "measures printed": (lines(lambda k, a, r: f"({a == 0}, 15, {a}, {1000 * r:.1f})"), True, None),
-    "scans printed": (
-        text(str([(15, float(a), float(1000 * r)) for _, a, r in BEAMS[:12]]) for k in range(3)),
-        True, None),
-    "xv11": (text(line for k in range(3) for line in xv11(k)), False, None),
-    "ld19": (lines(lambda k, a, r: f"angle:{a:.2f},distance(mm):{1000 * r:.0f},intensity:200"),
-        True, None),
-    "ydlidar": ("angle,range,intensity\n" + lines(
-        lambda k, a, r: f"{np.radians(a):.5f},{r:.3f},10"), False, None),
-    "stamped text": ("Timestamp,Angle,Distance\n" + lines(
-        lambda k, a, r: f"{DAY.format(2 * k)},{a:.0f},{1000 * r:.0f}"), False, "clock"),
-    "iso": ("time;theta;r\n" + lines(
-        lambda k, a, r: f"2020-09-13T12:26:40.{2 * k}+00:00;{a};{1000 * r:.0f}"), False, "clock"),
-    "time of day": ("time angle_deg dist_m\n" + lines(
-        lambda k, a, r: f"00:00:00.{2 * k} {a} {r:.3f}"), False, "zero"),
-    "milliseconds": ("timestamp\tangle_deg\tdistance_cm\n" + lines(
-        lambda k, a, r: f"{200 * k}\t{a}\t{100 * r:.1f}"), False, "zero"),
-    "since 1970": ("stamp,angle_deg,range_m\n" + lines(
-        lambda k, a, r: f"{int(CLOCK[k] * 1000)},{a},{r:.3f}"), False, "clock"),
-    "newscan": ("newscan,quality,angle,distance\n" + lines(
-        lambda k, a, r: f"{int(a == 0)},15,{a},{1000 * r:.2f}"), True, None),
-    "x and y": ("x_value,y_value,scan\n" + lines(
-        lambda k, a, r: f"{r * np.cos(np.radians(a)):.5f},{r * np.sin(np.radians(a)):.5f},{k}"),
-        False, None),
-    "feet": ("id,angle [deg],range [ft],weather\n" + lines(
-        lambda k, a, r: f"{k},{a},{r / 0.3048:.5f},rain"), False, None),
-    "decimal commas": ("sep=;\nAngle;Distance\n" + lines(
-        lambda k, a, r: f"{a:.1f};{1000 * r:.0f}", ","), False, None),
-    "no names": (lines(lambda k, a, r: f"{0.2 * k:.1f},{a:.2f},{1000 * r:.0f},15"), False, "zero"),
-    "no names, radians": (lines(lambda k, a, r: f"{np.radians(a):.5f} {r:.3f}"), False, None),
-    "notes first": ("# recorded in the lab\nModel: A1\n\nangle_deg,range_mm\n" + lines(
-        lambda k, a, r: f"{a},{1000 * r:.0f}"), False, None),
-    "angles as head": (wide(["time", *(f"{a:.0f}" for a in TURN)]), False, "zero"),
-    "radians as head": (
-        wide(["t_s", *(f"{a:.5f}" for a in np.radians(TURN))], mark=";"), False, "zero"),
-    "index as head": (
-        wide(["time_s", *(f"range_mm_{k}" for k in range(12))], scale=1000, mark="\t"),
-        False, "zero"),
-    "rostopic -p": (
-        wide(["%time", *(f"field.{key}" for key in KEYS), *(f"field.ranges{k}" for k in range(12))],
-             lambda k: [str(1600000000000000000 + 200000000 * k), *SINGLE]), False, "clock"),
-    "ros2 --csv": (
-        text(",".join(["1600000000", str(200000000 * k), "laser", *SINGLE,
-                       *(f"{r:.3f}" for r in FAR), *["0.0"] * 12]) for k in range(3)),
-        False, "clock"),
-    "rostopic -p without its head": (
-        text(",".join([str(1600000000000000000 + 200000000 * k)] * 1 + [
-            "7", str(1600000000000000000 + 200000000 * k), "laser", *SINGLE,
-            *(f"{r:.3f}" for r in FAR)]) for k in range(3)),
-        False, "clock"),
-    "rostopic echo": (
-        echo(secs, [f"ranges: {[round(float(r), 3) for r in FAR]}"]), False, "clock"),
-    "ros2 topic echo": (
-        echo(lambda k: ["  stamp:", "    sec: 1600000000", f"    nanosec: {200000000 * k}"],
-             ["ranges:", *(f"- {r:.3f}" for r in FAR), "intensities:", *["- .nan"] * 12]),
-        False, "clock"),
-}  # fmt: skip
-
-
 @pytest.mark.parametrize("name", OTHERS)
 def test_each_way_to_write_it_gives_the_same_scans(tmp_path, name):
     """Catches a program whose table is refused, or read in another unit or direction."""
@@ -244,6 +135,22 @@ def test_each_way_to_write_it_gives_the_same_scans(tmp_path, name):
         assert scan.ranges[order] == pytest.approx(FAR, abs=2e-3)
     times = {"clock": CLOCK, "zero": CLOCK - CLOCK[0], None: np.full(3, np.nan)}[clock]
     assert log.times == pytest.approx(times, nan_ok=True, abs=1e-3)
+
+
+def test_a_pose_beside_the_beams_is_the_odometry(tmp_path):
+    """Catches the heading of the robot that is taken for the angle of a beam, and poses lost."""
+    for name in ("pose and beam", "pose and scan"):
+        (tmp_path / "it.csv").write_text(OTHERS[name][0])
+        found = readers.read(tmp_path / "it.csv").odometry
+        assert found == pytest.approx(np.column_stack([range(3), [0.5] * 3, [0.1] * 3]))
+
+
+def test_beams_that_an_xv11_marks_are_no_walls(tmp_path):
+    """Catches an error code in hexadecimal that is not known as one: a wall 16 m away."""
+    content = OTHERS["xv11"][0].replace("60,2420,15,0", "60,16384,0,8035")
+    (tmp_path / "it.txt").write_text(content)
+    for scan in readers.read(tmp_path / "it.txt"):
+        assert np.flatnonzero(~scan.valid).tolist() == [2] and scan.ranges[3] < 3
 
 
 #: What a file says too little of, and what is said of it.
@@ -308,6 +215,39 @@ def test_lines_of_numbers_are_scans_of_a_usual_laser(tmp_path):
         assert log.times == pytest.approx(
             0.1 * np.arange(9) if begin else np.full(9, np.nan), nan_ok=True
         )
+
+
+def test_poses_before_bare_ranges_are_no_beams(tmp_path):
+    """Catches x, y and heading read as three beams, and a count as one; the advice is run."""
+    path = tmp_path / "it.txt"
+    ranges = np.random.default_rng(3).uniform(0.5, 5, (6, 181)).round(3)
+    poses = np.column_stack([np.arange(6), np.full((6, 2), 0.25)])
+    rows = [row([*pose, *found]) for pose, found in zip(poses, ranges, strict=True)]
+    path.write_text(text(rows))
+    with pytest.raises(LogError, match="181 of them ranges behind 3 others") as caught:
+        readers.read(path)
+    assert "x_m,y_m,theta_rad" in caught.value.reason
+    head = ["x_m", "y_m", "theta_rad", *(f"r{k}" for k in range(181))]
+    path.write_text(text([" ".join(head), *rows]))
+    log = readers.read(path)
+    assert log[2].ranges == pytest.approx(ranges[2]) and log.odometry == pytest.approx(poses)
+    path.write_text(text(f"{k} 181 {row(found)}" for k, found in enumerate(ranges)))
+    assert readers.read(path)[2].ranges == pytest.approx(ranges[2])
+
+
+def test_a_scan_a_column_is_turned_by_its_advice(tmp_path, monkeypatch):
+    """Catches a column of each scan that is read as a beam."""
+    monkeypatch.chdir(tmp_path)
+    head = ["angle_deg," + ",".join(f"scan{k}" for k in range(8))]
+    rows = [f"{a:.0f}," + ",".join([f"{r:.3f}"] * 8) for a, r in zip(TURN, FAR, strict=True)]
+    (tmp_path / "it.csv").write_text(text(head + rows))
+    with pytest.raises(LogError, match="a column of angles and 8 of ranges") as caught:
+        readers.read("it.csv")
+    (code,) = re.findall(r"pandas\..*False\)", caught.value.reason)
+    exec(f"import pandas\npath = 'it.csv'\n{code}", {})
+    log = readers.read("turned.csv")
+    assert len(log) == 8 and log[3].ranges == pytest.approx(FAR)
+    assert np.degrees(log[3].angles) == pytest.approx(TURN)
 
 
 def test_ranges_that_ros2_shortened_are_told_with_the_option(tmp_path):

@@ -179,14 +179,15 @@ def unpacked(path: Path, folder: Path) -> Path:
             elif encoding := _encoding(front):
                 text = folder / "text"
                 text.mkdir(exist_ok=True)
-                source = path.open(encoding=encoding, errors="replace", newline="")
+                source = path.open(encoding=encoding, errors="replace", newline=None)
                 return _copied(source, text / path.name, path, most)
             else:
                 return path
     except LogError:
         raise
     except Exception as fault:  # gzip, lzma, bz2, zstd, tarfile and zipfile raise a dozen
-        raise LogError(path, f"the packed file is broken or cut short ({shown(fault)})") from fault
+        found = f"the packed file is broken or cut short ({shown(fault)})"
+        raise LogError(path, f"{found}: unpack by hand what is whole") from fault
 
 
 def _front(path: Path, open_: Callable[[Path], Any] | None = None) -> bytes:
@@ -222,12 +223,14 @@ def _is_ours(path: Path) -> bool:
 
 
 def _encoding(front: bytes) -> str:
-    """The encoding of a text that is not plain UTF-8; empty where it is, or where it is no text."""
+    """The encoding of a text that is no plain UTF-8 in lines; empty where it is, or is no text."""
     marked = next((name for mark, name in MARKS.items() if front.startswith(mark)), "")
     if marked or len(front) < 8:
         return marked
     even, odd = front[::2].count(0), front[1::2].count(0)
     half = len(front) // 2
+    if b"\r" in front and b"\n" not in front and not even + odd and front.isascii():
+        return "utf-8"  # lines of old Macs, and of Excel for them
     if even == 0 and odd > 0.9 * half:
         return "utf-16-le"
     return "utf-16-be" if odd == 0 and even > 0.9 * half else ""

@@ -1,7 +1,7 @@
 """Logs that are tables: CSV, arrays, dumps of cheap sensors, Hokuyo text, CoreSLAM, Rawseeds."""
 
 from .._text import Binary
-from . import _hokuyo_text, _npz, _rawseeds, _table, _wide
+from . import _hokuyo_text, _npz, _rawseeds, _rostopic, _table, _wide
 from ._coreslam import CoreSlam
 from ._hokuyo_text import HokuyoText
 from ._layout import first_rows, headed_of, layout_of, looks_like
@@ -19,7 +19,7 @@ __all__ = [
 ARRAY_FILES = (Binary("NPZ", _npz.claims, _npz.read),)
 #: Told by a head, or by names that stand in each line.
 HEADED_FILES = (
-    Binary("rostopic", _wide.is_echo, _wide.read_echo),
+    Binary("rostopic", _rostopic.is_echo, _rostopic.read_echo),
     Binary("table of scans", _wide.wide_of, _wide.read_wide),
     Binary("table", headed_of, _table.read),
 )

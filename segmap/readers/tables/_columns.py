@@ -16,9 +16,9 @@ from ...arrays import Array
 
 #: First words of a column's name.
 ROLES = {
-    "angle": "angle theta bearing azimuth angule heading deg degrees",
+    "angle": "angle theta bearing azimuth angule heading yaw deg degrees",
     "range": "range distance dist dis r radius",
-    "time": "time timestamp stamp t",
+    "time": "time timestamp stamp t ts epoch millis micros nanos datetime",
     "scan": "scan frame rotation revolution sweep turn",
     "new": "new newscan start startbit sync",
     "error": "error errorcode",
@@ -26,7 +26,18 @@ ROLES = {
     "y": "y",
 }
 #: Words that may stand beside them and change nothing.
-FILLERS = ("id", "no", "nr", "number", "index", "value", "values", "in", "code", "hex", "lidar")
+FILLERS = (
+    *("id", "no", "nr", "number", "index", "value", "values", "in", "code", "hex", "lidar"),
+    *("tick", "ticks"),
+)
+#: What stands before a name in ROS's own text and in PlotJuggler's.
+BEFORE_NAME = re.compile(r"^(field\.|/.*/)")
+#: A unit of angles: so many of a turn.
+TICKS = re.compile(r"(?i)(?:tick|step)s?[\s_]*([1-9]\d{1,5})")
+#: How many they usually are.
+USUAL_TICKS = (1024, 1440, 2048, 4096, 8192, 16384, 65536)
+#: First words of the heading of a robot, beside the angle of a beam.
+HEADINGS = ("theta", "heading", "yaw")
 CLOCKWISE = ("cw", "clockwise")
 TURN_WORDS = (*CLOCKWISE, "ccw", "counterclockwise")
 LENGTHS = {
@@ -50,6 +61,7 @@ UNIT_WORDS: dict[str, dict[str, float]] = {
         "ns nsec nanos nanoseconds": 1e-9,
     },
 }
+UNIT_WORDS["heading"] = UNIT_WORDS["angle"]
 COLUMN_UNITS = {
     role: {word: factor for words, factor in units.items() for word in words.split()}
     for role, units in UNIT_WORDS.items()
@@ -94,6 +106,7 @@ class Columns(NamedTuple):
     by_role: dict[str, Column]
     clockwise: bool | None = None
     twice: str = ""  #: two names for one thing, of which the first is taken
+    by_program: bool = False  #: whether it is the program that names them so that says the rest
 
     @property
     def enough(self) -> bool:
@@ -104,19 +117,27 @@ class Columns(NamedTuple):
 def named(names: Sequence[str]) -> Columns:
     """The columns that names stand for; of two of a kind the one that says its unit is taken.
 
-    Of two angles or ranges that both say one, neither is.
+    Of two angles or ranges that both say one, neither is. Beside x, y, a range and its angle, theta
+    is the heading of the robot.
     """
+    names = [BEFORE_NAME.sub("", name) for name in names]
     short = tuple(_plain_word(name) for name in names)
     known = KNOWN_TABLES.get(short, ("",) * len(names))
     found: dict[str, Column] = {}
     clockwise, twice, doubtful = None, "", set[str]()
-    for place, (name, meant) in enumerate(zip(names, known, strict=True)):
-        words = _words(meant or name)
-        if (role := _role(meant or name, words)) is None:
+    meanings = [meant or name for name, meant in zip(names, known, strict=True)]
+    roles = [_role(meant, _words(meant)) for meant in meanings]
+    beside_pose = {"x", "y", "range"} <= {*roles} and roles.count("angle") > 1
+    for place, (name, meant, role) in enumerate(zip(names, meanings, roles, strict=True)):
+        words = _words(meant)
+        if role is None:
             continue
+        if beside_pose and role == "angle" and words[0] in HEADINGS:
+            role = "heading"
         units = COLUMN_UNITS.get(role, {})
         rest = words if words[0] in units and len(words) == 1 else words[1:]
         factors = [factor for word, factor in units.items() if word in rest]
+        factors += [2 * np.pi / int(count) for count in TICKS.findall(meant)]
         column = Column(place, factors[0] if factors else None, name.strip())
         if role in found:
             twice = f"{found[role].name!r} and {name!r} are both columns of the {role}"
@@ -127,13 +148,12 @@ def named(names: Sequence[str]) -> Columns:
         found[role] = column
         if role == "angle" and (said := [w in CLOCKWISE for w in words if w in TURN_WORDS]):
             clockwise = any(said)
-    return Columns({k: v for k, v in found.items() if k not in doubtful}, clockwise, twice)
+    kept = {k: v for k, v in found.items() if k not in doubtful}
+    return Columns(kept, clockwise, twice, short in KNOWN_TABLES)
 
 
 def _words(name: str) -> list[str]:
-    apart = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", " ", name)  # `AngleInDegrees`
-    apart = re.sub(r"(?i)\bdist(?=in ?mm)", "dist ", apart)
-    apart = re.sub(r"(?i)\b(in)(mm|cm|deg)", r"\1 \2", apart)
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)  # `AngleInDegrees`, `ErrorCodeHEX`
     return re.findall(r"[a-zµ°\ufffd]+", apart.lower().replace("μ", "µ"))
 
 
@@ -144,7 +164,7 @@ def _plain_word(name: str) -> str:
 
 def _role(name: str, words: Sequence[str]) -> str | None:
     """What a column is; None where another word than a unit stands in its name."""
-    if not words or re.search("[0-9:]", name):
+    if not words or re.search("[0-9:]", TICKS.sub("", name)):
         return None
     for role, names in ROLES.items():
         if {words[0], words[0].removesuffix("s")} & {*names.split()}:
@@ -161,16 +181,17 @@ def with_units_told(found: Columns, rows: Array) -> tuple[Columns, list[str]]:
     above 100, are millimetres. A time whose unit nothing tells is left out.
     """
     columns, told = dict(found.by_role), list[str]()
-    for role in ("angle", "range", "x", "y", "time"):
+    for role in ("angle", "range", "x", "y", "heading", "time"):
         column = columns.get(role)
-        if column is None or column.factor is not None:
+        if column is None or column.factor is not None or "tick" in column.name.lower():
             continue
         factor, why = _unit_of(role, rows[:, column.place])
         if factor is not None:
             columns[role] = column._replace(factor=factor)
             told.append(f"{column.name!r} is in {why}")
         elif role == "time":
-            told.append(f"the column {columns.pop('time').name!r} says no unit: left out")
+            has = "says no unit" if np.isfinite(rows[:, column.place]).any() else "holds no times"
+            told.append(f"the column {columns.pop('time').name!r} {has}: left out")
     return found._replace(by_role=columns), told
 
 
@@ -183,10 +204,11 @@ def _unit_of(role: str, values: Array) -> tuple[float | None, str]:
     if not len(values):
         return None, ""
     span, whole = float(np.ptp(values)), bool((values == np.floor(values)).all())
-    if role == "angle":
+    if role in ("angle", "heading"):
         if span > 2 * np.pi + 0.1:
             return np.pi / 180, "degrees, since it spans more than 2 pi"
-        if span >= LEAST_VIEW_RAD and len(values) >= TELLING_ROWS and not whole:
+        told = span >= LEAST_VIEW_RAD and len(values) >= TELLING_ROWS and not whole
+        if told or role == "heading":
             return 1.0, f"radians, since it spans {span:.3g}"
         return None, ""
     middle = float(np.median(np.abs(values)))
@@ -204,7 +226,8 @@ def _time_unit(values: Array) -> tuple[float | None, str]:
         return None, ""
     for least, factor in SINCE_1970:
         if least <= values.min() and values.max() < 1000 * least:
-            return factor, "units since 1970"
+            unit = {1e-9: "nanoseconds", 1e-6: "microseconds", 1e-3: "milliseconds", 1.0: "seconds"}
+            return factor, f"{unit[factor]} since 1970"
     if (values != np.floor(values)).any() and values.max() < SINCE_1970[-1][0]:
         return 1.0, "seconds, since it holds fractions"
     step = float(np.median(steps))
@@ -243,7 +266,10 @@ def guessed(rows: Array) -> tuple[str, ...]:
         return ()
     names[angle], names[distance] = "angle", "range"
     if clocks and angle not in clocks[:1]:
-        names[clocks[0]] = "time"
+        counts = _counts_up(rows[:, clocks[0]])
+        names[clocks[0]] = "scan" if counts else "time"
+        if counts and len(np.unique(rows[:, clocks[0]])) == len(rows):
+            names[clocks[0]] = "-"  # an index
     return tuple(names)
 
 
@@ -278,7 +304,7 @@ def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
     """A name with a unit for each column, as good as anybody can tell: it may be wrong."""
     columns, _ = with_units_told(named(names), rows)
     by_place = {column.place: (role, column) for role, column in columns.by_role.items()}
-    if not columns.enough and (guess := guessed(rows)):
+    if not by_place and (guess := guessed(rows)):
         columns, _ = with_units_told(named(guess), rows)
         by_place = {column.place: (role, column) for role, column in columns.by_role.items()}
     free = [k for k in range(len(names)) if k not in by_place and np.isfinite(rows[:, k]).any()]
@@ -287,13 +313,21 @@ def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
             place = max(free, key=lambda k, likely=likely: likely(rows[:, k]))  # type: ignore[misc]
             free.remove(place)
             by_place[place] = role, Column(place, None, "")
-    usual = {"angle": np.pi / 180, "range": 0.001, "x": 1.0, "y": 1.0, "time": 1.0}
+    usual = {"angle": np.pi / 180, "heading": 1.0, "range": 0.001, "x": 1.0, "y": 1.0, "time": 1.0}
     found = ["-"] * len(names)
     for place, (role, column) in by_place.items():
         if role not in usual:
             found[place] = role
             continue
-        large = np.nanmax(np.abs(rows[:, place]), initial=0.0) > MOST_METRES
+        most = np.nanmax(np.abs(rows[:, place]), initial=0.0)
+        if column.factor not in (None, *COLUMN_UNITS[role].values()):
+            found[place] = column.name
+            continue
+        if "tick" in column.name.lower():
+            turn = next((count for count in USUAL_TICKS if most < count), USUAL_TICKS[-1])
+            found[place] = f"angle_ticks{turn}"
+            continue
+        large = most > MOST_METRES
         factor = column.factor or (1.0 if role == "range" and not large else usual[role])
         units: Mapping[str, float] = COLUMN_UNITS[role]
         found[place] = f"{role}_{next(word for word, f in units.items() if f == factor)}"

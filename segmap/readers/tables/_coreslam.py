@@ -68,8 +68,7 @@ class CoreSlam(TextFormat):
     @classmethod
     def claims(cls, fields: Sequence[str]) -> bool:
         """Whether a line is one of this format."""
-        enough = len(fields) > max(layout.header for layout in LAYOUTS.values())
-        return enough and fields[0].isdecimal() and is_number(fields[-1])
+        return len(fields) in LAYOUTS and fields[0].isdecimal() and is_number(fields[-1])
 
     def _take(self, fields: list[str]) -> None:
         """Time, ticks of both wheels and the ranges in millimetres."""

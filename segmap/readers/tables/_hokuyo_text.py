@@ -21,9 +21,18 @@ import numpy as np
 from ...arrays import LIMIT
 from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
-from .._lines import Lines, LogError, Reading, float_fields, is_number, merged_skipped
+from .._lines import (
+    MOST_DIRECTION_RAD,
+    Lines,
+    LogError,
+    Reading,
+    float_fields,
+    is_number,
+    merged_skipped,
+)
+from .._raw_scans import COUNTERCLOCKWISE
 from .._text import TextFormat
-from .._turns import COUNTERCLOCKWISE, MOST_BEAMS_READ, MOST_DIRECTION_RAD
+from ._table import MOST_BEAMS_READ
 
 #: So many files of a kind, and lines of a file, are looked at.
 FEW = 20

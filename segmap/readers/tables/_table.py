@@ -28,31 +28,44 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import brief, checked
-from ...scans import Log
-from .._lines import HeadError, Lines, LogError, OnError, is_number, stem, time
-from .._turns import COUNTERCLOCKWISE, Beams, direction_field, distance, number_field
+from ...arrays import Array, brief, checked
+from ...scans import LaserScan, Log
+from .._lines import (
+    HeadError,
+    Lines,
+    LogError,
+    OnError,
+    direction_field,
+    distance,
+    is_number,
+    number_field,
+    stem,
+    time,
+)
+from .._raw_scans import COUNTERCLOCKWISE, known, place_of
+from .._text import TextFormat
 from ..packed import log_file
 from ._columns import Columns, named
-from ._layout import (
-    EXAMPLE,
-    LABEL,
-    TUPLE,
-    Layout,
-    begin_of,
-    decimal,
-    layout_of,
-    moment,
-    split,
-    wanting,
-)
+from ._fields import NESTED, TABLE_COMMENTS, TUPLE, decimal, labelled, moment, split
+from ._layout import EXAMPLE, Layout, begin_of, layout_of, wanting
 
+#: No scan has more beams.
+MOST_BEAMS_READ = 100_000
+#: A scan may begin so much before the first one did.
+SAME_DIRECTION_RAD = np.radians(0.5)
+#: Columns of the robot's pose, beside those of a beam.
+POSE = {"x", "y", "heading"}
 #: What an XV-11 says between its tables.
 CHATTER = ("rotation_speed", "getldsscan")
 
 
-class _Table(Beams):
-    """Beams in columns that are known."""
+class _Table(TextFormat):
+    """Beams in columns that are known, in the order in which they were measured.
+
+    A scan ends where its number changes; without numbers, where the angle wraps. Its time is that
+    of its first beam, where the lines have any; each beam keeps its own. Scans of a clockwise
+    sensor are turned round.
+    """
 
     expected = "lines of angle and range"
 
@@ -69,18 +82,22 @@ class _Table(Beams):
         (line,) = fields
         layout = self.layout
         if layout.labels:
-            said = dict(LABEL.findall(line))
-            if {*layout.labels} <= {*said}:
+            beams = [said for said in labelled(line) if {*layout.labels} <= {*said}]
+            for said in beams:
                 self._beam([said[label] for label in layout.labels])
-            elif any(re.search(rf"{re.escape(label)}\s*[:=]", line) for label in layout.labels):
+            names = [re.escape(label.split()[0]) for label in layout.labels]
+            if not beams and any(re.search(rf"{name}[\"']?\s*[:=]", line) for name in names):
                 wanted = ", ".join(f"{label}:" for label in layout.labels)
                 raise ValueError(f"expected a beam with {wanted}, got {line[:60]!r}")
-        elif line.startswith("[("):
-            self.turns += 1
-            for each in TUPLE.findall(line):
-                self._beam(split(each, ","))
+        elif layout.nested:
+            if NESTED.search(line):
+                self.turns += 1
+                for each in TUPLE.findall(line):
+                    self._beam(split(each, ","))
+                if line.count("[") + line.count("(") != line.count("]") + line.count(")"):
+                    raise ValueError(f"its brackets are not closed: {line[-40:]!r}")
         elif self.lines.number > layout.line:
-            found = split(line.strip("()"), layout.separator)
+            found = split(line, layout.separator)
             if layout.line and tuple(found) == layout.names:
                 self.turns += 1
             elif not found[0].lower().startswith(CHATTER):
@@ -89,33 +106,66 @@ class _Table(Beams):
     def _beam(self, fields: list[str]) -> None:
         if len(fields) <= self.last:
             raise ValueError(f"expected {self.last + 1} columns or more, got {len(fields)}")
-        said = {
-            role: decimal(fields[column.place], self.layout.separator)
-            for role, column in self.columns.items()
-        }
+        said = {role: decimal(fields[column.place]) for role, column in self.columns.items()}
         factors = {role: column.factor or 1.0 for role, column in self.columns.items()}
+        pose = [np.nan] * 3
         if "angle" in said:
             angle = direction_field(said["angle"], factors["angle"])
             far = distance(said["range"], factors["range"])
+            if {*said} >= POSE:
+                pose = [number_field(said[role], role, factors[role]) for role in sorted(POSE)]
         else:
             x, y = (number_field(said[role], role, factors[role]) for role in ("x", "y"))
             angle, far = float(np.arctan2(y, x)), float(np.hypot(x, y)) or np.nan
         if "error" in said and said["error"].strip("0") not in ("", "x", "X", "."):
             far = np.nan
         when = np.nan
-        if "time" in said:
-            text = said["time"]
+        if "time" in said and (text := said["time"]):
             when = time(text, unit=factors["time"]) if is_number(text) else moment(text)
         if "new" in said:
             self.turns += said["new"].lower() in ("true", "1", "1.0", "s")
         turn = float(self.turns)
         number = number_field(said["scan"], "the scan") if "scan" in said else turn
-        self.scans.append((angle, far, when, number))
+        self.scans.append((angle, far, when, number, *pose))
 
     def _log(self, name: str) -> Log:
-        if not (self.turns or {"scan", "new"} & {*self.columns}):  # nothing numbers them
-            self.scans = [(*beam[:3], np.nan) for beam in self.scans]
-        return super()._log(name)
+        table = np.array(self.scans)
+        if "angle" not in self.columns:  # a turn ends where it began, and not behind the sensor
+            table[:, 0] = _from_first(table[:, 0])
+        if self.turns or {"scan", "new"} & {*self.columns}:
+            ends = np.diff(table[:, 3]) != 0
+        else:  # nothing numbers them
+            steps = np.diff(table[:, 0])
+            onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
+            ends = -onwards * steps > min(np.ptp(table[:, 0]) / 2, np.pi)
+            self.assumed += ("a scan ends where the angle wraps",) * bool(ends.any())
+        parts = np.split(table, np.flatnonzero(ends) + 1)
+        if max(map(len, parts)) > MOST_BEAMS_READ:
+            raise self.lines.error(
+                f"expected at most {MOST_BEAMS_READ} beams in a scan: where does one end?"
+            )
+        if {*self.columns} >= POSE:
+            self.assumed += (place_of(np.zeros(3)),)
+        scans = [self._scan(part) for part in parts]
+        return Log(name, scans, None, self.lines.skipped, assumed=self.assumed)
+
+    def _scan(self, part: Array) -> LaserScan:
+        heading, x, y = part[0, 4:]
+        angles, ranges, times = part[:, :3].T
+        time, delays = times[0], None
+        if self.clockwise:
+            angles, ranges, times = -angles[::-1], ranges[::-1], times[::-1]
+        if np.ptp(times) > 0:  # neither unknown nor one time for all
+            time, delays = times.min(), times - times.min()
+        return LaserScan(ranges, angles, time, known(np.array([x, y, heading])), delays=delays)
+
+
+def _from_first(angles: Array) -> Array:
+    """Angles of points in their order, that wrap where the first of them lies."""
+    steps = np.diff(np.unwrap(angles))
+    onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
+    first = angles[0] - onwards * SAME_DIRECTION_RAD
+    return np.asarray(first + onwards * np.mod(onwards * (angles - first), 2 * np.pi))
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
@@ -206,7 +256,5 @@ def _read_table(
     path: Path, name: str, on_error: str, layout: Layout, clockwise: bool = False
 ) -> Log:
     return (
-        _Table(Lines(path, on_error, "\n", encoding="utf-8-sig"), layout, clockwise)
-        .walked()
-        ._log(name)
+        _Table(Lines(path, on_error, "\n", TABLE_COMMENTS), layout, clockwise).walked()._log(name)
     )

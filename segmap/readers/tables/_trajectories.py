@@ -31,7 +31,7 @@ from .._mounting import in_space, level
 from .._raw_scans import Track, known, known_truth
 from ..packed import log_file
 from ._columns import COLUMN_UNITS, SINCE_1970
-from ._layout import decimal, moment, sample, separator_of, split
+from ._fields import decimal, moment, sample, separator_of, split
 
 #: Where time, x, y and heading, or a quaternion x, y, z, w, stand in lines of so many fields.
 POSE_LINES = {4: (0, 1, 2, 3), 7: (0, 4, 5, 6), 8: (0, 1, 2, 4, 5, 6, 7), 13: (0, 1, 2, 3)}
@@ -105,13 +105,13 @@ def _by_names(names: Sequence[str]) -> PoseLine | None:
 
 def track_in(path: Path, on_error: str) -> tuple[Track, Lines]:
     """The poses of a file, and what of it was left out."""
-    lines, track = Lines(path, on_error, "\n", encoding="utf-8-sig"), Track()
+    lines, track = Lines(path, on_error, "\n"), Track()
     form = pose_line_of(path)
 
     def pose_of(fields: list[str]) -> tuple[float, Array] | None:
         if lines.number <= form.line:
             return None
-        found = [decimal(field, form.separator) for field in split(fields[0], form.separator)]
+        found = [*map(decimal, split(fields[0], form.separator))]
         if len(found) <= max(form.places) or (form.length and len(found) != form.length):
             raise ValueError(
                 f"expected 13 columns of ground truth, 7 of odometry, 4 of t, x, y, theta or 8 of "

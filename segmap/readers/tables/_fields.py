@@ -1,0 +1,121 @@
+"""The fields of a line of any table: what separates them, numbers, names beside them, and times."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from datetime import UTC, datetime
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from .._lines import Lines, LogError
+from ._columns import COLUMN_UNITS
+
+#: So many lines tell what a file is.
+SAMPLE_LINES = 2000
+#: A first line of Excel that names the separator.
+SEPARATOR_LINE = re.compile(r"(?i)sep=(.)")
+#: Units that stand behind a number; the longer ones first.
+UNITS_OF_LABELS = sorted({*COLUMN_UNITS["time"], *COLUMN_UNITS["angle"], *COLUMN_UNITS["x"]})[::-1]
+#: A name, its number and perhaps a unit, in a line where each field has its name.
+LABEL = re.compile(
+    r"([A-Za-z_]+(?:[(\[]\w+[)\]])?)[\"']?\s*[:=]\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)"
+    rf"(?:\s*[(\[]?({'|'.join(map(re.escape, UNITS_OF_LABELS))})[)\]]?)?(?![\w.])"
+)
+#: What may be a number.
+NUMERAL = re.compile(r"[-+0-9.,eE]+")
+#: Numbers with decimal commas between white space.
+DECIMAL_COMMAS = re.compile(r"[-+]?[0-9]+(,[0-9]+)?(\s+[-+]?[0-9]+(,[0-9]+)?)+")
+#: Beams of one scan in brackets, ...
+TUPLE = re.compile(r"[(\[]([^()\[\]]+)[)\]]")
+#: ... and how the first of them begins.
+NESTED = re.compile(r"[(\[]\s*[(\[]")
+#: What a program prints about a list of numbers.
+LIST = re.compile(r"^(\d+: *)?(array\()?('\w', ?)?[\[(]|[\])]+$")
+#: Separators of fields; the first that most lines hold is theirs.
+SEPARATORS = ";\t|,"
+#: How lines begin that are no rows.
+TABLE_COMMENTS = ("#", "%", "//", "---")
+#: Times of the wall that are no ISO 8601.
+OTHER_CLOCKS = (
+    *("%d.%m.%Y %H:%M:%S", "%d.%m.%Y %H:%M:%S.%f"),
+    *("%m-%d-%Y %I:%M:%S %p", "%m-%d-%Y %I:%M:%S.%f %p"),
+)
+
+
+def split(line: str, separator: str | None) -> list[str]:
+    """The fields of a line; white space separates them where nothing else does."""
+    if separator is None:
+        line = re.sub(r"\s+(?=[\[(])", "", line)
+    line = LIST.sub("", line)
+    fields = line.split(separator)
+    if separator is not None and '"' in line:
+        with suppress(csv.Error):
+            fields = next(csv.reader([line], delimiter=separator, skipinitialspace=True), fields)
+    return [field.strip().strip("\"'") for field in fields]
+
+
+def labelled(line: str) -> Iterator[dict[str, str]]:
+    """The numbers of each beam in a line by their names, each with the unit behind its number."""
+    said: dict[str, str] = {}
+    for name, number, unit in LABEL.findall(line):
+        label = f"{name} {unit}".strip()
+        if label in said:
+            yield said
+            said = {}
+        said[label] = number
+    yield said
+
+
+def separator_of(lines: Sequence[str]) -> str | None:
+    """What separates the fields of most lines."""
+    for mark in SEPARATORS:
+        if 2 * sum(mark in line for line in lines) > len(lines):
+            commas = mark == "," and sum(bool(DECIMAL_COMMAS.fullmatch(line)) for line in lines)
+            return None if 2 * commas > len(lines) else mark
+    return None
+
+
+def decimal(field: str) -> str:
+    """A number with a point for its decimals, and no mark of thousands beside it.
+
+    Examples
+    --------
+    >>> decimal("2000,5"), decimal("2.000,5"), decimal("2,000.5")
+    ('2000.5', '2000.5', '2000.5')
+    """
+    if not NUMERAL.fullmatch(field):
+        return field
+    if "," in field and "." in field:
+        field = field.replace(min(",.", key=field.rfind), "")
+    return field.replace(",", ".", 1)
+
+
+def moment(field: str) -> float:
+    """Seconds of a time of the wall: ISO 8601, since 1970, or the time of day; else NaN.
+
+    Examples
+    --------
+    >>> moment("1970-01-02T00:00:00.5Z"), moment("01:00:02,25")
+    (86400.5, 3602.25)
+    """
+    text = field.replace(",", ".").replace("/", "-")
+    if day := re.fullmatch(r"(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)", text):
+        return 3600 * int(day[1]) + 60 * int(day[2]) + float(day[3])
+    for form in ("", *OTHER_CLOCKS):
+        with suppress(ValueError, OverflowError):
+            found = datetime.strptime(text, form) if form else datetime.fromisoformat(text)
+            return (found if found.tzinfo else found.replace(tzinfo=UTC)).timestamp()
+    return np.nan
+
+
+def sample(path: Path, count: int = SAMPLE_LINES) -> list[tuple[int, str]]:
+    """The first lines of a file that are not empty, comments too, with their numbers."""
+    lines = Lines(path, "skip", "\n", comments="")
+    with suppress(LogError):
+        return [(lines.number, fields[0]) for fields in islice(lines, count)]
+    return []
