@@ -122,15 +122,15 @@ def fuzzy_clustering(
         cells: dict[Cell, list[Cluster]] = {}
         buffer, updated = list[Cluster](), set[Cell]()
         for done, (begin, stop) in enumerate(rows.scans(), 1):
-            starts: dict[Cell, list[Prototype]] = {}
-            for i in range(begin, stop):
-                for place, start in clipped_to_cells(s[i], cell, origin.tolist()):
-                    starts.setdefault(place, []).append(start)
-            own: dict[Cell, list[tuple[int, int]]] = {place: [] for place in starts}
+            own: dict[Cell, list[tuple[int, int]]] = {}
             for i in range(begin, stop):
                 for k in range(first[i], first[i + 1]):
-                    own.get(tuple(spots[k]), []).append((i, k))
-            for place in sorted(starts):
+                    own.setdefault(tuple(spots[k]), []).append((i, k))
+            starts = {at: list[Prototype]() for at in sorted(own) if len(own[at]) >= least[0]}
+            for i in range(begin, stop):
+                for place, start in clipped_to_cells(s[i], cell, origin.tolist()):
+                    starts.get(place, []).append(start)
+            for place in (place for place in starts if starts[place]):
                 if len(own[place]) * len(starts[place]) > MOST_SPACED_POINTS:
                     raise ValueError(
                         f"cell must be smaller for this map, got {cell} m: one scan has points "
