@@ -270,6 +270,29 @@ def test_of_a_bag_that_is_cut_off_skip_reads_what_is_whole(tmp_path, kind, share
     assert np.isfinite(log.odometry).all() and "is cut off" in log.skipped.reason
 
 
+@pytest.mark.parametrize("as_folder", [False, True])
+@pytest.mark.parametrize("harm", ["cut at 0.5", "cut at 0.99", "zeros"])
+def test_of_a_damaged_database_skip_reads_the_rows_that_are_whole(tmp_path, harm, as_folder):
+    """Catches a .db3 that is refused with --skip too, and rows of it that are read twice."""
+    place = bags.write(tmp_path, "db3", many)
+    file = place / "it.db3"
+    data = bytearray(file.read_bytes())
+    if harm == "zeros":
+        at = len(data) // 3 // 4096 * 4096
+        data[at : at + 8192] = bytes(8192)
+    else:
+        del data[int(float(harm.split()[-1]) * len(data)) :]
+    file.write_bytes(data)
+    place = place if as_folder else file
+    told = "is a damaged database.*FILE .recover` mends a copy of it, --skip reads what is whole"
+    with pytest.raises(LogError, match=told):
+        readers.read(place)
+    log = readers.read(place, on_error="skip")
+    least = {"cut at 0.5": 25, "cut at 0.99": 55, "zeros": 55}[harm]
+    assert least < len(log) < 60 and (np.diff(log.times) > 0).all() and log.skipped.lines == 1
+    assert all((scan.ranges == 2).all() for scan in log)
+
+
 @pytest.mark.filterwarnings("ignore:.*no tf tells")
 @pytest.mark.parametrize("packed", ["BZ2", "LZ4"])
 def test_a_damaged_chunk_costs_its_messages_alone(tmp_path, packed):

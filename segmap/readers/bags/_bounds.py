@@ -7,9 +7,10 @@ import importlib
 import re
 import sqlite3
 import struct
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...files import MOST_UNPACKED_RATIO
 from .._lines import LogError
@@ -22,6 +23,17 @@ MOST_METADATA_BYTES = 1 << 22
 #: Brackets in it, whose nesting costs time by its square.
 MOST_BRACKETS = 10_000
 CHUNK_RECORD = 6
+#: Tables of a .db3, of which a copy is made where it is damaged.
+RECORDER_TABLES = ("schema", "metadata", "message_definitions", "topics", "messages")
+#: No table has rows beyond this number.
+MOST_ROWS = 1 << 40
+
+
+class Broken(NamedTuple):
+    """Why a bag is not whole, and what mends a copy; of an .mcap, how many bytes are whole."""
+
+    why: str
+    whole: int = 0
 
 
 class Budget:
@@ -54,11 +66,11 @@ def _zstd_bounded() -> Any:
     return importlib.import_module("rosbags.rosbag2.storage_mcap").zstd
 
 
-def _check_mcap(path: Path, budget: Budget) -> int:
+def _check_mcap(path: Path, budget: Budget) -> Broken | None:
     """Unpack each chunk once, within bounds; `rosbags` does so again when it is wanted.
 
     The chunks of a file may be listed once only in its summary. Returned is where the last whole
-    record ends of a file without an end; else 0.
+    record ends of a file without an end.
     """
     end, starts, whole = path.stat().st_size, [], 8
     with path.open("rb") as file:
@@ -67,7 +79,7 @@ def _check_mcap(path: Path, budget: Budget) -> int:
             code, size = struct.unpack("<BQ", head)
             start = file.tell()
             if size > end - start:
-                return whole
+                break
             if code == CHUNK_RECORD:
                 record = file.read(size)
                 (length,) = struct.unpack_from("<I", record, 28)
@@ -82,19 +94,62 @@ def _check_mcap(path: Path, budget: Budget) -> int:
                 break
     if len(starts) != len(set(starts)):
         raise LogError(path, "lists a chunk twice")
-    return whole
+    why = f"is cut off behind byte {whole}: `mcap recover` mends a copy of it"
+    return Broken(why, whole) if whole else None
 
 
-def _check_database(path: Path) -> None:
-    """Refuse tables that are none, or are computed, and pages that are in use twice."""
-    with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)) as db:
+def _database(path: Path) -> closing[sqlite3.Connection]:
+    """A database that is only read; one that is cut off too."""
+    found = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)
+    found.execute("PRAGMA writable_schema = ON")  # else the size in its head must be that of it
+    return closing(found)
+
+
+def _check_database(path: Path) -> Broken | None:
+    """Refuse tables that are none, or are computed; pages that are in use twice are damage."""
+    with _database(path) as db:
         for kind, sql in db.execute("SELECT type, sql FROM sqlite_master"):
             if kind not in ("table", "index") or re.search(r"(?i)\bvirtual\b|\bas\s*\(", sql or ""):
                 raise LogError(path, f"holds a {kind} that no recorder makes: {(sql or '')[:80]}")
-        (said,) = db.execute("PRAGMA quick_check(1)").fetchone()
-        if said != "ok":
-            why = f"is a damaged database: {said[:200]}; `sqlite3 FILE .recover` mends a copy of it"
-            raise LogError(path, why)
+        try:
+            (said,) = db.execute("PRAGMA quick_check(1)").fetchone()
+        except sqlite3.DatabaseError as fault:
+            said = str(fault)
+        said = said.replace("\n", " ")[:200]
+        why = f"is a damaged database: {said}; `sqlite3 FILE .recover` mends a copy of it"
+        return None if said == "ok" else Broken(why)
+
+
+def recovered(path: Path, copy: Path) -> Path:
+    """A database with the rows of a damaged one that are whole."""
+    with _database(path) as old, closing(sqlite3.connect(copy)) as new:
+        for table in RECORDER_TABLES:
+            columns = [row[1] for row in old.execute(f"PRAGMA table_info({table})")]
+            if not columns:
+                continue
+            names = ", ".join('"{}"'.format(name.replace('"', '""')) for name in columns)
+            new.execute(f"CREATE TABLE {table} ({names})")
+            marks = ", ".join("?" * len(columns))
+            for row in _whole_rows(old, table):
+                new.execute(f"INSERT INTO {table} VALUES ({marks})", row)
+        new.commit()
+    return copy
+
+
+def _whole_rows(db: sqlite3.Connection, table: str) -> Iterator[tuple[Any, ...]]:
+    """Rows of a table in their order, from behind what cannot be read on."""
+    last, ahead = -1, 0
+    while last + ahead < MOST_ROWS:
+        try:
+            query = f"SELECT rowid, * FROM {table} WHERE rowid > ? ORDER BY rowid"
+            for number, *row in db.execute(query, (last + ahead,)):
+                if number <= last:
+                    raise sqlite3.DatabaseError("a page is in use twice")
+                last, ahead = number, 0
+                yield tuple(row)
+            return
+        except sqlite3.DatabaseError:
+            ahead = max(2 * ahead, 1)
 
 
 def check_metadata(path: Path) -> None:
@@ -107,17 +162,14 @@ def check_metadata(path: Path) -> None:
         raise LogError(path, "each message is packed: ros2 bag convert unpacks them")
 
 
-def look_through(path: Path, kind: str | None, budget: Budget) -> int:
-    """What a file of ROS 2 would unpack to, and whether it refers to itself.
-
-    Returned is where the whole part of an .mcap ends that is cut off; else 0.
-    """
+def look_through(path: Path, kind: str | None, budget: Budget) -> Broken | None:
+    """What a file of ROS 2 would unpack to, and whether it is whole."""
     if kind == ".mcap":
         return _check_mcap(path, budget)
     if kind == ".db3":
-        _check_database(path)
-    elif path.suffix in (".zstd", ".zst"):
+        return _check_database(path)
+    if path.suffix in (".zstd", ".zst"):
         with _zstd_bounded().open(path, "rb") as file:
             while part := file.read(1 << 20):
                 budget.take(len(part))
-    return 0
+    return None

@@ -12,15 +12,16 @@ a file says of its own sizes: what could fill the memory, or take for ever, is l
 from __future__ import annotations
 
 import importlib
+import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from ..._display import pip_install
 from .._lines import BROKEN, LogError, Reading, open_bytes
-from ._bounds import Budget, check_metadata, look_through
+from ._bounds import Budget, check_metadata, look_through, recovered
 
 #: What the first bytes of a file say.
 MAGIC = {b"#ROSBAG V": "ROS 1", b"SQLite format 3\0": ".db3", b"\x89MCAP0\r\n": ".mcap"}
@@ -132,31 +133,43 @@ def opened(path: Path, reading: Reading) -> Iterator[Bag]:
     kind = str(kind_of(path))
     files = list(path.iterdir()) if kind == "folder" else [path]
     budget = Budget(path, sum(file.stat().st_size for file in files))
+    stack = ExitStack()
     with damage(path):
-        if kind != "folder":
-            with path.open("rb") as start:
-                if not start.read(LONGEST_MAGIC_BYTES).startswith(tuple(MAGIC)):
-                    raise LogError(path, "is a bag that is packed as a whole: unpack it first")
         rosbags = importlib.import_module(f"{__package__}._rosbags")
         if kind == "ROS 1":
             reader = rosbags.Ros1(path, reading, budget)
         else:
             if kind == "folder":
                 check_metadata(path / METADATA_FILE)
-            wholes = [look_through(f, kind_of(f) if f.is_file() else None, budget) for f in files]
+            broken = None
+            for file in files:
+                of_file = kind_of(file) if file.is_file() else None
+                if found := look_through(file, of_file, budget):
+                    broken = found
+                    others = sum(other.suffix == file.suffix for other in files) > 1
+                    if kind == "folder" and others:
+                        raise LogError(path, f"of several files {file.name} {found.why}")
+                    path, kind = file, str(of_file)
             reader = rosbags.READERS_2[kind](path)
-            if kind == ".mcap" and wholes[0]:
-                reader.whole = wholes[0]
-                why = f"is cut off behind byte {wholes[0]}: `mcap recover` mends a copy of it"
-                reading.damaged(LogError(path, f"{why}, --skip reads what is whole"))
-    try:
+            if broken:
+                why = f"{broken.why}, --skip reads what is whole"
+                reading.damaged(LogError(path, why))
+                if kind == ".mcap":
+                    reader.whole = broken.whole
+                else:
+                    copy = stack.enter_context(tempfile.TemporaryDirectory(prefix="segmap-"))
+                    reader = rosbags.READERS_2[kind](recovered(path, Path(copy) / path.name))
+    with stack:
+        stack.callback(_closed, reader)
         with damage(path):
             reader.open()
             bag = Bag(path, reader, kind != "ROS 1", budget)
         yield bag
-    finally:
-        with suppress(Exception):
-            reader.close()
+
+
+def _closed(reader: Any) -> None:
+    with suppress(Exception):
+        reader.close()
 
 
 @contextmanager

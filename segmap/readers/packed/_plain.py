@@ -28,6 +28,8 @@ PACKINGS: dict[bytes, Callable[[Path], Any]] = {
     b"BZh": bz2.open,
     b"\x28\xb5\x2f\xfd": lambda path: _zstd(path),
 }
+#: First bytes of bags of ROS.
+BAGS = (b"#ROSBAG V", b"SQLite format 3\0", b"\x89MCAP0\r\n")
 #: First bytes of one array of numpy's.
 NPY = b"\x93NUMPY"
 #: First bytes of an archive by zip.
@@ -198,7 +200,7 @@ def _front(path: Path, open_: Callable[[Path], Any] | None = None) -> bytes:
 
 def _needs_more(front: bytes) -> bool:
     """Whether these first bytes are of something that readers do not take as it comes."""
-    return _is_tar(front) or bool(_encoding(front)) or any(map(front.startswith, PACKINGS))
+    return _is_tar(front) or bool(_encoding(front)) or front.startswith((*PACKINGS, *BAGS))
 
 
 def _is_archive(path: Path) -> bool:
