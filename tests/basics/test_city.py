@@ -51,17 +51,3 @@ def test_walls_out_of_reach_do_not_change_a_log(sensor):
     for scan, pose in zip(log, path, strict=True):
         met = cast_rays(walls, pose, scan.angles, max_range=sensor.max_range)
         np.testing.assert_allclose(scan.ranges, met, atol=0.005)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "says"),
-    [
-        ({"columns": 0}, "columns must be"),
-        ({"rows": 201}, "rows must be .* at most 200"),
-        ({"block": 3.0}, "block must be .* at least 4"),
-        ({"street": 2.0}, "street must be .* at least 2.5"),
-    ],
-)
-def test_bad_arguments(wrong, says):
-    with pytest.raises(ValueError, match=says):
-        city(**{"rng": np.random.default_rng(1), **wrong})

@@ -17,7 +17,7 @@ from segmap.scans import LaserScan, Log
 from segmap.segments import length
 from segmap.testing import assert_segments_equal
 
-GAP, TOLERANCE = 0.30, 0.03
+TOLERANCE = 0.03
 
 
 def wall(a, b, spacing: float = 0.05) -> np.ndarray:
@@ -260,11 +260,6 @@ def test_fit_line_equals_the_plain_fit(seed):
     assert abs(np.cos(turn) * dy - np.sin(turn) * dx) < 1e-9
 
 
-def test_fit_line_needs_two_points():
-    with pytest.raises(ValueError, match="at least 2 points"):
-        fit_line([(0, 0)])
-
-
 # ----------------------------------------------------------------------------- build_map
 def test_build_map_puts_scans_in_one_frame():
     """A corner seen from two places, one of them turned: both scans give the same walls."""
@@ -313,13 +308,6 @@ def test_build_map_takes_an_alignment():
     np.testing.assert_array_equal(
         build_map(log, found).segments, build_map(log, found.poses).segments
     )
-
-
-@pytest.mark.parametrize("poses", [None, np.zeros((2, 3)), np.zeros(3)])
-def test_build_map_needs_a_pose_for_each_scan(poses):
-    log = Log("one", [LaserScan([1.0], [0.0])])
-    with pytest.raises(ValueError, match=r"poses must have shape \(1, 3\)"):
-        build_map(log, poses)
 
 
 # ------------------------------------------ the fixed workload beside the project

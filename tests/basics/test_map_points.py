@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from segmap import extraction, load
+from segmap import load
 from segmap.experiments import sweep
 from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
 from segmap.scans import Log
@@ -99,38 +99,3 @@ def test_the_digest_tells_maps_with_points_apart():
     maps = {"it": map, "moved": moved, "placed": placed, "bare": bare, "again": a_map()}
     found = list(sweep(maps, ["fuzzy_set"])["digest"])
     assert len({*found[:4]}) == 4 and found[4] == found[0]
-
-
-WALLS = np.array([[(0, 0), (1, 0)], [(0, 1), (1, 1)]], float)
-FOUR = np.zeros((4, 2))
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"points": FOUR}, "points and first must be given together"),
-        ({"first": [0, 2, 4]}, "points and first must be given together"),
-        ({"points": FOUR, "first": [0, 4]}, "first must rise from 0 to 4"),
-        ({"points": FOUR, "first": [0, 3, 4]}, "at least 2 points a segment"),
-        ({"points": FOUR, "first": [0, 2, 5]}, "first must rise from 0 to 4"),
-        ({"points": FOUR, "first": [0, 2.5, 4]}, "first must be whole numbers"),
-        ({"points": FOUR * np.nan, "first": [0, 2, 4]}, "points must be finite"),
-        ({"sensors": FOUR[:1], "scan": [0, 1]}, "sensors must hold a place for each scan"),
-        ({"sensors": FOUR, "scan": [0, -1]}, "sensors must hold a place for each scan"),
-        ({"sensors": [(0, 0), (np.nan, 0)], "scan": [0, 1]}, "sensors must hold a place"),
-        ({"sensors": [(0, 0, 0)]}, r"sensors must have shape \(n, 2\)"),
-    ],
-)
-def test_what_does_not_fit_is_refused(given, message):
-    with pytest.raises(ValueError, match=message):
-        SegmentMap(WALLS, **given)
-
-
-def test_an_extraction_of_ones_own_does_not_tell_its_points():
-    log = load("room")
-    with pytest.raises(ValueError, match=r"extract must be .*got 'mine': it does not tell"):
-
-        def mine(points):
-            return extraction.extract_polylines(points)
-
-        build_map(log[:1], log.truth[:1], extract=mine, keep_points=True)

@@ -1,7 +1,6 @@
 """Poses form a group, carry points, and can be interpolated."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -133,18 +132,3 @@ def test_outside_the_times_and_inside_a_long_gap_nothing_is_claimed():
 def test_of_two_poses_at_one_time_the_first_is_taken_there():
     found = interpolate([0, 1, 1, 2], [(0, 0, 0), (1, 0, 0), (5, 0, 0), (6, 0, 0)], [0.5, 1, 1.5])
     np.testing.assert_allclose(found[:, 0], [0.5, 1, 5.5])
-
-
-@pytest.mark.parametrize(
-    ("times", "poses", "message"),
-    [
-        ([0, 1], [(0, 0, 0)], r"poses must be \(2, 3\), one for each time"),
-        ([[0]], [(0, 0, 0)], "poses must be"),
-        ([1, 0], [(0, 0, 0), (0, 0, 0)], "times must .* not decrease"),
-        ([np.nan], [NOWHERE], "times must .* be finite"),
-        ([], np.empty((0, 3)), "times must hold at least one time"),
-    ],
-)
-def test_times_and_poses_that_do_not_fit_are_named(times, poses, message):
-    with pytest.raises(ValueError, match=message):
-        interpolate(times, poses, [0.5])

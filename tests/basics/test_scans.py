@@ -44,14 +44,6 @@ def test_a_masked_range_is_no_measurement(kind):
     assert LaserScan(np.ma.array([1.0, 2.0]), [0, 1]).valid.all()
 
 
-def test_a_log_is_not_cut_by_a_mask_that_is_masked():
-    """Catches an index under whose mask numpy looks."""
-    log = Log("two", [LaserScan([1.0], [0.0], time=t) for t in (0.0, 0.1)])
-    times = np.ma.masked_less(log.times, 0.05)
-    with pytest.raises(ValueError, match="masked"):
-        log[times < 1]
-
-
 def test_without_a_maximum_every_finite_positive_range_is_valid():
     assert LaserScan([1e6, np.inf], [0, 0]).valid.tolist() == [True, False]
 
@@ -82,26 +74,6 @@ def test_a_scan_cannot_be_changed_nor_through_the_array_that_it_was_made_of():
         kept.ranges[0] = 9
     with pytest.raises(AttributeError):
         kept.time = 1.0
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (dict(ranges=[[1.0]]), r"ranges must have shape \(n,\), got \(1, 1\)"),
-        (dict(angles=[0.0, 1.0]), r"angles must have shape \(3,\), got \(2,\)"),
-        (dict(angles=[0.0, np.nan, 1.0]), "angles must be finite"),
-        (dict(odometry=(0, 0)), r"odometry must be x, y, heading, got shape \(2,\)"),
-        (dict(odometry=(0, np.inf, 0)), "odometry must be finite"),
-        (dict(sensor_pose=(0, np.nan, 0)), "sensor_pose must be finite"),
-        (dict(codes=[1]), r"codes must have shape \(3,\)"),
-        (dict(delays=[0, 1]), r"delays must have shape \(3,\)"),
-        (dict(delays=[0, np.nan, 1]), "delays must be finite and at least 0"),
-        (dict(delays=[0, -1e-9, 1]), "delays must be finite and at least 0"),
-    ],
-)
-def test_shapes_that_disagree_are_named(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        LaserScan(**{"ranges": [1.0, 2.0, 3.0], "angles": RIGHT_ANGLES, **arguments})
 
 
 def test_a_scan_tells_how_many_beams_it_has_and_how_many_count():
@@ -150,14 +122,6 @@ def test_odometry_is_nan_where_a_scan_has_none():
     np.testing.assert_array_equal(walk.odometry, [(1, 2, 3), (np.nan, np.nan, np.nan)])
     empty = Log("nothing", [], truth=np.empty((0, 3)))
     assert len(empty) == 0 and empty.times.shape == (0,) and empty.odometry.shape == (0, 3)
-
-
-def test_a_log_takes_scans_and_a_row_of_truth_for_each():
-    """Catches what would fail much later, far from where it came in."""
-    with pytest.raises(ValueError, match=r"truth must have shape \(4, 3\), got \(3, 3\)"):
-        log(truth=np.zeros((3, 3)))
-    with pytest.raises(ValueError, match=r"scans\[1\] must be a LaserScan, got ndarray"):
-        Log("x", [scan(), np.zeros(3)])
 
 
 def test_truth_cannot_be_changed_through_the_log():

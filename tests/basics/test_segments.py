@@ -107,25 +107,6 @@ def test_maps_and_whatever_has_segments_are_accepted():
         assert arrays.segments(nothing).shape == (0, 2, 2)
 
 
-@pytest.mark.parametrize(
-    "value", [np.zeros((3, 4)), np.zeros((2, 2)), np.zeros((3, 2, 3)), np.empty((0, 4)), 1.0]
-)
-def test_other_shapes_are_named(value):
-    """Catches rows of four numbers taken for segments."""
-    with pytest.raises(ValueError, match=r"before must have shape \(n, 2, 2\).*got \("):
-        arrays.segments(value, "before")
-
-
-@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
-def test_a_coordinate_that_is_not_finite_is_named_with_its_segment(wrong):
-    broken = np.array(THREE, float)
-    broken[1, 0, 1] = wrong
-    with pytest.raises(ValueError, match="in metres, but segments\\[1\\] is"):
-        arrays.segments(broken)
-    with pytest.raises(ValueError, match="segments\\[1\\]"):
-        SegmentMap(broken)
-
-
 # -------------------------------------------------------------------------- maps
 def test_filtering_keeps_segments_of_exactly_the_least_length_and_their_scans():
     """Catches < for <=, and scans that slip against their segments."""
@@ -188,21 +169,6 @@ def test_a_whole_number_that_rounding_may_have_made_is_refused():
     assert arrays.indices([2**53 - 1], "scan").tolist() == [2**53 - 1]
     with pytest.raises(ValueError, match="scan must be whole numbers"):
         arrays.indices([2**53 + 1], "scan")
-
-
-@pytest.mark.parametrize(
-    ("value", "bounds", "said"),
-    [
-        (2.5, {}, "at least 1, got 2.5"),
-        (2.5, {"most": 9}, "at least 1 and at most 9, got 2.5"),
-        (10, {"most": 9}, "at least 1 and at most 9, got 10"),
-        (10**10, {}, "at least 1 and at most 1000000000, got 10000000000"),
-    ],
-)
-def test_a_count_that_is_refused_is_told_the_bound_that_matters(value, bounds, said):
-    """Catches an upper bound that is left out, or told to whom it does not concern."""
-    with pytest.raises(ValueError, match=f"count must be a whole number of {said}$"):
-        arrays.whole(value, "count", **bounds)
 
 
 def test_an_angle_is_at_most_a_whole_turn_and_told_in_radians():

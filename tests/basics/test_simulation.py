@@ -27,7 +27,6 @@ from segmap.simulation import (
 
 ALL_ROUND = np.linspace(-np.pi, np.pi, 360, endpoint=False)
 STILL = OdometryNoise().ideal()
-STILL_AT, RNG = (1.0, 1.0, 0.0), np.random.default_rng(1)
 
 
 def literal_ranges(walls, pose, angles):
@@ -108,29 +107,6 @@ def test_walls_may_be_a_map_or_in_column_order():
     expected = cast_rays(room, (1, 1, 0), ALL_ROUND)
     for walls in (SegmentMap(room), np.asfortranarray(room), room.tolist()):
         np.testing.assert_array_equal(cast_rays(walls, (1, 1, 0), ALL_ROUND), expected)
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: cast_rays([WALL], (0, np.nan, 0), [0.0]), "pose must be finite"),
-        (lambda: cast_rays([WALL], STILL_AT, 0.0), r"angles must be \(b,\) and finite"),
-        (lambda: cast_rays([WALL], STILL_AT, [np.nan]), r"angles must be \(b,\) and finite"),
-        (lambda: cast_rays([WALL], STILL_AT, [0.0], max_range=np.nan), "max_range must be"),
-        (lambda: simulation.circular_room(sides=2), "sides must be .* at least 3 .*, got 2"),
-        (lambda: simulation.corridor_loop(30, 5), "block inside must measure"),
-        (lambda: simulation.office(rng=RNG, depth=2), "depth must be .* at least 3.5"),
-        (lambda: simulation.box(0, 1), "width must be a number above 0"),
-        (lambda: drive([(0, 0)]), "at least two points"),
-        (lambda: drive([(0, 0), (0, 0)]), "each unlike the one before"),
-        (lambda: drive([(0, 0), (1, 0)], step=0), "step must be a number above 0, in metres"),
-        (lambda: drive([(0, 0), (1, 0)], turn=-1), "turn must be a number above 0 .*, in radians"),
-        (lambda: simulate([], [(0, 0, np.nan)], sensor=URG_04LX, rng=RNG), "path must be finite"),
-    ],
-)
-def test_wrong_arguments_are_named(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()
 
 
 # ------------------------------------------------------------------------ rooms

@@ -35,12 +35,6 @@ def log_of(count: int, *, odometry=None, truth=None) -> Log:
 
 
 # ------------------------------------------------------------------ beams
-def test_directions_in_degrees_are_refused():
-    """Catches 181 beams in a star, and a laser that looks somewhere."""
-    with pytest.raises(ValueError, match=r"angles must be in radians, .* degrees, np.radians$"):
-        LaserScan(np.ones(181), np.arange(-90, 91))
-    with pytest.raises(ValueError, match=r"sensor_pose\[2\] must be in radians, .* got 90"):
-        LaserScan([1.0], [0.0], sensor_pose=(0, 0, 90))
 
 
 def test_two_turns_either_way_are_directions():
@@ -205,11 +199,6 @@ def test_a_gap_may_be_wide():
 def test_alignments_in_millimetres_are_told(name, slip):
     with pytest.warns(UserWarning, match="looks like millimetres"):
         ALIGNMENTS[name](load("room")[:2], **slip)
-
-
-def test_a_turn_in_degrees_is_refused():
-    with pytest.raises(ValueError, match=r"of degrees np.radians\(20\)"):
-        ALIGNMENTS["point_icp"](load("room")[:2], turn=20)
 
 
 def test_help_shows_an_angle_in_degrees_and_the_value_stays_a_float():

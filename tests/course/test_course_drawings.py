@@ -22,7 +22,7 @@ from segmap.metrics import distance_terms
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, figure_png
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap
-from segmap.reduction import fusion, hough, hybrid
+from segmap.reduction import hough, hybrid
 from segmap.scans import LaserScan
 from segmap.segments import SegmentMap, length
 
@@ -242,40 +242,6 @@ def test_outcomes_of_like_colours_have_marks_where_they_started(ax):
     course.draw_basin([["free", "wrong"], ["right", "no match"]], [0, 1], [5, 7], ax=ax)
     marks = {line.get_marker(): line.get_xydata().tolist() for line in ax.lines}
     assert marks == {"_": [[0, 5]], "x": [[1, 5]]}
-
-
-@pytest.mark.parametrize(
-    ("draw", "message"),
-    [
-        (lambda: course.draw_basin([["right"]], [0, 1], [0]), "outcomes must be"),
-        (lambda: course.draw_basin([["right", "lost"]], [0, 1], [0]), "outcomes must be"),
-        (lambda: course.draw_marked(WALLS, [True]), r"marked must have shape \(3,\)"),
-        (lambda: course.draw_marked(WALLS, [0, 1]), r"marked must have shape \(3,\)"),
-        (lambda: course.draw_growth(SEEN, fusion(SEEN)), "an on-line one of these 3 scans"),
-        (lambda: course.draw_growth(SEEN, hybrid(WALLS)), "an on-line one of these 3 scans"),
-        (
-            lambda: course.draw_cells(QuadtreeMap(), np.zeros((3, 4))),
-            r"cells must be .* square grid, got shape \(3, 4\)",
-        ),
-        (
-            lambda: course.draw_threshold(thesis_results(), method="hybrid"),
-            "method must be run over one length, hybrid is over",
-        ),
-        (
-            lambda: course.draw_threshold(thesis_results(), method="nothing"),
-            "method must be run over one length, nothing is over",
-        ),
-        (
-            lambda: course.draw_uncertainty(
-                Match(np.zeros(3), np.diag([np.inf] * 3), False, "too few points")
-            ),
-            "too few points",
-        ),
-    ],
-)
-def test_what_cannot_be_drawn_is_named(draw, message):
-    with pytest.raises(ValueError, match=message):
-        draw()
 
 
 @pytest.mark.parametrize("pose", [(2.8, 0.75, 0.5), (0.3, 1.0, -0.7), (-3.0, 0.2, 0.1)])

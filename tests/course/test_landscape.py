@@ -54,20 +54,6 @@ def test_peaks(values, expected):
     assert peaks(values).tolist() == expected
 
 
-def test_a_peak_of_nothing_is_refused():
-    with pytest.raises(ValueError, match=r"values must not be NaN, got one at \[1\]"):
-        peaks([1, np.nan, 2])
-
-
-@pytest.mark.parametrize(
-    ("reach", "step"), [(0.1, 0), (0.1, -1), (0.1, 0.2), (np.nan, 0.1), (np.inf, 1)]
-)
-def test_steps_must_be_positive(reach, step):
-    map, points, pose = walked(2)
-    with pytest.raises(ValueError, match="step must be positive and reach no less"):
-        landscape(map, points, pose, reach=reach, step=step)
-
-
 def test_records_of_growth_and_of_a_real_log():
     assert len(load_columns("matching_growth")["leaves"]) > 9
     real = load_columns("matching_exp1")

@@ -47,19 +47,6 @@ def test_scans_without_a_pose_are_left_out():
     assert represent(LOG[:0], np.empty((0, 3)))["points"].parts == 0
 
 
-@pytest.mark.parametrize("poses", [None, LOG.truth[:-1], np.full((len(LOG), 3), np.inf)])
-def test_poses_that_do_not_fit_the_log_are_refused(poses):
-    with pytest.raises(ValueError, match=r"^poses must"):
-        represent(LOG, poses)
-
-
-def test_what_cannot_be_measured_is_refused():
-    with pytest.raises(ValueError, match="walls must hold at least one"):
-        wall_errors(np.zeros((1, 2)), [])
-    with pytest.raises(ValueError, match="spacing must be a number above 0"):
-        sample_points(WALLS, 0)
-
-
 def test_the_order_that_the_chapter_shows():
     """Reduced segments are the smallest and nearest to straight walls; the tree beats the grid."""
     found = compared()

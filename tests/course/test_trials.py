@@ -77,22 +77,3 @@ def test_the_table_holds_medians():
     best = [t for t in load_trials() if (t.matcher, t.score) == ("hill climbing", "field")]
     assert table["median [mm]"][0] == round(1e3 * np.median([t.median for t in best]))
     assert table["step [ms]"][0] == round(1e3 * np.median([t.seconds for t in best]), 1)
-
-
-NO_TRUTH = "x must have scans, and a true pose for every scan"
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: try_pair(room_walk(3), "climbing", "field"), "'climbing' is none of hill climb"),
-        (lambda: try_pair(room_walk(3), "hill climbing", "best"), "'best' is none of field"),
-        (lambda: try_pair(Log("x", room_walk(3).scans), "hill climbing", "field"), NO_TRUTH),
-        (lambda: try_pair(Log("x", []), "hill climbing", "field"), NO_TRUTH),
-        (lambda: room_walk(0), "scans must be at least 1, got 0"),
-        (lambda: room_walk(-1), "scans must be at least 1, got -1"),
-    ],
-)
-def test_what_cannot_be_tried_is_named(make, message):
-    with pytest.raises(ValueError, match=message):
-        make()

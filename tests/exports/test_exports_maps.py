@@ -168,12 +168,6 @@ def test_geojson_holds_the_occupied_leaves(room, occupied, tmp_path):
     np.testing.assert_allclose(told, expected, rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize("write", [write_ros_map, write_geojson, write_svg])
-def test_what_is_no_map_is_refused(write, tmp_path):
-    with pytest.raises(ValueError, match="map must be a QuadtreeMap, got "):
-        write(tmp_path / "it.yaml", "map")
-
-
 @pytest.mark.parametrize(("resolution", "digits"), [(0.01, 5), (0.25, 4), (8.0, 3), (1e4, -1)])
 def test_drawings_keep_a_thousandth_of_a_cell(resolution, digits, tmp_path):
     """Catches corners rounded to centimetres, and cells of other sizes than the map's."""

@@ -163,9 +163,3 @@ def test_a_grid_of_any_shape_is_itself_in_a_tree(shape):
     assert np.array_equal(found, np.array([0.5, 0, 1])[cells])
     map.insert_scan((0.0, 7.1), [(40.0, 7.1)])  # and it grows like any other
     assert map.occupancy([(40.0, 7.1)]) == 1
-
-
-@pytest.mark.parametrize("cells", [[[3]], [1, 2], [[]], [[0.5]]])
-def test_what_is_no_grid_is_refused(cells):
-    with pytest.raises(ValueError, match="cells must be a table"):
-        map_of_grid(cells, resolution=0.5)

@@ -122,27 +122,6 @@ def test_squares_of_a_quadtree_lie_where_its_walls_do(tmp_path):
     assert (x[:-1] * y[1:] - x[1:] * y[:-1]).sum() > 0
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: Earth(139.7, 35.7), "latitude must be .* at most 90, in degrees, got 139.7"),
-        (lambda: Earth(0, 181), "longitude must be .* at most 180, in degrees, got 181"),
-        (lambda: Earth(np.nan, 0), "latitude must be .* got nan"),
-        (lambda: Earth(0, 0, 90), "north must be .*got 90"),
-        (lambda: Earth(0, 0, 6.3), "north must be .*got 6.3"),
-        (lambda: Earth(0, 0, -6.3), "north must be .*got -6.3"),
-        (lambda: Grid("25832", 0, 0), "name must be like EPSG:25832"),
-        (lambda: Grid("EPSG:4326", 0, 0), "is in degrees, no grid in metres"),
-        (lambda: Grid("EPSG:25832", np.inf, 0), "east must be .* in metres, got inf"),
-        (lambda: write_segments("it.csv", WALLS, world=(52, 13)), "world must be a Frame"),
-        (lambda: write_geojson("it.geojson", QuadtreeMap(), world="x"), "world must be a Frame"),
-    ],
-)
-def test_what_is_no_place_is_refused_by_name(make, message):
-    with pytest.raises(ValueError, match=message):
-        make()
-
-
 def test_a_map_that_lies_nowhere_keeps_its_digits():
     odd = np.array([[(-0.0, 1e-17), (0.1 + 0.2, 1e6)]])
     assert Frame().coordinates(odd).tobytes() == odd.tobytes()

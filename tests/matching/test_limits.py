@@ -5,7 +5,6 @@ from inspect import signature
 
 import numpy as np
 import pytest
-from planned_loops import LOG
 
 from segmap import LaserScan
 from segmap.matching import (
@@ -16,19 +15,12 @@ from segmap.matching import (
     hill_climb,
     localize,
     map_scans,
-    nearest_score,
     particle_mapping,
-    route,
     sample_and_rank,
     search,
     systematic,
 )
 from segmap.quadtree import QuadtreeMap
-from segmap.segments import SegmentMap
-from segmap.simulation import square_room
-
-ROOM = SegmentMap(square_room(4.0))
-ZERO = np.zeros(3)
 
 
 def scan_of(points):
@@ -52,27 +44,6 @@ USUAL = [
 def test_what_is_meant_where_nothing_is_said(of, usual):
     given = signature(of).parameters
     assert {name: given[name].default for name in usual} == usual
-
-
-HERE, RNG = ([(1, 0)], ZERO), {"rng": np.random.default_rng(1)}
-WRONG = [
-    *(("map", of, (3, *HERE), {}) for of in (DistanceField.around, hill_climb, nearest_score)),
-    *(("map", DistanceField, (3,), {}), ("map", route, (3, (0, 0), (1, 1)), {"radius": 0.1})),
-    *(("map", search, (3, LOG[0]), {}), ("map", localize, (3, LOG), RNG)),
-    *(
-        (name, particle_mapping, (LOG,), {name: 3, **RNG})
-        for name in ("odometry", "matcher", "map")
-    ),
-    *((name, map_scans, (LOG,), {name: 3}) for name in ("matcher", "score", "map", "graph")),
-    *(("log", of, (3,), RNG) for of in (particle_mapping, map_scans)),
-    *(("score", hill_climb, (ROOM, *HERE), {"score": 3}), ("scan", search, (ROOM, 3), {})),
-]
-
-
-@pytest.mark.parametrize(("name", "of", "given", "named"), WRONG)
-def test_what_is_of_another_kind_is_named_at_once(name, of, given, named):
-    with pytest.raises(ValueError, match=rf"^{name} must be"):
-        of(*given, **named)
 
 
 # ------------------------------------------------------------------ scan after scan

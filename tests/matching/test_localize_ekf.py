@@ -10,7 +10,6 @@ from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.matching import localize_ekf
 from segmap.poses import compose, inverse, transform
-from segmap.scans import LaserScan
 from segmap.segments import SegmentMap, angle, midpoint, point_distance
 from segmap.simulation import (
     SICK_LMS200,
@@ -153,21 +152,3 @@ def test_wheels_and_walls_that_err_make_it_less_sure():
     usual = sureness()
     assert sureness(odometry_noise=OdometryNoise().ideal()) > 2 * usual
     assert 2 * sureness(wall_sigma=0.02) < usual > 2 * sureness(sigma=0.03)
-
-
-def test_what_cannot_be_tracked_is_refused():
-    log = seen(PATH[:2])
-    for spread in (
-        np.eye(2),
-        np.diag([1, 1, 1e7]),
-        np.diag([1, 1, 0.0]),
-        np.diag([1, 1, -1.0]),
-        [[1, 9, 0]] * 3,
-    ):
-        with pytest.raises(ValueError, match=r"covariance must be \(3, 3\), symmetric"):
-            localize_ekf(SegmentMap(ROOM), log, PATH[0], spread)
-    with pytest.raises(ValueError, match="scans must be a Log"):
-        localize_ekf(SegmentMap(ROOM), 3, PATH[0], SPREAD)
-    bare = LaserScan(log[0].ranges, log[0].angles)
-    with pytest.raises(ValueError, match="scan 1 has no odometry"):
-        tracked(ROOM, [log[0], bare], PATH[0])

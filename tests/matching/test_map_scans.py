@@ -139,20 +139,6 @@ def shifted(map, points, start, *, score, by):
     return start + (by, 0, 0)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"matcher": "climb"}, "matcher must be a function of map, points and start"),
-        ({"settle": 0}, "settle must be a whole number of at least 1"),
-        ({"matcher": sample_and_rank}, "sample_and_rank draws poses: give rng"),
-    ],
-)
-def test_wrong_arguments_are_refused_at_once(options, message):
-    """Not at the first scan, which a live user may wait for."""
-    with pytest.raises(ValueError, match=message):
-        map_scans([], **options)
-
-
 def test_the_thesis_matchers_have_the_steps_of_the_thesis():
     """B's standard deviations, metres and radians; the others have defaults of their own."""
     rng = np.random.default_rng(1)

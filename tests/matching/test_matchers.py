@@ -8,7 +8,6 @@ from quadtrees import random_map
 from segmap_course import literal
 
 from segmap.angles import wrap
-from segmap.arrays import LIMIT
 from segmap.matching import field_score, hill_climb, nearest_score, occupancy_score, sample_and_rank
 from segmap.quadtree import QuadtreeMap
 from segmap.segments import SegmentMap
@@ -122,11 +121,3 @@ def test_both_on_a_map(matcher, score):
     for map, scan, word in refused:
         with pytest.raises(ValueError, match=word):
             (match if len(scan[0]) else score)(map, *scan)
-
-
-def test_sigma_must_be_positive():
-    rng, far = np.random.default_rng(0), (LIMIT, 1.0)
-    sample_and_rank(MAP, SCAN, (0, 0, 0), rng=rng, sigma=far, score=Watched(bowl))
-    for sigma in ((0, 1), (0.1, -1), (np.nan, 1), (1.1 * LIMIT, 1), 0.02, (0.02, 0.02, 0.03)):
-        with pytest.raises(ValueError, match="sigma must be positive"):
-            sample_and_rank(MAP, SCAN, (0, 0, 0), rng=np.random.default_rng(0), sigma=sigma)

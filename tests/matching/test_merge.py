@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import shared_file
 
-from segmap import alignment, load, read
+from segmap import alignment, read
 from segmap.alignment import LiveGraph, pose_graph, position_errors
 from segmap.alignment.graph import deviations, stacked
 from segmap.alignment.pose_graph import _merge
@@ -148,14 +148,6 @@ def test_a_corridor_that_repeats_is_not_merged_by_one_of_its_doors(shift):
 
     found = merge(drive_from(-6, 0), drive_from(-6 + shift, 1))
     assert "not merged" in found.doubt
-
-
-def test_a_session_of_nothing_is_named():
-    log = load("room")
-    with pytest.raises(ValueError, match="second must hold scans"):
-        merge(log[:3], log[:0])
-    with pytest.raises(ValueError, match="first must be a Log"):
-        merge([], log)
 
 
 @pytest.mark.slow

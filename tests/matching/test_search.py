@@ -7,7 +7,7 @@ from segmap_course import literal
 
 from segmap import load
 from segmap.angles import wrap
-from segmap.matching import DistanceField, Places, Uncertainty, localize, search
+from segmap.matching import Places, Uncertainty, localize, search
 from segmap.poses import compose, transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.scans import LaserScan
@@ -237,21 +237,6 @@ def test_beams_without_end_and_maps_far_away():
     assert search(SegmentMap(walls), odd).found
     far = search(SegmentMap(walls + 1e6), scan)
     assert far.found and np.abs(far.poses[0, :2] - (1000001.2, 1000001.6)).max() < 0.06
-
-
-def test_a_map_is_of_either_kind():
-    scan = seen(square_room(4), (1, 1, 0))
-    for bad in (square_room(4), DistanceField(SegmentMap(square_room(4))), None):
-        with pytest.raises(ValueError, match="map must be a QuadtreeMap or a SegmentMap"):
-            search(bad, scan)
-    for empty, word in ((QuadtreeMap(), "no occupied cell"), (SegmentMap([]), "no wall")):
-        with pytest.raises(ValueError, match=word):
-            search(empty, scan)
-    wide = QuadtreeMap(resolution=0.05)
-    wide.insert_scan((0, 0), [(0, 1), (1000, 0)])
-    for large in (wide, SegmentMap([[(0, 0), (1e5, 0)]])):
-        with pytest.raises(ValueError, match="too large"):
-            search(large, scan)
 
 
 def test_why_a_place_is_not_believed_has_a_kind_beside_its_words():

@@ -45,12 +45,6 @@ def test_segments_without_length():
     )
 
 
-@pytest.mark.parametrize("weights", [(0, 0), (-1, 2), (np.nan, 1)])
-def test_weights_must_make_a_mean(weights):
-    with pytest.raises(ValueError, match="weight_u and weight_v must not be negative"):
-        metrics.segment_distance([(0, 0), (1, 0)], [(0, 1), (1, 1)], *weights)
-
-
 def test_distance_broadcasts():
     u, v = np.random.default_rng(0).uniform(0, 1, (2, 5, 2, 2))
     table = metrics.segment_distance(u[:, None], v[None])

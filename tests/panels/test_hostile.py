@@ -207,13 +207,6 @@ def test_a_choice_of_another_type_is_refused_and_the_log_is_kept(value, page, tm
         said(page)
 
 
-def test_half_a_letter_is_no_session():
-    """Catches text that no browser can be sent."""
-    for given in ({"settings": {"method": "\udcff"}}, {"runs": [{"\ud800": 1}]}):
-        with pytest.raises(ValueError, match="must be what JSON holds"):
-            Session(LOG, **({"settings": {}} | given))
-
-
 @pytest.mark.parametrize("text", TEXTS)
 def test_tables_and_answers_in_a_notebook_are_only_text(text):
     """Catches a `_repr_html_` that hands on what it was given."""

@@ -3,12 +3,12 @@
 import ipywidgets as W
 import numpy as np
 import pytest
-from driven_panels import LEANING, LOG, RUNS, WALLS, press, unpainted, view_of
+from driven_panels import LEANING, RUNS, WALLS, press, unpainted, view_of
 from matplotlib.figure import Figure
 from segmap_course import HybridPanel, SectorPanel
 
-from segmap import LaserScan, Log, SegmentMap
-from segmap.panels import ComparePanel, Panel, QuadtreePanel, ScanPanel, slider, text
+from segmap import SegmentMap
+from segmap.panels import ComparePanel, Panel, slider, text
 
 
 def test_boxes_and_rows_of_buttons_are_as_wide_as_they_need():
@@ -113,27 +113,3 @@ def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
     assert len(poor) > 1 and panel.run["quality"] == poor["quality"].max()
     lost = poor.assign(quality=[np.nan, *poor["quality"][1:]])
     assert ComparePanel(WALLS, lost).run["quality"] == lost["quality"].max()
-
-
-@unpainted
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: QuadtreePanel(Log("room", LOG.scans)), "log 'room' has no truth: give poses"),
-        (
-            lambda: ScanPanel(Log("lost", [LaserScan([1.0], [0.0])])),
-            r"at least one of them finite, got \(1, 3\) with 0",
-        ),
-        (lambda: ScanPanel(LOG, LOG.truth[:2]), r"poses must be \(5, 3\), at least one"),
-        (lambda: QuadtreePanel(LOG, LOG.truth[:2]), r"poses must have shape \(5, 3\)"),
-        (lambda: QuadtreePanel(LOG[:0]), "log must hold one scan at least, got none"),
-        (lambda: ComparePanel(WALLS, RUNS[:0]), "runs must hold one run at least, got none"),
-        (
-            lambda: ComparePanel(WALLS, RUNS.assign(method="magic")),
-            r"^runs: a method must be one of",
-        ),
-    ],
-)
-def test_what_a_panel_cannot_show_is_named(make, message):
-    with pytest.raises(ValueError, match=message):
-        make()

@@ -147,28 +147,6 @@ def test_errors_and_scans_run_through_their_colours_with_a_scale(values, most, e
         np.testing.assert_array_equal(lines_of(ax), THREE[order])
 
 
-@pytest.mark.parametrize(
-    ("draw", "message"),
-    [
-        (lambda: plotting.draw_segments(THREE, group=[0, 1]), r"group must have shape \(3,\), one"),
-        (lambda: plotting.draw_segments(THREE, error=0.1), r"error must have shape \(3,\)"),
-        (lambda: plotting.draw_segments(THREE, scan=[0] * 3, group=[0] * 3), "got scan and group"),
-        (lambda: plotting.draw_provenance(THREE[:2], REDUCTION), r"reduction.parents .* \(2,\)"),
-        (lambda: plotting.draw_maps({"all": THREE}, color=[MAP, RAW]), "1 entries, one a map"),
-        (lambda: plotting.draw_alignment(LOG, PLAIN), "this log of 2 scans, got one of 4"),
-        (
-            lambda: plotting.draw_position_errors(FOUR, {"a": POSES[:3]}),
-            r"alignments\[.a.\] must .* \(4, 3\), got",
-        ),
-        (lambda: plotting.draw_position_errors(Log("raw", [SCAN]), {}), "log must have truth"),
-        (lambda: plotting.draw_log(LOG, np.zeros((3, 3))), r"poses must have shape \(2, 3\), got"),
-    ],
-)
-def test_what_does_not_fit_is_named(draw, message):
-    with pytest.raises(ValueError, match=message):
-        draw()
-
-
 def test_a_thick_after_lies_over_a_thin_before_and_both_are_counted(ax):
     """Catches the roles exchanged: the reduced map is the blue one, and nothing hides it."""
     plotting.draw_before_after(SegmentMap(THREE), REDUCTION, ax=ax)

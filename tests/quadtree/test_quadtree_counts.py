@@ -1,7 +1,6 @@
 """What the quadtree map counts and says of space, what it refuses, and maps of logs."""
 
 from dataclasses import replace
-from functools import partial
 from inspect import signature
 
 import numpy as np
@@ -119,12 +118,6 @@ def test_what_is_meant_where_nothing_is_said(of, usual):
     assert {name: given[name].default for name in usual} == usual
 
 
-@pytest.mark.parametrize("of", [frontiers, extent, partial(free_ends, sensor=(0, 0, 0))])
-def test_another_kind_is_refused(of):
-    with pytest.raises(ValueError, match=r"must be a (QuadtreeMap|LaserScan)"):
-        of(3)
-
-
 FAR = 10_000.0
 REFUSED = {
     "NaN sensor": (((np.nan, 0), [(1, 1)], []), r"sensor_xy must be finite.* is \[nan, 0.0\]"),
@@ -164,34 +157,6 @@ def test_the_largest_size_is_reached_and_not_passed():
     assert map.bounds == (0, 0, 16, 16)
     with pytest.raises(ValueError, match="max_size, 16 m"):
         map.insert_scan((0, 0), [(16, 0)])
-
-
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"size": 5.0}, r"size must be a power of two of cells of 0.01 m.*got 5.0 m: 500 cells"),
-        ({"size": 5.125}, "size must be a power of two"),
-        ({"size": -5.12}, "size must be a power of two"),
-        ({"size": 0.02}, "at least 4, got 0.02 m: 2 cells"),
-        ({"max_size": 2.56}, "max_size must not be below the size, 5.12 m"),
-        ({"max_size": 7.0}, "max_size must be a power of two"),
-        ({"max_size": 0.01 * 2.0**32}, r"nor have more than 2\^31 cells"),
-        ({"bias": 2**31}, "at most 2147483647, got 2147483648"),
-        ({"free_resolution": 0.03}, "free_resolution must be a power of two"),
-    ],
-)
-def test_sizes_that_do_not_fit_are_refused(wrong, message):
-    with pytest.raises(ValueError, match=message):
-        QuadtreeMap(**wrong)
-
-
-def test_a_grid_that_does_not_fit_is_refused(room):
-    """Catches a loop that reads beyond the leaves, too."""
-    for resolution in (0.03, 100.0, 0.01):
-        with pytest.raises(ValueError, match="resolution"):
-            room.to_grid(resolution)
-    with pytest.raises(ValueError, match="could not broadcast"):
-        room.rasterize(np.zeros(len(room.leaves().x) + 1))
 
 
 # ------------------------------------------------------------------------ of a log
@@ -234,23 +199,6 @@ def test_an_empty_map_says_why(ranges, pose, said):
     log = Log("blind", [LaserScan(ranges, np.arange(len(ranges)), max_range=8.0)])
     with pytest.warns(UserWarning, match=said):
         assert build_map(log, [pose]).scans == (said[0] == "0")
-
-
-@pytest.mark.parametrize(
-    ("scan", "pose"),
-    [
-        (LaserScan([1.0, 1e4], [0.0, 0.1]), (0, 0, 0)),
-        (LaserScan([1.0], [0.0]), (1e5, 0, 0)),
-        (LaserScan([1.0, np.inf], [0.0, 0.1], max_range=1e4), (0, 0, 0)),
-    ],
-)
-def test_the_scan_that_cannot_be_inserted_is_named(scan, pose):
-    """Among thousands: the message must say which, and not only which cell."""
-    log = Log("two", [LaserScan([1.0], [0.0]), scan])
-    with pytest.raises(ValueError, match=r"^scan 1: .*beyond max_size"):
-        build_map(log, [(0, 0, 0), pose], resolution=0.01, free=True)
-    with pytest.raises(ValueError, match=r"poses must have shape \(2, 3\), got \(1, 3\)"):
-        build_map(log, [(0, 0, 0)])
 
 
 def test_an_error_of_the_sensor_is_no_free_space():

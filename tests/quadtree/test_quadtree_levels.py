@@ -55,8 +55,3 @@ def test_the_mean_is_the_same_at_every_level():
     assert means == pytest.approx([means[0]] * len(means), abs=1e-12)
     assert spreads[0] == 0 and (np.diff(spreads) > 0).all()
     assert map.to_grid(sides[4]).mean() > means[4] + 0.03
-
-
-def test_a_word_that_is_no_value_is_refused():
-    with pytest.raises(ValueError, match="value must be one of 'max', 'mean', 'variance'"):
-        QuadtreeMap().to_grid(value="median")

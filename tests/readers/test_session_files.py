@@ -136,16 +136,6 @@ def test_a_newer_version_another_kind_and_a_bomb_are_told(tmp_path):
         read_session(path)
 
 
-def test_what_json_does_not_hold_is_no_session(tmp_path):
-    for given in ({"settings": {"a": {1, 2}}}, {"settings": 3}, {"runs": {"a": 1}}):
-        with pytest.raises(ValueError, match=f"{next(iter(given))} must "):
-            Session(LOG, **({"settings": {}} | given))
-    with pytest.raises(ValueError, match=r"must end in \.segmap, got 'it\.zip'"):
-        write_session(tmp_path / "it.zip", SESSION)
-    with pytest.raises(ValueError, match="must hold a scan"):
-        write_session(tmp_path / "it.segmap", Session(LOG[:0], {}))
-
-
 def test_an_array_without_dimension_is_told_in_every_npz(tmp_path):
     """Catches numpy's own errors for one number where a file should hold a row of them."""
     points, first = np.arange(8.0).reshape(4, 2), np.array([0, 2, 4])

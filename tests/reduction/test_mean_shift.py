@@ -56,26 +56,6 @@ def test_the_first_phase_can_be_watched():
         assert ways[0][name].default == ways[1][name].default
 
 
-@pytest.mark.parametrize(
-    ("scales", "message"),
-    [
-        ({"sigma": 1e-7}, "sigma must cut the map into at most 20000000 pieces"),
-        ({"bandwidth": 1e-9}, "bandwidth must be at least 1e-9 rad a sigma"),
-    ],
-)
-@pytest.mark.parametrize("way", [mean_shift, common_directions])
-def test_scales_that_rounding_would_decide_are_refused(scales, message, way):
-    """Moves below rounding never come to rest: an endless loop."""
-    with pytest.raises(ValueError, match=message):
-        way(np.array([[(0, 0), (9, 0)]]), **scales)
-
-
-def test_a_sigma_that_vanishes_beside_the_extent_is_refused():
-    """Moves below rounding again, between two short walls that are far apart."""
-    with pytest.raises(ValueError, match="sigma must be at least 1e-10 of the extent"):
-        mean_shift(np.array([[(0, 0), (0.01, 0)], [(1e5, 0), (1e5, 0.01)]]), sigma=1e-6)
-
-
 def test_a_map_in_which_nothing_repeats_is_told():
     """Catches 600 pieces of 100 walls that nobody has seen twice, returned as their reduction."""
     rng = np.random.default_rng(1)

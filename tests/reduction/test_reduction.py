@@ -131,12 +131,6 @@ def test_thresholds_out_of_range(name, threshold, bad):
         METHODS[name](np.empty((0, 2, 2)), **{threshold: bad})
 
 
-@pytest.mark.parametrize("index", [-1, 1, 0.5])
-def test_members_are_those_of_an_output(index):
-    with pytest.raises(ValueError, match="index must be"):
-        METHODS["fusion"]([[(0, 0), (1, 0)]]).members(index)
-
-
 def test_as_many_points_as_are_allowed_are_made(monkeypatch):
     monkeypatch.setattr(_points, "MOST_SPACED_POINTS", 10)
     assert len(_points.stand_ins(np.array([[(0, 0), (1, 0)]], float), 0.1)[0]) == 11

@@ -111,7 +111,6 @@ class Unit:
         if streaming:  # left so by a host that crashed
             self.stream = ScanRequest("MD", self.model.first, self.model.last)
             self.laser = True
-            self._next_turn = self.turn() + 1
 
     def now(self) -> float:
         """Its seconds since power-up."""

@@ -246,12 +246,3 @@ def test_the_baseline_has_the_odometry_that_was_put_right():
     log = driven()
     feet = with_rows(log, log.odometry / (0.3048, 0.3048, 1))
     assert np.allclose(odometry(prepared(feet)).poses, log.odometry, atol=1e-9)
-
-
-def test_options_are_checked():
-    """Catches words that are taken for a place."""
-    for wrong in ("none", (1, 2), "Auto"):
-        with pytest.raises(ValueError, match="mount"):
-            prepared(driven(), mount=wrong)
-    with pytest.raises(ValueError, match="log must be a Log"):
-        prepared(driven().scans)

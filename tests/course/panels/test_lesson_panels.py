@@ -15,7 +15,6 @@ from segmap.alignment import (
     match_angles,
     match_points,
     match_segments,
-    odometry,
     pose_graph,
 )
 from segmap.exports import ros_classes
@@ -436,27 +435,6 @@ def test_pose_graph_panel_takes_loops_only_when_they_are_found_and_wanted():
 def test_pose_graph_panel_without_odometry_offers_no_odometry():
     scans = [LaserScan(s.ranges, s.angles, s.time) for s in LOOP[:10]]
     assert course.PoseGraphPanel(Log("bare", scans)).odometry.disabled
-
-
-@unpainted
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: course.AnglePanel(LOG[:1]), "log must hold at least two scans, got 1"),
-        (lambda: course.BackbonePanel(LOG[:0]), "log must hold at least one scan, got none"),
-        (lambda: course.GroundTruthPanel(Log("raw", LOG.scans)), "must hold true poses"),
-        (
-            lambda: course.IcpPanel(np.zeros((2, 2)), np.zeros((9, 2))),
-            "6 points each, got 2 and 9",
-        ),
-        (lambda: course.PoseGraphPanel(LOOP, odometry(LOOP)), "must share a graph"),
-        (lambda: course.PoseGraphPanel(LOOP[:9], looped()), "must share a graph"),
-        (lambda: course.PoseGraphPanel(LOOP[:1]), "must share a graph"),
-    ],
-)
-def test_what_a_lesson_panel_cannot_show_is_named(make, message):
-    with pytest.raises(ValueError, match=message):
-        make()
 
 
 # ------------------------------------------------------- quadtrees, and the rays that fail

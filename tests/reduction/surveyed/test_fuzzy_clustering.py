@@ -67,9 +67,3 @@ def test_a_map_as_far_as_cells_have_numbers(axis):
     fuzzy_clustering(near, cell=cell)
     with pytest.raises(ValueError, match=r"^cell must be larger"):
         fuzzy_clustering(far, cell=cell)
-
-
-@pytest.mark.parametrize("corner", [np.nan, (0.0, np.inf), (1.0, 2.0, 3.0)])
-def test_a_corner_is_a_point(corner):
-    with pytest.raises(ValueError, match=r"^corner must be"):
-        fuzzy_clustering(WALLS, corner=corner)

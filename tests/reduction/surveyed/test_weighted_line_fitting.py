@@ -56,11 +56,6 @@ def test_far_walls_on_one_line_merge_without_a_test_of_extent():
     assert len(weighted_line_fitting(map, gap=7.0)) == 1
 
 
-def test_a_spacing_that_is_no_length_is_refused():
-    with pytest.raises(ValueError, match=r"spacing must make at most .* is it in metres"):
-        weighted_line_fitting([[(0, 0), (1, 0)]], spacing=1e-9)
-
-
 def test_a_threshold_that_allows_all_writes_nothing_beyond_the_index():
     """Catches a room of 1e75 m, more than the index has levels for: the loops check no index."""
     walls = "[[(0, 0), (3, 0)], [(3, 0), (3, 2)], [(3, 2), (0, 2)]]"
