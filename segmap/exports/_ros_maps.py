@@ -18,7 +18,7 @@ import json
 import math
 import re
 import warnings
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import Any
 
 import numpy as np
@@ -28,10 +28,10 @@ from ..arrays import LIMIT, Array, file
 from ..files import shown
 from ..poses import transform
 from ..quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap, map_of_grid
-from ..readers import LogError
+from ..readers import LogError, read_text
 
 #: A YAML of a map has a few lines.
-MOST_YAML_BYTES = 1 << 16
+MOST_YAML_CHARACTERS = 1 << 16
 #: So many pixels a map of 400 m by 400 m at 0.05 m has.
 MOST_MAP_PIXELS = 1 << 26
 YAML_MODES = ("trinary", "scale", "raw")
@@ -51,8 +51,10 @@ def is_ros_map(path: str | Path) -> bool:
     place = file(path)
     if place.suffix.lower() not in (".yaml", ".yml") or not place.is_file():
         return False
-    with place.open("rb") as source:
-        return re.search(rb"^image\s*:", source.read(MOST_YAML_BYTES), re.MULTILINE) is not None
+    try:
+        return re.search(r"^image\s*:", read_text(place), re.MULTILINE) is not None
+    except LogError:
+        return False
 
 
 def read_ros_map(path: str | Path) -> QuadtreeMap:
@@ -96,7 +98,7 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     if free > occupied:
         raise said.fault("free_thresh", f"must not be above occupied_thresh, {occupied:g}")
     mode = said.word("mode", YAML_MODES, "trinary")
-    negate = said.word("negate", ("0", "1", "false", "true")) in ("1", "true")
+    negate = said.word("negate", ("0", "1", "false", "true"), "0") in ("1", "true")
     grey, opaque = _picture(said)
     shade = grey if negate else 255 - grey
     if mode == "raw":  # there the pixel is the value
@@ -156,9 +158,14 @@ def _picture(said: _Said) -> tuple[Array, NDArray[np.bool_]]:
     """Mean of the colours of each pixel, 0 to 255, row 0 at the top; and whether it is opaque."""
     from PIL import Image  # matplotlib brings it
 
-    place = said.path.parent / said.text("image")
-    if not place.is_file():
-        raise said.fault("image", f"there is no file {shown(place)}: it belongs beside the YAML")
+    named = said.text("image")
+    place = said.path.parent / named
+    if not place.is_file():  # a whole path may be of the machine that made the map
+        beside = said.path.parent / PureWindowsPath(named).name
+        if not beside.is_file():
+            raise said.fault("image", f"is not there, neither {shown(place)} nor beside the YAML")
+        warnings.warn(f"{shown(place)} is not there: {beside.name} is", UserWarning, stacklevel=3)
+        place = beside
     try:
         with Image.open(place, formats=KINDS) as image:
             columns, rows = image.size
@@ -182,15 +189,10 @@ class _Said:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._held: dict[str, tuple[Any, int]] = {}
-        try:
-            with path.open("rb") as source:
-                data = source.read(MOST_YAML_BYTES + 1)
-        except OSError as error:
-            raise LogError(path, f"cannot be read ({error.strerror})") from error
-        if len(data) > MOST_YAML_BYTES:
+        if len(said := read_text(path)) > MOST_YAML_CHARACTERS:
             raise LogError(path, "is too long for the YAML of a map")
         key = ""
-        for number, line in enumerate(data.decode("utf-8", "surrogateescape").splitlines(), 1):
+        for number, line in enumerate(said.splitlines(), 1):
             text = re.sub(r"(^|\s)#(?=(?:[^'\"]|'[^']*'|\"[^\"]*\")*$).*", "", line).strip()
             if item := re.fullmatch(r"-\s+(.+)", text):
                 if key and isinstance(self._held[key][0], list):

@@ -1,6 +1,7 @@
 """Maps for ROS read back by the rules of map_server: ours to the cell, nonsense by its line."""
 
 from contextlib import nullcontext
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -118,6 +119,12 @@ def test_lists_quotes_comments_and_paths_are_those_of_yaml(tmp_path):
     (tmp_path / "below").mkdir()
     far = written(ROW, text, ("'it.png'", f'"{tmp_path}/it.png"'))
     assert states(read_ros_map(far), *THREE) == [0, 0.5, 1]
+    other = written(ROW, text, ("'it.png'", "C:\\maps\\it.png"), ("negate: false\n", ""))
+    with pytest.warns(UserWarning, match=r"is not there: it\.png is"):
+        assert states(read_ros_map(other), *THREE) == [0, 0.5, 1]
+    for encoding in ("utf-8-sig", "utf-16"):
+        Path("it.yaml").write_bytes(text.removeprefix("%YAML 1.1\n---\n").encode(encoding))
+        assert is_ros_map("it.yaml") and states(read_ros_map("it.yaml"), *THREE) == [0, 0.5, 1]
     assert is_ros_map("it.yaml") and not is_ros_map("it.png") and not is_ros_map("gone.yaml")
 
 
@@ -133,7 +140,10 @@ def test_lists_quotes_comments_and_paths_are_those_of_yaml(tmp_path):
         (("0.196", "0.9"), "line 6: free_thresh must not be above occupied_thresh"),
         (("negate: 0", "negate: perhaps"), "line 4: negate must be one of"),
         (("negate: 0", "negate: 0\nmode: dual"), "line 5: mode must be one of trinary, scale, raw"),
-        (("it.png", "gone.png"), "line 1: image there is no file gone.png"),
+        (
+            ("it.png", "gone.png"),
+            "line 1: image is not there, neither gone.png nor beside the YAML",
+        ),
         (("it.png", '"it'), "line 1: image has quotes that do not end"),
         (("it.png", "it.yaml"), "is no picture that can be read"),
     ],

@@ -181,7 +181,7 @@ WRONG = {
     "nothing": ("", None, "holds no vertex of a graph"),
     "edges only": ("FIX 0\n", None, "holds no vertex of a graph"),
     "another file": ("FLASER 1 2 3\n", 1, "expected a VERTEX_SE2 or EDGE_SE2 line, got 'FLASER'"),
-    "3D": ("VERTEX3 0 0 0 0 0 0 0\n", 1, "expected a VERTEX_SE2 or EDGE_SE2 line"),
+    "3D": ("VERTEX3 0 0 0 0 0 0.9 0\n", 1, "in a plane, got one that is tilted by 52 degrees"),
     "tilted": (
         "VERTEX_SE3:QUAT 0 0 0 0 0.5 0 0 0.87\n",
         1,
@@ -248,11 +248,18 @@ def test_poses_in_space_of_a_plane_robot_are_projected_and_said(tmp_path):
         "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 3 0 0 0.2 0 0 0 1\n"
         f"VERTEX_SE3:QUAT 5 1 2 -0.3 {half}\nEDGE_SE3:QUAT 3 5 1.1 2 0 {half} {upper}\n"
     )
+    six[5, 5], six[:2, 5] = 7, (2, 3)  # of TORO, whose angles are whole
+    whole = " ".join(f"{value:g}" for value in six[np.triu_indices(6)])
+    toro = (
+        "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\nVERTEX3 3 0 0 0.2 0 0 0\n"
+        f"VERTEX3 5 1 2 -0.3 0 0 0.6\nEDGE3 3 5 1.1 2 0 0 0 0.6 {whole}\n"
+    )
     (tmp_path / "flat.g2o").write_text(flat)
-    (tmp_path / "space.g2o").write_text(space)
     wanted = read_graph(tmp_path / "flat.g2o")
-    with pytest.warns(UserWarning, match=r"poses in space are projected: up to 0.3 m, 0 degrees"):
-        found = read_graph(tmp_path / "space.g2o")
-    for name in ("poses", "edges", "relative", "information", "ids"):
-        assert getattr(found, name) == pytest.approx(getattr(wanted, name)), name
-    assert found.left_out == {"PARAMS_SE3OFFSET": 1}
+    for content in (space, toro):
+        (tmp_path / "space.g2o").write_text(content)
+        with pytest.warns(UserWarning, match=r"are projected: up to 0.3 m, 0 degrees"):
+            found = read_graph(tmp_path / "space.g2o")
+        for name in ("poses", "edges", "relative", "information", "ids"):
+            assert getattr(found, name) == pytest.approx(getattr(wanted, name)), name
+        assert found.left_out == {"PARAMS_SE3OFFSET": 1}

@@ -6,9 +6,9 @@
 The motion is the second vertex as seen from the first. g2o measures what is left of it in the frame
 where the motion ends, `solve_graph` in the frame where it begins: the information is turned. The
 older VERTEX2 and EDGE2 of TORO order it as I11 I12 I22 I33 I13 I23. Of a robot in a plane the
-VERTEX_SE3:QUAT and EDGE_SE3:QUAT are projected on it, with a warning; their information is of half
-an angle. Scans, landmarks, fixed vertices, priors, bearings, switches and parameters are left out,
-and counted.
+VERTEX_SE3:QUAT and EDGE_SE3:QUAT are projected on it, with a warning, and so are the VERTEX3 and
+EDGE3 of TORO; the information of the former is of half an angle. Scans, landmarks, fixed vertices,
+priors, bearings, switches and parameters are left out, and counted.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ from ._g2o import G2O_LASERS, G2O_OTHERS, VERTICES
 LEFT_OUT = re.compile(r"(EDGE|VERTEX|PARAMS|LANDMARK|PRIOR|BR|FIX)(_[A-Z0-9_]+)?")
 #: Of each kind of edge: where the nine entries of the information stand among the six in the file.
 ORDERS = {"EDGE_SE2": (0, 1, 2, 1, 3, 4, 2, 4, 5), "EDGE2": (0, 1, 4, 1, 2, 5, 4, 5, 3)}
-#: Poses in space.
-IN_SPACE = ("VERTEX_SE3:QUAT", "EDGE_SE3:QUAT")
+#: Poses in space, by a quaternion or by roll, pitch and yaw, and motions between them.
+QUATERNIONS = ("VERTEX_SE3:QUAT", "EDGE_SE3:QUAT")
+ANGLES = ("VERTEX3", "EDGE3")
 #: Of the 21 entries of the information of such an edge those in the plane, and what makes them of a
 #: whole angle: g2o's is the vector of a quaternion.
 PLANE_ENTRIES = (0, 1, 5, 6, 10, 20)
@@ -94,7 +95,7 @@ def read_graph(path: str | Path) -> PoseGraph:
         lines = Lines(place)
         for kind, *fields in lines:
             try:
-                if kind in IN_SPACE:
+                if kind in (*QUATERNIONS, *ANGLES):
                     kind, fields, more = _in_plane(kind, fields)
                     lost = np.vstack([lost, more]).max(0, keepdims=True)
                 if kind in VERTICES:
@@ -134,11 +135,14 @@ def read_graph(path: str | Path) -> PoseGraph:
 
 def _in_plane(kind: str, fields: Sequence[str]) -> tuple[str, list[str], Array]:
     """A line of a graph in space as one in the plane; and its height, metres, and tilt, radians."""
-    begin = 1 if kind == IN_SPACE[0] else 2
-    found = float_fields(fields[begin : begin + 7], "the pose")
-    if len(found) != 7:
-        raise ValueError(f"expected x, y, z and a quaternion, got {len(found)} fields")
-    pose = in_space(found[:3].tolist(), found[[6, 3, 4, 5]].tolist())
+    begin, by_angles = 1 if kind.startswith("VERTEX") else 2, kind in ANGLES
+    count = 6 if by_angles else 7
+    found = float_fields(fields[begin : begin + count], "the pose")
+    if len(found) != count:
+        what = "roll, pitch and yaw" if by_angles else "a quaternion"
+        raise ValueError(f"expected x, y, z and {what}, got {len(found)} fields")
+    turn = _quaternion(found[3:]) if by_angles else found[[6, 3, 4, 5]].tolist()
+    pose = in_space(found[:3].tolist(), turn)
     tilt = float(np.arccos(np.clip(pose[2, 2], -1, 1)))
     if tilt > MOST_TILT_IN_PLANE:
         said = f"{np.degrees(tilt):.0f} degrees"
@@ -147,11 +151,18 @@ def _in_plane(kind: str, fields: Sequence[str]) -> tuple[str, list[str], Array]:
     lost = np.array([abs(found[2]), tilt])
     if begin == 1:
         return "VERTEX_SE2", plane, lost
-    entries = float_fields(fields[begin + 7 :], "the information of the edge")
+    entries = float_fields(fields[begin + count :], "the information of the edge")
     if len(entries) != 21:
         raise ValueError(f"expected 21 entries of information, got {len(entries)}")
-    six = entries[list(PLANE_ENTRIES)] * WHOLE_ANGLE
+    six = entries[list(PLANE_ENTRIES)] * (1 if by_angles else WHOLE_ANGLE)
     return "EDGE_SE2", [*plane, *map(repr, six.tolist())], lost
+
+
+def _quaternion(angles: Array) -> list[float]:
+    """w, x, y, z of a turn by roll, then pitch, then yaw, radians."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(angles / 2), np.sin(angles / 2)
+    turn = [cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy]
+    return [*map(float, [*turn, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy])]
 
 
 def _vertex_number(fields: Sequence[str], place: int) -> int:
