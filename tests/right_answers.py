@@ -252,6 +252,22 @@ def laplacian_by_rows(count, edges, weights):
     return rows.T @ (weights[:, None] * rows)
 
 
+def rooms_as_sets(widths, doors, kappa):
+    """Rooms as sets of numbers; the least doorway by sorting all of them each time."""
+    rooms = [{k} for k in range(len(widths))]
+    while True:
+        found = []
+        for i, j, width in doors:
+            one, other = (next(room for room in rooms if k in room) for k in (i, j))
+            if one is not other:
+                circles = (max(widths[k] for k in room) for room in (one, other))
+                found.append((min(circles) / width, sorted([min(one), min(other)]), one, other))
+        if not found or min(found)[0] >= kappa:
+            return [min(next(r for r in rooms if k in r)) for k in range(len(widths))]
+        _, _, one, other = min(found, key=lambda each: each[0])
+        rooms = [room for room in rooms if room not in (one, other)] + [one | other]
+
+
 #: Exercise -> its answer. Some use helpers of the library, some lists or whole numbers.
 RIGHT = {
     "ransac_trials": trials_one_by_one,
@@ -303,5 +319,6 @@ RIGHT = {
     "building_axis": lambda a, w: np.angle((w * np.exp(4j * a)).sum()) / 4 % (np.pi / 2),
     "far_ends": far_ends_by_pairs,
     "laplacian": laplacian_by_rows,
+    "rooms_left": rooms_as_sets,
     "memberships": lambda squares, noise: softmax(-np.log(np.append(squares, noise**2)))[:-1],
 }

@@ -46,7 +46,16 @@ from ._thesis import (
     thesis_results,
     within_thesis,
 )
-from ._unknown_building import Taped, Unknown, figures, reasons, unknown_building
+from ._unknown_building import (
+    Taped,
+    Unknown,
+    circle_in,
+    figures,
+    plan_reasons,
+    reasons,
+    three_plans,
+    unknown_building,
+)
 from .drawings import *
 from .exercises import Check, Exercise
 from .exercises.alignment import (
@@ -84,6 +93,7 @@ from .exercises.mechanisms import (
     check_look_noise,
     check_mean_line,
     check_pose_cost,
+    check_rooms_left,
 )
 from .exercises.open import Challenge, Decision, OwnLog, Prediction
 from .exercises.open.alignment import (
@@ -95,7 +105,7 @@ from .exercises.open.alignment import (
     predict_sparse_icp,
     predict_turned_quality,
 )
-from .exercises.open.decision import decide_map
+from .exercises.open.decision import decide_map, decide_plan
 from .exercises.open.own_log import check_own_log
 from .exercises.open.quadtree import break_cells, break_matching, predict_coarse_leaves
 from .exercises.open.reduction import (
@@ -158,17 +168,17 @@ __all__ = [
     "check_memberships", "check_merged", "check_missed_metres", "check_move_onto_walls",
     "check_nees", "check_occupancy", "check_own_log", "check_pixel", "check_pose_cost",
     "check_pose_covariance", "check_quality", "check_ransac_trials", "check_ray_cells",
-    "check_reduction_at", "check_reduction_rate", "check_resampled", "check_scan_score",
-    "check_tape_scale", "check_unwrapped", "check_verdict", "check_weighed", "compare_with_walls",
-    "conclusions", "corridor_walk", "decide_map", "density", "drawings", "drive_to_frontiers",
-    "explore", "figures", "filter_change", "floor_of", "heading_profile", "known_building",
-    "landscape", "load_columns", "load_trials", "near_metres", "occupied_centres", "office_views",
-    "panels", "peaks", "precision_and_recall", "predict_beams_on_wall", "predict_coarse_leaves",
-    "predict_drift", "predict_fusion_left", "predict_fusion_twice", "predict_pieces",
-    "predict_scan_time", "predict_sparse_icp", "predict_turned_quality", "profile_peaks", "reasons",
-    "represent", "room_walk", "room_walls", "sample_points", "thesis_grid", "thesis_results",
-    "trial_table", "try_pair", "unknown_building", "visible_walls", "wall_errors", "within_thesis",
-    "write_trials",
+    "check_reduction_at", "check_reduction_rate", "check_resampled", "check_rooms_left",
+    "check_scan_score", "check_tape_scale", "check_unwrapped", "check_verdict", "check_weighed",
+    "circle_in", "compare_with_walls", "conclusions", "corridor_walk", "decide_map", "decide_plan",
+    "density", "drawings", "drive_to_frontiers", "explore", "figures", "filter_change", "floor_of",
+    "heading_profile", "known_building", "landscape", "load_columns", "load_trials", "near_metres",
+    "occupied_centres", "office_views", "panels", "peaks", "plan_reasons", "precision_and_recall",
+    "predict_beams_on_wall", "predict_coarse_leaves", "predict_drift", "predict_fusion_left",
+    "predict_fusion_twice", "predict_pieces", "predict_scan_time", "predict_sparse_icp",
+    "predict_turned_quality", "profile_peaks", "reasons", "represent", "room_walk", "room_walls",
+    "sample_points", "thesis_grid", "thesis_results", "three_plans", "trial_table", "try_pair",
+    "unknown_building", "visible_walls", "wall_errors", "within_thesis", "write_trials",
 ]  # fmt: skip
 __all__ += drawings.__all__
 __all__ += panels.__all__

@@ -1,4 +1,4 @@
-"""A log without truth, four maps of it, and what a tape measure says: which map is right?"""
+"""A log without truth, four maps and three plans of it, and a tape measure: which one is right?"""
 
 from __future__ import annotations
 
@@ -13,6 +13,9 @@ from segmap.alignment import Alignment, odometry, point_icp, pose_graph
 from segmap.arrays import Array
 from segmap.extraction import build_map
 from segmap.metrics import doubled_walls
+from segmap.plan import FloorPlan, Room, floor_plan
+from segmap.quadtree import build_map as build_tree
+from segmap.reduction import one_per_wall
 from segmap.scans import Log
 from segmap.segments import SegmentMap
 from segmap.simulation import SICK_LMS200, OdometryNoise, cast_rays, drive, office, simulate
@@ -38,6 +41,13 @@ LAID = (
 #: A map is doubtful by a figure beyond this: least share of scans placed, least share sure, metres
 #: that are promised, share of walls doubled, standard deviations from the tape.
 LIMITS = {"placed": 0.9, "sure": 0.9, "within": 0.5, "doubled": 0.25, "tape": 3.0}
+#: A room on each side of a door holds a circle of at least so many times its width.
+WIDER_THAN_A_DOOR = 1.25
+#: Standard deviation of a distance taken from a plan, metres: walls that the poses have bent
+#: are drawn straight.
+PLAN_SIGMA_M = 0.05
+#: The map of `unknown_building` from which each plan is made, and kappa.
+MADE_FROM = {"P": ("D", 0.1), "Q": ("C", WIDER_THAN_A_DOOR), "R": ("D", WIDER_THAN_A_DOOR)}
 
 
 class Taped(NamedTuple):
@@ -80,6 +90,11 @@ def wall_to_wall(walls: Array, poses: Array, taped: Taped) -> float:
     return float(cast_rays(walls, poses[taped.scan], both, max_range=50.0).sum())
 
 
+def with_other_unit(log: Log) -> Log:
+    """The log as who takes the unit of another sensor reads it: all ranges longer."""
+    return Log(log.name, [replace(scan, ranges=OTHER_UNIT * scan.ranges) for scan in log])
+
+
 @cache
 def unknown_building() -> Unknown:
     """A drive through an office: maps A to D, each by another way from the same log.
@@ -102,8 +117,7 @@ def unknown_building() -> Unknown:
     truth = known.truth
     assert truth is not None
     log = Log("unknown", known.scans)
-    longer = Log("unknown", [replace(scan, ranges=OTHER_UNIT * scan.ranges) for scan in log])
-    made = {"A": (odometry, log), "B": (point_icp, log), "C": (pose_graph, longer)}
+    made = {"A": (odometry, log), "B": (point_icp, log), "C": (pose_graph, with_other_unit(log))}
     made["D"] = pose_graph, log
     alignments = {name: method(given) for name, (method, given) in made.items()}
     maps = {
@@ -158,5 +172,64 @@ def reasons(case: Unknown, name: str) -> set[str]:
         "spread": found["sure"] < LIMITS["sure"] or found["within"] > LIMITS["within"],
         "doubled": found["doubled"] > LIMITS["doubled"],
         "tape": found["tape"] > LIMITS["tape"],
+    }
+    return {witness for witness, speaks in against.items() if speaks}
+
+
+@cache
+def three_plans() -> Mapping[str, FloorPlan]:
+    """Plans P, Q and R of the log of `unknown_building`.
+
+    Examples
+    --------
+    >>> {name: (len(plan.rooms), len(plan.doors)) for name, plan in three_plans().items()}
+    {'P': (10, 9), 'Q': (7, 6), 'R': (7, 6)}
+    """
+    case, made = unknown_building(), {}
+    for name, (source, kappa) in MADE_FROM.items():
+        log = with_other_unit(case.log) if source == "C" else case.log
+        poses = case.alignments[source]
+        walls = one_per_wall(build_map(log, poses, keep_points=True))
+        free = build_tree(log, poses, resolution=0.05, free_resolution=0.05)
+        made[name] = floor_plan(walls, free, kappa=kappa)
+    return made
+
+
+def circle_in(room: Room) -> float:
+    """Diameter of the largest circle that a room holds, metres.
+
+    Examples
+    --------
+    >>> corridor = three_plans()["R"].rooms[0]
+    >>> round(circle_in(corridor), 1)
+    2.1
+    """
+    import shapely
+
+    inside = shapely.Polygon(room.outline, room.holes)
+    return 2 * float(shapely.maximum_inscribed_circle(inside, tolerance=0.01).length)
+
+
+def plan_reasons(name: str) -> set[str]:
+    """What speaks against one of `three_plans`: "circle", "tape" or "shut".
+
+    A door that is too wide for a room beside it; a distance that the tape measured otherwise; a
+    room into which no door leads.
+
+    Examples
+    --------
+    >>> {name: plan_reasons(name) for name in three_plans()}
+    {'P': {'circle'}, 'Q': {'tape'}, 'R': set()}
+    """
+    plan, case = three_plans()[name], unknown_building()
+    wide = [circle_in(room) for room in plan.rooms]
+    poses = case.alignments[MADE_FROM[name][0]].poses
+    walls = plan.walls.segments
+    off = [wall_to_wall(walls, poses, taped) - taped.metres for taped in case.tape]
+    doors = [(door, [wide[k] for k in door.rooms]) for door in plan.doors]
+    against = {
+        "circle": any(min(both) < WIDER_THAN_A_DOOR * door.width for door, both in doors),
+        "tape": max(np.abs(off)) > LIMITS["tape"] * PLAN_SIGMA_M,
+        "shut": not plan.graph.any(1).all(),
     }
     return {witness for witness, speaks in against.items() if speaks}

@@ -70,6 +70,7 @@ STATES: dict[str, list[str]] = {
     "67-1": ["", "scan=20", "scan=40", "carried=True, scan=30"],
     "68-1": ["", "scan=150", "scan=255", "scan=290"],
     "69-1": ["", "radius=0.35", "radius=0.5", "goal_x=6.0, goal_y=2.8, radius=0.1"],
+    "70-1": ["", "kappa=0.1", "kappa=3.0", "kappa=1.25, band=0.02"],
     "71-1": ["", "step=2", "step=4"],
     "72-1": ["", "run(20)", "run(20)", "run(20)"],
     "01-1": ["", "run()", "method='hybrid', run()", "method='fusion', run()"],

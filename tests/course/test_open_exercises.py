@@ -128,6 +128,15 @@ ANSWERS = {
             (["D"], "decide first"),
         ],
     ),
+    "decide_plan": (
+        {"P": "circle", "Q": "tape", "R": "keep"},
+        [
+            ({"P": "keep", "Q": "tape", "R": "circle"}, "P is not the one to keep"),
+            ({"P": "shut", "Q": "tape", "R": "keep"}, "P: 'shut' does not speak"),
+            ({"P": "circle", "Q": "circle", "R": "keep"}, "Q: 'circle' does not speak"),
+            ({"P": "circle", "R": "keep"}, "name each of P, Q, R"),
+        ],
+    ),
     "predict_sparse_icp": (0.1, [(2.0, "near enough is within 0.15 m")]),
     "break_icp": (
         (0.1, -0.57, -0.18),

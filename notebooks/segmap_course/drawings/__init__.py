@@ -11,6 +11,7 @@ from ._alignments import (
 )
 from ._buildings import draw_buildings, draw_threshold
 from ._charts import label_axes, mark_places, set_ticks, write_names
+from ._plans import draw_labels, draw_plan
 from ._quadtrees import (
     draw_cells,
     draw_classes,
@@ -35,8 +36,8 @@ from ._segments import (
 __all__ = [
     "draw_backbone", "draw_basin", "draw_buildings", "draw_candidate", "draw_cases", "draw_cells",
     "draw_centres", "draw_classes", "draw_climb", "draw_distance_terms", "draw_field",
-    "draw_frames", "draw_frontiers", "draw_growth", "draw_icp_step", "draw_landscape",
-    "draw_marked", "draw_merge", "draw_normals", "draw_odometry_comparison", "draw_profile",
-    "draw_ray", "draw_strip", "draw_threshold", "draw_trade_off", "draw_trials", "draw_uncertainty",
-    "label_axes", "mark_places", "set_ticks", "write_names",
+    "draw_frames", "draw_frontiers", "draw_growth", "draw_icp_step", "draw_labels",
+    "draw_landscape", "draw_marked", "draw_merge", "draw_normals", "draw_odometry_comparison",
+    "draw_plan", "draw_profile", "draw_ray", "draw_strip", "draw_threshold", "draw_trade_off",
+    "draw_trials", "draw_uncertainty", "label_axes", "mark_places", "set_ticks", "write_names",
 ]  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from segmap.arrays import Array
 
@@ -287,4 +288,67 @@ check_laplacian = Exercise(
         ),
     },
     close,
+)
+
+
+# ------------------------------------------------------------------ rooms and doorways
+def _doorways(rng: Rng) -> Cases:
+    """Rooms wide and narrow in a chain that is closed, and a doorway across it."""
+    cases: dict[str, tuple[Any, ...]] = {}
+    for count in (4, 5, 6, 7):
+        widths = rng.permutation([3.0, *rng.uniform(0.6, 2.0, count - 1)]).round(1)
+        pairs = [(k, (k + 1) % count) for k in range(count)] + [(0, count // 2)]
+        doors = np.column_stack([pairs, rng.permutation(np.linspace(0.6, 1.6, len(pairs)))])
+        cases[f"{count} rooms"] = widths, doors.round(2), 1.25
+    return cases
+
+
+def _rooms_left(widths: Array, doors: Array, kappa: float) -> NDArray[np.int64]:
+    """The rule of circles: `plan.floor_plan` measures the circle of the two rooms anew instead."""
+    room, wide = np.arange(len(widths)), np.array(widths, float)
+    for _ in widths:
+        i, j = np.sort(room[np.asarray(doors[:, :2], int)], axis=1).T
+        ratio = np.where(i == j, np.inf, np.minimum(wide[i], wide[j]) / doors[:, 2])
+        k = ratio.argmin()
+        if ratio[k] >= kappa:
+            break
+        wide[i[k]] = np.maximum(wide[i[k]], wide[j[k]])
+        room[room == j[k]] = i[k]
+    return room
+
+
+check_rooms_left = Exercise(
+    "rooms_left(widths, doors, kappa) -> (n,) whole numbers: the lowest number of the rooms with "
+    "which each room ends as one. The rooms hold circles of widths (n,), metres; a row of doors "
+    "(m, 3) is the numbers of two rooms and the width of the doorway between. While some smaller "
+    "circle is below kappa times the width, the doorway with the least ratio of both is taken out: "
+    "its two rooms are one, with the wider circle, and all is tested anew",
+    _rooms_left,
+    _doorways,
+    {
+        "both sides must be wider: the smaller circle decides, not the larger": (
+            edited(_rooms_left, ("np.minimum(wide[i], wide[j])", "np.maximum(wide[i], wide[j])"))
+        ),
+        "the least ratio goes first: which room a niche belongs to depends on it": (
+            edited(_rooms_left, ("ratio.argmin()", "(ratio < kappa).argmax()"))
+        ),
+        "the new room holds the wider circle of both": (
+            edited(_rooms_left, ("np.maximum(wide[i[k]]", "np.minimum(wide[i[k]]"))
+        ),
+        "a circle as wide as the doorway is not enough: kappa times": (
+            edited(_rooms_left, (">= kappa", ">= 1"))
+        ),
+        "test anew after each doorway: rooms that were too narrow may be wide enough now": (
+            edited(_rooms_left, ("wide[i[k]] =", "_ ="))
+        ),
+        "all rooms that have become one get its number, not the last one alone": (
+            edited(_rooms_left, ("room[room == j[k]]", "room[j[k]]"))
+        ),
+        "the ratio is the circle over the doorway, not the doorway over the circle": (
+            edited(
+                _rooms_left,
+                ("np.minimum(wide[i], wide[j]) / doors[:, 2]", "doors[:, 2] / wide[i]"),
+            )
+        ),
+    },
 )

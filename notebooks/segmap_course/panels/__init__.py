@@ -11,6 +11,7 @@ from ._chosen import EarlyMethodsPanel, LineErrorPanel, OnlinePanel
 from ._finders import FinderPanel
 from ._graphs import IcpPanel, PoseGraphPanel
 from ._matching import KalmanPanel, LandscapePanel, MatcherPanel, ParticlePanel, PlacePanel
+from ._plans import PlanPanel
 from ._quadtree import ClassesPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,
@@ -29,6 +30,6 @@ __all__ = [
     "EarlyMethodsPanel", "FinderPanel", "FusionPanel", "GlobalPanel", "GroundTruthPanel",
     "HybridPanel", "IcpPanel", "KalmanPanel", "LandscapePanel", "LeastCostPanel", "LineErrorPanel",
     "MatcherPanel", "MeanShiftPanel", "MovingPanel", "OnlinePanel", "ParticlePanel", "PlacePanel",
-    "PolylinePanel", "PoseGraphPanel", "RayPanel", "RoomPanel", "RoutePanel", "SectorPanel",
-    "SegmentIcpPanel", "StoragePanel", "TapePanel", "WallsPanel", "insert_variant",
+    "PlanPanel", "PolylinePanel", "PoseGraphPanel", "RayPanel", "RoomPanel", "RoutePanel",
+    "SectorPanel", "SegmentIcpPanel", "StoragePanel", "TapePanel", "WallsPanel", "insert_variant",
 ]  # fmt: skip

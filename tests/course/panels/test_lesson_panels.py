@@ -98,6 +98,7 @@ PANELS = {
     "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
     "OnlinePanel": ((WALLS,), "by", "fusion_online"),
     "PlacePanel": ((build_map(LOG, LOG.truth, resolution=0.05), LOG), "scan", 2),
+    "PlanPanel": ((SHELL, OPEN), "room", 2),
     "ParticlePanel": ((LOG,), "particles", 2),
     "MovingPanel": ((ROOM, (1, 1, 0)), "turn", 150),
     "PolylinePanel": ((LOG[0],), "tolerance", 0.005),

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..._unknown_building import reasons, unknown_building
+from ..._unknown_building import plan_reasons, reasons, three_plans, unknown_building
 from .._exercise import Check
 from ._open import Open
 
@@ -76,4 +76,13 @@ decide_map = Decision(
     _maps,
     praise="Each map was refused by another witness, and C by one that no computation replaces: "
     "what is inside a log cannot know its unit",
+)
+
+decide_plan = Decision(
+    "decide_plan(answer): a dictionary with each of the plans P, Q and R: 'keep' for the one that "
+    "you would hand over, and for each other the witness that refuses it: 'circle', 'tape' or "
+    "'shut'",
+    lambda: {name: plan_reasons(name) for name in three_plans()},
+    praise="A doorway that is wider than the room behind it is seen in the plan itself; a wrong "
+    "unit is seen by the tape alone",
 )

@@ -22,6 +22,7 @@ INPUTS = {
     ),
     "break_viewing_sector": "[0.0, 0.11, 0.0]",
     "decide_map": '{"A": "doubled", "B": "spread", "C": "tape", "D": "keep"}',
+    "decide_plan": '{"P": "circle", "Q": "tape", "R": "keep"}',
     "break_icp": "[0.1, -0.57, -0.18]",
     # A bit that falls in one character and rises in the next.
     "break_sum": "(np.where(np.arange(63) == 1, 0x41, 0x40), "
