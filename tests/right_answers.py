@@ -247,6 +247,13 @@ def far_ends_by_pairs(members):
     return max(((p, q) for p in points for q in points), key=lambda pair: math.dist(*pair))
 
 
+def power_by_deviations(scans, seconds, after):
+    rows = [(math.log10(n), math.log10(t)) for n, t in zip(scans, seconds, strict=True)
+            if n >= after * max(scans)]  # fmt: skip
+    x, y = (np.array(column) - np.mean(column) for column in zip(*rows, strict=True))
+    return x @ y / (x @ x)
+
+
 def laplacian_by_rows(count, edges, weights):
     rows = np.eye(count)[edges[:, 0]] - np.eye(count)[edges[:, 1]]
     return rows.T @ (weights[:, None] * rows)
@@ -291,6 +298,7 @@ RIGHT = {
     "reduction_rate": lambda a, b: 1 - len(b) / len(a) if len(a) else 0,
     "quality": quality_as_a_geometric_mean,
     "reduction_at": reduction_by_mask,
+    "growth_power": power_by_deviations,
     "best_run": row_by_masked_argmax,
     "missed_metres": missed_between_ends,
     "mean_wall_error": lambda p, w: segments.point_distance(p[:, None], w).min(axis=1).mean(),

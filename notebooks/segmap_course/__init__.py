@@ -72,6 +72,7 @@ from .exercises.lines import (
 )
 from .exercises.maps import (
     check_best_run,
+    check_growth_power,
     check_mean_wall_error,
     check_missed_metres,
     check_quality,
@@ -162,7 +163,8 @@ __all__ = [
     "check_building_axis", "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of",
     "check_climb_step", "check_compose", "check_distances", "check_edge_error", "check_far_ends",
     "check_farthest_point", "check_fit_line", "check_frontier_cells", "check_grown",
-    "check_heading_between", "check_hough", "check_inside_strip", "check_invented_metres",
+    "check_growth_power", "check_heading_between", "check_hough", "check_inside_strip",
+    "check_invented_metres",
     "check_laplacian", "check_least_translation", "check_look_noise", "check_match_value",
     "check_matches", "check_mean_line", "check_mean_shift_step", "check_mean_wall_error",
     "check_memberships", "check_merged", "check_missed_metres", "check_move_onto_walls",
