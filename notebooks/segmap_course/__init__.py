@@ -72,7 +72,6 @@ from .exercises.lines import (
 )
 from .exercises.maps import (
     check_best_run,
-    check_growth_power,
     check_mean_wall_error,
     check_missed_metres,
     check_quality,
@@ -146,6 +145,7 @@ from .exercises.sensor import (
 )
 from .exercises.strips import check_best_shift, check_inside_strip, check_mean_shift_step
 from .exercises.surveyed import (
+    check_growth_power,
     check_invented_metres,
     check_memberships,
     check_pose_covariance,

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import nbformat
+from book.sources import PARTS, part_of
 from refresh import tidy
 
 NOTEBOOKS = Path(__file__).resolve().parents[1]
@@ -123,10 +124,19 @@ def stated(text: str) -> list[tuple[list[str], int]]:
     return [(files(row), int(minutes)) for row, minutes in ROW.findall(text)]
 
 
-def listed(text: str, chapters: list[Chapter], folder: str = "") -> str:
-    """A text with its list of the chapters, which lie in a folder seen from there."""
-    rows = "".join(f"| [{c.title}]({folder}{c.file}) | {c.shows} |\n" for c in chapters)
+def listed(text: str, chapters: list[Chapter]) -> str:
+    """A text in the folder of the chapters, with its list of them."""
+    rows = "".join(f"| [{c.title}]({c.file}) | {c.shows} |\n" for c in chapters)
     return LIST.sub(lambda _: f"| chapter | what it shows |\n|---|---|\n{rows}", text)
+
+
+def listed_by_part(text: str, chapters: list[Chapter]) -> str:
+    """A text beside the folder of the chapters, with a row for each part and its chapters."""
+    rows = ""
+    for digit, part in PARTS.items():
+        own = [f"[{c.title}](notebooks/{c.file})" for c in chapters if part_of(c.file) == digit]
+        rows += f"| {part} | {', '.join(own)} |\n"
+    return LIST.sub(lambda _: f"| part | chapters |\n|---|---|\n{rows}", text)
 
 
 def fresh() -> dict[Path, str]:
@@ -139,7 +149,7 @@ def fresh() -> dict[Path, str]:
     tidy(start).metadata.language_info = info
     return {
         SYLLABUS: written(SYLLABUS.read_text(encoding="utf-8"), chapters),
-        README: listed(README.read_text(encoding="utf-8"), chapters, "notebooks/"),
+        README: listed_by_part(README.read_text(encoding="utf-8"), chapters),
         START: nbformat.writes(start) + "\n",
     }
 

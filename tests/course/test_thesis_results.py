@@ -111,7 +111,7 @@ def test_damaged_files_are_named(tmp_path, text, message):
 
 
 RECORDS = load_records("malaga", "office", "intel", "fr079")
-#: Share of the runs on each building whose quality, and reduction, lie within A's; chapter 59 has
+#: Share of the runs on each building whose quality, and reduction, lie within A's; chapter 93 has
 #: the reason for each method that lies outside.
 WITHIN = {
     "basic_offline": ([0.25, 1.0, 0.25, 0.5], 0.6),

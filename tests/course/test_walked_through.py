@@ -156,7 +156,7 @@ WALKED = {
         "invented_metres",
     ),
     "one_per_wall": walk(
-        "50", "One segment a wall", "grown", "WallsPanel", "by factor", "look_noise"
+        "59", "One segment a wall", "grown", "WallsPanel", "by factor", "look_noise"
     ),
     "hill climbing": walk(
         "64", "Hill climbing", "hill_climb", "MatcherPanel", "matcher rounds", "climb_step"

@@ -26,7 +26,7 @@ PICTURES = ROOT / "notebooks" / "pictures" / "panels"
 PAGES = "notebooks/tools/book/pages/"
 VIEW = "application/vnd.jupyter.widget-view+json"
 
-#: The first digit of a chapter -> its part of the book.
+#: Digit -> the part of the book.
 PARTS = {
     "0": "Start",
     "1": "Part 1: scans and logs",
@@ -36,6 +36,7 @@ PARTS = {
     "5": "Part 5: reduction",
     "6": "Part 6: quadtrees",
     "7": "Part 7: sensors",
+    "9": "Appendices",
 }
 #: Texts that become pages, and files that pages link; the rest of the project is not in the book.
 TEXTS = ("*.md", "notebooks/*.md", "data/**/*.md")
@@ -53,6 +54,11 @@ class Chapter:
 
     notebook: NotebookNode
     complaints: list[str]
+
+
+def part_of(chapter: str) -> str:
+    """Digit of the part to which a chapter belongs; 60 and 70 end the parts 5 and 6."""
+    return {"60": "5", "70": "6"}.get(chapter[:2], chapter[0])
 
 
 def copy_sources(folder: Path, chapters: list[Path] = CHAPTERS) -> list[str]:
@@ -270,9 +276,9 @@ def _write_contents(folder: Path, chapters: list[Path]) -> None:
     trees = [
         _tree(
             PARTS.get(digit, f"Part {digit}"),
-            [f"notebooks/{p.stem}" for p in chapters if p.stem[0] == digit],
+            [f"notebooks/{p.stem}" for p in chapters if part_of(p.stem) == digit],
         )
-        for digit in sorted({p.stem[0] for p in chapters})
+        for digit in sorted({part_of(p.stem) for p in chapters})
     ]
     own = sorted(f"notebooks/{p.stem}" for p in (folder / "notebooks").glob("*.md"))
     own = [
