@@ -176,6 +176,25 @@ OTHERS = {
         text(["Time,angle_min,angle_max,angle_increment,ranges",
               *(f'{CLOCK[k]:.3f},{",".join(SINGLE[:3])},"{tuple(FAR.round(3).tolist())}"'
                 for k in range(3))]), False, "clock"),
+    "numbers between scans": (
+        text(line for k in range(3) for line in [
+            f"Scan {k}:", *(f"{a} {1000 * r:.0f}" for _, a, r in BEAMS[:12])]), False, None),
+    "thousands of the US": ("angle,range_mm\n" + lines(
+        lambda k, a, r: f'{a},"{1000 * r:,.0f}"'), False, None),
+    "thousands of France": ("angle (degr\u00e9s);distance (mm)\n" + lines(
+        lambda k, a, r: f"{a};{1000 * r:,.1f}".replace(",", "\u00a0").replace(".", ",")),
+        False, None),
+    "midnight in between": ("time,angle_deg,range_m\n" + lines(
+        lambda k, a, r: f"{'23:59:59.8' if k == 0 else f'00:00:00.{2 * k - 2}'},{a},{r:.3f}"),
+        False, "midnight"),
+    "days of Excel": ("time,angle_deg,range_m\n" + lines(
+        lambda k, a, r: f"{45000 + 0.2 * k / 86400:.9f},{a},{r:.3f}"), False, "excel"),
+    "other words, known units": ("Winkel (deg);Abstand (ft)\n" + lines(
+        lambda k, a, r: f"{a};{r / 0.3048:.4f}"), False, None),
+    "short names": (
+        text(["t," + ",".join(f"a{k},d{k}" for k in range(12)), *(
+            f"{0.2 * k:.1f}," + ",".join(f"{a},{r:.3f}" for _, a, r in BEAMS[:12])
+            for k in range(3))]), False, "zero"),
     "angles in each line": (
         text([",".join(f"angle_{k},range_{k}" for k in range(12)),
               *[",".join(f"{a},{r:.3f}" for _, a, r in BEAMS[:12])] * 3]), False, None),

@@ -30,9 +30,9 @@ BROKEN = (
 MAX_EMPTY = 100_000
 #: How far the reading is, is told every so many lines.
 LINES_PER_ANNOUNCEMENT = 200
-#: What stands about a line and is none of it: white space but tabs, which separate fields, and what
-#: an XV-11 sends after its answers.
-STRIPPED = " \r\n\v\f\x1a"
+#: What stands about a line and is none of it: white space but tabs, which separate fields, what an
+#: XV-11 sends after its answers, and what a disk holds that lost power.
+STRIPPED = " \r\n\v\f\x1a\0"
 #: Later than this, in seconds, no clock stands.
 LATEST_TIME_S = 1e12
 

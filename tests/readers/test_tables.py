@@ -133,7 +133,14 @@ def test_each_way_to_write_it_gives_the_same_scans(tmp_path, name):
         order = np.argsort(turned % 359.99)
         assert np.sort(turned % 359.99) == pytest.approx(TURN, abs=0.02)
         assert scan.ranges[order] == pytest.approx(FAR, abs=2e-3)
-    times = {"clock": CLOCK, "zero": CLOCK - CLOCK[0], None: np.full(3, np.nan)}[clock]
+    zero = CLOCK - CLOCK[0]
+    known = {
+        "clock": CLOCK,
+        "zero": zero,
+        "midnight": 86399.8 + zero,
+        "excel": 45000 * 86400 + zero,
+    }
+    times = known.get(clock, np.full(3, np.nan))
     assert log.times == pytest.approx(times, nan_ok=True, abs=1e-3)
 
 
@@ -184,6 +191,32 @@ def test_the_advice_of_an_error_reads_that_very_file(tmp_path, monkeypatch, name
         exec("\n".join(code[begin : begin + 3]), names)
         found = names["log"]
         assert np.concatenate([s.ranges for s in log]) == pytest.approx(found[0].ranges)
+
+
+@pytest.mark.parametrize("head", [
+    "angle_gon,distance_mm", "angle_deg,distance_yd", "angle_deg,distance [dm]", "Winkel,Weg_yd",
+    "angle_deg,range_left_mm", "a,b,c", "angle_0.1deg,distance",
+])  # fmt: skip
+def test_a_head_of_an_unknown_unit_is_not_overruled_by_the_numbers(tmp_path, head):
+    """Catches gon read as degrees and yards as metres, since the numbers look like them."""
+    more = ",9" * (head.count(",") - 1)
+    (tmp_path / "it.csv").write_text(
+        f"{head}\n" + lines(lambda k, a, r: f"{a},{1000 * r:.0f}{more}")
+    )
+    if head == "a,b,c":
+        assert len(readers.read(tmp_path / "it.csv")) == 3  # says nothing, so numbers may
+        return
+    with pytest.raises(UnknownFormat, match=r"It looks like .* columns"):
+        readers.read(tmp_path / "it.csv")
+
+
+def test_a_table_of_poses_is_no_log(tmp_path):
+    """Catches poses that are read as end points, and advice that reads a heading as an angle."""
+    path = tmp_path / "it.csv"
+    path.write_text("t,x,y,theta\n" + text(f"{k},{k / 10},0.5,0.1" for k in range(20)))
+    with pytest.raises(LogError, match="holds poses and no scan: --odometry or --truth"):
+        readers.read(path)
+    assert readers.read_trajectory(path)[1][3] == pytest.approx([0.3, 0.5, 0.1])
 
 
 def test_a_file_of_numbers_is_told_with_its_first_lines(tmp_path):
@@ -250,11 +283,21 @@ def test_a_scan_a_column_is_turned_by_its_advice(tmp_path, monkeypatch):
     assert np.degrees(log[3].angles) == pytest.approx(TURN)
 
 
-def test_ranges_that_ros2_shortened_are_told_with_the_option(tmp_path):
+@pytest.mark.parametrize("shown", ["- 1.0\n- '...'", "'<sequence type: float, length: 9>'"])
+def test_ranges_that_ros2_shortened_are_told_with_the_option(tmp_path, shown):
     path = tmp_path / "it.yaml"
-    path.write_text(echo(secs, ["ranges:", "- 1.0", "- 2.0", "- '...'"]))
+    path.write_text(echo(secs, [f"ranges: {shown}"]))
     with pytest.raises(LogError, match="ros2 topic echo --full-length"):
         readers.read(path)
+
+
+def test_a_message_in_which_the_text_ends_is_no_scan(tmp_path):
+    """Catches a scan with the half of its beams: the printing was stopped."""
+    path = tmp_path / "it.yaml"
+    path.write_text(OTHERS["rostopic echo"][0][:-30])
+    with pytest.raises(LogError, match="is cut off in it"):
+        readers.read(path)
+    assert len(readers.read(path, on_error="skip")) == 2
 
 
 def test_a_log_of_words_stays_one_whatever_its_head(tmp_path):

@@ -7,6 +7,7 @@ it, or it is asked for. Columns without names are told by their numbers too.
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -16,8 +17,8 @@ from ...arrays import Array
 
 #: First words of a column's name.
 ROLES = {
-    "angle": "angle theta bearing azimuth angule heading yaw deg degrees",
-    "range": "range distance dist dis r radius",
+    "angle": "angle theta phi bearing azimuth angule heading yaw deg degrees",
+    "range": "range distance dist dis depth r rho radius",
     "time": "time timestamp stamp t ts epoch millis micros nanos datetime",
     "scan": "scan frame rotation revolution sweep turn",
     "new": "new newscan start startbit sync",
@@ -31,7 +32,7 @@ FILLERS = (
     *("tick", "ticks"),
 )
 #: What stands before a name in ROS's own text and in PlotJuggler's.
-BEFORE_NAME = re.compile(r"^(field\.|/.*/)")
+BEFORE_NAME = re.compile(r"^(field\.|/.*/|header\.(?=stamp$))")
 #: A unit of angles: so many of a turn.
 TICKS = re.compile(r"(?i)(?:tick|step)s?[\s_]*([1-9]\d{1,5})")
 #: How many they usually are.
@@ -50,7 +51,10 @@ LENGTHS = {
 #: How each unit is written, and the metres, radians or seconds of it; U+FFFD is what other
 #: encodings make of ° and µ.
 UNIT_WORDS: dict[str, dict[str, float]] = {
-    "angle": {"deg degs degree degrees ° \ufffd": np.pi / 180, "rad rads radian radians": 1.0},
+    "angle": {
+        "deg degs degree degrees degres ° \ufffd": np.pi / 180,
+        "rad rads radian radians": 1.0,
+    },
     "range": LENGTHS,
     "x": LENGTHS,
     "y": LENGTHS,
@@ -88,6 +92,8 @@ TELLING_ROWS = 8
 LEAST_VIEW_RAD = 2.0
 #: Seconds from scan to scan.
 SCAN_PERIODS_S = (0.02, 2.0)
+#: Days of our century as Excel counts them.
+EXCEL_DAYS = (36525, 73050)
 #: From these on a number is a time since 1970, in the unit beside it.
 SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3), (1e8, 1.0))
 
@@ -154,7 +160,8 @@ def named(names: Sequence[str]) -> Columns:
 
 def _words(name: str) -> list[str]:
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)  # `AngleInDegrees`, `ErrorCodeHEX`
-    return re.findall(r"[a-zµ°\ufffd]+", apart.lower().replace("μ", "µ"))
+    plain = re.sub("[\u0300-\u036f]", "", unicodedata.normalize("NFD", apart.lower()))
+    return re.findall(r"[a-zµ°\ufffd]+", plain.replace("μ", "µ"))
 
 
 def _plain_word(name: str) -> str:
@@ -181,6 +188,8 @@ def with_units_told(found: Columns, rows: Array) -> tuple[Columns, list[str]]:
     above 100, are millimetres. A time whose unit nothing tells is left out.
     """
     columns, told = dict(found.by_role), list[str]()
+    if found.twice:
+        told.append(f"{found.twice}: the first that says its unit is read, or the first")
     for role in ("angle", "range", "x", "y", "heading", "time"):
         column = columns.get(role)
         if column is None or column.factor is not None or "tick" in column.name.lower():
@@ -228,9 +237,11 @@ def _time_unit(values: Array) -> tuple[float | None, str]:
         if least <= values.min() and values.max() < 1000 * least:
             unit = {1e-9: "nanoseconds", 1e-6: "microseconds", 1e-3: "milliseconds", 1.0: "seconds"}
             return factor, f"{unit[factor]} since 1970"
+    step = float(np.median(steps))
+    if EXCEL_DAYS[0] < values.min() and values.max() < EXCEL_DAYS[1] and step < SCAN_PERIODS_S[0]:
+        return 86400.0, "days, as Excel counts them"
     if (values != np.floor(values)).any() and values.max() < SINCE_1970[-1][0]:
         return 1.0, "seconds, since it holds fractions"
-    step = float(np.median(steps))
     stands = len(steps) < len(values) / 3  # one time for all beams of a scan
     fits = [
         f for f in (1.0, 1e-3, 1e-6, 1e-9) if SCAN_PERIODS_S[0] <= step * f <= SCAN_PERIODS_S[1]

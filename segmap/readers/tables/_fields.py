@@ -26,6 +26,8 @@ LABEL = re.compile(
     r"([A-Za-z_]+(?:[(\[]\w+[)\]])?)[\"']?\s*[:=]\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)"
     rf"(?:\s*[(\[]?({'|'.join(map(re.escape, UNITS_OF_LABELS))})[)\]]?)?(?![\w.])"
 )
+#: A whole number in thousands, or one with three decimals.
+THOUSANDS = re.compile(r"[0-9]{1,3}(,[0-9]{3})+")
 #: What may be a number.
 NUMERAL = re.compile(r"[-+0-9.,eE]+")
 #: Numbers with decimal commas between white space.
@@ -80,16 +82,18 @@ def separator_of(lines: Sequence[str]) -> str | None:
     return None
 
 
-def decimal(field: str) -> str:
-    """A number with a point for its decimals, and no mark of thousands beside it.
+def decimal(field: str, *, thousands: bool = False) -> str:
+    """A number with a point for its decimals, and no mark of thousands, as a comma alone may be.
 
     Examples
     --------
     >>> decimal("2000,5"), decimal("2.000,5"), decimal("2,000.5")
     ('2000.5', '2000.5', '2000.5')
     """
-    if not NUMERAL.fullmatch(field):
+    bare = re.sub("[\u00a0\u202f']", "", field)  # thousands in France and Switzerland
+    if not NUMERAL.fullmatch(bare):
         return field
+    field = bare.replace(",", "") if thousands else bare
     if "," in field and "." in field:
         field = field.replace(min(",.", key=field.rfind), "")
     return field.replace(",", ".", 1)

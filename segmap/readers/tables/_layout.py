@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -17,6 +18,7 @@ from ._fields import (
     NESTED,
     SEPARATOR_LINE,
     TABLE_COMMENTS,
+    THOUSANDS,
     TUPLE,
     decimal,
     labelled,
@@ -26,6 +28,7 @@ from ._fields import (
     split,
 )
 
+POSES_ALONE = "holds poses and no scan: --odometry or --truth reads them beside a log"
 EXAMPLE = "columns=['angle_deg', 'range_mm']"
 #: So many rows are shown where columns are chosen.
 SHOWN_ROWS = 6
@@ -51,6 +54,7 @@ class Layout(NamedTuple):
     labels: tuple[str, ...] = ()  #: names that stand in each line
     told: tuple[str, ...] = ()
     nested: bool = False  #: whether a line is a scan, its beams in brackets
+    thousands: bool = False  #: whether the commas in its numbers are no decimal marks
 
 
 def headed_of(path: Path) -> Layout | None:
@@ -65,9 +69,13 @@ def headed_of(path: Path) -> Layout | None:
 def layout_of(path: Path) -> Layout | None:
     """The same, also where the numbers of the columns have to tell what they are."""
     rows = [line for _, line in sample(path) if not line.startswith(TABLE_COMMENTS)]
-    if (found := headed_of(path)) or not rows or not (found := _unnamed(rows)):
+    if (found := headed_of(path)) or not rows:
         return found
-    return found if found.nested else found._replace(line=begin_of(path)[1])
+    separator, begin = begin_of(path)
+    head = next((line for number, line in sample(path) if number == begin), "")
+    if found := _unnamed(rows, split(head, separator)):
+        return found if found.nested else found._replace(line=begin)
+    return None
 
 
 def _labelled(lines: Sequence[tuple[int, str]]) -> Layout | None:
@@ -122,8 +130,11 @@ def _fits(fields: Sequence[str], head: Layout) -> bool:
     return len(fields) == len(head.names) and all(is_number(numbers[c.place]) for c in used)
 
 
-def _unnamed(rows: Sequence[str]) -> Layout | None:
-    """Columns that are told by their numbers, and the record of the package rplidar."""
+def _unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
+    """Columns that are told by their numbers, and the record of the package rplidar.
+
+    A head without known names may still say their units; one that says an unknown unit ends it.
+    """
     nested = [row for row in rows if NESTED.search(row)]
     if nested:
         rows = [", ".join(split(each, ",")) for row in nested for each in TUPLE.findall(row)]
@@ -140,6 +151,8 @@ def _unnamed(rows: Sequence[str]) -> Layout | None:
     names = RPLIDAR_RECORD[1:] if three and _is_record(table) else guessed(table)
     if not names:
         return None
+    if len(head) == len(names):
+        names = tuple(_with_unit(name, above) for name, above in zip(names, head, strict=True))
     columns, told = with_units_told(named(names), table)
     if not {"angle", "range"} <= {*columns.by_role}:
         return None
@@ -150,6 +163,12 @@ def _unnamed(rows: Sequence[str]) -> Layout | None:
     if columns.clockwise:
         told.append("beams clockwise, as the package rplidar has them")
     return Layout(separator, 0, names, columns, (), tuple(told), bool(nested))
+
+
+def _with_unit(name: str, above: str) -> str:
+    """A guessed name, with what stands behind the first word of the head above it."""
+    said = re.split(r"[\s_(\[/]+", above.strip(), maxsplit=1)[1:]
+    return f"{name} {said[0]}" if said and name != "-" else name
 
 
 def _is_record(table: Array) -> bool:
@@ -190,11 +209,14 @@ def _table_below(layout: Layout, lines: Sequence[tuple[int, str]]) -> Array:
         elif number > layout.line and not line.startswith(TABLE_COMMENTS):
             fields = split(line, mark)
             if len(fields) >= count:
-                rows.append(_as_numbers([*map(decimal, fields[:count])]))
+                thousands = layout.thousands
+                rows.append(_as_numbers([decimal(f, thousands=thousands) for f in fields[:count]]))
     return np.array(rows).reshape(-1, count)
 
 
 def _with_units(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
+    if "range" in layout.columns.by_role and layout.separator == ",":
+        layout = layout._replace(thousands=_in_thousands(layout, lines))
     table = _table_below(layout, lines)
     columns, told = with_units_told(layout.columns, table)
     if columns.by_program and not layout.labels and columns.clockwise:
@@ -209,9 +231,19 @@ def _with_units(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
     return layout._replace(columns=columns, told=tuple(told))
 
 
+def _in_thousands(layout: Layout, lines: Sequence[tuple[int, str]]) -> bool:
+    """Whether ranges in quotes, as 4,002, are whole numbers: of three digits each, in no metres."""
+    place, factor, _ = layout.columns.by_role["range"]
+    rows = [split(line, ",") for number, line in lines if number > layout.line]
+    marked = [row[place] for row in rows if len(row) > place and "," in row[place]]
+    return bool(marked) and all(map(THOUSANDS.fullmatch, marked)) and (factor or 0) < 0.1
+
+
 def wanting(layout: Layout, path: Path) -> str:
     """What keeps a table from being read, and what to do; empty where nothing does."""
     found = layout.columns
+    if {"x", "y", "angle"} <= {*found.by_role} and "range" not in found.by_role:
+        return f"{POSES_ALONE}, readers.read_trajectory in Python"
     roles = (
         ("x", "y") if "angle" not in found.by_role and "x" in found.by_role else ("angle", "range")
     )

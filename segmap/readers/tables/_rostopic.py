@@ -25,6 +25,9 @@ SINGLE_NUMBERS = (
 UNSAID_NUMBERS: dict[str, Any] = {"range_min": 0.0, "range_max": 0.0, "time_increment": 0.0}
 #: So many lines hold the names of a message.
 ECHO_SAMPLE_LINES = 60
+SHORTENED = "its ranges are shortened: `ros2 topic echo --full-length`, no --noarr, shows all"
+#: A key of a message that does not end: what names none.
+CUT = "..."
 #: Ends a message.
 END_OFUNSAID_NUMBERS = "---"
 
@@ -41,8 +44,11 @@ def read_echo(path: Path, name: str, on_error: str = "raise") -> Log:
     scans: list[LaserScan] = []
     for said in _messages(lines):
         try:
-            if "..." in said.get("ranges", ()):
-                raise ValueError("its ranges are shortened: `ros2 topic echo --full-length` is not")
+            ranges_said = said.get("ranges", [])
+            if "..." in ranges_said or any(text.startswith("<") for text in ranges_said):
+                raise ValueError(SHORTENED)
+            if CUT in said:
+                raise ValueError("the file is cut off in it")
             numbers = {w: float_fields(said.get(w, []), w)[0] for w in SINGLE_NUMBERS if w in said}
             ranges = float_fields(said.get("ranges", []), "ranges")
             beams = beams_of_message(SimpleNamespace(**UNSAID_NUMBERS | numbers, ranges=ranges))
@@ -79,6 +85,7 @@ def _messages(lines: Lines) -> Iterator[dict[str, list[str]]]:
             if value
         )
     if "ranges" in said:
-        yield said
+        whole = {CUT: [""]} if text.startswith("[") and not text.endswith("]") else {}
+        yield said | whole
     elif said and not lines.first and "angle_min" in said:
         raise LogError(lines.path, "is cut off within a message", lines.number)

@@ -55,6 +55,10 @@ MOST_BEAMS_READ = 100_000
 SAME_DIRECTION_RAD = np.radians(0.5)
 #: Columns of the robot's pose, beside those of a beam.
 POSE = {"x", "y", "heading"}
+#: A day, of which some clocks tell the time alone, seconds.
+DAY_S = 86400.0
+#: A line between scans.
+NEXT_SCAN = re.compile(r"(?i)(new )?(scan|frame|sweep|turn|revolution|rotation)\b[\s:#]*\d*:?$")
 #: What an XV-11 says between its tables.
 CHATTER = ("rotation_speed", "getldsscan")
 
@@ -98,15 +102,17 @@ class _Table(TextFormat):
                     raise ValueError(f"its brackets are not closed: {line[-40:]!r}")
         elif self.lines.number > layout.line:
             found = split(line, layout.separator)
-            if layout.line and tuple(found) == layout.names:
-                self.turns += 1
+            if (layout.line and tuple(found) == layout.names) or NEXT_SCAN.match(line):
+                self.turns += bool(self.scans)
             elif not found[0].lower().startswith(CHATTER):
                 self._beam(found)
 
     def _beam(self, fields: list[str]) -> None:
         if len(fields) <= self.last:
             raise ValueError(f"expected {self.last + 1} columns or more, got {len(fields)}")
-        said = {role: decimal(fields[column.place]) for role, column in self.columns.items()}
+        thousands = self.layout.thousands
+        texts = {role: fields[column.place] for role, column in self.columns.items()}
+        said = {role: decimal(text, thousands=thousands) for role, text in texts.items()}
         factors = {role: column.factor or 1.0 for role, column in self.columns.items()}
         pose = [np.nan] * 3
         if "angle" in said:
@@ -122,6 +128,8 @@ class _Table(TextFormat):
         when = np.nan
         if "time" in said and (text := said["time"]):
             when = time(text, unit=factors["time"]) if is_number(text) else moment(text)
+            if not is_number(text) and self.scans and self.scans[-1][2] - when > DAY_S / 2:
+                when += DAY_S  # a time of the day behind midnight
         if "new" in said:
             self.turns += said["new"].lower() in ("true", "1", "1.0", "s")
         turn = float(self.turns)

@@ -50,7 +50,7 @@ from .._raw_scans import (
 )
 from ._columns import BEFORE_NAME, Columns, named, with_units_told
 from ._fields import TABLE_COMMENTS, decimal, moment, sample, separator_of, split
-from ._rostopic import SINGLE_NUMBERS, UNSAID_NUMBERS
+from ._rostopic import SHORTENED, SINGLE_NUMBERS, UNSAID_NUMBERS
 
 #: So many ranges in a line make a scan.
 LEAST_BEAMS = 6
@@ -60,6 +60,10 @@ LEAST_BARE_BEAMS = 30
 LEAST_TIMES = 5
 #: A head stands among the first so many lines.
 HEAD_ROWS = 20
+#: What names of ranges begin with that are not called so.
+SCAN_PREFIXES = r"(?i)(laser|lidar|scan|beam|ray|reading|sample|d|l|m|z)?s?[^a-z]*$"
+#: And of angles.
+ANGLE_PREFIXES = r"(?i)(a|ang)s?[^a-z]*$"
 #: Roles of the columns of a pose.
 POSE_ROLES = ("x", "y", "heading")
 #: So many lines tell what a file is.
@@ -107,14 +111,17 @@ def wide_of(path: Path) -> Wide | None:
         return None
     separator = separator_of([text for _, text in lines])
     rows = [split(text.lstrip("#"), separator) for _, text in lines]
+    found: Wide | str | None
     for k, (row, below) in enumerate(pairwise(rows[:HEAD_ROWS])):
         names = [BEFORE_NAME.sub("", name) for name in _spread(row, below)]
         if _is_head(names, _flat(below)):
             found = _with_head(separator, lines[k][0], names, [*map(_flat, rows[k + 1 :])])
-            if isinstance(found, str):
-                raise LogError(path, found, lines[k][0])
-            return found
-    return _ros2(separator, rows) or None
+            break
+    else:
+        k, found = 0, _ros2(separator, rows)
+    if isinstance(found, str):
+        raise LogError(path, found, lines[k][0])
+    return found
 
 
 def _flat(fields: Sequence[str]) -> list[str]:
@@ -195,11 +202,11 @@ def _ranges_in(names: Sequence[str]) -> tuple[list[int], list[float], str, list[
         if found := re.fullmatch(r"(.*?)[\[_(\s]*(-?\d+(?:\.\d+)?)[\])°\s]*(deg|rad)?", name):
             groups.setdefault(found[1].lower(), []).append((place, float(found[2])))
     roles = {prefix: {*named([prefix.strip("_ ")]).by_role} for prefix in groups}
-    turns = [prefix for prefix in groups if prefix and "angle" in roles[prefix]]
+    turns = [p for p in groups if p and ("angle" in roles[p] or re.match(ANGLE_PREFIXES, p))]
     sizes = {
         prefix: ("range" in roles[prefix] or prefix.startswith("laser"), len(group))
         for prefix, group in groups.items()
-        if prefix not in turns
+        if "range" in roles[prefix] or re.match(SCAN_PREFIXES, prefix)
     }
     first, *others = sorted(sizes, key=lambda prefix: sizes[prefix], reverse=True) or [""]
     if not sizes or any(sizes[other] == sizes[first] for other in others):
@@ -243,7 +250,8 @@ def _with_head(
     factor, unit = _unit_of_ranges(prefix, table[:, places])
     if directions:
         flat = table[:, directions].reshape(-1, 1)
-        column = with_units_told(named([names[directions[0]].rstrip("0123456789 _[](")]), flat)[0]
+        first = re.sub(r"(?i)^(a|ang)s?(?=[^a-z])", "angle", names[directions[0]])
+        column = with_units_told(named([first.rstrip("0123456789 _[](")]), flat)[0]
         radian = column.by_role["angle"].factor or 1.0
         told += [*unit, f"angles are in {'radians' if radian == 1 else 'degrees'}"]
         more = (*told, COUNTERCLOCKWISE), tuple(directions), radian, pose
@@ -294,7 +302,7 @@ def _view(count: int) -> Array:
     return centred(count, wide / (count - count % 2))
 
 
-def _ros2(separator: str | None, rows: Sequence[Sequence[str]]) -> Wide | None:
+def _ros2(separator: str | None, rows: Sequence[Sequence[str]]) -> Wide | str | None:
     """What `ros2 topic echo --csv` writes: seconds, nanoseconds, frame, numbers, ranges.
 
     Also what `rostopic echo -p` does, without its head: time, number, stamp, frame and so on.
@@ -302,6 +310,8 @@ def _ros2(separator: str | None, rows: Sequence[Sequence[str]]) -> Wide | None:
     row = rows[0]
     frame = next((k for k, field in enumerate(row[:4]) if not is_number(field)), 0)
     begin = frame + 1 + len(SINGLE_NUMBERS)
+    if "..." in row:
+        return SHORTENED
     if separator != "," or frame < 2 or len(row) <= begin:
         return None
     if not all(map(is_number, row[frame + 1 : begin])):
