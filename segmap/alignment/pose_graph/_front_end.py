@@ -183,11 +183,9 @@ class FrontEnd(Undoable):
             return np.zeros(3)
         return between(self.rows[-3].place, self.rows[-2].place)
 
-    def measured(self, scan: int = -1) -> bool:
-        """Whether odometry says how the robot came to a scan, to the last one by default."""
-        scan %= len(self.rows)
-        both = [row.odometry for row in self.rows[max(scan - 1, 0) : scan + 1]]
-        return bool(np.isfinite(both).all())
+    def measured(self) -> bool:
+        """Whether odometry says how the robot came to the last scan."""
+        return bool(np.isfinite([row.odometry for row in self.rows[-2:]]).all())
 
     def _regained(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
         """Without odometry: the match, or a better one at any heading about the last place."""

@@ -52,6 +52,7 @@ class KeyFrames(Undoable):
         self.rows: list[KeyFrame] = []
         self.poses = np.zeros((0, 3))
         self.distance = np.zeros(0)  # metres driven up to each
+        self.spread = np.zeros(0)  # variance of the steps up to each where it is widest, metres^2
         self.edges: list[Edge] = []
         self.converged = True  # whether the last `optimize` came to an end: the poses fit best
         self.least = least  # covariance that every match has at least
@@ -73,13 +74,15 @@ class KeyFrames(Undoable):
 
         The first one has its pose for the motion, and no edge.
         """
-        new, pose, way = len(self), motion, 0.0
+        new, pose, way, spread = len(self), motion, 0.0, 0.0
         if new:
             self.edges.append(Edge(new - 1, new, motion, information(covariance, self.least)))
             pose = compose(self.poses[-1], motion)
             way = self.distance[-1] + float(np.hypot(motion[0], motion[1]))
+            spread = self.spread[-1] + np.linalg.eigvalsh(covariance[:2, :2])[-1]
         self.poses = np.vstack([self.poses, pose])
         self.distance = np.append(self.distance, way)
+        self.spread = np.append(self.spread, spread)
         self.rows.append(KeyFrame(scan, points, tied))
 
     def extend(self, later: KeyFrames, scan: int, covariance: Array) -> None:
@@ -92,6 +95,7 @@ class KeyFrames(Undoable):
         moved = compose(self.poses[-1], between(later.poses[0], later.poses[1:]))
         self.poses = np.vstack([self.poses, moved])
         self.distance = np.append(self.distance, self.distance[-1] + later.distance[1:])
+        self.spread = np.append(self.spread, self.spread[-1] + later.spread[1:])
         self.rows += [row._replace(scan=scan + row.scan) for row in later.rows[1:]]
         self.edges += [e._replace(first=new + e.first, second=new + e.second) for e in later.edges]
 

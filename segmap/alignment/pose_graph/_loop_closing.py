@@ -57,8 +57,9 @@ LOST_WITNESSES = 5
 #: Other loops that must agree when the log ends. Then loops of one scan to passes farther apart
 #: than `COMPARED_PATH_M` count too.
 LAST_WITNESSES = 1
-#: With a standard deviation above this, metres, a loop is no way through the graph, and without
-#: odometry no witness of others: along a corridor it fixes nothing.
+#: With a standard deviation above this, metres, a loop is no way through the graph, and it is no
+#: witness of others, as it is not where the steps between the two are so vague: along a corridor
+#: neither fixes anything.
 VAGUE = 0.2
 #: The graph is solved at once where a new loop turns its ends by more than this, radians.
 STRAIN_ANGLE = np.radians(0.5)
@@ -141,28 +142,24 @@ class LoopCloser(Undoable):
         self.frames, self.drift, self.rules = frames, drift, rules
         self.descriptors: list[Array] = []
         self.lost_since: int | None = None
-        self.measured = True
         self.pending: list[Edge] = []
         self.accepted: list[Edge] = []
         self.rejected: list[Rejected] = []
         self.maps: dict[tuple[int, int, int], PointMap | None] = {}
         self.ways = _ways([])
 
-    def close(self, *, confirmed: bool, measured: bool) -> bool:
+    def close(self, *, confirmed: bool) -> bool:
         """Look for loops of the newest key frame; True where accepted ones strain the map.
 
         `confirmed` says whether a match tied it to the one before: else the robot may be anywhere.
-        `measured` says whether there is odometry: without it a loop that may slide along a corridor
-        confirms no other, which may slide as far.
         """
         new = len(self.frames) - 1
         view, _ = self.frames.points_around(self._neighbours(new, DESCRIPTOR_FRAMES), new)
         self.descriptors.append(descriptor(view))
-        return self.seek(new, new, confirmed=confirmed, measured=measured)
+        return self.seek(new, new, confirmed=confirmed)
 
-    def seek(self, new: int, before: int, *, confirmed: bool, measured: bool) -> bool:
+    def seek(self, new: int, before: int, *, confirmed: bool) -> bool:
         """Look for loops of a key frame to those before another, as `close` does."""
-        self.measured = measured
         self.lost_since = self.lost_since if confirmed else new
         # 1. Old places that may be the new one
         windows = self._by_place(new, before) + self._by_descriptor(new, before)
@@ -275,27 +272,28 @@ class LoopCloser(Undoable):
         known = self.pending + self.accepted[-COMPARED_LOOPS:]
         for loop, reach in fresh:
             others = self.agreeing(loop, known)
-            agree = self._witnesses([loop, *others])
+            agree = _firm([loop, *others])
             way = [self.frames.distance[k] for k in {each.second for each in agree}]
             if len(way) > enough and (lost or max(way) - min(way) >= min(reach, self.rules.span)):
                 found += _edges_but([loop, *others], found + self.accepted[-COMPARED_LOOPS:])
         return found
 
-    def _witnesses(self, loops: list[Edge]) -> list[Edge]:
-        """Those that may confirm others: all where there is odometry."""
-        return loops if self.measured else _firm(loops)
-
     def agreeing(self, loop: Edge, known: list[Edge], *, apart: bool = False) -> list[Edge]:
         """Loops for which going round them and this one leads back to where it began.
 
-        Of other scans and near at both ends; or, `apart`, of the same scan to passes far apart.
+        Of other scans, near at both ends by firm steps; or, `apart`, of the same scan to passes far
+        apart.
         """
-        path, chosen = self.frames.distance, []
+        path, spread, chosen = self.frames.distance, self.frames.spread, []
         for other in known:
             far = abs(path[loop.first] - path[other.first]) > COMPARED_PATH_M
             same = loop.second == other.second
             near = abs(path[loop.second] - path[other.second]) <= COMPARED_PATH_M
-            if far and same if apart else not far and not same and near:
+            vague = sum(
+                abs(spread[a] - spread[b]) for a, b in zip(loop[:2], other[:2], strict=True)
+            )
+            firm = near and not far and vague < VAGUE**2
+            if far and same if apart else firm and not same:
                 chosen.append(other)
         if not chosen:
             return []
@@ -311,7 +309,7 @@ class LoopCloser(Undoable):
         known, found = [*self.pending, *self.accepted[-COMPARED_LOOPS:]], []
         for loop in self.pending if self.lost_since is None else []:
             others = self.agreeing(loop, known) + self.agreeing(loop, known, apart=True)
-            found += [loop] if len(self._witnesses(others)) >= LAST_WITNESSES else []
+            found += [loop] if len(_firm(others)) >= LAST_WITNESSES else []
         self._give_up(_edges_but(self.pending, found))
         self.believe(found)
         return bool(found)

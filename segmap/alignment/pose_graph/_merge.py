@@ -85,8 +85,7 @@ def merge_graphs(
         away = np.abs(frames.distance - frames.distance[loop.second])[rest]
         order = (begin + np.argsort(away, kind="stable")).tolist()
         for new in each(order, "closing loops of place"):
-            measured = front.measured(frames.rows[new].scan)
-            if closer.seek(new, begin, confirmed=True, measured=measured):
+            if closer.seek(new, begin, confirmed=True):
                 frames.optimize(lazily=True)
         frames.optimize()
         # 4. Whether the places that both passed are tied

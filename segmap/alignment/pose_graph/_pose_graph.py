@@ -175,8 +175,7 @@ class LiveGraph(Locked):
                 # 2. A new key frame, and the loops that it closes
                 sees = any(len(row.points) for row in front.frames.rows)  # before, none is lost
                 front.add_frame(match)
-                known = {"confirmed": match.matched or not sees, "measured": front.measured()}
-                closed = self.loop_closer.close(**known)
+                closed = self.loop_closer.close(confirmed=match.matched or not sees)
                 # 3. All key frames anew where loops have moved them
                 if closed:
                     front.frames.optimize(lazily=True)

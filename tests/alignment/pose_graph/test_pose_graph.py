@@ -36,12 +36,19 @@ from segmap.simulation import (
 
 
 def walked(
-    steps: int, points: np.ndarray = np.zeros((0, 2)), closer: type[LoopCloser] = LoopCloser
+    steps: int,
+    points: np.ndarray = np.zeros((0, 2)),
+    closer: type[LoopCloser] = LoopCloser,
+    along: float = 0.01,
 ) -> LoopCloser:
-    """Key frames a metre apart on a line, and what closes loops among them."""
+    """Key frames a metre apart on a line, and what closes loops among them.
+
+    Each step is known to 1 cm across the line, and to `along` metres along it.
+    """
     frames = KeyFrames()
     for scan in range(steps + 1):
-        frames.add(scan, points, np.array([float(scan > 0), 0, 0]), np.eye(3))
+        known = np.diag([along, 0.01, 0.01]) ** 2
+        frames.add(scan, points, np.array([float(scan > 0), 0, 0]), known)
     return closer(frames, 0.03, LoopClosing())
 
 
@@ -342,6 +349,14 @@ def test_which_loops_are_compared(one, other, apart, compared):
     a, b = (Edge(i, j, np.array([j - i, 0.0, 0]), np.eye(3), True) for i, j in (one, other))
     for loop, known in ((a, b), (b, a)):
         assert bool(closer.agreeing(loop, [known], apart=apart)) == compared
+
+
+@pytest.mark.parametrize(("along", "agreed"), [(0.07, True), (0.09, False)])
+def test_loops_do_not_agree_over_steps_that_slide(along, agreed):
+    """Three steps at each end, in all known to 17 or 22 cm: what agrees there may slide too."""
+    closer = walked(40, along=along)
+    a, b = (Edge(i, i + 30, np.array([30.0, 0, 0]), np.eye(3), True) for i in (1, 4))
+    assert bool(closer.agreeing(a, [b])) == bool(closer.agreeing(b, [a])) == agreed
 
 
 @pytest.mark.parametrize(
