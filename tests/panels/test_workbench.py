@@ -20,7 +20,9 @@ import numpy as np
 import pytest
 from driven_panels import LOG
 from emulated import wait_for
+from log_samples import SINGLE_FILES
 from programs import program
+from table_samples import OTHERS
 
 import segmap
 from segmap import Log, SegmentMap, alignment, exports, progress, readers, reduction
@@ -90,6 +92,34 @@ def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch
     made.align.value = "odometry"
     made.open(segmap.load("room"))
     assert made.align.value == "odometry"  # what was chosen stays
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A folder that is there as long as the worker that reads in it."""
+    return tmp_path_factory.mktemp("place")
+
+
+@pytest.mark.parametrize("name", [*SINGLE_FILES, *OTHERS])
+def test_command_page_and_library_read_one_log(name, worker, place, monkeypatch):
+    """Catches a format that one of the three opens in another way, or not at all."""
+    monkeypatch.chdir(place)
+    path = place / f"{name.replace(' ', '-')}.txt"
+    path.write_text(SINGLE_FILES.get(name) or OTHERS[name][0])
+    wanted = readers.read(path)
+    page = bench()
+    page._worker = worker
+    page.path.value = path.name
+    page.wait()
+    assert main(["convert", path.name, "-o", "told.npz", "-q"]) == 0
+    exports.write_arrays(place / "wanted.npz", wanted)
+    exports.write_arrays(place / "page.npz", page.log)
+    held = [dict(np.load(f"{kind}.npz")) for kind in ("wanted", "page", "told")]
+    assert page.log.name == wanted.name and page.log.assumed == wanted.assumed
+    for other in held[1:]:
+        assert {*other} == {*held[0]}
+        for key, value in held[0].items():
+            np.testing.assert_array_equal(other[key], value, err_msg=key)
 
 
 def test_scans_without_a_pose_of_their_own_are_left_out():
