@@ -124,7 +124,7 @@ WALKED = {
         "56", "The idea", "kept_pieces", "SectorPanel", "distance min_length forget", "verdict"
     ),
     "polyline": walk(
-        "57",
+        "91",
         "Polyline: a chain",
         "polyline_through",
         "EarlyMethodsPanel",
@@ -132,7 +132,7 @@ WALKED = {
         "far_ends",
     ),
     "fuzzy_set": walk(
-        "57",
+        "91",
         "Fuzzy set: walls along",
         "all_joined",
         "EarlyMethodsPanel",
@@ -140,7 +140,7 @@ WALKED = {
         "building_axis",
     ),
     "fuzzy_clustering": walk(
-        "57",
+        "91",
         "Fuzzy clustering: points vote",
         "clustered",
         "EarlyMethodsPanel",
