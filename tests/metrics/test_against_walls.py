@@ -80,28 +80,6 @@ def test_equals_the_plain_version(seed, limits, is_seen):
         np.testing.assert_allclose(values(found), wanted, atol=1e-6, equal_nan=True)
 
 
-def test_walls_against_themselves_are_perfect():
-    found = against_walls(ROOM, ROOM)
-    assert values(found) == pytest.approx([0, 0, 0, 1, 1, 0, 0])
-    assert str(found).startswith("AgainstWalls(1.00 segments a wall, 100% of the walls found, 0.0%")
-
-
-def test_a_wall_in_three_pieces_is_one_wall():
-    """Walls that continue each other are joined, also where the middle one comes last."""
-    pieces = [[(0, 0), (1, 0)], [(3, 0), (2, 0)], [(1, 0), (2, 0)]]
-    found = against_walls(pieces, [[(0, 0), (3, 0)]])
-    assert len(found.walls) == 1 and found.per_wall == 1 and found.missed == pytest.approx(0)
-    assert len(against_walls([*pieces[:2], [(1.1, 0), (1.9, 0)]], ROOM).walls) == 3
-
-
-def test_one_line_between_two_walls_belongs_to_the_nearer():
-    """Of 4 m and 3 m, ten centimetres apart, a line at 6 cm misses the one of 4 m: 57.1 %."""
-    walls = [[(0, 0), (4, 0)], [(0, 0.10), (3, 0.10)]]
-    found = against_walls(walls, [[(0, 0.06), (3, 0.06)]])
-    assert found.missed / found.seen.sum() == pytest.approx(4 / 7)
-    assert found.per_wall == 0.5 and found.found == 0.5 and found.offset == pytest.approx(0.04)
-
-
 def test_a_line_in_the_middle_of_two_walls_belongs_to_the_first():
     """However the building lies: catches rounding that chooses."""
     walls, line = [[(0, 0), (3, 0)], [(0, 0.10), (3, 0.10)]], [[(0, 0.05), (3, 0.05)]]
@@ -118,23 +96,6 @@ def test_a_bridge_over_a_door_is_invented():
     assert found.invented / found.seen.sum() == pytest.approx(1 / 7)
     np.testing.assert_array_equal(found.owner, [1, -1, 0])
     assert found.found == 0.5  # the line is mostly the longer wall
-
-
-def test_what_is_there_twice_is_doubled():
-    """And three times once more, but the stretch is one."""
-    found = against_walls(ROOM, [*ROOM, [(1, 0), (2.5, 0.05)]])
-    assert found.doubled.sum() == pytest.approx(1.5, abs=0.01) and found.per_wall == 1.25
-    more = against_walls(ROOM, [*ROOM, [(1, 0), (2.5, 0)], [(2, 0), (3, 0)]])
-    assert more.doubled.sum() == pytest.approx(2.5)
-    np.testing.assert_allclose(more.twice, [[(1, 0), (3, 0)]], atol=1e-9)
-
-
-def test_what_is_missed_lies_on_its_wall():
-    """Catches stretches of what nobody saw, and one stretch in the place of two."""
-    seen = [[(0.5, 0.03), (3.5, 0.03)]]
-    found = against_walls(ROOM, [[(1, 0.02), (1.5, 0.02)], [(2, -0.02), (4, -0.02)]], seen=seen)
-    np.testing.assert_allclose(found.lost, [[(0.5, 0), (1, 0)], [(1.5, 0), (2, 0)]], atol=1e-9)
-    assert found.missed == pytest.approx(1.0) and not len(found.twice)
 
 
 def test_what_nobody_saw_is_not_missed():

@@ -48,22 +48,10 @@ PACKAGES = [
     "panels", "testing", "hokuyo", "hokuyo.emulator", "plan",
 ]  # fmt: skip
 #: What the library makes itself and hands out: nobody else has to call these.
-MADE = {
-    *(
-        "AgainstWalls",
-        "Alignment",
-        "Belief",
-        "Graph",
-        "HeadError",
-        "LogError",
-        "Match",
-        "Methods",
-        "NoRoute",
-    ),
-    *("OdometryComparison", "Places", "Port", "Reduction", "SensorError", "SensorGone", "Squares"),
-    *("Uncertainty", "Door", "FloorPlan", "Room"),
-    *("Tree", "UnknownFormat", "Verdict", "take_points"),
-}
+MADE = {"AgainstWalls", "Alignment", "Belief", "Door", "FloorPlan", "Graph", "HeadError",
+        "LogError", "Match", "Methods", "NoRoute", "OdometryComparison", "Places", "Port",
+        "Reduction", "Room", "SensorError", "SensorGone", "Squares", "Tree", "Uncertainty",
+        "UnknownFormat", "Verdict", "take_points"}  # fmt: skip
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.
 PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "method_style",
          "square_corners", "Panel", "control", "player", "slider", "text"}  # fmt: skip
