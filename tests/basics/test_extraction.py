@@ -126,9 +126,6 @@ def test_algebraic_fit_fails_through_the_origin_and_total_does_not():
 
 
 # ---------------------------------------------------------------------------- polylines
-def test_corner_gives_two_walls():
-    found = extract_polylines(path((0, 0), (1, 0), (1, 1)))
-    assert_same(found, [[(0, 0), (1, 0)], [(1, 0.05), (1, 1)]])
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -142,58 +139,12 @@ def test_pieces_stay_within_tolerance(seed):
     assert distance.max() <= 0.03 + TOLERANCE
 
 
-def test_a_larger_tolerance_gives_fewer_segments():
-    t = np.radians(np.arange(181))
-    circle = 3 * np.stack([np.cos(t), np.sin(t)], -1)
-    counts = [len(extract_polylines(circle, tolerance=w)) for w in (0.005, 0.02, 0.08, 0.3)]
-    assert counts == sorted(counts, reverse=True)
-    assert counts[0] > 3 * counts[-1]
-
-
-def test_a_wall_keeps_its_last_beam_before_a_stray_one():
-    """The corner of a split belongs to the wall where the other piece is too short for a line."""
-    points = np.concatenate([wall((0, 0), (1, 0)), [(1.0, 0.2)]])
-    assert_same(extract_polylines(points), [[(0, 0), (1, 0)]])
-    assert_same(extract_polylines(points[::-1]), [[(0, 0), (1, 0)]])
-
-
-@pytest.mark.parametrize("tolerance", [0.01, 0.02, 0.05, 0.1])
-def test_merged_pieces_of_a_bend_stay_near_it(tolerance):
-    """A merge that goes by the error that a neighbour had before it grew bends corners straight."""
-    t = np.radians(np.arange(0, 181, 0.5))
-    bend = 3 * np.stack([np.cos(t), np.sin(t)], -1)
-    found = extract_polylines(bend, tolerance=tolerance)
-    off = [min(literal.point_to_segment(p, s) for s in found) for p in bend]
-    assert max(off) <= 1.25 * tolerance
-
-
-def test_split_within_noise_is_merged_again():
-    """Without the merge a long noisy wall falls into pieces at its worst points."""
-    points = wall((0, 0), (6, 0), 0.02) + np.random.default_rng(8).normal(0, 0.009, (301, 2))
-    assert len(extract_polylines(points, tolerance=0.035)) == 1
-
-
-def test_short_pieces_are_dropped():
-    points = np.concatenate(
-        [wall((0, 0), (1, 0)), wall((2, 0), (2.08, 0), 0.01), [(3, 0), (3, 0.2)]]
-    )
-    assert len(extract_polylines(points)) == 1
-    assert len(extract_polylines(points, min_length=0.05)) == 2
-    assert len(extract_polylines(points, min_length=0.05, min_points=2)) == 3
-
-
 @pytest.mark.parametrize("pose", [(50, -20, 0.7), (0, 0, np.pi), (-3, 1, -2.2)])
 @pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
 def test_moving_the_points_moves_the_segments(extract, pose):
     """Polylines and total fits know no axis and no origin; `y = mx + q` does."""
     points = square_scan(0.3, 0.01)
     assert_same(extract(transform(pose, points)), transform(pose, extract(points)), 1e-7)
-
-
-def test_scaling_every_length_scales_the_segments():
-    points = square_scan(0.3, 0.01)
-    found = extract_polylines(1000 * points, gap=300, tolerance=30, min_length=100)
-    assert_same(found, 1000 * extract_polylines(points), 1e-6)
 
 
 # ------------------------------------------------------------------------ awkward scans
@@ -213,19 +164,6 @@ def test_a_round_without_a_gap_begins_at_its_farthest_corner(away):
     found = extract_polylines(kite, closed=True)
     assert len(found) == 4
     assert_same(found, literal.extract_polylines(kite.tolist(), closed=True))
-
-
-def test_a_closed_scan_with_a_gap_joins_over_the_seam():
-    """The first cluster runs over the end of the array."""
-    points = np.delete(square_scan(0.0), slice(100, 140), axis=0)
-    assert len(extract_clusters(points)) == 2
-    assert len(extract_clusters(points, closed=True)) == 1
-
-
-def test_two_beams():
-    assert_same(extract_clusters([(1, 0), (1, 0.1)]), [[(1, 0), (1, 0.1)]])
-    assert len(extract_polylines([(1, 0), (1, 0.1)])) == 0
-    assert_same(extract_polylines([(1, 0), (1, 0.1)], min_points=2), [[(1, 0), (1, 0.1)]])
 
 
 @pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])

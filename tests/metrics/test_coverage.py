@@ -91,21 +91,6 @@ def rooms(*shifts):
     return SegmentMap(np.concatenate(walls), np.repeat(np.arange(4 * len(shifts)), 4))
 
 
-@pytest.mark.parametrize(
-    ("shift", "least", "most"),
-    [
-        ((0, 0), 0, 0),
-        ((0.1, 0.0), 0, 0),
-        ((0.3, 0), 0.5, 0.65),
-        ((0.3, 0.3), 0.8, 1),
-        ((0.8, 0), 0, 0),
-    ],
-)
-def test_a_room_drawn_at_two_places(shift, least, most):
-    """Its two short walls of four where it moves along one axis, none by what may be noise."""
-    assert least <= doubled_walls(rooms((0, 0), shift), SEEN_FROM) <= most
-
-
 def twice(map, sensors, nearest=0.15, farthest=0.50, angle=np.radians(10), looks=3):
     """`doubled_walls`, piece by piece."""
     cells, places = {}, []
@@ -156,17 +141,6 @@ BESIDE = [(0.1499, {}, 0), (0.1501, {}, 1), (0.25, {"nearest": 0.25}, 0), (0.499
 def test_a_wall_is_drawn_twice_between_fifteen_and_fifty_centimetres(apart, limits, share):
     walls = np.array([[(0, 0), (0, 2)]] * 3 + [[(apart, 0), (apart, 2)]] * 3)
     assert doubled_walls(SegmentMap(walls, range(6)), [(5, 1)] * 6, **limits) == share
-
-
-def test_the_two_faces_of_a_thin_wall_are_not_doubled():
-    """Catches a wall of 20 cm between two rooms, which is not one wall at two poses."""
-    walls = (
-        np.array([[[(0, 0), (4, 0)]], [[(0, 0.2), (4, 0.2)]]]).repeat(3, axis=0).reshape(-1, 2, 2)
-    )
-    map = SegmentMap(walls, range(6))
-    sides = [(2.0, -1.0)] * 3 + [(2.0, 1.0)] * 3
-    assert doubled_walls(map, sides) == 0
-    assert doubled_walls(map, [(2.0, -1.0)] * 6) == 1
 
 
 def test_no_wall_is_no_number_and_no_sensor_is_refused():

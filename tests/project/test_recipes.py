@@ -17,120 +17,11 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text()
 WRITTEN = ROOT / "tests/recipes"
-READERS, SAMPLES = "segmap/readers/carmen", "tests/log_samples.py"
-CHAPTER = "notebooks/43_walls_by_hand"
-EXERCISES, COURSE = "notebooks/segmap_course/exercises", "notebooks/segmap_course/__init__.py"
-
-#: The recipe's heading -> files that are written, with the names of their texts in `tests/recipes`,
-#: and (file, what stands there, what it becomes).
-EXAMPLES = {
-    "A new reader": (
-        {f"{READERS}/_paces.py": "paces"},
-        [
-            (f"{READERS}/__init__.py", "from ._player", "from ._paces import Paces\nfrom ._player"),
-            (f"{READERS}/__init__.py", '"Player", ', '"Paces",\n    "Player", '),
-            (f"{READERS}/__init__.py", "WeanHall)", "WeanHall, Paces)"),
-            (
-                SAMPLES,
-                "SINGLE_FILES = {\n",
-                '_PACE = "PACE {odometry} {time} 5 1.50 2.00 2.50 81.83 3.00"\n'
-                'SINGLE_FILES = {\n    "paces": text(twice(_PACE)),\n',
-            ),
-            (
-                SAMPLES,
-                "ASSUMED = {\n",
-                'ASSUMED = {\n    "paces": {FIVE, CENTRE, SICK_REACH.format(50)},\n',
-            ),
-        ],
-    ),
-    "A new reduction method": (
-        {
-            "segmap/reduction/_near_middle.py": "near_middle",
-            "tests/reduction/test_near_middle.py": "test_near_middle",
-        },
-        [
-            (
-                "segmap/reduction/_methods.py",
-                "from ._runner import",
-                "from ._near_middle import near_middle\nfrom ._runner import",
-            ),
-            (
-                "segmap/reduction/_methods.py",
-                "METHODS = Methods(\n",
-                "METHODS = Methods(\n    near_middle=Method(\n        near_middle,\n        "
-                '"ours",\n        merges="m -> 1",\n        keeps="end points",\n        '
-                'varies="distance",\n    ),\n',
-            ),
-            (
-                "segmap/reduction/__init__.py",
-                "from ._reduce_to",
-                "from ._near_middle import near_middle\nfrom ._reduce_to",
-            ),
-            (
-                "segmap/reduction/__init__.py",
-                '"mean_shift", ',
-                '"mean_shift", "near_middle",\n    ',
-            ),
-        ],
-    ),
-    "A new alignment method": (
-        {
-            "segmap/alignment/_worn_wheels.py": "worn_wheels",
-            "tests/alignment/test_worn_wheels.py": "test_worn_wheels",
-        },
-        [
-            (
-                "segmap/alignment/__init__.py",
-                "from .angle_correspondence",
-                "from ._worn_wheels import worn_wheels\nfrom .angle_correspondence",
-            ),
-            (
-                "segmap/alignment/__init__.py",
-                '"usual_method",',
-                '"usual_method",\n    "worn_wheels",',
-            ),
-            (
-                "segmap/alignment/__init__.py",
-                "Method[Alignment]] = {\n",
-                "Method[Alignment]] = {\n"
-                '    "worn_wheels": Method(worn_wheels, "ours", works="alone"),\n',
-            ),
-        ],
-    ),
-    "A new exercise": (
-        {f"{EXERCISES}/wall_length.py": "wall_length"},
-        [
-            (
-                COURSE,
-                "from .panels import *",
-                "from .exercises.wall_length import check_wall_length\nfrom .panels import *",
-            ),
-            (COURSE, '"check_weighed", ', '"check_wall_length",\n    "check_weighed", '),
-            (
-                "tests/right_answers.py",
-                "RIGHT = {\n",
-                'RIGHT = {\n    "wall_length": lambda s: math.dist(*s),\n',
-            ),
-        ],
-    ),
-    "A new chapter": (
-        {f"{CHAPTER}.ipynb": "chapter"},
-        [
-            (
-                "notebooks/SYLLABUS.md",
-                "[50](50_which_map_is_best.ipynb), [51]",
-                "[43](43_walls_by_hand.ipynb), [50](50_which_map_is_best.ipynb), [51]",
-            )
-        ],
-    ),
-}
+#: Headings. The example of "A new reader", files that are written and what becomes of lines of
+#: others, is `tests/recipes/reader.txt`.
+RECIPES = ("reader", "reduction method", "alignment method", "exercise", "chapter")
 #: What a recipe says to run before its tests.
-TOOLS = {
-    "A new chapter": (
-        ["notebooks/tools/refresh.py", f"{CHAPTER}.ipynb"],
-        ["notebooks/tools/minutes.py"],
-    )
-}
+TOOLS = {"chapter": ("notebooks/tools/refresh.py", "notebooks/tools/minutes.py")}
 
 
 def notebook(text):
@@ -142,14 +33,27 @@ def notebook(text):
     return nbformat.writes(nbformat.v4.new_notebook(cells=cells))
 
 
+def example(heading):
+    """Texts of new files, by name; and (file, what stands there, what it becomes)."""
+    files, edits = {}, []
+    parts = f"\n{(WRITTEN / f'{heading.split()[0]}.txt').read_text()}".split("\n=== ")[1:]
+    named = [part.partition("\n")[::2] for part in parts]
+    for (name, text), (after, new) in zip(named, [*named[1:], ("", "")], strict=True):
+        if after == "becomes":
+            edits.append((name, text.rstrip("\n"), new.rstrip("\n")))
+        elif name != "becomes":
+            files[name] = f"{text}\n"
+    return files, edits
+
+
 def recipe(heading):
     """The text of a recipe, and the arguments of the test command at its end."""
-    section = CONTRIBUTING.split(f"## {heading}\n")[1].split("\n## ")[0]
+    section = CONTRIBUTING.split(f"## A new {heading}\n")[1].split("\n## ")[0]
     return section, re.search(r"`pytest ([^`]*)`", section).group(1)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("heading", EXAMPLES)
+@pytest.mark.parametrize("heading", RECIPES)
 def test_a_recipe_leads_to_a_change_that_its_tests_accept(heading, tmp_path):
     """Catches a step that the recipe forgets, and a test that knows the members of a family."""
     section, wanted = recipe(heading)
@@ -159,10 +63,9 @@ def test_a_recipe_leads_to_a_change_that_its_tests_accept(heading, tmp_path):
     for name in filter(lambda name: (ROOT / name).is_file(), listed.stdout.splitlines()):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
-    files, edits = EXAMPLES[heading]
+    files, edits = example(heading)
     called = Path(next(iter(files))).stem.strip("_")
-    for name, example in files.items():
-        text = (WRITTEN / f"{example}.txt").read_text()
+    for name, text in files.items():
         (tmp_path / name).write_text(notebook(text) if name.endswith(".ipynb") else text)
     for name, before, after in edits:
         text = (tmp_path / name).read_text()
@@ -176,6 +79,7 @@ def test_a_recipe_leads_to_a_change_that_its_tests_accept(heading, tmp_path):
         assert f"`{name}`" in step, f"no step names {name}"
     places = {"PYTHONPATH": f"{tmp_path}{os.pathsep}{tmp_path / 'notebooks'}"}
     lint, tools = ["-m", "ruff", "check", "--no-cache", *files], TOOLS.get(heading, ())
+    tools = [[tool, *files] if "refresh" in tool else [tool] for tool in tools]
     tests = ["-m", "pytest", "-q", "-m", "not slow", "-p", "no:nbval", *wanted.split()]
     for command in (lint, *tools, tests if tools else [*tests, "-k", called]):
         ended = subprocess.run(

@@ -90,22 +90,6 @@ def test_squares_that_touch(seed):
     assert np.array_equal(kept[again[again >= 0]], found[again >= 0])
 
 
-def test_a_closed_room_has_none_and_an_open_one_its_door():
-    """Catches a wall that counts as unknown. The gap is a metre wide; both maps are of one scan."""
-    turn = np.radians(np.arange(0, 360, 0.25))
-    around = np.stack([np.cos(turn), np.sin(turn)], -1)
-    ends = 1.5 * around / np.abs(around).max(1)[:, None]  # a square of 3 m, seen from its middle
-    door = (ends[:, 0] > 1.49) & (abs(ends[:, 1]) < 0.5)
-    found = []
-    for left_out in (np.zeros(len(ends), bool), door):
-        map = QuadtreeMap(resolution=0.1, free_resolution=0.1, corner=(-0.05, -0.05))
-        map.insert_scan((0, 0), ends[~left_out], free_points=ends[left_out] * 1.3)
-        found.append(frontiers(map))
-    assert found[0] == [] and len(found[1]) == 1
-    beyond = found[1][0].places
-    assert (beyond[:, 0] > 1.4).all() and (abs(beyond[:, 1]) < 0.8).all()
-
-
 def test_it_moves_with_the_map():
     """Equivariance, exact where the corner moves too; sizes hold whatever the grid."""
     log = load("room")[:20]

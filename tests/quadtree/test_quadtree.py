@@ -102,15 +102,6 @@ def test_a_cell_is_the_floor_of_one_division(x, column):
     assert np.rint(map.leaves().x[hit] / 0.1).tolist() == [column]
 
 
-def test_the_order_of_beams_does_not_matter():
-    """B splits and counts beam by beam, so that its counts depend on it."""
-    ends = np.random.default_rng(4).uniform(0, 2, (40, 2))
-    maps = [QuadtreeMap(resolution=0.01, size=2.56) for _ in range(2)]
-    for map, beams in zip(maps, (ends, ends[::-1]), strict=True):
-        map.insert_scan((1, 1), beams)
-    assert leaves_of(maps[0]) == leaves_of(maps[1])
-
-
 #: Two rays of 2^26 cells whose slopes differ by 2^-51: they part at step 2^25.
 APART = [(2**26, 2**25 - 1), (2**26 + 2, 2**25)]
 
