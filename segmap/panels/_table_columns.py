@@ -53,8 +53,8 @@ class TableColumns:
         wide = W.Layout(width=COLUMN_WIDTH)
         self.kinds = [
             W.Dropdown(
-                options=COLUMN_KINDS,
-                value=name if name in COLUMN_KINDS else "-",
+                options=[*dict.fromkeys((*COLUMN_KINDS, name))],
+                value=name,
                 layout=wide,
                 tooltip=f"what column {place} is",
             )

@@ -144,6 +144,21 @@ def test_each_way_to_write_it_gives_the_same_scans(tmp_path, name):
     assert log.times == pytest.approx(times, nan_ok=True, abs=1e-3)
 
 
+@pytest.mark.parametrize("name", OTHERS)
+def test_the_columns_that_are_proposed_read_the_same(tmp_path, name):
+    """Catches a choice above the first rows that mirrors the scans, or loses where they end."""
+    path = tmp_path / "it.txt"
+    path.write_text(OTHERS[name][0])
+    names, rows = readers.first_rows(path)
+    if readers.format_of(path) != "table" or not names:
+        return
+    assert len(rows) == 6 and any(name.startswith(("angle", "x_m")) for name in names)
+    wanted, found = readers.read(path), readers.read_csv(path, columns=names)
+    assert found.times == pytest.approx(wanted.times, nan_ok=True)
+    for a, b in zip(found, wanted, strict=True):
+        assert a.angles == pytest.approx(b.angles) and a.ranges == pytest.approx(b.ranges)
+
+
 def test_a_pose_beside_the_beams_is_the_odometry(tmp_path):
     """Catches the heading of the robot that is taken for the angle of a beam, and poses lost."""
     for name in ("pose and beam", "pose and scan"):

@@ -60,6 +60,8 @@ UNIT_WORDS: dict[str, dict[str, float]] = {
     "y": LENGTHS,
     "time": {
         "s sec secs second seconds": 1.0,
+        "min mins minutes": 60.0,
+        "days": 86400.0,
         "ms msec millis milliseconds": 1e-3,
         "us µs \ufffds usec micros microseconds": 1e-6,
         "ns nsec nanos nanoseconds": 1e-9,
@@ -239,7 +241,7 @@ def _time_unit(values: Array) -> tuple[float | None, str]:
             return factor, f"{unit[factor]} since 1970"
     step = float(np.median(steps))
     if EXCEL_DAYS[0] < values.min() and values.max() < EXCEL_DAYS[1] and step < SCAN_PERIODS_S[0]:
-        return 86400.0, "days, as Excel counts them"
+        return COLUMN_UNITS["time"]["days"], "days, as Excel counts them"
     if (values != np.floor(values)).any() and values.max() < SINCE_1970[-1][0]:
         return 1.0, "seconds, since it holds fractions"
     stands = len(steps) < len(values) / 3  # one time for all beams of a scan
@@ -336,10 +338,11 @@ def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
             continue
         if "tick" in column.name.lower():
             turn = next((count for count in USUAL_TICKS if most < count), USUAL_TICKS[-1])
-            found[place] = f"angle_ticks{turn}"
+            found[place] = f"angle_ticks{clock}"
             continue
         large = most > MOST_METRES
         factor = column.factor or (1.0 if role == "range" and not large else usual[role])
         units: Mapping[str, float] = COLUMN_UNITS[role]
-        found[place] = f"{role}_{next(word for word, f in units.items() if f == factor)}"
+        clock = "_cw" if role == "angle" and columns.clockwise else ""
+        found[place] = f"{role}_{next(word for word, f in units.items() if f == factor)}{clock}"
     return found

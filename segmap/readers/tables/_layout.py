@@ -215,8 +215,7 @@ def _table_below(layout: Layout, lines: Sequence[tuple[int, str]]) -> Array:
 
 
 def _with_units(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
-    if "range" in layout.columns.by_role and layout.separator == ",":
-        layout = layout._replace(thousands=_in_thousands(layout, lines))
+    layout = with_thousands(layout, lines)
     table = _table_below(layout, lines)
     columns, told = with_units_told(layout.columns, table)
     if columns.by_program and not layout.labels and columns.clockwise:
@@ -231,12 +230,15 @@ def _with_units(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
     return layout._replace(columns=columns, told=tuple(told))
 
 
-def _in_thousands(layout: Layout, lines: Sequence[tuple[int, str]]) -> bool:
+def with_thousands(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
     """Whether ranges in quotes, as 4,002, are whole numbers: of three digits each, in no metres."""
+    if "range" not in layout.columns.by_role or layout.separator != ",":
+        return layout
     place, factor, _ = layout.columns.by_role["range"]
     rows = [split(line, ",") for number, line in lines if number > layout.line]
     marked = [row[place] for row in rows if len(row) > place and "," in row[place]]
-    return bool(marked) and all(map(THOUSANDS.fullmatch, marked)) and (factor or 0) < 0.1
+    found = bool(marked) and all(map(THOUSANDS.fullmatch, marked)) and (factor or 0) < 0.1
+    return layout._replace(thousands=found)
 
 
 def wanting(layout: Layout, path: Path) -> str:
@@ -286,6 +288,8 @@ def is_row(fields: Sequence[str]) -> bool:
 def first_rows(path: str | Path) -> tuple[list[str], list[list[str]]]:
     """Names that may fit the columns of a table, with units, and its first rows, as texts.
 
+    Nothing of a file whose beams stand in no columns: with a name beside each number, in brackets.
+
     Examples
     --------
     >>> import tempfile
@@ -301,6 +305,8 @@ def first_rows(path: str | Path) -> tuple[list[str], list[list[str]]]:
         rows = [split(text, separator) for _, text in lines]
         wide = max((len(row) for row in rows), default=0)
         found = layout_of(place)
+        if found and (found.labels or found.nested):  # there are no columns
+            return [], []
         names = found.names if found and len(found.names) == wide else ("-",) * wide
         table = _table_below(Layout(separator, line, names, named(names)), lines)
         return proposed_names(names, table) if wide else [], rows[:SHOWN_ROWS]
@@ -320,6 +326,8 @@ def looks_like(path: Path) -> str:
         how = "a line above that names them, time_s,r0,r1,r2,..., says what they are"
         return f"It looks like {count} columns between {mark}:\n{first}If they are scans, {how}.\n"
     names, _ = first_rows(path)
+    if not names:
+        return ""
     commas = separator != "," and any("," in field for field in rows[0])
     how = f"sep={separator or '[ ]+'!r}, decimal={',' if commas else '.'!r}"
     angle, far = (

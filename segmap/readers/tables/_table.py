@@ -46,8 +46,8 @@ from .._raw_scans import COUNTERCLOCKWISE, known, place_of
 from .._text import TextFormat
 from ..packed import log_file
 from ._columns import Columns, named
-from ._fields import NESTED, TABLE_COMMENTS, TUPLE, decimal, labelled, moment, split
-from ._layout import EXAMPLE, Layout, begin_of, layout_of, wanting
+from ._fields import NESTED, TABLE_COMMENTS, TUPLE, decimal, labelled, moment, sample, split
+from ._layout import EXAMPLE, Layout, begin_of, layout_of, wanting, with_thousands
 
 #: No scan has more beams.
 MOST_BEAMS_READ = 100_000
@@ -80,7 +80,7 @@ class _Table(TextFormat):
         self.assumed = (*layout.told, *(COUNTERCLOCKWISE,) * counted)
         self.columns = layout.columns.by_role
         self.last = max(column.place for column in self.columns.values())
-        self.turns = 0
+        self.turns, self.head = 0, [""]
 
     def _take(self, fields: list[str]) -> None:
         (line,) = fields
@@ -100,9 +100,11 @@ class _Table(TextFormat):
                     self._beam(split(each, ","))
                 if line.count("[") + line.count("(") != line.count("]") + line.count(")"):
                     raise ValueError(f"its brackets are not closed: {line[-40:]!r}")
-        elif self.lines.number > layout.line:
+        else:
             found = split(line, layout.separator)
-            if (layout.line and tuple(found) == layout.names) or NEXT_SCAN.match(line):
+            if self.lines.number <= layout.line:
+                self.head = found
+            elif found == self.head or NEXT_SCAN.match(line):
                 self.turns += bool(self.scans)
             elif not found[0].lower().startswith(CHATTER):
                 self._beam(found)
@@ -234,7 +236,7 @@ def read_csv(
         if names is None:
             return _read_table(place, stem(place), on_error, _stated(place), clockwise)
         separator, line = begin_of(place)
-        layout = Layout(separator, line, tuple(names), found)
+        layout = with_thousands(Layout(separator, line, tuple(names), found), sample(place))
         return _read_table(place, stem(place), on_error, layout, clockwise)
 
 
