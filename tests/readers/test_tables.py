@@ -180,6 +180,9 @@ UNSAID = {
     "unit": (
         "angle;dist\n" + lines(lambda k, a, r: f"{a:.0f};{33.3 * r:.1f}"), "unit of 'dist' is not"),
     "few": ("angle,range\n0.1,2.0\n0.2,2.1\n", "the unit of 'angle' is not said"),
+    "ticks": (
+        "angle_ticks,range_mm\n" + lines(lambda k, a, r: f"{a * 128 / 45:.0f},{1000 * r:.0f}"),
+        "unit of 'angle_ticks' is not"),
     "names": (
         "winkel;abstand\n" + lines(lambda k, a, r: f"{a:.1f};{33.3 * r:.2f}", ","), "no known"),
     "two of a kind": (

@@ -338,11 +338,11 @@ def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
             continue
         if "tick" in column.name.lower():
             turn = next((count for count in USUAL_TICKS if most < count), USUAL_TICKS[-1])
-            found[place] = f"angle_ticks{clock}"
+            found[place] = f"angle_ticks{turn}"
             continue
         large = most > MOST_METRES
         factor = column.factor or (1.0 if role == "range" and not large else usual[role])
         units: Mapping[str, float] = COLUMN_UNITS[role]
-        clock = "_cw" if role == "angle" and columns.clockwise else ""
-        found[place] = f"{role}_{next(word for word, f in units.items() if f == factor)}{clock}"
+        suffix = "_cw" if role == "angle" and columns.clockwise else ""
+        found[place] = f"{role}_{next(word for word, f in units.items() if f == factor)}{suffix}"
     return found
