@@ -19,7 +19,8 @@ AXIS_KERNEL_RAD = np.radians(6)
 AXIS_MEAN_RAD = np.radians(5)
 #: An axis takes the segments that are turned from it by at most so much, radians.
 AXIS_BAND_RAD = np.radians(8)
-#: An axis needs this share of the length.
+#: An axis takes this share of the squares of all lengths: clutter beside an axis, or in all
+#: directions, is as long in sum as a wall, but of short pieces.
 LEAST_AXIS_SHARE = 0.12
 #: Pairs of axes, at most.
 MOST_AXES = 4
@@ -46,17 +47,17 @@ class Line(NamedTuple):
 
 def building_axes(segments: Array) -> Array:
     """Directions along or across which walls run, radians in [0, pi/2), the strongest first."""
-    turn, weight, whole = angle(segments) % QUARTER, length(segments), length(segments).sum()
-    places, found = np.arange(0, QUARTER, AXIS_STEP_RAD), list[float]()
-    while len(turn) and weight.sum() > LEAST_AXIS_SHARE * whole and len(found) < MOST_AXES:
+    turn, weight, found = angle(segments) % QUARTER, length(segments), list[float]()
+    places, least = np.arange(0, QUARTER, AXIS_STEP_RAD), LEAST_AXIS_SHARE * (weight**2).sum()
+    while (weight**2).sum() > least and len(found) < MOST_AXES:
         apart = abs(quarter_turn(places[:, None] - turn))
         best = float(places[(np.clip(1 - apart / AXIS_KERNEL_RAD, 0, None) @ weight).argmax()])
         for _ in range(5):
             off = quarter_turn(turn - best)
             near = abs(off) <= AXIS_MEAN_RAD
             best += float(np.average(off[near], weights=weight[near]))
-        found.append(best % QUARTER)
         left = abs(quarter_turn(turn - best)) > AXIS_BAND_RAD
+        found += [best % QUARTER] if (weight[~left] ** 2).sum() >= least else []
         turn, weight = turn[left], weight[left]
     return np.array(found)
 

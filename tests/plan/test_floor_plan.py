@@ -143,6 +143,18 @@ def test_a_niche_is_no_room_where_the_rule_of_circles_holds():
     assert len(plan.floor_plan(*found, kappa=0.1).rooms) == 2
 
 
+def test_clutter_in_all_directions_is_no_axis():
+    """Catches axes of what stands about: their lines cut rooms into crumbs that are none."""
+    walls, free = office_seen(1)
+    rng = np.random.default_rng(0)
+    places, turns = rng.uniform((0, 0), (12, 10), (400, 2)), rng.uniform(0, np.pi, 400)
+    half = 0.2 * np.stack([np.cos(turns), np.sin(turns)], -1)
+    crumbs = np.stack([places - half, places + half], 1)
+    found = plan.floor_plan(np.concatenate([walls.segments, crumbs]), free)
+    assert len(found.axes) == 1
+    assert sum(room.area for room in found.rooms) > 0.85 * 12 * 10
+
+
 def test_a_round_room_is_told():
     """Catches a doubt that says nothing where no wall lies on an axis."""
     walls = circular_room(4.0)
