@@ -27,7 +27,7 @@ from ..graph import (
     stacked,
 )
 from ..points import PointMap, in_range
-from ._key_frames import KeyFrames, Undoable
+from ._key_frames import KeyFrame, KeyFrames, Undoable
 from ._wheels import Wheels, breaks
 
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
@@ -230,7 +230,7 @@ class FrontEnd(Undoable):
 
     def add_frame(self, match: Match) -> None:
         """Make the last scan the newest key frame, at its match."""
-        row, new = self.rows[-1], len(self.frames)
+        row, new, measured = self.rows[-1], len(self.frames), self.measured()
         step, turn = self.rules.step_error, self.rules.turn_error
         covariance = match.covariance if match.matched else np.diag([step, step, turn]) ** 2
         if self.lost >= LOST_IN_A_ROW:  # nothing ties it to the map before but a guess
@@ -238,11 +238,12 @@ class FrontEnd(Undoable):
             self.begins = new
         elif match.matched and new and self._guessed(match):
             covariance = covariance + np.diag(BREAK) ** 2
-        if match.matched and match.free is not None and self.measured():
+        if match.matched and match.free is not None and measured:
             along = np.array([*match.free, 0.0]) / ALONG_ERROR
             covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
         tied = match.matched and row.unmatched is not Unmatched.FREE_DIRECTION
-        self.frames.add(len(self.rows) - 1, self.points, match.pose, covariance, tied=tied)
+        frame = KeyFrame(len(self.rows) - 1, self.points, tied, measured)
+        self.frames.add(frame, match.pose, covariance)
         row.frame, row.pose = new, np.zeros(3)
         self.wheels.begin()
         first = max(new + 1 - self.rules.frames, self.begins)

@@ -42,7 +42,8 @@ class KeyFrame(NamedTuple):
 
     scan: int  # index in the log
     points: Array  # in the frame of the robot
-    tied: bool  # whether a match fixes the step to it
+    tied: bool = True  # whether a match fixes the step to it
+    measured: bool = True  # whether odometry says how the robot came to it
 
 
 class KeyFrames(Undoable):
@@ -52,7 +53,7 @@ class KeyFrames(Undoable):
         self.rows: list[KeyFrame] = []
         self.poses = np.zeros((0, 3))
         self.distance = np.zeros(0)  # metres driven up to each
-        self.spread = np.zeros(0)  # variance of the steps up to each where it is widest, metres^2
+        self.spread = np.zeros(0)  # their variance where it is widest, metres^2, but for odometry
         self.edges: list[Edge] = []
         self.converged = True  # whether the last `optimize` came to an end: the poses fit best
         self.least = least  # covariance that every match has at least
@@ -67,9 +68,7 @@ class KeyFrames(Undoable):
         """Index in the log of each key frame, `(n,)`."""
         return np.array([row.scan for row in self.rows], np.int64)
 
-    def add(
-        self, scan: int, points: Array, motion: Array, covariance: Array, *, tied: bool = True
-    ) -> None:
+    def add(self, row: KeyFrame, motion: Array, covariance: Array) -> None:
         """Append a key frame at its motion `(3,)` from the last one, with an edge between them.
 
         The first one has its pose for the motion, and no edge.
@@ -79,11 +78,13 @@ class KeyFrames(Undoable):
             self.edges.append(Edge(new - 1, new, motion, information(covariance, self.least)))
             pose = compose(self.poses[-1], motion)
             way = self.distance[-1] + float(np.hypot(motion[0], motion[1]))
-            spread = self.spread[-1] + np.linalg.eigvalsh(covariance[:2, :2])[-1]
+            spread = (
+                self.spread[-1] + (not row.measured) * np.linalg.eigvalsh(covariance[:2, :2])[-1]
+            )
         self.poses = np.vstack([self.poses, pose])
         self.distance = np.append(self.distance, way)
         self.spread = np.append(self.spread, spread)
-        self.rows.append(KeyFrame(scan, points, tied))
+        self.rows.append(row)
 
     def extend(self, later: KeyFrames, scan: int, covariance: Array) -> None:
         """Append the key frames of another graph, whose first scan has this index here.
@@ -91,7 +92,7 @@ class KeyFrames(Undoable):
         The first lies where the last one of this graph does, as uncertain as the covariance says.
         """
         new = len(self)
-        self.add(scan, later.rows[0].points, np.zeros(3), covariance, tied=False)
+        self.add(later.rows[0]._replace(scan=scan, tied=False), np.zeros(3), covariance)
         moved = compose(self.poses[-1], between(later.poses[0], later.poses[1:]))
         self.poses = np.vstack([self.poses, moved])
         self.distance = np.append(self.distance, self.distance[-1] + later.distance[1:])

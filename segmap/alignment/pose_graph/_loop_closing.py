@@ -57,8 +57,8 @@ LOST_WITNESSES = 5
 #: Other loops that must agree when the log ends. Then loops of one scan to passes farther apart
 #: than `COMPARED_PATH_M` count too.
 LAST_WITNESSES = 1
-#: With a standard deviation above this, metres, a loop is no way through the graph, and it is no
-#: witness of others, as it is not where the steps between the two are so vague: along a corridor
+#: With a standard deviation above this, metres, a loop is no way through the graph. Without
+#: odometry it is no witness either, nor is one over steps that are so vague: along a corridor
 #: neither fixes anything.
 VAGUE = 0.2
 #: The graph is solved at once where a new loop turns its ends by more than this, radians.
@@ -272,44 +272,43 @@ class LoopCloser(Undoable):
         known = self.pending + self.accepted[-COMPARED_LOOPS:]
         for loop, reach in fresh:
             others = self.agreeing(loop, known)
-            agree = _firm([loop, *others])
+            agree = self._witnesses([loop, *others])
             way = [self.frames.distance[k] for k in {each.second for each in agree}]
             if len(way) > enough and (lost or max(way) - min(way) >= min(reach, self.rules.span)):
                 found += _edges_but([loop, *others], found + self.accepted[-COMPARED_LOOPS:])
         return found
 
+    def _witnesses(self, loops: list[Edge]) -> list[Edge]:
+        """Those that may confirm others: without odometry what slides along a corridor may not."""
+        measured = all(self.frames.rows[loop.second].measured for loop in loops)
+        return loops if measured else _firm(loops)
+
     def agreeing(self, loop: Edge, known: list[Edge], *, apart: bool = False) -> list[Edge]:
         """Loops for which going round them and this one leads back to where it began.
 
-        Of other scans, near at both ends by firm steps; or, `apart`, of the same scan to passes far
-        apart.
+        Of other scans, near at both ends and by firm steps; or, `apart`, of the same scan to passes
+        far apart.
         """
-        path, spread, chosen = self.frames.distance, self.frames.spread, []
-        for other in known:
-            far = abs(path[loop.first] - path[other.first]) > COMPARED_PATH_M
-            same = loop.second == other.second
-            near = abs(path[loop.second] - path[other.second]) <= COMPARED_PATH_M
-            vague = sum(
-                abs(spread[a] - spread[b]) for a, b in zip(loop[:2], other[:2], strict=True)
-            )
-            firm = near and not far and vague < VAGUE**2
-            if far and same if apart else firm and not same:
-                chosen.append(other)
-        if not chosen:
+        if not known:
             return []
-        a, b, poses = loop, stacked(chosen), self.frames.poses
-        one = compose(a.relative, between(poses[a.second], poses[b.second]))
-        two = compose(between(poses[a.first], poses[b.first]), b.relative)
+        frames, a, b = self.frames, loop, stacked(known)
+        ends = [(a.first, b.first), (a.second, b.second)]
+        old, new = (np.abs(frames.distance[i] - frames.distance[j]) for i, j in ends)
+        vague = sum(np.abs(frames.spread[i] - frames.spread[j]) for i, j in ends)
+        far, same = old > COMPARED_PATH_M, a.second == b.second
+        near = ~far & ~same & (new <= COMPARED_PATH_M) & (vague < VAGUE**2)
+        one = compose(a.relative, between(frames.poses[a.second], frames.poses[b.second]))
+        two = compose(between(frames.poses[a.first], frames.poses[b.first]), b.relative)
         x, y, heading = between(one, two).T
         agree = (np.hypot(x, y) < self.rules.tolerance) & (np.abs(heading) < AGREED_ANGLE)
-        return [chosen[i] for i in np.flatnonzero(agree)]
+        return [known[i] for i in np.flatnonzero(agree & (far & same if apart else near))]
 
     def finish_pending(self) -> bool:
         """At the end of the log: believe loops that a few others agree with, reject the rest."""
         known, found = [*self.pending, *self.accepted[-COMPARED_LOOPS:]], []
         for loop in self.pending if self.lost_since is None else []:
             others = self.agreeing(loop, known) + self.agreeing(loop, known, apart=True)
-            found += [loop] if len(_firm(others)) >= LAST_WITNESSES else []
+            found += [loop] if len(self._witnesses(others)) >= LAST_WITNESSES else []
         self._give_up(_edges_but(self.pending, found))
         self.believe(found)
         return bool(found)

@@ -20,7 +20,7 @@ from segmap.alignment.graph import (
 from segmap.alignment.graph._graph import REAL
 from segmap.alignment.graph._solver import STALE_CHANGE
 from segmap.alignment.graph._solver_kernels import Edges, linearise
-from segmap.alignment.pose_graph._key_frames import KeyFrames
+from segmap.alignment.pose_graph._key_frames import KeyFrame, KeyFrames
 from segmap.angles import wrap
 from segmap.poses import between, compose
 from segmap.testing import assert_poses_equal
@@ -283,10 +283,10 @@ def test_key_frames_hand_edges_over_that_are_new_and_begin_anew_where_some_were_
     """Catches a solver that still holds a loop that was taken out, or an edge of a scan undone."""
     start, edges = world(120)
     frames = KeyFrames()
-    frames.add(0, np.zeros((3, 2)), np.zeros(3), np.eye(3))
+    frames.add(KeyFrame(0, np.zeros((3, 2))), np.zeros(3), np.eye(3))
     each = [Edge(*fields) for fields in zip(*edges[:4], strict=True)]
     for edge in each[:119]:
-        frames.add(edge.second, np.zeros((3, 2)), edge.relative, np.eye(3))
+        frames.add(KeyFrame(edge.second, np.zeros((3, 2))), edge.relative, np.eye(3))
     wrong = Edge(0, 80, np.array((9.0, 9.0, 1.0)), 100 * np.eye(3), True)
     for chosen in ([*each[:119], wrong, *each[119:]], each, [*each[:130], wrong], each[:131]):
         frames.edges = chosen

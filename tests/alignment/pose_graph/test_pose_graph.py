@@ -23,7 +23,7 @@ from segmap.alignment._result import Match, no_match
 from segmap.alignment.graph import REAL, Edge, information
 from segmap.alignment.points import PointMap
 from segmap.alignment.pose_graph import FrontEnd, _front_end, _loop_closing
-from segmap.alignment.pose_graph._key_frames import KeyFrames, path_lengths
+from segmap.alignment.pose_graph._key_frames import KeyFrame, KeyFrames, path_lengths
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window
 from segmap.poses import between
 from segmap.scans import Log
@@ -39,16 +39,17 @@ def walked(
     steps: int,
     points: np.ndarray = np.zeros((0, 2)),
     closer: type[LoopCloser] = LoopCloser,
-    along: float = 0.01,
+    along: float | None = None,
 ) -> LoopCloser:
     """Key frames a metre apart on a line, and what closes loops among them.
 
-    Each step is known to 1 cm across the line, and to `along` metres along it.
+    By odometry; or without it, each step known to 1 cm across the line and to `along` along it.
     """
     frames = KeyFrames()
     for scan in range(steps + 1):
-        known = np.diag([along, 0.01, 0.01]) ** 2
-        frames.add(scan, points, np.array([float(scan > 0), 0, 0]), known)
+        known = np.diag([along or 1.0, 0.01, 0.01]) ** 2
+        row = KeyFrame(scan, points, measured=along is None)
+        frames.add(row, np.array([float(scan > 0), 0, 0]), known)
     return closer(frames, 0.03, LoopClosing())
 
 
@@ -257,7 +258,7 @@ def test_believed_loops_shorten_the_way_to_old_places():
     frames = KeyFrames()
     for scan in range(31):
         step = (1.0, 0, np.pi / 5) if scan else (0, 0, 0)
-        frames.add(scan, np.zeros((0, 2)), np.array(step), np.eye(3))
+        frames.add(KeyFrame(scan, np.zeros((0, 2))), np.array(step), np.eye(3))
     closer = LoopCloser(frames, 0.03, LoopClosing())
     assert closer._way(30, np.arange(30)).tolist() == list(range(30, 0, -1))
     assert np.isinf(walked(500)._way(500, np.array([100]))[0])  # 367 m fill the widest window
@@ -402,7 +403,7 @@ def test_a_loop_is_sought_where_the_way_since_the_old_place_is_over_ten_metres()
     closer = walked(5)
     frames = closer.frames
     for scan, step in enumerate([(0, 0, np.pi)] + [(1, 0, 0)] * 6, start=6):
-        frames.add(scan, np.zeros((0, 2)), np.array(step, float), np.eye(3))
+        frames.add(KeyFrame(scan, np.zeros((0, 2))), np.array(step, float), np.eye(3))
     found = [[window.old for window in closer._by_place(new, new)] for new in (11, 12)]
     assert frames.distance[11:].tolist() == [10, 11] and found == [[], [0]]
     (window,) = closer._by_place(12, 12)
