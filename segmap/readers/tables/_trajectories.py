@@ -6,8 +6,11 @@
     t, counter, ticks, ticks, x, y, theta     Rawseeds, ODOMETRY_XYT.csv
     #timestamp [ns], p_x [m], p_y [m], ..., q_w [], q_x [], ...      a head that names them
 
+    %time,field.header.stamp,field.pose.pose.position.x,...          rostopic echo -p of an Odometry
+    sec,nanosec,odom,base_link,x,y,z,qx,qy,qz,qw,...                 ros2 topic echo --csv of one
+
 Metres, radians and seconds where no name says another unit; times since 1970 may be in any, and may
-be texts.
+be texts. Headings that span more than a turn, and jump, are degrees.
 
 Assumed: poses are the robot's.
 """
@@ -17,6 +20,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -34,15 +38,26 @@ from ._columns import COLUMN_UNITS, SINCE_1970
 from ._fields import decimal, moment, sample, separator_of, split
 
 #: Where time, x, y and heading, or a quaternion x, y, z, w, stand in lines of so many fields.
-POSE_LINES = {4: (0, 1, 2, 3), 7: (0, 4, 5, 6), 8: (0, 1, 2, 4, 5, 6, 7), 13: (0, 1, 2, 3)}
-#: How columns of a head are called, by their last words.
-POSE_WORDS = {
-    "time": "time timestamp stamp t secs",
-    "x": "x px tx",
-    "y": "y py ty",
-    "heading": "theta yaw heading phi psi angle th rz",
-    **{f"q{axis}": rf"q(_\w+)?_?{axis}" for axis in "xyzw"},
+POSE_LINES = {4: (0, 1, 2, 3), 7: (0, 1, 2, 6), 8: (0, 1, 2, 4, 5, 6, 7), 13: (0, 1, 2, 3)}
+#: The same of the odometry of Rawseeds, whose first columns are whole numbers.
+TICKS_LINE = (0, 4, 5, 6)
+#: The same of what `ros2 topic echo --csv` writes of an Odometry: seconds, nanoseconds, two frames.
+ODOMETRY_LINE = (0, 4, 5, 7, 8, 9, 10)
+#: How columns of a head are called, by their last words; quaternions before positions.
+POSE_NAMES = {
+    **{f"q{k}": rf"(q|quat\w*|orientation|rotation)([._/].*)?[._/]?{k}" for k in "xyzw"},
+    "time": r"%?_*(time|timestamp|stamp|t|ts|secs)",
+    **{k: rf"(p|t|pos|position)?_?{k}" for k in "xy"},
+    "heading": "theta|yaw|heading|phi|psi|angle|th|rz",
 }
+#: Of poses of KITTI, and of x, y, theta alone.
+NO_TIMES = ": poses without times, a first column of them is needed"
+#: So many lines are looked at for a head.
+POSE_HEAD_LINES = 20
+#: Numbers beyond this tell nothing.
+MOST_TOLD = 1e20
+#: Columns of a pose that is none of the robot's.
+OTHER_POSES = re.compile("twist|linear|angular|vel|covariance|target|goal|cmd|desired|set")
 #: True poses farther apart than this, in usual steps, say nothing between; nor in seconds.
 LONGEST_TRUTH_GAP_STEPS = 3
 LONGEST_TRUTH_GAP_S = 1.0
@@ -54,9 +69,9 @@ class PoseLine(NamedTuple):
     separator: str | None
     places: tuple[int, ...]
     line: int = 0
-    second: float = 1.0  #: of the times
-    radian: float = 1.0  #: of the heading
+    factors: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)  #: what makes seconds, metres and radians
     length: int = 0  #: how many fields, where no head says what they are
+    told: tuple[str, ...] = ()
 
 
 def pose_line_of(path: Path) -> PoseLine:
@@ -64,43 +79,81 @@ def pose_line_of(path: Path) -> PoseLine:
     lines = [(k, text) for k, text in sample(path) if text.strip("#, ")]
     rows = [text for _, text in lines if not text.startswith("#")]
     separator = separator_of(rows)
-    for number, text in lines[:20]:
-        names = split(text.lstrip("# "), separator_of([text]) or separator)
-        if (found := _by_names(names)) is not None:
-            return found._replace(separator=separator, line=number)
-    counts = [len(split(text, separator)) for text in rows]
+    table = [[*map(decimal, split(text, separator))] for text in rows]
+    for (number, text), (_, below) in pairwise([*lines[:POSE_HEAD_LINES], (0, "")]):
+        mark = separator_of([text]) or separator
+        names, units = split(text.lstrip("# "), mark), split(below, mark)
+        if len(units) == len(names) and not any(is_number(decimal(unit)) for unit in units):
+            names = [f"{name} {unit}" for name, unit in zip(names, units, strict=True)]
+            number += 1
+        if found := _by_names(names, path):
+            places, factors = zip(*found, strict=True)
+            return _with_pose_units(PoseLine(separator, places, number), factors, table)
+    counts = [len(row) for row in table]
     count = max(set(counts), key=counts.count, default=0)
+    first = [row for row in table if len(row) == count]
+    if count > max(POSE_LINES) and not any(is_number(field) for field in first[0][2:4]):
+        return PoseLine(separator, ODOMETRY_LINE, length=count)
     if count not in POSE_LINES:
         count = 13
-    first = [split(text, separator) for text in rows if len(split(text, separator)) == count]
-    when = [float(row[0]) for row in first if is_number(row[0])]
-    second = next((f for least, f in SINCE_1970 if when and least <= min(when)), 1.0)
-    return PoseLine(separator, POSE_LINES[count], 0, second, length=count)
+    places = POSE_LINES[count]
+    if count == 7 and all(is_number(f) and float(f) % 1 == 0 for row in first for f in row[1:4]):
+        places = TICKS_LINE
+    return _with_pose_units(PoseLine(separator, places, length=count), (None, 1, 1, None), table)
 
 
-def _by_names(names: Sequence[str]) -> PoseLine | None:
-    """What a head says; None of another line."""
-    places: dict[str, int] = {}
-    units: dict[str, list[str]] = {}
+def _with_pose_units(
+    form: PoseLine, factors: Sequence[float | None], table: Sequence[Sequence[str]]
+) -> PoseLine:
+    """What is said of units, and else what the numbers tell: times since 1970, degrees."""
+    told, used = [], [factor or 1.0 for factor in factors]
+    rows = [row for row in table if len(row) > max(form.places)]
+    columns = ([float(r[k]) for r in rows if is_number(r[k])] for k in form.places)
+    when, *_, turn = ([v for v in column if abs(v) <= MOST_TOLD] for column in columns)
+    if factors[0] is None and when:
+        used[0] = next((f for least, f in SINCE_1970 if least <= min(when)), 1.0)
+    is_open = len(factors) == 4 and factors[3] is None and bool(turn)
+    if is_open and np.ptp(turn) > 2 * np.pi + 0.1 and not _is_unwrapped(turn):
+        used[3] = np.pi / 180
+        told.append("headings are in degrees, since they span more than 2 pi and jump")
+    return form._replace(factors=tuple(used), told=tuple(told))
+
+
+def _is_unwrapped(turn: Sequence[float]) -> bool:
+    """Whether headings in radians count turns: then they never jump, and go on by little."""
+    return bool(np.abs(np.diff(turn)).max(initial=0.0) < 1.0)
+
+
+def _by_names(names: Sequence[str], path: Path) -> list[tuple[int, float | None]] | None:
+    """Places and units of time, x, y and heading, or a quaternion, by a head; None of another."""
+    held: dict[str, dict[str, tuple[int, float | None]]] = {}
     for place, name in enumerate(names):
-        bare = re.sub(r"[\[(].*", "", name).strip().lower()
-        units_said = re.findall(r"[a-zµ°]+", name.lower())[1:]
-        for role, words in POSE_WORDS.items():
-            if any(
-                re.fullmatch(rf"(.*[._/ ])?{word}(_(s|ms|us|ns|m|rad|deg))?", bare)
-                for word in words.split()
-            ):
-                places.setdefault(role, place)
-                units.setdefault(role, units_said)
-    turned = ("heading",) if "heading" in places else ("qx", "qy", "qz", "qw")
-    wanted = ("time", "x", "y", *turned)
-    if not {*wanted} <= {*places}:
+        bare = re.split(r"\s*[\[( ]", name.strip().lower(), maxsplit=1)[0]
+        kinds = COLUMN_UNITS["time"] | COLUMN_UNITS["x"] | COLUMN_UNITS["angle"]
+        plain = re.sub(rf"_({'|'.join(map(re.escape, kinds))})$", "", bare)
+        words = re.findall("[a-zµ°]+", name.strip().lower().removeprefix(plain))
+        for role, pattern in POSE_NAMES.items():
+            if found := re.fullmatch(rf"(?P<whose>.*[._/ ])?({pattern})", plain):
+                units = COLUMN_UNITS.get({"heading": "angle", "y": "x"}.get(role, role), {})
+                factor = next((units[word] for word in words if word in units), None)
+                whose = found["whose"] or ""
+                if not OTHER_POSES.search(whose):
+                    held.setdefault(role, {}).setdefault(whose, (place, factor))
+                break
+    turned = ("heading",) if "heading" in held else ("qx", "qy", "qz", "qw")
+    if not {"time", "x", "y", *turned} <= {*held}:
         return None
-    second, radian = (
-        next((f for word, f in COLUMN_UNITS[kind].items() if word in units.get(role, [])), 1.0)
-        for role, kind in (("time", "time"), ("heading", "angle"))
-    )
-    return PoseLine(None, tuple(places[role] for role in wanted), 0, second, radian)
+    poses = [whose for whose in held["x"] if whose in held["y"]]
+    if len(poses) != 1 and "" not in poses:
+        said = ", ".join(f"{whose}x" for whose in held["x"])
+        raise LogError(path, f"its head names several poses ({said}): expected those of one")
+    whose = "" if "" in poses else poses[0]
+    stamps = [key for key in held["time"] if key.endswith("header.")]
+    clock = stamps[0] if stamps and names[0] == "%time" else next(iter(held["time"]))
+    return [
+        held["time"][clock], held["x"][whose], held["y"][whose],
+        *(held[role].get(whose, next(iter(held[role].values()))) for role in turned),
+    ]  # fmt: skip
 
 
 def track_in(path: Path, on_error: str) -> tuple[Track, Lines]:
@@ -115,16 +168,19 @@ def track_in(path: Path, on_error: str) -> tuple[Track, Lines]:
         if len(found) <= max(form.places) or (form.length and len(found) != form.length):
             raise ValueError(
                 f"expected 13 columns of ground truth, 7 of odometry, 4 of t, x, y, theta or 8 of "
-                f"TUM, got {len(found)}"
+                f"TUM, got {len(found)}{NO_TIMES if len(found) in (3, 12) else ''}"
             )
         when, x, y, *turn = (found[k] for k in form.places)
-        seconds = time(when, unit=form.second) if is_number(when) else moment(when)
+        second, metre, metre_y, *radian = form.factors
+        seconds = time(when, unit=second) if is_number(when) else moment(when)
+        if form.places == ODOMETRY_LINE:
+            seconds += time(found[1], unit=1e-9)
         if not np.isfinite(seconds):
             raise ValueError(f"expected a time, got {when[:40]!r}")
         if len(turn) == 1:
-            (heading,) = float_fields(turn, "the heading") * form.radian
-            return seconds, pose_fields([x, y, repr(float(heading))], "the pose")
-        place = float_fields([x, y], "the pose")
+            pose = float_fields([x, y, *turn], "the pose") * (metre, metre_y, radian[0])
+            return seconds, pose_fields([*map(repr, pose.tolist())], "the pose")
+        place = float_fields([x, y], "the pose") * (metre, metre_y)
         qx, qy, qz, qw = float_fields(turn, "the quaternion")
         return seconds, level(in_space((*place, 0.0), (qw, qx, qy, qz)))
 
@@ -188,14 +244,18 @@ def with_trajectories(
     scans, right, assumed = list(log), log.truth, list(log.assumed)
     track, causes, times = log.track, list(log.causes), log.times
     if "odometry" in files:
-        met = _track_of(files["odometry"], log).met(times)
+        odometry_track, told = _track_of(files["odometry"], log)
+        met = odometry_track.met(times)
+        assumed += told
         pairs = zip(log, met.times.tolist(), met.poses, strict=True)
         scans = [replace(scan, time=when, odometry=known(pose)) for scan, when, pose in pairs]
         dense = len(met.track) > len(scans) or np.isnan(met.poses).any()
         track, times = met.track if dense else None, met.times
         causes += met.causes
     if "truth" in files:
-        known_times, poses = _track_of(files["truth"], log).ordered()
+        true_track, told = _track_of(files["truth"], log)
+        known_times, poses = true_track.ordered()
+        assumed += told
         usual = float(np.median(np.diff(known_times))) if len(known_times) > 1 else 0.0
         gap = max(LONGEST_TRUTH_GAP_S, LONGEST_TRUTH_GAP_STEPS * usual)
         right = known_truth(interpolate(known_times, poses, times, max_gap=gap))
@@ -203,8 +263,8 @@ def with_trajectories(
     return Log(log.name, scans, right, log.skipped, track, log.order_known, causes, assumed)
 
 
-def _track_of(path: Path, log: Log) -> Track:
-    """The poses of a file, some of which lie within the time of the scans."""
+def _track_of(path: Path, log: Log) -> tuple[Track, tuple[str, ...]]:
+    """The poses of a file, some of which lie within the time of the scans; and what is assumed."""
     with log_file(path) as place:
         found, _ = track_in(place, "raise")
         scans = log.times[np.isfinite(log.times)]
@@ -217,4 +277,4 @@ def _track_of(path: Path, log: Log) -> Track:
                 f"its poses are from {first:.3f} to {last:.3f} s, and the scans from "
                 f"{scans.min():.3f} to {scans.max():.3f} s: it has another clock",
             )
-        return found
+        return found, pose_line_of(place).told
