@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from log_samples import GROUNDTRUTH, NPZ, ODOMETRY_CSV, RAWSEEDS, SINGLE_FILES
 from mrpt_samples import BINARY_FILES
+from quadtrees import state
 from segmap_course import load_trials
 
 from segmap import SegmentMap, readers
@@ -18,6 +19,7 @@ from segmap.arrays import LIMIT
 from segmap.experiments import load_alignments, load_walls, read_records
 from segmap.exports import write_graph, write_segments
 from segmap.poses import between, compose
+from segmap.quadtree import QuadtreeMap
 from segmap.readers import LogError, PoseGraph
 
 #: A map with numbers that are hard to write.
@@ -197,6 +199,21 @@ def given_to(
     return ["read"]
 
 
+def squares(folder: Path, rng: random.Random) -> list[str]:
+    """A quadtree that is saved: refused by its name, or the same map."""
+    path, map = folder / "map.npz", QuadtreeMap(resolution=0.05, size=0.8, corner=(0.1, -0.2))
+    map.insert_scan((0.3, 0.4), [(-1.0, 2.0), (1.5, 0.2)], [(0.2, 2.0)])
+    map.save(path)
+    path.write_bytes(mutated(path.read_bytes(), rng))
+    try:
+        found = QuadtreeMap.load(path)
+    except ValueError as fault:
+        assert str(path) in str(fault)
+        return ["LogError"]
+    assert state(found) == state(map)
+    return ["read"]
+
+
 def table(
     read: Callable[[Path], object], head: bytes, folder: Path, rng: random.Random
 ) -> list[str]:
@@ -229,6 +246,7 @@ TARGETS["odometry"] = partial(trajectory, ODOMETRY_CSV.encode())
 for _name in ("segments.csv", "segments.npz"):
     TARGETS[_name] = partial(given_to, readers.read_segments, _name, ODD_MAP)
 TARGETS["graph"] = partial(given_to, readers.read_graph, "it.g2o", a_graph(3, 4, 2))
+TARGETS["map.npz"] = squares
 TARGETS["runs"] = partial(table, read_records, beginning("malaga"))
 TARGETS["trials"] = partial(table, load_trials, beginning("matching"))
 TARGETS["alignments"] = partial(
