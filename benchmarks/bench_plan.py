@@ -26,7 +26,7 @@ from segmap.arrays import Array
 from segmap.metrics import against_walls
 from segmap.plan import FloorPlan, floor_plan
 from segmap.scans import Log
-from segmap.segments import length
+from segmap.segments import length, point_distance
 from segmap.simulation import Sensor, simulate
 
 from .measure import SHARED, Row, missing
@@ -140,8 +140,8 @@ def room_pixels(plan: FloorPlan, shape: tuple[int, ...]) -> Labels:
     return plan.room_at(places).reshape(shape) + 1
 
 
-def corners(walls: Array, free: quadtree.QuadtreeMap) -> Array:
-    """Metres between both ends of each corner, `(k,)`.
+def corners(walls: Array, free: quadtree.QuadtreeMap) -> tuple[Array, Array]:
+    """Metres between both ends of each corner, `(k,)`, and from an end to the other wall, as a T.
 
     A corner: two ends at most 0.3 m from where their lines cross, at more than 20 degrees, with
     free space in the angle. An end is in the corner of its nearest crossing only.
@@ -164,7 +164,10 @@ def corners(walls: Array, free: quadtree.QuadtreeMap) -> Array:
     first = order[np.diff(i[order], prepend=-1) > 0]
     nearest = dict(zip(i[first].tolist(), j[first].tolist(), strict=True))
     pairs = [(a, b) for a, b in nearest.items() if nearest.get(b) != a or a < b]
-    return np.array([np.hypot(*(ends[a] - ends[b])) for a, b in pairs])
+    apart = np.array([np.hypot(*(ends[a] - ends[b])) for a, b in pairs])
+    a, b = np.reshape(pairs, (-1, 2)).T
+    off = [point_distance(ends[one], walls[other // 2]) for one, other in ((a, b), (b, a))]
+    return apart, np.minimum(*off)
 
 
 def twins(walls: Array, side: NDArray[np.int64]) -> float:
@@ -187,16 +190,23 @@ def twins(walls: Array, side: NDArray[np.int64]) -> float:
 
 
 def wall_row(plan: FloorPlan, before: Array, free: quadtree.QuadtreeMap) -> dict[str, float]:
-    """How walls are drawn: shares of corners closed, of twins, of the length that is left."""
+    """How walls are drawn: shares of corners closed, of twins, of the length that is left.
+
+    `met_2cm` counts an end on the other wall as closed; `behind` is the share of the length, of
+    segments above 0.5 m, that walls were drawn from: of twins one is left.
+    """
     walls, sizes = plan.walls.segments, length(before)
-    apart = corners(walls, free)
+    apart, off = corners(walls, free)
+    behind = plan.walls.parents >= 0
     return {
         "corners": len(apart),
         "closed_2cm": float((apart <= 0.02).mean()),
         "closed_10cm": float((apart <= 0.1).mean()),
+        "met_2cm": float((off <= 0.02).mean()),
         "twins": twins(walls, plan.side),
         "shortest": float(length(walls).min()),
         "left": float(length(walls).sum() / sizes[sizes >= 0.5].sum()),
+        "behind": float(sizes[behind & (sizes >= 0.5)].sum() / sizes[sizes >= 0.5].sum()),
     }
 
 

@@ -683,6 +683,37 @@ def test_layers_and_what_is_measured(worker):
     assert canvas.points != b"", "another map has its own"
 
 
+def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path):
+    """Catches a name that goes to another room, a picture that keeps the old one, a lost area."""
+    made = bench(segmap.load("room"))
+    made.run()
+    made._worker, rooms = worker, made.rooms
+    assert not rooms.box.children and not rooms.switch.disabled
+    rooms.switch.value = True
+    made.wait()
+    assert rooms.total.value == "3 rooms of 46.7 m\u00b2, 2 doors"
+    assert sum(float(each.description.split()[0]) for each in rooms.names.children) == (
+        pytest.approx(46.7, abs=0.15)
+    )
+    before = bytes(rooms.picture.value)
+    rooms.names.children[1].value = "hall"
+    rooms.names.children[1].value = "the hall <b>$x"
+    assert before.startswith(b"\x89PNG") and bytes(rooms.picture.value) != before
+    made.export(tmp_path / "it.segmap")
+    ((*_, name),) = readers.read_session(tmp_path / "it.segmap").edits["rooms"]
+    other = Workbench()
+    other.open(tmp_path / "it.segmap")
+    other.run()
+    other._worker, other.rooms.switch.value = worker, True
+    other.wait()
+    assert [each.value for each in other.rooms.names.children] == ["room 1", name, "room 3"]
+    other.run()
+    assert not other.rooms.switch.value and not other.rooms.box.children
+    exports.write_session(tmp_path / "no.segmap", readers.Session(LOG, {}, edits={"rooms": [[1]]}))
+    with pytest.raises(ValueError):
+        other.open(tmp_path / "no.segmap")
+
+
 def test_another_log_while_one_is_worked_on():
     """Catches the map of one log shown as that of another, or kept for its next run."""
     made = bench()

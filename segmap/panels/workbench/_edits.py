@@ -1,13 +1,21 @@
-"""What is done to a map by hand: loops left out or forced, a turn, a crop, a place on the earth."""
+"""What is done to a map by hand: loops left out or forced, a turn, a crop, a place on the earth,
+names of rooms."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import ipywidgets as W
+import numpy as np
 
+from ... import arrays
+from ..._display import counted
+from ..._map_pipeline import Pipeline
+from ...plan import FloorPlan
 from .._control import ENTRY, folded, wrong
+from . import _files
 
 #: Entries of numbers, by their options: how many, label and example.
 NUMBER_ENTRIES = {
@@ -31,6 +39,8 @@ class Edits:
     def __init__(self) -> None:
         self.veto: list[str] = []
         self.tie: list[str] = []
+        #: x, y, metres, and the name of the room there.
+        self.rooms: list[list[Any]] = []
         wide: Any = {"style": ENTRY, "layout": {"width": "auto"}, "continuous_update": False}
         words = "square: most walls along x and y"
         self.square: Any = W.Checkbox(False, description=words, indent=False)
@@ -67,7 +77,7 @@ class Edits:
                 assert len(found[name]) in (0, count)
             except (ValueError, AssertionError):
                 raise ValueError(f"{label} must be like '{hint}', got {text!r}") from None
-        found["crs"] = self.crs.value.strip()
+        found["crs"], found["rooms"] = self.crs.value.strip(), [*self.rooms]
         return {name: value for name, value in found.items() if value}
 
     def asked(self) -> dict[str, Any]:
@@ -88,8 +98,75 @@ class Edits:
     def restore(self, held: Mapping[str, Any]) -> None:
         """Set what a session keeps, and nothing else."""
         self.take_loops(held)
+        self.rooms = [[*arrays.point((x, y)).tolist(), f"{n}"] for x, y, n in held.get("rooms", [])]
         self.square.value, self.crs.value = held.get("square", False), held.get("crs", "")
         for name in NUMBER_ENTRIES:
             value = held.get(name, [])
             numbers = value if isinstance(value, list) else [value]
             getattr(self, name).value = " ".join(map(str, numbers))
+
+
+class Rooms:
+    """A switch; on it there are the floor plan, its rooms with names to be typed, their areas.
+
+    Names are kept in the edits with their places: they stay where a room gets another number.
+    `begin` calls a function in the worker, `say` says what is done, and `outcome` is what is shown.
+    """
+
+    def __init__(
+        self,
+        edits: Edits,
+        begin: Callable[..., None],
+        say: Callable[[str, float], None],
+        outcome: Callable[[], Pipeline | None],
+    ) -> None:
+        self.edits, self._begin, self._say, self._outcome = edits, begin, say, outcome
+        tip = "rooms with their areas, and doors"
+        self.switch: Any = W.ToggleButton(False, description="plan", tooltip=tip)
+        self.picture: Any = W.Image(format="png", layout=W.Layout(max_width="100%"))
+        self.total, self.names = W.Label(), W.VBox()
+        self.box = W.VBox()
+        self.switch.observe(self._switched, names="value")
+
+    def _switched(self, change: Any = None) -> None:
+        if not self.switch.value:
+            self.box.children = self.names.children = ()
+        elif not self.box.children:
+            self._begin(_files.plan_of, (self._outcome(),), self.show)
+
+    def show(self, plan: FloorPlan) -> None:
+        """Show a plan, with the names that are kept."""
+        for (*_, name), k in zip(self.edits.rooms, self._inside(plan), strict=True):
+            if k >= 0:
+                plan.rooms[k] = replace(plan.rooms[k], name=name)
+        entries = []
+        for k, room in enumerate(plan.rooms):
+            entry: Any = W.Text(room.name, description=f"{room.area:.1f} m\N{SUPERSCRIPT TWO}")
+            entry.continuous_update, entry.tooltip = False, f"name of room {k + 1}"
+            entry.observe(lambda change, k=k: self._named(plan, k, change["new"]), names="value")
+            entries.append(entry)
+        area, count = sum(room.area for room in plan.rooms), counted(len(plan.rooms), "room")
+        doors = counted(len(plan.doors), "door")
+        said = f"{count} of {area:.1f} m\N{SUPERSCRIPT TWO}, {doors}"
+        self.total.value = "; ".join(filter(None, [said, plan.doubt]))
+        self.names.children = entries
+        self._draw(plan)
+        self.box.children = [self.total, self.names, self.picture]
+        self._say("the floor plan is made", 1.0)
+
+    def _draw(self, plan: FloorPlan) -> None:
+        if (made := self._outcome()) is not None:
+            self.picture.value = _files.plan_picture(plan, made)
+
+    def _inside(self, plan: FloorPlan) -> list[int]:
+        """The room of each name that is kept, -1 for none."""
+        places = np.reshape([place for *place, _ in self.edits.rooms], (-1, 2))
+        return plan.room_at(places.astype(float)).tolist()
+
+    def _named(self, plan: FloorPlan, k: int, name: str) -> None:
+        """Keep the name of a room, in the place of what it was called."""
+        kept = zip(self.edits.rooms, self._inside(plan), strict=True)
+        self.edits.rooms = [held for held, room in kept if room != k]
+        self.edits.rooms.append([*plan.rooms[k].place.round(3).tolist(), name])
+        plan.rooms[k] = replace(plan.rooms[k], name=name)
+        self._draw(plan)

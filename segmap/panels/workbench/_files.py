@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ... import _warm, exports
+from ... import _warm, exports, extraction, reduction
 from ..._map_pipeline import Pipeline, cropped, world_of
 from ...arrays import Array
 from ...files import shown
+from ...plan import FloorPlan, floor_plan
 from ...poses import transform
 from ...quadtree import QuadtreeMap, build_map
 from ...scans import Log
@@ -61,6 +62,26 @@ def free_space(outcome: Pipeline) -> Array:
     tree = cells(outcome)
     x, y, side = tree.leaves()[:3]
     return np.stack([x, y, side], -1)[tree.leaf_occupancy() <= FREE_OCCUPANCY]
+
+
+def plan_of(outcome: Pipeline) -> FloorPlan:
+    """The floor plan of an outcome, as `segmap plan` makes it: of one line a wall."""
+    _warm.dispatch(["quadtree all", "reduction one_per_wall"])
+    log, poses = outcome.log_without_passers, outcome.alignment.trusted
+    seen = extraction.build_map(log, poses, keep_points=True)
+    free = build_map(log, poses, resolution=CELL, free_resolution=CELL)
+    crop = outcome.recipe.edits.get("crop")
+    walls = reduction.one_per_wall(cropped(seen, crop).filtered())
+    return floor_plan(walls, cropped(free, crop))
+
+
+def plan_picture(plan: FloorPlan, outcome: Pipeline) -> bytes:
+    """The sheet of a floor plan, as PNG."""
+    with tempfile.TemporaryDirectory() as folder:
+        path, today = Path(folder) / "plan.png", datetime.date.today().isoformat()
+        words = outcome.verdict.words
+        exports.write_plan(path, plan, title=outcome.given.name, verdict=words, date=today)
+        return path.read_bytes()
 
 
 def drawn_points(log: Log, poses: Array, *, sketched: bool = False) -> Array:

@@ -9,7 +9,7 @@ import ipywidgets as W
 
 from . import _shown
 from ._choices import WRAP
-from ._edits import Edits
+from ._edits import Edits, Rooms
 from ._loops import Loops
 
 #: Names for people of what is written of a result, and the ends of their files.
@@ -81,6 +81,7 @@ class Page:
 
     edits: Edits
     loops: Loops
+    rooms: Rooms
     progress: Any
     state: Any
 
@@ -120,6 +121,7 @@ class Page:
         row = W.Box([self.loops.open, self.edits.open, self.undo], layout=W.Layout(**WRAP))
         parts = [row, self.edits.square, self.loops.box, self.edits.box, self.edits.wrong]
         steps["Mend the map"] = parts
+        steps["Floor plan"] = [self.rooms.switch, self.rooms.box]
         steps |= {"Save the first result": [self.files]} if self.canvas is not None else {}
         steps |= {"All runs": [listed], "In Python": [self.listing]}
         bar = [self.start, self.stop, self.progress, self.state]
@@ -133,7 +135,7 @@ class Page:
         self.stop.disabled, self.undo.disabled = not busy, busy or not edited
         for each in (self.loops.mend, self.loops.tie, *self.edits.controls):
             each.disabled = busy
-        for each in (*self.files.children, self.edits.drag):
+        for each in (*self.files.children, self.edits.drag, self.rooms.switch):
             each.disabled = busy or not done
         for each in (self.shown, self.tool, *self.layers.values()):
             each.disabled = not done

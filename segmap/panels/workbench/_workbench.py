@@ -22,7 +22,7 @@ from ...readers import Session
 from ...reduction import Reduction
 from ...scans import Log
 from ...segments import length
-from . import _files, _shown
+from . import _edits, _files, _shown
 from ._bar import Bar, Work
 from ._choices import Choices
 from ._job import Worker
@@ -89,6 +89,7 @@ class Workbench(Page, Work):
         self.people = chosen.people
         self.method, self.second, self.deskew = chosen.method, chosen.second, chosen.deskew
         self.edits, self.loops = chosen.edits, Loops(chosen.edits, self._looked, self._edited)
+        self.rooms = _edits.Rooms(chosen.edits, self._begin, self._bar.say, lambda: self.outcome)
         self._make_outputs(self._told)
         first: str | Log = "malaga" if log is None else log
         self._source = Source(first, self._taken, self._bar, self._begin)
@@ -243,7 +244,7 @@ class Workbench(Page, Work):
 
     def _show_map(self, outcome: Pipeline) -> None:
         """Show a map, its way and loops, and what is left of it where that is known."""
-        map, done = outcome.map, outcome.is_reduced()
+        map, done, self.rooms.switch.value = outcome.map, outcome.is_reduced(), False
         if self.canvas is not None:
             found = [each.segments for each in outcome.reductions] if done else []
             wait = [f"before: {len(map)} segments", "not reduced yet"]
