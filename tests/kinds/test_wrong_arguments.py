@@ -14,7 +14,15 @@ from segmap_course.exercises import Exercise
 from segmap import arrays, exports, extraction, load, matching, metrics, simulation
 from segmap.alignment import METHODS as ALIGNMENTS
 from segmap.alignment import Match, align_to_truth, ground_truth, odometry, solve_graph
-from segmap.matching import localize_ekf, map_scans, sample_and_rank, search
+from segmap.matching import (
+    field_score,
+    hill_climb,
+    localize_ekf,
+    map_scans,
+    nearest_score,
+    sample_and_rank,
+    search,
+)
 from segmap.panels import ComparePanel, LivePanel, QuadtreePanel, ScanPanel
 from segmap.plotting import (
     draw_alignment,
@@ -236,6 +244,13 @@ ALIGNMENT = [
     ),
     *each(ALIGNMENTS["point_icp"], turn=20)((ROOM[:2], r"of degrees np.radians\(20\)")),
 ]
+ONE_CELL = QuadtreeMap()
+ONE_CELL.insert_scan((0, 0), [(1, 1)])
+NOTHING_TO_MATCH = [
+    (QuadtreeMap(), "insert a scan"),
+    (SegmentMap([]), "holds no wall"),
+    (TWO, "a QuadtreeMap or a SegmentMap"),
+]
 MATCHING = [
     *refused(map_scans, [])(
         ({"matcher": "climb"}, "matcher must be a function of map, points and start"),
@@ -250,6 +265,13 @@ MATCHING = [
     ),
     *each(tracked, np.eye(3) / 100)(
         (SegmentMap(TWO), [ROOM[0], BEAM], ZERO, "scan 1 has no odometry")
+    ),
+    *each(hill_climb, [(1, 0)], ZERO)(*NOTHING_TO_MATCH),
+    *each(sample_and_rank, [(1, 0)], ZERO, rng=RNG)(*NOTHING_TO_MATCH),
+    *each(hill_climb, [(50, 0)], (40, 40, 0))((ONE_CELL, "no occupied cell")),
+    *each(field_score, [], ZERO)((SegmentMap([]), "holds no wall")),
+    *each(nearest_score, [(1, 0)], ZERO)(
+        (QuadtreeMap(), "insert a scan"), (SegmentMap(TWO), "map must be a QuadtreeMap")
     ),
     *each(matching.merge)((ROOM[:3], ROOM[:0], "second must hold scans")),
     *each(search, ROOM[0])(
