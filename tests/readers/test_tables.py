@@ -8,11 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_samples import CARMEN, ENCODINGS, row, text
+from programs import program
 from table_samples import CLOCK, FAR, OTHERS, TURN, echo, lines, secs
 
 from segmap import LogError, readers
 from segmap.readers import UnknownFormat
 
+main = program("segmap")
 #: So many tables are drawn; `make fuzz` draws 5 000.
 DRAWN = int(os.environ.get("SEGMAP_TABLES", "300"))
 ANGLES = np.arange(-90.0, 91, 15)
@@ -185,6 +187,9 @@ UNSAID = {
         "unit of 'angle_ticks' is not"),
     "names": (
         "winkel;abstand\n" + lines(lambda k, a, r: f"{a:.1f};{33.3 * r:.2f}", ","), "no known"),
+    "a column to leave out first": (
+        "weather;dist;angle\n" + lines(lambda k, a, r: f"rain;{33.3 * r:.1f};{a:.0f}"),
+        "unit of 'dist' is not"),
     "two of a kind": (
         lines(lambda k, a, r: f"{a:.1f};{r:.3f};{r:.2f}1"), "It looks like 3 columns"),
 }  # fmt: skip
@@ -201,6 +206,7 @@ def test_the_advice_of_an_error_reads_that_very_file(tmp_path, monkeypatch, name
     reason = caught.value.reason
     columns = reason.partition("--columns ")[2].split()[0]
     log = readers.read_csv("it.csv", columns=columns)
+    assert main(["info", "it.csv", "--columns", columns, "-q"]) == 0
     assert log[0].ranges.max() < 150 and np.ptp(log[0].angles) <= 2 * np.pi
     code = [line.strip() for line in reason.splitlines() if line.startswith("    ")]
     if "pandas" in reason:

@@ -40,10 +40,16 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
 
 
 def _written_out(words: Sequence[str]) -> list[str]:
-    """The words with `--mount auto`, and `--strict` without a share, as options of their own."""
+    """The words with `--mount auto`, and `--strict` without a share, as options of their own.
+
+    Columns whose first is left out, as -,angle_deg, are no option.
+    """
     found: list[str] = []
     for word, following in zip(words, [*words, ""][1:], strict=True):
         if word == "auto" and found[-1:] == ["--mount-auto"]:
+            continue
+        if word.startswith("-,") and found[-1:] == ["--columns"]:
+            found[-1] = f"--columns={word}"
             continue
         if word == "--mount=auto" or (word == "--mount" and following == "auto"):
             word = "--mount-auto"

@@ -211,7 +211,7 @@ def _table_below(layout: Layout, lines: Sequence[tuple[int, str]]) -> Array:
             if len(fields) >= count:
                 thousands = layout.thousands
                 rows.append(_as_numbers([decimal(f, thousands=thousands) for f in fields[:count]]))
-    return np.array(rows).reshape(-1, count)
+    return np.array(rows).reshape(len(rows), count)
 
 
 def _with_units(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
