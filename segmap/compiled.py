@@ -32,6 +32,8 @@ R = TypeVar("R")
 PLAIN = "SEGMAP_PLAIN"
 #: What is said where machine code is missing.
 COMPILING = "compiling once on this machine, about a minute"
+#: And where no folder can keep it.
+KEPT_NOWHERE = "compiling, about a minute each time: no folder that could keep it may be written to"
 #: And where a process has what another thread of its parent had in hand.
 FORKED = (
     "another thread was in this when the process was forked: fork while none works, or start the "
@@ -179,7 +181,7 @@ def _cached_code(source: types.FunctionType, own: Any, *, told: bool) -> Callabl
     locator = type("First", (folder,), {"ensure_cache_path": lambda self: None})
     files = type("Files", (caching.CompileResultCacheImpl,), {"_locator_classes": [locator]})
     shared = type("Shared", (caching.FunctionCache,), {"_impl_class": files})
-    known = own.load_overload
+    known, words = own.load_overload, COMPILING if own.cache_path else KEPT_NOWHERE
 
     def load(*asked: Any) -> Any:
         code = None
@@ -188,18 +190,19 @@ def _cached_code(source: types.FunctionType, own: Any, *, told: bool) -> Callabl
         code = known(*asked) if code is None else code
         if code is None and source.__module__.startswith("segmap"):
             missing.append(source.__qualname__)
-            if told and not announce(0.0, Compiling(f"{COMPILING}: {len(missing)} loops so far")):
-                _say_once()
+            if told and not announce(0.0, Compiling(f"{words}: {len(missing)} loops so far")):
+                _say_once(words)
         return code
 
     return load
 
 
 @cache
-def _say_once() -> None:
+def _say_once(words: str) -> None:
     """Tell on the terminal why a run waits; workers of a pool leave it to who started them."""
     if multiprocessing.parent_process() is None and "ipykernel" not in sys.modules:
-        print(f"segmap: {COMPILING}; `segmap warm` does it for all", file=sys.stderr)
+        hint = "; `segmap warm` does it for all" if words == COMPILING else ""
+        print(f"segmap: {words}{hint}", file=sys.stderr)
 
 
 class _Pause:

@@ -18,7 +18,15 @@ import pytest
 from conftest import slow
 
 from segmap import _warm
-from segmap.compiled import COMPILING, PLAIN, _say_once, compiled, signals_held, work_time
+from segmap.compiled import (
+    COMPILING,
+    KEPT_NOWHERE,
+    PLAIN,
+    _say_once,
+    compiled,
+    signals_held,
+    work_time,
+)
 from segmap.progress import Compiling, announce, told
 
 #: Its window of search takes half a minute in plain Python: a smaller one stands in CASE.
@@ -331,6 +339,8 @@ def test_a_warm_installation_is_read_though_nobody_may_write_it(installation):
     assert installation.run(1) == ("", [1, 1])
     installation.closed = [installation.root]
     assert installation.run(1.5) == ("", [1, 1])
+    for _ in range(2):
+        assert installation.run(1.5 + 1j) == (f"segmap: {KEPT_NOWHERE}\n", [1, 1])
 
 
 def test_compiling_is_told_as_such_and_is_no_time_of_the_work(installation):
