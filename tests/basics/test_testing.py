@@ -137,8 +137,8 @@ def test_poses_of_another_shape_are_refused(actual):
 
 
 # --------------------------------------------------------------------------- samples
-def test_the_zoos_hold_what_their_names_say():
-    """Catches an animal that has lost its stripes."""
+def test_the_samples_hold_what_their_names_say():
+    """Catches a sample that another change has made harmless."""
     assert all(np.isfinite(s).all() and s.shape[1:] == (2, 2) for s in SEGMENTS.values())
     assert all(np.isfinite(p).all() and p.shape[1:] == (2,) for p in POINTS.values())
     assert len(SEGMENTS["empty"]) == len(POINTS["empty"]) == len(SCANS["empty"]) == 0
@@ -158,7 +158,7 @@ def test_the_zoos_hold_what_their_names_say():
 
 @pytest.mark.parametrize("name", POINTS)
 @pytest.mark.parametrize("closed", [False, True])
-def test_every_cloud_of_the_zoo_is_extracted(name, closed):
+def test_every_cloud_of_the_samples_is_extracted(name, closed):
     for extract in (segmap.extract_clusters, segmap.extract_polylines):
         found = extract(POINTS[name], closed=closed)
         assert found.shape[1:] == (2, 2) and np.isfinite(found).all()
@@ -176,7 +176,7 @@ WALLS = {
 
 @pytest.mark.filterwarnings("ignore:the map of log:UserWarning")
 @pytest.mark.parametrize("name", SCANS)
-def test_every_scan_of_the_zoo_becomes_a_map(name):
+def test_every_scan_of_the_samples_becomes_a_map(name):
     scan = SCANS[name]
     log, pose = segmap.Log("sample", [scan]), [(1, 2, 3)]
     for closed in (False, True):

@@ -122,19 +122,26 @@ def test_no_log_that_we_have_looks_like_another_unit():
 
 
 # ------------------------------------------------------------------ thresholds
-@pytest.mark.parametrize(
-    ("name", "threshold"),
-    [
-        *[(name, {"distance": 200}) for name in METHODS if name[:5] in ("basic", "hybri")],
-        ("fusion", {"tolerance": 40}),
-        ("hybrid_fusion", {"tolerance": 40}),
-        ("mean_shift", {"sigma": 200.0, "bandwidth": 1e-3}),
-    ],
-)
-def test_thresholds_in_millimetres_are_told(name, threshold):
-    """Catches `fusion(tolerance=40)`: everything in one strip."""
+WIDE = WALLS.segments * 40  # 240 m
+#: What takes lengths, what it is given, and lengths in millimetres, or just beyond their bound.
+IN_MILLIMETRES = [
+    *((METHODS[n], WALLS, {"distance": 200}) for n in METHODS if n[:5] in ("basic", "hybri")),
+    *((METHODS[n], WALLS, {"tolerance": 40}) for n in ("fusion", "hybrid_fusion")),
+    (METHODS["mean_shift"], WALLS, {"sigma": 200.0, "bandwidth": 1e-3}),
+    (METHODS["basic_offline"], WALLS, {"distance": 10.1}),
+    (METHODS["basic_offline"], WIDE, {"distance": 12.1}),
+    *((extract_polylines, POINTS, {"gap": gap}) for gap in (300, 101)),
+    *((extract_polylines, POINTS, slip) for slip in ({"tolerance": 30}, {"min_length": 100})),
+    (ALIGNMENTS["segment_icp"], load("room")[:2], {"distance": 500}),
+    *((ALIGNMENTS[n], load("room")[:2], {"reach": 500}) for n in ("point_icp", "global_segments")),
+]
+
+
+@pytest.mark.parametrize(("of", "given", "slip"), IN_MILLIMETRES)
+def test_lengths_in_millimetres_are_told(of, given, slip):
+    """Catches `fusion(tolerance=40)`: everything in one strip; and bounds of half as much again."""
     with pytest.warns(UserWarning, match=r"this looks like millimetres, [a-z_]+ / 1000"):
-        METHODS[name](WALLS, **threshold)
+        of(given, **slip)
 
 
 @pytest.mark.parametrize("name", [n for n in METHODS if n[:5] in ("basic", "hybri")])
@@ -150,27 +157,6 @@ def test_a_bandwidth_in_degrees_is_told():
     METHODS["mean_shift"](WALLS, sigma=0.01, bandwidth=np.radians(10) / 0.01)
 
 
-@pytest.mark.parametrize("slip", [{"tolerance": 30}, {"gap": 300}, {"min_length": 100}])
-def test_extraction_in_millimetres_is_told(slip):
-    with pytest.warns(UserWarning, match="looks like millimetres"):
-        extract_polylines(POINTS, **slip)
-
-
-def test_what_is_just_beyond_a_bound_is_told():
-    """Catches bounds of half as much again, and of another share of the size of a map."""
-    wide, basic = WALLS.segments * 40, METHODS["basic_offline"]  # 240 m
-    basic(wide, distance=11.9)
-    for call in (
-        lambda: basic(WALLS, distance=10.1),
-        lambda: basic(wide, distance=12.1),
-        lambda: extract_polylines(POINTS, gap=101),
-    ):
-        with pytest.warns(UserWarning, match="looks like millimetres"):
-            call()
-    with pytest.raises(ValueError, match=r"within 4 pi, got 12\.6: this looks like degrees"):
-        LaserScan([1.0], [12.6])
-
-
 def test_a_bandwidth_of_ten_radians_a_metre_is_allowed():
     """Catches a bound that is told itself."""
     assert len(METHODS["mean_shift"](WALLS, sigma=0.2, bandwidth=10.0))
@@ -178,6 +164,7 @@ def test_a_bandwidth_of_ten_radians_a_metre_is_allowed():
 
 def test_a_map_in_millimetres_by_intent_is_left_alone():
     """Catches a bound that knows no scale: every length of a map may be scaled."""
+    METHODS["basic_offline"](WIDE, distance=11.9)
     big = WALLS.segments * 1000
     for name, threshold, left in (("fusion", "tolerance", 2), ("basic_offline", "distance", 3)):
         assert len(METHODS[name](big, **{threshold: 40.0})) == left
@@ -186,19 +173,6 @@ def test_a_map_in_millimetres_by_intent_is_left_alone():
 
 def test_a_gap_may_be_wide():
     assert len(extract_clusters(POINTS, gap=np.inf)) == len(extract_clusters(POINTS, gap=100)) == 1
-
-
-@pytest.mark.parametrize(
-    ("name", "slip"),
-    [
-        ("segment_icp", {"distance": 500}),
-        ("point_icp", {"reach": 500}),
-        ("global_segments", {"reach": 500}),
-    ],
-)
-def test_alignments_in_millimetres_are_told(name, slip):
-    with pytest.warns(UserWarning, match="looks like millimetres"):
-        ALIGNMENTS[name](load("room")[:2], **slip)
 
 
 def test_help_shows_an_angle_in_degrees_and_the_value_stays_a_float():

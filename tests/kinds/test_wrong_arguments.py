@@ -165,6 +165,7 @@ BASICS = [
         ({"delays": [0, NAN, 1]}, "delays must be finite and at least 0"),
         ({"delays": [0, -1e-9, 1]}, "delays must be finite and at least 0"),
     ),
+    *each(LaserScan)(([1.0], [12.6], r"within 4 pi, got 12\.6: this looks like degrees")),
     *each(Log)(
         ("x", [BEAM] * 4, np.zeros((3, 3)), r"truth must have shape \(4, 3\), got \(3, 3\)"),
         ("x", [BEAM, ZERO], r"scans\[1\] must be a LaserScan, got tuple"),
