@@ -128,6 +128,7 @@ from .exercises.poses import (
     check_compose,
     check_edge_error,
     check_heading_between,
+    check_loop_rest,
 )
 from .exercises.quadtree import (
     check_cell_of,
@@ -165,7 +166,8 @@ __all__ = [
     "check_farthest_point", "check_fit_line", "check_frontier_cells", "check_grown",
     "check_growth_power", "check_heading_between", "check_hough", "check_inside_strip",
     "check_invented_metres",
-    "check_laplacian", "check_least_translation", "check_look_noise", "check_match_value",
+    "check_laplacian", "check_least_translation", "check_look_noise",
+    "check_loop_rest", "check_match_value",
     "check_matches", "check_mean_line", "check_mean_shift_step", "check_mean_wall_error",
     "check_memberships", "check_merged", "check_missed_metres", "check_move_onto_walls",
     "check_nees", "check_occupancy", "check_own_log", "check_pixel", "check_pose_cost",

@@ -34,7 +34,7 @@ def corridor(seed: int) -> Log:
 
 
 def offices(seed: int) -> Log:
-    """Three equal offices in a row, as in chapters 35 and 36."""
+    """Three equal offices in a row, as in chapters 36 and 39."""
     one = simulation.office(rng=np.random.default_rng(1), rooms=1)
     fronts = [one[:-2] + (4 * k, 0) for k in range(3)]
     walls = np.concatenate([*fronts, one[-2:-1], one[-1:] + (8, 0)])
@@ -59,7 +59,7 @@ def false_loops(graph: alignment.Graph, log: Log) -> int:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_all_scans_at_once_close_the_corridor_with_two_thirds_of_the_scans(seed):
-    """Chapter 35: the end is right, though along the walls a third of the scans is not placed."""
+    """Chapter 38: the end is right, though along the walls a third of the scans is not placed."""
     log = corridor(seed)
     found = alignment.global_segments(log)
     errors = alignment.position_errors(found.poses, log.truth)
@@ -81,31 +81,32 @@ def test_the_backbone_holds_the_heading_in_the_corridor(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_defences_keep_false_loops_out_of_equal_offices(seed):
-    """Chapters 35 and 36: no false loop, after the drive and during it."""
+    """Chapters 36 and 39: no false loop, after the drive and during it."""
     log = offices(seed)
     found = alignment.pose_graph(log)
     live = alignment.LiveGraph()
     for scan in log:
         live.add(scan)
     for graph, poses in ((found.graph, found.poses), (live.graph, live.poses)):
-        assert graph.loop.sum() > 20 and false_loops(graph, log) == 0
+        assert graph.loop.sum() > 10 and false_loops(graph, log) == 0
         assert alignment.position_errors(poses, log.truth).max() < 0.11
     assert found.sure.all()
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_window_that_is_too_wide_folds_equal_offices(seed):
-    """Chapters 35 and 36: most loops are false, and most scans wrong and sure of themselves."""
+    """Chapters 36 and 39: a fifth of the scans is wrong and sure of itself; the map is torn."""
     log = offices(seed)
     folded = alignment.pose_graph(log, drift=0.3)
     errors = alignment.position_errors(folded.poses, log.truth)
-    assert errors.max() > 3.9
-    assert np.sum(folded.sure & (errors > 0.5)) > len(log) / 2
+    wrong = errors > 0.5
+    assert errors.max() > 3.5 and wrong.sum() > len(log) / 5
+    assert np.sum(wrong & ~folded.sure) <= 4 and "the map tears the odometry" in folded.doubt
     wide = alignment.LiveGraph(closing=alignment.LoopClosing(reach=5.0))
     for scan in log:
         wide.add(scan)
-    assert false_loops(wide.graph, log) > 30
-    assert alignment.position_errors(wide.poses, log.truth).max() > 3.9
+    assert false_loops(wide.graph, log) > 15
+    assert alignment.position_errors(wide.poses, log.truth).max() > 3.5
 
 
 def test_drives_round_the_block_close_their_loops_while_driving():
