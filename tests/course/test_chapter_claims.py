@@ -88,25 +88,24 @@ def test_the_defences_keep_false_loops_out_of_equal_offices(seed):
     for scan in log:
         live.add(scan)
     for graph, poses in ((found.graph, found.poses), (live.graph, live.poses)):
-        assert graph.loop.sum() > 10 and false_loops(graph, log) == 0
+        assert graph.loop.sum() > 20 and false_loops(graph, log) == 0
         assert alignment.position_errors(poses, log.truth).max() < 0.11
     assert found.sure.all()
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_window_that_is_too_wide_folds_equal_offices(seed):
-    """Chapters 36 and 39: a fifth of the scans is wrong and sure of itself; the map is torn."""
+    """Chapters 36 and 39: most loops are false, and most scans wrong and sure of themselves."""
     log = offices(seed)
     folded = alignment.pose_graph(log, drift=0.3)
     errors = alignment.position_errors(folded.poses, log.truth)
-    wrong = errors > 0.5
-    assert errors.max() > 3.5 and wrong.sum() > len(log) / 5
-    assert np.sum(wrong & ~folded.sure) <= 4 and "the map tears the odometry" in folded.doubt
+    assert errors.max() > 3.9
+    assert np.sum(folded.sure & (errors > 0.5)) > len(log) / 2
     wide = alignment.LiveGraph(closing=alignment.LoopClosing(reach=5.0))
     for scan in log:
         wide.add(scan)
-    assert false_loops(wide.graph, log) > 15
-    assert alignment.position_errors(wide.poses, log.truth).max() > 3.5
+    assert false_loops(wide.graph, log) > 30
+    assert alignment.position_errors(wide.poses, log.truth).max() > 3.9
 
 
 def test_drives_round_the_block_close_their_loops_while_driving():
