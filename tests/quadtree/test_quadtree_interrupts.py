@@ -1,6 +1,7 @@
 """What must not break a map: an interrupt anywhere in a scan, and more rays than a count holds."""
 
 import sys
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -37,12 +38,11 @@ def test_an_interrupt_leaves_a_tree(step, free_resolution, tmp_path):
             raise KeyboardInterrupt
 
     scans = [[20 * part for part in scan(seed)] for seed in (1, 2)]
+    sys.setprofile(count)
     try:
-        sys.setprofile(count)
-        for each in scans:
-            map.insert_scan(*each)
-    except KeyboardInterrupt:
-        pass
+        with suppress(KeyboardInterrupt):
+            for each in scans:
+                map.insert_scan(*each)
     finally:
         sys.setprofile(None)
     for seed in (None, 3):
