@@ -38,13 +38,13 @@ def test_an_interrupt_leaves_a_tree(step, free_resolution, tmp_path):
             raise KeyboardInterrupt
 
     scans = [[20 * part for part in scan(seed)] for seed in (1, 2)]
-    sys.setprofile(count)
-    try:
-        with suppress(KeyboardInterrupt):
+    with suppress(KeyboardInterrupt):
+        try:
+            sys.setprofile(count)
             for each in scans:
                 map.insert_scan(*each)
-    finally:
-        sys.setprofile(None)
+        finally:
+            sys.setprofile(None)
     for seed in (None, 3):
         if seed is not None:
             map.insert_scan(*scan(seed))
