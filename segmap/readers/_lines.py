@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import bz2
 import gzip
+import lzma
 import re
 import stat
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import IO, Literal, TypeVar, cast
+from typing import IO, Any, Literal, TypeVar, cast
 
 import numpy as np
 
@@ -17,6 +19,15 @@ from ..files import LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO, shown
 from ..progress import announce
 from ..scans import NOTHING_SKIPPED, Skipped
 
+#: First bytes of a file that gzip packed, ...
+GZIP = b"\x1f\x8b"
+#: ... of any packed file -> the function that opens it.
+PACKINGS: dict[bytes, Callable[[Path], Any]] = {
+    GZIP: gzip.open,
+    b"\xfd7zXZ\x00": lzma.open,
+    b"BZh": bz2.open,
+    b"\x28\xb5\x2f\xfd": lambda path: _zstd(path),
+}
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.
 MAX_LINE = 1 << 20
 #: What a damaged gzip file raises while it is read.
@@ -24,6 +35,7 @@ BROKEN = (
     EOFError,
     gzip.BadGzipFile,
     zlib.error,
+    lzma.LZMAError,
     UnicodeDecodeError,
 )
 #: So many lines in a row hold nothing, or a comment: no log has a head of this length.
@@ -171,24 +183,46 @@ class Lines(Reading):
                         yield fields
                     elif (empty := empty + 1) > MAX_EMPTY:
                         raise self.error(f"{MAX_EMPTY} lines in a row are empty, expected a log")
-        except BROKEN as fault:
+        except LogError:
+            raise
+        except Exception as fault:
+            if not _is_broken(fault):
+                raise
             self.damaged(self.error(f"the packed file is broken or cut short ({fault})"))
-        except OSError as fault:
-            raise LogError(self.path, f"cannot be read ({fault.strerror or fault})") from fault
 
 
 def stem(path: Path) -> str:
     """The name of a log: that of its file, without what tells its kind."""
-    return path.resolve().name.removesuffix(".gz").removesuffix(".zip").rsplit(".", 1)[0]
+    return re.sub(r"\.(gz|xz|bz2|zst|zip)$", "", path.resolve().name).rsplit(".", 1)[0]
+
+
+def _is_broken(fault: Exception) -> bool:
+    """Whether bytes cannot be unpacked: an error of bz2 has no number, that of zstd no base."""
+    if isinstance(fault, OSError):
+        return fault.errno is None
+    return isinstance(fault, BROKEN) or type(fault).__name__ == "ZstdError"
 
 
 def open_bytes(path: Path) -> IO[bytes]:
-    """Open a file for reading, through gzip where its first bytes say so."""
+    """Open a file for reading, unpacked where its first bytes say so."""
     if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait for ever
         raise LogError(path, "is no regular file, expected a log")
     with path.open("rb") as file:
-        packed = file.read(2) == b"\x1f\x8b"
-    return cast(IO[bytes], gzip.open(path, "rb")) if packed else path.open("rb")
+        front = file.read(max(map(len, PACKINGS)))
+    opener = next((open_ for magic, open_ in PACKINGS.items() if front.startswith(magic)), None)
+    return cast(IO[bytes], opener(path)) if opener else path.open("rb")
+
+
+def _zstd(path: Path) -> IO[bytes]:
+    """A file that zstd packed."""
+    try:
+        from compression import zstd  # type: ignore[import-not-found, unused-ignore]
+    except ImportError:
+        try:
+            from backports import zstd  # type: ignore[import-not-found, unused-ignore]
+        except ImportError:
+            raise LogError(path, "is packed by zstd: pip install backports.zstd") from None
+    return cast(IO[bytes], zstd.open(path, "rb"))
 
 
 def merged_skipped(first: Skipped, second: Skipped) -> Skipped:

@@ -85,6 +85,24 @@ def test_a_packed_log_is_the_log(tmp_path, packing, text):
     assert readers.format_of(packed) == readers.format_of(tmp_path / "some.log")
 
 
+@pytest.mark.parametrize("packing", PACKINGS)
+def test_of_a_packed_log_that_is_cut_short_skip_reads_what_is_whole(tmp_path, packing):
+    """Catches a packing that is read whole or not at all, and a loss in silence."""
+    found = np.random.default_rng(2).uniform(1, 5, (3000, 60)).round(3)
+    text = "".join(
+        f"FLASER 60 {samples.row(ranges)} 0 0 0 0 0 {k}\n" for k, ranges in enumerate(found)
+    )
+    packed = PACKINGS[packing](text.encode())
+    path = written(tmp_path / f"some.log{packing}", packed[: int(0.7 * len(packed))])
+    with pytest.raises(LogError, match="is broken or cut short"):
+        readers.read(path)
+    if packing == ".xz.gz":  # packed twice: it is unpacked first
+        return
+    log = readers.read(path, on_error="skip")
+    assert 0.3 * len(found) < len(log) < 0.8 * len(found) and log.name == "some"
+    assert log.skipped.lines >= 1 and log[7].ranges == pytest.approx(found[7])
+
+
 @pytest.mark.parametrize("packing", ["", ".gz", ".xz"])
 @pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize("text", [CARMEN, CSV, samples.G2O], ids=["carmen", "csv", "g2o"])

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import bz2
 import codecs
-import gzip
-import lzma
 import tarfile
 import tempfile
 from collections.abc import Callable, Iterator
@@ -17,17 +14,8 @@ import numpy as np
 
 from ... import arrays
 from ...files import LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO, members, shown, unzipped
-from .._lines import LogError, UnknownFormat, open_bytes
+from .._lines import GZIP, PACKINGS, LogError, UnknownFormat, open_bytes
 
-#: First bytes of a file that gzip packed, ...
-GZIP = b"\x1f\x8b"
-#: ... of any packed file -> the function that opens it.
-PACKINGS: dict[bytes, Callable[[Path], Any]] = {
-    GZIP: gzip.open,
-    b"\xfd7zXZ\x00": lzma.open,
-    b"BZh": bz2.open,
-    b"\x28\xb5\x2f\xfd": lambda path: _zstd(path),
-}
 #: First bytes of bags of ROS.
 BAGS = (b"#ROSBAG V", b"SQLite format 3\0", b"\x89MCAP0\r\n")
 #: First bytes of one array of numpy's.
@@ -110,6 +98,7 @@ def read_text(path: str | Path) -> str:
 
     Examples
     --------
+    >>> import lzma
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder) / "it.toml.xz"
     ...     _ = path.write_bytes(lzma.compress("penalty = 0.1".encode("utf-16")))
@@ -171,8 +160,8 @@ def unpacked(path: Path, folder: Path) -> Path:
             front = _front(path)
             pack = next((magic for magic in PACKINGS if front.startswith(magic)), None)
             if pack is not None:
-                if pack == GZIP and not _needs_more(_front(path, gzip.open)):
-                    return path  # readers take gzip as it comes
+                if not _needs_more(_front(path, PACKINGS[pack]), pack):
+                    return path  # readers take it as it comes
                 path = _copied(PACKINGS[pack](path), folder / _without_suffix(path), path, most)
             elif _is_tar(front) or (front.startswith(ZIP) and not _is_ours(path)):
                 return _extracted(path, folder, most)
@@ -198,8 +187,13 @@ def _front(path: Path, open_: Callable[[Path], Any] | None = None) -> bytes:
         return cast(bytes, file.read(FRONT_BYTES))
 
 
-def _needs_more(front: bytes) -> bool:
-    """Whether these first bytes are of something that readers do not take as it comes."""
+def _needs_more(front: bytes, pack: bytes) -> bool:
+    """Whether these first bytes are of something that readers do not take as it comes.
+
+    That is lines, and whatever gzip packed.
+    """
+    if pack != GZIP and 0 in front:
+        return True
     return _is_tar(front) or bool(_encoding(front)) or front.startswith((*PACKINGS, *BAGS))
 
 
@@ -337,15 +331,3 @@ def _is_log(path: Path) -> bool:
     except LogError:
         pass
     return True
-
-
-def _zstd(path: Path) -> IO[bytes]:
-    """A file that zstd packed."""
-    try:
-        from compression import zstd  # type: ignore[import-not-found, unused-ignore]
-    except ImportError:
-        try:
-            from backports import zstd  # type: ignore[import-not-found, unused-ignore]
-        except ImportError:
-            raise LogError(path, "is packed by zstd: pip install backports.zstd") from None
-    return cast(IO[bytes], zstd.open(path, "rb"))
