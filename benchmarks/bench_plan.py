@@ -43,6 +43,8 @@ SPACING_M, CLEARANCE_M = 1.0, 0.25
 #: A whole turn, half a degree from beam to beam, with the noise of a good sensor.
 LASER = Sensor("turning", 720, -np.pi, np.pi / 360, max_range=20.0, sigma=0.01)
 
+#: True walls of this length count, metres.
+LEAST_TRUE_M = 1.0
 #: Ends so near the crossing of their lines are a corner, metres.
 CORNER_M = 0.3
 #: Parallels so near are twins, metres.
@@ -221,6 +223,7 @@ def known_row(known: Known) -> tuple[dict[str, Any], FloorPlan]:
     took = time.process_time() - start
     union, precision = agreement(room_pixels(plan, known.free.shape), known)
     walls = pixel_edges(known.free)
+    walls = walls[length(walls) >= LEAST_TRUE_M]  # others are steps of a scanned line
     after, was = (against_walls(walls, each, seen=raw) for each in (plan.walls, reduced))
     lost = ((was.kept >= 1) & (after.kept < 0.5 * was.kept)).sum()
     row = {"map": known.name, "union": union, "precision": precision, "rooms": len(plan.rooms)}
