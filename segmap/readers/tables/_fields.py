@@ -90,6 +90,8 @@ def decimal(field: str, *, thousands: bool = False) -> str:
     >>> decimal("2000,5"), decimal("2.000,5"), decimal("2,000.5")
     ('2000.5', '2000.5', '2000.5')
     """
+    if field.isascii() and "," not in field and "'" not in field:
+        return field
     bare = re.sub("[\u00a0\u202f']", "", field)  # thousands in France and Switzerland
     if not NUMERAL.fullmatch(bare):
         return field

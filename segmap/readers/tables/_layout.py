@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ from ..packed import log_file
 from ._columns import RPLIDAR_RECORD, Columns, guessed, named, proposed_names, with_units_told
 from ._fields import (
     NESTED,
+    SAMPLE_LINES,
     SEPARATOR_LINE,
     TABLE_COMMENTS,
     THOUSANDS,
@@ -137,7 +138,8 @@ def _unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
     """
     nested = [row for row in rows if NESTED.search(row)]
     if nested:
-        rows = [", ".join(split(each, ",")) for row in nested for each in TUPLE.findall(row)]
+        beams = (each for row in nested for each in TUPLE.findall(row))
+        rows = [", ".join(split(each, ",")) for each in islice(beams, SAMPLE_LINES)]
     separator = separator_of(rows)
     fields = [split(row, separator) for row in rows]
     if all(
