@@ -135,7 +135,9 @@ def _draw_sheet(
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
-    ends = segments.reshape(-1, 2) if len(segments) else np.zeros((1, 2))
+    rooms = [] if plan is None else [room.outline for room in plan.rooms]
+    ends = np.concatenate([segments.reshape(-1, 2), *rooms])
+    ends = ends if len(ends) else np.zeros((1, 2))
     low, high = ends.min(0), ends.max(0)
     wide, tall = high - low
     page = np.array([A4_LONG_MM, A4_SHORT_MM] if wide > tall else [A4_SHORT_MM, A4_LONG_MM])

@@ -79,3 +79,13 @@ def test_another_ending_is_refused(two_rooms, tmp_path):
     """Catches a file of no format."""
     with pytest.raises(ValueError, match=r"\.geojson"):
         exports.write_plan(tmp_path / "it.doc", two_rooms)
+
+
+def test_a_sheet_holds_rooms_that_reach_beyond_their_walls(tmp_path):
+    """Catches a room that is cut off by the edge of the paper: only its walls were counted."""
+    walls = [[(4, 0), (0, 0)], [(0, 0), (0, 3)], [(0, 3), (4, 3)]]
+    free = map_of_grid(np.ones((60, 400)), resolution=0.05)
+    found = plan.floor_plan(walls, free)
+    assert np.ptp(found.rooms[0].outline[:, 0]) == pytest.approx(20, abs=0.2)
+    exports.write_plan(tmp_path / "it.svg", found)
+    assert "1 : 100" in (tmp_path / "it.svg").read_text(encoding="utf-8")
