@@ -315,6 +315,15 @@ def test_ranges_that_ros2_shortened_are_told_with_the_option(tmp_path, shown):
         readers.read(path)
 
 
+def test_a_line_of_ros2_over_an_endless_view_is_refused(tmp_path):
+    """Catches an overflow that no user reads."""
+    content = OTHERS["ros2 --csv"][0]
+    assert "5.759587" in content
+    (tmp_path / "it.csv").write_text(content.replace("5.759587", "inf"))
+    with pytest.raises(LogError):
+        readers.read(tmp_path / "it.csv")
+
+
 def test_a_message_in_which_the_text_ends_is_no_scan(tmp_path):
     """Catches a scan with the half of its beams: the printing was stopped."""
     path = tmp_path / "it.yaml"

@@ -317,7 +317,8 @@ def _ros2(separator: str | None, rows: Sequence[Sequence[str]]) -> Wide | str | 
     if not all(map(is_number, row[frame + 1 : begin])):
         return None
     first, last, step = map(float, row[frame + 1 : frame + 4])
-    count = round((last - first) / step) + 1 if step else 0
+    steps = (last - first) / step if step else np.nan
+    count = round(steps) + 1 if np.isfinite(steps) else 0
     if not 0 < count <= len(row) - begin + 1:
         return None
     places = tuple(range(begin, min(begin + count, len(row))))
