@@ -143,6 +143,14 @@ def test_a_niche_is_no_room_where_the_rule_of_circles_holds():
     assert len(plan.floor_plan(*found, kappa=0.1).rooms) == 2
 
 
+def test_an_opening_with_one_jamb_is_no_door():
+    """Catches the end of a wall in a room that is taken for a doorway."""
+    outer = polyline([(0, 0), (6, 0), (6, 2), (0, 6.2)], closed=True)
+    walls = np.concatenate([outer, [[(3, 0), (3, 2.6)]]])
+    way = [(1, 1), (1, 4), (2.6, 3.4), (4, 2.5), (5, 1)]
+    assert not plan.floor_plan(*seen(walls, way)).doors
+
+
 def test_clutter_in_all_directions_is_no_axis():
     """Catches axes of what stands about: their lines cut rooms into crumbs that are none."""
     walls, free = office_seen(1)
