@@ -18,7 +18,7 @@ from .. import _warm, exports, extraction, metrics, quadtree, reduction
 from .._display import counted
 from .._map_pipeline import MapChoices, Pipeline, cropped, world_of
 from ..arrays import declared
-from ..files import write_bytes
+from ..files import shown, write_bytes
 from ..plan import floor_plan
 from ..quadtree import without_passers
 from ..readers import read_text
@@ -258,6 +258,7 @@ def add_plan(commands: Any) -> None:
             "plan room -o room.pdf                 a sheet to print",
             "plan room -o room.dxf -o rooms.csv    layers for CAD, and a table of the rooms",
             "plan room --regular -o room.geojson   nearly right angles become right",
+            "plan room --rooms 1 2 hall            the room at (1, 2) has this name",
         ),
     )
     log_options.add_poses(command)
@@ -274,6 +275,14 @@ def add_plan(commands: Any) -> None:
         metavar=("NARROWEST", "WIDEST"),
         help="widths of a doorway, metres; default: 0.55 2.5",
     )
+    command.add_argument(
+        "--rooms",
+        nargs=3,
+        action="append",
+        default=[],
+        metavar=("X", "Y", "NAME"),
+        help="a name for the room at a place of the plan, metres; once for each room",
+    )
     log_options.add_world(command)
     log_options.add_output(
         command, PLAN_SUFFIXES, "the plan: a sheet, layers, geometries, a table of rooms"
@@ -285,6 +294,11 @@ def check_doors(given: argparse.Namespace) -> None:
     """Refuse options that do not go together."""
     if not 0 < given.door[0] < given.door[1] < float("inf"):
         given.refuse("--door wants the narrowest and the widest doorway, in metres")
+    for x, y, name in given.rooms:
+        try:
+            float(x), float(y)
+        except ValueError:
+            given.refuse(f"--rooms wants x and y in metres, then the name, got {x} {y} {name}")
     log_options.check_options(given)
 
 
@@ -300,6 +314,12 @@ def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: 
         seen, free = cropped(seen, given.crop), cropped(free, given.crop)
     walls = reduction.one_per_wall(seen.filtered(LEAST_PLANNED_M))
     plan = floor_plan(walls, free, regular=given.regular, door=tuple(given.door))
+    for x, y, name in given.rooms:
+        k = int(plan.room_at([(float(x), float(y))])[0])
+        if k >= 0:
+            plan.rooms[k] = replace(plan.rooms[k], name=name)
+        else:
+            report.line("rooms", f"no room lies at {x}, {y}: {shown(name)} is left out")
     area = sum(room.area for room in plan.rooms)
     rooms, doors = counted(len(plan.rooms), "room"), counted(len(plan.doors), "door")
     words = f"{rooms} of {area:.1f} m2, {doors}"

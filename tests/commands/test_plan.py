@@ -2,6 +2,9 @@
 
 from programs import program
 
+import segmap
+from segmap.readers import Session
+
 main = program("segmap")
 
 
@@ -13,6 +16,21 @@ def test_a_plan_of_a_log_is_told_and_written(tmp_path, capsys):
     assert "planned   3 rooms" in said and "2 doors" in said and "GOOD" in said
     assert len(table.read_text().splitlines()) == 4
     assert "room 3" in sheet.read_text()
+
+
+def test_rooms_have_the_names_that_were_typed(tmp_path, capsys):
+    """Catches names that a session keeps and no sheet shows, and one in a place without a room."""
+    log, table, session = segmap.load("room"), tmp_path / "it.csv", tmp_path / "it.segmap"
+    x, y, _ = log.truth[0]
+    names = [[float(x), float(y), "hall <1>"], [99.0, -99.0, "garden"]]
+    segmap.exports.write_session(session, Session(log, {}, edits={"rooms": names}))
+    typed = [word for name in names for word in ("--rooms", *map(str, name))]
+    for source in ([str(session)], ["room", *typed]):
+        assert main(["plan", *source, "-o", str(table)]) == 0
+        assert "no room lies at 99.0, -99.0: garden is left out" in capsys.readouterr().out
+        assert [row.split(",")[0] for row in table.read_text().splitlines()].count("hall <1>") == 1
+    assert main(["plan", "room", "--rooms", "1", "hall", "2"]) == 2
+    assert "--rooms wants x and y in metres, then the name, got 1 hall 2" in capsys.readouterr().err
 
 
 def test_doors_that_are_none_are_refused(capsys):

@@ -105,6 +105,8 @@ def _written(flag: str, value: Any, action: argparse.Action) -> list[str]:
         wanted = f"--{flag}" if value else f"--no-{flag}"
         return [wanted] if value or wanted in action.option_strings else []
     values = value if isinstance(value, list) else [value]
+    if not values or isinstance(values[0], list):  # an option that is given several times
+        return [word for one in values for word in _written(flag, one, action)]
     texts = [
         format_float_positional(v, trim="0") if isinstance(v, float) else str(v) for v in values
     ]
