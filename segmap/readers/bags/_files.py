@@ -48,9 +48,18 @@ def kind_of(path: Path) -> str | None:
         return "folder" if (path / METADATA_FILE).is_file() else None
     try:
         with open_bytes(path) as file:
-            head = file.read(LONGEST_MAGIC_BYTES)
+            return _kind_by(file.read(LONGEST_MAGIC_BYTES))
     except BROKEN:
         return None
+
+
+def _kind_on_disk(path: Path) -> str | None:
+    """The same of a file as it lies there: what is packed in a folder, `rosbags` unpacks."""
+    with path.open("rb") as file:
+        return _kind_by(file.read(LONGEST_MAGIC_BYTES))
+
+
+def _kind_by(head: bytes) -> str | None:
     return next((kind for magic, kind in MAGIC.items() if head.startswith(magic)), None)
 
 
@@ -143,7 +152,7 @@ def opened(path: Path, reading: Reading) -> Iterator[Bag]:
                 check_metadata(path / METADATA_FILE)
             broken = None
             for file in files:
-                of_file = kind_of(file) if file.is_file() else None
+                of_file = _kind_on_disk(file) if file.is_file() else None
                 if found := look_through(file, of_file, budget):
                     broken = found
                     others = sum(other.suffix == file.suffix for other in files) > 1
