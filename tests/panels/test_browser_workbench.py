@@ -294,12 +294,12 @@ def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(
     if width > 900:
         ways = "[...document.querySelectorAll('h2, canvas')].map(e => e.getBoundingClientRect().x)"
         log, *_ = found = browser.run(f"return {ways}")
-        assert found[:8] == [log] * 8 and found[8] > log + 300  # the map stands beside the steps
+        assert found[:9] == [log] * 9 and found[9] > log + 300  # the map stands beside the steps
     browser.open(app)
     wait("the page", lambda: browser.run(STATE) == "malaga: ready to run")
     assert browser.run("return [...document.querySelectorAll('h1, h2')].map(e => e.innerText)") == [
         "From a log of a laser to a map", *("1 Log", "2 Poses", "3 Segments", "4 Map"),
-        *("Mend the map", "Save the first result", "All runs", "In Python"),
+        *("Mend the map", "Floor plan", "Save the first result", "All runs", "In Python"),
     ]  # fmt: skip
 
 
@@ -317,7 +317,7 @@ def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browse
     pressed(browser, "Run", ENTER)
     wait("a run", lambda: "loops (4)" in browser.run(TEXT), 180)
     off = ["before", "both", "distance", "area", "path", "loops", "points", "free space", "grid"]
-    off += ["loops (4)", "crop and place", "laser", "settings"]
+    off += ["loops (4)", "crop and place", "laser", "settings", "plan"]
     assert toggles(browser) == dict.fromkeys(off, False) | {"after": True, "look": True}
     pressed(browser, "loops (4)", SPACE)
     wait("the loops", lambda: re.match(r"4-151: 0.\d\d sd off, 76 m round", listed(browser)[0]))

@@ -92,6 +92,10 @@ DRAWINGS = {
         lambda ax: course.draw_icp_step(POINTS, point_steps(POINTS, POINTS)[0], ax=ax),
         {RAW, RESULT, ERROR},
     ),
+    "labels": (
+        lambda ax: course.draw_labels(np.eye(3, dtype=np.int64), WALLS[:1], 0.1, ax=ax),
+        {MAP},
+    ),
     "landscape": (lambda ax: course.draw_landscape(LAND, ax=ax), {ERROR, TRUTH}),
     "log": (lambda ax: plotting.draw_log(LOG, ax=ax), {RAW, TRUTH}),
     "marked": (lambda ax: course.draw_marked(WALLS, [True, False, True], ax=ax), {RAW, ERROR}),
@@ -103,6 +107,10 @@ DRAWINGS = {
     ),
     "path": (lambda ax: plotting.draw_path(POSES, ax=ax), {TRUTH}),
     "points": (lambda ax: plotting.draw_points(POINTS, ax=ax), {RAW}),
+    "plan": (
+        lambda ax: course.draw_plan(course.three_plans()["R"], lit=6, ax=ax),
+        {RAW, MAP, ERROR, RESULT, *GROUPS[:6]},
+    ),
     "poses": (lambda ax: plotting.draw_poses(POSES, ax=ax), {RESULT}),
     "position_errors": (
         lambda ax: plotting.draw_position_errors(LOG, {"a": POSES, "b": ALIGNED}, ax=ax),
