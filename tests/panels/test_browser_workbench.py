@@ -202,6 +202,10 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     browser.click(f"{PICKED.format('second method')}/option[normalize-space()='basic_online']")
     browser.click(BUTTON.format("Run"))
     wait("a second method", lambda: "basic_online (distance 0.2)" in browser.run(TEXT), 60)
+    browser.click(BUTTON.format("plan"))
+    picture = "return [...document.images].some(each => each.naturalWidth > 300)"
+    wait("a plan that the page's policy lets be seen", lambda: browser.run(picture), 60)
+    browser.click(BUTTON.format("plan"))
     assert "fusion: " in browser.run(LABEL) and "Arrow keys move it" in browser.run(LABEL)
     browser.run("navigator.clipboard.writeText = text => { window.copied = text; }")
     browser.click(BUTTON.format("Copy"))
