@@ -20,9 +20,9 @@ HOSTS = r"(127\.0\.0\.1|localhost)$"
 #: What the page may load and run, as tight as it works in Chromium: anywidget hands on its code as
 #: `blob:`, Voila has scripts within its page (each bears the nonce) and loads others from its own
 #: server, widgets set styles in place and make blobs of pictures; nothing needs `unsafe-eval`. It
-#: leaves open: scripts that a trusted one makes a blob of, styles that a text brings, which can hide
-#: or cover parts of the page, and pictures in a text; nothing is asked for from another host, not
-#: the icons.
+#: leaves open: scripts that a trusted one makes a blob of, styles that a text brings, which can
+#: hide or cover parts of the page, and pictures in a text; nothing is asked for from another host,
+#: not the icons.
 POLICY = (
     "default-src 'none'; script-src 'self' blob: 'nonce-{}'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; form-action 'self'; "
