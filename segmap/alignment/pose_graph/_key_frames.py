@@ -53,7 +53,8 @@ class KeyFrames(Undoable):
         self.rows: list[KeyFrame] = []
         self.poses = np.zeros((0, 3))
         self.distance = np.zeros(0)  # metres driven up to each
-        self.spread = np.zeros(0)  # their variance where it is widest, metres^2, but for odometry
+        # Variance of the steps up to each that no odometry measured, where it is widest, metres^2.
+        self.spread = np.zeros(0)
         self.edges: list[Edge] = []
         self.converged = True  # whether the last `optimize` came to an end: the poses fit best
         self.least = least  # covariance that every match has at least
@@ -78,9 +79,8 @@ class KeyFrames(Undoable):
             self.edges.append(Edge(new - 1, new, motion, information(covariance, self.least)))
             pose = compose(self.poses[-1], motion)
             way = self.distance[-1] + float(np.hypot(motion[0], motion[1]))
-            spread = (
-                self.spread[-1] + (not row.measured) * np.linalg.eigvalsh(covariance[:2, :2])[-1]
-            )
+            widest = np.linalg.eigvalsh(covariance[:2, :2])[-1]
+            spread = self.spread[-1] + (0.0 if row.measured else widest)
         self.poses = np.vstack([self.poses, pose])
         self.distance = np.append(self.distance, way)
         self.spread = np.append(self.spread, spread)

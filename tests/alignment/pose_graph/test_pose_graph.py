@@ -352,6 +352,16 @@ def test_which_loops_are_compared(one, other, apart, compared):
         assert bool(closer.agreeing(loop, [known], apart=apart)) == compared
 
 
+@pytest.mark.parametrize(("change", "measured"), [("", True), ("no odometry", False)])
+def test_a_key_frame_knows_whether_odometry_led_to_it(change, measured):
+    """Catches a rule for drives without odometry that is never asked, or that holds for all."""
+    graph = LiveGraph()
+    graph.extend(CHANGES[change](logs.loop_log()[:30]))
+    frames = graph.front_end.frames
+    assert len(frames) > 2 and {row.measured for row in frames.rows} == {measured}
+    assert (frames.spread[-1] == 0) == measured
+
+
 @pytest.mark.parametrize(("along", "agreed"), [(0.07, True), (0.09, False)])
 def test_loops_do_not_agree_over_steps_that_slide(along, agreed):
     """Three steps at each end, in all known to 17 or 22 cm: what agrees there may slide too."""
