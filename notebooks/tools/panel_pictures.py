@@ -57,7 +57,7 @@ STATES: dict[str, list[str]] = {
     "53-1": ["sigma=0.05", "sigma=0.2", "sigma=0.6", "sigma=1.0"],
     "54-1": ["tolerance=0.01", "tolerance=0.04", "tolerance=0.10", "tolerance=0.20"],
     "54-2": ["", "every=10", "every=1", "by='fusion_online'"],
-    "55-1": ["by='segment_similarity'", "cost=0.1", "by='uncertain_parameters'", "eps=0.05"],
+    "55-1": ["by='segment_similarity'", "cost=0.1", "by='uncertain_parameters'", "distance=0.3"],
     "56-1": ["", "scan=33", "forget=False", "scan=50"],
     "57-1": ["place=0, heading=0", "place=0.03, heading=0.5", "place=0.1", "place=0.2, heading=3"],
     "58-1": ["penalty=0.005", "penalty=0.05", "penalty=0.2", "penalty=0.5"],

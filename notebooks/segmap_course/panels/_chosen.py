@@ -58,6 +58,7 @@ class LineErrorPanel(ChosenPanel):
 
     Weighted line fitting for each error that poses may have, of place and of heading (A 2.7.3),
     uncertain parameters (A 2.7.8), and segment similarity, which knows no errors (A 2.7.7).
+    Points take the place of uncertain parameters' eps, and without points all segments share it.
     """
 
     by = pick(("weighted_line_fitting", "uncertain_parameters", "segment_similarity"), "method")
@@ -71,19 +72,10 @@ class LineErrorPanel(ChosenPanel):
     gap = keyword(0.0, 2.0, 0.05, by=(weighted_line_fitting,))
     distance = keyword(0.01, 0.30, 0.01, by=(uncertain_parameters,))
     angle = keyword(1, 30, 1, by=(uncertain_parameters,))
-    eps = keyword(0.005, 0.10, 0.005, by=(uncertain_parameters,))
     cost = keyword(
         0.005, 0.15, 0.005, of="distance", label="cost of a merge", by=(segment_similarity,)
     )
-    rows = (
-        "by",
-        "place heading",
-        "chi2 gap",
-        "distance angle",
-        "eps cost",
-        "count",
-        "rate quality",
-    )
+    rows = ("by", "place heading", "chi2 gap", "distance angle", "cost", "count", "rate quality")
     words = "{by}, poses within {place:.3f} m, {heading:.1f} degrees: {count}"
 
 

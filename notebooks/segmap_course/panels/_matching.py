@@ -93,7 +93,8 @@ class MatcherPanel(LessonPanel):
     """A scan that starts from a wrong pose, and how a matcher moves it (B 4.3).
 
     A step is an accepted move of hill climbing, or a round of sampling: all poses that were tried
-    in it, the best so far last. Beyond the last step it stays there. The scan belongs at the pose.
+    in it, the best so far last. Beyond the last step it stays there; where that is, is told at any
+    step, so that what a threshold does is seen at once. The scan belongs at the pose.
     The landscape is that of the heading after the step: it changes when the scan is turned.
 
     Examples
@@ -120,7 +121,7 @@ class MatcherPanel(LessonPanel):
     rotation = slide(2.0, 0.2, 20.0, 0.2, "degrees", label="sigma of a turn")
     step = slide(0, 0, 60, 1, "")
     play = play("step", interval=300)
-    count = error = note()
+    count = error = end = note()
     rows = (
         "matcher score",
         "x",
@@ -130,7 +131,7 @@ class MatcherPanel(LessonPanel):
         "shift",
         "rotation",
         "play step",
-        "count error",
+        "count error end",
     )
     words = "{matcher}, {score}: {count}, {error}"
     pixels = {"width": 400, "height": 380}  # noqa: RUF012
@@ -151,9 +152,9 @@ class MatcherPanel(LessonPanel):
         now = self.poses[k][-1]
         name = "move" if climbs else "round"
         self.count.value = f"{name} {k} of {len(self.poses) - 1}"
-        x, y, heading = now - self.pose
-        turned = f"{abs(np.degrees(heading)):.1f} degrees"
-        self.error.value = f"{100 * np.hypot(x, y):.1f} cm and {turned} off"
+        heading = now[2] - self.pose[2]
+        self.error.value = self._off(now)
+        self.end.value = f"in the end {self._off(self.poses[-1][-1])}"
         seen = self.score.value, round(float(np.degrees(heading)), 1)
         if seen not in self._lands:
             scan = self.map, self.points, self.pose + (0, 0, heading)
@@ -162,6 +163,11 @@ class MatcherPanel(LessonPanel):
         ax.set_title(f"Scores of the scan turned by {seen[1]:+.1f} degrees", fontsize="medium")
         way = np.concatenate(self.poses[: k + 1]) if climbs else self.poses[k]
         draw_climb(way - self.pose, ax=ax, joined=climbs)
+
+    def _off(self, pose: Array) -> str:
+        x, y, heading = pose - self.pose
+        turned = f"{abs(np.degrees(heading)):.1f} degrees"
+        return f"{100 * np.hypot(x, y):.1f} cm and {turned} off"
 
     def _visited(self, start: Array, climbs: bool) -> list[Array]:
         """Poses after 0, 1, 2 ... accepted moves, `(1, 3)` each; or of all rounds of sampling.

@@ -177,7 +177,6 @@ def test_the_icp_panel_keeps_the_whole_moving_scan_in_the_picture(figures):
         ("EarlyMethodsPanel", BENT, polyline, {"tolerance": 0.4, "far": 0.25}),
         ("EarlyMethodsPanel", BENT, polyline, {"bridge": 0.0}),
         ("LineErrorPanel", WALLS, uncertain_parameters, {"distance": 0.2, "angle": 20}),
-        ("LineErrorPanel", WALLS, uncertain_parameters, {"eps": 0.05}),
         ("LineErrorPanel", WALLS, segment_similarity, {"cost": 0.1}),
         ("EarlyMethodsPanel", WALLS, fuzzy_set, {"across": 0.04, "along": 0.1, "angle": 5}),
         ("EarlyMethodsPanel", WALLS, fuzzy_clustering, {"cell": 1, "noise": 0.3}),
@@ -215,10 +214,10 @@ def test_a_panel_of_a_reduction_shows_what_the_method_finds(name, map, method, s
 def test_thresholds_of_other_methods_are_grey_and_not_handed_on():
     """Catches a slider that moves and changes nothing, and one that stays grey."""
     panel = course.LineErrorPanel(WALLS)
-    assert not panel.chi2.disabled and panel.eps.disabled and panel.cost.disabled
+    assert not panel.chi2.disabled and panel.angle.disabled and panel.cost.disabled
     panel.by.value = "segment_similarity"
     assert panel.chosen() == {"distance": 0.03}
-    assert panel.chi2.disabled and panel.eps.disabled and not panel.cost.disabled
+    assert panel.chi2.disabled and panel.angle.disabled and not panel.cost.disabled
     panel.reset()
     assert not panel.chi2.disabled and panel.cost.disabled
 
