@@ -94,15 +94,16 @@ class Compiled(Generic[P, R]):
         return self._jit(numba.njit, nogil=True)
 
     def _jit(self, njit: Callable[..., Any], **options: bool) -> Callable[P, R]:
-        inner = "-inner" if "no_cpython_wrapper" in options else ""
         options["_nrt"] = self._counts()
-        linked = self._linked(njit, inner + ("" if options["_nrt"] else "-bare"))
+        linked = self._linked(njit, "" if options["_nrt"] else "-bare")
         options["no_cfunc_wrapper"] = True  # nobody calls kernels from C
+        if "no_cpython_wrapper" in options:  # the machine code of the kernels around it holds it
+            return cast(Callable[P, R], njit(**options)(linked))
         try:
             made = njit(cache=True, **options)(linked)
         except RuntimeError:  # no folder that a cache could be written to
             made = njit(**options)(linked)
-        made._cache.load_overload = _cached_code(linked, made._cache, told=not inner)
+        made._cache.load_overload = _cached_code(linked, made._cache)
         made.compile = signals_held()(_paused()(made.compile))
         return cast(Callable[P, R], made)
 
@@ -168,11 +169,11 @@ def _tuple_files(kind: Any) -> set[tuple[str, str]]:
     return {(kind.__module__, inspect.getfile(kind))}.union(*inside)
 
 
-def _cached_code(source: types.FunctionType, own: Any, *, told: bool) -> Callable[..., Any]:
+def _cached_code(source: types.FunctionType, own: Any) -> Callable[..., Any]:
     """How machine code is found: in the first folder, though it is read-only, else in one's own.
 
     numba passes by a folder that it may not write to, and compiles what an installation for all
-    has. What must be compiled is told, but not in the middle of another loop: a listener may raise.
+    has. What must be compiled is told.
     """
     from numba.core import caching, config
 
@@ -190,7 +191,7 @@ def _cached_code(source: types.FunctionType, own: Any, *, told: bool) -> Callabl
         code = known(*asked) if code is None else code
         if code is None and source.__module__.startswith("segmap"):
             missing.append(source.__qualname__)
-            if told and not announce(0.0, Compiling(f"{words}: {len(missing)} loops so far")):
+            if not announce(0.0, Compiling(f"{words}: {len(missing)} loops so far")):
                 _say_once(words)
         return code
 
