@@ -91,21 +91,18 @@ class Compiled(Generic[P, R]):
             import numba
         except ImportError:
             return self.plain
-        return self._jit(numba.njit, nogil=True)
-
-    def _jit(self, njit: Callable[..., Any], **options: bool) -> Callable[P, R]:
-        options["_nrt"] = self._counts()
-        linked = self._linked(njit, "" if options["_nrt"] else "-bare")
-        options["no_cfunc_wrapper"] = True  # nobody calls kernels from C
-        if "no_cpython_wrapper" in options:  # the machine code of the kernels around it holds it
-            return cast(Callable[P, R], njit(**options)(linked))
+        njit: Callable[..., Any] = numba.njit
+        linked, options = self._linked(njit), self._options()
         try:
-            made = njit(cache=True, **options)(linked)
+            made = njit(cache=True, nogil=True, **options)(linked)
         except RuntimeError:  # no folder that a cache could be written to
-            made = njit(**options)(linked)
+            made = njit(nogil=True, **options)(linked)
         made._cache.load_overload = _cached_code(linked, made._cache)
         made.compile = signals_held()(_paused()(made.compile))
         return cast(Callable[P, R], made)
+
+    def _options(self) -> dict[str, bool]:
+        return {"_nrt": self._counts(), "no_cfunc_wrapper": True}  # nobody calls it from C
 
     def _counts(self) -> bool:
         """Whether numba must count who holds an array: where one is made, or handed back.
@@ -116,20 +113,24 @@ class Compiled(Generic[P, R]):
         given = [get_type_hints(one.plain).get("return", "ndarray") for one in (self, *kernels)]
         return not MAKERS.isdisjoint(self._code.co_names) or "ndarray" in str(given)
 
-    def _linked(self, njit: Callable[..., Any], suffix: str) -> types.FunctionType:
-        """The source, with the kernels that it calls replaced by their compiled forms."""
+    def _linked(self, njit: Callable[..., Any]) -> types.FunctionType:
+        """The source, with the kernels that it calls replaced by their compiled forms.
+
+        Those are not kept on disk: the machine code of what calls them holds theirs.
+        """
         function = cast(types.FunctionType, self.plain)
         scope = dict(function.__globals__)
         for name, kernel in self._used().items():
             if isinstance(kernel, Compiled):
                 if kernel._inner is None:  # one that Python has called already serves kernels too
-                    inner = kernel._fast or kernel._jit(njit, no_cpython_wrapper=True)
-                    kernel._inner = _for_any_number(inner)
+                    made = njit(no_cpython_wrapper=True, **kernel._options())
+                    kernel._inner = _for_any_number(kernel._fast or made(kernel._linked(njit)))
                 scope[name] = kernel._inner
         linked = types.FunctionType(function.__code__, scope, function.__name__)
         linked.__defaults__, linked.__module__ = function.__defaults__, function.__module__
         # The cache has an entry for each qualified name, and looks at this file alone.
-        linked.__qualname__ = function.__qualname__ + suffix + self._key()
+        kind = "" if self._counts() else "-bare"
+        linked.__qualname__ = function.__qualname__ + kind + self._key()
         return linked
 
     def _used(self) -> dict[str, Any]:
