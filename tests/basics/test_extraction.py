@@ -12,12 +12,8 @@ from segmap_course import literal
 from segmap import extraction, load
 from segmap.alignment import odometry
 from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
-from segmap.poses import transform
 from segmap.scans import LaserScan, Log
-from segmap.segments import length
 from segmap.testing import assert_segments_equal
-
-TOLERANCE = 0.03
 
 
 def wall(a, b, spacing: float = 0.05) -> np.ndarray:
@@ -128,34 +124,7 @@ def test_algebraic_fit_fails_through_the_origin_and_total_does_not():
 # ---------------------------------------------------------------------------- polylines
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_pieces_stay_within_tolerance(seed):
-    """Each point lies within the tolerance of a segment, or in a piece that was dropped."""
-    rng = np.random.default_rng(seed)
-    corners = np.cumsum(rng.uniform(0.4, 1.0, (6, 2)) * rng.choice([-1, 1], (6, 2)), axis=0)
-    points = path(*corners, spacing=0.03) + rng.uniform(-0.008, 0.008, (1, 2))
-    found = extract_polylines(points, min_points=2, min_length=0)
-    distance = np.min([[literal.point_to_segment(p, s) for p in points] for s in found], axis=0)
-    assert distance.max() <= 0.03 + TOLERANCE
-
-
-@pytest.mark.parametrize("pose", [(50, -20, 0.7), (0, 0, np.pi), (-3, 1, -2.2)])
-@pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
-def test_moving_the_points_moves_the_segments(extract, pose):
-    """Polylines and total fits know no axis and no origin; `y = mx + q` does."""
-    points = square_scan(0.3, 0.01)
-    assert_same(extract(transform(pose, points)), transform(pose, extract(points)), 1e-7)
-
-
 # ------------------------------------------------------------------------ awkward scans
-@pytest.mark.parametrize("start", np.radians([-180, -90, 0, 37, 45, 100]))
-def test_the_seam_of_a_full_turn_cuts_no_wall(start):
-    """`closed=True`: the last point is next to the first, wherever the turn begins."""
-    found = extract_polylines(square_scan(start), closed=True)
-    assert len(found) == 4
-    np.testing.assert_allclose(np.sort(length(found)), [3, 3, 4, 4], atol=0.1)
-
-
 @pytest.mark.parametrize("away", [(0, 0), (0, 30), (-30, 0), (30, -30)])
 def test_a_round_without_a_gap_begins_at_its_farthest_corner(away):
     """Catches a start that is farthest from the origin, in x or y, and not from the middle."""
@@ -171,15 +140,6 @@ def test_a_round_without_a_gap_begins_at_its_farthest_corner(away):
 @pytest.mark.parametrize("points", [[], np.empty((0, 2)), [(1, 1)], [(1, 1)] * 9])
 def test_nothing_to_extract(extract, points, closed):
     assert extract(points, closed=closed).shape == (0, 2, 2)
-
-
-@pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
-def test_beams_without_return_never_become_walls(extract):
-    """NaN, infinity, 0, negative and maximum range are invalid beams, not points."""
-    angles = np.radians(np.arange(-90, 91))
-    for bad in (np.nan, np.inf, 0.0, -1.0, 30.0, 81.83):
-        scan = LaserScan(np.full(181, bad), angles, max_range=30.0)
-        assert len(extract(scan.points())) == 0
 
 
 @pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])

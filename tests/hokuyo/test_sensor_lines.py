@@ -18,7 +18,6 @@ import pytest
 from conftest import slow
 from emulated import (
     FAULTS,
-    Wired,
     emulator_threads,
     far_pattern,
     far_turn,
@@ -101,8 +100,6 @@ def test_a_port_that_is_handed_in(line):
             line.turn(sensor.scan())
         with pytest.raises(OSError):
             port.write(b"QT\n")
-        with pytest.raises(ValueError, match="reconnect needs the name"):
-            UrgSensor(Wired(), reconnect=1.0)
         if not line.is_tcp:
             with of(emulator, reconnect=1.0) as sensor, pytest.raises(SensorError):
                 UrgSensor(Path(emulator.port))

@@ -89,23 +89,6 @@ def test_a_line_in_the_middle_of_two_walls_belongs_to_the_first():
         np.testing.assert_array_equal(found.owner, [0])
 
 
-def test_a_bridge_over_a_door_is_invented():
-    """Of 7 m of wall, a door of 1 m: 14.3 %."""
-    walls = [[(0, 0), (3, 0)], [(4, 0), (8, 0)]]
-    found = against_walls(walls, [[(0, 0), (8, 0)]])
-    assert found.invented / found.seen.sum() == pytest.approx(1 / 7)
-    np.testing.assert_array_equal(found.owner, [1, -1, 0])
-    assert found.found == 0.5  # the line is mostly the longer wall
-
-
-def test_what_nobody_saw_is_not_missed():
-    """And a wall that hardly was seen does not count."""
-    seen = [[(0, 0), (2, 0)], [(4, 0), (4, 0.05)]]
-    found = against_walls(ROOM, [[(0, 0), (1, 0)]], seen=seen)
-    assert found.missed == pytest.approx(1.05) and found.per_wall == 1
-    assert against_walls(ROOM, ROOM, seen=seen, least=0.0).per_wall == 1
-
-
 def test_at_a_right_angle_every_direction_is_beside():
     """However the building lies: rounding turns none by more."""
     walls, across = [[(0, 0), (3, 0)]], [[(1, -0.05), (1, 0.04)]]

@@ -9,7 +9,7 @@ from reduction_maps import MAPS
 from segmap import load
 from segmap.angles import wrap
 from segmap.extraction import build_map
-from segmap.metrics import doubled_walls, invented, missed, quality
+from segmap.metrics import doubled_walls, invented, missed
 from segmap.poses import transform
 from segmap.segments import SegmentMap, length
 from segmap.simulation import rectangular_room
@@ -54,14 +54,6 @@ def test_equals_what_points_along_the_segments_see(seed, limits):
         (invented(before, after, distance=distance, angle=angle), alone(after, before, *limits)),
     ):
         assert found == pytest.approx(expected, abs=room)
-
-
-def test_a_door_that_is_closed_is_invented_and_hardly_costs_quality():
-    """Why both stand beside quality: half a metre of wall that nobody saw."""
-    closed = [[(0, 0), (4, 0)]]
-    assert invented(WALL, closed) == pytest.approx(0.5)
-    assert missed(WALL, closed) == 0.0
-    assert quality(WALL, closed) == 1.0
 
 
 def test_beside_is_five_centimetres_and_five_degrees_where_nothing_is_said():

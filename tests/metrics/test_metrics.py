@@ -45,13 +45,6 @@ def test_segments_without_length():
     )
 
 
-def test_distance_broadcasts():
-    u, v = np.random.default_rng(0).uniform(0, 1, (2, 5, 2, 2))
-    table = metrics.segment_distance(u[:, None], v[None])
-    assert table.shape == (5, 5)
-    assert table[3, 1] == pytest.approx(float(metrics.segment_distance(u[3], v[1])))
-
-
 def random_maps(seed: int, n: int = 50, m: int = 20) -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
     before, after = rng.uniform(-3, 3, (n, 2, 2)), rng.uniform(-3, 3, (m, 2, 2))
@@ -69,22 +62,6 @@ def test_quality_equals_the_literal_one(seed):
     assert metrics.quality(before, after, scale=0.4) == pytest.approx(
         literal.quality(before, after, scale=0.4)
     )
-
-
-@pytest.mark.parametrize(
-    "after",
-    [
-        [[(0.25, -0.433), (0.75, 0.433)], [(2, 0), (3, 0)]],  # one across it, one along its line
-        [[(2, 0), (2, 3)]],
-        [[(2, 3), (2, 0)]],
-        [[(0.25, 2), (0.25, 0.5)]],
-    ],
-)
-def test_the_nearest_is_nearest_by_the_whole_distance(after):
-    """Catches a bound of the search that is too high, and right angles with one mean direction."""
-    wall = [(0, 0), (1, 0)]
-    least = min(literal.segment_distance(wall, other) for other in after)
-    assert metrics.errors([wall], after) == pytest.approx([least])
 
 
 def test_quality_at_its_ends():

@@ -6,8 +6,7 @@ from conftest import slow
 from quadtrees import random_map
 from scipy import ndimage
 
-from segmap import load
-from segmap.quadtree import QuadtreeMap, Squares, build_map, frontiers
+from segmap.quadtree import QuadtreeMap, Squares, frontiers
 
 
 def borders_on_grid(map):
@@ -88,22 +87,6 @@ def test_squares_that_touch(seed):
     again = some.at(cells)
     assert np.array_equal(again >= 0, inside & part[found])
     assert np.array_equal(kept[again[again >= 0]], found[again >= 0])
-
-
-def test_it_moves_with_the_map():
-    """Equivariance, exact where the corner moves too; sizes hold whatever the grid."""
-    log = load("room")[:20]
-    shift = np.array([12.8, -6.4])
-    there = log.truth + np.append(shift, 0)
-    maps = [
-        build_map(log, poses, resolution=0.05, free_resolution=0.1, corner=corner)
-        for poses, corner in ((log.truth, (0, 0)), (there, shift))
-    ]
-    here, moved = map(frontiers, maps)
-    assert len(here) == len(moved) > 2
-    for one, other in zip(here, moved, strict=True):
-        assert one.size == pytest.approx(other.size)
-        assert other.places == pytest.approx(one.places + shift)
 
 
 def test_an_empty_map_and_short_ones():

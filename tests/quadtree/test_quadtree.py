@@ -93,15 +93,6 @@ def test_grows_towards_the_point(scan, bounds):
     assert equal and map.bounds == bounds
 
 
-@pytest.mark.parametrize(("x", "column"), [(1.0, 10), (0.3, 2), (0.6, 5), (-0.05, -1)])
-def test_a_cell_is_the_floor_of_one_division(x, column):
-    """1.0 // 0.1 is 9, and 0.3 * 10 is 3: neither is the cell."""
-    map = QuadtreeMap(resolution=0.1)
-    map.insert_scan((0.55, 0.55), [(x, 0.05)])
-    hit = np.flatnonzero(map.leaves().occ)
-    assert np.rint(map.leaves().x[hit] / 0.1).tolist() == [column]
-
-
 #: Two rays of 2^26 cells whose slopes differ by 2^-51: they part at step 2^25.
 APART = [(2**26, 2**25 - 1), (2**26 + 2, 2**25)]
 

@@ -14,21 +14,6 @@ from segmap.scans import LaserScan, Log
 
 
 # ---------------------------------------------------------------------------- counts
-def test_counts_by_hand():
-    """Nine cells in a row, as anybody can draw them on squared paper."""
-    map = QuadtreeMap(resolution=1, size=16)
-    for _ in range(2):
-        map.insert_scan((0.5, 0.5), [(8.5, 0.5), (8.5, 0.5)])
-    found = leaves_of(map)
-    assert found[(8, 0, 1)] == [4, 4]  # four ends: the first came with the split's 1
-    assert found[(9, 0, 1)] == [1, 0]  # a neighbour, split only
-    assert found[(0, 0, 8)] == [4, 0]  # cells 0 to 6 of four rays; 7 is masked but in this leaf
-    map.insert_scan((0.5, 0.5), [(2.5, 0.5)])
-    found = leaves_of(map)
-    assert found[(2, 0, 1)] == [1, 1] and found[(3, 0, 1)] == [1, 0]  # the split resets
-    assert found[(0, 0, 2)] == [2, 0]  # cell 0; 1 and 2 are masked
-
-
 @pytest.mark.parametrize(
     ("vis", "occ", "bias", "expected"),
     [

@@ -6,22 +6,7 @@ from conftest import slow
 from quadtrees import literal_of, random_map
 from segmap_course import literal
 
-from segmap.quadtree import QuadtreeMap
-
 VALUES = ("mean", "variance")
-
-
-def test_four_cells_by_hand():
-    """One occupied cell of four, the others never crossed: (1 + 3 * 0.5) / 4, and its spread."""
-    map = QuadtreeMap(resolution=1, size=4)
-    map.insert_scan((0.5, 0.5), [(3.5, 0.5)])
-    map.tree.vis[map.tree.occ == 0] = np.minimum(map.tree.vis[map.tree.occ == 0], 0)
-    mean, variance = (map.to_grid(2, value=value) for value in VALUES)
-    assert np.array_equal(mean, [[0.5, 0.625], [0.5, 0.5]])
-    assert np.array_equal(variance, [[0, 3 / 64], [0, 0]])
-    mean, variance = (map.to_grid(4, value=value) for value in VALUES)
-    # the root: the variance within its quarters, and that of their means
-    assert mean == 17 / 32 and variance == 3 / 256 + 3 / 1024
 
 
 @pytest.mark.parametrize("seed", [*range(9), *map(slow, range(9, 24))])
@@ -44,14 +29,3 @@ def test_equals_the_literal_form_and_the_finest_grid(seed):
                 square = tree.leaf(square[:2])
             expected = literal.mean_and_variance(tree, square)
             assert (value, variance[i, j]) == pytest.approx(expected, abs=1e-12)
-
-
-def test_the_mean_is_the_same_at_every_level():
-    """Catches a mean of leaves in place of areas; the largest value does grow with the cells."""
-    map, _ = random_map(3)
-    sides = map.resolution * 2.0 ** np.arange(map.tree.level + 1)
-    means = [map.to_grid(side, value="mean").mean() for side in sides]
-    spreads = [map.to_grid(side, value="variance").mean() for side in sides]
-    assert means == pytest.approx([means[0]] * len(means), abs=1e-12)
-    assert spreads[0] == 0 and (np.diff(spreads) > 0).all()
-    assert map.to_grid(sides[4]).mean() > means[4] + 0.03
