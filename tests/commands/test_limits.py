@@ -159,16 +159,6 @@ def test_a_folder_is_read_by_name_and_what_cannot_be_read_was_a_log(run, monkeyp
 
 
 # ---------------------------------------------------------------------------- map, occupancy
-def test_a_crop_beside_the_map_tells_how_far_that_reaches(run):
-    """Catches x for y, and the middle of the map for its end."""
-    log = segmap.load("room")
-    ends = segmap.build_map(log, log.truth).segments.reshape(-1, 2)
-    (left, low), (right, high) = ends.min(0), ends.max(0)
-    code, _, beside = run("map", "room", "--crop", 50, 50, 60, 60)
-    reach = f"from x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m"
-    assert code == 1 and beside.endswith(f"{reach}\n")
-
-
 def test_occupancy_tells_size_and_area(run):
     """Catches the area as a length, a size with a margin, and one of another kind of leaves."""
     code, said, _ = run("occupancy", "room", "--resolution", "0.1", "--json", "-o", "it.geojson",

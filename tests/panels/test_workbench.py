@@ -13,14 +13,17 @@ import time
 from dataclasses import replace
 from functools import partial
 from inspect import signature
+from pathlib import Path
 
 import alignment_logs as logs
+import bag_samples
 import ipywidgets as W
 import numpy as np
 import pytest
 from driven_panels import LOG
 from emulated import wait_for
-from log_samples import SINGLE_FILES
+from log_samples import NPZ, RAWSEEDS, SINGLE_FILES
+from mrpt_samples import BINARY_FILES
 from programs import program
 from table_samples import OTHERS
 
@@ -100,20 +103,42 @@ def place(tmp_path_factory):
     return tmp_path_factory.mktemp("place")
 
 
-@pytest.mark.parametrize("name", [*SINGLE_FILES, *OTHERS])
+#: Texts and bytes by the name of their format, as files of any name.
+FILES = SINGLE_FILES | BINARY_FILES | {name: content for name, (content, *_) in OTHERS.items()}
+FILES["npz"] = NPZ
+
+
+def laid_out(name):
+    """The path of a log of this format, which is written here."""
+    if name in ("ros1", "mcap"):
+        return bag_samples.write(Path(), name)
+    path = Path(f"{name.replace(' ', '-')}.{'segmap' if name == 'session' else 'txt'}")
+    if name == "session":
+        log = replace(segmap.load("room")[:3], name=name)
+        exports.write_session(path, readers.Session(log, {}))
+    elif name == "rawseeds":
+        path.mkdir()
+        for file, text in RAWSEEDS.items():
+            (path / file).write_text(text)
+    else:
+        content = FILES[name]
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+@pytest.mark.parametrize("name", [*FILES, "rawseeds", "ros1", "mcap", "session"])
 def test_command_page_and_library_read_one_log(name, worker, place, monkeypatch):
     """Catches a format that one of the three opens in another way, or not at all."""
     monkeypatch.chdir(place)
-    path = place / f"{name.replace(' ', '-')}.txt"
-    path.write_text(SINGLE_FILES.get(name) or OTHERS[name][0])
+    path = laid_out(name)
     wanted = readers.read(path)
     page = bench()
     page._worker = worker
-    page.path.value = path.name
+    page.path.value = str(path)
     page.wait()
-    assert main(["convert", path.name, "-o", "told.npz", "-q"]) == 0
-    exports.write_arrays(place / "wanted.npz", wanted)
-    exports.write_arrays(place / "page.npz", page.log)
+    assert main(["convert", str(path), "-o", "told.npz", "-q"]) == 0
+    exports.write_arrays("wanted.npz", wanted)
+    exports.write_arrays("page.npz", page.log)
     held = [dict(np.load(f"{kind}.npz")) for kind in ("wanted", "page", "told")]
     assert page.log.name == wanted.name and page.log.assumed == wanted.assumed
     for other in held[1:]:

@@ -86,9 +86,12 @@ def test_page_and_command_make_one_map(chosen, tmp_path, monkeypatch, capsys):
     assert np.array_equal(page.outcome.reductions[0].segments, wanted)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def mended():
-    """The corridor with a loop left out, one forced, and all other edits."""
+    """The corridor with a loop left out, one forced, and all other edits; its graph takes seconds.
+
+    What a test takes back the next one does not ask for.
+    """
     page = Workbench()
     page.open("corridor")
     page.align.value, page.method.value = "pose_graph", "fusion"
@@ -200,7 +203,7 @@ def test_two_scans_are_seen_over_each_other_and_on_the_way(mended):
 def test_a_new_map_is_seen_before_it_is_reduced():
     """Catches a page that waits with all it has, and a map that stays where its reduction fails."""
     page, seen = Workbench(segmap.load("room")), []
-    page.method.value = "fusion"
+    page.align.value, page.method.value = "odometry", "fusion"
     page.run()
 
     page.canvas.observe(lambda change: seen.append(change["new"]), names="titles")
@@ -218,35 +221,41 @@ def test_a_new_map_is_seen_before_it_is_reduced():
     assert page.canvas.titles == now and "bandwidth must" in page.state.value
 
 
+@pytest.fixture(scope="module")
+def room():
+    """A page with a map."""
+    page = Workbench(segmap.load("room"))
+    page.run()
+    return page
+
+
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
         ("crop", "1 2 3", "crop [m] must be like 'left low right high', got '1 2 3'"),
+        ("crop", "1 2 3 4 5", "crop [m] must be like 'left low right high', got '1 2 3 4 5'"),
         ("crop", "3 0 1 1", "left"),
-        (
-            "crop",
-            "900 0 901 1",
-            "crop: no segment lies in that rectangle; the map reaches from x -0.02",
-        ),
+        ("crop", "900 0 901 1", "no segment lies in that rectangle; the map reaches from x -0.02"),
         ("north", "up", "north [degrees] must be like '90, which is up', got 'up'"),
+        ("north", "1 2", "north [degrees] must be like '90, which is up', got '1 2'"),
         ("north", "30", "north and a grid need a place"),
+        ("place", "1", "place of (0, 0) must be like '"),
         ("place", "139.7 35.7", "; the latitude comes first"),
     ],
 )
-def test_an_edit_that_cannot_be_is_refused_in_words(name, text, words):
+def test_an_edit_that_cannot_be_is_refused_in_words(room, name, text, words):
     """Catches a map that is empty or elsewhere without a word, and a fault that nobody sees."""
-    page = Workbench(segmap.load("room"))
-    page.run()
-    getattr(page.edits, name).value = text
-    page.wait()
-    assert words in page.state.value.replace("&#x27;", "'")
-    assert len(page.outcome.map) == 567  # the last good run
+    getattr(room.edits, name).value = text
+    room.wait()
+    assert words in room.state.value.replace("&#x27;", "'")
+    assert len(room.outcome.map) == 567  # the last good run
+    getattr(room.edits, name).value = ""
+    room.wait()
 
 
-def test_a_place_in_degrees_is_asked_about_where_a_grid_is_named():
+def test_a_place_in_degrees_is_asked_about_where_a_grid_is_named(room):
     """Catches a map that lies 45 m from where a grid begins, somewhere in the sea."""
-    page = Workbench(segmap.load("room"))
-    page.run()
+    page = room
     page.edits.crs.value = "EPSG:25832"
     page.wait()
     page.edits.place.value = "45.46 9.19"
@@ -262,3 +271,4 @@ def test_a_place_in_degrees_is_asked_about_where_a_grid_is_named():
     page.edits.crs.value = "EPSG:25832"
     page.wait()
     assert page.outcome.recipe.edits["crs"] == "EPSG:25832"
+    page.edits.restore({})
