@@ -23,6 +23,11 @@ def moved_by_pseudo_inverse(points, feet, normals):
     return np.linalg.pinv(rows) @ ((feet - points) * normals).sum(1)
 
 
+def flatness_by_doubled_angles(normals, weights):
+    turned = abs(np.sum(weights * (normals[:, 0] + 1j * normals[:, 1]) ** 2))
+    return (weights.sum() - turned) / (weights.sum() + turned)
+
+
 def step_in_a_loop(centres, pieces, sigma, bandwidth):
     moved = []
     for c in centres:
@@ -300,6 +305,7 @@ RIGHT = {
     "match_value": match_with_helpers,
     "least_translation": by_pseudo_inverse,
     "move_onto_walls": moved_by_pseudo_inverse,
+    "flatness": flatness_by_doubled_angles,
     "loop_rest": rest_by_matrices,
     "edge_error": lambda first, second, relative: between(compose(first, relative), second),
     "carried_beam": beam_about_a_centre,

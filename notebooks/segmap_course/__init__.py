@@ -59,6 +59,7 @@ from ._unknown_building import (
 from .drawings import *
 from .exercises import Check, Exercise
 from .exercises.alignment import (
+    check_flatness,
     check_least_translation,
     check_match_value,
     check_move_onto_walls,
@@ -163,7 +164,8 @@ __all__ = [
     "check_axial_mean", "check_beam_angles", "check_best_run", "check_best_shift",
     "check_building_axis", "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of",
     "check_climb_step", "check_compose", "check_distances", "check_edge_error", "check_far_ends",
-    "check_farthest_point", "check_fit_line", "check_frontier_cells", "check_grown",
+    "check_farthest_point", "check_fit_line", "check_flatness", "check_frontier_cells",
+    "check_grown",
     "check_growth_power", "check_heading_between", "check_hough", "check_inside_strip",
     "check_invented_metres",
     "check_laplacian", "check_least_translation", "check_look_noise",

@@ -1,4 +1,4 @@
-"""Exercises on alignment: the value of a match, a shift of a backbone, a step of ICP."""
+"""Exercises on alignment: value of a match, shift of a backbone, step of ICP and what it fixes."""
 
 from __future__ import annotations
 
@@ -222,6 +222,55 @@ check_move_onto_walls = Exercise(
         "the turn is one about the origin: with the third column taken about the middle of the "
         "points x and y come out differently": (
             lambda p, f, n: point_to_line_step(p - p.mean(0), f - p.mean(0), n)
+        ),
+    },
+    near,
+)
+
+
+# ----------------------------------------------------------- what the walls of a scan fix
+def _wall_normals(rng: Rng) -> Cases:
+    """Unit normals of points on walls, and weights: rooms, corridors and what lies between."""
+
+    def walls(*degrees: float) -> tuple[Array, Array]:
+        turn = np.radians(rng.uniform(0, 90) + np.repeat(degrees, 6))
+        return np.stack([np.cos(turn), np.sin(turn)], -1), rng.uniform(0.2, 1, len(turn))
+
+    return {
+        "a room": walls(0, 90),
+        "a room with one long side": walls(0, 0, 0, 90),
+        "a corridor": walls(0, 180),
+        "a corridor with an oblique end": walls(0, 180, rng.uniform(20, 60)),
+        "a round tower": walls(*range(0, 360, 30)),
+    }
+
+
+def _flatness(normals: Array, weights: Array) -> float:
+    """Smaller eigenvalue over larger of the weighted sum of n n^T."""
+    low, high = np.linalg.eigvalsh((weights[:, None] * normals).T @ normals)
+    return float(max(low, 0) / high)
+
+
+check_flatness = Exercise(
+    "flatness(normals, weights) -> float, 0 to 1: given the unit normals (n, 2) of the walls below "
+    "the points of a scan, and weights (n,), the smaller eigenvalue over the larger of the (2, 2) "
+    "part of H that belongs to x and y; the library calls a direction free where it is below 0.01",
+    _flatness,
+    _wall_normals,
+    {
+        "each point counts by its weight": lambda n, w: _flatness(n, w**0),
+        "the weight stands once in H: w n n^T": lambda n, w: _flatness(n, w**2),
+        "the smaller over the larger, not the larger over the smaller": (
+            edited(_flatness, ("max(low, 0) / high", "high / max(low, 1e-9)"))
+        ),
+        "singular values of the rows are roots of the eigenvalues of H: square them": (
+            edited(_flatness, ("max(low, 0) / high", "np.sqrt(max(low, 0) / high)"))
+        ),
+        "this is the smaller one alone: divide by the larger": (
+            edited(_flatness, ("max(low, 0) / high", "max(low, 0)"))
+        ),
+        "the diagonal of H holds no eigenvalues where walls run askew": lambda n, w: float(
+            np.divide(*np.sort((w[:, None] * n**2).sum(axis=0)))
         ),
     },
     near,

@@ -57,8 +57,8 @@ class Chapter:
 
 
 def part_of(chapter: str) -> str:
-    """Digit of the part to which a chapter belongs; 60 and 70 end the parts 5 and 6."""
-    return {"60": "5", "70": "6"}.get(chapter[:2], chapter[0])
+    """Digit of the part to which a chapter belongs; 40, 60 and 70 end the parts 3, 5 and 6."""
+    return {"40": "3", "60": "5", "70": "6"}.get(chapter[:2], chapter[0])
 
 
 def copy_sources(folder: Path, chapters: list[Path] = CHAPTERS) -> list[str]:
