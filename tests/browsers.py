@@ -128,13 +128,15 @@ class Browser:
         self._call("DELETE", "")
 
 
-@pytest.fixture
-def browser(tmp_path: Path) -> Iterator[Browser]:
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    """One for all tests of a file: its start costs seconds."""
     if not (shutil.which("chromium") and shutil.which("chromedriver")):
         missing = "chromium and chromedriver are not both installed (see environment.md)"
         pytest.fail(missing) if os.environ.get("CI") else pytest.skip(missing)
     port = free_port()
-    with running(["chromedriver", f"--port={port}"], tmp_path / "driver.log"):
+    log = tmp_path_factory.mktemp("browser") / "driver.log"
+    with running(["chromedriver", f"--port={port}"], log):
         opened = Browser(port)
         try:
             yield opened

@@ -161,10 +161,8 @@ def test_the_page_answers_to_its_own_host_and_says_what_it_may_load(app):
     assert len(seen) == 8
 
 
-def test_text_that_became_html_runs_nothing(app, browser):
+def html_runs_nothing(browser):
     """Catches a policy that lets a mistake of the page run a stranger's code."""
-    browser.open(app)
-    wait("the workbench", lambda: browser.run("return !!document.querySelector('.segmap-canvas')"))
     for text in (text for text in text_samples() if "window.hit" in text):
         browser.run("document.body.insertAdjacentHTML('afterbegin', arguments[0])", text)
         browser.run("document.querySelectorAll('body > a, body > button').forEach(e => e.click())")
@@ -258,28 +256,19 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     found = readers.read_segments(saved)
     left = re.search(r"fusion \(tolerance 0\.04\): (\d+) of", browser.run(TEXT))
     assert len(found) == int(left.group(1)) > 3
-    for width in (1280, 700, 400):
-        browser.size(width, 3000 - width)
-        time.sleep(0.5)
-        browser.screenshot(SCREENSHOT.with_name(f"workbench_{width}.png"))
-        assert browser.run(WIDE), f"something is cut off at {width} px"
-        assert browser.run(FITS), f"two bars to scroll the same at {width} px"
-        assert browser.run(PALE) == [], f"letters too pale at {width} px"
+    fits_each_window(browser, "workbench")
     browser.run("console.error('planted, to prove that errors are seen')")
     errors = [line for line in browser.errors() if ICONS not in line]
     assert len(errors) == 1 and "planted" in errors[0], errors
 
 
-@pytest.mark.parametrize("width", [400, 700, 1280])
-def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(
-    app, browser, tmp_path, width
-):
+def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(app, browser, tmp_path):
     """Catches a page that says nothing for a minute, and work that goes on when nobody waits."""
     scan = exports_of_one_scan(tmp_path / "one.log")
     (tmp_path / "long.log").write_bytes(scan * (60_000_000 // len(scan)))
     (tmp_path / "huge.log").write_bytes(b"")
     os.truncate(tmp_path / "huge.log", 100_000_001)
-    opened(browser, app, width)
+    opened(browser, app, 1280)
     chosen(browser, tmp_path / "huge.log")
     wait("what is too large", lambda: "huge.log has 100.0 MB: only a file" in browser.run(TEXT))
     chosen(browser, tmp_path / "long.log")
@@ -295,25 +284,24 @@ def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(
     wait("the log", lambda: "malaga 225 scans" in browser.run(TEXT))
     browser.click(BUTTON.format("Run"))
     wait("the scans", lambda: " of 225" in browser.run(STATE))
-    if width > 900:
-        ways = "[...document.querySelectorAll('h2, canvas')].map(e => e.getBoundingClientRect().x)"
-        log, *_ = found = browser.run(f"return {ways}")
-        assert found[:9] == [log] * 9 and found[9] > log + 300  # the map stands beside the steps
+    ways = "[...document.querySelectorAll('h2, canvas')].map(e => e.getBoundingClientRect().x)"
+    log, *_ = found = browser.run(f"return {ways}")
+    assert found[:9] == [log] * 9 and found[9] > log + 300  # the map stands beside the steps
     browser.open(app)
     wait("the page", lambda: browser.run(STATE) == "malaga: ready to run")
     assert browser.run("return [...document.querySelectorAll('h1, h2')].map(e => e.innerText)") == [
         "From a log of a laser to a map", *("1 Log", "2 Poses", "3 Segments", "4 Map"),
         *("Mend the map", "Floor plan", "Save the first result", "All runs", "In Python"),
     ]  # fmt: skip
+    html_runs_nothing(browser)
 
 
-@pytest.mark.parametrize("width", [400, 700, 1280])
-def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browser, width):
+def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browser):
     """Catches a control that only a mouse reaches, a toggle without a state, a click that is lost.
 
     What a screen reader is told comes from Chromium's accessibility tree.
     """
-    opened(browser, app, width)
+    opened(browser, app, 400)
     browser.click(f"{PICKED.format('bundled log')}/option[normalize-space()='corridor']")
     wait("the log", lambda: browser.run(STATE) == "corridor: ready to run")
     for kind, name in (("alignment", "pose_graph"), ("method", "fusion")):
@@ -344,8 +332,7 @@ def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browse
     browser.type(browser.find("//select[@size]"), "\ue011")  # the first one
     pressed(browser, "Take it back", SPACE)
     wait("the loop", lambda: "veto=[], tie=[(5, 151)]" in browser.run(TEXT), 60)
-    browser.screenshot(SCREENSHOT.with_name(f"workbench_loops_{width}.png"))
-    assert browser.run(WIDE) and browser.run(PALE) == []
+    fits_each_window(browser, "workbench_loops")
 
 
 def test_without_eyes_or_mouse_a_map_is_made_cropped_turned_and_placed(app, browser, tmp_path):
@@ -423,7 +410,8 @@ def exports_of_one_scan(path):
 
 
 def opened(browser, address, width):
-    """The page, once it can be used."""
+    """The page, once it can be used; errors of the page before are forgotten."""
+    browser.errors()
     browser.size(width, 1250)
     browser.open(address)
     wait("the workbench", lambda: browser.run("return !!document.querySelector('.segmap-canvas')"))
@@ -435,6 +423,17 @@ def chosen(browser, path):
     browser.run("document.querySelectorAll('body > input').forEach(e => e.remove())")
     browser.type(browser.find("//button[contains(., 'upload it')]"), ENTER)
     browser.type(browser.find("/html/body/input[@type='file']"), str(path))
+
+
+def fits_each_window(browser, name):
+    """Catches what is cut off or pale on a phone, a tablet or a desk."""
+    for width in (1280, 700, 400):
+        browser.size(width, 3000 - width)
+        time.sleep(0.5)
+        browser.screenshot(SCREENSHOT.with_name(f"{name}_{width}.png"))
+        assert browser.run(WIDE), f"something is cut off at {width} px"
+        assert browser.run(FITS), f"two bars to scroll the same at {width} px"
+        assert browser.run(PALE) == [], f"letters too pale at {width} px"
 
 
 def changed(now, before):
