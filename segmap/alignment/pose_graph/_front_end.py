@@ -327,7 +327,8 @@ class FrontEnd(Undoable):
             left = graph.residuals[graph.loop]
         along, overlap = np.array([(row.along, row.overlap) for row in rows]).reshape(-1, 2).T
         far, near = np.hypot(far, along), np.hypot(near, along)
-        causes = breaks(np.reshape([row.odometry for row in rows], (-1, 3)), poses, overlap)
+        times = np.array([row.scan.time for row in rows])
+        causes = breaks(np.reshape([row.odometry for row in rows], (-1, 3)), poses, overlap, times)
         why = [own.unmatched for own in laid]
         causes += findings(why, far, left, near=near, converged=self.frames.converged)
         return Outcome(laid, graph, causes, far, near)

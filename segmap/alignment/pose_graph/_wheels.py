@@ -71,6 +71,12 @@ LEAST_DROP = 0.2
 JUMP_RATIO = 2.0
 #: Nearly all steps: this share of them.
 USUAL_STEP_QUANTILE = 0.95
+#: No scan for so many times as long as between nearly all of them, and for so long, seconds: ...
+PAUSE_RATIO = 5.0
+LEAST_PAUSE_S = 1.0
+#: ... the scan after it confirms the way there unless it lies on the map worse than all but this
+#: share: pauses of a real log rank above 0.09, a robot that was carried below 0.01.
+CONFIRMED_RANK = 0.02
 #: A step of the map that errs by more than so many times the usual ...
 TORN_RATIO = 80.0
 #: ... and by more than this, metres, is torn: 3 to 40 times and 0.95 m in right logs, 180 times and
@@ -157,11 +163,11 @@ class Wheels(Undoable):
         return math.sqrt((x * x + y * y) / place**2 + (wrap(heading) / turn) ** 2)
 
 
-def breaks(odometry: Array, poses: Array, overlap: Array) -> list[Finding]:
+def breaks(odometry: Array, poses: Array, overlap: Array, times: Array) -> list[Finding]:
     """What speaks for a robot that was carried: odometry and poses `(k, 3)`, metres and radians.
 
     `overlap`, `(k,)`, is the share of each scan that lay on the map of those before it; NaN where
-    nothing was matched and no odometry carried it.
+    nothing was matched and no odometry carried it. `times`, `(k,)`, are in seconds.
     """
     found: list[Finding] = []
     known = np.isfinite(overlap)
@@ -174,11 +180,14 @@ def breaks(odometry: Array, poses: Array, overlap: Array) -> list[Finding]:
     ranked = np.sort(overlap[known])
     usual = float(np.median(ranked))
     drop = max(BREAK_RATIO * (usual - ranked[max(WORST, len(ranked) // 100)]), LEAST_DROP)
-    broken = np.flatnonzero((overlap < usual - drop) & ~(way > JUMP_RATIO * usual_way))
-    if len(broken):
-        words = f"at scan {broken[0]} all that the robot sees changes at once"
-        why = "it was lifted, or is on another floor, or scans are missing"
-        found.append(Finding(Cause.LIFTED, int(broken[0]), f"{words}: {why}", doubtful=True))
+    since = np.diff(times, prepend=times[0])
+    paused = since > max(PAUSE_RATIO * np.quantile(since, USUAL_STEP_QUANTILE), LEAST_PAUSE_S)
+    broken = (overlap < usual - drop) & ~(way > JUMP_RATIO * usual_way)
+    broken |= paused & ~(overlap >= np.quantile(ranked, CONFIRMED_RANK))
+    if broken.any():
+        words = f"scan {(k := int(np.argmax(broken)))} does not go on from those before it"
+        why = "the robot was lifted, or is on another floor, or scans are missing"
+        found.append(Finding(Cause.LIFTED, k, f"{words}: {why}", doubtful=True))
     seen = between(poses[:-1], poses[1:])
     torn = np.hypot(seen[:, 0] - wheels[:, 0], seen[:, 1] - wheels[:, 1])
     if np.isfinite(torn).any():

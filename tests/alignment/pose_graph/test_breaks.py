@@ -1,4 +1,4 @@
-"""A robot that is carried away: what it sees changes at once, or the map tears its odometry."""
+"""A robot that is carried away: a scan does not go on, or the map tears its odometry."""
 
 from dataclasses import replace
 
@@ -70,13 +70,41 @@ def test_a_map_that_tears_the_odometry_is_told():
     """Catches a scan at which the map leaps and the wheels do not."""
     odometry = np.column_stack([0.1 * np.arange(40.0), np.zeros(40), np.zeros(40)])
     noise = np.random.default_rng(1).normal(0, 0.002, (40, 3))
-    poses, overlap = odometry + noise, np.full(40, 0.95)
-    assert breaks(odometry, poses, overlap) == []
+    poses, overlap, times = odometry + noise, np.full(40, 0.95), 0.1 * np.arange(40)
+    assert breaks(odometry, poses, overlap, times) == []
     poses[25:, 0] += 4.0
-    (finding,) = breaks(odometry, poses, overlap)
+    (finding,) = breaks(odometry, poses, overlap, times)
     assert finding.cause is Cause.LIFTED and abs(finding.value - 4) < 0.05
     assert "scan 25" in finding.words
-    assert breaks(np.full((40, 3), np.nan), poses, overlap) == []
+    assert breaks(np.full((40, 3), np.nan), poses, overlap, times) == []
+
+
+def test_a_scan_after_a_pause_must_confirm_the_way():
+    """Catches a robot that is carried while nothing is measured, by a laser that sees little."""
+    rows, noise = np.zeros((40, 3)), np.random.default_rng(1).normal(0, 0.002, (40, 3))
+    rows[:, 0] = 0.1 * np.arange(40)
+    overlap = np.where(np.arange(40) % 5, 0.95, 0.75)  # it sees little: some lie badly anyway
+    pause = 0.1 * np.arange(40) + np.where(np.arange(40) < 21, 0.0, 8.0)
+    for least, after, times in ((0.7, 0.7, pause), (0.7, 0.95, pause), (np.nan, np.nan, pause)):
+        overlap[21] = after
+        found = breaks(rows, rows + noise, overlap, times)
+        assert [finding.value for finding in found] == ([] if after > least else [21])
+    assert not breaks(rows, rows + noise, overlap, 0.1 * np.arange(40))
+    overlap[21] = 0.95
+    unknown = np.full(40, np.nan)  # a log without times
+    assert not breaks(rows, rows + noise, overlap, unknown)
+
+
+def test_what_is_missing_while_nothing_is_measured_is_told():
+    """Catches a fifth of a drive that is missing, without odometry: the rest lies metres off."""
+    stops = [(1, 5), (2, 5), (2, 6.9), (2, 5), (6, 5), (6, 3.1), (6, 5), (7, 5), (1.5, 5.3)]
+    path = drive(stops, step=0.15, turn=np.radians(12))
+    whole = seen(office(rng=np.random.default_rng(1), rooms=2), path)
+    bare = Log("bare", [replace(scan, odometry=None) for scan in whole])
+    first, then = int(0.3 * len(bare)), int(0.5 * len(bare))
+    cut = Log("cut", [*bare[:first], *bare[then:]])
+    assert not lifted(pose_graph(bare))
+    assert lifted(pose_graph(cut))[:1] in ([first], [first + 1])
 
 
 def test_without_odometry_a_match_after_a_far_turn_is_a_guess():
