@@ -223,6 +223,19 @@ def test_a_file_that_unpacks_to_far_more_is_refused(tmp_path, packing):
         readers.read(written(tmp_path / f"it{packing}", packed))
 
 
+def test_archives_in_an_archive_share_one_bound(tmp_path):
+    """Catches a file of 60 kB that holds 1 500 archives of a megabyte each."""
+    inner = ARCHIVES[".zip"]({"a.log": bytes(1_000_000)})
+    many = io.BytesIO()
+    with zipfile.ZipFile(many, "w") as packed:
+        for k in range(60):
+            packed.writestr(f"{k}.zip", inner)
+    noise = np.random.default_rng(0).bytes(len(many.getvalue()) // 40)
+    outer = ARCHIVES[".zip"]({"m.zip": many.getvalue(), "README.bin": noise})
+    with pytest.raises(LogError, match="unpacks to more than"):
+        readers.read(written(tmp_path / "it.zip", outer))
+
+
 @pytest.mark.parametrize("packing", [*PACKINGS, *ARCHIVES])
 def test_a_damaged_packed_file_is_told_as_one(tmp_path, packing):
     """Catches the exceptions of seven libraries."""

@@ -7,6 +7,7 @@ import tarfile
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO, Any, cast
 
@@ -113,14 +114,32 @@ def read_text(path: str | Path) -> str:
             raise LogError(place, f"expected text in UTF-8 ({fault})") from fault
 
 
+@dataclass
+class _Room:
+    """Bytes that a file may be unpacked to in all, whatever is packed in what was packed in it."""
+
+    path: Path
+    used: int = 0
+
+    def take(self, count: int) -> None:
+        """So many bytes more."""
+        most = max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * self.path.stat().st_size)
+        self.used += count
+        if self.used > most:
+            raise LogError(
+                self.path, f"unpacks to more than {most} bytes: unpack it, if it is a log"
+            )
+
+
 @contextmanager
 def _unpacked(path: Path) -> Iterator[dict[str, Path]]:
     """The plain files that are logs in a file, by their names in it; a plain file is its own."""
     with tempfile.TemporaryDirectory(prefix="segmap-") as folder:
-        found = unpacked(path, Path(folder))
+        room = _Room(path)
+        found = _opened(path, Path(folder), room)
         if not found.is_dir():
             yield {"": found}
-        elif held := dict(_logs(found)):
+        elif held := dict(_logs(found, room)):
             yield held
         else:
             held = {str(p.relative_to(found)): p for p in sorted(found.rglob("*")) if p.is_file()}
@@ -152,9 +171,8 @@ def _listed(names: list[str]) -> str:
     return ", ".join(map(shown, names[:MOST_NAMES])) + (", ..." if names[MOST_NAMES:] else "")
 
 
-def unpacked(path: Path, folder: Path) -> Path:
+def _opened(path: Path, folder: Path, room: _Room) -> Path:
     """The plain file, or the folder of an archive, below `folder`; `path` where it is plain."""
-    most = max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * path.stat().st_size)
     try:
         while True:
             front = _front(path)
@@ -162,16 +180,16 @@ def unpacked(path: Path, folder: Path) -> Path:
             if pack is not None:
                 if not _needs_more(_front(path, PACKINGS[pack]), pack):
                     return path  # readers take it as it comes
-                path = _copied(PACKINGS[pack](path), folder / _without_suffix(path), path, most)
+                path = _copied(PACKINGS[pack](path), folder / _without_suffix(path), room)
             elif _is_tar(front) or (front.startswith(ZIP) and not _is_ours(path)):
-                return _extracted(path, folder, most)
+                return _extracted(path, folder, room)
             elif front.startswith(NPY):
                 return _as_text(path, folder)
             elif encoding := _encoding(front):
                 text = folder / "text"
                 text.mkdir(exist_ok=True)
                 source = path.open(encoding=encoding, errors="replace", newline=None)
-                return _copied(source, text / path.name, path, most)
+                return _copied(source, text / path.name, room)
             else:
                 return path
     except LogError:
@@ -238,15 +256,11 @@ def _without_suffix(path: Path) -> str:
     return path.stem + short.get(path.suffix.lower(), "")
 
 
-def _copied(source: IO[Any], target: Path, path: Path, most: int) -> Path:
+def _copied(source: IO[Any], target: Path, room: _Room) -> Path:
     """All that a file holds, as bytes in UTF-8 where it is text, within bounds."""
     with source, target.open("wb") as file:
         while part := source.read(CHUNK_BYTES):
-            file.write(part.encode("utf-8") if isinstance(part, str) else part)
-            if file.tell() > most:
-                raise LogError(
-                    path, f"unpacks to more than {most} bytes: unpack it, if it is a log"
-                )
+            room.take(file.write(part.encode("utf-8") if isinstance(part, str) else part))
     return target
 
 
@@ -272,9 +286,9 @@ def _as_text(path: Path, folder: Path) -> Path:
     return text / path.name
 
 
-def _extracted(path: Path, folder: Path, most: int) -> Path:
+def _extracted(path: Path, folder: Path, room: _Room) -> Path:
     """The files of an archive, with their names, in a folder of their own."""
-    target, left = folder / path.name.split(".")[0], most
+    target = folder / path.name.split(".")[0]
     target.mkdir(exist_ok=True)
     for name, source in _members(path):
         parts = [part for part in PurePosixPath(name).parts if part not in ("/", "..", ".")]
@@ -282,8 +296,7 @@ def _extracted(path: Path, folder: Path, most: int) -> Path:
             continue  # `__MACOSX/` holds none of the user's
         place = target.joinpath(*parts or ["unnamed"])
         place.parent.mkdir(parents=True, exist_ok=True)
-        _copied(source, place, path, left)
-        left -= place.stat().st_size
+        _copied(source, place, room)
     inside = list(target.iterdir())
     while len(inside) == 1 and inside[0].is_dir():
         target, inside = inside[0], list(inside[0].iterdir())
@@ -303,7 +316,7 @@ def _members(path: Path) -> Iterator[tuple[str, IO[bytes]]]:
                 yield entry.filename, zipped.open(entry)
 
 
-def _logs(folder: Path, begin: str = "") -> Iterator[tuple[str, Path]]:
+def _logs(folder: Path, room: _Room, begin: str = "") -> Iterator[tuple[str, Path]]:
     """Names and plain files of the logs in what an archive held; a folder may be one itself."""
     if _is_log(folder):
         yield begin.rstrip("/"), folder
@@ -313,9 +326,9 @@ def _logs(folder: Path, begin: str = "") -> Iterator[tuple[str, Path]]:
         if path.is_file():
             inner = folder.with_name(f"of {folder.name}") / path.name
             inner.mkdir(parents=True, exist_ok=True)
-            place = unpacked(path, inner)
+            place = _opened(path, inner, room)
         if place.is_dir():
-            yield from _logs(place, f"{name}/")
+            yield from _logs(place, room, f"{name}/")
         elif _is_log(place):
             yield name, place
 
