@@ -325,9 +325,9 @@ class FrontEnd(Undoable):
             for k in np.flatnonzero(apart):
                 laid[k] = Laid(poses[k], Unmatched.UNTIED)
             left = graph.residuals[graph.loop]
-        along, overlap = np.array([(row.along, row.overlap) for row in rows]).reshape(-1, 2).T
+        told = [(row.along, row.overlap, row.scan.time) for row in rows]
+        along, overlap, times = np.reshape(told, (-1, 3)).T
         far, near = np.hypot(far, along), np.hypot(near, along)
-        times = np.array([row.scan.time for row in rows])
         causes = breaks(np.reshape([row.odometry for row in rows], (-1, 3)), poses, overlap, times)
         why = [own.unmatched for own in laid]
         causes += findings(why, far, left, near=near, converged=self.frames.converged)
