@@ -750,6 +750,31 @@ def test_control_c_ends_a_loop_that_does_not_hear_it():
     assert process.returncode == 130
 
 
+#: Control-C while the command is still being loaded.
+LOADING = """
+import sys
+class Stop:
+    def find_spec(self, name, *rest):
+        if name == "segmap._commands._map":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Stop())
+from segmap.__main__ import main
+sys.exit(main(["--version"]))
+"""
+
+
+def test_control_c_while_it_is_loaded():
+    """Catches a traceback through fifty files."""
+    done = subprocess.run([sys.executable, "-c", LOADING], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "segmap: stopped\n")
+
+
+def test_a_config_that_is_not_there(run):
+    """Catches a name told twice, and a file of options that is called a log."""
+    code, _, beside = run("map", "room", "--config", "nowhere.toml")
+    assert code == 1 and beside == "segmap: nowhere.toml: does not exist, expected a file\n"
+
+
 def test_a_log_without_anything(run, tmp_path):
     """Catches statistics of no number, and a warning with the path and a line of a source file."""
     (tmp_path / "dark.txt").write_text(DARK)

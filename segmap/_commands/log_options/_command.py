@@ -126,8 +126,12 @@ def meant(word: str, known: Iterable[str]) -> str:
     --------
     >>> meant("--toler", ["--filter", "--tolerance"]), meant("magic", ["fusion"])
     (' (did you mean --tolerance?)', '')
+    >>> meant("--aling", ["--along", "--align"])  # two letters in the wrong order
+    ' (did you mean --align?)'
     """
-    near = get_close_matches(word.partition("=")[0], list(known), 1)
+    word = word.partition("=")[0]
+    near = get_close_matches(word, list(known))
+    near.sort(key=lambda other: sorted(other) != sorted(word))
     return f" (did you mean {near[0]}?)" if near else ""
 
 

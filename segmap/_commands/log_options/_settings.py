@@ -10,7 +10,7 @@ from typing import Any
 from numpy import format_float_positional
 
 from ...files import shown
-from ...readers import read_text
+from ...readers import LogError, read_text
 from ._command import meant
 
 #: Options that change the map and not the way to it.
@@ -30,6 +30,8 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
     if path := getattr(found, "config", None):
         try:
             held = tomllib.loads(read_text(path))
+        except LogError:
+            raise
         except ValueError as error:  # no TOML, or no text
             raise ValueError(f"{shown(path)}: {error}") from error
         found, left = applied(found, held)

@@ -56,7 +56,8 @@ def log_file(path: str | Path, *, folders: bool = False) -> Iterator[Path]:
         archive = next((p for p in (place, *place.parents) if p.is_file()), place)
         if not archive.is_file() and not (folders and place.is_dir()):
             found = "is no file" if place.exists() else "does not exist"
-            raise LogError(place, f"{found}, expected a log file or a folder of one")
+            what = "a log file or a folder of one" if folders else "a file"
+            raise LogError(place, f"{found}, expected {what}")
         if place.is_dir():
             yield place
             return
