@@ -47,6 +47,8 @@ LASER = Sensor("turning", 720, -np.pi, np.pi / 360, max_range=20.0, sigma=0.01)
 LEAST_TRUE_M = 1.0
 #: Ends so near the crossing of their lines are a corner, metres.
 CORNER_M = 0.3
+#: A wall that ends so far behind a crossing is cut there; farther, it is a T, metres.
+CUT_M = 0.1
 #: Parallels so near are twins, metres.
 TWIN_M = 0.12
 
@@ -142,11 +144,13 @@ def room_pixels(plan: FloorPlan, shape: tuple[int, ...]) -> Labels:
     return plan.room_at(places).reshape(shape) + 1
 
 
-def corners(walls: Array, free: quadtree.QuadtreeMap) -> tuple[Array, Array]:
-    """Metres between both ends of each corner, `(k,)`, and from an end to the other wall, as a T.
+def corners(walls: Array, free: quadtree.QuadtreeMap) -> tuple[Array, Array, Array]:
+    """Metres between both ends of each corner, `(k,)`, and from an end to the other wall.
 
     A corner: two ends at most 0.3 m from where their lines cross, at more than 20 degrees, with
-    free space in the angle. An end is in the corner of its nearest crossing only.
+    free space in the angle. An end is in the corner of its nearest crossing only. Where a wall goes
+    on by more than 0.1 m behind the crossing it is none but a T, which the third array tells: to
+    cut that wall would lose a piece of it, such as a jamb.
     """
     ends = walls.reshape(-1, 2)
     inward = (walls[:, ::-1] - walls).reshape(-1, 2)
@@ -161,15 +165,16 @@ def corners(walls: Array, free: quadtree.QuadtreeMap) -> tuple[Array, Array]:
     middle = inward[i] + inward[j]
     place = ends[i] + t[:, None] * inward[i] + 0.15 * middle / np.hypot(*middle.T)[:, None]
     met = (abs(t) <= CORNER_M) & (abs(u) <= CORNER_M) & (free.occupancy(place) < 0.5)
-    i, j, far = i[met], j[met], np.maximum(abs(t), abs(u))[met]
+    i, j, far, on = i[met], j[met], np.maximum(abs(t), abs(u))[met], np.maximum(t, u)[met]
     order = np.lexsort([j, far, i])
     first = order[np.diff(i[order], prepend=-1) > 0]
     nearest = dict(zip(i[first].tolist(), j[first].tolist(), strict=True))
+    beyond = dict(zip(i[first].tolist(), on[first].tolist(), strict=True))
     pairs = [(a, b) for a, b in nearest.items() if nearest.get(b) != a or a < b]
     apart = np.array([np.hypot(*(ends[a] - ends[b])) for a, b in pairs])
     a, b = np.reshape(pairs, (-1, 2)).T
     off = [point_distance(ends[one], walls[other // 2]) for one, other in ((a, b), (b, a))]
-    return apart, np.minimum(*off)
+    return apart, np.minimum(*off), np.array([beyond[a] > CUT_M for a, _ in pairs], bool)
 
 
 def twins(walls: Array, side: NDArray[np.int64]) -> float:
@@ -194,17 +199,19 @@ def twins(walls: Array, side: NDArray[np.int64]) -> float:
 def wall_row(plan: FloorPlan, before: Array, free: quadtree.QuadtreeMap) -> dict[str, float]:
     """How walls are drawn: shares of corners closed, of twins, of the length that is left.
 
-    `met_2cm` counts an end on the other wall as closed; `behind` is the share of the length, of
-    segments above 0.5 m, that walls were drawn from: of twins one is left.
+    `closed` are shares of the corners, `met_2cm` of the T: an end on the other wall; `behind` is
+    the share of the length, of segments above 0.5 m, that walls were drawn from: of twins one is
+    left.
     """
     walls, sizes = plan.walls.segments, length(before)
-    apart, off = corners(walls, free)
+    apart, off, tee = corners(walls, free)
     behind = plan.walls.parents >= 0
     return {
-        "corners": len(apart),
-        "closed_2cm": float((apart <= 0.02).mean()),
-        "closed_10cm": float((apart <= 0.1).mean()),
-        "met_2cm": float((off <= 0.02).mean()),
+        "corners": int((~tee).sum()),
+        "closed_2cm": float((apart[~tee] <= 0.02).mean()),
+        "closed_10cm": float((apart[~tee] <= 0.1).mean()),
+        "tees": int(tee.sum()),
+        "met_2cm": float((off[tee] <= 0.02).mean()) if tee.any() else 1.0,
         "twins": twins(walls, plan.side),
         "shortest": float(length(walls).min()),
         "left": float(length(walls).sum() / sizes[sizes >= 0.5].sum()),

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..arrays import Array
+from ..poses import transform
 from ..quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap
-from ._lines import Indices, Line
+from ._lines import Indices, Line, merged_spans
 
 #: Of the rays at an occupied square more than this share ended there.
 OCCUPIED_ENDED_SHARE = 0.2
@@ -18,12 +19,16 @@ OCCUPIED_ENDED_SHARE = 0.2
 FREE_ENDED_SHARE = 0.05
 #: So many rays ended at an occupied square, or crossed a free one.
 LEAST_RAYS = 2
+#: Smaller holes, square metres, are clutter in rooms; what nobody saw is free where it is as small
+#: and free space is all around.
+LEAST_HOLE_M2 = 0.5
 #: The sides of a line are looked at so far off it, metres.
 BESIDE_LINE_M = 1e-3
 #: And farther, in squares, for the cell that lies there behind what is not free; a cross wall may
 #: stand half as far from the end of an opening.
 BESIDE_STEPS = 4
-#: A jamb: so much of the wall is covered, within so much beyond the end of an opening, metres.
+#: A jamb: so much of the wall is covered, over so much from where it begins; that is as near the
+#: end of an opening, metres: the leaf of a door may stand between.
 JAMB_M = 0.15
 JAMB_REACH_M = 0.3
 #: A cross wall is occupied between these distances from the line, metres, at this share.
@@ -72,8 +77,7 @@ def grid_along(free: QuadtreeMap, turn: float, segments: Array, side: float) -> 
     kind = np.full(vis.shape, UNKNOWN)
     kind[(occ <= FREE_ENDED_SHARE * vis) & (vis >= least)] = FREE
     kind[(occ >= least) & (occ > OCCUPIED_ENDED_SHARE * vis)] = OCCUPIED
-    right = np.array([np.cos(turn), np.sin(turn)])
-    up = np.array([-right[1], right[0]])
+    right, up = transform((0, 0, turn), np.eye(2))
     known = np.argwhere(kind == FREE)[:, ::-1] * cell + (left + cell / 2, low + cell / 2)
     points = np.concatenate([known, segments.reshape(-1, 2)]) @ np.stack([right, up], -1)
     start = points.min(0) - 2 * side
@@ -81,16 +85,24 @@ def grid_along(free: QuadtreeMap, turn: float, segments: Array, side: float) -> 
     grid = Grid(np.full(shape, UNKNOWN), start @ [right, up], right, up, side)
     column, row = np.moveaxis((grid.places() - (left, low)) / cell - 0.5, -1, 0)
     ndimage.map_coordinates(kind, [row, column], grid.kind, order=0, mode="grid-constant")
+    hidden = ndimage.label(grid.kind == UNKNOWN)[0]
+    small = np.bincount(hidden.ravel()) * side**2 < LEAST_HOLE_M2
+    small[hidden[ndimage.maximum_filter(grid.kind, 3) == OCCUPIED]] = False
+    grid.kind[small[hidden]] = FREE
     return grid
 
 
 class Run(NamedTuple):
-    """An open stretch of a line, metres along it, and what makes it a doorway; or nothing."""
+    """An open stretch of a line, metres along it, and what makes it a doorway; or nothing.
+
+    `jambs` are where the wall ends, on both sides: the leaf of a door may stand between.
+    """
 
     line: int
     low: float
     high: float
     door: str
+    jambs: list[float]
 
 
 class Edges(NamedTuple):
@@ -128,8 +140,20 @@ def connected(key: Indices, mask: Mask, least: float) -> Indices:
     return found
 
 
+def unseen_border(grid: Grid, labels: Indices, least: float) -> Array:
+    """Metres of the border of each room behind which nobody saw anything, neither free nor wall.
+
+    Stretches below `least`, metres, do not count.
+    """
+    beside = ndimage.minimum_filter(grid.kind, 3) == UNKNOWN
+    beside &= (labels >= 0) & (ndimage.maximum_filter(grid.kind, BESIDE_STEPS + 1) != OCCUPIED)
+    stretch = ndimage.label(beside, np.ones((3, 3)))[0]
+    beside &= np.bincount(stretch.ravel())[stretch] * grid.side >= least
+    return np.bincount(labels[beside], minlength=labels.max() + 1).astype(np.float64) * grid.side
+
+
 def edges_between(
-    lines: list[Line], grid: Grid, cells: Indices, door: tuple[float, float]
+    lines: list[Line], grid: Grid, cells: Indices, door: tuple[float, float], band: float
 ) -> Edges:
     """What lies between the cells on both sides of each line, square by square."""
     corners = grid.places()[[0, 0, -1, -1], [0, -1, 0, -1]]
@@ -139,24 +163,19 @@ def edges_between(
         low, high = np.sort(corners @ line.way)[[0, -1]]
         at = np.arange(low, high, grid.side) + grid.side / 2
         points = at[:, None] * line.way + line.offset * line.normal
-        beside = grid.side * line.normal
-        clear = grid.at(points) == FREE
-        clear &= (grid.at(points + beside) != OCCUPIED) & (grid.at(points - beside) != OCCUPIED)
-        which = np.searchsorted(line.spans[:, 0], at, "right") - 1
-        covered = (which >= 0) & (at <= line.spans[which, 1])
+        clear, off = grid.at(points) == FREE, grid.side * line.normal
+        clear &= (grid.at(points + off) != OCCUPIED) & (grid.at(points - off) != OCCUPIED)
+        near = [k for k in lines if k.axis == line.axis and abs(k.offset - line.offset) <= band]
+        spans = merged_spans(np.concatenate([one.spans for one in near]))  # the other face too
+        which = np.searchsorted(spans[:, 0], at, "right") - 1
+        covered = (which >= 0) & (at <= spans[which, 1])
         off = np.arange(CROSS_FROM_M, CROSS_TO_M + grid.side / 2, grid.side)[:, None] * line.normal
-        cross = [
-            ndimage.maximum_filter1d(
-                thick[grid.squares(points[:, None] + side * off)].mean(1) > CROSS_SHARE,
-                BESIDE_STEPS + 1,
-            )
-            for side in (1, -1)
-        ]
+        beside = [thick[grid.squares(points[:, None] + way * off)].mean(1) for way in (1, -1)]
+        cross = ndimage.maximum_filter1d(np.array(beside) > CROSS_SHARE, BESIDE_STEPS + 1)
         run, clear = np.full(len(at), -1), np.concatenate([[False], clear & ~covered, [False]])
-        for a, b in np.flatnonzero(np.diff(clear)).reshape(-1, 2).tolist():
-            run[a:b] = len(runs)
-            ends = at[a] - grid.side / 2, at[b - 1] + grid.side / 2
-            runs.append(Run(number, *ends, _doorway(covered, cross, a, b, grid.side, door)))
+        for ends in (np.flatnonzero(np.diff(clear)).reshape(-1, 2) - (0, 1)).tolist():
+            run[ends[0] : ends[1] + 1] = len(runs)
+            runs.append(_run(number, at, covered, cross, ends, door))
         sides = []
         for way in (line.normal, -line.normal):
             key, cell = cell_keys(points + BESIDE_LINE_M * way, lines), np.full(len(at), -1)
@@ -168,17 +187,18 @@ def edges_between(
     return Edges(np.concatenate(squares or [np.zeros((0, 3), np.int64)]), runs)
 
 
-def _doorway(
-    covered: Mask, cross: list[Mask], first: int, last: int, side: float, door: tuple[float, float]
-) -> str:
-    """What makes a doorway of the open run from the first square to before the last; or nothing."""
-    reach, kinds, free = round(JAMB_REACH_M / side), list[str](), False
-    for inner, low, high in ((first, max(first - reach, 0), first), (last - 1, last, last + reach)):
-        walls = cross[0][inner], cross[1][inner]
-        free |= not all(walls)  # else it is a corridor between cross walls
-        if covered[low:high].sum() * side >= JAMB_M - side / 2:
-            kinds.append("a jamb")
-        elif any(walls):
-            kinds.append("a cross wall")
-    fits = free and len(kinds) == 2 and door[0] <= (last - first) * side <= door[1]
-    return " and ".join(kinds) if fits else ""
+def _run(
+    line: int, at: Array, covered: Mask, cross: Mask, ends: list[int], door: tuple[float, float]
+) -> Run:
+    """The open run from the first of its squares to the last."""
+    side, kinds, jambs, free = float(at[1] - at[0]), list[str](), list[float](), False
+    reach, low, high = round(JAMB_REACH_M / side), at[ends[0]] - side / 2, at[ends[1]] + side / 2
+    for inner, way in zip(ends, (-1, 1), strict=True):
+        beyond, walls = covered[inner + way :: way], cross[:, inner]
+        free |= not walls.all()  # else it is a corridor between cross walls
+        start = int(beyond[:reach].argmax())
+        jamb = beyond[start : start + reach].sum() * side >= JAMB_M - side / 2
+        kinds += ["a jamb"] if jamb else ["a cross wall"] * bool(walls.any())
+        jambs.append(float(at[inner] + way * side * (start * jamb + 0.5)))
+    fits = free and len(kinds) == 2 and door[0] <= high - low <= door[1]
+    return Run(line, float(low), float(high), " and ".join(kinds) if fits else "", jambs)

@@ -55,11 +55,9 @@ def find_doors(edges: Edges, lines: list[Line], grid: Grid, labels: Indices) -> 
     """Doorways with two rooms, or a room and none: of two faces of a wall the narrower."""
     found, kept = list[Door](), list[Door]()
     steps = np.arange(grid.side / 2, ROOM_REACH_M, grid.side)[:, None]
-    for run in edges.runs:
-        if not run.door:
-            continue
+    for run in [one for one in edges.runs if one.door]:
         line, rooms = lines[run.line], list[int]()
-        ends = np.array([[run.low], [run.high]]) * line.way + line.offset * line.normal
+        ends = np.reshape(run.jambs, (2, 1)) * line.way + line.offset * line.normal
         for side in (1, -1):
             path = midpoint(ends) + side * steps * line.normal
             row, column = grid.squares(path)

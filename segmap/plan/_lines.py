@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..angles import axial_difference
 from ..arrays import Array
+from ..poses import transform
 from ..segments import angle, length, midpoint
 
 Indices = NDArray[np.int64]
@@ -68,8 +69,7 @@ def wall_lines(segments: Array, axes: Array, band: float) -> list[Line]:
     apart = abs(quarter_turn(angle(segments)[:, None] - axes))
     nearest = np.column_stack([apart, np.full(len(apart), np.inf)]).argmin(1)
     for axis, turn in enumerate(np.concatenate([axes, axes + QUARTER])):
-        way = np.array([np.cos(turn), np.sin(turn)])
-        normal = np.array([-way[1], way[0]])
+        way, normal = transform((0, 0, turn), np.eye(2))
         along = abs(axial_difference(angle(segments), turn)) <= AXIS_BAND_RAD
         rows = np.flatnonzero(along & (nearest == axis % len(axes)))
         rows = rows[np.argsort(middles[rows] @ normal, kind="stable")]

@@ -14,7 +14,7 @@ from ..progress import announce
 from ..quadtree import FREE, QuadtreeMap
 from ..reduction import Reduction
 from ..segments import length
-from ._cells import cell_keys, connected, edges_between, grid_along
+from ._cells import cell_keys, connected, edges_between, grid_along, unseen_border
 from ._doors import Door, find_doors, shortest_way
 from ._lines import Indices, building_axes, wall_lines
 from ._polygons import Room, room_of, shapely_or_hint
@@ -35,6 +35,8 @@ WALL_BETWEEN_M = 0.3
 LEAST_CELL_SQUARES = 4
 #: Length that no axis takes is told from this share on.
 ROUND_SHARE = 0.15
+#: Leaves of doors are no wider, metres.
+WIDEST_LEAF_M = 1.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,12 +114,9 @@ class FloorPlan:
         return shortest_way(self.doors, places, ends[0], ends[1])
 
     def __repr__(self) -> str:
-        area = sum(room.area for room in self.rooms)
-        doubt = f"; {self.doubt}" if self.doubt else ""
-        return (
-            f"FloorPlan({len(self.rooms)} rooms of {area:.1f} m2, {len(self.doors)} doors, "
-            f"{len(self.walls)} walls{doubt})"
-        )
+        rooms = f"{len(self.rooms)} rooms of {sum(room.area for room in self.rooms):.1f} m2"
+        words = f"{rooms}, {len(self.doors)} doors, {len(self.walls)} walls", self.doubt
+        return f"FloorPlan({'; '.join(filter(None, words))})"
 
 
 @checked
@@ -181,9 +180,9 @@ def floor_plan(
     if not 0 < widths[0] < widths[1]:
         raise ValueError(f"door must be the narrowest and the widest, metres, got {door}")
     long = segments[length(segments) >= LEAST_LINE_PIECE_M]
-    wide = float(np.ptp(long.reshape(-1, 2), axis=0).max()) if len(long) else 0.0
-    if not NARROWEST_BUILDING_M <= wide <= WIDEST_BUILDING_M:
-        said = f"its walls of {LEAST_LINE_PIECE_M:g} m and more reach over {wide:.6g} m"
+    across = float(np.ptp(long.reshape(-1, 2), axis=0).max()) if len(long) else 0.0
+    if not NARROWEST_BUILDING_M <= across <= WIDEST_BUILDING_M:
+        said = f"its walls of {LEAST_LINE_PIECE_M:g} m and more reach over {across:.6g} m"
         raise ValueError(f"map must be a building in metres, but {said}")
     if not (free.leaves().vis > 0).any():
         raise ValueError("free must hold a scan, got a map in which nothing was seen")
@@ -192,7 +191,7 @@ def floor_plan(
     grid = grid_along(free, float(axes[0]) if len(axes) else 0.0, segments, SQUARE_M)
     lines = wall_lines(long, axes, band)
     cells = connected(cell_keys(grid.places(), lines), grid.kind == FREE, LEAST_CELL_SQUARES)
-    edges = edges_between(lines, grid, cells, (float(widths[0]), float(widths[1])))
+    edges = edges_between(lines, grid, cells, (float(widths[0]), float(widths[1])), band)
     labels, told = find_rooms(grid, cells, edges, kappa, share, opening, least_area)
     parts = connected(labels, labels >= 0, least_area / grid.side**2)
     rooms = [
@@ -209,13 +208,18 @@ def floor_plan(
     around = shapely.union_all(shapely.buffer(shapes, WALL_BETWEEN_M, join_style="mitre"))
     outline = [np.array(part.exterior.coords)[:-1] for part in shapely.get_parts(around)]
     off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
-    graph = np.bincount([k for door in doors for k in door.rooms], minlength=len(rooms))
-    alone = [rooms[k].name for k in np.flatnonzero(graph == 0)] if len(rooms) > 1 else []
+    left = set(range(len(rooms))).difference(*(door.rooms for door in doors))
+    alone = [rooms[k].name for k in sorted(left)] if len(rooms) > 1 else []
+    wide = sum(one.width > WIDEST_LEAF_M for one in doors)
+    unseen = zip(rooms, unseen_border(grid, number[parts], opening), strict=True)
+    ends = [f"{one.name} ({metres:.1f} m)" for one, metres in unseen if metres]
     doubts = {
         "no room was found: where the walls are, nothing was seen free": not rooms,
         f"{off:.0%} of the walls lie on no line: round or oblique": off > ROUND_SHARE,
         f"{away} openings lead to where nothing was seen: windows, glass": away,
+        f"doors wider than a leaf, perhaps none, or glass: {wide}": wide,
         f"no door was seen of {', '.join(alone)}": alone,
+        f"free space ends where nothing was seen, and may go on: {', '.join(ends)}": ends,
     }
     doubt = "; ".join(words for words, so in doubts.items() if so)
     return FloorPlan(*walls, rooms, doors, outline, axes, doubt)

@@ -9,7 +9,7 @@ import numpy as np
 
 from .._display import pip_install
 from ..arrays import Array
-from ._cells import Grid, Mask
+from ._cells import LEAST_HOLE_M2, Grid, Mask
 from ._lines import Line
 
 #: Slits and spikes that are narrower, metres, are none.
@@ -22,8 +22,6 @@ SMOOTHED_SQUARES = 1.2
 PARALLEL = 1 - 1e-9
 #: A room reaches half a square beyond its free squares, and a little more, in squares.
 GROWN_SQUARES = 0.7
-#: Smaller holes, square metres, are clutter.
-LEAST_HOLE_M2 = 0.5
 
 
 @dataclass(frozen=True, eq=False)

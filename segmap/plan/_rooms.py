@@ -24,7 +24,7 @@ class Partition:
     """
 
     def __init__(self, grid: Grid, cells: Indices, edges: Edges, kappa: float) -> None:
-        self.cells, self.edges, self.side, self.kappa = cells, edges, grid.side, kappa
+        self.cells, self.edges, self.side = cells, edges, grid.side
         self.boxes = ndimage.find_objects(cells + 1)
         self.members = {cell: [cell] for cell in range(len(self.boxes))}
         self.area = np.bincount(cells[cells >= 0]) * grid.side**2
@@ -56,21 +56,17 @@ class Partition:
 
     def opening(self, a: int, b: int, *, doors: bool) -> dict[int, float]:
         """Metres of the border in each open run, doorways or others."""
-        runs, border = self.edges.runs, self.near[a][b]
-        return {
-            k: n * self.side for k, n in border.items() if k >= 0 and bool(runs[k].door) == doors
-        }
+        runs, side, border = self.edges.runs, self.side, self.near[a][b].items()
+        return {k: n * side for k, n in border if k >= 0 and bool(runs[k].door) == doors}
 
     def width(self, room: int) -> float:
         """Diameter of the largest circle in a room, metres; at least the widest that is asked."""
         if room not in self.widths:
-            rows, columns = zip(*(self.boxes[cell] for cell in self.members[room]), strict=True)
-            spans = [
-                slice(min(b.start for b in s), max(b.stop for b in s)) for s in (rows, columns)
-            ]
+            sides = zip(*(self.boxes[cell] for cell in self.members[room]), strict=True)
+            box = tuple(slice(min(b.start for b in s), max(b.stop for b in s)) for s in sides)
             own = np.zeros(len(self.boxes) + 1, bool)
             own[self.members[room]] = True
-            away = ndimage.distance_transform_edt(np.pad(own[self.cells[tuple(spans)]], 1))
+            away = ndimage.distance_transform_edt(np.pad(own[self.cells[box]], 1))
             self.widths[room] = float(2 * away.max() - 1) * self.side
         return self.widths[room]
 

@@ -110,8 +110,7 @@ def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, 
             weight = np.ceil(sizes[left[chosen]] / grid.side).astype(int)
             points = np.repeat(SIMPSON @ mine[chosen], weight, axis=0)
             centre, direction = fit_line(points.reshape(-1, 2))
-            way = np.array([np.cos(direction), np.sin(direction)])
-            normal, to = np.array([-way[1], way[0]]), mine - centre
+            (way, normal), to = transform((0, 0, direction), np.eye(2)), mine - centre
             turned = abs(axial_difference(turn[left], direction))
             facing = side[left] * np.where((mine[:, 1] - mine[:, 0]) @ way > 0, 1, -1)
             near = (abs(to @ normal).max(1) <= FACE_BAND_M) & (turned <= FACE_TURN_RAD)
@@ -144,10 +143,9 @@ def _bridged(spans: Array, centre: Array, way: Array, front: Array, grid: Grid) 
         points = centre + np.linspace(kept[-1][1], low, 3 + int(gap / grid.side))[1:-1, None] * way
         before, passed = ((grid.at(points + k * front) == FREE).mean() for k in (BEFORE_M, 0.0))
         hidden = gap <= BRIDGED_M or (gap <= HIDDEN_M and passed == 0)
-        if hidden and before > 0.5:
-            kept[-1][1] = high
-        else:
+        if not (hidden and before > 0.5):
             kept.append([low, high])
+        kept[-1][1] = high
     return np.array(kept)
 
 
