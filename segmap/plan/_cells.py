@@ -175,7 +175,7 @@ def edges_between(
         run, clear = np.full(len(at), -1), np.concatenate([[False], clear & ~covered, [False]])
         for ends in (np.flatnonzero(np.diff(clear)).reshape(-1, 2) - (0, 1)).tolist():
             run[ends[0] : ends[1] + 1] = len(runs)
-            runs.append(_run(number, at, covered, cross, ends, door))
+            runs.append(_open_run(number, at, covered, cross, ends, door))
         sides = []
         for way in (line.normal, -line.normal):
             key, cell = cell_keys(points + BESIDE_LINE_M * way, lines), np.full(len(at), -1)
@@ -187,7 +187,7 @@ def edges_between(
     return Edges(np.concatenate(squares or [np.zeros((0, 3), np.int64)]), runs)
 
 
-def _run(
+def _open_run(
     line: int, at: Array, covered: Mask, cross: Mask, ends: list[int], door: tuple[float, float]
 ) -> Run:
     """The open run from the first of its squares to the last."""

@@ -25,7 +25,7 @@ SITUATIONS = [
     ("pillars", "360", 0, "", ""),
     ("pillars", "URG", 0, "room 0 has", GOES_ON),
     ("opening of 2 m", "SICK", 1, "", WIDE),
-    ("glass outside", "360", 0, "", GOES_ON),
+    ("glass outside", "360", 0, "", ""),
     ("glass outside", "URG", 1, "room 0 has", GOES_ON),
     ("glass between", "360", 0, "false door", WIDE),
     ("thin walls", "360", 0, "", ""),
