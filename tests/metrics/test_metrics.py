@@ -45,6 +45,13 @@ def test_segments_without_length():
     )
 
 
+def test_distance_broadcasts():
+    u, v = np.random.default_rng(0).uniform(0, 1, (2, 5, 2, 2))
+    table = metrics.segment_distance(u[:, None], v[None])
+    assert table.shape == (5, 5)
+    assert table[3, 1] == pytest.approx(float(metrics.segment_distance(u[3], v[1])))
+
+
 def random_maps(seed: int, n: int = 50, m: int = 20) -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
     before, after = rng.uniform(-3, 3, (n, 2, 2)), rng.uniform(-3, 3, (m, 2, 2))

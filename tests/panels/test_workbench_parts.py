@@ -13,7 +13,7 @@ from driven_panels import LOG, WALLS
 from matplotlib.figure import Figure
 
 import segmap
-from segmap import SegmentMap, reduction
+from segmap import LaserScan, Log, SegmentMap, reduction
 from segmap._display import facts
 from segmap.compiled import COMPILING
 from segmap.metrics import grade_quality, grade_reduction
@@ -26,6 +26,7 @@ from segmap.panels.workbench._source import OWN, Source
 from segmap.panels.workbench._upload import Upload
 from segmap.plotting import MAP, RAW, RESULT, draw_segments, figure_png, map_axes
 from segmap.progress import Compiling
+from segmap.scans import Skipped
 
 
 def test_each_word_of_the_bar(monkeypatch):
@@ -198,6 +199,19 @@ def test_the_still_picture_is_that_of_the_library(outcome):
         map_axes(ax).set_title(title, fontsize="medium")
         ax.label_outer()
     assert _shown.still(outcome) == figure_png(figure)
+
+
+def test_a_log_in_words():
+    scans = [LaserScan([1.0, 2.0], [0.0, 0.5]), LaserScan([1.0], [0.0])]
+    assert facts(Log("<b>", scans, skipped=Skipped(2, "line 7: no number"))) == [
+        ("scans", "2 scans, without times"),
+        ("beams", "1 to 2 a scan, 100.0 % of them valid"),
+        ("view", "28.65 degrees, 28.6 from beam to beam"),
+        ("ranges", "1.00 to 2.00 m, half of them below 1.00 m"),
+        ("odometry", "none"),
+        ("truth", "none"),
+        ("damaged", "2 lines left out; line 7: no number"),
+    ]
 
 
 # ------------------------------------------------------------------ where a log comes from
