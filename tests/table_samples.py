@@ -3,7 +3,7 @@
 import json
 
 import numpy as np
-from log_samples import text
+from log_samples import row, text
 
 #: Three scans of twelve beams.
 TURN = np.arange(0, 360.0, 30)
@@ -50,6 +50,42 @@ def echo(stamp, ranges):
 
 def secs(k):
     return ["  stamp:", "    secs: 1600000000", f"    nsecs: {200000000 * k}"]
+
+
+def message(k):
+    """A LaserScan as JSON has it."""
+    stamp = {"sec": 1600000000, "nanosec": 200000000 * k}
+    numbers = dict(zip(KEYS, map(float, SINGLE), strict=True))
+    ranges = {"ranges": FAR.tolist(), "intensities": []}
+    return {"header": {"stamp": stamp, "frame_id": "laser"}, **numbers, **ranges}
+
+
+def telegram(k, word="sSN"):
+    """A scan of SICK from 0 degrees, whose counts begin at the right; a channel after it."""
+    data = " ".join(f"{round(1000 * r):X}" for r in FAR)
+    head = f"{word} LMDscandata 1 1 8D4C04 0 0 45FF 37 {200000 * k:X} 28A73 0 0 7 0 0 1388 168 0"
+    channel = f"DIST1 3F800000 00000000 DBBA0 493E0 C {data}"
+    return f"{head} 1 {channel} 1 RSSI1 3F800000 00000000 DBBA0 493E0 2 FE FE 0 0 0 0 0"
+
+
+def urg_benri(k):
+    ranges = ";".join(f"{1000 * r:.0f}" for r in FAR)
+    return ["[timestamp]", str(200 * k), "[logtime]", "2012:01:01:12:00:00:000", "[scan]", ranges]
+
+
+def flow(value):
+    """A message in the flow style of YAML."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{k}: {flow(v)}" for k, v in value.items()) + "}"
+    return str(value)
+
+
+def gazebo(k):
+    stamp = ["  stamp {", "    sec: 1600000000", f"    nsec: {200000000 * k}", "  }"]
+    ranges = [f"ranges: {r:.3f}" for r in FAR]
+    view = ["angle_min: 0", "angle_max: 5.759587", "angle_step: 0.523599", "count: 12"]
+    more = ["range_min: 0.05", "range_max: 12", *ranges, *["intensities: 0"] * 12]
+    return ["header {", *stamp, "}", 'frame: "laser"', *view, *more, ""]
 
 
 #: Name -> the text, whether angles grow clockwise, and its times: of CLOCK, from zero, or none.
@@ -201,4 +237,62 @@ OTHERS = {
     "pose and scan": (
         wide(["t", "x", "y", "theta", *(f"r{k}" for k in range(12))],
              lambda k: [f"{0.2 * k:.1f}", f"{k}", "0.5", "0.1"]), False, "zero"),
+    "JSON over lines": (json.dumps([message(k) for k in range(3)], indent=2), False, "clock"),
+    "JSON one after the other": (
+        text(json.dumps(message(k), indent=4) for k in range(3)), False, "clock"),
+    "JSON of scans in lines": (
+        text(json.dumps({"msg": message(k)}) for k in range(3)), False, "clock"),
+    "JSON of rplidar": (json.dumps({"data": [SHOT] * 3}, indent=2), True, None),
+    "JSON of scans of beams": (
+        json.dumps({"device": "A1", "scans": [
+            {"timestamp": CLOCK[k], "points": [
+                {"angle": a, "distance": 1000 * r} for _, a, r in BEAMS[:12]]}
+            for k in range(3)]}, indent=1), False, "clock"),
+    "JSON of beams over lines": (
+        json.dumps([{"angle_deg": a, "range_m": r} for _, a, r in BEAMS], indent=2), False, None),
+    "JSON of arrays": (
+        json.dumps({"times_s": [0, 0.2, 0.4], "angles_deg": TURN.tolist(),
+                    "ranges": [FAR.tolist()] * 3}, indent=2), False, "zero"),
+    "JSON with lists in each scan": (
+        json.dumps([{"t": 0.2 * k, "angles": TURN.tolist(), "ranges_mm": (1000 * FAR).tolist()}
+                    for k in range(3)]), False, "zero"),
+    "telegrams": (text(telegram(k) for k in range(3)), False, "zero"),
+    "telegrams as they are sent": (
+        "".join(f"\x02{telegram(k, 'sRA')}\x03" for k in range(3)), False, "zero"),
+    "telegrams in a diary": (
+        text(f"10:00:0{k} got: {telegram(k)}" for k in range(3)), False, "zero"),
+    "UrgBenri": (
+        text(["[totalSteps]", "12", "[frontStep]", "2", "[startStep]", "2",
+              *(line for k in range(3) for line in urg_benri(k))]), False, "zero"),
+    "flow style": (text(f"{flow(message(k))}\n---" for k in range(3)), False, "clock"),
+    "gz topic": (text(line for k in range(3) for line in gazebo(k)), False, "clock"),
+    "printed by the node of rplidar": (
+        text(line for k in range(3) for line in [
+            "[ INFO] [1600000000.1]: I heard a laser scan laser[12]:",
+            "[ INFO] [1600000000.1]: angle_range, 0.0, 330.0",
+            *(f"[ INFO] [1600000000.1]: : [{a:f}, {r:f}]" for _, a, r in BEAMS[:12])]),
+        False, None),
+    "matrices of Octave": (
+        text(["# Created by Octave 8.4.0", "# name: angles", "# type: matrix", "# rows: 1",
+              "# columns: 12", row(np.radians(TURN)), "", "# name: ranges", "# type: matrix",
+              "# rows: 3", "# columns: 12", *[row(FAR)] * 3]), False, None),
+    "columns of Octave": (
+        text(line for name, values in (("t", [k * 0.2 for k, *_ in BEAMS]),
+                                       ("angle_deg", [a for _, a, _ in BEAMS]),
+                                       ("range_m", [r for *_, r in BEAMS]))
+             for line in [f"# name: {name}", "# type: matrix", *map(str, values)]), False, "zero"),
+    "a radar on a servo": (
+        "".join(f"{a:.0f},{100 * r:.0f}." for _, a, r in BEAMS), False, None),
+    "XML": ("<scans>\n" + lines(
+        lambda k, a, r: f'  <beam scan="{k}" angle="{a}" range_mm="{1000 * r:.0f}"/>')
+        + "</scans>\n", False, None),
+    "PCD": ("VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 36\nDATA ascii\n" + lines(
+        lambda k, a, r: f"{r * np.cos(np.radians(a)):.5f} {r * np.sin(np.radians(a)):.5f} 0"),
+        False, None),
+    "names of angles": (wide(["time_s", *(f"angle_{a:.0f}" for a in TURN)]), False, "zero"),
+    "bagpy": (
+        wide(["Time", "header.seq", "header.stamp.secs", "header.stamp.nsecs", "header.frame_id",
+              *KEYS, *(f"ranges_{k}" for k in range(12))],
+             lambda k: [f"{CLOCK[k] + 0.01:.2f}", str(k), "1600000000", str(200000000 * k), "laser",
+                        *SINGLE]), False, "clock"),
 }  # fmt: skip

@@ -278,6 +278,7 @@ def add_plan(commands: Any) -> None:
     command.add_argument(
         "--rooms",
         nargs=3,
+        type=str.strip,  # of a session words have a space before them: a name may begin with a dash
         action="append",
         default=[],
         metavar=("X", "Y", "NAME"),

@@ -1,9 +1,9 @@
 """Log files: whatever a robot recorded becomes a `Log`.
 
-`read` recognises the format by what is in the file; `load` reads a log that comes with segmap. One
-file a format, each with what it means to the field; `_formats` lists them. `read_segments` reads a
-map that `exports.write_segments` wrote, `read_graph` a pose graph of g2o,
-`read_session` a log with what was made of it.
+`read` recognises the format by what is in the file; `load` reads a log that comes with segmap.
+The file of each format says what it means to the field; `_formats` lists them. `read_segments`
+reads a map that `exports.write_segments` wrote, `read_graph` a pose graph of g2o, `read_session` a
+log with what was made of it.
 """
 
 from ._bundled import data_file

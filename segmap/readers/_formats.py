@@ -39,6 +39,17 @@ Measurements in arrays (metres, radians, seconds) become a log by three lines:
     log = segmap.Log("mine", scans)"""
 
 
+#: First bytes of files that others read -> what they are, and what makes a table of them.
+OTHER_FILES = {
+    b"MATLAB 5.0": "of MATLAB: writematrix([angles ranges], 'it.csv') there writes a table",
+    b"PAR1": "of Parquet: pandas.read_parquet(path).to_csv('it.csv', index=False) makes a table",
+    b"\x89HDF\r\n": "of HDF5: pandas.read_hdf(path).to_csv('it.csv', index=False) may make a table",
+    b"\xd4\xc3\xb2\xa1": "of packets of a network: the sensor's own program makes scans of them",
+    b"\n\r\r\n": "of packets of a network: the sensor's own program makes scans of them",
+    b"\x80\x04\x95": "a pickle of Python, which may run anything: numpy.savez writes arrays",
+}
+
+
 def recognise(path: Path) -> Binary | type[TextFormat]:
     """The format of a file or folder, by what speaks for it.
 
@@ -49,6 +60,10 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
     for form in FOLDER_FORMATS if path.is_dir() else BINARY_FORMATS:
         if form.claims(path):
             return form
+    for begin, words in OTHER_FILES.items() if path.is_file() else ():
+        with path.open("rb") as file:
+            if file.read(len(begin)) == begin:
+                raise UnknownFormat(path, f"is a file {words}\n{WHAT_TO_DO}")
     if path.is_dir():
         raise UnknownFormat(
             path,

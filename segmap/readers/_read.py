@@ -27,8 +27,9 @@ def read(path: str | Path, *, on_error: OnError = "raise", progress: Progress | 
         ROBOTLASER1, Player text, DP-SLAM, CMU's Wean Hall, CoreSLAM; a folder of Rawseeds files, or
         the file of one of its lasers; a Hokuyo scan as text, or a folder of numbered ones;
         a rawlog or a simplemap of MRPT; a bag of ROS 1 or ROS 2 (see `read_bag`), or ROS's own text
-        of scans; a table with a line a beam or a scan, of RPLidar, LD19, XV-11 or anybody (names of
-        columns: `read_csv`); NPZ with `ranges` and `angles`.
+        of scans; JSON, telegrams of SICK, UrgBenri; a table with a line a beam or a scan, of
+        RPLidar, LD19, XV-11 or anybody (names of columns: `read_csv`); NPZ with `ranges` and
+        `angles`.
     on_error : "raise" or "skip"
         What a damaged line means: the end of reading, or one line less; `log.skipped` then tells
         how many lines were left out and why the first.

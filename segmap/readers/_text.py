@@ -2,20 +2,33 @@
 
 A format is one class: its name, the words that its lines begin with, what a line says (`_take`),
 and what all of them together say of odometry (`_finished`) and of the laser's place (`_extrinsic`).
+Where fields stand in a fixed order a line is `Declared`: "odometry*3 n ranges*n time" are three
+fields, then a number and so many ranges, then one of the time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..scans import NOTHING_SKIPPED, Log
 from ..scans.causes import Finding
-from ._lines import Lines, merged_skipped
-from ._raw_scans import Extrinsic, RawScan, Track, assemble, uncorrected, with_odometry
+from ._lines import Lines, counted_fields, float_fields, merged_skipped, pose_fields, time
+from ._raw_scans import (
+    NOWHERE,
+    Extrinsic,
+    RawScan,
+    Track,
+    assemble,
+    half_turn,
+    uncorrected,
+    view_of,
+    with_odometry,
+)
 
 
 class Binary(NamedTuple):
@@ -78,3 +91,67 @@ class TextFormat:
         scans, truth, assumed = assemble(self._finished(), self._extrinsic)
         left = merged_skipped(self.lines.skipped, self.unknown)
         return Log(name, scans, truth, left, causes=self.causes, assumed=assumed)
+
+
+class Declared(TextFormat):
+    """A format of lines with fields in a fixed order, of which those with `ranges` are scans."""
+
+    #: First word of a line -> its other fields.
+    forms: ClassVar[Mapping[str, str]]
+    #: Lengths of the file in a metre.
+    per_metre: ClassVar[float] = 1
+
+    def _take(self, fields: list[str]) -> None:
+        word, *rest = fields
+        if word not in self.keywords:
+            wanted = " or ".join(self.forms)
+            raise ValueError(f"expected a line of {self.name}, such as {wanted}, got {word[:40]!r}")
+        if word in self.forms:
+            self._said(word, by_names(self.forms[word], rest))
+        else:
+            self._other(fields)
+
+    def _other(self, fields: list[str]) -> None:
+        """What a line says that is no declared one."""
+
+    def _said(self, word: str, said: Mapping[str, Sequence[str]]) -> None:
+        """What a declared line says."""
+        found = float_fields(said["ranges"], "ranges") / self.per_metre
+        unit = np.array([1 / self.per_metre, 1 / self.per_metre, 1])
+        odometry, pose = (
+            pose_fields(said[name], f"the {name}") * unit if name in said else NOWHERE
+            for name in ("odometry", "laser")
+        )
+        angles = self._directions(len(found))
+        when = time(said["time"][0]) if "time" in said else None
+        view = (view_of(angles),)
+        self.scans.append(RawScan(word, found, angles, when, odometry, pose, assumed=view))
+
+    def _directions(self, count: int) -> Array:
+        """Where so many beams point, radians."""
+        return half_turn(count)
+
+
+def by_names(form: str, fields: Sequence[str]) -> dict[str, Sequence[str]]:
+    """The fields of a line by the names that a declaration has for them, `-` for others.
+
+    Examples
+    --------
+    >>> by_names("n ranges*n time", ["2", "1.5", "2.5", "7"])
+    {'n': ['2'], 'ranges': ['1.5', '2.5'], 'time': ['7']}
+    """
+    said: dict[str, Sequence[str]] = {}
+    rest, wanted = fields, {"fields": 0, "ranges": 0}
+    for word in form.split():
+        name, _, count = word.partition("*")
+        if count in said:
+            said[name], rest = counted_fields([*said[count], *rest], name)
+        else:
+            said[name], rest = rest[: int(count or 1)], rest[int(count or 1) :]
+        wanted["ranges" if name == "ranges" else "fields"] += (
+            len(said[name]) if count in said else int(count or 1)
+        )
+    if rest or sum(wanted.values()) != len(fields):
+        told = " and ".join(f"{count} {name}" for name, count in wanted.items() if count)
+        raise ValueError(f"expected {told}, got {len(fields)} in all")
+    return said

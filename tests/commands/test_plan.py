@@ -1,5 +1,6 @@
 """`segmap plan`: a floor plan of a log."""
 
+import pytest
 from programs import program
 
 import segmap
@@ -31,6 +32,16 @@ def test_rooms_have_the_names_that_were_typed(tmp_path, capsys):
         assert [row.split(",")[0] for row in table.read_text().splitlines()].count("hall <1>") == 1
     assert main(["plan", "room", "--rooms", "1", "hall", "2"]) == 2
     assert "--rooms wants x and y in metres, then the name, got 1 hall 2" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["-hall", "--rooms", "-1", "- 2 -"])
+def test_a_name_may_begin_with_a_dash(tmp_path, name):
+    """Catches a name of a session that is taken for an option of the command."""
+    log, table, session = segmap.load("room"), tmp_path / "it.csv", tmp_path / "it.segmap"
+    held = {"rooms": [[*log.truth[0, :2].tolist(), name]]}
+    segmap.exports.write_session(session, Session(log, {}, edits=held))
+    assert main(["plan", str(session), "-o", str(table), "-q"]) == 0
+    assert [row.split(",")[0] for row in table.read_text().splitlines()].count(name) == 1
 
 
 def test_doors_that_are_none_are_refused(capsys):

@@ -165,11 +165,14 @@ def test_lines_that_do_not_concern_the_poses_are_left_out_and_counted(line, tmp_
 
 def test_keys_of_64_bits_are_names_of_vertices(tmp_path):
     """Catches the symbols of gtsam, whose first letter stands in the highest byte."""
-    x0 = (ord("x") << 56) + 0
     path = tmp_path / "it.g2o"
-    path.write_text(f"VERTEX_SE2 {x0} 0 0 0\nVERTEX_SE2 {x0 + 1} 1 0 0\n")
-    assert read_graph(path).ids.tolist() == [x0, x0 + 1]
-    path.write_text(f"VERTEX_SE2 {2**63} 0 0 0\n")
+    for x0 in (ord("x") << 56, 0xE9 << 56, 2**64 - 2):
+        edge = f"EDGE_SE2 {x0} {x0 + 1} 1 0 0 1 0 0 1 0 1\n"
+        path.write_text(f"{edge}VERTEX_SE2 {x0 + 1} 1 0 0\nVERTEX_SE2 {x0} 0 0 0\n")
+        graph = read_graph(path)
+        assert graph.ids.tolist() == [x0, x0 + 1] and graph.edges.tolist() == [[0, 1]]
+        assert graph.poses[1].tolist() == [1, 0, 0]
+    path.write_text(f"VERTEX_SE2 {2**64} 0 0 0\n")
     with pytest.raises(LogError, match="expected the number of a vertex"):
         read_graph(path)
 

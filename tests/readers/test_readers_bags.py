@@ -88,6 +88,25 @@ def test_a_folder_without_metadata_is_its_only_file(tmp_path, kind):
         readers.read(path)
 
 
+@pytest.mark.parametrize("kind", ["db3", "mcap", "ros1"])
+def test_the_parts_of_a_split_bag_are_one_log(tmp_path, kind):
+    """Catches parts in the order of their names, and two recordings that are taken for one."""
+    (tmp_path / "split").mkdir()
+    for k in range(11):
+        (tmp_path / str(k)).mkdir()
+        name = f"it_{k}{'.bag' if kind == 'ros1' else '.' + kind}"
+        held = bags.write(
+            tmp_path / str(k), kind, lambda m, k=k: [("/scan", k, *m.scan(k, [k + 1]))]
+        )
+        file = held if kind == "ros1" else held / f"it.{kind}"
+        file.rename(tmp_path / "split" / name)
+    log = readers.read(tmp_path / "split")
+    assert [scan.ranges[0] for scan in log] == [*range(1, 12)]
+    (tmp_path / "split" / name.replace("10", "5")).unlink()
+    with pytest.raises(LogError, match="holds no log"):
+        readers.read(tmp_path / "split")
+
+
 def test_odometry_is_interpolated_by_the_shorter_way_and_nowhere_else(read):
     """Through zero instead of through pi the robot would look backwards."""
     told = [odometry(START + t, (t, 0, h)) for t, h in ((0, 3.0), (2, -3.0))]

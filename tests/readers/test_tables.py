@@ -1,7 +1,10 @@
 """Tables of beams as people have them: separator, decimal mark, encoding, head, units and names."""
 
+import json
 import os
+import pickle
 import re
+import zipfile
 
 import numpy as np
 import pytest
@@ -9,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_samples import CARMEN, ENCODINGS, row, text
 from programs import program
-from table_samples import CLOCK, FAR, OTHERS, TURN, echo, lines, secs
+from table_samples import BEAMS, CLOCK, FAR, OTHERS, TURN, echo, lines, secs
 
 from segmap import LogError, readers
 from segmap.readers import UnknownFormat
@@ -152,7 +155,7 @@ def test_the_columns_that_are_proposed_read_the_same(tmp_path, name):
     path = tmp_path / "it.txt"
     path.write_text(OTHERS[name][0])
     names, rows = readers.first_rows(path)
-    if readers.format_of(path) != "table" or not names:
+    if readers.format_of(path) not in ("table", "records") or not names:
         return
     assert len(rows) == 6 and any(name.startswith(("angle", "x_m")) for name in names)
     wanted, found = readers.read(path), readers.read_csv(path, columns=names)
@@ -272,6 +275,75 @@ def test_lines_of_numbers_are_scans_of_a_usual_laser(tmp_path):
         assert log.times == pytest.approx(
             0.1 * np.arange(9) if begin else np.full(9, np.nan), nan_ok=True
         )
+
+
+def test_lines_of_a_hokuyo_in_millimetres_are_no_recording_of_rawseeds(tmp_path):
+    """Catches the first range of a line read as its time, the others as metres, codes as walls."""
+    ranges = np.random.default_rng(3).integers(500, 4000, (9, 682))
+    ranges[:, 5] = 7
+    path = tmp_path / "it.csv"
+    path.write_text(text(",".join(map(str, found)) for found in ranges))
+    log = readers.read(path)
+    assert len(log) == 9 and np.isnan(log.times).all()
+    assert log[2].ranges[6:] == pytest.approx(ranges[2, 6:] / 1000)
+    assert not log[2].valid[5]
+    assert log[0].angles[[0, -1]] == pytest.approx([-340.5 * np.pi / 512, 340.5 * np.pi / 512])
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"MATLAB 5.0 MAT-file, Platform: GLNXA64" + bytes(200), "writematrix"),
+        (b"PAR1" + bytes(200), "pandas.read_parquet"),
+        (b"\x89HDF\r\n\x1a\n" + bytes(200), "pandas.read_hdf"),
+        (b"\xd4\xc3\xb2\xa1\x02\x00\x04\x00" + bytes(200), "packets of a network"),
+        (pickle.dumps([1.5, 2.5]), "numpy.savez"),
+    ],
+)
+def test_a_file_of_another_program_is_named_with_what_makes_a_table_of_it(tmp_path, content, said):
+    """Catches bytes that are shown, and nothing that helps."""
+    (tmp_path / "it.log").write_bytes(content)
+    with pytest.raises(UnknownFormat, match=f"it.log: is .*{said}"):
+        readers.read(tmp_path / "it.log")
+
+
+def test_a_workbook_is_made_a_table_by_its_advice(tmp_path):
+    """Catches a list of what an Excel file holds in the place of what to do with it."""
+    with zipfile.ZipFile(tmp_path / "it.xlsx", "w") as book:
+        book.writestr("[Content_Types].xml", "<Types/>")
+        book.writestr("xl/workbook.xml", "<workbook/>")
+    with pytest.raises(UnknownFormat, match=r"it.xlsx: is a workbook: save its sheet as CSV"):
+        readers.read(tmp_path / "it.xlsx")
+
+
+def test_columns_of_records_are_named_by_the_caller(tmp_path):
+    """Catches advice for a JSON file that is refused itself."""
+    path = tmp_path / "it.json"
+    path.write_text(json.dumps([{"a": a, "d": 33.3 * r} for _, a, r in BEAMS], indent=2))
+    with pytest.raises(LogError, match="--columns ") as caught:
+        readers.read(path)
+    columns = caught.value.reason.partition("--columns ")[2].split()[0]
+    log = readers.read_csv(path, columns=columns)
+    assert len(log) == 3 and np.degrees(log[0].angles) == pytest.approx(TURN)
+    assert readers.read_csv(path, columns="angle_deg,range_m")[1].ranges == pytest.approx(
+        33.3 * FAR
+    )
+
+
+@pytest.mark.parametrize("name", ["JSON of scans in lines", "telegrams", "UrgBenri"])
+def test_a_damaged_record_is_told_with_its_line_or_left_out(tmp_path, name):
+    """Catches a scan of half a telegram, and all others lost for one."""
+    content = OTHERS[name][0]
+    path = tmp_path / "it.txt"
+    number = content.splitlines().index("2012:01:01:12:00:00:000") + 3 if "Urg" in name else 2
+    rows = content.splitlines()
+    rows[number - 1] = rows[number - 1][:40] if "Urg" not in name else "oops"
+    path.write_text(text(rows))
+    with pytest.raises(LogError) as caught:
+        readers.read(path)
+    assert caught.value.line == number
+    log = readers.read(path, on_error="skip")
+    assert len(log) == 2 and log.skipped.lines == 1
 
 
 def test_poses_before_bare_ranges_are_no_beams(tmp_path):

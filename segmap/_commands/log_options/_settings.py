@@ -113,5 +113,5 @@ def _written(flag: str, value: Any, action: argparse.Action) -> list[str]:
         format_float_positional(v, trim="0") if isinstance(v, float) else str(v) for v in values
     ]
     if isinstance(action.nargs, int) and action.nargs:
-        return [f"--{flag}", *texts]
+        return [f"--{flag}", *(text if _is_number(text) else f" {text}" for text in texts)]
     return [f"--{flag}={text}" for text in texts]

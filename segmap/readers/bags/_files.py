@@ -12,8 +12,9 @@ a file says of its own sizes: what could fill the memory, or take for ever, is l
 from __future__ import annotations
 
 import importlib
+import re
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -33,17 +34,27 @@ SUFFIXES = (".db3", ".mcap", ".bag")
 FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
 
 
-def sole_file(path: Path) -> Path:
-    """The only bag in a folder without metadata, as a recorder that was killed leaves it."""
+def parts_of(path: Path) -> list[Path]:
+    """The files of a bag: it, or of a folder without metadata the only one, or numbered parts.
+
+    So a recorder leaves them that was killed, or that splits what it writes: `it_0.db3`,
+    `it_1.db3`. Nothing of a folder that holds other bags, or none.
+    """
     if not path.is_dir() or (path / METADATA_FILE).is_file():
-        return path
+        return [path]
     files = [file for file in path.iterdir() if file.suffix in SUFFIXES and file.is_file()]
-    return files[0] if len(files) == 1 else path
+    split = [re.fullmatch(r"(.*)_([0-9]{1,6})", file.stem) for file in files]
+    if len(files) > 1 and all(split):
+        numbers = {int(each[2]): file for each, file in zip(split, files, strict=True) if each}
+        begins = {(each[1], file.suffix) for each, file in zip(split, files, strict=True) if each}
+        if len(begins) == 1 and {*numbers} == {*range(len(files))}:
+            return [numbers[k] for k in range(len(files))]
+    return files if len(files) == 1 else []
 
 
 def kind_of(path: Path) -> str | None:
     """Which bag a file or a folder is, by its first bytes; None for what is none."""
-    path = sole_file(path)
+    path = next(iter(parts_of(path)), path)
     if path.is_dir():
         return "folder" if (path / METADATA_FILE).is_file() else None
     try:
@@ -64,11 +75,11 @@ def _kind_by(head: bytes) -> str | None:
 
 
 class Bag:
-    """An open bag, with a reader of `rosbags`."""
+    """An open bag, with a reader of `rosbags` for each of its files."""
 
-    def __init__(self, path: Path, reader: Any, is_2: bool, budget: Budget) -> None:
-        self.path, self.budget = path, budget
-        self.connections, self._messages = list(reader.connections), reader.messages
+    def __init__(self, path: Path, readers: Sequence[Any], is_2: bool, budget: Budget) -> None:
+        self.path, self.budget, self._readers = path, budget, readers
+        self.connections = [each for reader in readers for each in reader.connections]
         for each in self.connections:  # what a metadata.yaml says may be of any kind
             if not (isinstance(each.topic, str) and isinstance(each.msgtype, str)):
                 raise LogError(path, f"names a topic {each.topic!r} of type {each.msgtype!r}")
@@ -100,11 +111,12 @@ class Bag:
             kind = each.msgtype
             if each.digest not in ("", "*", None, self._digest(kind)):
                 raise LogError(self.path, f"{each.topic} is of another {kind} than that of ROS")
-        if chosen:
-            with damage(self.path):
-                for connection, time, data in self._messages(chosen):
-                    self.budget.take(len(data))
-                    yield connection.topic, int(time), bytes(data)
+        for reader in self._readers:
+            if mine := [each for each in reader.connections if each in chosen]:
+                with damage(self.path):
+                    for connection, time, data in reader.messages(mine):
+                        self.budget.take(len(data))
+                        yield connection.topic, int(time), bytes(data)
 
     def decoded(self, data: bytes, kind: str) -> Any:
         """A message out of its bytes; damaged ones are a ValueError."""
@@ -138,42 +150,51 @@ def opened(path: Path, reading: Reading) -> Iterator[Bag]:
 
     `reading` says whether a bag that is cut off may be read as far as it is whole.
     """
-    path = sole_file(path)
-    kind = str(kind_of(path))
-    files = list(path.iterdir()) if kind == "folder" else [path]
-    budget = Budget(path, sum(file.stat().st_size for file in files))
-    stack = ExitStack()
-    with damage(path):
-        rosbags = importlib.import_module(f"{__package__}._rosbags")
-        if kind == "ROS 1":
-            reader = rosbags.Ros1(path, reading, budget)
-        else:
-            if kind == "folder":
-                check_metadata(path / METADATA_FILE)
-            broken = None
-            for file in files:
-                of_file = _kind_on_disk(file) if file.is_file() else None
-                if found := look_through(file, of_file, budget):
-                    broken = found
-                    others = sum(other.suffix == file.suffix for other in files) > 1
-                    if kind == "folder" and others:
-                        raise LogError(path, f"of several files {file.name} {found.why}")
-                    path, kind = file, str(of_file)
-            reader = rosbags.READERS_2[kind](path)
-            if broken:
-                why = f"{broken.why}, --skip reads what is whole"
-                reading.damaged(LogError(path, why))
-                if kind == ".mcap":
-                    reader.whole = broken.whole
-                else:
-                    copy = stack.enter_context(tempfile.TemporaryDirectory(prefix="segmap-"))
-                    reader = rosbags.READERS_2[kind](recovered(path, Path(copy) / path.name))
+    parts = parts_of(path)
+    stack, readers = ExitStack(), list[Any]()
+    sizes = [file.stat().st_size for place in parts for file in _files_in(place)]
+    budget = Budget(path, sum(sizes))
     with stack:
-        stack.callback(_closed, reader)
+        for part in parts:
+            with damage(part):
+                readers.append(_reader(part, reading, budget, stack))
+                stack.callback(_closed, readers[-1])
+                readers[-1].open()
         with damage(path):
-            reader.open()
-            bag = Bag(path, reader, kind != "ROS 1", budget)
+            bag = Bag(parts[0], readers, kind_of(path) != "ROS 1", budget)
         yield bag
+
+
+def _files_in(path: Path) -> list[Path]:
+    return list(path.iterdir()) if path.is_dir() else [path]
+
+
+def _reader(path: Path, reading: Reading, budget: Budget, stack: ExitStack) -> Any:
+    """What gives the messages of one file, or of a folder with metadata."""
+    rosbags = importlib.import_module(f"{__package__}._rosbags")
+    kind, files, broken = str(kind_of(path)), _files_in(path), None
+    if kind == "ROS 1":
+        return rosbags.Ros1(path, reading, budget)
+    if kind == "folder":
+        check_metadata(path / METADATA_FILE)
+    for file in files:
+        of_file = _kind_on_disk(file) if file.is_file() else None
+        if found := look_through(file, of_file, budget):
+            broken = found
+            others = sum(other.suffix == file.suffix for other in files) > 1
+            if kind == "folder" and others:
+                raise LogError(path, f"of several files {file.name} {found.why}")
+            path, kind = file, str(of_file)
+    reader = rosbags.READERS_2[kind](path)
+    if broken:
+        why = f"{broken.why}, --skip reads what is whole"
+        reading.damaged(LogError(path, why))
+        if kind == ".mcap":
+            reader.whole = broken.whole
+        else:
+            copy = stack.enter_context(tempfile.TemporaryDirectory(prefix="segmap-"))
+            reader = rosbags.READERS_2[kind](recovered(path, Path(copy) / path.name))
+    return reader
 
 
 def _closed(reader: Any) -> None:

@@ -1,10 +1,8 @@
 """Logs of CARMEN and of the programs of its family: GMapping, DP-SLAM, Wean Hall, Player."""
 
 from ._carmen import Carmen, parse_robotlaser
-from ._dpslam import DpSlam
-from ._gmapping import GMapping
+from ._family import DpSlam, GMapping, WeanHall
 from ._player import Player
-from ._wean import WeanHall
 
 __all__ = [
     "CARMEN_FORMATS", "Carmen", "DpSlam", "GMapping", "Player", "WeanHall", "parse_robotlaser",

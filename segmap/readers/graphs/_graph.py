@@ -17,7 +17,7 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,7 +59,7 @@ class PoseGraph(NamedTuple):
     edges: NDArray[np.int64]  #: (m, 2): rows of `poses` that are joined
     relative: Array  #: (m, 3): pose of the second in the frame of the first
     information: Array  #: (m, 3, 3): inverse covariance, in the frame of the first
-    ids: NDArray[np.int64] | None = None  #: (n,): names of the vertices; None: their rows
+    ids: NDArray[Any] | None = None  #: (n,): names of the vertices; None: their rows
     left_out: Mapping[str, int] = MappingProxyType({})  #: lines that do not concern the poses
 
 
@@ -121,11 +121,12 @@ def read_graph(path: str | Path) -> PoseGraph:
         unit_checks.warn(f"{shown(place)}: {words}")
     if not poses:
         raise LogError(place, "holds no vertex of a graph, expected VERTEX_SE2 lines")
-    ids = np.array(sorted(poses), np.int64)
+    whole = np.int64 if max(poses) <= np.iinfo(np.int64).max else np.uint64
+    ids = np.array(sorted(poses), whole)
     for line, i, j, _ in found:
         if missing := [end for end in (i, j) if end not in poses]:
             raise LogError(place, f"vertex {missing[0]} is not in the file", line)
-    edges = np.searchsorted(ids, np.array([edge[1:3] for edge in found], np.int64).reshape(-1, 2))
+    edges = np.searchsorted(ids, np.array([edge[1:3] for edge in found], whole).reshape(-1, 2))
     values = np.reshape([edge[3] for edge in found], (-1, 12))
     relative = values[:, :3]
     information = rotated(values[:, 3:].reshape(-1, 3, 3), -relative[:, 2])
@@ -168,7 +169,7 @@ def _quaternion(angles: Array) -> list[float]:
 def _vertex_number(fields: Sequence[str], place: int) -> int:
     """The number of a vertex."""
     field = fields[place] if len(fields) > place else ""
-    if not re.fullmatch("[0-9]{1,19}", field) or int(field) > np.iinfo(np.int64).max:
+    if not re.fullmatch("[0-9]{1,20}", field) or int(field) > np.iinfo(np.uint64).max:
         raise ValueError(f"expected the number of a vertex, got {field[:40]!r}")
     return int(field)
 

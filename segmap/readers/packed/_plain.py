@@ -147,6 +147,9 @@ def _unpacked(path: Path) -> Iterator[dict[str, Path]]:
             if len(held) == 1:
                 yield held  # a plan, a graph
                 return
+            if {"xl/workbook.xml", "content.xml"} & {*held}:
+                how = "pandas.read_excel(path).to_csv('it.csv', index=False)"
+                raise UnknownFormat(path, f"is a workbook: save its sheet as CSV, or {how}")
             listed = _listed(list(held)) or "nothing"
             raise UnknownFormat(path, f"is an archive without a log, it holds {listed}")
 

@@ -17,9 +17,10 @@ from ...arrays import Array
 
 #: First words of a column's name.
 ROLES = {
-    "angle": "angle theta phi bearing azimuth angule heading yaw deg degrees",
+    "angle": "angle theta phi psi th rz bearing azimuth angule heading yaw deg degrees",
     "range": "range distance dist dis depth r rho radius",
-    "time": "time timestamp stamp t ts epoch millis micros nanos datetime",
+    "time": "time timestamp stamp t ts epoch millis micros nanos datetime sec",
+    "nanosec": "nanosec nsec",
     "scan": "scan frame rotation revolution sweep turn",
     "new": "new newscan start startbit sync",
     "error": "error errorcode",
@@ -32,7 +33,9 @@ FILLERS = (
     *("tick", "ticks"),
 )
 #: What stands before a name in ROS's own text and in PlotJuggler's.
-BEFORE_NAME = re.compile(r"^(field\.|/.*/|header\.(?=stamp$))")
+BEFORE_NAME = re.compile(
+    r"^((field|msg|message|data|scan)\.|/.*/)*(header\.(stamp\.(?=.)|(?=stamp$)))?"
+)
 #: A unit of angles: so many of a turn.
 TICKS = re.compile(r"(?i)(?:tick|step)s?[\s_]*([1-9]\d{1,5})")
 #: How many they usually are.
@@ -67,6 +70,7 @@ UNIT_WORDS: dict[str, dict[str, float]] = {
         "ns nsec nanos nanoseconds": 1e-9,
     },
 }
+UNIT_WORDS["nanosec"] = {"nanosec nsec nsecs": 1e-9}
 UNIT_WORDS["heading"] = UNIT_WORDS["angle"]
 COLUMN_UNITS = {
     role: {word: factor for words, factor in units.items() for word in words.split()}
@@ -156,6 +160,8 @@ def named(names: Sequence[str]) -> Columns:
         found[role] = column
         if role == "angle" and (said := [w in CLOCKWISE for w in words if w in TURN_WORDS]):
             clockwise = any(said)
+    if "time" in found and not re.match(r"(?i)secs?\b", found["time"].name):
+        found.pop("nanosec", None)  # which are a part of these alone
     kept = {k: v for k, v in found.items() if k not in doubtful}
     return Columns(kept, clockwise, twice, short in KNOWN_TABLES)
 
@@ -322,7 +328,7 @@ def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
         by_place = {column.place: (role, column) for role, column in columns.by_role.items()}
     free = [k for k in range(len(names)) if k not in by_place and np.isfinite(rows[:, k]).any()]
     for role, likely in (("angle", _turn_like), ("range", _measured_like)):
-        if role not in columns.by_role and free:
+        if role not in columns.by_role and free and not {"x", "y"} <= {*columns.by_role}:
             place = max(free, key=lambda k, likely=likely: likely(rows[:, k]))  # type: ignore[misc]
             free.remove(place)
             by_place[place] = role, Column(place, None, "")

@@ -23,7 +23,7 @@ SEPARATOR_LINE = re.compile(r"(?i)sep=(.)")
 UNITS_OF_LABELS = sorted({*COLUMN_UNITS["time"], *COLUMN_UNITS["angle"], *COLUMN_UNITS["x"]})[::-1]
 #: A name, its number and perhaps a unit, in a line where each field has its name.
 LABEL = re.compile(
-    r"([A-Za-z_]+(?:[(\[]\w+[)\]])?)[\"']?\s*[:=]\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)"
+    r"([A-Za-z_]+(?:[(\[]\w+[)\]])?)[\"']?\s*[:=]\s*[\"']?([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)"
     rf"(?:\s*[(\[]?({'|'.join(map(re.escape, UNITS_OF_LABELS))})[)\]]?)?(?![\w.])"
 )
 #: A whole number in thousands, or one with three decimals.
@@ -37,7 +37,9 @@ TUPLE = re.compile(r"[(\[]([^()\[\]]+)[)\]]")
 #: ... and how the first of them begins.
 NESTED = re.compile(r"[(\[]\s*[(\[]")
 #: What a program prints about a list of numbers.
-LIST = re.compile(r"^(\d+: *)?(array\()?('\w', ?)?[\[(]|[\])]+$")
+LIST = re.compile(r"^(\d*: *)?(array\()?('\w', ?)?[\[(]|[\])]+$")
+#: What ROS prints before a line of a log.
+ROS_LOG = re.compile(r"^\[ *[A-Z]+\] \[[0-9.]+\](?: \[[\w./]+\])?: ")
 #: Separators of fields; the first that most lines hold is theirs.
 SEPARATORS = ";\t|,"
 #: How lines begin that are no rows.
@@ -53,12 +55,17 @@ def split(line: str, separator: str | None) -> list[str]:
     """The fields of a line; white space separates them where nothing else does."""
     if separator is None:
         line = re.sub(r"\s+(?=[\[(])", "", line)
-    line = LIST.sub("", line)
+    line = LIST.sub("", ROS_LOG.sub("", line))
     fields = line.split(separator)
     if separator is not None and '"' in line:
         with suppress(csv.Error):
             fields = next(csv.reader([line], delimiter=separator, skipinitialspace=True), fields)
     return [field.strip().strip("\"'") for field in fields]
+
+
+def listed(field: str) -> list[str]:
+    """The numbers of a field that is a list in brackets; another field alone."""
+    return re.findall(r"[^\s,;()\[\]]+", field) if field.startswith(("(", "[")) else [field]
 
 
 def labelled(line: str) -> Iterator[dict[str, str]]:

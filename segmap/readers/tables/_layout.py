@@ -41,8 +41,25 @@ HEAD_LINES = 20
 MOST_ROW_CHARACTERS = 4096
 #: From this share of rows on that fit, a file is such a table.
 ROWS_SHARE = 0.5
+#: Behind it lie the points of a cloud, PCD.
+CLOUD_DATA = "DATA ascii"
 #: How the programs of RPLidar begin a file of degrees, clockwise, and millimetres.
 SLAMTEC_HEAD = "#RPLIDAR SCAN DATA"
+
+
+class Beams(NamedTuple):
+    """Where in a line the beams of a scan stand, and what is known of all of them.
+
+    One place may hold them all, as a list.
+    """
+
+    ranges: tuple[int, ...]
+    factor: float = 1.0  #: what makes metres of ranges
+    angles: tuple[float, ...] = ()
+    directions: tuple[int, ...] = ()  #: where angles stand in each line
+    radian: float = 1.0  #: of these
+    single: tuple[tuple[str, int], ...] = ()  #: numbers of a message, and their places
+    least: float = 0.0  #: shorter ranges are codes of the sensor
 
 
 class Layout(NamedTuple):
@@ -51,11 +68,12 @@ class Layout(NamedTuple):
     separator: str | None
     line: int
     names: tuple[str, ...]
-    columns: Columns
+    columns: Columns = Columns({})
     labels: tuple[str, ...] = ()  #: names that stand in each line
     told: tuple[str, ...] = ()
     nested: bool = False  #: whether a line is a scan, its beams in brackets
     thousands: bool = False  #: whether the commas in its numbers are no decimal marks
+    beams: Beams | None = None  #: of a file with a scan a line
 
 
 def headed_of(path: Path) -> Layout | None:
@@ -74,7 +92,7 @@ def layout_of(path: Path) -> Layout | None:
         return found
     separator, begin = begin_of(path)
     head = next((line for number, line in sample(path) if number == begin), "")
-    if found := _unnamed(rows, split(head, separator)):
+    if found := unnamed(rows, split(head, separator)):
         return found if found.nested else found._replace(line=begin)
     return None
 
@@ -83,7 +101,7 @@ def _labelled(lines: Sequence[tuple[int, str]]) -> Layout | None:
     for _, line in lines[:HEAD_LINES]:
         labels = tuple(next(labelled(line)))
         if (columns := named(labels)).enough:
-            return _with_units(Layout(None, 0, labels, columns, labels), lines)
+            return _over(Layout(None, 0, labels, columns, labels), lines)
     return None
 
 
@@ -104,11 +122,15 @@ def _headed(lines: Sequence[tuple[int, str]]) -> Layout | None:
             mark = separator if separator is None or separator in line else separator_of([line])
             names = tuple(split(line.lstrip("#%/").strip(" "), mark))
             found = Layout(separator, number, names, named(names))
+            if names[:1] == ("FIELDS",):  # a cloud of points, PCD
+                begin = [k for k, text in lines if text.startswith(CLOUD_DATA)] or [number]
+                cloud = Layout(separator, begin[0], names[1:], named(names[1:]))
+                return _over(cloud, lines) if cloud.columns.enough else None
             if not line.startswith(TABLE_COMMENTS):
                 fits = comment and _fits(split(line, separator), comment)
                 chosen = comment if fits and comment else found
                 if chosen.columns.enough:
-                    return _with_units(_over_units(chosen, split(below, separator)), lines)
+                    return _over(_over_units(chosen, split(below, separator)), lines)
             elif found.columns.enough:
                 comment = found
     return None
@@ -131,7 +153,7 @@ def _fits(fields: Sequence[str], head: Layout) -> bool:
     return len(fields) == len(head.names) and all(is_number(numbers[c.place]) for c in used)
 
 
-def _unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
+def unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
     """Columns that are told by their numbers, and the record of the package rplidar.
 
     A head without known names may still say their units; one that says an unknown unit ends it.
@@ -190,46 +212,49 @@ def _number_rows(fields: Sequence[Sequence[str]]) -> Array:
     lengths = [len(row) for row in fields]
     count = max(max(set(lengths), key=lengths.count), 1)
     rows = [[*map(decimal, row)] for row in fields if len(row) == count]
-    return np.array([_as_numbers(row) for row in rows if all(map(is_number, row))]).reshape(
+    return np.array([as_numbers(row) for row in rows if all(map(is_number, row))]).reshape(
         -1, count
     )
 
 
-def _as_numbers(row: Sequence[str]) -> list[float]:
+def as_numbers(row: Sequence[str]) -> list[float]:
     """Numbers of fields; NaN of others, seconds of a time of the wall."""
     return [float(field) if is_number(field) else moment(field) for field in row]
 
 
-def _table_below(layout: Layout, lines: Sequence[tuple[int, str]]) -> Array:
+def rows_below(layout: Layout, lines: Sequence[tuple[int, str]]) -> Array:
     """The numbers of the first rows, `(m, k)`, NaN for what is none."""
     count, mark = len(layout.names), layout.separator
     rows = []
     for number, line in lines:
         if layout.labels:
             beams = (said for said in labelled(line) if {*layout.labels} <= {*said})
-            rows += [_as_numbers([said[n] for n in layout.labels]) for said in beams]
+            rows += [as_numbers([said[n] for n in layout.labels]) for said in beams]
         elif number > layout.line and not line.startswith(TABLE_COMMENTS):
             fields = split(line, mark)
             if len(fields) >= count:
                 thousands = layout.thousands
-                rows.append(_as_numbers([decimal(f, thousands=thousands) for f in fields[:count]]))
+                rows.append(as_numbers([decimal(f, thousands=thousands) for f in fields[:count]]))
     return np.array(rows).reshape(len(rows), count)
 
 
-def _with_units(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
-    layout = with_thousands(layout, lines)
-    table = _table_below(layout, lines)
+def with_units(layout: Layout, table: Array) -> Layout:
+    """A layout with the units that numbers of its first rows, `(m, k)`, tell."""
     columns, told = with_units_told(layout.columns, table)
     if columns.by_program and not layout.labels and columns.clockwise:
         told.append("beams clockwise, as programs have it that name columns so")
-    if (clock := columns.by_role.get("time")) and len(table):
-        values = table[:, clock.place]
-        if np.isnan(values).all():
-            told.append(f"the column {clock.name!r} holds no times: left out")
-            columns = columns._replace(
-                by_role={k: v for k, v in columns.by_role.items() if k != "time"}
-            )
-    return layout._replace(columns=columns, told=tuple(told))
+    clock = columns.by_role.get("time")
+    if clock and len(table) and np.isnan(table[:, clock.place]).all():
+        told.append(f"the column {clock.name!r} holds no times: left out")
+        kept = {k: v for k, v in columns.by_role.items() if k != "time"}
+        columns = columns._replace(by_role=kept)
+    return layout._replace(columns=columns, told=(*layout.told, *told))
+
+
+def _over(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
+    """A layout with what the lines below its head tell."""
+    layout = with_thousands(layout, lines)
+    return with_units(layout, rows_below(layout, lines))
 
 
 def with_thousands(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
@@ -243,7 +268,7 @@ def with_thousands(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
     return layout._replace(thousands=found)
 
 
-def wanting(layout: Layout, path: Path) -> str:
+def wanting(layout: Layout, table: Array) -> str:
     """What keeps a table from being read, and what to do; empty where nothing does."""
     found = layout.columns
     if {"x", "y", "angle"} <= {*found.by_role} and "range" not in found.by_role:
@@ -260,7 +285,7 @@ def wanting(layout: Layout, path: Path) -> str:
     ]
     if not faults:
         return ""
-    names = proposed_names(layout.names, _table_below(layout, sample(path)))
+    names = proposed_names(layout.names, table)
     return (
         f"{faults[0]}: if it is so, --columns {','.join(names)} reads it, "
         f"or segmap.readers.read_csv(path, columns={names})"
@@ -270,6 +295,8 @@ def wanting(layout: Layout, path: Path) -> str:
 def begin_of(path: Path) -> tuple[str | None, int]:
     """What separates the fields of a file, and the last line before its first row of numbers."""
     lines = [(k, line) for k, line in sample(path) if not line.startswith(TABLE_COMMENTS)]
+    clouds = [k for k, (_, line) in enumerate(lines) if line.startswith(CLOUD_DATA)]
+    lines = lines[clouds[0] + 1 :] if clouds else lines
     separator = separator_of([line for _, line in lines[1:]] or [line for _, line in lines])
     if told := [found for _, line in lines[:1] if (found := SEPARATOR_LINE.fullmatch(line))]:
         separator = told[0][1]
@@ -301,16 +328,21 @@ def first_rows(path: str | Path) -> tuple[list[str], list[list[str]]]:
     ...     first_rows(path)
     (['angle_deg', 'range_mm'], [['0', '1500'], ['90', '2000']])
     """
+    from ._messages import records_of, shown_records  # which read by this module
+
     with log_file(path) as place:
+        if records := records_of(place):
+            return shown_records(records, place)
         separator, line = begin_of(place)
         lines = [(k, t) for k, t in sample(place) if k > line and not t.startswith(TABLE_COMMENTS)]
         rows = [split(text, separator) for _, text in lines]
-        wide = max((len(row) for row in rows), default=0)
+        lengths = [len(row) for row in rows]
+        wide = max({*lengths}, key=lengths.count, default=0)
         found = layout_of(place)
         if found and (found.labels or found.nested):  # there are no columns
             return [], []
         names = found.names if found and len(found.names) == wide else ("-",) * wide
-        table = _table_below(Layout(separator, line, names, named(names)), lines)
+        table = rows_below(Layout(separator, line, names, named(names)), lines)
         return proposed_names(names, table) if wide else [], rows[:SHOWN_ROWS]
 
 

@@ -23,8 +23,11 @@ does not say them; without a head also which column is what.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 
@@ -37,17 +40,38 @@ from .._lines import (
     OnError,
     direction_field,
     distance,
+    float_fields,
     is_number,
     number_field,
     stem,
     time,
 )
-from .._raw_scans import COUNTERCLOCKWISE, known, place_of
+from .._raw_scans import COUNTERCLOCKWISE, beams_of_message, known, place_of
 from .._text import TextFormat
 from ..packed import log_file
 from ._columns import Columns, named
-from ._fields import NESTED, TABLE_COMMENTS, TUPLE, decimal, labelled, moment, sample, split
-from ._layout import EXAMPLE, Layout, begin_of, layout_of, wanting, with_thousands
+from ._fields import (
+    NESTED,
+    TABLE_COMMENTS,
+    TUPLE,
+    decimal,
+    labelled,
+    listed,
+    moment,
+    sample,
+    split,
+)
+from ._layout import (
+    EXAMPLE,
+    Beams,
+    Layout,
+    begin_of,
+    layout_of,
+    rows_below,
+    wanting,
+    with_thousands,
+)
+from ._wide import bare_of, scans_of, usual_view
 
 #: No scan has more beams.
 MOST_BEAMS_READ = 100_000
@@ -59,11 +83,15 @@ POSE = {"x", "y", "heading"}
 DAY_S = 86400.0
 #: A line between scans.
 NEXT_SCAN = re.compile(r"(?i)(new )?(scan|frame|sweep|turn|revolution|rotation)\b[\s:#]*\d*:?$")
+#: What a message says that says nothing.
+UNSAID_NUMBERS: dict[str, Any] = {"range_min": 0.0, "range_max": 0.0, "time_increment": 0.0}
+#: A name in a record that does not end.
+CUT = "..."
 #: What an XV-11 says between its tables.
-CHATTER = ("rotation_speed", "getldsscan")
+CHATTER = ("rotation_speed", "getldsscan", "i heard a laser scan", "angle_range")
 
 
-class _Table(TextFormat):
+class Table(TextFormat):
     """Beams in columns that are known, in the order in which they were measured.
 
     A scan ends where its number changes; without numbers, where the angle wraps. Its time is that
@@ -79,8 +107,9 @@ class _Table(TextFormat):
         counted = not clockwise and layout.columns.clockwise is None
         self.assumed = (*layout.told, *(COUNTERCLOCKWISE,) * counted)
         self.columns = layout.columns.by_role
-        self.last = max(column.place for column in self.columns.values())
-        self.turns, self.head = 0, [""]
+        places = [column.place for column in self.columns.values()]
+        self.last = max([*places, *(layout.beams.ranges if layout.beams else ())])
+        self.turns, self.head, self.clock = 0, [""], np.nan
 
     def _take(self, fields: list[str]) -> None:
         (line,) = fields
@@ -88,7 +117,7 @@ class _Table(TextFormat):
         if layout.labels:
             beams = [said for said in labelled(line) if {*layout.labels} <= {*said}]
             for said in beams:
-                self._beam([said[label] for label in layout.labels])
+                self._row([said[label] for label in layout.labels])
             names = [re.escape(label.split()[0]) for label in layout.labels]
             if not beams and any(re.search(rf"{name}[\"']?\s*[:=]", line) for name in names):
                 wanted = ", ".join(f"{label}:" for label in layout.labels)
@@ -97,7 +126,7 @@ class _Table(TextFormat):
             if NESTED.search(line):
                 self.turns += 1
                 for each in TUPLE.findall(line):
-                    self._beam(split(each, ","))
+                    self._row(split(each, ","))
                 if line.count("[") + line.count("(") != line.count("]") + line.count(")"):
                     raise ValueError(f"its brackets are not closed: {line[-40:]!r}")
         else:
@@ -106,41 +135,67 @@ class _Table(TextFormat):
                 self.head = found
             elif found == self.head or NEXT_SCAN.match(line):
                 self.turns += bool(self.scans)
-            elif not found[0].lower().startswith(CHATTER):
-                self._beam(found)
+            elif not found or not found[0].lower().startswith(CHATTER):
+                self._row(found)
 
-    def _beam(self, fields: list[str]) -> None:
+    def take_record(self, said: Mapping[str, str]) -> None:
+        """Take in the values of a record by their names."""
+        places = [*(column.place for column in self.columns.values())]
+        places += self.layout.beams.ranges if self.layout.beams else ()
+        wanted = [self.layout.labels[k] for k in places]
+        if CUT in said:
+            raise ValueError("the file is cut off in it")
+        if missing := [name for name in wanted if name not in said]:
+            raise ValueError(f"{missing[0]} is not said")
+        self._row([said.get(label, "") for label in self.layout.labels])
+
+    def _row(self, fields: list[str]) -> None:
         if len(fields) <= self.last:
             raise ValueError(f"expected {self.last + 1} columns or more, got {len(fields)}")
         thousands = self.layout.thousands
         texts = {role: fields[column.place] for role, column in self.columns.items()}
         said = {role: decimal(text, thousands=thousands) for role, text in texts.items()}
         factors = {role: column.factor or 1.0 for role, column in self.columns.items()}
-        pose = [np.nan] * 3
-        if "angle" in said:
+        when, pose = self._moment(said, factors), [np.nan] * 3
+        if {*said} >= POSE and (self.layout.beams or "angle" in said):
+            pose = [number_field(said[role], role, factors[role]) for role in sorted(POSE)]
+        if self.layout.beams:
+            heading, x, y = pose
+            found = _scan_in(fields, self.layout.beams)
+            self.scans.append(replace(found, time=when, odometry=known(np.array([x, y, heading]))))
+            return
+        if {"angle", "range"} <= {*said}:
             angle = direction_field(said["angle"], factors["angle"])
             far = distance(said["range"], factors["range"])
-            if {*said} >= POSE:
-                pose = [number_field(said[role], role, factors[role]) for role in sorted(POSE)]
         else:
             x, y = (number_field(said[role], role, factors[role]) for role in ("x", "y"))
             angle, far = float(np.arctan2(y, x)), float(np.hypot(x, y)) or np.nan
         if "error" in said and said["error"].strip("0") not in ("", "x", "X", "."):
             far = np.nan
-        when = np.nan
-        if "time" in said and (text := said["time"]):
-            when = time(text, unit=factors["time"]) if is_number(text) else moment(text)
-            if not is_number(text) and self.scans and self.scans[-1][2] - when > DAY_S / 2:
-                when += DAY_S  # a time of the day behind midnight
         if "new" in said:
             self.turns += said["new"].lower() in ("true", "1", "1.0", "s")
         turn = float(self.turns)
         number = number_field(said["scan"], "the scan") if "scan" in said else turn
         self.scans.append((angle, far, when, number, *pose))
 
+    def _moment(self, said: Mapping[str, str], factors: Mapping[str, float]) -> float:
+        """Seconds of a line; of times of the day those behind midnight go on."""
+        if not (text := said.get("time", "")):
+            return np.nan
+        if not is_number(text):
+            when = moment(text)
+            when += DAY_S if self.clock - when > DAY_S / 2 else 0.0
+        else:
+            parts = [role for role in ("time", "nanosec") if role in said]
+            when = sum(time(said[role], unit=factors[role]) for role in parts)
+        self.clock = when
+        return when
+
     def _log(self, name: str) -> Log:
+        if self.layout.beams:
+            return Log(name, self.scans, None, self.lines.skipped, assumed=self.layout.told)
         table = np.array(self.scans)
-        if "angle" not in self.columns:  # a turn ends where it began, and not behind the sensor
+        if not {"angle", "range"} <= {*self.columns}:  # points: a turn ends where it began
             table[:, 0] = _from_first(table[:, 0])
         if self.turns or {"scan", "new"} & {*self.columns}:
             ends = np.diff(table[:, 3]) != 0
@@ -170,12 +225,40 @@ class _Table(TextFormat):
         return LaserScan(ranges, angles, time, known(np.array([x, y, heading])), delays=delays)
 
 
+def _scan_in(fields: Sequence[str], beams: Beams) -> LaserScan:
+    """The beams that stand in a line."""
+    texts, turned = (
+        [decimal(part) for k in places for part in listed(fields[k])]
+        for places in (beams.ranges, beams.directions)
+    )
+    if beams.single:
+        numbers = {word: float_fields([fields[k]], word)[0] for word, k in beams.single}
+        ranges = float_fields(texts, "ranges")
+        return beams_of_message(SimpleNamespace(**UNSAID_NUMBERS | numbers, ranges=ranges))
+    ranges = np.array([distance(text, beams.factor) for text in texts])
+    ranges[ranges < beams.least] = np.nan
+    if not turned and len(ranges) != len(beams.angles):
+        return LaserScan(ranges, usual_view(len(ranges)))
+    angles = [direction_field(text, beams.radian) for text in turned]
+    return LaserScan(ranges, np.array(angles or beams.angles))
+
+
 def _from_first(angles: Array) -> Array:
     """Angles of points in their order, that wrap where the first of them lies."""
     steps = np.diff(np.unwrap(angles))
     onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
     first = angles[0] - onwards * SAME_DIRECTION_RAD
     return np.asarray(first + onwards * np.mod(onwards * (angles - first), 2 * np.pi))
+
+
+def read_scans(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a file with a scan a line, whose head or form says what its columns are."""
+    return _read_table(path, name, on_error, cast(Layout, scans_of(path)))
+
+
+def read_bare(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read lines of nothing but numbers, a scan each."""
+    return _read_table(path, name, on_error, cast(Layout, bare_of(path)))
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
@@ -232,7 +315,11 @@ def read_csv(
             )
         if fault := _unsaid(found := named(names)):
             raise ValueError(f"columns must name angle and range with units: {fault}")
+    from ._messages import log_of_records, records_of  # which read by this module
+
     with log_file(path) as place:
+        if names and (records := records_of(place)):
+            return log_of_records(records, place, stem(place), on_error, names, clockwise)
         if names is None:
             return _read_table(place, stem(place), on_error, _stated(place), clockwise)
         separator, line = begin_of(place)
@@ -257,7 +344,7 @@ def _stated(path: Path) -> Layout:
     found = layout_of(path)
     if found is None:
         raise LogError(path, f"no header names angle and range: name the columns, {EXAMPLE}")
-    if fault := wanting(found, path):
+    if fault := wanting(found, rows_below(found, sample(path))):
         raise HeadError(path, fault, found.line)
     return found
 
@@ -265,6 +352,4 @@ def _stated(path: Path) -> Layout:
 def _read_table(
     path: Path, name: str, on_error: str, layout: Layout, clockwise: bool = False
 ) -> Log:
-    return (
-        _Table(Lines(path, on_error, "\n", TABLE_COMMENTS), layout, clockwise).walked()._log(name)
-    )
+    return Table(Lines(path, on_error, "\n", TABLE_COMMENTS), layout, clockwise).walked()._log(name)

@@ -34,7 +34,7 @@ from .._lines import Lines, LogError, OnError, float_fields, is_number, pose_fie
 from .._mounting import in_space, level
 from .._raw_scans import Track, known, known_truth
 from ..packed import log_file
-from ._columns import COLUMN_UNITS, SINCE_1970
+from ._columns import SINCE_1970, named
 from ._fields import decimal, moment, sample, separator_of, split
 
 #: Where time, x, y and heading, or a quaternion x, y, z, w, stand in lines of so many fields.
@@ -43,13 +43,8 @@ POSE_LINES = {4: (0, 1, 2, 3), 7: (0, 1, 2, 6), 8: (0, 1, 2, 4, 5, 6, 7), 13: (0
 TICKS_LINE = (0, 4, 5, 6)
 #: The same of what `ros2 topic echo --csv` writes of an Odometry: seconds, nanoseconds, two frames.
 ODOMETRY_LINE = (0, 4, 5, 7, 8, 9, 10)
-#: How columns of a head are called, by their last words; quaternions before positions.
-POSE_NAMES = {
-    **{f"q{k}": rf"(q|quat\w*|orientation|rotation)([._/].*)?[._/]?{k}" for k in "xyzw"},
-    "time": r"%?_*(time|timestamp|stamp|t|ts|secs)",
-    **{k: rf"(p|t|pos|position)?_?{k}" for k in "xy"},
-    "heading": "theta|yaw|heading|phi|psi|angle|th|rz",
-}
+#: A part of a quaternion, and whose it is.
+QUATERNION = re.compile(r"(.*[._/ ])?(?:q|quat\w*|orientation|rotation)(?:[._/].*)?[._/]?([xyzw])")
 #: Of poses of KITTI, and of x, y, theta alone.
 NO_TIMES = ": poses without times, a first column of them is needed"
 #: So many lines are looked at for a head.
@@ -128,18 +123,9 @@ def _by_names(names: Sequence[str], path: Path) -> list[tuple[int, float | None]
     """Places and units of time, x, y and heading, or a quaternion, by a head; None of another."""
     held: dict[str, dict[str, tuple[int, float | None]]] = {}
     for place, name in enumerate(names):
-        bare = re.split(r"\s*[\[( ]", name.strip().lower(), maxsplit=1)[0]
-        kinds = COLUMN_UNITS["time"] | COLUMN_UNITS["x"] | COLUMN_UNITS["angle"]
-        plain = re.sub(rf"_({'|'.join(map(re.escape, kinds))})$", "", bare)
-        words = re.findall("[a-zµ°]+", name.strip().lower().removeprefix(plain))
-        for role, pattern in POSE_NAMES.items():
-            if found := re.fullmatch(rf"(?P<whose>.*[._/ ])?({pattern})", plain):
-                units = COLUMN_UNITS.get({"heading": "angle", "y": "x"}.get(role, role), {})
-                factor = next((units[word] for word in words if word in units), None)
-                whose = found["whose"] or ""
-                if not OTHER_POSES.search(whose):
-                    held.setdefault(role, {}).setdefault(whose, (place, factor))
-                break
+        role, whose, factor = _pose_role(name.strip().lower())
+        if role and not OTHER_POSES.search(whose):
+            held.setdefault(role, {}).setdefault(whose, (place, factor))
     turned = ("heading",) if "heading" in held else ("qx", "qy", "qz", "qw")
     if not {"time", "x", "y", *turned} <= {*held}:
         return None
@@ -148,12 +134,24 @@ def _by_names(names: Sequence[str], path: Path) -> list[tuple[int, float | None]
         said = ", ".join(f"{whose}x" for whose in held["x"])
         raise LogError(path, f"its head names several poses ({said}): expected those of one")
     whose = "" if "" in poses else poses[0]
-    stamps = [key for key in held["time"] if key.endswith("header.")]
-    clock = stamps[0] if stamps and names[0] == "%time" else next(iter(held["time"]))
+    clock = next(iter(held["time"].values()))
+    if names[0] == "%time" and (stamps := [n for n in names if n.endswith("header.stamp")]):
+        clock = names.index(stamps[0]), clock[1]
     return [
-        held["time"][clock], held["x"][whose], held["y"][whose],
+        clock, held["x"][whose], held["y"][whose],
         *(held[role].get(whose, next(iter(held[role].values()))) for role in turned),
     ]  # fmt: skip
+
+
+def _pose_role(name: str) -> tuple[str, str, float | None]:
+    """What a column is, what stands before that, and its unit: by its last words."""
+    if found := QUATERNION.fullmatch(re.split(r"\s*[\[(]", name, maxsplit=1)[0]):
+        return f"q{found[2]}", found[1] or "", None
+    name = re.sub(r"(?<![a-z])(p|t|pos)(?=[xy](?![a-z]))", "", name)  # px, tx
+    for begin in (0, *(found.end() for found in re.finditer(r"[._/ ]", name))):
+        for role, column in named([name[begin:]]).by_role.items():
+            return {"angle": "heading"}.get(role, role), name[:begin], column.factor
+    return "", "", None
 
 
 def track_in(path: Path, on_error: str) -> tuple[Track, Lines]:
