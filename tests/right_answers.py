@@ -24,8 +24,9 @@ def moved_by_pseudo_inverse(points, feet, normals):
 
 
 def flatness_by_doubled_angles(normals, weights):
-    turned = abs(np.sum(weights * (normals[:, 0] + 1j * normals[:, 1]) ** 2))
-    return (weights.sum() - turned) / (weights.sum() + turned)
+    (steep, flat), askew = weights @ normals**2, weights @ normals.prod(axis=1)
+    half, turned = (steep + flat) / 2, np.hypot((steep - flat) / 2, askew)
+    return (half - turned) / (half + turned)
 
 
 def step_in_a_loop(centres, pieces, sigma, bandwidth):
