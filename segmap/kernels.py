@@ -114,6 +114,23 @@ def mean_line_terms(a: Array, b: Array) -> tuple[float, float]:
 
 
 @compiled
+def distance_below(u: Array, v: Array, a: Array, b: Array, most: float) -> float:
+    """Segment distance (A 2.7.7) of two segments, metres; infinity where it is not below `most`.
+
+    Segments are (2, 2) arrays, which a and b, (5,) arrays, describe.
+    """
+    turn = abs(a[2] * b[3] - a[3] * b[2])
+    if ANGULAR_WEIGHT * (a[4] + b[4]) * turn / 2 >= most:  # tan(a / 2) >= sin(a) / 2
+        return np.inf
+    angular, across = mean_line_terms(a, b)
+    so_far = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across
+    if so_far >= most:
+        return np.inf
+    found = so_far + APART_WEIGHT * apart(u, v)
+    return found if found < most else np.inf
+
+
+@compiled
 def _common(s: Array, a: Array, i: int, t: Array, j: int, far: float) -> tuple[float, float, bool]:
     """What segment j of t says to the described segment i of s, both in one frame, metres.
 

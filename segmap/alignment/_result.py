@@ -5,9 +5,9 @@ from __future__ import annotations
 import inspect
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import wraps
-from typing import TYPE_CHECKING, NamedTuple, ParamSpec
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, wraps
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, ParamSpec, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 P = ParamSpec("P")
+T = TypeVar("T")
 #: A scan is sure where its standard deviation is at most this, metres: a tenth of a room.
 SURE_M = 0.25
 
@@ -82,6 +83,34 @@ def no_match(start: ArrayLike, why: Unmatched, reason: str = "", overlap: float 
     return Match(pose, unknown, False, reason or str(why), overlap, unmatched=why)
 
 
+class Appraisal(NamedTuple):
+    """What an alignment says of itself; its fields are those of `Alignment`."""
+
+    causes: tuple[Finding, ...] = ()
+    spread: Array | None = None
+    local_spread: Array | None = None
+
+
+class Appraised(Generic[T]):
+    """A field of a dataclass that its `appraisal` knows, where it was not given."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    @overload
+    def __get__(self, instance: None, owner: type) -> None: ...
+    @overload
+    def __get__(self, instance: Any, owner: type) -> T: ...
+    def __get__(self, instance: Any, owner: type) -> T | None:
+        if instance is None:  # the dataclass asks for the default
+            return None
+        given: T | None = vars(instance)[self.name]
+        return getattr(instance.appraisal, self.name) if given is None else given
+
+    def __set__(self, instance: Any, value: T | None) -> None:
+        vars(instance)[self.name] = value
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Alignment(Pictured):
     """One pose for each scan of a log, and which of them rest on a match.
@@ -111,6 +140,9 @@ class Alignment(Pictured):
         the whole, and each room be right.
     unmatched
         The kind of each reason.
+    appraise
+        Works out `causes`, `spread` and `local_spread` when the first of them is asked for, where
+        they are not given.
 
     Examples
     --------
@@ -124,10 +156,21 @@ class Alignment(Pictured):
     method: str = ""
     reasons: tuple[str, ...] = ()
     graph: Graph | None = field(default=None)
-    causes: tuple[Finding, ...] = ()
-    spread: Array | None = None
-    local_spread: Array | None = None
+    causes: Appraised[tuple[Finding, ...]] = Appraised()
+    spread: Appraised[Array | None] = Appraised()
+    local_spread: Appraised[Array | None] = Appraised()
     unmatched: tuple[Unmatched, ...] = ()
+    appraise: Callable[[], Appraisal] = Appraisal
+
+    @cached_property
+    def appraisal(self) -> Appraisal:
+        """What `appraise` says."""
+        return self.appraise()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A copy, also by pickle, is told all, so that it needs neither log nor graph for it."""
+        known = {each.name: getattr(self, each.name) for each in fields(self)}
+        return known | {"appraise": Appraisal}
 
     @property
     def doubt(self) -> str:
@@ -159,7 +202,7 @@ class Alignment(Pictured):
     @property
     def verdict(self) -> Verdict:
         """Whether this makes a map, from the poses alone."""
-        return self._judged(None)
+        return judge(self)
 
     def verdict_on(self, map: SegmentMap | QuadtreeMap, tree: QuadtreeMap | None = None) -> Verdict:
         """The verdict on the map that was made of these poses: it looks at the walls as well.
@@ -167,14 +210,9 @@ class Alignment(Pictured):
         The map is the one before its reduction, or a quadtree; or the former and the latter.
         """
         if isinstance(map, QuadtreeMap):
-            return self._judged(None, map)
+            return judge(self, None, map)
         tree = tree if tree is None else arrays.instance(tree, "tree", QuadtreeMap)
-        return self._judged(arrays.instance(map, "map", SegmentMap), tree)
-
-    def _judged(self, map: SegmentMap | None, tree: QuadtreeMap | None = None) -> Verdict:
-        near = self.sure if self.local_spread is None else self.locally_sure
-        known = self.used, self.sure, near, self.spread
-        return judge(self.poses, *known, self.method, self.causes, map, tree)
+        return judge(self, arrays.instance(map, "map", SegmentMap), tree)
 
     def why(self) -> pd.DataFrame:
         """How many scans were not used: a row for each reason, a column `scans`.
@@ -225,9 +263,7 @@ class Outcome(NamedTuple):
 
     laid: Sequence[Laid]
     graph: Graph | None = None
-    causes: Sequence[Finding] = ()
-    spread: Array | None = None
-    local_spread: Array | None = None
+    appraise: Callable[[], Appraisal] = Appraisal
 
 
 def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
@@ -263,9 +299,14 @@ def checked_alignment(
     unmatched = tuple(row.unmatched for row in found.laid)
     reasons = tuple(row.reason or str(row.unmatched) for row in found.laid)
     used = np.array([why is Unmatched.NONE for why in unmatched], bool)
-    causes = (*getattr(scans, "causes", ()), *skew_warning(scans, poses), *stood(scans, poses))
-    causes += (*contradictions(scans, poses, used), *found.causes)
-    evidence = reasons, found.graph, causes, found.spread, found.local_spread, unmatched
+
+    def appraise() -> Appraisal:
+        """What the method says, behind what is known of the log and seen in it."""
+        own, known = found.appraise(), getattr(scans, "causes", ())
+        seen = skew_warning(scans, poses) + stood(scans, poses) + contradictions(scans, poses, used)
+        return own._replace(causes=(*known, *seen, *own.causes))
+
+    evidence = reasons, found.graph, None, None, None, unmatched, appraise
     return Alignment(poses, used, seconds, name, *evidence)
 
 

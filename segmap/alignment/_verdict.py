@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .._display import counted
 from ..arrays import Array
 from ..metrics import doubled_walls
 from ..quadtree import QuadtreeMap, smeared_walls
-from ..scans.causes import Cause, Finding
+from ..scans.causes import Cause
 from ..segments import SegmentMap
+
+if TYPE_CHECKING:
+    from ._result import Alignment
 
 #: Below this share of placed scans the log gives no map.
 LEAST_PLACED_SHARE = 0.25
@@ -102,23 +103,17 @@ class Verdict:
 
 
 def judge(
-    poses: Array,
-    used: NDArray[np.bool_],
-    certain: NDArray[np.bool_],
-    near: NDArray[np.bool_],
-    spread: Array | None,
-    method: str,
-    findings: Sequence[Finding] = (),
-    map: SegmentMap | None = None,
-    tree: QuadtreeMap | None = None,
+    found: Alignment, map: SegmentMap | None = None, tree: QuadtreeMap | None = None
 ) -> Verdict:
     """The verdict on an alignment; with the maps that were made of it, also on their walls."""
-    placed, scans, sure, worst, doubled = int(used.sum()), len(used), None, None, None
-    off = np.zeros(0) if spread is None else 2 * spread[used]
-    if spread is not None:
+    placed, scans, sure, worst, doubled = int(found.used.sum()), len(found), None, None, None
+    certain = found.sure
+    near = certain if found.local_spread is None else found.locally_sure
+    off = np.zeros(0) if found.spread is None else 2 * found.spread[found.used]
+    if found.spread is not None:
         sure, worst = int(certain.sum()), float(off.max(initial=0.0))
     if map is not None and len(map):
-        share = doubled_walls(map, poses[:, :2] if map.sensors is None else None)
+        share = doubled_walls(map, found.poses[:, :2] if map.sensors is None else None)
         doubled = share if np.isfinite(share) else None
     blurred = np.nan if tree is None else smeared_walls(tree)
     smeared = float(blurred) if np.isfinite(blurred) else None
@@ -131,11 +126,11 @@ def judge(
         if share is not None
     ]
     told = f"{placed} of {counted(scans, 'scan')} placed"
-    costly = [finding for finding in findings if finding.doubtful]
+    costly = [finding for finding in found.causes if finding.doubtful]
     causes = tuple(str(each.cause) for each in costly)
     causes += (str(Cause.DOUBLED),) * any(bad for bad, _ in drawn)
     figures = placed, scans, sure, worst, doubled, causes, smeared
-    for finding in findings:
+    for finding in found.causes:
         if finding.cause is Cause.NOT_MERGED:
             return Verdict("not a map", f"NOT A MAP: {finding.words}", *figures)
     if placed < min(2, scans) or placed < LEAST_PLACED_SHARE * scans or not scans:
@@ -149,7 +144,7 @@ def judge(
             return Verdict("not a map", f"{words}; {told}", *figures)
     said = [(placed < PLACED * scans, told)]  # and whether it speaks against the map
     said += [(True, finding.words) for finding in costly]
-    if method == "odometry":
+    if found.method == "odometry":
         said.append((True, "nothing but the wheels places them"))
     if sure is not None:
         local = int(near.sum())

@@ -69,11 +69,8 @@ def wall_covariance(rows: Array, pull: Array, share: Array) -> Array:
     middle, half, pull, share = (first + second) / 2, (second - first) / 2, pull[kept], share[kept]
     left = share * metres @ (middle[:, 3] ** 2 + half[:, 3] ** 2 / 3)
     free = max(2 * share.sum() - 3, 0.0)  # offsets that the three numbers of the pose leave open
-    variance = (
-        WALL_VARIANCE_INFLATION
-        * (PRIOR_OFFSETS * PRIOR_DEVIATION_M**2 + left)
-        / (PRIOR_OFFSETS + free)
-    )  # of a metre of wall
+    variance = WALL_VARIANCE_INFLATION * (PRIOR_OFFSETS * PRIOR_DEVIATION_M**2 + left)
+    variance /= PRIOR_OFFSETS + free  # of a metre of wall
     middle, half = middle[:, :3], half[:, :3]
     noise, faint = variance * share * pull**2 / metres, FAINT_INFORMATION * np.eye(3)
     # Both ends pull: their sum moves with the middle, their difference with the slope

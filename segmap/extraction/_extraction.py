@@ -6,7 +6,7 @@ at least `gap` apart; a polyline is then split and merged until it follows the p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from inspect import unwrap
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..arrays import Array, Count, Gap, Metres, Poses, at_least, checked
 from ..poses.motions import transform
-from ..progress import announce
+from ..progress import each
 from ..scans import LaserScan, Log
 from ..scans.motion import standing
 from ..scans.pose_argument import checked_poses, warn_if_empty_map
@@ -170,10 +170,11 @@ def build_map(
             f"got {name!r}: it does not tell its points"
         )
     else:
-        seen = (log[int(k)].points() for k in _telling(known))
-        each = [arrays.call_given(extract, "extract", points, **thresholds) for points in seen]
-        each = [arrays.segments(part, "extract(points)") for part in each]
-        found = [transform(rows[k], part) for k, part in zip(known, each, strict=True)]
+        told = each(known.tolist(), "extracting segments of scan")
+        seen = (log[k].points() for k in told)
+        own = [arrays.call_given(extract, "extract", points, **thresholds) for points in seen]
+        own = [arrays.segments(part, "extract(points)") for part in own]
+        found = [transform(rows[k], part) for k, part in zip(known, own, strict=True)]
         scan = np.repeat(known, [len(segments) for segments in found])
         map = SegmentMap(np.concatenate([np.empty((0, 2, 2)), *found]), scan)
     warn_if_empty_map(not len(map), log, rows, "without a segment (too few points, or too short)")
@@ -286,13 +287,6 @@ _TELLING: dict[Callable[..., Array], Callable[..., tuple[Runs, Rows]]] = {
     extract_polylines: _polylines_of,
     extract_clusters: _clusters_of,
 }
-
-
-def _telling(known: Rows) -> Iterator[np.int64]:
-    """Each of some scans, after telling how far the work is."""
-    for done, k in enumerate(known):
-        announce(done / len(known), f"extracting segments of scan {done + 1} of {len(known)}")
-        yield k
 
 
 def _map_of_runs(

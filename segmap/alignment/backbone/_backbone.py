@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding, Unmatched
 from ...segments import angle as angle_of
 from ...segments import length
-from .._result import Outcome, Trail, alignment_method
+from .._result import Appraisal, Outcome, Trail, alignment_method
 from . import _lines as geometry
 from ._lines import BackboneStep
 
@@ -135,7 +136,7 @@ def backbone(
     trail = Trail(log) if fails else walk.trail
     while len(trail.laid) < len(log):
         trail.carry(Unmatched.ASSUMPTION, str(causes[0]))
-    return Outcome(trail.laid, causes=causes)
+    return Outcome(trail.laid, appraise=partial(Appraisal, tuple(causes)))
 
 
 def backbone_steps(log: Log, **thresholds: Any) -> list[BackboneStep]:

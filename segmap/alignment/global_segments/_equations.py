@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 from ...angles import axial_difference
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import APART_WEIGHT, describe
+from ...kernels import APART_WEIGHT, describe, distance_below
 from ...poses.motions import transform, wrap
 from ...segments import angle
 from ..graph import groups
-from ..segment_icp import distance_below
 
 Indices = NDArray[np.int64]
 

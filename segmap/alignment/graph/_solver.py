@@ -66,9 +66,8 @@ class Step(NamedTuple):
 
     stale: float  # equations are kept until they change by so much
     curved: bool = False  # whether the bend of the loss is used
-    near: float = (
-        NEAR_MINIMUM  # it is where the last step was smaller than this, metres and radians
-    )
+    # The bend is used where the last step was smaller than this, metres and radians.
+    near: float = NEAR_MINIMUM
     size: float = np.inf  # of the last step
 
 

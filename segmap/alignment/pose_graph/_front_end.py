@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,23 +13,22 @@ from numpy.typing import NDArray
 from ...arrays import Array, Count, Metres, Positive, Radians, Settings
 from ...poses.motions import between, compose
 from ...scans import LaserScan
-from ...scans.causes import Cause, Finding, Unmatched
+from ...scans.causes import Unmatched
 from ...threads import in_threads
-from .._result import SURE_M, Laid, Match, Outcome, no_match
+from .._result import Laid, Match, Outcome, no_match
 from ..graph import (
-    NEARBY,
     REAL_ERRORS,
     Edge,
     Graph,
     Rejected,
     deviations,
     groups,
-    place_deviations,
     stacked,
 )
 from ..points import PointMap, in_range
+from ._doubt import appraisal
 from ._key_frames import KeyFrame, KeyFrames, Undoable
-from ._wheels import Wheels, breaks
+from ._wheels import Wheels
 
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
 Matcher = Callable[[PointMap, Array, Array], Match]
@@ -74,8 +74,6 @@ ALONG_ERROR = 0.2
 FINAL_NEIGHBOURS = 15
 #: ... within so many metres, of all passes, since the loops have brought these together.
 FINAL_NEIGHBOURHOOD_M = 4.0
-#: Loops that stay open by this many standard deviations contradict the rest.
-OPEN = 5.0
 
 
 @dataclass(frozen=True)
@@ -307,31 +305,21 @@ class FrontEnd(Undoable):
         return Graph(ends, motion, edges.loop, left, tuple(rejected), edges.information)
 
     def outcome(self, rejected: Sequence[Rejected] = ()) -> Outcome:
-        """Poses, reasons and standard deviations of all scans, the graph, and what it doubts."""
-        graph, frame, poses = self.graph(rejected), self._key_frames(), self.poses()
-        rows = self.rows
+        """Poses and reasons of all scans, the graph, and how both are appraised."""
+        frames, poses, frame = self.frames, self.poses(), self._key_frames()
+        rows = [copy(row) for row in self.rows]  # more scans may follow
+        edges = stacked(frames.edges) if frames.edges else None
+        if edges is not None:
+            used = [row.used for row in rows]
+            matched = np.bincount(frame, used, len(frames)).astype(float)
+            tied = [key.tied for key in frames.rows]
+            for k in np.flatnonzero(untied(tied, frames.edges, matched)[frame] & used):
+                rows[k].unmatched, rows[k].reason = Unmatched.UNTIED, ""
         laid = [
             Laid(pose, row.unmatched, row.reason) for row, pose in zip(rows, poses, strict=True)
         ]
-        far, near, left = np.zeros(len(frame)), np.zeros(len(frame)), np.zeros(0)
-        if graph is not None:
-            weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
-            far, near = place_deviations(self.frames.poses, stacked(self.frames.edges), weight)
-            far, near = far[frame], near[frame]
-            used = [row.used for row in rows]
-            matched = np.bincount(frame, used, len(self.frames)).astype(float)
-            tied = [key.tied for key in self.frames.rows]
-            apart = untied(tied, self.frames.edges, matched)[frame] & used
-            for k in np.flatnonzero(apart):
-                laid[k] = Laid(poses[k], Unmatched.UNTIED)
-            left = graph.residuals[graph.loop]
-        told = [(row.along, row.overlap, row.scan.time) for row in rows]
-        along, overlap, times = np.reshape(told, (-1, 3)).T
-        far, near = np.hypot(far, along), np.hypot(near, along)
-        causes = breaks(np.reshape([row.odometry for row in rows], (-1, 3)), poses, overlap, times)
-        why = [own.unmatched for own in laid]
-        causes += findings(why, far, left, near=near, converged=self.frames.converged)
-        return Outcome(laid, graph, causes, far, near)
+        appraise = partial(appraisal, rows, poses, frames.poses, edges, frames.converged)
+        return Outcome(laid, self.graph(rejected), appraise)
 
 
 def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
@@ -344,47 +332,3 @@ def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArra
     first, second = np.reshape([edge[:2] for edge in sure], (-1, 2)).T.astype(np.int64)
     group = groups(first, second, len(tied))
     return np.asarray(group != np.argmax(np.bincount(group, weight)))
-
-
-def findings(
-    unmatched: Sequence[Unmatched],
-    far: Array,
-    left: Array,
-    *,
-    near: Array | None = None,
-    converged: bool = True,
-) -> list[Finding]:
-    """What to doubt of the whole, with numbers.
-
-    `far` and `near` are the standard deviations of all places in the whole and relative to those
-    within 20 m, `left` is what the solution leaves of each loop, `(m,)`, in standard deviations.
-    """
-    count, found, counts = len(unmatched), [], Counter(unmatched)
-
-    def add(cause: Cause, value: int, words: str) -> None:
-        """One more finding; `Alignment.verdict` weighs the scans themselves."""
-        found.append(Finding(cause, value, words))
-
-    if loose := counts[Unmatched.FREE_DIRECTION]:
-        words = f"at {loose} of {count} scans {Unmatched.FREE_DIRECTION}"
-        add(Cause.NO_DISTANCE, loose, words)
-    if apart := counts[Unmatched.UNTIED]:
-        add(Cause.UNTIED, apart, f"no match ties {apart} of {count} scans to the rest")
-    if vague := int((far > SURE_M).sum()):
-        words = f"{vague} of {count} scans may be more than {2 * SURE_M} m off, {_worst(far)}"
-        if near is not None:
-            close = int((near > SURE_M).sum())
-            most = f"{close} of {count}, {_worst(near)}" if close else "none"
-            words += f"; relative to those within {NEARBY:g} m {most}"
-        add(Cause.VAGUE, vague, words)
-    if wide := int((left > OPEN).sum()):
-        words = f"{wide} of {len(left)} loops stay open by over {OPEN:g} standard deviations"
-        add(Cause.OPEN_LOOPS, wide, words)
-    if not converged:
-        add(Cause.NOT_SOLVED, 1, "the solver stopped before it came to an end")
-    return found
-
-
-def _worst(far: Array) -> str:
-    """The scan that is known least, by two standard deviations."""
-    return f"scan {np.argmax(far)} by {2 * far.max():.1f} m"

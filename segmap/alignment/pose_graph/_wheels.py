@@ -13,7 +13,6 @@ import numpy as np
 
 from ...arrays import Array
 from ...poses.motions import between, compose, wrap
-from ...scans.causes import Cause, Finding
 from .._result import Match
 from ..points import LAST, SEARCH_CELL_M, PointMap
 from ._key_frames import Undoable
@@ -59,29 +58,6 @@ MATCH_STANDS_RAD = math.radians(0.6)
 PEOPLE_SHARE = 0.3
 #: Standard deviation of a place where odometry won, metres: what the rest of the graph may move.
 WON_M = 0.2
-
-#: A scan lies on the map before it less than usual by so many times what all but the worst
-#: hundredth do: 1.1 to 2.2 in real and simulated logs without a break, 4.6 and more with one.
-BREAK_RATIO = 3.0
-#: So many scans at least count as the worst: one break takes two or three.
-WORST = 5
-#: And by this share at least: walls that all match leave no spread to compare with.
-LEAST_DROP = 0.2
-#: Odometry that goes this many times as far as nearly all steps tells of the break itself.
-JUMP_RATIO = 2.0
-#: Nearly all steps: this share of them.
-USUAL_STEP_QUANTILE = 0.95
-#: No scan for so many times as long as between nearly all of them, and for so long, seconds: ...
-PAUSE_RATIO = 5.0
-LEAST_PAUSE_S = 1.0
-#: ... the scan after it confirms the way there unless it lies on the map worse than all but this
-#: share: pauses of a real log rank above 0.09, a robot that was carried below 0.01.
-CONFIRMED_RANK = 0.02
-#: A step of the map that errs by more than so many times the usual ...
-TORN_RATIO = 80.0
-#: ... and by more than this, metres, is torn: 3 to 40 times and 0.95 m in right logs, 180 times and
-#: 2.2 m in wrong ones.
-TORN_M = 1.5
 
 
 class Wheels(Undoable):
@@ -140,61 +116,19 @@ class Wheels(Undoable):
     def _ordinary(self) -> Array:
         """Standard deviations of ordinary wheels in place, place and heading, `(3,)`."""
         place = PLACE_ERROR_M + PLACE_ERROR_M_PER_M * self.way + PLACE_ERROR_M_PER_RAD * self.turn
-        heading = (
-            HEADING_ERROR_RAD
-            + HEADING_ERROR_RAD_PER_M * self.way
-            + HEADING_ERROR_RAD_PER_RAD * self.turn
-        )
+        heading = HEADING_ERROR_RAD + HEADING_ERROR_RAD_PER_M * self.way
+        heading += HEADING_ERROR_RAD_PER_RAD * self.turn
         return np.array([place, place, heading])
 
     def _usual(self) -> float:
         """How many times more than ordinary ones these wheels err."""
         recent = sorted(self.off[-RECENT_MATCHES:])
-        return (
-            max(recent[int(RESIDUAL_QUANTILE * len(recent))] / NORMAL_QUANTILE, 1.0)
-            if len(recent) >= LEAST_MATCHES
-            else 1.0
-        )
+        if len(recent) < LEAST_MATCHES:
+            return 1.0
+        return max(recent[int(RESIDUAL_QUANTILE * len(recent))] / NORMAL_QUANTILE, 1.0)
 
     def _off(self, pose: Array) -> float:
         """How far a pose in the key frame is off, in deviations of ordinary wheels; maybe NaN."""
         x, y, heading = between(self.motion, pose)
         place, _, turn = self._ordinary()
         return math.sqrt((x * x + y * y) / place**2 + (wrap(heading) / turn) ** 2)
-
-
-def breaks(odometry: Array, poses: Array, overlap: Array, times: Array) -> list[Finding]:
-    """What speaks for a robot that was carried: odometry and poses `(k, 3)`, metres and radians.
-
-    `overlap`, `(k,)`, is the share of each scan that lay on the map of those before it; NaN where
-    nothing was matched and no odometry carried it. `times`, `(k,)`, are in seconds.
-    """
-    found: list[Finding] = []
-    known = np.isfinite(overlap)
-    if len(poses) < 3 * WORST or known.sum() < 3 * WORST:
-        return found
-    wheels = between(odometry[:-1], odometry[1:])
-    way = np.r_[np.nan, np.hypot(wheels[:, 0], wheels[:, 1])]
-    moved = way[np.isfinite(way)]
-    usual_way = np.quantile(moved, USUAL_STEP_QUANTILE) if len(moved) else np.inf
-    ranked = np.sort(overlap[known])
-    usual = float(np.median(ranked))
-    drop = max(BREAK_RATIO * (usual - ranked[max(WORST, len(ranked) // 100)]), LEAST_DROP)
-    since = np.diff(times, prepend=times[0])
-    paused = since > max(PAUSE_RATIO * np.quantile(since, USUAL_STEP_QUANTILE), LEAST_PAUSE_S)
-    broken = (overlap < usual - drop) & ~(way > JUMP_RATIO * usual_way)
-    broken |= paused & ~(overlap >= np.quantile(ranked, CONFIRMED_RANK))
-    if broken.any():
-        words = f"scan {(k := int(np.argmax(broken)))} does not go on from those before it"
-        why = "the robot was lifted, or is on another floor, or scans are missing"
-        found.append(Finding(Cause.LIFTED, k, f"{words}: {why}", doubtful=True))
-    seen = between(poses[:-1], poses[1:])
-    torn = np.hypot(seen[:, 0] - wheels[:, 0], seen[:, 1] - wheels[:, 1])
-    if np.isfinite(torn).any():
-        most = float(np.nanmax(torn))
-        if most > max(TORN_M, TORN_RATIO * float(np.nanmedian(torn))):
-            words = (
-                f"at scan {int(np.nanargmax(torn)) + 1} the map tears the odometry by {most:.1f} m"
-            )
-            found.append(Finding(Cause.LIFTED, most, words, doubtful=True))
-    return found

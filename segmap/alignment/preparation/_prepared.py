@@ -8,10 +8,10 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from ... import arrays
-from ...arrays import Array, checked
+from ...arrays import checked
 from ...poses.motions import compose, inverse
 from ...progress import Progress
-from ...scans import LaserScan, Log
+from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import odometry_against_steps
 from .. import _deskew
@@ -92,12 +92,8 @@ def prepared(
     if isinstance(mount, str):
         arrays.one_of(mount, "mount", ["auto"])
         place = mounting_of(odometry_against_steps(log.odometry, steps))
-        log = replace(log, scans=tuple(_mounted(scan, place) for scan in log))
+        scans = (replace(scan, sensor_pose=compose(place, scan.sensor_pose)) for scan in log)
+        log = replace(log, scans=tuple(scans))
         steps = steps._replace(motion=compose(compose(place, steps.motion), inverse(place)))
     log = with_odometry_corrected(log, steps)
     return _deskew.deskew(log) if deskew else log
-
-
-def _mounted(scan: LaserScan, place: Array) -> LaserScan:
-    """A scan whose robot frame lies at a place `(3,)` on the robot, metres and radians."""
-    return replace(scan, sensor_pose=compose(place, scan.sensor_pose))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import ACROSS_WEIGHT, ANGULAR_WEIGHT, APART_WEIGHT, apart, describe, mean_line_terms
+from ...kernels import APART_WEIGHT, describe, distance_below
 
 Indices = NDArray[np.int64]
 
@@ -36,23 +36,6 @@ FINEST_STEP_M = 5e-5
 #: Cost in metres that a shift by one metre must save. One wall across in a scan of 70 saves 0.004;
 #: the noise of walls along a corridor a tenth of that, and moves no scan.
 SLOPE = 0.004
-
-
-@compiled
-def distance_below(u: Array, v: Array, a: Array, b: Array, most: float) -> float:
-    """Segment distance (A 2.7.7) of two segments, metres; infinity where it is not below `most`.
-
-    Segments are (2, 2) arrays, which a and b, (5,) arrays, describe.
-    """
-    turn = abs(a[2] * b[3] - a[3] * b[2])
-    if ANGULAR_WEIGHT * (a[4] + b[4]) * turn / 2 >= most:  # tan(a / 2) >= sin(a) / 2
-        return np.inf
-    angular, across = mean_line_terms(a, b)
-    so_far = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across
-    if so_far >= most:
-        return np.inf
-    found = so_far + APART_WEIGHT * apart(u, v)
-    return found if found < most else np.inf
 
 
 @compiled
