@@ -19,7 +19,7 @@ from ..segments import SegmentMap
 from ._field import either_map
 from ._likelihoods import Likelihoods
 from ._scores import Cells
-from ._search import Uncertainty, distinct_places, sample_beams
+from ._search import Uncertainty, at_one_place, distinct_places, sample_beams
 from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 
 #: A robot whose scans fit worse is lost: the wrong building has .50 to .75.
@@ -232,10 +232,8 @@ def at_places(poses: Array, weights: Array) -> list[NDArray[np.int64]]:
     """Which particles are at each place, that of the heaviest first; places that are dead not."""
     left, places = np.arange(len(poses)), []
     while len(left):
-        away = poses[left] - poses[left[np.argmax(weights[left])]]
-        near = (np.hypot(*away.T[:2]) <= SAME_PLACE_M) & (
-            np.abs(wrap(away[:, 2])) <= SAME_PLACE_RAD
-        )
+        heaviest = poses[left[np.argmax(weights[left])]]
+        near = at_one_place(poses[left], heaviest, SAME_PLACE_M, SAME_PLACE_RAD)
         places.append(left[near])
         left = left[~near]
     return [place for place in places if weights[place].sum() >= DEAD]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache, partial
 from inspect import signature
 
@@ -134,16 +135,14 @@ def _mapping_steps(
     _warm(score if score in SCORES.values() else field_score)
     inserted = 0
     for k, scan in enumerate(log):
-        _check_scan(scan, k)
-        begun, points, value = work_time(), scan.points(), np.nan
-        try:
+        begun, value = work_time(), np.nan
+        with naming_scan(scan, k):
+            points = scan.points()
             if len(points) and inserted >= settle:
                 pose, value = _match_by_score(matcher, score, map, points, pose)
             overlap = overlap_of(map, points, pose)
             insert_placed(map, None, scan, pose, free=free)
             inserted += len(points) > 0
-        except ValueError as error:
-            raise ValueError(f"scan {k}: {error}") from error
         seconds = work_time() - begun
         yield Step(pose.copy(), value, seconds, False, overlap >= FOUND, overlap)
 
@@ -151,19 +150,22 @@ def _mapping_steps(
 def _graph_steps(log: Iterable[LaserScan], live: LiveMap) -> Iterator[Step]:
     _warm_graph()
     for k, scan in enumerate(log):
-        _check_scan(scan, k)
-        try:
+        with naming_scan(scan, k):
             step = live.add(scan)
-        except ValueError as error:
-            raise ValueError(f"scan {k}: {error}") from error
         yield step
     live.finish()
 
 
-def _check_scan(scan: object, k: int) -> None:
+@contextmanager
+def naming_scan(scan: LaserScan, k: int) -> Iterator[None]:
+    """An error that is told of a scan says which one, and one that is no scan is an error."""
     if not isinstance(scan, LaserScan):
         got = type(scan).__name__
         raise ValueError(f"scan {k}: wanted a LaserScan, as a Log or sensor gives, got {got}")
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"scan {k}: {error}") from error
 
 
 @lru_cache  # once in each process

@@ -19,7 +19,7 @@ from ..simulation import OdometryNoise
 from ._field import DistanceField, NothingNear
 from ._likelihoods import ANYTHING
 from ._live_map import FOUND, insert_placed, overlap_of
-from ._mapping import Matcher, _check_scan, _warm, drawing, found_by
+from ._mapping import Matcher, _warm, drawing, found_by, naming_scan
 from ._matchers import Prepared, field_score, hill_climb
 from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 
@@ -48,6 +48,9 @@ GOOD_OVERLAP = 0.75
 LATE_TURNS = np.outer([0, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9], [0, 0, 1])
 #: More particles would fill the memory: each has a map.
 MOST_PARTICLES = 10_000
+
+#: A pose that the matcher has found, and the field; None where nothing is near.
+Peak = tuple[Array, DistanceField | None]
 
 
 class Particles(NamedTuple):
@@ -172,65 +175,80 @@ def _steps(
     free: bool,
     rng: np.random.Generator,
 ) -> Iterator[Particles]:
+    """Algorithm 1 of the paper; what it does last for a scan is done first for the next one."""
     _warm(field_score)
     count, settled, drawn = len(poses), False, poses
     wheels = wheels_drawn = None  # odometry at the scan before, and where poses were drawn last
     maps = [deepcopy(map) for _ in range(count)]
     recent, likely = np.zeros(count), np.zeros(count)  # logarithms: since drawn anew, of all
     for k, scan in enumerate(log):
-        _check_scan(scan, k)
-        begun, points, parents = work_time(), scan.points(), np.arange(count)
-        if effective_number(_weights(recent)) < resample * count:
-            parents = systematic(_weights(recent), rng.random())
-            maps = [
-                deepcopy(maps[at]) if again else maps[at]
-                for at, again in zip(parents, np.diff(parents, prepend=-1) == 0, strict=True)
-            ]
-            poses, drawn = poses[parents], drawn[parents]
-            likely, recent = likely[parents], np.zeros(count)
-        tries = [LATE_TURNS[:1]]
-        if odometry is not None and scan.odometry is not None:
-            if wheels is not None:
-                step = between(wheels, scan.odometry)
+        begun = work_time()
+        with naming_scan(scan, k):
+            points, parents = scan.points(), np.arange(count)
+            # 1. Resample, where few particles hold most of the weight
+            if effective_number(_weights(recent)) < resample * count:
+                parents = systematic(_weights(recent), rng.random())
+                again = (np.diff(parents, prepend=-1) == 0).tolist()
+                maps = [deepcopy(maps[i]) if again.pop(0) else maps[i] for i in parents]
+                poses, drawn = poses[parents], drawn[parents]
+                likely, recent = likely[parents], np.zeros(count)
+            # 2. Propose: where the odometry leads, then the peak beside it on the own map
+            step, here = None, None if odometry is None else scan.odometry
+            if here is not None:
+                step, wheels = None if wheels is None else between(wheels, here), here
+            if step is not None:
                 poses = compose(poses, step)
-                tries = [LATE_TURNS[:1], LATE_TURNS][int(abs(step[2]) > FAST_TURN_RAD) :]
-            wheels = scan.odometry
-        try:
-            if len(points) and settled:
-                both = zip(maps, poses, strict=True)
-                found = [_climbed(matcher, *each, points, tries) for each in both]
-                poses = np.array([pose for pose, _ in found])
-                best = int(np.argmax(likely))
-                way = np.abs(between(drawn[best], poses[best]))
-                if np.hypot(*way[:2]) > WEIGHING_STEP[0] or way[2] > WEIGHING_STEP[1]:
-                    wide = NO_ODOMETRY_STEP
-                    if wheels is not None and wheels_drawn is not None and odometry is not None:
-                        wide = odometry_deviation(between(wheels_drawn, wheels), odometry)
-                    for i, (peak, field) in enumerate(found):
-                        around = compose(peak, LATTICE * PEAK_STEP)
-                        covariance, weight = proposal(_log_likelihood(field, points, around), wide)
-                        recent[i] += BEAM_WEIGHT_PART * weight
-                        likely[i] += BEAM_WEIGHT_PART * weight
-                        if noise > 0:
-                            turned = np.linalg.cholesky(covariance) @ rng.standard_normal(3)
-                            poses[i] = compose(peak, noise * turned)
-                    drawn, wheels_drawn = poses.copy(), wheels
             best = int(np.argmax(likely))
+            if len(points) and settled:
+                own = zip(maps, poses, strict=True)
+                found = [_climbed(matcher, *each, points, _turns_tried(step)) for each in own]
+                poses = np.array([peak for peak, _ in found])
+                x, y, turn = np.abs(between(drawn[best], poses[best]))
+                if np.hypot(x, y) > WEIGHING_STEP[0] or turn > WEIGHING_STEP[1]:
+                    # 3. Weigh each particle by its likelihood about the peak, and draw its pose
+                    wide = NO_ODOMETRY_STEP
+                    if odometry is not None and wheels is not None and wheels_drawn is not None:
+                        wide = odometry_deviation(between(wheels_drawn, wheels), odometry)
+                    poses, weight = _drawn_about(found, points, wide, noise, rng)
+                    recent, likely = recent + weight, likely + weight
+                    drawn, wheels_drawn, best = poses.copy(), wheels, int(np.argmax(likely))
+            # 4. Map
             overlap = overlap_of(maps[best], points, poses[best])
-            for own, pose in zip(maps, poses, strict=True):
-                insert_placed(own, None, scan, pose, free=free)
+            for own_map, pose in zip(maps, poses, strict=True):
+                insert_placed(own_map, None, scan, pose, free=free)
             map.become(deepcopy(maps[best]))
-        except ValueError as error:
-            raise ValueError(f"scan {k}: {error}") from error
         if len(points) and not settled:
             settled, drawn, wheels_drawn = True, poses.copy(), wheels
         seconds = work_time() - begun
         yield Particles(poses.copy(), _weights(recent), parents, best, overlap, seconds)
 
 
+def _drawn_about(
+    peaks: Sequence[Peak], points: Array, wide: Array, noise: float, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """A pose about each peak, `(n, 3)`, and the logarithm of the weight that each one gains."""
+    poses, gained = [], []
+    for peak, field in peaks:
+        around = compose(peak, LATTICE * PEAK_STEP)
+        covariance, weight = proposal(_log_likelihood(field, points, around), wide)
+        gained.append(BEAM_WEIGHT_PART * weight)
+        if noise > 0:
+            away = np.linalg.cholesky(covariance) @ rng.standard_normal(3)
+            peak = compose(peak, noise * away)
+        poses.append(peak)
+    return np.array(poses), np.array(gained)
+
+
+def _turns_tried(step: Array | None) -> list[Array]:
+    """Turns from which the matcher begins, and those where it finds nothing then, `(t, 3)` each."""
+    if step is None:
+        return [LATE_TURNS[:1]]
+    return [LATE_TURNS] if abs(step[2]) > FAST_TURN_RAD else [LATE_TURNS[:1], LATE_TURNS]
+
+
 def _climbed(
     matcher: Matcher, map: QuadtreeMap, start: Array, points: Array, tries: Sequence[Array]
-) -> tuple[Array, DistanceField | None]:
+) -> Peak:
     """The pose that the matcher finds from a start, and the field; the start with nothing near.
 
     More turns are tried where too little of the scan lies on the map, and kept if it then does.
@@ -259,8 +277,7 @@ def _log_likelihood(field: DistanceField | None, points: Array, poses: Array) ->
     away, point = np.full(len(ends), -np.inf), np.zeros((1, 2))
     away = away if field is None else field.scorer(point)(each)  # each end as a scan of one point
     near = np.exp(-(away**2) / (2 * PARTICLE_SIGMA_M**2))
-    found: Array = np.log((1 - ANYTHING) * near + ANYTHING).reshape(len(poses), -1).sum(1)
-    return found
+    return np.asarray(np.log((1 - ANYTHING) * near + ANYTHING).reshape(len(poses), -1).sum(1))
 
 
 def proposal(values: Array, wide: Array) -> tuple[Array, float]:
@@ -292,8 +309,7 @@ def odometry_deviation(step: Array, odometry: OdometryNoise) -> Array:
 def _weights(logarithms: Array) -> Array:
     """Weights `(n,)` that sum to 1."""
     parts = np.exp(logarithms - logarithms.max())
-    found: Array = parts / parts.sum()
-    return found
+    return np.asarray(parts / parts.sum())
 
 
 def particle_paths(steps: Sequence[Particles]) -> Array:

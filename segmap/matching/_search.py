@@ -7,6 +7,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import arrays
 from ..arrays import Array, Count, Share, checked
@@ -260,16 +261,18 @@ def sample_beams(points: Array, beams: int) -> Array:
     return points[np.argsort(np.arange(count) * 0.618034 % 1)]
 
 
+def at_one_place(poses: Array, pose: Array, metres: float, turn: float) -> NDArray[np.bool_]:
+    """Which poses `(n, 3)` lie no farther than that from one, and turned by no more radians."""
+    away = poses - pose
+    return (np.hypot(*away.T[:2]) <= metres) & (np.abs(wrap(away[:, 2])) <= turn)
+
+
 def first_distinct(poses: Array, most: int) -> Cells:
     """Indices of the first pose, `(n, 3)`, and of each that lies apart from all taken before it."""
     left, chosen = np.arange(len(poses)), np.zeros(0, np.int64)
     while len(left) and len(chosen) < most:
         chosen = np.append(chosen, left[0])
-        away = poses[left] - poses[left[0]]
-        near = (np.hypot(*away.T[:2]) <= OTHER_PEAK_M) & (
-            np.abs(wrap(away[:, 2])) <= OTHER_PEAK_RAD
-        )
-        left = left[~near]
+        left = left[~at_one_place(poses[left], poses[left[0]], OTHER_PEAK_M, OTHER_PEAK_RAD)]
     return chosen
 
 
