@@ -34,6 +34,19 @@ def test_quality_is_never_below_the_guarantee(seed, penalty):
     assert quality(map, found) >= np.exp(-penalty * (n - len(found)) / n / 0.05) - 1e-9
 
 
+def test_of_two_walls_of_one_length_the_first_stands_for_both():
+    """Catches a tie that rounding decides: equal lengths differ by 1e-16 where a map is moved."""
+    rng = np.random.default_rng(0)
+    poses = np.column_stack([rng.uniform(-5, 5, (60, 2)), rng.uniform(-np.pi, np.pi, 60)])
+    half = np.array([[np.cos(turn), np.sin(turn)] for turn in (0.3, 0.26)]) / 2
+    middle = np.array([(-0.75, -0.04), (-0.75, 0.06)])
+    walls = np.stack([middle - half, middle + half], 1)
+    for pose in poses:
+        there = transform(pose, walls.reshape(-1, 2)).reshape(-1, 2, 2)
+        found = least_cost(there, penalty=0.5)
+        assert found.segments.round(9).tolist() == there[:1].round(9).tolist()
+
+
 @pytest.mark.parametrize("sought", [1.01e-4, 0.01, 0.05, 3.98, 25.0])
 def test_a_threshold_is_found_to_within_a_third_of_a_percent(sought):
     """Catches a bisection that ends early or on the wrong side, and thresholds out of its range."""

@@ -96,13 +96,13 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
     enter_all(state.outputs, drawn)
     longest, room = np.argsort(-np.round(length(s), 9), kind="stable"), empty_room(n)
     for part in parts(np.arange(n), "least cost: finding the output of segment"):
-        _assign_all(state, part, limits)
+        _assign(state, part, limits)
     for _ in range(MOST_EXCHANGE_ROUNDS):
         before, opened = state.total[0], np.flatnonzero(state.outputs.link[:, LEVEL_COLUMN] >= 0)
         sizes = np.floor(state.about[opened, 4] / EQUAL + 0.5)
         opened = opened[np.argsort(-sizes, kind="stable")]
         for part in parts(opened, "least cost: drawing anew output", size=64):
-            free = _refit_all(state, room, part, free, limits)
+            free = _refit(state, room, part, free, limits)
         _close_all(state, limits)
         for part in parts(longest, "least cost: trying as an output segment"):
             free = _exchange_all(state, part, free, limits)
@@ -116,23 +116,23 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
 
 # ------------------------------------------------------------------ who goes where
 @compiled
-def _assign(state: State, i: int, limits: Limits) -> None:
-    """Find the two cheapest outputs of an input anew."""
-    cost, who, near = state.cost, state.who, state.lists[0]
-    f, g, first, second = who[i, 0], who[i, 1], cost[i, 0], cost[i, 1]
-    if f >= 0:
-        state.total[0] -= first
-        state.margin[f] -= min(second - first, limits.penalty)
-    for k in range(2):
-        cost[i, k], who[i, k] = np.inf, -1
-    for k in range(meeting(state.outputs, state.s[i], HARD * limits.distance, near)):
-        value = assignment_cost(state.s, state.d, i, state.line, state.about, near[k], limits)
-        insert_ranked(cost, who, i, near[k], rounded(value))
-    state.total[0] += cost[i, 0]
-    state.margin[who[i, 0]] += min(cost[i, 1] - cost[i, 0], limits.penalty)
-    if who[i, 0] != f or who[i, 1] != g or cost[i, 0] != first or cost[i, 1] != second:
-        when, n = state.when, len(state.s)
-        when[i] = when[n + f] = when[n + who[i, 0]] = when[-1]
+def _assign(state: State, part: Indices, limits: Limits) -> None:
+    """Find the two cheapest outputs of some inputs anew."""
+    cost, who, near, when, n = state.cost, state.who, state.lists[0], state.when, len(state.s)
+    for i in part:
+        f, g, first, second = who[i, 0], who[i, 1], cost[i, 0], cost[i, 1]
+        if f >= 0:
+            state.total[0] -= first
+            state.margin[f] -= min(second - first, limits.penalty)
+        for k in range(2):
+            cost[i, k], who[i, k] = np.inf, -1
+        for k in range(meeting(state.outputs, state.s[i], HARD * limits.distance, near)):
+            value = assignment_cost(state.s, state.d, i, state.line, state.about, near[k], limits)
+            insert_ranked(cost, who, i, near[k], rounded(value))
+        state.total[0] += cost[i, 0]
+        state.margin[who[i, 0]] += min(cost[i, 1] - cost[i, 0], limits.penalty)
+        if who[i, 0] != f or who[i, 1] != g or cost[i, 0] != first or cost[i, 1] != second:
+            when[i] = when[n + f] = when[n + who[i, 0]] = when[-1]
 
 
 @compiled
@@ -145,15 +145,8 @@ def _switch(state: State, f: int, limits: Limits) -> None:
         take_out(state.outputs, f)
         state.total[0] -= limits.penalty
     near = state.lists[1]
-    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
-        _assign(state, near[k], limits)
-
-
-@compiled
-def _assign_all(state: State, part: Indices, limits: Limits) -> None:
-    """Find the two cheapest outputs of some inputs."""
-    for i in part:
-        _assign(state, i, limits)
+    count = meeting(state.inputs, state.line[f], HARD * limits.distance, near)
+    _assign(state, near[:count], limits)
 
 
 @compiled
@@ -177,34 +170,28 @@ def _copy(state: State, line: Array, f: int) -> None:
 
 
 @compiled
-def _refit(state: State, room: Room, f: int, free: int, limits: Limits) -> int:
-    """Draw an output anew for its members, as the free one; the number that is free then."""
-    count, before, near = 0, 0.0, state.lists[2]
-    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
-        i = near[k]
-        if state.who[i, 0] == f:
-            load_member(room, count, i, state.s, state.d)
-            room.caps[count] = state.cost[i, 1]
-            if count == 0:
-                for j in range(6):
-                    room.sums[j] = state.sums[i, j]
-            else:
-                join_sums(room.sums, state.sums[i], room.sums)
-            count, before = count + 1, before + state.cost[i, 0]
-    most = before - LEAST_GAIN_SHARE * limits.penalty
-    if count == 0 or fit_cheapest_line(state.s, room, count, limits, state.line[f], most) == np.inf:
-        return free
-    _copy(state, room.line, free)
-    _switch(state, free, limits)
-    _switch(state, f, limits)
-    return f
-
-
-@compiled
-def _refit_all(state: State, room: Room, part: Indices, free: int, limits: Limits) -> int:
-    """Draw some outputs anew, one after the other; the number that is free then."""
+def _refit(state: State, room: Room, part: Indices, free: int, limits: Limits) -> int:
+    """Draw some outputs anew for their members, as the free one; the number that is free then."""
+    near = state.lists[2]
     for f in part:
-        free = _refit(state, room, f, free, limits)
+        count, before = 0, 0.0
+        for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
+            i = near[k]
+            if state.who[i, 0] == f:
+                load_member(room, count, i, state.s, state.d)
+                room.caps[count] = state.cost[i, 1]
+                if count == 0:
+                    for j in range(6):
+                        room.sums[j] = state.sums[i, j]
+                else:
+                    join_sums(room.sums, state.sums[i], room.sums)
+                count, before = count + 1, before + state.cost[i, 0]
+        guess, most = state.line[f], before - LEAST_GAIN_SHARE * limits.penalty
+        if count and fit_cheapest_line(state.s, room, count, limits, guess, most) < np.inf:
+            _copy(state, room.line, free)
+            _switch(state, free, limits)
+            _switch(state, f, limits)
+            free = f
     return free
 
 
