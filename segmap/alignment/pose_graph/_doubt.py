@@ -44,11 +44,7 @@ TORN_M = 1.5
 
 
 def appraisal(
-    rows: Sequence[TrackedScan],
-    poses: Array,
-    frame_poses: Array,
-    edges: Edge | None,
-    converged: bool,
+    rows: Sequence[TrackedScan], poses: Array, places: Array, edges: Edge | None, converged: bool
 ) -> Appraisal:
     """How far each scan may be off, in the whole and relative to those near by, and the findings.
 
@@ -58,9 +54,9 @@ def appraisal(
     frame = np.array([row.frame for row in rows], np.int64)
     far, near, left = np.zeros(len(rows)), np.zeros(len(rows)), np.zeros(0)
     if edges is not None:
-        weight = np.bincount(frame, minlength=len(frame_poses)).astype(float)
-        far, near = (found[frame] for found in place_deviations(frame_poses, edges, weight))
-        left = deviations(frame_poses, edges)[edges.loop]
+        weight = np.bincount(frame, minlength=len(places)).astype(float)
+        far, near = (found[frame] for found in place_deviations(places, edges, weight))
+        left = deviations(places, edges)[edges.loop]
     told = [(row.along, row.overlap, row.scan.time) for row in rows]
     along, overlap, times = np.reshape(told, (-1, 3)).T
     far, near = np.hypot(far, along), np.hypot(near, along)

@@ -315,9 +315,7 @@ class FrontEnd(Undoable):
             tied = [key.tied for key in frames.rows]
             for k in np.flatnonzero(untied(tied, frames.edges, matched)[frame] & used):
                 rows[k].unmatched, rows[k].reason = Unmatched.UNTIED, ""
-        laid = [
-            Laid(pose, row.unmatched, row.reason) for row, pose in zip(rows, poses, strict=True)
-        ]
+        laid = [Laid(at, row.unmatched, row.reason) for row, at in zip(rows, poses, strict=True)]
         appraise = partial(appraisal, rows, poses, frames.poses, edges, frames.converged)
         return Outcome(laid, self.graph(rejected), appraise)
 
