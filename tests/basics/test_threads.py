@@ -112,7 +112,8 @@ def test_a_map_is_what_each_scan_gives_and_its_quality_what_each_segment(monkeyp
 def test_an_interrupt_ends_the_work_at_once():
     """Control-C that all work which has not begun outlives."""
     code = (
-        "import time; from segmap.threads import in_threads\n"
+        "import signal, time; from segmap.threads import in_threads\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "in_threads(lambda k: print(k, flush=True) or time.sleep(0.2), range(999))"
     )
     process = subprocess.Popen(

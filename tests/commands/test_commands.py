@@ -727,7 +727,8 @@ def test_control_c_ends_with_130_and_leaves_nothing_half_written(run, near, monk
 
 #: A method that does not hear of Control-C for hours.
 LOOP = """
-import sys
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
 from importlib import import_module
 from hashlib import pbkdf2_hmac
 from segmap import reduction
