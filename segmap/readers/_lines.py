@@ -190,6 +190,20 @@ class Lines(Reading):
                 raise
             self.damaged(self.error(f"the packed file is broken or cut short ({fault})"))
 
+    def text(self, most: int) -> str:
+        """At most so many bytes of a file that may have no lines, as far as they are whole."""
+        most = min(most, max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * self.path.stat().st_size))
+        held = bytearray()
+        try:
+            with open_bytes(self.path) as file:
+                while len(held) < most and (part := file.read(MAX_LINE)):
+                    held += part
+        except Exception as fault:
+            if not _is_broken(fault):
+                raise
+            self.damaged(self.error(f"the packed file is broken or cut short ({fault})"))
+        return held.decode("utf-8-sig", "replace")
+
 
 def stem(path: Path) -> str:
     """The name of a log: that of its file, without what tells its kind."""

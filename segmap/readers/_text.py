@@ -153,5 +153,5 @@ def by_names(form: str, fields: Sequence[str]) -> dict[str, Sequence[str]]:
         )
     if rest or sum(wanted.values()) != len(fields):
         told = " and ".join(f"{count} {name}" for name, count in wanted.items() if count)
-        raise ValueError(f"expected {told}, got {len(fields)} in all")
+        raise ValueError(f"expected {told}, got {len(fields)} in all: fields are {form}")
     return said

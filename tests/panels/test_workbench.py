@@ -512,15 +512,16 @@ def test_an_uploaded_file_is_read(tmp_path, worker):
     asked = upload(made, "b.log", content, stop=True)
     assert asked == [0, 700, -1] and made.log.name == "mine"
     upload(made, "\0", b"no log\n")
-    assert made.log.name == "mine" and made._source.wrong.value.startswith(
+    assert made.log.name == "mine" and made.state.value.startswith(
         "upload.log: is of no known format: it starts with &#x27;no log&#x27;. Known formats: "
     )
     upload(made, "b.log", b"FLASER 3 1\n")
-    assert made._source.wrong.value.startswith("b.log: holds no scan, expected a FLASER")
-    assert "damaged line 1: " in made._source.wrong.value
-    told = made._source.wrong.value
-    assert "segmap" not in told and tempfile.gettempdir() not in told
-    assert made.state.value.startswith("not read: ") and "segmap-wrong" in made.state._dom_classes
+    assert made.state.value.startswith("b.log: holds no scan, expected a FLASER")
+    assert "damaged line 1: " in made.state.value
+    assert "segmap" not in made.state.value and tempfile.gettempdir() not in made.state.value
+    assert (
+        made.state.value == made._source.wrong.value and "segmap-wrong" in made.state._dom_classes
+    )
     assert made.start.disabled, "the next run would map a log that nobody asks for any more"
     upload(made, "mine.log", content)
     assert not made.start.disabled and made._source.wrong.value == ""
@@ -533,7 +534,7 @@ def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
     made._worker = worker
     upload(made, "it.csv", rows.encode())
     table = made._source.columns
-    assert "no known format" in made._source.wrong.value and table.view.layout.display == ""
+    assert "no known format" in made.state.value and table.view.layout.display == ""
     assert [kind.value for kind in table.kinds] == ["-", "angle_deg", "range_mm"]
     table.kinds[0].value = "time_s"
     table.read.click()
@@ -556,8 +557,7 @@ def test_an_uploaded_name_that_is_none_is_told(name, words):
     """Catches an exception that nobody sees, and the places of a server in what is said."""
     made = bench()
     assert upload(made, name, b"no log\n")[-1] == -1
-    told = made._source.wrong.value
-    assert words in told and tempfile.gettempdir() not in told
+    assert words in made.state.value and tempfile.gettempdir() not in made.state.value
     assert made.log is LOG
 
 
@@ -568,7 +568,7 @@ def test_the_size_of_an_upload_is_what_arrives(monkeypatch):
     said = [made._source.take("a.log", 10**9, 0, piece)]
     said += [made._source.take("a.log", 900, start, piece) for start in (0, 400, 800, 800)]
     assert said == [-1, 400, 800, -1, -1]
-    assert "a.log has 0.0 MB: only a file up to" in made._source.wrong.value
+    assert "a.log has 0.0 MB: only a file up to" in made.state.value
     assert made._source._folder == "" and made.log is LOG
 
 
@@ -716,7 +716,9 @@ def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path):
     assert not rooms.box.children and not rooms.switch.disabled
     rooms.switch.value = True
     made.wait()
-    assert rooms.total.value == "3 rooms of 46.7 m\u00b2, 2 doors"
+    total, doubt = rooms.total.value.split("; ")
+    assert total == "3 rooms of 46.7 m\u00b2, 2 doors"
+    assert doubt == "free space ends where nothing was seen, and may go on: room 1 (11.7 m)"
     assert sum(float(each.description.split()[0]) for each in rooms.names.children) == (
         pytest.approx(46.7, abs=0.15)
     )

@@ -424,3 +424,20 @@ def test_arrays_alone_are_tables(tmp_path):
     np.save(tmp_path / "it.npy", np.array([[1], [1, 2]], object), allow_pickle=True)
     with pytest.raises(LogError, match="is no array of numbers alone"):
         readers.read(tmp_path / "it.npy")
+
+
+def test_decimals_after_commas_are_no_pairs_of_a_radar(tmp_path):
+    """Catches ranges in metres that become angles and centimetres, each of two neighbours."""
+    ranges = np.linspace(0.101, 0.281, 181)
+    (tmp_path / "it.csv").write_text(
+        "".join(f"{t}," + ",".join(f"{r:.3f}" for r in ranges) + "\n" for t in range(3))
+    )
+    assert not any("radar" in said for said in _assumed(tmp_path / "it.csv"))
+
+
+def _assumed(path) -> tuple[str, ...]:
+    """What is assumed of a file, if it is read."""
+    try:
+        return readers.read(path).assumed
+    except LogError:
+        return ()

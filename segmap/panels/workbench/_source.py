@@ -34,8 +34,6 @@ LARGEST = "a file up to 100 MB; larger ones by their path"
 LONGEST = 255
 #: Calls a function elsewhere, hands what it returns to a second one here, or why not to a third.
 Begin = Callable[..., None]
-#: What is said beside *Run* of a log that is refused.
-NOT_READ = "not read: the reason stands beside the name of the log"
 #: What is said of a log while there is none: the next run would map another one.
 NO_LOG = "no log: choose one"
 
@@ -136,7 +134,7 @@ class Source:
         """Say why a log that was asked for is not there, beside what asked; nothing is run now."""
         self.ready, self.controls[0].value = False, OWN
         self.about.value, self.wrong.value = NO_LOG, as_html(text)
-        self._bar.wrong(NOT_READ)
+        self._bar.wrong(text)
 
     def take(self, name: str, size: int, start: int, content: bytes) -> int:
         """Keep a piece of a file of the browser, and read it when it is whole; what comes next."""

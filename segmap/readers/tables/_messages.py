@@ -22,7 +22,7 @@ import json
 import re
 import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import chain, islice
+from itertools import chain, islice, pairwise
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -30,7 +30,7 @@ import numpy as np
 
 from ...scans import Log
 from ...scans.error_codes import as_ranges
-from .._lines import HeadError, Lines, LogError, open_bytes
+from .._lines import HeadError, Lines, LogError
 from ._columns import named, proposed_names
 from ._fields import SAMPLE_LINES, sample
 from ._layout import SHOWN_ROWS, Layout, wanting
@@ -66,7 +66,10 @@ HEAD_OF_GAZEBO = "header {"
 #: Before each matrix that Octave saves.
 OCTAVE_NAME = re.compile(r"# name: (\w+)")
 #: Pairs of whole degrees and centimetres, without an end of a line.
-RADAR = re.compile(r"(\d{1,3},\d{1,4}\.){6,}(\d{1,3},?)?\d{0,4}")
+RADAR_PAIR = re.compile(r"(0|[1-9]\d{0,2}),(0|[1-9]\d{0,3})\.")
+RADAR = re.compile(rf"({RADAR_PAIR.pattern}){{6,}}(\d{{1,3}},?)?\d{{0,4}}")
+#: Its servo goes on by so many degrees at most, each time by as many, or back to the first.
+MOST_RADAR_STEP_DEG = 30
 TOLD_OF_RADAR = ("pairs are degrees and centimetres, as programs for a radar have them",)
 #: What stands between values of JSON.
 BETWEEN_JSON = re.compile(r"[\s,]*")
@@ -136,7 +139,7 @@ def records_of(path: Path) -> Records | None:
         return Records(_echoed)
     if any(OCTAVE_NAME.match(text) for text in texts):
         return Records(_octave)
-    if texts and RADAR.fullmatch(texts[0]):
+    if texts and _is_radar(texts[0]):
         return Records(_radar, TOLD_OF_RADAR)
     if any(map(TELEGRAM.search, texts)):
         return Records(_telegrams, TOLD_OF_TELEGRAMS)
@@ -193,8 +196,7 @@ def _message_texts(lines: Lines, said: Mapping[str, Sequence[str]]) -> dict[str,
 # ------------------------------------------------------------------------ JSON
 def _json(lines: Lines) -> Iterator[Record]:
     """The scans or beams of all values in a text, as far as it is JSON."""
-    with open_bytes(lines.path) as file:
-        text = file.read(MOST_JSON_BYTES).decode("utf-8-sig", "replace")
+    text = lines.text(MOST_JSON_BYTES)
     if BARE_KEY.match(text):  # the flow style of YAML, as `ros2 topic echo --flow-style` has it
         text = BARE_KEY.sub(r'\1"\2":', re.sub(r"(?m)^---$", "", text).replace("'", '"'))
         text = re.sub(r":\s*([A-Za-z_/][\w/]*)(?=\s*[,}])", r': "\1"', text)
@@ -293,10 +295,19 @@ def _octave(lines: Lines) -> Iterator[Record]:
     yield from ((lines.number, said) for scan in _scans_in(value) for said in scan)
 
 
+def _is_radar(text: str) -> bool:
+    """Whether it is pairs of a radar, and not numbers with a point: `1,2.500,2.510`."""
+    if not RADAR.fullmatch(text):
+        return False
+    angles = [int(angle) for angle, _ in RADAR_PAIR.findall(text)]
+    ways = [abs(b - a) for a, b in pairwise(angles) if b not in (a, angles[0])]
+    return len({*ways}) == 1 and ways[0] <= MOST_RADAR_STEP_DEG and max(angles) <= 360
+
+
 def _radar(lines: Lines) -> Iterator[Record]:
     """What a sonar or laser on a servo sends that is drawn as a radar: `90,123.91,122.`."""
     for (text,) in lines:
-        for angle, far in re.findall(r"(\d+),(\d+)\.", text):
+        for angle, far in RADAR_PAIR.findall(text):
             yield lines.number, {"angle_deg": angle, "range_cm": far}
 
 
