@@ -307,7 +307,7 @@ def checked_alignment(
         return own._replace(causes=(*known, *seen, *own.causes))
 
     evidence = reasons, found.graph, None, None, None, unmatched, appraise
-    return Alignment(poses, used, seconds, name, *evidence)
+    return Alignment(poses.copy(), used.copy(), seconds, name, *evidence)  # a user may edit these
 
 
 class Trail:

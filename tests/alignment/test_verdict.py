@@ -187,3 +187,13 @@ def test_a_right_quadtree_is_not_smeared(name, resolution):
     log = load(name)
     tree = quadtree.build_map(log, log.truth, resolution=resolution)
     assert smeared_walls(tree) < 0.1
+
+
+def test_poses_that_a_user_moves_do_not_change_what_the_alignment_says():
+    """Catches findings that are worked out late, of poses that somebody has edited meanwhile."""
+    log = load("corridor")[:40]
+    asked, edited = pose_graph(log), pose_graph(log)
+    edited.poses[::2, 2] += 2
+    edited.used[:] = False
+    assert edited.causes == asked.causes
+    np.testing.assert_array_equal(edited.spread, asked.spread)

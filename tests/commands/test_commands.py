@@ -754,13 +754,13 @@ def test_control_c_ends_a_loop_that_does_not_hear_it():
 #: Control-C while the command is still being loaded.
 LOADING = """
 import sys
+from importlib import import_module
 class Stop:
     def find_spec(self, name, *rest):
         if name == "segmap._commands._map":
             raise KeyboardInterrupt
 sys.meta_path.insert(0, Stop())
-from segmap.__main__ import main
-sys.exit(main(["--version"]))
+sys.exit(import_module("segmap.__main__").main(["--version"]))
 """
 
 
