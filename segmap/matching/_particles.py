@@ -188,8 +188,8 @@ def _steps(
             # 1. Resample, where few particles hold most of the weight
             if effective_number(_weights(recent)) < resample * count:
                 parents = systematic(_weights(recent), rng.random())
-                again = (np.diff(parents, prepend=-1) == 0).tolist()
-                maps = [deepcopy(maps[i]) if again.pop(0) else maps[i] for i in parents]
+                chosen = zip(parents, np.diff(parents, prepend=-1) == 0, strict=True)
+                maps = [deepcopy(maps[at]) if again else maps[at] for at, again in chosen]
                 poses, drawn = poses[parents], drawn[parents]
                 likely, recent = likely[parents], np.zeros(count)
             # 2. Propose: where the odometry leads, then the peak beside it on the own map
