@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Callable
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from .grading import (
     class_report,
     duplicates,
     graded,
+    gradescope,
     plan_of,
     read_key,
     write_feedback,
@@ -62,14 +64,19 @@ def parser() -> argparse.ArgumentParser:
     handed.add_argument(
         "--seed", type=whole, metavar="N", help="of the hidden cases; default: 128 bits, drawn"
     )
-    notebooks = "a notebook or a folder a student: ann.ipynb, ann/"
+    words = "write tests for otter-grader, too: DIR.otter, for you alone"
+    handed.add_argument("--otter", action="store_true", help=words)
+    notebooks = (
+        "a notebook or a folder a student: ann.ipynb, ann/; with -o results.json one student's"
+    )
     _add_options(command(_grade, notebooks, "points and feedback for all submissions"))
     command(_solutions, "a new folder, not for students", "chapters with solutions, for you alone")
     return found
 
 
 def _add_options(grade: argparse.ArgumentParser) -> None:
-    grade.add_argument("-o", "--output", type=Path, required=True, metavar="grades.csv")
+    words = "a table; or results.json, which Gradescope reads, for the folder of one student"
+    grade.add_argument("-o", "--output", type=Path, required=True, metavar="grades.csv", help=words)
     grade.add_argument(
         "--key", type=Path, metavar="FILE", help="the instructor's file of handout: chapters, seed"
     )
@@ -112,34 +119,41 @@ def share(word: str) -> float:
 
 
 def _handout(given: argparse.Namespace) -> None:
-    key, tasks = handout(given.folder, wanted=given.chapters, seed=given.seed)
+    key, tasks = handout(given.folder, wanted=given.chapters, seed=given.seed, otter=given.otter)
     count = len(list(given.folder.glob("*.ipynb")))
     points = sum(task.points for task in tasks)
     held = f"{count} chapters, {len(tasks)} tasks, {points} points"
     print(shown(f"{held}: give {given.folder} to students"))
     print(shown(f"for you alone: {key} (the seed of the hidden cases); grade with --key {key}"))
+    if given.otter:
+        print(shown(f"for you alone: {given.folder}.otter, a folder of tests for each chapter"))
 
 
 def _grade(given: argparse.Namespace) -> None:
     if given.key and (given.chapters or given.seed is not None):
         raise ValueError("--key holds the chapters and the seed: leave --chapters and --seed out")
-    if given.output.suffix != ".csv":
-        raise ValueError(f"-o must name a table, grades.csv for instance, got {given.output}")
+    if given.output.suffix not in (".csv", ".json"):
+        raise ValueError(f"-o must name a table, grades.csv, or results.json, got {given.output}")
     writable(given.output)
     plan = read_key(given.key) if given.key else plan_of(given.chapters, given.seed)
-    limits = Limits(seconds=max(given.seconds, 1), cpu=max(given.cpu, 1))
+    run = partial(
+        graded,
+        given.folder,
+        plan._replace(partial=given.partial),
+        limits=Limits(seconds=max(given.seconds, 1), cpu=max(given.cpu, 1)),
+        unprotected=given.unprotected,
+    )
+    if given.output.suffix == ".json":
+        (row,) = run(alone=True)
+        write_bytes(given.output, gradescope(row, plan.tasks).encode())
+        print(shown(f"written: {given.output}, {row.points(plan.tasks):g} points"))
+        return
     table = Table(given.output, plan.tasks, given.deadline)
     pages = given.output.with_name(f"{given.output.stem}_feedback")
     rows, journal = [], given.output.with_name(f"{given.output.stem}_unfinished.jsonl")
     if journal.exists():
         print(shown(f"going on where grading stopped; to begin anew, remove {journal}"))
-    for row in graded(
-        given.folder,
-        plan._replace(partial=given.partial),
-        limits=limits,
-        unprotected=given.unprotected,
-        journal=journal,
-    ):
+    for row in run(journal=journal):
         table.add(row)
         write_feedback(pages, row, plan.tasks)
         rows.append(row)

@@ -194,7 +194,7 @@ def test_an_open_exercise_passes_and_fails_with_its_reason(name):
     of the student can read."""
     exercise, (right, wrong) = OPEN_EXERCISES[name], ANSWERS[name]
     check = exercise.verdict(decode(json.loads(json.dumps(encode(exercise.answers(right))))))
-    assert check and exercise(right) == check and exercise.fresh(1) == {}
+    assert check and exercise(right) == check and exercise.hidden(1) == {}
     for answer, words in wrong:
         found = exercise(answer)
         assert isinstance(found, Check) and not found and words in found.hint

@@ -31,6 +31,8 @@ from ._answers import (
 Rng = np.random.Generator
 #: Cases are drawn again until each mistake is told by its own hint, at most so many times.
 MOST_DRAWS = 100
+#: Hidden cases are drawn so often: what one draw of three shows, then passes one time in seven.
+DRAWS = 5
 #: Arguments are shown where they take no more characters.
 MOST_SHOWN = 90
 
@@ -109,6 +111,11 @@ class Exercise:
             Where no draw tells each mistake by its own hint.
         """
         return self._drawn(np.random.default_rng(seed))
+
+    def hidden(self, seed: int) -> dict[str, tuple[Any, ...]]:
+        """All hidden cases of a seed; numbered, since the words of a case may tell what it is."""
+        draws = [self.fresh((seed, draw)) for draw in range(DRAWS)]
+        return listed([case for cases in draws for case in cases.values()])
 
     def _drawn(self, rng: Rng) -> dict[str, tuple[Any, ...]]:
         for _ in range(MOST_DRAWS):

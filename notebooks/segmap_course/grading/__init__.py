@@ -2,9 +2,9 @@
 
 from ._grade import graded, plan_of, read_key
 from ._jail import Limits
-from ._report import Table, class_report, duplicates, write_feedback
+from ._report import Table, class_report, duplicates, gradescope, write_feedback
 
 __all__ = [
-    "Limits", "Table", "class_report", "duplicates", "graded", "plan_of", "read_key",
+    "Limits", "Table", "class_report", "duplicates", "graded", "gradescope", "plan_of", "read_key",
     "write_feedback",
 ]  # fmt: skip

@@ -20,13 +20,11 @@ from .._cells import apart, bound_names, free_names, imports_of
 from ..exercises import NOT_GIVEN, Exercise, Raised
 from ._jail import Ended, Jail, Limits, answers
 from ._report import Outcome, Row
-from ._submissions import Submission, is_stub, submissions
+from ._submissions import Submission, is_stub, submission, submissions
 from .handout import CHECKS, KIND, Task, chapters, package, read_chapter, tasks_of
 
 #: Answers that run at the same time.
 WORKERS = 2
-#: Hidden cases are drawn so often: what one draw of three shows, then passes one time in seven.
-DRAWS = 5
 #: A cell with more characters is no answer.
 MOST_CHARACTERS = 200_000
 #: What is said of an answer that may lack what another cell has.
@@ -84,19 +82,21 @@ def graded(
     limits: Limits = Limits(),
     unprotected: bool = False,
     journal: Path | None = None,
+    alone: bool = False,
 ) -> Iterator[Row]:
     """Grade the submissions of a folder, one student after the other.
 
     The limits are those of each answer. `unprotected` runs them where this system has no jail. What
     fails at one answer is the outcome of that answer. The journal, a file, holds what was found for
-    each student until all are graded: where grading stopped before, it goes on from there.
+    each student until all are graded: where grading stopped before, it goes on from there. `alone`
+    says that the folder is that of one student.
 
     Raises
     ------
     ValueError
         Without submissions, tasks or, unless `unprotected`, a jail.
     """
-    handed = submissions(folder)
+    handed = [submission(folder)] if alone else submissions(folder)
     if not plan.tasks:
         raise ValueError("the chapters that are graded ask for no answer")
     with Jail(limits, unprotected=unprotected) as jail, ThreadPoolExecutor(WORKERS) as workers:
@@ -119,15 +119,15 @@ def graded(
                 for name, job in jobs.items()
             }
 
-        for submission, key, found in zip(handed, keys, workers.map(ran, jobs), strict=True):
+        for each, key, found in zip(handed, keys, workers.map(ran, jobs), strict=True):
             outcomes = done.get(key) or {
                 name: got
                 if isinstance(got, Outcome)
                 else kept(judged, exercises[name], got, hidden[name], plan.partial)
                 for name, got in found.items()
             }
-            outcomes |= {t.name: kept(named, submission, t, outcomes[t.name]) for t in asked}
-            yield Row(submission, outcomes, str(jail))
+            outcomes |= {t.name: kept(named, each, t, outcomes[t.name]) for t in asked}
+            yield Row(each, outcomes, str(jail))
             if journal and key not in done:
                 with journal.open("a", encoding="utf-8") as file:
                     file.write(json.dumps([key, outcomes]) + "\n")
@@ -161,8 +161,7 @@ def _journal(path: Path | None) -> dict[str, dict[str, Outcome]]:
 
 
 def _hidden(exercise: Any, seed: int | None) -> list[tuple[Any, ...]]:
-    draws = [] if seed is None else [exercise.fresh((seed, draw)) for draw in range(DRAWS)]
-    return [case for cases in draws for case in cases.values()]
+    return [] if seed is None else list(exercise.hidden(seed).values())
 
 
 def job(handed: Submission, task: Task, exercise: Any) -> Job:

@@ -7,6 +7,7 @@ import csv
 import hashlib
 import html
 import io
+import json
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -175,6 +176,21 @@ def number(cell: str) -> float:
         return 0.0
 
 
+def gradescope(row: Row, tasks: Sequence[Task]) -> str:
+    """What Gradescope reads as `results.json`: a test for each task that the program grades."""
+    tests = [
+        {
+            **{"name": task.name, "score": row.gained(task), "max_score": task.points},
+            **{"status": "passed" if row.outcomes[task.name].right else "failed"},
+            **{"output": f"{_told(row, task)}\n\n{row.outcomes[task.name].cases}".strip()},
+            **{"visibility": "visible"},
+        }
+        for task in tasks
+        if not task.by_hand
+    ]
+    return json.dumps({"output": "; ".join(row.submission.problems), "tests": tests}, indent=1)
+
+
 def late(handed: Submission, deadline: datetime) -> str:
     """By how many hours the newest file was written after the deadline; empty for in time."""
     hours = (max((b.time for b in handed.books), default=0) - deadline.timestamp()) / 3600
@@ -289,14 +305,19 @@ def _section(row: Row, task: Task) -> str:
         said = "<p>Nothing was handed in.</p>" if written is None else _code(written)
         return f"<section><h2>{html.escape(head)}</h2>{_code(task.rubric)}{said}</section>"
     found = row.outcomes[task.name]
-    answer, note = row.submission.find(task)
+    answer, _ = row.submission.find(task)
     head = f"{task.name}: {row.gained(task):g} of {task.points} points"
-    said = f"{found.kind.capitalize()}: {found.reason[:1000]}" if found.reason else "Right."
-    said += f" ({note})" if note else ""
     return (
         f'<section class="{_side(found).replace(" ", "-")}"><h2>{html.escape(head)}</h2>'
-        f"<p>{html.escape(said)}</p>{_code(found.cases)}{_code(answer or '')}</section>"
+        f"<p>{html.escape(_told(row, task))}</p>{_code(found.cases)}{_code(answer or '')}</section>"
     )
+
+
+def _told(row: Row, task: Task) -> str:
+    """What a student is told of an answer."""
+    found, (_, note) = row.outcomes[task.name], row.submission.find(task)
+    said = f"{found.kind.capitalize()}: {found.reason[:1000]}" if found.reason else "Right."
+    return said + (f" ({note})" if note else "")
 
 
 def _code(text: str) -> str:

@@ -122,13 +122,13 @@ def submissions(folder: Path) -> list[Submission]:
     """
     if not folder.is_dir():
         raise ValueError(f"{folder} is no folder: name the one that holds the submissions")
-    found = [_submission(path) for path in sorted(folder.iterdir()) if _counts(path)]
+    found = [submission(path) for path in sorted(folder.iterdir()) if _counts(path)]
     if not found:
         raise ValueError(
             f"{folder} holds no submission: expected a notebook a student (ann.ipynb), "
             "or a folder a student (ann/34_icp.ipynb)"
         )
-    students = [submission.student for submission in found]
+    students = [each.student for each in found]
     twice = sorted({name for name in students if students.count(name) > 1})
     if twice:
         raise ValueError(f"{folder} holds a file and a folder named {', '.join(twice)}")
@@ -142,7 +142,8 @@ def _counts(path: Path) -> bool:
     return path.is_dir() or path.suffix == ".ipynb"
 
 
-def _submission(path: Path) -> Submission:
+def submission(path: Path) -> Submission:
+    """What one student handed in: a notebook, or a folder of them."""
     found = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
     files = [p for p in found if not p.is_symlink() and ".ipynb_checkpoints" not in p.parts]
     problems = [] if files else ["the folder holds no notebook"]

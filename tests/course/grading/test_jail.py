@@ -135,12 +135,13 @@ def test_python_sees_its_packages_and_for_an_open_exercise_the_library(monkeypat
 
 def test_an_answer_may_take_so_much():
     """Catches a limit that grows by itself: 30 s, 10 s of computing, 3 GB; 8 MB, 200 kB of text."""
+    from segmap_course.exercises import _exercise
     from segmap_course.grading import _grade, _report, _submissions
 
     assert Limits() == (30.0, 10, 3 * 1024**3)
     assert (_jail.MOST_BYTES, _jail.MOST_WRITTEN) == (8 * 1024**2, 16 * 1024**2)
     assert (_grade.MOST_CHARACTERS, _submissions.MOST_BYTES) == (200_000, 20_000_000)
-    assert (_grade.DRAWS, _report.ALIKE, _report.LEAST_MARKS) == (5, 0.9, 40)
+    assert (_exercise.DRAWS, _report.ALIKE, _report.LEAST_MARKS) == (5, 0.9, 40)
 
 
 # ------------------------------------------------------------------ system calls

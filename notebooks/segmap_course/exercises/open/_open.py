@@ -39,7 +39,7 @@ class Open:
     def __repr__(self) -> str:
         return self.task
 
-    def fresh(self, seed: int | tuple[int, ...]) -> dict[str, tuple[Any, ...]]:
+    def hidden(self, seed: int) -> dict[str, tuple[Any, ...]]:
         """No hidden cases: what the student gives is judged as it is."""
         return {}
 

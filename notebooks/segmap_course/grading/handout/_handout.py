@@ -19,6 +19,7 @@ from segmap.files import writable, write_bytes
 
 from ... import EXERCISES
 from ._given import listed
+from ._otter import otter_tests
 from ._tasks import Cell, Notebook, Task, chapters, column, parts, places, read_chapter, tasks_of
 
 #: First word of the instructor's file, with the version of its layout.
@@ -27,13 +28,15 @@ KIND = "segmap handout 1"
 LINK = re.compile(r"(!?)\[([^\]\n]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
 
 
-def handout(folder: Path, *, wanted: str = "", seed: int | None = None) -> tuple[Path, list[Task]]:
+def handout(
+    folder: Path, *, wanted: str = "", seed: int | None = None, otter: bool = False
+) -> tuple[Path, list[Task]]:
     """Write student copies of chapters into a new folder, and the instructor's file beside it.
 
     The folder must not exist, or be empty, and `wanted` are numbers of chapters, "34,54"; all by
     default. The seed is that of the hidden cases, by default 128 bits that nobody can guess. What
     is returned is the instructor's file, which must stay out of the folder that students
-    get, and the tasks.
+    get, and the tasks. `otter` writes tests for otter-grader beside the folder, too.
 
     Raises
     ------
@@ -44,7 +47,9 @@ def handout(folder: Path, *, wanted: str = "", seed: int | None = None) -> tuple
     if seed < 0:
         raise ValueError(f"the seed must be a whole number from 0 on, got {seed}")
     chosen, key = chapters(wanted), folder.with_name(f"{folder.name}.instructor.json")
-    refuse_old(folder)
+    tests = folder.with_name(f"{folder.name}.otter")
+    for new in (folder, *([tests] if otter else [])):
+        refuse_old(new)
     if key.exists():
         raise ValueError(f"{key} is there already, with the seed of a handout: move it away first")
     if folder.parent.is_dir():
@@ -53,6 +58,8 @@ def handout(folder: Path, *, wanted: str = "", seed: int | None = None) -> tuple
     tasks = [task for name, book in notebooks.items() for task in tasks_of(name, book)]
     copies = {n: student_copy(n, book, notebooks) for n, book in notebooks.items()}
     write_folder(folder, {n: text(copy) for n, copy in copies.items()})
+    if otter:
+        write_folder(tests, otter_tests(tasks, seed))
     held = {"format": KIND, "seed": seed, "tasks": [task._asdict() for task in tasks]}
     write_bytes(key, (json.dumps(held, indent=1) + "\n").encode())
     key.chmod(0o600)

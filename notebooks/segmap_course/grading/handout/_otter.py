@@ -1,0 +1,43 @@
+"""Tests for otter-grader, a file a task: the check of the chapter, and hidden cases of the seed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from pprint import pformat
+
+from ... import EXERCISES
+from ._tasks import Task
+
+FILE = '''\
+"""The task {name} of {chapter}, with the seed of its hidden cases: for teachers alone."""
+
+OK_FORMAT = True
+
+test = {test}
+'''
+
+
+def otter_tests(tasks: list[Task], seed: int) -> dict[str, bytes]:
+    """File -> its text, in a folder for each chapter: `11_scans_and_poses/compose.py`."""
+    asked = [task for task in tasks if not task.by_hand]
+    return {f"{Path(t.chapter).stem}/{t.name}.py": otter_test(t, seed).encode() for t in asked}
+
+
+def otter_test(task: Task, seed: int) -> str:
+    """The test of a task in otter's OK format: all points are those of its last case."""
+    known = task.name in EXERCISES
+    check = f"course.check_{task.name}" if known else f"course.{task.name}"
+    lines = {False: f"found = {check}({task.given})"}
+    if known:
+        lines[True] = f"found = {check}({task.given}, {check}.hidden({seed}))"
+    cases = [
+        {
+            "code": f">>> import segmap_course as course\n>>> {line}\n>>> assert found, found",
+            "hidden": hidden,
+            "points": task.points if hidden == known else 0,
+        }
+        for hidden, line in lines.items()
+    ]
+    suite = {"cases": cases, "scored": True, "setup": "", "teardown": "", "type": "doctest"}
+    test = {"name": task.name, "points": None, "suites": [suite]}
+    return FILE.format(name=task.name, chapter=task.chapter, test=pformat(test, sort_dicts=False))
