@@ -29,7 +29,7 @@ NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 INDEXED := $(wildcard $(foreach name,warm entry_points returns quadtree_files reduction_properties,tests/*/test_$(name).py))
 
 .NOTPARALLEL:
-.PHONY: help lab app handout grade test test-all test-lowest mutants fuzz bounds refresh panels bench book clean
+.PHONY: help lab app handout grade test test-all test-lowest mutants fuzz bounds refresh panels bench book slides clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -97,6 +97,9 @@ panels: $(SETUP) ## take the pictures of panels that the book shows (CHAPTERS=".
 
 book: $(SETUP) ## make web pages of chapters and API, build/book/index.html, to read offline
 	PYTHONPATH=notebooks/tools $(RUN) -m book
+
+slides: $(SETUP) ## make slides of chapters, build/slides/*.html, to show offline (CHAPTERS="..." for some)
+	PYTHONPATH=notebooks:notebooks/tools $(RUN) notebooks/tools/slides.py $(CHAPTERS)
 
 clean: ## remove what make made, the environment too; work/ stays
 	rm -rf .venv .venv-lowest build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

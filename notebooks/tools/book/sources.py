@@ -98,7 +98,8 @@ def read_chapter(path: Path, states: dict[str, list[str]]) -> Chapter:
             cell.source = adapt(numbered(cell.source, path.stem[:2], section))
         elif cell.source.strip():
             cell.metadata["tags"] = [*cell.metadata.get("tags", []), "hide-input"]
-            _describe_picture(cell)
+            if alt := alt_text(cell):
+                cell.metadata["mystnb"] = {"image": {"alt": alt}}
     complaints += _replace_panels(notebook, path.stem, states)
     return Chapter(notebook, complaints)
 
@@ -205,15 +206,14 @@ def _linked(text: str) -> str:
     return "".join(inside)
 
 
-def _describe_picture(cell: NotebookNode) -> None:
-    """The title of the picture of a cell, for who cannot see it."""
+def alt_text(cell: NotebookNode) -> str:
+    """The title of the picture of a cell, for who cannot see it; empty where it has none."""
     shown = [output for output in cell.outputs if "image/png" in output.get("data", {})]
     if not shown:
-        return
+        return ""
     words = TITLE.findall(cell.source) or [shown[0].data.get("text/plain", "")]
     words = [word for word in words if word and not word.startswith("<Figure")]
-    alt = re.sub(r"\{[^}]*\}", "...", "; ".join(words)) or "Figure that the code above draws"
-    cell.metadata["mystnb"] = {"image": {"alt": alt}}
+    return re.sub(r"\{[^}]*\}", "...", "; ".join(words)) or "Figure that the code above draws"
 
 
 # ------------------------------------------------------------------ panels

@@ -1,0 +1,45 @@
+"""Slides of a lab: all of its figures, whole sentences, no code, nothing from elsewhere."""
+
+import re
+import sys
+
+import nbformat
+import pytest
+from chapter_rules import CHAPTERS
+from makefile import ROOT
+
+sys.path.insert(0, str(ROOT / "notebooks" / "tools"))
+pytest.importorskip("sphinx")
+slides = pytest.importorskip("slides")
+
+
+def chapter(number):
+    (path,) = (path for path in CHAPTERS if path.name.startswith(number))
+    return path, nbformat.read(path, as_version=4)
+
+
+def test_a_lab_becomes_slides():
+    """Catches a figure that is lost or that nobody tells, code, and a link that needs a network."""
+    path, notebook = chapter("34")
+    page = slides.page(path)
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    drawn = sum("image/png" in output.get("data", {}) for output in outputs)
+    assert page.count('src="data:image/png') == page.count("<img ") == drawn > 3
+    assert len(re.findall(r'<img alt="[^"]+"', page)) == drawn
+    assert "<h1>34 ICP</h1><p><strong>ICP moves a scan" in page
+    assert not re.search(r"plt\.|import |href=|https?:(?!//www.w3.org)", page)
+    assert page.count("<section") == page.count("</section>") == len(list(slides.slides(notebook)))
+
+
+def test_each_section_says_a_whole_sentence():
+    """Catches what stands above a heading and is taken for its idea, and a sentence cut in bold."""
+    _, notebook = chapter("34")
+    said = {slide.heading: slide.sentences[0] for slide in slides.slides(notebook)}
+    assert said["What robust weights do"].startswith("Somebody walks through, or a door opens.")
+    assert all(sentence.count("**") % 2 == 0 for sentence in said.values())
+    assert not any(sentence.endswith("?") for sentence in said.values())
+
+
+def test_a_printed_method_is_shown():
+    path, _ = chapter("54")
+    assert "<pre>def fusion_online(" in slides.page(path)
