@@ -2,7 +2,9 @@
 
 A folder holds, for each map, `NAME.png` (empty), `NAME_furnitures.png` and
 `NAME_gt_segmentation.png`, 0.05 m a pixel: white is free, and in the last each white area is a
-room. A laser is cast over the edges of the free pixels, from places all over them, at true poses.
+room. A laser is cast over the edges of the free pixels, from places all over them, at true poses;
+`--drive` lets a robot with odometry drive by these places instead, and judges the plan at the true
+poses and at those of the pose graph.
 
 `python -m benchmarks.bench_plan FOLDER` prints the table, map by map.
 """
@@ -18,16 +20,17 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy import ndimage
+from scipy import ndimage, sparse
+from scipy.sparse import csgraph
 from scipy.spatial.distance import cdist
 
-from segmap import build_map, quadtree, reduction
+from segmap import SegmentMap, alignment, build_map, quadtree, reduction
 from segmap.arrays import Array
 from segmap.metrics import against_walls
 from segmap.plan import FloorPlan, floor_plan
 from segmap.scans import Log
 from segmap.segments import length, point_distance
-from segmap.simulation import Sensor, simulate
+from segmap.simulation import Sensor, drive, simulate
 
 from .measure import SHARED, Row, missing
 
@@ -40,6 +43,9 @@ WHITE = 250
 LEAST_PIXELS = 100
 #: Scans are taken on a square grid with this spacing, metres, this far from what is not free.
 SPACING_M, CLEARANCE_M = 1.0, 0.25
+#: A robot drives by places so far apart, over squares of so many pixels, and so far from walls,
+#: metres; it scans after so many metres.
+TOUR_M, COARSE_PIXELS, ROBOT_M, STEP_M = 2.0, 4, 0.3, 0.5
 #: A whole turn, half a degree from beam to beam, with the noise of a good sensor.
 LASER = Sensor("turning", 720, -np.pi, np.pi / 360, max_range=20.0, sigma=0.01)
 
@@ -106,17 +112,54 @@ def pixel_edges(free: NDArray[np.bool_]) -> Array:
     return np.concatenate(found)
 
 
-def log_of(known: Known, *, rng: np.random.Generator) -> Log:
-    """Scans from places all over the free pixels, each at its true pose."""
+def places_of(known: Known, apart: float, clear: float) -> NDArray[np.int64]:
+    """Pixels `(k, 2)`, row and column: the freest of each block of `apart` metres."""
     free = ndimage.binary_opening(known.free, iterations=1)
     away = ndimage.distance_transform_edt(np.pad(known.free, 1))[1:-1, 1:-1] * PIXEL_M
-    apart = round(SPACING_M / PIXEL_M)
-    cells = np.argwhere(free & (away >= CLEARANCE_M))
-    block = pd.DataFrame(cells // apart, columns=["row", "column"])
+    cells = np.argwhere(free & (away >= clear))
+    block = pd.DataFrame(cells // round(apart / PIXEL_M), columns=["row", "column"])
     block["away"] = away[tuple(cells.T)]
-    best = block.groupby(["row", "column"])["away"].idxmax().to_numpy()
-    places = (cells[best][:, ::-1] + 0.5) * PIXEL_M
+    return cells[block.groupby(["row", "column"])["away"].idxmax().to_numpy()]
+
+
+def log_of(known: Known, *, rng: np.random.Generator) -> Log:
+    """Scans from places all over the free pixels, each at its true pose."""
+    places = (places_of(known, SPACING_M, CLEARANCE_M)[:, ::-1] + 0.5) * PIXEL_M
     path = np.column_stack([places, rng.uniform(-np.pi, np.pi, len(places))])
+    return simulate(pixel_edges(known.free), path, sensor=LASER, rng=rng, name=known.name)
+
+
+def driven_log(known: Known, *, rng: np.random.Generator) -> Log:
+    """Scans of a robot that drives, each time, to the nearest place that it has not been at."""
+    away = ndimage.distance_transform_edt(np.pad(known.free, 1))[1:-1, 1:-1] * PIXEL_M
+    clear = (away >= ROBOT_M)[::COARSE_PIXELS, ::COARSE_PIXELS]
+    number, links = np.cumsum(clear).reshape(clear.shape) - 1, list[Any]()
+    for a, b in (
+        (np.s_[1:], np.s_[:-1]),
+        (np.s_[:, 1:], np.s_[:, :-1]),
+        (np.s_[1:, 1:], np.s_[:-1, :-1]),
+        (np.s_[1:, :-1], np.s_[:-1, 1:]),
+    ):
+        both = clear[a] & clear[b]
+        links.append(np.stack([number[a][both], number[b][both]]))
+    i, j = np.concatenate(links, 1)
+    cells = np.argwhere(clear)
+    apart = np.hypot(*(cells[i] - cells[j]).T)
+    graph = sparse.coo_array((apart, (i, j)), shape=(len(cells),) * 2).tocsr()
+    part = csgraph.connected_components(graph, directed=False)[1]
+    largest = part == np.bincount(part).argmax()
+    block = pd.DataFrame(cells[largest] // round(TOUR_M / PIXEL_M / COARSE_PIXELS))
+    block["away"] = away[tuple(cells[largest].T * COARSE_PIXELS)]
+    left = np.flatnonzero(largest)[block.groupby([0, 1])["away"].idxmax().to_numpy()].tolist()
+    way = [left.pop(0)]
+    while left:
+        far, before = csgraph.dijkstra(graph, False, indices=way[-1], return_predecessors=True)
+        goal, leg = left.pop(int(far[left].argmin())), list[int]()
+        while goal != way[-1]:
+            leg, goal = [goal, *leg], int(before[goal])
+        way += [*leg[2:-1:3], leg[-1]]
+    stops = (cells[way][:, ::-1] * COARSE_PIXELS + 0.5) * PIXEL_M
+    path = drive(stops, step=STEP_M, turn=np.pi / 4)
     return simulate(pixel_edges(known.free), path, sensor=LASER, rng=rng, name=known.name)
 
 
@@ -219,12 +262,17 @@ def wall_row(plan: FloorPlan, before: Array, free: quadtree.QuadtreeMap) -> dict
     }
 
 
-def known_row(known: Known) -> tuple[dict[str, Any], FloorPlan]:
-    """The figures of one published map, and its plan."""
-    log = log_of(known, rng=np.random.default_rng(0))
-    raw = build_map(log, log.truth, keep_points=True).filtered(0.1)
-    free = quadtree.build_map(log, log.truth, resolution=PIXEL_M, free_resolution=PIXEL_M)
-    reduced = reduction.one_per_wall(raw)
+def known_row(known: Known, log: Log, poses: Array) -> tuple[dict[str, Any], FloorPlan]:
+    """The figures of the plan of a log of a published map, and the plan."""
+    raw = build_map(log, poses, keep_points=True).filtered(0.1)
+    free = quadtree.build_map(log, poses, resolution=PIXEL_M, free_resolution=PIXEL_M)
+    return row_of(known, raw, reduction.one_per_wall(raw), free)
+
+
+def row_of(
+    known: Known, raw: SegmentMap, reduced: reduction.Reduction, free: quadtree.QuadtreeMap
+) -> tuple[dict[str, Any], FloorPlan]:
+    """The figures of a published map, and its plan, from its segments and its free space."""
     start = time.process_time()
     plan = floor_plan(reduced, free)
     took = time.process_time() - start
@@ -240,12 +288,29 @@ def known_row(known: Known) -> tuple[dict[str, Any], FloorPlan]:
     return row, plan
 
 
-def table(folder: Path, names: list[str]) -> pd.DataFrame:
+def driven_rows(known: Known) -> Iterator[dict[str, Any]]:
+    """The same drive at its true poses and at those of the pose graph."""
+    log = driven_log(known, rng=np.random.default_rng(0))
+    found = alignment.pose_graph(log)
+    graph = alignment.align_to_truth(found.poses, log.truth, best=True)
+    off = np.hypot(*(graph - log.truth)[:, :2].T)
+    for poses, name, rms in (
+        (log.truth, "true", 0.0),
+        (graph, "graph", float(np.sqrt(np.nanmean(off**2)))),
+    ):
+        row, _ = known_row(known, log, poses)
+        yield {"map": known.name, "poses": name, "scans": len(log), "rms": rms} | row
+
+
+def table(folder: Path, names: list[str], *, drives: bool) -> pd.DataFrame:
     """All maps of a folder, or those with these names; then the means."""
     found = []
     for known in known_maps(folder):
-        if not names or known.name in names:
-            found.append(known_row(known)[0])
+        if names and known.name not in names:
+            continue
+        log = None if drives else log_of(known, rng=np.random.default_rng(0))
+        for row in driven_rows(known) if log is None else [known_row(known, log, log.truth)[0]]:
+            found.append(row)
             print(pd.DataFrame(found[-1:]).round(3).to_string(index=False), flush=True)
     return pd.DataFrame(found)
 
@@ -261,11 +326,13 @@ def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.bench_plan", description=__doc__)
     parser.add_argument("folder", type=Path, nargs="?", default=FOLDER)
     parser.add_argument("--maps", nargs="+", default=[], help="names of some maps")
+    parser.add_argument("--drive", action="store_true", help="a drive, true poses and the graph's")
     asked = parser.parse_args()
-    found = table(asked.folder, asked.maps).set_index("map")
-    furnished = found.index.str.endswith("_furnitures")
-    for name, part in (("empty", found[~furnished]), ("furnished", found[furnished])):
-        print(f"\n{name}, {len(part)} maps\n{part.mean().round(3).to_string()}")
+    found = table(asked.folder, asked.maps, drives=asked.drive)
+    found["kind"] = np.where(found["map"].str.endswith("_furnitures"), "furnished", "empty")
+    for name, part in found.groupby(["kind", *found.columns.intersection(["poses"])]):
+        means = part.mean(numeric_only=True).round(3)
+        print(f"\n{', '.join(name)}, {len(part)} maps\n{means.to_string()}")
 
 
 if __name__ == "__main__":

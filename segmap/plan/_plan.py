@@ -62,8 +62,12 @@ class FloorPlan:
         The border of all rooms, with the walls between them.
     axes : (k,) array, radians
         Along and across which walls run.
-    doubt : str
-        What is not as the method assumes; nothing where all is.
+    off_lines : float
+        Share of the length of walls that lie on no line along or across an axis.
+    openings_to_nowhere : int
+        Doorways behind which nothing was seen.
+    unseen : (r,) array, metres
+        Of the border of each room, behind which nobody saw anything.
     """
 
     walls: Reduction
@@ -75,7 +79,27 @@ class FloorPlan:
     doors: list[Door]
     outline: list[Array]
     axes: Array
-    doubt: str
+    off_lines: float
+    openings_to_nowhere: int
+    unseen: Array
+
+    @property
+    def doubt(self) -> str:
+        """What is not as the method assumes; nothing where all is."""
+        wide, away = sum(d.width > WIDEST_LEAF_M for d in self.doors), self.openings_to_nowhere
+        unseen, names = self.unseen, [room.name for room in self.rooms]
+        alone = [names[k] for k in np.flatnonzero(~self.graph.any(0))] if len(names) > 1 else []
+        ends = [f"{names[k]} ({unseen[k]:.1f} m)" for k in np.flatnonzero(unseen)]
+        round_or_oblique = f"{self.off_lines:.0%} of the walls lie on no line: round or oblique"
+        doubts = {
+            "no room was found: where the walls are, nothing was seen free": not self.rooms,
+            round_or_oblique: self.off_lines > ROUND_SHARE,
+            f"{away} openings lead to where nothing was seen: windows, glass": away,
+            f"doors wider than a leaf, perhaps none, or glass: {wide}": wide,
+            f"no door was seen of {', '.join(alone)}": alone,
+            f"free space ends where nothing was seen, and may go on: {', '.join(ends)}": ends,
+        }
+        return "; ".join(words for words, so in doubts.items() if so)
 
     @property
     def graph(self) -> NDArray[np.bool_]:
@@ -94,8 +118,7 @@ class FloorPlan:
         shapely = shapely_or_hint()
         places, found = arrays.points(points), np.full(len(arrays.points(points)), -1)
         for k, room in reversed([*enumerate(self.rooms)]):
-            inside = shapely.contains_xy(shapely.Polygon(room.outline, room.holes), *places.T)
-            found[inside] = k
+            found[shapely.contains_xy(shapely.Polygon(room.outline, room.holes), *places.T)] = k
         return found
 
     def route(self, from_room: int | str, to_room: int | str) -> list[Door]:
@@ -110,8 +133,7 @@ class FloorPlan:
         for name, room in (("from_room", from_room), ("to_room", to_room)):
             given = names.index(arrays.one_of(room, name, names)) if isinstance(room, str) else room
             ends.append(arrays.whole(given, name, least=0, most=len(names) - 1))
-        places = np.array([room.place for room in self.rooms])
-        return shortest_way(self.doors, places, ends[0], ends[1])
+        return shortest_way(self.doors, np.array([room.place for room in self.rooms]), *ends)
 
     def __repr__(self) -> str:
         rooms = f"{len(self.rooms)} rooms of {sum(room.area for room in self.rooms):.1f} m2"
@@ -208,18 +230,5 @@ def floor_plan(
     around = shapely.union_all(shapely.buffer(shapes, WALL_BETWEEN_M, join_style="mitre"))
     outline = [np.array(part.exterior.coords)[:-1] for part in shapely.get_parts(around)]
     off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
-    left = set(range(len(rooms))).difference(*(door.rooms for door in doors))
-    alone = [rooms[k].name for k in sorted(left)] if len(rooms) > 1 else []
-    wide = sum(one.width > WIDEST_LEAF_M for one in doors)
-    unseen = zip(rooms, unseen_border(grid, number[parts], opening), strict=True)
-    ends = [f"{one.name} ({metres:.1f} m)" for one, metres in unseen if metres]
-    doubts = {
-        "no room was found: where the walls are, nothing was seen free": not rooms,
-        f"{off:.0%} of the walls lie on no line: round or oblique": off > ROUND_SHARE,
-        f"{away} openings lead to where nothing was seen: windows, glass": away,
-        f"doors wider than a leaf, perhaps none, or glass: {wide}": wide,
-        f"no door was seen of {', '.join(alone)}": alone,
-        f"free space ends where nothing was seen, and may go on: {', '.join(ends)}": ends,
-    }
-    doubt = "; ".join(words for words, so in doubts.items() if so)
-    return FloorPlan(*walls, rooms, doors, outline, axes, doubt)
+    unseen = unseen_border(grid, number[parts], opening)
+    return FloorPlan(*walls, rooms, doors, outline, axes, off, away, unseen)

@@ -64,9 +64,8 @@ class Partition:
         if room not in self.widths:
             sides = zip(*(self.boxes[cell] for cell in self.members[room]), strict=True)
             box = tuple(slice(min(b.start for b in s), max(b.stop for b in s)) for s in sides)
-            own = np.zeros(len(self.boxes) + 1, bool)
-            own[self.members[room]] = True
-            away = ndimage.distance_transform_edt(np.pad(own[self.cells[box]], 1))
+            own = np.isin(self.cells[box], self.members[room])
+            away = ndimage.distance_transform_edt(np.pad(own, 1))
             self.widths[room] = float(2 * away.max() - 1) * self.side
         return self.widths[room]
 
@@ -112,8 +111,7 @@ def find_rooms(
     number, told = np.full(len(part.boxes) + 1, -1), list[str]()
     for room in [room for room in part.near if part.area[room] >= least]:
         number[part.members[room]] = len(told)
-        told.append(
-            f"{len(part.members[room])} cells between lines of walls: nothing stands between them, "
-            f"or a doorway too wide for both; it holds a circle of {part.width(room):.2f} m"
-        )
+        many, width = len(part.members[room]), part.width(room)
+        words = "nothing stands between them, or a doorway too wide for both; it holds a circle of"
+        told.append(f"{many} cells between lines of walls: {words} {width:.2f} m")
     return number[cells], told

@@ -92,8 +92,7 @@ def free_sides(segments: Array, grid: Grid) -> Indices:
     points = segments[:, 0] + share * (segments[:, 1] - segments[:, 0])
     off = np.array(FREE_SIDE_M)[:, None, None, None] * normals(segments)
     left, right = ((grid.at(points + k * off) == FREE).mean((0, 1)) for k in (1, -1))
-    clear = abs(left - right) >= FREE_SIDE_SHARE
-    return np.where(clear, np.sign(left - right), 0).astype(np.int64)
+    return np.where(abs(left - right) < FREE_SIDE_SHARE, 0, np.sign(left - right)).astype(int)
 
 
 def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, Indices]:

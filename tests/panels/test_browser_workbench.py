@@ -75,6 +75,14 @@ for (let i = 0; i < d.length; i += 4) if (d[i] === 0 && d[i + 1] === 114 && d[i 
   return [box.left + (w + (i / 4) % w) / dots, box.top + (30 + Math.floor(i / 4 / w)) / dots];
 return null"""
 TOOL = "return document.querySelector('.segmap-canvas').dataset.tool"
+#: Whether letters of 8 points on the sheet of a plan, which stands in the place of the map, are
+#: 8 pixels high, and can be scrolled to.
+SHEET = """
+const sheet = document.querySelector('.segmap-sheet'), image = sheet.querySelector('img');
+const wide = image.naturalWidth > image.naturalHeight ? 297 : 210;
+return image.getBoundingClientRect().width / wide * 8 * 25.4 / 72 >= 7.9
+  && getComputedStyle(sheet).overflowX === 'auto' && sheet.clientHeight > 300
+  && !document.querySelector('.segmap-canvas').getClientRects().length"""
 #: Which part of the window's height the canvas has; where places about its middle are seen.
 PART = """
 const box = document.querySelector('.segmap-canvas').getBoundingClientRect();
@@ -203,7 +211,12 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     browser.click(BUTTON.format("plan"))
     picture = "return [...document.images].some(each => each.naturalWidth > 300)"
     wait("a plan that the page's policy lets be seen", lambda: browser.run(picture), 60)
+    fits_each_window(browser, "workbench_plan", shown=SHEET)
+    browser.size(1280, 1250)
     browser.click(BUTTON.format("plan"))
+    wait(
+        "the map again", lambda: browser.run("return !document.querySelector('.segmap-sheet img')")
+    )
     assert "fusion: " in browser.run(LABEL) and "Arrow keys move it" in browser.run(LABEL)
     browser.run("navigator.clipboard.writeText = text => { window.copied = text; }")
     browser.click(BUTTON.format("Copy"))
@@ -425,7 +438,7 @@ def chosen(browser, path):
     browser.type(browser.find("/html/body/input[@type='file']"), str(path))
 
 
-def fits_each_window(browser, name):
+def fits_each_window(browser, name, shown="return true"):
     """Catches what is cut off or pale on a phone, a tablet or a desk."""
     for width in (1280, 700, 400):
         browser.size(width, 3000 - width)
@@ -434,6 +447,7 @@ def fits_each_window(browser, name):
         assert browser.run(WIDE), f"something is cut off at {width} px"
         assert browser.run(FITS), f"two bars to scroll the same at {width} px"
         assert browser.run(PALE) == [], f"letters too pale at {width} px"
+        assert browser.run(shown), f"not readable at {width} px"
 
 
 def changed(now, before):

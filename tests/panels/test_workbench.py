@@ -709,7 +709,10 @@ def test_layers_and_what_is_measured(worker):
 
 
 def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path):
-    """Catches a name that goes to another room, a picture that keeps the old one, a lost area."""
+    """Catches a name that goes to another room, a picture that keeps the old one, a lost area.
+
+    And a doubt that knows no names, or takes one for HTML.
+    """
     made = bench(segmap.load("room"))
     made.run()
     made._worker, rooms = worker, made.rooms
@@ -734,6 +737,8 @@ def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path):
     other._worker, other.rooms.switch.value = worker, True
     other.wait()
     assert [each.value for each in other.rooms.names.children] == ["room 1", name, "room 3"]
+    other.rooms.names.children[0].value = "<i>"
+    assert other.rooms.total.value.endswith("may go on: &lt;i&gt; (11.7 m)")
     other.run()
     assert not other.rooms.switch.value and not other.rooms.box.children
     exports.write_session(tmp_path / "no.segmap", readers.Session(LOG, {}, edits={"rooms": [[1]]}))

@@ -1,5 +1,7 @@
 """Floor plans of simulated offices, whose rooms and doors are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -127,7 +129,9 @@ def test_what_is_not_joined_has_no_route():
         [(104.5, 10.5), (189.5, 10.5), (189.5, 89.5), (104.5, 89.5)])]  # fmt: skip
     found = plan.floor_plan(np.concatenate(walls), map_of_grid(kinds, resolution=0.05))
     assert [round(room.area, 1) for room in found.rooms] == [16.8, 16.8] and not found.doors
-    assert "no door was seen" in found.doubt
+    assert "no door was seen of room 1, room 2" in found.doubt
+    found.rooms[0] = replace(found.rooms[0], name="hall")
+    assert "no door was seen of hall, room 2" in found.doubt
     assert "cells between lines" in found.why(found.rooms[0])
     with pytest.raises(ValueError, match="no doors"):
         found.route(0, 1)

@@ -13,6 +13,7 @@ import numpy as np
 from ... import arrays
 from ..._display import counted
 from ..._map_pipeline import Pipeline
+from ...files import as_html
 from ...plan import FloorPlan
 from .._control import ENTRY, folded, wrong
 from . import _files
@@ -107,7 +108,8 @@ class Edits:
 
 
 class Rooms:
-    """A switch; on it there are the floor plan, its rooms with names to be typed, their areas.
+    """A switch; on, the sheet of the floor plan stands in the place of the map, which canvas.css
+    hides, and there are its rooms with names to be typed, and their areas.
 
     Names are kept in the edits with their places: they stay where a room gets another number.
     `begin` calls a function in the worker, `say` says what is done, and `outcome` is what is shown.
@@ -123,16 +125,22 @@ class Rooms:
         self.edits, self._begin, self._say, self._outcome = edits, begin, say, outcome
         tip = "rooms with their areas, and doors"
         self.switch: Any = W.ToggleButton(False, description="plan", tooltip=tip)
-        self.picture: Any = W.Image(format="png", layout=W.Layout(max_width="100%"))
-        self.total, self.names = W.Label(), W.VBox()
-        self.box = W.VBox()
+        self.picture: Any = W.Image(format="png")
+        self.total, self.names = W.HTML(), W.VBox()
+        self.box, self.sheet = W.VBox(), W.Box()
+        self.sheet.add_class("segmap-sheet")
+        self.large: Any = W.ToggleButton(False, description="large", tooltip="twice as large")
+        self.large.observe(self._enlarged, names="value")
         self.switch.observe(self._switched, names="value")
 
     def _switched(self, change: Any = None) -> None:
         if not self.switch.value:
-            self.box.children = self.names.children = ()
+            self.box.children = self.names.children = self.sheet.children = ()
         elif not self.box.children:
             self._begin(_files.plan_of, (self._outcome(),), self.show)
+
+    def _enlarged(self, change: Any) -> None:
+        (self.sheet.add_class if self.large.value else self.sheet.remove_class)("segmap-large")
 
     def show(self, plan: FloorPlan) -> None:
         """Show a plan, with the names that are kept."""
@@ -145,16 +153,17 @@ class Rooms:
             entry.continuous_update, entry.tooltip = False, f"name of room {k + 1}"
             entry.observe(lambda change, k=k: self._named(plan, k, change["new"]), names="value")
             entries.append(entry)
-        area, count = sum(room.area for room in plan.rooms), counted(len(plan.rooms), "room")
-        doors = counted(len(plan.doors), "door")
-        said = f"{count} of {area:.1f} m\N{SUPERSCRIPT TWO}, {doors}"
-        self.total.value = "; ".join(filter(None, [said, plan.doubt]))
         self.names.children = entries
         self._draw(plan)
-        self.box.children = [self.total, self.names, self.picture]
+        self.box.children = [self.large, self.total, self.names]
+        self.sheet.children = [self.picture]
         self._say("the floor plan is made", 1.0)
 
     def _draw(self, plan: FloorPlan) -> None:
+        area, count = sum(room.area for room in plan.rooms), counted(len(plan.rooms), "room")
+        doors = counted(len(plan.doors), "door")
+        said = f"{count} of {area:.1f} m\N{SUPERSCRIPT TWO}, {doors}"
+        self.total.value = as_html("; ".join(filter(None, [said, plan.doubt])))
         if (made := self._outcome()) is not None:
             self.picture.value = _files.plan_picture(plan, made)
 

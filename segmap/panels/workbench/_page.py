@@ -126,9 +126,9 @@ class Page:
         steps |= {"All runs": [listed], "In Python": [self.listing]}
         bar = [self.start, self.stop, self.progress, self.state]
         if self.canvas is None:
-            return laid_out(steps, bar, [self.picture, self.chosen])
+            return laid_out(steps, bar, [self.picture, self.chosen, self.rooms.sheet])
         tools = W.Box([self.shown, self.tool, *self.layers.values()], layout=W.Layout(**WRAP))
-        return laid_out(steps, bar, [tools, self.canvas, self.chosen])
+        return laid_out(steps, bar, [tools, self.canvas, self.chosen, self.rooms.sheet])
 
     def _grey(self, *, ready: bool, busy: bool, done: bool, edited: bool) -> None:
         """Grey what cannot be done: where no log is `ready`, while `busy`, before a run is done."""
