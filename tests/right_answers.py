@@ -322,7 +322,6 @@ RIGHT = {
     "matches": matches_with_helpers,
     "merged": merged_with_helpers,
     "mean_shift_step": step_in_a_loop,
-    "inside_strip": lambda offsets, shift, most: (abs(offsets - shift) <= most).all(axis=1),
     "best_shift": shift_by_table,
     "cell_of": lambda x, c, r: np.floor((x - c) / r),
     "grown": grown_by_arrays,

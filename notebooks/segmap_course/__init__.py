@@ -145,7 +145,7 @@ from .exercises.sensor import (
     check_distances,
     check_unwrapped,
 )
-from .exercises.strips import check_best_shift, check_inside_strip, check_mean_shift_step
+from .exercises.strips import check_best_shift, check_mean_shift_step
 from .exercises.surveyed import (
     check_growth_power,
     check_invented_metres,
@@ -166,7 +166,7 @@ __all__ = [
     "check_climb_step", "check_compose", "check_distances", "check_edge_error", "check_far_ends",
     "check_farthest_point", "check_fit_line", "check_flatness", "check_frontier_cells",
     "check_grown",
-    "check_growth_power", "check_heading_between", "check_hough", "check_inside_strip",
+    "check_growth_power", "check_heading_between", "check_hough",
     "check_invented_metres",
     "check_laplacian", "check_least_translation", "check_look_noise",
     "check_loop_rest", "check_match_value",

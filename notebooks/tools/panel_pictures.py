@@ -25,68 +25,84 @@ FOLDER = CHAPTERS / "pictures" / "panels"
 #: The tag of a picture that holds a description.
 DESCRIPTION = 0x010E
 #: Pixels across, as a panel draws for fine screens.
-WIDTH = 960
+WIDTH = 720
+#: A file of this format is no higher, pixels.
+HIGHEST = 16_383
 #: Colours of the palette: the fewer are taken where a file would be larger than this.
-COLOURS, MOST_BYTES = (48, 24, 12), 40_000
+COLOURS, MOST_BYTES = (24, 12), 60_000
 
-#: Number of the chapter, and of the panel in it -> what is done before each picture.
+#: Number of the chapter, and of the panel in it -> what is done before each picture. `name=*` moves
+#: a control from end to end: as many pictures as STEPS, and one of the value at first.
 STATES: dict[str, list[str]] = {
-    "00-1": ["tolerance=0.01", "tolerance=0.04", "tolerance=0.10", "tolerance=0.20"],
-    "11-1": ["", "step=20", "step=40", "step=60"],
-    "12-1": ["", "step=16", "step=32", "step=48"],
-    "13-1": ["", "noise=50", "beams=91", "noise=10, beams=682, turn=90"],
-    "14-1": ["", "rate=20", "rate=5.5, turn=180", "deskewed=True"],
-    "21-1": ["gap=0.05", "gap=0.30", "gap=1.0", "gap=0.30, fit='algebraic'"],
-    "22-1": ["tolerance=0.005", "tolerance=0.03", "tolerance=0.10", "tolerance=0.5"],
-    "23-1": ["", "method_name='EM'", "method_name='RANSAC'", "method_name='clusters'"],
-    "31-1": ["", "every=4", "max_gap=3.0", "every=1, late=0.3"],
-    "32-1": ["", "rank=1", "rank=2", "rank=3"],
-    "32-2": ["", "x=0.6", "x=1.5", "distance=1.0"],
-    "33-1": ["", "scan=40", "scan=53", "scan=53, min_length=2.0"],
-    "34-1": ["", "step=3", "step=60", "x=1.5, y=1.5, turn=30, step=60"],
+    "00-1": ["tolerance=*"],
+    "11-1": ["step=*"],
+    "12-1": ["step=*"],
+    "13-1": ["noise=*"],
+    "14-1": ["rate=*"],
+    "21-1": ["gap=*"],
+    "22-1": ["tolerance=*"],
+    "23-1": ["method_name=*"],
+    "31-1": ["every=*"],
+    "32-1": ["rank=*"],
+    "32-2": ["x=*"],
+    "33-1": ["scan=*"],
+    "34-1": ["step=*"],
     "35-1": ["", "loops=False", "odometry=True", "loops=True"],
-    "36-1": ["", "run(40)", "run(40)", "run(40)"],
-    "37-1": ["", "scan=20", "off=-40", "off=-40, gate=0.5, scan=40"],
-    "38-1": ["", "similar=0.05", "similar=0.60", "similar=0.20, spread=0.005"],
-    "39-1": ["scan=60", "scan=100", "scan=210", "loops=False"],
-    "40-1": ["", "x=1.0", "x=1.5, y=1.5", "x=0, y=0, turn=40"],
-    "41-1": ["", "angle=30", "angle=0, offset=0.5", "offset=0, length=0.5"],
-    "42-1": ["", "map='B'", "map='C'", "map='D', scan=12"],
-    "50-1": ["", "noise='0.02'", "distance=0.02", "noise='0.03'"],
-    "51-1": ["distance=0.05", "distance=0.2", "distance=0.4", "distance=0.4, angle=30"],
-    "52-1": ["", "origin=-40", "origin=-100", "origin=0, distance=0.6"],
-    "53-1": ["sigma=0.05", "sigma=0.2", "sigma=0.6", "sigma=1.0"],
-    "54-1": ["tolerance=0.01", "tolerance=0.04", "tolerance=0.10", "tolerance=0.20"],
-    "54-2": ["", "every=10", "every=1", "by='fusion_online'"],
-    "55-1": ["by='segment_similarity'", "cost=0.1", "by='uncertain_parameters'", "distance=0.3"],
-    "56-1": ["", "scan=33", "forget=False", "scan=50"],
-    "57-1": ["place=0, heading=0", "place=0.03, heading=0.5", "place=0.1", "place=0.2, heading=3"],
-    "58-1": ["penalty=0.005", "penalty=0.05", "penalty=0.2", "penalty=0.5"],
-    "59-1": ["", "by='one_per_wall', noise='0.02'", "factor=0.4", "factor=4.0"],
-    "60-1": ["", "wanted=60", "wanted=95", "method='basic_online', wanted=80"],
-    "61-1": ["", "doublings=2", "scans=1, doublings=0", "scans=20"],
+    "36-1": ["", *9 * ["run(20)"]],
+    "37-1": ["scan=*"],
+    "38-1": ["similar=*"],
+    "39-1": ["scan=*"],
+    "40-1": ["x=*"],
+    "41-1": ["offset=*"],
+    "42-1": ["map=*"],
+    "50-1": ["distance=*"],
+    "51-1": ["distance=*"],
+    "52-1": ["origin=*"],
+    "53-1": ["sigma=*"],
+    "54-1": ["tolerance=*"],
+    "54-2": ["every=*"],
+    "55-1": ["distance=*"],
+    "56-1": ["scan=*"],
+    "57-1": ["place=*"],
+    "58-1": ["penalty=*"],
+    "59-1": ["", "by='one_per_wall', noise='0.02', factor=*"],
+    "60-1": ["wanted=*"],
+    "61-1": ["doublings=*"],
     "62-1": ["", "touched=True", "mask=False", "touched=False"],
-    "63-1": ["", "turn=10", "score='occupancy', turn=0", "score='nearest'"],
-    "64-1": ["", "step=5", "step=60", "matcher='sample and rank'"],
-    "66-1": ["", "resolution=20.0", "resolution=1.0", "resolution=5.0, tolerance=20.0"],
-    "67-1": ["", "scan=20", "scan=40", "carried=True, scan=30"],
-    "68-1": ["", "scan=150", "scan=255", "scan=290"],
-    "69-1": ["", "radius=0.35", "radius=0.5", "goal_x=6.0, goal_y=2.8, radius=0.1"],
-    "70-1": ["", "kappa=0.1", "kappa=3.0", "kappa=1.25, band=0.02"],
-    "71-1": ["", "run(20)", "run(20)", "run(20)"],
-    "91-1": ["tolerance=0.01", "tolerance=0.05", "tolerance=0.2", "tolerance=0.4"],
-    "92-1": ["", "occupied=0.9", "occupied=0.5, free=0.0", "free=0.25, doublings=2"],
-    "93-1": ["", "method='basic_offline'", "wanted=90", "method='hybrid'"],
-    "94-1": ["", "origin=-20", "origin=-50", "origin=-100"],
+    "63-1": ["turn=*"],
+    "64-1": ["step=*"],
+    "66-1": ["resolution=*"],
+    "67-1": ["scan=*"],
+    "68-1": ["scan=*"],
+    "69-1": ["radius=*"],
+    "70-1": ["kappa=*"],
+    "71-1": ["", *9 * ["run(10)"]],
+    "91-1": ["tolerance=*"],
+    "92-1": ["occupied=*"],
+    "93-1": ["wanted=*"],
+    "94-1": ["origin=*"],
     "01-1": ["", "run()", "method='hybrid', run()", "method='fusion', run()"],
     "01-2": ["", "least=0.5, run()"],
     "01-3": ["", "method['tolerance']=0.1, run()"],
 }
+#: Pictures of a control from its least to its greatest value.
+STEPS = 9
 
 #: Run behind the cell that shows the panel: each state becomes an output.
 MOVE = """
 from IPython.display import display as _display
-for _moves in {moves!r}:
+def _each(moves):
+    first, _, name = moves.removesuffix("=*").rpartition(", ")
+    control = getattr({panel}, name)
+    if hasattr(control, "options"):
+        values = [o[1] if isinstance(o, tuple) else o for o in control.options]
+    else:
+        reach = (control.max - control.min) / control.step
+        even = [control.min + round(k * reach / {last}) * control.step for k in range({last} + 1)]
+        values = sorted({{*(round(v, 6) for v in even), control.value}})
+    return [", ".join(filter(None, [first, f"{{name}}={{v!r}}"])) for v in values]
+_wanted = [n for m in {moves!r} for n in (_each(m) if m.endswith("=*") else [m])]
+for _moves in _wanted:
     for _move in filter(None, _moves.split(", ")):
         _name, _, _value = _move.partition("=")
         if not _value:
@@ -122,7 +138,7 @@ def _states(path: Path, cells: list[NotebookNode], number: int) -> list[tuple[Im
     """Run cells, the last of which shows a panel, and move it."""
     moves = STATES.get(f"{path.stem[:2]}-{number}", [""])
     panel = cells[-1].source.strip().splitlines()[-1]
-    moved = nbformat.v4.new_code_cell(MOVE.format(moves=moves, panel=panel))
+    moved = nbformat.v4.new_code_cell(MOVE.format(moves=moves, panel=panel, last=STEPS - 1))
     execute(nbformat.v4.new_notebook(cells=[*copy.deepcopy(cells), moved]), path.parent)
     return [_state(output) for output in moved.outputs]
 
@@ -139,8 +155,8 @@ def strip(pictures: list[Image.Image]) -> Image.Image:
     whole = Image.new("RGB", (width, height * len(pictures)), "white")
     for k, picture in enumerate(pictures):
         whole.paste(picture, (0, k * height))
-    scale = min(1.0, WIDTH / width)
-    size = round(scale * width), round(scale * height) * len(pictures)
+    scale = min(1.0, WIDTH / width, HIGHEST / height / len(pictures))
+    size = round(scale * width), int(scale * height) * len(pictures)
     return whole if scale == 1.0 else whole.resize(size, Image.Resampling.LANCZOS)
 
 

@@ -128,7 +128,6 @@ def nearest(point, wall):
         ),
         ("cell_of", lambda x, corner, r: int(np.floor(np.round((x - corner) / r, 9)))),
         ("cell_of", lambda x, corner, r: int(np.floor((x - corner) / r + 1e-9))),
-        ("inside_strip", lambda off, t, e: (np.round(np.abs(off - t), 9) <= round(e, 9)).all(1)),
     ],
 )
 def test_minimised_and_rounded_answers_are_right(name, other):

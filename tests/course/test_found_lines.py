@@ -68,13 +68,12 @@ def test_what_is_right_but_for_a_unit_a_sign_or_a_count_is_told(name, change, sa
 
 
 def test_a_long_answer_shows_where_it_differs_first():
-    exercise = course.EXERCISES["inside_strip"]
+    exercise = course.Exercise(
+        "far(x) -> (n,) bool", lambda x: abs(x) > 0.5, lambda rng: {"one": (np.ones(1),)}, {}
+    )
 
-    def wrong(offsets, shift, tolerance):
-        answer = np.array(exercise.solution(offsets, shift, tolerance))
-        if len(answer) > 6:
-            answer[-1] = not answer[-1]
-        return answer
+    def wrong(x):
+        return np.append(exercise.solution(x)[:-1], [False] * (len(x) > 6))
 
-    cases = {"ten": (np.linspace(-1, 1, 20).reshape(10, 2), 0.0, 0.5)}
-    assert "they differ first at [9]: 0 is expected, got 1, for [" in exercise(wrong, cases).hint
+    cases = {"ten": (np.linspace(-1, 1, 10),)}
+    assert "they differ first at [9]: 1 is expected, got 0, for 1" in exercise(wrong, cases).hint

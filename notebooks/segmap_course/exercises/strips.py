@@ -111,49 +111,6 @@ check_mean_shift_step = Exercise(
 _BORDER = 1e-9
 
 
-def _offsets(rng: Rng) -> Cases:
-    """Segments inside, outside and half inside a strip; ends right on its border, in 64ths."""
-    offsets, width = rng.uniform(-0.08, 0.08, (12, 2)), rng.uniform(0.03, 0.05)
-    edge = int(rng.integers(2, 8)) / 64
-    return {
-        "a line that is not moved": (offsets, 0.0, width),
-        "a line moved up": (offsets, rng.uniform(0.01, 0.03), width),
-        "a line moved down": (offsets, -rng.uniform(0.01, 0.03), width),
-        "ends that lie right on the border": (np.array([(0, edge), (-edge, 0)]), 0.0, edge),
-    }
-
-
-def _inside(offsets: Array, shift: float, tolerance: float) -> Array:
-    """Which segments lie in the strip: both ends within tolerance of the shifted line."""
-    return np.abs(offsets - shift).max(axis=1) <= tolerance + _BORDER
-
-
-check_inside_strip = Exercise(
-    "inside_strip(offsets, shift, tolerance) -> (n,) bool: which segments, with offsets (n, 2) of "
-    "both ends from a line in metres, lie within tolerance of the line moved by shift",
-    _inside,
-    _offsets,
-    {
-        "both ends must lie inside, not one of them": (
-            lambda offsets, t, e: np.abs(offsets - t).min(axis=1) <= e + _BORDER
-        ),
-        "both ends must lie inside: the middle of a slanted segment says nothing about them": (
-            lambda offsets, t, e: np.abs(offsets.mean(axis=1) - t) <= e + _BORDER
-        ),
-        "the line moves by +shift, so the offsets from it become smaller by shift": (
-            lambda offsets, t, e: _inside(offsets, -t, e)
-        ),
-        "a strip has two borders: segments below the line can lie outside too": (
-            lambda offsets, t, e: (offsets - t).max(axis=1) <= e + _BORDER
-        ),
-        "the border belongs to the strip: <=, not <": (
-            lambda offsets, t, e: np.abs(offsets - t).max(axis=1) < e - _BORDER
-        ),
-        "the line has moved: measure from where it is now": edited(_inside, (" - shift", "")),
-    },
-)
-
-
 def _strips(rng: Rng) -> Cases:
     """A segment of 3 m on the line, and others that a shift takes in or none does, in 64ths."""
     e = int(rng.integers(3, 7))

@@ -231,10 +231,12 @@ def _replace_panels(notebook: NotebookNode, stem: str, states: dict[str, list[st
             name, said = f"{stem}-{number}", data.get("text/plain", "")
             if name not in states:
                 complaints.append(f"{stem}: no pictures of panel {number}: make panels")
-            elif said_by(said) not in states[name]:
+                continue
+            known = states[name]
+            if said_by(said) not in known:
                 complaints.append(f"{stem}: pictures of panel {number} are old: make panels")
-            if name in states:
-                output["data"] = NotebookNode({"text/html": strip(name, states[name])})
+            first = known.index(said_by(said)) if said_by(said) in known else 0
+            output["data"] = NotebookNode({"text/html": strip(name, known, first)})
     return complaints
 
 
@@ -243,22 +245,19 @@ def said_by(text: str) -> str:
     return text.removesuffix(")").partition("(")[2]
 
 
-def strip(name: str, captions: list[str]) -> str:
-    """One file holds all states, one below the other: each figure shows its part of it."""
+def strip(name: str, said: list[str], first: int) -> str:
+    """One file holds all states, one below the other: a slider chooses the part that is shown."""
     width, height = _size(PICTURES / f"{name}.webp")
-    last = max(1, len(captions) - 1)
-    figures = "".join(
-        f'<figure><img src="../_static/panels/{name}.webp" alt="{html.escape(text)}" '
-        f'style="aspect-ratio: {width} / {height // len(captions)}; '
-        f'object-position: 0 {100 * k / last:.4g}%"><figcaption>{html.escape(text)}'
-        "</figcaption></figure>"
-        for k, text in enumerate(captions)
+    words = html.escape(said[first])
+    return (
+        f'<div class="panel-states" data-said="{html.escape(json.dumps(said))}"><figure>'
+        f'<img src="../_static/panels/{name}.webp" alt="{words}" '
+        f'style="aspect-ratio: {width} / {height // len(said)}; '
+        f'object-position: 0 {100 * first / max(1, len(said) - 1):.4g}%">'
+        f'<input type="range" max="{len(said) - 1}" value="{first}" aria-label="state">'
+        f'<figcaption aria-live="polite">{words}</figcaption></figure>'
+        f"<p>In JupyterLab all controls move; here, {len(said)} states of the panel.</p></div>"
     )
-    note = (
-        "In JupyterLab this is a panel with controls that move. "
-        f"Here are {len(captions)} of its states:"
-    )
-    return f'<div class="panel-states"><p>{note}</p><div>{figures}</div></div>'
 
 
 def _size(path: Path) -> tuple[int, int]:

@@ -41,3 +41,16 @@ document.addEventListener("DOMContentLoaded", () => {
   const watch = new MutationObserver(() => list.querySelectorAll("li").forEach(describe));
   watch.observe(list, { childList: true, subtree: true });
 });
+
+// A panel's slider shows one of the pictures that lie one below the other in its file.
+document.addEventListener("DOMContentLoaded", () => {
+  for (const panel of document.querySelectorAll(".panel-states")) {
+    const said = JSON.parse(panel.dataset.said);
+    const [picture, slider, words] = panel.querySelector("figure").children;
+    slider.addEventListener("input", () => {
+      const k = Number(slider.value);
+      picture.style.objectPosition = `0 ${(100 * k) / Math.max(1, said.length - 1)}%`;
+      picture.alt = words.textContent = said[k];
+    });
+  }
+});
