@@ -164,6 +164,29 @@ def long_corridor(rng):
     return built(rooms, doors, [*way, (59, 1)])
 
 
+def wide_mouths(rng):
+    """A corridor that is narrower than the openings of its rooms."""
+    widths = rng.uniform(2.5, 2.8, 3)
+    starts = np.arange(3) * 3.2 + 0.5
+    rooms = [box(0, 0, 10, 1.7)]
+    rooms += [box(x, 1.7 + WALL_M, w, 3.5) for x, w in zip(starts, widths, strict=True)]
+    doors = [
+        box(x + 0.35, 1.69, w - 0.7, WALL_M + 0.02) for x, w in zip(starts, widths, strict=True)
+    ]
+    way = [(0.8, 0.8)]
+    for x in starts + 1.3:
+        way += [(x, 0.8), (x, 4), (x, 0.8)]
+    return built(rooms, doors, [*way, (9.3, 0.8)])
+
+
+def corridor_into_a_room(rng):
+    """A corridor that ends in a room with its full width."""
+    long = rng.uniform(6, 9)
+    rooms = [box(0, 0, 5, 5), box(5, 1, long, 1.6)]
+    way = [(1, 1), (1, 4), (4, 1.8), (4 + long, 1.8)]
+    return built(rooms, [box(4.99, 1, 0.02, 1.6)], way)
+
+
 def suite(rng, *, turn=0.0, furnished=False):
     """A corridor with two rooms; furnished, the leaves of their doors stand open at 60 degrees."""
     width = rng.uniform(4, 5, 2)
@@ -238,6 +261,8 @@ KINDS: dict[str, Callable] = {
     "thin walls": lambda rng: two_rooms(rng, wall=0.08),
     "furniture along a wall": whole_wall_furnished,
     "corridor of 60 m": long_corridor,
+    "mouths wider than the corridor": wide_mouths,
+    "corridor into a room": corridor_into_a_room,
     "turned by 17 degrees": lambda rng: suite(rng, turn=17),
     "wings at 45 degrees": wings,
     "half seen": half_seen,

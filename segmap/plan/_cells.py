@@ -95,7 +95,8 @@ def grid_along(free: QuadtreeMap, turn: float, segments: Array, side: float) -> 
 class Run(NamedTuple):
     """An open stretch of a line, metres along it, and what makes it a doorway; or nothing.
 
-    `jambs` are where the wall ends, on both sides: the leaf of a door may stand between.
+    `jambs` are where the wall ends, on both sides: the leaf of a door may stand between. It is the
+    mouth of a corridor, or a niche, where cross walls stand at both ends of one side.
     """
 
     line: int
@@ -103,6 +104,7 @@ class Run(NamedTuple):
     high: float
     door: str
     jambs: list[float]
+    mouth: bool
 
 
 class Edges(NamedTuple):
@@ -191,14 +193,15 @@ def _open_run(
     line: int, at: Array, covered: Mask, cross: Mask, ends: list[int], door: tuple[float, float]
 ) -> Run:
     """The open run from the first of its squares to the last."""
-    side, kinds, jambs, free = float(at[1] - at[0]), list[str](), list[float](), False
+    side, kinds, jambs, shut = float(at[1] - at[0]), list[str](), list[float](), np.ones(2, bool)
     reach, low, high = round(JAMB_REACH_M / side), at[ends[0]] - side / 2, at[ends[1]] + side / 2
     for inner, way in zip(ends, (-1, 1), strict=True):
         beyond, walls = covered[inner + way :: way], cross[:, inner]
-        free |= not walls.all()  # else it is a corridor between cross walls
+        shut &= walls  # where both sides are, it is a corridor between cross walls
         start = int(beyond[:reach].argmax())
         jamb = beyond[start : start + reach].sum() * side >= JAMB_M - side / 2
         kinds += ["a jamb"] if jamb else ["a cross wall"] * bool(walls.any())
         jambs.append(float(at[inner] + way * side * (start * jamb + 0.5)))
-    fits = free and len(kinds) == 2 and door[0] <= high - low <= door[1]
-    return Run(line, float(low), float(high), " and ".join(kinds) if fits else "", jambs)
+    fits = not shut.all() and len(kinds) == 2 and door[0] <= high - low <= door[1]
+    words, mouth = " and ".join(kinds if fits else ()), bool(shut.any())
+    return Run(line, float(low), float(high), words, jambs, mouth)

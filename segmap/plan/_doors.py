@@ -64,7 +64,7 @@ def find_doors(edges: Edges, lines: list[Line], grid: Grid, labels: Indices) -> 
             before = np.logical_and.accumulate(grid.kind[row, column] != OCCUPIED)
             rooms.append(int(next((k for k in labels[row, column][before] if k >= 0), -1)))
         if rooms[0] != rooms[1]:
-            words = f"open for {length(ends):.2f} m between {run.door}; both sides are wider"
+            words = f"open for {length(ends):.2f} m between {run.door}"
             found.append(Door(ends, (min(rooms), max(rooms)), words))
     for door in sorted(found, key=lambda one: one.width):
         same = [one.place for one in kept if one.rooms == door.rooms]

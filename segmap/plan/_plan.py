@@ -31,8 +31,6 @@ NARROWEST_BUILDING_M = 0.5
 LEAST_LINE_PIECE_M = 0.3
 #: The outline goes around rooms so far off: half of a thick wall between two, metres.
 WALL_BETWEEN_M = 0.3
-#: Smaller cells, in squares, are none: single rays between what is not free.
-LEAST_CELL_SQUARES = 4
 #: Length that no axis takes is told from this share on.
 ROUND_SHARE = 0.15
 #: Leaves of doors are no wider, metres.
@@ -90,10 +88,9 @@ class FloorPlan:
         unseen, names = self.unseen, [room.name for room in self.rooms]
         alone = [names[k] for k in np.flatnonzero(~self.graph.any(0))] if len(names) > 1 else []
         ends = [f"{names[k]} ({unseen[k]:.1f} m)" for k in np.flatnonzero(unseen)]
-        round_or_oblique = f"{self.off_lines:.0%} of the walls lie on no line: round or oblique"
         doubts = {
             "no room was found: where the walls are, nothing was seen free": not self.rooms,
-            round_or_oblique: self.off_lines > ROUND_SHARE,
+            f"{self.off_lines:.0%} of the walls are round or oblique": self.off_lines > ROUND_SHARE,
             f"{away} openings lead to where nothing was seen: windows, glass": away,
             f"doors wider than a leaf, perhaps none, or glass: {wide}": wide,
             f"no door was seen of {', '.join(alone)}": alone,
@@ -148,7 +145,7 @@ def floor_plan(
     *,
     regular: bool = False,
     door: tuple[float, float] = (0.55, 2.5),
-    kappa: Positive = 1.25,
+    kappa: Positive = 0.8,
     share: Share = 0.5,
     opening: Metres = 2.0,
     band: Metres = 0.15,
@@ -171,8 +168,9 @@ def floor_plan(
     door : two floats, metres
         The narrowest and the widest doorway.
     kappa
-        A doorway stands between two rooms that hold a circle of so many times its width: without
-        this rule every niche is a room.
+        A doorway stands between two rooms that hold a circle of so many times its width; where a
+        corridor ends in a room with its full width, that must hold one of 2.5 times as much, and
+        the corridor be as long: without this rule every niche is a room.
     share, opening
         Two cells join where so much of their border is open, or an opening is so wide.
     band
@@ -212,7 +210,7 @@ def floor_plan(
     axes = building_axes(long)
     grid = grid_along(free, float(axes[0]) if len(axes) else 0.0, segments, SQUARE_M)
     lines = wall_lines(long, axes, band)
-    cells = connected(cell_keys(grid.places(), lines), grid.kind == FREE, LEAST_CELL_SQUARES)
+    cells = connected(cell_keys(grid.places(), lines), grid.kind == FREE, 1)
     edges = edges_between(lines, grid, cells, (float(widths[0]), float(widths[1])), band)
     labels, told = find_rooms(grid, cells, edges, kappa, share, opening, least_area)
     parts = connected(labels, labels >= 0, least_area / grid.side**2)

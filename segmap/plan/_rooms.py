@@ -14,6 +14,9 @@ from ._lines import Indices
 
 #: In the border of two rooms this stands for all of it; runs of the edges are its open parts.
 WHOLE = -2
+#: Where a corridor ends in a room, its mouth is a doorway if the room is so many times wider than
+#: else is asked, and the corridor so many times longer: else it is a niche, or a part of the room.
+CORRIDOR_TIMES = 2.5
 
 
 class Partition:
@@ -23,14 +26,13 @@ class Partition:
     all of them, and those in each open run of the edges.
     """
 
-    def __init__(self, grid: Grid, cells: Indices, edges: Edges, kappa: float) -> None:
+    def __init__(self, grid: Grid, cells: Indices, edges: Edges) -> None:
         self.cells, self.edges, self.side = cells, edges, grid.side
         self.boxes = ndimage.find_objects(cells + 1)
         self.members = {cell: [cell] for cell in range(len(self.boxes))}
         self.area = np.bincount(cells[cells >= 0]) * grid.side**2
         self.near: dict[int, dict[int, Counter[int]]] = {cell: {} for cell in self.members}
         self.widths: dict[int, float] = {}
-        self.enough = kappa * max((one.high - one.low for one in edges.runs if one.door), default=0)
         met = (edges.squares[:, :2] >= 0).all(1) & (edges.squares[:, 0] != edges.squares[:, 1])
         for one, other, run in edges.squares[met].tolist():
             border = self.near[one].setdefault(other, Counter())
@@ -49,9 +51,7 @@ class Partition:
             self.near[other][kept] = self.near[kept][other]
         self.members[kept] += self.members.pop(gone)
         self.area[kept] += self.area[gone]
-        width = max(self.widths.pop(kept, 0), self.widths.pop(gone, 0))
-        if width >= self.enough:
-            self.widths[kept] = width
+        self.widths = {room: self.widths[room] for room in self.widths.keys() - {kept, gone}}
         return [(min(kept, other), max(kept, other)) for other in changed]
 
     def opening(self, a: int, b: int, *, doors: bool) -> dict[int, float]:
@@ -60,7 +60,7 @@ class Partition:
         return {k: n * side for k, n in border if k >= 0 and bool(runs[k].door) == doors}
 
     def width(self, room: int) -> float:
-        """Diameter of the largest circle in a room, metres; at least the widest that is asked."""
+        """Diameter of the largest circle in a room, metres."""
         if room not in self.widths:
             sides = zip(*(self.boxes[cell] for cell in self.members[room]), strict=True)
             box = tuple(slice(min(b.start for b in s), max(b.stop for b in s)) for s in sides)
@@ -76,8 +76,7 @@ class Partition:
         while heap and heap[0][0] < np.inf:
             *was, a, b = heapq.heappop(heap)
             if b in self.near.get(a, ()):
-                now = score(a, b)
-                for pair in self.join(a, b) if now == tuple(was) else [(a, b)]:
+                for pair in self.join(a, b) if score(a, b) == tuple(was) else [(a, b)]:
                     heapq.heappush(heap, (*score(*pair), *pair))
 
 
@@ -85,7 +84,7 @@ def find_rooms(
     grid: Grid, cells: Indices, edges: Edges, kappa: float, share: float, run: float, least: float
 ) -> tuple[Indices, list[str]]:
     """The room of each square, -1 for none, and what made each room, in words."""
-    part = Partition(grid, cells, edges, kappa)
+    part = Partition(grid, cells, edges)
 
     def openness(a: int, b: int) -> tuple[float, float]:
         found = part.opening(a, b, doors=False)
@@ -96,9 +95,14 @@ def find_rooms(
 
     def narrowness(a: int, b: int) -> tuple[float, float]:
         found = part.opening(a, b, doors=True)
-        door = edges.runs[max(found, key=lambda run: found[run])] if found else None
-        times = min(part.width(a), part.width(b)) / (door.high - door.low) if door else np.inf
-        return (times, 0.0) if times < kappa else (np.inf, 0.0)
+        if not found:
+            return (np.inf, 0.0)
+        door = edges.runs[max(found, key=lambda run: found[run])]
+        wide, (low, high) = door.high - door.low, sorted((part.width(a), part.width(b)))
+        if door.mouth:
+            length = min(part.area[a], part.area[b]) / wide
+            low = min(low, min(high, length) / CORRIDOR_TIMES)
+        return (low / wide, 0.0) if low < kappa * wide else (np.inf, 0.0)
 
     def smallness(a: int, b: int) -> tuple[float, float]:
         size, border = min(part.area[a], part.area[b]), part.near[a][b]
@@ -111,7 +115,6 @@ def find_rooms(
     number, told = np.full(len(part.boxes) + 1, -1), list[str]()
     for room in [room for room in part.near if part.area[room] >= least]:
         number[part.members[room]] = len(told)
-        many, width = len(part.members[room]), part.width(room)
-        words = "nothing stands between them, or a doorway too wide for both; it holds a circle of"
-        told.append(f"{many} cells between lines of walls: {words} {width:.2f} m")
+        words = "cells between lines of walls, joined where open or by a doorway too wide for both"
+        told.append(f"{len(part.members[room])} {words}; a circle of {part.width(room):.2f} m fits")
     return number[cells], told

@@ -33,6 +33,10 @@ SITUATIONS = [
     ("furniture along a wall", "360", 0, "", ""),
     ("furniture along a wall", "URG", 1, "room 0 has", GOES_ON),
     ("corridor of 60 m", "360", 7, "", ""),
+    ("mouths wider than the corridor", "360", 0, "", WIDE),
+    ("mouths wider than the corridor", "360", 1, "", WIDE),
+    ("corridor into a room", "360", 0, "", WIDE),
+    ("corridor into a room", "SICK", 1, "", WIDE),
     ("turned by 17 degrees", "360", 5, "", ""),
     ("wings at 45 degrees", "SICK", 0, "", None),
     ("half seen", "URG", 0, "room 0 of 123.0 m2 not found", GOES_ON),
@@ -43,7 +47,8 @@ SITUATIONS = [
 
 @pytest.mark.parametrize(("kind", "sensor", "seed", "wrong", "doubt"), SITUATIONS)
 def test_what_is_wrong_is_told(kind, sensor, seed, wrong, doubt):
-    """Catches a leaf that hides its jamb, a gap between rays that shuts a door, a border unseen."""
+    """Catches a leaf that hides its jamb, a gap between rays that shuts a door, a border unseen,
+    a corridor that is cut where rooms open into it, or that is a part of the room at its end."""
     building = KINDS[kind](np.random.default_rng(seed))
     log = log_of(building, SENSORS[sensor], seed)
     plan = floor_plan(*seen(log, log.truth))
