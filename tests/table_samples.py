@@ -1,6 +1,7 @@
 """Tables of one recording as programs and people write them: three scans of twelve beams."""
 
 import json
+import struct
 
 import numpy as np
 from log_samples import row, text
@@ -71,6 +72,16 @@ def telegram(k, word="sSN"):
 def urg_benri(k):
     ranges = ";".join(f"{1000 * r:.0f}" for r in FAR)
     return ["[timestamp]", str(200 * k), "[logtime]", "2012:01:01:12:00:00:000", "[scan]", ranges]
+
+
+def ld19(k):
+    """The twelve beams as a packet of an LD19, whose sum is that of its data sheet."""
+    beams = b"".join(struct.pack("<HB", round(1000 * r), 200) for r in FAR)
+    body = struct.pack("<BBHH", 0x54, 0x2C, 3600, 0) + beams + struct.pack("<HH", 33000, 200 * k)
+    checksum = 0
+    for bit in np.unpackbits(np.frombuffer(body, np.uint8)):
+        checksum = ((checksum << 1) & 0xFF) ^ (0x4D if (checksum >> 7) ^ bit else 0)
+    return body + bytes([checksum])
 
 
 def flow(value):
@@ -290,6 +301,56 @@ OTHERS = {
         lambda k, a, r: f"{r * np.cos(np.radians(a)):.5f} {r * np.sin(np.radians(a)):.5f} 0"),
         False, None),
     "names of angles": (wide(["time_s", *(f"angle_{a:.0f}" for a in TURN)]), False, "zero"),
+    "units as labels": (lines(lambda k, a, r: f"deg: {a} m: {r:.3f}"), False, None),
+    "labels of nobody": (lines(lambda k, a, r: f"a: {a} d: {1000 * r:.0f}"), False, None),
+    "labels of a program in other units": (
+        lines(lambda k, a, r: f"theta: {np.radians(a):.5f} Dist: {r:.4f} Q: 47"), True, None),
+    "a label a line": (
+        lines(lambda k, a, r: f"Angle: {a:.0f}\nDistance: {100 * r:.0f} cm"), False, None),
+    "units above": ("s;deg;mm\nTime;Angle;Distance\n" + lines(
+        lambda k, a, r: f"{0.2 * k};{a};{1000 * r:.0f}"), False, "zero"),
+    "types below units": ("Angle;Distance\ndeg;mm\nf8;f8\n" + lines(
+        lambda k, a, r: f"{a};{1000 * r:.0f}"), False, None),
+    "another mark of comments": ("; a note\n; angle_deg range_m\n" + lines(
+        lambda k, a, r: f"{a} {r:.3f}"), False, None),
+    "words without a colon": (
+        lines(lambda k, a, r: f"Angle {a:.0f} Distance {1000 * r:.0f}"), False, None),
+    "whole degrees and metres": (lines(lambda k, a, r: f"{a:.0f} {r:.3f}"), False, None),
+    "empty columns": (lines(lambda k, a, r: f";{a:.0f};{1000 * r:.0f};"), False, None),
+    "sync flags": (lines(
+        lambda k, a, r: f"{'S' if a == 0 else ' '} {a:.2f} {1000 * r:.2f} 47"), True, None),
+    "hexadecimal numbers": ("angle_deg,range_mm\n" + lines(
+        lambda k, a, r: f"0x{int(a):04X},0x{round(1000 * r):04X}"), False, None),
+    "days before months": ("time,angle_deg,range_m\n" + lines(
+        lambda k, a, r: f"13/09/2020 {DAY.format(2 * k)[11:]},{a},{r:.3f}"), False, "clock"),
+    "clock without names": (
+        lines(lambda k, a, r: f"00:00:00.{2 * k},{a},{1000 * r:.0f}"), False, "zero"),
+    "bytes printed": (
+        lines(lambda k, a, r: f"b'{a:.0f},{1000 * r:.0f}\\r\\n'"), False, None),
+    "dictionaries printed": (
+        text(str({int(a): round(1000 * r) for _, a, r in BEAMS[:12]}) for _ in range(3)),
+        False, None),
+    "an array printed": (
+        text(str(np.column_stack([TURN, 1000 * FAR])) for _ in range(3)), False, None),
+    "YAML": (text(
+        f"- t: {0.2 * k}\n  ranges: {FAR.tolist()}\n  angles: {np.radians(TURN).tolist()}"
+        for k in range(3)), False, "zero"),
+    "documents of YAML": (
+        text(f"---\nstamp: {0.2 * k}\nranges:\n" + text(f"- {r}" for r in FAR) for k in range(3)),
+        False, "zero"),
+    "beams of YAML": (
+        lines(lambda k, a, r: f"- angle_deg: {a}\n  range_mm: {1000 * r:.0f}"), False, None),
+    "flow style in a list": (
+        text(f"- {{t: {0.2 * k}, angles_deg: {TURN.tolist()}, ranges_m: {FAR.tolist()}}}"
+             for k in range(3)), False, "zero"),
+    "packets of an LD19": (text(ld19(k).hex(" ") for k in range(3)), True, "zero"),
+    "packets as C has them": (
+        text(", ".join(f"0x{byte:02X}" for byte in ld19(k)) for k in range(3)), True, "zero"),
+    "directions with decimal commas": (
+        wide(["t", *(f"{a:.1f}°" for a in TURN)], mark=";").replace(".", ","), False, "zero"),
+    "units behind numbers in names": (
+        wide(["t[ms]", *(f"r{k}[mm]" for k in range(12))], lambda k: [str(200 * k)], 1000),
+        False, "zero"),
     "bagpy": (
         wide(["Time", "header.seq", "header.stamp.secs", "header.stamp.nsecs", "header.frame_id",
               *KEYS, *(f"ranges_{k}" for k in range(12))],

@@ -41,11 +41,16 @@ Measurements in arrays (metres, radians, seconds) become a log by three lines:
 
 #: First bytes of files that others read -> what they are, and what makes a table of them.
 OTHER_FILES = {
-    b"MATLAB 5.0": "of MATLAB: writematrix([angles ranges], 'it.csv') there writes a table",
+    b"MATLAB 5.0": "of MATLAB: numpy.savez('it.npz', **scipy.io.loadmat(path, squeeze_me=True)) "
+    "keeps its arrays, of which `ranges` and `angles` make a log",
+    b"MATLAB 7.3": "of MATLAB 7.3: save it there with '-v7', which scipy.io.loadmat reads",
     b"PAR1": "of Parquet: pandas.read_parquet(path).to_csv('it.csv', index=False) makes a table",
     b"\x89HDF\r\n": "of HDF5: pandas.read_hdf(path).to_csv('it.csv', index=False) may make a table",
     b"\xd4\xc3\xb2\xa1": "of packets of a network: the sensor's own program makes scans of them",
     b"\n\r\r\n": "of packets of a network: the sensor's own program makes scans of them",
+    b"\xed\xa1\xda\x01": "of events of LCM: lcm.EventLog gives its messages",
+    b"\xdb\x01\xf5[{\x1f\x1d{": "of Cartographer: the bag that it was made of holds the scans, "
+    "cartographer_pbstream_to_ros_map writes its map",
     b"\x80\x04\x95": "a pickle of Python, which may run anything: numpy.savez writes arrays",
 }
 
@@ -84,7 +89,8 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
     ):
         least = max(share * len(sample), 1)
         forms = [form for form in TEXT_FORMATS if votes[form] >= least]
-        if forms := [form for form in forms if by_shape or not form.by_shape]:
+        forms = [form for form in forms if by_shape or not form.by_shape]
+        if forms := [form for form in forms if form.fits(sample)]:
             return max(forms, key=lambda form: votes[form])
         for each in tables_next if lines.number else ():
             if each.claims(path):

@@ -51,7 +51,11 @@ LATEST_TIME_S = 1e12
 #: A beam points nowhere beyond two turns, radians.
 MOST_DIRECTION_RAD = 4 * np.pi
 #: Fields of tables that say that nothing was measured.
-NOT_MEASURED = ("", "nan", "-nan", "null", "none", "na", "n/a", "#n/a", "-", "--")
+NOT_MEASURED = (
+    *("", "nan", "-nan", "null", "none", "na", "n/a", "#n/a", "-", "--", "---", "-inf"),
+    *("-infinity", "1.#inf", "-1.#inf", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "#num!"),
+    *("#value!", "err", "error", "ol", "oor", "out of range", "timeout", "invalid"),
+)
 #: What a damaged line means: the end of reading, or one line less.
 OnError = Literal["raise", "skip"]
 T = TypeVar("T")
@@ -190,19 +194,19 @@ class Lines(Reading):
                 raise
             self.damaged(self.error(f"the packed file is broken or cut short ({fault})"))
 
-    def text(self, most: int) -> str:
+    def held(self, most: int) -> bytes:
         """At most so many bytes of a file that may have no lines, as far as they are whole."""
         most = min(most, max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * self.path.stat().st_size))
         held = bytearray()
         try:
             with open_bytes(self.path) as file:
-                while len(held) < most and (part := file.read(MAX_LINE)):
+                while len(held) < most and (part := file.read(min(most, MAX_LINE))):
                     held += part
         except Exception as fault:
             if not _is_broken(fault):
                 raise
             self.damaged(self.error(f"the packed file is broken or cut short ({fault})"))
-        return held.decode("utf-8-sig", "replace")
+        return bytes(held)
 
 
 def stem(path: Path) -> str:

@@ -8,11 +8,12 @@ import zipfile
 
 import numpy as np
 import pytest
+import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_samples import CARMEN, ENCODINGS, row, text
 from programs import program
-from table_samples import BEAMS, CLOCK, FAR, OTHERS, TURN, echo, lines, secs
+from table_samples import BEAMS, CLOCK, FAR, OTHERS, TURN, echo, ld19, lines, secs
 
 from segmap import LogError, readers
 from segmap.readers import UnknownFormat
@@ -293,7 +294,10 @@ def test_lines_of_a_hokuyo_in_millimetres_are_no_recording_of_rawseeds(tmp_path)
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"MATLAB 5.0 MAT-file, Platform: GLNXA64" + bytes(200), "writematrix"),
+        (b"MATLAB 5.0 MAT-file, Platform: GLNXA64" + bytes(200), "scipy.io.loadmat"),
+        (b"MATLAB 7.3 MAT-file, Platform: GLNXA64" + bytes(200), "-v7"),
+        (b"\xed\xa1\xda\x01" + bytes(200), "lcm.EventLog"),
+        (b"\xdb\x01\xf5\x5b\x7b\x1f\x1d\x7b" + bytes(200), "cartographer_pbstream_to_ros_map"),
         (b"PAR1" + bytes(200), "pandas.read_parquet"),
         (b"\x89HDF\r\n\x1a\n" + bytes(200), "pandas.read_hdf"),
         (b"\xd4\xc3\xb2\xa1\x02\x00\x04\x00" + bytes(200), "packets of a network"),
@@ -303,8 +307,23 @@ def test_lines_of_a_hokuyo_in_millimetres_are_no_recording_of_rawseeds(tmp_path)
 def test_a_file_of_another_program_is_named_with_what_makes_a_table_of_it(tmp_path, content, said):
     """Catches bytes that are shown, and nothing that helps."""
     (tmp_path / "it.log").write_bytes(content)
-    with pytest.raises(UnknownFormat, match=f"it.log: is .*{said}"):
+    with pytest.raises(UnknownFormat, match=f"it.log: is .*{said}") as caught:
         readers.read(tmp_path / "it.log")
+    for code in re.findall(r"(?:numpy|pandas)\.\w+\(.*\)", caught.value.reason.split("\n")[0]):
+        compile(code, "the advice", "eval")
+
+
+def test_arrays_of_matlab_are_a_log_by_the_advice(tmp_path, monkeypatch):
+    """Catches advice that nobody has followed: arrays with an axis more than a log takes."""
+    monkeypatch.chdir(tmp_path)
+    held = {"ranges": np.tile(FAR, (3, 1)), "angles": np.radians(TURN), "times": CLOCK, "n": "it"}
+    scipy.io.savemat("it.mat", held)
+    with pytest.raises(UnknownFormat) as caught:
+        readers.read("it.mat")
+    (code,) = re.findall(r"numpy\.savez\(.*\)", caught.value.reason.split("\n")[0])
+    exec(f"import numpy, scipy.io\npath = 'it.mat'\n{code}", {})
+    log = readers.read("it.npz")
+    assert log.times == pytest.approx(CLOCK) and log[2].ranges == pytest.approx(FAR)
 
 
 def test_a_workbook_is_made_a_table_by_its_advice(tmp_path):
@@ -424,6 +443,66 @@ def test_arrays_alone_are_tables(tmp_path):
     np.save(tmp_path / "it.npy", np.array([[1], [1, 2]], object), allow_pickle=True)
     with pytest.raises(LogError, match="is no array of numbers alone"):
         readers.read(tmp_path / "it.npy")
+
+
+@pytest.mark.parametrize(
+    "word", ["-Infinity", "1.#INF", "#NUM!", "OL", "out of range", "-0.0", "-1"]
+)
+def test_words_for_nothing_measured_are_no_damage(tmp_path, word):
+    """Catches a word of Excel, of a compiler or of a person that ends the reading."""
+    (tmp_path / "it.csv").write_text(f"angle_deg,range_m\n0,1.5\n10,{word}\n20,1.7\n")
+    (scan,) = readers.read(tmp_path / "it.csv")
+    assert scan.valid.tolist() == [True, False, True]
+
+
+#: Whose first beam is at 324.27 degrees and 0.224 m, and whose last at 334.7.
+PACKET_OF_THE_DATA_SHEET = (
+    "54 2C 68 08 AB 7E E0 00 E4 DC 00 E2 D9 00 E5 D5 00 E3 D3 00 E4 D0 00 E9 CD 00 E4 CA 00 E2 "
+    "C7 00 E9 C5 00 E5 C2 00 E5 C0 00 E5 BE 82 3A 1A 50"
+)
+
+
+def test_packets_that_are_damaged_are_told_or_left_out(tmp_path):
+    """Catches a wrong range that is believed, a clock that begins anew, and a cut begin or end."""
+    packets = [ld19(k) for k in (148, 149, 150, 151)]
+    path = tmp_path / "it.bin"
+    path.write_bytes(packets[0][30:] + b"".join(packets) + packets[0][:30])
+    log = readers.read(path)
+    assert log.times == pytest.approx(29.6 + 0.2 * np.arange(4)) and not log.skipped
+    assert log[0].delays is None and log[3].ranges == pytest.approx(FAR[::-1], abs=5e-4)
+    path.write_text(PACKET_OF_THE_DATA_SHEET)
+    assert readers.read(path)[0].ranges[[-1, -2]] == pytest.approx([0.224, 0.220])
+    assert np.degrees(-readers.read(path)[0].angles[[-1, 0]]) == pytest.approx([324.27, 334.7])
+    packets[1] = packets[1][:10] + b"\xff" + packets[1][11:]
+    path.write_bytes(b"".join(packets))
+    with pytest.raises(LogError, match="bytes 47 to 94 are no whole packets of an LD19"):
+        readers.read(path)
+    log = readers.read(path, on_error="skip")
+    assert log.times == pytest.approx([29.6, 30.0, 30.2]) and log.skipped.lines == 1
+
+
+@pytest.mark.parametrize("content", [
+    text(f"{k} {np.sin(k / 10):.4f}" for k in range(360)),
+    "sensor:\n  ranges: [0.1, 30.0]\n  rate: 10\n",
+    "angle_min: -1.57\nangle_max: 1.57\nrange_max: 30.0\nframe_id: laser\n",
+    text(",".join(f"{h:02}:{m:02}" for h, m in enumerate(range(12))) for _ in "123"),
+    text(bytes(range(40 + k, 72 + k)).hex(" ") for k in range(40)),
+], ids=["waves", "limits", "settings", "clock", "bytes"])  # fmt: skip
+def test_what_only_looks_like_beams_is_no_log(tmp_path, content):
+    """Catches a wave that is a Hokuyo's scan, limits of a sensor that are two beams."""
+    (tmp_path / "it.txt").write_text(content)
+    with pytest.raises(LogError):
+        readers.read(tmp_path / "it.txt")
+
+
+def test_units_of_a_file_come_before_those_of_the_program(tmp_path):
+    """Catches radians that are read as the degrees of a program whose names they have."""
+    (tmp_path / "it.csv").write_text(
+        "angle(rad),distance(mm),intensity\n"
+        + lines(lambda k, a, r: f"{np.radians(a):.5f},{1000 * r:.0f},9")
+    )
+    log = readers.read(tmp_path / "it.csv")
+    assert len(log) == 3 and np.sort(-np.degrees(log[0].angles)) == pytest.approx(TURN, abs=1e-3)
 
 
 def test_decimals_after_commas_are_no_pairs_of_a_radar(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import re
 import tarfile
 import tempfile
 from collections.abc import Callable, Iterator
@@ -37,6 +38,8 @@ FRONT_BYTES = 1024
 CHUNK_BYTES = 1 << 20
 #: No options, and no table of loops, are longer.
 MOST_TEXT_BYTES = 10_000_000
+#: Names of files in an archive that are about its logs.
+ABOUT_LOGS = re.compile(r"(?i)(readme|licen[cs]e|copying|authors|citation)\b.*|.*\.(md|rst|html?)")
 #: Names of so many files are listed.
 MOST_NAMES = 5
 
@@ -327,6 +330,8 @@ def _logs(folder: Path, room: _Room, begin: str = "") -> Iterator[tuple[str, Pat
         return
     for path in sorted(folder.iterdir()):
         name, place = begin + path.name, path
+        if ABOUT_LOGS.fullmatch(path.name):
+            continue
         if path.is_file():
             inner = folder.with_name(f"of {folder.name}") / path.name
             inner.mkdir(parents=True, exist_ok=True)

@@ -17,8 +17,8 @@ from ...arrays import Array
 
 #: First words of a column's name.
 ROLES = {
-    "angle": "angle theta phi psi th rz bearing azimuth angule heading yaw deg degrees",
-    "range": "range distance dist dis depth r rho radius",
+    "angle": "angle ang theta phi psi th rz bearing azimuth angule heading yaw deg degrees",
+    "range": "range distance dist dis depth r rho radius mm cm m meters metres",
     "time": "time timestamp stamp t ts epoch millis micros nanos datetime sec",
     "nanosec": "nanosec nsec",
     "scan": "scan frame rotation revolution sweep turn",
@@ -32,9 +32,10 @@ FILLERS = (
     *("id", "no", "nr", "number", "index", "value", "values", "in", "code", "hex", "lidar"),
     *("tick", "ticks"),
 )
-#: What stands before a name in ROS's own text and in PlotJuggler's.
+#: What stands before a name in ROS's own text, in PlotJuggler's, and before a part of a pose.
 BEFORE_NAME = re.compile(
     r"^((field|msg|message|data|scan)\.|/.*/)*(header\.(stamp\.(?=.)|(?=stamp$)))?"
+    r"((robot|pose|odom|odometry|base)[_. ](?=(x|y|theta|yaw|heading|th)([_ (\[]|$)))?"
 )
 #: A unit of angles: so many of a turn.
 TICKS = re.compile(r"(?i)(?:tick|step)s?[\s_]*([1-9]\d{1,5})")
@@ -76,6 +77,7 @@ COLUMN_UNITS = {
     role: {word: factor for words, factor in units.items() for word in words.split()}
     for role, units in UNIT_WORDS.items()
 }
+UNIT_NAMES = {word for units in COLUMN_UNITS.values() for word in units}
 #: Names of programs that say no unit -> the columns that they mean.
 KNOWN_TABLES = {
     ("theta", "dist", "q"): ("angle_deg_cw", "range_mm", "quality"),
@@ -140,16 +142,19 @@ def named(names: Sequence[str]) -> Columns:
     meanings = [meant or name for name, meant in zip(names, known, strict=True)]
     roles = [_role(meant, _words(meant)) for meant in meanings]
     beside_pose = {"x", "y", "range"} <= {*roles} and roles.count("angle") > 1
-    for place, (name, meant, role) in enumerate(zip(names, meanings, roles, strict=True)):
+    places = [place for place, role in enumerate(roles) if role is not None]
+    alone = [
+        is_unit(name) and role in ("angle", "range")
+        for name, role in zip(meanings, roles, strict=True)
+    ]
+    for place in sorted(places, key=alone.__getitem__):
+        name, meant, role = names[place], meanings[place], roles[place] or ""
         words = _words(meant)
-        if role is None:
-            continue
+        if alone[place] and role in found:
+            continue  # `deg` beside `angle`
         if beside_pose and role == "angle" and words[0] in HEADINGS:
             role = "heading"
-        units = COLUMN_UNITS.get(role, {})
-        rest = words if words[0] in units and len(words) == 1 else words[1:]
-        factors = [factor for word, factor in units.items() if word in rest]
-        factors += [2 * np.pi / int(count) for count in TICKS.findall(meant)]
+        factors = [*_factors(role, name), *_factors(role, meant)]  # its own before a program's
         column = Column(place, factors[0] if factors else None, name.strip())
         if role in found:
             twice = f"{found[role].name!r} and {name!r} are both columns of the {role}"
@@ -164,6 +169,20 @@ def named(names: Sequence[str]) -> Columns:
         found.pop("nanosec", None)  # which are a part of these alone
     kept = {k: v for k, v in found.items() if k not in doubtful}
     return Columns(kept, clockwise, twice, short in KNOWN_TABLES)
+
+
+def _factors(role: str, name: str) -> list[float]:
+    """What makes metres, radians or seconds of a column, by the units in its name."""
+    words, units = _words(name), COLUMN_UNITS.get(role, {})
+    said = words if is_unit(name) else words[1:]
+    ticks = [2 * np.pi / int(count) for count in TICKS.findall(name)]
+    return [*(factor for word, factor in units.items() if word in said), *ticks]
+
+
+def is_unit(name: str) -> bool:
+    """Whether a name is a unit alone: `deg`, `mm`."""
+    words = _words(name)
+    return len(words) == 1 and words[0] in UNIT_NAMES
 
 
 def _words(name: str) -> list[str]:
@@ -200,9 +219,11 @@ def with_units_told(found: Columns, rows: Array) -> tuple[Columns, list[str]]:
         told.append(f"{found.twice}: the first that says its unit is read, or the first")
     for role in ("angle", "range", "x", "y", "heading", "time"):
         column = columns.get(role)
-        if column is None or column.factor is not None or "tick" in column.name.lower():
+        if column is None or _factors(role, column.name) or "tick" in column.name.lower():
             continue
         factor, why = _unit_of(role, rows[:, column.place])
+        if column.factor is not None and factor in (None, column.factor):
+            continue  # a program says it, and the numbers say nothing else
         if factor is not None:
             columns[role] = column._replace(factor=factor)
             told.append(f"{column.name!r} is in {why}")
@@ -262,20 +283,20 @@ def _time_unit(values: Array) -> tuple[float | None, str]:
 
 def guessed(rows: Array) -> tuple[str, ...]:
     """Names of columns without names, by their numbers `(m, k)`; none where these do not tell."""
-    count = rows.shape[1]
-    if len(rows) < TELLING_ROWS or not 2 <= count <= 8 or not np.isfinite(rows).all():
+    count, usable = rows.shape[1], [int(k) for k in np.flatnonzero(np.isfinite(rows).all(0))]
+    if len(rows) < TELLING_ROWS or not 2 <= len(usable) <= 8:
         return ()
-    sweeps = [k for k in range(count) if _sweeps(rows[:, k])]
+    sweeps = [k for k in usable if _sweeps(rows[:, k])]
     if len(sweeps) > 1:  # an index counts by ones
         sweeps = [k for k in sweeps if not _counts_up(rows[:, k])] or sweeps
     if len(sweeps) > 1:
         sweeps = [k for k in sweeps if (np.diff(rows[:, k]) < 0).any()] or sweeps
         sweeps = [max(sweeps, key=lambda k: float(np.ptp(rows[:, k])))]
-    clocks = [k for k in range(count) if (np.diff(rows[:, k]) >= 0).all() and np.ptp(rows[:, k])]
+    clocks = [k for k in usable if (np.diff(rows[:, k]) >= 0).all() and np.ptp(rows[:, k])]
     if len(sweeps) != 1:
         return ()
     (angle,) = sweeps
-    others = [k for k in range(count) if k != angle and k not in clocks and np.ptp(rows[:, k])]
+    others = [k for k in usable if k != angle and k not in clocks and np.ptp(rows[:, k])]
     others = [k for k in others if (rows[:, k] >= 0).all() and not _counts_up(rows[:, k])]
     if not others:
         return ()

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .._lines import Lines, LogError
+from .._lines import Lines, LogError, is_number
 from ._columns import COLUMN_UNITS
 
 #: So many lines tell what a file is.
@@ -24,7 +24,7 @@ UNITS_OF_LABELS = sorted({*COLUMN_UNITS["time"], *COLUMN_UNITS["angle"], *COLUMN
 #: A name, its number and perhaps a unit, in a line where each field has its name.
 LABEL = re.compile(
     r"([A-Za-z_]+(?:[(\[]\w+[)\]])?)[\"']?\s*[:=]\s*[\"']?([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)"
-    rf"(?:\s*[(\[]?({'|'.join(map(re.escape, UNITS_OF_LABELS))})[)\]]?)?(?![\w.])"
+    rf"(?:\s*[(\[]?({'|'.join(map(re.escape, UNITS_OF_LABELS))})[)\]]?(?!\s*[:=]))?(?![\w.])"
 )
 #: A whole number in thousands, or one with three decimals.
 THOUSANDS = re.compile(r"[0-9]{1,3}(,[0-9]{3})+")
@@ -36,25 +36,28 @@ DECIMAL_COMMAS = re.compile(r"[-+]?[0-9]+(,[0-9]+)?(\s+[-+]?[0-9]+(,[0-9]+)?)+")
 TUPLE = re.compile(r"[(\[]([^()\[\]]+)[)\]]")
 #: ... and how the first of them begins.
 NESTED = re.compile(r"[(\[]\s*[(\[]")
-#: What a program prints about a list of numbers.
-LIST = re.compile(r"^(\d*: *)?(array\()?('\w', ?)?[\[(]|[\])]+$")
+#: What a program prints about a list of numbers, and Python about bytes.
+LIST = re.compile(
+    r"^(\d*: *)?(array\()?('\w', ?)?[\[(]+|[\])]+$|^b['\"]|(\\r)?(\\n)?(?<=\\n)['\"]$"
+)
+#: What RPLidar's programs print before the first beam of a turn.
+FIRST_BEAM = re.compile(r"^S\s+(?=[-+.0-9])")
 #: What ROS prints before a line of a log.
 ROS_LOG = re.compile(r"^\[ *[A-Z]+\] \[[0-9.]+\](?: \[[\w./]+\])?: ")
 #: Separators of fields; the first that most lines hold is theirs.
 SEPARATORS = ";\t|,"
 #: How lines begin that are no rows.
-TABLE_COMMENTS = ("#", "%", "//", "---")
-#: Times of the wall that are no ISO 8601.
-OTHER_CLOCKS = (
-    *("%d.%m.%Y %H:%M:%S", "%d.%m.%Y %H:%M:%S.%f"),
-    *("%m-%d-%Y %I:%M:%S %p", "%m-%d-%Y %I:%M:%S.%f %p"),
-)
+TABLE_COMMENTS = ("#", "%", "//", "---", "!", "; ", '"#')
+#: The time of the day, ...
+TIME_OF_DAY = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)(?: ?([AP])M)?", re.IGNORECASE)
+#: ... and a day before it that is no ISO 8601.
+DAY = re.compile(r"(\d{1,2})([.-])(\d{1,2})\2(\d{4})\.? +")
 
 
 def split(line: str, separator: str | None) -> list[str]:
     """The fields of a line; white space separates them where nothing else does."""
     if separator is None:
-        line = re.sub(r"\s+(?=[\[(])", "", line)
+        line = FIRST_BEAM.sub("", re.sub(r"\s+(?=[\[(])", "", line))
     line = LIST.sub("", ROS_LOG.sub("", line))
     fields = line.split(separator)
     if separator is not None and '"' in line:
@@ -94,9 +97,12 @@ def decimal(field: str, *, thousands: bool = False) -> str:
 
     Examples
     --------
-    >>> decimal("2000,5"), decimal("2.000,5"), decimal("2,000.5")
-    ('2000.5', '2000.5', '2000.5')
+    >>> decimal("2000,5"), decimal("2.000,5"), decimal("2,000.5"), decimal("0x10")
+    ('2000.5', '2000.5', '2000.5', '16')
     """
+    if field.startswith("0x"):
+        with suppress(ValueError):
+            return str(int(field, 16))
     if field.isascii() and "," not in field and "'" not in field:
         return field
     bare = re.sub("[\u00a0\u202f']", "", field)  # thousands in France and Switzerland
@@ -108,22 +114,43 @@ def decimal(field: str, *, thousands: bool = False) -> str:
     return field.replace(",", ".", 1)
 
 
+def as_numbers(row: Sequence[str], *, thousands: bool = False) -> list[float]:
+    """Numbers of fields; NaN of others, seconds of a time of the wall."""
+    texts = (decimal(field, thousands=thousands) for field in row)
+    return [float(text) if is_number(text) else moment(text) for text in texts]
+
+
 def moment(field: str) -> float:
     """Seconds of a time of the wall: ISO 8601, since 1970, or the time of day; else NaN.
 
+    A day whose month may be either number is none, unless points or AM and PM tell.
+
     Examples
     --------
-    >>> moment("1970-01-02T00:00:00.5Z"), moment("01:00:02,25")
-    (86400.5, 3602.25)
+    >>> moment("1970-01-02T00:00:00.5Z"), moment("01:00:02,25"), moment("1/13/1970 1:00:00 PM")
+    (86400.5, 3602.25, 1083600.0)
     """
     text = field.replace(",", ".").replace("/", "-")
-    if day := re.fullmatch(r"(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)", text):
-        return 3600 * int(day[1]) + 60 * int(day[2]) + float(day[3])
-    for form in ("", *OTHER_CLOCKS):
-        with suppress(ValueError, OverflowError):
-            found = datetime.strptime(text, form) if form else datetime.fromisoformat(text)
+    day = DAY.match(text)
+    clock = TIME_OF_DAY.fullmatch(text, day.end() if day else 0)
+    with suppress(ValueError, OverflowError):
+        if clock is None:
+            found = datetime.fromisoformat(text)
             return (found if found.tzinfo else found.replace(tzinfo=UTC)).timestamp()
+        hour, half = int(clock[1]), (clock[4] or "").upper()
+        hour = hour % 12 + 12 * (half == "P") if half else hour
+        since = _midnight(int(day[1]), int(day[3]), int(day[4]), day[2], half) if day else 0.0
+        return since + 3600 * hour + 60 * int(clock[2]) + float(clock[3])
     return np.nan
+
+
+def _midnight(first: int, second: int, year: int, mark: str, half: str) -> float:
+    """Seconds from 1970 to a day; NaN where nothing tells which number is the month."""
+    is_american = mark == "-" and (bool(half) or second > 12)
+    if mark == "-" and not half and max(first, second) <= 12 and first != second:
+        return np.nan
+    day, month = (second, first) if is_american else (first, second)
+    return datetime(year, month, day, tzinfo=UTC).timestamp()
 
 
 def sample(path: Path, count: int = SAMPLE_LINES) -> list[tuple[int, str]]:

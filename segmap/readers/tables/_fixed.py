@@ -49,6 +49,7 @@ from .._raw_scans import (
     urg_delays,
 )
 from .._text import TextFormat, by_names
+from ._columns import guessed
 from ._table import MOST_BEAMS_READ
 
 #: Lines of CoreSLAM by the number of their fields, and the sign of the right wheel.
@@ -197,6 +198,14 @@ class HokuyoText(TextFormat):
         if len(fields) != 2 or not all(map(is_number, fields)):
             return False
         return float(fields[0]) % 1 == 0 and abs(float(fields[1])) <= MOST_DIRECTION_RAD
+
+    @classmethod
+    def fits(cls, lines: Sequence[str]) -> bool:
+        """Whether the second column goes one way, and the first holds no whole degrees."""
+        rows = [found for line in lines if cls.claims(found := line.split())]
+        table = np.array(rows, float).reshape(-1, 2)
+        steps = np.sign(np.diff(table[:, 1]))
+        return abs(steps.sum()) >= 0.8 * np.abs(steps).sum() and guessed(table)[:1] != ("angle",)
 
     def _take(self, fields: list[str]) -> None:
         beam = float_fields(fields, "range and angle")

@@ -113,4 +113,5 @@ def _is_scan(path: Path) -> bool:
         lines = list(islice(Lines(path, "skip"), FEW))
     except LogError:
         return False
-    return 2 * sum(map(HokuyoText.claims, lines)) > len(lines)
+    beams = [" ".join(line) for line in lines if HokuyoText.claims(line)]
+    return 2 * len(beams) > len(lines) and HokuyoText.fits(beams)

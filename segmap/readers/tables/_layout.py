@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from itertools import islice, pairwise
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,17 +13,26 @@ import numpy as np
 from ...arrays import Array
 from .._lines import is_number
 from ..packed import log_file
-from ._columns import RPLIDAR_RECORD, Columns, guessed, named, proposed_names, with_units_told
+from ._columns import (
+    RPLIDAR_RECORD,
+    Columns,
+    guessed,
+    is_unit,
+    named,
+    proposed_names,
+    with_units_told,
+)
 from ._fields import (
+    FIRST_BEAM,
     NESTED,
     SAMPLE_LINES,
     SEPARATOR_LINE,
     TABLE_COMMENTS,
     THOUSANDS,
     TUPLE,
+    as_numbers,
     decimal,
     labelled,
-    moment,
     sample,
     separator_of,
     split,
@@ -90,6 +99,11 @@ def layout_of(path: Path) -> Layout | None:
     rows = [line for _, line in sample(path) if not line.startswith(TABLE_COMMENTS)]
     if (found := headed_of(path)) or not rows:
         return found
+    labels = tuple(next(labelled(rows[0])))
+    beams = (said for row in rows for said in labelled(row) if {*labels} <= {*said})
+    said = [", ".join(beam[label] for label in labels) for beam in beams]
+    if len(labels) > 1 and (found := unnamed(said, labels)):
+        return found._replace(labels=labels)
     separator, begin = begin_of(path)
     head = next((line for number, line in sample(path) if number == begin), "")
     if found := unnamed(rows, split(head, separator)):
@@ -112,7 +126,7 @@ def _headed(lines: Sequence[tuple[int, str]]) -> Layout | None:
     """
     body = [line for _, line in lines[1:] if not line.startswith(TABLE_COMMENTS)]
     separator, comment = separator_of(body or [line for _, line in lines]), None
-    for (number, line), (_, below) in pairwise([*lines[:HEAD_LINES], (0, "")]):
+    for number, line in lines[:HEAD_LINES]:
         if told := SEPARATOR_LINE.fullmatch(line):
             separator = told[1]
         elif line.startswith(SLAMTEC_HEAD):
@@ -120,8 +134,10 @@ def _headed(lines: Sequence[tuple[int, str]]) -> Layout | None:
             return Layout(None, number, columns, named(columns))
         else:
             mark = separator if separator is None or separator in line else separator_of([line])
-            names = tuple(split(line.lstrip("#%/").strip(" "), mark))
-            found = Layout(separator, number, names, named(names))
+            names = tuple(split(line.lstrip('#%/!; "').strip(" "), mark))
+            found = Layout(separator, number, names)
+            if not any(map(is_number, names)):
+                found = found._replace(columns=named(names))
             if names[:1] == ("FIELDS",):  # a cloud of points, PCD
                 begin = [k for k, text in lines if text.startswith(CLOUD_DATA)] or [number]
                 cloud = Layout(separator, begin[0], names[1:], named(names[1:]))
@@ -130,21 +146,25 @@ def _headed(lines: Sequence[tuple[int, str]]) -> Layout | None:
                 fits = comment and _fits(split(line, separator), comment)
                 chosen = comment if fits and comment else found
                 if chosen.columns.enough:
-                    return _over(_over_units(chosen, split(below, separator)), lines)
+                    under = [split(text, separator) for at, text in lines if at > number][:2]
+                    return _over(_over_units(chosen, under if chosen is found else []), lines)
             elif found.columns.enough:
                 comment = found
     return None
 
 
-def _over_units(head: Layout, below: Sequence[str]) -> Layout:
-    """A head, with the units of the line below it where that holds no numbers."""
-    if len(below) != len(head.names) or any(is_number(decimal(field)) for field in below):
-        return head
-    names = tuple(f"{name} {unit}" for name, unit in zip(head.names, below, strict=True))
-    columns = named(names)
-    return (
-        head._replace(line=head.line + 1, names=names, columns=columns) if columns.enough else head
-    )
+def _over_units(head: Layout, below: Sequence[Sequence[str]]) -> Layout:
+    """A head, with the units of a line below it, or above; lines without numbers are left out."""
+    for fields in below:
+        if len(fields) != len(head.names) or any(is_number(decimal(field)) for field in fields):
+            break
+        pairs = list(zip(head.names, fields, strict=True))
+        above = all(map(is_unit, filter(None, head.names)))
+        names = tuple(f"{b} {a}" if above else f"{a} {b}" for a, b in pairs)
+        head = head._replace(line=head.line + 1)
+        if (columns := named(names)).enough:
+            head = head._replace(names=names, columns=columns)
+    return head
 
 
 def _fits(fields: Sequence[str], head: Layout) -> bool:
@@ -159,6 +179,8 @@ def unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
     A head without known names may still say their units; one that says an unknown unit ends it.
     """
     nested = [row for row in rows if NESTED.search(row)]
+    if 3 * len(nested) < len(rows):  # an array of numpy's, printed
+        nested = []
     if nested:
         beams = (each for row in nested for each in TUPLE.findall(row))
         rows = [", ".join(split(each, ",")) for each in islice(beams, SAMPLE_LINES)]
@@ -172,11 +194,14 @@ def unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
     if not len(table) or len(table) < ROWS_SHARE * len(rows):
         return None
     three = table.shape[1] == 3 and len(np.unique(table[:, 0])) <= 64 and (table[:, 2] > 100).any()
+    three &= bool(np.isfinite(table[:, 0]).all())
     names = RPLIDAR_RECORD[1:] if three and _is_record(table) else guessed(table)
     if not names:
         return None
     if len(head) == len(names):
         names = tuple(_with_unit(name, above) for name, above in zip(names, head, strict=True))
+    if any(map(FIRST_BEAM.match, rows)):
+        names = tuple("angle_cw" if name == "angle" else name for name in names)
     columns, told = with_units_told(named(names), table)
     if not {"angle", "range"} <= {*columns.by_role}:
         return None
@@ -206,20 +231,15 @@ def _is_record(table: Array) -> bool:
 
 
 def _number_rows(fields: Sequence[Sequence[str]]) -> Array:
-    """The rows that are numbers, as many as most rows have; `(m, k)`."""
+    """The rows that are numbers, as many as most rows have; `(m, k)`, NaN in columns of texts."""
     if not fields:
         return np.empty((0, 0))
     lengths = [len(row) for row in fields]
     count = max(max(set(lengths), key=lengths.count), 1)
-    rows = [[*map(decimal, row)] for row in fields if len(row) == count]
-    return np.array([as_numbers(row) for row in rows if all(map(is_number, row))]).reshape(
-        -1, count
-    )
-
-
-def as_numbers(row: Sequence[str]) -> list[float]:
-    """Numbers of fields; NaN of others, seconds of a time of the wall."""
-    return [float(field) if is_number(field) else moment(field) for field in row]
+    table = np.array([as_numbers(row) for row in fields if len(row) == count])
+    table = table.reshape(-1, count)
+    texts = np.isnan(table).all(0)
+    return table[np.isfinite(table[:, ~texts]).all(1)]
 
 
 def rows_below(layout: Layout, lines: Sequence[tuple[int, str]]) -> Array:
@@ -233,8 +253,7 @@ def rows_below(layout: Layout, lines: Sequence[tuple[int, str]]) -> Array:
         elif number > layout.line and not line.startswith(TABLE_COMMENTS):
             fields = split(line, mark)
             if len(fields) >= count:
-                thousands = layout.thousands
-                rows.append(as_numbers([decimal(f, thousands=thousands) for f in fields[:count]]))
+                rows.append(as_numbers(fields[:count], thousands=layout.thousands))
     return np.array(rows).reshape(len(rows), count)
 
 
@@ -309,9 +328,10 @@ def begin_of(path: Path) -> tuple[str | None, int]:
 
 
 def is_row(fields: Sequence[str]) -> bool:
-    """Whether a line holds numbers, and no names."""
+    """Whether a line holds numbers, and but one no names."""
     others = [field for field in fields if not is_number(field)]
-    return len(others) < len(fields) and not named(others).by_role
+    count = len(fields) - len(others)
+    return count > 1 or (count == 1 and not named(others).by_role)
 
 
 def first_rows(path: str | Path) -> tuple[list[str], list[list[str]]]:

@@ -1,9 +1,10 @@
 """Records with a name beside each value, over several lines: the rows of a table all the same.
 
-    ranges: [2.0, 2.1, ...]   among other keys, `---` after each scan      rostopic echo /scan
+    ranges: [2.0, 2.1, ...]   a key a line, `---` or `- ` between scans    rostopic echo /scan, YAML
     header { stamp {          and so on, names repeated                    gz topic -e of Gazebo
     # name: ranges            before its rows                              matrices of Octave
     90,123.91,122.            degrees and centimetres                      programs for a radar
+    {0: 1234, 1: 1250, ...}   angles and ranges, a scan a line             a dict of Python's
     {"ranges": [...], ...}    over lines or not, one after the other or in a list; scans, beams,
                               or lists of both                             JSON
     sRA LMDscandata 1 1 ...   numbers in hexadecimal                       CoLa A of SICK
@@ -20,7 +21,6 @@ from __future__ import annotations
 
 import json
 import re
-import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, islice, pairwise
 from pathlib import Path
@@ -29,13 +29,24 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from ...scans import Log
-from ...scans.error_codes import as_ranges
 from .._lines import HeadError, Lines, LogError
 from ._columns import named, proposed_names
-from ._fields import SAMPLE_LINES, sample
+from ._fields import SAMPLE_LINES, labelled, listed, sample
 from ._layout import SHOWN_ROWS, Layout, wanting
+from ._sensors import (
+    PACKETS_SAMPLE_BYTES,
+    TELEGRAM,
+    TOLD_OF_TELEGRAMS,
+    TOLD_OF_URG_BENRI,
+    Record,
+    ld19,
+    packets_in,
+    telegrams,
+    text_of,
+    urg_benri,
+)
 from ._table import CUT, Table
-from ._wide import SHORTENED, of_records
+from ._wide import LEAST_BEAMS, SHORTENED, of_records
 
 #: So many lines hold the names of a message.
 ECHO_SAMPLE_LINES = 60
@@ -43,24 +54,13 @@ ECHO_SAMPLE_LINES = 60
 MOST_JSON_BYTES = 1 << 28
 #: Ends a message.
 END_OF_MESSAGE = "---"
-#: What SICK's sensors answer to the wish for a scan, or send by themselves.
-TELEGRAM = re.compile(r"s(?:RA|SN) LMDscandata ([^\x02\x03]*)")
-#: Which field of a telegram is its time, ...
-TELEGRAM_TIME = 7
-#: ... and which says how many encoders follow, before the channels.
-TELEGRAM_ENCODERS = 16
-#: Fields of a channel before its values.
-CHANNEL_FIELDS = 6
-#: What a telegram counts angles in.
-SICK_STEP_RAD = np.radians(1e-4)
-
-#: Larger values of a Hokuyo mean that nothing was met.
-MOST_OF_URG_MM = 60_000
 #: Of lists of more numbers each is a scan, and no beam.
 MOST_BEAM_FIELDS = 8
 DECODER = json.JSONDecoder()
 #: A key of YAML before its value.
 BARE_KEY = re.compile(r"([{,]\s*)([A-Za-z_]\w*):")
+#: A key of YAML in a line of its own, perhaps the first of an item of a list, and its value.
+KEY = re.compile(r"(?:- +)?([A-Za-z_][\w .()\[\]]*?) *: *(.*)")
 #: How Gazebo's text of a message begins.
 HEAD_OF_GAZEBO = "header {"
 #: Before each matrix that Octave saves.
@@ -70,18 +70,12 @@ RADAR_PAIR = re.compile(r"(0|[1-9]\d{0,2}),(0|[1-9]\d{0,3})\.")
 RADAR = re.compile(rf"({RADAR_PAIR.pattern}){{6,}}(\d{{1,3}},?)?\d{{0,4}}")
 #: Its servo goes on by so many degrees at most, each time by as many, or back to the first.
 MOST_RADAR_STEP_DEG = 30
+#: An angle and its range as a dictionary of Python's has them, or a line of it.
+PAIR = re.compile(r"[\"']?(-?[0-9.]+)[\"']?\s*[:=]\s*(-?[0-9.]+|nan|inf|None|null)")
+PAIRS = re.compile(rf"[{{\[(]?\s*({PAIR.pattern}[\s,;]*){{6,}}[}}\])]?,?")
 TOLD_OF_RADAR = ("pairs are degrees and centimetres, as programs for a radar have them",)
 #: What stands between values of JSON.
 BETWEEN_JSON = re.compile(r"[\s,]*")
-
-#: The number of the line where a record ends, and what it says.
-Record = tuple[int, Mapping[str, str]]
-#: What a telegram of SICK and a log of UrgBenri leave unsaid.
-TOLD_OF_TELEGRAMS = (
-    "90 degrees of the sensor are straight ahead",
-    "times are those since the sensor was started",
-)
-TOLD_OF_URG_BENRI = ("times are in milliseconds",)
 
 
 class Records(NamedTuple):
@@ -133,19 +127,31 @@ def shown_records(records: Records, path: Path) -> tuple[list[str], list[list[st
 
 def records_of(path: Path) -> Records | None:
     """The records of a file; None of a file that has none."""
+    if any(packets_in(Lines(path, "skip").held(PACKETS_SAMPLE_BYTES))):
+        return Records(ld19)
     texts = [text.strip() for _, text in sample(path, ECHO_SAMPLE_LINES)]
     words = {text.split(":")[0].strip() for text in texts}
-    if "angle_min" in words and words & {"angle_increment", "angle_step"}:
+    matches = [found for text in texts if (found := KEY.fullmatch(text))]
+    keys = [found[1] for found in matches if not {*found[2]} & {*":={}"}]
+    said = 2 * len(keys) > len(texts) and named(_distinct(keys)).enough
+    if said or ("angle_min" in words and words & {"angle_increment", "angle_step"}):
         return Records(_echoed)
+    if "ranges" in keys:
+        (_, first) = next(_echoed(Lines(path, "skip", "\n", comments="")), (0, {}))
+        if len(listed(first.get("ranges", ""))) >= LEAST_BEAMS:
+            return Records(_echoed)
     if any(OCTAVE_NAME.match(text) for text in texts):
         return Records(_octave)
     if texts and _is_radar(texts[0]):
-        return Records(_radar, TOLD_OF_RADAR)
+        return Records(_pairs(RADAR_PAIR, "angle_deg", "range_cm"), TOLD_OF_RADAR)
+    if texts and PAIRS.fullmatch(texts[0]):
+        return Records(_pairs(PAIR, "angle", "range"))
     if any(map(TELEGRAM.search, texts)):
-        return Records(_telegrams, TOLD_OF_TELEGRAMS)
+        return Records(telegrams, TOLD_OF_TELEGRAMS)
     if "[timestamp]" in words and "[totalSteps]" in words:
-        return Records(_urg_benri, TOLD_OF_URG_BENRI)
-    if texts and texts[0].startswith(("{", "[")) and next(_json(Lines(path, "skip")), None):
+        return Records(urg_benri, TOLD_OF_URG_BENRI)
+    begins = ("{", "[", "- {", "- [")
+    if texts and texts[0].startswith(begins) and next(_json(Lines(path, "skip")), None):
         return Records(_json)
     return None
 
@@ -159,18 +165,19 @@ def read_named_records(path: Path, name: str, on_error: str = "raise") -> Log:
 def _echoed(lines: Lines) -> Iterator[Record]:
     """Values of each message by their names, without the names of what holds them."""
     said: dict[str, list[str]] = {}
-    key, number = "", 0
+    key, first, number = "", "", 0
     for (text,) in lines:
-        number = lines.number
-        if text == END_OF_MESSAGE or (text == HEAD_OF_GAZEBO and "ranges" in said):
+        number, found = lines.number, KEY.fullmatch(text)
+        again = found is not None and found[1] == first and first in said
+        if text == END_OF_MESSAGE or again or (text == HEAD_OF_GAZEBO and "ranges" in said):
             if said:
                 yield number, _message_texts(lines, said)
             said, key = {}, ""
+        if text == END_OF_MESSAGE or text.endswith("{") or text == "}":
             continue
-        if text.endswith("{") or text == "}":
-            continue
-        if found := re.match(r"-?\s*([A-Za-z_]\w*):\s*(.*)", text):
+        if found:
             key, text = found[1].replace("angle_step", "angle_increment"), found[2]
+            first = first or (key if text or key == "ranges" else "")
             said.setdefault(key, [])
         values = text.removeprefix("- ") if not text.startswith("[") else text
         said.setdefault(key, []).extend(
@@ -178,10 +185,10 @@ def _echoed(lines: Lines) -> Iterator[Record]:
             for value in (v.strip(" []'\"") for v in values.split(","))
             if value
         )
-    if "ranges" in said:
+    if "ranges" in said or (said and "angle_min" not in said):
         whole = text.startswith("[") and not text.endswith("]")
         yield number, _message_texts(lines, said) | ({CUT: ""} if whole else {})
-    elif said and not lines.first and "angle_min" in said:
+    elif said and not lines.first:
         raise LogError(lines.path, "is cut off within a message", number)
 
 
@@ -189,14 +196,25 @@ def _message_texts(lines: Lines, said: Mapping[str, Sequence[str]]) -> dict[str,
     lists = ("ranges", "intensities")
     if any("..." in value or value.startswith("<") for value in said.get("ranges", ())):
         raise LogError(lines.path, SHORTENED, lines.number)
-    said = {k: v for k, v in said.items() if v or k in lists}
-    return {k: f"[{' '.join(v)}]" if k in lists else " ".join(v) for k, v in said.items()}
+    found: dict[str, str] = {}
+    for key, values in said.items():
+        if len(values) > 1 or key in lists:
+            found[key] = f"[{' '.join(values)}]"
+        elif values:  # a number may have its unit behind it
+            found |= next(labelled(f"{key}: {values[0]}")) or {key: values[0]}
+    return found
+
+
+def _distinct(keys: Sequence[str]) -> list[str]:
+    return list(dict.fromkeys(keys))
 
 
 # ------------------------------------------------------------------------ JSON
 def _json(lines: Lines) -> Iterator[Record]:
     """The scans or beams of all values in a text, as far as it is JSON."""
-    text = lines.text(MOST_JSON_BYTES)
+    text = lines.held(MOST_JSON_BYTES).decode("utf-8-sig", "replace")
+    if text.startswith("- "):
+        text = re.sub(r"(?m)^- ", "", text)
     if BARE_KEY.match(text):  # the flow style of YAML, as `ros2 topic echo --flow-style` has it
         text = BARE_KEY.sub(r'\1"\2":', re.sub(r"(?m)^---$", "", text).replace("'", '"'))
         text = re.sub(r":\s*([A-Za-z_/][\w/]*)(?=\s*[,}])", r': "\1"', text)
@@ -233,30 +251,30 @@ def _scans_in(value: Any) -> Iterator[list[dict[str, str]]]:
             value = {k: [*v.values()] if isinstance(v, dict) else v for k, v in value.items()}
         held = _flattened(value)
         lists = {k: v for k, v in held.items() if isinstance(v, list) and v}
-        shared = {k: _json_text(v) for k, v in held.items() if k not in lists}
+        shared = {k: text_of(v) for k, v in held.items() if k not in lists}
         deep = [v for v in lists.values() if isinstance(v[0], list | dict)]
         parts = [v for v in deep if isinstance(v[0], dict)] or deep * (len(lists) == 1)
         for part in parts[:1]:
             yield from ([shared | beam for beam in scan] for scan in _scans_in(part))
         if not deep and named([*lists]).enough and len({*map(len, lists.values())}) == 1:
             rows = zip(*lists.values(), strict=True)  # a list a column
-            yield [shared | dict(zip(lists, map(_json_text, row), strict=True)) for row in rows]
+            yield [shared | dict(zip(lists, map(text_of, row), strict=True)) for row in rows]
         elif not deep:
-            yield [{k: _json_text(v) for k, v in held.items()}]
+            yield [{k: text_of(v) for k, v in held.items()}]
         elif not parts:  # an array a name, in which a row is a scan
             count = len(deep[0])
             for k in range(count):
                 row = {n: v[k] if len(v) == count else v for n, v in lists.items()}
-                yield [shared | {n: _json_text(v) for n, v in row.items()}]
+                yield [shared | {n: text_of(v) for n, v in row.items()}]
     elif isinstance(value, list) and value:
         kinds = {type(part) for part in value}
         inner = {type(part) for each in value if isinstance(each, list) for part in each}
         if kinds == {dict} and not any(isinstance(v, list | dict) for v in value[0].values()):
-            yield [{k: _json_text(v) for k, v in beam.items()} for beam in value]
+            yield [{k: text_of(v) for k, v in beam.items()} for beam in value]
         elif kinds == {list} and not inner & {list, dict} and len(value[0]) <= MOST_BEAM_FIELDS:
-            yield [{str(k): _json_text(v) for k, v in enumerate(beam)} for beam in value]
+            yield [{str(k): text_of(v) for k, v in enumerate(beam)} for beam in value]
         elif kinds == {list} and not inner & {list, dict}:
-            yield from ([{"ranges": _json_text(row)}] for row in value)
+            yield from ([{"ranges": text_of(row)}] for row in value)
         else:
             for part in value:
                 yield from _scans_in(part)
@@ -269,12 +287,6 @@ def _flattened(value: Mapping[str, Any], begin: str = "") -> dict[str, Any]:
         inner = isinstance(held, dict)
         found |= _flattened(held, f"{begin}{name}.") if inner else {begin + name: held}
     return found
-
-
-def _json_text(value: Any) -> str:
-    if isinstance(value, list):
-        return f"[{' '.join(map(_json_text, value))}]"
-    return "nan" if value is None else str(value)
 
 
 def _octave(lines: Lines) -> Iterator[Record]:
@@ -304,90 +316,15 @@ def _is_radar(text: str) -> bool:
     return len({*ways}) == 1 and ways[0] <= MOST_RADAR_STEP_DEG and max(angles) <= 360
 
 
-def _radar(lines: Lines) -> Iterator[Record]:
-    """What a sonar or laser on a servo sends that is drawn as a radar: `90,123.91,122.`."""
-    for (text,) in lines:
-        for angle, far in RADAR_PAIR.findall(text):
-            yield lines.number, {"angle_deg": angle, "range_cm": far}
+def _pairs(pair: re.Pattern[str], *names: str) -> Callable[[Lines], Iterator[Record]]:
+    """What gives the beams of lines of pairs, of what these names say."""
 
+    def each(lines: Lines) -> Iterator[Record]:
+        for (text,) in lines:
+            if not (found := pair.findall(text)):
+                lines.damaged(lines.error(f"expected pairs of numbers, got {text[:40]!r}"))
+            turn = {"scan": str(lines.number)} if pair is PAIR else {}
+            for beam in found:
+                yield lines.number, turn | dict(zip(names, beam, strict=True))
 
-# --------------------------------------------------------------------- sensors
-def _telegrams(lines: Lines) -> Iterator[Record]:
-    """Telegrams of SICK: head, channels of 16 bits, of which DIST1 holds millimetres."""
-    for (text,) in lines:
-        for telegram in TELEGRAM.findall(text):
-            yield from _record_or_damage(
-                lines, "telegram of LMDscandata", _telegram, telegram.split()
-            )
-
-
-def _record_or_damage(
-    lines: Lines, what: str, parse: Callable[[Any], Mapping[str, str]], given: Any
-) -> Iterator[Record]:
-    """One record; a damaged one is told or counted."""
-    try:
-        yield lines.number, parse(given)
-    except (ValueError, ArithmeticError, LookupError, TypeError, struct.error) as fault:
-        lines.damaged(lines.error(f"expected a whole {what} ({fault})"))
-
-
-def _telegram(fields: Sequence[str]) -> dict[str, str]:
-    at = TELEGRAM_ENCODERS + 1 + 2 * _number(fields[TELEGRAM_ENCODERS])
-    for _ in range(_number(fields[at])):
-        name, scale, offset, first, step, count, *data = fields[at + 1 :]
-        if name == "DIST1":
-            break
-        at += CHANNEL_FIELDS + _number(count)
-    else:
-        raise ValueError("no DIST1 in it")
-    if not 0 < _number(count) <= len(data):
-        raise ValueError(f"announces {_number(count)} ranges, but {len(data)} fields follow")
-    values = np.array([_number(field) for field in data[: _number(count)]])
-    ranges = np.where(values > 0, values * _real(scale) + _real(offset), 0) / 1000
-    begin = (_number(first) + 2**31) % 2**32 - 2**31
-    return {
-        "time_us": str(_number(fields[TELEGRAM_TIME])),
-        "angle_min": str(begin * SICK_STEP_RAD - np.pi / 2),
-        "angle_increment": str(_number(step) * SICK_STEP_RAD),
-        "ranges": _json_text(np.where(ranges > 0, ranges, np.nan).tolist()),
-    }
-
-
-def _number(field: str) -> int:
-    """A number of a telegram: hexadecimal, or decimal with a sign before it."""
-    return int(field) if field.startswith(("+", "-")) else int(field, 16)
-
-
-def _real(field: str) -> float:
-    return float(struct.unpack(">f", bytes.fromhex(field.zfill(8)))[0])
-
-
-def _urg_benri(lines: Lines) -> Iterator[Record]:
-    """Scans of UrgBenri, whose steps count from behind to the left."""
-    said: dict[str, str] = {}
-    key = ""
-    for (text,) in lines:
-        if found := re.fullmatch(r"\[(\w+)\]", text):
-            key = found[1]
-        elif key:
-            said[key] = text
-            if key == "scan":
-                yield from _record_or_damage(
-                    lines, "scan of UrgBenri", _scan_of_urg_benri, dict(said)
-                )
-            key = ""
-
-
-def _scan_of_urg_benri(said: Mapping[str, str]) -> dict[str, str]:
-    keys = ("totalSteps", "frontStep", "startStep")
-    total, front, first = (float(said.get(key, "nan")) for key in keys)
-    parts = said["scan"].strip(";").split(";")
-    found = np.array([float(re.split("[&|]", part)[0]) for part in parts])  # the first echo
-    ranges = np.where(found > MOST_OF_URG_MM, np.inf, as_ranges(found)[0])
-    step = 2 * np.pi / total * float(said.get("grouping", 1) or 1)
-    return {
-        "time_ms": said.get("timestamp", ""),
-        "angle_min": str((first - front) * 2 * np.pi / total),
-        "angle_increment": str(step),
-        "ranges": _json_text(ranges.tolist()),
-    }
+    return each

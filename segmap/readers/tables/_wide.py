@@ -30,8 +30,8 @@ from ...scans.error_codes import LOWEST
 from .._lines import LogError, is_number
 from .._raw_scans import COUNTERCLOCKWISE, URG_STEP, centred, half_turn, place_of, view_of
 from ._columns import BEFORE_NAME, Column, Columns, named, with_units_told
-from ._fields import TABLE_COMMENTS, decimal, listed, sample, separator_of, split
-from ._layout import Beams, Layout, as_numbers, unnamed, with_units
+from ._fields import TABLE_COMMENTS, as_numbers, decimal, listed, sample, separator_of, split
+from ._layout import Beams, Layout, unnamed, with_units
 
 #: Numbers of a message, in the order in which `ros2 topic echo --csv` writes them.
 SINGLE_NUMBERS = (
@@ -51,6 +51,10 @@ HEAD_ROWS = 20
 SCAN_PREFIXES = r"(?i)(laser|lidar|scan|beam|ray|reading|sample|d|l|m|z)?s?[^a-z]*$"
 #: And of angles.
 ANGLE_PREFIXES = r"(?i)(a|ang)s?[^a-z]*$"
+#: A name with the number of a beam or its direction, and perhaps the unit of its range.
+NUMBERED = re.compile(
+    r"(.*?)[\[_(\s]*(-?\d+(?:\.\d+)?)[\])°\s]*(?:deg|rad|[\[(_ ]*(mm|cm|m|ft|in)[\])]?)?"
+)
 #: So many lines tell what a file is.
 WIDE_SAMPLE_LINES = 60
 #: Beams of usual lasers -> over how many degrees they look.
@@ -69,7 +73,7 @@ def _first_fields(path: Path) -> tuple[str | None, list[int], list[list[str]]]:
     first = lines[0][0] if lines else 0
     lines = [(k, t) for k, t in lines if not t.startswith(TABLE_COMMENTS) or k == first]
     separator = separator_of([text for _, text in lines])
-    rows = [split(text.lstrip("#"), separator) for _, text in lines]
+    rows = [[*map(decimal, split(text.lstrip("#"), separator))] for _, text in lines]
     return separator, [k for k, _ in lines], rows
 
 
@@ -96,7 +100,7 @@ def of_records(
     rows = [[said.get(label, "") for label in labels] for said in records]
     if not names and not bare and _is_head(own, rows[0], least=1):
         return _with_head(path, Layout(None, 0, own, labels=labels), rows), np.empty(0)
-    table = np.array([as_numbers([*map(decimal, row)]) for row in rows])
+    table = np.array([as_numbers(row) for row in rows])
     found = unnamed([", ".join(row[k] for k in bare) for row in rows], []) if bare else None
     columns = named(names or own)
     if found and len(found.names) == len(bare):
@@ -110,8 +114,7 @@ def of_records(
 
 def bare_of(path: Path) -> Layout | None:
     """The same for lines of nothing but numbers, as many in each: a guess, and a last resort."""
-    separator, _, texts = _first_fields(path)
-    rows = [[*map(decimal, row)] for row in texts]
+    separator, _, rows = _first_fields(path)
     width = max(map(len, rows), default=0)
     whole = [row for row in rows if len(row) == width and all(map(is_number, row))]
     heads = [row for row in rows[:1] if len(row) == width and not any(map(is_number, row))]
@@ -165,8 +168,10 @@ def _beams_in(names: Sequence[str], below: Sequence[str]) -> tuple[Beams, list[f
         return Beams((found[0],), directions=turned[:1]), [], names[found[0]]
     groups: dict[str, list[tuple[int, float]]] = {}
     for place, name in enumerate(names):
-        if match := re.fullmatch(r"(.*?)[\[_(\s]*(-?\d+(?:\.\d+)?)[\])°\s]*(deg|rad)?", name):
-            groups.setdefault(match[1].lower(), []).append((place, float(match[2])))
+        plain = name.replace(",", ".")
+        if match := NUMBERED.fullmatch(plain):
+            prefix = f"range {match[3]}" if match[3] else match[1].lower()
+            groups.setdefault(prefix, []).append((place, float(match[2])))
     kinds = {prefix: {*named([prefix.strip("_ ")]).by_role} for prefix in groups}
     turns = [p for p in groups if p and ("angle" in kinds[p] or re.match(ANGLE_PREFIXES, p))]
     sizes = {
@@ -189,7 +194,7 @@ def _with_head(path: Path, head: Layout, rows: Sequence[Sequence[str]]) -> Layou
     names, rows = head.names, [row for row in rows if len(row) == len(head.names)]
     beams, numbers, prefix = _beams_in(names, rows[0])
     place = {name.lower(): k for k, name in enumerate(names)}
-    table = np.array([as_numbers([*map(decimal, row)]) for row in rows])
+    table = np.array([as_numbers(row) for row in rows])
     if names[0] == "%time":  # nanoseconds
         clock = Column(place.get("header.stamp", place.get("stamp", 0)), 1e-9, "")
         columns, told = Columns({"time": clock}), list[str]()
@@ -239,7 +244,7 @@ def _with_head(path: Path, head: Layout, rows: Sequence[Sequence[str]]) -> Layou
 def _cells(rows: Sequence[Sequence[str]], places: Sequence[int]) -> Array:
     """All numbers of some columns, `(m,)`."""
     cells = (part for row in rows for k in places for part in listed(row[k]))
-    return np.array(as_numbers([*map(decimal, cells)]))
+    return np.array(as_numbers([*cells]))
 
 
 def _as_pose(found: Columns) -> Columns:
