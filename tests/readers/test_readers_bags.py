@@ -3,6 +3,7 @@
 import bz2
 import gzip
 import importlib
+import json
 import sqlite3
 import subprocess
 import sys
@@ -15,12 +16,14 @@ import numpy as np
 import pytest
 from bag_samples import LEVEL, RANGES
 from log_samples import ODOMETRY, TIMES
+from programs import program
 from rosbags import rosbag1
 
 from segmap import readers
 from segmap.readers import LogError
 from segmap.readers.bags import _bounds
 
+main = program("segmap")
 START = TIMES[0]
 
 
@@ -105,6 +108,45 @@ def test_the_parts_of_a_split_bag_are_one_log(tmp_path, kind):
     (tmp_path / "split" / name.replace("10", "5")).unlink()
     with pytest.raises(LogError, match="holds no log"):
         readers.read(tmp_path / "split")
+
+
+def parts(folder, kind, begins, name="it_{k}"):
+    """Files of parts, each of two scans from a time on; ranges number the parts from 1."""
+    made = []
+    for k, begin in begins.items():
+        (folder / f"of {k}").mkdir()
+        said = [(begin + j, [k + 1]) for j in range(2)]
+        held = bags.write(
+            folder / f"of {k}", kind, lambda m, s=said: [("/scan", t, *m.scan(t, r)) for t, r in s]
+        )
+        file = held if kind == "ros1" else held / f"it.{kind}"
+        end = "bag" if kind == "ros1" else kind
+        made.append(file.rename(folder / f"{name.format(k=k)}.{end}"))
+    return made
+
+
+@pytest.mark.parametrize("kind", ["db3", "mcap", "ros1"])
+def test_parts_of_a_bag_that_are_named_together_are_one_log(tmp_path, kind, capsys):
+    """Catches a log for each part, parts in the order of the command, and a part taken for all."""
+    names = "it_2024-01-01-10-0{k}-00_{k}" if kind == "ros1" else "it_{k}"
+    files = parts(tmp_path, kind, {0: 5.0, 1: 7.0, 2: 9.0}, names)
+    (tmp_path / f"other.{kind}").write_bytes(b"")
+    log = readers.read_bag(files[::-1])
+    assert log.name == "it" and [scan.ranges[0] for scan in log] == [1, 1, 2, 2, 3, 3]
+    assert main(["info", *map(str, files[1:]), "malaga", "--json"]) == 0
+    found = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [each["log"] for each in found] == ["it", "malaga"]
+    assert found[0]["scans"]["scans"] == 4
+    assert any("is one of 3 parts of a bag" in told for told in readers.read(files[1]).assumed)
+    with pytest.raises(LogError, match=r"are no parts of one bag, expected it_0.bag, it_1.bag"):
+        readers.read_bag([files[0], files[2]])
+
+
+def test_recordings_of_two_days_are_no_parts(tmp_path):
+    """Catches two drives that somebody numbered, joined as one."""
+    files = parts(tmp_path, "db3", {0: 5.0, 1: 90_000.0})
+    with pytest.raises(LogError, match=r"it_1.db3: begins 89994 s after the part before it ends"):
+        readers.read_bag(files)
 
 
 def test_odometry_is_interpolated_by_the_shorter_way_and_nowhere_else(read):

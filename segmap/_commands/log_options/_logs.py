@@ -24,6 +24,7 @@ from ...readers import (
     logs_in,
     read_session,
 )
+from ...readers.bags import recordings
 from ...scans import Log
 from .._output import (
     FAULTS,
@@ -109,7 +110,8 @@ def each_log(
     `check` refuses options that do not go together. The exit code is 1 where one log failed, else
     the largest of the codes of all.
     """
-    chosen = [source for text in given.logs for source in sources(text)]
+    each = [source for text in given.logs for source in sources(text)]
+    chosen = [Parts.of(files) for files in recordings(each)]
     for name in filter(is_ros_map, [*chosen, getattr(given, "first", chosen[0])]):
         given.refuse(
             f"{shown(name)} is a map for ROS and no log: `segmap locate {shown(name)} LOG` finds a "
@@ -214,6 +216,19 @@ def below(folder: Path) -> Iterator[Path]:
             yield from below(path)
         elif not path.name.startswith("."):
             yield path
+
+
+class Parts(str):
+    """The first file of a bag, and all its parts where it has several."""
+
+    files: Sequence[str] = ()
+
+    @classmethod
+    def of(cls, files: Sequence[str]) -> str:
+        """The name of the first, with all of them."""
+        found = cls(files[0])
+        found.files = files if len(files) > 1 else ()
+        return found
 
 
 def is_session(source: str) -> bool:

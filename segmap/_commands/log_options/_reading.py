@@ -50,8 +50,8 @@ def read_log(source: str, given: argparse.Namespace) -> Log:
         topics["odometry"] = given.odometry_topic
     if given.columns:
         log = read_csv(source, columns=given.columns, on_error=on_error)
-    elif given.scan_topic or topics:
-        log = read_bag(source, on_error=on_error, scan=given.scan_topic, **topics)
+    elif given.scan_topic or topics or (parts := getattr(source, "files", ())):
+        log = read_bag(parts or source, on_error=on_error, scan=given.scan_topic, **topics)
     else:
         log = _named_log(source, on_error)
     return with_trajectories(log, **files) if files else log

@@ -2,8 +2,8 @@
 
 from .._text import Binary
 from ._bags import read, read_bag
-from ._files import kind_of
+from ._files import kind_of, recordings
 
-__all__ = ["BAG", "kind_of", "read", "read_bag"]
+__all__ = ["BAG", "kind_of", "read", "read_bag", "recordings"]
 
 BAG = Binary("ROS bag", kind_of, read)

@@ -28,6 +28,8 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -36,8 +38,7 @@ import numpy as np
 from ... import arrays
 from ..._display import counted
 from ...angles import wrap
-from ...arrays import Array, checked, unit_checks
-from ...files import shown
+from ...arrays import Array, checked
 from ...poses import interpolate
 from ...progress import announce
 from ...scans import LaserScan, Log
@@ -45,11 +46,23 @@ from .._lines import LATEST_TIME_S, LogError, OnError, Reading, UnknownFormat, s
 from .._mounting import flat, in_space, level
 from .._raw_scans import Track, known, known_truth, place_of
 from ..packed import log_file
-from ._files import FRAMES, Bag, kind_of, opened
+from ._files import FRAMES, PART, Bag, kind_of, opened, parts_of, recordings
 from ._frames import Frames
-from ._lasers import ScanMessage, beams_of, of_one_laser, time_between, turn_of_parts, turns
+from ._lasers import (
+    SCAN_TYPES,
+    ScanMessage,
+    beams_of,
+    how_to_read,
+    named_topic,
+    of_one_laser,
+    scan_topics,
+    time_between,
+    topics_text,
+    turn_of_parts,
+    turns,
+    warn_of_bag,
+)
 
-SCAN_TYPES = ("sensor_msgs/msg/LaserScan", "sensor_msgs/msg/MultiEchoLaserScan")
 ODOMETRY_TYPES = ("nav_msgs/msg/Odometry",)
 #: Poses that are odometry or truth where they are named.
 POSE_TYPES = (
@@ -57,13 +70,11 @@ POSE_TYPES = (
     *(f"geometry_msgs/msg/{kind}Stamped" for kind in ("Pose", "PoseWithCovariance", "Transform")),
 )
 STATIC = "tf_static"
-#: A topic of this name holds the scans as they were measured, if it has half as many as another.
-USUAL_SCAN_TOPIC = "scan"
 
 
 @checked
 def read_bag(
-    path: str | Path,
+    path: str | Path | Sequence[str | Path],
     *,
     scan: str | Sequence[str] | None = None,
     odometry: str | None = None,
@@ -81,8 +92,9 @@ def read_bag(
 
     Parameters
     ----------
-    path : str or Path
-        A `.bag`; a folder with a metadata.yaml, or with one bag alone; a `.db3` or an `.mcap`.
+    path : str, Path or list of them
+        A `.bag`; a folder with a metadata.yaml, or with one bag alone; a `.db3` or an `.mcap`; or
+        the parts of one: `["it_0.bag", "it_1.bag"]`.
     scan : str, list of str or None
         A topic, or several: then their scans make one log, each with its laser's place on the
         robot. None takes `/scan`, or else the topic with most messages, and warns of others.
@@ -114,10 +126,23 @@ def read_bag(
         listed = topics is None or isinstance(topics, list | tuple)
         if not listed or not all(isinstance(t, str | None) for t in topics or ()):
             raise ValueError(f"{name} must be the name of a topic, got {arrays.brief(topics)}")
-    with log_file(path, folders=True) as place:
-        if not kind_of(place):
-            raise UnknownFormat(place, "is no bag of ROS, expected a .bag, .mcap, .db3 or a folder")
-        return read(place, stem(place), on_error, scans, odometry, truth)
+    with ExitStack() as stack:
+        paths = [path] if isinstance(path, str | Path) else path
+        places = [stack.enter_context(log_file(each, folders=True)) for each in paths]
+        for place in places:
+            if not kind_of(place):
+                expected = "expected a .bag, .mcap, .db3 or a folder"
+                raise UnknownFormat(place, f"is no bag of ROS, {expected}")
+        if len(places) == 1:
+            return read(places[0], stem(places[0]), on_error, scans, odometry, truth)
+        parts = recordings(places)
+        if len(parts) != 1:
+            names = ", ".join(place.name for place in places)
+            reason = f"{names} are no parts of one bag, expected it_0.bag, it_1.bag and so on"
+            raise LogError(arrays.file(paths[0]) if paths else Path(), reason)
+        return _read_parts(
+            parts[0], PART.sub(r"\1", parts[0][0].stem), on_error, scans, odometry, truth
+        )
 
 
 def read(
@@ -128,16 +153,34 @@ def read(
     odometry: str | None = None,
     truth: str | None = None,
 ) -> Log:
+    """A bag: a file, or a folder; of a part is told that it is none alone."""
+    found = _read_parts(parts_of(path), name, on_error, scans, odometry, truth)
+    beside = recordings(sorted(path.parent.iterdir())) if path.is_file() else []
+    count = max((len(group) for group in beside if path in group), default=1)
+    if count > 1:
+        told = f"{path.name} is one of {count} parts of a bag: all of them named are one log"
+        found = replace(found, assumed=(*found.assumed, told))
+    return found
+
+
+def _read_parts(
+    parts: Sequence[Path],
+    name: str,
+    on_error: str,
+    scans: Sequence[str] | None,
+    odometry: str | None,
+    truth: str | None,
+) -> Log:
     """Scans and odometry, then as much of the transforms as is needed."""
-    reading = Reading(path, on_error)
-    with opened(path, reading) as bag:
+    reading = Reading(parts[0], on_error)
+    with opened(parts, reading) as bag:
         said = _Recording(bag, reading)
-        lasers = _scan_topics(bag, scans)
+        lasers = scan_topics(bag, scans)
         if not lasers:
-            held = f"{_topics_text(bag)}{reading.why()}"
+            held = f"{topics_text(bag)}{reading.why()}"
             raise LogError(bag.path, f"holds no sensor_msgs/LaserScan, but {held}")
         named = {
-            word: _named_topic(bag, POSE_TYPES, topic, word)
+            word: named_topic(bag, POSE_TYPES, topic, word)
             for word, topic in (("odometry", odometry), ("truth", truth))
             if topic is not None
         }
@@ -231,7 +274,9 @@ class _Recording:
         if len(ranked) > 1 and mine:
             counts = ", ".join(f"{topic} ({len(ways[topic].track.times)})" for topic in ranked)
             other = ranked[1]
-            _warn(f"{self.path}: {counts}: {mine[0]} is read, {_other('odometry', other)}")
+            warn_of_bag(
+                f"{self.path}: {counts}: {mine[0]} is read, {how_to_read('odometry', other)}"
+            )
         elif ranked and not mine:
             self.assumed.append(f"{', '.join(ranked)} is of another robot than {laser.frame}")
         if not mine:
@@ -292,7 +337,7 @@ class _Recording:
         met = track.met([row[1] for row in rows])
         poses = met.poses
         if track.times and np.isnan(poses).all():
-            _warn(f"{self.path}: no scan lies within the time of the odometry")
+            warn_of_bag(f"{self.path}: no scan lies within the time of the odometry")
         poses[:, 2] = wrap(poses[:, 2])
         scans = []
         for (*_, beams, place, mirrored), time, pose in zip(rows, met.times, poses, strict=True):
@@ -315,7 +360,7 @@ class _Recording:
             raise LogError(self.path, f"no tf tells where {laser} sits: read its topic alone")
         if space is None:
             words = f"no tf tells where {laser} sits on {base}; it is taken to be at its centre"
-            _warn(f"{self.path}: {words}")
+            warn_of_bag(f"{self.path}: {words}")
             space = np.eye(4)
             self.assumed.append(place_of(np.zeros(3)))
         try:
@@ -345,49 +390,5 @@ def _header_time(header: Any, received: float) -> float:
     return time
 
 
-def _scan_topics(bag: Bag, named: Sequence[str] | None) -> list[str]:
-    """The topics that are named, or else the usual one, or the one with most messages."""
-    if named:
-        return [_named_topic(bag, SCAN_TYPES, topic, "scan") for topic in named]
-    topics = {topic: count for topic, count in bag.topics(*SCAN_TYPES).items() if count > 0}
-    most = max(topics.values(), default=0)
-    ranked = sorted(
-        topics,
-        key=lambda topic: (
-            topic.split("/")[-1] != USUAL_SCAN_TOPIC or 2 * topics[topic] < most,
-            -topics[topic],
-            topic,
-        ),
-    )
-    if len(ranked) > 1:
-        counts = ", ".join(f"{topic} ({topics[topic]})" for topic in ranked)
-        _warn(f"{bag.path}: {counts}: {ranked[0]} is read, {_other('scan', ranked[1])}")
-    return ranked[:1]
-
-
-def _named_topic(bag: Bag, kinds: Sequence[str], named: str, argument: str) -> str:
-    """The topic that is named."""
-    topics = [topic for topic, count in bag.topics(*kinds).items() if count > 0]
-    if (found := next((t for t in topics if t.strip("/") == named.strip("/")), None)) is None:
-        reason = f"{argument} must be a topic of {kinds[0].replace('/msg', '')} in the bag"
-        raise LogError(bag.path, f"{reason}, got {named!r}, but {_topics_text(bag)}")
-    return found
-
-
-def _other(argument: str, topic: str) -> str:
-    """How another topic is read."""
-    python = f"readers.read_bag(path, {argument}={topic!r})"
-    return f"--{argument}-topic {topic} or {python} reads another"
-
-
 def _without_digits(name: str) -> str:
     return re.sub("[0-9]+", "#", name)
-
-
-def _topics_text(bag: Bag) -> str:
-    found = dict.fromkeys(f"{c.topic} ({c.msgtype.replace('/msg', '')})" for c in bag.connections)
-    return f"the bag holds {', '.join(found)[:1000] or 'nothing'}"
-
-
-def _warn(text: str) -> None:
-    unit_checks.warn(shown(text))

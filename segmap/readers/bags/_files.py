@@ -14,11 +14,12 @@ from __future__ import annotations
 import importlib
 import re
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from ..._display import pip_install
 from .._lines import BROKEN, LogError, Reading, open_bytes
@@ -29,27 +30,44 @@ MAGIC = {b"#ROSBAG V": "ROS 1", b"SQLite format 3\0": ".db3", b"\x89MCAP0\r\n": 
 METADATA_FILE = "metadata.yaml"
 #: The longest of the first bytes that tell a bag's format.
 LONGEST_MAGIC_BYTES = max(map(len, MAGIC))
+P = TypeVar("P", str, Path)
 SUFFIXES = (".db3", ".mcap", ".bag")
+#: The name of a part of a bag: of ROS 1 perhaps with a time before its number.
+PART = re.compile(r"(.*?)(?:_\d{4}(?:-\d\d){5})?_([0-9]{1,6})")
+#: A part begins so near to where the one before ends.
+MOST_BETWEEN_PARTS_NS = 60 * 10**9
 #: Messages with transforms between frames: today's, and how ROS 1 called them first.
 FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
 
 
-def parts_of(path: Path) -> list[Path]:
-    """The files of a bag: it, or of a folder without metadata the only one, or numbered parts.
+def recordings(files: Iterable[P]) -> list[list[P]]:
+    """Files in their order, those of a bag that are its parts together: `it_0.db3`, `it_1.db3`.
 
-    So a recorder leaves them that was killed, or that splits what it writes: `it_0.db3`,
-    `it_1.db3`. Nothing of a folder that holds other bags, or none.
+    A recorder that splits what it writes gives them one name, and numbers that go on.
+    """
+    found: dict[Any, list[tuple[int, P]]] = {}
+    for k, file in enumerate(files):
+        path = Path(file)
+        part = PART.fullmatch(path.stem) if path.suffix in SUFFIXES else None
+        key = (path.parent, part[1], path.suffix) if part else k
+        found.setdefault(key, []).append((int(part[2]) if part else 0, file))
+    groups = list[list[P]]()
+    for parts in found.values():
+        ordered = sorted(parts, key=lambda each: each[0])
+        goes_on = all(b[0] - a[0] == 1 for a, b in pairwise(ordered))
+        groups += [[each for _, each in ordered]] if goes_on else [[each] for _, each in parts]
+    return groups
+
+
+def parts_of(path: Path) -> list[Path]:
+    """The files of a bag: it, or of a folder without metadata the only one, or its parts.
+
+    Nothing of a folder that holds other bags, or none.
     """
     if not path.is_dir() or (path / METADATA_FILE).is_file():
         return [path]
-    files = [file for file in path.iterdir() if file.suffix in SUFFIXES and file.is_file()]
-    split = [re.fullmatch(r"(.*)_([0-9]{1,6})", file.stem) for file in files]
-    if len(files) > 1 and all(split):
-        numbers = {int(each[2]): file for each, file in zip(split, files, strict=True) if each}
-        begins = {(each[1], file.suffix) for each, file in zip(split, files, strict=True) if each}
-        if len(begins) == 1 and {*numbers} == {*range(len(files))}:
-            return [numbers[k] for k in range(len(files))]
-    return files if len(files) == 1 else []
+    found = recordings(f for f in path.iterdir() if f.suffix in SUFFIXES and f.is_file())
+    return found[0] if len(found) == 1 else []
 
 
 def kind_of(path: Path) -> str | None:
@@ -111,10 +129,16 @@ class Bag:
             kind = each.msgtype
             if each.digest not in ("", "*", None, self._digest(kind)):
                 raise LogError(self.path, f"{each.topic} is of another {kind} than that of ROS")
+        last = 0
         for reader in self._readers:
             if mine := [each for each in reader.connections if each in chosen]:
                 with damage(self.path):
+                    before = last
                     for connection, time, data in reader.messages(mine):
+                        if before and abs(time - before) > MOST_BETWEEN_PARTS_NS:
+                            off = f"{(time - before) / 1e9:.0f} s after the part before it ends"
+                            raise LogError(reader.path, f"begins {off}: read each part alone")
+                        before, last = 0, max(last, int(time))
                         self.budget.take(len(data))
                         yield connection.topic, int(time), bytes(data)
 
@@ -145,12 +169,12 @@ def _types(is_2: bool) -> Any:
 
 
 @contextmanager
-def opened(path: Path, reading: Reading) -> Iterator[Bag]:
+def opened(parts: Sequence[Path], reading: Reading) -> Iterator[Bag]:
     """A bag, closed in the end; one that is damaged, or made to fill the memory, is a LogError.
 
     `reading` says whether a bag that is cut off may be read as far as it is whole.
     """
-    parts = parts_of(path)
+    path = parts[0]
     stack, readers = ExitStack(), list[Any]()
     sizes = [file.stat().st_size for place in parts for file in _files_in(place)]
     budget = Budget(path, sum(sizes))

@@ -1,4 +1,4 @@
-"""Whose scans a topic holds: one laser of several, and turns of which each message is a part."""
+"""Which topics are read, whose scans one holds, and turns of which each message is a part."""
 
 from __future__ import annotations
 
@@ -9,9 +9,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..._display import counted
+from ...arrays import unit_checks
+from ...files import shown
 from ...scans import LaserScan
+from .._lines import LogError
 from .._raw_scans import MOST_APART, beams_of_message
+from ._files import Bag
 
+SCAN_TYPES = ("sensor_msgs/msg/LaserScan", "sensor_msgs/msg/MultiEchoLaserScan")
+#: A topic of this name holds the scans as they were measured, if it has half as many as another.
+USUAL_SCAN_TOPIC = "scan"
 #: A part begins so many beams beside where the one before ended, at most.
 PART_GAP_BEAMS = 1.5
 #: From this share of messages on that go on where the one before ended, they are parts of turns.
@@ -117,3 +124,48 @@ def _ahead(a: ScanMessage, b: ScanMessage) -> float:
 def _goes_on(a: ScanMessage, b: ScanMessage) -> bool:
     off = b.beams.angles[0] - a.beams.angles[-1] - a.step
     return _ahead(a, b) > 0 and abs(float(off)) <= PART_GAP_BEAMS * abs(a.step)
+
+
+def scan_topics(bag: Bag, named: Sequence[str] | None) -> list[str]:
+    """The topics that are named, or else the usual one, or the one with most messages."""
+    if named:
+        return [named_topic(bag, SCAN_TYPES, topic, "scan") for topic in named]
+    topics = {topic: count for topic, count in bag.topics(*SCAN_TYPES).items() if count > 0}
+    most = max(topics.values(), default=0)
+    ranked = sorted(
+        topics,
+        key=lambda topic: (
+            topic.split("/")[-1] != USUAL_SCAN_TOPIC or 2 * topics[topic] < most,
+            -topics[topic],
+            topic,
+        ),
+    )
+    if len(ranked) > 1:
+        counts = ", ".join(f"{topic} ({topics[topic]})" for topic in ranked)
+        warn_of_bag(f"{bag.path}: {counts}: {ranked[0]} is read, {how_to_read('scan', ranked[1])}")
+    return ranked[:1]
+
+
+def named_topic(bag: Bag, kinds: Sequence[str], named: str, argument: str) -> str:
+    """The topic that is named."""
+    topics = [topic for topic, count in bag.topics(*kinds).items() if count > 0]
+    if (found := next((t for t in topics if t.strip("/") == named.strip("/")), None)) is None:
+        reason = f"{argument} must be a topic of {kinds[0].replace('/msg', '')} in the bag"
+        raise LogError(bag.path, f"{reason}, got {named!r}, but {topics_text(bag)}")
+    return found
+
+
+def how_to_read(argument: str, topic: str) -> str:
+    """How another topic is read."""
+    python = f"readers.read_bag(path, {argument}={topic!r})"
+    return f"--{argument}-topic {topic} or {python} reads another"
+
+
+def topics_text(bag: Bag) -> str:
+    found = dict.fromkeys(f"{c.topic} ({c.msgtype.replace('/msg', '')})" for c in bag.connections)
+    return f"the bag holds {', '.join(found)[:1000] or 'nothing'}"
+
+
+def warn_of_bag(text: str) -> None:
+    """Warn, as of an argument."""
+    unit_checks.warn(shown(text))
