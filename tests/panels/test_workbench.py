@@ -326,7 +326,8 @@ def test_run_stop_and_failure_in_the_worker(worker, monkeypatch):
     made.method["angle"].value = 0
     click()
     assert made.outcome is first and len(made.runs) == 1
-    assert made.state.value.startswith("angle must be")
+    assert refused(made).endswith(made.method.wrong.value)
+    assert made.method.wrong.value.startswith("angle must be")
     assert made.state.value.endswith("The last good run is kept.")
 
 
@@ -512,16 +513,15 @@ def test_an_uploaded_file_is_read(tmp_path, worker):
     asked = upload(made, "b.log", content, stop=True)
     assert asked == [0, 700, -1] and made.log.name == "mine"
     upload(made, "\0", b"no log\n")
-    assert made.log.name == "mine" and made.state.value.startswith(
+    assert made.log.name == "mine" and made._source.wrong.value.startswith(
         "upload.log: is of no known format: it starts with &#x27;no log&#x27;. Known formats: "
     )
     upload(made, "b.log", b"FLASER 3 1\n")
-    assert made.state.value.startswith("b.log: holds no scan, expected a FLASER")
-    assert "damaged line 1: " in made.state.value
-    assert "segmap" not in made.state.value and tempfile.gettempdir() not in made.state.value
-    assert (
-        made.state.value == made._source.wrong.value and "segmap-wrong" in made.state._dom_classes
-    )
+    reason = made._source.wrong.value
+    assert reason.startswith("b.log: holds no scan, expected a FLASER")
+    assert "damaged line 1: " in reason
+    assert "segmap" not in reason and tempfile.gettempdir() not in reason
+    assert reason in refused(made) and "segmap-wrong" in made.state._dom_classes
     assert made.start.disabled, "the next run would map a log that nobody asks for any more"
     upload(made, "mine.log", content)
     assert not made.start.disabled and made._source.wrong.value == ""
@@ -534,7 +534,7 @@ def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
     made._worker = worker
     upload(made, "it.csv", rows.encode())
     table = made._source.columns
-    assert "no known format" in made.state.value and table.view.layout.display == ""
+    assert "no known format" in refused(made) and table.view.layout.display == ""
     assert [kind.value for kind in table.kinds] == ["-", "angle_deg", "range_mm"]
     table.kinds[0].value = "time_s"
     table.read.click()
@@ -557,7 +557,7 @@ def test_an_uploaded_name_that_is_none_is_told(name, words):
     """Catches an exception that nobody sees, and the places of a server in what is said."""
     made = bench()
     assert upload(made, name, b"no log\n")[-1] == -1
-    assert words in made.state.value and tempfile.gettempdir() not in made.state.value
+    assert words in refused(made) and tempfile.gettempdir() not in refused(made)
     assert made.log is LOG
 
 
@@ -568,8 +568,30 @@ def test_the_size_of_an_upload_is_what_arrives(monkeypatch):
     said = [made._source.take("a.log", 10**9, 0, piece)]
     said += [made._source.take("a.log", 900, start, piece) for start in (0, 400, 800, 800)]
     assert said == [-1, 400, 800, -1, -1]
-    assert "a.log has 0.0 MB: only a file up to" in made.state.value
+    assert "a.log has 0.0 MB: only a file up to" in refused(made)
     assert made._source._folder == "" and made.log is LOG
+
+
+def refused(made):
+    """What stands in red on the page: each reason once."""
+    kinds = (made.align, made.extract, made.method, made.second, made.edits)
+    lines = [made.state, made._source.wrong, *(kind.wrong for kind in kinds)]
+    texts = [line.value for line in lines if line.value and "segmap-wrong" in line._dom_classes]
+    reasons = [text for text in texts if not text.startswith("refused: the reason stands in red")]
+    assert len(reasons) == 1 and (len(texts) == 1) == (texts == [made.state.value])
+    return "\n".join(texts)
+
+
+def test_a_file_that_is_stopped_while_it_is_read_was_not_refused(worker, tmp_path):
+    """Catches a line that says *stopped* beside the file, and one that points to a reason there."""
+    made = bench()
+    made._worker = worker
+    made._source._begin(time.sleep, (60,), print, made._source._refused)
+    wait_for(lambda: not made.stop.disabled)
+    made.stop.click()
+    made.wait()
+    assert made.state.value == "stopped" and made._source.wrong.value == ""
+    assert made.start.disabled and made.log is LOG
 
 
 def upload(made, name, content, piece=700, *, stop=False):
@@ -590,7 +612,7 @@ def test_a_path_that_is_none_is_told_and_the_log_kept():
     made = bench()
     made.path.value = "/nowhere/at.log"
     made.wait()
-    assert "does not exist" in made.state.value and made.log is LOG
+    assert "does not exist" in refused(made) and made.log is LOG
     with pytest.raises(ValueError, match="source must be the path"):
         made.open(3)
     with pytest.raises(ValueError, match="must hold one scan at least"):

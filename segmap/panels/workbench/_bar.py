@@ -10,8 +10,11 @@ from typing import Any
 import ipywidgets as W
 
 from ...files import as_html
-from ...progress import FIRST_ESTIMATE_S, Compiling, time_left, told
+from ...progress import FIRST_ESTIMATE_S, Compiling, Stopped, time_left, told
 from ._job import Worker, said
+
+#: Said where the reason stands beside its cause: once on the page.
+REASON_ELSEWHERE = "refused: the reason stands in red beside its cause"
 
 
 class Bar:
@@ -83,11 +86,12 @@ class Work:
         function: Callable[..., Any],
         given: tuple[Any, ...],
         then: Callable[[Any], None],
-        failed: Callable[[str], object] = str,
+        failed: Callable[[str], bool] = lambda reason: False,
     ) -> None:
         """Call a function in the worker, and hand what it returns to another one here.
 
-        Why it did not is said, and handed to `failed`.
+        Why it did not is handed to `failed`, nothing where it was stopped, and said here unless
+        that has shown it beside its cause.
         """
         if self._thread.is_alive():
             self._bar.wrong("something is running: wait for it, or press Stop, then try again")
@@ -104,14 +108,14 @@ class Work:
         function: Callable[..., Any],
         given: tuple[Any, ...],
         then: Callable[[Any], None],
-        failed: Callable[[str], object],
+        failed: Callable[[str], bool],
     ) -> None:
         try:
             with told(self._bar.tell):
                 then(self._worker.do(function, *given))
         except Exception as fault:
-            kept = self._failed(function)
-            self._bar.wrong(f"{said(fault)}{kept}", 0.0)
-            failed(said(fault))
+            kept, reason = self._failed(function), said(fault)
+            is_shown = failed("" if isinstance(fault, Stopped) else reason)
+            self._bar.wrong(f"{REASON_ELSEWHERE if is_shown else reason}{kept}", 0.0)
         finally:
             self._settle(busy=False)

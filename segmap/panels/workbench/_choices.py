@@ -204,14 +204,17 @@ class Choices:
         except (TraitError, TypeError, KeyError, ArithmeticError) as fault:
             raise ValueError(f"the session cannot be chosen here: {fault}") from fault
 
-    def refused(self, text: str) -> None:
-        """Say why there is no run beside the control that its first word names; "" is none."""
-        word = text.replace(":", " ").partition(" ")[0]
+    def refused(self, text: str) -> bool:
+        """Say why there is no run beside the control that its first word names; "" is none.
+
+        Returned is whether there is such a control.
+        """
+        word, found = text.replace(":", " ").partition(" ")[0], False
         for each in (self.align, self.extract, self.method, self.second):
             own = word in each.controls
             each.wrong.value = as_html(text) if own else ""
             if own:
-                each.settings.value = True
+                each.settings.value = found = True
         own = word in (
             "north",
             "EPSG",
@@ -223,6 +226,7 @@ class Choices:
             *NUMBER_ENTRIES,
         )
         self.edits.wrong.value = as_html(text) if own else ""
+        return found or own
 
     def prepare(self) -> dict[str, Any]:
         """What is chosen for `alignment.prepared`, by the options of `segmap map`."""

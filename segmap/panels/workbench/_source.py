@@ -21,7 +21,7 @@ from ...scans import Log
 from .._control import wrong
 from .._table_columns import TableColumns
 from . import _shown
-from ._bar import Bar
+from ._bar import REASON_ELSEWHERE, Bar
 from ._choices import LIST_NAME_STYLE, WRAP
 from ._job import said
 
@@ -130,11 +130,12 @@ class Source:
             self._refused,
         )
 
-    def _refused(self, text: str) -> None:
+    def _refused(self, text: str) -> bool:
         """Say why a log that was asked for is not there, beside what asked; nothing is run now."""
         self.ready, self.controls[0].value = False, OWN
         self.about.value, self.wrong.value = NO_LOG, as_html(text)
-        self._bar.wrong(text)
+        self._bar.wrong(REASON_ELSEWHERE)
+        return bool(text)
 
     def take(self, name: str, size: int, start: int, content: bytes) -> int:
         """Keep a piece of a file of the browser, and read it when it is whole; what comes next."""
@@ -218,7 +219,7 @@ def _upload(description: str, take: Callable[[str, int, int, bytes], int]) -> An
 
 
 @contextlib.contextmanager
-def telling(say: Callable[[str], None]) -> Iterator[None]:
+def telling(say: Callable[[str], object]) -> Iterator[None]:
     """What was refused is a line of text: in a browser nobody sees an exception."""
     try:
         yield

@@ -23,7 +23,7 @@ from ...reduction import Reduction
 from ...scans import Log
 from ...segments import length
 from . import _edits, _files, _shown
-from ._bar import Bar, Work
+from ._bar import REASON_ELSEWHERE, Bar, Work
 from ._choices import Choices
 from ._job import Worker
 from ._loops import Loops
@@ -219,9 +219,8 @@ class Workbench(Page, Work):
         return ". The last good run is kept." if self.outcome and function is begin else ""
 
     def _wrong(self, text: str) -> None:
-        """What was refused, in the line of the state and beside what caused it."""
-        self._bar.wrong(text)
-        self._choices.refused(text)
+        """What was refused, beside what caused it, or else in the line of the state."""
+        self._bar.wrong(REASON_ELSEWHERE if self._choices.refused(text) else text)
 
     def _stop(self, button: object = None) -> None:
         self._source.stop()
