@@ -18,13 +18,13 @@ ARRAY_FILES = (Binary("NPZ", _npz.claims, _npz.read),)
 #: Told by a head, or by names that stand in each line.
 HEADED_FILES = (
     Binary("records", _messages.records_of, _messages.read_named_records),
-    Binary("table of scans", _wide.scans_of, _table.read_scans),
-    Binary("table", headed_of, _table.read),
+    Binary("table of scans", _wide.scans_of, _table.reader_of(_wide.scans_of)),
+    Binary("table", headed_of, _table.reader_of(_table.stated)),
 )
 #: What is taken for a table though nothing says so: where it has no other format.
 GUESSED_FILES = (
-    Binary("table", layout_of, _table.read),
-    Binary("table of scans", _wide.bare_of, _table.read_bare),
+    Binary("table", layout_of, _table.reader_of(_table.stated)),
+    Binary("table of scans", _wide.bare_of, _table.reader_of(_wide.bare_of)),
 )
 TABLE_FOLDERS = (
     Binary("Rawseeds", _folders.files_of, _folders.read_folder),

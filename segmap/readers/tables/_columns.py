@@ -219,7 +219,12 @@ def with_units_told(found: Columns, rows: Array) -> tuple[Columns, list[str]]:
         told.append(f"{found.twice}: the first that says its unit is read, or the first")
     for role in ("angle", "range", "x", "y", "heading", "time"):
         column = columns.get(role)
-        if column is None or _factors(role, column.name) or "tick" in column.name.lower():
+        if column is None:
+            continue
+        if role == "time" and len(rows) and np.isnan(rows[:, column.place]).all():
+            told.append(f"the column {columns.pop('time').name!r} holds no times: left out")
+            continue
+        if _factors(role, column.name) or "tick" in column.name.lower():
             continue
         factor, why = _unit_of(role, rows[:, column.place])
         if column.factor is not None and factor in (None, column.factor):
@@ -228,8 +233,7 @@ def with_units_told(found: Columns, rows: Array) -> tuple[Columns, list[str]]:
             columns[role] = column._replace(factor=factor)
             told.append(f"{column.name!r} is in {why}")
         elif role == "time":
-            has = "says no unit" if np.isfinite(rows[:, column.place]).any() else "holds no times"
-            told.append(f"the column {columns.pop('time').name!r} {has}: left out")
+            told.append(f"the column {columns.pop('time').name!r} says no unit: left out")
     return found._replace(by_role=columns), told
 
 

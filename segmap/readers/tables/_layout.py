@@ -262,11 +262,6 @@ def with_units(layout: Layout, table: Array) -> Layout:
     columns, told = with_units_told(layout.columns, table)
     if columns.by_program and not layout.labels and columns.clockwise:
         told.append("beams clockwise, as programs have it that name columns so")
-    clock = columns.by_role.get("time")
-    if clock and len(table) and np.isnan(table[:, clock.place]).all():
-        told.append(f"the column {clock.name!r} holds no times: left out")
-        kept = {k: v for k, v in columns.by_role.items() if k != "time"}
-        columns = columns._replace(by_role=kept)
     return layout._replace(columns=columns, told=(*layout.told, *told))
 
 

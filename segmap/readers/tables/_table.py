@@ -23,7 +23,7 @@ does not say them; without a head also which column is what.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -71,7 +71,7 @@ from ._layout import (
     wanting,
     with_thousands,
 )
-from ._wide import bare_of, scans_of, usual_view
+from ._wide import usual_view
 
 #: No scan has more beams.
 MOST_BEAMS_READ = 100_000
@@ -251,19 +251,9 @@ def _from_first(angles: Array) -> Array:
     return np.asarray(first + onwards * np.mod(onwards * (angles - first), 2 * np.pi))
 
 
-def read_scans(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a file with a scan a line, whose head or form says what its columns are."""
-    return _read_table(path, name, on_error, cast(Layout, scans_of(path)))
-
-
-def read_bare(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read lines of nothing but numbers, a scan each."""
-    return _read_table(path, name, on_error, cast(Layout, bare_of(path)))
-
-
-def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a file whose head, labels or numbers say what its columns are."""
-    return _read_table(path, name, on_error, _stated(path))
+def reader_of(layout: Callable[[Path], Layout | None]) -> Callable[[Path, str, str], Log]:
+    """What reads a file that is written as `layout` tells."""
+    return lambda path, name, on_error: _read_table(path, name, on_error, layout(path))
 
 
 @checked
@@ -321,7 +311,7 @@ def read_csv(
         if names and (records := records_of(place)):
             return log_of_records(records, place, stem(place), on_error, names, clockwise)
         if names is None:
-            return _read_table(place, stem(place), on_error, _stated(place), clockwise)
+            return _read_table(place, stem(place), on_error, stated(place), clockwise)
         separator, line = begin_of(place)
         layout = with_thousands(Layout(separator, line, tuple(names), found), sample(place))
         return _read_table(place, stem(place), on_error, layout, clockwise)
@@ -339,7 +329,7 @@ def _unsaid(found: Columns) -> str:
     return ""
 
 
-def _stated(path: Path) -> Layout:
+def stated(path: Path) -> Layout:
     """What a file says of its columns: must be enough."""
     found = layout_of(path)
     if found is None:
@@ -350,6 +340,7 @@ def _stated(path: Path) -> Layout:
 
 
 def _read_table(
-    path: Path, name: str, on_error: str, layout: Layout, clockwise: bool = False
+    path: Path, name: str, on_error: str, layout: Layout | None, clockwise: bool = False
 ) -> Log:
-    return Table(Lines(path, on_error, "\n", TABLE_COMMENTS), layout, clockwise).walked()._log(name)
+    lines = Lines(path, on_error, "\n", TABLE_COMMENTS)
+    return Table(lines, cast(Layout, layout), clockwise).walked()._log(name)
