@@ -51,7 +51,7 @@ TABLE_COMMENTS = ("#", "%", "//", "---", "!", "; ", '"#')
 #: The time of the day, ...
 TIME_OF_DAY = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)(?: ?([AP])M)?", re.IGNORECASE)
 #: ... and a day before it that is no ISO 8601.
-DAY = re.compile(r"(\d{1,2})([.-])(\d{1,2})\2(\d{4})\.? +")
+NUMBERED_DAY = re.compile(r"(\d{1,2})([.-])(\d{1,2})\2(\d{4})\.? +")
 
 
 def split(line: str, separator: str | None) -> list[str]:
@@ -131,7 +131,7 @@ def moment(field: str) -> float:
     (86400.5, 3602.25, 1083600.0)
     """
     text = field.replace(",", ".").replace("/", "-")
-    day = DAY.match(text)
+    day = NUMBERED_DAY.match(text)
     clock = TIME_OF_DAY.fullmatch(text, day.end() if day else 0)
     with suppress(ValueError, OverflowError):
         if clock is None:
