@@ -127,7 +127,7 @@ def read_bag(
         if not listed or not all(isinstance(t, str | None) for t in topics or ()):
             raise ValueError(f"{name} must be the name of a topic, got {arrays.brief(topics)}")
     with ExitStack() as stack:
-        paths = [path] if isinstance(path, str | Path) else path
+        paths: Sequence[Any] = path if isinstance(path, list | tuple) else [path]
         places = [stack.enter_context(log_file(each, folders=True)) for each in paths]
         for place in places:
             if not kind_of(place):
