@@ -48,9 +48,10 @@ def read_log(source: str, given: argparse.Namespace) -> Log:
     topics = {k: name for k, name in named.items() if name and k not in files}
     if given.odometry_topic:
         topics["odometry"] = given.odometry_topic
+    parts = getattr(source, "files", ())
     if given.columns:
         log = read_csv(source, columns=given.columns, on_error=on_error)
-    elif given.scan_topic or topics or (parts := getattr(source, "files", ())):
+    elif given.scan_topic or topics or parts:
         log = read_bag(parts or source, on_error=on_error, scan=given.scan_topic, **topics)
     else:
         log = _named_log(source, on_error)
