@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..alignment.points.correlation import Levels, fill_maxima
 from ..arrays import Array
 from ..compiled import compiled
 from ..segments import SegmentMap
@@ -20,7 +20,6 @@ from ._field import (
 )
 from ._scores import Counts
 
-Levels = NDArray[np.uint8]
 #: Standard deviation of an end of a beam about its wall, metres: noise, cells, and what moved.
 LIKELIHOOD_SIGMA_M = 0.1
 #: Share of the beams that anything may stop, in the fit of a pose.
@@ -54,11 +53,7 @@ class Likelihoods:
         levels[0, border:-1, border:-1] = np.rint(
             255 * np.exp(-0.5 * (distance / LIKELIHOOD_SIGMA_M) ** 2)
         )
-        for k in range(TOP):
-            step, wide = 1 << k, levels[k + 1]
-            wide[:] = levels[k]
-            np.maximum(wide[:, :-step], levels[k][:, step:], out=wide[:, :-step])
-            np.maximum(wide[:-step], wide[step:], out=wide[:-step])
+        fill_maxima(levels.reshape(TOP + 1, -1), levels.shape[2])
         self.levels = levels
 
     def likelihood(self, places: Array) -> Array:

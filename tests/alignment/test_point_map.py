@@ -256,7 +256,7 @@ def test_walls_at_the_border_of_the_map_are_found_as_those_inside(quarter):
 def test_levels_hold_the_stamps_and_the_maxima_of_their_blocks():
     """A stamp beside its point; a coarse level below a cell that it covers cuts off the best."""
     map = PointMap(scan_points())
-    fine, cells = map.levels[0], literal.likelihoods(map.grid.points.tolist(), map.corner.tolist())
+    fine, cells = map.levels[0].T, literal.likelihoods(map.grid.points.tolist(), map.corner.tolist())
     assert {(int(i), int(j)): fine[i, j] for i, j in np.argwhere(fine)} == {
         cell: value for cell, value in cells.items() if value
     }
@@ -265,7 +265,7 @@ def test_levels_hold_the_stamps_and_the_maxima_of_their_blocks():
         padded = np.zeros(np.add(fine.shape, width - 1), np.uint8)
         padded[: fine.shape[0], : fine.shape[1]] = fine
         blocks = np.lib.stride_tricks.sliding_window_view(padded, (width, width))
-        np.testing.assert_array_equal(level, blocks.max((2, 3)))
+        np.testing.assert_array_equal(level.T, blocks.max((2, 3)))
 
 
 def ring(radius: float, centre: tuple[float, float]) -> np.ndarray:

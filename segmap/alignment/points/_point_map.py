@@ -14,7 +14,7 @@ from ...scans.causes import Unmatched
 from ...threads import computed
 from .._result import Match, no_match
 from . import _point_kernels as kernels
-from . import _search_kernels
+from . import correlation
 
 # What follows are properties of lasers and of walls, the same for every building.
 #: Side of the cells that points are sorted into, metres: about the reach of the last steps.
@@ -29,6 +29,8 @@ SEARCH_BAND_M = 0.06
 LEVELS = 5
 #: So many points of a scan are enough for the search, and far from the answer for the descent.
 SEARCH_POINTS = 250
+#: Of poses that score alike, but for rounding, the search keeps the first, in likelihoods.
+LEAST_GAIN = 1e-6
 #: Offsets of points from their walls are not independent: on a scan the variance of measured errors
 #: is this many times the Hessian's (tests/alignment/test_covariances.py).
 SCAN_VARIANCE_INFLATION = 1.7
@@ -174,21 +176,21 @@ class PointMap:
         return self.descend(current, pose, reach, reach, stride=1, rounds=1).partner >= 0
 
     @computed
-    def levels(self) -> _search_kernels.Levels:
+    def levels(self) -> correlation.Levels:
         """Likelihoods of cells of `SEARCH_CELL_M`; their maxima over 2, 4, 8 and 16 cells a side.
 
-        (5, columns, rows) array of bytes.
+        (5, rows, columns) array of bytes.
         """
         r = int(np.ceil(2.5 * SEARCH_BAND_M / SEARCH_CELL_M))
         away = np.arange(-r, r + 1) ** 2 * SEARCH_CELL_M**2
         stamp = (255 * np.exp(-(away[:, None] + away) / (2 * SEARCH_BAND_M**2))).astype(np.uint8)
-        points, (x, y) = self._grid.points, self.corner.tolist()
-        _, _, right, top = kernels.bounding_box(points)
-        columns = int((right - x) / SEARCH_CELL_M) + r + 2
-        rows = int((top - y) / SEARCH_CELL_M) + r + 2
-        levels = np.zeros((LEVELS, columns * rows), np.uint8)
-        _search_kernels.fill_levels(levels, rows, points, x, y, SEARCH_CELL_M, stamp)
-        return levels.reshape(LEVELS, columns, rows)
+        points, corner = self._grid.points, self.corner
+        last = np.array(kernels.bounding_box(points)[2:])
+        columns, rows = ((last - corner) / SEARCH_CELL_M).astype(int) + r + 2
+        levels = np.zeros((LEVELS, rows, columns), np.uint8)
+        correlation.stamp_points(levels[0], points, corner, SEARCH_CELL_M, stamp)
+        correlation.fill_maxima(levels.reshape(LEVELS, -1), columns)
+        return levels
 
     @property
     def corner(self) -> Array:
@@ -214,18 +216,21 @@ class PointMap:
         taken. Returns a pose `(3,)`, None where no mean likelihood exceeds `least`, and its score:
         mean likelihood of the points, 0 to 1, less what its distance costs.
         """
-        begin, k = np.array(start, float), int(np.ceil(turn / step))
-        points = np.ascontiguousarray(current[:: 1 + len(current) // SEARCH_POINTS].T)
-        _, columns, rows = self.levels.shape
-        map = _search_kernels.Likelihoods(
-            self.levels.reshape(LEVELS, -1), columns, rows, SEARCH_CELL_M
+        begin, half = np.array(start, float), int(np.ceil(turn / step))
+        radius = max(int(np.ceil(reach / SEARCH_CELL_M)), 1)
+        points, side = current[:: 1 + len(current) // SEARCH_POINTS], 2 * radius + 1
+        first = begin - (*(self.corner + radius * SEARCH_CELL_M), 0.0)
+        full, away = 255.0 * len(points), np.arange(-half, half + 1) / max(half, 1)
+        cost = full * reach_cost * away**2, full * reach_cost / radius**2
+        window = correlation.lattice(
+            self.levels, points, first, step, SEARCH_CELL_M, side, side, *cost
         )
-        score, h, i, j = _search_kernels.correlative_search(
-            map, points, begin - (*self.corner, 0.0), step, k, int(np.ceil(reach / SEARCH_CELL_M)),
-            reach_cost, least,
-        )  # fmt: skip
-        pose = begin + (i * SEARCH_CELL_M, j * SEARCH_CELL_M, (h - k) * step)
-        return (pose if h >= 0 else None), score
+        found = correlation.best_poses(window, full * least, -LEAST_GAIN, 1).rows
+        if not len(found):
+            return None, least
+        score, h, i, j = found[0]
+        shift = (i - radius) * SEARCH_CELL_M, (j - radius) * SEARCH_CELL_M, (h - half) * step
+        return begin + shift, score / full
 
 
 def in_range(points: Array) -> Array:
