@@ -256,7 +256,8 @@ def test_walls_at_the_border_of_the_map_are_found_as_those_inside(quarter):
 def test_levels_hold_the_stamps_and_the_maxima_of_their_blocks():
     """A stamp beside its point; a coarse level below a cell that it covers cuts off the best."""
     map = PointMap(scan_points())
-    fine, cells = map.levels[0].T, literal.likelihoods(map.grid.points.tolist(), map.corner.tolist())
+    fine, points = map.levels[0].T, map.grid.points.tolist()
+    cells = literal.likelihoods(points, map.corner.tolist())
     assert {(int(i), int(j)): fine[i, j] for i, j in np.argwhere(fine)} == {
         cell: value for cell, value in cells.items() if value
     }
