@@ -49,7 +49,7 @@ class BestPoses(NamedTuple):
 
     rows: Array  # (k, 4)
     looked: int  # how many blocks were looked into
-    done: bool  # whether none is left that could change the answer
+    done: bool  # whether there were not too many of them
     overflow: bool  # whether more poses score as much than there is room for
 
 
@@ -88,20 +88,19 @@ def best_poses(
     """
     headings, top = np.arange(len(lattice.counts)), len(lattice.levels) - 1
     across, up = -(-lattice.east >> top), -(-lattice.north >> top)
-    state, found = np.array([least, 0, 0, 0]), np.empty((room, 4))
-    middle, unseen = len(headings) // 2, 0.0
+    state, found, middle = np.array([least, 0, 0, 0]), np.empty((room, 4)), len(headings) // 2
+    many = np.inf if blocks is None else blocks
     for part in (headings[middle : middle + 1], np.delete(headings, middle)):
         bound = np.empty((len(part) * across * up, 4))
         count = bound_first_blocks(lattice, part, across, up, max(state[0] - slack, least), bound)
         first = bound[np.argsort(-bound[:count, 0], kind="stable")]
         state[2], state[3] = 0, state[3] + len(bound)
-        while state[2] < len(first) and state[1] <= room and (blocks is None or state[3] < blocks):
-            left = BLOCKS_PER_CALL if blocks is None else blocks - state[3]
-            branch_and_bound(lattice, first, least, slack, min(left, BLOCKS_PER_CALL), state, found)
-        unseen += len(first) - state[2]
+        while state[2] < len(first) and state[1] <= room and state[3] < many:
+            portion = min(many - state[3], BLOCKS_PER_CALL)
+            branch_and_bound(lattice, first, least, slack, portion, state, found)
     kept = found[: int(state[1])]
     kept = kept[kept[:, 0] >= state[0] - max(slack, 0)]
-    return BestPoses(kept, int(state[3]), unseen == 0, state[1] > room)
+    return BestPoses(kept, int(state[3]), state[3] < many, state[1] > room)
 
 
 # ---------------------------------------------------------------------------------- loops
