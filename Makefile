@@ -78,8 +78,8 @@ test-lowest: | $(RUN) ## the tests once more, in .venv-lowest, with the oldest p
 refresh: $(SETUP) ## run the chapters again and store what they show (CHAPTERS="..." for some)
 	$(RUN) notebooks/tools/refresh.py $(CHAPTERS)
 
-mutants: $(SETUP) $(WARM) ## plant bugs by rule and see a test fail (ROOM=reduction ARGS="--count 40 --seed 2")
-	$(RUN) tests/mutants.py $(or $(ROOM),reduction) $(ARGS)
+mutants: $(SETUP) $(WARM) ## plant bugs by rule and see a test fail (PACKAGE=reduction ARGS="--count 40 --seed 2")
+	$(RUN) tests/mutants.py $(or $(PACKAGE),reduction) $(ARGS)
 
 fuzz: $(SETUP) $(WARM) ## read 5 000 tables, 100 000 damaged files: logs, maps (MUTANTS=500 ARGS="-k carmen" for fewer)
 	SEGMAP_TABLES=5000 $(RUN) -m pytest -q -p no:nbval tests/readers/test_tables.py -k all_ways

@@ -210,6 +210,10 @@ SINGLE_FILES = {
     "sick": SICK,
     "hokuyo_csv": HOKUYO_CSV,
 }
+#: Formats that hold no time.
+TIMELESS = {"hokuyo", "dpslam", "rplidar", "rplidar_record", "xv11"}
+#: Formats of one sensor, whose mirror turns in a time that is known, and of beams with a time each.
+TURNING = {"coreslam", "coreslam_13", "hokuyo_csv", "csv", "ld19", "rostopic"}
 CENTRE = "the laser sits at the robot's centre"
 FIVE, SICK_REACH = (
     "5 beams look over 180 degrees, counter-clockwise",

@@ -1,10 +1,10 @@
-"""Bugs put into the package by rule, to see a test fail: `make mutants ROOM=reduction`.
+"""Bugs put into the package by rule, to see a test fail: `make mutants PACKAGE=reduction`.
 
     python tests/mutants.py reduction --count 40 --seed 1
 
 A bug is an operator, a sign, a number, an index, a default, an axis or two arguments exchanged, or
 a call or a copy left out. Each goes into a copy of the project in a temporary folder, where the
-fast tests of its room must fail. These run once without any bug, to know which of them reaches
+fast tests of its package must fail. These run once without any bug, to know which of them reaches
 which line; then a bug meets the tests that reach its statement, the quickest first. What survives
 is listed: a test is missing, the code could be simpler, or the bug changes nothing.
 """
@@ -36,17 +36,17 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = {"segmap": ROOT / "segmap", "segmap_course": ROOT / "notebooks" / "segmap_course"}
-#: Seconds that all tests of a room may take, and compiled code with a bug; and how many times as
+#: Seconds that all tests of a package may take, and compiled code with a bug; and how many times as
 #: long as without a bug the tests may take.
-WHOLE_ROOM, COMPILING, SLOWER = 1500, 120, 5
+WHOLE_PACKAGE, COMPILING, SLOWER = 1500, 120, 5
 #: What each run would import anew; pytest warns of one that it would like to rewrite.
 LARGE = (
     *("scipy.spatial", "scipy.sparse.linalg", "pandas", "matplotlib.pyplot", "numba"),
     *("ipywidgets", "hypothesis"),
 )
 REWRITTEN = "pytest.PytestAssertRewriteWarning"
-#: Files of tests under another name, and those of rooms that try this one too: what is written is
-#: read again.
+#: Files of tests under another name, and those of packages that try this one too: what is written
+#: is read again.
 ALSO = {
     "_map_pipeline": (
         "panels/test_workbench.py",
@@ -103,38 +103,38 @@ class Bug(NamedTuple):
         return range(inner.lineno, within[0].lineno if within else inner.end_lineno + 1)
 
 
-def tests_of(room: str) -> list[str]:
-    """Files of tests, then the room's own files with their examples.
+def tests_of(package: str) -> list[str]:
+    """Files of tests, then the package's own files with their examples.
 
     Pytest collects in this order, and to collect the examples of a package sets its name in the
     package above: there `pose_graph` would be the folder for all tests that come later.
     """
-    first = sources(room)[0]
-    words = [part.strip("_") for part in room.split("/")]
+    first = sources(package)[0]
+    words = [part.strip("_") for part in package.split("/")]
     if first.is_relative_to(PACKAGES["segmap_course"]):
         words.insert(0, "course")
     folder = ROOT.joinpath("tests", *words)
     found = sorted(folder.rglob("test_*.py"))
-    if not found:  # a room among the basics, or a part of the course
+    if not found:  # a package among the basics, or a part of the course
         found = sorted((ROOT / "tests").rglob(f"test_*{words[-1].removesuffix('s')}*.py"))
-    found += [ROOT / "tests" / name for name in ALSO.get(room, ())]
-    return [str(path.relative_to(ROOT)) for path in (*found, *sources(room))]
+    found += [ROOT / "tests" / name for name in ALSO.get(package, ())]
+    return [str(path.relative_to(ROOT)) for path in (*found, *sources(package))]
 
 
-def sources(room: str) -> list[Path]:
-    """The files of a room: a folder or file of the library, a folder of the course, or `course`."""
+def sources(package: str) -> list[Path]:
+    """The files of a package: a folder or file of the library, a folder of the course, `course`."""
     for base in (PACKAGES["segmap"], PACKAGES["segmap_course"]):
-        for path in (base / room, base / f"{room}.py"):
+        for path in (base / package, base / f"{package}.py"):
             if path.exists():
                 found = sorted(path.rglob("*.py")) if path.is_dir() else [path]
                 return [p for p in found if not any(name in p.parts for name in NOT_CHANGED)]
-    raise SystemExit(f"there is no room {room!r}")
+    raise SystemExit(f"there is no package {package!r}")
 
 
-def made(room: str, count: int, seed: int) -> list[Bug]:
-    """So many changes, spread over the files of a room."""
-    rng = random.Random(f"{room} {seed}")
-    by_file = [list(changes(path)) for path in sources(room)]
+def made(package: str, count: int, seed: int) -> list[Bug]:
+    """So many changes, spread over the files of a package."""
+    rng = random.Random(f"{package} {seed}")
+    by_file = [list(changes(path)) for path in sources(package)]
     for found in by_file:
         rng.shuffle(found)
     rng.shuffle(by_file)
@@ -228,11 +228,13 @@ class Worker:
         leave = shutil.ignore_patterns(".git", ".venv", "build", ".mypy_cache", ".ruff_cache")
         shutil.copytree(ROOT, self.copy, ignore=leave)  # machine code included; times are kept
 
-    def reached(self, room: str) -> "Reached":
-        """What the tests of a room reach without any bug."""
+    def reached(self, package: str) -> "Reached":
+        """What the tests of a package reach without any bug."""
         notes = self.copy.parent / "reached"
-        if not self._pass(tests_of(room), WHOLE_ROOM, Notes(self.copy, room, notes)):
-            raise SystemExit(f"{room}: its tests fail, or take {WHOLE_ROOM} s, without any bug")
+        if not self._pass(tests_of(package), WHOLE_PACKAGE, Notes(self.copy, package, notes)):
+            raise SystemExit(
+                f"{package}: its tests fail, or take {WHOLE_PACKAGE} s, without any bug"
+            )
         return Reached(*pickle.loads(notes.read_bytes()))
 
     def survives(self, bug: Bug, tests: list[str], longest: float) -> bool:
@@ -268,7 +270,7 @@ def file_of(test: str) -> str:
 
 
 class Reached(NamedTuple):
-    """How long each test of a room takes, and which of them reach a line of a file."""
+    """How long each test of a package takes, and which of them reach a line of a file."""
 
     seconds: dict[str, float]
     by_line: defaultdict[tuple[str, int], set[str]]
@@ -295,9 +297,9 @@ class Notes:
     that it calls.
     """
 
-    def __init__(self, copy: Path, room: str, notes: Path) -> None:
+    def __init__(self, copy: Path, package: str, notes: Path) -> None:
         self.copy, self.notes = copy, notes
-        self.sources = [str(copy / path.relative_to(ROOT)) for path in sources(room)]
+        self.sources = [str(copy / path.relative_to(ROOT)) for path in sources(package)]
         self.reached = Reached({}, defaultdict(set))
         self.called: defaultdict[Any, set[str]] = defaultdict(set)
 
@@ -379,8 +381,8 @@ def _begin(folder: str) -> None:
     WORKER = Worker(folder)
 
 
-def _reached(room: str) -> Reached:
-    return WORKER.reached(room)
+def _reached(package: str) -> Reached:
+    return WORKER.reached(package)
 
 
 def _survives(bug: Bug, tests: list[str], longest: float) -> bool:
@@ -389,12 +391,16 @@ def _survives(bug: Bug, tests: list[str], longest: float) -> bool:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("rooms", nargs="+")
-    parser.add_argument("--count", type=int, default=40, help="bugs a room")
+    parser.add_argument("packages", nargs="+")
+    parser.add_argument("--count", type=int, default=40, help="bugs a package")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     given = parser.parse_args()
-    bugs = [(room, bug) for room in given.rooms for bug in made(room, given.count, given.seed)]
+    bugs = [
+        (package, bug)
+        for package in given.packages
+        for bug in made(package, given.count, given.seed)
+    ]
     for name in LARGE:
         importlib.import_module(name)  # once, for all forks
     sys.modules["numba"].njit(lambda x: x)(1)
@@ -404,16 +410,16 @@ def main() -> int:
         tempfile.TemporaryDirectory() as folder,
         ProcessPoolExecutor(given.jobs, FORK, _begin, (folder,)) as pool,
     ):
-        reached = dict(zip(given.rooms, pool.map(_reached, given.rooms), strict=True))
-        tests = [reached[room].tests(bug) for room, bug in bugs]
-        longest = [reached[room].longest(t) for (room, _), t in zip(bugs, tests, strict=True)]
+        reached = dict(zip(given.packages, pool.map(_reached, given.packages), strict=True))
+        tests = [reached[package].tests(bug) for package, bug in bugs]
+        longest = [reached[package].longest(t) for (package, _), t in zip(bugs, tests, strict=True)]
         lives = pool.map(_survives, [bug for _, bug in bugs], tests, longest)
-        for (room, bug), survived in zip(bugs, lives, strict=True):
-            killed[room] += not survived
+        for (package, bug), survived in zip(bugs, lives, strict=True):
+            killed[package] += not survived
             if survived:
                 print(f"survived: {bug}", flush=True)
-    for room, count in Counter(room for room, _ in bugs).items():
-        print(f"{room:14} {killed[room]:4} of {count:4} killed")
+    for package, count in Counter(package for package, _ in bugs).items():
+        print(f"{package:14} {killed[package]:4} of {count:4} killed")
     return 0
 
 

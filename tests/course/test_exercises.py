@@ -39,7 +39,7 @@ def test_right_answers_pass_and_each_mistake_fails_with_its_own_hint(exercise):
     student can read, and a solution that misses what it calls."""
     assert getattr(course, f"check_{exercise.name}") is exercise
     assert repr(exercise) == f"check_{exercise.name}(your function): {exercise.task}"
-    assert len(exercise.mistakes) >= 4
+    assert len(exercise.mistakes) >= 4, "students err in more ways"
     for cases in (exercise.cases, exercise.fresh(3)):
         assert exercise.verdict(exercise.expected(cases), cases)
         for function in right(exercise):

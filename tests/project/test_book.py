@@ -19,7 +19,7 @@ BUILD = """
 import json, sys
 from pathlib import Path
 from book import build
-made = build(Path(sys.argv[1]), chapters=[Path(p) for p in sys.argv[3:]], rooms=(sys.argv[2],))
+made = build(Path(sys.argv[1]), chapters=[Path(p) for p in sys.argv[3:]], packages=(sys.argv[2],))
 print(json.dumps(made.complaints))
 """
 #: Move the slider of a panel to its end: whether both texts are the last, and what is shown.

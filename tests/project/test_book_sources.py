@@ -92,10 +92,10 @@ def test_what_a_chapter_lacks_is_told(tmp_path):
 
 
 def test_names_in_the_words_of_a_chapter_lead_to_one_entry():
-    """Catches a link to a method as printed, and a guess where two rooms have a name."""
-    rooms = ["reduction.fusion", "alignment.METHODS", "reduction.METHODS"]
+    """Catches a link to a method as printed, and a guess where two packages have a name."""
+    packages = ["reduction.fusion", "alignment.METHODS", "reduction.METHODS"]
     course = ["segmap_course.literal.fusion", "segmap_course.check_wrap"]
-    known = extension.by_short_name([*(f"segmap.{name}" for name in rooms), *course])
+    known = extension.by_short_name([*(f"segmap.{name}" for name in packages), *course])
     assert known["fusion"] == "segmap.reduction.fusion" and "METHODS" not in known
     assert [known["literal.fusion"], known["course.check_wrap"]] == course
 
@@ -127,17 +127,17 @@ def test_every_formula_of_the_chapters_can_be_shown():
 
 
 def test_every_public_name_has_its_entry():
-    """Catches a room that is left out, and a name without words."""
+    """Catches a package that is left out, and a name without words."""
     import segmap
 
-    rooms = {name for name in segmap.__all__ if inspect.ismodule(getattr(segmap, name))}
+    packages = {name for name in segmap.__all__ if inspect.ismodule(getattr(segmap, name))}
     more = {"segmap", "hokuyo.emulator", "segmap_course", "segmap_course.literal"}
-    assert set(api.ROOMS) == rooms | more
-    for room in api.ROOMS[1:]:
-        names = api.public_names(api.room_module(room))
-        page = api.page(room, set())
+    assert set(api.PACKAGES) == packages | more
+    for package in api.PACKAGES[1:]:
+        names = api.public_names(api.package_module(package))
+        page = api.page(package, set())
         assert names and all(re.search(rf"^\.\. [\w:]+:: {name}$", page, re.M) for name in names)
-    assert set(api.public_names(api.room_module("metrics"))) >= {"quality", "relation_errors"}
+    assert set(api.public_names(api.package_module("metrics"))) >= {"quality", "relation_errors"}
     top = api.page("segmap", set())
     assert all(f"segmap.{name} <" in top for name in segmap.__all__)
 
@@ -189,13 +189,13 @@ def test_each_command_has_a_page_with_its_options():
 
 def test_the_map_of_the_code_has_every_folder_and_no_import_that_climbs():
     """Catches a map that is older than the code."""
-    storey = {n: k for k, (_, _, names) in enumerate(code_map.STOREYS) for n in names.split()}
+    layer = {n: k for k, (_, _, names) in enumerate(code_map.LAYERS) for n in names.split()}
     tops = {p.name.removesuffix(".py") for p in (ROOT / "segmap").iterdir()}
-    assert set(storey) == {name for name in tops if "." not in name} - {"__init__", "__pycache__"}
-    used = {room: code_map.imports_of(room) for room in storey}
-    assert [(a, b) for a in used for b in used[a] if storey[b] > storey[a]] == []
+    assert set(layer) == {name for name in tops if "." not in name} - {"__init__", "__pycache__"}
+    used = {package: code_map.imports_of(package) for package in layer}
+    assert [(a, b) for a in used for b in used[a] if layer[b] > layer[a]] == []
     assert {"arrays", "scans", "reduction"} & used["metrics"] == {"arrays"}
     assert {"points", "quadtree", "scans"} & used["matching"] == {"quadtree", "scans"}
     assert all((ROOT / path).is_file() for path, _ in code_map.FIRST)
     page = code_map.code_map()
-    assert page.count("<rect ") == len(storey) and "| `reduction` | Reduction: one segment" in page
+    assert page.count("<rect ") == len(layer) and "| `reduction` | Reduction: one segment" in page

@@ -1,4 +1,4 @@
-"""The storeys of both packages: imports run downwards only, and `import segmap` stays light."""
+"""The layers of both packages: imports run downwards only, and `import segmap` stays light."""
 
 import ast
 import importlib
@@ -15,8 +15,8 @@ import segmap
 PACKAGES = [Path(package.__file__).parent for package in (segmap, segmap_course)]
 SOURCES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
 
-#: From the ground up. A room imports rooms of lower storeys only; a folder is one room.
-STOREYS = (
+#: From the ground up. A package imports packages of lower layers only; a folder is one package.
+LAYERS = (
     "progress",
     "compiled _display",
     "arrays",
@@ -37,13 +37,13 @@ STOREYS = (
     "__main__",
     "segmap_course",
 )
-STOREY = {room: height for height, rooms in enumerate(STOREYS) for room in rooms.split()}
+LAYER = {package: height for height, packages in enumerate(LAYERS) for package in packages.split()}
 
 #: What `import segmap` must not load: they are slow, or absent where only the library is needed.
 HEAVY = ("matplotlib", "ipywidgets", "serial", "numba", "IPython", "pandas", "tqdm")
 
 
-def room_of(module: str) -> str:
+def package_of(module: str) -> str:
     """`segmap.reduction._fusion` lives in reduction, all of the course in segmap_course."""
     parts = module.split(".")
     return parts[1] if parts[0] == "segmap" and len(parts) > 1 else parts[0]
@@ -79,11 +79,11 @@ def imported(source: str, home: list[str]) -> Iterator[list[str]]:
 
 
 def upward(source: str, module: str, home: list[str]) -> list[str]:
-    """The rooms of its own storey, or above it, that a module imports."""
-    own = room_of(module)
-    assert own in STOREY, f"{module}: give the room {own!r} its place in STOREYS"
-    rooms = {room_of(".".join(name)) for name in imported(source, home) if len(name) > 1}
-    return sorted(r for r in rooms if r in STOREY and r != own and STOREY[r] >= STOREY[own])
+    """The packages of its own layer, or above it, that a module imports."""
+    own = package_of(module)
+    assert own in LAYER, f"{module}: give the package {own!r} its place in LAYERS"
+    packages = {package_of(".".join(name)) for name in imported(source, home) if len(name) > 1}
+    return sorted(r for r in packages if r in LAYER and r != own and LAYER[r] >= LAYER[own])
 
 
 def crossing(source: str, home: list[str]) -> list[str]:
@@ -154,17 +154,19 @@ def test_a_notebook_draws_though_only_segmap_was_imported():
 
 
 def test_every_room_is_reachable_after_import_segmap():
-    """Catches a room that a newcomer must import by itself before it can be used."""
+    """Catches a package that a newcomer must import by itself before it can be used."""
     shared = {"compiled", "files", "kernels", "methods", "threads", "data"}  # parts of several
-    rooms = {p.stem for p in PACKAGES[0].iterdir() if p.suffix in ("", ".py") and p.stem[0] != "_"}
-    assert rooms - set(segmap.__all__) - shared == set()
+    packages = {
+        p.stem for p in PACKAGES[0].iterdir() if p.suffix in ("", ".py") and p.stem[0] != "_"
+    }
+    assert packages - set(segmap.__all__) - shared == set()
     reached = python("import segmap\nfor name in segmap.__all__: getattr(segmap, name).__name__")
     assert "ModuleNotFound" not in reached.stderr
     assert {*dir(segmap)} == {*segmap.__all__, "__version__"}, "and nothing that is not ours"
 
 
 def exported(path):
-    """The public names that a room imports from its own files, or defines."""
+    """The public names that a package imports from its own files, or defines."""
     names = set()
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.ImportFrom) and node.level == 1:
@@ -186,8 +188,8 @@ def test_a_room_says_what_it_exports(path):
     """Catches a name that works, and is an error in every editor: it is in no `__all__`."""
     package = "segmap_course" if PACKAGES[1] in path.parents else "segmap"
     inside = path.parent.relative_to(PACKAGES[package == "segmap_course"]).parts
-    room = importlib.import_module(".".join((package, *inside)))
-    assert exported(path) <= {*room.__all__} and all(hasattr(room, n) for n in room.__all__)
+    module = importlib.import_module(".".join((package, *inside)))
+    assert exported(path) <= {*module.__all__} and all(hasattr(module, n) for n in module.__all__)
 
 
 def test_a_missing_package_is_named_with_the_extra_that_brings_it():

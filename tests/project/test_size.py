@@ -1,6 +1,6 @@
 """The core only grows by what an issue grants; folders and files stay small enough to be read.
 
-`python tests/project/test_size.py` prints the lines of code of every storey.
+`python tests/project/test_size.py` prints the lines of code of every layer.
 """
 
 import ast
@@ -9,8 +9,8 @@ from pathlib import Path
 from segmap import alignment, reduction
 
 ROOT = Path(__file__).resolve().parents[2]
-#: Every file and folder at the top of `segmap` stands on one storey.
-STOREYS = {
+#: Every file and folder at the top of `segmap` stands on one layer.
+LAYERS = {
     "core": (
         "_display alignment angles arrays compiled extraction files kernels matching methods "
         "metrics plan poses progress quadtree reduction scans segments simulation testing threads"
@@ -51,21 +51,21 @@ def code_lines(text: str) -> int:
     return sum(bool(line) and line[0] != "#" for number, line in lines if number not in skipped)
 
 
-def storey_of(path: Path) -> str:
-    """The storey on which a file stands; empty where it is on none."""
+def layer_of(path: Path) -> str:
+    """The layer on which a file stands; empty where it is on none."""
     first, *rest = path.relative_to(ROOT).parts
     if first != "segmap":
         return "course" if first == "notebooks" else first
     top = rest[0].removesuffix(".py")
-    return next((name for name, tops in STOREYS.items() if top in tops.split()), "")
+    return next((name for name, tops in LAYERS.items() if top in tops.split()), "")
 
 
 def measured() -> dict[str, int]:
-    """Lines of code of each storey."""
+    """Lines of code of each layer."""
     found: dict[str, int] = {}
     for path in sources():
         lines = code_lines(path.read_text(encoding="utf-8"))
-        found[storey_of(path)] = found.get(storey_of(path), 0) + lines
+        found[layer_of(path)] = found.get(layer_of(path), 0) + lines
     return found
 
 
@@ -79,7 +79,7 @@ def test_lines_of_code_are_counted():
 def test_the_core_grows_by_what_an_issue_grants():
     """Catches a core that grows by what nobody asked for, and a figure that is no longer one."""
     lines = measured()
-    assert "" not in lines, "give what is new at the top of segmap its storey"
+    assert "" not in lines, "give what is new at the top of segmap its layer"
     assert lines["core"] <= CORE_LINES, "find the simpler mechanism, or say which issue grants it"
     assert lines["core"] >= CORE_LINES - SLACK_LINES, "lower CORE_LINES"
 
@@ -102,5 +102,5 @@ def test_folders_and_files_fit_in_the_head():
 
 
 if __name__ == "__main__":
-    for storey, count in sorted(measured().items()):
-        print(f"{storey:14}{count:7}")
+    for layer, count in sorted(measured().items()):
+        print(f"{layer:14}{count:7}")

@@ -19,6 +19,7 @@ from log_samples import (
     SINGLE_FILES,
     TIMES,
     TRUTH,
+    TURNING,
     robotlaser,
     row,
     text,
@@ -202,10 +203,6 @@ ROOM = {
     "simplemap": ("times truth", [0.3, 0.1, 0], 80),
     "old_simplemap": ("times truth", [0.3, 0.1, 0], 80),
 }
-
-
-#: Formats of a sensor whose turn is known; the others measure all beams at once.
-TURNING = {"coreslam", "coreslam_13", "hokuyo_csv", "csv", "ld19", "rostopic"}
 
 
 @pytest.mark.parametrize("name", SINGLE_FILES)

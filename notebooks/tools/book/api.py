@@ -1,4 +1,4 @@
-"""A page a room: its docstring, and each public name with its docstring and examples."""
+"""A page a package: its docstring, and each public name with its docstring and examples."""
 
 import importlib
 import inspect
@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-#: The rooms with public names, as a reader meets them.
-ROOMS = (
+#: The packages with public names, as a reader meets them.
+PACKAGES = (
     *("segmap", "scans", "readers", "simulation", "angles", "poses", "segments", "extraction"),
     *(
         "metrics",
@@ -26,13 +26,13 @@ ROOMS = (
 )
 
 
-def write_api(folder: Path, rooms: tuple[str, ...] = ROOMS) -> None:
-    """Write the pages of some rooms, and one that lists them."""
+def write_api(folder: Path, packages: tuple[str, ...] = PACKAGES) -> None:
+    """Write the pages of some packages, and one that lists them."""
     folder.mkdir(parents=True)
     seen: set[int] = set()
-    for room in rooms:
-        (folder / f"{room}.rst").write_text(page(room, seen), encoding="utf-8")
-    rows = "\n".join(f"   {room}" for room in rooms)
+    for package in packages:
+        (folder / f"{package}.rst").write_text(page(package, seen), encoding="utf-8")
+    rows = "\n".join(f"   {package}" for package in packages)
     text = f"{INDEX}\n.. toctree::\n   :maxdepth: 1\n\n{rows}\n"
     (folder / "index.rst").write_text(text, encoding="utf-8")
 
@@ -40,27 +40,27 @@ def write_api(folder: Path, rooms: tuple[str, ...] = ROOMS) -> None:
 INDEX = """API
 ===
 
-Every public name of segmap, a page a room. All angles are in radians, lengths in metres, times in
-seconds. Each example runs: the tests run them all.
+Every public name of segmap, a page a package. All angles are in radians, lengths in metres, times
+in seconds. Each example runs: the tests run them all.
 """
 
 
-def page(room: str, seen: set[int]) -> str:
-    """The source of a room's page; a class that another room has shown is not indexed again."""
-    module = room_module(room)
+def page(package: str, seen: set[int]) -> str:
+    """The source of a package's page; a class that another one has shown is not indexed again."""
+    module = package_module(package)
     name = module.__name__
     head = f"{name}\n{'=' * len(name)}\n\n.. automodule:: {name}\n   :no-members:\n\n"
-    own = "".join(_elsewhere(module) if room == "segmap" else _entries(module, seen))
+    own = "".join(_elsewhere(module) if package == "segmap" else _entries(module, seen))
     return f"{head}.. currentmodule:: {name}\n\n{own}"
 
 
-def room_module(room: str) -> types.ModuleType:
-    """The module of a room."""
-    return importlib.import_module(room if room.startswith("segmap") else f"segmap.{room}")
+def package_module(package: str) -> types.ModuleType:
+    """The module of a package."""
+    return importlib.import_module(package if package.startswith("segmap") else f"segmap.{package}")
 
 
 def public_names(module: types.ModuleType) -> list[str]:
-    """Classes and functions of `__all__`, or without underscore, that are defined in the room."""
+    """Classes and functions of `__all__`, or without underscore, that the package defines."""
     inside = re.compile(rf"{re.escape(module.__name__)}(\.|$)")
     return [
         name
@@ -79,8 +79,8 @@ def _elsewhere(module: types.ModuleType) -> Iterator[str]:
         if inspect.ismodule(value):
             yield f"* :doc:`segmap.{name} <{name}>`: {_first(value)}\n"
         else:
-            room = _home(value, name)
-            yield f"* :py:obj:`segmap.{name} <segmap.{room}.{name}>`: {_first(value)}\n"
+            package = _home(value, name)
+            yield f"* :py:obj:`segmap.{name} <segmap.{package}.{name}>`: {_first(value)}\n"
 
 
 def _home(value: Any, name: str) -> str:
@@ -117,7 +117,7 @@ def _rank(value: Any) -> int:
 
 
 def _notes(module: types.ModuleType) -> dict[str, str]:
-    """What `#:` comments say of constants, anywhere in the room."""
+    """What `#:` comments say of constants, anywhere in the package."""
     home = Path(str(module.__file__))
     files = home.parent.glob("*.py") if home.name == "__init__.py" else [home]
     found: dict[str, str] = {}

@@ -7,7 +7,7 @@ import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .api import ROOMS, write_api
+from .api import PACKAGES, write_api
 from .commands import write_commands
 from .sources import CHAPTERS, copy_sources, write_stub, write_summaries
 
@@ -34,7 +34,9 @@ class Book:
         return sorted(p for p in self.folder.rglob("*.html") if "_static" not in p.parts)
 
 
-def build(folder: Path, *, chapters: list[Path] = CHAPTERS, rooms: tuple[str, ...] = ROOMS) -> Book:
+def build(
+    folder: Path, *, chapters: list[Path] = CHAPTERS, packages: tuple[str, ...] = PACKAGES
+) -> Book:
     """Write the book into a folder; what was there before goes.
 
     Sources and Sphinx' own notes lie beside it while it is built. A chapter that cannot be read, or
@@ -45,7 +47,7 @@ def build(folder: Path, *, chapters: list[Path] = CHAPTERS, rooms: tuple[str, ..
         shutil.rmtree(old, ignore_errors=True)
     sources = work / "sources"
     complaints = copy_sources(sources, chapters)
-    write_api(sources / "api", rooms)
+    write_api(sources / "api", packages)
     write_commands(sources / "commands")
     write_summaries(sources)
     for _ in range(MOST_FAILURES):

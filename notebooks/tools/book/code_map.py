@@ -1,4 +1,4 @@
-"""The page *Map of the code*: storeys, what each may import, and where to begin reading."""
+"""The page *Map of the code*: layers, what each may import, and where to begin reading."""
 
 import ast
 from html import escape
@@ -8,7 +8,7 @@ ROOT = Path(__file__).resolve().parents[3]
 SEGMAP = ROOT / "segmap"
 
 #: From the ground up: name, what it holds, the folders and files of `segmap` that stand on it.
-STOREYS = (
+LAYERS = (
     (
         "Ground",
         "arrays that are checked, poses, segments, scans",
@@ -47,10 +47,10 @@ FIRST = (
 WIDTH, BOX_HEIGHT, GAP = 860, 26, 8
 
 
-def imports_of(room: str) -> set[str]:
+def imports_of(package: str) -> set[str]:
     """The folders and files at the top of `segmap` that one of them imports."""
-    folder = SEGMAP / room
-    files = folder.rglob("*.py") if folder.is_dir() else [SEGMAP / f"{room}.py"]
+    folder = SEGMAP / package
+    files = folder.rglob("*.py") if folder.is_dir() else [SEGMAP / f"{package}.py"]
     found: set[str] = set()
     for path in files:
         depth = len(path.relative_to(SEGMAP).parts)
@@ -59,34 +59,45 @@ def imports_of(room: str) -> set[str]:
                 found |= (
                     {node.module.split(".")[0]} if node.module else {a.name for a in node.names}
                 )
-    return (found & {name for _, _, names in STOREYS for name in names.split()}) - {room}
+    return (found & {name for _, _, names in LAYERS for name in names.split()}) - {package}
 
 
-def words_of(room: str) -> str:
+def words_of(package: str) -> str:
     """The first sentence of its docstring."""
-    path = SEGMAP / room / "__init__.py" if (SEGMAP / room).is_dir() else SEGMAP / f"{room}.py"
+    folder = SEGMAP / package
+    return first_line(folder / "__init__.py" if folder.is_dir() else SEGMAP / f"{package}.py")
+
+
+def first_line(path: Path) -> str:
+    """The first line of the docstring of a file."""
     return (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").split("\n")[0]
 
 
+def files_of(package: str) -> list[Path]:
+    """The files of a folder that hold more than its list of names."""
+    found = sorted((SEGMAP / package).rglob("*.py"))
+    return [path for path in found if path.name not in ("__init__.py", "__main__.py")]
+
+
 def picture() -> str:
-    """The storeys as SVG, the ground below, a box for each folder or file."""
+    """The layers as SVG, the ground below, a box for each folder or file."""
     parts, y = [], GAP
-    for name, _, rooms in reversed(STOREYS):
+    for name, _, packages in reversed(LAYERS):
         parts.append(f'<text x="0" y="{y + 18}" font-weight="bold">{escape(name)}</text>')
         x = 170.0
-        for room in rooms.split():
-            width = 14 + 8.2 * len(room)
+        for package in packages.split():
+            width = 14 + 8.2 * len(package)
             if x + width > WIDTH:
                 x, y = 170.0, y + BOX_HEIGHT + GAP
             parts.append(
                 f'<rect x="{x:g}" y="{y}" width="{width:g}" height="{BOX_HEIGHT}" rx="4" '
                 f'fill="none" stroke="currentColor"/>'
-                f'<text x="{x + width / 2:g}" y="{y + 18}" text-anchor="middle">{room}</text>'
+                f'<text x="{x + width / 2:g}" y="{y + 18}" text-anchor="middle">{package}</text>'
             )
             x += width + GAP
         y += BOX_HEIGHT + 3 * GAP
     return (
-        f'<svg viewBox="0 0 {WIDTH} {y}" role="img" aria-label="The storeys of segmap" '
+        f'<svg viewBox="0 0 {WIDTH} {y}" role="img" aria-label="The layers of segmap" '
         f'font-size="13" font-family="sans-serif" fill="currentColor">{"".join(parts)}</svg>'
     )
 
@@ -94,17 +105,23 @@ def picture() -> str:
 def code_map() -> str:
     """The page, as Markdown."""
     lines = ["# Map of the code", ""]
-    lines += ["Five storeys. A storey imports its own and lower ones, never a higher one, and the"]
+    lines += ["Five layers. A layer imports its own and lower ones, never a higher one, and the"]
     lines += ["library never imports the course. `tests/project/test_imports.py` holds it.", ""]
     lines += ["```{raw} html", picture(), "```", ""]
-    for number, (name, words, rooms) in enumerate(STOREYS, 1):
+    for number, (name, words, packages) in enumerate(LAYERS, 1):
         lines += [f"## {number} {name}", "", f"{words[0].upper()}{words[1:]}.", ""]
         lines += ["| | what it is | imports |", "|---|---|---|"]
-        for room in rooms.split():
-            used = ", ".join(f"`{each}`" for each in sorted(imports_of(room)))
-            lines += [f"| `{room}` | {words_of(room)} | {used} |"]
+        for package in packages.split():
+            used = ", ".join(f"`{each}`" for each in sorted(imports_of(package)))
+            lines += [f"| `{package}` | {words_of(package)} | {used} |"]
         lines += [""]
     lines += ["## Where to begin reading", ""]
     lines += [f"{k}. `{path}`: {words}." for k, (path, words) in enumerate(FIRST, 1)]
     lines += ["", "Then the tests of what you read: `tests/` has the same folders.", ""]
+    lines += ["## Which file holds what", "", "Search this page for the field's word.", ""]
+    lines += ["| file | what is in it |", "|---|---|"]
+    for package in sorted(name for _, _, names in LAYERS for name in names.split()):
+        for path in files_of(package):
+            lines += [f"| `{path.relative_to(SEGMAP)}` | {first_line(path)} |"]
+    lines += [""]
     return "\n".join(lines)

@@ -90,7 +90,7 @@ def _link_names(app: Sphinx, tree: nodes.document, page: str) -> None:
 
 
 def by_short_name(entries: Any) -> dict[str, str]:
-    """`reduction.fusion` and `fusion` -> `segmap.reduction.fusion`, unless two rooms have one.
+    """`reduction.fusion` and `fusion` -> `segmap.reduction.fusion`, unless two packages have one.
 
     The chapters call the course `course`.
     """

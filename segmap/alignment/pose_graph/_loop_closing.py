@@ -1,4 +1,4 @@
-"""Loop closing: old places proposed, measured, and believed only where several loops agree."""
+"""Loop closing: old places proposed, measured, and rejected unless several loops agree."""
 
 from __future__ import annotations
 

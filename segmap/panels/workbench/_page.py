@@ -1,4 +1,4 @@
-"""How the page looks: the steps in a column, beside them the map; canvas.css says how wide."""
+"""The page and its buttons: steps in a column, beside them the map; canvas.css says how wide."""
 
 from __future__ import annotations
 

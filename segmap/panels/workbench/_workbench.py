@@ -1,4 +1,4 @@
-"""The whole way on one panel: a log in, a map out, every run kept."""
+"""What the buttons of the page do: a log in, a map out, every run kept."""
 
 from __future__ import annotations
 
