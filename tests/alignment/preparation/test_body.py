@@ -108,6 +108,15 @@ def test_posts_are_left_out(sensor, wheels):
     assert all(np.array_equal(a.ranges[far], b.ranges[far], equal_nan=True) for a, b in kept)
 
 
+def test_posts_are_left_out_where_odometry_begins_late():
+    """Catches a scan taken for the one of that number among those with odometry."""
+    log = with_posts(driven("corridor"))
+    half = len(log) // 2
+    found = prepared(replace(log, scans=(*without_odometry(log[:half]), *log[half:])))
+    (seen,) = body(found)
+    assert abs(seen - 44) <= 4 and masked(found).any()
+
+
 def test_posts_do_not_hold_a_drive_along_a_corridor():
     """Catches a drive of 48 m that has no length, with a map that is called good."""
     log = driven("corridor")
