@@ -114,7 +114,7 @@ class TrackedScan:
     place: Array  # where it was laid when it came: loops do not move this one
     unmatched: Unmatched = Unmatched.NONE
     reason: str = ""
-    overlap: float = np.nan  # share of it on the map before it; NaN where lost
+    overlap: float = np.nan  # share of it on the map before it; NaN where lost or blind
     along: float = 0.0  # standard deviation along the walls, metres; 0 where the match tells
     driven: bool = False  # whether the odometry outweighed its match
 
@@ -155,7 +155,7 @@ class FrontEnd(Undoable):
         step = np.zeros(3) if lost and not measured else self.step()
         guess = compose(before.pose, step)
         if map is None or len(points) < 6:
-            match = no_match(guess, Unmatched.TOO_LITTLE_SEEN)
+            match = no_match(guess, Unmatched.TOO_LITTLE_SEEN, overlap=np.nan)
         else:
             match = self.matcher(map, points, guess)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):

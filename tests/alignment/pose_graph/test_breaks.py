@@ -57,6 +57,17 @@ def test_a_lifted_robot_is_told():
     assert lifted(pose_graph(bare))[:1] in ([third], [third + 1])
 
 
+def test_a_laser_that_sees_nothing_for_a_moment_was_not_lifted():
+    """Catches a hand before the laser, or a blind start, that makes a right map doubtful."""
+    path = drive([(1, 5), (6, 5), (6, 3.1), (6, 5), (1.5, 5.3)], step=0.15, turn=np.radians(12))
+    log = seen(office(rng=np.random.default_rng(1), rooms=2), path)
+    for blind in (range(40, 43), range(4)):
+        scans = [
+            replace(s, ranges=s.ranges * np.nan) if k in blind else s for k, s in enumerate(log)
+        ]
+        assert not lifted(pose_graph(replace(log, scans=tuple(scans))))
+
+
 def test_another_floor_is_told():
     """Catches two floors in one map."""
     stops = [(1, 5), (2, 5), (2, 6.9), (2, 5), (6, 5), (6, 3.1), (6, 5), (7, 5), (1.5, 5.3)]
