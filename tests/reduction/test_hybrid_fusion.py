@@ -10,19 +10,19 @@ from segmap.segments import SegmentMap
 
 
 def test_a_live_map_is_that_of_the_method():
-    """Catches a fusion that comes too early or too late; a scan without segments is none."""
-    rng = np.random.default_rng(5)
-    walls = np.array([[(0, y), (4, y)] for y in (0, 1, 2, 3)]).repeat(6, axis=0)
-    map = SegmentMap(walls + rng.normal(0, 0.02, walls.shape), np.tile(np.arange(12), 2))
+    """Catches a fusion that comes too early or too late, and counts lost where room is made."""
+    rng, order = np.random.default_rng(5), np.repeat([[0, 2], [1, 3], [0, 2]], 6, 0)
+    walls = np.array([[(0, y), (4, y)] for y in order.ravel()])
+    map = SegmentMap(walls + rng.normal(0, 0.02, walls.shape), np.arange(18).repeat(2))
     live = LiveReduction(every=5)
     _, *options = signature(hybrid_fusion).parameters.values()
     assert signature(LiveReduction).parameters == {option.name: option for option in options}
-    for part in (map.segments[:0], *map.by_scan()):
+    for part in (map.segments[:0], *map.by_scan()):  # one without segments is no scan
         live.add(part)
         if live.scans % 5 == 0 and live.scans:
             found = hybrid_fusion(map[map.scan < live.scans], every=5)
             np.testing.assert_array_equal(live.segments, found.segments)
-    assert live.scans == 12
+    assert live.scans == 18
 
 
 @pytest.mark.parametrize(
