@@ -335,19 +335,20 @@ def test_an_empty_path_gives_an_empty_log():
 
 
 def test_a_laser_that_turns_while_the_robot_moves():
-    """Catches beams that wait for the next pose, a turn the wrong way, a last scan that stands."""
+    """Catches beams that wait for the next pose, a turn the wrong way; a last scan that stands."""
     moving = partial(simulate, moving=True, rng=np.random.default_rng(1))
     sensor = Sensor("half", 90, 0.0, np.radians(2), max_range=9.0, period=0.5)
-    path = [(1, 2, 0.4 * k) for k in range(3)]
+    headings, steps = (0.0, 0.2, 0.6), (0.2, 0.4, 0.4)
+    path = [(1, 2, heading) for heading in headings]
     log = moving(
         simulation.square_room(4),
         path,
         sensor=sensor,
     )
     turned = np.arange(90) / 180  # shares of a period, of which half a turn takes the half
-    for k, scan in enumerate(log):
+    for scan, heading, step in zip(log, headings, steps, strict=True):
         np.testing.assert_allclose(scan.delays, 0.5 * turned)
-        aim = sensor.angles + 0.4 * (k + turned)
+        aim = sensor.angles + heading + step * turned
         expected = cast_rays(simulation.square_room(4), (1, 2, 0), aim)
         np.testing.assert_allclose(scan.ranges, expected, atol=1e-12)
     ahead = moving(simulation.square_room(4), [(1, 2, 0), (2, 2, 0)],
