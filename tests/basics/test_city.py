@@ -51,3 +51,12 @@ def test_walls_out_of_reach_do_not_change_a_log(sensor):
     for scan, pose in zip(log, path, strict=True):
         met = cast_rays(walls, pose, scan.angles, max_range=sensor.max_range)
         np.testing.assert_allclose(scan.ranges, met, atol=0.005)
+
+
+def test_a_long_wall_at_the_end_of_the_range_is_met_everywhere():
+    """Catches a wall that is looked for near its places alone, not half way between two."""
+    others = [[(5000 + k, 0), (5000 + k, 1)] for k in range(201)]
+    walls = np.array([[(-900, 19.5), (1000, 19.5)], *others], float)
+    path = [(x, 0, np.pi / 2) for x in range(0, 21, 2)]
+    log = simulate(walls, path, sensor=NEAR.ideal(), rng=np.random.default_rng(1))
+    np.testing.assert_allclose([scan.ranges[90] for scan in log], 19.5, atol=0.005)
