@@ -100,7 +100,8 @@ def voronoi(free: Mask) -> Labels:
     Of the survey's rules that join small parts to larger ones only the last is here.
     """
     away, free = away_from_walls(free), free.copy()
-    nearest = np.moveaxis(ndimage.distance_transform_edt(free, False, True), 0, -1)
+    wall = ndimage.distance_transform_edt(free, return_distances=False, return_indices=True)
+    nearest = np.moveaxis(wall, 0, -1)
     ends, graph = np.stack([nearest] * 2, -2), np.full(free.shape, np.inf)
     for a, b in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
         apart = np.hypot(*np.moveaxis(nearest[a] - nearest[b], -1, 0)) * PIXEL_M
