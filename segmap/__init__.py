@@ -90,7 +90,7 @@ _EXTRA = {"ipywidgets": "lab", "IPython": "lab", "serial": "laser"}
 
 
 def __getattr__(name: str) -> Any:
-    """The packages that load when they are first named: some bring pandas, matplotlib or widgets."""
+    """The packages that load when first named: some bring pandas, matplotlib or widgets."""
     if name not in __all__:
         raise AttributeError(f"module 'segmap' has no attribute {name!r}")
     try:
