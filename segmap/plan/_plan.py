@@ -170,7 +170,8 @@ def floor_plan(
     kappa
         A doorway stands between two rooms that hold a circle of so many times its width; where a
         corridor ends in a room with its full width, that must hold one of 2.5 times as much, and
-        the corridor be as long: without this rule every niche is a room.
+        the corridor be as long; between two corridors, the wider one of 1.5 times. Without this
+        rule every niche is a room.
     share, opening
         Two cells join where so much of their border is open, or an opening is so wide.
     band

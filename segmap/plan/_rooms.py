@@ -17,6 +17,10 @@ WHOLE = -2
 #: Where a corridor ends in a room, its mouth is a doorway if the room is so many times wider than
 #: else is asked, and the corridor so many times longer: else it is a niche, or a part of the room.
 CORRIDOR_TIMES = 2.5
+#: A room of more squares of its width than this is a corridor; between two of them is a doorway
+#: only if the wider one is so many times wider than else is asked: else they are one.
+CORRIDOR_SQUARES = 3.0
+WIDER_CORRIDOR_TIMES = 1.5
 
 
 class Partition:
@@ -102,6 +106,8 @@ def find_rooms(
         if door.mouth:
             length = min(part.area[a], part.area[b]) / wide
             low = min(low, min(high, length) / CORRIDOR_TIMES)
+        elif all(part.area[room] > CORRIDOR_SQUARES * part.width(room) ** 2 for room in (a, b)):
+            low = min(low, high / WIDER_CORRIDOR_TIMES)
         return (low / wide, 0.0) if low < kappa * wide else (np.inf, 0.0)
 
     def smallness(a: int, b: int) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from segmap import build_map, plan, quadtree, reduction
+from segmap import build_map, load, plan, quadtree, reduction
 from segmap.poses import compose, transform
 from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, map_of_grid
 from segmap.simulation import Sensor, circular_room, drive, office, polyline, simulate
@@ -145,6 +145,15 @@ def test_a_niche_is_no_room_where_the_rule_of_circles_holds():
     found = seen(walls, [(1, 1), (5, 1), (5, 3), (2.7, 3)])
     assert len(plan.floor_plan(*found).rooms) == 1
     assert len(plan.floor_plan(*found, kappa=0.1).rooms) == 2
+
+
+def test_a_corridor_with_recesses_is_not_cut():
+    """Catches a doorway across a corridor, at its corners or where doors stand back."""
+    log = load("corridor")
+    walls = reduction.one_per_wall(build_map(log, log.truth, keep_points=True).filtered(0.1))
+    free = quadtree.build_map(log, log.truth, resolution=0.05, free_resolution=0.05)
+    found = plan.floor_plan(walls, free)
+    assert len(found.rooms) == 1 and not found.doors and not found.doubt
 
 
 def test_an_opening_with_one_jamb_is_no_door():
