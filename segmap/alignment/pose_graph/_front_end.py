@@ -155,13 +155,14 @@ class FrontEnd(Undoable):
         step = np.zeros(3) if lost and not measured else self.step()
         guess = compose(before.pose, step)
         if map is None or len(points) < 6:
-            match = no_match(guess, Unmatched.TOO_LITTLE_SEEN, overlap=np.nan)
+            match = no_match(guess, Unmatched.TOO_LITTLE_SEEN)
         else:
             match = self.matcher(map, points, guess)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
                 match = self._regained(map, points, guess, match)
             weighed = self.wheels.weighed(map, points, match)
             row.driven, match = weighed is not match, weighed
+            row.overlap = match.overlap if match.matched or measured else np.nan
         row.unmatched, row.reason = match.unmatched, match.reason
         if map is not None and (match.free is not None or match.turns) and not measured:
             if len(map.unfixed(points, match.pose)):
@@ -169,7 +170,6 @@ class FrontEnd(Undoable):
             row.along = float(np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]))
         self.lost = 0 if match.matched or measured else self.lost + 1
         row.pose = match.pose
-        row.overlap = match.overlap if match.matched or measured else np.nan
         row.place = compose(before.place, between(before.pose, match.pose))
         return match
 
