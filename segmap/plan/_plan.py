@@ -115,7 +115,8 @@ class FloorPlan:
         shapely = shapely_or_hint()
         places, found = arrays.points(points), np.full(len(arrays.points(points)), -1)
         for k, room in reversed([*enumerate(self.rooms)]):
-            found[shapely.contains_xy(shapely.Polygon(room.outline, room.holes), *places.T)] = k
+            inside = shapely.contains_xy(shapely.Polygon(room.outline, room.holes), *places.T)
+            found[inside] = k
         return found
 
     def route(self, from_room: int | str, to_room: int | str) -> list[Door]:
@@ -130,7 +131,8 @@ class FloorPlan:
         for name, room in (("from_room", from_room), ("to_room", to_room)):
             given = names.index(arrays.one_of(room, name, names)) if isinstance(room, str) else room
             ends.append(arrays.whole(given, name, least=0, most=len(names) - 1))
-        return shortest_way(self.doors, np.array([room.place for room in self.rooms]), *ends)
+        places = np.array([room.place for room in self.rooms])
+        return shortest_way(self.doors, places, ends[0], ends[1])
 
     def __repr__(self) -> str:
         rooms = f"{len(self.rooms)} rooms of {sum(room.area for room in self.rooms):.1f} m2"

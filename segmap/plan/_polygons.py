@@ -18,6 +18,8 @@ SLIT_M = 0.15
 SNAP_M = 0.13
 #: Steps of one square in a side are none, in squares.
 SMOOTHED_SQUARES = 1.2
+#: Lines are parallel whose normals have at least this product.
+PARALLEL = 1 - 1e-9
 #: A room reaches half a square beyond its free squares, and a little more, in squares.
 GROWN_SQUARES = 0.7
 
@@ -76,13 +78,13 @@ def room_of(own: Mask, box: tuple[slice, ...], lines: list[Line], grid: Grid, wh
     at = (shapely.get_coordinates(whole) + (box[1].start, box[0].start) - 0.5) * grid.side
     at += (grid.origin @ grid.right, grid.origin @ grid.up)
     for k, way in enumerate((grid.right, grid.up)):
-        on = [one.offset * c for one in lines if np.isclose(abs(c := one.normal @ way), 1)]
+        on = [one.offset * c for one in lines if abs(c := one.normal @ way) > PARALLEL]
         off = np.array([*on, np.inf]) - at[:, k, None]
         off = np.take_along_axis(off, abs(off).argmin(1)[:, None], 1)[:, 0]
         at[:, k] += np.where(abs(off) <= SNAP_M, off, 0)
     placed = shapely.simplify(shapely.set_coordinates(whole, at @ [grid.right, grid.up]), grid.side)
     parts = shapely.get_parts(shapely.orient_polygons(shapely.buffer(placed, 0)))
-    whole = parts[shapely.area(parts).argmax()]
+    whole = max(parts, key=lambda part: part.area)
     outline, *holes = (np.array(r.coords)[:-1] for r in (whole.exterior, *whole.interiors))
     holes = [hole for hole in holes if shapely.Polygon(hole).area >= LEAST_HOLE_M2]
     whole = shapely.Polygon(outline, holes)

@@ -88,10 +88,12 @@ def normals(segments: Array) -> Array:
 
 def free_sides(segments: Array, grid: Grid) -> Indices:
     """The free side of segments, 1 left, -1 right, 0 for both or neither, `(n,)`."""
-    points = np.tensordot(np.linspace((0.9, 0.1), (0.1, 0.9), 9), segments, (1, 1))  # (9, n, 2)
+    share = np.linspace(0.1, 0.9, 9)[:, None, None]
+    points = segments[:, 0] + share * (segments[:, 1] - segments[:, 0])
     off = np.array(FREE_SIDE_M)[:, None, None, None] * normals(segments)
     left, right = ((grid.at(points + k * off) == FREE).mean((0, 1)) for k in (1, -1))
-    return np.where(abs(left - right) < FREE_SIDE_SHARE, 0, np.sign(left - right)).astype(int)
+    clear = abs(left - right) >= FREE_SIDE_SHARE
+    return np.where(clear, np.sign(left - right), 0).astype(np.int64)
 
 
 def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, Indices]:

@@ -143,10 +143,26 @@ def test_parts_of_a_bag_that_are_named_together_are_one_log(tmp_path, kind, caps
 
 
 def test_recordings_of_two_days_are_no_parts(tmp_path):
-    """Catches two drives that somebody numbered, joined as one."""
+    """Catches two drives that somebody numbered, joined as one: also of clocks that begin anew."""
     files = parts(tmp_path, "db3", {0: 5.0, 1: 90_000.0})
     with pytest.raises(LogError, match=r"it_1.db3: begins 89994 s after the part before it ends"):
         readers.read_bag(files)
+    (again := tmp_path / "again").mkdir()
+    files = parts(again, "db3", {0: 40.0, 1: 5.0})
+    with pytest.raises(LogError, match=r"it_1.db3: begins 36 s before the part before it ends"):
+        readers.read_bag(files)
+
+
+def test_drives_that_are_numbered_from_one_are_logs_of_their_own(tmp_path, capsys):
+    """Catches two drives joined because one begins soon after the other."""
+    (drives := tmp_path / "drives").mkdir()
+    made = parts(tmp_path, "db3", {1: 5.0, 2: 9.0}, "drive_{k}")
+    files = [file.rename(drives / file.name) for file in made]
+    for named in ([*map(str, files)], [str(drives)]):
+        assert main(["info", *named, "--json"]) == 0
+        found = [json.loads(line)["log"] for line in capsys.readouterr().out.splitlines()]
+        assert found == ["drive_1", "drive_2"]
+    assert not any("parts of a bag" in told for told in readers.read(files[0]).assumed)
 
 
 def test_odometry_is_interpolated_by_the_shorter_way_and_nowhere_else(read):

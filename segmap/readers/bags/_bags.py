@@ -155,8 +155,10 @@ def read(
 ) -> Log:
     """A bag: a file, or a folder; of a part is told that it is none alone."""
     found = _read_parts(parts_of(path), name, on_error, scans, odometry, truth)
-    beside = recordings(sorted(path.parent.iterdir())) if path.is_file() else []
-    count = max((len(group) for group in beside if path in group), default=1)
+    count = 1
+    if path.is_file() and PART.fullmatch(path.stem):
+        beside = recordings(sorted(path.parent.glob("*")))
+        count = max((len(group) for group in beside if path in group), default=1)
     if count > 1:
         told = f"{path.name} is one of {count} parts of a bag: all of them named are one log"
         found = replace(found, assumed=(*found.assumed, told))

@@ -17,7 +17,6 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -34,8 +33,10 @@ P = TypeVar("P", str, Path)
 SUFFIXES = (".db3", ".mcap", ".bag")
 #: The name of a part of a bag: of ROS 1 perhaps with a time before its number.
 PART = re.compile(r"(.*?)(?:_\d{4}(?:-\d\d){5})?_([0-9]{1,6})")
-#: A part begins so near to where the one before ends.
+#: A part begins at most so long after the one before ends, ...
 MOST_BETWEEN_PARTS_NS = 60 * 10**9
+#: ... and no earlier than so long before that: topics are not written quite in their order.
+MOST_OVERLAP_OF_PARTS_NS = 10**9
 #: Messages with transforms between frames: today's, and how ROS 1 called them first.
 FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
 
@@ -43,20 +44,28 @@ FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
 def recordings(files: Iterable[P]) -> list[list[P]]:
     """Files in their order, those of a bag that are its parts together: `it_0.db3`, `it_1.db3`.
 
-    A recorder that splits what it writes gives them one name, and numbers that go on.
+    A recorder that splits what it writes gives them one name, and numbers that go on from 0. Where
+    nothing has the number 0, somebody has numbered drives.
     """
     found: dict[Any, list[tuple[int, P]]] = {}
     for k, file in enumerate(files):
-        path = Path(file)
-        part = PART.fullmatch(path.stem) if path.suffix in SUFFIXES else None
-        key = (path.parent, part[1], path.suffix) if part else k
-        found.setdefault(key, []).append((int(part[2]) if part else 0, file))
+        key, number = _part_of(Path(file)) or (k, 0)
+        found.setdefault(key, []).append((number, file))
     groups = list[list[P]]()
-    for parts in found.values():
-        ordered = sorted(parts, key=lambda each: each[0])
-        goes_on = all(b[0] - a[0] == 1 for a, b in pairwise(ordered))
-        groups += [[each for _, each in ordered]] if goes_on else [[each] for _, each in parts]
+    for key, parts in found.items():
+        ordered: list[tuple[int, P]] = sorted(parts, key=lambda each: each[0])
+        first: int = ordered[0][0]
+        together = [number for number, _ in ordered] == [*range(first, first + len(ordered))]
+        if len(ordered) > 1 and first > 0:  # not all are named
+            together &= (key, 0) in map(_part_of, Path(ordered[0][1]).parent.glob("*"))
+        groups += [[each for _, each in ordered]] if together else [[each] for _, each in parts]
     return groups
+
+
+def _part_of(path: Path) -> tuple[Any, int] | None:
+    """What the parts of a bag share in their names, and the number of this one."""
+    part = PART.fullmatch(path.stem) if path.suffix in SUFFIXES else None
+    return ((path.parent, part[1], path.suffix), int(part[2])) if part else None
 
 
 def parts_of(path: Path) -> list[Path]:
@@ -135,10 +144,12 @@ class Bag:
                 with damage(self.path):
                     before = last
                     for connection, time, data in reader.messages(mine):
-                        if before and abs(time - before) > MOST_BETWEEN_PARTS_NS:
-                            off = f"{(time - before) / 1e9:.0f} s after the part before it ends"
-                            raise LogError(reader.path, f"begins {off}: read each part alone")
-                        before, last = 0, max(last, int(time))
+                        away, before = time - before if before else 0, 0
+                        if not -MOST_OVERLAP_OF_PARTS_NS <= away <= MOST_BETWEEN_PARTS_NS:
+                            when = f"{abs(away) / 1e9:.0f} s {'after' if away > 0 else 'before'}"
+                            reason = f"begins {when} the part before it ends: read each part alone"
+                            raise LogError(reader.path, reason)
+                        last = max(last, int(time))
                         self.budget.take(len(data))
                         yield connection.topic, int(time), bytes(data)
 
