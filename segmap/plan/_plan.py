@@ -174,7 +174,7 @@ def floor_plan(
         corridor ends in a room with its full width, that must hold one of 2.5 times as much, and
         the corridor be as long; between two corridors, the wider one of 1.5 times. Without this
         rule every niche is a room. Real drives among furniture ask for more: of the 19 rooms of
-        FR079 it finds 18 at 1.25 and 38 at 0.8, which is best for published plans.
+        FR079 it finds 18 at 1.25 and 38 at 0.8, which suits published plans better.
     share, opening
         Two cells join where so much of their border is open, or an opening is so wide.
     band
