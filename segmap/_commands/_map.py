@@ -273,7 +273,8 @@ def add_plan(commands: Any) -> None:
         nargs=2,
         default=[0.55, 2.5],
         metavar=("NARROWEST", "WIDEST"),
-        help="widths of a doorway, metres; default: 0.55 2.5",
+        help="widths of a doorway, metres; default: 0.55 2.5. Where a plan has more rooms than the "
+        "building, 0.55 1.2 joins what no leaf closes",
     )
     command.add_argument(
         "--rooms",

@@ -40,6 +40,10 @@ BAR = 25.0
 WALL_MM = 0.35
 #: Letters of a line of words.
 LETTERS_PER_LINE = 95
+#: Height of a line of words, millimetres.
+LINE_MM = 4.0
+#: What a plan is in doubt about stands below, in smaller letters: so many points, a line, lines.
+DOUBT_POINTS, DOUBT_LETTERS_PER_LINE, MOST_DOUBT_LINES = 6.5, 120, 5
 #: Dots an inch of a picture.
 SHEET_DPI = 200
 #: Letters of the words on rooms, points: in small rooms, and in large ones.
@@ -78,7 +82,8 @@ def write_sheet(
     north : float, radians
         Where north is in the map, counter-clockwise from x; by default the sheet shows y instead.
     plan
-        Its rooms are tinted, with names, areas and sides, and its doors have their widths.
+        Its rooms are tinted, with names, areas and sides, and its doors have their widths; what it
+        is in doubt about stands below the verdict.
 
     Examples
     --------
@@ -167,8 +172,16 @@ def _draw_sheet(
         weight="bold",
         **plain,
     )
-    lines = "\n".join(textwrap.wrap(verdict, LETTERS_PER_LINE)[:3])
-    ax.text(SHEET_MARGIN_MM, SHEET_MARGIN_MM + WORDS_BAND_MM - 14, lines, fontsize=9, **plain)
+    lines, top = textwrap.wrap(verdict, LETTERS_PER_LINE)[:3], SHEET_MARGIN_MM + WORDS_BAND_MM - 14
+    ax.text(SHEET_MARGIN_MM, top, "\n".join(lines), fontsize=9, **plain)
+    doubts = "" if plan is None or not plan.doubt else f"in doubt: {shown(plan.doubt)}"
+    doubts = "\n".join(
+        textwrap.wrap(
+            doubts, DOUBT_LETTERS_PER_LINE, max_lines=MOST_DOUBT_LINES, placeholder=" ..."
+        )
+    )
+    top -= LINE_MM * len(lines)
+    ax.text(SHEET_MARGIN_MM, top, doubts, fontsize=DOUBT_POINTS, **plain)
     right = page[0] - SHEET_MARGIN_MM
     told = "  ".join(filter(None, [f"1 : {scale:g}", date]))
     ax.text(right, SHEET_MARGIN_MM + WORDS_BAND_MM - 6, told, fontsize=11, ha="right", **plain)
