@@ -42,8 +42,12 @@ WALL_MM = 0.35
 LETTERS_PER_LINE = 95
 #: Height of a line of words, millimetres.
 LINE_MM = 4.0
-#: What a plan is in doubt about stands below, in smaller letters: so many points, a line, lines.
-DOUBT_POINTS, DOUBT_LETTERS_PER_LINE, MOST_DOUBT_LINES = 6.5, 120, 5
+#: What a plan is in doubt about stands below in smaller letters, points.
+DOUBT_POINTS = 6.5
+#: Of these, letters of a line.
+DOUBT_LETTERS_PER_LINE = 120
+#: And lines, at most.
+MOST_DOUBT_LINES = 5
 #: Dots an inch of a picture.
 SHEET_DPI = 200
 #: Letters of the words on rooms, points: in small rooms, and in large ones.
