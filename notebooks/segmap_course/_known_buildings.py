@@ -51,7 +51,7 @@ def known_building(
     [13, 475, 475]
     """
     walls, _ = buildings()[name]
-    log = _driven(name, seed, sensor)
+    log = driven(name, seed, sensor)
     assert log.truth is not None
     poses = noisy(log.truth, noise, np.random.default_rng(1000 + seed))
     maps = [build_map(log, found, keep_points=True) for found in (log.truth, poses)]
@@ -59,7 +59,8 @@ def known_building(
 
 
 @cache
-def _driven(name: str, seed: int, sensor: Sensor) -> Log:
+def driven(name: str, seed: int, sensor: Sensor) -> Log:
+    """A drive through one of the buildings, its poses true."""
     walls, path = buildings()[name]
     return simulate(walls, path, sensor=sensor, rng=np.random.default_rng(seed))
 

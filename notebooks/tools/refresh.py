@@ -16,6 +16,7 @@ from typing import Any
 
 import matplotlib.image
 import nbformat
+from book.alt_texts import alt_text
 from nbclient import NotebookClient
 from nbformat import NotebookNode
 from PIL import Image
@@ -73,6 +74,16 @@ def tidy(notebook: NotebookNode) -> NotebookNode:
     return notebook
 
 
+def name_pictures(notebook: NotebookNode) -> None:
+    """Say, in place, what each picture shows, for who cannot see it."""
+    above = ""
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            above = cell.source
+        for output in _pictures(NotebookNode(cells=[cell])):
+            output.metadata.setdefault("image/png", NotebookNode())["alt"] = alt_text(cell, above)
+
+
 def fit_pictures(notebook: NotebookNode) -> None:
     """Give, in place, each picture the finest of `SIZES` with which it and the chapter fit.
 
@@ -92,11 +103,12 @@ class _Fitted:
     """An output, its picture as it was drawn, and the sizes that are still smaller."""
 
     def __init__(self, output: NotebookNode) -> None:
-        sharp = "image/png" in output.metadata  # else it has one dot for each on the page
+        known = output.metadata.setdefault("image/png", NotebookNode())
+        sharp = "width" in known  # else it has one dot for each on the page
         self.output, self.sizes = output, [size for size in SIZES if sharp or size[0] == 1.0]
         self.drawn = Image.open(io.BytesIO(base64.b64decode(output.data["image/png"])))
         width, height = self.drawn.size
-        output.metadata.setdefault("image/png", {"width": width, "height": height})
+        output.metadata["image/png"] = NotebookNode(width=width, height=height) | known
         self.store_smaller()
 
     def store_smaller(self) -> None:
@@ -144,6 +156,7 @@ def refresh(path: Path) -> bool:
     before = path.read_text(encoding="utf-8")
     stored = nbformat.reads(before, as_version=4)
     fresh = tidy(execute(nbformat.reads(before, as_version=4), path.parent))
+    name_pictures(fresh)
     fit_pictures(fresh)
     keep_pictures(fresh, stored)
     if (picture := readme_picture(fresh)) is not None:

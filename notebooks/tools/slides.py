@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import nbformat
+from book.alt_texts import stored_alt
 from book.extension import formula
-from book.sources import CHAPTERS, alt_text
+from book.sources import CHAPTERS
 from markdown_it import MarkdownIt
 from nbformat import NotebookNode
 
@@ -60,7 +61,7 @@ class Slide(NamedTuple):
 
 def slides(notebook: NotebookNode) -> Iterator[Slide]:
     """The slides of a chapter, the first with its title and its claim."""
-    heading, idea, lead, used = "", "", "", True
+    heading, idea, lead, used, part = "", "", "", True, ""
     for cell in notebook.cells:
         for part in HEADINGS.split(cell.source) if cell.cell_type == "markdown" else []:
             if title := HEADING.match(part):
@@ -76,7 +77,8 @@ def slides(notebook: NotebookNode) -> Iterator[Slide]:
             yield Slide(heading, (lead,) if used else tuple(dict.fromkeys((idea, lead))), shown)
             used = True
     if not used and idea:
-        yield Slide(heading, (idea,))
+        points = re.findall(r"^- (.+)$", part, re.MULTILINE) if heading == "Summary" else []
+        yield Slide(heading, tuple(points) or (idea,))
 
 
 def first_sentence(source: str) -> str:
@@ -101,7 +103,7 @@ def pictures(cell: NotebookNode) -> Iterator[str]:
     """What of a cell's outputs a slide shows: figures, panels as they begin, printed methods."""
     for output in cell.outputs:
         if png := output.get("data", {}).get("image/png"):
-            alt = html.escape(alt_text(cell))
+            alt = html.escape(stored_alt(cell))
             yield f'<img alt="{alt}" src="data:image/png;base64,{"".join(png.split())}">'
         if output.output_type == "stream" and "getsource(" in cell.source:
             yield f"<pre>{html.escape(output.text)}</pre>"

@@ -7,17 +7,24 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from segmap_course import compare_with_walls, represent
+from segmap_course import compare_with_walls, known_building, represent
 
 from segmap import SegmentMap, alignment, simulation
 from segmap.angles import wrap
 from segmap.extraction import build_map, extract_polylines
-from segmap.metrics import quality
+from segmap.metrics import against_walls, quality
 from segmap.poses import between, transform
 from segmap.quadtree import without_passers
-from segmap.reduction import fusion, fusion_online, hybrid, hybrid_fusion, least_cost
+from segmap.reduction import (
+    fusion,
+    fusion_online,
+    hybrid,
+    hybrid_fusion,
+    least_cost,
+    one_per_wall,
+)
 from segmap.scans import Log
-from segmap.segments import point_distance
+from segmap.segments import length, point_distance
 
 pytestmark = pytest.mark.slow
 
@@ -31,6 +38,33 @@ def corridor(seed: int) -> Log:
     sensor = replace(simulation.SICK_LMS200, period=0.6)
     rng = np.random.default_rng(seed)
     return simulation.simulate(simulation.corridor_loop(), path, sensor=sensor, rng=rng)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_fusion_cannot_mend_the_poses(seed):
+    """Chapter 13: by odometry the walls of the corridor are as far off after Fusion as before."""
+    log, walls = corridor(seed), simulation.corridor_loop()
+    drifted = build_map(log, log.odometry)
+    far, then = (
+        1000 * point_distance(m.segments.reshape(-1, 1, 2), walls).min(axis=1).mean()
+        for m in (drifted, fusion(drifted))
+    )
+    assert 200 < then < 900 and abs(then / far - 1) < 0.15
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_ideal_sensor_hides_what_the_tolerance_of_polylines_does(seed):
+    """Chapter 13: in other offices too 5 mm seem good, and with noise they are not."""
+    office, kinds = simulation.office(rng=np.random.default_rng(seed)), []
+    way = simulation.drive([(0.5, 5), (11.5, 5)], step=0.5)
+    for sensor in (simulation.URG_04LX.ideal(), simulation.URG_04LX):
+        rng = np.random.default_rng(seed)
+        log = simulation.simulate(office, way, sensor=sensor, rng=rng)
+        maps = [build_map(log, log.truth, tolerance=t) for t in (0.002, 0.005, 0.03)]
+        kinds.append([(len(m), length(m.segments).sum(), quality(m, fusion(m))) for m in maps])
+    ideal, noisy = np.array(kinds)
+    assert ideal[1, 2] > 0.99 and noisy[1, 2] < 0.77 and noisy[0, 1] < 0.1 * ideal[0, 1]
+    assert np.ptp(ideal[:, 0]) < 5 and 0 < noisy[2, 0] - ideal[2, 0] < 25
 
 
 def offices(seed: int) -> Log:
@@ -288,6 +322,17 @@ def test_fusion_on_line_leaves_fewer_segments_where_each_pose_errs(sensor, poses
     else:
         assert len(online) <= len(at_end) <= len(online) + (3 if poses == 0.01 else 0)
     assert len(alone) > 1.3 * max(len(online), len(both))
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("noise", ["0", "0.01", "0.02"])
+@pytest.mark.parametrize("sensor", EYES)
+def test_one_per_wall_leaves_each_wall_of_the_floor_once(sensor, noise, seed):
+    """Chapter 59: whatever the laser, where poses are right and where each errs on its own."""
+    known = known_building("floor", noise, seed, sensor=EYES[sensor])
+    found = against_walls(known.walls, one_per_wall(known.map), seen=known.true)
+    assert found.per_wall == 1 and found.doubled.sum() < 0.01
+    assert found.offset < 0.006 and np.sum(found.missed) < 0.005 * found.seen.sum()
 
 
 def walked(seed: int, people: int) -> tuple[Log, np.ndarray]:

@@ -137,6 +137,45 @@ ANSWERS = {
             ({"P": "circle", "R": "keep"}, "name each of P, Q, R"),
         ],
     ),
+    "decide_match": (
+        {"P": "keep", "Q": "next", "R": "hidden", "S": "across"},
+        [
+            ({"P": "next", "Q": "hidden", "R": "hidden", "S": "keep"}, "S is not the one to keep"),
+            ({"P": "keep", "Q": "next", "R": "next", "S": "across"}, "R: 'next' does not speak"),
+        ],
+    ),
+    "predict_wrong_turn": (
+        0.6,
+        [(0.06, "it is 0.6172 m; near enough is within a factor of 1.5"), (3.9, "share an error")],
+    ),
+    "decide_floor": (
+        dict(A="off [mm]", B="missed %", C="a wall", D="off [mm]", E="a wall", F="invented %")
+        | dict(G="keep", H="invented %", I="double %", J="a wall"),
+        [
+            (dict.fromkeys("BCDEFGHIJ", "a wall") | {"A": "keep"}, "A is not the one to keep"),
+            (dict.fromkeys("ABCDEFHIJ", "a wall") | {"G": "keep"}, "B: 'a wall' does not speak"),
+            (dict.fromkeys("ABCDEFGHI", "quality"), "name each of A, B, C"),
+        ],
+    ),
+    "decide_claims": (
+        {"A": "parameter", "B": "keep", "C": "tuned", "D": "keep", "E": "filter", "F": "keep"},
+        [
+            (dict.fromkeys("ABC", "tuned") | dict.fromkeys("DEF", "keep"), "E is not the one"),
+            (dict.fromkeys("ABCD", "tuned") | dict.fromkeys("EF", "keep"), "keep 3, and refuse"),
+            (dict.fromkeys("ACE", "filter") | dict.fromkeys("BDF", "keep"), "A: 'filter' does not"),
+        ],
+    ),
+    "predict_partition": (0.118, [(0.05, "it is 0.118 m"), (0.0148, "within a factor of 1.1")]),
+    "predict_bend": (5, [(71, "it is 4.493 mm; near enough is within a factor of 2")]),
+    "predict_crowd": (0.63, [(0.82, "it is 0.631 parts of 1")]),
+    "predict_survivors": (63, [(100, "it is 63.4 particles"), (50, "near enough is within 3")]),
+    "decide_way": (
+        {"K": "wall", "L": "long", "M": "keep", "N": "unknown"},
+        [
+            ({"K": "keep", "L": "long", "M": "long", "N": "unknown"}, "K is not the one to keep"),
+            ({"K": "long", "L": "long", "M": "keep", "N": "wall"}, "K: 'long' does not speak"),
+        ],
+    ),
     "predict_sparse_icp": (0.1, [(2.0, "near enough is within 0.15 m")]),
     "break_icp": (
         (0.1, -0.57, -0.18),

@@ -40,6 +40,14 @@ def test_each_section_says_a_whole_sentence():
     assert not any(sentence.endswith("?") for sentence in said.values())
 
 
+def test_the_last_slide_holds_the_points_of_the_summary():
+    """Catches one that says where to go back to, and nothing of the chapter."""
+    _, notebook = chapter("34")
+    *_, last = slides.slides(notebook)
+    assert last.heading == "Summary" and len(last.sentences) > 2
+    assert all(f"- {point}" in notebook.cells[-1].source for point in last.sentences)
+
+
 def test_a_printed_method_is_shown():
     path, _ = chapter("54")
     assert "<pre>def fusion_online(" in slides.page(path)

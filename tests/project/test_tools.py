@@ -139,6 +139,19 @@ def test_a_picture_that_is_drawn_for_plain_screens_keeps_its_dots():
     assert cell.outputs[0].metadata["image/png"] == {"width": 300, "height": 200}
 
 
+def test_each_picture_is_named_for_who_cannot_see_it_and_keeps_its_size():
+    """Catches names that only the book has, and one that makes a sharp picture a plain one."""
+    cell, plain = drawn(4), drawn(4)
+    notebook = notebook_of('ax.set_title("All beams agree")\nplt.show()', "print(1)", "show(1)")
+    notebook.cells[0].outputs, notebook.cells[2].outputs = cell.outputs, plain.outputs
+    cell.outputs[0].metadata["image/png"] = {"width": 200, "height": 150}
+    refresh.name_pictures(notebook)
+    refresh.fit_pictures(notebook)
+    named, size = cell.outputs[0].metadata["image/png"], plain.outputs[0].metadata["image/png"]
+    assert named == {"width": 200, "height": 150, "alt": "All beams agree"}
+    assert (size["width"], size["height"], bool(size["alt"])) == (400, 300, True)
+
+
 def test_a_rare_colour_stays_what_it_was():
     """Catches a palette of the frequent colours: a blue robot on a grey map turned green."""
     rng = np.random.default_rng(1)

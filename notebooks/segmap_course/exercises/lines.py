@@ -217,6 +217,9 @@ check_ransac_trials = Exercise(
         "both points must lie on the line: the share counts twice": (
             edited(_trials, ("share**2", "share"))
         ),
+        "so many pairs hit once on average; asked is how many make one hit this probable": (
+            lambda share, sure: math.ceil(sure / share**2)
+        ),
         "too few are not enough: round up": edited(_trials, ("math.ceil(", "int(")),
         "all trials must fail for none to hit: the power of 1 - share**2": (
             edited(_trials, ("1 - share**2", "share**2"))

@@ -300,6 +300,12 @@ check_nees = Exercise(
                 "ni,nij,nj->n", (p - t)[:, :2], np.linalg.inv(c[:, :2, :2]), (p - t)[:, :2]
             )
         ),
+        "errors of heading have a sign, as those of x and y have: no absolute value": (
+            edited(_nees, ("off[:, 2] = (off", "off[:, 2] = abs((off"), ("- np.pi\n", "- np.pi)\n"))
+        ),
+        "each pose has a covariance of its own: no mean of them": (
+            edited(_nees, ("inv(covariances)", "inv(0 * covariances + covariances.mean(axis=0))"))
+        ),
         "one number for each pose: no mean over them": lambda *given: float(_nees(*given).mean()),
         "headings are radians, as their variances are": (
             edited(_nees, ("return", "off[:, 2] = np.degrees(off[:, 2])\n    return"))
@@ -361,6 +367,19 @@ check_tape_scale = Exercise(
         ),
         "count from 1, which is the factor of a right map": (
             edited(_tape_scale, ("(scale - 1)", "scale"))
+        ),
+        "keep the sign: below 1 the map is too small": (
+            edited(_tape_scale, ("(scale - 1)", "abs(scale - 1)"))
+        ),
+        "the line goes through 0: no constant beside the factor": (
+            edited(
+                _tape_scale,
+                ("(measured * tape).sum() / square", "np.polyfit(tape, measured, 1)[0]"),
+                (
+                    "rest = measured - scale * tape",
+                    "rest = measured - scale * tape\n    rest -= rest.mean()",
+                ),
+            )
         ),
         "the deviation is that from the line, after the factor": (
             edited(_tape_scale, ("scale * tape", "tape"))

@@ -150,6 +150,12 @@ check_look_noise = Exercise(
         "what was cut is missing in the mean square: divide it by 0.9113": edited(
             _look_noise, (" / 0.9113", "")
         ),
+        "looks that are right are 0 apart in the mean: the root mean square about 0": edited(
+            _look_noise, ("kept = off[", "kept = apart["), ("(kept**2).mean()", "kept.var()")
+        ),
+        "0.9113 divides the mean square, inside the root": edited(
+            _look_noise, ("mean() / 0.9113)", "mean()) / 0.9113")
+        ),
         "cut ten times, each time at the new deviation": edited(
             _look_noise, ("range(10)", "range(1)")
         ),
@@ -334,6 +340,16 @@ check_rooms_left = Exercise(
         ),
         "the new room holds the wider circle of both": (
             edited(_rooms_left, ("np.maximum(wide[i[k]]", "np.minimum(wide[i[k]]"))
+        ),
+        "circles do not add up: the wider of both": (
+            edited(_rooms_left, ("np.maximum(wide[i[k]], wide[j[k]])", "wide[i[k]] + wide[j[k]]"))
+        ),
+        "rooms that have become one take the lowest number of theirs": (
+            edited(
+                _rooms_left,
+                ("room[room == j[k]] = i[k]", "room[room == i[k]] = j[k]"),
+                ("wide[i[k]] =", "wide[j[k]] ="),
+            )
         ),
         "a circle as wide as the doorway is not enough: kappa times": (
             edited(_rooms_left, (">= kappa", ">= 1"))

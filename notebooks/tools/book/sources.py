@@ -16,6 +16,7 @@ from nbformat import NotebookNode
 
 from segmap.readers._formats import NAMES_OF_FORMATS
 
+from .alt_texts import stored_alt
 from .citations import with_links
 from .code_map import code_map
 
@@ -44,7 +45,6 @@ FILES = ("LICENSE", "CITATION.cff", "notebooks/pictures/*.png", "data/**/*.csv",
 LINKED = re.compile(r"(`[^`\n]*`|\[[^\]]*\]\([^)]*\)|\$[^$]+\$|<[^>]+>)")
 NAMED = re.compile(r"\b[Cc]hapters? \d\d(?:(?:,| and| to) \d\d)*\b(?!\.\d)")
 HEADING = re.compile(r"^(##|###) (?=\S)", re.MULTILINE)
-TITLE = re.compile(r"""title(?:=|\()f?"([^"\n]+)\"""")
 FENCED = re.compile(r"(^```.*?^```$|\$\$.*?\$\$)", re.MULTILINE | re.DOTALL)
 
 
@@ -98,7 +98,7 @@ def read_chapter(path: Path, states: dict[str, list[str]]) -> Chapter:
             cell.source = adapt(numbered(cell.source, path.stem[:2], section))
         elif cell.source.strip():
             cell.metadata["tags"] = [*cell.metadata.get("tags", []), "hide-input"]
-            if alt := alt_text(cell):
+            if alt := stored_alt(cell):
                 cell.metadata["mystnb"] = {"image": {"alt": alt}}
     complaints += _replace_panels(notebook, path.stem, states)
     return Chapter(notebook, complaints)
@@ -204,16 +204,6 @@ def _linked(text: str) -> str:
     parts = LINKED.split(text)
     inside = [name(part) if k % 2 == 0 else part for k, part in enumerate(parts)]
     return "".join(inside)
-
-
-def alt_text(cell: NotebookNode) -> str:
-    """The title of the picture of a cell, for who cannot see it; empty where it has none."""
-    shown = [output for output in cell.outputs if "image/png" in output.get("data", {})]
-    if not shown:
-        return ""
-    words = TITLE.findall(cell.source) or [shown[0].data.get("text/plain", "")]
-    words = [word for word in words if word and not word.startswith("<Figure")]
-    return re.sub(r"\{[^}]*\}", "...", "; ".join(words)) or "Figure that the code above draws"
 
 
 # ------------------------------------------------------------------ panels

@@ -1,5 +1,5 @@
-"""Open exercises of judgement: one of several is chosen, and each of the others is refused by a
-reason that holds."""
+"""Open exercises of judgement: some are kept, and each of the others is refused by a reason that
+holds."""
 
 from __future__ import annotations
 
@@ -36,6 +36,8 @@ class Decision(Open):
     judge: Callable[[], Mapping[str, set[str]]]
     #: Written when it is done.
     praise: str = ""
+    #: How many are kept.
+    keeps: int = 1
 
     def answers(self, given: Any, cases: Any = None) -> list[Any]:
         """The decision as plain pairs of words; what is not decided yet is left out."""
@@ -55,13 +57,15 @@ class Decision(Open):
         if set(given) != set(known):
             return self._check(f"name each of {', '.join(known)}, with 'keep' or with a witness")
         kept = [name for name, answer in given.items() if answer == KEPT]
-        if len(kept) != 1:
-            return self._check(f"keep one, and refuse the others by a witness each; kept: {kept}")
-        if known[kept[0]]:
-            return self._check(f"{kept[0]} is not the one to keep")
+        if len(kept) != self.keeps:
+            many = "one" if self.keeps == 1 else str(self.keeps)
+            said = f"keep {many}, and refuse the others by a witness each; kept: {kept}"
+            return self._check(said)
+        if bad := [name for name in kept if known[name]]:
+            return self._check(f"{', '.join(bad)} is not the one to keep")
         wrong = [name for name in known if name not in kept and given[name] not in known[name]]
-        said = [f"{name}: {given[name]!r} does not speak against it" for name in wrong]
-        return self._check("; ".join(said), self.praise)
+        against = [f"{name}: {given[name]!r} does not speak against it" for name in wrong]
+        return self._check("; ".join(against), self.praise)
 
 
 def _maps() -> dict[str, set[str]]:

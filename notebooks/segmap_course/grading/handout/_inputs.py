@@ -23,6 +23,11 @@ INPUTS = {
     "break_viewing_sector": "[0.0, 0.11, 0.0]",
     "decide_map": '{"A": "doubled", "B": "spread", "C": "tape", "D": "keep"}',
     "decide_plan": '{"P": "circle", "Q": "tape", "R": "keep"}',
+    "decide_match": '{"P": "keep", "Q": "next", "R": "hidden", "S": "across"}',
+    "decide_floor": "dict(A='a wall', B='missed %', C='a wall', D='off [mm]', E='a wall', "
+    "F='missed %', G='keep', H='invented %', I='a wall', J='a wall')",
+    "decide_claims": "dict(A='parameter', B='keep', C='tuned', D='keep', E='filter', F='keep')",
+    "decide_way": '{"K": "wall", "L": "long", "M": "keep", "N": "unknown"}',
     "break_icp": "[0.1, -0.57, -0.18]",
     # A bit that falls in one character and rises in the next.
     "break_sum": "(np.where(np.arange(63) == 1, 0x41, 0x40), "

@@ -1,0 +1,161 @@
+"""Open exercises of judgement: numbers to predict where a method is fooled, and what to hand over.
+
+What each decision refuses is asserted in its chapter, by the figures that the student reads there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from segmap.alignment import solve_graph
+from segmap.extraction import build_map
+from segmap.poses import compose
+from segmap.reduction import least_cost, one_per_wall
+from segmap.simulation import SICK_LMS200
+
+from ..._known_buildings import driven
+from ._open import Prediction
+from .decision import Decision
+
+# ---------------------------------------------------------------------------- poses
+decide_match = Decision(
+    "decide_match(answer): a dictionary with each of the matches P to S: 'keep' for the one that "
+    "you would let into a map, and for each other the figure that refuses it: 'hidden', 'next' or "
+    "'across'",
+    lambda: {"P": set(), "Q": {"next"}, "R": {"hidden"}, "S": {"across"}},
+    praise="The longest match was none of them: how much agrees says nothing of what else would",
+)
+
+
+def _one_wrong_turn() -> float:
+    steps = np.tile((1.0, 0.0, 0.0), (40, 1))
+    steps[9::10, 2] = np.pi / 2
+    measured = steps + (np.arange(40) == 14)[:, None] * (0, 0, np.radians(20))
+    true, wheels = [np.zeros(3)], [np.zeros(3)]
+    for step, turned in zip(steps[:-1], measured, strict=False):
+        true, wheels = [*true, compose(true[-1], step)], [*wheels, compose(wheels[-1], turned)]
+    edges = [(k, (k + 1) % 40) for k in range(40)]
+    found = solve_graph(wheels, edges, measured, scale=np.inf)
+    return float(np.hypot(*(found - np.array(true))[:, :2].T).max())
+
+
+predict_wrong_turn = Prediction(
+    "predict_wrong_turn(guess): a robot drives once round a square of 10 m, in 40 steps of 1 m; it "
+    "measures one turn, in the middle of the second side, wrong by 20 degrees: its wheels end up "
+    "to 3.9 m off. The loop is closed by a right edge, all edges count alike, and least squares "
+    "solve for the poses; how many metres is the worst pose off then; within a factor of 1.5",
+    _one_wrong_turn,
+    "m",
+    factor=1.5,
+    because="Half a degree too much in every step, as much in all, would leave 6 cm: least squares "
+    "share an error among all steps, and that is right only where all of them made it",
+)
+
+# ---------------------------------------------------------------------------- maps
+decide_floor = Decision(
+    "decide_floor(answer): a dictionary with each of the maps A to J: 'keep' for the one that you "
+    "would hand over, and for each other the figure that refuses it: 'a wall', 'missed %', "
+    "'invented %', 'double %' or 'off [mm]'",
+    lambda: {
+        "A": {"a wall", "double %", "off [mm]"},
+        "B": {"missed %"},
+        "C": {"a wall", "double %", "off [mm]"},
+        "D": {"off [mm]"},
+        "E": {"a wall", "double %"},
+        "F": {"missed %", "invented %", "off [mm]"},
+        "G": set(),
+        "H": {"a wall", "invented %"},
+        "I": {"a wall", "double %"},
+        "J": {"a wall"},
+    },
+    praise="Five of the maps that you refused have a higher quality: it asks what the reduction "
+    "changed, and not how well the map shows the building",
+)
+
+decide_claims = Decision(
+    "decide_claims(answer): a dictionary with each of the sentences A to F: 'keep' for each of the "
+    "three that the runs of this chapter carry, and for each other the fault: 'parameter', "
+    "'filter', 'tuned' or 'measure'",
+    lambda: {
+        "A": {"parameter"},
+        "B": set(),
+        "C": {"tuned"},
+        "D": set(),
+        "E": {"filter"},
+        "F": set(),
+    },
+    praise="Each of the three is a true figure, set beside one that it may not be compared with",
+    keeps=3,
+)
+
+
+def _partition(looks: int = 8, thick: float = 0.05) -> float:
+    faces = np.tile([[(0, 0), (2, 0)], [(0, thick), (2, thick)]], (looks, 1, 1))
+    low, high = 0.01, 1.0
+    while high - low > 1e-4:
+        middle = (low + high) / 2
+        low, high = (low, middle) if len(least_cost(faces, penalty=middle)) == 1 else (middle, high)
+    return high
+
+
+predict_partition = Prediction(
+    "predict_partition(guess): the two faces of a partition, 2 m long and 0.05 m apart, are seen "
+    "eight times each; from which penalty on does `least_cost` leave one segment, in metres; "
+    "within a factor of 1.1",
+    _partition,
+    "m",
+    factor=1.1,
+    because="All sixteen looks pay for half of 0.05 m, 0.295 of it each: the penalty that joins "
+    "two faces grows with the number of looks",
+)
+
+
+def _bend() -> float:
+    log = driven("floor", 0, SICK_LMS200)
+    assert log.truth is not None
+    along = np.linspace(0, 2 * np.pi, len(log))
+    bent = log.truth + np.stack([0.1 * np.sin(along), 0 * along, 0 * along], -1)
+    found = one_per_wall(build_map(log, bent, keep_points=True).filtered(0.10))
+    return 1000 * float(found.noise)
+
+
+predict_bend = Prediction(
+    "predict_bend(guess): the poses of the floor do not err one by one: they are off along x by "
+    "0.1 m times the sine of one turn over the whole drive; how many millimetres does "
+    "`one_per_wall(...).noise` tell; within a factor of 2",
+    _bend,
+    "mm",
+    factor=2,
+    because="Neighbours share the bend, and only what they do not share is noise to this method: "
+    "walls that are 0.1 m off are called right to some millimetres",
+)
+
+# ---------------------------------------------------------------------------- robots
+predict_crowd = Prediction(
+    "predict_crowd(guess): a scan lies rightly on the map, but a fifth of its beams end on people "
+    "far from any wall; what is its fit, the geometric mean of 0.9 exp(-d^2 / 2 sigma^2) + 0.1; "
+    "within 0.05",
+    lambda: float(np.exp(np.log(np.repeat([0.1, 1.0], [1, 4])).mean())),
+    "parts of 1",
+    within=0.05,
+    because="A geometric mean of four times 1 and once 0.1; the plain mean, 0.82, would hide them. "
+    "Found asks for 0.85: fewer than 8 beams of 100 may end on somebody",
+)
+
+predict_survivors = Prediction(
+    "predict_survivors(guess): a hundred particles of equal weight are drawn anew by a hundred "
+    "random numbers, and not by a comb; how many of them are still there, on average; within 3",
+    lambda: 100 * (1 - (1 - 1 / 100) ** 100),
+    "particles",
+    within=3,
+    because="Each is missed by all hundred draws with (1 - 1/100)^100, which is nearly 1/e. Though "
+    "no scan spoke against any of them a third is gone; by a comb none is",
+)
+
+decide_way = Decision(
+    "decide_way(answer): a dictionary with each of the ways K to N: 'keep' for the one that a "
+    "robot of 0.25 m may drive, and for each other the reason that refuses it: 'wall', 'unknown' "
+    "or 'long'",
+    lambda: {"K": {"wall"}, "L": {"long"}, "M": set(), "N": {"unknown", "long"}},
+    praise="The shortest was refused first: a length is worth nothing before the way is clear",
+)
