@@ -23,6 +23,10 @@ def lines(line, mark=None):
     return text(found if mark is None else [f.replace(".", mark) for f in found])
 
 
+def pairs(mark, between):
+    return between.join(f"{a:.0f}{mark}{r:.3f}" for a, r in zip(TURN, FAR, strict=True))
+
+
 def xv11(k):
     beams = [f"{a:.0f},{1000 * r:.0f},15,0" for a, r in zip(TURN, FAR, strict=True)]
     return ["AngleInDegrees,DistInMM,Intensity,ErrorCodeHEX", *beams, "ROTATION_SPEED,5.01"]
@@ -356,4 +360,34 @@ OTHERS = {
               *KEYS, *(f"ranges_{k}" for k in range(12))],
              lambda k: [f"{CLOCK[k] + 0.01:.2f}", str(k), "1600000000", str(200000000 * k), "laser",
                         *SINGLE]), False, "clock"),
+    "units in the fields": (
+        lines(lambda k, a, r: f"{a:.1f}deg,{1000 * r:.0f}mm"), False, None),
+    "other units than the head": ("scan,angle_deg,range_mm\n" + lines(
+        lambda k, a, r: f"{k},{np.radians(a):.5f} rad,{r:.3f} m"), False, None),
+    "units behind white space": (
+        lines(lambda k, a, r: f"{0.2 * k:.1f} s {a:.0f} deg {100 * r:.1f} cm"), False, "zero"),
+    "units that change": ("Winkel;Abstand\n" + lines(
+        lambda k, a, r: f"{a:.0f}°;{f'{1000 * r:.0f} mm' if r < 3 else f'{r:.3f} m'}", ","),
+        False, None),
+    "units in a scan a line": (
+        text(["t;ranges", *("; ".join([f"{200 * k}ms", *(f"{1000 * r:.0f}mm" for r in FAR)])
+                            for k in range(3))]), False, "zero"),
+    "pairs behind a time": (
+        text(f"{0.2 * k:.1f};" + pairs(",", ",") for k in range(3)), False, "zero"),
+    "pairs under a short head": (
+        text(["t;angle_deg,range_m,...", *(
+            f"{0.2 * k:.1f};" + pairs(",", ";")
+            for k in range(3))]), False, "zero"),
+    "pairs with colons": (
+        text(f"{0.2 * k:.1f} " + pairs(":", " ")
+             for k in range(3)), False, "zero"),
+    "a time before a colon": (
+        text(f"{0.2 * k:.1f}: " + ", ".join(f"{r:.3f}" for r in FAR) for k in range(3)),
+        False, "zero"),
+    "a time before a bar": (
+        text(f"{0.2 * k:.1f} | " + " ".join(f"{r:.3f}" for r in FAR) for k in range(3)),
+        False, "zero"),
+    "one name for all ranges": (
+        text(["time_s,ranges_mm", *(f"{0.2 * k:.1f}," + ",".join(f"{1000 * r:.0f}" for r in FAR)
+                                    for k in range(3))]), False, "zero"),
 }  # fmt: skip

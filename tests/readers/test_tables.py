@@ -165,6 +165,30 @@ def test_the_columns_that_are_proposed_read_the_same(tmp_path, name):
         assert a.angles == pytest.approx(b.angles) and a.ranges == pytest.approx(b.ranges)
 
 
+def test_a_number_without_the_unit_of_all_others_is_damage(tmp_path):
+    """Catches 1300 millimetres among `1.25 m` that are read as so many metres."""
+    path = tmp_path / "it.csv"
+    path.write_text("angle,range\n" + lines(lambda k, a, r: f"{a:.0f} deg,{r:.3f} m"))
+    path.write_text(
+        path.read_text().replace("60 deg,2.420 m", "60 deg,2420").replace("2.000 m", "0")
+    )
+    with pytest.raises(LogError, match="line 4: expected a unit behind '2420'"):
+        readers.read(path)
+    log = readers.read(path, on_error="skip")
+    assert log.skipped.lines == 3 and np.flatnonzero(~log[0].valid).tolist() == [0]
+
+
+def test_lines_of_pairs_may_have_as_many_as_they_like(tmp_path):
+    """Catches beams behind those of the first line that are lost."""
+    path = tmp_path / "it.txt"
+    turn = [",".join(f"{a},{2 + a / 100:.2f}" for a in range(0, 10 * n, 10)) for n in (9, 12, 7)]
+    path.write_text(text(["t;angle_deg,range_m", *(f"{k / 10};{t}" for k, t in enumerate(turn))]))
+    log = readers.read(path)
+    assert [len(scan) for scan in log] == [9, 12, 7] and not log.skipped
+    assert log[1].ranges[-1] == pytest.approx(3.1)
+    assert np.degrees(log[1].angles[-1]) == pytest.approx(110)
+
+
 def test_a_pose_beside_the_beams_is_the_odometry(tmp_path):
     """Catches the heading of the robot that is taken for the angle of a beam, and poses lost."""
     for name in ("pose and beam", "pose and scan"):

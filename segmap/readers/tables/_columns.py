@@ -78,6 +78,8 @@ COLUMN_UNITS = {
     for role, units in UNIT_WORDS.items()
 }
 UNIT_NAMES = {word for units in COLUMN_UNITS.values() for word in units}
+#: What a column is whose numbers have such a unit behind them.
+UNIT_ROLES = {word: role for role in ("time", "angle", "range") for word in COLUMN_UNITS[role]}
 #: Names of programs that say no unit -> the columns that they mean.
 KNOWN_TABLES = {
     ("theta", "dist", "q"): ("angle_deg_cw", "range_mm", "quality"),
@@ -112,6 +114,7 @@ class Column(NamedTuple):
     place: int
     factor: float | None
     name: str
+    measured: bool = False  #: whether a unit stands behind each number
 
 
 class Columns(NamedTuple):
@@ -224,7 +227,8 @@ def with_units_told(found: Columns, rows: Array) -> tuple[Columns, list[str]]:
         if role == "time" and len(rows) and np.isnan(rows[:, column.place]).all():
             told.append(f"the column {columns.pop('time').name!r} holds no times: left out")
             continue
-        if _factors(role, column.name) or "tick" in column.name.lower():
+        said = _factors(role, column.name) or "tick" in column.name.lower()
+        if said or column.measured:
             continue
         factor, why = _unit_of(role, rows[:, column.place])
         if column.factor is not None and factor in (None, column.factor):

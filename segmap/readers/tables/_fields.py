@@ -19,17 +19,27 @@ from ._columns import COLUMN_UNITS
 SAMPLE_LINES = 2000
 #: A first line of Excel that names the separator.
 SEPARATOR_LINE = re.compile(r"(?i)sep=(.)")
-#: Units that stand behind a number; the longer ones first.
-UNITS_OF_LABELS = sorted({*COLUMN_UNITS["time"], *COLUMN_UNITS["angle"], *COLUMN_UNITS["x"]})[::-1]
+#: Units that stand behind a number -> what makes metres, radians or seconds of it.
+FACTORS = {**COLUMN_UNITS["time"], **COLUMN_UNITS["angle"], **COLUMN_UNITS["x"]}
+#: The same, the longer ones first.
+UNIT = "|".join(map(re.escape, sorted(FACTORS)[::-1]))
 #: A name, its number and perhaps a unit, in a line where each field has its name.
 LABEL = re.compile(
     r"([A-Za-z_]+(?:[(\[]\w+[)\]])?)[\"']?\s*[:=]\s*[\"']?([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)"
-    rf"(?:\s*[(\[]?({'|'.join(map(re.escape, UNITS_OF_LABELS))})[)\]]?(?!\s*[:=]))?(?![\w.])"
+    rf"(?:\s*[(\[]?({UNIT})[)\]]?(?!\s*[:=]))?(?![\w.])"
 )
 #: A whole number in thousands, or one with three decimals.
 THOUSANDS = re.compile(r"[0-9]{1,3}(,[0-9]{3})+")
+#: Numbers with a mark of thousands, and another one before their decimals.
+BOTH_MARKS = re.compile(r"[-+]?[0-9]{1,3}(?:(,[0-9]{3})+\.|(\.[0-9]{3})+,)[0-9]*")
 #: What may be a number.
 NUMERAL = re.compile(r"[-+0-9.,eE]+")
+#: A number with its unit behind it.
+MEASURE = re.compile(rf"([-+]?[0-9.,]+(?:[eE][-+]?[0-9]+)?)\s*[(\[]?({UNIT})[)\]]?")
+#: Between a number and its unit, where white space separates fields.
+BEFORE_UNIT = re.compile(rf"(?<=[0-9.])\s+(?=({UNIT})(\s|$))")
+#: A number before all others of a line: `1.5: 2.0, 2.1`.
+LEADING = re.compile(r"^([-+]?[0-9.]+)\s*:\s+")
 #: Numbers with decimal commas between white space.
 DECIMAL_COMMAS = re.compile(r"[-+]?[0-9]+(,[0-9]+)?(\s+[-+]?[0-9]+(,[0-9]+)?)+")
 #: Beams of one scan in brackets, ...
@@ -57,10 +67,15 @@ NUMBERED_DAY = re.compile(r"(\d{1,2})([.-])(\d{1,2})\2(\d{4})\.? +")
 def split(line: str, separator: str | None) -> list[str]:
     """The fields of a line; white space separates them where nothing else does."""
     if separator is None:
-        line = FIRST_BEAM.sub("", re.sub(r"\s+(?=[\[(])", "", line))
+        line = FIRST_BEAM.sub("", BEFORE_UNIT.sub("", re.sub(r"\s+(?=[\[(])", "", line)))
     line = LIST.sub("", ROS_LOG.sub("", line))
-    fields = line.split(separator)
-    if separator is not None and '"' in line:
+    line = LEADING.sub(rf"\1{(separator or ' ')[0]}", line)
+    if separator is not None and len(separator) > 1:
+        white = r"|\s+" * (" " in separator)
+        fields = re.split(rf"\s*[{re.escape(separator.strip(' '))}]\s*{white}", line.strip())
+    else:
+        fields = line.split(separator)
+    if separator is not None and len(separator) == 1 and '"' in line:
         with suppress(csv.Error):
             fields = next(csv.reader([line], delimiter=separator, skipinitialspace=True), fields)
     return [field.strip().strip("\"'") for field in fields]
@@ -84,22 +99,43 @@ def labelled(line: str) -> Iterator[dict[str, str]]:
 
 
 def separator_of(lines: Sequence[str]) -> str | None:
-    """What separates the fields of most lines."""
+    """What separates the fields of most lines; two marks where fields are lists of numbers."""
     for mark in SEPARATORS:
         if 2 * sum(mark in line for line in lines) > len(lines):
             commas = mark == "," and sum(bool(DECIMAL_COMMAS.fullmatch(line)) for line in lines)
-            return None if 2 * commas > len(lines) else mark
+            if 2 * commas > len(lines):
+                return None
+            rows = [split(line, mark) for line in lines if any(map(is_number, split(line, mark)))]
+            for inner in ", ":
+                lists = sum(any(_is_list(field, inner) for field in row) for row in rows)
+                if inner != mark and 2 * lists > len(rows):
+                    return mark + inner
+            return mark
     return None
+
+
+def _is_list(field: str, mark: str) -> bool:
+    """Whether a field is numbers with a mark between them, and none itself."""
+    if mark not in field or is_number(decimal(field)):
+        return False
+    return all(is_number(part) for part in field.split(mark) if part)
 
 
 def decimal(field: str, *, thousands: bool = False) -> str:
     """A number with a point for its decimals, and no mark of thousands, as a comma alone may be.
 
+    With a unit behind it: in metres, radians or seconds.
+
     Examples
     --------
     >>> decimal("2000,5"), decimal("2.000,5"), decimal("2,000.5"), decimal("0x10")
     ('2000.5', '2000.5', '2000.5', '16')
+    >>> decimal("1,25 m"), decimal("850mm"), decimal("90 deg")
+    ('1.25', '0.85', '1.5707963267948966')
     """
+    if field and not field[-1].isdigit() and (found := MEASURE.fullmatch(field)):
+        number = decimal(found[1], thousands=thousands)
+        return str(float(number) * FACTORS[found[2]]) if is_number(number) else field
     if field.startswith("0x"):
         with suppress(ValueError):
             return str(int(field, 16))
@@ -108,10 +144,12 @@ def decimal(field: str, *, thousands: bool = False) -> str:
     bare = re.sub("[\u00a0\u202f']", "", field)  # thousands in France and Switzerland
     if not NUMERAL.fullmatch(bare):
         return field
-    field = bare.replace(",", "") if thousands else bare
-    if "," in field and "." in field:
-        field = field.replace(min(",.", key=field.rfind), "")
-    return field.replace(",", ".", 1)
+    bare = bare.replace(",", "") if thousands else bare
+    if "," in bare and "." in bare:
+        if not BOTH_MARKS.fullmatch(bare):
+            return field
+        bare = bare.replace(min(",.", key=bare.rfind), "")
+    return bare.replace(",", ".", 1)
 
 
 def as_numbers(row: Sequence[str], *, thousands: bool = False) -> list[float]:

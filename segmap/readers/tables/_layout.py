@@ -15,6 +15,7 @@ from .._lines import is_number
 from ..packed import log_file
 from ._columns import (
     RPLIDAR_RECORD,
+    UNIT_ROLES,
     Columns,
     guessed,
     is_unit,
@@ -24,6 +25,7 @@ from ._columns import (
 )
 from ._fields import (
     FIRST_BEAM,
+    MEASURE,
     NESTED,
     SAMPLE_LINES,
     SEPARATOR_LINE,
@@ -69,6 +71,13 @@ class Beams(NamedTuple):
     radian: float = 1.0  #: of these
     single: tuple[tuple[str, int], ...] = ()  #: numbers of a message, and their places
     least: float = 0.0  #: shorter ranges are codes of the sensor
+    goes_on: bool = False  #: whether each line has as many as it likes
+
+    def places(self, places: tuple[int, ...], count: int) -> Sequence[int]:
+        """Which of these there are in a line of so many fields."""
+        if not self.goes_on or len(places) < 2:
+            return places
+        return range(places[0], count, places[1] - places[0])
 
 
 class Layout(NamedTuple):
@@ -133,7 +142,8 @@ def _headed(lines: Sequence[tuple[int, str]]) -> Layout | None:
             columns = ("angle_deg_cw", "range_mm", "quality")
             return Layout(None, number, columns, named(columns))
         else:
-            mark = separator if separator is None or separator in line else separator_of([line])
+            own = separator is None or bool({*separator} & {*line})
+            mark = separator if own else separator_of([line])
             names = tuple(split(line.lstrip('#%/!; "').strip(" "), mark))
             found = Layout(separator, number, names)
             if not any(map(is_number, names)):
@@ -196,13 +206,14 @@ def unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
     three = table.shape[1] == 3 and len(np.unique(table[:, 0])) <= 64 and (table[:, 2] > 100).any()
     three &= bool(np.isfinite(table[:, 0]).all())
     names = RPLIDAR_RECORD[1:] if three and _is_record(table) else guessed(table)
+    names = _by_units_behind(fields) or names
     if not names:
         return None
     if len(head) == len(names):
         names = tuple(_with_unit(name, above) for name, above in zip(names, head, strict=True))
     if any(map(FIRST_BEAM.match, rows)):
         names = tuple("angle_cw" if name == "angle" else name for name in names)
-    columns, told = with_units_told(named(names), table)
+    columns, told = with_units_told(with_units_behind(named(names), fields), table)
     if not {"angle", "range"} <= {*columns.by_role}:
         return None
     if any(columns.by_role[role].factor is None for role in ("angle", "range")):
@@ -212,6 +223,23 @@ def unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
     if columns.clockwise:
         told.append("beams clockwise, as the package rplidar has them")
     return Layout(separator, 0, names, columns, (), tuple(told), bool(nested))
+
+
+def _by_units_behind(rows: Sequence[Sequence[str]]) -> tuple[str, ...]:
+    """Names of columns whose numbers have units behind them; none where these do not tell."""
+    units = [found[2] if (found := MEASURE.fullmatch(field)) else "" for field in rows[0]]
+    roles = [UNIT_ROLES.get(unit, "-") for unit in units]
+    return tuple(roles) if {"angle", "range"} <= {*roles} else ()
+
+
+def with_units_behind(columns: Columns, rows: Sequence[Sequence[str]]) -> Columns:
+    """Columns, of which those with a unit behind each number need none of their name."""
+    found = dict(columns.by_role)
+    for role, column in found.items():
+        fields = [row[column.place] for row in rows if len(row) > column.place]
+        if any(map(MEASURE.fullmatch, fields)):
+            found[role] = column._replace(factor=1.0, measured=True)
+    return columns._replace(by_role=found)
 
 
 def _with_unit(name: str, above: str) -> str:
@@ -267,16 +295,22 @@ def with_units(layout: Layout, table: Array) -> Layout:
 
 def _over(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
     """A layout with what the lines below its head tell."""
-    layout = with_thousands(layout, lines)
+    layout = as_written(layout, lines)
     return with_units(layout, rows_below(layout, lines))
 
 
-def with_thousands(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
-    """Whether ranges in quotes, as 4,002, are whole numbers: of three digits each, in no metres."""
+def as_written(layout: Layout, lines: Sequence[tuple[int, str]]) -> Layout:
+    """A layout with what fields say themselves: units behind numbers, and marks of thousands.
+
+    Ranges in quotes, as 4,002, are whole numbers where each has three digits, and no metres.
+    """
+    if layout.labels:
+        return layout
+    rows = [split(line, layout.separator) for number, line in lines if number > layout.line]
+    layout = layout._replace(columns=with_units_behind(layout.columns, rows))
     if "range" not in layout.columns.by_role or layout.separator != ",":
         return layout
-    place, factor, _ = layout.columns.by_role["range"]
-    rows = [split(line, ",") for number, line in lines if number > layout.line]
+    place, factor, *_ = layout.columns.by_role["range"]
     marked = [row[place] for row in rows if len(row) > place and "," in row[place]]
     found = bool(marked) and all(map(THOUSANDS.fullmatch, marked)) and (factor or 0) < 0.1
     return layout._replace(thousands=found)
@@ -378,7 +412,8 @@ def looks_like(path: Path) -> str:
     if not names:
         return ""
     commas = separator != "," and any("," in field for field in rows[0])
-    how = f"sep={separator or '[ ]+'!r}, decimal={',' if commas else '.'!r}"
+    sep = f"[{separator}]" if len(separator or "") > 1 else separator or "[ ]+"
+    how = f"sep={sep!r}, decimal={',' if commas else '.'!r}"
     angle, far = (
         next(k for k, n in enumerate(names) if n.startswith(w)) for w in ("angle", "range")
     )

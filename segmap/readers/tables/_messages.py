@@ -72,7 +72,9 @@ RADAR = re.compile(rf"({RADAR_PAIR.pattern}){{6,}}(\d{{1,3}},?)?\d{{0,4}}")
 MOST_RADAR_STEP_DEG = 30
 #: An angle and its range as a dictionary of Python's has them, or a line of it.
 PAIR = re.compile(r"[\"']?(-?[0-9.]+)[\"']?\s*[:=]\s*(-?[0-9.]+|nan|inf|None|null)")
-PAIRS = re.compile(rf"[{{\[(]?\s*({PAIR.pattern}[\s,;]*){{6,}}[}}\])]?,?")
+PAIRS = re.compile(
+    rf"((?P<time>[0-9.]+)[\s,;]+)?[{{\[(]?\s*({PAIR.pattern}[\s,;]*){{6,}}[}}\])]?,?"
+)
 TOLD_OF_RADAR = ("pairs are degrees and centimetres, as programs for a radar have them",)
 #: What stands between values of JSON.
 BETWEEN_JSON = re.compile(r"[\s,]*")
@@ -324,6 +326,8 @@ def _pairs(pair: re.Pattern[str], *names: str) -> Callable[[Lines], Iterator[Rec
             if not (found := pair.findall(text)):
                 lines.damaged(lines.error(f"expected pairs of numbers, got {text[:40]!r}"))
             turn = {"scan": str(lines.number)} if pair is PAIR else {}
+            if turn and (whole := PAIRS.fullmatch(text)) and whole["time"]:
+                turn["time"] = whole["time"]
             for beam in found:
                 yield lines.number, turn | dict(zip(names, beam, strict=True))
 

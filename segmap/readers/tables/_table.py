@@ -9,7 +9,8 @@
     [(15, 12.34, 1234.0), ...]                         its scans, one a line
     0.35,1.234                                         columns that the numbers tell
 
-Fields lie between commas, semicolons, tabs or white space, with decimal points or commas. A scan
+Fields lie between commas, semicolons, tabs or white space, or two of these, with decimal points or
+commas; a unit may stand behind each number, `90 deg, 1.25 m`. A scan
 ends where its number or its head says so, or where the angle wraps; its time is that of its first
 beam, and unknown without a column of it. Times are numbers, ISO 8601 or the time of day. Angles are
 counter-clockwise unless their name, their program or the caller says otherwise. A range of 0 and an
@@ -65,11 +66,11 @@ from ._layout import (
     EXAMPLE,
     Beams,
     Layout,
+    as_written,
     begin_of,
     layout_of,
     rows_below,
     wanting,
-    with_thousands,
 )
 from ._wide import usual_view
 
@@ -108,7 +109,8 @@ class Table(TextFormat):
         self.assumed = (*layout.told, *(COUNTERCLOCKWISE,) * counted)
         self.columns = layout.columns.by_role
         places = [column.place for column in self.columns.values()]
-        self.last = max([*places, *(layout.beams.ranges if layout.beams else ())])
+        beams = layout.beams.ranges if layout.beams else ()
+        self.last = max([*places, *(beams[:1] if layout.beams and layout.beams.goes_on else beams)])
         self.turns, self.head, self.clock = 0, [""], np.nan
 
     def _take(self, fields: list[str]) -> None:
@@ -156,6 +158,9 @@ class Table(TextFormat):
         texts = {role: fields[column.place] for role, column in self.columns.items()}
         said = {role: decimal(text, thousands=thousands) for role, text in texts.items()}
         factors = {role: column.factor or 1.0 for role, column in self.columns.items()}
+        for role, column in self.columns.items():
+            if column.measured and texts[role][-1:].isdigit() and float(said[role]):
+                raise ValueError(f"expected a unit behind {texts[role]!r}, as others have")
         when, pose = self._moment(said, factors), [np.nan] * 3
         if {*said} >= POSE and (self.layout.beams or "angle" in said):
             pose = [number_field(said[role], role, factors[role]) for role in sorted(POSE)]
@@ -229,7 +234,7 @@ def _scan_in(fields: Sequence[str], beams: Beams) -> LaserScan:
     """The beams that stand in a line."""
     texts, turned = (
         [decimal(part) for k in places for part in listed(fields[k])]
-        for places in (beams.ranges, beams.directions)
+        for places in (beams.places(each, len(fields)) for each in (beams.ranges, beams.directions))
     )
     if beams.single:
         numbers = {word: float_fields([fields[k]], word)[0] for word, k in beams.single}
@@ -313,7 +318,7 @@ def read_csv(
         if names is None:
             return _read_table(place, stem(place), on_error, stated(place), clockwise)
         separator, line = begin_of(place)
-        layout = with_thousands(Layout(separator, line, tuple(names), found), sample(place))
+        layout = as_written(Layout(separator, line, tuple(names), found), sample(place))
         return _read_table(place, stem(place), on_error, layout, clockwise)
 
 

@@ -4,10 +4,11 @@
     160,250,laser,-1.57,1.57,0.0087,0,0.1,0.02,5.6,2.0,...               ros2 topic echo --csv
     time,-90,-89,...          directions in degrees or radians
     t,range_mm_0,range_mm_1   an index
-    t,angle_0,range_0,...     directions in each line
-    t,ranges                  a cell with a list: "[2.0, 2.1, ...]"
+    t,angle_0,range_0,...     directions in each line; or `t;angle,range`, whose pairs go on
+    t,ranges                  a cell with a list: "[2.0, 2.1, ...]"; or all ranges that follow
     t,x,y,theta,r0,r1,...     the robot's pose by its wheels
-    0.1,2.0,2.1,...           nothing but numbers, perhaps a time or their count first
+    0.1,2.0,2.1,...           nothing but numbers, perhaps a time or their count first; or pairs
+    0.1: 2.0, 2.1, ...        a time apart from the others
 
 There is no truth, and without a pose no odometry.
 
@@ -29,9 +30,19 @@ from ...arrays import Array
 from ...scans.error_codes import LOWEST
 from .._lines import LogError, is_number
 from .._raw_scans import COUNTERCLOCKWISE, URG_STEP, centred, half_turn, place_of, view_of
-from ._columns import BEFORE_NAME, Column, Columns, named, with_units_told
-from ._fields import TABLE_COMMENTS, as_numbers, decimal, listed, sample, separator_of, split
-from ._layout import Beams, Layout, unnamed, with_units
+from ._columns import BEFORE_NAME, LEAST_VIEW_RAD, Column, Columns, named, with_units_told
+from ._fields import (
+    LEADING,
+    MEASURE,
+    TABLE_COMMENTS,
+    as_numbers,
+    decimal,
+    listed,
+    sample,
+    separator_of,
+    split,
+)
+from ._layout import Beams, Layout, unnamed, with_units, with_units_behind
 
 #: Numbers of a message, in the order in which `ros2 topic echo --csv` writes them.
 SINGLE_NUMBERS = (
@@ -67,23 +78,24 @@ URG_BEAMS = (681, 682, 683, 726, 768, 769)
 MOST_OTHERS = 3
 
 
-def _first_fields(path: Path) -> tuple[str | None, list[int], list[list[str]]]:
-    """What separates the fields of the first lines, their numbers, and their fields."""
+def _first_fields(path: Path) -> tuple[str | None, list[tuple[int, str]], list[list[str]]]:
+    """What separates the fields of the first lines, these with their numbers, and their fields."""
     lines = [(k, text) for k, text in sample(path, WIDE_SAMPLE_LINES) if text]
     first = lines[0][0] if lines else 0
     lines = [(k, t) for k, t in lines if not t.startswith(TABLE_COMMENTS) or k == first]
     separator = separator_of([text for _, text in lines])
-    rows = [[*map(decimal, split(text.lstrip("#"), separator))] for _, text in lines]
-    return separator, [k for k, _ in lines], rows
+    return separator, lines, [split(text.lstrip("#"), separator) for _, text in lines]
 
 
 def scans_of(path: Path) -> Layout | None:
     """How a file with a scan a line is written; None for another one."""
-    separator, numbers, rows = _first_fields(path)
+    separator, lines, rows = _first_fields(path)
     for k, (row, below) in enumerate(pairwise(rows[:HEAD_ROWS])):
         names = [BEFORE_NAME.sub("", name) for name in row]
-        if _is_head(names, below):
-            return _with_head(path, Layout(separator, numbers[k], tuple(names)), rows[k + 1 :])
+        more = _going_on(names, len(below))
+        if _is_head(more, below):
+            head = Layout(separator, lines[k][0], tuple(more))
+            return _with_head(path, head, rows[k + 1 :], goes_on=len(more) > len(names))
     return _ros2(path, separator, rows[0]) if rows else None
 
 
@@ -114,17 +126,28 @@ def of_records(
 
 def bare_of(path: Path) -> Layout | None:
     """The same for lines of nothing but numbers, as many in each: a guess, and a last resort."""
-    separator, _, rows = _first_fields(path)
+    separator, lines, rows = _first_fields(path)
+    outer = separator[:1] if separator and len(separator) > 1 else None
+    apart = all(LEADING.match(t) or (outer and t.count(outer) == 1) for _, t in lines)
     width = max(map(len, rows), default=0)
+    rows = [[*map(decimal, row)] for row in rows]
     whole = [row for row in rows if len(row) == width and all(map(is_number, row))]
     heads = [row for row in rows[:1] if len(row) == width and not any(map(is_number, row))]
-    if width < LEAST_BARE_BEAMS or 2 * len(whole) <= len(rows) or heads:
+    if width < (LEAST_BEAMS if apart else LEAST_BARE_BEAMS) or 2 * len(whole) <= len(rows) or heads:
         return None
     table = np.array(whole, float)
     first, told, columns = table[:, 0], list[str](), Columns({})
-    begin = int(len(first) >= LEAST_TIMES and bool((np.diff(first) > 0).all()))
+    is_time = len(first) >= LEAST_TIMES or apart or bool(_pairs_of(table[:, 1:]))
+    begin = int(is_time and bool((np.diff(first) > 0).all()))
     if begin:
         columns, told = with_units_told(named(["time"]), np.repeat(table[:, :1], 3, 0))
+    if pairs := _pairs_of(table[:, begin:]):
+        head = Layout(separator, 0, (*["time"][:begin], *pairs))
+        found = _with_head(path, head, whole, goes_on=True)
+        what = f"lines of numbers are scans{', behind their times' * begin}"
+        return found._replace(
+            told=(f"{what}: pairs of {pairs[0][:-2]} and {pairs[1][:-2]}", *found.told)
+        )
     counts = [k + 1 for k in (begin, begin + 1) if (table[:, k] == width - k - 1).all()]
     usual, others = {*VIEWS_DEG, *URG_BEAMS}, range(1, MOST_OTHERS + 1)
     other = next((n for n in others if width - begin - n in usual), 0)
@@ -144,9 +167,45 @@ def bare_of(path: Path) -> Layout | None:
     return Layout(separator, 0, (), columns, told=tuple(told), beams=beams)
 
 
+def _going_on(names: Sequence[str], count: int) -> Sequence[str]:
+    """Names for so many fields: of a head such as `t,ranges` or `t,angle,range,...` the last go on.
+
+    They are numbered where they stand there several times, too.
+    """
+    names = [name for name in names if name.strip(".…")]
+    pair = {*named(names[-2:]).by_role} == {"angle", "range"}
+    last = names[-2:] if pair else names[-1:]
+    begin = names.index(last[0]) if last else 0
+    more, left = divmod(count - begin, max(len(last), 1))
+    whole = [*names[:begin], *last * more]
+    if left or more < 2 or whole[: len(names)] != names or "range" not in named(last).by_role:
+        return names
+    return [*names[:begin], *(f"{name}_{k}" for k in range(more) for name in last)]
+
+
+def _pairs_of(table: Array) -> list[str]:
+    """Names of columns `(m, 2 n)` that are angles and ranges in turn; none of others.
+
+    Angles go one way, and from angle to range and on numbers go up and down.
+    """
+    signs = np.sign(np.diff(table, axis=1))
+    zigzag = signs[:, 1:] * signs[:, :-1] < 0
+    halves = table[:, ::2], table[:, 1::2]
+    ways = [np.sign(np.diff(half, axis=1)) for half in halves]
+    spans = [
+        np.ptp(h) if abs(w.sum()) > 0.9 * w.size else 0.0 for h, w in zip(halves, ways, strict=True)
+    ]
+    if table.shape[1] % 2 or zigzag.sum() < 0.8 * zigzag.size or max(spans) < LEAST_VIEW_RAD:
+        return []
+    names = ("angle", "range") if spans[0] > spans[1] else ("range", "angle")
+    return [f"{name}_{k}" for k in range(table.shape[1] // 2) for name in names]
+
+
 def _is_head(row: Sequence[str], below: Sequence[str], least: int = LEAST_BEAMS) -> bool:
     """Whether fields are names of many ranges: a prefix and numbers, directions, or of a list."""
     if len(row) != len(below) or all(map(is_number, row)):
+        return False
+    if any(map(MEASURE.fullmatch, below)) and all(is_number(decimal(field)) for field in row):
         return False
     beams, numbers, prefix = _beams_in(row, below)
     least = 1 if any(name.endswith("angle_increment") for name in row) else least
@@ -189,8 +248,10 @@ def _beams_in(names: Sequence[str], below: Sequence[str]) -> tuple[Beams, list[f
     return Beams(places, directions=tuple(angles[0]) if angles else ()), [*numbers], first
 
 
-def _with_head(path: Path, head: Layout, rows: Sequence[Sequence[str]]) -> Layout:
-    """How such a file is written."""
+def _with_head(
+    path: Path, head: Layout, rows: Sequence[Sequence[str]], *, goes_on: bool = False
+) -> Layout:
+    """How such a file is written; lines may have as many beams as they like."""
     names, rows = head.names, [row for row in rows if len(row) == len(head.names)]
     beams, numbers, prefix = _beams_in(names, rows[0])
     place = {name.lower(): k for k, name in enumerate(names)}
@@ -201,7 +262,8 @@ def _with_head(path: Path, head: Layout, rows: Sequence[Sequence[str]]) -> Layou
     else:
         used = {*beams.ranges, *beams.directions}
         others = ["-" if k in used else name for k, name in enumerate(names)]
-        columns, told = with_units_told(_as_pose(named(others)), table)
+        columns = with_units_behind(_as_pose(named(others)), rows)
+        columns, told = with_units_told(columns, table)
     if (turn := columns.by_role.get("angle")) and np.isfinite(table[:, turn.place]).any():
         raise LogError(
             path,
@@ -218,6 +280,8 @@ def _with_head(path: Path, head: Layout, rows: Sequence[Sequence[str]]) -> Layou
         said = tuple(dict.fromkeys(told))
         return head._replace(columns=columns, told=said, beams=beams._replace(single=single))
     factor, unit = _unit_of_ranges(prefix, _cells(rows, beams.ranges))
+    if any(MEASURE.fullmatch(rows[0][k]) for k in beams.ranges):
+        factor, unit = 1.0, []
     if beams.directions:
         first = re.sub(r"(?i)^(a|ang)s?(?=[^a-z])", "angle", names[beams.directions[0]])
         flat = _cells(rows, beams.directions).reshape(-1, 1)
@@ -237,7 +301,7 @@ def _with_head(path: Path, head: Layout, rows: Sequence[Sequence[str]]) -> Layou
         angles = np.array(numbers) if is_radians else np.radians(numbers)
         told.append(f"the head holds {'radians' if is_radians else 'degrees'}, counter-clockwise")
         told += unit
-    beams = beams._replace(factor=factor, angles=tuple(angles))
+    beams = beams._replace(factor=factor, angles=tuple(angles), goes_on=goes_on)
     return head._replace(columns=columns, told=tuple(told), beams=beams)
 
 
