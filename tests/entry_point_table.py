@@ -84,7 +84,8 @@ GOOD = {
     "beams.csv", "with_trajectories.odometry": "track.tum",
     "read_trajectory.path": "poses.csv", "write_segments.path":
     "written.csv", "write_arrays.path": "written.npz", "write_session.path": "written.segmap",
-    "session": readers.Session(LOG, {}), "read_session.path": "it.segmap", "settings": {"a": 1},
+    "files": ["good.log.gz"], "session": readers.Session(LOG, {}), "read_session.path":
+    "it.segmap", "settings": {"a": 1},
     "read_csv.path": "beams.csv", "read_csv.columns": "angle_rad,range_m", "read_segments.path":
     "segments.csv", "SegmentMap.load.path": "segments.npz", "write_sheet.path": "written.svg",
     "write_sheet.map": WALLS, "write_segments.map": MAP, "read_graph.path": "graph.g2o",

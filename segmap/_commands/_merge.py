@@ -42,7 +42,7 @@ def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: R
     """Merge one log with the first, and write what was asked for where both are of one building."""
     if Path(given.first).resolve() in [path.resolve() for path in paths]:
         raise ValueError(f"cannot write {given.first}: it is the first log itself")
-    first, given, _ = log_options.log_of(given.first, given)
+    first, given, _ = log_options.log_of([given.first], given)
     check_making(given)
     logs = []
     for each in (first, log):

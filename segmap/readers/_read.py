@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
-from ..arrays import checked
+from .. import arrays
+from ..arrays import brief, checked
 from ..progress import Progress
 from ..scans import Log
 from ._bundled import find
 from ._formats import recognise
 from ._lines import OnError, stem
+from .bags import kind_of, read_bag, recordings
 from .packed import log_file
+from .tables import one_scan_each, read_in_order
 
 
 @checked
-def read(path: str | Path, *, on_error: OnError = "raise", progress: Progress | None = None) -> Log:
+def read(
+    path: str | Path | Sequence[str | Path],
+    *,
+    on_error: OnError = "raise",
+    progress: Progress | None = None,
+) -> Log:
     """Read a log, whatever its format and packing: a file, a folder or one log of an archive.
 
     Beams that met nothing have range `inf`, those with an error of the sensor NaN: neither is
@@ -22,14 +33,14 @@ def read(path: str | Path, *, on_error: OnError = "raise", progress: Progress | 
 
     Parameters
     ----------
-    path : str or Path
+    path : str, Path or list of them
         A log of CARMEN (FLASER, RLASER, ROBOTLASER), a run of GMapping (.gfs), g2o with
         ROBOTLASER1, Player text, DP-SLAM, CMU's Wean Hall, CoreSLAM; a folder of Rawseeds files, or
-        the file of one of its lasers; a Hokuyo scan as text, or a folder of numbered ones;
-        a rawlog or a simplemap of MRPT; a bag of ROS 1 or ROS 2 (see `read_bag`), or ROS's own text
-        of scans; JSON, telegrams of SICK, UrgBenri; a table with a line a beam or a scan, of
-        RPLidar, LD19, XV-11 or anybody (names of columns: `read_csv`); NPZ with `ranges` and
-        `angles`.
+        the file of one of its lasers; a Hokuyo scan as text; a rawlog or a simplemap of MRPT; a bag
+        of ROS 1 or ROS 2 (see `read_bag`), or ROS's own text of scans; JSON, telegrams of SICK,
+        UrgBenri; a table with a line a beam or a scan, of RPLidar, LD19, XV-11 or anybody (names of
+        columns: `read_csv`), or a folder of numbered ones with a scan each; NPZ with `ranges` and
+        `angles`. A list holds the files of one log, as `together` finds them.
     on_error : "raise" or "skip"
         What a damaged line means: the end of reading, or one line less; `log.skipped` then tells
         how many lines were left out and why the first.
@@ -60,9 +71,34 @@ def read(path: str | Path, *, on_error: OnError = "raise", progress: Progress | 
     >>> log, log.skipped.lines, log[0].valid
     (Log('two', 1 scan, odometry, no truth), 1, array([ True, False]))
     """
-    with log_file(path, folders=True) as place:
+    paths: Sequence[Any] = path if isinstance(path, list | tuple) else [path]
+    with ExitStack() as stack:
+        places = [stack.enter_context(log_file(each, folders=True)) for each in paths]
+        if len(places) != 1:
+            if places and kind_of(places[0]):
+                return read_bag(paths, on_error=on_error)
+            groups = one_scan_each(places)
+            if len(groups) != 1:
+                raise ValueError(f"path must be the parts of one log, got {brief(path)}")
+            return read_in_order(groups[0], places[0].parent.resolve().name, on_error)
+        (place,) = places
         name = place.resolve().name if place.is_dir() else stem(place)
         return recognise(place).read(place, name, on_error)
+
+
+def together(files: Sequence[str]) -> list[list[str]]:
+    """Files in their order, those together that are one log: parts of a bag, scans of a table.
+
+    Examples
+    --------
+    >>> together(["room.log", "other.log"])
+    [['room.log'], ['other.log']]
+    """
+    named = [str(arrays.file(file, "files")) for file in files]
+    groups = recordings(named)
+    alone = one_scan_each([group[0] for group in groups if len(group) == 1])
+    groups = [*(group for group in groups if len(group) > 1), *alone]
+    return sorted(groups, key=lambda group: named.index(group[0]))
 
 
 def format_of(path: str | Path) -> str:

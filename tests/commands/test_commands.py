@@ -85,7 +85,7 @@ def test_info_tells_what_malaga_is(run, tmp_path):
     assert code == 0 and beside == ""
     for part in ("225 scans in 59.1 s", "361 a scan", "180 degrees, 0.5 from beam to beam",
                  "for each scan; a path of 76.4 m", "for 99 of 225 scans", "CARMEN",
-                 "3 scans", "Hokuyo text"):  # fmt: skip
+                 "3 scans", "numbered scans"):  # fmt: skip
         assert part in said
     assert said.splitlines()[-1] == "3 of 3 logs done"
 

@@ -153,6 +153,21 @@ def test_recordings_of_two_days_are_no_parts(tmp_path):
         readers.read_bag(files)
 
 
+@pytest.mark.parametrize("kind", ["db3", "mcap", "ros1"])
+def test_two_drives_that_are_named_together_are_two_logs(tmp_path, kind, capsys):
+    """Catches a refusal of what can be told: one begins minutes after the other."""
+    (drives := tmp_path / "drives").mkdir()
+    made = parts(tmp_path, kind, {0: 5.0, 1: 7.0, 2: 500.0}, "drive_{k}")
+    files = [file.rename(drives / file.name) for file in made]
+    for named in ([*map(str, files)], [str(drives)]):
+        assert main(["info", *named, "malaga", "--json"]) == 0
+        said = capsys.readouterr()
+        found = [json.loads(line) for line in said.out.splitlines()]
+        assert [each["log"] for each in found] == ["drive", "drive_2", "malaga"]
+        assert [each["scans"]["scans"] for each in found] == [4, 2, 225]
+        assert "drive_2" in said.err and "begins 492 s after the part before it ends" in said.err
+
+
 def test_drives_that_are_numbered_from_one_are_logs_of_their_own(tmp_path, capsys):
     """Catches two drives joined because one begins soon after the other."""
     (drives := tmp_path / "drives").mkdir()

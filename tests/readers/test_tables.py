@@ -178,6 +178,69 @@ def test_a_number_without_the_unit_of_all_others_is_damage(tmp_path):
     assert log.skipped.lines == 3 and np.flatnonzero(~log[0].valid).tolist() == [0]
 
 
+def turns(kind):
+    """A file for each of four scans, whose ranges grow by a centimetre from scan to scan."""
+    head = {"table": "time_s,angle_deg,range_m", "no head": "", "two": "angle_deg,range_m"}.get(
+        kind
+    )
+    for k in range(4):
+        far = np.r_[FAR[6:], FAR[5::-1]] + 0.01 * k
+        if kind == "json":
+            yield json.dumps({"angles_deg": TURN.tolist(), "ranges_m": far.tolist()})
+            continue
+        begin = f"{0.2 * k:.1f}," if kind == "table" else ""
+        beams = [f"{begin}{a:.0f},{r:.3f}" for a, r in zip(TURN, far, strict=True)]
+        yield text([head, *beams, *beams * (kind == "two")][not head :])
+
+
+@pytest.mark.parametrize("kind", ["table", "no head", "json"])
+def test_numbered_tables_with_a_scan_each_are_one_log(tmp_path, kind, capsys):
+    """Catches as many logs as there are scans; by folder, archive, names and in Python."""
+    (folder := tmp_path / "walk").mkdir()
+    for k, content in zip((1, 2, 10, 11), turns(kind), strict=True):
+        (folder / f"scan_{k}.csv").write_text(content)
+    (folder / "notes.md").write_text("# a walk\n")
+    with zipfile.ZipFile(tmp_path / "walk.zip", "w") as packed:
+        for path in folder.iterdir():
+            packed.write(path, f"walk/{path.name}")
+    names = sorted(map(str, folder.glob("*.csv")))
+    assert readers.together(names) == [[str(folder / f"scan_{k}.csv") for k in (1, 2, 10, 11)]]
+    for log in map(readers.read, (folder, tmp_path / "walk.zip", names)):
+        assert [scan.ranges[0] for scan in log] == pytest.approx(FAR[6] + 0.01 * np.arange(4))
+        assert any("in the order of the numbers" in told for told in log.assumed)
+        times = 0.2 * np.arange(4) if kind == "table" else np.full(4, np.nan)
+        assert log.times == pytest.approx(times, nan_ok=True)
+    for named in ([folder], [tmp_path / "walk.zip"], names):
+        assert main(["info", *map(str, named), "--json"]) == 0
+        found = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+        assert [each["scans"]["scans"] for each in found] == [4]
+
+
+def test_numbered_tables_of_several_scans_or_columns_are_logs_of_their_own(tmp_path, capsys):
+    """Catches drives and rooms that are joined since somebody numbered them."""
+    (several := tmp_path / "several").mkdir()
+    (mixed := tmp_path / "mixed").mkdir()
+    (two := tmp_path / "rooms").mkdir()
+    for k, (content, other) in enumerate(zip(turns("two"), turns("table"), strict=True)):
+        (several / f"run_{k}.csv").write_text(content)
+        (mixed / f"run_{k}.csv").write_text(content if k == 3 else other)
+        if k < 2:
+            (two / f"room_{k}.csv").write_text(other)
+    for folder, count in ((several, 4), (mixed, 4), (two, 2)):
+        assert main(["info", str(folder), "-q", "--json"]) == 0
+        assert len(capsys.readouterr().out.splitlines()) == count
+
+
+def test_numbered_tables_are_read_by_the_columns_of_the_first(tmp_path):
+    """Catches a scan in metres among millimetres, since its numbers alone look like metres."""
+    for k in range(3):
+        far = FAR * (0.04 if k == 1 else 1)
+        beams = [f"{a:.0f},{1000 * r:.0f}" for a, r in zip(TURN, far, strict=True)]
+        (tmp_path / f"scan_{k}.csv").write_text(text(["angle,distance", *beams]))
+    log = readers.read(tmp_path)
+    assert log[1].ranges == pytest.approx(0.04 * FAR, abs=1e-3)
+
+
 def test_lines_of_pairs_may_have_as_many_as_they_like(tmp_path):
     """Catches beams behind those of the first line that are lost."""
     path = tmp_path / "it.txt"

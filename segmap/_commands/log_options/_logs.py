@@ -7,6 +7,7 @@ import argparse
 import csv
 import io
 import warnings
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
@@ -18,13 +19,14 @@ from ...alignment import Verdict
 from ...exports import is_ros_map
 from ...files import members, shown, writable, write_bytes
 from ...readers import (
+    Apart,
     LogError,
     UnknownFormat,
     format_of,
     logs_in,
     read_session,
+    together,
 )
-from ...readers.bags import recordings
 from ...scans import Log
 from .._output import (
     FAULTS,
@@ -111,8 +113,8 @@ def each_log(
     the largest of the codes of all.
     """
     each = [source for text in given.logs for source in sources(text)]
-    chosen = [Parts.of(files) for files in recordings(each)]
-    for name in filter(is_ros_map, [*chosen, getattr(given, "first", chosen[0])]):
+    chosen = deque([[file] for file in each] if given.columns else together(each))
+    for name in filter(is_ros_map, [*each, getattr(given, "first", each[0])]):
         given.refuse(
             f"{shown(name)} is a map for ROS and no log: `segmap locate {shown(name)} LOG` finds a "
             "robot on it, `segmap convert` keeps it as .npz"
@@ -121,17 +123,18 @@ def each_log(
     if len(chosen) > 1 and (alike := targets.alike()):
         given.refuse(f"{counted(len(chosen), 'log')} would go to {alike}: write {{name}} in it")
     check_places([given.table, getattr(given, "loops", None), *targets.fixed()])
-    if not all(map(is_session, chosen)):
+    if not all(map(is_session, each)):
         check(given)
     failed, codes, reports = [], [0], []
     with stoppable(), progress(1 if given.quiet else len(chosen), "log") as bar:
-        for source in chosen:
+        while chosen:
+            source = (files := chosen.popleft())[0]
             bar.set_description(shown(Path(source).name))
             reports.append(report := Report(source, json=given.json, quiet=given.quiet))
             try:
                 with warnings.catch_warnings():  # a thousand scans may deserve the same
                     warnings.simplefilter("default", UserWarning)
-                    log, own, left = log_of(source, given)
+                    log, own, left = log_of(files, given)
                 if is_session(source):
                     check(own)
                 paths = targets.paths(log.name, source)
@@ -145,6 +148,13 @@ def each_log(
                 codes.append(work(own, log, paths, report))
             except BrokenPipeError:  # nobody reads any more
                 raise
+            except Apart as fault:  # drives that somebody numbered
+                if not fault.parts:
+                    raise
+                reports.pop()
+                chosen.extendleft([*map(str, part)] for part in reversed(fault.parts))
+                print_error(str(fault))
+                continue
             except FAULTS as error:
                 why, named = reason(error), shown(source)
                 failed.append(why if named in why else f"{named}: {why}")
@@ -155,8 +165,8 @@ def each_log(
         write_table(given.table, reports)
     for why in failed:
         print_error(why)
-    if len(chosen) > 1 and not (given.json or given.quiet):
-        print_line(f"{len(chosen) - len(failed)} of {counted(len(chosen), 'log')} done")
+    if len(reports) > 1 and not (given.json or given.quiet):
+        print_line(f"{len(reports) - len(failed)} of {counted(len(reports), 'log')} done")
     return 1 if failed else max(codes)
 
 
@@ -218,19 +228,6 @@ def below(folder: Path) -> Iterator[Path]:
             yield path
 
 
-class Parts(str):
-    """The first file of a bag, and all its parts where it has several."""
-
-    files: Sequence[str] = ()
-
-    @classmethod
-    def of(cls, files: Sequence[str]) -> str:
-        """The name of the first, with all of them."""
-        found = cls(files[0])
-        found.files = files if len(files) > 1 else ()
-        return found
-
-
 def is_session(source: str) -> bool:
     """Whether a log comes with options of its own."""
     return source.lower().endswith(".segmap")
@@ -253,13 +250,15 @@ def is_log(path: Path) -> bool:
     return True
 
 
-def log_of(source: str, given: argparse.Namespace) -> tuple[Log, argparse.Namespace, Sequence[str]]:
-    """A log, the options for it, and those of its session that this command does not have."""
-    if is_session(source):
-        session = read_session(source)
-        log = replace(session.log, name=Path(source).stem)
+def log_of(
+    files: Sequence[str], given: argparse.Namespace
+) -> tuple[Log, argparse.Namespace, Sequence[str]]:
+    """The log in some files, its options, and those of its session that this command has not."""
+    if is_session(files[0]):
+        session = read_session(files[0])
+        log = replace(session.log, name=Path(files[0]).stem)
         return log, *applied(given, {**session.settings, **session.edits})
-    return read_log(source, given), given, ()
+    return read_log(files, given), given, ()
 
 
 def add_strict(command: Command) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -40,22 +41,24 @@ def add_reading(group: Any) -> None:
         )
 
 
-def read_log(source: str, given: argparse.Namespace) -> Log:
-    """The log that is named, as the options say."""
+def read_log(files: Sequence[str], given: argparse.Namespace) -> Log:
+    """The log in a file, or in several, as the options say."""
+    source: str | Sequence[str] = files[0] if len(files) == 1 else files
     on_error: Literal["raise", "skip"] = "skip" if given.skip else "raise"
     named = {kind: getattr(given, kind) for kind in ("odometry", "truth")}
-    files = {k: name for k, name in named.items() if name and name.lower().endswith(POSE_FILES)}
-    topics = {k: name for k, name in named.items() if name and k not in files}
+    tracks = {k: name for k, name in named.items() if name and name.lower().endswith(POSE_FILES)}
+    topics = {k: name for k, name in named.items() if name and k not in tracks}
     if given.odometry_topic:
         topics["odometry"] = given.odometry_topic
-    parts = getattr(source, "files", ())
     if given.columns:
-        log = read_csv(source, columns=given.columns, on_error=on_error)
-    elif given.scan_topic or topics or parts:
-        log = read_bag(parts or source, on_error=on_error, scan=given.scan_topic, **topics)
+        log = read_csv(files[0], columns=given.columns, on_error=on_error)
+    elif given.scan_topic or topics:
+        log = read_bag(source, on_error=on_error, scan=given.scan_topic, **topics)
+    elif len(files) > 1:
+        log = read(files, on_error=on_error)
     else:
-        log = _named_log(source, on_error)
-    return with_trajectories(log, **files) if files else log
+        log = _named_log(files[0], on_error)
+    return with_trajectories(log, **tracks) if tracks else log
 
 
 def _named_log(source: str, on_error: Literal["raise", "skip"]) -> Log:

@@ -42,7 +42,7 @@ from ...arrays import Array, checked
 from ...poses import interpolate
 from ...progress import announce
 from ...scans import LaserScan, Log
-from .._lines import LATEST_TIME_S, LogError, OnError, Reading, UnknownFormat, stem
+from .._lines import LATEST_TIME_S, Apart, LogError, OnError, Reading, UnknownFormat, stem
 from .._mounting import flat, in_space, level
 from .._raw_scans import Track, known, known_truth, place_of
 from ..packed import log_file
@@ -235,6 +235,8 @@ class _Recording:
     def _to_the_break(self, found: Iterator[Any]) -> Iterator[Any]:
         try:
             yield from found
+        except Apart:
+            raise
         except LogError as fault:
             self.reading.damaged(fault)
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ..._display import pip_install
-from .._lines import BROKEN, LogError, Reading, open_bytes
+from .._lines import BROKEN, Apart, LogError, Reading, open_bytes
 from ._bounds import Budget, check_metadata, look_through, recovered
 
 #: What the first bytes of a file say.
@@ -139,7 +139,7 @@ class Bag:
             if each.digest not in ("", "*", None, self._digest(kind)):
                 raise LogError(self.path, f"{each.topic} is of another {kind} than that of ROS")
         last = 0
-        for reader in self._readers:
+        for k, reader in enumerate(self._readers):
             if mine := [each for each in reader.connections if each in chosen]:
                 with damage(self.path):
                     before = last
@@ -147,8 +147,13 @@ class Bag:
                         away, before = time - before if before else 0, 0
                         if not -MOST_OVERLAP_OF_PARTS_NS <= away <= MOST_BETWEEN_PARTS_NS:
                             when = f"{abs(away) / 1e9:.0f} s {'after' if away > 0 else 'before'}"
-                            reason = f"begins {when} the part before it ends: read each part alone"
-                            raise LogError(reader.path, reason)
+                            reason = f"begins {when} the part before it ends: a log of its own"
+                            fault = Apart(reader.path, reason)
+                            fault.parts = (
+                                [each.path for each in self._readers[:k]],
+                                [each.path for each in self._readers[k:]],
+                            )
+                            raise fault
                         last = max(last, int(time))
                         self.budget.take(len(data))
                         yield connection.topic, int(time), bytes(data)

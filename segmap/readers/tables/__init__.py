@@ -3,6 +3,7 @@
 from .._text import Binary
 from . import _folders, _messages, _npz, _table, _wide
 from ._fixed import CoreSlam, HokuyoText, Rawseeds
+from ._folders import one_scan_each, read_in_order
 from ._layout import first_rows, headed_of, layout_of, looks_like
 from ._npz import log_from_arrays
 from ._table import read_csv
@@ -11,7 +12,8 @@ from ._trajectories import read_trajectory, with_trajectories
 __all__ = [
     "ARRAY_FILES", "GUESSED_FILES", "HEADED_FILES", "TABLE_FOLDERS", "TABLE_FORMATS", "CoreSlam",
     "HokuyoText", "Rawseeds", "first_rows", "headed_of", "layout_of", "log_from_arrays",
-    "looks_like", "read_csv", "read_trajectory", "with_trajectories",
+    "looks_like", "one_scan_each", "read_csv", "read_in_order", "read_trajectory",
+    "with_trajectories",
 ]  # fmt: skip
 
 ARRAY_FILES = (Binary("NPZ", _npz.claims, _npz.read),)
@@ -28,6 +30,6 @@ GUESSED_FILES = (
 )
 TABLE_FOLDERS = (
     Binary("Rawseeds", _folders.files_of, _folders.read_folder),
-    Binary("Hokuyo text", _folders.numbered, _folders.read_numbered),
+    Binary("numbered scans", _folders.numbered, _folders.read_numbered),
 )
 TABLE_FORMATS = (HokuyoText, CoreSlam, Rawseeds)

@@ -1,4 +1,4 @@
-"""Folders that are one log: a recording of Rawseeds, and numbered files with a Hokuyo scan in each.
+"""Folders that are one log: a recording of Rawseeds, and numbered files with a scan in each.
 
     SICK_FRONT.csv, SICK_REAR.csv, HOKUYO_FRONT.csv, HOKUYO_REAR.csv     scans, see `_fixed`
     ODOMETRY_XYT.csv, GROUNDTRUTH.csv                                    see `_trajectories`
@@ -8,7 +8,7 @@ is read: the first that the folder has of the order above. Odometry and truth ar
 the time of each scan; outside of what they cover, and for the truth in gaps longer than a second, a
 scan has none.
 
-Of numbered files `scan2.txt` comes before `scan10.txt`.
+Of numbered files, of a Hokuyo or tables, `scan2.txt` comes before `scan10.txt`.
 
 Assumed: the scans of numbered files are in the order of their numbers.
 """
@@ -16,9 +16,11 @@ Assumed: the scans of numbered files are in the order of their numbers.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from itertools import islice
+from functools import partial
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,7 +28,10 @@ from ...poses import interpolate
 from ...scans import LaserScan, Log
 from .._lines import Lines, LogError, Reading, merged_skipped
 from .._raw_scans import known_truth
-from ._fixed import HokuyoText, Rawseeds
+from .._text import Binary
+from ._fixed import Rawseeds
+from ._layout import Layout
+from ._table import reader_of
 from ._trajectories import track_in
 
 RAWSEEDS_LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
@@ -35,8 +40,15 @@ PATTERN = re.compile(
 )
 #: Ground truth is not interpolated over more seconds than this: it exists only in some places.
 TRUTH_GAP = 1.0
-#: So many files of a kind, and lines of a file, are looked at.
+#: A number in the name of a file.
+NAME_NUMBER = re.compile("[0-9]{1,18}")
+#: So many files of a kind are looked at.
 FEW = 20
+#: Formats that may have a scan a file, ...
+ONE_SCAN_FORMATS = {"Hokuyo text", "table", "table of scans", "records"}
+#: ... and the largest of such a file, in bytes.
+MOST_ONE_SCAN_BYTES = 1 << 20
+P = TypeVar("P", str, Path)
 IN_ORDER = "scans in the order of the numbers in the files' names"
 
 
@@ -67,51 +79,101 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     return replace(found._log(name), truth=truth)
 
 
-def numbered(folder: Path) -> list[Path]:
-    """The scans of a folder: files with a number in their name, in the order of the last one.
+def one_scan_each(files: Iterable[P]) -> list[list[P]]:
+    """Files in their order, those that hold a scan each and are numbered together, by number.
 
-    Of those with the same suffix the first few must look like scans, or all are of another kind.
+    What the first of them hold decides: no more than one scan, in the same columns. A scan a file
+    of a Hokuyo is such by its format; of other tables three are needed, two may be two rooms.
     """
-    found = []
-    for path in folder.iterdir():
-        words = path.name.removesuffix(".gz").split(".")
-        numerals = re.findall(r"[0-9]{1,18}", words[0])
-        if path.is_file() and words[0] and numerals:
-            found.append((int(numerals[-1]), path))
-    found.sort()
-    kinds: dict[str, list[Path]] = {}
-    for _, path in found:
-        kinds.setdefault(_suffix(path), []).append(path)
-    kept = {kind for kind, files in kinds.items() if any(map(_is_scan, files[:FEW]))}
-    return [path for _, path in found if _suffix(path) in kept]
+    groups: dict[Any, list[P]] = {}
+    for file in files:
+        groups.setdefault((Path(file).parent, NAME_NUMBER.sub("#", Path(file).name)), []).append(
+            file
+        )
+    found = list[list[P]]()
+    for parts in groups.values():
+        together = len(parts) > 1 and _one_each(parts)
+        found += [sorted(parts, key=_numbers)] if together else [[file] for file in parts]
+    return found
 
 
-def _suffix(path: Path) -> str:
-    return Path(path.name.removesuffix(".gz")).suffix.lower()
+def _numbers(file: str | Path) -> list[int]:
+    return [*map(int, NAME_NUMBER.findall(Path(file).name))]
+
+
+def _one_each(files: Sequence[str | Path]) -> bool:
+    """Whether the first of files hold a scan each: all that can be read, in the same columns."""
+    kinds = [kind for file in files[:FEW] if (kind := _kind_of_one(Path(file))) is not None]
+    names = {name for name, _ in kinds}
+    return len({*kinds}) == 1 and ("Hokuyo text" in names or (len(files) > 2 and "" not in names))
+
+
+def _kind_of_one(path: Path) -> tuple[str, object] | None:
+    """Format and names of columns of a file with one scan; without a format where it holds more.
+
+    None of a file that is damaged, or no table.
+    """
+    from .._formats import recognise  # of which each format reads its files by this module
+
+    try:
+        if not path.is_file() or path.stat().st_size > MOST_ONE_SCAN_BYTES:
+            return None
+        form = recognise(path)
+        if form.name not in ONE_SCAN_FORMATS:
+            return "", None
+        found = form.read(path, "", "skip")
+        if found.skipped.lines >= len(found[0]):
+            return None
+        names = getattr(form.claims(path), "names", None) if isinstance(form, Binary) else None
+        return (form.name, names) if len(found) == 1 else ("", None)
+    except (LogError, OSError):
+        return None
+
+
+def numbered(folder: Path) -> list[Path]:
+    """The files of a folder that are a scan each, and have one name but for its numbers."""
+    groups = one_scan_each(sorted(path for path in folder.iterdir() if path.is_file()))
+    return next((g for g in groups if len(g) > 1 or _is_hokuyo(g[0])), [])
+
+
+def _is_hokuyo(path: Path) -> bool:
+    return bool(NAME_NUMBER.search(path.name)) and _one_each([path])
 
 
 def read_numbered(folder: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a scan a file; "skip" leaves out, and counts, files without."""
-    scans, assumed = list[LaserScan](), tuple[str, ...]()
-    reading = Reading(folder, on_error)
-    for path in numbered(folder):
+    """Read a folder with a scan a file; "skip" leaves out, and counts, files without."""
+    return read_in_order(numbered(folder), name, on_error)
+
+
+def _same(layout: Layout, path: Path) -> Layout:
+    """The layout of another file."""
+    return layout
+
+
+def read_in_order(files: Sequence[Path], name: str, on_error: str = "raise") -> Log:
+    """Read a scan a file, with the columns and units of the first; times that do not go on go."""
+    from .._formats import recognise
+
+    scans, assumed, read = list[LaserScan](), tuple[str, ...](), None
+    reading = Reading(files[0].parent, on_error)
+    for path in files:
         try:
-            found = HokuyoText.read(path, name, on_error)
+            if read is None:
+                form = recognise(path)
+                layout = form.claims(path) if isinstance(form, Binary) else None
+                read = (
+                    reader_of(partial(_same, layout)) if isinstance(layout, Layout) else form.read
+                )
+            found = read(path, name, on_error)
         except LogError as fault:
             reading.damaged(fault)
         else:
             scans, assumed = [*scans, *found], found.assumed
             reading.skipped = merged_skipped(reading.skipped, found.skipped)
     if not scans:
-        raise LogError(folder, f"holds no scan; {reading.skipped.reason}")
+        raise LogError(files[0].parent, f"holds no scan; {reading.skipped.reason}")
+    times = np.array([scan.time for scan in scans])
+    if np.isfinite(times).all() and (np.diff(times) <= 0).any():
+        scans = [replace(scan, time=np.nan) for scan in scans]
+        assumed = (*assumed, "times of the files do not go on: left out")
     return Log(name, scans, None, reading.skipped, assumed=(*assumed, IN_ORDER))
-
-
-def _is_scan(path: Path) -> bool:
-    """Whether most of the first lines are beams."""
-    try:
-        lines = list(islice(Lines(path, "skip"), FEW))
-    except LogError:
-        return False
-    beams = [" ".join(line) for line in lines if HokuyoText.claims(line)]
-    return 2 * len(beams) > len(lines) and HokuyoText.fits(beams)
