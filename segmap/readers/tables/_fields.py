@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ...arrays import Array
 from .._lines import Lines, LogError, is_number
-from ._columns import COLUMN_UNITS
+from ._columns import COLUMN_UNITS, UNIT_ROLES, Columns, named
 
 #: So many lines tell what a file is.
 SAMPLE_LINES = 2000
@@ -158,6 +159,25 @@ def as_numbers(row: Sequence[str], *, thousands: bool = False) -> list[float]:
     return [float(text) if is_number(text) else moment(text) for text in texts]
 
 
+def is_row(fields: Sequence[str]) -> bool:
+    """Whether a line holds numbers, and but one no names."""
+    others = [field for field in fields if not is_number(field)]
+    count = len(fields) - len(others)
+    return count > 1 or (count == 1 and not named(others).by_role)
+
+
+def number_rows(fields: Sequence[Sequence[str]]) -> Array:
+    """The rows that are numbers, as many as most rows have; `(m, k)`, NaN in columns of texts."""
+    if not fields:
+        return np.empty((0, 0))
+    lengths = [len(row) for row in fields]
+    count = max(max(set(lengths), key=lengths.count), 1)
+    table = np.array([as_numbers(row) for row in fields if len(row) == count])
+    table = table.reshape(-1, count)
+    texts = np.isnan(table).all(0)
+    return table[np.isfinite(table[:, ~texts]).all(1)]
+
+
 def moment(field: str) -> float:
     """Seconds of a time of the wall: ISO 8601, since 1970, or the time of day; else NaN.
 
@@ -197,3 +217,20 @@ def sample(path: Path, count: int = SAMPLE_LINES) -> list[tuple[int, str]]:
     with suppress(LogError):
         return [(lines.number, fields[0]) for fields in islice(lines, count)]
     return []
+
+
+def names_by_units(rows: Sequence[Sequence[str]]) -> tuple[str, ...]:
+    """Names of columns whose numbers have units behind them; none where these do not tell."""
+    units = [found[2] if (found := MEASURE.fullmatch(field)) else "" for field in rows[0]]
+    roles = [UNIT_ROLES.get(unit, "-") for unit in units]
+    return tuple(roles) if {"angle", "range"} <= {*roles} else ()
+
+
+def with_units_behind(columns: Columns, rows: Sequence[Sequence[str]]) -> Columns:
+    """Columns, of which those with a unit behind each number need none of their name."""
+    found = dict(columns.by_role)
+    for role, column in found.items():
+        fields = [row[column.place] for row in rows if len(row) > column.place]
+        if any(map(MEASURE.fullmatch, fields)):
+            found[role] = column._replace(factor=1.0, measured=True)
+    return columns._replace(by_role=found)

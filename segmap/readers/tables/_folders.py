@@ -93,11 +93,11 @@ def one_scan_each(files: Iterable[P]) -> list[list[P]]:
     found = list[list[P]]()
     for parts in groups.values():
         together = len(parts) > 1 and _one_each(parts)
-        found += [sorted(parts, key=_numbers)] if together else [[file] for file in parts]
+        found += [sorted(parts, key=_numbers_in_name)] if together else [[file] for file in parts]
     return found
 
 
-def _numbers(file: str | Path) -> list[int]:
+def _numbers_in_name(file: str | Path) -> list[int]:
     return [*map(int, NAME_NUMBER.findall(Path(file).name))]
 
 

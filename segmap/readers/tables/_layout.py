@@ -15,7 +15,6 @@ from .._lines import is_number
 from ..packed import log_file
 from ._columns import (
     RPLIDAR_RECORD,
-    UNIT_ROLES,
     Columns,
     guessed,
     is_unit,
@@ -25,7 +24,6 @@ from ._columns import (
 )
 from ._fields import (
     FIRST_BEAM,
-    MEASURE,
     NESTED,
     SAMPLE_LINES,
     SEPARATOR_LINE,
@@ -34,10 +32,14 @@ from ._fields import (
     TUPLE,
     as_numbers,
     decimal,
+    is_row,
     labelled,
+    names_by_units,
+    number_rows,
     sample,
     separator_of,
     split,
+    with_units_behind,
 )
 
 POSES_ALONE = "holds poses and no scan: --odometry or --truth reads them beside a log"
@@ -200,13 +202,13 @@ def unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
         len(f) == 4 and f[0] in ("True", "False") and all(map(is_number, f[1:])) for f in fields
     ):
         return Layout(separator, 0, RPLIDAR_RECORD, named(RPLIDAR_RECORD))
-    table = _number_rows(fields)
+    table = number_rows(fields)
     if not len(table) or len(table) < ROWS_SHARE * len(rows):
         return None
     three = table.shape[1] == 3 and len(np.unique(table[:, 0])) <= 64 and (table[:, 2] > 100).any()
     three &= bool(np.isfinite(table[:, 0]).all())
     names = RPLIDAR_RECORD[1:] if three and _is_record(table) else guessed(table)
-    names = _by_units_behind(fields) or names
+    names = names_by_units(fields) or names
     if not names:
         return None
     if len(head) == len(names):
@@ -225,23 +227,6 @@ def unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
     return Layout(separator, 0, names, columns, (), tuple(told), bool(nested))
 
 
-def _by_units_behind(rows: Sequence[Sequence[str]]) -> tuple[str, ...]:
-    """Names of columns whose numbers have units behind them; none where these do not tell."""
-    units = [found[2] if (found := MEASURE.fullmatch(field)) else "" for field in rows[0]]
-    roles = [UNIT_ROLES.get(unit, "-") for unit in units]
-    return tuple(roles) if {"angle", "range"} <= {*roles} else ()
-
-
-def with_units_behind(columns: Columns, rows: Sequence[Sequence[str]]) -> Columns:
-    """Columns, of which those with a unit behind each number need none of their name."""
-    found = dict(columns.by_role)
-    for role, column in found.items():
-        fields = [row[column.place] for row in rows if len(row) > column.place]
-        if any(map(MEASURE.fullmatch, fields)):
-            found[role] = column._replace(factor=1.0, measured=True)
-    return columns._replace(by_role=found)
-
-
 def _with_unit(name: str, above: str) -> str:
     """A guessed name, with what stands behind the first word of the head above it."""
     said = re.split(r"[\s_(\[/]+", above.strip(), maxsplit=1)[1:]
@@ -256,18 +241,6 @@ def _is_record(table: Array) -> bool:
     if np.ptp(table[:, 0]) and (np.diff(table[:, 0]) >= 0).all():
         return False
     return guessed(table[:, [1, 2]]) == ("angle", "range") and float(np.ptp(table[:, 1])) > 7
-
-
-def _number_rows(fields: Sequence[Sequence[str]]) -> Array:
-    """The rows that are numbers, as many as most rows have; `(m, k)`, NaN in columns of texts."""
-    if not fields:
-        return np.empty((0, 0))
-    lengths = [len(row) for row in fields]
-    count = max(max(set(lengths), key=lengths.count), 1)
-    table = np.array([as_numbers(row) for row in fields if len(row) == count])
-    table = table.reshape(-1, count)
-    texts = np.isnan(table).all(0)
-    return table[np.isfinite(table[:, ~texts]).all(1)]
 
 
 def rows_below(layout: Layout, lines: Sequence[tuple[int, str]]) -> Array:
@@ -354,13 +327,6 @@ def begin_of(path: Path) -> tuple[str | None, int]:
         if length >= usual and is_row([*map(decimal, split(line, separator))]):
             return separator, number - 1
     return separator, lines[0][0] if lines else 0
-
-
-def is_row(fields: Sequence[str]) -> bool:
-    """Whether a line holds numbers, and but one no names."""
-    others = [field for field in fields if not is_number(field)]
-    count = len(fields) - len(others)
-    return count > 1 or (count == 1 and not named(others).by_role)
 
 
 def first_rows(path: str | Path) -> tuple[list[str], list[list[str]]]:

@@ -41,8 +41,9 @@ from ._fields import (
     sample,
     separator_of,
     split,
+    with_units_behind,
 )
-from ._layout import Beams, Layout, unnamed, with_units, with_units_behind
+from ._layout import Beams, Layout, unnamed, with_units
 
 #: Numbers of a message, in the order in which `ros2 topic echo --csv` writes them.
 SINGLE_NUMBERS = (
