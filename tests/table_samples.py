@@ -390,4 +390,41 @@ OTHERS = {
     "one name for all ranges": (
         text(["time_s,ranges_mm", *(f"{0.2 * k:.1f}," + ",".join(f"{1000 * r:.0f}" for r in FAR)
                                     for k in range(3))]), False, "zero"),
+    "a stamp of the serial monitor": (
+        "12:26:40.000 -> angle_deg,range_mm\n" + lines(
+            lambda k, a, r: f"00:00:00.{200 * k:03d} -> {a:.0f},{1000 * r:.0f}"), False, "zero"),
+    "a stamp of Python's logging": (
+        text(line for k in range(3) for line in [
+            f"2020-09-13 12:26:40,{200 * k:03d} INFO BEGIN Full rotation of the lidar",
+            *(f"2020-09-13 12:26:40,{200 * k:03d} INFO {a}, {1000 * r:.1f}"
+              for _, a, r in BEAMS[:12])]), False, "clock"),
+    "a stamp of glog": (
+        lines(lambda k, a, r: f"I0913 00:00:00.{200 * k:03d}000  2143 grab.cc:52] "
+              f"deg: {a} m: {r:.3f}"), False, "zero"),
+    "a stamp between scans": (
+        text(line for k in range(3) for line in [
+            f"Scan received[ {int(CLOCK[k] * 1000)}000000 ]: 12 ranges is [ 5.0 ]Hz",
+            *(f"angle: {np.radians(a):.6f} range: {r:.4f}" for _, a, r in BEAMS[:12])]),
+        False, "clock"),
+    "a label between scans": (
+        text(line for k in range(3) for line in [
+            f"Speed: 10.0 RPM | Timestamp: {200 * k} ms",
+            *(f"Angle: {a}\u00b0 | Distance: {1000 * r:.0f} mm" for _, a, r in BEAMS[:12])]),
+        False, "zero"),
+    "times in other languages": ("Temps (s);Angle;Distance\n" + lines(
+        lambda k, a, r: f"{0.2 * k:.1f};{a};{1000 * r:.0f}"), False, "zero"),
+    "a stamp of two words": ("header_stamp,angle_deg,range_m\n" + lines(
+        lambda k, a, r: f"{CLOCK[k]:.3f},{a},{r:.3f}"), False, "clock"),
+    "an array printed in a cell": (
+        text(["header_stamp,angle_min,angle_max,angle_increment,ranges",
+              *(f'{CLOCK[k]:.3f},{",".join(SINGLE[:3])},"array(\'f\', {FAR.round(3).tolist()})"'
+                for k in range(3))]), False, "clock"),
+    "UrgBenri without its head": (
+        text(line for k in range(3) for line in [
+            "[timestamp]", str(200 * k), "[scan]", ";".join(f"{1000 * r:.0f}" for r in FAR)]),
+        False, "zero"),
+    "words between scans": (
+        text(line for k in range(3) for line in [
+            "LIDAR Scan Results (Total: 12 readings)", "-" * 30, "Angle (deg)  Distance (m)",
+            "-" * 30, *(f"{a:10.2f} {r:12.3f}" for _, a, r in BEAMS[:12])]), False, None),
 }  # fmt: skip

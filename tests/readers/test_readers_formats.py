@@ -73,7 +73,9 @@ class TestG2o:
     def test_a_scan_without_a_vertex_of_its_own_has_no_truth(self, read):
         """A vertex used twice would put two scans into one place."""
         laser = robotlaser(ODOMETRY[1], ODOMETRY[1], 3.0)
-        log = read(text([f"VERTEX2 0 {row(TRUTH[0])}", laser, laser, "FIX 0"]))
+        log = read(
+            text([f"VERTEX2 0 {row(TRUTH[0])}", laser, laser, "FIX 0", "EDGE_PRIOR_SE2 0 0"])
+        )
         assert np.isfinite(log.truth).all(axis=1).tolist() == [True, False]
 
     def test_poses_of_all_zero_are_no_odometry(self, read):

@@ -216,6 +216,15 @@ def test_numbered_tables_with_a_scan_each_are_one_log(tmp_path, kind, capsys):
         assert [each["scans"]["scans"] for each in found] == [4]
 
 
+def test_times_in_the_names_of_files_are_those_of_their_scans(tmp_path):
+    """Catches scans without times whose files are called by them."""
+    for k, content in enumerate(turns("no head")):
+        (tmp_path / f"scan_{int(CLOCK[0]) + k}{200 * k:03d}000000.csv").write_text(content)
+    log = readers.read(tmp_path)
+    assert log.times - log.times[0] == pytest.approx(1.2 * np.arange(4), abs=1e-3)
+    assert any("in the files' names" in told for told in log.assumed)
+
+
 def test_numbered_tables_of_several_scans_or_columns_are_logs_of_their_own(tmp_path, capsys):
     """Catches drives and rooms that are joined since somebody numbered them."""
     (several := tmp_path / "several").mkdir()

@@ -12,6 +12,7 @@ Assumed: where no vertex says more, the laser sits at the robot's centre.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -25,6 +26,8 @@ from ..carmen import parse_robotlaser
 
 VERTICES = ("VERTEX2", "VERTEX_SE2")
 G2O_LASERS = ("ROBOTLASER1", "ROBOTLASER2")
+#: Lines that g2o and gtsam write besides: priors, bearings, switches, landmarks, parameters.
+LEFT_OUT = re.compile(r"(EDGE|VERTEX|PARAMS|LANDMARK|PRIOR|BR|FIX)(_[A-Z0-9_]+)?")
 G2O_OTHERS = ("EDGE2", "EDGE_SE2", "EDGE_SE2_XY", "VERTEX_XY", "FIX", "PARAMS_SE2OFFSET", "EQUIV")
 
 
@@ -48,7 +51,7 @@ class G2o(TextFormat):
             self.scans.append(parse_robotlaser(fields))
             self.truth.append(self.vertex)
             self.vertex = NOWHERE
-        elif fields[0] not in G2O_OTHERS:
+        elif fields[0] not in G2O_OTHERS and not LEFT_OUT.fullmatch(fields[0]):
             raise ValueError(f"expected a line of a g2o graph, got {fields[0][:40]!r}")
 
     def _finished(self) -> list[RawScan]:

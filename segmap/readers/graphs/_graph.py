@@ -28,10 +28,8 @@ from ...poses.information import SYMMETRIC, rotated
 from .._lines import Lines, LogError, float_fields, pose_fields
 from .._mounting import in_space, level
 from ..packed import log_file
-from ._g2o import G2O_LASERS, G2O_OTHERS, VERTICES
+from ._g2o import G2O_LASERS, G2O_OTHERS, LEFT_OUT, VERTICES
 
-#: Lines that g2o and gtsam write besides: priors, bearings, switches, landmarks, parameters.
-LEFT_OUT = re.compile(r"(EDGE|VERTEX|PARAMS|LANDMARK|PRIOR|BR|FIX)(_[A-Z0-9_]+)?")
 #: Of each kind of edge: where the nine entries of the information stand among the six in the file.
 ORDERS = {"EDGE_SE2": (0, 1, 2, 1, 3, 4, 2, 4, 5), "EDGE2": (0, 1, 4, 1, 2, 5, 4, 5, 3)}
 #: Poses in space, by a quaternion or by roll, pitch and yaw, and motions between them.

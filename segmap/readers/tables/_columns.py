@@ -19,7 +19,8 @@ from ...arrays import Array
 ROLES = {
     "angle": "angle ang theta phi psi th rz bearing azimuth angule heading yaw deg degrees",
     "range": "range distance dist dis depth r rho radius mm cm m meters metres",
-    "time": "time timestamp stamp t ts epoch millis micros nanos datetime sec",
+    "time": "time timestamp stamp t ts epoch millis micros nanos datetime sec clock elapsed "
+    "zeit uhrzeit zeitstempel temps heure tiempo hora tempo ora",
     "nanosec": "nanosec nsec",
     "scan": "scan frame rotation revolution sweep turn",
     "new": "new newscan start startbit sync",
@@ -30,11 +31,11 @@ ROLES = {
 #: Words that may stand beside them and change nothing.
 FILLERS = (
     *("id", "no", "nr", "number", "index", "value", "values", "in", "code", "hex", "lidar"),
-    *("tick", "ticks"),
+    *("tick", "ticks", "stamp"),
 )
 #: What stands before a name in ROS's own text, in PlotJuggler's, and before a part of a pose.
 BEFORE_NAME = re.compile(
-    r"^((field|msg|message|data|scan)\.|/.*/)*(header\.(stamp\.(?=.)|(?=stamp$)))?"
+    r"^((field|msg|message|data|scan)\.|/.*/)*(header[._](stamp\.(?=.)|(?=stamp$))|rosbag(?=[Tt]))?"
     r"((robot|pose|odom|odometry|base)[_. ](?=(x|y|theta|yaw|heading|th)([_ (\[]|$)))?"
 )
 #: A unit of angles: so many of a turn.

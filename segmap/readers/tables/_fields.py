@@ -53,8 +53,17 @@ LIST = re.compile(
 )
 #: What RPLidar's programs print before the first beam of a turn.
 FIRST_BEAM = re.compile(r"^S\s+(?=[-+.0-9])")
-#: What ROS prints before a line of a log.
-ROS_LOG = re.compile(r"^\[ *[A-Z]+\] \[[0-9.]+\](?: \[[\w./]+\])?: ")
+#: What stands before a line that a program prints, with its time: of ROS, a serial monitor,
+#: Python's logging, glog.
+LOGGED = re.compile(
+    r"^(?:\[ *[A-Z]+\] \[([0-9.]+)\](?: \[[\w./]+\])?: |(\d\d:\d\d:\d\d\.\d+) -> ?"
+    r"|(\d{4}-\d\d-\d\d[ T]\d\d:\d\d:\d\d(?:[.,]\d+)?)\W+(?:DEBUG|INFO|WARN\w*|ERROR)\W+"
+    r"|[IWEF]\d{4} (\d\d:\d\d:\d\d\.\d+) +\d+ \S+\] ?)"
+)
+#: A time since 1970, in seconds or parts of them, in a line of words.
+SECONDS_SINCE_1970 = re.compile(r"(?<![\d.])1\d{9}(?:\.\d+|\d{3}|\d{6}|\d{9})?(?!\d)")
+#: A list that Python prints as an array.
+ARRAY = re.compile(r"^array\('\w', *(?=\[)")
 #: Separators of fields; the first that most lines hold is theirs.
 SEPARATORS = ";\t|,"
 #: How lines begin that are no rows.
@@ -69,7 +78,7 @@ def split(line: str, separator: str | None) -> list[str]:
     """The fields of a line; white space separates them where nothing else does."""
     if separator is None:
         line = FIRST_BEAM.sub("", BEFORE_UNIT.sub("", re.sub(r"\s+(?=[\[(])", "", line)))
-    line = LIST.sub("", ROS_LOG.sub("", line))
+    line = LIST.sub("", LOGGED.sub("", line))
     line = LEADING.sub(rf"\1{(separator or ' ')[0]}", line)
     if separator is not None and len(separator) > 1:
         white = r"|\s+" * (" " in separator)
@@ -79,7 +88,7 @@ def split(line: str, separator: str | None) -> list[str]:
     if separator is not None and len(separator) == 1 and '"' in line:
         with suppress(csv.Error):
             fields = next(csv.reader([line], delimiter=separator, skipinitialspace=True), fields)
-    return [field.strip().strip("\"'") for field in fields]
+    return [ARRAY.sub("", field.strip().strip("\"'")) for field in fields]
 
 
 def listed(field: str) -> list[str]:
@@ -209,6 +218,30 @@ def _midnight(first: int, second: int, year: int, mark: str, half: str) -> float
         return np.nan
     day, month = (second, first) if is_american else (first, second)
     return datetime(year, month, day, tzinfo=UTC).timestamp()
+
+
+def stamp_in(line: str) -> str:
+    """The time that stands before a line, or in one that is no beam, as text; empty without.
+
+    Examples
+    --------
+    >>> stamp_in("10:23:45.120 -> 12,1803"), stamp_in("Speed: 10 RPM, Timestamp: 28000 ms")
+    ('10:23:45.120', '28.0')
+    """
+    if found := LOGGED.match(line):
+        return next(filter(None, found.groups()))
+    for label, number in next(labelled(line)).items():
+        clock = named([label]).by_role.get("time")
+        if clock and clock.factor:
+            return str(float(number) * clock.factor)
+    return epoch_in(line)
+
+
+def epoch_in(words: str) -> str:
+    """The seconds since 1970 that stand among words; empty without."""
+    if found := SECONDS_SINCE_1970.search(words):
+        return str(float(found[0]) / 10.0 ** (len(found[0].partition(".")[0]) - 10))
+    return ""
 
 
 def sample(path: Path, count: int = SAMPLE_LINES) -> list[tuple[int, str]]:

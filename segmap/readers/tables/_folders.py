@@ -29,6 +29,7 @@ from ...scans import LaserScan, Log
 from .._lines import Lines, LogError, Reading, merged_skipped
 from .._raw_scans import known_truth
 from .._text import Binary
+from ._fields import epoch_in
 from ._fixed import Rawseeds
 from ._layout import Layout
 from ._table import reader_of
@@ -172,6 +173,10 @@ def read_in_order(files: Sequence[Path], name: str, on_error: str = "raise") -> 
             reading.skipped = merged_skipped(reading.skipped, found.skipped)
     if not scans:
         raise LogError(files[0].parent, f"holds no scan; {reading.skipped.reason}")
+    stamps = [epoch_in(path.name) for path in files]
+    if all(stamps) and len(stamps) == len(scans) and all(np.isnan(scan.time) for scan in scans):
+        scans = [replace(s, time=float(t)) for s, t in zip(scans, stamps, strict=True)]
+        assumed = (*assumed, "times are those in the files' names, since 1970")
     times = np.array([scan.time for scan in scans])
     if np.isfinite(times).all() and (np.diff(times) <= 0).any():
         scans = [replace(scan, time=np.nan) for scan in scans]

@@ -150,7 +150,7 @@ def records_of(path: Path) -> Records | None:
         return Records(_pairs(PAIR, "angle", "range"))
     if any(map(TELEGRAM.search, texts)):
         return Records(telegrams, TOLD_OF_TELEGRAMS)
-    if "[timestamp]" in words and "[totalSteps]" in words:
+    if {"[timestamp]", "[scan]"} <= words:
         return Records(urg_benri, TOLD_OF_URG_BENRI)
     begins = ("{", "[", "- {", "- [")
     if texts and texts[0].startswith(begins) and next(_json(Lines(path, "skip")), None):

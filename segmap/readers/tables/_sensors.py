@@ -136,15 +136,14 @@ def _scan_of_urg_benri(said: Mapping[str, str]) -> dict[str, str]:
     keys = ("totalSteps", "frontStep", "startStep")
     total, front, first = (float(said.get(key, "nan")) for key in keys)
     parts = said["scan"].strip(";").split(";")
-    found = np.array([float(re.split("[&|]", part)[0]) for part in parts])  # the first echo
-    ranges = np.where(found > MOST_OF_URG_MM, np.inf, as_ranges(found)[0])
+    far = np.array([float(re.split("[&|]", part)[0]) for part in parts])  # the first echo
+    ranges = np.where(far > MOST_OF_URG_MM, np.inf, as_ranges(far)[0])
+    found = {"time_ms": said.get("timestamp", ""), "ranges": text_of(ranges.tolist())}
+    if np.isnan(total):  # of some programs the head is missing
+        return found
     step = 2 * np.pi / total * float(said.get("grouping", 1) or 1)
-    return {
-        "time_ms": said.get("timestamp", ""),
-        "angle_min": str((first - front) * 2 * np.pi / total),
-        "angle_increment": str(step),
-        "ranges": text_of(ranges.tolist()),
-    }
+    begin = (first - front) * 2 * np.pi / total
+    return found | {"angle_min": str(begin), "angle_increment": str(step)}
 
 
 def packets_in(raw: bytes) -> Iterator[tuple[int, bytes]]:

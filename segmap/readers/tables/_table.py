@@ -52,6 +52,7 @@ from .._text import TextFormat
 from ..packed import log_file
 from ._columns import Columns, named
 from ._fields import (
+    LOGGED,
     NESTED,
     TABLE_COMMENTS,
     TUPLE,
@@ -61,6 +62,7 @@ from ._fields import (
     moment,
     sample,
     split,
+    stamp_in,
 )
 from ._layout import (
     EXAMPLE,
@@ -83,7 +85,9 @@ POSE = {"x", "y", "heading"}
 #: A day, of which some clocks tell the time alone, seconds.
 DAY_S = 86400.0
 #: A line between scans.
-NEXT_SCAN = re.compile(r"(?i)(new )?(scan|frame|sweep|turn|revolution|rotation)\b[\s:#]*\d*:?$")
+NEXT_SCAN = re.compile(
+    r"(?i)[a-z ]*\b(scan|frame|sweep|turn|revolution|rotation)\b[^\d]*\d*[^\d]*$"
+)
 #: What a message says that says nothing.
 UNSAID_NUMBERS: dict[str, Any] = {"range_min": 0.0, "range_max": 0.0, "time_increment": 0.0}
 #: A name in a record that does not end.
@@ -105,21 +109,25 @@ class Table(TextFormat):
     def __init__(self, lines: Lines, layout: Layout, clockwise: bool) -> None:
         super().__init__(lines)
         self.layout, self.clockwise = layout, clockwise or bool(layout.columns.clockwise)
-        counted = not clockwise and layout.columns.clockwise is None
+        counted = not (clockwise or layout.beams) and layout.columns.clockwise is None
         self.assumed = (*layout.told, *(COUNTERCLOCKWISE,) * counted)
         self.columns = layout.columns.by_role
         places = [column.place for column in self.columns.values()]
         beams = layout.beams.ranges if layout.beams else ()
         self.last = max([*places, *(beams[:1] if layout.beams and layout.beams.goes_on else beams)])
-        self.turns, self.head, self.clock = 0, [""], np.nan
+        self.turns, self.head, self.clock, self.stamp = 0, [""], np.nan, ""
 
     def _take(self, fields: list[str]) -> None:
         (line,) = fields
         layout = self.layout
+        if "time" not in self.columns and LOGGED.match(line):
+            self.stamp = stamp_in(line)
         if layout.labels:
             beams = [said for said in labelled(line) if {*layout.labels} <= {*said}]
             for said in beams:
                 self._row([said[label] for label in layout.labels])
+            if not beams and "time" not in self.columns:
+                self.stamp = stamp_in(line) or self.stamp
             names = [re.escape(label.split()[0]) for label in layout.labels]
             if not beams and any(re.search(rf"{name}[\"']?\s*[:=]", line) for name in names):
                 wanted = ", ".join(f"{label}:" for label in layout.labels)
@@ -135,7 +143,7 @@ class Table(TextFormat):
             found = split(line, layout.separator)
             if self.lines.number <= layout.line:
                 self.head = found
-            elif found == self.head or NEXT_SCAN.match(line):
+            elif found == self.head or NEXT_SCAN.match(" ".join(found)):
                 self.turns += bool(self.scans)
             elif not found or not found[0].lower().startswith(CHATTER):
                 self._row(found)
@@ -185,11 +193,13 @@ class Table(TextFormat):
 
     def _moment(self, said: Mapping[str, str], factors: Mapping[str, float]) -> float:
         """Seconds of a line; of times of the day those behind midnight go on."""
-        if not (text := said.get("time", "")):
+        if not (text := said.get("time", "") or self.stamp):
             return np.nan
         if not is_number(text):
             when = moment(text)
             when += DAY_S if self.clock - when > DAY_S / 2 else 0.0
+        elif "time" not in said:
+            when = time(text)
         else:
             parts = [role for role in ("time", "nanosec") if role in said]
             when = sum(time(said[role], unit=factors[role]) for role in parts)
@@ -197,9 +207,13 @@ class Table(TextFormat):
         return when
 
     def _log(self, name: str) -> Log:
+        if self.stamp:
+            self.assumed += ("times are those that stand before, or between, the beams",)
         if self.layout.beams:
-            return Log(name, self.scans, None, self.lines.skipped, assumed=self.layout.told)
+            return Log(name, self.scans, None, self.lines.skipped, assumed=self.assumed)
         table = np.array(self.scans)
+        if self.stamp and np.ptp(table[:, 2]) == 0:  # one for all tells nothing
+            table[:, 2], self.assumed = np.nan, self.assumed[:-1]
         if not {"angle", "range"} <= {*self.columns}:  # points: a turn ends where it began
             table[:, 0] = _from_first(table[:, 0])
         if self.turns or {"scan", "new"} & {*self.columns}:
