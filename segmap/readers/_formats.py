@@ -45,7 +45,9 @@ OTHER_FILES = {
     "keeps its arrays, of which `ranges` and `angles` make a log",
     b"MATLAB 7.3": "of MATLAB 7.3: save it there with '-v7', which scipy.io.loadmat reads",
     b"PAR1": "of Parquet: pandas.read_parquet(path).to_csv('it.csv', index=False) makes a table",
-    b"\x89HDF\r\n": "of HDF5: pandas.read_hdf(path).to_csv('it.csv', index=False) may make a table",
+    b"\x89HDF\r\n": "of HDF5: numpy.savez('it.npz', **{k: v[()] for k, v in "
+    "h5py.File(path).items()}) keeps its arrays, of which `ranges` and `angles` make a log; "
+    "pandas.read_hdf reads what pandas wrote",
     b"\xd4\xc3\xb2\xa1": "of packets of a network: the sensor's own program makes scans of them",
     b"\n\r\r\n": "of packets of a network: the sensor's own program makes scans of them",
     b"\xed\xa1\xda\x01": "of events of LCM: lcm.EventLog gives its messages",

@@ -94,6 +94,8 @@ def together(files: Sequence[str]) -> list[list[str]]:
     >>> together(["room.log", "other.log"])
     [['room.log'], ['other.log']]
     """
+    if not isinstance(files, list | tuple):
+        raise ValueError(f"files must be a list of paths, got {brief(files)}")
     named = [str(arrays.file(file, "files")) for file in files]
     groups = recordings(named)
     alone = one_scan_each([group[0] for group in groups if len(group) == 1])

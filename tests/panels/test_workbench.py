@@ -10,6 +10,7 @@ import sys
 import tempfile
 import threading
 import time
+import zipfile
 from dataclasses import replace
 from functools import partial
 from inspect import signature
@@ -110,15 +111,18 @@ FILES["npz"] = NPZ
 
 def laid_out(name):
     """The path of a log of this format, which is written here."""
-    if name in ("ros1", "mcap"):
-        return bag_samples.write(Path(), name)
+    if name in ("ros1", "db3", "mcap"):
+        (folder := Path(f"of {name}")).mkdir()
+        return bag_samples.write(folder, name)
     path = Path(f"{name.replace(' ', '-')}.{'segmap' if name == 'session' else 'txt'}")
     if name == "session":
         log = replace(segmap.load("room")[:3], name=name)
         exports.write_session(path, readers.Session(log, {}))
-    elif name == "rawseeds":
+    elif name in ("rawseeds", "numbered"):
         path.mkdir()
-        for file, text in RAWSEEDS.items():
+        scan = OTHERS["whole degrees and metres"][0].splitlines(keepends=True)[:12]
+        numbered = {f"scan_{k}.txt": "".join(scan) for k in (1, 2, 10)}
+        for file, text in (RAWSEEDS if name == "rawseeds" else numbered).items():
             (path / file).write_text(text)
     else:
         content = FILES[name]
@@ -126,7 +130,7 @@ def laid_out(name):
     return path
 
 
-@pytest.mark.parametrize("name", [*FILES, "rawseeds", "ros1", "mcap", "session"])
+@pytest.mark.parametrize("name", [*FILES, "rawseeds", "numbered", "ros1", "db3", "mcap", "session"])
 def test_command_page_and_library_read_one_log(name, worker, place, monkeypatch):
     """Catches a format that one of the three opens in another way, or not at all."""
     monkeypatch.chdir(place)
@@ -559,6 +563,23 @@ def test_an_uploaded_name_that_is_none_is_told(name, words):
     assert upload(made, name, b"no log\n")[-1] == -1
     assert words in refused(made) and tempfile.gettempdir() not in refused(made)
     assert made.log is LOG
+
+
+@pytest.mark.parametrize("kind", ["db3", "mcap"])
+def test_an_uploaded_bag_is_read(kind, tmp_path, worker):
+    """Catches a file of ROS 2 that the page takes by its path only, or as an archive."""
+    folder = bag_samples.write(tmp_path, kind)
+    with zipfile.ZipFile(tmp_path / "bag.zip", "w") as packed:
+        for path in folder.iterdir():
+            packed.write(path, f"it/{path.name}")
+    made = bench()
+    made._worker = worker
+    for path in (folder / f"it.{kind}", tmp_path / "bag.zip"):
+        made.open(LOG)
+        upload(made, path.name, path.read_bytes())
+        wanted = readers.read(path)
+        assert len(made.log) == len(wanted) and made.log.times == pytest.approx(wanted.times)
+        assert made.log.odometry == pytest.approx(wanted.odometry, nan_ok=True)
 
 
 def test_the_size_of_an_upload_is_what_arrives(monkeypatch):

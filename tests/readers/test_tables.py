@@ -395,7 +395,7 @@ def test_lines_of_a_hokuyo_in_millimetres_are_no_recording_of_rawseeds(tmp_path)
         (b"\xed\xa1\xda\x01" + bytes(200), "lcm.EventLog"),
         (b"\xdb\x01\xf5\x5b\x7b\x1f\x1d\x7b" + bytes(200), "cartographer_pbstream_to_ros_map"),
         (b"PAR1" + bytes(200), "pandas.read_parquet"),
-        (b"\x89HDF\r\n\x1a\n" + bytes(200), "pandas.read_hdf"),
+        (b"\x89HDF\r\n\x1a\n" + bytes(200), "h5py.File"),
         (b"\xd4\xc3\xb2\xa1\x02\x00\x04\x00" + bytes(200), "packets of a network"),
         (pickle.dumps([1.5, 2.5]), "numpy.savez"),
     ],
@@ -418,6 +418,36 @@ def test_arrays_of_matlab_are_a_log_by_the_advice(tmp_path, monkeypatch):
         readers.read("it.mat")
     (code,) = re.findall(r"numpy\.savez\(.*\)", caught.value.reason.split("\n")[0])
     exec(f"import numpy, scipy.io\npath = 'it.mat'\n{code}", {})
+    log = readers.read("it.npz")
+    assert log.times == pytest.approx(CLOCK) and log[2].ranges == pytest.approx(FAR)
+
+
+def advice_followed(path, *modules):
+    """What is told of a file of another program is done."""
+    with pytest.raises(UnknownFormat) as caught:
+        readers.read(path)
+    found = re.search(r"(numpy|pandas)\.\w+\(.*?\)(?=,? (makes|keeps))", caught.value.reason)
+    exec(f"import {', '.join(modules)}\npath = {str(path)!r}\n{found[0]}", {})
+
+
+def test_parquet_is_made_a_table_by_its_advice(tmp_path, monkeypatch):
+    """Catches advice that nobody has followed."""
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed here")
+    pandas = pytest.importorskip("pandas")
+    monkeypatch.chdir(tmp_path)
+    rows = [(k, a, 1000 * r) for k, a, r in BEAMS]
+    pandas.DataFrame(rows, columns=["scan", "angle_deg", "range_mm"]).to_parquet("it.parquet")
+    advice_followed("it.parquet", "pandas")
+    assert [scan.ranges for scan in readers.read("it.csv")] == [pytest.approx(FAR)] * 3
+
+
+def test_arrays_of_hdf5_are_a_log_by_the_advice(tmp_path, monkeypatch):
+    """Catches advice that reads the tables of one library only."""
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed here")
+    monkeypatch.chdir(tmp_path)
+    with h5py.File("it.h5", "w") as file:
+        file["ranges"], file["angles"], file["times"] = [FAR] * 3, np.radians(TURN), CLOCK
+    advice_followed("it.h5", "numpy", "h5py")
     log = readers.read("it.npz")
     assert log.times == pytest.approx(CLOCK) and log[2].ranges == pytest.approx(FAR)
 
