@@ -120,6 +120,9 @@ def test_units_that_the_numbers_tell_are_used_and_told(tmp_path):
     assert "'Angle' is in degrees, since it spans more than 2 pi" in log.assumed
     assert "'Distance' is in millimetres, since it holds whole numbers" in log.assumed
     assert "the column 't' says no unit: left out" in log.assumed
+    path.write_text("Angle,Distance\n" + lines(lambda k, a, r: f"{a:.0f},{100 * r:.0f}"))
+    doubt = "whole numbers, to 431 alone: they may be centimetres"
+    assert any(told.endswith(doubt) for told in readers.read(path).assumed)
     path.write_text("Angle,Distance\n0.1,2.0\n0.2,2.1\n")
     with pytest.raises(LogError, match="the unit of 'Angle' is not said"):
         readers.read(path)

@@ -93,6 +93,8 @@ KNOWN_TABLES = {
 RPLIDAR_RECORD = KNOWN_TABLES["newscan", "quality", "angle", "distance"]
 #: Whole numbers whose median is above this are millimetres where no unit is said.
 LEAST_MILLIMETRES = 100
+#: Where the largest is below this, it is said that they may be centimetres: no room is so small.
+SMALLEST_ROOM_MM = 1200
 #: So are numbers with a fraction whose median is above this: they could be centimetres below.
 LEAST_FRACTIONS = 700
 #: Numbers with a fraction whose largest is below this are metres.
@@ -260,7 +262,9 @@ def _unit_of(role: str, values: Array) -> tuple[float | None, str]:
         return None, ""
     middle = float(np.median(np.abs(values)))
     if middle > (LEAST_MILLIMETRES if whole else LEAST_FRACTIONS):
-        return 0.001, f"millimetres, since it holds {'whole' if whole else 'large'} numbers"
+        most = float(np.abs(values).max())
+        doubt = f", to {most:g} alone: they may be centimetres" * (most < SMALLEST_ROOM_MM)
+        return 0.001, f"millimetres, since it holds {'whole' if whole else 'large'} numbers{doubt}"
     if not whole and len(values) >= TELLING_ROWS and np.abs(values).max() < MOST_METRES:
         return 1.0, f"metres, since it holds fractions up to {np.abs(values).max():.3g}"
     return None, ""
