@@ -53,7 +53,7 @@ OTHER_FILES = {
     b"\xed\xa1\xda\x01": "of events of LCM: lcm.EventLog gives its messages",
     b"\xdb\x01\xf5[{\x1f\x1d{": "of Cartographer: the bag that it was made of holds the scans, "
     "cartographer_pbstream_to_ros_map writes its map",
-    b"\x80\x04\x95": "a pickle of Python, which may run anything: numpy.savez writes arrays",
+    b"\x80\x04\x95": "of Python, pickled, which may run anything: numpy.savez writes arrays",
 }
 
 
@@ -76,7 +76,7 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
             path,
             "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
             "ODOMETRY_XYT.csv, GROUNDTRUTH.csv), a bag of ROS 2 (metadata.yaml) "
-            f"or numbered files with a Hokuyo scan in each\n{WHAT_TO_DO}",
+            f"or numbered files with a scan in each\n{WHAT_TO_DO}",
         )
     lines = Lines(path, "skip", separator="\n")
     sample = [line[0] for line in islice(lines, LOOKED_AT_LINES)]
