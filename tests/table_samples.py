@@ -109,6 +109,20 @@ OTHERS = {
         lines(lambda k, a, r: (
             f"{'S' if a == 0 else ' '}  theta: {a:06.2f} Dist: {1000 * r:08.2f} Q: 47")),
         True, None),
+    "ultra_simple, counted": (
+        lines(lambda k, a, r: f"theta: {a:06.2f} Dist: {1000 * r:08.2f} Q: 47 Count: {a / 30:.0f}"),
+        True, None),
+    "gon and feet": ("time_us,theta_gon,range_ft,snr\n" + lines(lambda k, a, r: (
+        f"{200000 * k},{a / 0.9:.4f},{r / 0.3048:.4f},9")), False, "zero"),
+    "hundredths": ("packet;angle_cdeg;distance_mm\n" + lines(lambda k, a, r: (
+        f"{k};{100 * a:.0f};{1000 * r:.0f}")), False, None),
+    "Italian": ("Tempo (ms);Angolo (gradi);Distanza (cm)\n" + lines(lambda k, a, r: (
+        f"{200 * k};{a:.1f};{100 * r:.1f}"), ","), False, "zero"),
+    "Spanish": ("Tiempo (ms)\t\u00c1ngulo (grados)\tDistancia (mil\u00edmetros)\n"
+        + lines(lambda k, a, r: f"{200 * k}\t{a:.0f}\t{1000 * r:.0f}"), False, "zero"),
+    "from the middle of the angles": ("time_s,beam_angle_deg,measured range [m]\n" + text(
+        f"{0.2 * k:.1f},{a if a <= 180 else a - 360:.0f},{r:.3f}" for k in range(3)
+        for a, r in zip(np.roll(TURN, 3), np.roll(FAR, 3), strict=True)), False, "zero"),
     "record_measurments": (lines(lambda k, a, r: f"{a == 0}\t15\t{a}\t{1000 * r:.1f}"), True, None),
     "measures printed": (lines(lambda k, a, r: f"({a == 0}, 15, {a}, {1000 * r:.1f})"), True, None),
     "scans printed": (

@@ -44,6 +44,7 @@ OTHER_FILES = {
     b"MATLAB 5.0": "of MATLAB: numpy.savez('it.npz', **scipy.io.loadmat(path, squeeze_me=True)) "
     "keeps its arrays, of which `ranges` and `angles` make a log",
     b"MATLAB 7.3": "of MATLAB 7.3: save it there with '-v7', which scipy.io.loadmat reads",
+    b"%PDF-": "of PDF, a document: what it shows of a log is no log",
     b"PAR1": "of Parquet: pandas.read_parquet(path).to_csv('it.csv', index=False) makes a table",
     b"\x89HDF\r\n": "of HDF5: numpy.savez('it.npz', **{k: v[()] for k, v in "
     "h5py.File(path).items()}) keeps its arrays, of which `ranges` and `angles` make a log; "

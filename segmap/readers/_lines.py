@@ -54,7 +54,7 @@ MOST_DIRECTION_RAD = 4 * np.pi
 NOT_MEASURED = (
     *("", "nan", "-nan", "null", "none", "na", "n/a", "#n/a", "-", "--", "---", "-inf"),
     *("-infinity", "1.#inf", "-1.#inf", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "#num!"),
-    *("#value!", "err", "error", "ol", "oor", "out of range", "timeout", "invalid"),
+    *("#value!", "err", "error", "error:", "ol", "oor", "out of range", "timeout", "invalid"),
 )
 #: What a damaged line means: the end of reading, or one line less.
 OnError = Literal["raise", "skip"]

@@ -23,7 +23,10 @@ REFUSALS = {
         "unit of 'dist' is not said.*--columns angle_deg,range_",
     ),
     "norange.csv": ("angle_deg\n1\n", "no known format"),
-    "numbers.txt": ("1;2;3\n4;5;9\n7;8;1\n", "3 columns between ';'.*--columns.*pandas.read_csv"),
+    "numbers.txt": (
+        "1;2;3\n4;5;9\n7;8;1\n",
+        "3 columns between ';'.*--columns.*segmap.readers.read_csv",
+    ),
     "damaged.csv": ("angle_deg,range_mm\n1,x\n", "got 'x'.*--skip leaves damaged lines out"),
     "degrees.csv": ("angle_deg,range_mm\n9000,1\n", "an angle within two turns"),
     "short.log": ("FLASER 3 1\n", "announces 3 ranges, but 1 fields follow|holds no scan"),

@@ -4,9 +4,11 @@ import json
 import os
 import pickle
 import re
+import warnings
 import zipfile
 
 import numpy as np
+import pandas
 import pytest
 import scipy.io
 from hypothesis import given, settings
@@ -288,8 +290,12 @@ UNSAID = {
     "ticks": (
         "angle_ticks,range_mm\n" + lines(lambda k, a, r: f"{a * 128 / 45:.0f},{1000 * r:.0f}"),
         "unit of 'angle_ticks' is not"),
+    "tick": (
+        "t_ms,tick,range_mm\n" + lines(lambda k, a, r: (
+            f"{200 * k},{a * 128 / 45:.0f},{1000 * r:.0f}")),
+        "unit of 'tick' is not"),
     "names": (
-        "winkel;abstand\n" + lines(lambda k, a, r: f"{a:.1f};{33.3 * r:.2f}", ","), "no known"),
+        "hoek;afstand\n" + lines(lambda k, a, r: f"{a:.1f};{33.3 * r:.2f}", ","), "no known"),
     "a column to leave out first": (
         "weather;dist;angle\n" + lines(lambda k, a, r: f"rain;{33.3 * r:.1f};{a:.0f}"),
         "unit of 'dist' is not"),
@@ -312,20 +318,20 @@ def test_the_advice_of_an_error_reads_that_very_file(tmp_path, monkeypatch, name
     assert main(["info", "it.csv", "--columns", columns, "-q"]) == 0
     assert log[0].ranges.max() < 150 and np.ptp(log[0].angles) <= 2 * np.pi
     code = [line.strip() for line in reason.splitlines() if line.startswith("    ")]
-    if "pandas" in reason:
+    if "import segmap" in code:
         names: dict[str, object] = {}
-        begin = next(k for k, line in enumerate(code) if line.startswith("import numpy"))
+        begin = code.index("import segmap")
         exec("\n".join(code[begin : begin + 3]), names)
         found = names["log"]
-        assert np.concatenate([s.ranges for s in log]) == pytest.approx(found[0].ranges)
+        assert all(a.ranges == pytest.approx(b.ranges) for a, b in zip(log, found, strict=True))
 
 
 @pytest.mark.parametrize("head", [
-    "angle_gon,distance_mm", "angle_deg,distance_yd", "angle_deg,distance [dm]", "Winkel,Weg_yd",
+    "angle_mil,distance_mm", "angle_deg,distance_yd", "angle_deg,distance [dm]", "Winkel,Weg_yd",
     "angle_deg,range_left_mm", "a,b,c", "angle_0.1deg,distance",
 ])  # fmt: skip
 def test_a_head_of_an_unknown_unit_is_not_overruled_by_the_numbers(tmp_path, head):
-    """Catches gon read as degrees and yards as metres, since the numbers look like them."""
+    """Catches mils read as degrees and yards as metres, since the numbers look like them."""
     more = ",9" * (head.count(",") - 1)
     (tmp_path / "it.csv").write_text(
         f"{head}\n" + lines(lambda k, a, r: f"{a},{1000 * r:.0f}{more}")
@@ -355,7 +361,7 @@ def test_a_file_of_numbers_is_told_with_its_first_lines(tmp_path):
     for part in (
         "3 columns between ';'",
         "    1;2;3\n    4;5;9\n    7;8;1\n",
-        "pandas.read_csv('it.dat'",
+        "segmap.readers.read_csv('it.dat'",
     ):
         assert part in caught.value.reason
 
@@ -641,6 +647,238 @@ def test_decimals_after_commas_are_no_pairs_of_a_radar(tmp_path):
         "".join(f"{t}," + ",".join(f"{r:.3f}" for r in ranges) + "\n" for t in range(3))
     )
     assert not any("radar" in said for said in _assumed(tmp_path / "it.csv"))
+
+
+# ----------------------------------------------- who measured, where a scan ends, what is no range
+@pytest.mark.parametrize(("name", "values"), [
+    ("sensor", ("front", "rear")), ("robot_id", "12"), ("frame_id", ("laser_a", "laser_b")),
+    ("Lidar-No", "01"),
+])  # fmt: skip
+@pytest.mark.parametrize("mark", [",", ";"])
+def test_two_sensors_in_a_table_are_parted_by_the_advice(tmp_path, monkeypatch, name, values, mark):
+    """Catches two lasers or robots whose scans become one, and advice that does not run."""
+    monkeypatch.chdir(tmp_path)
+    rows = (
+        [f"{who}", f"{0.2 * k:.1f}", f"{a:.1f}", f"{r + n:.3f}"]
+        for k in range(3)
+        for n, who in enumerate(values)
+        for a, r in zip(TURN, FAR, strict=True)
+    )
+    table = [[name, "time_s", "angle_deg", "range_m"], *rows]
+    (tmp_path / "it.csv").write_text(text(["# note", *map(mark.join, table)]))
+    with pytest.raises(LogError, match=f"'{name}' holds {values[0]}, {values[1]}") as caught:
+        readers.read("it.csv")
+    advice = caught.value.reason.partition("; ")[2].removesuffix(" parts them")
+    exec(advice, {"pandas": pandas, "path": "it.csv"})
+    for n, who in enumerate(values):
+        log = readers.read(f"{who}.csv")
+        assert log.times == pytest.approx([0, 0.2, 0.4])
+        assert all(scan.ranges == pytest.approx(FAR + n) for scan in log)
+
+
+def test_words_that_change_between_scans_are_told(tmp_path):
+    """Catches a column of words that may say who measured and is left out without a word."""
+    path = tmp_path / "it.csv"
+    for words, said in (("ab", True), ("aa", False)):
+        path.write_text(
+            "side,angle_deg,range_m,note\n"
+            + lines(lambda k, a, r, words=words: f"{words[k % 2]},{a},{r},{'xy'[int(a) % 60 > 0]}")
+        )
+        assert (
+            any("'side' holds a, b and is left out" in t for t in readers.read(path).assumed)
+            == said
+        )
+        assert not any("'note'" in told for told in readers.read(path).assumed)
+
+
+def test_words_without_a_head_are_parted_by_the_advice(tmp_path, monkeypatch):
+    """Catches advice that groups by a name where there is none."""
+    monkeypatch.chdir(tmp_path)
+    rows = (
+        f"{w} {0.2 * k:.1f} {a:.1f} {r:.3f}" for k, a, r in BEAMS for w in (["old", "new"][k % 2],)
+    )
+    (tmp_path / "it.txt").write_text(text(rows))
+    (told,) = [said for said in readers.read("it.txt").assumed if "holds old, new" in said]
+    advice = told.partition("; ")[2].removesuffix(" parts them")
+    exec(advice, {"pandas": pandas, "path": "it.txt"})
+    assert len(readers.read("old.csv")) == 2 and readers.read("old.csv")[1].ranges == pytest.approx(
+        FAR
+    )
+
+
+def test_a_sweep_to_and_fro_is_a_scan_each_way(tmp_path):
+    """Catches a servo whose sweeps are all one scan, and a beam that trembles taken for a turn."""
+    path = tmp_path / "it.csv"
+    sweep = np.arange(0, 181.0, 3)
+    rng = np.random.default_rng(2)
+    for tremble in (0, 2):
+        turns = [sweep if k % 2 == 0 else sweep[::-1] for k in range(5)]
+        turns = [turn + rng.uniform(-tremble, tremble, len(turn)) for turn in turns]
+        rows = (f"{a:.2f},{200 + k + a / 10:.1f}" for k, turn in enumerate(turns) for a in turn)
+        path.write_text("angle_deg,distance_cm\n" + text(rows))
+        log = readers.read(path)
+        assert [len(scan) for scan in log] == pytest.approx([61] * 5, abs=2 * bool(tremble))
+        assert "a scan ends where the angle turns back" in log.assumed
+        assert log[3].ranges[20] == pytest.approx(
+            2.03 + log[3].angles[20] * 18 / np.pi / 100, abs=5e-3
+        )
+
+
+def test_times_that_last_for_several_turns_or_for_parts_of_one_end_no_scan(tmp_path):
+    """Catches a clock in whole seconds, or one a packet, that is taken for the number of a scan."""
+    path = tmp_path / "it.csv"
+    for clock in (lambda k, a: k // 2, lambda k, a: round(0.3 * k + 0.1 * (a // 120), 1)):
+        rows = (f"{clock(k, a)},{a},{2 + k / 10 + a / 1000:.3f}" for k in range(6) for a in TURN)
+        path.write_text("time_s,angle_deg,range_m\n" + text(rows))
+        log = readers.read(path)
+        assert [len(scan) for scan in log] == [12] * 6
+
+
+def test_numbers_before_the_ranges_are_no_beams(tmp_path):
+    """Catches wheels, poses and zeros of a line that become beams, and advice that is refused."""
+    rng, path = np.random.default_rng(5), tmp_path / "it.txt"
+    ranges = rng.integers(500, 4000, (9, 360))
+    path.write_text(text(
+        row([1e6 + 1e5 * k, 0, 50 * k, 51 * k, *[0] * 20, *r, 0]) for k, r in enumerate(ranges)
+    ))  # fmt: skip
+    log = readers.read(path)
+    assert log[4].ranges == pytest.approx(ranges[4] / 1000) and log.times[1] == pytest.approx(1.1)
+    assert np.degrees(log[0].angles[[0, -1]]) == pytest.approx([-180, 179])
+    assert any("wheels are left out" in said for said in log.assumed)
+    for mark in (" ", ",", ";"):
+        for head in ([0.1, -0.2, 0.3], [0.1, -0.2, 0.3, 0.4, 7]):
+            rows = (
+                [0.1 * k, *(np.array(head) * (k + 1)).round(3), *(r / 1000)]
+                for k, r in enumerate(ranges)
+            )
+            path.write_text(text(mark.join(f"{v:.3f}" for v in found) for found in rows))
+            with pytest.raises(LogError, match=f"{len(head) + 1} others") as caught:
+                readers.read(path)
+            path.write_text(caught.value.reason.rpartition(": ")[2] + "\n" + path.read_text())
+            log = readers.read(path)
+            assert log[4].ranges == pytest.approx(ranges[4] / 1000)
+            if len(head) == 3:
+                assert log.odometry[1] == pytest.approx([0.2, -0.4, 0.6])
+
+
+@pytest.mark.parametrize("first", ["", "0"])
+@pytest.mark.parametrize("unit", [1.0, np.pi / 180])
+def test_a_first_line_of_angles_is_no_scan(tmp_path, first, unit):
+    """Catches directions above the ranges of a matrix that become a scan of -90 to 90 m."""
+    angles, path = np.arange(-90.0, 91), tmp_path / "it.csv"
+    ranges = np.random.default_rng(1).uniform(1, 5, (6, 181)).round(3)
+    rows = [
+        [first] * bool(first) + [f"{a * unit:.5g}" for a in angles],
+        *([f"{0.1 * k:.1f}"] * bool(first) + [*map(str, r)] for k, r in enumerate(ranges)),
+    ]
+    path.write_text(text(map(",".join, rows)))
+    log = readers.read(path)
+    assert len(log) == 6 and log[5].ranges == pytest.approx(ranges[5])
+    assert np.degrees(log[0].angles) == pytest.approx(angles, abs=0.01)
+    assert log.times == pytest.approx(
+        0.1 * np.arange(6) if first else np.full(6, np.nan), nan_ok=True
+    )
+
+
+def test_rows_of_odometry_between_those_of_scans_are_their_poses(tmp_path):
+    """Catches a table of two topics with empty cells that `holds poses and no scan`."""
+    names = "__time,/odom/pose/position/x,/odom/pose/position/y,/odom/pose/yaw"
+    rows = [names + "".join(f",/scan/ranges[{k}]" for k in range(360))]
+    for k in range(4):
+        rows += [f"{10 + k}.1,{k}.5,0.5,0.1" + "," * 360, f"{10 + k}.2,,," + ",1.234" * 360]
+    (tmp_path / "it.csv").write_text(text(rows))
+    log = readers.read(tmp_path / "it.csv")
+    assert len(log) == 4 and log.times == pytest.approx([10.2, 11.2, 12.2, 13.2])
+    assert log.odometry[3] == pytest.approx([3.5, 0.5, 0.1])
+
+
+def test_points_beside_a_pose_are_beams(tmp_path):
+    """Catches x and y of points that are taken for those of the robot, and odometry lost."""
+    (tmp_path / "it.csv").write_text(
+        "scan,x,y,robot_x,robot_y,robot_theta\n"
+        + lines(lambda k, a, r: (
+            f"{k},{r * np.cos(np.radians(a)):.4f},{r * np.sin(np.radians(a)):.4f},{k}.5,0.5,0.1"))
+    )  # fmt: skip
+    log = readers.read(tmp_path / "it.csv")
+    assert len(log) == 3 and log[1].ranges == pytest.approx(FAR, abs=1e-3)
+    assert log.odometry == pytest.approx(np.column_stack([[0.5, 1.5, 2.5], [0.5] * 3, [0.1] * 3]))
+    assert "the laser sits at the robot's centre" in log.assumed
+
+
+def test_a_line_above_each_scan_tells_its_time_and_is_told(tmp_path):
+    """Catches the words above blocks of beams that make poses of the file, or are lost untold."""
+    rows = (
+        f"{a} {r:.3f}" if n else f"Scan {k} t={0.2 * k:.1f} s x=0.1 y=0.2 theta=0.3\n{a} {r:.3f}"
+        for k in range(3)
+        for n, (a, r) in enumerate(zip(np.arange(0, 360, 5), np.linspace(1, 4, 72), strict=True))
+    )
+    (tmp_path / "it.txt").write_text(text(rows))
+    log = readers.read(tmp_path / "it.txt")
+    assert [len(scan) for scan in log] == [72] * 3 and log.times == pytest.approx([0, 0.2, 0.4])
+    assert any("lines between scans are left out, such as 'Scan 1" in said for said in log.assumed)
+
+
+def test_x_and_y_without_names_are_no_range_and_angle(tmp_path, monkeypatch):
+    """Catches advice that reads points as negative ranges."""
+    monkeypatch.chdir(tmp_path)
+    rows = (
+        f"{far * np.cos(a):.3f} {far * np.sin(a):.3f}"
+        for k in range(3)
+        for a, far in zip(
+            np.radians(np.arange(-90, 91, 2)), 2 + np.sin(np.arange(91) / 4), strict=True
+        )
+    )
+    (tmp_path / "it.dat").write_text(text(rows))
+    with pytest.raises(UnknownFormat, match="--columns x_m,y_m reads it"):
+        readers.read("it.dat")
+    log = readers.read_csv("it.dat", columns="x_m,y_m")
+    assert len(log) == 3 and log[0].ranges == pytest.approx(2 + np.sin(np.arange(91) / 4), abs=2e-3)
+
+
+def test_an_unknown_unit_is_named_and_the_known_ones_are_kept(tmp_path):
+    """Catches advice by the places of columns that overrules what their head says."""
+    (tmp_path / "it.csv").write_text(
+        "range_cm,weg_yd,angle_furlong\n" + lines(lambda k, a, r: f"{100 * r:.1f},7,{a}")
+    )
+    with pytest.raises(
+        UnknownFormat, match=r"'angle_furlong'\. If it is so, --columns range_cm,-,ang"
+    ):
+        readers.read(tmp_path / "it.csv")
+
+
+def test_four_hundred_grad_are_a_turn(tmp_path):
+    """Catches gon that a program calls grad, as German calls degrees."""
+    for most, name in ((400, "angle_grad"), (360, "Winkel [Grad]")):
+        (tmp_path / "it.csv").write_text(
+            f"{name},range_m\n" + text(f"{a / 36 * most:.4f},2.5" for a in range(36))
+        )
+        log = readers.read(tmp_path / "it.csv")
+        assert np.degrees(log[0].angles[[1, -1]]) == pytest.approx([10, 350])
+
+
+def test_columns_that_fit_hardly_a_line_are_refused(tmp_path, capsys):
+    """Catches angle and range in the wrong order that leave out most lines and end well."""
+    path = tmp_path / "it.csv"
+    path.write_text("a,b\n" + lines(lambda k, a, r: f"{250 * r:.0f},{a}"))
+    assert main(["info", str(path), "--columns", "angle_deg,range_mm"]) != 0
+    assert "of 36 lines are no angle_deg,range_mm" in capsys.readouterr().err
+    assert main(["info", str(path), "--columns", "range_mm,angle_deg"]) == 0
+
+
+def test_a_pdf_is_called_one(tmp_path):
+    """Catches a document of which only its first word is said."""
+    (tmp_path / "it.pdf").write_bytes(b"%PDF-1.4\n%\xe2\xe3\n1 0 obj\n")
+    with pytest.raises(UnknownFormat, match="of PDF, a document"):
+        readers.read(tmp_path / "it.pdf")
+
+
+def test_lists_with_beams_that_met_nothing_warn_of_nothing(tmp_path):
+    """Catches differences of infinities, of which numpy warns."""
+    turn = ["inf"] * 90 + ["2.5"] * 270
+    (tmp_path / "it.dat").write_text(text(f"[{', '.join(turn)}]" for _ in range(8)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.isinf(readers.read(tmp_path / "it.dat")[3].ranges).sum() == 90
 
 
 def _assumed(path) -> tuple[str, ...]:

@@ -1,10 +1,11 @@
 """Logs that are tables: CSV, arrays, dumps of cheap sensors, Hokuyo text, CoreSLAM, Rawseeds."""
 
 from .._text import Binary
-from . import _folders, _messages, _npz, _table, _wide
+from . import _fixed, _folders, _messages, _npz, _table, _wide
+from ._advice import first_rows, looks_like
 from ._fixed import CoreSlam, HokuyoText, Rawseeds
 from ._folders import one_scan_each, read_in_order
-from ._layout import first_rows, headed_of, layout_of, looks_like
+from ._layout import headed_of, layout_of
 from ._npz import log_from_arrays
 from ._table import read_csv
 from ._trajectories import read_trajectory, with_trajectories
@@ -26,7 +27,7 @@ HEADED_FILES = (
 #: What is taken for a table though nothing says so: where it has no other format.
 GUESSED_FILES = (
     Binary("table", layout_of, _table.reader_of(_table.stated)),
-    Binary("table of scans", _wide.bare_of, _table.reader_of(_wide.bare_of)),
+    Binary("table of scans", _fixed.bare_of, _table.reader_of(_fixed.bare_of)),
 )
 TABLE_FOLDERS = (
     Binary("Rawseeds", _folders.files_of, _folders.read_folder),

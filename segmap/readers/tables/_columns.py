@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,48 +17,59 @@ from ...arrays import Array
 
 #: First words of a column's name.
 ROLES = {
-    "angle": "angle ang theta phi psi th rz bearing azimuth angule heading yaw deg degrees",
-    "range": "range distance dist dis depth r rho radius mm cm m meters metres",
-    "time": "time timestamp stamp t ts epoch millis micros nanos datetime sec clock elapsed "
-    "zeit uhrzeit zeitstempel temps heure tiempo hora tempo ora",
+    "angle": "angle ang theta phi psi th rz bearing azimuth angule winkel angolo angulo heading "
+    "yaw deg degrees tick step",
+    "range": "range distance dist dis depth r rho radius mm cm m meters metres entfernung abstand "
+    "distanz distanza distancia",
+    "time": "time timestamp stamp t ts epoch millis micros nanos datetime sec ms us ns clock "
+    "elapsed zeit uhrzeit zeitstempel temps heure tiempo hora tempo ora",
     "nanosec": "nanosec nsec",
     "scan": "scan frame rotation revolution sweep turn",
     "new": "new newscan start startbit sync",
     "error": "error errorcode",
+    "sensor": "sensor robot laser lidar device source topic agent vehicle ring",
     "x": "x",
     "y": "y",
 }
+ROLE_OF_WORD = {word: role for role, words in ROLES.items() for word in words.split()}
 #: Words that may stand beside them and change nothing.
 FILLERS = (
     *("id", "no", "nr", "number", "index", "value", "values", "in", "code", "hex", "lidar"),
-    *("tick", "ticks", "stamp"),
+    *("tick", "ticks", "stamp", "name"),
 )
 #: What stands before a name in ROS's own text, in PlotJuggler's, and before a part of a pose.
 BEFORE_NAME = re.compile(
     r"^((field|msg|message|data|scan)\.|/.*/)*(header[._](stamp\.(?=.)|(?=stamp$))|rosbag(?=[Tt]))?"
-    r"((robot|pose|odom|odometry|base)[_. ](?=(x|y|theta|yaw|heading|th)([_ (\[]|$)))?"
+    r"((?i:lidar|laser|beam|measured)[_. ]+(?=(?i:angle|range|dist|theta|bearing|azimuth)))?"
+    r"(?P<pose>(robot|pose|odom|odometry|base)[_. ](?=(x|y|theta|yaw|heading|th)([_ (\[]|$)))?"
 )
 #: A unit of angles: so many of a turn.
 TICKS = re.compile(r"(?i)(?:tick|step)s?[\s_]*([1-9]\d{1,5})")
-#: How many they usually are.
-USUAL_TICKS = (1024, 1440, 2048, 4096, 8192, 16384, 65536)
+#: A column of them without a name of its own.
+TICK_WORDS = ("tick", "ticks", "step", "steps")
+#: What x, y and theta of the robot are beside x and y of a beam.
+BESIDE_POINTS = {"x": "pose_x", "y": "pose_y", "angle": "heading"}
 #: First words of the heading of a robot, beside the angle of a beam.
 HEADINGS = ("theta", "heading", "yaw")
 CLOCKWISE = ("cw", "clockwise")
 TURN_WORDS = (*CLOCKWISE, "ccw", "counterclockwise")
 LENGTHS = {
-    "m meter meters metre metres": 1.0,
-    "cm centimeter centimeters centimetres": 0.01,
-    "mm millimeter millimeters millimetres": 0.001,
+    "m meter meters metre metres metri metro metros": 1.0,
+    "cm centimeter centimeters centimetre centimetres centimetri centimetros": 0.01,
+    "mm millimeter millimeters millimetre millimetres millimetri milimetros": 0.001,
     "ft feet foot": 0.3048,
-    "in inch inches": 0.0254,
+    "in inch inches zoll": 0.0254,
 }
 #: How each unit is written, and the metres, radians or seconds of it; U+FFFD is what other
 #: encodings make of ° and µ.
 UNIT_WORDS: dict[str, dict[str, float]] = {
     "angle": {
-        "deg degs degree degrees degres ° \ufffd": np.pi / 180,
-        "rad rads radian radians": 1.0,
+        "deg degs degree degrees degre degres grad gradi grado grados ° \ufffd": np.pi / 180,
+        "rad rads radian radians radianti radianes radiant": 1.0,
+        "gon gons gradian gradians": np.pi / 200,
+        "cdeg centideg centidegree centidegrees": np.pi / 18_000,
+        "mdeg millideg millidegree millidegrees": np.pi / 180_000,
+        "mrad millirad milliradian milliradians": 0.001,
     },
     "range": LENGTHS,
     "x": LENGTHS,
@@ -73,7 +84,7 @@ UNIT_WORDS: dict[str, dict[str, float]] = {
     },
 }
 UNIT_WORDS["nanosec"] = {"nanosec nsec nsecs": 1e-9}
-UNIT_WORDS["heading"] = UNIT_WORDS["angle"]
+UNIT_WORDS |= {"heading": UNIT_WORDS["angle"], "pose_x": LENGTHS, "pose_y": LENGTHS}
 COLUMN_UNITS = {
     role: {word: factor for words, factor in units.items() for word in words.split()}
     for role, units in UNIT_WORDS.items()
@@ -89,6 +100,8 @@ KNOWN_TABLES = {
     ("angule", "distance", "quality"): ("angle_deg_cw", "range_mm", "quality"),
     ("newscan", "quality", "angle", "distance"): ("new", "quality", "angle_deg_cw", "range_mm"),
 }
+#: What RPLidar's `ultra_simple` prints of a beam.
+ULTRA_SIMPLE = ("theta", "dist", "q")
 #: Of the record that the Python package `rplidar` makes, which has no head.
 RPLIDAR_RECORD = KNOWN_TABLES["newscan", "quality", "angle", "distance"]
 #: Whole numbers whose median is above this are millimetres where no unit is said.
@@ -103,6 +116,8 @@ MOST_METRES = 60.0
 TELLING_ROWS = 8
 #: A column whose angles span so much at least, and no more than a turn, is in radians.
 LEAST_VIEW_RAD = 2.0
+#: What is called grad and spans more is in gon, and in no degrees as in German.
+MOST_DEGREES = 361
 #: Seconds from scan to scan.
 SCAN_PERIODS_S = (0.02, 2.0)
 #: Days of our century as Excel counts them.
@@ -127,6 +142,7 @@ class Columns(NamedTuple):
     clockwise: bool | None = None
     twice: str = ""  #: two names for one thing, of which the first is taken
     by_program: bool = False  #: whether it is the program that names them so that says the rest
+    sensor: int | None = None  #: the place of a column that says who measured
 
     @property
     def enough(self) -> bool:
@@ -140,14 +156,25 @@ def named(names: Sequence[str]) -> Columns:
     Of two angles or ranges that both say one, neither is. Beside x, y, a range and its angle, theta
     is the heading of the robot.
     """
+    posed = [bool((begin := BEFORE_NAME.match(name)) and begin["pose"]) for name in names]
     names = [BEFORE_NAME.sub("", name) for name in names]
     short = tuple(_plain_word(name) for name in names)
-    known = KNOWN_TABLES.get(short, ("",) * len(names))
+    known = [*KNOWN_TABLES.get(short, ("",) * len(names))]
+    for k in range(len(short)):  # between what newer programs print, or a logger
+        if short[k : k + 3] == ULTRA_SIMPLE:
+            known[k : k + 3] = KNOWN_TABLES[ULTRA_SIMPLE]
     found: dict[str, Column] = {}
     clockwise, twice, doubtful = None, "", set[str]()
     meanings = [meant or name for name, meant in zip(names, known, strict=True)]
-    roles = [_role(meant, _words(meant)) for meant in meanings]
+    roles = [_role(meant, plain_words(meant)) for meant in meanings]
     beside_pose = {"x", "y", "range"} <= {*roles} and roles.count("angle") > 1
+    if any(role == "x" and not pose for role, pose in zip(roles, posed, strict=True)):
+        both = zip(roles, posed, strict=True)
+        roles = [BESIDE_POINTS.get(role or "", role) if pose else role for role, pose in both]
+    ticks = [{*plain_words(name)[:1]} <= {*TICK_WORDS} for name in names]
+    angles = [tick for role, tick in zip(roles, ticks, strict=True) if role == "angle"]
+    if "range" not in roles or not all(angles):
+        roles = [None if tick else role for role, tick in zip(roles, ticks, strict=True)]
     places = [place for place, role in enumerate(roles) if role is not None]
     alone = [
         is_unit(name) and role in ("angle", "range")
@@ -155,7 +182,7 @@ def named(names: Sequence[str]) -> Columns:
     ]
     for place in sorted(places, key=alone.__getitem__):
         name, meant, role = names[place], meanings[place], roles[place] or ""
-        words = _words(meant)
+        words = plain_words(meant)
         if alone[place] and role in found:
             continue  # `deg` beside `angle`
         if beside_pose and role == "angle" and words[0] in HEADINGS:
@@ -173,13 +200,14 @@ def named(names: Sequence[str]) -> Columns:
             clockwise = any(said)
     if "time" in found and not re.match(r"(?i)secs?\b", found["time"].name):
         found.pop("nanosec", None)  # which are a part of these alone
+    who = found.pop("sensor", None)
     kept = {k: v for k, v in found.items() if k not in doubtful}
-    return Columns(kept, clockwise, twice, short in KNOWN_TABLES)
+    return Columns(kept, clockwise, twice, any(known), who.place if who else None)
 
 
 def _factors(role: str, name: str) -> list[float]:
     """What makes metres, radians or seconds of a column, by the units in its name."""
-    words, units = _words(name), COLUMN_UNITS.get(role, {})
+    words, units = plain_words(name), COLUMN_UNITS.get(role, {})
     said = words if is_unit(name) else words[1:]
     ticks = [2 * np.pi / int(count) for count in TICKS.findall(name)]
     return [*(factor for word, factor in units.items() if word in said), *ticks]
@@ -187,11 +215,11 @@ def _factors(role: str, name: str) -> list[float]:
 
 def is_unit(name: str) -> bool:
     """Whether a name is a unit alone: `deg`, `mm`."""
-    words = _words(name)
+    words = plain_words(name)
     return len(words) == 1 and words[0] in UNIT_NAMES
 
 
-def _words(name: str) -> list[str]:
+def plain_words(name: str) -> list[str]:
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)  # `AngleInDegrees`, `ErrorCodeHEX`
     plain = re.sub("[\u0300-\u036f]", "", unicodedata.normalize("NFD", apart.lower()))
     return re.findall(r"[a-zµ°\ufffd]+", plain.replace("μ", "µ"))
@@ -206,11 +234,10 @@ def _role(name: str, words: Sequence[str]) -> str | None:
     """What a column is; None where another word than a unit stands in its name."""
     if not words or re.search("[0-9:]", TICKS.sub("", name)):
         return None
-    for role, names in ROLES.items():
-        if {words[0], words[0].removesuffix("s")} & {*names.split()}:
-            known = {*COLUMN_UNITS.get(role, ()), *FILLERS, *TURN_WORDS}
-            return role if known.issuperset(words[1:]) else None
-    return None
+    first = (words[0], words[0].removesuffix("s"))  # `ms` is no `m`
+    role = next((ROLE_OF_WORD[word] for word in first if word in ROLE_OF_WORD), "")
+    known = {*COLUMN_UNITS.get(role, ()), *FILLERS, *TURN_WORDS}
+    return role if role and known.issuperset(words[1:]) else None
 
 
 # ------------------------------------------------------------------------------- by numbers
@@ -223,15 +250,22 @@ def with_units_told(found: Columns, rows: Array) -> tuple[Columns, list[str]]:
     columns, told = dict(found.by_role), list[str]()
     if found.twice:
         told.append(f"{found.twice}: the first that says its unit is read, or the first")
-    for role in ("angle", "range", "x", "y", "heading", "time"):
+    if "scan" in columns and np.isnan(rows[:, columns["scan"].place]).all():  # frames of ROS
+        found = found._replace(sensor=columns.pop("scan").place)
+    if "pose_x" in columns:
+        told.append("points are as the laser sees them, beside the pose of the robot")
+    for role in ("angle", "range", "x", "y", "pose_x", "pose_y", "heading", "time"):
         column = columns.get(role)
         if column is None:
             continue
         if role == "time" and len(rows) and np.isnan(rows[:, column.place]).all():
             told.append(f"the column {columns.pop('time').name!r} holds no times: left out")
             continue
-        said = _factors(role, column.name) or "tick" in column.name.lower()
-        if said or column.measured:
+        words = plain_words(column.name)
+        if role == "angle" and "grad" in words and np.ptp(rows[:, column.place]) > MOST_DEGREES:
+            columns[role] = column._replace(factor=np.pi / 200)
+            told.append(f"{column.name!r} is in gon, since it spans more than 360 of them")
+        if _factors(role, column.name) or {*words} & {*TICK_WORDS} or column.measured:
             continue
         factor, why = _unit_of(role, rows[:, column.place])
         if column.factor is not None and factor in (None, column.factor):
@@ -292,97 +326,3 @@ def _time_unit(values: Array) -> tuple[float | None, str]:
     if stands and len(fits) == 1:
         return fits[0], f"{unit[fits[0]]}, since a scan takes {step:g} of them"
     return None, ""
-
-
-def guessed(rows: Array) -> tuple[str, ...]:
-    """Names of columns without names, by their numbers `(m, k)`; none where these do not tell."""
-    count, usable = rows.shape[1], [int(k) for k in np.flatnonzero(np.isfinite(rows).all(0))]
-    if len(rows) < TELLING_ROWS or not 2 <= len(usable) <= 8:
-        return ()
-    sweeps = [k for k in usable if _sweeps(rows[:, k])]
-    if len(sweeps) > 1:  # an index counts by ones
-        sweeps = [k for k in sweeps if not _counts_up(rows[:, k])] or sweeps
-    if len(sweeps) > 1:
-        sweeps = [k for k in sweeps if (np.diff(rows[:, k]) < 0).any()] or sweeps
-        sweeps = [max(sweeps, key=lambda k: float(np.ptp(rows[:, k])))]
-    clocks = [k for k in usable if (np.diff(rows[:, k]) >= 0).all() and np.ptp(rows[:, k])]
-    if len(sweeps) != 1:
-        return ()
-    (angle,) = sweeps
-    others = [k for k in usable if k != angle and k not in clocks and np.ptp(rows[:, k])]
-    others = [k for k in others if (rows[:, k] >= 0).all() and not _counts_up(rows[:, k])]
-    if not others:
-        return ()
-    ranked = sorted(others, key=lambda k: len(np.unique(rows[:, k])))
-    distance, names = ranked[-1], ["-"] * count
-    if len(ranked) > 1 and len(np.unique(rows[:, ranked[-2]])) == len(np.unique(rows[:, distance])):
-        return ()
-    names[angle], names[distance] = "angle", "range"
-    if clocks and angle not in clocks[:1]:
-        counts = _counts_up(rows[:, clocks[0]])
-        names[clocks[0]] = "scan" if counts else "time"
-        if counts and len(np.unique(rows[:, clocks[0]])) == len(rows):
-            names[clocks[0]] = "-"  # an index
-    return tuple(names)
-
-
-def _sweeps(values: Array) -> bool:
-    """Whether numbers go one way like the angle of a laser that turns, and at times fall back."""
-    steps = np.diff(values)
-    ahead = steps if (steps > 0).sum() >= (steps < 0).sum() else -steps
-    span, falls = float(np.ptp(values)), -ahead[ahead < 0]
-    if not LEAST_VIEW_RAD <= span <= 720 or np.abs(values).max() > 720:
-        return False
-    mostly = (ahead > 0).sum() >= 0.8 * len(steps)
-    return bool(mostly and (falls > span / 2).sum() >= 0.5 * len(falls))
-
-
-def _counts_up(values: Array) -> bool:
-    steps = np.diff(values)
-    return bool((steps[steps > 0] == 1).all() and values.min() in (0, 1))
-
-
-def _turn_like(values: Array) -> tuple[bool, float]:
-    """How much numbers are like angles, in an order."""
-    return _sweeps(values), float(np.ptp(values[np.isfinite(values)]))
-
-
-def _measured_like(values: Array) -> tuple[int, float]:
-    """How much numbers are like ranges, in an order: many different ones, and large."""
-    known = values[np.isfinite(values)]
-    return len(np.unique(known)), float(np.median(known))
-
-
-def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
-    """A name with a unit for each column, as good as anybody can tell: it may be wrong."""
-    columns, _ = with_units_told(named(names), rows)
-    by_place = {column.place: (role, column) for role, column in columns.by_role.items()}
-    if not by_place and (guess := guessed(rows)):
-        columns, _ = with_units_told(named(guess), rows)
-        by_place = {column.place: (role, column) for role, column in columns.by_role.items()}
-    free = [k for k in range(len(names)) if k not in by_place and np.isfinite(rows[:, k]).any()]
-    for role, likely in (("angle", _turn_like), ("range", _measured_like)):
-        if role not in columns.by_role and free and not {"x", "y"} <= {*columns.by_role}:
-            place = max(free, key=lambda k, likely=likely: likely(rows[:, k]))  # type: ignore[misc]
-            free.remove(place)
-            by_place[place] = role, Column(place, None, "")
-    usual = {"angle": np.pi / 180, "heading": 1.0, "range": 0.001, "x": 1.0, "y": 1.0, "time": 1.0}
-    found = ["-"] * len(names)
-    for place, (role, column) in by_place.items():
-        if role not in usual:
-            found[place] = role
-            continue
-        most = np.nanmax(np.abs(rows[:, place]), initial=0.0)
-        if column.factor not in (None, *COLUMN_UNITS[role].values()):
-            found[place] = column.name
-            continue
-        if "tick" in column.name.lower():
-            turn = next((count for count in USUAL_TICKS if most < count), USUAL_TICKS[-1])
-            found[place] = f"angle_ticks{turn}"
-            continue
-        large = most > MOST_METRES
-        factor = column.factor or (1.0 if role == "range" and not large else usual[role])
-        units: Mapping[str, float] = COLUMN_UNITS[role]
-        suffix = "_cw" if role == "angle" and columns.clockwise else ""
-        found[place] = f"{role}_{next(word for word, f in units.items() if f == factor)}{suffix}"
-    return found

@@ -237,9 +237,9 @@ def stamp_in(line: str) -> str:
     return epoch_in(line)
 
 
-def epoch_in(words: str) -> str:
+def epoch_in(text: str) -> str:
     """The seconds since 1970 that stand among words; empty without."""
-    if found := SECONDS_SINCE_1970.search(words):
+    if found := SECONDS_SINCE_1970.search(text):
         return str(float(found[0]) / 10.0 ** (len(found[0].partition(".")[0]) - 10))
     return ""
 

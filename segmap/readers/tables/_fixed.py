@@ -27,14 +27,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
 from ...arrays import LIMIT, Array
 from ...poses import compose
 from ...scans import LaserScan, Log
-from ...scans.error_codes import as_ranges
-from .._lines import MOST_DIRECTION_RAD, Lines, float_fields, is_number, time
+from ...scans.error_codes import LOWEST, as_ranges
+from .._lines import MOST_DIRECTION_RAD, Lines, LogError, float_fields, is_number, time
 from .._raw_scans import (
     COUNTERCLOCKWISE,
     NOWHERE,
@@ -47,10 +48,24 @@ from .._raw_scans import (
     half_turn,
     uncorrected,
     urg_delays,
+    view_of,
 )
 from .._text import TextFormat, by_names
-from ._columns import guessed
+from ._columns import LEAST_VIEW_RAD, TELLING_ROWS, Columns, named, with_units_told
+from ._fields import LEADING, decimal
+from ._layout import Beams, Layout
+from ._numbers import guessed
 from ._table import MOST_BEAMS_READ
+from ._wide import (
+    LEAST_BARE_BEAMS,
+    LEAST_BEAMS,
+    URG_BEAMS,
+    VIEWS_DEG,
+    first_fields,
+    unit_of_ranges,
+    usual_view,
+    with_head,
+)
 
 #: Lines of CoreSLAM by the number of their fields, and the sign of the right wheel.
 CORESLAM_LINES = {
@@ -76,6 +91,21 @@ HOKUYO_TEXT_ASSUMED = (
     "angles in radians",
     COUNTERCLOCKWISE,
     "values below 20 are error codes of a URG-04LX",
+)
+#: So many numbers that rise from line to line are times.
+LEAST_TIMES = 5
+#: Before the ranges of a line that nobody names stand so many other numbers, if any.
+MOST_OTHERS = 3
+POSE_NAMES = ["x_m", "y_m", "theta_rad"]
+#: Nothing that is measured, nor a time in nanoseconds, is as large.
+MOST_MEASURED = 1e30
+#: No line begins with more numbers that are no ranges.
+MOST_HEAD_NUMBERS = 30
+#: Before the ranges of a line of BreezySLAM's examples stand so many numbers, and one behind them.
+BREEZY_NUMBERS = 24
+TOLD_OF_BREEZY = (
+    f"{BREEZY_NUMBERS} numbers before the ranges and one behind them are none, as BreezySLAM's "
+    "examples have them: wheels are left out"
 )
 
 
@@ -222,3 +252,101 @@ class HokuyoText(TextFormat):
         ranges, codes = as_ranges(millimetres)
         scan = LaserScan(ranges, angles, np.nan, codes=codes)
         return Log(name, [scan], None, self.lines.skipped, assumed=HOKUYO_TEXT_ASSUMED)
+
+
+# ------------------------------------------------------------------ as many numbers in each line
+def bare_of(path: Path) -> Layout | None:
+    """The same for lines of nothing but numbers, as many in each: a guess, and a last resort."""
+    separator, lines, rows = first_fields(path)
+    outer = separator[:1] if separator and len(separator) > 1 else None
+    apart = all(LEADING.match(t) or (outer and t.count(outer) == 1) for _, t in lines)
+    width = max(map(len, rows), default=0)
+    rows = [[*map(decimal, row)] for row in rows]
+    whole = [row for row in rows if len(row) == width and all(map(is_number, row))]
+    heads = [row for row in rows[:1] if len(row) == width and not any(map(is_number, row))]
+    if width < (LEAST_BEAMS if apart else LEAST_BARE_BEAMS) or 2 * len(whole) <= len(rows) or heads:
+        return None
+    table = np.array(whole, float)
+    table[~(np.abs(table) < MOST_MEASURED)] = np.nan  # whose differences are nothing
+    first, told, columns = table[:, 0], list[str](), Columns({})
+    is_time = len(first) >= LEAST_TIMES or apart or bool(_pairs_of(table[:, 1:]))
+    begin = int(is_time and bool((np.diff(first) > 0).all()))
+    if begin:
+        columns, told = with_units_told(named(["time"]), np.repeat(table[:, :1], 3, 0))
+    if pairs := _pairs_of(table[:, begin:]):
+        head = Layout(separator, 0, (*["time"][:begin], *pairs))
+        found = with_head(path, head, whole, goes_on=True)
+        what = f"lines of numbers are scans{', behind their times' * begin}"
+        return found._replace(
+            told=(f"{what}: pairs of {pairs[0][:-2]} and {pairs[1][:-2]}", *found.told)
+        )
+    counts = [k + 1 for k in (begin, begin + 1) if (table[:, k] == width - k - 1).all()]
+    is_breezy = bool(begin) and _is_breezy(table)
+    others = 0 if counts or is_breezy else _others_in(table[:, begin:])
+    if others:
+        names, last = ["-"] * (begin + others), table[:, begin + others - 1]
+        if len(names) in (3, 4) and (last % 1).any() and np.abs(last).max() < 2 * np.pi:
+            names = ["time" if begin else "-", *POSE_NAMES][-len(names) :]
+        raise LogError(
+            path,
+            f"lines of {width} numbers, {width - begin - others} of them ranges behind "
+            f"{begin + others} others? A line above that names them says so, "
+            f"time_s,x_m,y_m,theta_rad, or `-` for what is none of these: "
+            f"{(separator or ' ')[0].join([*names, 'ranges'])}",
+        )
+    if is_breezy:
+        counts, told = [BREEZY_NUMBERS], [*told, TOLD_OF_BREEZY]
+    places = tuple(range(max([begin, *counts]), width - is_breezy))
+    factor, unit = unit_of_ranges("", table[:, places])
+    angles = usual_view(len(places))
+    angles = angles - np.pi * (is_breezy and np.ptp(angles) > 6)  # a turn of theirs begins behind
+    told += [*unit, view_of(angles), f"lines of {width} numbers are scans"]
+    codes = factor < 1 and len(places) in URG_BEAMS
+    beams = Beams(places, factor, tuple(angles), least=factor * LOWEST if codes else 0.0)
+    return Layout(separator, 0, (), columns, told=tuple(told), beams=beams)
+
+
+def _is_breezy(table: Array) -> bool:
+    """Whether lines are those of BreezySLAM's examples: wheels that count, zeros, ranges, one."""
+    wheels, zeros = table[:, 2:4], table[:, 4:BREEZY_NUMBERS]
+    if table.shape[1] < BREEZY_NUMBERS + LEAST_BARE_BEAMS or zeros.any():
+        return False
+    return bool((np.diff(wheels, axis=0) >= 0).all() and np.ptp(wheels, axis=0).all())
+
+
+def _others_in(table: Array) -> int:
+    """How many numbers before the ranges of a line are none, as far as numbers tell.
+
+    They rise all the time, or are below 0 by more than one code; where a usual laser has fewer
+    beams, they may be any few, or always the same.
+    """
+    count, begin = table.shape[1], table[:, :MOST_HEAD_NUMBERS]
+    rise = (np.diff(table, axis=0) > 0).all(0) & (len(table) >= TELLING_ROWS)
+    least = np.fmin.reduce(table, axis=0)
+    below = (least < 0) & (least != np.fmax.reduce(np.where(table < 0, table, np.nan), axis=0))
+    odd = np.flatnonzero(rise | below)
+    told = int(odd[-1]) + 1 if 0 < len(odd) <= MOST_HEAD_NUMBERS and odd[-1] < begin.shape[1] else 0
+    usual = {*VIEWS_DEG, *URG_BEAMS}
+    if count in usual:
+        return told
+    alike = int((np.ptp(begin, axis=0) == 0).cumprod().sum()) if len(table) > 1 else 0
+    most = max(MOST_OTHERS, told, alike)
+    return next((n for n in range(max(told, 1), most + 1) if count - n in usual), told)
+
+
+def _pairs_of(table: Array) -> list[str]:
+    """Names of columns `(m, 2 n)` that are angles and ranges in turn; none of others.
+
+    Angles go one way, and from angle to range and on numbers go up and down.
+    """
+    signs = np.sign(np.diff(table, axis=1))
+    zigzag = signs[:, 1:] * signs[:, :-1] < 0
+    halves = table[:, ::2], table[:, 1::2]
+    ways = [np.sign(np.diff(half, axis=1)) for half in halves]
+    spans = [
+        np.ptp(h) if abs(w.sum()) > 0.9 * w.size else 0.0 for h, w in zip(halves, ways, strict=True)
+    ]
+    if table.shape[1] % 2 or zigzag.sum() < 0.8 * zigzag.size or max(spans) < LEAST_VIEW_RAD:
+        return []
+    names = ("angle", "range") if spans[0] > spans[1] else ("range", "angle")
+    return [f"{name}_{k}" for k in range(table.shape[1] // 2) for name in names]

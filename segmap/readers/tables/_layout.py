@@ -12,14 +12,11 @@ import numpy as np
 
 from ...arrays import Array
 from .._lines import is_number
-from ..packed import log_file
 from ._columns import (
     RPLIDAR_RECORD,
     Columns,
-    guessed,
     is_unit,
     named,
-    proposed_names,
     with_units_told,
 )
 from ._fields import (
@@ -41,19 +38,18 @@ from ._fields import (
     split,
     with_units_behind,
 )
+from ._numbers import guessed, proposed_names
 
 POSES_ALONE = "holds poses and no scan: --odometry or --truth reads them beside a log"
-EXAMPLE = "columns=['angle_deg', 'range_mm']"
-#: So many rows are shown where columns are chosen.
-SHOWN_ROWS = 6
-#: Of more columns nobody chooses the angle: they are scans, if anything.
-MOST_CHOSEN_COLUMNS = 20
+EXAMPLE = "columns=['angle_deg', 'range_mm'] or --columns angle_deg,range_mm"
 #: So many of them are looked at for a head.
 HEAD_LINES = 20
 #: No line of a table with a beam a line is longer.
 MOST_ROW_CHARACTERS = 4096
 #: From this share of rows on that fit, a file is such a table.
 ROWS_SHARE = 0.5
+#: So many lines with names in them are a table of them.
+LABELS_SHARE = 0.1
 #: Behind it lie the points of a cloud, PCD.
 CLOUD_DATA = "DATA ascii"
 #: How the programs of RPLidar begin a file of degrees, clockwise, and millimetres.
@@ -126,6 +122,9 @@ def _labelled(lines: Sequence[tuple[int, str]]) -> Layout | None:
     for _, line in lines[:HEAD_LINES]:
         labels = tuple(next(labelled(line)))
         if (columns := named(labels)).enough:
+            beams = sum({*labels} <= {*said} for _, text in lines for said in labelled(text))
+            if beams < LABELS_SHARE * len(lines):
+                continue  # they say something of the beams below
             return _over(Layout(None, 0, labels, columns, labels), lines)
     return None
 
@@ -329,67 +328,14 @@ def begin_of(path: Path) -> tuple[str | None, int]:
     return separator, lines[0][0] if lines else 0
 
 
-def first_rows(path: str | Path) -> tuple[list[str], list[list[str]]]:
-    """Names that may fit the columns of a table, with units, and its first rows, as texts.
-
-    Nothing of a file whose beams stand in no columns: with a name beside each number, in brackets.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "it.csv"
-    ...     _ = path.write_text("a;b\\n0;1500\\n90;2000\\n")
-    ...     first_rows(path)
-    (['angle_deg', 'range_mm'], [['0', '1500'], ['90', '2000']])
-    """
-    from ._messages import records_of, shown_records  # which read by this module
-
-    with log_file(path) as place:
-        if records := records_of(place):
-            return shown_records(records, place)
-        separator, line = begin_of(place)
-        lines = [(k, t) for k, t in sample(place) if k > line and not t.startswith(TABLE_COMMENTS)]
-        rows = [split(text, separator) for _, text in lines]
-        lengths = [len(row) for row in rows]
-        wide = max({*lengths}, key=lengths.count, default=0)
-        found = layout_of(place)
-        if found and (found.labels or found.nested):  # there are no columns
-            return [], []
-        names = found.names if found and len(found.names) == wide else ("-",) * wide
-        table = rows_below(Layout(separator, line, names, named(names)), lines)
-        return proposed_names(names, table) if wide else [], rows[:SHOWN_ROWS]
-
-
-def looks_like(path: Path) -> str:
-    """What a file without a format holds, and three lines of Python that read it, if numbers."""
-    lines = [(k, line) for k, line in sample(path) if not line.startswith(TABLE_COMMENTS)]
-    separator, line = begin_of(path)
-    rows = [split(text, separator) for number, text in lines if number > line]
-    fields = [*map(decimal, rows[0])] if rows else []
-    if len(rows) < 2 or len(fields) < 2 or not all(map(is_number, fields)):
-        return ""
-    count, mark = len(rows[0]), {None: "white space", "\t": "tabs"}.get(separator, f"{separator!r}")
-    first = "".join(f"    {text[:70]}\n" for _, text in lines[:3])
-    if count > MOST_CHOSEN_COLUMNS:
-        how = "a line above that names them, time_s,r0,r1,r2,..., says what they are"
-        return f"It looks like {count} columns between {mark}:\n{first}If they are scans, {how}.\n"
-    names, _ = first_rows(path)
-    if not names:
-        return ""
-    commas = separator != "," and any("," in field for field in rows[0])
-    sep = f"[{separator}]" if len(separator or "") > 1 else separator or "[ ]+"
-    how = f"sep={sep!r}, decimal={',' if commas else '.'!r}"
-    angle, far = (
-        next(k for k, n in enumerate(names) if n.startswith(w)) for w in ("angle", "range")
-    )
-    turn = "" if "rad" in names[angle] else " * numpy.pi / 180"
-    scale = " / 1000" if "mm" in names[far] else ""
+def parted(layout: Layout, place: int) -> str:
+    """Python that makes of a table a file for each thing that a column says."""
+    mark, has_head = layout.separator or " ", layout.names[place : place + 1] not in ((), ("-",))
+    kind = f"[{mark}]+" if len(mark) > 1 else mark.replace(" ", r"\s+")
+    above = f", skiprows={layout.line - has_head}" * (layout.line > has_head)
+    above += ", header=None" * (not has_head) + ", engine='python'" * (len(mark) > 1)
     return (
-        f"It looks like {count} columns between {mark}:\n{first}"
-        f"Which is which nobody says. --columns {','.join(names)} reads it if it is so, or\n"
-        f"    import numpy, pandas, segmap\n"
-        f"    rows = pandas.read_csv({path.name!r}, {how}, header=None, skiprows={line}).values\n"
-        f"    log = segmap.Log('mine', [segmap.LaserScan(rows[:, {far}]{scale}, "
-        f"rows[:, {angle}]{turn})])\n"
+        f"for name, rows in pandas.read_csv(path, sep={kind!r}, dtype=str{above})"
+        f".groupby({(layout.names[place] if has_head else place)!r}): "
+        f"rows.to_csv(f'{{name}}.csv', sep={mark[0]!r}, index=False, header={has_head})"
     )

@@ -30,9 +30,10 @@ import numpy as np
 
 from ...scans import Log
 from .._lines import HeadError, Lines, LogError
-from ._columns import named, proposed_names
+from ._columns import named
 from ._fields import SAMPLE_LINES, labelled, listed, sample
-from ._layout import SHOWN_ROWS, Layout, wanting
+from ._layout import Layout, wanting
+from ._numbers import proposed_names
 from ._sensors import (
     PACKETS_SAMPLE_BYTES,
     TELEGRAM,
@@ -56,6 +57,8 @@ MOST_JSON_BYTES = 1 << 28
 END_OF_MESSAGE = "---"
 #: Of lists of more numbers each is a scan, and no beam.
 MOST_BEAM_FIELDS = 8
+#: So many rows are shown where columns are chosen.
+SHOWN_ROWS = 6
 DECODER = json.JSONDecoder()
 #: A key of YAML before its value.
 BARE_KEY = re.compile(r"([{,]\s*)([A-Za-z_]\w*):")

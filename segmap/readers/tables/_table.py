@@ -10,12 +10,12 @@
     0.35,1.234                                         columns that the numbers tell
 
 Fields lie between commas, semicolons, tabs or white space, or two of these, with decimal points or
-commas; a unit may stand behind each number, `90 deg, 1.25 m`. A scan
-ends where its number or its head says so, or where the angle wraps; its time is that of its first
-beam, and unknown without a column of it. Times are numbers, ISO 8601 or the time of day. Angles are
-counter-clockwise unless their name, their program or the caller says otherwise. A range of 0 and an
-empty one are no measurement, `inf` is a beam that met nothing. Columns nobody needs are left out.
-There is no odometry and no truth.
+commas; a unit may stand behind each number, `90 deg, 1.25 m`. A scan ends where its number, its
+head or a time that lasts for a turn says so, or where the angle wraps or turns back; its time is
+that of its first beam, and unknown without a column of it. Times are numbers, ISO 8601 or the time
+of day. Angles are counter-clockwise unless their name, their program or the caller says otherwise.
+A range of 0 and an empty one are no measurement, `inf` is a beam that met nothing. Columns nobody
+needs are left out. There is no odometry and no truth.
 
 Assumed: beams are counter-clockwise, a scan ends where the angle wraps, and units, where the file
 does not say them; without a head also which column is what.
@@ -27,8 +27,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -41,13 +40,12 @@ from .._lines import (
     OnError,
     direction_field,
     distance,
-    float_fields,
     is_number,
     number_field,
     stem,
     time,
 )
-from .._raw_scans import COUNTERCLOCKWISE, beams_of_message, known, place_of
+from .._raw_scans import COUNTERCLOCKWISE, known, place_of
 from .._text import TextFormat
 from ..packed import log_file
 from ._columns import Columns, named
@@ -56,9 +54,9 @@ from ._fields import (
     NESTED,
     TABLE_COMMENTS,
     TUPLE,
+    as_numbers,
     decimal,
     labelled,
-    listed,
     moment,
     sample,
     split,
@@ -66,30 +64,30 @@ from ._fields import (
 )
 from ._layout import (
     EXAMPLE,
-    Beams,
     Layout,
     as_written,
     begin_of,
     layout_of,
+    parted,
     rows_below,
     wanting,
 )
-from ._wide import usual_view
+from ._numbers import ends_of_turns, from_first, is_time_of_turns
+from ._wide import scan_in
 
 #: No scan has more beams.
 MOST_BEAMS_READ = 100_000
-#: A scan may begin so much before the first one did.
-SAME_DIRECTION_RAD = np.radians(0.5)
-#: Columns of the robot's pose, beside those of a beam.
-POSE = {"x", "y", "heading"}
+POSE_OF_ROW = "rows without ranges are no scans: the pose of one is that of the scan behind it"
+#: A column that says who measured holds no more names.
+MOST_SENSORS = 64
+#: Nor one of words that may be such a column, and it changes between scans only.
+MOST_WORDS = 8
 #: A day, of which some clocks tell the time alone, seconds.
 DAY_S = 86400.0
 #: A line between scans.
 NEXT_SCAN = re.compile(
-    r"(?i)[a-z ]*\b(scan|frame|sweep|turn|revolution|rotation)\b[^\d]*\d*[^\d]*$"
+    r"(?i)[a-z ]*\b(scan|frame|sweep|turn|revolution|rotation)\b[^\d]*\d*[^\d]*(\w+\s*=.*)?$"
 )
-#: What a message says that says nothing.
-UNSAID_NUMBERS: dict[str, Any] = {"range_min": 0.0, "range_max": 0.0, "time_increment": 0.0}
 #: A name in a record that does not end.
 CUT = "..."
 #: What an XV-11 says between its tables.
@@ -99,9 +97,9 @@ CHATTER = ("rotation_speed", "getldsscan", "i heard a laser scan", "angle_range"
 class Table(TextFormat):
     """Beams in columns that are known, in the order in which they were measured.
 
-    A scan ends where its number changes; without numbers, where the angle wraps. Its time is that
-    of its first beam, where the lines have any; each beam keeps its own. Scans of a clockwise
-    sensor are turned round.
+    A scan ends where its number changes; without numbers, where a time that lasts for a turn does,
+    or where the angle wraps or turns back. Its time is that of its first beam, where the lines have
+    any; each beam keeps its own. Scans of a clockwise sensor are turned round.
     """
 
     expected = "lines of angle and range"
@@ -116,6 +114,10 @@ class Table(TextFormat):
         beams = layout.beams.ranges if layout.beams else ()
         self.last = max([*places, *(beams[:1] if layout.beams and layout.beams.goes_on else beams)])
         self.turns, self.head, self.clock, self.stamp = 0, [""], np.nan, ""
+        self.between: tuple[str, ...] = ()
+        self.pose = [np.nan] * 3
+        self.places = {*places, *beams, *(layout.beams.directions if layout.beams else ())}
+        self.apart: dict[int, list[str]] | None = None
 
     def _take(self, fields: list[str]) -> None:
         (line,) = fields
@@ -141,10 +143,14 @@ class Table(TextFormat):
                     raise ValueError(f"its brackets are not closed: {line[-40:]!r}")
         else:
             found = split(line, layout.separator)
-            if self.lines.number <= layout.line:
-                self.head = found
-            elif found == self.head or NEXT_SCAN.match(" ".join(found)):
+            above = self.lines.number <= layout.line
+            if above or found == self.head or NEXT_SCAN.match(" ".join(found)):
+                self.head = found if above and not is_number(found[0]) else self.head
                 self.turns += bool(self.scans)
+                if "time" not in self.columns:
+                    self.stamp = stamp_in(line) or self.stamp
+                if "=" in line and not (above or self.between):
+                    self.between = (f"lines between scans are left out, such as {line[:60]!r}",)
             elif not found or not found[0].lower().startswith(CHATTER):
                 self._row(found)
 
@@ -162,6 +168,7 @@ class Table(TextFormat):
     def _row(self, fields: list[str]) -> None:
         if len(fields) <= self.last:
             raise ValueError(f"expected {self.last + 1} columns or more, got {len(fields)}")
+        self._note_words(fields)
         thousands = self.layout.thousands
         texts = {role: fields[column.place] for role, column in self.columns.items()}
         said = {role: decimal(text, thousands=thousands) for role, text in texts.items()}
@@ -170,11 +177,18 @@ class Table(TextFormat):
             if column.measured and texts[role][-1:].isdigit() and float(said[role]):
                 raise ValueError(f"expected a unit behind {texts[role]!r}, as others have")
         when, pose = self._moment(said, factors), [np.nan] * 3
-        if {*said} >= POSE and (self.layout.beams or "angle" in said):
-            pose = [number_field(said[role], role, factors[role]) for role in sorted(POSE)]
+        apart = "pose_" * ("pose_x" in said)
+        roles = ("heading", f"{apart}x", f"{apart}y")
+        if self.layout.beams and not any(texts.get(role) for role in roles):
+            pose = self.pose
+        elif {*roles} <= {*said} and (self.layout.beams or apart or "angle" in said):
+            pose = [number_field(said[role], role, factors[role]) for role in roles]
         if self.layout.beams:
+            if not any(fields[k] for k in self.layout.beams.ranges):  # of another topic
+                self.pose, self.between = pose, (POSE_OF_ROW,)
+                return
             heading, x, y = pose
-            found = _scan_in(fields, self.layout.beams)
+            found = scan_in(fields, self.layout.beams)
             self.scans.append(replace(found, time=when, odometry=known(np.array([x, y, heading]))))
             return
         if {"angle", "range"} <= {*said}:
@@ -190,6 +204,35 @@ class Table(TextFormat):
         turn = float(self.turns)
         number = number_field(said["scan"], "the scan") if "scan" in said else turn
         self.scans.append((angle, far, when, number, *pose))
+
+    def _note_words(self, fields: Sequence[str]) -> None:
+        """Keep what columns of words say, each time that it changes: who measured, perhaps."""
+        if self.apart is None:
+            apart = [k for k in range(len(fields)) if k not in self.places and fields[k]]
+            words = (k for k in apart if np.isnan(as_numbers([fields[k]])).all())
+            who = self.layout.columns.sensor
+            self.apart = {k: [] for k in (*words, *([] if who is None else [who]))}
+        for k, said in self.apart.items():
+            if k < len(fields) and fields[k] not in ("", *said[-1:]):
+                said.append(fields[k])
+
+    def _of_several(self, scans: int) -> tuple[str, ...]:
+        """What is told of columns that may say which of several sensors measured."""
+        found = []
+        for k, said in (self.apart or {}).items():
+            values, is_named = list(dict.fromkeys(said)), k == self.layout.columns.sensor
+            most = MOST_SENSORS if is_named else MOST_WORDS * (len(said) <= scans)
+            if not 1 < len(values) <= most or {"true", "false"} & {*map(str.lower, values)}:
+                continue
+            name = self.layout.names[k] if self.layout.names else f"column {k + 1}"
+            what = f"{name!r} holds {', '.join(values[:MOST_WORDS])}"
+            split = "; records of each in a file of their own are logs"
+            if not self.layout.labels:
+                split = f"; {parted(self.layout, k)} parts them"
+            if is_named:
+                raise LogError(self.lines.path, f"{what}: expected one sensor a log{split}")
+            found.append(f"{what} and is left out: if these are sensors, each has its log{split}")
+        return tuple(found)
 
     def _moment(self, said: Mapping[str, str], factors: Mapping[str, float]) -> float:
         """Seconds of a line; of times of the day those behind midnight go on."""
@@ -210,25 +253,29 @@ class Table(TextFormat):
         if self.stamp:
             self.assumed += ("times are those that stand before, or between, the beams",)
         if self.layout.beams:
-            return Log(name, self.scans, None, self.lines.skipped, assumed=self.assumed)
+            told = (*self.assumed, *self.between, *self._of_several(len(self.scans)))
+            return Log(name, self.scans, None, self.lines.skipped, assumed=told)
         table = np.array(self.scans)
         if self.stamp and np.ptp(table[:, 2]) == 0:  # one for all tells nothing
             table[:, 2], self.assumed = np.nan, self.assumed[:-1]
         if not {"angle", "range"} <= {*self.columns}:  # points: a turn ends where it began
-            table[:, 0] = _from_first(table[:, 0])
+            table[:, 0] = from_first(table[:, 0])
+        self.assumed += self.between
         if self.turns or {"scan", "new"} & {*self.columns}:
-            ends = np.diff(table[:, 3]) != 0
+            ends = np.flatnonzero(np.diff(table[:, 3])).tolist()
+        elif is_time_of_turns(table[:, 2], table[:, 0]):
+            ends = np.flatnonzero(np.diff(table[:, 2])).tolist()
+            self.assumed += ("a scan ends where its time does",)
         else:  # nothing numbers them
-            steps = np.diff(table[:, 0])
-            onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
-            ends = -onwards * steps > min(np.ptp(table[:, 0]) / 2, np.pi)
-            self.assumed += ("a scan ends where the angle wraps",) * bool(ends.any())
-        parts = np.split(table, np.flatnonzero(ends) + 1)
+            ends, how = ends_of_turns(table[:, 0])
+            self.assumed += (f"a scan ends where the angle {how}",) * bool(ends)
+        parts = np.split(table, [end + 1 for end in ends])
+        self.assumed += self._of_several(len(parts))
         if max(map(len, parts)) > MOST_BEAMS_READ:
             raise self.lines.error(
                 f"expected at most {MOST_BEAMS_READ} beams in a scan: where does one end?"
             )
-        if {*self.columns} >= POSE:
+        if np.isfinite(table[0, 4]):
             self.assumed += (place_of(np.zeros(3)),)
         scans = [self._scan(part) for part in parts]
         return Log(name, scans, None, self.lines.skipped, assumed=self.assumed)
@@ -242,32 +289,6 @@ class Table(TextFormat):
         if np.ptp(times) > 0:  # neither unknown nor one time for all
             time, delays = times.min(), times - times.min()
         return LaserScan(ranges, angles, time, known(np.array([x, y, heading])), delays=delays)
-
-
-def _scan_in(fields: Sequence[str], beams: Beams) -> LaserScan:
-    """The beams that stand in a line."""
-    texts, turned = (
-        [decimal(part) for k in places for part in listed(fields[k])]
-        for places in (beams.places(each, len(fields)) for each in (beams.ranges, beams.directions))
-    )
-    if beams.single:
-        numbers = {word: float_fields([fields[k]], word)[0] for word, k in beams.single}
-        ranges = float_fields(texts, "ranges")
-        return beams_of_message(SimpleNamespace(**UNSAID_NUMBERS | numbers, ranges=ranges))
-    ranges = np.array([distance(text, beams.factor) for text in texts])
-    ranges[ranges < beams.least] = np.nan
-    if not turned and len(ranges) != len(beams.angles):
-        return LaserScan(ranges, usual_view(len(ranges)))
-    angles = [direction_field(text, beams.radian) for text in turned]
-    return LaserScan(ranges, np.array(angles or beams.angles))
-
-
-def _from_first(angles: Array) -> Array:
-    """Angles of points in their order, that wrap where the first of them lies."""
-    steps = np.diff(np.unwrap(angles))
-    onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
-    first = angles[0] - onwards * SAME_DIRECTION_RAD
-    return np.asarray(first + onwards * np.mod(onwards * (angles - first), 2 * np.pi))
 
 
 def reader_of(layout: Callable[[Path], Layout | None]) -> Callable[[Path, str, str], Log]:
@@ -286,7 +307,7 @@ def read_csv(
     """Read a table with a beam a line, whose columns the caller names.
 
     Fields lie between commas, semicolons, tabs or white space. A scan ends where the column `scan`
-    changes or, without one, where the angle wraps.
+    changes or, without one, where a time that lasts for a turn does, or the angle wraps or turns.
 
     Parameters
     ----------
@@ -333,7 +354,11 @@ def read_csv(
             return _read_table(place, stem(place), on_error, stated(place), clockwise)
         separator, line = begin_of(place)
         layout = as_written(Layout(separator, line, tuple(names), found), sample(place))
-        return _read_table(place, stem(place), on_error, layout, clockwise)
+        log = _read_table(place, stem(place), on_error, layout, clockwise)
+        if (left := log.skipped).lines > (rows := sum(map(len, log))):
+            count, chosen = left.lines + rows, ",".join(names)
+            raise LogError(place, f"{left.lines} of {count} lines are no {chosen}: {left.reason}")
+        return log
 
 
 def _unsaid(found: Columns) -> str:

@@ -22,17 +22,25 @@ import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from ...arrays import Array
-from ...scans.error_codes import LOWEST
-from .._lines import LogError, is_number
-from .._raw_scans import COUNTERCLOCKWISE, URG_STEP, centred, half_turn, place_of, view_of
-from ._columns import BEFORE_NAME, LEAST_VIEW_RAD, Column, Columns, named, with_units_told
+from ...arrays import LIMIT, Array
+from ...scans import LaserScan
+from .._lines import LogError, direction_field, distance, float_fields, is_number
+from .._raw_scans import (
+    COUNTERCLOCKWISE,
+    URG_STEP,
+    beams_of_message,
+    centred,
+    half_turn,
+    place_of,
+    view_of,
+)
+from ._columns import BEFORE_NAME, Column, Columns, named, with_units_told
 from ._fields import (
-    LEADING,
     MEASURE,
     TABLE_COMMENTS,
     as_numbers,
@@ -50,13 +58,15 @@ SINGLE_NUMBERS = (
     *("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time"),
     *("range_min", "range_max"),
 )
+#: What a message says that says nothing.
+UNSAID_NUMBERS: dict[str, Any] = {"range_min": 0.0, "range_max": 0.0, "time_increment": 0.0}
 SHORTENED = "its ranges are shortened: `ros2 topic echo --full-length`, no --noarr, shows all"
+#: Steps from angle to angle differ by less than such a share.
+EVEN_SHARE = 0.1
 #: So many ranges in a line make a scan.
 LEAST_BEAMS = 6
 #: So many numbers in a line without a head do.
 LEAST_BARE_BEAMS = 30
-#: So many numbers that rise from line to line are times.
-LEAST_TIMES = 5
 #: A head stands among the first so many lines.
 HEAD_ROWS = 20
 #: What names of ranges begin with that are not called so.
@@ -75,11 +85,9 @@ VIEWS_DEG = {
     **{1081: 270, 1440: 360, 1141: 285},
 }
 URG_BEAMS = (681, 682, 683, 726, 768, 769)
-#: Before the ranges of a line that nobody names stand so many other numbers, if any.
-MOST_OTHERS = 3
 
 
-def _first_fields(path: Path) -> tuple[str | None, list[tuple[int, str]], list[list[str]]]:
+def first_fields(path: Path) -> tuple[str | None, list[tuple[int, str]], list[list[str]]]:
     """What separates the fields of the first lines, these with their numbers, and their fields."""
     lines = [(k, text) for k, text in sample(path, WIDE_SAMPLE_LINES) if text]
     first = lines[0][0] if lines else 0
@@ -90,13 +98,18 @@ def _first_fields(path: Path) -> tuple[str | None, list[tuple[int, str]], list[l
 
 def scans_of(path: Path) -> Layout | None:
     """How a file with a scan a line is written; None for another one."""
-    separator, lines, rows = _first_fields(path)
+    separator, lines, rows = first_fields(path)
     for k, (row, below) in enumerate(pairwise(rows[:HEAD_ROWS])):
+        if "" in below:  # of another topic, perhaps
+            alike = [each for each in rows[k + 1 :] if len(each) == len(below)]
+            below = max(alike, key=lambda each: sum(map(bool, each)))
         names = [BEFORE_NAME.sub("", name) for name in row]
+        if is_number(row[0]) and not _are_directions(row, below):
+            names[0] = "time" if _are_directions(row[1:], below[1:]) else names[0]
         more = _going_on(names, len(below))
         if _is_head(more, below):
             head = Layout(separator, lines[k][0], tuple(more))
-            return _with_head(path, head, rows[k + 1 :], goes_on=len(more) > len(names))
+            return with_head(path, head, rows[k + 1 :], goes_on=len(more) > len(names))
     return _ros2(path, separator, rows[0]) if rows else None
 
 
@@ -112,10 +125,10 @@ def of_records(
     bare = [] if names else [k for k, name in enumerate(own) if name.isdecimal()]
     rows = [[said.get(label, "") for label in labels] for said in records]
     if not names and not bare and _is_head(own, rows[0], least=1):
-        return _with_head(path, Layout(None, 0, own, labels=labels), rows), np.empty(0)
+        return with_head(path, Layout(None, 0, own, labels=labels), rows), np.empty(0)
     table = np.array([as_numbers(row) for row in rows])
     found = unnamed([", ".join(row[k] for k in bare) for row in rows], []) if bare else None
-    columns = named(names or own)
+    columns = named(names or labels)
     if found and len(found.names) == len(bare):
         roles = {role: c._replace(place=bare[c.place]) for role, c in found.columns.by_role.items()}
         columns = found.columns._replace(by_role=columns.by_role | roles)
@@ -125,56 +138,14 @@ def of_records(
     return with_units(head, table), table
 
 
-def bare_of(path: Path) -> Layout | None:
-    """The same for lines of nothing but numbers, as many in each: a guess, and a last resort."""
-    separator, lines, rows = _first_fields(path)
-    outer = separator[:1] if separator and len(separator) > 1 else None
-    apart = all(LEADING.match(t) or (outer and t.count(outer) == 1) for _, t in lines)
-    width = max(map(len, rows), default=0)
-    rows = [[*map(decimal, row)] for row in rows]
-    whole = [row for row in rows if len(row) == width and all(map(is_number, row))]
-    heads = [row for row in rows[:1] if len(row) == width and not any(map(is_number, row))]
-    if width < (LEAST_BEAMS if apart else LEAST_BARE_BEAMS) or 2 * len(whole) <= len(rows) or heads:
-        return None
-    table = np.array(whole, float)
-    first, told, columns = table[:, 0], list[str](), Columns({})
-    is_time = len(first) >= LEAST_TIMES or apart or bool(_pairs_of(table[:, 1:]))
-    begin = int(is_time and bool((np.diff(first) > 0).all()))
-    if begin:
-        columns, told = with_units_told(named(["time"]), np.repeat(table[:, :1], 3, 0))
-    if pairs := _pairs_of(table[:, begin:]):
-        head = Layout(separator, 0, (*["time"][:begin], *pairs))
-        found = _with_head(path, head, whole, goes_on=True)
-        what = f"lines of numbers are scans{', behind their times' * begin}"
-        return found._replace(
-            told=(f"{what}: pairs of {pairs[0][:-2]} and {pairs[1][:-2]}", *found.told)
-        )
-    counts = [k + 1 for k in (begin, begin + 1) if (table[:, k] == width - k - 1).all()]
-    usual, others = {*VIEWS_DEG, *URG_BEAMS}, range(1, MOST_OTHERS + 1)
-    other = next((n for n in others if width - begin - n in usual), 0)
-    if other and not counts and width - begin not in usual:
-        raise LogError(
-            path,
-            f"lines of {width} numbers, {width - begin - other} of them ranges behind "
-            f"{begin + other} others? A line above that names them says so: time_s,x_m,y_m,"
-            f"theta_rad, or `-` for what is none of these, and r0,r1,r2,...",
-        )
-    places = tuple(range(max([begin, *counts]), width))
-    factor, unit = _unit_of_ranges("", table[:, places])
-    angles = usual_view(len(places))
-    told += [*unit, view_of(angles), f"lines of {width} numbers are scans"]
-    codes = factor < 1 and len(places) in URG_BEAMS
-    beams = Beams(places, factor, tuple(angles), least=factor * LOWEST if codes else 0.0)
-    return Layout(separator, 0, (), columns, told=tuple(told), beams=beams)
-
-
 def _going_on(names: Sequence[str], count: int) -> Sequence[str]:
     """Names for so many fields: of a head such as `t,ranges` or `t,angle,range,...` the last go on.
 
     They are numbered where they stand there several times, too.
     """
-    names = [name for name in names if name.strip(".…")]
+    names = [name for name in names if not name or name.strip(".…")]
     pair = {*named(names[-2:]).by_role} == {"angle", "range"}
+    pair &= not {"x", "y"} <= {*named(names).by_role}  # whose heading it is
     last = names[-2:] if pair else names[-1:]
     begin = names.index(last[0]) if last else 0
     more, left = divmod(count - begin, max(len(last), 1))
@@ -184,27 +155,11 @@ def _going_on(names: Sequence[str], count: int) -> Sequence[str]:
     return [*names[:begin], *(f"{name}_{k}" for k in range(more) for name in last)]
 
 
-def _pairs_of(table: Array) -> list[str]:
-    """Names of columns `(m, 2 n)` that are angles and ranges in turn; none of others.
-
-    Angles go one way, and from angle to range and on numbers go up and down.
-    """
-    signs = np.sign(np.diff(table, axis=1))
-    zigzag = signs[:, 1:] * signs[:, :-1] < 0
-    halves = table[:, ::2], table[:, 1::2]
-    ways = [np.sign(np.diff(half, axis=1)) for half in halves]
-    spans = [
-        np.ptp(h) if abs(w.sum()) > 0.9 * w.size else 0.0 for h, w in zip(halves, ways, strict=True)
-    ]
-    if table.shape[1] % 2 or zigzag.sum() < 0.8 * zigzag.size or max(spans) < LEAST_VIEW_RAD:
-        return []
-    names = ("angle", "range") if spans[0] > spans[1] else ("range", "angle")
-    return [f"{name}_{k}" for k in range(table.shape[1] // 2) for name in names]
-
-
 def _is_head(row: Sequence[str], below: Sequence[str], least: int = LEAST_BEAMS) -> bool:
     """Whether fields are names of many ranges: a prefix and numbers, directions, or of a list."""
-    if len(row) != len(below) or all(map(is_number, row)):
+    if len(row) != len(below):
+        return False
+    if all(map(is_number, row)) and not _are_directions(row, below):
         return False
     if any(map(MEASURE.fullmatch, below)) and all(is_number(decimal(field)) for field in row):
         return False
@@ -213,6 +168,17 @@ def _is_head(row: Sequence[str], below: Sequence[str], least: int = LEAST_BEAMS)
     found = [part for place in beams.ranges for part in listed(below[place])]
     apart = len({*numbers}) == len(numbers) or bool(prefix)
     return len(found) >= least and apart and any(is_number(decimal(part)) for part in found)
+
+
+def _are_directions(row: Sequence[str], below: Sequence[str]) -> bool:
+    """Whether numbers lie evenly, unlike those below them, as angles above ranges do."""
+    if len(row) < LEAST_BARE_BEAMS or len(row) != len(below):
+        return False
+    if not all(map(is_number, [*row, *below])):
+        return False
+    steps = np.diff(np.clip(np.nan_to_num(np.array([row, below], float)), -LIMIT, LIMIT))
+    even = np.ptp(steps, axis=1) < EVEN_SHARE * np.abs(np.median(steps, axis=1))
+    return bool(even[0] and not even[1])
 
 
 def _beams_in(names: Sequence[str], below: Sequence[str]) -> tuple[Beams, list[float], str]:
@@ -249,7 +215,7 @@ def _beams_in(names: Sequence[str], below: Sequence[str]) -> tuple[Beams, list[f
     return Beams(places, directions=tuple(angles[0]) if angles else ()), [*numbers], first
 
 
-def _with_head(
+def with_head(
     path: Path, head: Layout, rows: Sequence[Sequence[str]], *, goes_on: bool = False
 ) -> Layout:
     """How such a file is written; lines may have as many beams as they like."""
@@ -280,7 +246,7 @@ def _with_head(
         told.append(place_of(np.zeros(3)))
         said = tuple(dict.fromkeys(told))
         return head._replace(columns=columns, told=said, beams=beams._replace(single=single))
-    factor, unit = _unit_of_ranges(prefix, _cells(rows, beams.ranges))
+    factor, unit = unit_of_ranges(prefix, _cells(rows, beams.ranges))
     if any(MEASURE.fullmatch(rows[0][k]) for k in beams.ranges):
         factor, unit = 1.0, []
     if beams.directions:
@@ -320,7 +286,7 @@ def _as_pose(found: Columns) -> Columns:
     return found._replace(by_role=columns)
 
 
-def _unit_of_ranges(prefix: str, values: Array) -> tuple[float, list[str]]:
+def unit_of_ranges(prefix: str, values: Array) -> tuple[float, list[str]]:
     """What makes metres of ranges: by what their names begin with, or by the numbers, told."""
     words = named([f"range_{prefix.removeprefix('range')}"]).by_role.get("range")
     if words is not None and words.factor is not None:
@@ -370,3 +336,21 @@ def _ros2(path: Path, separator: str | None, row: Sequence[str]) -> Layout | Non
     single = tuple((word, frame + 1 + k) for k, word in enumerate(SINGLE_NUMBERS))
     told = (place_of(np.zeros(3)),)
     return Layout(separator, 0, (), Columns(clock), told=told, beams=Beams(places, single=single))
+
+
+def scan_in(fields: Sequence[str], beams: Beams) -> LaserScan:
+    """The beams that stand in a line."""
+    texts, turned = (
+        [decimal(part) for k in places for part in listed(fields[k])]
+        for places in (beams.places(each, len(fields)) for each in (beams.ranges, beams.directions))
+    )
+    if beams.single:
+        numbers = {word: float_fields([fields[k]], word)[0] for word, k in beams.single}
+        ranges = float_fields(texts, "ranges")
+        return beams_of_message(SimpleNamespace(**UNSAID_NUMBERS | numbers, ranges=ranges))
+    ranges = np.array([distance(text, beams.factor) for text in texts])
+    ranges[ranges < beams.least] = np.nan
+    if not turned and len(ranges) != len(beams.angles):
+        return LaserScan(ranges, usual_view(len(ranges)))
+    angles = [direction_field(text, beams.radian) for text in turned]
+    return LaserScan(ranges, np.array(angles or beams.angles))

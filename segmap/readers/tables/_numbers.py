@@ -1,0 +1,173 @@
+"""What the numbers of a table tell: which columns are angle and range, and where a scan ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ...angles import wrap
+from ...arrays import Array
+from ._columns import (
+    COLUMN_UNITS,
+    LEAST_VIEW_RAD,
+    MOST_METRES,
+    TELLING_ROWS,
+    TICK_WORDS,
+    Column,
+    named,
+    plain_words,
+    with_units_told,
+)
+
+#: How many they usually are.
+USUAL_TICKS = (1024, 1440, 2048, 4096, 8192, 16384, 65536)
+#: A scan may begin so much before the first one did.
+SAME_DIRECTION_RAD = np.radians(0.5)
+#: A time that stands for a turn sees such a share of the view at least, and goes through so many.
+TURN_SHARES = 0.8, 1.5
+
+
+def guessed(rows: Array) -> tuple[str, ...]:
+    """Names of columns without names, by their numbers `(m, k)`; none where these do not tell."""
+    count, usable = rows.shape[1], [int(k) for k in np.flatnonzero(np.isfinite(rows).all(0))]
+    if len(rows) < TELLING_ROWS or not 2 <= len(usable) <= 8:
+        return ()
+    sweeps = [k for k in usable if _sweeps(rows[:, k])]
+    if len(sweeps) > 1:  # an index counts by ones
+        sweeps = [k for k in sweeps if not _counts_up(rows[:, k])] or sweeps
+    if len(sweeps) > 1:
+        sweeps = [k for k in sweeps if (np.diff(rows[:, k]) < 0).any()] or sweeps
+        sweeps = [max(sweeps, key=lambda k: float(np.ptp(rows[:, k])))]
+    clocks = [k for k in usable if (np.diff(rows[:, k]) >= 0).all() and np.ptp(rows[:, k])]
+    if len(sweeps) != 1:
+        return ()
+    (angle,) = sweeps
+    others = [k for k in usable if k != angle and k not in clocks and np.ptp(rows[:, k])]
+    others = [k for k in others if (rows[:, k] >= 0).all() and not _counts_up(rows[:, k])]
+    if not others:
+        return ()
+    ranked = sorted(others, key=lambda k: len(np.unique(rows[:, k])))
+    distance, names = ranked[-1], ["-"] * count
+    if len(ranked) > 1 and len(np.unique(rows[:, ranked[-2]])) == len(np.unique(rows[:, distance])):
+        return ()
+    names[angle], names[distance] = "angle", "range"
+    if clocks and angle not in clocks[:1]:
+        counts = _counts_up(rows[:, clocks[0]])
+        names[clocks[0]] = "scan" if counts else "time"
+        if counts and len(np.unique(rows[:, clocks[0]])) == len(rows):
+            names[clocks[0]] = "-"  # an index
+    return tuple(names)
+
+
+def _sweeps(values: Array) -> bool:
+    """Whether numbers go one way like the angle of a laser that turns, and at times fall back."""
+    steps = np.diff(values)
+    ahead = steps if (steps > 0).sum() >= (steps < 0).sum() else -steps
+    span, falls = float(np.ptp(values)), -ahead[ahead < 0]
+    if not LEAST_VIEW_RAD <= span <= 720 or np.abs(values).max() > 720:
+        return False
+    return bool(_goes_one_way(values) and (falls > span / 2).sum() >= 0.5 * len(falls))
+
+
+def _goes_one_way(values: Array) -> bool:
+    signs = np.sign(np.diff(values))
+    return max((signs > 0).sum(), (signs < 0).sum()) >= 0.8 * len(signs)
+
+
+def _points_in(rows: Array, places: Sequence[int]) -> list[int]:
+    """The columns of two that are x and y, as numbers below 0 tell that go to and fro."""
+    changing = [k for k in places if len({*rows[:, k]}) > TELLING_ROWS]
+    is_angle = any(_goes_one_way(rows[:, k]) for k in changing)
+    below = any((rows[:, k] < 0).any() for k in changing[:2])
+    return changing[:2] if len(changing) >= 2 and below and not is_angle else []
+
+
+def _counts_up(values: Array) -> bool:
+    steps = np.diff(values)
+    return bool((steps[steps > 0] == 1).all() and values.min() in (0, 1))
+
+
+def _turn_like(values: Array) -> tuple[bool, float]:
+    """How much numbers are like angles, in an order."""
+    return _sweeps(values), float(np.ptp(values[np.isfinite(values)]))
+
+
+def _measured_like(values: Array) -> tuple[int, float]:
+    """How much numbers are like ranges, in an order: many different ones, and large."""
+    known = values[np.isfinite(values)]
+    return len(np.unique(known)), float(np.median(known))
+
+
+def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
+    """A name with a unit for each column, as good as anybody can tell: it may be wrong."""
+    columns, _ = with_units_told(named(names), rows)
+    by_place = {column.place: (role, column) for role, column in columns.by_role.items()}
+    if not by_place and (guess := guessed(rows)):
+        columns, _ = with_units_told(named(guess), rows)
+        by_place = {column.place: (role, column) for role, column in columns.by_role.items()}
+    free = [k for k in range(len(names)) if k not in by_place and np.isfinite(rows[:, k]).any()]
+    if not {"angle", "range", "x", "y"} & {*columns.by_role} and (xy := _points_in(rows, free)):
+        by_place |= {k: (role, Column(k, None, "")) for k, role in zip(xy, "xy", strict=True)}
+        columns = columns._replace(by_role={role: column for role, column in by_place.values()})
+    for role, likely in (("angle", _turn_like), ("range", _measured_like)):
+        if role not in columns.by_role and free and not {"x", "y"} <= {*columns.by_role}:
+            place = max(free, key=lambda k, likely=likely: likely(rows[:, k]))  # type: ignore[misc]
+            free.remove(place)
+            by_place[place] = role, Column(place, None, "")
+    usual = {"angle": np.pi / 180, "heading": 1.0, "range": 0.001, "time": 1.0}
+    usual |= dict.fromkeys(("x", "y", "pose_x", "pose_y"), 1.0)
+    found = ["-"] * len(names)
+    for place, (role, column) in by_place.items():
+        if role not in usual:
+            found[place] = role
+            continue
+        most = np.nanmax(np.abs(rows[:, place]), initial=0.0)
+        if column.factor not in (None, *COLUMN_UNITS[role].values()):
+            found[place] = column.name
+            continue
+        if {*plain_words(column.name)} & {*TICK_WORDS}:
+            turn = next((count for count in USUAL_TICKS if most < count), USUAL_TICKS[-1])
+            found[place] = f"angle_ticks{turn}"
+            continue
+        large = most > MOST_METRES
+        lengths = role in ("range", "x", "y")
+        factor = column.factor or ((0.001 if large else 1.0) if lengths else usual[role])
+        units: Mapping[str, float] = COLUMN_UNITS[role]
+        suffix = "_cw" if role == "angle" and columns.clockwise else ""
+        found[place] = f"{role}_{next(word for word, f in units.items() if f == factor)}{suffix}"
+    return found
+
+
+# ------------------------------------------------------------------------------ where scans end
+def is_time_of_turns(times: Array, angles: Array) -> bool:
+    """Whether each time stands for about one turn, wherever this begins: no more, and no less."""
+    ends = np.flatnonzero(np.diff(times)) + 1
+    if not np.isfinite(times).all() or not len(ends):
+        return False
+    view = np.ptp(angles)
+    turns = np.split(angles, ends)
+    seen = np.median([np.ptp(turn) for turn in turns])
+    gone = np.median([np.abs(wrap(np.diff(turn))).sum() for turn in turns])
+    return bool(seen > TURN_SHARES[0] * view and gone < TURN_SHARES[1] * view)
+
+
+def ends_of_turns(angles: Array) -> tuple[list[int], str]:
+    """Last beams of turns and of sweeps to and fro, by their places, and what tells them."""
+    steps = np.diff(angles)
+    onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
+    wraps = np.flatnonzero(-onwards * steps > min(np.ptp(angles) / 2, np.pi))
+    if len(wraps):
+        return wraps.tolist(), "wraps"
+    aside = angles - (angles.max() + angles.min()) / 2
+    outer = np.flatnonzero(np.abs(aside) > np.ptp(angles) / 4)
+    visits = np.split(outer, np.flatnonzero(np.diff(np.sign(aside[outer]))) + 1)
+    return [int(v[np.abs(aside[v]).argmax()]) for v in visits[1:-1]], "turns back"
+
+
+def from_first(angles: Array) -> Array:
+    """Angles of points in their order, that wrap where the first of them lies."""
+    steps = np.diff(np.unwrap(angles))
+    onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
+    first = angles[0] - onwards * SAME_DIRECTION_RAD
+    return np.asarray(first + onwards * np.mod(onwards * (angles - first), 2 * np.pi))
