@@ -17,10 +17,9 @@ WHOLE = -2
 #: Where a corridor ends in a room, its mouth is a doorway if the room is so many times wider than
 #: else is asked, and the corridor so many times longer: else it is a niche, or a part of the room.
 CORRIDOR_TIMES = 2.5
-#: A room of more squares of its width than this is a corridor; between two of them is a doorway
-#: only if the wider one is so many times wider than else is asked: else they are one.
-CORRIDOR_SQUARES = 3.0
-WIDER_CORRIDOR_TIMES = 1.5
+#: Between two rooms that lead on is a doorway only if the wider one is so many times wider than
+#: else is asked: else they are one corridor.
+WIDER_CORRIDOR_TIMES = 1.75
 
 
 class Partition:
@@ -62,6 +61,10 @@ class Partition:
         """Metres of the border in each open run, doorways or others."""
         runs, side, border = self.edges.runs, self.side, self.near[a][b].items()
         return {k: n * side for k, n in border if k >= 0 and bool(runs[k].door) == doors}
+
+    def leads_on(self, room: int) -> bool:
+        """Whether a room has more than one opening."""
+        return sum(n > 0 for to in self.near[room].values() for k, n in to.items() if k >= 0) > 1
 
     def width(self, room: int) -> float:
         """Diameter of the largest circle in a room, metres."""
@@ -106,7 +109,7 @@ def find_rooms(
         if door.mouth:
             length = min(part.area[a], part.area[b]) / wide
             low = min(low, min(high, length) / CORRIDOR_TIMES)
-        elif all(part.area[room] > CORRIDOR_SQUARES * part.width(room) ** 2 for room in (a, b)):
+        elif part.leads_on(a) and part.leads_on(b):
             low = min(low, high / WIDER_CORRIDOR_TIMES)
         return (low / wide, 0.0) if low < kappa * wide else (np.inf, 0.0)
 
