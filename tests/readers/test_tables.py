@@ -500,6 +500,19 @@ def test_a_damaged_record_is_told_with_its_line_or_left_out(tmp_path, name):
     assert len(log) == 2 and log.skipped.lines == 1
 
 
+@pytest.mark.parametrize("end", [', {"angle_deg"', ', {"angle_deg": 3, "range_m": 2', ","])
+def test_a_list_of_records_that_was_never_closed_is_told(tmp_path, end):
+    """Catches a cut list whose last beams are lost without a word: its words read as labels."""
+    path = tmp_path / "it.json"
+    whole = [{"angle_deg": k, "range_m": 2 + k / 10} for k in range(3)]
+    path.write_text(json.dumps(whole)[:-1] + end)
+    with pytest.raises(LogError, match="expected JSON") as caught:
+        readers.read(path)
+    assert caught.value.line == 1
+    log = readers.read(path, on_error="skip")
+    assert log[0].ranges == pytest.approx([2, 2.1, 2.2]) and log.skipped.lines > 0
+
+
 def test_poses_before_bare_ranges_are_no_beams(tmp_path):
     """Catches x, y and heading read as three beams, and a count as one; the advice is run."""
     path = tmp_path / "it.txt"

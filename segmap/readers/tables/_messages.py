@@ -233,11 +233,12 @@ def _json(lines: Lines) -> Iterator[Record]:
         except (ValueError, RecursionError) as fault:
             if not text[begin:]:
                 break
-            if not scans:
+            opened = not scans and text[begin] == "["  # a list that was never closed
+            if not scans and not opened:
                 return
             number += text.count("\n", at, begin)
             lines.damaged(LogError(lines.path, f"expected JSON ({fault})", number))
-            at, end = begin, text.find("\n", begin) + 1 or len(text)
+            at, end = begin, begin + 1 if opened else text.find("\n", begin) + 1 or len(text)
             found = []
         number += text.count("\n", at, end)
         at = end
