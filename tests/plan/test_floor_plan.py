@@ -156,6 +156,32 @@ def test_a_corridor_with_recesses_is_not_cut():
     assert len(found.rooms) == 1 and not found.doors and not found.doubt
 
 
+def test_somebody_who_stood_in_a_door_does_not_shut_it():
+    """Catches a square that is a wall because a few of many rays ended there."""
+    corners = [(0, 0), (4.9, 0), (4.9, 1.6), (5.1, 1.6), (5.1, 0), (10, 0)]
+    corners += [(10, 4), (5.1, 4), (5.1, 2.5), (4.9, 2.5), (4.9, 4), (0, 4)]
+    building = polyline(corners, closed=True)
+    walls, free = seen(building, [(2, 2), (8, 2), (2, 2)])
+    somebody = polyline([(4.8, 1.7), (5.2, 1.7), (5.2, 2.4), (4.8, 2.4)], closed=True)
+    stops = np.array([(1.0, 2, 0), (1.4, 2, 0), (1.8, 2, 0), (9.0, 2, 0)])
+    rng = np.random.default_rng(1)
+    for scan, pose in zip(simulate([*building, *somebody], stops, sensor=LASER, rng=rng), stops,
+                          strict=True):  # fmt: skip
+        free.insert_scan(pose[:2], transform(pose, scan.points()))
+    found = plan.floor_plan(walls, free)
+    assert len(found.rooms) == 2 and found.doors[0].width == pytest.approx(0.9, abs=0.11)
+
+
+def test_a_line_lies_where_most_of_its_wall_does():
+    """Catches a room that a short piece beside its wall makes smaller."""
+    kinds = np.full((80, 100), UNKNOWN)
+    kinds[9:71, 9:91], kinds[10:70, 10:90] = OCCUPIED, FREE
+    corners = [(4.5, 0.5), (4.5, 3.5), (0.5, 3.5), (0.5, 0.5), (4.1, 0.5)]
+    walls = [*polyline(corners), [(4.0, 0.62), (4.5, 0.62)]]
+    (room,) = plan.floor_plan(walls, map_of_grid(kinds, resolution=0.05)).rooms
+    assert room.outline[:, 1].min() == pytest.approx((3.6 * 0.5 + 0.5 * 0.62) / 4.1, abs=1e-6)
+
+
 def test_an_opening_with_one_jamb_is_no_door():
     """Catches the end of a wall in a room that is taken for a doorway."""
     outer = polyline([(0, 0), (6, 0), (6, 2), (0, 6.2)], closed=True)
