@@ -513,6 +513,26 @@ def test_a_list_of_records_that_was_never_closed_is_told(tmp_path, end):
     assert log[0].ranges == pytest.approx([2, 2.1, 2.2]) and log.skipped.lines > 0
 
 
+@pytest.mark.parametrize(
+    "head",
+    ["Czas [ms];Kąt [stopnie];Odległość [cm]", "时间 (毫秒);角度 (度);距离 (厘米)",
+     "Время (мс);Угол (град);Расстояние (см)", "Zaman (ms);Aci (whatever);Mesafe (cm)"],
+)  # fmt: skip
+def test_units_count_though_their_neighbours_are_not_understood(tmp_path, head):
+    """Catches centimetres read as millimetres, or so advised, for a word beside them."""
+    path = tmp_path / "it.csv"
+    far = (180 + 30 * np.sin(np.arange(360) / 20)).astype(int)
+    rows = [f"{100 * turn};{k};{far[k]}" for turn in range(3) for k in range(360)]
+    path.write_text(text([head, *rows]), encoding="utf-8")
+    if "whatever" in head:
+        with pytest.raises(LogError, match="--columns time_ms,angle_deg,range_cm"):
+            readers.read(path)
+    else:
+        log = readers.read(path)
+        assert log.times == pytest.approx([0, 0.1, 0.2])
+        assert log[1].ranges == pytest.approx(far / 100)
+
+
 def test_poses_before_bare_ranges_are_no_beams(tmp_path):
     """Catches x, y and heading read as three beams, and a count as one; the advice is run."""
     path = tmp_path / "it.txt"

@@ -54,9 +54,9 @@ HEADINGS = ("theta", "heading", "yaw")
 CLOCKWISE = ("cw", "clockwise")
 TURN_WORDS = (*CLOCKWISE, "ccw", "counterclockwise")
 LENGTHS = {
-    "m meter meters metre metres metri metro metros": 1.0,
-    "cm centimeter centimeters centimetre centimetres centimetri centimetros": 0.01,
-    "mm millimeter millimeters millimetre millimetres millimetri milimetros": 0.001,
+    "m meter meters metre metres metri metro metros м 米": 1.0,
+    "cm centimeter centimeters centimetre centimetres centimetri centimetros см 厘米 センチ": 0.01,
+    "mm millimeter millimeters millimetre millimetres millimetri milimetros мм 毫米 ミリ": 0.001,
     "ft feet foot": 0.3048,
     "in inch inches zoll": 0.0254,
 }
@@ -64,8 +64,9 @@ LENGTHS = {
 #: encodings make of ° and µ.
 UNIT_WORDS: dict[str, dict[str, float]] = {
     "angle": {
-        "deg degs degree degrees degre degres grad gradi grado grados ° \ufffd": np.pi / 180,
-        "rad rads radian radians radianti radianes radiant": 1.0,
+        "deg degs degree degrees degre degres grad gradi grado grados graden grader graus stopnie "
+        "stopni derece град градус градусы градуси 度 ° \ufffd": np.pi / 180,
+        "rad rads radian radians radianti radianes radiant рад": 1.0,
         "gon gons gradian gradians": np.pi / 200,
         "cdeg centideg centidegree centidegrees": np.pi / 18_000,
         "mdeg millideg millidegree millidegrees": np.pi / 180_000,
@@ -75,10 +76,10 @@ UNIT_WORDS: dict[str, dict[str, float]] = {
     "x": LENGTHS,
     "y": LENGTHS,
     "time": {
-        "s sec secs second seconds": 1.0,
+        "s sec secs second seconds sn сек 秒": 1.0,
         "min mins minutes": 60.0,
         "days": 86400.0,
-        "ms msec millis milliseconds": 1e-3,
+        "ms msec millis milliseconds мс 毫秒": 1e-3,
         "us µs \ufffds usec micros microseconds": 1e-6,
         "ns nsec nanos nanoseconds": 1e-9,
     },
@@ -89,6 +90,12 @@ COLUMN_UNITS = {
     role: {word: factor for words, factor in units.items() for word in words.split()}
     for role, units in UNIT_WORDS.items()
 }
+#: Units in other letters than ours, of which other words in these do not count.
+OTHER_LETTERS = "|".join(
+    rf"(?<!\w){word}(?!\w)" if word < "\u0500" else word
+    for word in sorted({word for units in COLUMN_UNITS.values() for word in units}, key=len)[::-1]
+    if "\u0400" < word < "\ufffd"
+)
 UNIT_NAMES = {word for units in COLUMN_UNITS.values() for word in units}
 #: What a column is whose numbers have such a unit behind them.
 UNIT_ROLES = {word: role for role in ("time", "angle", "range") for word in COLUMN_UNITS[role]}
@@ -187,7 +194,7 @@ def named(names: Sequence[str]) -> Columns:
             continue  # `deg` beside `angle`
         if beside_pose and role == "angle" and words[0] in HEADINGS:
             role = "heading"
-        factors = [*_factors(role, name), *_factors(role, meant)]  # its own before a program's
+        factors = [*units_said(role, name), *units_said(role, meant)]  # its own before a program's
         column = Column(place, factors[0] if factors else None, name.strip())
         if role in found:
             twice = f"{found[role].name!r} and {name!r} are both columns of the {role}"
@@ -205,7 +212,7 @@ def named(names: Sequence[str]) -> Columns:
     return Columns(kept, clockwise, twice, any(known), who.place if who else None)
 
 
-def _factors(role: str, name: str) -> list[float]:
+def units_said(role: str, name: str) -> list[float]:
     """What makes metres, radians or seconds of a column, by the units in its name."""
     words, units = plain_words(name), COLUMN_UNITS.get(role, {})
     said = words if is_unit(name) else words[1:]
@@ -222,7 +229,7 @@ def is_unit(name: str) -> bool:
 def plain_words(name: str) -> list[str]:
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)  # `AngleInDegrees`, `ErrorCodeHEX`
     plain = re.sub("[\u0300-\u036f]", "", unicodedata.normalize("NFD", apart.lower()))
-    return re.findall(r"[a-zµ°\ufffd]+", plain.replace("μ", "µ"))
+    return re.findall(rf"[a-zµ°\ufffd]+|{OTHER_LETTERS}", plain.replace("μ", "µ"))
 
 
 def _plain_word(name: str) -> str:
@@ -265,7 +272,7 @@ def with_units_told(found: Columns, rows: Array) -> tuple[Columns, list[str]]:
         if role == "angle" and "grad" in words and np.ptp(rows[:, column.place]) > MOST_DEGREES:
             columns[role] = column._replace(factor=np.pi / 200)
             told.append(f"{column.name!r} is in gon, since it spans more than 360 of them")
-        if _factors(role, column.name) or {*words} & {*TICK_WORDS} or column.measured:
+        if units_said(role, column.name) or {*words} & {*TICK_WORDS} or column.measured:
             continue
         factor, why = _unit_of(role, rows[:, column.place])
         if column.factor is not None and factor in (None, column.factor):

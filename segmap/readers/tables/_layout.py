@@ -229,7 +229,7 @@ def unnamed(rows: Sequence[str], head: Sequence[str]) -> Layout | None:
 def _with_unit(name: str, above: str) -> str:
     """A guessed name, with what stands behind the first word of the head above it."""
     said = re.split(r"[\s_(\[/]+", above.strip(), maxsplit=1)[1:]
-    return f"{name} {said[0]}" if said and name != "-" else name
+    return f"{name} {said[0].rstrip(')]} ')}" if said and name != "-" else name
 
 
 def _is_record(table: Array) -> bool:

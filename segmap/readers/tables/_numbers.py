@@ -17,6 +17,7 @@ from ._columns import (
     Column,
     named,
     plain_words,
+    units_said,
     with_units_told,
 )
 
@@ -132,7 +133,8 @@ def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
             continue
         large = most > MOST_METRES
         lengths = role in ("range", "x", "y")
-        factor = column.factor or ((0.001 if large else 1.0) if lengths else usual[role])
+        by_size = (0.001 if large else 1.0) if lengths else usual[role]
+        factor = next(iter(units_said(role, names[place])), column.factor or by_size)
         units: Mapping[str, float] = COLUMN_UNITS[role]
         suffix = "_cw" if role == "angle" and columns.clockwise else ""
         found[place] = f"{role}_{next(word for word, f in units.items() if f == factor)}{suffix}"
