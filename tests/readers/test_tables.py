@@ -767,6 +767,67 @@ def test_times_that_last_for_several_turns_or_for_parts_of_one_end_no_scan(tmp_p
         assert [len(scan) for scan in log] == [12] * 6
 
 
+@pytest.mark.parametrize("period_s", [0.7, 1.02, 1.3])
+def test_a_clock_whose_step_is_no_turn_ends_no_scan(tmp_path, period_s):
+    """Catches whole seconds taken for stamps of turns: d02..d06, e07.., f05..f09 of round 4."""
+    path, angles = tmp_path / "it.csv", np.arange(0, 360, 10)
+    rows = (
+        f"{int(period_s * (k + a / 360))},{a},{2 + k / 10 + a / 1000:.3f}"
+        for k in range(12)
+        for a in angles
+    )
+    path.write_text("time_s,angle_deg,range_m\n" + text(rows))
+    log = readers.read(path)
+    assert [len(scan) for scan in log] == [36] * 12
+    assert log[7].ranges == pytest.approx(2.7 + angles / 1000)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_stamp_of_each_turn_ends_it_wherever_it_begins(tmp_path, way):
+    """Catches turns from 200 without some beams, or sweeps, that are cut elsewhere: b2, b3, b9."""
+    path, rng = tmp_path / "it.csv", np.random.default_rng(4)
+    turn = (np.arange(200, 560, 5) + 180) % 360 - 180
+    kept = [turn[np.sort(rng.choice(72, 60, replace=False))] for _ in range(9)]
+    for scans in (kept, [np.arange(0, 181, 5)[:: (-1) ** k] for k in range(9)]):
+        rows = (f"{0.1 * k:.1f},{way * a},{2 + k}" for k, beams in enumerate(scans) for a in beams)
+        path.write_text("time_s,angle_deg,range_m\n" + text(rows))
+        log = readers.read(path)
+        assert [len(scan) for scan in log] == [len(beams) for beams in scans]
+        assert "a scan ends where its time does" in log.assumed
+
+
+def test_few_beams_on_the_way_back_are_no_scan(tmp_path):
+    """Catches scans of the three beams that a servo measures on its way back: c15 of round 4."""
+    path, sweep = tmp_path / "it.csv", [*range(0, 181, 3), 140, 94, 44]
+    for begin in (0, 61):  # with a sweep, or on a way back
+        beams = [(k, a) for k in range(5) for a in sweep][begin:]
+        path.write_text("angle_deg,distance_cm\n" + text(f"{a},{200 + k}" for k, a in beams))
+        log = readers.read(path)
+        assert [len(scan) for scan in log[-4:]] == [64] * 4
+        assert len(log) == 5 and any("its way back included" in told for told in log.assumed)
+        assert np.ptp(log[-1].ranges) < 0.02
+
+
+@pytest.mark.parametrize(("count", "unit"), [(181, 1000), (361, 1), (682, 1000), (60, 1000)])
+def test_a_first_beam_whose_range_rises_is_no_clock(tmp_path, count, unit):
+    """Catches a wall that recedes ahead taken for times: e01, e01b, b24, d18 and d19 of round 4."""
+    path, steps = tmp_path / "it.txt", np.random.default_rng(3).integers(20, 40, 12)
+    ranges = np.tile(np.linspace(1500, 4000, count), (12, 1))
+    ranges[:, : count if count == 60 else 1] += np.cumsum(steps)[:, None]
+    path.write_text(text(row((found.round() * unit / 1000).tolist()) for found in ranges))
+    log = readers.read(path)
+    assert np.isnan(log.times).all() and len(log) == 12
+    assert log[3].ranges == pytest.approx(ranges[3].round() / 1000)
+
+
+def test_a_clock_before_half_a_turn_of_ranges_is_none_of_them(tmp_path):
+    """Catches 181 numbers that are all ranges since a laser has as many, though time is first."""
+    path, ranges = tmp_path / "it.txt", np.linspace(500, 4000, 180).round()
+    path.write_text(text(row([3000 + 100 * k, *ranges]) for k in range(12)))
+    log = readers.read(path)
+    assert log[3].ranges == pytest.approx(ranges / 1000) and np.ptp(log.times) > 1
+
+
 def test_numbers_before_the_ranges_are_no_beams(tmp_path):
     """Catches wheels, poses and zeros of a line that become beams, and advice that is refused."""
     rng, path = np.random.default_rng(5), tmp_path / "it.txt"

@@ -94,6 +94,8 @@ HOKUYO_TEXT_ASSUMED = (
 )
 #: So many numbers that rise from line to line are times.
 LEAST_TIMES = 5
+#: Ranges of two beams side by side mostly differ by less than such a share.
+ALIKE_SHARE = 0.1
 #: Before the ranges of a line that nobody names stand so many other numbers, if any.
 MOST_OTHERS = 3
 POSE_NAMES = ["x_m", "y_m", "theta_rad"]
@@ -269,7 +271,8 @@ def bare_of(path: Path) -> Layout | None:
     table = np.array(whole, float)
     table[~(np.abs(table) < MOST_MEASURED)] = np.nan  # whose differences are nothing
     first, told, columns = table[:, 0], list[str](), Columns({})
-    is_time = len(first) >= LEAST_TIMES or apart or bool(_pairs_of(table[:, 1:]))
+    is_pairs = bool(_pairs_of(table[:, 1:]))
+    is_time = is_pairs or ((len(first) >= LEAST_TIMES or apart) and not _begins_with_range(table))
     begin = int(is_time and bool((np.diff(first) > 0).all()))
     if begin:
         columns, told = with_units_told(named(["time"]), np.repeat(table[:, :1], 3, 0))
@@ -306,6 +309,20 @@ def bare_of(path: Path) -> Layout | None:
     return Layout(separator, 0, (), columns, told=tuple(told), beams=beams)
 
 
+def _begins_with_range(table: Array) -> bool:
+    """Whether the first number of a line is a range, though it may rise from line to line.
+
+    It is always about as large as the second one or, of as many as a usual laser has beams, as some
+    of the others.
+    """
+    first, others = table[:, 0], table[:, 1:][table[:, 1:] > 0]
+    if (np.abs(first - table[:, 1]) < ALIKE_SHARE * first).all():
+        return True
+    if table.shape[1] not in {*VIEWS_DEG, *URG_BEAMS} or not len(others):
+        return False
+    return bool(((first >= others.min()) & (first <= others.max())).all())
+
+
 def _is_breezy(table: Array) -> bool:
     """Whether lines are those of BreezySLAM's examples: wheels that count, zeros, ranges, one."""
     wheels, zeros = table[:, 2:4], table[:, 4:BREEZY_NUMBERS]
@@ -321,7 +338,8 @@ def _others_in(table: Array) -> int:
     beams, they may be any few, or always the same.
     """
     count, begin = table.shape[1], table[:, :MOST_HEAD_NUMBERS]
-    rise = (np.diff(table, axis=0) > 0).all(0) & (len(table) >= TELLING_ROWS)
+    rise = np.all(np.diff(table, axis=0) > 0, axis=0) & (len(table) >= TELLING_ROWS)
+    rise[0] &= not _begins_with_range(table)
     least = np.fmin.reduce(table, axis=0)
     below = (least < 0) & (least != np.fmax.reduce(np.where(table < 0, table, np.nan), axis=0))
     odd = np.flatnonzero(rise | below)

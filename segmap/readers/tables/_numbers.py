@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...angles import wrap
 from ...arrays import Array
 from ._columns import (
     COLUMN_UNITS,
@@ -25,8 +24,14 @@ from ._columns import (
 USUAL_TICKS = (1024, 1440, 2048, 4096, 8192, 16384, 65536)
 #: A scan may begin so much before the first one did.
 SAME_DIRECTION_RAD = np.radians(0.5)
-#: A time that stands for a turn sees such a share of the view at least, and goes through so many.
-TURN_SHARES = 0.8, 1.5
+#: A time that stands for a turn goes through such a share of the view at least.
+LEAST_TURN_SHARE = 0.8
+#: It begins such a share of the view from where the first one does at most.
+BEGIN_SHARE = 1 / 16
+#: The last of a turn may lie so many beams behind the first of another.
+MORE_BEAMS = 3
+#: One in so many may be of another kind.
+ODD_TURNS = 10
 
 
 def guessed(rows: Array) -> tuple[str, ...]:
@@ -143,19 +148,43 @@ def proposed_names(names: Sequence[str], rows: Array) -> list[str]:
 
 # ------------------------------------------------------------------------------ where scans end
 def is_time_of_turns(times: Array, angles: Array) -> bool:
-    """Whether each time stands for about one turn, wherever this begins: no more, and no less."""
+    """Whether each time stands for one turn, or one sweep to or fro, wherever these begin.
+
+    There is a direction then which no turn goes across: each begins behind it and ends before it.
+    Where a clock of another step cuts turns, their begin moves on.
+    """
     ends = np.flatnonzero(np.diff(times)) + 1
     if not np.isfinite(times).all() or not len(ends):
         return False
-    view = np.ptp(angles)
-    turns = np.split(angles, ends)
-    seen = np.median([np.ptp(turn) for turn in turns])
-    gone = np.median([np.abs(wrap(np.diff(turn))).sum() for turn in turns])
-    return bool(seen > TURN_SHARES[0] * view and gone < TURN_SHARES[1] * view)
+    view, turns = float(np.ptp(angles)), np.split(angles, ends)
+    beam = view / float(np.median([*map(len, turns)]))
+    gone = np.array([_folded(np.diff(turn), view + beam).sum() for turn in turns])
+    if not np.median(np.abs(gone)) > LEAST_TURN_SHARE * view:
+        return False
+    begins = np.array([turn[0] for turn in turns])
+    for way in (1, -1):
+        of_way = np.sign(gone) == way
+        begin = _folded(way * (begins[of_way] - begins[of_way][:1]), view + beam)
+        end, few = np.sort(begin + np.abs(gone[of_way])), of_way.sum() // ODD_TURNS
+        begin = np.sort(begin)
+        if len(begin) and (
+            end[-1 - few] - begin[few] > view + MORE_BEAMS * beam
+            or abs(np.median(begin)) > BEGIN_SHARE * view
+        ):
+            return False
+    return True
+
+
+def _folded(steps: Array, view: float) -> Array:
+    """Steps of an angle that begins anew behind the view."""
+    return np.asarray(np.mod(steps + view / 2, view) - view / 2)
 
 
 def ends_of_turns(angles: Array) -> tuple[list[int], str]:
-    """Last beams of turns and of sweeps to and fro, by their places, and what tells them."""
+    """Last beams of turns and of sweeps to and fro, by their places, and what tells them.
+
+    Where a sweep has less than half of the beams of the other way, it is a part of that one.
+    """
     steps = np.diff(angles)
     onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
     wraps = np.flatnonzero(-onwards * steps > min(np.ptp(angles) / 2, np.pi))
@@ -164,7 +193,15 @@ def ends_of_turns(angles: Array) -> tuple[list[int], str]:
     aside = angles - (angles.max() + angles.min()) / 2
     outer = np.flatnonzero(np.abs(aside) > np.ptp(angles) / 4)
     visits = np.split(outer, np.flatnonzero(np.diff(np.sign(aside[outer]))) + 1)
-    return [int(v[np.abs(aside[v]).argmax()]) for v in visits[1:-1]], "turns back"
+    ends = [int(v[np.abs(aside[v]).argmax()]) for v in visits[1:-1]]
+    beams = np.diff([-1, *ends, len(angles) - 1])
+    if len(beams) > 3:
+        first, second = (float(np.median(beams[k::2])) for k in (0, 1))
+        if min(first, second) < max(first, second) / 2:  # a scan begins where the angle is back
+            backs = visits[1:-1][int(second < first) :: 2]
+            ends = [int(v[-1 - np.abs(aside[v])[::-1].argmax()]) - 1 for v in backs]
+            return ends, "is back, the few beams of its way back included"
+    return ends, "turns back"
 
 
 def from_first(angles: Array) -> Array:
