@@ -172,6 +172,23 @@ def test_somebody_who_stood_in_a_door_does_not_shut_it():
     assert len(found.rooms) == 2 and found.doors[0].width == pytest.approx(0.9, abs=0.11)
 
 
+def two_rooms(low, high):
+    """A plan of two rooms of 4.7 m by 4 m with an opening between these heights, metres."""
+    kinds = np.full((100, 240), UNKNOWN)
+    kinds[9:91, 9:211] = OCCUPIED
+    kinds[10:90, 10:108] = kinds[10:90, 112:210] = FREE
+    kinds[round(low * 20) : round(high * 20), 108:112] = FREE
+    walls = polyline([(0.5, 0.5), (10.5, 0.5), (10.5, 4.5), (0.5, 4.5)], closed=True)
+    between = [[(x, a), (x, b)] for x in (5.4, 5.6) for a, b in ((0.5, low), (high, 4.5)) if a < b]
+    return plan.floor_plan([*walls, *between], map_of_grid(kinds, resolution=0.05))
+
+
+@pytest.mark.parametrize("low, high, doors", [(2.0, 2.9, 1), (2.0, 2.4, 0), (0.5, 1.4, 1)])
+def test_a_door_has_a_width_and_may_stand_at_a_corner(low, high, doors):
+    """Catches a slit that is a door, and a door that the wall beside it has no piece for."""
+    assert len(two_rooms(low, high).doors) == doors
+
+
 def test_a_line_lies_where_most_of_its_wall_does():
     """Catches a room that a short piece beside its wall makes smaller."""
     kinds = np.full((80, 100), UNKNOWN)
