@@ -685,7 +685,8 @@ def test_decimals_after_commas_are_no_pairs_of_a_radar(tmp_path):
 # ----------------------------------------------- who measured, where a scan ends, what is no range
 @pytest.mark.parametrize(("name", "values"), [
     ("sensor", ("front", "rear")), ("robot_id", "12"), ("frame_id", ("laser_a", "laser_b")),
-    ("Lidar-No", "01"),
+    ("Lidar-No", "01"), ("topic", ("/scan_front", "/scan_rear")), ("is_front", ("False", "True")),
+    ("layer", "0123"), ("Gerät", ("hinten", "vorne")),
 ])  # fmt: skip
 @pytest.mark.parametrize("mark", [",", ";"])
 def test_two_sensors_in_a_table_are_parted_by_the_advice(tmp_path, monkeypatch, name, values, mark):
@@ -703,10 +704,54 @@ def test_two_sensors_in_a_table_are_parted_by_the_advice(tmp_path, monkeypatch, 
         readers.read("it.csv")
     advice = caught.value.reason.partition("; ")[2].removesuffix(" parts them")
     exec(advice, {"pandas": pandas, "path": "it.csv"})
-    for n, who in enumerate(values):
-        log = readers.read(f"{who}.csv")
+    assert len([*tmp_path.iterdir()]) == 1 + len(values)
+    for n in range(len(values)):
+        log = readers.read(f"part{n + 1}.csv")
         assert log.times == pytest.approx([0, 0.2, 0.4])
         assert all(scan.ranges == pytest.approx(FAR + n) for scan in log)
+
+
+@pytest.mark.parametrize("order", ["beams", "scans", "sensors", "half a turn apart"])
+@pytest.mark.parametrize("timed", [True, False])
+def test_two_sensors_are_refused_in_any_order(tmp_path, order, timed):
+    """Catches beams of two lasers, in turn or one after the other, that are read as one's."""
+    late = 0.1 * (order == "half a turn apart")
+    rows = [
+        (k, 0.2 * k + late * n, i, n, a, r + n + 0.02 * k)
+        for k in range(4)
+        for n in (0, 1)
+        for i, (a, r) in enumerate(zip(TURN, FAR, strict=True))
+    ]
+    if order == "beams":
+        rows.sort(key=lambda each: (each[0], each[2]))
+    if order == "sensors":
+        rows.sort(key=lambda each: each[3])
+    table = (f"{n},{t if timed else k},{a:.1f},{r:.3f}" for k, t, _, n, a, r in rows)
+    head = f"channel,{'time_s' if timed else 'scan'},angle_deg,range_m"
+    (tmp_path / "it.csv").write_text(text([head, *table]))
+    with pytest.raises(LogError, match="'channel' holds 0, 1: expected one sensor a log"):
+        readers.read(tmp_path / "it.csv")
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("source", lambda k, i, r: ["measured", "interpolated"][i % 3 == 0]),
+    ("source", lambda k, i, r: f"scan_{k}.txt"), ("source", lambda k, i, r: f"log_{k // 4}.txt"),
+    ("sensor", lambda k, i, r: ["warm", "ready"][k > 2]), ("laser", lambda k, i, r: i % 2),
+    ("device", lambda k, i, r: ["Lidar", "lidar "][k % 2]), ("robot", lambda k, i, r: k % 2),
+    ("sensor", lambda k, i, r: "far" if r > 3 else "near"),
+    ("lidar", lambda k, i, r: (i + k) % 2),
+])  # fmt: skip
+def test_one_sensor_is_read_whatever_a_column_is_called(tmp_path, name, value):
+    """Catches a log that is refused as that of two sensors, by a name, though none look twice."""
+    rows = (
+        f"{value(k, i, r)},{0.2 * k:.1f},{a:.1f},{r + 0.02 * k:.3f}"
+        for k in range(8)
+        for i, (a, r) in enumerate(zip(TURN, FAR, strict=True))
+    )
+    (tmp_path / "it.csv").write_text(text([f"{name},time_s,angle_deg,range_m", *rows]))
+    log = readers.read(tmp_path / "it.csv")
+    assert log.times == pytest.approx(0.2 * np.arange(8))
+    assert all(scan.ranges == pytest.approx(FAR + 0.02 * k) for k, scan in enumerate(log))
 
 
 def test_words_that_change_between_scans_are_told(tmp_path):
@@ -734,9 +779,9 @@ def test_words_without_a_head_are_parted_by_the_advice(tmp_path, monkeypatch):
     (told,) = [said for said in readers.read("it.txt").assumed if "holds old, new" in said]
     advice = told.partition("; ")[2].removesuffix(" parts them")
     exec(advice, {"pandas": pandas, "path": "it.txt"})
-    assert len(readers.read("old.csv")) == 2 and readers.read("old.csv")[1].ranges == pytest.approx(
-        FAR
-    )
+    assert len(readers.read("part2.csv")) == 2 and readers.read("part2.csv")[
+        1
+    ].ranges == pytest.approx(FAR)
 
 
 def test_a_sweep_to_and_fro_is_a_scan_each_way(tmp_path):

@@ -335,7 +335,7 @@ def parted(layout: Layout, place: int) -> str:
     above = f", skiprows={layout.line - has_head}" * (layout.line > has_head)
     above += ", header=None" * (not has_head) + ", engine='python'" * (len(mark) > 1)
     return (
-        f"for name, rows in pandas.read_csv(path, sep={kind!r}, dtype=str{above})"
-        f".groupby({(layout.names[place] if has_head else place)!r}): "
-        f"rows.to_csv(f'{{name}}.csv', sep={mark[0]!r}, index=False, header={has_head})"
+        f"for k, (_, rows) in enumerate(pandas.read_csv(path, sep={kind!r}, dtype=str{above})"
+        f".groupby({(layout.names[place] if has_head else place)!r}), 1): "
+        f"rows.to_csv(f'part{{k}}.csv', sep={mark[0]!r}, index=False, header={has_head})"
     )

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ...arrays import Array
+from ...scans import LaserScan
 from ._columns import (
     COLUMN_UNITS,
     LEAST_VIEW_RAD,
@@ -32,6 +33,14 @@ BEGIN_SHARE = 1 / 16
 MORE_BEAMS = 3
 #: One in so many may be of another kind.
 ODD_TURNS = 10
+#: Scans of another sensor look where those of the first do, with this share of their beams, ...
+LEAST_SHARED = 0.25
+#: ... and see other ranges: by so much, metres, ...
+LEAST_OTHER_M = 0.05
+#: ... and by so many times what the ranges of one change from scan to scan.
+LEAST_OTHER = 2.0
+#: So many pairs of scans tell it.
+MOST_PAIRS = 200
 
 
 def guessed(rows: Array) -> tuple[str, ...]:
@@ -210,3 +219,58 @@ def from_first(angles: Array) -> Array:
     onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
     first = angles[0] - onwards * SAME_DIRECTION_RAD
     return np.asarray(first + onwards * np.mod(onwards * (angles - first), 2 * np.pi))
+
+
+# ------------------------------------------------------------------------------ who measured
+def by_beam(scans: Sequence[LaserScan]) -> Array:
+    """Of each beam what orders the scans, the scan, angle and range, `(4, n)`."""
+    times = (np.nan if scan.time is None else scan.time for scan in scans)
+    rows = zip(times, scans, strict=True)
+    return beams_in(
+        [np.stack([s.angles, s.ranges, *np.full((2, len(s)), t)], axis=1) for t, s in rows]
+    )
+
+
+def beams_in(parts: Sequence[Array]) -> Array:
+    """The same of scans that hold angle, range, time and number of each beam, `(n, 4 or more)`."""
+    table, sizes = np.concatenate(parts)[:, :4], [*map(len, parts)]
+    scan = np.repeat(np.arange(len(parts), dtype=float), sizes)
+    begins = np.repeat([part[0, 2:4] if len(part) else (0, 0) for part in parts], sizes, axis=0)
+    orders = [order for order in begins.T if np.isfinite(order).all() and np.ptp(order)]
+    return np.array([orders[0] if orders else scan, scan, *table.T[:2]])
+
+
+def parts_sensors(who: Array, order: Array, scan: Array, angles: Array, ranges: Array) -> bool:
+    """Whether what a column says of beams, `(n,)`, parts them into recordings of several sensors.
+
+    Ordered in time their scans alternate, look the same way and see other ranges, while scans of
+    each go on from one to the next. Beams that come between others of their scan do not look so.
+    """
+    rows = np.lexsort((angles, scan, who, order))
+    rows = rows[np.isfinite(ranges[rows])]
+    keys = np.array([order, who, scan])[:, rows]
+    groups = np.split(rows, np.flatnonzero(np.diff(keys).any(axis=0)) + 1)
+    said = np.array([who[group[0]] for group in groups if len(group)])
+    places = [np.flatnonzero(said == value) for value in np.unique(said)]
+    changes = np.flatnonzero(np.diff(said))
+    fewest = min(map(len, places), default=0)
+    if len(places) < 2 or fewest < 2 or len(changes) < fewest:
+        return False
+
+    def change(pairs: Array, unlike: float) -> float:
+        """Metres by which ranges of scans differ that look the same way."""
+        found = []
+        for first, second in pairs[:: len(pairs) // MOST_PAIRS + 1]:
+            a, b = groups[first], groups[second]
+            together = np.concatenate([a, b]) if scan[a[0]] == scan[b[0]] else a
+            steps = np.diff(np.sort(angles[together]))
+            half = np.median(steps[steps > 0]) / 2 if (steps > 0).any() else 0.0
+            near = b[np.clip(np.searchsorted(angles[b], angles[a] - half), 0, len(b) - 1)]
+            same = np.abs(angles[near] - angles[a]) < half
+            enough = same.any() and same.sum() >= LEAST_SHARED * max(len(a), len(b))
+            found.append(np.median(np.abs(ranges[near] - ranges[a])[same]) if enough else unlike)
+        return float(np.median(found))
+
+    other = change(np.stack([changes, changes + 1], axis=1), 0.0)
+    own = np.concatenate([np.stack([each[:-1], each[1:]], axis=1) for each in places])
+    return other > max(LEAST_OTHER_M, LEAST_OTHER * change(own, np.inf))

@@ -72,14 +72,14 @@ from ._layout import (
     rows_below,
     wanting,
 )
-from ._numbers import ends_of_turns, from_first, is_time_of_turns
+from ._numbers import beams_in, by_beam, ends_of_turns, from_first, is_time_of_turns, parts_sensors
 from ._wide import scan_in
 
 #: No scan has more beams.
 MOST_BEAMS_READ = 100_000
 POSE_OF_ROW = "rows without ranges are no scans: the pose of one is that of the scan behind it"
 #: A column that says who measured holds no more names.
-MOST_SENSORS = 64
+MOST_SENSORS = 16
 #: Nor one of words that may be such a column, and it changes between scans only.
 MOST_WORDS = 8
 #: A day, of which some clocks tell the time alone, seconds.
@@ -117,7 +117,8 @@ class Table(TextFormat):
         self.between: tuple[str, ...] = ()
         self.pose = [np.nan] * 3
         self.places = {*places, *beams, *(layout.beams.directions if layout.beams else ())}
-        self.apart: dict[int, list[str]] | None = None
+        self.apart: dict[int, list[int]] | None = None
+        self.words: dict[int, dict[str, tuple[int, str]]] = {}
 
     def _take(self, fields: list[str]) -> None:
         (line,) = fields
@@ -168,7 +169,6 @@ class Table(TextFormat):
     def _row(self, fields: list[str]) -> None:
         if len(fields) <= self.last:
             raise ValueError(f"expected {self.last + 1} columns or more, got {len(fields)}")
-        self._note_words(fields)
         thousands = self.layout.thousands
         texts = {role: fields[column.place] for role, column in self.columns.items()}
         said = {role: decimal(text, thousands=thousands) for role, text in texts.items()}
@@ -190,6 +190,7 @@ class Table(TextFormat):
             heading, x, y = pose
             found = scan_in(fields, self.layout.beams)
             self.scans.append(replace(found, time=when, odometry=known(np.array([x, y, heading]))))
+            self._note_words(fields)
             return
         if {"angle", "range"} <= {*said}:
             angle = direction_field(said["angle"], factors["angle"])
@@ -204,34 +205,43 @@ class Table(TextFormat):
         turn = float(self.turns)
         number = number_field(said["scan"], "the scan") if "scan" in said else turn
         self.scans.append((angle, far, when, number, *pose))
+        self._note_words(fields)
 
     def _note_words(self, fields: Sequence[str]) -> None:
-        """Keep what columns of words say, each time that it changes: who measured, perhaps."""
+        """Keep what each other column says of a beam or scan, while it says few things."""
         if self.apart is None:
-            apart = [k for k in range(len(fields)) if k not in self.places and fields[k]]
-            words = (k for k in apart if np.isnan(as_numbers([fields[k]])).all())
-            who = self.layout.columns.sensor
-            self.apart = {k: [] for k in (*words, *([] if who is None else [who]))}
-        for k, said in self.apart.items():
-            if k < len(fields) and fields[k] not in ("", *said[-1:]):
-                said.append(fields[k])
+            self.apart = {k: [] for k in range(len(fields)) if k not in self.places}
+            self.words = {k: {} for k in self.apart}
+        for k, said in [*self.apart.items()]:
+            value = fields[k].strip() if k < len(fields) else ""
+            kinds, last = self.words[k], said[-1] if said else 0
+            kind = kinds.setdefault(value.casefold(), (len(kinds), value)) if value else (last,)
+            said.append(kind[0])
+            if len(kinds) > MOST_SENSORS:
+                del self.apart[k]
 
-    def _of_several(self, scans: int) -> tuple[str, ...]:
-        """What is told of columns that may say which of several sensors measured."""
-        found = []
+    def _of_several(self, measured: Array) -> tuple[str, ...]:
+        """What is told of columns that may say who measured, of beams as `beams_in` has them."""
+        found, scan = [], measured[1].astype(int)
         for k, said in (self.apart or {}).items():
-            values, is_named = list(dict.fromkeys(said)), k == self.layout.columns.sensor
-            most = MOST_SENSORS if is_named else MOST_WORDS * (len(said) <= scans)
-            if not 1 < len(values) <= most or {"true", "false"} & {*map(str.lower, values)}:
+            values = [value for _, value in self.words[k].values()]
+            if len(values) < 2:
                 continue
-            name = self.layout.names[k] if self.layout.names else f"column {k + 1}"
+            names = self.layout.names
+            name = names[k] if k < len(names) else f"column {k + 1}"
             what = f"{name!r} holds {', '.join(values[:MOST_WORDS])}"
-            split = "; records of each in a file of their own are logs"
-            if not self.layout.labels:
-                split = f"; {parted(self.layout, k)} parts them"
-            if is_named:
-                raise LogError(self.lines.path, f"{what}: expected one sensor a log{split}")
-            found.append(f"{what} and is left out: if these are sensors, each has its log{split}")
+            alone = "records of each in a file of their own are logs"
+            split = alone if self.layout.labels else f"{parted(self.layout, k)} parts them"
+            who = np.array(said)
+            if parts_sensors(who[scan] if self.layout.beams else who, *measured):
+                raise LogError(self.lines.path, f"{what}: expected one sensor a log; {split}")
+            words = k == self.layout.columns.sensor or np.isnan(as_numbers(values[:1])).all()
+            seldom = len(values) <= MOST_WORDS and np.count_nonzero(np.diff(who)) <= scan.max(
+                initial=0
+            )
+            if words and seldom and not {"true", "false"} & {*map(str.lower, values)}:
+                told = f"{what} and is left out: if these are sensors, each has its log; {split}"
+                found.append(told)
         return tuple(found)
 
     def _moment(self, said: Mapping[str, str], factors: Mapping[str, float]) -> float:
@@ -253,7 +263,7 @@ class Table(TextFormat):
         if self.stamp:
             self.assumed += ("times are those that stand before, or between, the beams",)
         if self.layout.beams:
-            told = (*self.assumed, *self.between, *self._of_several(len(self.scans)))
+            told = (*self.assumed, *self.between, *self._of_several(by_beam(self.scans)))
             return Log(name, self.scans, None, self.lines.skipped, assumed=told)
         table = np.array(self.scans)
         if self.stamp and np.ptp(table[:, 2]) == 0:  # one for all tells nothing
@@ -270,7 +280,7 @@ class Table(TextFormat):
             ends, how = ends_of_turns(table[:, 0])
             self.assumed += (f"a scan ends where the angle {how}",) * bool(ends)
         parts = np.split(table, [end + 1 for end in ends])
-        self.assumed += self._of_several(len(parts))
+        self.assumed += self._of_several(beams_in(parts))
         if max(map(len, parts)) > MOST_BEAMS_READ:
             raise self.lines.error(
                 f"expected at most {MOST_BEAMS_READ} beams in a scan: where does one end?"
