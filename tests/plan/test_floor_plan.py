@@ -189,6 +189,29 @@ def test_a_door_has_a_width_and_may_stand_at_a_corner(low, high, doors):
     assert len(two_rooms(low, high).doors) == doors
 
 
+def test_a_closet_belongs_to_its_room():
+    """Catches a room too small for one whose floor is lost."""
+    kinds = np.full((100, 150), UNKNOWN)
+    kinds[9:91, 9:91], kinds[29:56, 90:117] = OCCUPIED, OCCUPIED
+    kinds[10:90, 10:90] = kinds[30:54, 92:116] = kinds[33:51, 90:92] = FREE
+    room = polyline([(4.5, 1.65), (4.5, 0.5), (0.5, 0.5), (0.5, 4.5), (4.5, 4.5), (4.5, 2.55)])
+    closet = [(4.6, 1.65), (4.6, 1.5), (5.8, 1.5), (5.8, 2.7), (4.6, 2.7), (4.6, 2.55)]
+    found = plan.floor_plan([*room, *polyline(closet)], map_of_grid(kinds, resolution=0.05))
+    assert [each.area for each in found.rooms] == [pytest.approx(16 + 1.2**2, abs=0.15)]
+
+
+def test_an_opening_too_wide_for_a_door_joins_both_sides():
+    """Catches a hall in two, since more than half of what stands between is a wall."""
+    kinds = np.full((140, 220), UNKNOWN)
+    kinds[9:131, 9:211], kinds[10:130, 10:210] = OCCUPIED, FREE
+    kinds[10:78, 109:111] = OCCUPIED
+    around = polyline([(0.5, 0.5), (10.5, 0.5), (10.5, 6.5), (0.5, 6.5)], closed=True)
+    found = plan.floor_plan(
+        [*around, [(5.5, 0.5), (5.5, 3.9)]], map_of_grid(kinds, resolution=0.05)
+    )
+    assert len(found.rooms) == 1 and not found.doors
+
+
 def test_a_line_lies_where_most_of_its_wall_does():
     """Catches a room that a short piece beside its wall makes smaller."""
     kinds = np.full((80, 100), UNKNOWN)
