@@ -230,7 +230,7 @@ def _as_scalar_array(value: object) -> NDArray[Any]:
 
 def is_masked(value: object, deep: int = DEEPEST) -> bool:
     """Whether part of an array, or of those in a list, is masked: numpy would lay it bare."""
-    if isinstance(value, np.ma.MaskedArray):
+    if isinstance(value, np.ndarray) and isinstance(value, np.ma.MaskedArray):  # np.ma loads late
         return bool(np.ma.is_masked(value))
     if not isinstance(value, list | tuple) or deep == 0:
         return False

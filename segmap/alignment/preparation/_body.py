@@ -7,11 +7,11 @@ rides keeps its range, and from elsewhere the laser looks through where a wall w
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import minimum_filter1d
 
 from ...arrays import Array
 from ...poses.motions import between, compose, inverse, wrap
@@ -262,10 +262,11 @@ def _looks(log: Log, pairs: Steps, directions: Directions) -> Looks:
     motion = compose(compose(inverse(place[own]), motion), place[other])
     ranges, n = directions.ranges(log[scans]), directions.columns
     says = np.zeros((len(Evidence._fields), len(first), n), np.int8)
-    width = 1 + 2 * round(SEEN_THROUGH_RAD / abs(directions.step))
-    for one, two, pose in (
-        (ranges[own], ranges[other], inverse(motion)),
-        (ranges[other], ranges[own], motion),
+    beside = round(SEEN_THROUGH_RAD / abs(directions.step))  # columns
+    nearest = reduce(np.fmin, (np.roll(ranges, k, 1) for k in range(-beside, beside + 1)))
+    for one, two, least, pose in (
+        (ranges[own], ranges[other], nearest[other], inverse(motion)),
+        (ranges[other], ranges[own], nearest[own], motion),
     ):
         near = one < NEAR_M
         x, y, turn = (column[:, None] for column in pose.T)
@@ -278,8 +279,7 @@ def _looks(log: Log, pairs: Steps, directions: Directions) -> Looks:
         rows, far = np.arange(len(two))[:, None], np.hypot(x, y)
         beyond = two[rows, about] - far
         off = np.where(near, np.abs(two - seen), np.nan)
-        nearest = minimum_filter1d(np.where(np.isnan(two), np.inf, two), width, mode="wrap")
-        through = (nearest[rows, about] - far > SEEN_THROUGH_M).all(0) & ~np.isnan(beyond).any(0)
+        through = (least[rows, about] - far > SEEN_THROUGH_M).all(0) & ~np.isnan(beyond).any(0)
         again = (np.abs(beyond) < SEEN_AGAIN_M + SEEN_AGAIN_SHARE * far).any(0)
         says += np.stack(
             [
