@@ -1,5 +1,6 @@
 """Parts of the workbench by themselves: its bar, its pictures and words, what a browser is told."""
 
+import threading
 from copy import deepcopy
 from dataclasses import replace
 from html import escape
@@ -65,6 +66,38 @@ def test_the_bar_goes_on_while_nothing_is_told(monkeypatch):
     monkeypatch.setattr(bar, "tick", lambda: ticks.append("tick"))
     bar.watch(SimpleNamespace(is_alive=lambda: next(lives), join=ticks.append))
     assert ticks == [1.0, "tick", 1.0, "tick", 1.0]
+
+
+def test_the_last_word_is_the_last():
+    """Catches a tick of a thread that has not ended yet, and one that had begun before the end."""
+
+    class Slow(str):
+        """Words in whose midst the other thread goes on."""
+
+        def __format__(self, how):
+            begun.set()
+            ended.wait(0.5)  # for ever, where the last word waits for the tick
+            return str(self)
+
+    begun, ended = threading.Event(), threading.Event()
+    for last in ("say", "wrong"):
+        bar = Bar()
+        bar.tell(0.5, "reading line 153000")
+        getattr(bar, last)("done", 1.0)
+        bar.tick()
+        assert (bar.state.value, bar.bar.value) == ("done", 1.0)
+        assert ("segmap-wrong" in bar.state._dom_classes) == (last == "wrong")
+
+        ended.set()
+        bar.tell(0.5, Slow("reading line 153000"))
+        begun.clear(), ended.clear()
+        late = threading.Thread(target=bar.tick)
+        late.start()
+        assert begun.wait(10)
+        getattr(bar, last)("done", 1.0)
+        ended.set()
+        late.join()
+        assert (bar.state.value, bar.bar.value) == ("done", 1.0)
 
 
 def test_what_a_browser_must_know_is_sent_to_it():

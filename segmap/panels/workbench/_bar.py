@@ -29,34 +29,44 @@ class Bar:
         self.bar: Any = W.FloatProgress(max=1.0, layout=W.Layout(flex="1 1 90px", width="90px"))
         self.state: Any = W.HTML(layout=W.Layout(flex="3 1 260px"))
         self.state.add_class("segmap-state")  # canvas.js makes it heard when it changes
-        self._words, self._begun, self._share = "-", 0.0, 0.0
+        self._words, self._begun, self._share, self._under_way = "-", 0.0, 0.0, False
+        self._lock = threading.RLock()  # a tick that has begun is shown before the last word
 
     def say(self, text: str, share: float | None = None) -> None:
-        """One line in the place of the one before."""
+        """One line in the place of the one before; what was told until now has ended."""
+        with self._lock:
+            self._under_way = False
+            self._show(text, share)
+
+    def wrong(self, text: str, share: float | None = None) -> None:
+        """One line that says why something was not done, in red."""
+        with self._lock:
+            self.say(text, share)
+            self.state.add_class("segmap-wrong")
+
+    def tell(self, share: float, words: str) -> None:
+        """Show how much is done of what."""
+        with self._lock:
+            if share < self._share or words.split()[0] != self._words.split()[0]:
+                self._begun = time.monotonic()  # another kind of work
+            self._words, self._share, self._under_way = words, share, True
+            self.tick()
+
+    def tick(self) -> None:
+        """Say it with the time that it takes still, or has taken; nothing where it has ended."""
+        with self._lock:
+            if self._under_way:
+                taken, share = time.monotonic() - self._begun, self._share
+                spent = f", {taken:.0f} s so far" if taken >= FIRST_ESTIMATE_S else " ..."
+                if not isinstance(self._words, Compiling) and (left := time_left(taken, share)):
+                    spent = f", {left}"
+                self._show(f"{self._words}{spent}", share)
+
+    def _show(self, text: str, share: float | None) -> None:
         self.state.remove_class("segmap-wrong")
         self.state.value = as_html(text)
         if share is not None:
             self.bar.value = self._share = share
-
-    def wrong(self, text: str, share: float | None = None) -> None:
-        """One line that says why something was not done, in red."""
-        self.say(text, share)
-        self.state.add_class("segmap-wrong")
-
-    def tell(self, share: float, words: str) -> None:
-        """Show how much is done of what."""
-        if share < self._share or words.split()[0] != self._words.split()[0]:
-            self._begun = time.monotonic()  # another kind of work
-        self._words, self._share = words, share
-        self.tick()
-
-    def tick(self) -> None:
-        """Say it with the time that it takes still, or has taken."""
-        taken, share = time.monotonic() - self._begun, self._share
-        spent = f", {taken:.0f} s so far" if taken >= FIRST_ESTIMATE_S else " ..."
-        if not isinstance(self._words, Compiling) and (left := time_left(taken, share)):
-            spent = f", {left}"
-        self.say(f"{self._words}{spent}", share)
 
     def watch(self, work: threading.Thread) -> None:
         """Let the time go on while a thread works, in silence too."""
