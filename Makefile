@@ -8,6 +8,8 @@ SHELL := /bin/sh
 RUN := .venv/bin/python
 SETUP := .venv/segmap-for-dev
 WARM := .venv/segmap-is-warm
+# What a student has, and what runs the chapters there.
+ALONE := .venv-lab/segmap-for-lab
 # uv takes seconds where pip takes minutes. It asks the registry that pip would ask.
 UV = env PATH="$$PATH:$(CURDIR)/.venv/bin" \
 	UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$${PIP_INDEX_URL:-$$($(RUN) -m pip config get global.index-url 2> /dev/null)}}" uv
@@ -59,12 +61,12 @@ grade: ## grade in a container, where bubblewrap cannot run (DIR=folder ARGS="su
 		--user "$$(id -u):$$(id -g)" $(if $(findstring podman,$(CONTAINER)),--userns keep-id) \
 		--volume "$(abspath $(or $(DIR),.)):/work" segmap-grade grade $(ARGS)
 
-test: $(SETUP) $(WARM) ## set up, then prove it: style, types, tests, examples and every chapter
+test: $(SETUP) $(WARM) $(ALONE) ## set up, then prove it: style, types, tests, examples and every chapter
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m mypy
 	$(RUN) -m pytest $(SPREAD) -m "not slow" -p no:nbval
-	PYTHONWARNINGS=error::DeprecationWarning:__main__ $(RUN) -m pytest $(SPREAD) $(NBVAL) notebooks/*.ipynb
+	PYTHONWARNINGS=error::DeprecationWarning:__main__ .venv-lab/bin/python -m pytest $(SPREAD) $(NBVAL) notebooks/*.ipynb
 
 test-all: test bounds ## the same, every index of the loops checked, then the tests that are marked slow
 	$(RUN) -m pytest $(SPREAD) -m slow
@@ -102,7 +104,7 @@ slides: $(SETUP) ## make slides of chapters, build/slides/*.html, to show offlin
 	PYTHONPATH=notebooks:notebooks/tools $(RUN) notebooks/tools/slides.py $(CHAPTERS)
 
 clean: ## remove what make made, the environment too; work/ stays
-	rm -rf .venv .venv-lowest build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv .venv-lab .venv-lowest build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -prune -exec rm -rf {} +
 	find . -name .ipynb_checkpoints -prune -exec rm -rf {} +
 
@@ -116,13 +118,23 @@ $(RUN):
 
 # Extras of pyproject.toml, each as far as it is needed: the lab without the tools of the tests. The
 # stamp is written last, so an installation that failed is tried again.
-.venv/segmap-for-%: pyproject.toml | $(RUN)
-	@echo "Installing what segmap needs for $* into .venv ..."
-	@{ { test -x .venv/bin/uv || command -v uv; } && \
-	  $(UV) pip install --quiet --python $(RUN) --editable '.[$*]' || \
-	  $(RUN) -m pip install --quiet --disable-pip-version-check --editable '.[$*]'; \
+install = @{ { test -x .venv/bin/uv || command -v uv; } && \
+	  $(UV) pip install --quiet --python $(1) --editable $(2) || \
+	  $(RUN) -m pip --python $(1) install --quiet --disable-pip-version-check --editable $(2); \
 	} > .venv/install.log 2>&1 || { echo "The packages cannot be had: without a network see \
 	'Classrooms without a network' in environment.md; what pip said is in .venv/install.log" >&2; exit 1; }
+
+.venv/segmap-for-%: pyproject.toml | $(RUN)
+	@echo "Installing what segmap needs for $* into .venv ..."
+	$(call install,$(RUN),'.[$*]')
+	@touch $@
+
+# The same versions as in .venv, so that what was compiled there serves here too.
+$(ALONE): pyproject.toml | $(SETUP)
+	@echo "Installing what the chapters need into .venv-lab ..."
+	@rm -rf .venv-lab && $(RUN) -m venv --without-pip .venv-lab
+	@$(RUN) -m pip freeze --exclude-editable > .venv/versions.txt
+	$(call install,.venv-lab/bin/python,'.[lab]' nbval pytest-xdist --constraint .venv/versions.txt)
 	@touch $@
 
 # Once more whenever a source has changed; what did not change is not compiled again. Machine code of

@@ -156,7 +156,7 @@ def test_the_extra_of_the_chapters_opens_ports():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
     assert any(text.startswith("pyserial") for text in extras["laser"])
-    assert "segmap[laser]" in extras["lab"]
+    assert "segmap[laser,plan]" in extras["lab"]
     assert "segmap[lab]" in extras["app"]
     assert "segmap[app,book,ros]" in extras["dev"]
 
@@ -181,7 +181,8 @@ def test_make_alone_lists_every_target():
 
 
 @pytest.mark.parametrize(
-    ("target", "extras"), [("lab", ["lab"]), ("app", ["app", "lab"]), ("test", ["dev", "lab"])]
+    ("target", "extras"),
+    [("lab", ["lab"]), ("app", ["app", "lab"]), ("test", ["dev", "lab", "lab"])],
 )
 def test_each_target_installs_what_it_needs(target, extras):
     """Catches a lab that waits for the tools of the tests, and tests without them."""
