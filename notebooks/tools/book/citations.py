@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-PAGE = Path(__file__).parent / "pages" / "references.md"
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "references.md"
 #: "A 4.4.4": a section of a thesis.
 SECTION = r"(?<![\w`*])(?P<thesis>[AB]) (?:\d(?:\.\d+)+|tables? \d[\d.]*)(?![\w`*])"
 #: "Lu and Milios (1997": authors, and a year behind them.

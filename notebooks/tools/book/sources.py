@@ -8,6 +8,7 @@ import html
 import json
 import re
 import shutil
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,8 +24,6 @@ from .code_map import code_map
 ROOT = Path(__file__).resolve().parents[3]
 CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 PICTURES = ROOT / "notebooks" / "pictures" / "panels"
-#: Where the texts that only the book has lie; in the book they lie at its top.
-PAGES = "notebooks/tools/book/pages/"
 VIEW = "application/vnd.jupyter.widget-view+json"
 
 #: Digit -> the part of the book.
@@ -41,7 +40,17 @@ PARTS = {
 }
 #: Texts that become pages, and files that pages link; the rest of the project is not in the book.
 TEXTS = ("*.md", "notebooks/*.md", "data/**/*.md")
-FILES = ("LICENSE", "CITATION.cff", "notebooks/pictures/*.png", "data/**/*.csv", "data/**/LICENSE")
+FILES = (
+    *("LICENSE", "CITATION.cff", "docs/pictures/*", "notebooks/pictures/*.png"),
+    *("data/**/*.csv", "data/**/LICENSE"),
+)
+#: Where a page of the docs gets the names of all formats.
+FORMATS = "<!-- formats -->"
+REFERENCE = (
+    *("docs/one_command", "commands/index", "docs/logs_and_maps", "docs/which_method"),
+    "api/index",
+)
+WHAT_HOLDS = ("docs/what_can_be_told", "docs/known_limits", "docs/references")
 LINKED = re.compile(r"(`[^`\n]*`|\[[^\]]*\]\([^)]*\)|\$[^$]+\$|<[^>]+>)")
 NAMED = re.compile(r"\b[Cc]hapters? \d\d(?:(?:,| and| to) \d\d)*\b(?!\.\d)")
 HEADING = re.compile(r"^(##|###) (?=\S)", re.MULTILINE)
@@ -67,9 +76,12 @@ def copy_sources(folder: Path, chapters: list[Path] = CHAPTERS) -> list[str]:
     for pattern in (*TEXTS, *FILES):
         for path in ROOT.glob(pattern):
             _copy(path, folder / path.relative_to(ROOT))
-    for path in (Path(__file__).parent / "pages").glob("*.md"):
-        text = path.read_text(encoding="utf-8").replace("{formats}", ", ".join(NAMES_OF_FORMATS))
-        (folder / path.name).write_text(text, encoding="utf-8")
+    shutil.copy(Path(__file__).parent / "index.md", folder)
+    (folder / "docs").mkdir(exist_ok=True)
+    formats = f"All formats by their names: {', '.join(NAMES_OF_FORMATS)}."
+    for path in ROOT.glob("docs/*.md"):
+        text = path.read_text(encoding="utf-8").replace(FORMATS, formats)
+        (folder / "docs" / path.name).write_text(text, encoding="utf-8")
     (folder / "code_map.md").write_text(code_map(), encoding="utf-8")
     (folder / "_static" / "panels").mkdir(parents=True)
     for path in PICTURES.glob("*.webp"):
@@ -105,9 +117,9 @@ def read_chapter(path: Path, states: dict[str, list[str]]) -> Chapter:
 
 
 def adapt(text: str) -> str:
-    """Markdown whose chapters and theses are linked, and whose README is a page of the book."""
+    """Markdown whose chapters and theses are linked."""
     parts = FENCED.split(text)
-    parts[::2] = (_linked(part.replace(PAGES, "")) for part in parts[::2])
+    parts[::2] = (_linked(part) for part in parts[::2])
     return "".join(parts)
 
 
@@ -277,17 +289,14 @@ def _write_contents(folder: Path, chapters: list[Path]) -> None:
     texts = ["README", "environment", *data, "code_map", "CONTRIBUTING", "CHANGELOG"]
     trees += [_tree("For teachers", own)] if own else []
     trees += [
-        _tree(
-            "Reference",
-            ["one_command", "commands/index", "logs_and_maps", "which_method", "api/index"],
-        ),
-        _tree("What holds", ["what_can_be_told", "known_limits", "references"]),
+        _tree("Reference", REFERENCE),
+        _tree("What holds", WHAT_HOLDS),
         _tree("The project", texts),
     ]
     with (folder / "index.md").open("a", encoding="utf-8") as index:
         index.write("\n".join(trees))
 
 
-def _tree(caption: str, pages: list[str]) -> str:
+def _tree(caption: str, pages: Iterable[str]) -> str:
     listed = "\n".join("README </README>" if p == "README" else f"/{p}" for p in pages)
     return f"```{{toctree}}\n:caption: {caption}\n:maxdepth: 1\n:hidden:\n\n{listed}\n```\n"
