@@ -109,17 +109,17 @@ class MapChoices:
             veto, tie = self.mends()
             graph = f"segmap.alignment.LiveGraph({self.align.arguments().removeprefix(', ')})"
             lines += [f"graph = {graph}", "graph.extend(log)", "graph.refine()"]
-            lines.append(f"found = graph.with_loops({veto=}, {tie=})")
+            lines.append(f"alignment = graph.with_loops({veto=}, {tie=})")
         else:
-            lines.append(f"found = {called(alignment, 'alignment', self.align, 'log')}")
+            lines.append(f"alignment = {called(alignment, 'alignment', self.align, 'log')}")
         if "square" in self.edits:
-            walls = "segmap.build_map(log, found.trusted)"
-            lines.append(f"found = found.turned(-segmap.segments.main_direction({walls}))")
+            turn = "segmap.segments.main_direction(segmap.build_map(log, alignment.trusted))"
+            lines.append(f"alignment = alignment.turned(-{turn})")
         if (seen_through := self.seen_through) is not None:
-            seen = f"segmap.quadtree.without_passers(log, found.trusted, {seen_through=})"
+            seen = f"segmap.quadtree.without_passers(log, alignment.trusted, {seen_through=})"
             lines.append(f"log = {seen}")
         thresholds += ", keep_points=True" * self.keeps_points()
-        lines.append(f"full = segmap.build_map(log, found.trusted{thresholds}){kept}")
+        lines.append(f"full = segmap.build_map(log, alignment.trusted{thresholds}){kept}")
         for name, call in zip(("reduced", "other"), self.methods, strict=False):
             lines.append(f"{name} = {called(reduction, 'reduction', call, 'full')}")
         lines.append("segmap.reduction_rate(full, reduced), segmap.quality(full, reduced)")

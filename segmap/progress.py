@@ -42,11 +42,12 @@ def told(progress: Progress) -> Iterator[None]:
 
     Examples
     --------
-    >>> from segmap import alignment, load
+    >>> from segmap import load
+    >>> from segmap.alignment import pose_graph
     >>> def listen(share, words):
     ...     print(f"{share:4.0%} {words}")
     >>> with told(listen):
-    ...     found = alignment.pose_graph(load("room")[:2])
+    ...     alignment = pose_graph(load("room")[:2])
       0% placing scan 1 of 2
      50% placing scan 2 of 2
       0% solving for all poses

@@ -59,8 +59,8 @@ def conclusions(frame: pd.DataFrame) -> pd.DataFrame:
     Examples
     --------
     >>> from segmap_course import thesis_results
-    >>> found = conclusions(thesis_results())
-    >>> found.loc[["i", "l"], ["verdict", "stanford"]]
+    >>> table = conclusions(thesis_results())
+    >>> table.loc[["i", "l"], ["verdict", "stanford"]]
                verdict                stanford
     i  holds on 3 of 4  0.3 times the next: no
     l  holds on 3 of 4      last in 0 of 6: no

@@ -65,8 +65,8 @@ def explore(
     Examples
     --------
     >>> from segmap.simulation import rectangular_room
-    >>> found = explore(rectangular_room(3, 3), (1, 1), rng=np.random.default_rng(0))
-    >>> bool(found.known[-1] > 0.95)
+    >>> drive = explore(rectangular_room(3, 3), (1, 1), rng=np.random.default_rng(0))
+    >>> bool(drive.known[-1] > 0.95)
     True
     """
     walls, here = arrays.segments(walls, "walls"), arrays.point(start, "start")

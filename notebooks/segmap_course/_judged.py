@@ -64,8 +64,8 @@ def four_matches() -> dict[str, Weighed]:
 
     Examples
     --------
-    >>> found = four_matches()
-    >>> max(found, key=lambda name: found[name].match)
+    >>> matches = four_matches()
+    >>> max(matches, key=lambda name: matches[name].match)
     'S'
     """
     log = load("malaga")

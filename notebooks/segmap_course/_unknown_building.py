@@ -141,8 +141,8 @@ def figures(case: Unknown, name: str) -> dict[str, float]:
 
     Examples
     --------
-    >>> found = figures(unknown_building(), "D")
-    >>> found["sure"], found["doubled"] < 0.01, found["tape"] < 3
+    >>> evidence = figures(unknown_building(), "D")
+    >>> evidence["sure"], evidence["doubled"] < 0.01, evidence["tape"] < 3
     (1.0, True, True)
     """
     alignment, map = case.alignments[name], case.maps[name]

@@ -163,8 +163,8 @@ def align_to_truth(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) ->
 
     Examples
     --------
-    >>> found = align_to_truth([(0, 0, 0), (1, 0, 0)], [(5, 5, np.pi / 2), (5, 6.5, np.pi / 2)])
-    >>> found[:, :2].round(6)
+    >>> poses = align_to_truth([(0, 0, 0), (1, 0, 0)], [(5, 5, np.pi / 2), (5, 6.5, np.pi / 2)])
+    >>> poses[:, :2].round(6)
     array([[5., 5.],
            [5., 6.]])
     """

@@ -39,8 +39,8 @@ def equal_quality(frame: pd.DataFrame, quality: float) -> pd.DataFrame:
     >>> runs = pd.DataFrame({
     ...     "map": "hall", "filtered": 0.0, "method": ["fusion", "fusion", "hybrid"],
     ...     "quality": [0.9, 0.8, 0.82], "reduction": [0.4, 0.6, 0.5]})
-    >>> found = equal_quality(runs, 0.85)
-    >>> found["fusion"].item(), found["hybrid"].item(), found["reason"].item()
+    >>> table = equal_quality(runs, 0.85)
+    >>> table["fusion"].item(), table["hybrid"].item(), table["reason"].item()
     (0.5, nan, 'hybrid reaches 0.82 at most')
     """
     import pandas as pd

@@ -98,8 +98,8 @@ def sweep(
     --------
     >>> walls = [[(0, 0), (2, 0)], [(1, 0.03), (3, 0.03)], [(5, 0), (5, 0.05)]]
     >>> grids = {"fusion": {"tolerance": [0.01, 0.04]}}
-    >>> found = sweep({"corner": walls}, ["fusion"], grids, filters=(None, 0.10))
-    >>> found[["filtered", "tolerance", "n_before", "n_after"]]
+    >>> runs = sweep({"corner": walls}, ["fusion"], grids, filters=(None, 0.10))
+    >>> runs[["filtered", "tolerance", "n_before", "n_after"]]
        filtered  tolerance  n_before  n_after
     0       0.0       0.01         3        3
     1       0.0       0.04         3        2

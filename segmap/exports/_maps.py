@@ -165,8 +165,8 @@ def write_geojson(
     >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)])
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_geojson(Path(folder) / "it.geojson", tree)
-    ...     found = json.loads((Path(folder) / "it.geojson").read_text())
-    >>> found["features"][0]["geometry"]["coordinates"][0][0]
+    ...     collection = json.loads((Path(folder) / "it.geojson").read_text())
+    >>> collection["features"][0]["geometry"]["coordinates"][0][0]
     [1.0, 0.0]
     """
     with arrays.instance(map, "map", QuadtreeMap).lock:

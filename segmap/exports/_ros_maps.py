@@ -86,8 +86,8 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)])
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_ros_map(Path(folder) / "it.yaml", tree)
-    ...     found = read_ros_map(Path(folder) / "it.yaml")
-    >>> found.occupancy([(0.2, 0.2), (1.2, 0.2), (3.2, 3.2)])
+    ...     map = read_ros_map(Path(folder) / "it.yaml")
+    >>> map.occupancy([(0.2, 0.2), (1.2, 0.2), (3.2, 3.2)])
     array([0. , 1. , 0.5])
     """
     place = file(path)

@@ -137,8 +137,8 @@ def sample_and_rank(
     >>> walls = [(k / 50 + 0.005, 1.005) for k in range(50)]
     >>> walls += [(1.005, k / 50 + 0.005) for k in range(50)]
     >>> tree.insert_scan((0.2, 0.2), walls)
-    >>> found = sample_and_rank(tree, walls, (0.03, -0.02, 0.0), rng=np.random.default_rng(1))
-    >>> bool(np.abs(found).max() < 0.02)
+    >>> pose = sample_and_rank(tree, walls, (0.03, -0.02, 0.0), rng=np.random.default_rng(1))
+    >>> bool(np.abs(pose).max() < 0.02)
     True
     """
     both = arrays.numbers(sigma, "sigma")

@@ -30,8 +30,9 @@ def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) ->
     >>> from matplotlib.figure import Figure
     >>> from segmap.scans import LaserScan
     >>> log = Log("two", [LaserScan([1.0], [0.0])] * 2)
-    >>> found = Alignment(np.eye(3)[:2], np.array([True, False]), 0.0, "by hand", ("", "turning"))
-    >>> ax = draw_alignment(log, found, ax=Figure().subplots())
+    >>> used, reasons = np.array([True, False]), ("", "turning")
+    >>> alignment = Alignment(np.eye(3)[:2], used, 0.0, "by hand", reasons)
+    >>> ax = draw_alignment(log, alignment, ax=Figure().subplots())
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['by hand', '1 scan not used']
     """

@@ -160,8 +160,8 @@ def draw_against_walls(found: AgainstWalls, *, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> from segmap.metrics import against_walls
-    >>> found = against_walls([[(0, 0), (4, 0)]], [[(0, 0.02), (3, 0.02)], [(3, 1), (4, 1)]])
-    >>> ax = draw_against_walls(found, ax=Figure().subplots())
+    >>> comparison = against_walls([[(0, 0), (4, 0)]], [[(0, 0.02), (3, 0.02)], [(3, 1), (4, 1)]])
+    >>> ax = draw_against_walls(comparison, ax=Figure().subplots())
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['double: 0.00 m', 'missed: 1.00 m', 'kept: 3.00 m', 'invented: 1.00 m']
     """

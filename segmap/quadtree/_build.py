@@ -86,8 +86,8 @@ def without_passers(log: Log, poses: Poses, *, seen_through: Share = 0.2) -> Log
     Examples
     --------
     >>> wall, person = LaserScan([4.05], [0.0]), LaserScan([2.05], [0.0])
-    >>> found = without_passers(Log("it", [person] + [wall] * 20), np.zeros((21, 3)))
-    >>> found[0].ranges, found[20].ranges
+    >>> log = without_passers(Log("it", [person] + [wall] * 20), np.zeros((21, 3)))
+    >>> log[0].ranges, log[20].ranges
     (array([nan]), array([4.05]))
     """
     where = checked_poses(log, poses)

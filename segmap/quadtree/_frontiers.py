@@ -43,7 +43,7 @@ def frontiers(map: QuadtreeMap, *, min_size: Metres = 0.5) -> list[Frontier]:
     --------
     >>> tree = QuadtreeMap(resolution=1, size=4, free_resolution=1)
     >>> tree.insert_scan((0.5, 0.5), [], free_points=[(2.5, 0.5)])
-    >>> [(len(found.edges), found.size) for found in frontiers(tree)]
+    >>> [(len(frontier.edges), frontier.size) for frontier in frontiers(tree)]
     [(8, 8.0)]
     """
     from scipy.sparse import coo_array

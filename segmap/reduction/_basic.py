@@ -52,8 +52,8 @@ def basic_offline(map: Segments, *, distance: Metres = 0.20, angle: Turn = np.pi
     Examples
     --------
     >>> wall = np.array([[(0, 0), (1, 0)], [(1.1, 0), (2, 0)], [(0, 0), (0, 1)]])
-    >>> found = basic_offline(wall)
-    >>> found, found.parents
+    >>> reduction = basic_offline(wall)
+    >>> reduction, reduction.parents
     (Reduction(basic_offline: 3 -> 2 segments), array([0, 0, 1]))
     """
 

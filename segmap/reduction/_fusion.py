@@ -82,8 +82,8 @@ def fusion_online(map: Segments, *, tolerance: Metres = 0.04) -> Reduction:
     --------
     >>> from segmap import SegmentMap
     >>> wall = [[(0, 0), (2, 0)], [(1.5, 0.05), (3, 0.05)], [(1, 0.1), (2, 0.1)]]
-    >>> found = fusion_online(SegmentMap(wall, [0, 1, 2]), tolerance=0.05)
-    >>> found.scan_live, found.parents
+    >>> reduction = fusion_online(SegmentMap(wall, [0, 1, 2]), tolerance=0.05)
+    >>> reduction.scan_live, reduction.parents
     (array([1, 1, 1]), array([0, 0, 0]))
     """
 

@@ -73,8 +73,8 @@ def hybrid(
     Examples
     --------
     >>> wall = np.array([[(0, 0), (3, 0)], [(1, 0.02), (2, 0.02)], [(9, 0), (9.05, 0)]])
-    >>> found = hybrid(wall)
-    >>> found, found.parents
+    >>> reduction = hybrid(wall)
+    >>> reduction, reduction.parents
     (Reduction(hybrid: 3 -> 1 segments), array([ 0,  0, -1]))
     >>> hybrid(wall + [50, 20]).doubt[:42]
     'the origin lies 53.9 m outside of the map,'

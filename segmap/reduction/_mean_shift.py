@@ -79,8 +79,8 @@ def mean_shift(
     Examples
     --------
     >>> wall = np.array([[(0, 0), (2, 0)], [(0, 0.01), (2, 0.01)], [(0, 1), (0, 2)]])
-    >>> found = mean_shift(wall)
-    >>> found, found.parents
+    >>> reduction = mean_shift(wall)
+    >>> reduction, reduction.parents
     (Reduction(mean_shift: 3 -> 2 segments), array([0, 0, 1]))
     """
 
@@ -126,8 +126,8 @@ def common_directions(
     Examples
     --------
     >>> corner = np.array([[(0, 0), (0.4, 0)], [(0, 0), (0, 0.4)]])
-    >>> found = common_directions(corner)
-    >>> found.owner, found.cluster, np.degrees(found.theta)
+    >>> directions = common_directions(corner)
+    >>> directions.owner, directions.cluster, np.degrees(directions.theta)
     (array([0, 0, 1, 1]), array([0, 0, 1, 1]), array([ 0., 90.]))
     """
     rows, _ = rows_of(map)

@@ -1,6 +1,7 @@
 """No name has two meanings in the library: constants and functions of modules that share one."""
 
 import ast
+import re
 from collections import defaultdict
 from pathlib import Path
 
@@ -97,3 +98,19 @@ def test_shared_names_and_tuples_are_found():
     assert constants == {"NEAR": ["one", "other"], "B_M": ["one", "other"]}
     assert functions == {"_gap": ["one", "other"]}
     assert together({"one": one, "other": other}) == ["one:2"]
+
+
+#: Names that do not say what a variable is.
+PARTICIPLES = "found|known|held|said|told|kept|given|made"
+
+
+def test_examples_name_what_they_show():
+    """Catches `found = pose_graph(log)`, from which a reader does not learn that it aligns."""
+    assigned = rf"^ *(?:>>> |\.\.\. +|)((?:{PARTICIPLES}) = .*)"
+    pages = [ROOT / "README.md", *ROOT.glob("docs/*.md")]
+    examples = {path: path.read_text(encoding="utf-8") for path in pages}
+    for path in (*ROOT.glob("segmap/**/*.py"), *ROOT.glob("notebooks/segmap_course/**/*.py")):
+        lines = re.findall(r"^ *(?:>>>|\.\.\.) .*$", path.read_text("utf-8"), re.MULTILINE)
+        examples[path] = "\n".join(lines)
+    named = {p: re.findall(assigned, text, re.MULTILINE) for p, text in examples.items()}
+    assert {str(p): lines for p, lines in named.items() if lines} == {}

@@ -123,9 +123,9 @@ def backbone(
     >>> from segmap.simulation import SICK_LMS200, circular_room, drive, simulate, square_room
     >>> rng, path = np.random.default_rng(1), drive([(2, 2), (6, 2), (6, 6)])
     >>> log = simulate(square_room(9), path, sensor=SICK_LMS200, rng=rng)
-    >>> found = backbone(log)
-    >>> error = np.abs(found.poses[:, 2] - log.truth[:, 2])
-    >>> bool(np.degrees(error.max()) < 0.5), found.doubt
+    >>> alignment = backbone(log)
+    >>> error = np.abs(alignment.poses[:, 2] - log.truth[:, 2])
+    >>> bool(np.degrees(error.max()) < 0.5), alignment.doubt
     (True, '')
     >>> backbone(simulate(circular_room(5), path, sensor=SICK_LMS200, rng=rng)).doubt[:18]
     'the assumption fai'

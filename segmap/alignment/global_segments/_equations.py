@@ -183,8 +183,8 @@ def solve_differences(
     Examples
     --------
     >>> ends = np.array([0, 1]), np.array([1, 2])
-    >>> held = np.array([True, False, False])
-    >>> solve_differences(*ends, np.ones(2), np.array([[1.0], [2.0]]), held).ravel().tolist()
+    >>> fixed = np.array([True, False, False])
+    >>> solve_differences(*ends, np.ones(2), np.array([[1.0], [2.0]]), fixed).ravel().tolist()
     [0.0, 1.0, 3.0]
     """
     from scipy.sparse import coo_array

@@ -234,8 +234,8 @@ def compare_odometry(log: Log) -> OdometryComparison:
     Examples
     --------
     >>> from segmap import load
-    >>> found = compare_odometry(load("corridor"))
-    >>> round(found.way, 2), round(found.agreement, 2)
+    >>> comparison = compare_odometry(load("corridor"))
+    >>> round(comparison.way, 2), round(comparison.agreement, 2)
     (1.0, 1.0)
     """
     arrays.instance(log, "log", Log)

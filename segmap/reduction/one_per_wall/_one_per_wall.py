@@ -58,8 +58,8 @@ def one_per_wall(map: Segments, *, factor: Positive = 1.0) -> Reduction:
     Examples
     --------
     >>> wall = [[(0, 0), (2, 0)], [(1, 0.01), (3, 0.01)], [(0, 1), (2, 1)]]
-    >>> found = one_per_wall(wall)
-    >>> found.parents
+    >>> reduction = one_per_wall(wall)
+    >>> reduction.parents
     array([0, 0, 1])
     """
     noise = float(np.nan)

@@ -107,8 +107,8 @@ def fuzzy_clustering(
     Examples
     --------
     >>> wall = [[(0, 1), (4, 1)], [(0.5, 1.04), (3.5, 1.04)], [(1, 0), (1, 0.8)]]
-    >>> found = fuzzy_clustering(wall)
-    >>> found, found.parents
+    >>> reduction = fuzzy_clustering(wall)
+    >>> reduction, reduction.parents
     (Reduction(fuzzy_clustering: 3 -> 2 segments), array([0, 0, 1]))
     """
     origin = arrays.point(corner, "corner")

@@ -78,8 +78,8 @@ def fuzzy_set(
     Examples
     --------
     >>> wall = [[(0, 0), (4, 0)], [(3, 0.06), (5, 0.06)], [(0, 1), (0, 3)]]
-    >>> found = fuzzy_set(wall)
-    >>> found.parents, found.segments[0].round(6)
+    >>> reduction = fuzzy_set(wall)
+    >>> reduction.parents, reduction.segments[0].round(6)
     (array([0, 0, 1]), array([[0.  , 0.03],
            [5.  , 0.03]]))
     """

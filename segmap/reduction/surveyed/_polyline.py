@@ -68,8 +68,8 @@ def polyline(
     --------
     >>> from segmap import SegmentMap
     >>> bend = [[(0, 0), (1, 0)], [(0.9, 0.02), (2, 0.3)], [(1.8, 0.3), (3, 0.3)]]
-    >>> found = polyline(SegmentMap(bend, scan=[0, 1, 0]), tolerance=0.10)
-    >>> found, found.segments[:, 1].round(6).tolist()
+    >>> reduction = polyline(SegmentMap(bend, scan=[0, 1, 0]), tolerance=0.10)
+    >>> reduction, reduction.segments[:, 1].round(6).tolist()
     (Reduction(polyline: 3 -> 3 segments), [[0.9, 0.02], [1.8, 0.3], [3.0, 0.3]])
     """
     rule = distance, far, long, False

@@ -56,10 +56,10 @@ def segment_similarity(map: Segments, *, distance: Metres = 0.03) -> Reduction:
     Examples
     --------
     >>> walls = [[(0, 0), (2, 0)], [(1, 0.1), (3, 0.1)], [(0, 1), (0, 2)]]
-    >>> found = segment_similarity(walls)
-    >>> found, found.parents
+    >>> reduction = segment_similarity(walls)
+    >>> reduction, reduction.parents
     (Reduction(segment_similarity: 3 -> 2 segments), array([0, 0, 1]))
-    >>> found.segments[0].round(6)
+    >>> reduction.segments[0].round(6)
     array([[0.  , 0.05],
            [3.  , 0.05]])
     """

@@ -79,8 +79,8 @@ def uncertain_parameters(
     Examples
     --------
     >>> wall = np.array([[(0, 0), (4, 0)], [(3, 0.02), (4, 0.04)], [(4.2, 0), (5, 0)]])
-    >>> found = uncertain_parameters(wall)
-    >>> found, found.parents
+    >>> reduction = uncertain_parameters(wall)
+    >>> reduction, reduction.parents
     (Reduction(uncertain_parameters: 3 -> 2 segments), array([0, 0, 1]))
     """
 

@@ -90,8 +90,8 @@ def viewing_sector(
     --------
     >>> from segmap import SegmentMap
     >>> door = [[(-2, 3), (2, 3)], [(-2, 3), (-1, 3)], [(1, 3), (2, 3)], [(-2, 5), (2, 5)]]
-    >>> found = viewing_sector(SegmentMap(door, [0, 1, 1, 1], sensors=[(0, 0), (0, 0)]))
-    >>> found.segments[:, :, 0].round(6), found.parents
+    >>> reduction = viewing_sector(SegmentMap(door, [0, 1, 1, 1], sensors=[(0, 0), (0, 0)]))
+    >>> reduction.segments[:, :, 0].round(6), reduction.parents
     (array([[-2., -1.],
            [ 1.,  2.],
            [-2.,  2.]]), array([0, 0, 1, 2]))

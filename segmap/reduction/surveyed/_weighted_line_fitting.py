@@ -82,8 +82,8 @@ def weighted_line_fitting(
     Examples
     --------
     >>> wall = [[(0, 0), (2, 0)], [(1, 0.03), (3, 0.03)], [(1, 0.3), (3, 0.3)]]
-    >>> found = weighted_line_fitting(wall)
-    >>> found, found.parents
+    >>> reduction = weighted_line_fitting(wall)
+    >>> reduction, reduction.parents
     (Reduction(weighted_line_fitting: 3 -> 2 segments), array([0, 0, 1]))
     """
     limits = np.array([chi2, gap, turn])

@@ -40,8 +40,8 @@ def normals_of(points: Array, side: float = 1.0) -> Normals:
     Examples
     --------
     >>> wall = np.stack([np.linspace(0.05, 0.95, 10), np.full(10, 0.5)], axis=-1)
-    >>> found = normals_of(wall)
-    >>> found.means[0].round(6), bool(found.inverses[0, 1, 1] > 100 * found.inverses[0, 0, 0])
+    >>> normals = normals_of(wall)
+    >>> normals.means[0].round(6), bool(normals.inverses[0, 1, 1] > 100 * normals.inverses[0, 0, 0])
     (array([0.5, 0.5]), True)
     """
     keys = cell_indices(points, side)
