@@ -21,7 +21,7 @@ SPREAD := -n $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)') --dist
 # as their pictures. Students work in copies: what they save changes nothing that is tracked.
 LAB = JUPYTER_CONFIG_PATH="$(CURDIR)/notebooks/tools/jupyter$${JUPYTER_CONFIG_PATH:+:$$JUPYTER_CONFIG_PATH}" \
 	$(RUN) -m jupyterlab --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) \
-	--allow-root --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/work/00_start_here.ipynb
+	$(if $(filter 0,$(shell id -u)),--allow-root) --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/work/00_start_here.ipynb
 # Without a display the address is printed, and served until Control-C.
 BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no-browser)
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \

@@ -131,11 +131,15 @@ def listed(text: str, chapters: list[Chapter]) -> str:
 
 
 def listed_by_part(text: str, chapters: list[Chapter]) -> str:
-    """A text beside the folder of the chapters, with a row for each part and its chapters."""
+    """A text beside the folder of the chapters, with a row of numbers for each part."""
     rows = ""
     for digit, part in PARTS.items():
-        own = [f"[{c.title}](notebooks/{c.file})" for c in chapters if part_of(c.file) == digit]
-        rows += f"| {part} | {', '.join(own)} |\n"
+        own = [
+            f'[{c.title[:2]}](notebooks/{c.file} "{c.title[3:]}")'
+            for c in chapters
+            if part_of(c.file) == digit
+        ]
+        rows += f"| {part} | {' '.join(own)} |\n"
     return LIST.sub(lambda _: f"| part | chapters |\n|---|---|\n{rows}", text)
 
 
