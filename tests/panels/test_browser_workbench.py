@@ -4,7 +4,9 @@ Pictures of what it showed are left at build/browser/workbench_*.png.
 """
 
 import contextlib
+import csv
 import http.client
+import json
 import os
 import re
 import shlex
@@ -12,13 +14,20 @@ import sys
 import time
 import urllib.error
 import urllib.request
+import zlib
+from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
 
+import ezdxf
 import numpy as np
 import pytest
+import shapely
 from browsers import ROOT, SCREENSHOT, browser, free_port, running, wait
 from input_samples import text_samples
 from makefile import app_command
+from matplotlib.image import imread
 
 from segmap import exports, readers, simulation
 
@@ -26,6 +35,11 @@ assert browser  # the fixture
 #: A file chooser cannot be driven: its input joins the page instead, where the driver finds it.
 OPEN = """
 HTMLInputElement.prototype.click = function () { document.body.appendChild(this); }"""
+#: Buttons that save the floor plan while it is seen, and the ends of their files.
+PLANS = {
+    **{"Drawing (DXF)": ".dxf", "GIS (GeoJSON)": ".geojson", "Sheet to print (PDF)": ".pdf"},
+    **{"Picture (SVG)": ".svg", "Picture (PNG)": ".png", "Table (CSV)": ".csv"},
+}
 TEXT = "return document.body.innerText"
 STATE = "return (document.querySelector('.segmap-state') || {}).innerText"
 LABEL = "return document.querySelector('.segmap-canvas').getAttribute('aria-label')"
@@ -115,10 +129,10 @@ ENTRY = "//label[normalize-space()='{}']/following-sibling::input"
 PICKED = "//label[normalize-space()='{}']/following-sibling::select"
 
 
-@pytest.fixture(scope="module")
-def app(tmp_path_factory) -> Iterator[str]:
+@contextlib.contextmanager
+def served(folder: Path, **environment: str) -> Iterator[str]:
     """The address with its token, as the page's own server prints it."""
-    folder, port = tmp_path_factory.mktemp("app"), free_port()
+    port = free_port()
     command = app_command(port).replace(".venv/bin/python", shlex.quote(sys.executable))
     assert shlex.quote(sys.executable) in command
 
@@ -126,8 +140,16 @@ def app(tmp_path_factory) -> Iterator[str]:
         found = re.search(rb"http://\S+token=\w+", (folder / "log").read_bytes())
         return found and found.group().decode()
 
-    with running(["sh", "-c", command], folder / "log", cwd=ROOT):
+    environ = os.environ | environment
+    with running(["sh", "-c", command], folder / "log", cwd=ROOT, env=environ):
         yield wait("voila", printed, 90)
+
+
+@pytest.fixture(scope="module")
+def app(tmp_path_factory) -> Iterator[str]:
+    """One for all tests but one: its start costs seconds."""
+    with served(tmp_path_factory.mktemp("app")) as address:
+        yield address
 
 
 def test_the_app_is_served_to_who_has_the_token(app):
@@ -273,6 +295,92 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     browser.run("console.error('planted, to prove that errors are seen')")
     errors = [line for line in browser.errors() if ICONS not in line]
     assert len(errors) == 1 and "planted" in errors[0], errors
+
+
+def test_each_button_saves_the_floor_plan_while_it_is_seen(app, browser, tmp_path):
+    """Catches a button that saves the bare segments beside a plan, or rooms without their names."""
+    downloads = {"behavior": "allow", "downloadPath": str(tmp_path)}
+    browser.devtools("Browser.setDownloadBehavior", downloads)
+    opened(browser, app, 1280)
+    browser.click(f"{PICKED.format('bundled log')}/option[normalize-space()='room']")
+    wait("the log", lambda: browser.run(STATE) == "room: ready to run")
+    browser.click(f"{PICKED.format('method')}/option[normalize-space()='fusion']")
+    browser.click(BUTTON.format("Run"))
+    wait("a run", lambda: browser.run(STATE) == "room: done")
+    browser.click(BUTTON.format("plan"))
+    wait("a plan", lambda: browser.run(STATE) == "the floor plan is made")
+    first = "(//label[contains(., ' m\u00b2')]/following-sibling::input)[1]"
+    browser.type(browser.find(first), f"\ue009a\ue000hall{ENTER}")
+    wait("the name", lambda: "may go on: hall" in browser.run(TEXT))
+
+    def saved(button, name):
+        browser.click(BUTTON.format(button))
+        path = tmp_path / name
+        wait(name, lambda: path.exists() and browser.run(STATE) == f"saved: {name}", 20)
+        return path
+
+    assert "Save the floor plan" in browser.run(TEXT)
+    browser.screenshot(SCREENSHOT.with_name("workbench_save_plan.png"))
+    ends = {end: saved(name, f"room-plan{end}") for name, end in PLANS.items()}
+    words = {"hall", "room 2", "room 3"}
+    features = json.loads(ends[".geojson"].read_text())["features"]
+    kinds = Counter(each["properties"]["kind"] for each in features)
+    assert kinds["room"] == 3 and kinds["door"] == 2 and kinds["wall"] > 20 and kinds["clutter"] > 5
+    rooms = {
+        each["properties"]["name"]: (shapely.geometry.shape(each["geometry"]), each["properties"])
+        for each in features
+        if each["properties"]["kind"] == "room"
+    }
+    assert {*rooms} == words
+    for shape, said in rooms.values():
+        assert shape.is_valid and shape.area == pytest.approx(said["area"], abs=0.01)
+    areas = {name: said["area"] for name, (_, said) in rooms.items()}
+    rows = csv.DictReader(ends[".csv"].read_text().splitlines())
+    assert {row["name"]: float(row["area_m2"]) for row in rows} == pytest.approx(areas, abs=0.006)
+
+    drawing = ezdxf.readfile(ends[".dxf"])
+    assert not drawing.audit().has_errors
+    layers = Counter(each.dxf.layer for each in drawing.modelspace())
+    names = {
+        "WALLS": "wall",
+        "CLUTTER": "clutter",
+        "DOORS": "door",
+        "ROOMS": "room",
+        "TEXT": "room",
+    }
+    assert layers == {layer: kinds[kind] for layer, kind in names.items()}
+    drawn = [shapely.Polygon(p.points()) for p in drawing.query("POLYLINE")]
+    assert all(a.equals(b) for a, (b, _) in zip(drawn, rooms.values(), strict=True))
+    assert [text.dxf.text for text in drawing.query("TEXT")] == [
+        f"{name}, {area:.1f} m2" for name, area in areas.items()
+    ]
+    words |= {f"{area:.1f} m2" for area in areas.values()} | {"room"}
+    svg = [
+        each.text
+        for each in ElementTree.parse(ends[".svg"]).iter("{http://www.w3.org/2000/svg}text")
+    ]
+    assert words <= {*svg} and any(text.startswith("GOOD") for text in svg)
+    pdf = pdf_texts(ends[".pdf"].read_bytes())
+    assert words <= {*pdf} and any(text.startswith("GOOD") for text in pdf)
+    picture = imread(ends[".png"])[..., :3]
+    assert np.isclose(picture, np.divide([221, 232, 243], 255)).all(-1).mean() > 0.2, "no rooms"
+
+    browser.click(BUTTON.format("plan"))
+    wait("the map again", lambda: "Save the first result" in browser.run(TEXT))
+    lines = ezdxf.readfile(saved("Drawing (DXF)", "room-fusion.dxf")).modelspace()
+    left = re.search(r"fusion \(tolerance 0\.04\): (\d+) of", browser.run(TEXT)).group(1)
+    assert len(lines) == int(left) and {*layers}.isdisjoint(line.dxf.layer for line in lines)
+
+
+def pdf_texts(content):
+    """The pieces of text of a PDF, whose letters have one byte or two."""
+    streams = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", content, re.DOTALL)
+    pages = [zlib.decompress(each) for each in streams if each.startswith(b"x")]
+    pieces = [text for page in pages for text in re.findall(rb"\bBT\b.*?\bET\b", page, re.DOTALL)]
+    return [
+        b"".join(re.findall(rb"\(((?:\\.|[^\\()])*)\)", text)).replace(b"\0", b"").decode("latin-1")
+        for text in pieces
+    ]
 
 
 def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(app, browser, tmp_path):

@@ -4,6 +4,7 @@ import contextlib
 import itertools
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -751,10 +752,17 @@ def test_layers_and_what_is_measured(worker):
     assert canvas.points != b"", "another map has its own"
 
 
-def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path):
+def headings(page):
+    """What stands above the steps of a page."""
+    texts = [getattr(each, "value", "") for each in page._view.children[1].children]
+    return [re.sub("<.*?>", "", text) for text in texts if str(text).startswith("<h2")]
+
+
+def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path, monkeypatch):
     """Catches a name that goes to another room, a picture that keeps the old one, a lost area.
 
-    And a doubt that knows no names, or takes one for HTML.
+    And a doubt that knows no names, or takes one for HTML; a file of segments where the plan is
+    seen, and of the plan where it is not.
     """
     made = bench(segmap.load("room"))
     made.run()
@@ -772,6 +780,17 @@ def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path):
     rooms.names.children[1].value = "hall"
     rooms.names.children[1].value = "the hall <b>$x"
     assert before.startswith(b"\x89PNG") and bytes(rooms.picture.value) != before
+    sent = []
+    monkeypatch.setattr(made.canvas, "save", lambda *given: sent.append(given))
+    for shown, name in ((True, "room-plan.csv"), (False, "room-fusion.csv")):
+        rooms.switch.value = shown
+        made.wait()
+        made.files.children[[*SAVES].index("Table (CSV)")].click()
+        assert sent[-1][0] == name
+        assert (
+            (b"hall <b>$x" in sent[-1][1]) == shown == (headings(made)[6] == "Save the floor plan")
+        )
+    assert headings(made)[6] == "Save the first result"
     made.export(tmp_path / "it.segmap")
     ((*_, name),) = readers.read_session(tmp_path / "it.segmap").edits["rooms"]
     other = Workbench()

@@ -112,7 +112,8 @@ class Rooms:
     hides, and there are its rooms with names to be typed, and their areas.
 
     Names are kept in the edits with their places: they stay where a room gets another number.
-    `begin` calls a function in the worker, `say` says what is done, and `outcome` is what is shown.
+    `begin` calls a function in the worker, `say` says what is done, and `outcome` is what is shown;
+    `plan` is the floor plan that stands there, None where none does.
     """
 
     def __init__(
@@ -123,6 +124,7 @@ class Rooms:
         outcome: Callable[[], Pipeline | None],
     ) -> None:
         self.edits, self._begin, self._say, self._outcome = edits, begin, say, outcome
+        self.plan: FloorPlan | None = None
         tip = "rooms with their areas, and doors"
         self.switch: Any = W.ToggleButton(False, description="plan", tooltip=tip)
         self.picture: Any = W.Image(format="png")
@@ -135,6 +137,7 @@ class Rooms:
 
     def _switched(self, change: Any = None) -> None:
         if not self.switch.value:
+            self.plan = None
             self.box.children = self.names.children = self.sheet.children = ()
         elif not self.box.children:
             self._begin(_files.plan_of, (self._outcome(),), self.show)
@@ -155,6 +158,7 @@ class Rooms:
             entries.append(entry)
         self.names.children = entries
         self._draw(plan)
+        self.plan = plan
         self.box.children = [self.large, self.total, self.names]
         self.sheet.children = [self.picture]
         self._say("the floor plan is made", 1.0)
@@ -165,7 +169,7 @@ class Rooms:
         said = f"{count} of {area:.1f} m\N{SUPERSCRIPT TWO}, {doors}"
         self.total.value = as_html("; ".join(filter(None, [said, plan.doubt])))
         if (made := self._outcome()) is not None:
-            self.picture.value = _files.plan_picture(plan, made)
+            self.picture.value = _files.written(made, "plan.png", plan)["plan.png"]
 
     def _inside(self, plan: FloorPlan) -> list[int]:
         """The room of each name that is kept, -1 for none."""

@@ -6,6 +6,7 @@ import datetime
 import math
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,25 +29,28 @@ SKETCHED_SCANS = 50
 FREE_OCCUPANCY = 0.25
 
 
-def write_outcome(path: str | Path, outcome: Pipeline, which: int = 0) -> None:
-    """Write what a method leaves in the format that the end of the name asks for."""
-    reduced, end = outcome.reductions[which], Path(path).suffix.lower()
+def write_outcome(
+    path: str | Path, outcome: Pipeline, which: int = 0, plan: FloorPlan | None = None
+) -> None:
+    """Write what a method leaves, or the floor plan, in the format that the name asks for."""
+    end, edits = Path(path).suffix.lower(), outcome.recipe.edits
+    today, degrees = datetime.date.today().isoformat(), edits.get("north")
+    words: Any = {"title": shown(outcome.given.name), "verdict": outcome.verdict.words}
+    words |= {"date": today, "north": None if degrees is None else math.radians(degrees[0])}
     if end == ".yaml":
         exports.write_ros_map(path, cells(outcome))
+    elif plan is not None:
+        exports.write_plan(path, plan, world=world_of(edits), **words)
     elif end in (".pdf", ".png"):
-        title, words = shown(outcome.given.name), outcome.verdict.words
-        today = datetime.date.today().isoformat()
-        degrees = outcome.recipe.edits.get("north")
-        north = None if degrees is None else math.radians(degrees[0])
-        exports.write_sheet(path, reduced, title=title, verdict=words, date=today, north=north)
+        exports.write_sheet(path, outcome.reductions[which], **words)
     else:
-        exports.write_segments(path, reduced, world=world_of(outcome.recipe.edits))
+        exports.write_segments(path, outcome.reductions[which], world=world_of(edits))
 
 
-def written(outcome: Pipeline, name: str) -> dict[str, bytes]:
+def written(outcome: Pipeline, name: str, plan: FloorPlan | None = None) -> dict[str, bytes]:
     """The files that `write_outcome` makes, by their names."""
     with tempfile.TemporaryDirectory() as folder:
-        write_outcome(Path(folder) / name, outcome)
+        write_outcome(Path(folder) / name, outcome, plan=plan)
         return {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
 
 
@@ -73,15 +77,6 @@ def plan_of(outcome: Pipeline) -> FloorPlan:
     crop = outcome.recipe.edits.get("crop")
     walls = reduction.one_per_wall(cropped(seen, crop).filtered())
     return floor_plan(walls, cropped(free, crop))
-
-
-def plan_picture(plan: FloorPlan, outcome: Pipeline) -> bytes:
-    """The sheet of a floor plan, as PNG."""
-    with tempfile.TemporaryDirectory() as folder:
-        path, today = Path(folder) / "plan.png", datetime.date.today().isoformat()
-        words = outcome.verdict.words
-        exports.write_plan(path, plan, title=outcome.given.name, verdict=words, date=today)
-        return path.read_bytes()
 
 
 def drawn_points(log: Log, poses: Array, *, sketched: bool = False) -> Array:

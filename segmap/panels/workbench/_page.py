@@ -29,6 +29,10 @@ PRESSED = {
     "Stop": "end what is done now",
     "Undo": "take the last edit of the map back",
 }
+#: Their ends where they hold the map also while the floor plan is shown.
+NO_PLANS = (".yaml", ".segmap")
+#: What is saved, above the buttons: without and with a floor plan.
+SAVED = ("Save the first result", "Save the floor plan")
 TITLE = '<h1 style="font-size: 17px; margin: 4px 0">From a log of a laser to a map</h1>'
 #: What may be drawn with the maps, and what each is.
 LAYERS = {
@@ -59,11 +63,14 @@ def toggles() -> tuple[Any, Any, dict[str, Any]]:
     return sides, tool, layers
 
 
-def laid_out(steps: Mapping[str, Sequence[Any]], bar: Sequence[Any], seen: Sequence[Any]) -> Any:
-    """Steps by their headings, controls that are always seen, and what shows the map."""
-    way: list[Any] = [W.HTML(TITLE)]
-    for name, parts in steps.items():
-        way += [W.HTML(_shown.heading(name)), *parts]
+def headed(name: str, *parts: Any) -> list[Any]:
+    """A step below its heading."""
+    return [W.HTML(_shown.heading(name)), *parts]
+
+
+def laid_out(steps: Sequence[Any], bar: Sequence[Any], seen: Sequence[Any]) -> Any:
+    """Steps with their headings, controls that are always seen, and what shows the map."""
+    way: list[Any] = [W.HTML(TITLE), *steps]
     boxes = [W.Box(bar, layout=W.Layout(**WRAP)), W.VBox(way), W.VBox(seen)]
     for box, name in zip(boxes, ("bar", "steps", "map"), strict=True):
         box.add_class(f"segmap-{name}")
@@ -114,16 +121,22 @@ class Page:
     def _laid_out(self, views: Mapping[str, Any], listed: Any) -> Any:
         """The steps by their names, and the table of all runs."""
         found = (None, self.verdict, self.extracted, self.figures)
-        steps = {
-            f"{k + 1}  {name}": [view, *filter(None, [told_of])]
-            for k, ((name, view), told_of) in enumerate(zip(views.items(), found, strict=True))
-        }
+        steps: list[Any] = []
+        for k, ((name, view), told_of) in enumerate(zip(views.items(), found, strict=True), 1):
+            steps += headed(f"{k}  {name}", view, *filter(None, [told_of]))
+        saved, sheet = W.HTML(_shown.heading(SAVED[0])), self.rooms.sheet
+
+        def tell_saved(change: Any) -> None:
+            saved.value = _shown.heading(SAVED[bool(sheet.children)])
+
+        sheet.observe(tell_saved, names="children")
         row = W.Box([self.loops.open, self.edits.open, self.undo], layout=W.Layout(**WRAP))
         parts = [row, self.edits.square, self.loops.box, self.edits.box, self.edits.wrong]
-        steps["Mend the map"] = parts
-        steps["Floor plan"] = [self.rooms.switch, self.rooms.box]
-        steps |= {"Save the first result": [self.files]} if self.canvas is not None else {}
-        steps |= {"All runs": [listed], "In Python": [self.listing]}
+        steps += headed("Mend the map", *parts)
+        steps += headed("Floor plan", self.rooms.switch, self.rooms.box)
+        if self.canvas is not None:
+            steps += [saved, self.files]
+        steps += [*headed("All runs", listed), *headed("In Python", self.listing)]
         bar = [self.start, self.stop, self.progress, self.state]
         if self.canvas is None:
             return laid_out(steps, bar, [self.picture, self.chosen, self.rooms.sheet])

@@ -27,7 +27,7 @@ from ._bar import REASON_ELSEWHERE, Bar, Work
 from ._choices import Choices
 from ._job import Worker
 from ._loops import Loops
-from ._page import SAVES, Page
+from ._page import NO_PLANS, SAVES, Page
 from ._runs import COLUMNS, Runs
 from ._source import Source, telling
 
@@ -323,18 +323,22 @@ class Workbench(Page, Work):
             _files.write_outcome(path, cast(Pipeline, self.outcome), which)
 
     def _download(self, button: Any) -> None:
-        """Hand the first result to the browser."""
+        """Hand the floor plan that is shown, or else the first result, to the browser."""
         end = SAVES[button.description]
+        plan = None if end in NO_PLANS else self.rooms.plan
         with telling(self._bar.wrong):
-            way = [self.log.name, self._result().method]
-            way.append(cast(Pipeline, self.outcome).stopped.replace(" ", "-"))
+            way = [self.log.name, self._result().method if plan is None else "plan"]
+            outcome = cast(Pipeline, self.outcome)
+            way.append(outcome.stopped.replace(" ", "-"))
             name = file_name("-".join(filter(None, way)) + end)
             if end == ".yaml":  # its cells take seconds
-                self._begin(_files.written, (self.outcome, name), self._save)
-                return
-            with tempfile.TemporaryDirectory() as folder:
-                self.export(path := Path(folder) / name)
-                self._save({name: path.read_bytes()})
+                self._begin(_files.written, (outcome, name), self._save)
+            elif end == ".segmap":
+                with tempfile.TemporaryDirectory() as folder:
+                    self.export(path := Path(folder) / name)
+                    self._save({name: path.read_bytes()})
+            else:
+                self._save(_files.written(outcome, name, plan))
 
     def _save(self, files: Mapping[str, bytes]) -> None:
         for name, content in files.items():
