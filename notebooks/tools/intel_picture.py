@@ -51,12 +51,13 @@ def main(path: str) -> None:
     alignment = alignment.turned(-segmap.segments.main_direction(walls))
     full = segmap.build_map(log, alignment.poses)
     small = segmap.reduction.least_cost(full, penalty=0.28)
-    frames = list(drive_and_bend(log, alignment.poses))
+    stages = list(drive_and_bend(log, alignment.poses))
     title = f"least_cost: the {len(full)} segments of all scans become {len(small)}"
     nowhere = alignment.poses[:0, :2]
-    frames.append(Drawn(title, small.segments, nowhere, MAP, frames[-1].box, MAP_MS))
+    # The map comes first, for viewers that show one frame.
+    frames = [Drawn(title, small.segments, nowhere, MAP, stages[-1].box, MAP_MS), *stages]
     pictures = [picture(frame) for frame in frames]
-    chosen = np.vstack([pictures[k] for k in (DRIVE_FRAMES - 1, -2, -1)])
+    chosen = np.vstack([pictures[k] for k in (0, DRIVE_FRAMES, -1)])
     palette = Image.fromarray(chosen).quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
     first, *others = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
     stays = [frame.stays for frame in frames]
