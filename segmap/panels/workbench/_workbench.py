@@ -316,27 +316,24 @@ class Workbench(Page, Work):
         if arrays.file(path).suffix.lower() == ".segmap":
             held = self.outcome if self._known is self.outcome else None
             log = held.given if held and held.stopped else self.log
-            session = self._work()[0].session(log, self._runs.rows)
-            exports.write_session(path, session)
+            exports.write_session(path, self._work()[0].session(log, self._runs.rows))
         else:
             self._result(which)
             _files.write_outcome(path, cast(Pipeline, self.outcome), which)
 
     def _download(self, button: Any) -> None:
         """Hand the floor plan that is shown, or else the first result, to the browser."""
-        end = SAVES[button.description]
-        plan = None if end in NO_PLANS else self.rooms.plan
+        plan = self.rooms.plan if (end := SAVES[button.description]) not in NO_PLANS else None
         with telling(self._bar.wrong):
-            way = [self.log.name, self._result().method if plan is None else "plan"]
-            outcome = cast(Pipeline, self.outcome)
-            way.append(outcome.stopped.replace(" ", "-"))
-            name = file_name("-".join(filter(None, way)) + end)
+            method, outcome = self._result().method, cast(Pipeline, self.outcome)
+            way = ["plan" if plan else method, outcome.stopped.replace(" ", "-")]
+            name = file_name("-".join(filter(None, [self.log.name, *way])) + end)
             if end == ".yaml":  # its cells take seconds
                 self._begin(_files.written, (outcome, name), self._save)
             elif end == ".segmap":
                 with tempfile.TemporaryDirectory() as folder:
-                    self.export(path := Path(folder) / name)
-                    self._save({name: path.read_bytes()})
+                    self.export(Path(folder) / name)
+                    self._save({name: (Path(folder) / name).read_bytes()})
             else:
                 self._save(_files.written(outcome, name, plan))
 
