@@ -43,6 +43,17 @@ def rows() -> Iterator[Row]:
     for seen in (20, 3):
         for name in (name for name, method in METHODS.items() if not method.needs_sensors):
             yield growth(made, name, seen)
+    yield looks(made)
+
+
+def looks(made) -> Row:
+    """How least cost grows where 200 walls are seen more and more often."""
+    seen = [25, 50, 100, 200]
+    maps = [visits(made, 200 * k, k) for k in seen]
+    took = [seconds(lambda m=m: METHODS["least_cost"](m), 3) for m in maps]
+    figures = ", ".join(f"{t:.2f}" for t in took)
+    what = "least_cost, 200 walls, seen 25 to 200 times"
+    return Row(what, f"{figures} s: time ~ looks^{power(seen, took):.2f}", "<= 1.35")
 
 
 def growth(made, name: str, seen: int) -> Row:

@@ -58,6 +58,14 @@ def empty_index(count: int, unit: float) -> Index:
     return Index(box, link, head, np.zeros((65, 2)), float(unit))
 
 
+def by_cell(s: Array, unit: float) -> Indices:
+    """Order of segments, `(n, 2, 2)`, in which those of one size and place stand side by side."""
+    size = np.maximum(np.ptp(s, axis=1).max(axis=1), unit)
+    level = np.ceil(np.log2(size / unit))
+    column, row = np.floor(s.mean(axis=1).T / (unit * 2**level))
+    return np.lexsort((row, column, level))
+
+
 @compiled
 def _address(column: int, row: int, level: int) -> int:
     """A number for a cell, other than that of all near it: cells of a column stand side by side."""

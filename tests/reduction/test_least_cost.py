@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from reduction_maps import MAPS, assert_literal, malaga
 
 from segmap import build_map, load
+from segmap.compiled import Compiled
 from segmap.methods import bracket, halved
 from segmap.metrics import quality
 from segmap.poses import transform
@@ -21,6 +22,20 @@ def test_an_exchange_that_gains_nothing_is_undone():
     rows = [[-1, 1, 2, 1], [2, 7, 7, 7], [6, 1, 6, -1], [-1, -1, 2, -1]]
     rows += [[-4, -2, -4, 6], [2, -7, 7, -7], [6, -1, 6, 1], [-1, -2, -1, -5]]
     assert_literal("least_cost", SegmentMap(np.reshape(rows, (8, 2, 2)) / 64), penalty=0.1)
+
+
+def test_only_what_changed_is_looked_at_again(monkeypatch):
+    """Catches rounds in which each segment looks at all beside it to learn that nothing changed."""
+    visits = []
+
+    def call(kernel, *arguments):
+        result = kernel.plain(*arguments)
+        visits.append(result if kernel.plain.__name__ == "meeting" else 0)
+        return result
+
+    monkeypatch.setattr(Compiled, "__call__", call)
+    least_cost(malaga().segments[:200])
+    assert 0 < sum(visits) < 16 * 200  # 44 times where each round looks at all
 
 
 @given(st.integers(0, 10_000), st.sampled_from([0.01, 0.05, 0.3]))

@@ -15,7 +15,7 @@ from ...compiled import compiled
 from ...kernels import describe, describe_one, join_sums
 from ...progress import parts
 from ...segments import length
-from .._index import LEVEL_COLUMN, Index, empty_index, enter, enter_all, meeting, take_out
+from .._index import LEVEL_COLUMN, Index, by_cell, empty_index, enter, enter_all, meeting, take_out
 from .._runner import Found, Indices, Rows, ordered_by_first_input
 from ._fit_kernels import (
     EQUAL,
@@ -57,20 +57,24 @@ class State(NamedTuple):
     total: Array  # (1,) sum of the least costs and of the penalties
     margin: Array  # (m + 1,) what the members lose at their next output, at most a penalty each
     fall: Array  # (m + 1,) how much less that is for a line that is tried, 0 elsewhere
+    ring: Indices  # (n + m + 1, 2) next and previous member of an output, which is n + f itself
     inputs: Index
     outputs: Index
-    lists: Indices  # (5, n + 2) room for what an index finds
+    lists: Indices  # (4, n + 2) room for what an index finds
     offer: Array  # (n,) what each costs at a line that is tried, inf elsewhere
     seen: Indices  # (m + 1,) whether an output stands beside that line
-    when: Indices  # (n + m + 2,) the last try before an input, or an output's members, changed; now
-    tried: Indices  # (n,) the last try of each input as an output, which could not gain
+    now: Indices  # (1,) tries so far
+    when: Indices  # (m + 1,) the last that changed the members of an output, or what they lose
+    tried: Indices  # (n + m + 1,) the last of an input as an output, and of a new line for one
 
 
 def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
     """Outputs, and the nearest of each segment; their sum is not above that of the first phase."""
-    s, n, m = rows.segments, len(rows.segments), len(drawn)
+    n, m, reach = len(rows.segments), len(drawn), 2 * HARD * limits.distance
+    unit = max(reach, length(rows.segments).mean() if n else 0.0)
+    place = by_cell(rows.segments, unit)
+    s = rows.segments[place]
     line, d = np.concatenate([drawn, np.zeros((1, 2, 2))]), describe(s)
-    reach = 2 * HARD * limits.distance
     state = State(
         s=s,
         d=d,
@@ -82,21 +86,23 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
         total=np.zeros(1),
         margin=np.zeros(m + 1),
         fall=np.zeros(m + 1),
-        inputs=empty_index(n, max(reach, length(s).mean() if n else 0.0)),
+        ring=np.arange(n + m + 1).repeat(2).reshape(-1, 2),
+        inputs=empty_index(n, unit),
         outputs=empty_index(m + 1, max(reach, length(drawn).mean() if n else 0.0)),
-        lists=np.empty((5, n + 2), np.int64),
+        lists=np.empty((4, n + 2), np.int64),
         offer=np.full(n, np.inf),
         seen=np.zeros(m + 1, np.int64),
-        when=np.zeros(n + m + 2, np.int64),
-        tried=np.full(n, -1),
+        now=np.zeros(1, np.int64),
+        when=np.zeros(m + 1, np.int64),
+        tried=np.zeros(n + m + 1, np.int64),
     )
     limits = limits._replace(missed=max(MISSED, limits.penalty / limits.distance / 40))
-    state.total[0], free = m * limits.penalty, m
     enter_all(state.inputs, s)
-    enter_all(state.outputs, drawn)
-    longest, room = np.argsort(-np.round(length(s), 9), kind="stable"), empty_room(n)
-    for part in parts(np.arange(n), "least cost: finding the output of segment"):
-        _assign(state, part, limits)
+    rank = np.argsort(place)
+    longest = rank[np.argsort(-np.round(length(rows.segments), 9), kind="stable")]
+    free, room = m, empty_room(n)
+    for part in parts(np.arange(m), "least cost: finding the segments of output", size=64):
+        _switch_all(state, part, limits)
     for _ in range(MOST_EXCHANGE_ROUNDS):
         before, opened = state.total[0], np.flatnonzero(state.outputs.link[:, LEVEL_COLUMN] >= 0)
         sizes = np.floor(state.about[opened, 4] / EQUAL + 0.5)
@@ -109,54 +115,76 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
         if state.total[0] >= before * (1.0 - LEAST_FALL_SHARE):
             break
     alive = state.outputs.link[:, LEVEL_COLUMN] >= 0
-    into = (np.cumsum(alive) - 1)[state.who[:, 0]]
+    into = (np.cumsum(alive) - 1)[state.who[rank, 0]]
     order, into = ordered_by_first_input(into, np.arange(n), int(alive.sum()))
     return line[alive][order], into
 
 
 # ------------------------------------------------------------------ who goes where
 @compiled
-def _assign(state: State, part: Indices, limits: Limits) -> None:
-    """Find the two cheapest outputs of some inputs anew."""
-    cost, who, near, when, n = state.cost, state.who, state.lists[0], state.when, len(state.s)
-    for i in part:
-        f, g, first, second = who[i, 0], who[i, 1], cost[i, 0], cost[i, 1]
-        if f >= 0:
-            state.total[0] -= first
-            state.margin[f] -= min(second - first, limits.penalty)
-        for k in range(2):
-            cost[i, k], who[i, k] = np.inf, -1
-        for k in range(meeting(state.outputs, state.s[i], HARD * limits.distance, near)):
-            value = assignment_cost(state.s, state.d, i, state.line, state.about, near[k], limits)
-            insert_ranked(cost, who, i, near[k], rounded(value))
-        state.total[0] += cost[i, 0]
-        state.margin[who[i, 0]] += min(cost[i, 1] - cost[i, 0], limits.penalty)
-        if who[i, 0] != f or who[i, 1] != g or cost[i, 0] != first or cost[i, 1] != second:
-            when[i] = when[n + f] = when[n + who[i, 0]] = when[-1]
-
-
-@compiled
 def _switch(state: State, f: int, limits: Limits) -> None:
     """Open an output that is drawn already, or close it: what is near goes where it costs least."""
-    if state.outputs.link[f, LEVEL_COLUMN] < 0:
+    opens, near = state.outputs.link[f, LEVEL_COLUMN] < 0, state.lists[1]
+    if opens:
         enter(state.outputs, f, state.line[f], 0.0)
         state.total[0] += limits.penalty
     else:
         take_out(state.outputs, f)
         state.total[0] -= limits.penalty
-    near = state.lists[1]
-    count = meeting(state.inputs, state.line[f], HARD * limits.distance, near)
-    _assign(state, near[:count], limits)
+    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
+        _assign(state, near[k], f, opens, limits)
+
+
+@compiled
+def _switch_all(state: State, part: Indices, limits: Limits) -> None:
+    """Open some outputs."""
+    for f in part:
+        _switch(state, f, limits)
+
+
+@compiled
+def _assign(state: State, i: int, f: int, opens: bool, limits: Limits) -> None:
+    """Find the two cheapest outputs of input i anew, where the one that opens or closes is one."""
+    cost, who, margin, near = state.cost, state.who, state.margin, state.lists[0]
+    best, other, first, second = who[i, 0], who[i, 1], cost[i, 0], cost[i, 1]
+    if opens:
+        value = assignment_cost(state.s, state.d, i, state.line, state.about, f, limits)
+        insert_ranked(cost, who, i, f, rounded(value))
+    elif f in (best, other):
+        for k in range(2):
+            cost[i, k], who[i, k] = np.inf, -1
+        for k in range(meeting(state.outputs, state.s[i], HARD * limits.distance, near)):
+            value = assignment_cost(state.s, state.d, i, state.line, state.about, near[k], limits)
+            insert_ranked(cost, who, i, near[k], rounded(value))
+    if who[i, 0] == best and who[i, 1] == other:
+        return
+    if best >= 0:
+        state.total[0] -= first
+        margin[best] -= min(second - first, limits.penalty)
+        state.when[best] = state.now[0]
+    state.total[0] += cost[i, 0]
+    margin[who[i, 0]] += min(cost[i, 1] - cost[i, 0], limits.penalty)
+    _enlist(state, i, len(state.s) + who[i, 0])
+    state.when[who[i, 0]] = state.now[0]
+
+
+@compiled
+def _enlist(state: State, i: int, head: int) -> None:
+    """Take input i out of its ring of members, and into another."""
+    ring = state.ring
+    ring[ring[i, 0], 1], ring[ring[i, 1], 0] = ring[i, 1], ring[i, 0]
+    ring[i, 0], ring[i, 1] = ring[head, 0], head
+    ring[ring[i, 0], 1] = ring[head, 0] = i
 
 
 @compiled
 def _loss(state: State, f: int, limits: Limits) -> float:
     """What the members of an output lose by going elsewhere, to the line that is tried too."""
-    cost, offer, near, total = state.cost, state.offer, state.lists[2], 0.0
-    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
-        i = near[k]
-        if state.who[i, 0] == f:
-            total += min(cost[i, 1], offer[i]) - min(cost[i, 0], offer[i])
+    cost, offer, n, total = state.cost, state.offer, len(state.s), 0.0
+    i = state.ring[n + f, 0]
+    while i < n:
+        total += min(cost[i, 1], offer[i]) - min(cost[i, 0], offer[i])
+        i = state.ring[i, 0]
     return rounded(total)
 
 
@@ -172,26 +200,29 @@ def _copy(state: State, line: Array, f: int) -> None:
 @compiled
 def _refit(state: State, room: Room, part: Indices, free: int, limits: Limits) -> int:
     """Draw some outputs anew for their members, as the free one; the number that is free then."""
-    near = state.lists[2]
+    n = len(state.s)
     for f in part:
-        count, before = 0, 0.0
-        for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
-            i = near[k]
-            if state.who[i, 0] == f:
-                load_member(room, count, i, state.s, state.d)
-                room.caps[count] = state.cost[i, 1]
-                if count == 0:
-                    for j in range(6):
-                        room.sums[j] = state.sums[i, j]
-                else:
-                    join_sums(room.sums, state.sums[i], room.sums)
-                count, before = count + 1, before + state.cost[i, 0]
+        count, before, i = 0, 0.0, state.ring[n + f, 0]
+        if state.when[f] < state.tried[n + f]:
+            continue
+        while i < n:
+            load_member(room, count, i, state.s, state.d)
+            room.caps[count] = state.cost[i, 1]
+            if count == 0:
+                for j in range(6):
+                    room.sums[j] = state.sums[i, j]
+            else:
+                join_sums(room.sums, state.sums[i], room.sums)
+            count, before, i = count + 1, before + state.cost[i, 0], state.ring[i, 0]
         guess, most = state.line[f], before - LEAST_GAIN_SHARE * limits.penalty
+        state.now[0] += 1
         if count and fit_cheapest_line(state.s, room, count, limits, guess, most) < np.inf:
             _copy(state, room.line, free)
             _switch(state, free, limits)
             _switch(state, f, limits)
             free = f
+        else:
+            state.tried[n + f] = state.now[0]
     return free
 
 
@@ -218,27 +249,30 @@ def _close_all(state: State, limits: Limits) -> None:
 @compiled
 def _may_gain(state: State, h: int, count: int, limits: Limits) -> bool:
     """Whether output h could lower the sum, by a bound that looks at the inputs beside it only."""
-    cost, fall, near = state.cost, state.fall, state.lists[3]
-    penalty, gain = limits.penalty, -limits.penalty
+    cost, who, fall = state.cost, state.who, state.fall
+    near, beside = state.lists[2], state.lists[3]
+    penalty, gain, others = limits.penalty, -limits.penalty, 0
     for k in range(count):
         i = near[k]
-        margin = min(cost[i, 1] - cost[i, 0], penalty)
+        f, margin = who[i, 0], min(cost[i, 1] - cost[i, 0], penalty)
         most = cost[i, 0] + margin
         turned, lost = turned_and_lost(state.s, state.d, i, state.about, h, limits)
-        if turned + lost >= most:
-            continue
-        offer = assignment_cost(state.s, state.d, i, state.line, state.about, h, limits)
+        offer = np.inf
+        if turned + lost < most:
+            offer = assignment_cost(state.s, state.d, i, state.line, state.about, h, limits)
         if offer < most:
-            fall[state.who[i, 0]] += margin - max(offer - cost[i, 0], 0.0)
+            fall[f] += margin - max(offer - cost[i, 0], 0.0)
             gain += max(cost[i, 0] - offer, 0.0)
-    for k in range(count):
-        f = state.who[near[k], 0]
+        if offer < most or state.margin[f] < penalty:
+            beside[others] = f
+            others += 1
+    for k in range(others):
+        f = beside[k]
         if not state.seen[f]:
             state.seen[f] = 1
             gain += max(penalty - (state.margin[f] - fall[f]), 0.0)
-    for k in range(count):
-        f = state.who[near[k], 0]
-        state.seen[f], fall[f] = 0, 0.0
+    for k in range(others):
+        state.seen[beside[k]], fall[beside[k]] = 0, 0.0
     return gain > LEAST_GAIN_SHARE / 2.0 * penalty
 
 
@@ -246,18 +280,17 @@ def _may_gain(state: State, h: int, count: int, limits: Limits) -> bool:
 def _exchange(state: State, j: int, h: int, limits: Limits) -> int:
     """Open input j as output h, and close those that lose less than the penalty then.
 
-    Returns the number that is free: h again where the sum does not fall.
+    Returns the number that is free: h again where the sum does not fall. An input that did not gain
+    is tried again when the members of its output, or what they lose, have changed.
     """
-    cost, offer, near, beside = state.cost, state.offer, state.lists[3], state.lists[4]
-    count = meeting(state.inputs, state.line[h], HARD * limits.distance, near)
+    cost, offer, near, beside = state.cost, state.offer, state.lists[2], state.lists[3]
     penalty, gain, others = limits.penalty, -limits.penalty, 0
-    when, n, changed = state.when, len(state.s), False
-    when[-1] += 1
-    for k in range(count):
-        newest = max(when[near[k]], when[n + state.who[near[k], 0]])
-        changed = changed or newest >= state.tried[j]
-    if not changed or not _may_gain(state, h, count, limits):
-        state.tried[j] = when[-1]
+    if state.when[state.who[j, 0]] < state.tried[j]:
+        return h
+    state.now[0] += 1
+    state.tried[j] = state.now[0]
+    count = meeting(state.inputs, state.line[h], HARD * limits.distance, near)
+    if not _may_gain(state, h, count, limits):
         return h
     for k in range(count):
         i = near[k]
@@ -292,6 +325,8 @@ def _exchange(state: State, j: int, h: int, limits: Limits) -> int:
     for k in range(closed):
         _switch(state, beside[k], limits)
     _switch(state, h, limits)
+    state.now[0] += 1
+    state.tried[j] = state.now[0]
     return h
 
 

@@ -8,7 +8,7 @@ from ...arrays import Metres, Segments, checked
 from ...kernels import describe
 from ...progress import announce, parts
 from ...segments import length
-from .._index import empty_index
+from .._index import by_cell, empty_index
 from .._runner import Found, Length, Reduction, Rows, Turn, resolve_merges, run_offline
 from ._exchange import exchanged
 from ._fit_kernels import Limits, empty_room, segment_sums
@@ -84,9 +84,9 @@ def merged_greedily(rows: Rows, limits: Limits) -> Found:
     reach = min(max(limits.penalty / ACROSS_COST_SHARE, limits.gap), 2 * limits.distance)
     # step 1: pairs that may merge, both ways, ascending; then the list of neighbours of each
     who, least = np.full((n, NEIGHBOURS), -1), np.full((n, NEIGHBOURS), np.inf)
-    places = empty_index(n, max(2 * reach, length(s).mean() if n else 0.0))
-    own, room = np.arange(n), np.empty(n + 1, np.int64)
-    for part in parts(own, "least cost: looking around segment"):
+    unit = max(2 * reach, length(s).mean() if n else 0.0)
+    own, room, places = np.arange(n), np.empty(n + 1, np.int64), empty_index(n, unit)
+    for part in parts(by_cell(s, unit), "least cost: looking around segment"):
         nearest_neighbours(s, d, reach, part, places, room, least, who)
     i, k = np.nonzero(who >= 0)
     j = who[i, k]
