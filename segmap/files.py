@@ -36,7 +36,7 @@ except ImportError:  # Windows, where what killed writers left stays
     fcntl = None  # type: ignore[assignment]
 
 #: A packed file may always unpack to this many bytes, ...
-LEAST_UNPACKED_BYTES = 1 << 20
+LEAST_UNPACKED_BYTES = 1 << 26
 #: ... and to this many times its own: logs shrink to a third, the most regular tree to a 23rd, and
 #: what shrinks to a thousandth is to fill the memory.
 MOST_UNPACKED_RATIO = 50
@@ -223,7 +223,7 @@ def write_bytes(path: Path, data: bytes) -> None:
 def packed(data: bytes) -> bytes:
     """Bytes as gzip, never so small that a reader takes them for a bomb."""
     found = gzip.compress(data, mtime=0)
-    return gzip.compress(data, 0, mtime=0) if len(data) > _most(len(found)) else found
+    return gzip.compress(data, 0, mtime=0) if len(data) > most_unpacked(len(found)) else found
 
 
 # ------------------------------------------------------------------------------ tables
@@ -278,7 +278,7 @@ def write_npz(path: Path, kind: str, held: Mapping[str, NDArray[Any] | str]) -> 
     large = sum((len(v) if isinstance(v, str) else v.nbytes) + HEAD for v in named.values())
     with replacing(path) as target:
         _pack(target, named, zipfile.ZIP_DEFLATED)
-        if large > _most(target.tell()):
+        if large > most_unpacked(target.tell()):
             target.seek(0)  # packed so small that a reader would take it for a bomb
             target.truncate()
             _pack(target, named, zipfile.ZIP_STORED)
@@ -354,7 +354,7 @@ def unzipped(source: Path | IO[bytes]) -> Iterator[tuple[zipfile.ZipFile, list[z
         raise zipfile.BadZipFile(str(error) or type(error).__name__) from error
 
 
-def _most(size: int) -> int:
+def most_unpacked(size: int) -> int:
     """Bytes that a packed file of some size may unpack to."""
     return max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * size)
 
@@ -363,7 +363,7 @@ def _arrays(source: IO[bytes]) -> dict[str, NDArray[Any]]:
     """The arrays of an NPZ file; nothing is unpacked that is out of proportion to its size."""
     if source.read(2) != b"PK":
         raise ValueError("it does not begin like one")
-    most = _most(os.fstat(source.fileno()).st_size)
+    most = most_unpacked(os.fstat(source.fileno()).st_size)
     with unzipped(source) as (packed, members):
         if sum(member.file_size for member in members) > most:
             raise ValueError(f"it unpacks to more than {most} bytes")

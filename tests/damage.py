@@ -150,20 +150,18 @@ def strict_and_lenient(path: Path) -> list[str]:
 
 
 def bag(name: str, folder: Path, rng: random.Random) -> list[str]:
-    """A bag of a kind, one with packed chunks, or the metadata of a folder."""
+    """A bag of a kind, or one with packed chunks."""
     import bag_samples
 
-    kind = {"bz2": "ros1", "metadata": "db3"}.get(name, name)
-    whole = folder / ("it.bag" if kind == "ros1" else "it")
-    place = whole / "metadata.yaml" if name == "metadata" else folder / bag_samples.KINDS[kind]
-    sound = folder / "sound"
+    kind = "ros1" if name == "bz2" else name
+    place, sound = folder / bag_samples.KINDS[kind], folder / "sound"
     if not sound.exists():
         bag_samples.write(folder, kind, **({"compression": "BZ2"} if name == "bz2" else {}))
         sound.write_bytes(place.read_bytes())
     place.write_bytes(mutated(sound.read_bytes(), rng))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # topics, places and times that are damaged
-        return strict_and_lenient(whole if name == "metadata" else place)
+        return strict_and_lenient(place)
 
 
 def trajectory(content: bytes, folder: Path, rng: random.Random) -> list[str]:
@@ -253,4 +251,4 @@ TARGETS["alignments"] = partial(
     table, lambda path: load_alignments(path=path), beginning("alignment")
 )
 TARGETS["walls"] = partial(table, lambda path: load_walls(path=path), beginning("walls"))
-BAGS: dict[str, Target] = {n: partial(bag, n) for n in ("ros1", "db3", "mcap", "bz2", "metadata")}
+BAGS: dict[str, Target] = {n: partial(bag, n) for n in ("ros1", "db3", "mcap", "bz2")}

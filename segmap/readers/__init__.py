@@ -7,7 +7,7 @@ log with what was made of it.
 """
 
 from ._bundled import data_file
-from ._lines import Apart, HeadError, LogError, UnknownFormat
+from ._lines import HeadError, LogError, UnknownFormat
 from ._raw_scans import half_turn
 from ._read import format_of, load, read, together
 from ._segments import read_segments
@@ -18,7 +18,7 @@ from .packed import logs_in, read_text
 from .tables import first_rows, read_csv, read_trajectory, with_trajectories
 
 __all__ = [
-    "Apart", "HeadError", "LogError", "PoseGraph", "Session", "UnknownFormat", "data_file",
+    "HeadError", "LogError", "PoseGraph", "Session", "UnknownFormat", "data_file",
     "first_rows", "format_of", "half_turn", "load", "logs_in", "read", "read_bag", "read_csv",
     "read_graph", "read_segments", "read_session", "read_text", "read_trajectory", "together",
     "with_trajectories",

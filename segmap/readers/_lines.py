@@ -89,12 +89,6 @@ class UnknownFormat(LogError):
     """A file or folder that is no log of any format: in a folder of logs it may be passed over."""
 
 
-class Apart(LogError):
-    """Parts of a bag that do not go on: `parts` are those before, and those from this one on."""
-
-    parts: Sequence[Sequence[Path]] = ()
-
-
 class HeadError(LogError):
     """A table whose first line does not say what its columns are: no other line is at fault."""
 

@@ -48,7 +48,7 @@ PACKAGES = [
     "panels", "testing", "hokuyo", "hokuyo.emulator", "plan",
 ]  # fmt: skip
 #: What the library makes itself and hands out: nobody else has to call these.
-MADE = {"AgainstWalls", "Alignment", "Apart", "Belief", "Door", "FloorPlan", "Graph", "HeadError",
+MADE = {"AgainstWalls", "Alignment", "Belief", "Door", "FloorPlan", "Graph", "HeadError",
         "LogError", "Match", "Methods", "NoRoute", "OdometryComparison", "Places", "Port",
         "Reduction", "Room", "SensorError", "SensorGone", "Squares", "Tree", "Uncertainty",
         "UnknownFormat", "Verdict", "take_points"}  # fmt: skip

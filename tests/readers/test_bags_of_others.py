@@ -245,76 +245,18 @@ def test_two_topics_make_one_log_with_both_places(read):
         read(lambda m: two_lasers(m, rear=False), scan=["/front", "/rear"])
 
 
-# ------------------------------------------------------------------------------------ cut off
-def many(m):
-    yield "/tf_static", START, *m.frames(START, LASER)
-    for k in range(60):
-        yield "/odom", START + k, *m.odometry(START + k, (k, 0, 0))
-        yield "/scan", START + k, *m.scan(START + k, ranges=np.full(20_000, 2.0), step=0.0003)
+@pytest.mark.parametrize("kind", bags.KINDS)
+@pytest.mark.parametrize("back", [5, 3600])
+def test_a_recorders_clock_that_is_set_back_mixes_nothing(read, kind, back):
+    """Catches messages in the order of that clock: scans with odometry of another moment."""
 
+    def story(m):
+        yield "/tf_static", 9000.0, *m.frames(9000.0, LASER)
+        for k in range(60):
+            when = 9000 + k / 5 - (back if k >= 30 else 0)
+            yield "/odom", when, *m.odometry(when, (k, 0, 0))
+            yield "/scan", when, *m.scan(when, ranges=(1 + k / 10, *RANGES[1:]))
 
-@pytest.mark.parametrize("kind", ["ros1", "mcap"])
-@pytest.mark.parametrize("share", [0.5, 0.8, 0.999])
-def test_of_a_bag_that_is_cut_off_skip_reads_what_is_whole(tmp_path, kind, share):
-    """Catches an index without which nothing is read, and a bag that is cut short in silence."""
-    bags.write(tmp_path, kind, many)
-    data = (tmp_path / bags.KINDS[kind]).read_bytes()
-    path = tmp_path / f"cut{(tmp_path / bags.KINDS[kind]).suffix}"
-    path.write_bytes(data[: int(share * len(data))])
-    remedy = {"ros1": "`rosbag reindex` mends", "mcap": "`mcap recover` mends"}[kind]
-    with pytest.raises(LogError, match=f"is cut off.*{remedy}.*--skip reads what is whole"):
-        readers.read(path)
-    log = readers.read(path, on_error="skip")
-    assert 60 * share - 45 < len(log) <= 60 and log.skipped.lines == 1
-    assert log.times == pytest.approx(START + np.arange(len(log)))
-    assert np.isfinite(log.odometry).all() and "is cut off" in log.skipped.reason
-
-
-@pytest.mark.parametrize("as_folder", [False, True])
-@pytest.mark.parametrize("harm", ["cut at 0.5", "cut at 0.99", "zeros"])
-def test_of_a_damaged_database_skip_reads_the_rows_that_are_whole(tmp_path, harm, as_folder):
-    """Catches a .db3 that is refused with --skip too, and rows of it that are read twice."""
-    place = bags.write(tmp_path, "db3", many)
-    file = place / "it.db3"
-    data = bytearray(file.read_bytes())
-    if harm == "zeros":
-        at = len(data) // 3 // 4096 * 4096
-        data[at : at + 8192] = bytes(8192)
-    else:
-        del data[int(float(harm.split()[-1]) * len(data)) :]
-    file.write_bytes(data)
-    place = place if as_folder else file
-    told = "is a damaged database.*FILE .recover` mends a copy of it, --skip reads what is whole"
-    with pytest.raises(LogError, match=told):
-        readers.read(place)
-    log = readers.read(place, on_error="skip")
-    least = {"cut at 0.5": 25, "cut at 0.99": 55, "zeros": 55}[harm]
-    assert least < len(log) < 60 and (np.diff(log.times) > 0).all() and log.skipped.lines == 1
-    assert all((scan.ranges == 2).all() for scan in log)
-
-
-@pytest.mark.filterwarnings("ignore:.*no tf tells")
-@pytest.mark.parametrize("packed", ["BZ2", "LZ4"])
-def test_a_damaged_chunk_costs_its_messages_alone(tmp_path, packed):
-    """Catches a bag that ends at its first damaged chunk."""
-    path = bags.write(tmp_path, "ros1", many, compression=packed)
-    data = bytearray(path.read_bytes())
-    mark = {"BZ2": b"BZh", "LZ4": b"\x04\x22\x4d\x18"}[packed]
-    at = data.index(mark) + 40
-    data[at : at + 4] = bytes(4)
-    path.write_bytes(data)
-    with pytest.raises(LogError, match="is damaged"):
-        readers.read(path)
-    with_skip = readers.read(path, on_error="skip")
-    assert 0 < len(with_skip) < 60 and with_skip.skipped.lines >= 1
-
-
-def test_index_entries_that_are_wrong_are_not_needed(tmp_path):
-    """Catches times in the index that differ from those of the messages: an error without words."""
-    path = bags.write(tmp_path, "ros1", many)
-    data = path.read_bytes()
-    count = len(readers.read(path))
-    size = (47).to_bytes(4, "little")  # of the header of such a record
-    at = data.rindex(size, 0, data.rindex(b"op=\x04")) + 4 + 47 + 4
-    path.write_bytes(data[:at] + bytes(8) + data[at + 8 :])
-    assert len(readers.read(path)) == count == 60
+    log = read(story, kind)
+    assert [scan.ranges[0] for scan in log] == pytest.approx(1 + np.arange(60) / 10)
+    assert log.odometry[:, 0] == pytest.approx(np.arange(60.0)) and (np.diff(log.times) > 0).all()

@@ -208,7 +208,7 @@ LONG = b"FLASER 2 1 81.83 0 0 0 0 0 0\nSYNC " + b"x" * 2000 + b"\n"
 
 
 @pytest.mark.parametrize(
-    "bomb", [b"\n" * 2_000_000, LONG * 3000, b"#\n" * 500_000, mrpt.scan(1.0) + bytes(20_000_000)]
+    "bomb", [b"\n" * 2_000_000, LONG * 40_000, b"#\n" * 500_000, mrpt.scan(1.0) + bytes(20_000_000)]
 )
 def test_bombs(path, bomb):
     """Catches time or memory out of proportion to the file."""
@@ -256,7 +256,7 @@ def test_what_is_no_file_is_named(tmp_path):
 @pytest.mark.parametrize("name", [*TARGETS, *BAGS])
 def test_nothing_but_log_errors_comes_out_of_damaged_files(name, times, tmp_path):
     """Each mutant is refused, or sound whether damage is skipped or not; some of each there are."""
-    dear = {"coreslam": 3, "coreslam_13": 3, "metadata": 5} | dict.fromkeys((*RAWSEEDS, *BAGS), 2)
+    dear = {"coreslam": 3, "coreslam_13": 3} | dict.fromkeys((*RAWSEEDS, *BAGS), 2)
     rng, target, ends = random.Random(f"{SEED} {name}"), (TARGETS | BAGS)[name], set()
     for number in range(times * MUTANTS // dear.get(name, 1)):
         try:

@@ -7,7 +7,6 @@ import argparse
 import csv
 import io
 import warnings
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
@@ -19,7 +18,6 @@ from ...alignment import Verdict
 from ...exports import is_ros_map
 from ...files import members, shown, writable, write_bytes
 from ...readers import (
-    Apart,
     LogError,
     UnknownFormat,
     format_of,
@@ -113,7 +111,7 @@ def each_log(
     the largest of the codes of all.
     """
     each = [source for text in given.logs for source in sources(text)]
-    chosen = deque([[file] for file in each] if given.columns else together(each))
+    chosen = [[file] for file in each] if given.columns else together(each)
     for name in filter(is_ros_map, [*each, getattr(given, "first", each[0])]):
         given.refuse(
             f"{shown(name)} is a map for ROS and no log: `segmap locate {shown(name)} LOG` finds a "
@@ -127,8 +125,8 @@ def each_log(
         check(given)
     failed, codes, reports = [], [0], []
     with stoppable(), progress(1 if given.quiet else len(chosen), "log") as bar:
-        while chosen:
-            source = (files := chosen.popleft())[0]
+        for files in chosen:
+            source = files[0]
             bar.set_description(shown(Path(source).name))
             reports.append(report := Report(source, json=given.json, quiet=given.quiet))
             try:
@@ -148,13 +146,6 @@ def each_log(
                 codes.append(work(own, log, paths, report))
             except BrokenPipeError:  # nobody reads any more
                 raise
-            except Apart as fault:  # drives that somebody numbered
-                if not fault.parts:
-                    raise
-                reports.pop()
-                chosen.extendleft([*map(str, part)] for part in reversed(fault.parts))
-                print_error(str(fault))
-                continue
             except FAULTS as error:
                 why, named = reason(error), shown(source)
                 failed.append(why if named in why else f"{named}: {why}")

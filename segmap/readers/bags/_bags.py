@@ -25,11 +25,9 @@ Assumed: without a transform the laser sits at the robot's centre.
 
 from __future__ import annotations
 
-import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -42,11 +40,11 @@ from ...arrays import Array, checked
 from ...poses import interpolate
 from ...progress import announce
 from ...scans import LaserScan, Log
-from .._lines import LATEST_TIME_S, Apart, LogError, OnError, Reading, UnknownFormat, stem
+from .._lines import LATEST_TIME_S, LogError, OnError, Reading, UnknownFormat, stem
 from .._mounting import flat, in_space, level
 from .._raw_scans import Track, known, known_truth, place_of
 from ..packed import log_file
-from ._files import FRAMES, PART, Bag, kind_of, opened, parts_of, recordings
+from ._files import PART, kind_of, parts_of, recordings
 from ._frames import Frames
 from ._lasers import (
     SCAN_TYPES,
@@ -62,6 +60,7 @@ from ._lasers import (
     turns,
     warn_of_bag,
 )
+from ._open import FRAMES, Bag, opened
 
 ODOMETRY_TYPES = ("nav_msgs/msg/Odometry",)
 #: Poses that are odometry or truth where they are named.
@@ -133,65 +132,59 @@ def read_bag(
             if not kind_of(place):
                 expected = "expected a .bag, .mcap, .db3 or a folder"
                 raise UnknownFormat(place, f"is no bag of ROS, {expected}")
-        if len(places) == 1:
-            return read(places[0], stem(places[0]), on_error, scans, odometry, truth)
-        parts = recordings(places)
-        if len(parts) != 1:
-            names = ", ".join(place.name for place in places)
-            reason = f"{names} are no parts of one bag, expected it_0.bag, it_1.bag and so on"
-            raise LogError(arrays.file(paths[0]) if paths else Path(), reason)
-        return _read_parts(
-            parts[0], PART.sub(r"\1", parts[0][0].stem), on_error, scans, odometry, truth
-        )
+        parts, name = parts_of(places[0]), stem(places[0])
+        if len(places) > 1:
+            groups = recordings(places)
+            parts, name = groups[0], PART.sub(r"\1", places[0].stem)
+            if len(groups) > 1:
+                names = ", ".join(place.name for place in places)
+                reason = f"{names} are no parts of one bag, expected it_0.bag, it_1.bag and so on"
+                raise LogError(places[0], reason)
+        return _read_parts(parts, name, on_error, scans, odometry, truth)
 
 
-def read(
-    path: Path,
-    name: str,
-    on_error: str = "raise",
-    scans: Sequence[str] | None = None,
-    odometry: str | None = None,
-    truth: str | None = None,
-) -> Log:
-    """A bag: a file, or a folder; of a part is told that it is none alone."""
-    found = _read_parts(parts_of(path), name, on_error, scans, odometry, truth)
-    count = 1
-    if path.is_file() and PART.fullmatch(path.stem):
-        beside = recordings(sorted(path.parent.glob("*")))
-        count = max((len(group) for group in beside if path in group), default=1)
-    if count > 1:
-        told = f"{path.name} is one of {count} parts of a bag: all of them named are one log"
-        found = replace(found, assumed=(*found.assumed, told))
-    return found
+def read(path: Path, name: str, on_error: str = "raise") -> Log:
+    """A bag: a file, or a folder."""
+    return _read_parts(parts_of(path), name, on_error)
 
 
 def _read_parts(
     parts: Sequence[Path],
     name: str,
     on_error: str,
-    scans: Sequence[str] | None,
-    odometry: str | None,
-    truth: str | None,
+    scans: Sequence[str] | None = None,
+    odometry: str | None = None,
+    truth: str | None = None,
 ) -> Log:
     """Scans and odometry, then as much of the transforms as is needed."""
-    reading = Reading(parts[0], on_error)
-    with opened(parts, reading) as bag:
-        said = _Recording(bag, reading)
+    with opened(parts) as bag:
+        recording = _Recording(bag, Reading(parts[0], on_error))
         lasers = scan_topics(bag, scans)
         if not lasers:
-            held = f"{topics_text(bag)}{reading.why()}"
-            raise LogError(bag.path, f"holds no sensor_msgs/LaserScan, but {held}")
+            raise LogError(bag.path, f"holds no sensor_msgs/LaserScan, but {topics_text(bag)}")
         named = {
             word: named_topic(bag, POSE_TYPES, topic, word)
             for word, topic in (("odometry", odometry), ("truth", truth))
             if topic is not None
         }
         wheels = {named["odometry"]} if odometry else bag.topics(*ODOMETRY_TYPES)
-        said.each({*lasers, *named.values(), *wheels, *said.frames_in(static=True)})
-        if not said.messages:
-            raise LogError(bag.path, f"holds no scan in {', '.join(lasers)}{reading.why()}")
-        said.choose(named.get("odometry"))
-        return said.log(name, named.get("truth"))
+        recording.take_all({*lasers, *named.values(), *wheels, *recording.frames_in(static=True)})
+        if not recording.messages:
+            reason = f"holds no scan in {', '.join(lasers)}{recording.reading.why()}"
+            raise LogError(bag.path, reason)
+        recording.choose(named.get("odometry"))
+        recording.assumed += _other_parts(parts)
+        return recording.log(name, named.get("truth"))
+
+
+def _other_parts(parts: Sequence[Path]) -> list[str]:
+    """That a file is one of several parts of a bag, where it is read alone."""
+    if len(parts) > 1 or not PART.fullmatch(parts[0].stem):
+        return []
+    beside = recordings(sorted(parts[0].parent.glob("*")))
+    count = max((len(group) for group in beside if parts[0] in group), default=1)
+    told = f"{parts[0].name} is one of {count} parts of a bag: all of them named are one log"
+    return [told] if count > 1 else []
 
 
 class Way(NamedTuple):
@@ -211,7 +204,7 @@ class _Recording:
         self.frames, self.odometry = Frames(), Way(Track(), "")
         self.assumed: list[str] = []
 
-    def each(self, topics: set[str], *, ordered: bool = True) -> None:
+    def take_all(self, topics: set[str], *, ordered: bool = True) -> None:
         """Take in each message of these topics; a damaged one is told or counted.
 
         Where they are not `ordered`, scans were taken in before.
@@ -219,26 +212,18 @@ class _Recording:
         kinds = {c.topic: c.msgtype for c in self.bag.connections if c.topic in topics}
         counts = Counter[str]()
         count = max(sum(self.bag.topics(*kinds.values()).get(topic, 0) for topic in kinds), 1)
-        for topic, received, data in self._to_the_break(self.bag.messages(kinds)):
+        for topic, received_ns, data in self.bag.messages(kinds):
             announce(counts.total() / count, f"reading message {counts[topic] + 1} of {topic}")
             counts[topic] += 1
             try:
                 message = self.bag.decoded(data, kinds[topic])
                 with np.errstate(all="ignore"):
-                    self._take(topic, kinds[topic], message, received / 1e9, ordered)
+                    self._take(topic, kinds[topic], message, received_ns / 1e9, ordered)
             except ValueError as fault:
                 reason = f"{topic}, message {counts[topic]}: {fault}"
             else:
                 continue
             self.reading.damaged(LogError(self.path, reason))
-
-    def _to_the_break(self, found: Iterator[Any]) -> Iterator[Any]:
-        try:
-            yield from found
-        except Apart:
-            raise
-        except LogError as fault:
-            self.reading.damaged(fault)
 
     def _take(self, topic: str, kind: str, message: Any, received: float, ordered: bool) -> None:
         number, after = len(self.messages), len(self.messages) if ordered else None
@@ -269,7 +254,7 @@ class _Recording:
         if len(ways) == 1:
             (self.odometry,) = ways.values()
         if not self.odometry.track.times or self.place(laser.frame) is None:
-            self.each(self.frames_in(static=False), ordered=False)
+            self.take_all(self.frames_in(static=False), ordered=False)
         if named:
             return
         ranked = sorted(ways, key=lambda topic: self._rank(topic, laser))
@@ -299,16 +284,14 @@ class _Recording:
         return -carries, -shared, not usual, -len(way.track.times), topic
 
     def _foreign(self, topic: str, laser: ScanMessage) -> bool:
-        """Whether an odometry is of another robot: by tf and names, or by a number in a name."""
+        """Whether an odometry is of another robot: tf says so, and the names do."""
         child = self.ways[topic].child
-        pairs = ((topic, laser.topic), (child, laser.frame))
-        spaces = [tuple(name.strip("/").split("/")[:-1][:1] for name in pair) for pair in pairs]
-        differ = [a and b and a != b for a, b in spaces]
-        twins = any(
-            a and b and a != b and _without_digits(a[0]) == _without_digits(b[0]) for a, b in spaces
-        )
-        carries = self.frames.carries(child, laser.frame)
-        return carries <= 0 and (twins or (carries < 0 and any(differ)))
+        spaces = [
+            [name.strip("/").split("/")[:-1][:1] for name in pair]
+            for pair in ((topic, laser.topic), (child, laser.frame))
+        ]
+        differ = any(a and b and a != b for a, b in spaces)
+        return differ and self.frames.carries(child, laser.frame) < 0
 
     def place(self, laser: str) -> Array | None:
         """The laser's pose on the robot, in space."""
@@ -392,7 +375,3 @@ def _header_time(header: Any, received: float) -> float:
     if not abs(time) <= LATEST_TIME_S:
         raise ValueError(f"expected a time, got {time:.6g} s")
     return time
-
-
-def _without_digits(name: str) -> str:
-    return re.sub("[0-9]+", "#", name)

@@ -14,7 +14,7 @@ from ...files import shown
 from ...scans import LaserScan
 from .._lines import LogError
 from .._raw_scans import MOST_APART, beams_of_message
-from ._files import Bag
+from ._open import Bag
 
 SCAN_TYPES = ("sensor_msgs/msg/LaserScan", "sensor_msgs/msg/MultiEchoLaserScan")
 #: A topic of this name holds the scans as they were measured, if it has half as many as another.
