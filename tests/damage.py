@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 from log_samples import GROUNDTRUTH, NPZ, ODOMETRY_CSV, RAWSEEDS, SINGLE_FILES
-from mrpt_samples import BINARY_FILES
 from quadtrees import state
 from segmap_course import load_trials
 
@@ -48,7 +47,7 @@ def a_graph(seed=1, count=12, loops=6, noise=0.02) -> PoseGraph:
 with gzip.open(readers.data_file("malaga/malaga.log.gz"), "rt") as _file:
     MALAGA = "".join(line for _, line in zip(range(4), _file, strict=False))
 SAMPLES = {name: text.encode() for name, text in (SINGLE_FILES | {"malaga": MALAGA}).items()}
-SAMPLES |= BINARY_FILES | {"npz": NPZ}
+SAMPLES["npz"] = NPZ
 #: The same mutants in each run: another seed makes others, `make fuzz` more of each sample.
 SEED, MUTANTS = os.environ.get("SEGMAP_SEED", "1"), int(os.environ.get("SEGMAP_MUTANTS", "150"))
 

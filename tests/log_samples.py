@@ -60,28 +60,6 @@ G2O = text(
     "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1"
     for k in range(2)
 )
-PAIRS = " ".join(f"{r}  0" for r in RANGES.split())
-PLAYER_1 = text(
-    twice(
-        "{time:.3f} robot 6665 position 00 {time:.3f} {odometry} 0 0 0 0",
-        f"{{time:.3f}} robot 6665 laser 00 {{time:.3f}} -1.5708 +1.5708 +0.7854 0005 {PAIRS}",
-        "{time:.3f} robot 6665 sync 00 {time:.3f}",
-    )
-)
-PLAYER_2 = text(
-    [
-        "## Player version 2.1.0",
-        "999.0 16777343 6665 laser 00 004 001 +0.300 +0.100 +0.000 0.156 0.155",
-        *twice(
-            "{time:.3f} 16777343 6665 position2d 00 001 001 {odometry} 0 0 0 0",
-            "{time:.3f} 16777343 6665 laser 00 001 001 {k:04d} -1.5708 +1.5708 +0.78539816 "
-            f"+8.0000 0005 {PAIRS}",
-        ),
-    ]
-)
-PLAYER_BARE = text(
-    twice("position 0 {time} {odometry}", f"laser 0 {{time}} -1.5708 1.5708 0.7854 5 {RANGES}")
-)
 HOKUYO = text(f"{1000 + k} {0.01 * (k - 10):.4f}" for k in range(20)) + "0 0.11\n7 0.12\n"
 CORESLAM = text(
     f"{212387282 + 98000 * k} 14710 {29221 + 40 * k} {25178 + 50 * k} " + "0 " * 20 + "1500 " * 683
@@ -190,9 +168,6 @@ SINGLE_FILES = {
     "carmen": CARMEN,
     "carmen_new": CARMEN_NEW,
     "g2o": G2O,
-    "player_1": PLAYER_1,
-    "player_2": PLAYER_2,
-    "player_bare": PLAYER_BARE,
     "hokuyo": HOKUYO,
     "coreslam": CORESLAM,
     "coreslam_13": CORESLAM_13,
@@ -226,9 +201,6 @@ ASSUMED = {
     "carmen": {FIVE, SICK_REACH.format(50)},
     "carmen_new": {CENTRE},
     "g2o": set(),
-    "player_1": {CENTRE, SICK_REACH.format(50)},
-    "player_2": set(),
-    "player_bare": {CENTRE, SICK_REACH.format(50)},
     "hokuyo": {"ranges in millimetres", "angles in radians", COUNTER, "values below 20 are error"},
     "coreslam": {URG, "wheels of 77 mm radius", "the laser sits 0.145 m ahead"},
     "coreslam_13": {URG, "wheels of 77 mm radius", "the laser sits 0.145 m ahead"},

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
 
-from . import bags, mrpt, tables
+from . import bags, tables
 from ._lines import Lines, UnknownFormat
 from ._text import Binary, TextFormat
 from .carmen import CARMEN_FORMATS
@@ -14,7 +14,7 @@ from .graphs import GRAPH_FORMATS
 from .tables import TABLE_FORMATS
 
 #: These are asked first, in this order.
-BINARY_FORMATS: tuple[Binary, ...] = (bags.BAG, mrpt.MRPT, *tables.ARRAY_FILES)
+BINARY_FORMATS: tuple[Binary, ...] = (bags.BAG, *tables.ARRAY_FILES)
 FOLDER_FORMATS: tuple[Binary, ...] = (bags.BAG, *tables.TABLE_FOLDERS)
 TEXT_FORMATS: tuple[type[TextFormat], ...] = (*CARMEN_FORMATS, *GRAPH_FORMATS, *TABLE_FORMATS)
 #: So many lines are looked at; a damaged one among them does not change what most of them say.

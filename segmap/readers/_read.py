@@ -35,12 +35,12 @@ def read(
     ----------
     path : str, Path or list of them
         A log of CARMEN (FLASER, RLASER, ROBOTLASER), a run of GMapping (.gfs), g2o with
-        ROBOTLASER1, Player text, DP-SLAM, CMU's Wean Hall, CoreSLAM; a folder of Rawseeds files, or
-        the file of one of its lasers; a Hokuyo scan as text; a rawlog or a simplemap of MRPT; a bag
-        of ROS 1 or ROS 2 (see `read_bag`), or ROS's own text of scans; JSON, telegrams of SICK,
-        UrgBenri; a table with a line a beam or a scan, of RPLidar, LD19, XV-11 or anybody (names of
-        columns: `read_csv`), or a folder of numbered ones with a scan each; NPZ with `ranges` and
-        `angles`. A list holds the files of one log, as `together` finds them.
+        ROBOTLASER1, DP-SLAM, CMU's Wean Hall, CoreSLAM; a folder of Rawseeds files, or the file of
+        one of its lasers; a Hokuyo scan as text; a bag of ROS 1 or ROS 2 (see `read_bag`), or ROS's
+        own text of scans; JSON, telegrams of SICK, UrgBenri; a table with a line a beam or a scan,
+        of RPLidar, LD19, XV-11 or anybody (names of columns: `read_csv`), or a folder of numbered
+        ones with a scan each; NPZ with `ranges` and `angles`. A list holds the files of one log, as
+        `together` finds them.
     on_error : "raise" or "skip"
         What a damaged line means: the end of reading, or one line less; `log.skipped` then tells
         how many lines were left out and why the first.

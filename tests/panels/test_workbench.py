@@ -25,7 +25,6 @@ import pytest
 from driven_panels import LOG
 from emulated import wait_for
 from log_samples import NPZ, RAWSEEDS, SINGLE_FILES
-from mrpt_samples import BINARY_FILES
 from programs import program
 from table_samples import OTHERS
 
@@ -106,7 +105,7 @@ def place(tmp_path_factory):
 
 
 #: Texts and bytes by the name of their format, as files of any name.
-FILES = SINGLE_FILES | BINARY_FILES | {name: content for name, (content, *_) in OTHERS.items()}
+FILES = SINGLE_FILES | {name: content for name, (content, *_) in OTHERS.items()}
 FILES["npz"] = NPZ
 
 

@@ -3,20 +3,15 @@
 import gzip
 from contextlib import nullcontext
 
-import mrpt_samples as mrpt
 import numpy as np
 import pytest
-from log_samples import CORESLAM, ODOMETRY, SICK, TIMES, flaser, robotlaser, text
+from log_samples import CORESLAM, SICK, TIMES, flaser, robotlaser, text
 
 from segmap import readers
 from segmap.readers import LogError
 
 GOOD = flaser((1, 2, 0.5), (0, 0, 0), 1.0)
 ROBOT = "ROBOTLASER1 0 {} {} {} 80 0 0 2 1 2 0 0 0 0 0 0 0 0 0 0 0 0 1 h 0"
-PLAYER = (
-    "999.0 16777343 6665 laser 00 004 001 0.3 0.1 {} 0.156 0.155\n"
-    "999.5 16777343 6665 laser 00 001 001 0001 -1.5708 1.5708 1.5708 8.0 0003 1 0 1 0 1 0"
-)
 WHEELS = CORESLAM.splitlines()[0].replace("29221", "{}")
 #: A line with a number in it; numbers that it may hold, and numbers that are refused.
 LIMITS = {
@@ -27,7 +22,6 @@ LIMITS = {
     "step": (ROBOT.format(0, 1, "{}"), "0 9.9", "-0.1 10 10.5"),
     "last beam": (ROBOT.format(9, 0, "{}"), "3.5", "3.6"),
     "mounting": ("PARAM robot_frontlaser_angular_offset {}\nFLASER 1 1", "12.5 -12.5", "12.6 -90"),
-    "player": (PLAYER, "12.5 -12.5", "12.6 -90"),
     "laser": (ROBOT.format(0, 1, 1).replace("ROBOTLASER1", "ROBOTLASER{}"), "1 5", "0 6"),
     "raw": ("RAWLASER{} 0 0 1 1 80 0 0 2 1 2 0 1 h 0", "1 5", "0 6"),
     "particles": ("LASER_READING 1 1 0 0 0 1\nSM_UPDATE {} 1 2 3 0", "1 0001", "2 -1"),
@@ -91,8 +85,6 @@ def test_a_limit_of_the_sensor_is_a_positive_one(read):
     """Catches a maximum of 0 below which nothing is measured, and one of 0.9 that is overlooked."""
     for stated, valid in (("0", [1, 1]), ("0.9", [0, 0]), ("1.5", [1, 0])):
         line = ROBOT.format(0, 1, 1).replace(" 80 ", f" {stated} ")
-        assert read(line)[0].valid.tolist() == valid
-        line = PLAYER.format(0).replace("8.0 0003 1 0 1 0 1 0", f"{stated} 0002 1 0 2 0")
         assert read(line)[0].valid.tolist() == valid
 
 
@@ -171,24 +163,3 @@ def test_a_laser_of_a_g2o_whose_place_varies_is_at_the_robots_centre(read, keywo
     lines = (robotlaser((k, 0, 0), (0, k, 0), t, keyword=keyword) for k, t in enumerate(TIMES))
     log = read("VERTEX2 0 0 0 0\n" + text(lines))
     assert log[0].sensor_pose == pytest.approx([0, 0, heading])
-
-
-# ---------------------------------------------------------------------------------- MRPT
-def test_what_is_wrong_within_an_object_of_mrpt_names_file_and_byte(tmp_path):
-    """Catches an error whose words stand in the place of the path, and limits above zero only."""
-    path, good = tmp_path / "it.rawlog", mrpt.scan(1.0)
-    far = mrpt.scan(1.0, place=(-2e7, 0, 0)), mrpt.actions(mrpt.movement((-2e7, 0, 0)))
-    for bad in (mrpt.scan(1.0, pitch=1.0), mrpt.scan(1.1e12), *far):
-        path.write_bytes(good + bad + good)
-        log = readers.read(path, on_error="skip")
-        assert len(log) == 2 and log.skipped.lines == 1
-        assert log.skipped.reason.startswith(f"{path}: byte {len(good)}: ")
-    for more, said in ((0, None), (1, "expected an object of MRPT")):
-        path.write_bytes(good + mrpt.new("CObservation" + "X" * (108 + more), 1) + good)
-        with pytest.raises(LogError, match=said) if more else nullcontext():
-            assert len(log := readers.read(path)) == 2 and log.skipped.lines == 1
-    large = mrpt.scan(1.0, ranges=np.random.default_rng(0).random(30_000))
-    path.write_bytes(gzip.compress(large * 8, 1))  # 1.2 MB: more than any file may unpack to
-    assert len(readers.read(path)) == 8
-    path.write_bytes(mrpt.actions(mrpt.movement((*ODOMETRY[1][:2], 4.0))) + good)
-    assert readers.read(path).odometry[0] == pytest.approx([1, 0, 4 - 2 * np.pi])

@@ -24,7 +24,6 @@ from log_samples import (
     row,
     text,
 )
-from mrpt_samples import BINARY_FILES
 
 from segmap import poses, readers
 from segmap.readers import LogError
@@ -195,15 +194,8 @@ NEAR = [0, 0, 0]
 ROOM = {
     "carmen": ("times odometry truth", [0.3, 0, 0], 50),
     "g2o": ("times odometry truth", NEAR, 50),
-    "player_1": ("times odometry", NEAR, 50),
-    "player_2": ("times odometry", [0.3, 0.1, 0], 8),
-    "player_bare": ("times odometry", NEAR, 50),
     "gmapping": ("times odometry truth", NEAR, 50),
     "dpslam": ("odometry", NEAR, 8.18),
-    "rawlog": ("times odometry", [0.3, 0.1, 0], 80),
-    "observations": ("times odometry", [0.3, 0.1, 0], 80),
-    "simplemap": ("times truth", [0.3, 0.1, 0], 80),
-    "old_simplemap": ("times truth", [0.3, 0.1, 0], 80),
 }
 
 
@@ -224,7 +216,7 @@ def test_every_format_tells_of_the_same_room(name, tmp_path):
     A name says nothing: every file here is called `run`.
     """
     told, place, reach = ROOM[name]
-    content = SINGLE_FILES[name].encode() if name in SINGLE_FILES else BINARY_FILES[name]
+    content = SINGLE_FILES[name].encode()
     for data in (content, gzip.compress(content)):
         (tmp_path / "run").write_bytes(data)
         log = readers.read(tmp_path / "run")
@@ -255,5 +247,5 @@ def test_every_format_is_asked_and_has_a_sample(tmp_path):
     with pytest.raises(LogError) as unknown:
         readers.read(path)
     names = re.search(r"^Known formats: (.*)\.$", str(unknown.value), re.MULTILINE)[1].split(", ")
-    assert {*names} - found == {"ROS bag", "MRPT", "NPZ"}  # of bytes: they have tests of their own
+    assert {*names} - found == {"ROS bag", "NPZ"}  # of bytes: they have tests of their own
     assert found <= {*names} and len(found) > 10

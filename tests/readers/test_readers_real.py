@@ -2,9 +2,7 @@
 
 import gzip
 import hashlib
-import importlib.util
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,8 +14,6 @@ from segmap.angles import wrap
 from segmap.readers import LogError, data_file
 
 MALAGA = data_file("malaga")
-#: Where Debian's package mrpt-common puts the files that Malaga was converted from.
-DATASETS = Path("/usr/share/mrpt/datasets")
 
 
 def spread_of_walls(log, at):
@@ -56,13 +52,6 @@ class TestMalaga:
         assert corrected < 0.08
         assert spread_of_walls(scans, log.odometry[known]) > 3 * corrected
         assert spread_of_walls(scans, poses.compose(truth, (0.78, 0, 0))) > 1.2 * corrected
-
-    def test_converting_again_gives_the_same_bytes(self, tmp_path):
-        if not DATASETS.exists():
-            pytest.skip("Debian's package mrpt-common is not installed")
-        rawlog = next(DATASETS.glob("*SENA*one_loop_only.rawlog"))
-        again = _converter().convert(rawlog, DATASETS / "malaga-cs-fac-building.simplemap.gz")
-        assert again == gzip.decompress(_read_bytes("malaga.log.gz")).decode()
 
 
 #: Of each file: scans, beams, largest range, scans with truth, metres driven where known (NaN: no
@@ -150,13 +139,6 @@ def length(path):
 
 def _read_bytes(name):
     return (MALAGA / name).read_bytes()
-
-
-def _converter():
-    spec = importlib.util.spec_from_file_location("convert_malaga", MALAGA / "convert.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_records_name_the_logs_that_they_were_made_from():

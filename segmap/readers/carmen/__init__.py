@@ -1,12 +1,9 @@
-"""Logs of CARMEN and of the programs of its family: GMapping, DP-SLAM, Wean Hall, Player."""
+"""Logs of CARMEN and of the programs of its family: GMapping, DP-SLAM, Wean Hall."""
 
 from ._carmen import Carmen, parse_robotlaser
 from ._family import DpSlam, GMapping, WeanHall
-from ._player import Player
 
-__all__ = [
-    "CARMEN_FORMATS", "Carmen", "DpSlam", "GMapping", "Player", "WeanHall", "parse_robotlaser",
-]  # fmt: skip
+__all__ = ["CARMEN_FORMATS", "Carmen", "DpSlam", "GMapping", "WeanHall", "parse_robotlaser"]
 
 #: Of formats that claim as many lines the first is taken.
-CARMEN_FORMATS = (Carmen, GMapping, Player, DpSlam, WeanHall)
+CARMEN_FORMATS = (Carmen, GMapping, DpSlam, WeanHall)
