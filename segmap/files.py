@@ -36,7 +36,7 @@ except ImportError:  # Windows, where what killed writers left stays
     fcntl = None  # type: ignore[assignment]
 
 #: A packed file may always unpack to this many bytes, ...
-LEAST_UNPACKED_BYTES = 1 << 26
+LEAST_UNPACKED_BYTES = 1 << 20
 #: ... and to this many times its own: logs shrink to a third, the most regular tree to a 23rd, and
 #: what shrinks to a thousandth is to fill the memory.
 MOST_UNPACKED_RATIO = 50

@@ -35,7 +35,6 @@ HELD = {
     "panels/test_workbench_parts.py": "words and messages of the page, letter by letter",
     "project/test_compiled.py": "the compiler of kernels itself",
     "project/test_warm.py": "the compiler of kernels itself",
-    "readers/test_readers_bags.py": "crashes: bags that unpack to more than memory holds",
     "reduction/test_reduction.py": "results that the runner refuses: no method of ours gives them",
 }
 #: What Python, pandas and IPython name with an underscore, though it is public.

@@ -40,7 +40,7 @@ def test_no_time_and_no_delay_is_made_up_and_the_rest_is_listed(name, tmp_path):
 
 def test_the_words_of_each_format_say_what_it_assumes():
     """Catches a reader that fills in a fact, and whose description does not say which."""
-    parts = {"_graph.py", "_files.py", "_stream.py", "_frames.py", "_bounds.py", "_classes.py"}
+    parts = {"_graph.py", "_files.py", "_open.py", "_frames.py", "_bounds.py", "_budget.py"}
     files = (path for path in Path(readers.__file__).parent.glob("*/_*.py"))
     words = {
         path.name: ast.get_docstring(ast.parse(path.read_text("utf-8"))) or "" for path in files

@@ -196,7 +196,7 @@ def test_endless_lines_are_refused_before_they_are_in_memory(path, start):
 LONG = b"FLASER 2 1 81.83 0 0 0 0 0 0\nSYNC " + b"x" * 2000 + b"\n"
 
 
-@pytest.mark.parametrize("bomb", [b"\n" * 2_000_000, LONG * 40_000, b"#\n" * 500_000])
+@pytest.mark.parametrize("bomb", [b"\n" * 2_000_000, LONG * 3000, b"#\n" * 500_000])
 def test_bombs(path, bomb):
     """Catches time or memory out of proportion to the file."""
     path.write_bytes(gzip.compress(bomb))

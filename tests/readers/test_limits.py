@@ -26,7 +26,6 @@ LIMITS = {
     "raw": ("RAWLASER{} 0 0 1 1 80 0 0 2 1 2 0 1 h 0", "1 5", "0 6"),
     "particles": ("LASER_READING 1 1 0 0 0 1\nSM_UPDATE {} 1 2 3 0", "1 0001", "2 -1"),
     "maxrange": ("PARAM maxrange {}\nLASER_READING 1 1 0 0 0 1", "0.5", "0 -1"),
-    "angles": ("laser 0 1.0 {} 1.5708 1.5708 3 1 1 1", "9.9 -9.9", "10 -10 10.5"),
     "ticks": (WHEELS, "1e12 -1e12", "1.1e12 -1.1e12"),
     "beam": ("1000 {}", "12.56 -12.56", "12.57 -12.57 15"),
     "offset": (SICK.splitlines()[0].replace("181, 0,", "181, {},"), "720 -720", "721 -720.5"),

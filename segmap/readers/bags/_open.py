@@ -27,7 +27,7 @@ MOST_BETWEEN_PARTS_NS = 60 * 10**9
 #: ... and no earlier than so long before that: topics are not written quite in their order.
 MOST_OVERLAP_OF_PARTS_NS = 10**9
 #: All messages of a database, in the order in which they were written.
-IN_ORDER = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
+MESSAGES_QUERY = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
 #: What chunks of ROS 1 begin with that are packed.
 CHUNK_MAGIC = {b"BZh": "bz2", b"\x04\x22\x4d\x18": "lz4"}
 REMEDIES = (
@@ -41,7 +41,7 @@ class Bag:
 
     def __init__(self, parts: Sequence[Path], readers: Sequence[Any]) -> None:
         self.path, self._parts = parts[0], [*zip(parts, readers, strict=True)]
-        self.connections = [c for reader in readers for c in _named(reader)]
+        self.connections = [c for reader in readers for c in _connections(reader)]
         is_2 = kind_of(self.path) != "ROS 1"
         types = _types(is_2)
         self._decode = types.deserialize_cdr if is_2 else types.deserialize_ros1
@@ -59,7 +59,7 @@ class Bag:
         """Topic, time in nanoseconds and bytes of each message of topics of these kinds."""
         last_ns, budget = 0, _budget([path for path, _ in self._parts])
         for path, reader in self._parts:
-            chosen = [c for c in _named(reader) if kinds.get(c.topic) == c.msgtype]
+            chosen = [c for c in _connections(reader) if kinds.get(c.topic) == c.msgtype]
             for each in chosen:
                 if each.digest not in ("", "*", None, self._digest(each.msgtype)):
                     reason = f"{each.topic} is of another {each.msgtype} than that of ROS"
@@ -83,7 +83,7 @@ class Bag:
             raise ValueError(f"expected a message of {kind} ({_fault_text(fault)})") from fault
 
 
-def _named(reader: Any) -> list[Any]:
+def _connections(reader: Any) -> list[Any]:
     """The topics of a file; a database may hold anything in the place of a name."""
     each = reader.connections
     return [c for c in each if isinstance(c.topic, str) and isinstance(c.msgtype, str)]
@@ -108,7 +108,7 @@ def _in_order_of_file(
         indexes, entries = reader.indexes, [e for id in topics for e in reader.indexes[id]]
         entries.sort(key=lambda entry: (entry.chunk_pos, entry.offset))
         for at, chunk in reader.chunks.items():
-            reader.chunks[at] = chunk._replace(decompressor=partial(_within, budget))
+            reader.chunks[at] = chunk._replace(decompressor=partial(_chunk_within, budget))
         reader.indexes = {chosen[0].id: entries}
         for each, time_ns, data in reader.messages(chosen[:1]):
             yield each.topic, time_ns, data
@@ -117,12 +117,12 @@ def _in_order_of_file(
         for each, time_ns, data in reader.storage.messages_scan(chosen):
             yield each.topic, time_ns, data
     else:
-        for id, time_ns, data in reader.storage.dbconn.execute(IN_ORDER):
+        for id, time_ns, data in reader.storage.dbconn.execute(MESSAGES_QUERY):
             if id in topics:
                 yield topics[id], time_ns, data
 
 
-def _within(budget: Budget, data: bytes) -> bytes:
+def _chunk_within(budget: Budget, data: bytes) -> bytes:
     """A chunk of a bag of ROS 1, unpacked; one that is not packed begins with a length."""
     packing = next((name for magic, name in CHUNK_MAGIC.items() if data.startswith(magic)), None)
     return budget.unpacked(packing, data) if packing else data
