@@ -8,6 +8,8 @@ SHELL := /bin/sh
 RUN := .venv/bin/python
 SETUP := .venv/segmap-for-dev
 WARM := .venv/segmap-is-warm
+STARTED := .venv/segmap-can-start
+SOURCES := $(wildcard segmap/*.py segmap/*/*.py segmap/*/*/*.py segmap/*/*/*/*.py)
 # What a student has, and what runs the chapters there.
 ALONE := .venv-lab/segmap-for-lab
 # uv takes seconds where pip takes minutes. It asks the registry that pip would ask.
@@ -36,7 +38,7 @@ INDEXED := $(wildcard $(foreach name,warm entry_points returns quadtree_files re
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
 
-lab: $(WARM) ## set up, copy the chapters to work/, open them in JupyterLab (PORT=8890 chooses the port)
+lab: $(STARTED) ## set up, copy the chapters to work/, open them in JupyterLab (PORT=8890 chooses the port)
 	@$(RUN) -m segmap notebooks work
 	@$(LAB) $(BROWSER)
 
@@ -139,8 +141,16 @@ $(ALONE): pyproject.toml | $(SETUP)
 
 # Once more whenever a source has changed; what did not change is not compiled again. Machine code of
 # other sources, of another processor or another numba is left alone.
-$(WARM): .venv/segmap-for-lab $(wildcard segmap/*.py segmap/*/*.py segmap/*/*/*.py segmap/*/*/*/*.py)
+$(WARM): .venv/segmap-for-lab $(SOURCES)
 	@$(if $(KERNELS),test ! -f $(KERNELS) || tar -xf $(KERNELS))
 	@$(RUN) -m segmap warm
 	@$(if $(KERNELS),mkdir -p $(dir $(KERNELS)) && find segmap -name '*.nb[ci]' | tar -cf $(KERNELS) -T -)
 	@touch $@
+
+# Lab opens when what chapter 00 needs is compiled. The rest is compiled behind it, which Control-C
+# leaves alone: it ends by itself within a minute.
+$(STARTED): .venv/segmap-for-lab $(SOURCES)
+	@$(if $(KERNELS),test ! -f $(KERNELS) || tar -xf $(KERNELS))
+	@$(RUN) -m segmap warm --first
+	@touch $@
+	@nice $(MAKE) --silent $(WARM) > /dev/null &

@@ -20,7 +20,7 @@ from . import alignment, extraction, matching, metrics, quadtree, readers, reduc
 from .arrays import Array
 from .compiled import PLAIN, Compiled, missing
 from .methods import Method
-from .progress import announce, compiling_only
+from .progress import Compiling, announce, compiling_only
 from .scans import LaserScan, Log
 from .segments import SegmentMap
 
@@ -28,6 +28,8 @@ Found = list[Any]
 
 #: Where what can be called holds what it calls.
 HELD = ("plain", "function", "func", "fget", "__func__", "__wrapped__")
+#: Cases that compile all that chapter 00 needs: then `make lab` opens it.
+FIRST = ("alignment pose_graph", "extraction all", "reduction fusion", "metrics all")
 #: Cases that this process has run: what they need is loaded.
 _dispatched: set[str] = set()
 
@@ -64,23 +66,24 @@ def run_case(name: str) -> None:
 def dispatch(names: Iterable[str]) -> None:
     """Load what these cases need, and compile what is missing: before work that is timed.
 
-    Compiling is told as such, and nothing else: how many of the loops that may be needed are done.
+    Compiling is told as such, and nothing else: which of the loops that may be needed it is.
     What has no case, as a method of one's own, is left to its first call.
     """
     if os.environ.get(PLAIN) == "1" or find_spec("numba") is None:
         return
     known = cases()
     new = [name for name in dict.fromkeys(names) if name in known and name not in _dispatched]
-    before, needed = len(missing), cache(lambda: len(loops(known[name] for name in new)) or 1)
+    before, needed = len(missing), cache(lambda: loops(known[name] for name in new))
+
+    def state() -> tuple[float, str]:
+        """Which loop of how many; of one alone nobody knows how far it is."""
+        k, n = sum(bool(one._fast or one._inner) for one in needed()), len(needed()) or 1
+        return k / n, Compiling(f"compiling loop {k} of {n}")
+
     for k, name in enumerate(new):
-
-        def done(share: float, least: float = k / len(new)) -> float:
-            """So many of all loops, for of one alone nobody knows how far it is."""
-            return max(least, min(1.0, (len(missing) - before) / needed()))
-
-        if len(missing) == before:  # else the time so far would begin anew
-            announce(done(0.0), "loading compiled loops")
-        with compiling_only(done):
+        if len(missing) == before:  # else the share would go back
+            announce(k / len(new), "loading compiled loops")
+        with compiling_only(state):
             known[name]()
         _dispatched.add(name)
 

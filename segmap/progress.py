@@ -63,16 +63,16 @@ def told(progress: Progress) -> Iterator[None]:
 
 
 @contextmanager
-def compiling_only(share_of: Callable[[float], float]) -> Iterator[None]:
-    """Of all work called within only compiling is told, its share as another."""
+def compiling_only(state: Callable[[], tuple[float, str]]) -> Iterator[None]:
+    """Of all work called within only compiling is told, by another share and other words."""
     if (listen := _listener.get()) is None:
         yield
         return
 
     def hand_on(share: float, said: str) -> None:
-        """From the share of the part to the share of the whole."""
+        """How far the whole is instead of the part."""
         if isinstance(said, Compiling):
-            listen(share_of(share), said)
+            listen(*state())
 
     with told(hand_on):
         yield

@@ -1,19 +1,17 @@
-"""`segmap warm`: compile all loops now."""
+"""`segmap warm`: compile all loops now, or those that chapter 00 needs."""
 
 from __future__ import annotations
 
 import argparse
 import importlib
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 from .. import _warm
 from ..threads import cores
 from ._output import print_line, progress
 from .log_options import examples
-
-if TYPE_CHECKING:
-    from tqdm import tqdm
 
 
 def add(commands: Any) -> None:
@@ -21,8 +19,9 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "warm",
         help="compile all loops now instead of at first use",
-        epilog=examples("warm", "warm --jobs 1", "warm --jobs 2"),
+        epilog=examples("warm", "warm --jobs 1", "warm --first"),
     )
+    command.add_argument("--first", action="store_true", help="only what chapter 00 needs")
     command.add_argument(
         "--jobs", type=int, metavar="NUMBER", help="processes; default: one for each core"
     )
@@ -31,27 +30,34 @@ def add(commands: Any) -> None:
 
 def run(given: argparse.Namespace) -> None:
     """Compile, on all cores."""
-    names, start = list(_warm.cases()), time.monotonic()
+    names, start = list(_warm.FIRST if given.first else _warm.cases()), time.monotonic()
     jobs = max(1, min(given.jobs or cores(), len(names)))
     where = "one core" if jobs == 1 else f"{jobs} cores"
-    print_line(f"Compiling the loops of segmap on {where}, once for this machine ...")
+    what = "chapter 00" if given.first else "segmap"
+    print_line(f"Compiling the loops of {what} on {where}, once for this machine ...")
     importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
-    with progress(len(names), "method") as bar:
-        _run_all(names, jobs, bar)
+    known, done = _warm.cases(), set[Any]()
+    with progress(len(_warm.loops(known[name] for name in names)), "loop") as bar:
+        bar.bar_format = "compiling loop {n_fmt} of {total_fmt} |{bar}|"
+        for name in _run_all(names, jobs):
+            done |= _warm.loops([known[name]])
+            bar.update(len(done) - bar.n)
     print_line(f"Done in {time.monotonic() - start:.0f} s.")
 
 
-def _run_all(names: list[str], jobs: int, bar: tqdm[Any]) -> None:
+def _run_all(names: list[str], jobs: int) -> Iterator[str]:
+    """Run cases; each is named when it is done."""
     if jobs == 1:
         for name in names:
             _warm.run_case(name)
-            bar.update()
+            yield name
         return
     from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import get_context
 
     # Processes, not threads: numba compiles one function at a time.
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        for done in as_completed([pool.submit(_warm.run_case, name) for name in names]):
+        running = {pool.submit(_warm.run_case, name): name for name in names}
+        for done in as_completed(running):
             done.result()
-            bar.update()
+            yield running[done]

@@ -58,7 +58,9 @@ class Bar:
             if self._under_way:
                 taken, share = time.monotonic() - self._begun, self._share
                 spent = f", {taken:.0f} s so far" if taken >= FIRST_ESTIMATE_S else " ..."
-                if not isinstance(self._words, Compiling) and (left := time_left(taken, share)):
+                if isinstance(self._words, Compiling):
+                    spent = " ..."
+                elif left := time_left(taken, share):
                     spent = f", {left}"
                 self._show(f"{self._words}{spent}", share)
 
