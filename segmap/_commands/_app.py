@@ -28,6 +28,24 @@ POLICY = (
     "img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; form-action 'self'; "
     "base-uri 'none'; frame-ancestors 'none'"
 )
+#: Voila ends the kernel when its page is asked to leave. This stands before it: who is asked about
+#: what is not saved may stay, and the kernel ends when the page is gone.
+LEAVE = b"""<script>{
+let gone = false;
+addEventListener("beforeunload", event => {
+  if (gone) return;
+  event.stopImmediatePropagation();
+  if (window.segmapUnsaved) event.preventDefault();
+});
+addEventListener("pagehide", event => {
+  gone = !event.persisted;
+  if (gone) dispatchEvent(new Event("beforeunload"));
+});
+}</script></head>"""
+#: A kernel that nobody is connected to, and that does nothing, is ended after so many seconds.
+IDLE_LIMIT_S = 300
+#: It is looked for so often, seconds.
+IDLE_CHECK_S = 5
 
 
 def add(commands: Any) -> None:
@@ -72,8 +90,12 @@ def run(given: argparse.Namespace) -> None:
         def transform_chunk(self, chunk: bytes, include_footers: bool) -> bytes:
             if not self.page:
                 return chunk
-            marked = f"<script nonce={self.mark}".encode()
+            chunk, marked = chunk.replace(b"</head>", LEAVE), f"<script nonce={self.mark}".encode()
             return STRANGE.sub(b"", chunk.replace(b"<script", marked))
+
+    def let_end(page: Any, **notebook: Any) -> None:
+        """Give a page the cookie without which it may not end its kernel: to ask for it sets it."""
+        page.xsrf_token  # noqa: B018
 
     class Page(Voila):  # type: ignore[misc]
         """Voila that answers to its own host: another name may lead here from a strange page."""
@@ -82,10 +104,13 @@ def run(given: argparse.Namespace) -> None:
             for rule in self.app.default_router.rules[:-1]:
                 rule.matcher = HostMatches(HOSTS)
             self.app.transforms.append(Guarded)
+            self.voila_configuration.prelaunch_hook = let_end
             super().listen()
 
     page = Path(__file__).parents[1] / "panels" / "workbench" / "app.ipynb"
     options = [str(page), "--Voila.ip=127.0.0.1", "--Voila.auto_token=True"]
+    idle = {"cull_idle_timeout": IDLE_LIMIT_S, "cull_interval": IDLE_CHECK_S}
+    options += [f"--MappingKernelManager.{name}={value}" for name, value in idle.items()]
     if given.port is not None:
         options += [f"--Voila.port={given.port}", "--Voila.port_retries=0"]
     shown = sys.platform in ("darwin", "win32") or {"DISPLAY", "WAYLAND_DISPLAY"} & {*os.environ}

@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shlex
+import signal
 import sys
 import time
 import urllib.error
@@ -415,6 +416,62 @@ def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(app, brow
         *("Mend the map", "Floor plan", "Save the first result", "All runs", "In Python"),
     ]  # fmt: skip
     html_runs_nothing(browser)
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="no folder of processes here")
+def test_a_page_ends_its_kernel(browser, tmp_path):
+    """Catches kernels that no page can reach any more, and one that is ended though its page stays
+    or the work goes on.
+
+    An idle kernel ends here after 15 seconds: so says the kernel's own description.
+    """
+    launch = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}", str(tmp_path)]
+    about = {"argv": launch, "display_name": "it", "metadata": {"cull_idle_timeout": 15}}
+    (folder := tmp_path / "kernels" / "python3").mkdir(parents=True)
+    (folder / "kernel.json").write_text(json.dumps(about))
+
+    def kernels():
+        return processes(f"\0{tmp_path}\0")
+
+    def none_or_one():  # while one page takes the place of another there are two
+        return len(kernels()) < 2
+
+    with served(tmp_path, JUPYTER_PATH=str(tmp_path)) as address:
+        seen = set()
+        for _ in range(4):
+            opened(browser, address, 1280)
+            wait("the end of the kernel before", none_or_one, 60)
+            seen |= {*kernels()}
+        assert len(seen) == 4, "each load has its own"
+        browser.run("navigator.sendBeacon = (...given) => { window.beacon = given; return true; }")
+        browser.run("window.dispatchEvent(new Event('beforeunload', {cancelable: true}))")
+        assert browser.run("return window.beacon") is None, "who is asked may stay"
+        browser.click(BUTTON.format("Run"))
+        wait("the scans", lambda: " of 225" in browser.run(STATE))
+        (worker,) = (pid for pid in processes("_job.serve()") if parent(pid) in kernels())
+        os.kill(worker, signal.SIGSTOP)  # as work that takes long
+        browser.open("about:blank")  # it vanishes without a word
+        time.sleep(30)
+        assert len(kernels()) == 1, "ended while it computes"
+        os.kill(worker, signal.SIGCONT)
+        wait("the end of an idle kernel", lambda: not kernels(), 120)
+        assert not Path(f"/proc/{worker}").exists()
+
+
+def processes(words):
+    """Those whose command has these words, by their numbers."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):
+            if words in path.read_text(errors="replace"):
+                found.append(int(path.parent.name))
+    return found
+
+
+def parent(process):
+    """The number of the process that started another one."""
+    status = Path(f"/proc/{process}/status").read_text()
+    return int(re.search(r"PPid:\t(\d+)", status).group(1))
 
 
 def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browser):

@@ -13,7 +13,6 @@ import io
 import os
 import pickle
 import queue
-import signal
 import subprocess
 import sys
 import threading
@@ -27,9 +26,11 @@ from ...progress import Stopped, announce, told
 from ...scans import Log
 from ._files import drawn_points
 
-#: What the worker begins with: it finds the package that this Python has imported.
+#: What the worker begins with: Control-C is for the kernel, and it finds the package that this
+#: Python has imported.
 START = (
-    "import sys; sys.path[:] = sys.argv[1:]; from segmap.panels.workbench import _job; _job.serve()"
+    "import signal, sys; signal.signal(signal.SIGINT, signal.SIG_IGN); sys.path[:] = sys.argv[1:]; "
+    "from segmap.panels.workbench import _job; _job.serve()"
 )
 #: What to do with a function that cannot be sent.
 RUNS_HERE = "what only this notebook defines runs with workbench.run()"
@@ -189,7 +190,6 @@ def serve() -> None:
 
     A thread waits there, and ends the process in the middle of its work where the kernel is gone.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # that is for the kernel
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     stop, told_at, seen_at = threading.Event(), 0.0, 0.0
     threading.Thread(target=_listen, args=[calls, stop], daemon=True).start()

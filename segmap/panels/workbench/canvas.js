@@ -401,8 +401,7 @@ function render({ model, el }) {
     if (run) model.send({ run: Number(run), beside: way === "beside" });
     else navigator.clipboard.writeText(button.previousElementSibling.textContent);
   };
-  const leaving = event => { if (model.get("unsaved")) event.preventDefault(); };
-  if (document.body.classList.contains("jp-Notebook")) window.addEventListener("beforeunload", leaving);
+  model.on("change:unsaved", () => { window.segmapUnsaved = model.get("unsaved"); });  // see _app.py
   document.addEventListener("click", clicked);
   press();
   another();
@@ -410,7 +409,6 @@ function render({ model, el }) {
     watch.disconnect();
     presses.disconnect();
     document.removeEventListener("click", clicked);
-    window.removeEventListener("beforeunload", leaving);
     clearTimeout(waiting);
   };
 }
