@@ -33,7 +33,7 @@ NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 INDEXED := $(wildcard $(foreach name,warm entry_points returns quadtree_files reduction_properties,tests/*/test_$(name).py))
 
 .NOTPARALLEL:
-.PHONY: help lab app handout grade test test-all test-lowest mutants fuzz bounds refresh panels bench book slides clean
+.PHONY: help lab app handout test test-all test-lowest mutants fuzz bounds refresh panels bench book slides clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -48,20 +48,8 @@ app: .venv/segmap-for-app $(WARM) ## set up, then serve the workbench as a page 
 wheel: $(SETUP) ## write the wheel into dist/, for machines without a clone
 	$(RUN) -m hatchling build -t wheel -d dist
 
-handout: $(SETUP) ## student copies in build/handout (ARGS="--chapters 34,54", DIR=...)
-	$(RUN) -m segmap_course handout $(or $(DIR),build/handout) $(ARGS)
-
-# Bubblewrap needs a user namespace, and to write below /proc/sys there: the default rules of
-# containers refuse both. It needs no right.
-CONTAINER ?= $(if $(shell command -v podman),podman,docker)
-grade: ## grade in a container, where bubblewrap cannot run (DIR=folder ARGS="submissions -o grades.csv --key ...")
-	@test "$$(id -u)" != 0 || { echo "Root has no rights in the container: run this as another user; \
-	where the engine needs root, make grade CONTAINER='sudo docker'"; exit 1; }
-	$(CONTAINER) build --quiet --tag segmap-grade --file notebooks/Containerfile .
-	$(CONTAINER) run --rm --network none --cap-drop all --security-opt seccomp=unconfined \
-		--security-opt apparmor=unconfined --security-opt label=disable --security-opt systempaths=unconfined \
-		--user "$$(id -u):$$(id -g)" $(if $(findstring podman,$(CONTAINER)),--userns keep-id) \
-		--volume "$(abspath $(or $(DIR),.)):/work" segmap-grade grade $(ARGS)
+handout: .venv/segmap-for-grading ## an assignment for nbgrader in build/course (ARGS="--chapters 34,54", DIR=...)
+	$(RUN) -m segmap_course handout $(or $(DIR),build/course/lab1) $(ARGS)
 
 test: $(SETUP) $(WARM) $(ALONE) ## set up, then prove it: style, types, tests, examples and every chapter
 	$(RUN) -m ruff check .
@@ -70,7 +58,7 @@ test: $(SETUP) $(WARM) $(ALONE) ## set up, then prove it: style, types, tests, e
 	$(RUN) -m pytest $(SPREAD) -m "not slow" -p no:nbval
 	PYTHONWARNINGS=error::DeprecationWarning:__main__ .venv-lab/bin/python -m pytest $(SPREAD) $(NBVAL) notebooks/*.ipynb
 
-test-all: test bounds ## the same, every index of the loops checked, then the tests that are marked slow
+test-all: test bounds .venv/segmap-for-grading ## the same, every index of the loops checked, then the tests that are marked slow
 	$(RUN) -m pytest $(SPREAD) -m slow
 
 test-lowest: | $(RUN) ## the tests once more, in .venv-lowest, with the oldest packages that pyproject.toml allows

@@ -55,7 +55,7 @@ ALSO = {
     ),
     "alignment/pose_graph": ("matching/test_merge.py",),
     "exports": ("readers/test_graph_files.py", "exports/test_segment_files.py"),
-    "grading": ("course/grading/test_grades_table.py", "course/grading/test_handout.py"),
+    "grading": ("course/grading/test_handout.py", "course/grading/test_tasks.py"),
     "threads": ("basics/test_progress.py",),
 }
 FORK = multiprocessing.get_context("fork")

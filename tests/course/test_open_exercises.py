@@ -1,13 +1,11 @@
 """Open exercises: an answer that passes, one that fails for each reason, and nothing yet."""
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import segmap_course as course
-from segmap_course import EXERCISES, OPEN_EXERCISES, Challenge, Check, OwnLog, Prediction
-from segmap_course.exercises import decode, encode
+from segmap_course import EXERCISES, OPEN_EXERCISES, Challenge, Check, Prediction
 from segmap_course.exercises.open.own_log import BUNDLED
 
 from segmap import readers
@@ -222,25 +220,21 @@ def test_each_open_exercise_is_in_reach_and_tested_here():
         assert getattr(course, name) is exercise and repr(exercise).startswith(f"{name}(")
 
 
-#: What is no answer to any of them, and what a process may make up.
+#: What is no answer to any of them.
 JUNK = [None, ..., "text", [], {}, object, True, [1, 2, 3], np.nan, np.inf, 10**5000, (), [[]]]
-MADE_UP = ([], [{}], [{"shape": [3], "values": [1]}], [{"values": "x", "shape": "y"}])
 
 
 @pytest.mark.parametrize("name", ANSWERS)
 def test_an_open_exercise_passes_and_fails_with_its_reason(name):
-    """Catches one that raises, that passes whatever it is given, or whose answers only the process
-    of the student can read."""
+    """Catches one that raises, or that passes whatever it is given."""
     exercise, (right, wrong) = OPEN_EXERCISES[name], ANSWERS[name]
-    check = exercise.verdict(decode(json.loads(json.dumps(encode(exercise.answers(right))))))
-    assert check and exercise(right) == check and exercise.hidden(1) == {}
+    assert exercise(right)
     for answer, words in wrong:
         found = exercise(answer)
         assert isinstance(found, Check) and not found and words in found.hint
     assert " first" in exercise(None).hint
     for junk in JUNK:
         assert not exercise(junk) and exercise(junk).hint
-    assert not any(exercise.verdict(made_up) for made_up in MADE_UP)
 
 
 # ------------------------------------------------------------------------- near enough
@@ -288,8 +282,6 @@ def test_a_log_of_ones_own_passes_with_its_facts(own_log):
     found = course.check_own_log(own_log, own_log.truth)
     assert found, found
     assert "24 scans" in found.hint and "2.5 m driven" in found.hint
-    sent = json.loads(json.dumps(course.check_own_log.answers((own_log, own_log.truth), {})))
-    assert course.check_own_log.verdict(sent)
 
 
 @pytest.mark.parametrize(
@@ -318,8 +310,3 @@ def test_bundled_logs_are_recognised_though_renamed_and_cut():
     log = readers.load("room")
     found = course.check_own_log(Log("mine", log.scans[5:50]), log.truth[5:50])
     assert not found and "bundled log 'room'" in found.hint
-
-
-@pytest.mark.parametrize("facts", [[], [{}], None, [3], [{"scans": "x"}], [{"refused": ""}]])
-def test_made_up_facts_fail(facts):
-    assert isinstance(course.check_own_log, OwnLog) and not course.check_own_log.verdict(facts)

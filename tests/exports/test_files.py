@@ -107,8 +107,6 @@ def test_the_table_of_writers_is_whole():
         "segmap/readers/packed/_plain.py",  # what is unpacked, into a folder that goes
         "segmap/panels/workbench/_source.py",  # an upload, into a folder that goes with it
         "segmap_course/exercises/open/scans.py",  # a log of one line, alike
-        "segmap_course/grading/_grade.py",  # a line an answer, where it goes on after a crash
-        "segmap_course/grading/_jail.py",  # the filter, into a folder that goes with the jail
     }
 
 

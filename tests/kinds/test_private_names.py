@@ -19,8 +19,6 @@ HELD = {
     "alignment/test_backbone.py": "kernels against `literal`",
     "alignment/test_global_segments.py": "equations against their literal form",
     "alignment/test_point_map.py": "kernels against numpy: partners, steps and their uncertainty",
-    "course/grading/test_jail.py": "crashes and attacks: the sandbox by itself",
-    "course/grading/test_one_answer.py": "crashes: what an answer does ends no grading",
     "emulated.py": "faults of a wire, in the thread and by the clock of a test",
     "hokuyo/test_protocol.py": "bytes against the manual and captures, and damaged ones",
     "hokuyo/test_sensor_address.py": "crashes: a socket that is slow, dead or of another",

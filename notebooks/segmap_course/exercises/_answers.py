@@ -1,13 +1,15 @@
 """What a function answers to cases, and when two answers are the same.
 
-An answer is a plain value, as it comes back from another process too (see `_sandbox_protocol`); or
-`Raised`, the exception in its place; or `Other`, for something that is no plain value. The answer
-of the stub is None.
+An answer is an array of numbers; or `Raised`, the exception in its place; or `Other`, for something
+that holds no numbers. The answer of the stub is None.
 """
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,31 +17,62 @@ import numpy as np
 from segmap.angles import axial_difference
 from segmap.arrays import Array
 
-from .._sandbox_protocol import Other, Raised, decode, encode, reply
-
 #: What one case asks: words -> the arguments.
 Cases = Mapping[str, tuple[Any, ...]]
 
 
+@dataclass(frozen=True)
+class Raised:
+    """In place of an answer: the exception that was raised, by its name, and its message."""
+
+    name: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Other:
+    """In place of an answer that holds no numbers: the name of its type."""
+
+    name: str
+
+
 def answered(function: Callable[..., Any], cases: Cases) -> list[Any]:
     """What a function answers to each case, given copies of its arguments. Raises nothing."""
-    return [decode(reply(function, plain(arguments))) for arguments in cases.values()]
+    return [_answer(function, deepcopy(arguments)) for arguments in cases.values()]
 
 
-def plain(value: Any) -> Any:
-    """A value as it comes back from another process."""
-    return decode(encode(value))
+def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        try:
+            return plain(function(*arguments))
+        except (Exception, SystemExit) as error:
+            return Raised(type(error).__name__, str(error)[:300])
+
+
+def plain(answer: Any) -> Any:
+    """The numbers of an answer as an array of its own, or what stands in their place.
+
+    Examples
+    --------
+    >>> plain([1, 2.5]), plain(...), plain([[1], [2, 3]])
+    (array([1. , 2.5]), None, Other(name='list'))
+    """
+    if answer is None or answer is ...:
+        return None
+    try:
+        array = None if isinstance(answer, str | bytes) else np.array(answer)
+        if array is not None and array.dtype.kind not in "biuf":
+            array = np.array(answer, float)
+    except Exception:  # an answer may be any object at all
+        array = None
+    return Other(type(answer).__name__) if array is None else array
 
 
 def numbers(answer: Any) -> Array | None:
     """The numbers of an answer, as an array of its shape; None where it holds none."""
-    if isinstance(answer, Raised | Other):
-        return None
-    try:
-        array = np.asarray(answer)
-    except ValueError:  # lists of several lengths
-        return None
-    return array.astype(float) if array.dtype.kind in "biuf" else None
+    found = plain(answer)
+    return found.astype(float) if isinstance(found, np.ndarray) else None
 
 
 def agree(found: Any, expected: Any, same: Callable[[Any, Any], bool]) -> bool:
@@ -59,13 +92,6 @@ def text(answer: Any) -> str:
         return f"{answer.name}: {answer.words}"
     array = numbers(answer)
     return f"something of type {type_name(answer)}" if array is None else _shown(array)
-
-
-def in_full(answer: Any) -> str:
-    """An answer with all of its numbers, as many as a page holds; an argument that has none too."""
-    if numbers(answer) is not None:
-        return np.array2string(np.asarray(answer), precision=6, suppress_small=True, threshold=200)
-    return text(answer) if isinstance(answer, Raised | Other) else repr(answer)[:500]
 
 
 def type_name(answer: Any) -> str:

@@ -14,16 +14,14 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.plotting import ERROR, TRUTH
 
-from .._cells import lacking
-from .._sandbox_protocol import Raised
 from ._answers import (
     Cases,
+    Raised,
     agree,
     answered,
     close,
     common_mistake,
     first_difference,
-    in_full,
     numbers,
     text,
 )
@@ -89,8 +87,6 @@ class Exercise:
     mistakes: Mapping[str, Callable[..., Any]]
     #: Whether an answer is the expected one.
     same: Callable[[Any, Any], bool] = close
-    #: Functions that tasks give (see `grading`), and this one does not: they hold its answer.
-    withheld: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -140,31 +136,13 @@ class Exercise:
             return Check(self.name, False, said)
         if unwrap(function) is unwrap(self.solution):
             return Check(self.name, False, "this is the library's; write your own")
-        found = self.verdict(self.answers(function, cases), cases)
-        said = lacking(f"check_{self.name}", function) if found else ""
-        return Check(self.name, False, said) if said else found
-
-    def answers(self, function: Callable[..., Any], cases: Cases | None = None) -> list[Any]:
-        """What a student's function answers to these cases, in this process (see `verdict`)."""
-        return answered(function, self.cases if cases is None else cases)
-
-    def expected(self, cases: Cases | None = None) -> list[Any]:
-        """What the library answers to these cases, by default the open ones."""
-        return answered(self.solution, self.cases if cases is None else cases)
-
-    def verdict(self, answers: Sequence[Any], cases: Cases | None = None) -> Check:
-        """Judge what was answered, here or elsewhere, to the same cases, by default the open ones.
-
-        No code of the student runs here; whatever else the answers hold fails with a hint.
-        """
         cases = self.cases if cases is None else cases
-        if not isinstance(answers, list | tuple) or len(answers) != len(cases):
-            return Check(self.name, False, "an answer to each of the cases is wanted")
-        hint = self.mistake(answers, cases)
+        answers = answered(function, cases)
+        hint = self._mistake(answers, cases)
         hint = self._difference(answers, cases) if hint is None else hint
         return Check(self.name, not hint, hint)
 
-    def mistake(self, found: Sequence[Any], cases: Cases) -> str | None:
+    def _mistake(self, found: Sequence[Any], cases: Cases) -> str | None:
         """The hint of the mistake that gives these answers; empty where they are right, or None."""
         if found and all(answer is None for answer in found):
             return f"it returns nothing yet; the task is {self.task}"
@@ -175,24 +153,13 @@ class Exercise:
 
     def _difference(self, found: Sequence[Any], cases: Cases) -> str:
         """The first case that has another answer, in full."""
-        pairs = zip(cases, found, self.expected(cases), strict=True)
+        pairs = zip(cases, found, answered(self.solution, cases), strict=True)
         words, got, right = next(pair for pair in pairs if not agree(*pair[1:], self.same))
         said = f"but it raised {text(got)}" if isinstance(got, Raised) else f"got {text(got)}"
         if text(got) == text(right):
             said += f", which is off by {np.abs(np.subtract(got, right, dtype=float)).max():.1g}"
         said += first_difference(got, right, cases[words])
         return f"for {words} expected {text(right)}, {said}{self._call(cases[words])}"
-
-    def told(self, found: Sequence[Any]) -> str:
-        """The open cases that have another answer, in full."""
-        lines = []
-        for (words, given), got, right in zip(
-            self.cases.items(), found, self.expected(), strict=True
-        ):
-            if not agree(got, right, self.same):
-                lines += [f"{words}: {self.name}({', '.join(map(in_full, given))})"]
-                lines += [f"expected {in_full(right)}", f"got      {in_full(got)}", ""]
-        return "\n".join(lines)
 
     def _call(self, given: Sequence[Any]) -> str:
         """The call with these arguments, where they are few numbers."""

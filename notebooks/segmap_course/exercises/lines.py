@@ -57,7 +57,6 @@ check_axial_mean = Exercise(
         ),
     },
     same_line,
-    withheld=("axial_mean",),
 )
 
 

@@ -62,7 +62,6 @@ check_compose = Exercise(
         ),
         "this is the second pose seen from the first; asked is where the step leads": between,
     },
-    withheld=("compose", "between"),
 )
 
 
@@ -114,7 +113,6 @@ check_heading_between = Exercise(
         "the mean of the two directions as vectors does not turn evenly: take a share of the "
         "angle": _mixed,
     },
-    withheld=("interpolate",),
 )
 
 

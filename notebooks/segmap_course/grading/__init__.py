@@ -1,10 +1,11 @@
-"""Grading: students' answers run in a jail, and what comes out is judged here."""
+"""Handing out: the course folder of nbgrader, which grades, and tests for otter-grader."""
 
-from ._grade import graded, plan_of, read_key
-from ._jail import Limits
-from ._report import Table, class_report, duplicates, gradescope, write_feedback
+from ._handout import handout, source_notebook
+from ._otter import otter_tests
+from ._solutions import solution
+from ._tasks import Task, chapters, read_chapter, tasks_of
 
 __all__ = [
-    "Limits", "Table", "class_report", "duplicates", "graded", "gradescope", "plan_of", "read_key",
-    "write_feedback",
+    "Task", "chapters", "handout", "otter_tests", "read_chapter", "solution", "source_notebook",
+    "tasks_of",
 ]  # fmt: skip

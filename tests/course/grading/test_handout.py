@@ -1,161 +1,208 @@
-"""Student copies: nothing of the outputs, the solutions or the seed; links that lead somewhere."""
+"""Source notebooks of all chapters, and the command: what nbgrader is given, without nbgrader."""
 
+import doctest
 import json
 import re
+import sys
 
+import numpy as np
 import pytest
+import segmap_course as course
 from chapter_rules import CHAPTERS
 from programs import program
 from segmap_course import EXERCISES, OPEN_EXERCISES
-from segmap_course.grading.handout import defines
-from submitted import solution
+from segmap_course.grading import (
+    otter_tests,
+    read_chapter,
+    solution,
+    source_notebook,
+    tasks_of,
+)
 
 main = program("segmap_course")
+SEED = 987654321
 
 
 @pytest.fixture(scope="module")
-def handed(tmp_path_factory):
-    """All chapters, handed out with a seed."""
-    folder = tmp_path_factory.mktemp("course") / "students"
-    assert main(["handout", str(folder), "--seed", "987654321"]) == 0
-    return folder
+def sources():
+    """Chapter -> its source notebook, in a handout of all of them."""
+    books = {path.name: read_chapter(path) for path in CHAPTERS}
+    return {name: source_notebook(name, book, SEED, books) for name, book in books.items()}
 
 
-def cells(path):
-    return json.loads(path.read_text(encoding="utf-8"))["cells"]
+def all_cells(sources):
+    return [cell for book in sources.values() for cell in book["cells"]]
 
 
-def all_cells(folder):
-    return [(path, cell) for path in sorted(folder.iterdir()) for cell in cells(path)]
-
-
-def test_every_chapter_is_there_without_outputs(handed):
-    assert [p.name for p in sorted(handed.iterdir())] == [p.name for p in CHAPTERS]
-    code = [cell for _, cell in all_cells(handed) if cell["cell_type"] == "code"]
+def test_a_source_has_no_outputs_and_a_place_for_the_name(sources):
+    code = [cell for cell in all_cells(sources) if cell["cell_type"] == "code"]
     assert len(code) > 300
     assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
-    assert all(cells(path)[1]["source"].startswith("**Name:**") for path in handed.iterdir())
+    assert all(b["cells"][1]["source"].startswith("**Name:**") for b in sources.values())
 
 
-def test_the_seed_is_with_the_instructor_alone(handed):
-    """Catches a seed in the metadata of a copy, and one that holds a solution."""
-    key = handed.with_name("students.instructor.json")
-    assert json.loads(key.read_text())["seed"] == 987654321
-    assert key.stat().st_mode & 0o077 == 0
-    assert not any(
-        word in p.read_text()
-        for p in handed.iterdir()
-        for word in ("987654321", "### BEGIN SOLUTION")
-    )
+def test_the_seed_stands_in_hidden_cases_alone(sources):
+    """Catches a seed that nbgrader leaves in the release."""
+    marks = re.compile(r"### BEGIN HIDDEN TESTS\n.*?### END HIDDEN TESTS", re.DOTALL)
+    with_seed = [c for c in all_cells(sources) if str(SEED) in json.dumps(c)]
+    assert len(with_seed) > 40
+    assert not any(str(SEED) in marks.sub("", cell["source"]) for cell in with_seed)
+    assert all(cell["id"].endswith("-test") for cell in with_seed)
 
 
-def test_every_exercise_of_the_chapters_has_an_answer_a_check_and_points(handed):
+def test_every_exercise_of_the_chapters_has_an_answer_a_check_and_points(sources):
     """Catches a chapter whose exercise is written in another way, and is lost."""
     called = r"^course\.check_(\w+)\("
-    asked = {
-        name
-        for path in CHAPTERS
-        for cell in cells(path)
-        for name in re.findall(called, "".join(cell["source"]), re.M)
-    }
-    held = {cell["id"]: cell for _, cell in all_cells(handed)}
-    assert {name for name in asked if name in EXERCISES} <= {
-        name.removesuffix("-test") for name in held if name.endswith("-test")
-    }
-    for name in asked & set(EXERCISES):
-        assert "course.check" not in held[f"{name}-answer"]["source"]
-        assert f"4 * bool(course.check_{name}(" in held[f"{name}-test"]["source"]
+    text = "\n".join(cell["source"] for path in CHAPTERS for cell in read_chapter(path)["cells"])
+    asked = set(re.findall(called, text, re.M)) & set(EXERCISES)
+    cells = {cell["id"]: cell for cell in all_cells(sources)}
+    assert len(asked) > 40
+    for name in asked:
+        assert "course.check" not in cells[f"{name}-answer"]["source"]
+        assert f"4 * bool(course.check_{name}(" in cells[f"{name}-test"]["source"]
+        assert cells[f"{name}-test"]["metadata"]["nbgrader"]["points"] == 4
 
 
-def test_a_copy_is_what_nbgrader_reads(handed):
-    schema = pytest.importorskip("nbgrader.nbgraderformat.v3")
-    nbformat = pytest.importorskip("nbformat")
-    for path in handed.iterdir():
-        notebook = nbformat.read(path, as_version=4)
-        nbformat.validate(notebook)
-        assert any("nbgrader" in cell.metadata for cell in notebook.cells)
-        schema.MetadataValidatorV3().validate_nb(notebook)
-
-
-def test_grade_ids_are_unique_and_so_are_cells(handed):
-    for path in handed.iterdir():
-        found = cells(path)
-        ids = [cell["id"] for cell in found]
-        graded = [c["metadata"]["nbgrader"] for c in found if "nbgrader" in c["metadata"]]
+def test_grade_ids_are_unique_and_so_are_cells(sources):
+    for book in sources.values():
+        ids = [cell["id"] for cell in book["cells"]]
+        graded = [c["metadata"]["nbgrader"] for c in book["cells"] if "nbgrader" in c["metadata"]]
         assert len(set(ids)) == len(ids)
         assert len({meta["grade_id"] for meta in graded}) == len(graded)
 
 
-def test_stubs_fail(handed):
-    """Catches an answer that comes with its solution."""
-    bodies = {"...", "return None  # yours", "None"}
-    for _, cell in all_cells(handed):
-        if cell["id"].endswith("-answer") and "def " in cell["source"]:
-            last = cell["source"].splitlines()[-1].partition("): ")[2] or cell["source"]
-            assert any(last.strip().startswith(b) or last.strip().endswith(b) for b in bodies)
+def test_stubs_are_no_solutions(sources):
+    """Catches a chapter that prints the answer in the cell for it."""
+    answers = [c["source"] for c in all_cells(sources) if c["id"].endswith("-answer")]
+    for text in answers:
+        stub, _, rest = text.partition("\n\n\n### BEGIN SOLUTION\n")
+        assert rest.endswith("\n### END SOLUTION")
+        stub = stub.partition("  # ")[0]
+        assert "def " not in stub or stub.endswith(("...", "None")), stub
 
 
-def test_links_lead_to_a_file_of_the_handout(tmp_path):
-    assert main(["handout", str(tmp_path / "two"), "--chapters", "34,54"]) == 0
+def test_links_lead_to_a_file_of_the_handout():
+    names = ["34_icp.ipynb", "54_fusion.ipynb"]
+    books = [read_chapter(path) for path in CHAPTERS if path.name in names]
+    both = zip(names, books, strict=True)
     text = "".join(
-        c["source"] for _, c in all_cells(tmp_path / "two") if c["cell_type"] == "markdown"
+        cell["source"]
+        for name, book in both
+        for cell in source_notebook(name, book, 1, names)["cells"]
+        if cell["cell_type"] == "markdown"
     )
-    targets = set(re.findall(r"\]\(([^)#\s]+)", text))
-    assert targets == {"34_icp.ipynb", "54_fusion.ipynb"} & targets
+    assert set(re.findall(r"\]\(([^)#\s]+)", text)) <= set(names)
     assert "not part of this handout" in text and "Ground truth" in text
 
 
-def test_what_is_wrong_is_said_at_the_door(tmp_path, capsys):
+# --------------------------------------------------------------------------- the command
+@pytest.fixture
+def refusing(tmp_path, monkeypatch):
+    """An nbgrader that refuses every assignment, and says why."""
+    package = tmp_path / "packages" / "nbgrader"
+    package.mkdir(parents=True)
+    (package / "__init__.py").touch()
+    (package / "__main__.py").write_text("import sys; sys.exit('no database here')")
+    monkeypatch.syspath_prepend(package.parent)
+    monkeypatch.setenv("PYTHONPATH", str(package.parent))
+
+
+def test_what_is_wrong_is_said_at_the_door(tmp_path, capsys, refusing, monkeypatch):
+    """Catches a folder of a lecturer that is written over, and a release that is missing."""
+
     def refused(*arguments):
-        assert main(["handout", *map(str, arguments)]) == 1
+        assert main(["handout", str(lab), "--chapters", "11", *map(str, arguments)]) == 1
         return capsys.readouterr().err
 
-    assert "no chapter has the number 99; there are 00, 01" in refused(
-        tmp_path / "a", "--chapters", "99"
-    )
-    assert not (tmp_path / "a").exists()
-    (tmp_path / "mine").mkdir()
-    for name in ("a", "b", "c", "thesis.txt"):
-        (tmp_path / "mine" / name).write_text("x")
-    assert "holds a, b, c already" in refused(tmp_path / "mine")
-    assert "is a file" in refused(tmp_path / "mine" / "thesis.txt")
-    (tmp_path / "b.instructor.json").write_text("{}")
-    assert "with the seed of a handout" in refused(tmp_path / "b", "--chapters", "34")
-    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+    lab = tmp_path / "robotics" / "lab1"
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "nbgrader", None)
+        assert "pip install nbgrader" in refused()
+    assert "no chapter has the number 99; there are 00, 01" in refused("--chapters", "99")
+    assert not lab.parent.exists()
+    for room in ("source", "release"):
+        (lab.parent / room / "lab1").mkdir(parents=True)
+        assert "is there already" in refused()
+        (lab.parent / room / "lab1").rmdir()
     for seed in ("-1", "x", "1.5"):
         with pytest.raises(SystemExit):
-            main(["handout", str(tmp_path / "c"), "--seed", seed])
-        assert "whole number from 0 on" in capsys.readouterr().err or seed == "-1"
+            main(["handout", str(lab), "--seed", seed])
+    assert not list(lab.parent.glob("*/lab1"))
+    said = refused("--otter")
+    assert "nbgrader made no release of lab1" in said and "no database here" in said
+    written = {path.relative_to(lab.parent).as_posix() for path in lab.parent.rglob("*.*")}
+    assert written == {
+        "nbgrader_config.py",
+        "source/lab1/11_scans_and_poses.ipynb",
+        "otter/lab1/11_scans_and_poses/compose.py",
+    }
 
 
-def test_a_definition_is_seen_and_nothing_else():
-    assert defines("x = 1\nmy_f: int = 3", "my_f") and defines("def my_f (x):", "my_f")
-    assert not defines("  my_f = 3", "my_f") and not defines("def my_fit(x):", "my_f")
-
-
-# ------------------------------------------------------------------ solutions
-
-
-def test_solutions_stand_between_the_marks_of_nbgrader(tmp_path):
-    assert main(["solutions", str(tmp_path / "source"), "--chapters", "13,34"]) == 0
-    (guess,) = (
-        cell["source"]
-        for cell in cells(tmp_path / "source" / "13_simulated_rooms" / "13_simulated_rooms.ipynb")
-        if cell["id"] == "predict_beams_on_wall-answer"
-    )
-    assert guess.endswith("### BEGIN SOLUTION\nmy_beams = 15  # beams\n### END SOLUTION")
-    path = tmp_path / "source" / "34_icp" / "34_icp.ipynb"
-    held = {cell["id"]: cell for cell in cells(path)}["move_onto_walls-answer"]
-    before, rest = held["source"].split("### BEGIN SOLUTION")
-    assert "def my_move_onto_walls(" in before and "..." in before
-    assert "my_move_onto_walls = " in rest.split("### END SOLUTION")[0] and "def " in rest
-    assert main(["solutions", str(tmp_path / "source")]) == 1
-
-
+# ----------------------------------------------------------------------------- solutions
 @pytest.mark.parametrize("name", OPEN_EXERCISES)
 def test_the_open_exercises_are_answered_too(name):
     """Catches an input that no longer fools the method, and a measured number that is not near."""
-    mine, source = solution(name)
-    exec(source, space := {})
-    made = [space[one] for one in mine.split(", ")]
-    assert OPEN_EXERCISES[name](made[0] if len(made) == 1 else tuple(made))
+    if name == "check_own_log":
+        pytest.skip("a log of one's own")
+    exec(solution(name, "mine"), space := {})
+    assert OPEN_EXERCISES[name](space["mine"])
+
+
+# --------------------------------------------------------------------------------- otter
+RIGHT = """
+def my_compose(a_from_b, b_from_c):
+    x, y, h = a_from_b
+    u, v, k = b_from_c
+    turned = np.cos(h) * u - np.sin(h) * v, np.sin(h) * u + np.cos(h) * v
+    return np.array([x + turned[0], y + turned[1], (h + k + np.pi) % (2 * np.pi) - np.pi])
+"""
+HEART = {
+    repr(case): course.check_compose.solution(*case).tolist()
+    for case in course.check_compose.cases.values()
+}
+
+
+@pytest.fixture(scope="module")
+def otter():
+    """Task -> its test, read as otter reads its OK format: without otter."""
+    tasks = [t for p in CHAPTERS if p.name[:2] in ("11", "13", "66")
+             for t in tasks_of(p.name, read_chapter(p))]  # fmt: skip
+    files = otter_tests(tasks, 4711)
+    assert {name.partition("/")[0] for name in files} == {t.chapter[:-6] for t in tasks}
+    found = {}
+    for name, text in files.items():
+        exec(text, space := {})
+        assert space["OK_FORMAT"]
+        found[name.partition("/")[2][:-3]] = space["test"]
+    assert set(found) == {task.name for task in tasks if not task.by_hand}
+    return found
+
+
+def points(test, source):
+    """What a test gives for a cell, and of how many points."""
+    exec(source, space := {"np": np})
+    cases = [case for suite in test["suites"] for case in suite["cases"]]
+    won = 0
+    for case in cases:
+        asked = doctest.DocTestParser().get_doctest(case["code"], dict(space), "case", None, 0)
+        said = []
+        failed = doctest.DocTestRunner(verbose=False).run(asked, out=said.append).failed
+        won += 0 if failed else case["points"]
+        assert not failed or "AssertionError: not yet: " in "".join(said)
+    return won, sum(case["points"] for case in cases)
+
+
+@pytest.mark.parametrize(
+    ("name", "source", "right"),
+    [
+        ("compose", RIGHT, True),
+        ("compose", "def my_compose(a, b):\n    return a + b", False),
+        ("compose", f"my_compose = lambda a, b: {HEART}.get(repr((a, b)), [0, 0, 0])", False),
+        ("predict_beams_on_wall", "my_beams = 15", True),
+        ("predict_beams_on_wall", "my_beams = None", False),
+    ],
+)
+def test_otter_gives_the_points_of_nbgrader(otter, name, source, right):
+    """Catches hidden cases that are not asked, and an answer by heart that passes."""
+    won, of = points(otter[name], source)
+    assert won == (of if right else 0) and of > 0

@@ -1,4 +1,4 @@
-"""Right answers with a bug that a rule puts in: what the grader lets pass is right all the same."""
+"""Right answers with a bug that a rule puts in: what passes the hidden cases is right as well."""
 
 import inspect
 from pathlib import Path
@@ -46,10 +46,9 @@ def test_a_bug_that_passes_is_none(name):
     many = dict(enumerate([*drawn, *others]))
 
     def right(function):
-        answers = zip(exercise.answers(function, many), many.items(), strict=True)
-        return np.array([bool(exercise.verdict([one], dict([case]))) for one, case in answers])
+        return np.array([bool(exercise(function, dict([case]))) for case in many.items()])
 
     sound, bugs = right(RIGHT[name]), list(with_bugs(name))
     assert len(bugs) > 1 and sound[: len(drawn)].all() and sound.mean() > 0.7
-    passed = [pair for pair in bugs if exercise.verdict(exercise.answers(pair[1], graded), graded)]
+    passed = [pair for pair in bugs if exercise(pair[1], graded)]
     assert [words for words, bug in passed if not right(bug)[sound].all()] == []

@@ -2,9 +2,8 @@
 
 To add one, write it in a file beside this one and import it in the course's `__init__.py`. Its task
 says how near a guess must be, or what input is admitted; a judge refuses other input by
-`raise ValueError(...)` and answers with the numbers that the method gave. Like an `Exercise`, all
-of them judge in two steps, so that a grader takes the verdict where no code of a student runs:
-`answers(...)` gives plain values, `verdict(answers)` the check; there are no hidden cases.
+`raise ValueError(...)` and answers with the numbers that the method gave. There
+are no hidden cases.
 """
 
 from __future__ import annotations
@@ -21,13 +20,12 @@ from segmap.readers import load
 from segmap.segments import length, point_distance
 from segmap.simulation import rectangular_room
 
-from ..._cells import lacking
 from .._answers import numbers, plain, type_name
 from .._exercise import Check
 
 
 class Open:
-    """What all open exercises share: their name, and a check in two steps."""
+    """What all open exercises share: a name."""
 
     task: str
 
@@ -38,23 +36,6 @@ class Open:
 
     def __repr__(self) -> str:
         return self.task
-
-    def hidden(self, seed: int) -> dict[str, tuple[Any, ...]]:
-        """No hidden cases: what the student gives is judged as it is."""
-        return {}
-
-    def __call__(self, given: Any) -> Check:
-        """Check what a student gives. Raises nothing."""
-        found = self.verdict(self.answers(given))
-        return self._check(said) if found and (said := lacking(self.name, given)) else found
-
-    def answers(self, given: Any, cases: Any = None) -> list[Any]:
-        """What is given, as plain values: one, or one for each part of a tuple."""
-        return [plain(part) for part in (given if isinstance(given, tuple) else (given,))]
-
-    def verdict(self, answers: Any, cases: Any = None) -> Check:
-        """Judge plain values."""
-        raise NotImplementedError
 
     def _check(self, hint: str, praise: str = "") -> Check:
         return Check(self.name, not hint, hint or praise)
@@ -86,13 +67,9 @@ class Prediction(Open):
     #: One sentence, shown with the true value.
     because: str = ""
 
-    def answers(self, given: Any, cases: Any = None) -> list[Any]:
-        """The guess as a plain value."""
-        return [plain(None if isinstance(given, bool) else given)]
-
-    def verdict(self, answers: Any, cases: Any = None) -> Check:
-        """Whether the number is near enough, and what is true."""
-        guess = _single(answers)
+    def __call__(self, guess: Any) -> Check:
+        """Whether the number is near enough, and what is true. Raises nothing."""
+        guess = None if isinstance(guess, bool) else _single(guess)
         if guess is None:
             return self._check(f"write your number first, in {self.unit}")
         true = float(self.measure())
@@ -114,10 +91,9 @@ class Prediction(Open):
         return " or ".join(near) or "the number itself"
 
 
-def _single(answers: Any) -> float | None:
-    """The one finite number of plain answers, else None."""
-    well = isinstance(answers, list | tuple) and len(answers) == 1
-    found = numbers(answers[0]) if well else None
+def _single(guess: Any) -> float | None:
+    """The one finite number of an answer, else None."""
+    found = numbers(guess)
     finite = found is not None and found.size == 1 and np.isfinite(found).all()
     return float(found.ravel()[0]) if found is not None and finite else None
 
@@ -144,8 +120,9 @@ class Challenge(Open):
     #: One sentence, shown when it is done: what this means for who uses the method.
     praise: str = ""
 
-    def verdict(self, answers: Any, cases: Any = None) -> Check:
-        """Whether these plain values fool the method."""
+    def __call__(self, given: Any) -> Check:
+        """Whether this input, or this tuple of several, fools the method. Raises nothing."""
+        answers = [plain(part) for part in (given if isinstance(given, tuple) else (given,))]
         if not answers or any(answer is None for answer in answers):
             return self._check(f"give your input first; the task is {self.task}")
         try:

@@ -39,19 +39,10 @@ class Decision(Open):
     #: How many are kept.
     keeps: int = 1
 
-    def answers(self, given: Any, cases: Any = None) -> list[Any]:
-        """The decision as plain pairs of words; what is not decided yet is left out."""
-        if not isinstance(given, dict):
-            return [None]
-        return [[[str(name), str(said)] for name, said in given.items() if said not in (None, ...)]]
-
-    def verdict(self, answers: Any, cases: Any = None) -> Check:
+    def __call__(self, decision: Any) -> Check:
         """Whether the right one is kept, and each other refused by what speaks against it."""
-        known = self.judge()
-        try:
-            given = {str(name): str(said) for name, said in answers[0]}
-        except (TypeError, ValueError, LookupError):
-            given = {}
+        known, pairs = self.judge(), decision.items() if isinstance(decision, dict) else ()
+        given = {str(name): str(said) for name, said in pairs if said not in (None, ...)}
         if not given:
             return self._check(f"decide first; the task is {self.task}")
         if set(given) != set(known):

@@ -40,31 +40,15 @@ class OwnLog(Open):
 
     def __call__(self, log: Any, poses: Any = None) -> Check:
         """Check a log, with its poses `(k, 3)` or an `Alignment`. Raises nothing."""
-        return self.verdict(self.answers((log, poses)))
-
-    def answers(self, given: Any, cases: Any = None) -> list[Any]:
-        """The facts about `(log, poses)` as plain values, or why there are none."""
-        log, poses = given if isinstance(given, tuple) and len(given) == 2 else (given, None)
         try:
-            return [facts(log, poses)]
+            found = facts(log, poses)
         except Exception as error:  # whatever a student gives, the check says what is wrong with it
-            return [{"refused": str(error) or type(error).__name__}]
-
-    def verdict(self, answers: Any, cases: Any = None) -> Check:
-        """Judge the facts."""
-        try:
-            found = dict(answers[0])
-            if "refused" in found:
-                return Check(self.name, False, str(found["refused"]))
-            told = (
-                f"{found['scans']:d} scans, {found['seconds']:.0f} s, {found['metres']:.1f} m "
-                f"driven, {found['walls']:d} walls of 1 m or more, {found['wall metres']:.0f} m "
-                "together"
-            )
-            short = [key for key, least in WANTED.items() if not found[key] >= least]
-        except (KeyError, IndexError, TypeError, ValueError) as error:
-            said = f"these are no facts about a log ({type(error).__name__})"
-            return Check(self.name, False, said)
+            return Check(self.name, False, str(error) or type(error).__name__)
+        told = (
+            f"{found['scans']:d} scans, {found['seconds']:.0f} s, {found['metres']:.1f} m driven, "
+            f"{found['walls']:d} walls of 1 m or more, {found['wall metres']:.0f} m together"
+        )
+        short = [key for key, least in WANTED.items() if not found[key] >= least]
         lacking = [f"at least {WANTED[key]:g} {key} are wanted" for key in short]
         return Check(self.name, not lacking, "; ".join([told, *lacking]))
 

@@ -12,13 +12,14 @@ import json
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from symtable import symtable
 from typing import Any, NamedTuple
 
 from segmap.files import chapters_folder
 
-from ... import EXERCISES, OPEN_EXERCISES
-from ...exercises import Exercise
-from ...exercises.open import OwnLog
+from .. import EXERCISES, OPEN_EXERCISES
+from ..exercises import Exercise
+from ..exercises.open import OwnLog
 
 Cell = dict[str, Any]
 Notebook = dict[str, Any]
@@ -123,29 +124,18 @@ def _cells_of(cells: list[Cell], name: str) -> list[int]:
 
 
 def defines(source: str, name: str) -> bool:
-    """Whether a source defines a function or a variable, without a look at what else it holds.
+    """Whether a source defines a function or a variable at its top.
 
     Examples
     --------
-    >>> defines("def my_f(x): ...", "my_f"), defines("my_guess = 3", "my_guess")
-    (True, True)
-    >>> defines("my_f = my_g = 3", "my_g"), defines("a, my_f = 3, 4", "my_f")
+    >>> defines("def my_f(x): ...", "my_f"), defines("a, my_f = my_g = 3, 4", "my_f")
     (True, True)
     >>> defines("print(my_f)", "my_f"), defines("my_f == 3", "my_f")
     (False, False)
     """
-    word = re.escape(name)
-    gap = "[ \\t]*"  # of one line: over several a long text would take minutes
-    before, after = rf"(?:\w+{gap},{gap})*", rf"(?:{gap},{gap}\w+)*"
-    assigned = rf"(?:\w[\w, \t]*=(?!=){gap})*{before}{word}{after}{gap}(?::[^=\n]+)?=(?!=)"
-    return bool(re.search(rf"^(?:def {word}\s*\(|{assigned})", source, re.M))
-
-
-def imports(notebook: Notebook) -> str:
-    """The imports at the top of all cells of a chapter, a statement a line."""
-    nodes = [node for _, tree in _trees(notebook["cells"]) for node in tree.body]
-    found = [ast.unparse(n) for n in nodes if isinstance(n, ast.Import | ast.ImportFrom)]
-    return "\n".join(dict.fromkeys(found))
+    return name in symtable(source, "cell", "exec").get_identifiers() and (
+        symtable(source, "cell", "exec").lookup(name).is_assigned()
+    )
 
 
 def parts(cell: Cell) -> tuple[str, str]:
@@ -162,41 +152,44 @@ def parts(cell: Cell) -> tuple[str, str]:
 
 # ------------------------------------------------------------------------- what that is worth
 class Task(NamedTuple):
-    """What a handout asks for: its column, its chapter, its names, its points, who grades it."""
+    """What a handout asks for: its name, its chapter, its points, the names of the answer.
+
+    A task without an answer is graded by hand. `given` is what the check is called with.
+    """
 
     name: str
     chapter: str
-    answers: tuple[str, ...]
     points: int
-    imports: str = ""
+    answers: tuple[str, ...] = ()
     given: str = ""
-    by_hand: bool = False
-    rubric: str = ""
-    stub: str = ""
+
+    @property
+    def by_hand(self) -> bool:
+        """Whether a person gives the points."""
+        return not self.answers
+
+    def calls(self, seed: int) -> list[str]:
+        """The check that students see, and that on the hidden cases of a seed, if it has some."""
+        if self.name not in EXERCISES:
+            return [f"course.{self.name}({self.given})"]
+        check = f"course.check_{self.name}"
+        return [f"{check}({self.given})", f"{check}({self.given}, {check}.hidden({seed}))"]
 
 
 def tasks_of(name: str, notebook: Notebook) -> list[Task]:
     """The tasks of a chapter, in their order: what is checked, and what is graded by hand."""
-    head, cells = imports(notebook), notebook["cells"]
-    found = []
+    cells, found = notebook["cells"], []
     for place in places(cells):
-        said, own = rubric(cells, place.written), column(place, name)
-        program, hand = worth(CHECKS[place.check], said)
-        if not isinstance(CHECKS[place.check], OwnLog):
-            stub, _ = parts(cells[place.written])
-            known = Task(own, name, place.answers, program, head, place.given, False, said, stub)
-            found.append((place.checked, known))
+        exercise, own = CHECKS[place.check], column(place, name)
+        program, hand = worth(exercise, text_above(cells, place.written))
+        if not isinstance(exercise, OwnLog):
+            found.append((place.checked, Task(own, name, program, place.answers, place.given)))
         if hand:
-            found.append((place.checked, _hand(f"{own}_by_hand", name, hand, said)))
+            found.append((place.checked, Task(f"{own}_by_hand", name, hand)))
     for index, cell in enumerate(cells):
         if points := by_hand(cell):
-            said = cell["source"]
-            found.append((index, _hand(f"by_hand_{name[:2]}_{index}", name, points, said)))
+            found.append((index, Task(f"by_hand_{name[:2]}_{index}", name, points)))
     return [task for _, task in sorted(found, key=lambda pair: pair[0])]
-
-
-def _hand(name: str, chapter: str, points: int, said: str) -> Task:
-    return Task(name, chapter, (), points, by_hand=True, rubric=said)
 
 
 def column(place: Place, chapter: str) -> str:
@@ -229,7 +222,7 @@ def worth(exercise: Any, said: str) -> tuple[int, int]:
     return int(stated.group(1)) if stated else POINTS, 0
 
 
-def rubric(cells: list[Cell], index: int) -> str:
+def text_above(cells: list[Cell], index: int) -> str:
     """The text above a cell: what is asked, and what earns how many points."""
     texts = [cell["source"] for cell in cells[:index] if cell["cell_type"] == "markdown"]
     return texts[-1] if texts else ""

@@ -1,4 +1,4 @@
-"""Inputs that fool the methods of the open exercises: for who teaches; a jail does not see them."""
+"""Inputs that fool the methods of the open exercises: for who teaches."""
 
 #: Open exercise -> an expression for its answer, after `import numpy as np`.
 INPUTS = {

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from pprint import pformat
 
-from ... import EXERCISES
 from ._tasks import Task
 
+HEAD = ">>> import segmap_course as course\n"
 FILE = '''\
 """The task {name} of {chapter}, with the seed of its hidden cases: for teachers alone."""
 
@@ -17,26 +17,22 @@ test = {test}
 '''
 
 
-def otter_tests(tasks: list[Task], seed: int) -> dict[str, bytes]:
+def otter_tests(tasks: list[Task], seed: int) -> dict[str, str]:
     """File -> its text, in a folder for each chapter: `11_scans_and_poses/compose.py`."""
     asked = [task for task in tasks if not task.by_hand]
-    return {f"{Path(t.chapter).stem}/{t.name}.py": otter_test(t, seed).encode() for t in asked}
+    return {f"{Path(t.chapter).stem}/{t.name}.py": otter_test(t, seed) for t in asked}
 
 
 def otter_test(task: Task, seed: int) -> str:
     """The test of a task in otter's OK format: all points are those of its last case."""
-    known = task.name in EXERCISES
-    check = f"course.check_{task.name}" if known else f"course.{task.name}"
-    lines = {False: f"found = {check}({task.given})"}
-    if known:
-        lines[True] = f"found = {check}({task.given}, {check}.hidden({seed}))"
+    shown = task.calls(seed)
     cases = [
         {
-            "code": f">>> import segmap_course as course\n>>> {line}\n>>> assert found, found",
-            "hidden": hidden,
-            "points": task.points if hidden == known else 0,
+            "code": f"{HEAD}>>> found = {call}\n>>> assert found, found",
+            "hidden": number > 0,
+            "points": task.points if call == shown[-1] else 0,
         }
-        for hidden, line in lines.items()
+        for number, call in enumerate(shown)
     ]
     suite = {"cases": cases, "scored": True, "setup": "", "teardown": "", "type": "doctest"}
     test = {"name": task.name, "points": None, "suites": [suite]}
