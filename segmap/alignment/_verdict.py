@@ -48,7 +48,8 @@ class Verdict:
     ----------
     grade
         "not a map" where fewer than two scans of several are placed, fewer than a quarter, no wall
-        is there, or none of ten scans and more is sure and half of them may be over 2 m off.
+        is there, what was matched leaves poses free, or none of ten scans and more is sure and half
+        of them may be over 2 m off.
         "doubtful" where less than nine tenths of the scans are placed, less than half of those are
         sure relative to those within 20 m, more than a quarter of the walls is doubled or a fifth
         of the quadtree smeared, nothing but the wheels places them, or a finding of the alignment
@@ -131,7 +132,7 @@ def judge(
     causes += (str(Cause.DOUBLED),) * any(bad for bad, _ in drawn)
     figures = placed, scans, sure, worst, doubled, causes, smeared
     for finding in found.causes:
-        if finding.cause is Cause.NOT_MERGED:
+        if finding.cause in (Cause.NOT_MERGED, Cause.LEFT_FREE):
             return Verdict("not a map", f"NOT A MAP: {finding.words}", *figures)
     if placed < min(2, scans) or placed < LEAST_PLACED_SHARE * scans or not scans:
         return Verdict("not a map", f"NOT A MAP: {told}", *figures)

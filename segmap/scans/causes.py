@@ -36,6 +36,7 @@ class Cause(StrEnum):
     VAGUE = "vague"
     OPEN_LOOPS = "open loops"
     NOT_SOLVED = "not solved"
+    LEFT_FREE = "pose left free"
     NOT_ORTHOGONAL = "not orthogonal"
     NO_WALLS = "no walls"
     NOT_MERGED = "not merged"

@@ -115,7 +115,8 @@ class Solver:
         must be tied to the first through edges. `lazily` keeps equations that have changed by less
         than `STALE_CHANGE`: the minimum is the same, the way to it may take a round more, and costs
         only what the new edges change. The newest pose is held then: stale equations would turn the
-        map to and fro about the first. Raises LinAlgError where information leaves a pose free.
+        map to and fro about the first. Where rounding leaves no factor, the bend of the loss is left
+        out; raises LinAlgError where the information leaves a pose free even so.
         """
         poses = before = poses.copy()
         n, edges = len(poses), self._known()
@@ -131,8 +132,14 @@ class Solver:
             if step.curved and now > loss * (1 + LOSS_ROUNDING) + LOSS_ROUNDING * len(self):
                 poses, step = before, Step(ALL, near=step.size / 4)
                 continue
-            # 2. The columns of the factor that these change
-            self._factorise(factor, edges)
+            # 2. The columns of the factor that these change; kept equations may hold a bend too
+            try:
+                self._factorise(factor, edges)
+            except np.linalg.LinAlgError:
+                if step.stale == ALL and not step.curved:
+                    raise
+                step = Step(ALL, near=0.0)
+                continue
             # 3. The step
             move = -gradient[factor.pose]
             substitute(factor, move)

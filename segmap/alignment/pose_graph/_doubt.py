@@ -41,26 +41,43 @@ TORN_RATIO = 80.0
 #: ... and by more than this, metres, is torn: 3 to 40 times and 0.95 m in right logs, 180 times and
 #: 2.2 m in wrong ones.
 TORN_M = 1.5
+#: Words of `Cause.LEFT_FREE`.
+LEFT_FREE = (
+    "the matches contradict each other so much that they leave poses free: are there scans of "
+    "two robots, or of corridors without odometry?"
+)
 
 
 def appraisal(
-    rows: Sequence[TrackedScan], poses: Array, places: Array, edges: Edge | None, converged: bool
+    rows: Sequence[TrackedScan],
+    poses: Array,
+    places: Array,
+    edges: Edge | None,
+    converged: bool,
+    fixed: bool,
 ) -> Appraisal:
     """How far each scan may be off, in the whole and relative to those near by, and the findings.
 
     Poses `(k, 3)` of the scans and `(n, 3)` of the key frames, metres and radians; the edges
-    between these are stacked, None where there are none; `converged` says whether they were solved.
+    between these are stacked, None where there are none; `converged` says whether they were solved,
+    `fixed` whether they fixed all poses: else nothing is known of any.
     """
     frame = np.array([row.frame for row in rows], np.int64)
     far, near, left = np.zeros(len(rows)), np.zeros(len(rows)), np.zeros(0)
     if edges is not None:
         weight = np.bincount(frame, minlength=len(places)).astype(float)
-        far, near = (found[frame] for found in place_deviations(places, edges, weight))
+        try:
+            far, near = (spread[frame] for spread in place_deviations(places, edges, weight))
+        except np.linalg.LinAlgError:
+            fixed = False
         left = deviations(places, edges)[edges.loop]
     told = [(row.along, row.overlap, row.scan.time) for row in rows]
     along, overlap, times = np.reshape(told, (-1, 3)).T
     far, near = np.hypot(far, along), np.hypot(near, along)
     causes = breaks(np.reshape([row.odometry for row in rows], (-1, 3)), poses, overlap, times)
+    if not fixed:
+        far = near = np.full(len(rows), np.inf)
+        causes.append(Finding(Cause.LEFT_FREE, len(places), LEFT_FREE, doubtful=True))
     causes += _findings([row.unmatched for row in rows], far, near, left, converged)
     return Appraisal(tuple(causes), far, near)
 
@@ -120,7 +137,7 @@ def _findings(
         add(Cause.NO_DISTANCE, loose, words)
     if apart := counts[Unmatched.UNTIED]:
         add(Cause.UNTIED, apart, f"no match ties {apart} of {count} scans to the rest")
-    if vague := int((far > SURE_M).sum()):
+    if np.isfinite(far).all() and (vague := int((far > SURE_M).sum())):
         words = f"{vague} of {count} scans may be more than {2 * SURE_M} m off, {_worst(far)}"
         close = int((near > SURE_M).sum())
         most = f"{close} of {count}, {_worst(near)}" if close else "none"

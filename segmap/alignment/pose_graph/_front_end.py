@@ -316,7 +316,7 @@ class FrontEnd(Undoable):
             for k in np.flatnonzero(untied(tied, frames.edges, matched)[frame] & used):
                 rows[k].unmatched, rows[k].reason = Unmatched.UNTIED, ""
         laid = [Laid(at, row.unmatched, row.reason) for row, at in zip(rows, poses, strict=True)]
-        appraise = partial(appraisal, rows, poses, frames.poses, edges, frames.converged)
+        appraise = partial(appraisal, rows, poses, frames.poses, edges, frames.converged, frames.fixed)
         return Outcome(laid, self.graph(rejected), appraise)
 
 

@@ -57,6 +57,7 @@ class KeyFrames(Undoable):
         self.spread = np.zeros(0)
         self.edges: list[Edge] = []
         self.converged = True  # whether the last `optimize` came to an end: the poses fit best
+        self.fixed = True  # whether the edges fixed all poses then; else it moved none
         self.least = least  # covariance that every match has at least
         self._solver = Solver()
         self._last: Edge | None = None  # of the edges that the solver has
@@ -103,7 +104,8 @@ class KeyFrames(Undoable):
     def optimize(self, *, lazily: bool = False) -> None:
         """Move the poses to where all edges fit best.
 
-        `lazily`, while the robot drives: only what new edges change is computed again.
+        `lazily`, while the robot drives: only what new edges change is computed again. Where the
+        edges leave a pose free but for rounding, all stay where they are.
         """
         if not self.edges:
             return
@@ -113,7 +115,11 @@ class KeyFrames(Undoable):
         if known < len(self.edges):
             self._solver.add(stacked(self.edges[known:]))
             self._last = self.edges[-1]
-        self.poses, self.converged, _ = self._solver.solve(self.poses, lazily=lazily)
+        try:
+            self.poses, self.converged, _ = self._solver.solve(self.poses, lazily=lazily)
+            self.fixed = True
+        except np.linalg.LinAlgError:
+            self.fixed = False
 
     def exchange(self, edges: list[Edge]) -> None:
         """Put other edges in the place of all: the next `optimize` begins anew."""

@@ -279,6 +279,15 @@ def test_a_pose_that_may_slide_along_a_wall_is_refused_at_every_angle():
             solver.solve(np.array([(0, 0, 0), (0.9, 0.2, 0.1)]))
 
 
+def test_a_pose_that_only_the_bend_of_the_loss_leaves_free_is_solved_for():
+    """Two edges that contradict each other, bent, weigh a tenth: beside a sure one, rounding."""
+    edges, aside = [(0, 1), (0, 1), (1, 2)], 0.95 * SCALE
+    motions, start = [(aside, 0, 0), (-aside, 0, 0), (0, 0, 0)], [(0, 0, 0), (0.01, 0, 0)]
+    known = np.array([1.0, 1.0, 2.0**49])[:, None, None] * np.eye(3)
+    solved = solve_graph([*start, start[1]], edges, motions, information=known)
+    np.testing.assert_allclose(solved, 0.0, atol=0.005)
+
+
 def test_key_frames_hand_edges_over_that_are_new_and_begin_anew_where_some_were_undone():
     """Catches a solver that still holds a loop that was taken out, or an edge of a scan undone."""
     start, edges = world(120)

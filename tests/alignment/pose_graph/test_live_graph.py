@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from segmap.alignment import LiveGraph, LoopClosing, pose_graph
+from segmap.scans.causes import Cause
 
 #: Once round a corridor: the loop closes two scans before the end.
 LOG = logs.loop_log(step=0.5)
@@ -58,6 +59,21 @@ def test_nothing_is_no_graph():
     assert graph.graph is None and graph.poses.shape == (0, 3) and len(graph.refine()) == 0
     with pytest.raises(ValueError, match="scan must be a LaserScan"):
         graph.add(LOG)
+
+
+def test_a_tie_that_cannot_be_is_no_map_until_it_is_vetoed():
+    """Catches an exception of the factorisation, which left poses free but for rounding."""
+    graph = LiveGraph()
+    graph.extend(LOG[:60])
+    before = graph.poses
+    graph.tie(5, 50, (1e6, 0.0, 0.0))
+    np.testing.assert_array_equal(graph.poses, before)
+    torn = graph.refine()
+    assert torn.verdict.grade == "not a map" and "leave poses free" in torn.verdict.words
+    assert Cause.LEFT_FREE in [finding.cause for finding in torn.causes] and not torn.sure.any()
+    graph.veto([0])
+    mended = graph.refine()
+    assert mended.verdict.grade == "good" and mended.sure.all()
 
 
 class Interrupted(KeyboardInterrupt):
