@@ -115,8 +115,8 @@ class Solver:
         must be tied to the first through edges. `lazily` keeps equations that have changed by less
         than `STALE_CHANGE`: the minimum is the same, the way to it may take a round more, and costs
         only what the new edges change. The newest pose is held then: stale equations would turn the
-        map to and fro about the first. Where rounding leaves no factor, the bend of the loss is left
-        out; raises LinAlgError where the information leaves a pose free even so.
+        map to and fro about the first. Where rounding leaves no factor, the bend of the loss is
+        left out; raises LinAlgError where the information leaves a pose free even so.
         """
         poses = before = poses.copy()
         n, edges = len(poses), self._known()

@@ -316,7 +316,8 @@ class FrontEnd(Undoable):
             for k in np.flatnonzero(untied(tied, frames.edges, matched)[frame] & used):
                 rows[k].unmatched, rows[k].reason = Unmatched.UNTIED, ""
         laid = [Laid(at, row.unmatched, row.reason) for row, at in zip(rows, poses, strict=True)]
-        appraise = partial(appraisal, rows, poses, frames.poses, edges, frames.converged, frames.fixed)
+        solved = frames.converged, frames.fixed
+        appraise = partial(appraisal, rows, poses, frames.poses, edges, *solved)
         return Outcome(laid, self.graph(rejected), appraise)
 
 

@@ -52,6 +52,28 @@ def test_intel():
 
 
 @pytest.mark.slow
+def test_two_robots_in_one_log_are_no_map():
+    """Both halves of Intel scan by scan, without odometry: about 90 s.
+
+    Catches a factorisation that the bend of the loss ends with an exception.
+    """
+    log = read(shared_file("data/intel.log.gz"))
+    half = len(log) // 2
+    pairs = zip(log[:half], log[half:], strict=True)
+    scans = [replace(scan, odometry=None) for pair in pairs for scan in pair]
+    assert pose_graph(Log("two robots", scans)).verdict.grade == "not a map"
+
+
+@pytest.mark.slow
+def test_killian_court_without_odometry_is_no_map():
+    """873 of 3873 scans are placed: about 30 s."""
+    pytest.importorskip("rtbdata")
+    log = load("killian")
+    found = pose_graph(Log("killian", [replace(scan, odometry=None) for scan in log]))
+    assert found.verdict.grade == "not a map" and found.used.sum() > 500
+
+
+@pytest.mark.slow
 def test_killian_court():
     """3 873 scans through 1.9 km of corridors, whose doors repeat: about 45 s.
 
