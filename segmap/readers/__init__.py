@@ -14,12 +14,12 @@ from ._segments import read_segments
 from ._session import Session, read_session
 from .bags import read_bag
 from .graphs import PoseGraph, read_graph
-from .packed import logs_in, read_text
+from .packed import read_text
 from .tables import first_rows, read_csv, read_trajectory, with_trajectories
 
 __all__ = [
     "HeadError", "LogError", "PoseGraph", "Session", "UnknownFormat", "data_file",
-    "first_rows", "format_of", "half_turn", "load", "logs_in", "read", "read_bag", "read_csv",
+    "first_rows", "format_of", "half_turn", "load", "read", "read_bag", "read_csv",
     "read_graph", "read_segments", "read_session", "read_text", "read_trajectory", "together",
     "with_trajectories",
 ]  # fmt: skip

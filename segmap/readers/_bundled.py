@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -14,19 +18,23 @@ DATA_FOLDERS = (PACKAGE.parent / "data", PACKAGE / "data")
 KILLIAN = "killian"
 
 
-def find(name: str) -> Path:
+@contextmanager
+def bundled(name: str) -> Iterator[Path]:
     """The file of a bundled log: `data/<name>/<name>.log.gz`."""
     if name == KILLIAN:
         other = find_spec("rtbdata")
         if other is None or not other.submodule_search_locations:
             raise ValueError("the log 'killian' is in another package: pip install rtb-data")
-        return Path(other.submodule_search_locations[0]) / "data" / "killian.g2o.zip"
+        archive = Path(other.submodule_search_locations[0]) / "data" / "killian.g2o.zip"
+        with zipfile.ZipFile(archive) as packed, tempfile.TemporaryDirectory() as folder:
+            yield Path(packed.extract("killian.g2o", folder))
+        return
     found = [path for place in reversed(DATA_FOLDERS) for path in place.glob("*/*.log.gz")]
     logs = {path.parent.name: path for path in found if path.name == f"{path.parent.name}.log.gz"}
     if not isinstance(name, str) or name not in logs:
         known = ", ".join(repr(known) for known in sorted(logs)) or "none"
         raise ValueError(f"name must be that of a bundled log ({known}), got {arrays.brief(name)}")
-    return logs[name]
+    yield logs[name]
 
 
 def data_file(name: str) -> Path:

@@ -2,42 +2,21 @@
 
 from __future__ import annotations
 
-import bz2
-import gzip
-import lzma
 import re
 import stat
-import zlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import IO, Any, Literal, TypeVar, cast
+from typing import IO, Literal, TypeVar
 
 import numpy as np
 
 from ..arrays import LIMIT, Array
-from ..files import LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO, shown
+from ..files import shown
 from ..progress import announce
 from ..scans import NOTHING_SKIPPED, Skipped
 
-#: First bytes of a file that gzip packed, ...
-GZIP = b"\x1f\x8b"
-#: ... of any packed file -> the function that opens it.
-PACKINGS: dict[bytes, Callable[[Path], Any]] = {
-    GZIP: gzip.open,
-    b"\xfd7zXZ\x00": lzma.open,
-    b"BZh": bz2.open,
-    b"\x28\xb5\x2f\xfd": lambda path: _zstd(path),
-}
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.
 MAX_LINE = 1 << 20
-#: What a damaged gzip file raises while it is read.
-BROKEN = (
-    EOFError,
-    gzip.BadGzipFile,
-    zlib.error,
-    lzma.LZMAError,
-    UnicodeDecodeError,
-)
 #: So many lines in a row hold nothing, or a comment: no log has a head of this length.
 MAX_EMPTY = 100_000
 #: How far the reading is, is told every so many lines.
@@ -161,86 +140,40 @@ class Lines(Reading):
             self.damaged(found)
 
     def __iter__(self) -> Iterator[list[str]]:
-        self.number = read = empty = 0
-        try:
-            size = self.path.stat().st_size
-            most = max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * size)
-            with open_bytes(self.path) as file:
-                while line := file.readline(MAX_LINE + 1):
-                    self.number, read = self.number + 1, read + len(line)
-                    if (
-                        self.number % LINES_PER_ANNOUNCEMENT == 0
-                    ):  # of a packed file its fileobj says how far it is
-                        at = getattr(file, "fileobj", file).tell()
-                        announce(min(at / max(size, 1), 1.0), f"reading line {self.number}")
-                    if len(line) > MAX_LINE:
-                        raise self.error(f"longer than {MAX_LINE} bytes, expected a line of a log")
-                    if read > most:
-                        raise self.error(
-                            f"unpacks to more than {most} bytes: unpack it, if it is a log"
-                        )
-                    text = line.decode("utf-8-sig", "replace").strip(STRIPPED)
-                    fields = text.split(self.separator)
-                    comment = bool(self.comments) and text.startswith(self.comments)
-                    if fields and not (comment or text.isspace() or not text):
-                        empty = 0
-                        yield fields
-                    elif (empty := empty + 1) > MAX_EMPTY:
-                        raise self.error(f"{MAX_EMPTY} lines in a row are empty, expected a log")
-        except LogError:
-            raise
-        except Exception as fault:
-            if not _is_broken(fault):
-                raise
-            self.damaged(self.error(f"the packed file is broken or cut short ({fault})"))
+        self.number = empty = 0
+        size = self.path.stat().st_size
+        with open_bytes(self.path) as file:
+            while line := file.readline(MAX_LINE + 1):
+                self.number += 1
+                if self.number % LINES_PER_ANNOUNCEMENT == 0:
+                    announce(min(file.tell() / max(size, 1), 1.0), f"reading line {self.number}")
+                if len(line) > MAX_LINE:
+                    raise self.error(f"longer than {MAX_LINE} bytes, expected a line of a log")
+                text = line.decode("utf-8-sig", "replace").strip(STRIPPED)
+                fields = text.split(self.separator)
+                comment = bool(self.comments) and text.startswith(self.comments)
+                if fields and not (comment or text.isspace() or not text):
+                    empty = 0
+                    yield fields
+                elif (empty := empty + 1) > MAX_EMPTY:
+                    raise self.error(f"{MAX_EMPTY} lines in a row are empty, expected a log")
 
     def held(self, most: int) -> bytes:
-        """At most so many bytes of a file that may have no lines, as far as they are whole."""
-        most = min(most, max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * self.path.stat().st_size))
-        held = bytearray()
-        try:
-            with open_bytes(self.path) as file:
-                while len(held) < most and (part := file.read(min(most, MAX_LINE))):
-                    held += part
-        except Exception as fault:
-            if not _is_broken(fault):
-                raise
-            self.damaged(self.error(f"the packed file is broken or cut short ({fault})"))
-        return bytes(held)
+        """At most so many bytes of a file that may have no lines."""
+        with open_bytes(self.path) as file:
+            return file.read(most)
 
 
 def stem(path: Path) -> str:
     """The name of a log: that of its file, without what tells its kind."""
-    return re.sub(r"\.(gz|xz|bz2|zst|zip)$", "", path.resolve().name).rsplit(".", 1)[0]
-
-
-def _is_broken(fault: Exception) -> bool:
-    """Whether bytes cannot be unpacked: an error of bz2 has no number, that of zstd no base."""
-    if isinstance(fault, OSError):
-        return fault.errno is None
-    return isinstance(fault, BROKEN) or type(fault).__name__ == "ZstdError"
+    return re.sub(r"\.(gz|xz|bz2)$", "", path.resolve().name).rsplit(".", 1)[0]
 
 
 def open_bytes(path: Path) -> IO[bytes]:
-    """Open a file for reading, unpacked where its first bytes say so."""
+    """Open a regular file for reading."""
     if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait for ever
         raise LogError(path, "is no regular file, expected a log")
-    with path.open("rb") as file:
-        front = file.read(max(map(len, PACKINGS)))
-    opener = next((open_ for magic, open_ in PACKINGS.items() if front.startswith(magic)), None)
-    return cast(IO[bytes], opener(path)) if opener else path.open("rb")
-
-
-def _zstd(path: Path) -> IO[bytes]:
-    """A file that zstd packed."""
-    try:
-        from compression import zstd  # type: ignore[import-not-found, unused-ignore]
-    except ImportError:
-        try:
-            from backports import zstd  # type: ignore[import-not-found, unused-ignore]
-        except ImportError:
-            raise LogError(path, "is packed by zstd: pip install backports.zstd") from None
-    return cast(IO[bytes], zstd.open(path, "rb"))
+    return path.open("rb")
 
 
 def merged_skipped(first: Skipped, second: Skipped) -> Skipped:

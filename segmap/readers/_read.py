@@ -11,7 +11,7 @@ from .. import arrays
 from ..arrays import brief, checked
 from ..progress import Progress
 from ..scans import Log
-from ._bundled import find
+from ._bundled import bundled
 from ._formats import recognise
 from ._lines import OnError, stem
 from .bags import kind_of, read_bag, recordings
@@ -26,7 +26,7 @@ def read(
     on_error: OnError = "raise",
     progress: Progress | None = None,
 ) -> Log:
-    """Read a log, whatever its format and packing: a file, a folder or one log of an archive.
+    """Read a log, whatever its format: a file, packed by gzip, bzip2 or xz or plain, or a folder.
 
     Beams that met nothing have range `inf`, those with an error of the sensor NaN: neither is
     valid. What the formats leave unsaid, and how it is read, stands in the file of each format.
@@ -128,4 +128,5 @@ def load(name: str) -> Log:
     >>> load("malaga")
     Log('malaga', 225 scans, odometry, truth for 99)
     """
-    return read(find(name))
+    with bundled(name) as path:
+        return read(path)

@@ -5,13 +5,11 @@ import os
 import random
 import time
 import tracemalloc
-import zipfile
 
 import pytest
-from conftest import shared_file, slow
+from conftest import slow
 from damage import BAGS, MUTANTS, SEED, TARGETS
 from log_samples import (
-    CARMEN,
     CORESLAM,
     CSV,
     DPSLAM,
@@ -137,49 +135,6 @@ def test_a_damaged_first_line_does_not_decide_the_format(path, first):
     assert len(log) == 2 and log.skipped.lines == 1
 
 
-def test_a_truncated_gzip_is_noticed_and_its_whole_lines_may_be_kept(path):
-    """A reader that stops quietly at the break loses the end of a log unseen; or a wrong sum."""
-    lines = [flaser((k, 0, 0), (0, 0, 0), k + 0.123) for k in range(1000)]
-    packed = bytearray(gzip.compress("\n".join(lines).encode()))
-    packed[-6] ^= 255
-    for data, said in ((packed, "packed file is broken"), (packed[:-1500], "broken or cut short")):
-        path.write_bytes(data)
-        with pytest.raises(LogError, match=said):
-            readers.read(path)
-    log = readers.read(path, on_error="skip")
-    assert 300 < len(log) < 1000 and "cut short" in log.skipped.reason
-
-
-def test_a_zip_holds_one_log(path):
-    with zipfile.ZipFile(path, "w") as packed:
-        packed.writestr("__MACOSX/._some.log", "junk")
-        packed.writestr("some.log", CARMEN)
-    log = readers.read(path, on_error="skip")
-    assert len(log) == 2 and not log.skipped
-
-
-def test_a_file_without_a_name_in_a_zip_is_a_file(path):
-    """Catches an IndexError of zipfile, which asks for the last letter of a name."""
-    with zipfile.ZipFile(path, "w") as packed, packed.open(zipfile.ZipInfo(""), "w") as member:
-        member.write(CARMEN.encode())
-    assert len(readers.read(path, on_error="skip")) == 2
-
-
-@pytest.mark.parametrize("method", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
-def test_damaged_zips(path, method):
-    """Catches the exceptions of each way to pack, at every byte of the file."""
-    with zipfile.ZipFile(path, "w", method) as file:
-        file.writestr("a.log", "FLASER 2 1 81.83 0 0 0 0 0 0\n" * 9)
-    whole = path.read_bytes()
-    for place in range(len(whole)):
-        path.write_bytes(whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :])
-        for on_error in ("raise", "skip"):
-            try:
-                readers.read(path, on_error=on_error)
-            except LogError as fault:
-                assert "some.log" in str(fault)
-
-
 # ------------------------------------------------------------------------------ bounds
 @pytest.mark.parametrize("start", [b"", b"FLASER 400000000 ", GOOD.encode() + b"\nFLASER 9 "])
 def test_endless_lines_are_refused_before_they_are_in_memory(path, start):
@@ -253,12 +208,3 @@ def test_nothing_but_log_errors_comes_out_of_damaged_files(name, times, tmp_path
             raise
     assert any(end.startswith("LogError") for end in ends)
     assert any(end.startswith("read") for end in ends) or name in ("npz", "segments.npz", "map.npz")
-
-
-@pytest.mark.parametrize("name", ["intel.log.gz", "urg04lx-exp1.dat.gz"])
-def test_real_logs_broken_anywhere_are_read_up_to_there(name, tmp_path):
-    whole = shared_file(f"data/{name}")
-    (tmp_path / "cut").write_bytes(whole.read_bytes()[: whole.stat().st_size // 5])
-    half = readers.read(tmp_path / "cut", on_error="skip")
-    count = {"intel.log.gz": 2672, "urg04lx-exp1.dat.gz": 756}[name]
-    assert half.skipped.lines == 1 and 0.1 * count < len(half) < 0.3 * count

@@ -21,7 +21,6 @@ from ...readers import (
     LogError,
     UnknownFormat,
     format_of,
-    logs_in,
     read_session,
     together,
 )
@@ -199,7 +198,7 @@ def sources(text: str) -> Iterator[str]:
     """The logs that an argument names: itself, or those below a folder that is no log itself."""
     folder = Path(text)
     if not folder.is_dir() or is_log(folder):
-        yield from logs_in(folder) if folder.is_file() else [text]
+        yield text
         return
     inside = list(below(folder))
     found = [path for path in inside if is_log(path)]
@@ -207,7 +206,7 @@ def sources(text: str) -> Iterator[str]:
         more = f" and {len(rest) - NAMED} more" if len(rest) > NAMED else ""
         names = f"{', '.join(map(shown, rest[:NAMED]))}{more}"
         print_error(f"{shown(folder)}: left out, since no log: {names}")
-    yield from (log for path in found or [folder] for log in logs_in(path))
+    yield from map(str, found or [folder])
 
 
 def below(folder: Path) -> Iterator[Path]:

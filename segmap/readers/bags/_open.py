@@ -190,4 +190,4 @@ def damage(path: Path) -> Iterator[None]:
 
 
 def _fault_text(fault: Exception) -> str:
-    return f"{type(fault).__name__}: {str(fault)[:300]}"
+    return str(fault)[:300] or type(fault).__name__

@@ -1,6 +1,6 @@
-"""Packed files, archives and encodings, understood once: readers get plain files."""
+"""Packed files and encodings, understood once: readers get plain files."""
 
 from ._budget import Budget
-from ._plain import log_file, logs_in, read_text
+from ._plain import log_file, read_text
 
-__all__ = ["Budget", "log_file", "logs_in", "read_text"]
+__all__ = ["Budget", "log_file", "read_text"]
