@@ -70,7 +70,7 @@ def log_file(path: str | Path, *, folders: bool = False) -> Iterator[Path]:
             what = "a log file or a folder of one" if folders else "a file"
             raise LogError(place, f"{reason}, expected {what}")
         with tempfile.TemporaryDirectory(prefix="segmap-") as folder:
-            plain = place if place.is_dir() else _plain(place, Path(folder))
+            plain = place if place.is_dir() else _unpacked(place, Path(folder))
             try:
                 yield plain
             except LogError as fault:
@@ -106,7 +106,7 @@ def read_text(path: str | Path) -> str:
             raise LogError(place, f"expected text in UTF-8 ({fault})") from fault
 
 
-def _plain(path: Path, folder: Path) -> Path:
+def _unpacked(path: Path, folder: Path) -> Path:
     """The plain file, below `folder`; `path` itself where it is plain."""
     front = _front(path)
     unpack = next((open_ for magic, open_ in PACKINGS.items() if front.startswith(magic)), None)
