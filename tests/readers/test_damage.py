@@ -142,7 +142,7 @@ def test_endless_lines_are_refused_before_they_are_in_memory(path, start):
     path.write_bytes(gzip.compress(start) + 200 * gzip.compress(b"1 " * 500_000))
     tracemalloc.start()
     for on_error in ("raise", "skip"):
-        with pytest.raises(LogError, match="longer than 1048576 bytes"):
+        with pytest.raises(LogError, match=r"longer than 1048576 bytes|unpacks to more than"):
             readers.read(path, on_error=on_error)
     assert tracemalloc.get_traced_memory()[1] < 20e6
     tracemalloc.stop()
