@@ -1,215 +1,27 @@
 """What only the chapters need: exercises, lesson panels and drawings, and the theses' results.
 
-`check_<name>(my_<name>)` compares a function with the library's and answers with a hint.
+`check_<name>(my_<name>)` compares a function with the library's and answers with a hint. All names
+load together when the first is asked for, so that `literal` alone needs neither panel nor drawing.
 """
 
-from __future__ import annotations
+import importlib
+from typing import TYPE_CHECKING, Any
 
-from . import drawings, panels
-from ._conclusions import conclusions, density, filter_change
-from ._explore import Explored, drive_to_frontiers, explore, floor_of
-from ._found_lines import (
-    LINE_FINDERS,
-    LINE_SENSORS,
-    View,
-    near_metres,
-    office_views,
-    precision_and_recall,
-    visible_walls,
-)
-from ._judged import FOUR_WAYS, Weighed, four_matches, ten_maps
-from ._known_buildings import Known, known_building
-from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
-from ._matcher_trials import (
-    Trial,
-    corridor_walk,
-    load_columns,
-    load_trials,
-    room_walk,
-    room_walls,
-    trial_table,
-    try_pair,
-    write_trials,
-)
-from ._storage import (
-    Representation,
-    compare_with_walls,
-    occupied_centres,
-    represent,
-    sample_points,
-    wall_errors,
-)
-from ._thesis import (
-    THESIS_FILTERS,
-    THESIS_GRIDS,
-    alignment_table,
-    thesis_grid,
-    thesis_results,
-    within_thesis,
-)
-from ._unknown_building import (
-    Taped,
-    Unknown,
-    circle_in,
-    figures,
-    plan_reasons,
-    reasons,
-    three_plans,
-    unknown_building,
-)
-from .drawings import *
-from .exercises import Check, Exercise
-from .exercises.alignment import (
-    check_flatness,
-    check_least_translation,
-    check_match_value,
-    check_move_onto_walls,
-)
-from .exercises.basic import check_hough, check_matches, check_merged
-from .exercises.lines import (
-    check_axial_mean,
-    check_farthest_point,
-    check_fit_line,
-    check_ransac_trials,
-)
-from .exercises.maps import (
-    check_best_run,
-    check_mean_wall_error,
-    check_missed_metres,
-    check_quality,
-    check_reduction_at,
-    check_reduction_rate,
-)
-from .exercises.matching import (
-    check_climb_step,
-    check_nees,
-    check_resampled,
-    check_scan_score,
-    check_tape_scale,
-    check_weighed,
-)
-from .exercises.mechanisms import (
-    check_building_axis,
-    check_far_ends,
-    check_laplacian,
-    check_look_noise,
-    check_mean_line,
-    check_pose_cost,
-    check_rooms_left,
-)
-from .exercises.open import Challenge, Decision, OwnLog, Prediction
-from .exercises.open.alignment import (
-    break_icp,
-    break_loss,
-    break_quality,
-    break_sum,
-    predict_scan_time,
-    predict_sparse_icp,
-    predict_turned_quality,
-)
-from .exercises.open.decision import decide_map, decide_plan
-from .exercises.open.judgement import (
-    decide_claims,
-    decide_floor,
-    decide_match,
-    decide_way,
-    predict_bend,
-    predict_crowd,
-    predict_partition,
-    predict_survivors,
-    predict_wrong_turn,
-)
-from .exercises.open.own_log import check_own_log
-from .exercises.open.quadtree import break_cells, break_matching, predict_coarse_leaves
-from .exercises.open.reduction import (
-    break_basic_order,
-    break_fusion,
-    break_viewing_sector,
-    predict_fusion_left,
-    predict_fusion_twice,
-)
-from .exercises.open.scans import (
-    break_line,
-    break_reader,
-    predict_beams_on_wall,
-    predict_drift,
-    predict_pieces,
-)
-from .exercises.poses import (
-    check_carried,
-    check_carried_beam,
-    check_compose,
-    check_edge_error,
-    check_heading_between,
-    check_loop_rest,
-)
-from .exercises.quadtree import (
-    check_cell_of,
-    check_frontier_cells,
-    check_grown,
-    check_occupancy,
-    check_pixel,
-    check_ray_cells,
-)
-from .exercises.sensor import (
-    check_beam_angles,
-    check_cast_ray,
-    check_distances,
-    check_unwrapped,
-)
-from .exercises.strips import check_best_shift, check_mean_shift_step
-from .exercises.surveyed import (
-    check_growth_power,
-    check_invented_metres,
-    check_memberships,
-    check_pose_covariance,
-    check_verdict,
-)
-from .panels import *
+if TYPE_CHECKING:
+    from ._names import *
 
-__all__ = [
-    "EXERCISES", "FOUR_WAYS", "LINE_FINDERS", "LINE_SENSORS", "OPEN_EXERCISES", "THESIS_FILTERS",
-    "THESIS_GRIDS", "Challenge", "Check", "Decision", "Exercise", "Explored", "Known", "Landscape",
-    "OwnLog", "Prediction", "Representation", "Taped", "Trial", "Unknown", "View", "Weighed",
-    "alignment_table", "break_basic_order", "break_cells", "break_fusion", "break_icp",
-    "break_line", "break_loss", "break_matching", "break_quality", "break_reader", "break_sum",
-    "break_viewing_sector", "check_axial_mean", "check_beam_angles", "check_best_run",
-    "check_best_shift", "check_building_axis", "check_carried", "check_carried_beam",
-    "check_cast_ray", "check_cell_of", "check_climb_step", "check_compose", "check_distances",
-    "check_edge_error", "check_far_ends", "check_farthest_point", "check_fit_line",
-    "check_flatness", "check_frontier_cells", "check_grown", "check_growth_power",
-    "check_heading_between", "check_hough", "check_invented_metres", "check_laplacian",
-    "check_least_translation", "check_look_noise", "check_loop_rest", "check_match_value",
-    "check_matches", "check_mean_line", "check_mean_shift_step", "check_mean_wall_error",
-    "check_memberships", "check_merged", "check_missed_metres", "check_move_onto_walls",
-    "check_nees", "check_occupancy", "check_own_log", "check_pixel", "check_pose_cost",
-    "check_pose_covariance", "check_quality", "check_ransac_trials", "check_ray_cells",
-    "check_reduction_at", "check_reduction_rate", "check_resampled", "check_rooms_left",
-    "check_scan_score", "check_tape_scale", "check_unwrapped", "check_verdict", "check_weighed",
-    "circle_in", "compare_with_walls", "conclusions", "corridor_walk", "decide_claims",
-    "decide_floor", "decide_map", "decide_match", "decide_plan", "decide_way", "density",
-    "drawings", "drive_to_frontiers", "explore", "figures", "filter_change", "floor_of",
-    "four_matches", "heading_profile", "known_building", "landscape", "load_columns", "load_trials",
-    "near_metres", "occupied_centres", "office_views", "panels", "peaks", "plan_reasons",
-    "precision_and_recall", "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves",
-    "predict_crowd", "predict_drift", "predict_fusion_left", "predict_fusion_twice",
-    "predict_partition", "predict_pieces", "predict_scan_time", "predict_sparse_icp",
-    "predict_survivors", "predict_turned_quality", "predict_wrong_turn", "profile_peaks", "reasons",
-    "represent", "room_walk", "room_walls", "sample_points", "ten_maps", "thesis_grid",
-    "thesis_results", "three_plans", "trial_table", "try_pair", "unknown_building", "visible_walls",
-    "wall_errors", "within_thesis", "write_trials",
-]  # fmt: skip
-__all__ += drawings.__all__
-__all__ += panels.__all__
+#: What `from segmap_course import ...` loads by itself.
+_PACKAGES = "drawings", "exercises", "grading", "literal", "panels"
 
-#: Name of each exercise -> its check.
-EXERCISES: dict[str, Exercise] = {
-    found.name: found for found in list(globals().values()) if isinstance(found, Exercise)
-}
 
-#: Name of each open exercise -> its judge: predict and test, break it, decide, a log of one's own.
-OPEN_EXERCISES: dict[str, Prediction | Challenge | Decision | OwnLog] = {
-    found.name: found
-    for found in list(globals().values())
-    if isinstance(found, Prediction | Challenge | Decision | OwnLog)
-}
+def __getattr__(name: str) -> Any:
+    """A package, or one of all names; `__all__` too."""
+    if name in _PACKAGES:
+        return importlib.import_module(f"{__name__}.{name}")
+    if name.startswith("_") and name != "__all__":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}._names"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__getattr__("__all__"))

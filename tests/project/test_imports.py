@@ -140,14 +140,28 @@ def python(code: str, *options: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+def loaded_by(name):
+    """The modules that an import loads."""
+    new = "(m for m in {*sys.modules} - before if hasattr(sys.modules[m], '__file__'))"
+    loaded = python(f"import sys; before = {{*sys.modules}}; import {name}; print(*{new})")
+    return loaded.stdout.split()
+
+
 @pytest.mark.parametrize("name", ["segmap", "segmap.simulation", "segmap.readers"])
 def test_import_is_light(name):
     """Catches an import at the top of a file that belongs into a function."""
-    new = "(m for m in {*sys.modules} - before if hasattr(sys.modules[m], '__file__'))"
-    loaded = python(f"import sys; before = {{*sys.modules}}; import {name}; print(*{new})")
-    loaded = loaded.stdout.split()
+    loaded = loaded_by(name)
     assert {m.split(".")[0] for m in loaded} - sys.stdlib_module_names == MAY_BE_LOADED
     assert [m for m in loaded if m.startswith("numpy.ma.")] == []
+
+
+def test_the_literal_methods_load_alone():
+    """Catches a panel, drawing or exercise behind the oracle of 24 test files."""
+    loaded = loaded_by("segmap_course.literal")
+    packages = {m.split(".")[0] for m in loaded} - sys.stdlib_module_names
+    assert packages == {*MAY_BE_LOADED, "segmap_course"}
+    course = [m for m in loaded if m.startswith("segmap_course.")]
+    assert course and all(m.startswith("segmap_course.literal") for m in course)
 
 
 def test_a_notebook_draws_though_only_segmap_was_imported():
@@ -184,7 +198,11 @@ def exported(path):
 
 @pytest.mark.parametrize(
     "path",
-    [p for p in SOURCES if p.name == "__init__.py" and exported(p) and p.parent != PACKAGES[0]],
+    [
+        p
+        for p in SOURCES
+        if p.name in ("__init__.py", "_names.py") and exported(p) and p.parent != PACKAGES[0]
+    ],
     ids=lambda path: ".".join(path.parts[-3:-1]),
 )
 def test_a_room_says_what_it_exports(path):
