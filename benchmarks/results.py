@@ -126,7 +126,7 @@ def compare(before: str, after: str) -> int:
             else f"only in {before if name in one else after}"
             for name in names
         }
-    far = {name: fault for name, fault in faults.items() if fault and not fault.startswith("within")}
+    far = [name for name, fault in faults.items() if fault and not fault.startswith("within")]
     for name, fault in faults.items():
         if fault:
             print(f"{name}: {fault}")

@@ -53,7 +53,7 @@ def test_intel():
 
 @pytest.mark.slow
 def test_two_robots_in_one_log_are_no_map():
-    """Both halves of Intel scan by scan, without odometry: about 90 s.
+    """Both halves of Intel scan by scan, without odometry: about 200 CPU s.
 
     Catches a factorisation that the bend of the loss ends with an exception.
     """
