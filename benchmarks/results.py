@@ -101,39 +101,36 @@ def matched(log: Log, tree: quadtree.QuadtreeMap) -> Named:
     yield "localize", np.array([belief.pose for belief in beliefs])
 
 
-def difference(one: Any, other: Any) -> str:
-    """Why two results are not equal to the last bit; empty where they are."""
+def difference(one: Any, other: Any) -> float:
+    """How far two results are apart at most; `inf` where they are no arrays of one kind."""
     if one.shape != other.shape:
-        return f"shape {one.shape}, {other.shape}"
+        return np.inf
     if np.array_equal(one, other, equal_nan=one.dtype.kind == "f"):
-        return ""
+        return 0.0
     if one.dtype.kind not in "fiub":
-        return f"{one} | {other}"
+        return np.inf
     finite = np.isfinite(one) & np.isfinite(other)
     if not np.array_equal(one[~finite], other[~finite], equal_nan=True):
-        return "not the same values are finite"
-    most = float(np.abs(one[finite].astype(float) - other[finite].astype(float)).max(initial=0.0))
-    return f"{'within' if most <= ROUNDING else 'by'} {most:.2g}"
+        return np.inf
+    return float(np.abs(one[finite].astype(float) - other[finite].astype(float)).max())
 
 
 def compare(before: str, after: str) -> int:
     """Print what differs, and how many results are equal; 1 where one differs by over 1e-12."""
     with np.load(before) as one, np.load(after) as other:
-        names = sorted({*one, *other})
-        faults = {
-            name: difference(one[name], other[name])
-            if name in one and name in other
-            else f"only in {before if name in one else after}"
-            for name in names
+        both = set(one) & set(other)
+        apart = {
+            name: difference(one[name], other[name]) if name in both else np.inf
+            for name in sorted({*one, *other})
         }
-    far = [name for name, fault in faults.items() if fault and not fault.startswith("within")]
-    for name, fault in faults.items():
-        if fault:
-            print(f"{name}: {fault}")
-    equal = sum(not fault for fault in faults.values())
-    near = len(faults) - equal - len(far)
-    print(f"{equal} of {len(faults)} equal to the last bit, {near} within 1e-12, {len(far)} differ")
-    return int(bool(far))
+    for name, most in apart.items():
+        if most:
+            print(f"{name}: {'within' if most <= ROUNDING else 'differs by'} {most:.2g}")
+    equal = sum(most == 0 for most in apart.values())
+    far = sum(most > ROUNDING for most in apart.values())
+    near = len(apart) - equal - far
+    print(f"{equal} of {len(apart)} equal to the last bit, {near} within {ROUNDING}, {far} differ")
+    return int(far > 0)
 
 
 def store(path: str) -> int:
