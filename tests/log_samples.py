@@ -4,6 +4,7 @@ Each recording is of the same room: five beams, two scans, the robot 1 m farther
 """
 
 import io
+import json
 
 import numpy as np
 
@@ -60,7 +61,7 @@ G2O = text(
     "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1"
     for k in range(2)
 )
-HOKUYO = text(f"{1000 + k} {0.01 * (k - 10):.4f}" for k in range(20)) + "0 0.11\n7 0.12\n"
+HOKUYO = text(f"{1000 + k % 7} {0.01 * (k - 10):.4f}" for k in range(20)) + "0 0.11\n7 0.12\n"
 CORESLAM = text(
     f"{212387282 + 98000 * k} 14710 {29221 + 40 * k} {25178 + 50 * k} " + "0 " * 20 + "1500 " * 683
     for k in range(3)
@@ -150,19 +151,14 @@ XV11 = text(
         "ROTATION_SPEED,5.01",
     ]
 )
-ECHO = text(
-    line
-    for time in TIMES
-    for line in [
-        *("header:", "  stamp:", f"    sec: {time:.0f}", "    nanosec: 250000000"),
-        *("angle_min: -1.5708", "angle_increment: 0.7854", "range_max: 80.0", "ranges:"),
-        *(f"- {r}" for r in RANGES.split()),
-        "---",
-    ]
-)
-WIDE = text(
-    ["time_s;-90;-45;0;45;90;135", *(f"{t};1.5;2;2.5;inf;3.0;".replace(".", ",") for t in TIMES)]
-)
+CSM = text(
+    json.dumps({
+        "nrays": 5, "theta": np.radians([-90, -45, 0, 45, 90]).tolist(), "valid": [1, 1, 1, 0, 1],
+        "readings": [1.5, 2.0, 2.5, None, 3.0], "odometry": odometry, "true_pose": truth,
+        "timestamp": [int(when), 250_000],
+    })
+    for when, odometry, truth in zip(TIMES, ODOMETRY, TRUTH, strict=True)
+)  # fmt: skip
 #: Every format that is a single file.
 SINGLE_FILES = {
     "carmen": CARMEN,
@@ -180,8 +176,7 @@ SINGLE_FILES = {
     "rostopic": ROSTOPIC,
     "ld19": LD19,
     "xv11": XV11,
-    "echo": ECHO,
-    "wide": WIDE,
+    "csm": CSM,
     "sick": SICK,
     "hokuyo_csv": HOKUYO_CSV,
 }
@@ -207,14 +202,13 @@ ASSUMED = {
     "gmapping": {FIVE, CENTRE, SICK_REACH.format(50)},
     "dpslam": {FIVE, CENTRE, SICK_REACH.format(8.18)},
     "wean": {"180 beams look over 180 degrees", SICK_REACH.format(50)},
-    "csv": {COUNTER, WRAPS},
-    "rplidar": {WRAPS},
-    "rplidar_record": set(),
-    "rostopic": {CENTRE},
-    "ld19": {WRAPS},
-    "xv11": {COUNTER},
-    "echo": {CENTRE},
-    "wide": {"the head holds degrees, counter-clockwise", "ranges are in metres"},
+    "csv": {COUNTER, WRAPS, "left out: 'quality'"},
+    "rplidar": {"a text of ultra_simple"},
+    "rplidar_record": {"a text of record_measurments"},
+    "rostopic": set(),
+    "ld19": {WRAPS, "a text of LD06 and LD19"},
+    "xv11": {COUNTER, WRAPS, "a text of GetLDSScan"},
+    "csm": {CENTRE},
     "sick": {SICK_REACH.format(50)},
     "hokuyo_csv": {URG},
 }

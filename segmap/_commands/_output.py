@@ -124,10 +124,10 @@ def print_error(text: str) -> None:
 
 
 def reason(error: BaseException) -> str:
-    """Why something failed, in one line; for what is no log also what to do, as it stands."""
-    if isinstance(error, UnknownFormat):
+    """Why something failed, in one line; of what is no log, or asks, also what to do."""
+    if isinstance(error, UnknownFormat | HeadError):
         return str(error)
-    if isinstance(error, LogError) and error.line and not isinstance(error, HeadError):
+    if isinstance(error, LogError) and error.line:
         return f"{error} (--skip leaves damaged lines out)"
     if isinstance(error, OSError) and error.strerror:
         return f"{shown(error.filename)}: {error.strerror}" if error.filename else error.strerror

@@ -15,11 +15,18 @@ from ._session import Session, read_session
 from .bags import read_bag
 from .graphs import PoseGraph, read_graph
 from .packed import read_text
-from .tables import first_rows, read_csv, read_trajectory, with_trajectories
+from .tables import (
+    ColumnChoices,
+    column_choices,
+    read_csv,
+    read_trajectory,
+    with_trajectories,
+)
 
 __all__ = [
-    "HeadError", "LogError", "PoseGraph", "Session", "UnknownFormat", "data_file",
-    "first_rows", "format_of", "half_turn", "load", "read", "read_bag", "read_csv",
-    "read_graph", "read_segments", "read_session", "read_text", "read_trajectory", "together",
+    "ColumnChoices", "HeadError", "LogError", "PoseGraph", "Session", "UnknownFormat",
+    "column_choices", "data_file", "format_of", "half_turn", "load", "read", "read_bag",
+    "read_csv", "read_graph", "read_segments", "read_session", "read_text", "read_trajectory",
+    "together",
     "with_trajectories",
 ]  # fmt: skip

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from . import bags, tables
 from ._lines import Lines, UnknownFormat
+from ._others import other_file, other_text, worded_numbers
 from ._text import Binary, TextFormat
 from .carmen import CARMEN_FORMATS
 from .graphs import GRAPH_FORMATS
 from .tables import TABLE_FORMATS
 
 #: These are asked first, in this order.
-BINARY_FORMATS: tuple[Binary, ...] = (bags.BAG, *tables.ARRAY_FILES)
+BINARY_FORMATS: tuple[Binary, ...] = (bags.BAG, tables.ARRAYS)
 FOLDER_FORMATS: tuple[Binary, ...] = (bags.BAG, *tables.TABLE_FOLDERS)
 TEXT_FORMATS: tuple[type[TextFormat], ...] = (*CARMEN_FORMATS, *GRAPH_FORMATS, *TABLE_FORMATS)
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
@@ -26,52 +27,31 @@ SHAPE_SHARE = 0.5
 #: Names of all formats of single files.
 NAMES_OF_FORMATS = (
     *(form.name for form in TEXT_FORMATS),
-    *(form.name for form in (*BINARY_FORMATS, *tables.HEADED_FILES)),
+    *(form.name for form in (*BINARY_FORMATS, *tables.STATED_FILES)),
 )
 #: What a user writes whose data are in none of the formats.
 WHAT_TO_DO = f"""\
 Known formats: {", ".join(NAMES_OF_FORMATS)}.
-Tables are CSV, of RPLidar, LD19, XV-11 and others: --columns angle_deg,range_mm names the \
-columns, segmap.readers.read_csv in Python.
+Tables say what their columns are: a head such as angle_deg,range_mm, a file NAME.toml beside \
+them, --columns or segmap.readers.read_csv.
 Measurements in arrays (metres, radians, seconds) become a log by three lines:
     import segmap
     scans = [segmap.LaserScan(ranges, angles, time=t) for t, ranges in measured]
     log = segmap.Log("mine", scans)"""
 
 
-#: First bytes of files that others read -> what they are, and what makes a table of them.
-OTHER_FILES = {
-    b"MATLAB 5.0": "of MATLAB: numpy.savez('it.npz', **scipy.io.loadmat(path, squeeze_me=True)) "
-    "keeps its arrays, of which `ranges` and `angles` make a log",
-    b"MATLAB 7.3": "of MATLAB 7.3: save it there with '-v7', which scipy.io.loadmat reads",
-    b"%PDF-": "of PDF, a document: what it shows of a log is no log",
-    b"PAR1": "of Parquet: pandas.read_parquet(path).to_csv('it.csv', index=False) makes a table",
-    b"\x89HDF\r\n": "of HDF5: numpy.savez('it.npz', **{k: v[()] for k, v in "
-    "h5py.File(path).items()}) keeps its arrays, of which `ranges` and `angles` make a log; "
-    "pandas.read_hdf reads what pandas wrote",
-    b"\xd4\xc3\xb2\xa1": "of packets of a network: the sensor's own program makes scans of them",
-    b"\n\r\r\n": "of packets of a network: the sensor's own program makes scans of them",
-    b"\xed\xa1\xda\x01": "of events of LCM: lcm.EventLog gives its messages",
-    b"\xdb\x01\xf5[{\x1f\x1d{": "of Cartographer: the bag that it was made of holds the scans, "
-    "cartographer_pbstream_to_ros_map writes its map",
-    b"\x80\x04\x95": "of Python, pickled, which may run anything: numpy.savez writes arrays",
-}
-
-
 def recognise(path: Path) -> Binary | type[TextFormat]:
     """The format of a file or folder, by what speaks for it.
 
     That is the first bytes or what lies in a folder; then the words with which lines begin; then a
-    head that names columns; then the shape of most of the first lines; and only then a guess from
-    what their numbers are.
+    head that names columns; then the shape of most of the first lines. What a table does not say is
+    asked for.
     """
     for form in FOLDER_FORMATS if path.is_dir() else BINARY_FORMATS:
         if form.claims(path):
             return form
-    for begin, words in OTHER_FILES.items() if path.is_file() else ():
-        with path.open("rb") as file:
-            if file.read(len(begin)) == begin:
-                raise UnknownFormat(path, f"is a file {words}\n{WHAT_TO_DO}")
+    if path.is_file() and (words := other_file(path)):
+        raise UnknownFormat(path, f"{words}\n{WHAT_TO_DO}")
     if path.is_dir():
         raise UnknownFormat(
             path,
@@ -86,9 +66,8 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
         form: sum(map(form.claims, filter(None, split[form.separator]))) for form in TEXT_FORMATS
     }
     for share, by_shape, tables_next in (
-        (WORDS_SHARE, False, tables.HEADED_FILES),
+        (WORDS_SHARE, False, tables.STATED_FILES),
         (SHAPE_SHARE, True, ()),
-        (0.0, False, tables.GUESSED_FILES),
     ):
         least = max(share * len(sample), 1)
         forms = [form for form in TEXT_FORMATS if votes[form] >= least]
@@ -109,5 +88,9 @@ def _looks_like(path: Path, sample: Sequence[str], count: int) -> str:
         return f"is empty, expected a log\n{WHAT_TO_DO}"
     if not sample:
         return f"is of no known format: it has comments only\n{WHAT_TO_DO}"
-    found = f"is of no known format: it starts with {sample[0][:40]!r}"
-    return f"{found}\n{tables.looks_like(path)}{WHAT_TO_DO}"
+    words = other_text(path.name, sample)
+    if not words and (asked := tables.asked_of(path)):
+        return asked
+    if words := words or worded_numbers(path.name, sample):
+        return f"{words}\n{WHAT_TO_DO}"
+    return f"is of no known format: it starts with {sample[0][:40]!r}\n{WHAT_TO_DO}"

@@ -55,7 +55,7 @@ class LogError(ValueError):
 
     def __init__(self, path: Path, reason: str, line: int | None = None) -> None:
         place = f"{shown(path)}, line {line}" if line else shown(path)
-        lines = reason.split("\n") if isinstance(self, UnknownFormat) else [reason]
+        lines = reason.split("\n") if isinstance(self, UnknownFormat | HeadError) else [reason]
         told = "\n".join(map(shown, lines))  # what to do takes several
         super().__init__(f"{place}: {told}")
         self.path, self.line, self.reason = path, line, reason
@@ -69,7 +69,7 @@ class UnknownFormat(LogError):
 
 
 class HeadError(LogError):
-    """A table whose first line does not say what its columns are: no other line is at fault."""
+    """A table that does not say what its columns are: no line of it is at fault."""
 
 
 class Reading:

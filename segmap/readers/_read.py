@@ -16,7 +16,7 @@ from ._formats import recognise
 from ._lines import OnError, stem
 from .bags import kind_of, read_bag, recordings
 from .packed import log_file
-from .tables import one_scan_each, read_in_order
+from .tables import one_scan_each, read_in_order, read_rows, said_beside
 
 
 @checked
@@ -36,11 +36,10 @@ def read(
     path : str, Path or list of them
         A log of CARMEN (FLASER, RLASER, ROBOTLASER), a run of GMapping (.gfs), g2o with
         ROBOTLASER1, DP-SLAM, CMU's Wean Hall, CoreSLAM; a folder of Rawseeds files, or the file of
-        one of its lasers; a Hokuyo scan as text; a bag of ROS 1 or ROS 2 (see `read_bag`), or ROS's
-        own text of scans; JSON, telegrams of SICK, UrgBenri; a table with a line a beam or a scan,
-        of RPLidar, LD19, XV-11 or anybody (names of columns: `read_csv`), or a folder of numbered
-        ones with a scan each; NPZ with `ranges` and `angles`. A list holds the files of one log, as
-        `together` finds them.
+        one of its lasers; a Hokuyo scan as text; a bag of ROS 1 or ROS 2 (see `read_bag`), or a
+        table of its scans; what the programs of RPLidar, LD19, XV-11 and CSM write; a table that
+        says what its columns are (`read_csv`), or a folder of numbered ones with a scan each; NPZ
+        with `ranges` and `angles`. A list holds the files of one log, as `together` finds them.
     on_error : "raise" or "skip"
         What a damaged line means: the end of reading, or one line less; `log.skipped` then tells
         how many lines were left out and why the first.
@@ -83,6 +82,8 @@ def read(
             return read_in_order(groups[0], places[0].parent.resolve().name, on_error)
         (place,) = places
         name = place.resolve().name if place.is_dir() else stem(place)
+        if layout := said_beside(Path(paths[0])):
+            return read_rows(place, name, on_error, layout)
         return recognise(place).read(place, name, on_error)
 
 
@@ -115,7 +116,7 @@ def format_of(path: str | Path) -> str:
     'CARMEN'
     """
     with log_file(path, folders=True) as place:
-        return recognise(place).name
+        return "table" if said_beside(Path(path)) else recognise(place).name
 
 
 def load(name: str) -> Log:

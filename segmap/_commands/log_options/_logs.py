@@ -110,7 +110,8 @@ def each_log(
     the largest of the codes of all.
     """
     each = [source for text in given.logs for source in sources(text)]
-    chosen = [[file] for file in each] if given.columns else together(each)
+    named = given.columns or given.view
+    chosen = [[file] for file in each] if named else together(each)
     for name in filter(is_ros_map, [*each, getattr(given, "first", each[0])]):
         given.refuse(
             f"{shown(name)} is a map for ROS and no log: `segmap locate {shown(name)} LOG` finds a "

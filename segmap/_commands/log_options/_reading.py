@@ -19,7 +19,15 @@ def add_reading(group: Any) -> None:
     group.add_argument(
         "--columns",
         metavar="NAMES",
-        help="of a table with a line a beam, its columns from the left: t,angle_deg,range_mm",
+        help="of a table, its columns from the left: time_ms,angle_deg,range_mm,-; "
+        "where a row is a scan: time_s,ranges_m",
+    )
+    group.add_argument(
+        "--view",
+        nargs=2,
+        type=float,
+        metavar=("FIRST", "LAST"),
+        help="of a table with a scan a row, where its first and its last range point, in degrees",
     )
     group.add_argument(
         "--scan-topic",
@@ -50,8 +58,8 @@ def read_log(files: Sequence[str], given: argparse.Namespace) -> Log:
     topics = {k: name for k, name in named.items() if name and k not in tracks}
     if given.odometry_topic:
         topics["odometry"] = given.odometry_topic
-    if given.columns:
-        log = read_csv(files[0], columns=given.columns, on_error=on_error)
+    if given.columns or given.view:
+        log = read_csv(files[0], columns=given.columns, view=given.view, on_error=on_error)
     elif given.scan_topic or topics:
         log = read_bag(source, on_error=on_error, scan=given.scan_topic, **topics)
     elif len(files) > 1:

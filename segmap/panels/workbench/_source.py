@@ -105,7 +105,7 @@ class Source:
         name = change["new"]
         known = self.expression == f"segmap.load({name!r})" and self.ready
         if name in self.names and not known:
-            self.columns.show((), ())
+            self.columns.show()
             with telling(self._refused):
                 self.open(name)
         elif name not in ("", OWN, *self.names):
@@ -115,17 +115,17 @@ class Source:
         expression = f'segmap.read({name!r}, on_error="skip")'
         self._given = given = (str(folder), name)
         with contextlib.suppress(ValueError, OSError):
-            self.columns.show(*_table_in(*given))
+            self.columns.show(_table_in(*given))
         self._begin(_read_in_folder, given, lambda log: self._take(log, expression), self._refused)
 
-    def _read_columns(self, columns: list[str], clockwise: bool) -> None:
+    def _read_columns(self, columns: list[str], view: tuple[float, float] | None) -> None:
         """Read the table again by what its columns are now."""
         folder, name = self._given
-        way = f"columns={columns!r}, clockwise={clockwise}"
+        way = f"columns={columns!r}" + (f", view={view!r}" if view else "")
         expression = f'segmap.readers.read_csv({name!r}, {way}, on_error="skip")'
         self._begin(
             _read_table_in_folder,
-            (folder, name, columns, clockwise),
+            (folder, name, columns, view),
             lambda log: self._take(log, expression),
             self._refused,
         )
@@ -190,23 +190,23 @@ def _read_in_folder(folder: str, name: str) -> Log | Session:
             raise ValueError(". ".join(str(fault).split("\n")[:2])) from fault
 
 
-def _read_table_in_folder(folder: str, name: str, columns: list[str], clockwise: bool) -> Log:
+def _read_table_in_folder(
+    folder: str, name: str, columns: list[str], view: tuple[float, float] | None
+) -> Log:
     """A table in a folder, whose columns are named."""
     with contextlib.chdir(folder):
-        return readers.read_csv(name, columns=columns, clockwise=clockwise, on_error="skip")
+        return readers.read_csv(name, columns=columns, view=view, on_error="skip")
 
 
-def _table_in(folder: str, name: str) -> tuple[list[str], list[list[str]]]:
-    """What the columns of a table may be, and its first rows; nothing of a log that is none."""
+def _table_in(folder: str, name: str) -> readers.ColumnChoices | None:
+    """What the columns of a table may be, and its first rows; None of a log that is none."""
     with contextlib.chdir(folder):
         try:
-            if readers.format_of(name) not in ("table", "records"):
-                return [], []
+            if readers.format_of(name) != "table":
+                return None
         except readers.UnknownFormat:
             pass
-        names, rows = readers.first_rows(name)
-    rows = [row for row in rows if len(row) == len(names)]
-    return (names, rows) if {"angle", "range"} <= {n.split("_")[0] for n in names} else ([], [])
+        return readers.column_choices(name)
 
 
 def _upload(description: str, take: Callable[[str, int, int, bytes], int]) -> Any:

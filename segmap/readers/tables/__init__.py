@@ -1,36 +1,47 @@
-"""Logs that are tables: CSV, arrays, dumps of cheap sensors, Hokuyo text, CoreSLAM, Rawseeds."""
+"""Logs that are tables of declared columns, arrays, folders, Hokuyo text, CoreSLAM, Rawseeds."""
+
+from pathlib import Path
 
 from .._text import Binary
-from . import _fixed, _folders, _messages, _npz, _table, _wide
-from ._advice import first_rows, looks_like
+from ._columns import POSES_ALONE
 from ._fixed import CoreSlam, HokuyoText, Rawseeds
-from ._folders import one_scan_each, read_in_order
-from ._layout import headed_of, layout_of
-from ._npz import log_from_arrays
-from ._table import read_csv
-from ._trajectories import read_trajectory, with_trajectories
+from ._folders import files_of, numbered, one_scan_each, read_folder, read_in_order, read_numbered
+from ._layout import Layout, layout_of, said_beside
+from ._messages import is_csm, message_form_of, read_csm, read_messages
+from ._npz import ARRAYS, log_from_arrays
+from ._question import ColumnChoices, choices_of, column_choices
+from ._table import read_csv, read_declared, read_rows
+from ._trajectories import pose_layout_of, read_trajectory, with_trajectories
 
 __all__ = [
-    "ARRAY_FILES", "GUESSED_FILES", "HEADED_FILES", "TABLE_FOLDERS", "TABLE_FORMATS", "CoreSlam",
-    "HokuyoText", "Rawseeds", "first_rows", "headed_of", "layout_of", "log_from_arrays",
-    "looks_like", "one_scan_each", "read_csv", "read_in_order", "read_trajectory",
-    "with_trajectories",
+    "ARRAYS", "STATED_FILES", "TABLE_FOLDERS", "TABLE_FORMATS", "ColumnChoices", "CoreSlam",
+    "HokuyoText", "Rawseeds", "asked_of", "column_choices", "log_from_arrays", "one_scan_each",
+    "read_csv", "read_in_order", "read_rows", "read_trajectory", "said_beside", "with_trajectories",
 ]  # fmt: skip
 
-ARRAY_FILES = (Binary("NPZ", _npz.claims, _npz.read),)
+
+def is_table(path: Path) -> bool:
+    """Whether a file says that it is a table, though perhaps not enough."""
+    layout = layout_of(path)
+    return bool(layout.names) or layout.is_headed
+
+
 #: Told by a head, or by names that stand in each line.
-HEADED_FILES = (
-    Binary("records", _messages.records_of, _messages.read_named_records),
-    Binary("table of scans", _wide.scans_of, _table.reader_of(_wide.scans_of)),
-    Binary("table", headed_of, _table.reader_of(_table.stated)),
-)
-#: What is taken for a table though nothing says so: where it has no other format.
-GUESSED_FILES = (
-    Binary("table", layout_of, _table.reader_of(_table.stated)),
-    Binary("table of scans", _fixed.bare_of, _table.reader_of(_fixed.bare_of)),
+STATED_FILES = (
+    Binary("text of ROS", message_form_of, read_messages),
+    Binary("CSM", is_csm, read_csm),
+    Binary("table", is_table, read_declared),
 )
 TABLE_FOLDERS = (
-    Binary("Rawseeds", _folders.files_of, _folders.read_folder),
-    Binary("numbered scans", _folders.numbered, _folders.read_numbered),
+    Binary("Rawseeds", files_of, read_folder),
+    Binary("numbered scans", numbered, read_numbered),
 )
 TABLE_FORMATS = (HokuyoText, CoreSlam, Rawseeds)
+
+
+def asked_of(path: Path) -> str:
+    """What is asked of a file that holds rows of numbers and no name of them; empty of another."""
+    layout = layout_of(path)
+    if pose_layout_of(path).names:
+        return POSES_ALONE
+    return choices_of(layout).told(path.name) if layout.rows else ""

@@ -1,335 +1,193 @@
-"""What columns of tables are called, and in which units they are: the one place for all tables.
+"""What the name of a column declares: its role, its unit, and which way its angles grow.
 
-A name says what a column is and its unit, in many spellings; where it says no unit, numbers tell
-it, or it is asked for. Columns without names are told by their numbers too.
+angle_deg, angle_rad            direction of a beam; `angle_deg_cw` where angles grow clockwise
+range_m, range_cm, range_mm     how far it went; `range_ft` and `range_in` too
+x_m, y_m                        or where it ended, seen from the laser, in any of these units
+time_s, time_ms, time_us, time_ns, time      when; without a unit a date or time of day
+scan, new                       the number of its scan, or whether it is the first of one
+nanosec                         what is added to a time in whole seconds
+error                           nothing was measured where it is not 0
+pose_x_m, pose_y_m, pose_theta_rad           the robot's odometry
+ranges_m                        a scan a row: this column and all behind it that no name follows
+-, -*20                         a column that is left out, or 20 of them
 """
 
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Array
+from ...arrays import brief
 
-#: First words of a column's name.
-ROLES = {
-    "angle": "angle ang theta phi psi th rz bearing azimuth angule winkel angolo angulo heading "
-    "yaw deg degrees tick step",
-    "range": "range distance dist dis depth r rho radius mm cm m meters metres entfernung abstand "
-    "distanz distanza distancia",
-    "time": "time timestamp stamp t ts epoch millis micros nanos datetime sec ms us ns clock "
-    "elapsed zeit uhrzeit zeitstempel temps heure tiempo hora tempo ora",
-    "nanosec": "nanosec nsec",
-    "scan": "scan frame rotation revolution sweep turn",
-    "new": "new newscan start startbit sync",
-    "error": "error errorcode",
-    "sensor": "sensor robot laser lidar device source topic agent vehicle ring",
-    "x": "x",
-    "y": "y",
-}
-ROLE_OF_WORD = {word: role for role, words in ROLES.items() for word in words.split()}
-#: Words that may stand beside them and change nothing.
-FILLERS = (
-    *("id", "no", "nr", "number", "index", "value", "values", "in", "code", "hex", "lidar"),
-    *("tick", "ticks", "stamp", "name"),
-)
-#: What stands before a name in ROS's own text, in PlotJuggler's, and before a part of a pose.
-BEFORE_NAME = re.compile(
-    r"^((field|msg|message|data|scan)\.|/.*/)*(header[._](stamp\.(?=.)|(?=stamp$))|rosbag(?=[Tt]))?"
-    r"((?i:lidar|laser|beam|measured)[_. ]+(?=(?i:angle|range|dist|theta|bearing|azimuth)))?"
-    r"(?P<pose>(robot|pose|odom|odometry|base)[_. ](?=(x|y|theta|yaw|heading|th)([_ (\[]|$)))?"
-)
-#: A unit of angles: so many of a turn.
-TICKS = re.compile(r"(?i)(?:tick|step)s?[\s_]*([1-9]\d{1,5})")
-#: A column of them without a name of its own.
-TICK_WORDS = ("tick", "ticks", "step", "steps")
-#: What x, y and theta of the robot are beside x and y of a beam.
-BESIDE_POINTS = {"x": "pose_x", "y": "pose_y", "angle": "heading"}
-#: First words of the heading of a robot, beside the angle of a beam.
-HEADINGS = ("theta", "heading", "yaw")
-CLOCKWISE = ("cw", "clockwise")
-TURN_WORDS = (*CLOCKWISE, "ccw", "counterclockwise")
-LENGTHS = {
-    "m meter meters metre metres metri metro metros м 米": 1.0,
-    "cm centimeter centimeters centimetre centimetres centimetri centimetros см 厘米 センチ": 0.01,
-    "mm millimeter millimeters millimetre millimetres millimetri milimetros мм 毫米 ミリ": 0.001,
-    "ft feet foot": 0.3048,
-    "in inch inches zoll": 0.0254,
-}
-#: How each unit is written, and the metres, radians or seconds of it; U+FFFD is what other
-#: encodings make of ° and µ.
-UNIT_WORDS: dict[str, dict[str, float]] = {
-    "angle": {
-        "deg degs degree degrees degre degres grad gradi grado grados graden grader graus stopnie "
-        "stopni derece град градус градусы градуси 度 ° \ufffd": np.pi / 180,
-        "rad rads radian radians radianti radianes radiant рад": 1.0,
-        "gon gons gradian gradians": np.pi / 200,
-        "cdeg centideg centidegree centidegrees": np.pi / 18_000,
-        "mdeg millideg millidegree millidegrees": np.pi / 180_000,
-        "mrad millirad milliradian milliradians": 0.001,
-    },
-    "range": LENGTHS,
-    "x": LENGTHS,
-    "y": LENGTHS,
-    "time": {
-        "s sec secs second seconds sn сек 秒": 1.0,
-        "min mins minutes": 60.0,
-        "days": 86400.0,
-        "ms msec millis milliseconds мс 毫秒": 1e-3,
-        "us µs \ufffds usec micros microseconds": 1e-6,
-        "ns nsec nanos nanoseconds": 1e-9,
+LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
+ANGLES = {"deg": np.pi / 180, "rad": 1.0}
+TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+#: Role -> its units; a role without any needs none.
+UNITS = {
+    **dict.fromkeys(("range", "ranges", "x", "y", "pose_x", "pose_y"), LENGTHS),
+    **dict.fromkeys(("angle", "pose_theta"), ANGLES),
+    **{
+        "time": TIMES,
+        "scan": {},
+        "new": {},
+        "error": {},
+        "nanosec": {},
+        "qx": {},
+        "qy": {},
+        "qz": {},
+        "qw": {},
     },
 }
-UNIT_WORDS["nanosec"] = {"nanosec nsec nsecs": 1e-9}
-UNIT_WORDS |= {"heading": UNIT_WORDS["angle"], "pose_x": LENGTHS, "pose_y": LENGTHS}
-COLUMN_UNITS = {
-    role: {word: factor for words, factor in units.items() for word in words.split()}
-    for role, units in UNIT_WORDS.items()
+#: A word -> the role that it names.
+ROLE_WORDS = {
+    word: role
+    for role, words in {
+        "angle": "angle angles theta θ bearing azimuth",
+        "range": "range distance dist r",
+        "ranges": "ranges distances",
+        "time": "time timestamp stamp t",
+        "scan": "scan rotation turn",
+        "pose_theta": "heading yaw",
+        **{name: name for name in ("new", "error", "nanosec", "x", "y", "qx", "qy", "qz", "qw")},
+    }.items()
+    for word in words.split()
 }
-#: Units in other letters than ours, of which other words in these do not count.
-OTHER_LETTERS = "|".join(
-    rf"(?<!\w){word}(?!\w)" if word < "\u0500" else word
-    for word in sorted({word for units in COLUMN_UNITS.values() for word in units}, key=len)[::-1]
-    if "\u0400" < word < "\ufffd"
+#: A word -> the unit that it names.
+UNIT_WORDS = {
+    word: unit
+    for unit, words in {
+        "m": "m meter meters metre metres",
+        "cm": "cm centimeter centimeters centimetre centimetres",
+        "mm": "mm millimeter millimeters millimetre millimetres",
+        "ft": "ft foot feet",
+        "in": "in inch inches",
+        "deg": "deg degs degree degrees °",
+        "rad": "rad rads radian radians",
+        "s": "s sec secs second seconds",
+        "ms": "ms msec millis millisecond milliseconds",
+        "us": "us usec µs μs micros microsecond microseconds",
+        "ns": "ns nsec nanos nanosecond nanoseconds",
+    }.items()
+    for word in words.split()
+}
+POSE_WORDS = {"pose", "robot", "odom", "odometry"}
+NUMBER_WORDS = {"id", "no", "nr", "number", "index", "num"}
+CLOCKWISE = {"cw", "clockwise"}
+LEFT_OUT = re.compile(r"-(?:\*(\d{1,5}))?")
+
+
+POSES_ALONE = (
+    "it holds poses and no scan: --odometry or --truth reads them beside a log, "
+    "readers.read_trajectory in Python"
 )
-UNIT_NAMES = {word for units in COLUMN_UNITS.values() for word in units}
-#: What a column is whose numbers have such a unit behind them.
-UNIT_ROLES = {word: role for role in ("time", "angle", "range") for word in COLUMN_UNITS[role]}
-#: Names of programs that say no unit -> the columns that they mean.
-KNOWN_TABLES = {
-    ("theta", "dist", "q"): ("angle_deg_cw", "range_mm", "quality"),
-    ("angle", "distance", "intensity"): ("angle_deg_cw", "", "quality"),
-    ("stamp", "angle", "distance", "intensity"): ("", "angle_deg_cw", "", "quality"),
-    ("angule", "distance", "quality"): ("angle_deg_cw", "range_mm", "quality"),
-    ("newscan", "quality", "angle", "distance"): ("new", "quality", "angle_deg_cw", "range_mm"),
-}
-#: What RPLidar's `ultra_simple` prints of a beam.
-ULTRA_SIMPLE = ("theta", "dist", "q")
-#: Of the record that the Python package `rplidar` makes, which has no head.
-RPLIDAR_RECORD = KNOWN_TABLES["newscan", "quality", "angle", "distance"]
-#: Whole numbers whose median is above this are millimetres where no unit is said.
-LEAST_MILLIMETRES = 100
-#: Where the largest is below this, it is said that they may be centimetres: no room is so small.
-SMALLEST_ROOM_MM = 1200
-#: So are numbers with a fraction whose median is above this: they could be centimetres below.
-LEAST_FRACTIONS = 700
-#: Numbers with a fraction whose largest is below this are metres.
-MOST_METRES = 60.0
-#: So many rows tell what is not said; two or three tell nothing.
-TELLING_ROWS = 8
-#: A column whose angles span so much at least, and no more than a turn, is in radians.
-LEAST_VIEW_RAD = 2.0
-#: What is called grad and spans more is in gon, and in no degrees as in German.
-MOST_DEGREES = 361
-#: Seconds from scan to scan.
-SCAN_PERIODS_S = (0.02, 2.0)
-#: Days of our century as Excel counts them.
-EXCEL_DAYS = (36525, 73050)
-#: From these on a number is a time since 1970, in the unit beside it.
-SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3), (1e8, 1.0))
 
 
 class Column(NamedTuple):
-    """One column: its place, what makes metres, radians or seconds of it, and its name."""
+    """What a column is, its unit where the name says one, and whether angles grow clockwise."""
 
-    place: int
-    factor: float | None
-    name: str
-    measured: bool = False  #: whether a unit stands behind each number
-
-
-class Columns(NamedTuple):
-    """Columns by what they are; whether angles grow clockwise, None where nothing says it."""
-
-    by_role: dict[str, Column]
-    clockwise: bool | None = None
-    twice: str = ""  #: two names for one thing, of which the first is taken
-    by_program: bool = False  #: whether it is the program that names them so that says the rest
-    sensor: int | None = None  #: the place of a column that says who measured
+    role: str
+    unit: str = ""
+    clockwise: bool = False
 
     @property
-    def enough(self) -> bool:
-        """Whether there are an angle and a range, or x and y."""
-        return any(pair <= {*self.by_role} for pair in ({"angle", "range"}, {"x", "y"}))
+    def factor(self) -> float:
+        """What makes metres, radians or seconds of it."""
+        return 1e-9 if self.role == "nanosec" else UNITS[self.role].get(self.unit, 1.0)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the name says all: a unit, or a role that needs none."""
+        return bool(self.unit) or not UNITS[self.role]
+
+    @property
+    def name(self) -> str:
+        """The name that declares it."""
+        return f"{self.role}{'_' if self.unit else ''}{self.unit}{'_cw' if self.clockwise else ''}"
 
 
-def named(names: Sequence[str]) -> Columns:
-    """The columns that names stand for; of two of a kind the one that says its unit is taken.
+def meaning(name: str) -> Column | None:
+    """What a name declares; None where one of its words is not known.
 
-    Of two angles or ranges that both say one, neither is. Beside x, y, a range and its angle, theta
-    is the heading of the robot.
+    Examples
+    --------
+    >>> meaning("Distance (mm)"), meaning("AngleInDegrees").name, meaning("quality")
+    (Column(role='range', unit='mm', clockwise=False), 'angle_deg', None)
     """
-    posed = [bool((begin := BEFORE_NAME.match(name)) and begin["pose"]) for name in names]
-    names = [BEFORE_NAME.sub("", name) for name in names]
-    short = tuple(_plain_word(name) for name in names)
-    known = [*KNOWN_TABLES.get(short, ("",) * len(names))]
-    for k in range(len(short)):  # between what newer programs print, or a logger
-        if short[k : k + 3] == ULTRA_SIMPLE:
-            known[k : k + 3] = KNOWN_TABLES[ULTRA_SIMPLE]
-    found: dict[str, Column] = {}
-    clockwise, twice, doubtful = None, "", set[str]()
-    meanings = [meant or name for name, meant in zip(names, known, strict=True)]
-    roles = [_role(meant, plain_words(meant)) for meant in meanings]
-    beside_pose = {"x", "y", "range"} <= {*roles} and roles.count("angle") > 1
-    if any(role == "x" and not pose for role, pose in zip(roles, posed, strict=True)):
-        both = zip(roles, posed, strict=True)
-        roles = [BESIDE_POINTS.get(role or "", role) if pose else role for role, pose in both]
-    ticks = [{*plain_words(name)[:1]} <= {*TICK_WORDS} for name in names]
-    angles = [tick for role, tick in zip(roles, ticks, strict=True) if role == "angle"]
-    if "range" not in roles or not all(angles):
-        roles = [None if tick else role for role, tick in zip(roles, ticks, strict=True)]
-    places = [place for place, role in enumerate(roles) if role is not None]
-    alone = [
-        is_unit(name) and role in ("angle", "range")
-        for name, role in zip(meanings, roles, strict=True)
-    ]
-    for place in sorted(places, key=alone.__getitem__):
-        name, meant, role = names[place], meanings[place], roles[place] or ""
-        words = plain_words(meant)
-        if alone[place] and role in found:
-            continue  # `deg` beside `angle`
-        if beside_pose and role == "angle" and words[0] in HEADINGS:
-            role = "heading"
-        factors = [*units_said(role, name), *units_said(role, meant)]  # its own before a program's
-        column = Column(place, factors[0] if factors else None, name.strip())
-        if role in found:
-            twice = f"{found[role].name!r} and {name!r} are both columns of the {role}"
-            if role in ("angle", "range") and None not in (found[role].factor, column.factor):
-                doubtful.add(role)
-            if found[role].factor is not None or column.factor is None:
-                continue
-        found[role] = column
-        if role == "angle" and (said := [w in CLOCKWISE for w in words if w in TURN_WORDS]):
-            clockwise = any(said)
-    if "time" in found and not re.match(r"(?i)secs?\b", found["time"].name):
-        found.pop("nanosec", None)  # which are a part of these alone
-    who = found.pop("sensor", None)
-    kept = {k: v for k, v in found.items() if k not in doubtful}
-    return Columns(kept, clockwise, twice, any(known), who.place if who else None)
-
-
-def units_said(role: str, name: str) -> list[float]:
-    """What makes metres, radians or seconds of a column, by the units in its name."""
-    words, units = plain_words(name), COLUMN_UNITS.get(role, {})
-    said = words if is_unit(name) else words[1:]
-    ticks = [2 * np.pi / int(count) for count in TICKS.findall(name)]
-    return [*(factor for word, factor in units.items() if word in said), *ticks]
-
-
-def is_unit(name: str) -> bool:
-    """Whether a name is a unit alone: `deg`, `mm`."""
-    words = plain_words(name)
-    return len(words) == 1 and words[0] in UNIT_NAMES
-
-
-def plain_words(name: str) -> list[str]:
-    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)  # `AngleInDegrees`, `ErrorCodeHEX`
-    plain = re.sub("[\u0300-\u036f]", "", unicodedata.normalize("NFD", apart.lower()))
-    return re.findall(rf"[a-zµ°\ufffd]+|{OTHER_LETTERS}", plain.replace("μ", "µ"))
-
-
-def _plain_word(name: str) -> str:
-    """A name without its unit, for `KNOWN_TABLES`."""
-    return re.sub(r"[\[(].*|[^a-z]", "", name.lower())
-
-
-def _role(name: str, words: Sequence[str]) -> str | None:
-    """What a column is; None where another word than a unit stands in its name."""
-    if not words or re.search("[0-9:]", TICKS.sub("", name)):
+    split = re.sub("(?<=[a-z])(?=[A-Z])", " ", name)
+    words = re.findall(r"[^\W_]+|[^\s\w()\[\].,:/-]+", split.lower())
+    is_clockwise = words[-1:] != [] and words[-1] in CLOCKWISE
+    words = words[:-1] if is_clockwise else words
+    unit = UNIT_WORDS.get(words[-1], "") if len(words) > 1 else ""
+    words = [word for word in (words[:-1] if unit else words) if word != "in"]
+    of_pose = words[:1] != [] and words[0] in POSE_WORDS and len(words) > 1
+    roles = {ROLE_WORDS.get(word, "") for word in words[of_pose:] if word not in NUMBER_WORDS}
+    if len(roles) != 1 or "" in roles:
         return None
-    first = (words[0], words[0].removesuffix("s"))  # `ms` is no `m`
-    role = next((ROLE_OF_WORD[word] for word in first if word in ROLE_OF_WORD), "")
-    known = {*COLUMN_UNITS.get(role, ()), *FILLERS, *TURN_WORDS}
-    return role if role and known.issuperset(words[1:]) else None
+    (role,) = roles
+    if of_pose:
+        role = {"x": "pose_x", "y": "pose_y", "angle": "pose_theta"}.get(role, role)
+    numbered = any(word in NUMBER_WORDS for word in words)
+    if (unit and unit not in UNITS[role]) or (numbered and role != "scan"):
+        return None
+    return Column(role, unit, is_clockwise) if not is_clockwise or role == "angle" else None
 
 
-# ------------------------------------------------------------------------------- by numbers
-def with_units_told(found: Columns, rows: Array) -> tuple[Columns, list[str]]:
-    """Columns whose units the numbers of their rows `(m, k)` tell, and what was taken from them.
+def named(columns: str | Sequence[str]) -> tuple[str, ...]:
+    """Names as a caller gives them, with `-*3` written out; a ValueError where one is unknown."""
+    names = columns.split(",") if isinstance(columns, str) else columns
+    if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
+        raise ValueError(f"columns must be names such as angle_deg,range_mm, got {brief(columns)}")
+    found: list[str] = []
+    for name in map(str.strip, names):
+        if "|" in name:
+            raise ValueError(f"columns must say one thing of each: choose one of {name}")
+        if left_out := LEFT_OUT.fullmatch(name):
+            found += ["-"] * int(left_out[1] or 1)
+        elif meaning(name):
+            found.append(name)
+        else:
+            raise ValueError(f"columns must be names such as angle_deg or range_mm, got {name!r}")
+    return tuple(found)
 
-    Angles that span more than a turn in radians are degrees. Ranges in whole numbers, half of them
-    above 100, are millimetres. A time whose unit nothing tells is left out.
+
+def places_of(names: Sequence[str]) -> dict[str, tuple[int, Column]]:
+    """Columns by their roles, with their places.
+
+    Of two of a kind the one with a unit counts; where both or neither has one, a ValueError.
     """
-    columns, told = dict(found.by_role), list[str]()
-    if found.twice:
-        told.append(f"{found.twice}: the first that says its unit is read, or the first")
-    if "scan" in columns and np.isnan(rows[:, columns["scan"].place]).all():  # frames of ROS
-        found = found._replace(sensor=columns.pop("scan").place)
-    if "pose_x" in columns:
-        told.append("points are as the laser sees them, beside the pose of the robot")
-    for role in ("angle", "range", "x", "y", "pose_x", "pose_y", "heading", "time"):
-        column = columns.get(role)
+    found: dict[str, tuple[int, Column]] = {}
+    for place, name in enumerate(names):
+        column = meaning(name)
         if column is None:
             continue
-        if role == "time" and len(rows) and np.isnan(rows[:, column.place]).all():
-            told.append(f"the column {columns.pop('time').name!r} holds no times: left out")
-            continue
-        words = plain_words(column.name)
-        if role == "angle" and "grad" in words and np.ptp(rows[:, column.place]) > MOST_DEGREES:
-            columns[role] = column._replace(factor=np.pi / 200)
-            told.append(f"{column.name!r} is in gon, since it spans more than 360 of them")
-        if units_said(role, column.name) or {*words} & {*TICK_WORDS} or column.measured:
-            continue
-        factor, why = _unit_of(role, rows[:, column.place])
-        if column.factor is not None and factor in (None, column.factor):
-            continue  # a program says it, and the numbers say nothing else
-        if factor is not None:
-            columns[role] = column._replace(factor=factor)
-            told.append(f"{column.name!r} is in {why}")
-        elif role == "time":
-            told.append(f"the column {columns.pop('time').name!r} says no unit: left out")
-    return found._replace(by_role=columns), told
+        first = found.get(column.role)
+        if first and first[1].is_whole == column.is_whole:
+            raise ValueError(
+                f"{names[first[0]]!r} and {name!r} both say that they are the {column.role}"
+            )
+        if not first or column.is_whole:
+            found[column.role] = place, column
+    return found
 
 
-def _unit_of(role: str, values: Array) -> tuple[float | None, str]:
-    """What makes metres, radians or seconds of numbers without a unit, and why."""
-    values = values[np.isfinite(values)]
-    if role == "time":
-        return _time_unit(values)
-    values = values[values != 0]
-    if not len(values):
-        return None, ""
-    span, whole = float(np.ptp(values)), bool((values == np.floor(values)).all())
-    if role in ("angle", "heading"):
-        if span > 2 * np.pi + 0.1:
-            return np.pi / 180, "degrees, since it spans more than 2 pi"
-        told = span >= LEAST_VIEW_RAD and len(values) >= TELLING_ROWS and not whole
-        if told or role == "heading":
-            return 1.0, f"radians, since it spans {span:.3g}"
-        return None, ""
-    middle = float(np.median(np.abs(values)))
-    if middle > (LEAST_MILLIMETRES if whole else LEAST_FRACTIONS):
-        most = float(np.abs(values).max())
-        doubt = f", to {most:g} alone: they may be centimetres" * (most < SMALLEST_ROOM_MM)
-        return 0.001, f"millimetres, since it holds {'whole' if whole else 'large'} numbers{doubt}"
-    if not whole and len(values) >= TELLING_ROWS and np.abs(values).max() < MOST_METRES:
-        return 1.0, f"metres, since it holds fractions up to {np.abs(values).max():.3g}"
-    return None, ""
-
-
-def _time_unit(values: Array) -> tuple[float | None, str]:
-    steps = np.diff(values)
-    steps = steps[steps > 0]
-    if not len(steps):
-        return None, ""
-    for least, factor in SINCE_1970:
-        if least <= values.min() and values.max() < 1000 * least:
-            unit = {1e-9: "nanoseconds", 1e-6: "microseconds", 1e-3: "milliseconds", 1.0: "seconds"}
-            return factor, f"{unit[factor]} since 1970"
-    step = float(np.median(steps))
-    if EXCEL_DAYS[0] < values.min() and values.max() < EXCEL_DAYS[1] and step < SCAN_PERIODS_S[0]:
-        return COLUMN_UNITS["time"]["days"], "days, as Excel counts them"
-    if (values != np.floor(values)).any() and values.max() < SINCE_1970[-1][0]:
-        return 1.0, "seconds, since it holds fractions"
-    stands = len(steps) < len(values) / 3  # one time for all beams of a scan
-    fits = [
-        f for f in (1.0, 1e-3, 1e-6, 1e-9) if SCAN_PERIODS_S[0] <= step * f <= SCAN_PERIODS_S[1]
-    ]
-    unit = {1.0: "seconds", 1e-3: "milliseconds", 1e-6: "microseconds", 1e-9: "nanoseconds"}
-    if stands and len(fits) == 1:
-        return fits[0], f"{unit[fits[0]]}, since a scan takes {step:g} of them"
-    return None, ""
+def missing_in(names: Sequence[str]) -> str:
+    """What names do not say of a log; empty where they say all."""
+    try:
+        found = places_of(names)
+    except ValueError as fault:
+        return str(fault)
+    roles = {*found}
+    if {"x", "y", "angle"} <= roles and "range" not in roles:
+        return POSES_ALONE
+    kinds = (("ranges",), ("angle", "range"), ("x", "y"))
+    needed = next((kind for kind in kinds if {*kind} <= roles), None)
+    if needed is None:
+        part = {"angle": "range", "range": "angle", "x": "y", "y": "x"}
+        lacking = next((part[role] for role in part if role in roles), "angle, and which the range")
+        return f"no name says which column is the {lacking}"
+    poses = [role for role in ("pose_x", "pose_y", "pose_theta") if role in roles]
+    open_ = [names[found[role][0]] for role in (*needed, *poses) if not found[role][1].is_whole]
+    return f"the unit of {' and '.join(map(repr, open_))} is not said" if open_ else ""

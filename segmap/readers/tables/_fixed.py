@@ -27,15 +27,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from ...arrays import LIMIT, Array
 from ...poses import compose
 from ...scans import LaserScan, Log
-from ...scans.error_codes import LOWEST, as_ranges
-from .._lines import MOST_DIRECTION_RAD, Lines, LogError, float_fields, is_number, time
+from ...scans.error_codes import as_ranges
+from .._lines import MOST_DIRECTION_RAD, Lines, float_fields, is_number, time
 from .._raw_scans import (
     COUNTERCLOCKWISE,
     NOWHERE,
@@ -48,24 +47,9 @@ from .._raw_scans import (
     half_turn,
     uncorrected,
     urg_delays,
-    view_of,
 )
 from .._text import TextFormat, by_names
-from ._columns import LEAST_VIEW_RAD, TELLING_ROWS, Columns, named, with_units_told
-from ._fields import LEADING, decimal
-from ._layout import Beams, Layout
-from ._numbers import guessed
 from ._table import MOST_BEAMS_READ
-from ._wide import (
-    LEAST_BARE_BEAMS,
-    LEAST_BEAMS,
-    URG_BEAMS,
-    VIEWS_DEG,
-    first_fields,
-    unit_of_ranges,
-    usual_view,
-    with_head,
-)
 
 #: Lines of CoreSLAM by the number of their fields, and the sign of the right wheel.
 CORESLAM_LINES = {
@@ -83,31 +67,14 @@ CORESLAM_ASSUMED = (
 )
 #: Fields of a line of a Hokuyo of Rawseeds.
 RAWSEEDS_HOKUYO = 682
-#: The same of its odometry and of its truth.
-RAWSEEDS_POSES = (7, 13)
+#: So many steps of a column go one way where it does.
+ONE_WAY_SHARE = 0.8
 #: What two numbers a line do not say.
 HOKUYO_TEXT_ASSUMED = (
     "ranges in millimetres",
     "angles in radians",
     COUNTERCLOCKWISE,
     "values below 20 are error codes of a URG-04LX",
-)
-#: So many numbers that rise from line to line are times.
-LEAST_TIMES = 5
-#: Ranges of two beams side by side mostly differ by less than such a share.
-ALIKE_SHARE = 0.1
-#: Before the ranges of a line that nobody names stand so many other numbers, if any.
-MOST_OTHERS = 3
-POSE_NAMES = ["x_m", "y_m", "theta_rad"]
-#: Nothing that is measured, nor a time in nanoseconds, is as large.
-MOST_MEASURED = 1e30
-#: No line begins with more numbers that are no ranges.
-MOST_HEAD_NUMBERS = 30
-#: Before the ranges of a line of BreezySLAM's examples stand so many numbers, and one behind them.
-BREEZY_NUMBERS = 24
-TOLD_OF_BREEZY = (
-    f"{BREEZY_NUMBERS} numbers before the ranges and one behind them are none, as BreezySLAM's "
-    "examples have them: wheels are left out"
 )
 
 
@@ -188,10 +155,8 @@ class Rawseeds(TextFormat):
     def claims(cls, fields: Sequence[str]) -> bool:
         """Whether a line, split at commas, is one of these files."""
         metres = len(fields) == RAWSEEDS_HOKUYO and any("." in field for field in fields[1:])
-        known = metres or len(fields) in RAWSEEDS_POSES
-        return is_number(fields[0]) and (
-            known or (len(fields) > 1 and fields[1].strip() == str(len(fields) - 3))
-        )
+        counted = len(fields) > 1 and fields[1].strip() == str(len(fields) - 3)
+        return is_number(fields[0]) and (metres or counted)
 
     def _take(self, fields: list[str]) -> None:
         fields = [field.strip() for field in fields]
@@ -200,11 +165,6 @@ class Rawseeds(TextFormat):
             metres = np.clip(float_fields(fields[1:], "ranges"), -LIMIT, LIMIT)
             self.scans.append(urg_scan("hokuyo", 1000 * metres, when))
             return
-        if len(fields) in RAWSEEDS_POSES:
-            raise ValueError(
-                "holds poses and no scan: read its folder, or the poses by --truth and "
-                "read_trajectory"
-            )
         said = by_names("time n offset ranges*n", fields)
         (quarters,) = float_fields(said["offset"], "the offset")
         if not abs(quarters) <= 720:
@@ -233,20 +193,24 @@ class HokuyoText(TextFormat):
 
     @classmethod
     def fits(cls, lines: Sequence[str]) -> bool:
-        """Whether the second column goes one way, and the first holds no whole degrees."""
+        """Whether the second column holds radians that go one way, and the first does not.
+
+        Where both go one way nobody knows which is the angle.
+        """
         rows = [found for line in lines if cls.claims(found := line.split())]
-        table = np.array(rows, float).reshape(-1, 2)
-        steps = np.sign(np.diff(table[:, 1]))
-        return abs(steps.sum()) >= 0.8 * np.abs(steps).sum() and guessed(table)[:1] != ("angle",)
+        steps = np.sign(np.diff(np.array(rows, float).reshape(-1, 2), axis=0))
+        moved = np.abs(steps).sum(0)
+        ways = np.abs(steps.sum(0)) >= ONE_WAY_SHARE * moved
+        is_open = bool(ways[0] and moved[0])
+        return any("." in angle for _, angle in rows) and bool(ways[1]) and not is_open
 
     def _take(self, fields: list[str]) -> None:
         beam = float_fields(fields, "range and angle")
         if len(beam) != 2 or abs(beam[0]) > LIMIT or not abs(beam[1]) <= MOST_DIRECTION_RAD:
             raise ValueError(f"expected {self.expected}, got {' '.join(fields)[:80]}")
         if len(self.scans) == MOST_BEAMS_READ:
-            raise self.lines.error(
-                f"expected one scan, but there are more than {MOST_BEAMS_READ} beams"
-            )
+            what = f"expected one scan, but there are more than {MOST_BEAMS_READ} beams"
+            raise self.lines.error(what)
         self.scans.append(beam)
 
     def _log(self, name: str) -> Log:
@@ -254,117 +218,3 @@ class HokuyoText(TextFormat):
         ranges, codes = as_ranges(millimetres)
         scan = LaserScan(ranges, angles, np.nan, codes=codes)
         return Log(name, [scan], None, self.lines.skipped, assumed=HOKUYO_TEXT_ASSUMED)
-
-
-# ------------------------------------------------------------------ as many numbers in each line
-def bare_of(path: Path) -> Layout | None:
-    """The same for lines of nothing but numbers, as many in each: a guess, and a last resort."""
-    separator, lines, rows = first_fields(path)
-    outer = separator[:1] if separator and len(separator) > 1 else None
-    apart = all(LEADING.match(t) or (outer and t.count(outer) == 1) for _, t in lines)
-    width = max(map(len, rows), default=0)
-    rows = [[*map(decimal, row)] for row in rows]
-    whole = [row for row in rows if len(row) == width and all(map(is_number, row))]
-    heads = [row for row in rows[:1] if len(row) == width and not any(map(is_number, row))]
-    if width < (LEAST_BEAMS if apart else LEAST_BARE_BEAMS) or 2 * len(whole) <= len(rows) or heads:
-        return None
-    table = np.array(whole, float)
-    table[~(np.abs(table) < MOST_MEASURED)] = np.nan  # whose differences are nothing
-    first, told, columns = table[:, 0], list[str](), Columns({})
-    is_pairs = bool(_pairs_of(table[:, 1:]))
-    is_time = is_pairs or ((len(first) >= LEAST_TIMES or apart) and not _begins_with_range(table))
-    begin = int(is_time and bool((np.diff(first) > 0).all()))
-    if begin:
-        columns, told = with_units_told(named(["time"]), np.repeat(table[:, :1], 3, 0))
-    if pairs := _pairs_of(table[:, begin:]):
-        head = Layout(separator, 0, (*["time"][:begin], *pairs))
-        found = with_head(path, head, whole, goes_on=True)
-        what = f"lines of numbers are scans{', behind their times' * begin}"
-        return found._replace(
-            told=(f"{what}: pairs of {pairs[0][:-2]} and {pairs[1][:-2]}", *found.told)
-        )
-    counts = [k + 1 for k in (begin, begin + 1) if (table[:, k] == width - k - 1).all()]
-    is_breezy = bool(begin) and _is_breezy(table)
-    others = 0 if counts or is_breezy else _others_in(table[:, begin:])
-    if others:
-        names, last = ["-"] * (begin + others), table[:, begin + others - 1]
-        if len(names) in (3, 4) and (last % 1).any() and np.abs(last).max() < 2 * np.pi:
-            names = ["time" if begin else "-", *POSE_NAMES][-len(names) :]
-        raise LogError(
-            path,
-            f"lines of {width} numbers, {width - begin - others} of them ranges behind "
-            f"{begin + others} others? A line above that names them says so, "
-            f"time_s,x_m,y_m,theta_rad, or `-` for what is none of these: "
-            f"{(separator or ' ')[0].join([*names, 'ranges'])}",
-        )
-    if is_breezy:
-        counts, told = [BREEZY_NUMBERS], [*told, TOLD_OF_BREEZY]
-    places = tuple(range(max([begin, *counts]), width - is_breezy))
-    factor, unit = unit_of_ranges("", table[:, places])
-    angles = usual_view(len(places))
-    angles = angles - np.pi * (is_breezy and np.ptp(angles) > 6)  # a turn of theirs begins behind
-    told += [*unit, view_of(angles), f"lines of {width} numbers are scans"]
-    codes = factor < 1 and len(places) in URG_BEAMS
-    beams = Beams(places, factor, tuple(angles), least=factor * LOWEST if codes else 0.0)
-    return Layout(separator, 0, (), columns, told=tuple(told), beams=beams)
-
-
-def _begins_with_range(table: Array) -> bool:
-    """Whether the first number of a line is a range, though it may rise from line to line.
-
-    It is always about as large as the second one or, of as many as a usual laser has beams, as some
-    of the others.
-    """
-    first, others = table[:, 0], table[:, 1:][table[:, 1:] > 0]
-    if (np.abs(first - table[:, 1]) < ALIKE_SHARE * first).all():
-        return True
-    if table.shape[1] not in {*VIEWS_DEG, *URG_BEAMS} or not len(others):
-        return False
-    return bool(((first >= others.min()) & (first <= others.max())).all())
-
-
-def _is_breezy(table: Array) -> bool:
-    """Whether lines are those of BreezySLAM's examples: wheels that count, zeros, ranges, one."""
-    wheels, zeros = table[:, 2:4], table[:, 4:BREEZY_NUMBERS]
-    if table.shape[1] < BREEZY_NUMBERS + LEAST_BARE_BEAMS or zeros.any():
-        return False
-    return bool((np.diff(wheels, axis=0) >= 0).all() and np.ptp(wheels, axis=0).all())
-
-
-def _others_in(table: Array) -> int:
-    """How many numbers before the ranges of a line are none, as far as numbers tell.
-
-    They rise all the time, or are below 0 by more than one code; where a usual laser has fewer
-    beams, they may be any few, or always the same.
-    """
-    count, begin = table.shape[1], table[:, :MOST_HEAD_NUMBERS]
-    rise = np.all(np.diff(table, axis=0) > 0, axis=0) & (len(table) >= TELLING_ROWS)
-    rise[0] &= not _begins_with_range(table)
-    least = np.fmin.reduce(table, axis=0)
-    below = (least < 0) & (least != np.fmax.reduce(np.where(table < 0, table, np.nan), axis=0))
-    odd = np.flatnonzero(rise | below)
-    told = int(odd[-1]) + 1 if 0 < len(odd) <= MOST_HEAD_NUMBERS and odd[-1] < begin.shape[1] else 0
-    usual = {*VIEWS_DEG, *URG_BEAMS}
-    if count in usual:
-        return told
-    alike = int((np.ptp(begin, axis=0) == 0).cumprod().sum()) if len(table) > 1 else 0
-    most = max(MOST_OTHERS, told, alike)
-    return next((n for n in range(max(told, 1), most + 1) if count - n in usual), told)
-
-
-def _pairs_of(table: Array) -> list[str]:
-    """Names of columns `(m, 2 n)` that are angles and ranges in turn; none of others.
-
-    Angles go one way, and from angle to range and on numbers go up and down.
-    """
-    signs = np.sign(np.diff(table, axis=1))
-    zigzag = signs[:, 1:] * signs[:, :-1] < 0
-    halves = table[:, ::2], table[:, 1::2]
-    ways = [np.sign(np.diff(half, axis=1)) for half in halves]
-    spans = [
-        np.ptp(h) if abs(w.sum()) > 0.9 * w.size else 0.0 for h, w in zip(halves, ways, strict=True)
-    ]
-    if table.shape[1] % 2 or zigzag.sum() < 0.8 * zigzag.size or max(spans) < LEAST_VIEW_RAD:
-        return []
-    names = ("angle", "range") if spans[0] > spans[1] else ("range", "angle")
-    return [f"{name}_{k}" for k in range(table.shape[1] // 2) for name in names]

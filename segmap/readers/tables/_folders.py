@@ -18,7 +18,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -29,11 +28,11 @@ from ...scans import LaserScan, Log
 from .._lines import Lines, LogError, Reading, merged_skipped
 from .._raw_scans import known_truth
 from .._text import Binary
-from ._fields import epoch_in
-from ._fixed import Rawseeds
-from ._layout import Layout
-from ._table import reader_of
-from ._trajectories import track_in
+from ._fixed import HokuyoText, Rawseeds
+from ._layout import Layout, first_lines, layout_of, said_beside, written
+from ._npz import ARRAYS, claims
+from ._table import read_rows
+from ._trajectories import RAWSEEDS_POSES, track_in
 
 RAWSEEDS_LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
 PATTERN = re.compile(
@@ -45,9 +44,7 @@ TRUTH_GAP = 1.0
 NAME_NUMBER = re.compile("[0-9]{1,18}")
 #: So many files of a kind are looked at.
 FEW = 20
-#: Formats that may have a scan a file, ...
-ONE_SCAN_FORMATS = {"Hokuyo text", "table", "table of scans", "records"}
-#: ... and the largest of such a file, in bytes.
+#: The largest file that may be one scan, in bytes.
 MOST_ONE_SCAN_BYTES = 1 << 20
 P = TypeVar("P", str, Path)
 IN_ORDER = "scans in the order of the numbers in the files' names"
@@ -70,7 +67,8 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     truth = None
     for sensor in ("ODOMETRY_XYT", "GROUNDTRUTH"):
         if sensor in files:
-            track, reading = track_in(files[sensor], on_error)
+            columns = written(files[sensor])._replace(names=RAWSEEDS_POSES[sensor])
+            track, reading = track_in(files[sensor], on_error, columns)
             found.unknown = merged_skipped(found.unknown, reading.skipped)
             if sensor == "GROUNDTRUTH":
                 times = np.array([scan.time for scan in found.scans])
@@ -109,24 +107,42 @@ def _one_each(files: Sequence[str | Path]) -> bool:
     return len({*kinds}) == 1 and ("Hokuyo text" in names or (len(files) > 2 and "" not in names))
 
 
+def _form_of(path: Path) -> Binary | Layout | type[HokuyoText] | None:
+    """How a file that may hold a scan is read; None of another."""
+    if claims(path):
+        return ARRAYS
+    layout = said_beside(path) or layout_of(path)
+    if layout.is_whole:
+        return layout
+    lines = [text for _, text in first_lines(path) if not text.startswith("#")]
+    beams = sum(HokuyoText.claims(line.split()) for line in lines)
+    return HokuyoText if 2 * beams >= len(lines) > 0 and HokuyoText.fits(lines) else None
+
+
+def _read_by(form: Binary | Layout | type[HokuyoText], path: Path, name: str, on_error: str) -> Log:
+    return (
+        read_rows(path, name, on_error, form)
+        if isinstance(form, Layout)
+        else form.read(path, name, on_error)
+    )
+
+
 def _kind_of_one(path: Path) -> tuple[str, object] | None:
     """Format and names of columns of a file with one scan; without a format where it holds more.
 
     None of a file that is damaged, or no table.
     """
-    from .._formats import recognise  # of which each format reads its files by this module
-
     try:
         if not path.is_file() or path.stat().st_size > MOST_ONE_SCAN_BYTES:
             return None
-        form = recognise(path)
-        if form.name not in ONE_SCAN_FORMATS:
-            return "", None
-        found = form.read(path, "", "skip")
+        form = _form_of(path)
+        if form is None:
+            return None
+        found = _read_by(form, path, "", "skip")
         if found.skipped.lines >= len(found[0]):
             return None
-        names = getattr(form.claims(path), "names", None) if isinstance(form, Binary) else None
-        return (form.name, names) if len(found) == 1 else ("", None)
+        kind = ("table", form.names) if isinstance(form, Layout) else (form.name, None)
+        return kind if len(found) == 1 else ("", None)
     except (LogError, OSError):
         return None
 
@@ -146,26 +162,14 @@ def read_numbered(folder: Path, name: str, on_error: str = "raise") -> Log:
     return read_in_order(numbered(folder), name, on_error)
 
 
-def _same(layout: Layout, path: Path) -> Layout:
-    """The layout of another file."""
-    return layout
-
-
 def read_in_order(files: Sequence[Path], name: str, on_error: str = "raise") -> Log:
-    """Read a scan a file, with the columns and units of the first; times that do not go on go."""
-    from .._formats import recognise
-
-    scans, assumed, read = list[LaserScan](), tuple[str, ...](), None
-    reading = Reading(files[0].parent, on_error)
+    """Read a scan a file, with the columns of the first; times that do not go on are left out."""
+    reading, forms = Reading(files[0].parent, on_error), map(_form_of, files)
+    form = next((form for form in forms if form is not None), HokuyoText)
+    scans, assumed = list[LaserScan](), tuple[str, ...]()
     for path in files:
         try:
-            if read is None:
-                form = recognise(path)
-                layout = form.claims(path) if isinstance(form, Binary) else None
-                read = (
-                    reader_of(partial(_same, layout)) if isinstance(layout, Layout) else form.read
-                )
-            found = read(path, name, on_error)
+            found = _read_by(form, path, name, on_error)
         except LogError as fault:
             reading.damaged(fault)
         else:
@@ -173,10 +177,6 @@ def read_in_order(files: Sequence[Path], name: str, on_error: str = "raise") -> 
             reading.skipped = merged_skipped(reading.skipped, found.skipped)
     if not scans:
         raise LogError(files[0].parent, f"holds no scan; {reading.skipped.reason}")
-    stamps = [epoch_in(path.name) for path in files]
-    if all(stamps) and len(stamps) == len(scans) and all(np.isnan(scan.time) for scan in scans):
-        scans = [replace(s, time=float(t)) for s, t in zip(scans, stamps, strict=True)]
-        assumed = (*assumed, "times are those in the files' names, since 1970")
     times = np.array([scan.time for scan in scans])
     if np.isfinite(times).all() and (np.diff(times) <= 0).any():
         scans = [replace(scan, time=np.nan) for scan in scans]

@@ -9,7 +9,7 @@ be left out. So may `max_range`, one number or `(k,)`, the `sensor_pose` on the 
 `track` of the odometry, `(m, 4)`, and `order_known`, these are as in `LaserScan` and `Log`. Scans
 that are shorter than the longest have so many `beams`, `(k,)`, at the front of their row. Metres,
 radians counter-clockwise, seconds. A range that is not finite or not positive is no measurement.
-Other arrays are left out; nothing is unpickled.
+Other arrays are left out and told; nothing is unpickled.
 
 Assumed: without `sensor_pose` the laser sits at the robot's centre. What another reader `assumed`
 of a log that segmap wrote is kept, an array of texts.
@@ -31,8 +31,13 @@ from ...progress import each
 from ...scans import NOTHING_SKIPPED, LaserScan, Log
 from .._lines import LATEST_TIME_S, LogError
 from .._raw_scans import known, known_truth, place_of
+from .._text import Binary
 
 NEEDED = ("ranges", "angles")
+KNOWN = {
+    *NEEDED, "odometry", "truth", "times", "max_range", "sensor_pose", "codes", "delays", "track",
+    "order_known", "beams", "assumed", "format",
+}  # fmt: skip
 #: Byte of a zip file that holds the length of the first name.
 NAME_LENGTH_OFFSET = 26
 #: Byte at which the first name begins.
@@ -62,6 +67,9 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
         return log_from_arrays(name, held)
     except ValueError as fault:
         raise LogError(path, str(fault)) from fault
+
+
+ARRAYS = Binary("NPZ", claims, read)
 
 
 def log_from_arrays(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
@@ -100,6 +108,8 @@ def log_from_arrays(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
     assumed = list(map(str, np.ravel(held.get("assumed", ())).tolist()))
     if "sensor_pose" not in held and {"odometry", "truth"} & set(held):
         assumed.append(place_of(np.zeros(3)))
+    if others := sorted({*held} - KNOWN):
+        assumed.append(f"left out: {', '.join(map(shown, others))[:80]}")
     said = held.get("track"), ordered, (), assumed
     return Log(name, scans, known_truth(truth), NOTHING_SKIPPED, *said)
 

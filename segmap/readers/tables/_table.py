@@ -1,309 +1,335 @@
-"""Tables with a line a beam, whatever program wrote them: one reader for all.
+"""Tables whose columns are declared: a beam a row, or a scan a row.
 
-    angle_deg,range_mm,quality,time_s,scan             a head, anywhere in the first lines
-    S  theta: 12.34 Dist: 01234.00 Q: 47               names in each line: RPLidar's `ultra_simple`
-    stamp(ns):1234,angle:12.34,distance(mm):1234,...   LD06, LD19
-    AngleInDegrees,DistInMM,Intensity,ErrorCodeHEX     Neato and XV-11, a head before each turn
-    #RPLIDAR SCAN DATA                                 SLAMTEC's programs
-    True    15    12.34    1234.0                      the Python package rplidar
-    [(15, 12.34, 1234.0), ...]                         its scans, one a line
-    0.35,1.234                                         columns that the numbers tell
+Rows of one scan number are one scan, wherever they stand. Where nothing says which rows are one
+scan, it ends where the angle wraps, or where a sweep turns back. A range of 0 or below, and a word
+for nothing, is no measurement.
 
-Fields lie between commas, semicolons, tabs or white space, or two of these, with decimal points or
-commas; a unit may stand behind each number, `90 deg, 1.25 m`. A scan ends where its number, its
-head or a time that lasts for a turn says so, or where the angle wraps or turns back; its time is
-that of its first beam, and unknown without a column of it. Times are numbers, ISO 8601 or the time
-of day. Angles are counter-clockwise unless their name, their program or the caller says otherwise.
-A range of 0 and an empty one are no measurement, `inf` is a beam that met nothing. Columns nobody
-needs are left out. There is no odometry and no truth.
-
-Assumed: beams are counter-clockwise, a scan ends where the angle wraps, and units, where the file
-does not say them; without a head also which column is what.
+Assumed: angles are counter-clockwise where no name says `cw`; a robot's laser sits at its centre.
 """
 
 from __future__ import annotations
 
+import csv
+import io
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
-from typing import cast
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...arrays import Array, brief, checked
+from ...arrays import LIMIT, Array, checked
 from ...scans import LaserScan, Log
 from .._lines import (
+    LATEST_TIME_S,
+    MOST_DIRECTION_RAD,
+    NOT_MEASURED,
+    STRIPPED,
     HeadError,
     Lines,
     LogError,
     OnError,
-    direction_field,
-    distance,
-    is_number,
-    number_field,
     stem,
-    time,
 )
 from .._raw_scans import COUNTERCLOCKWISE, known, place_of
-from .._text import TextFormat
 from ..packed import log_file
-from ._columns import Columns, named
-from ._fields import (
-    LOGGED,
-    NESTED,
-    TABLE_COMMENTS,
-    TUPLE,
-    as_numbers,
-    decimal,
-    labelled,
-    moment,
-    sample,
-    split,
-    stamp_in,
-)
-from ._layout import (
-    EXAMPLE,
-    Layout,
-    as_written,
-    begin_of,
-    layout_of,
-    parted,
-    rows_below,
-    wanting,
-)
-from ._numbers import beams_in, by_beam, ends_of_turns, from_first, is_time_of_turns, parts_sensors
-from ._wide import scan_in
+from ._columns import Column, places_of
+from ._layout import COMMENTS, Layout, declared, fields_of, layout_of, said_beside
+from ._question import choices_of
 
 #: No scan has more beams.
 MOST_BEAMS_READ = 100_000
-POSE_OF_ROW = "rows without ranges are no scans: the pose of one is that of the scan behind it"
-#: A column that says who measured holds no more names.
-MOST_SENSORS = 16
-#: Nor one of words that may be such a column, and it changes between scans only.
-MOST_WORDS = 8
-#: A day, of which some clocks tell the time alone, seconds.
-DAY_S = 86400.0
-#: A line between scans.
-NEXT_SCAN = re.compile(
-    r"(?i)[a-z ]*\b(scan|frame|sweep|turn|revolution|rotation)\b[^\d]*\d*[^\d]*(\w+\s*=.*)?$"
-)
-#: A name in a record that does not end.
-CUT = "..."
-#: What an XV-11 says between its tables.
-CHATTER = ("rotation_speed", "getldsscan", "i heard a laser scan", "angle_range")
+#: No table has more bytes.
+MOST_BYTES = 1 << 30
+HALF_DAY_S = 43_200.0
+TIME_OF_DAY = r"\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?"
+ISO_DATE = r"\d{4}-\d{2}-\d{2}"
+#: Names of columns that say who measured.
+WHO = re.compile(r"(?i)(sensor|laser|lidar|robot|device|frame|topic|channel)([ _-]?(id|no|name))?")
+#: Largest value of a role, in metres, radians or seconds, and what is expected of one.
+MOST = {
+    "angle": (MOST_DIRECTION_RAD, "an angle within two turns"),
+    "time": (LATEST_TIME_S, "a time"),
+}
+#: Words of a column `new`, and of `error` where none is.
+YES = ("true", "1", "1.0", "s")
+NO_ERROR = ("", "0", "0.0", "00", "0000", "nan")
+POSE = ("pose_x", "pose_y", "pose_theta")
+#: A scan of end points may begin so much before the first one did.
+SAME_DIRECTION_RAD = np.radians(0.5)
 
 
-class Table(TextFormat):
-    """Beams in columns that are known, in the order in which they were measured.
+class Rows:
+    """The rows of a table that are whole, as columns by their places."""
 
-    A scan ends where its number changes; without numbers, where a time that lasts for a turn does,
-    or where the angle wraps or turns back. Its time is that of its first beam, where the lines have
-    any; each beam keeps its own. Scans of a clockwise sensor are turned round.
-    """
+    def __init__(self, lines: Lines, layout: Layout) -> None:
+        self.lines, self.layout = lines, layout
+        text = lines.held(MOST_BYTES).decode("utf-8-sig", "replace")
+        each = (row.strip(STRIPPED) for row in text.split("\n"))
+        numbered = list(enumerate(each, 1))
+        head = numbered[layout.line - 1][1] if layout.line else ""
+        rows = [
+            (number, row)
+            for number, row in numbered[layout.line :]
+            if row and row != head and not row.startswith(COMMENTS)
+        ]
+        whole = list(self._matched(rows) if layout.pattern else self._counted(rows))
+        self.numbers = np.array([number for number, _ in whole], int)
+        self.columns = self._parsed([row for _, row in whole])
+        self.good = np.ones(len(whole), bool)
 
-    expected = "lines of angle and range"
+    def _matched(self, rows: Iterable[tuple[int, str]]) -> Iterator[tuple[int, str]]:
+        """The parts of lines that hold a beam, between commas."""
+        mark, pattern = re.compile(self.layout.mark), re.compile(self.layout.pattern)
+        for number, row in rows:
+            if match := pattern.search(row):
+                yield number, ",".join(part or "" for part in match.groups())
+            elif mark.search(row):
+                wanted = ",".join(self.layout.names)
+                self._damaged(number, f"expected a beam, {wanted}, got {row[:40]!r}")
 
-    def __init__(self, lines: Lines, layout: Layout, clockwise: bool) -> None:
-        super().__init__(lines)
-        self.layout, self.clockwise = layout, clockwise or bool(layout.columns.clockwise)
-        counted = not (clockwise or layout.beams) and layout.columns.clockwise is None
-        self.assumed = (*layout.told, *(COUNTERCLOCKWISE,) * counted)
-        self.columns = layout.columns.by_role
-        places = [column.place for column in self.columns.values()]
-        beams = layout.beams.ranges if layout.beams else ()
-        self.last = max([*places, *(beams[:1] if layout.beams and layout.beams.goes_on else beams)])
-        self.turns, self.head, self.clock, self.stamp = 0, [""], np.nan, ""
-        self.between: tuple[str, ...] = ()
-        self.pose = [np.nan] * 3
-        self.places = {*places, *beams, *(layout.beams.directions if layout.beams else ())}
-        self.apart: dict[int, list[int]] | None = None
-        self.words: dict[int, dict[str, tuple[int, str]]] = {}
+    def _counted(self, rows: Sequence[tuple[int, str]]) -> Iterator[tuple[int, str]]:
+        """The rows with as many fields as most of the first have."""
+        mark, wide = self.layout.separator, len(self.layout.kinds)
+        for number, row in rows:
+            if mark and '"' in row:
+                count = len(fields_of(row, mark)) if row.count('"') % 2 == 0 else 0
+            else:
+                count = row.count(mark) + 1 if mark else len(row.split())
+            if count == wide:
+                yield number, row
+            else:
+                self._damaged(number, f"expected {wide} fields, got {count}")
 
-    def _take(self, fields: list[str]) -> None:
-        (line,) = fields
+    def _parsed(self, rows: Sequence[str]) -> Any:
+        import pandas as pd
+
         layout = self.layout
-        if "time" not in self.columns and LOGGED.match(line):
-            self.stamp = stamp_in(line)
-        if layout.labels:
-            beams = [said for said in labelled(line) if {*layout.labels} <= {*said}]
-            for said in beams:
-                self._row([said[label] for label in layout.labels])
-            if not beams and "time" not in self.columns:
-                self.stamp = stamp_in(line) or self.stamp
-            names = [re.escape(label.split()[0]) for label in layout.labels]
-            if not beams and any(re.search(rf"{name}[\"']?\s*[:=]", line) for name in names):
-                wanted = ", ".join(f"{label}:" for label in layout.labels)
-                raise ValueError(f"expected a beam with {wanted}, got {line[:60]!r}")
-        elif layout.nested:
-            if NESTED.search(line):
-                self.turns += 1
-                for each in TUPLE.findall(line):
-                    self._row(split(each, ","))
-                if line.count("[") + line.count("(") != line.count("]") + line.count(")"):
-                    raise ValueError(f"its brackets are not closed: {line[-40:]!r}")
-        else:
-            found = split(line, layout.separator)
-            above = self.lines.number <= layout.line
-            if above or found == self.head or NEXT_SCAN.match(" ".join(found)):
-                self.head = found if above and not is_number(found[0]) else self.head
-                self.turns += bool(self.scans)
-                if "time" not in self.columns:
-                    self.stamp = stamp_in(line) or self.stamp
-                if "=" in line and not (above or self.between):
-                    self.between = (f"lines between scans are left out, such as {line[:60]!r}",)
-            elif not found or not found[0].lower().startswith(CHATTER):
-                self._row(found)
+        wide = len(layout.names if layout.pattern else layout.kinds)
+        if wide < len(layout.names):
+            what = f"{len(layout.names)} columns are named, but its rows have {wide} fields"
+            raise HeadError(self.lines.path, what)
+        if not rows:
+            raise self.lines.no_scan(f"rows of {','.join(layout.names)}")
+        return pd.read_csv(
+            io.StringIO("\n".join(rows)), header=None, names=range(wide), index_col=False,
+            sep="," if layout.pattern else layout.separator or r"\s+", decimal=layout.decimal,
+            skipinitialspace=True, low_memory=False,
+            quoting=csv.QUOTE_MINIMAL if any('"' in row for row in rows) else csv.QUOTE_NONE,
+        )  # fmt: skip
 
-    def take_record(self, said: Mapping[str, str]) -> None:
-        """Take in the values of a record by their names."""
-        places = [*(column.place for column in self.columns.values())]
-        places += self.layout.beams.ranges if self.layout.beams else ()
-        wanted = [self.layout.labels[k] for k in places]
-        if CUT in said:
-            raise ValueError("the file is cut off in it")
-        if missing := [name for name in wanted if name not in said]:
-            raise ValueError(f"{missing[0]} is not said")
-        self._row([said.get(label, "") for label in self.layout.labels])
+    def _damaged(self, number: int, fault: str) -> None:
+        self.lines.damaged(LogError(self.lines.path, fault, number))
 
-    def _row(self, fields: list[str]) -> None:
-        if len(fields) <= self.last:
-            raise ValueError(f"expected {self.last + 1} columns or more, got {len(fields)}")
-        thousands = self.layout.thousands
-        texts = {role: fields[column.place] for role, column in self.columns.items()}
-        said = {role: decimal(text, thousands=thousands) for role, text in texts.items()}
-        factors = {role: column.factor or 1.0 for role, column in self.columns.items()}
-        for role, column in self.columns.items():
-            if column.measured and texts[role][-1:].isdigit() and float(said[role]):
-                raise ValueError(f"expected a unit behind {texts[role]!r}, as others have")
-        when, pose = self._moment(said, factors), [np.nan] * 3
-        apart = "pose_" * ("pose_x" in said)
-        roles = ("heading", f"{apart}x", f"{apart}y")
-        if self.layout.beams and not any(texts.get(role) for role in roles):
-            pose = self.pose
-        elif {*roles} <= {*said} and (self.layout.beams or apart or "angle" in said):
-            pose = [number_field(said[role], role, factors[role]) for role in roles]
-        if self.layout.beams:
-            if not any(fields[k] for k in self.layout.beams.ranges):  # of another topic
-                self.pose, self.between = pose, (POSE_OF_ROW,)
-                return
-            heading, x, y = pose
-            found = scan_in(fields, self.layout.beams)
-            self.scans.append(replace(found, time=when, odometry=known(np.array([x, y, heading]))))
-            self._note_words(fields)
-            return
-        if {"angle", "range"} <= {*said}:
-            angle = direction_field(said["angle"], factors["angle"])
-            far = distance(said["range"], factors["range"])
-        else:
-            x, y = (number_field(said[role], role, factors[role]) for role in ("x", "y"))
-            angle, far = float(np.arctan2(y, x)), float(np.hypot(x, y)) or np.nan
-        if "error" in said and said["error"].strip("0") not in ("", "x", "X", "."):
-            far = np.nan
-        if "new" in said:
-            self.turns += said["new"].lower() in ("true", "1", "1.0", "s")
-        turn = float(self.turns)
-        number = number_field(said["scan"], "the scan") if "scan" in said else turn
-        self.scans.append((angle, far, when, number, *pose))
-        self._note_words(fields)
+    def texts(self, place: int) -> Any:
+        """A column as words in lower case."""
+        texts = self.columns[place].astype(str).fillna("").str.strip().str.strip("'").str.lower()
+        return texts.str.replace(",", ".") if self.layout.decimal == "," else texts
 
-    def _note_words(self, fields: Sequence[str]) -> None:
-        """Keep what each other column says of a beam or scan, while it says few things."""
-        if self.apart is None:
-            self.apart = {k: [] for k in range(len(fields)) if k not in self.places}
-            self.words = {k: {} for k in self.apart}
-        for k, said in [*self.apart.items()]:
-            value = fields[k].strip() if k < len(fields) else ""
-            kinds, last = self.words[k], said[-1] if said else 0
-            kind = kinds.setdefault(value.casefold(), (len(kinds), value)) if value else (last,)
-            said.append(kind[0])
-            if len(kinds) > MOST_SENSORS:
-                del self.apart[k]
+    def is_words(self, place: int) -> bool:
+        """Whether a column does not hold numbers alone."""
+        return self.columns[place].dtype.kind not in "iuf"
 
-    def _of_several(self, measured: Array) -> tuple[str, ...]:
-        """What is told of columns that may say who measured, of beams as `beams_in` has them."""
-        found, scan = [], measured[1].astype(int)
-        for k, said in (self.apart or {}).items():
-            values = [value for _, value in self.words[k].values()]
-            if len(values) < 2:
-                continue
-            names = self.layout.names
-            name = names[k] if k < len(names) else f"column {k + 1}"
-            what = f"{name!r} holds {', '.join(values[:MOST_WORDS])}"
-            alone = "records of each in a file of their own are logs"
-            split = alone if self.layout.labels else f"{parted(self.layout, k)} parts them"
-            who = np.array(said)
-            if parts_sensors(who[scan] if self.layout.beams else who, *measured):
-                raise LogError(self.lines.path, f"{what}: expected one sensor a log; {split}")
-            words = k == self.layout.columns.sensor or np.isnan(as_numbers(values[:1])).all()
-            seldom = len(values) <= MOST_WORDS and np.count_nonzero(np.diff(who)) <= scan.max(
-                initial=0
+    def numbers_of(self, place: int, column: Column) -> Array:
+        """A column in the units of segmap, NaN for nothing; rows with another word are damaged."""
+        import pandas as pd
+
+        texts = self.texts(place) if self.is_words(place) else None
+        held = self.columns[place] if texts is None else pd.to_numeric(texts, errors="coerce")
+        values = held.to_numpy(float, na_value=np.nan) * column.factor
+        most, expected = MOST.get(column.role, (LIMIT, f"a number for the {column.role}"))
+        ends = column.role in ("range", "ranges", "x", "y")
+        with np.errstate(invalid="ignore"):
+            wrong = (np.abs(values) > most) & ~(np.isinf(values) & ends)
+        if column.role in ("angle", "scan"):
+            wrong |= np.isnan(values)
+        if texts is not None:
+            wrong |= np.isnan(values) & ~texts.isin(NOT_MEASURED).to_numpy()
+        for row in np.flatnonzero(wrong & self.good).tolist():
+            got = str(self.columns[place].iloc[row])[:40]
+            self._damaged(int(self.numbers[row]), f"expected {expected}, got {got!r}")
+        self.good &= ~wrong
+        return values
+
+    def values(self, place: int, column: Column) -> Array | None:
+        """A column in the units of segmap; None of times whose unit is not said."""
+        import pandas as pd
+
+        if column.role in ("new", "error"):
+            texts = self.texts(place)
+            is_new = column.role == "new"
+            held = texts.isin(YES) if is_new else ~texts.isin(NO_ERROR)
+            return np.asarray(held, float)
+        if column.role != "time" or column.unit:
+            return self.numbers_of(place, column)
+        if not self.is_words(place):
+            return None
+        texts = self.texts(place)
+        if texts.str.fullmatch(TIME_OF_DAY).all():
+            seconds = pd.to_timedelta(texts).dt.total_seconds().to_numpy()
+            return seconds + 2 * HALF_DAY_S * np.cumsum(
+                np.diff(seconds, prepend=seconds[:1]) < -HALF_DAY_S
             )
-            if words and seldom and not {"true", "false"} & {*map(str.lower, values)}:
-                told = f"{what} and is left out: if these are sensors, each has its log; {split}"
-                found.append(told)
-        return tuple(found)
+        if not texts.str.match(ISO_DATE).all():
+            return None
+        when = pd.to_datetime(texts.str.upper(), format="ISO8601", utc=True, errors="coerce")
+        return (when - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy()
 
-    def _moment(self, said: Mapping[str, str], factors: Mapping[str, float]) -> float:
-        """Seconds of a line; of times of the day those behind midnight go on."""
-        if not (text := said.get("time", "") or self.stamp):
-            return np.nan
-        if not is_number(text):
-            when = moment(text)
-            when += DAY_S if self.clock - when > DAY_S / 2 else 0.0
-        elif "time" not in said:
-            when = time(text)
+
+def read_rows(path: Path, name: str, on_error: str, layout: Layout) -> Log:
+    """The log that a table holds."""
+    if not layout.is_whole:
+        raise HeadError(path, choices_of(layout).told(path.name), layout.line or None)
+    lines = Lines(path, on_error)
+    rows, places, told = Rows(lines, layout), places_of(layout.names), list(layout.told)
+    ranges_at, ranges = places.pop("ranges", (len(layout.names), None))
+    behind = rows.columns.shape[1] - len(layout.names)  # so many more fields than names
+    held: dict[str, Array] = {}
+    for role, (k, column) in places.items():
+        place = k if k < ranges_at else k + behind
+        values = rows.values(place, column)
+        if values is None:
+            told.append(f"{layout.names[k]!r} says no unit of time and is left out")
         else:
-            parts = [role for role in ("time", "nanosec") if role in said]
-            when = sum(time(said[role], unit=factors[role]) for role in parts)
-        self.clock = when
-        return when
+            held[role] = values
+    if ranges:
+        fields = range(ranges_at, ranges_at + behind + 1)
+        held["ranges"] = np.stack([rows.numbers_of(place, ranges) for place in fields], axis=1)
+    _refuse_several(path, rows, layout)
+    used = {k for k, _ in places.values()} | {ranges_at}
+    unused = [n for k, n in enumerate(layout.names) if k not in used and n not in ("", "-")]
+    if unused:
+        told.append(f"left out: {', '.join(map(repr, unused))}")
+    if {"time", "nanosec"} <= {*held}:
+        held["time"] = held["time"] + held["nanosec"]
+    wrong = int((~rows.good).sum())
+    if wrong > len(rows.good) - wrong:
+        what = f"{wrong} of {len(rows.good)} lines are no {','.join(layout.names)}"
+        raise LogError(path, f"{what}: {lines.first.reason if lines.first else ''}")
+    held = {role: values[rows.good] for role, values in held.items()}
+    scans = _a_scan_a_row(held, layout) if ranges else _a_beam_a_row(path, held, layout, told)
+    if any(scan.odometry is not None for scan in scans):
+        told.append(place_of(np.zeros(3)))
+    return Log(name, scans, None, lines.skipped, assumed=told)
 
-    def _log(self, name: str) -> Log:
-        if self.stamp:
-            self.assumed += ("times are those that stand before, or between, the beams",)
-        if self.layout.beams:
-            told = (*self.assumed, *self.between, *self._of_several(by_beam(self.scans)))
-            return Log(name, self.scans, None, self.lines.skipped, assumed=told)
-        table = np.array(self.scans)
-        if self.stamp and np.ptp(table[:, 2]) == 0:  # one for all tells nothing
-            table[:, 2], self.assumed = np.nan, self.assumed[:-1]
-        if not {"angle", "range"} <= {*self.columns}:  # points: a turn ends where it began
-            table[:, 0] = from_first(table[:, 0])
-        self.assumed += self.between
-        if self.turns or {"scan", "new"} & {*self.columns}:
-            ends = np.flatnonzero(np.diff(table[:, 3])).tolist()
-        elif is_time_of_turns(table[:, 2], table[:, 0]):
-            ends = np.flatnonzero(np.diff(table[:, 2])).tolist()
-            self.assumed += ("a scan ends where its time does",)
-        else:  # nothing numbers them
-            ends, how = ends_of_turns(table[:, 0])
-            self.assumed += (f"a scan ends where the angle {how}",) * bool(ends)
-        parts = np.split(table, [end + 1 for end in ends])
-        self.assumed += self._of_several(beams_in(parts))
-        if max(map(len, parts)) > MOST_BEAMS_READ:
-            raise self.lines.error(
-                f"expected at most {MOST_BEAMS_READ} beams in a scan: where does one end?"
+
+def _refuse_several(path: Path, rows: Rows, layout: Layout) -> None:
+    """A column of the file itself that says that several sensors measured ends the reading."""
+    for place, name in enumerate(layout.names):
+        if WHO.fullmatch(name) and (values := [*dict.fromkeys(rows.columns[place])])[1:]:
+            said = ", ".join(map(str, values[:3]))
+            rows_of = f"pandas.read_csv(path, sep={layout.separator!r}, skiprows={layout.line - 1})"
+            raise HeadError(
+                path,
+                f"{name!r} holds {said}: expected one sensor a log; [part.to_csv(f'part{{k}}.csv', "
+                f"index=False) for k, (_, part) in enumerate({rows_of}.groupby({name!r}), 1)] "
+                "parts them",
             )
-        if np.isfinite(table[0, 4]):
-            self.assumed += (place_of(np.zeros(3)),)
-        scans = [self._scan(part) for part in parts]
-        return Log(name, scans, None, self.lines.skipped, assumed=self.assumed)
-
-    def _scan(self, part: Array) -> LaserScan:
-        heading, x, y = part[0, 4:]
-        angles, ranges, times = part[:, :3].T
-        time, delays = times[0], None
-        if self.clockwise:
-            angles, ranges, times = -angles[::-1], ranges[::-1], times[::-1]
-        if np.ptp(times) > 0:  # neither unknown nor one time for all
-            time, delays = times.min(), times - times.min()
-        return LaserScan(ranges, angles, time, known(np.array([x, y, heading])), delays=delays)
 
 
-def reader_of(layout: Callable[[Path], Layout | None]) -> Callable[[Path, str, str], Log]:
-    """What reads a file that is written as `layout` tells."""
-    return lambda path, name, on_error: _read_table(path, name, on_error, layout(path))
+def _a_scan_a_row(held: Mapping[str, Array], layout: Layout) -> list[LaserScan]:
+    assert layout.view is not None
+    ranges = held["ranges"]
+    angles = np.radians(np.linspace(*layout.view, ranges.shape[1]))
+    if angles[0] > angles[-1]:
+        angles, ranges = angles[::-1], ranges[:, ::-1]
+    times = held.get("time", np.full(len(ranges), np.nan))
+    return [
+        LaserScan(np.where(far > 0, far, np.nan), angles, when, _pose(held, k))
+        for k, (far, when) in enumerate(zip(ranges, times, strict=True))
+    ]
+
+
+def _pose(held: Mapping[str, Array], row: int) -> Array | None:
+    pose = [held[role][row] for role in POSE if role in held]
+    return known(np.array(pose)) if len(pose) == len(POSE) else None
+
+
+def _a_beam_a_row(
+    path: Path, held: dict[str, Array], layout: Layout, told: list[str]
+) -> list[LaserScan]:
+    if "range" not in held:
+        met = np.hypot(held["x"], held["y"]) > 0  # others ended nowhere
+        held = {role: values[met] for role, values in held.items()}
+        held["range"] = np.hypot(held["x"], held["y"])
+        held["angle"] = _from_first(np.arctan2(held["y"], held["x"]))
+    is_clockwise = any(column.clockwise for _, column in places_of(layout.names).values())
+    if not is_clockwise:
+        told.append(COUNTERCLOCKWISE)
+    if "error" in held:
+        held["range"] = np.where(held["error"] > 0, np.nan, held["range"])
+    held["range"] = np.where(held["range"] > 0, held["range"], np.nan)
+    if "scan" in held:
+        held, ends = _by_number(path, held)
+    elif held.get("new", np.zeros(1)).any():
+        ends = np.flatnonzero(held["new"][1:])
+    else:
+        ends, how = ends_of_turns(held["angle"])
+        told += [f"a scan ends where the angle {how}"] * bool(len(ends))
+    times = held.get("time", np.full(len(held["angle"]), np.nan))
+    back = np.flatnonzero(np.diff(times) < 0)
+    if len(back) > max(len(ends), 1):
+        raise LogError(
+            path, f"its times go back {len(back)} times: sort its rows by time, or name the scans"
+        )
+    scans = []
+    for begin, end in pairwise([0, *(ends + 1).tolist(), len(times)]):
+        if end - begin > MOST_BEAMS_READ:
+            what = f"expected at most {MOST_BEAMS_READ} beams in a scan, got {end - begin}"
+            raise LogError(path, f"{what}: a column `scan` or `new` says where one ends")
+        way = (
+            slice(end - 1, begin - 1 if begin else None, -1) if is_clockwise else slice(begin, end)
+        )
+        angles, ranges, when = (held.get(role, times)[way] for role in ("angle", "range", "time"))
+        first = float(np.min(when))
+        delays = when - first if np.ptp(when) > 0 else None
+        turned = -angles if is_clockwise else angles
+        scans.append(LaserScan(ranges, turned, first, _pose(held, begin), delays=delays))
+    return scans
+
+
+def _by_number(path: Path, held: Mapping[str, Array]) -> tuple[dict[str, Array], NDArray[np.int64]]:
+    """The beams with those of one scan together, in the order of the file, and where scans end."""
+    number = held["scan"]
+    steps = np.flatnonzero(np.diff(number))
+    if len(steps) + 1 == len(np.unique(number)):
+        return dict(held), steps
+    order = np.argsort(number, kind="stable")
+    beams = np.unique(np.stack([number, held["angle"]]), axis=1)
+    if beams.shape[1] < len(number):
+        what = "scan numbers come back, with directions that their scans have already"
+        raise LogError(path, f"{what}: expected the rows of one recording")
+    found = {role: values[order] for role, values in held.items()}
+    return found, np.flatnonzero(np.diff(found["scan"]))
+
+
+def _from_first(angles: Array) -> Array:
+    """Angles of points in their order, that wrap where the first of them lies."""
+    steps = np.diff(np.unwrap(angles))
+    onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
+    first = angles[:1] - onwards * SAME_DIRECTION_RAD
+    return np.asarray(first + onwards * np.mod(onwards * (angles - first), 2 * np.pi))
+
+
+def ends_of_turns(angles: Array) -> tuple[NDArray[np.int64], str]:
+    """Last beams of turns, or of sweeps to and fro, by their places, and what tells them."""
+    steps = np.diff(angles)
+    onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
+    wraps = np.flatnonzero(-onwards * steps > min(np.ptp(angles) / 2, np.pi))
+    if len(wraps):
+        return wraps, "wraps"
+    aside = angles - (angles.max() + angles.min()) / 2
+    outer = np.flatnonzero(np.abs(aside) > np.ptp(angles) / 4)
+    visits = np.split(outer, np.flatnonzero(np.diff(np.sign(aside[outer]))) + 1)
+    ends = [int(v[np.abs(aside[v]).argmax()]) for v in visits[1:-1]]
+    return np.array(ends, int), "turns back"
+
+
+def read_declared(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a table by what it says of its columns."""
+    return read_rows(path, name, on_error, layout_of(path))
 
 
 @checked
@@ -311,31 +337,22 @@ def read_csv(
     path: str | Path,
     *,
     columns: str | Sequence[str] | None = None,
-    clockwise: bool = False,
+    view: Sequence[float] | None = None,
     on_error: OnError = "raise",
 ) -> Log:
-    """Read a table with a beam a line, whose columns the caller names.
-
-    Fields lie between commas, semicolons, tabs or white space. A scan ends where the column `scan`
-    changes or, without one, where a time that lasts for a turn does, or the angle wraps or turns.
+    """Read a table whose columns the caller names.
 
     Parameters
     ----------
     columns : list of str, or one str with commas
-        Names of the columns from the left, with units: `angle_deg` or `angle_rad`, `range_m`,
-        `range_cm`, `range_mm`, `range_ft` or `range_in`; where the file has them `time_s`,
-        `time_ms`, `time_us` or `time_ns`, and `scan`; any other name for a column to leave out.
-        Instead of the header's, where the file has one. None takes what `read` does.
-    clockwise : bool
-        Whether angles grow clockwise, seen from above, as those of most cheap sensors do. Scans are
-        turned round then.
+        From the left, with units: `angle_deg`, `range_mm`, `time_s`, `scan`, `-` for one to leave
+        out; all names stand at the top of `readers/tables/_columns.py`. None takes what the file,
+        or `NAME.toml` beside it, says.
+    view : two numbers, degrees
+        Of a scan a row, `ranges_m`: where its first and its last range point, counter-clockwise
+        from straight ahead.
     on_error : "raise" or "skip"
         As in `read`.
-
-    Raises
-    ------
-    LogError
-        As in `read`, and where nothing says columns or units.
 
     Examples
     --------
@@ -347,54 +364,10 @@ def read_csv(
     >>> log, log[1].ranges
     (Log('mine', 2 scans, no odometry, no truth), array([1.51, 2.01, 0.9 ]))
     """
-    names = columns.split(",") if isinstance(columns, str) else columns
-    if names is not None:
-        if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
-            raise ValueError(
-                f"columns must be a list of names, such as {EXAMPLE}, got {brief(columns)}"
-            )
-        if fault := _unsaid(found := named(names)):
-            raise ValueError(f"columns must name angle and range with units: {fault}")
-    from ._messages import log_of_records, records_of  # which read by this module
-
     with log_file(path) as place:
-        if names and (records := records_of(place)):
-            return log_of_records(records, place, stem(place), on_error, names, clockwise)
-        if names is None:
-            return _read_table(place, stem(place), on_error, stated(place), clockwise)
-        separator, line = begin_of(place)
-        layout = as_written(Layout(separator, line, tuple(names), found), sample(place))
-        log = _read_table(place, stem(place), on_error, layout, clockwise)
-        if (left := log.skipped).lines > (rows := sum(map(len, log))):
-            count, chosen = left.lines + rows, ",".join(names)
-            raise LogError(place, f"{left.lines} of {count} lines are no {chosen}: {left.reason}")
-        return log
-
-
-def _unsaid(found: Columns) -> str:
-    """What names of a caller do not say; empty where they say all."""
-    if found.twice:
-        return found.twice
-    for role in ("x", "y") if "x" in found.by_role else ("angle", "range"):
-        if role not in found.by_role:
-            return f"no column is the {role}, such as {EXAMPLE}"
-        if found.by_role[role].factor is None:
-            return f"the unit of {found.by_role[role].name!r} is not said, such as {EXAMPLE}"
-    return ""
-
-
-def stated(path: Path) -> Layout:
-    """What a file says of its columns: must be enough."""
-    found = layout_of(path)
-    if found is None:
-        raise LogError(path, f"no header names angle and range: name the columns, {EXAMPLE}")
-    if fault := wanting(found, rows_below(found, sample(path))):
-        raise HeadError(path, fault, found.line)
-    return found
-
-
-def _read_table(
-    path: Path, name: str, on_error: str, layout: Layout | None, clockwise: bool = False
-) -> Log:
-    lines = Lines(path, on_error, "\n", TABLE_COMMENTS)
-    return Table(lines, cast(Layout, layout), clockwise).walked()._log(name)
+        if columns is not None:
+            layout = declared(place, columns, view)
+        else:
+            layout = said_beside(Path(path)) or layout_of(place)
+            layout = layout._replace(view=layout.view if view is None else (view[0], view[1]))
+        return read_rows(place, stem(place), on_error, layout)

@@ -1,16 +1,15 @@
 """Poses of a robot with their times, in a file of their own: odometry or truth of any log.
 
+    time_s,x_m,y_m,theta_rad                  a head that names them with units, or `columns`
     t x y z qx qy qz qw                       TUM
-    t, x, y, theta                            with or without a head
-    t, x, y, theta, 9 covariances             Rawseeds, the truth
-    t, counter, ticks, ticks, x, y, theta     Rawseeds, ODOMETRY_XYT.csv
-    #timestamp [ns], p_x [m], p_y [m], ..., q_w [], q_x [], ...      a head that names them
-
     %time,field.header.stamp,field.pose.pose.position.x,...          rostopic echo -p of an Odometry
+    __time,/odom/pose/pose/position/x,...                            PlotJuggler, bagpy alike
     sec,nanosec,odom,base_link,x,y,z,qx,qy,qz,qw,...                 ros2 topic echo --csv of one
+    t, x, y, theta, 9 covariances             GROUNDTRUTH.csv of Rawseeds
+    t, counter, ticks, ticks, x, y, theta     ODOMETRY_XYT.csv of Rawseeds
 
-Metres, radians and seconds where no name says another unit; times since 1970 may be in any, and may
-be texts. Headings that span more than a turn, and jump, are degrees.
+Names of columns are those of `_columns`; `x_m`, `y_m` and `theta_rad` are the robot's here, and
+`qx`, `qy`, `qz`, `qw` the parts of a quaternion.
 
 Assumed: poses are the robot's.
 """
@@ -20,9 +19,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,183 +27,156 @@ from ... import arrays
 from ...arrays import Array, checked
 from ...poses import interpolate
 from ...scans import Log
-from .._lines import Lines, LogError, OnError, float_fields, is_number, pose_fields, time
+from .._lines import HeadError, Lines, LogError, OnError
 from .._mounting import in_space, level
 from .._raw_scans import Track, known, known_truth
 from ..packed import log_file
-from ._columns import SINCE_1970, named
-from ._fields import decimal, moment, sample, separator_of, split
+from ._columns import Column, meaning
+from ._layout import Layout, declared, said_beside, written
+from ._messages import clock_of
+from ._question import choices_of
+from ._table import Rows
 
-#: Where time, x, y and heading, or a quaternion x, y, z, w, stand in lines of so many fields.
-POSE_LINES = {4: (0, 1, 2, 3), 7: (0, 1, 2, 6), 8: (0, 1, 2, 4, 5, 6, 7), 13: (0, 1, 2, 3)}
-#: The same of the odometry of Rawseeds, whose first columns are whole numbers.
-TICKS_LINE = (0, 4, 5, 6)
-#: The same of what `ros2 topic echo --csv` writes of an Odometry: seconds, nanoseconds, two frames.
-ODOMETRY_LINE = (0, 4, 5, 7, 8, 9, 10)
-#: A part of a quaternion, and whose it is.
-QUATERNION = re.compile(r"(.*[._/ ])?(?:q|quat\w*|orientation|rotation)(?:[._/].*)?[._/]?([xyzw])")
-#: Of poses of KITTI, and of x, y, theta alone.
-NO_TIMES = ": poses without times, a first column of them is needed"
-#: So many lines are looked at for a head.
-POSE_HEAD_LINES = 20
-#: Numbers beyond this tell nothing.
-MOST_TOLD = 1e20
-#: Columns of a pose that is none of the robot's.
-OTHER_POSES = re.compile("twist|linear|angular|vel|covariance|target|goal|cmd|desired|set")
+#: What a name means of a file of poses.
+OF_POSES = {"x": "pose_x", "y": "pose_y", "angle": "pose_theta"}
+QUATERNION = ("qx", "qy", "qz", "qw")
+TUM = ("time_s", "x_m", "y_m", "-", *QUATERNION)
+RAWSEEDS_POSES = {
+    "GROUNDTRUTH": ("time_s", "x_m", "y_m", "theta_rad", *["-"] * 9),
+    "ODOMETRY_XYT": ("time_s", "-", "-", "-", "x_m", "y_m", "theta_rad"),
+}
+ROS2 = ("time_s", "nanosec", "-", "-", "x_m", "y_m", "-", *QUATERNION)
+#: Columns of a pose as messages of ROS name them; a twist and a covariance have others.
+OF_ROS = re.compile(r"(?:.*[./])?pose[./](position|orientation)[./]([xyzw])")
 #: True poses farther apart than this, in usual steps, say nothing between; nor in seconds.
 LONGEST_TRUTH_GAP_STEPS = 3
 LONGEST_TRUTH_GAP_S = 1.0
 
 
-class PoseLine(NamedTuple):
-    """Where in a line time, x, y, and the heading or a quaternion stand; the line of the head."""
-
-    separator: str | None
-    places: tuple[int, ...]
-    line: int = 0
-    factors: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)  #: what makes seconds, metres and radians
-    length: int = 0  #: how many fields, where no head says what they are
-    told: tuple[str, ...] = ()
-
-
-def pose_line_of(path: Path) -> PoseLine:
-    """How a file of poses is written: by its head, or by how many fields most lines have."""
-    lines = [(k, text) for k, text in sample(path) if text.strip("#, ")]
-    rows = [text for _, text in lines if not text.startswith("#")]
-    separator = separator_of(rows)
-    table = [[*map(decimal, split(text, separator))] for text in rows]
-    for (number, text), (_, below) in pairwise([*lines[:POSE_HEAD_LINES], (0, "")]):
-        mark = separator_of([text]) or separator
-        names, units = split(text.lstrip("# "), mark), split(below, mark)
-        if len(units) == len(names) and not any(is_number(decimal(unit)) for unit in units):
-            names = [f"{name} {unit}" for name, unit in zip(names, units, strict=True)]
-            number += 1
-        if found := _by_names(names, path):
-            places, factors = zip(*found, strict=True)
-            return _with_pose_units(PoseLine(separator, places, number), factors, table)
-    counts = [len(row) for row in table]
-    count = max(set(counts), key=counts.count, default=0)
-    first = [row for row in table if len(row) == count]
-    if count > max(POSE_LINES) and not any(is_number(field) for field in first[0][2:4]):
-        return PoseLine(separator, ODOMETRY_LINE, length=count)
-    if count not in POSE_LINES:
-        count = 13
-    places = POSE_LINES[count]
-    if count == 7 and all(is_number(f) and float(f) % 1 == 0 for row in first for f in row[1:4]):
-        places = TICKS_LINE
-    return _with_pose_units(PoseLine(separator, places, length=count), (None, 1, 1, None), table)
-
-
-def _with_pose_units(
-    form: PoseLine, factors: Sequence[float | None], table: Sequence[Sequence[str]]
-) -> PoseLine:
-    """What is said of units, and else what the numbers tell: times since 1970, degrees."""
-    told, used = [], [factor or 1.0 for factor in factors]
-    rows = [row for row in table if len(row) > max(form.places)]
-    columns = ([float(r[k]) for r in rows if is_number(r[k])] for k in form.places)
-    when, *_, turn = ([v for v in column if abs(v) <= MOST_TOLD] for column in columns)
-    if factors[0] is None and when:
-        used[0] = next((f for least, f in SINCE_1970 if least <= min(when)), 1.0)
-    is_open = len(factors) == 4 and factors[3] is None and bool(turn)
-    if is_open and np.ptp(turn) > 2 * np.pi + 0.1 and not _is_unwrapped(turn):
-        used[3] = np.pi / 180
-        told.append("headings are in degrees, since they span more than 2 pi and jump")
-    return form._replace(factors=tuple(used), told=tuple(told))
-
-
-def _is_unwrapped(turn: Sequence[float]) -> bool:
-    """Whether headings in radians count turns: then they never jump, and go on by little."""
-    return bool(np.abs(np.diff(turn)).max(initial=0.0) < 1.0)
-
-
-def _by_names(names: Sequence[str], path: Path) -> list[tuple[int, float | None]] | None:
-    """Places and units of time, x, y and heading, or a quaternion, by a head; None of another."""
-    held: dict[str, dict[str, tuple[int, float | None]]] = {}
+def pose_columns(names: Sequence[str]) -> dict[str, tuple[int, Column]]:
+    """Columns of a file of poses by their roles; the first of a kind counts."""
+    found: dict[str, tuple[int, Column]] = {}
     for place, name in enumerate(names):
-        role, whose, factor = _pose_role(name.strip().lower())
-        if role and not OTHER_POSES.search(whose):
-            held.setdefault(role, {}).setdefault(whose, (place, factor))
-    turned = ("heading",) if "heading" in held else ("qx", "qy", "qz", "qw")
-    if not {"time", "x", "y", *turned} <= {*held}:
-        return None
-    poses = [whose for whose in held["x"] if whose in held["y"]]
-    if len(poses) != 1 and "" not in poses:
-        said = ", ".join(f"{whose}x" for whose in held["x"])
-        raise LogError(path, f"its head names several poses ({said}): expected those of one")
-    whose = "" if "" in poses else poses[0]
-    clock = next(iter(held["time"].values()))
-    if names[0] == "%time" and (stamps := [n for n in names if n.endswith("header.stamp")]):
-        clock = names.index(stamps[0]), clock[1]
-    return [
-        clock, held["x"][whose], held["y"][whose],
-        *(held[role].get(whose, next(iter(held[role].values()))) for role in turned),
-    ]  # fmt: skip
+        if column := meaning(name):
+            role = OF_POSES.get(column.role, column.role)
+            if role in found:
+                raise ValueError(
+                    f"{names[found[role][0]]!r} and {name!r} both say that they are the {role}"
+                )
+            found[role] = place, column._replace(role=role)
+    return found
 
 
-def _pose_role(name: str) -> tuple[str, str, float | None]:
-    """What a column is, what stands before that, and its unit: by its last words."""
-    if found := QUATERNION.fullmatch(re.split(r"\s*[\[(]", name, maxsplit=1)[0]):
-        return f"q{found[2]}", found[1] or "", None
-    name = re.sub(r"(?<![a-z])(p|t|pos)(?=[xy](?![a-z]))", "", name)  # px, tx
-    for begin in (0, *(found.end() for found in re.finditer(r"[._/ ]", name))):
-        for role, column in named([name[begin:]]).by_role.items():
-            return {"angle": "heading"}.get(role, role), name[:begin], column.factor
-    return "", "", None
+def missing_of_poses(names: Sequence[str]) -> str:
+    """What names do not say of poses; empty where they say all."""
+    try:
+        found = pose_columns(names)
+    except ValueError as fault:
+        return str(fault)
+    turn = ("pose_theta",) if "pose_theta" in found or "qw" not in found else QUATERNION
+    roles = ("time", "pose_x", "pose_y", *turn)
+    if absent := [role for role in roles if role not in found]:
+        return f"no name says which column is {absent[0]}"
+    open_ = [names[found[role][0]] for role in roles[1:] if not found[role][1].is_whole]
+    return f"the unit of {' and '.join(map(repr, open_))} is not said" if open_ else ""
 
 
-def track_in(path: Path, on_error: str) -> tuple[Track, Lines]:
+def pose_layout_of(path: Path) -> Layout:
+    """How a file of poses is written: by its name, its head, or as TUM and ROS 2 have it."""
+    layout = written(path)
+    for sensor, names in RAWSEEDS_POSES.items():
+        if sensor in path.name.upper() and len(layout.kinds) == len(names):
+            return layout._replace(names=names)
+    numbers = "".join("x" if is_number else "-" for is_number in layout.kinds)
+    if layout.separator is None and numbers == "x" * len(TUM):
+        return layout._replace(names=TUM)
+    if not layout.head and re.fullmatch(r"xx--x{7}x*", numbers):
+        return layout._replace(names=ROS2)
+    names = _of_ros(layout.head) if any(map(OF_ROS.fullmatch, layout.head)) else layout.head
+    return layout if missing_of_poses(names) else layout._replace(names=names)
+
+
+def _of_ros(head: Sequence[str]) -> tuple[str, ...]:
+    """What columns are of a pose that ROS wrote."""
+    names = ["-"] * len(head)
+    for place, name in enumerate(head):
+        if part := OF_ROS.fullmatch(name):
+            kind, axis = part.groups()
+            names[place] = f"q{axis}" if kind == "orientation" else f"{axis}_m"
+            names[place] = "-" if names[place] in ("z_m", "w_m") else names[place]
+    clock = clock_of(head)
+    for place, second in clock:
+        names[place] = "time_s" if second == 1 else "nanosec" if len(clock) > 1 else "time_ns"
+    return tuple(names)
+
+
+def track_in(
+    path: Path, on_error: str = "raise", layout: Layout | None = None
+) -> tuple[Track, Lines]:
     """The poses of a file, and what of it was left out."""
-    lines, track = Lines(path, on_error, "\n"), Track()
-    form = pose_line_of(path)
-
-    def pose_of(fields: list[str]) -> tuple[float, Array] | None:
-        if lines.number <= form.line:
-            return None
-        found = [*map(decimal, split(fields[0], form.separator))]
-        if len(found) <= max(form.places) or (form.length and len(found) != form.length):
-            raise ValueError(
-                f"expected 13 columns of ground truth, 7 of odometry, 4 of t, x, y, theta or 8 of "
-                f"TUM, got {len(found)}{NO_TIMES if len(found) in (3, 12) else ''}"
-            )
-        when, x, y, *turn = (found[k] for k in form.places)
-        second, metre, metre_y, *radian = form.factors
-        seconds = time(when, unit=second) if is_number(when) else moment(when)
-        if form.places == ODOMETRY_LINE:
-            seconds += time(found[1], unit=1e-9)
-        if not np.isfinite(seconds):
-            raise ValueError(f"expected a time, got {when[:40]!r}")
-        if len(turn) == 1:
-            pose = float_fields([x, y, *turn], "the pose") * (metre, metre_y, radian[0])
-            return seconds, pose_fields([*map(repr, pose.tolist())], "the pose")
-        place = float_fields([x, y], "the pose") * (metre, metre_y)
-        qx, qy, qz, qw = float_fields(turn, "the quaternion")
-        return seconds, level(in_space((*place, 0.0), (qw, qx, qy, qz)))
-
-    for pose in lines.each(pose_of):
-        if pose is not None:
-            track.add(*pose)
+    layout, lines, track = layout or pose_layout_of(path), Lines(path, on_error), Track()
+    if not layout.names:
+        raise HeadError(path, choices_of(layout, missing_of_poses(layout.head)).told(path.name))
+    rows, held = Rows(lines, layout), dict[str, Array]()
+    for role, (place, column) in pose_columns(layout.names).items():
+        values = rows.values(place, column)
+        if values is None:
+            missing = f"the unit of {layout.names[place]!r} is not said"
+            raise HeadError(path, choices_of(layout, missing).told(path.name))
+        held[role] = values
+    times = held["time"] + held.get("nanosec", 0.0)
+    for row in np.flatnonzero(rows.good & np.isfinite(times)).tolist():
+        x, y = float(held["pose_x"][row]), float(held["pose_y"][row])
+        if "pose_theta" in held:
+            track.add(float(times[row]), np.array([x, y, held["pose_theta"][row]]))
+            continue
+        qx, qy, qz, qw = (float(held[part][row]) for part in QUATERNION)
+        if not np.isfinite([x, y, qx, qy, qz, qw]).all():
+            continue
+        try:
+            track.add(float(times[row]), level(in_space((x, y, 0.0), (qw, qx, qy, qz))))
+        except ValueError as fault:
+            lines.damaged(LogError(path, str(fault), int(rows.numbers[row])))
     if not track.times:
-        raise LogError(path, "holds no pose, expected lines t, x, y, theta or t x y z qx qy qz qw")
+        raise LogError(
+            path, f"holds no pose, expected rows of {','.join(layout.names)}{lines.why()}"
+        )
     return track, lines
 
 
-@checked
-def read_trajectory(path: str | Path, *, on_error: OnError = "raise") -> tuple[Array, Array]:
-    """Read a file of poses: of TUM, of t, x, y, theta, with a head, or one of Rawseeds.
+def _layout_beside(
+    path: str | Path, place: Path, columns: str | Sequence[str] | None
+) -> Layout | None:
+    """What the caller, or a file NAME.toml beside a file of poses, says of its columns."""
+    if columns is None:
+        return said_beside(Path(path), missing_of_poses)
+    return declared(place, columns, missing=missing_of_poses)
 
-    Damage is as in `read`. Returned are times `(k,)`, ascending, and poses `(k, 3)`.
+
+@checked
+def read_trajectory(
+    path: str | Path,
+    *,
+    columns: str | Sequence[str] | None = None,
+    on_error: OnError = "raise",
+) -> tuple[Array, Array]:
+    """Read a file of poses: of TUM, of ROS, of Rawseeds, or with names of its columns.
+
+    `columns` are such names from the left, as in `read_csv`: `time_s,x_m,y_m,theta_rad`. Damage is
+    as in `read`. Returned are times `(k,)`, ascending, and poses `(k, 3)`.
 
     Examples
     --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "GROUNDTRUTH.csv"
-    ...     _ = path.write_text("10.5, 1, 2, 0.5" + ", 0" * 9)
-    ...     read_trajectory(path)
-    (array([10.5]), array([[1. , 2. , 0.5]]))
+    ...     path = Path(folder) / "it.csv"
+    ...     _ = path.write_text("time_s,x_m,y_m,theta_deg\\n10.5,1,2,90\\n11.5,1,2,0\\n")
+    ...     times, poses = read_trajectory(path)
+    >>> times, poses[0].round(2)
+    (array([10.5, 11.5]), array([1.  , 2.  , 1.57]))
     """
     with log_file(path) as place:
-        return track_in(place, on_error)[0].ordered()
+        return track_in(place, on_error, _layout_beside(path, place, columns))[0].ordered()
 
 
 @checked
@@ -242,18 +212,14 @@ def with_trajectories(
     scans, right, assumed = list(log), log.truth, list(log.assumed)
     track, causes, times = log.track, list(log.causes), log.times
     if "odometry" in files:
-        odometry_track, told = _track_of(files["odometry"], log)
-        met = odometry_track.met(times)
-        assumed += told
+        met = _track_of(files["odometry"], log).met(times)
         pairs = zip(log, met.times.tolist(), met.poses, strict=True)
         scans = [replace(scan, time=when, odometry=known(pose)) for scan, when, pose in pairs]
         dense = len(met.track) > len(scans) or np.isnan(met.poses).any()
         track, times = met.track if dense else None, met.times
         causes += met.causes
     if "truth" in files:
-        true_track, told = _track_of(files["truth"], log)
-        known_times, poses = true_track.ordered()
-        assumed += told
+        known_times, poses = _track_of(files["truth"], log).ordered()
         usual = float(np.median(np.diff(known_times))) if len(known_times) > 1 else 0.0
         gap = max(LONGEST_TRUTH_GAP_S, LONGEST_TRUTH_GAP_STEPS * usual)
         right = known_truth(interpolate(known_times, poses, times, max_gap=gap))
@@ -261,10 +227,10 @@ def with_trajectories(
     return Log(log.name, scans, right, log.skipped, track, log.order_known, causes, assumed)
 
 
-def _track_of(path: Path, log: Log) -> tuple[Track, tuple[str, ...]]:
-    """The poses of a file, some of which lie within the time of the scans; and what is assumed."""
+def _track_of(path: Path, log: Log) -> Track:
+    """The poses of a file, some of which lie within the time of the scans."""
     with log_file(path) as place:
-        found, _ = track_in(place, "raise")
+        found, _ = track_in(place, layout=_layout_beside(path, place, None))
         scans = log.times[np.isfinite(log.times)]
         if not len(scans):
             raise LogError(place, "cannot be used: the scans of the log have no times")
@@ -275,4 +241,4 @@ def _track_of(path: Path, log: Log) -> tuple[Track, tuple[str, ...]]:
                 f"its poses are from {first:.3f} to {last:.3f} s, and the scans from "
                 f"{scans.min():.3f} to {scans.max():.3f} s: it has another clock",
             )
-        return found, pose_line_of(place).told
+        return found

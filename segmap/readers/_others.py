@@ -1,0 +1,103 @@
+"""Files that segmap does not read: what they are, and what opens them in Python."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+#: First bytes of files that others read -> what they are, and what makes a table of them.
+OTHER_FILES = {
+    b"MATLAB 5.0": "of MATLAB: numpy.savez('it.npz', **scipy.io.loadmat(path, squeeze_me=True)) "
+    "keeps its arrays, of which `ranges` and `angles` make a log",
+    b"MATLAB 7.3": "of MATLAB 7.3: save it there with '-v7', which scipy.io.loadmat reads",
+    b"%PDF-": "of PDF, a document: what it shows of a log is no log",
+    b"PAR1": "of Parquet: pandas.read_parquet(path).to_csv('it.csv', index=False) makes a table",
+    b"\x89HDF\r\n": "of HDF5: numpy.savez('it.npz', **{k: v[()] for k, v in "
+    "h5py.File(path).items()}) keeps its arrays, of which `ranges` and `angles` make a log; "
+    "pandas.read_hdf reads what pandas wrote",
+    b"\xd4\xc3\xb2\xa1": "of packets of a network: the sensor's own program makes scans of them",
+    b"\n\r\r\n": "of packets of a network: the sensor's own program makes scans of them",
+    b"\xed\xa1\xda\x01": "of events of LCM: lcm.EventLog gives its messages",
+    b"\xdb\x01\xf5[{\x1f\x1d{": "of Cartographer: the bag that it was made of holds the scans, "
+    "cartographer_pbstream_to_ros_map writes its map",
+    b"\x80\x04\x95": "of Python, pickled, which may run anything: numpy.savez writes arrays",
+}
+#: The same of bytes, of which three lines make a table or a record.
+OPENED_FILES = {
+    b"\x93NUMPY": (
+        "an array of numpy's",
+        "import numpy\n"
+        "array = numpy.load({name!r})\n"
+        "numpy.savetxt({name!r} + '.csv', array.reshape(-1, array.shape[-1]), delimiter=',')",
+    ),
+    b"\x54\x2c": (
+        "packets of an LD06 or LD19",
+        "import numpy\n"
+        "beam = [('range_mm', '<u2'), ('quality', 'u1')]\n"
+        "packets = numpy.fromfile({name!r}, [('head', 'u2'), ('speed', '<u2'), ('first', '<u2'), "
+        "('beams', beam, 12), ('last', '<u2'), ('time_ms', '<u2'), ('sum', 'u1')])",
+    ),
+}
+#: Kinds of text, and three lines that open them.
+JSON_WHOLE = "import json\nwith open({name!r}) as file:\n    records = json.load(file)"
+JSON_LINES = (
+    "import json\nwith open({name!r}) as file:\n    records = [json.loads(line) for line in file]"
+)
+YAML = "import yaml\nwith open({name!r}) as file:\n    records = list(yaml.safe_load_all(file))"
+LISTS = (
+    "import ast\nwith open({name!r}) as file:\n"
+    "    scans = [ast.literal_eval(line[line.index('['):]) for line in file if '[(' in line]"
+)
+WORDS = (
+    "import pathlib, re; path = pathlib.Path({name!r})\n"
+    r"rows = [re.findall(r'-?\d+(?:\.\d+)?', line) for line in path.read_text().splitlines()]"
+    "\npathlib.Path({name!r} + '.csv').write_text('\\n'.join(map(','.join, rows)))"
+)
+#: So many lines with two numbers and more are a table with words in it.
+NUMBERS_SHARE = 0.5
+
+
+def other_file(path: Path) -> str:
+    """What a file is that its first bytes tell, and what opens it; empty of others."""
+    with path.open("rb") as file:
+        front = file.read(20)
+    words = next((words for begin, words in OTHER_FILES.items() if front.startswith(begin)), "")
+    opened = [each for begin, each in OPENED_FILES.items() if front.startswith(begin)]
+    return _opened(*opened[0], path.name) if opened else f"is a file {words}" if words else ""
+
+
+def other_text(name: str, lines: Sequence[str]) -> str:
+    """What a text is that is no table, and what opens it; empty of others."""
+    first = lines[0].strip()
+    if "[(" in first or (lines[1:] and "[(" in lines[1]):
+        return _opened("lists of Python, printed", LISTS, name)
+    if first[0] in "[{":
+        is_lines = len(lines) > 1 and _is_json(first)
+        return _opened("JSON", JSON_LINES if is_lines else JSON_WHOLE, name)
+    if re.fullmatch(r"---|\w+:|- \w+:.*", first):
+        return _opened("YAML", YAML, name)
+    return ""
+
+
+def worded_numbers(name: str, lines: Sequence[str]) -> str:
+    """What opens a text with several numbers in most lines, and words; empty of others."""
+    first = lines[0].strip()
+    numbers = sum(len(re.findall(r"\d+", line)) > 1 for line in lines)
+    if re.search("[A-Za-z]{2}", first) and numbers > NUMBERS_SHARE * len(lines):
+        return _opened("numbers between words", WORDS, name)
+    return ""
+
+
+def _is_json(text: str) -> bool:
+    try:
+        json.loads(text)
+    except (ValueError, RecursionError):
+        return False
+    return True
+
+
+def _opened(what: str, code: str, name: str) -> str:
+    indented = code.replace("{name!r}", repr(name)).replace("\n", "\n    ")
+    return f"is of no known format: it is {what}, which these lines open:\n    {indented}"

@@ -1,0 +1,355 @@
+"""Tables by what their columns declare, programs that many use, and what is asked for."""
+
+import json
+import os
+import re
+
+import numpy as np
+import pandas
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from log_samples import ENCODINGS, text
+from programs import program
+from table_samples import BEAMS, CLOCK, DECLARED, FAR, PROGRAMS, TURN, lines, wide
+
+import segmap
+from segmap import LogError, readers
+from segmap.readers import UnknownFormat, column_choices, read_csv
+
+main = program("segmap")
+#: So many tables are drawn; `make fuzz` draws 5 000.
+DRAWN = int(os.environ.get("SEGMAP_TABLES", "100"))
+#: Names of a column, each with how many of its unit are a degree, a metre or a second.
+ANGLES = {"angle_deg": 1, "Theta (rad)": np.pi / 180, "AngleInDegrees": 1, "bearing[deg]": 1}
+RANGES = {
+    "range_mm": 1e3, "dist_cm": 100, "Distance (m)": 1, "range [in]": 1 / 0.0254,
+    "r.ft": 1 / 0.3048,
+}  # fmt: skip
+TIMES = {"time_s": 1, "t_ms": 1e3, "Timestamp[ns]": 1e9, "stamp (us)": 1e6}
+SEPARATORS = {",": ".", ";": ".,", "\t": ".,", "|": ".,", " ": ".,"}
+
+
+def assert_same(log, clockwise=False, times=None):
+    assert len(log) == 3 and not log.skipped
+    for scan in log:
+        turned = np.degrees(scan.angles) * (-1 if clockwise else 1)
+        order = np.argsort(turned % 359.99)
+        assert np.sort(turned % 359.99) == pytest.approx(TURN, abs=0.02)
+        assert scan.ranges[order] == pytest.approx(FAR, abs=2e-3)
+    assert log.times == pytest.approx(np.full(3, np.nan) if times is None else times, nan_ok=True)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("tables")
+
+
+@st.composite
+def tables(draw):
+    """The text of a table whose head says all."""
+    mark = draw(st.sampled_from(sorted(SEPARATORS)))
+    point = draw(st.sampled_from(SEPARATORS[mark]))
+    angle, far, when = (draw(st.sampled_from(sorted(names))) for names in (ANGLES, RANGES, TIMES))
+    order = draw(st.permutations(range(4)))
+    quote = draw(st.sampled_from(["", '"'])) if mark == "," else ""
+    names = [f"{quote}{name}{quote}" for name in (angle, far, when, "quality")]
+    first = draw(
+        st.sampled_from(["", "# in the lab\n\n", f"sep={mark}\n" if mark in ",;" else "# "])
+    )
+    rows = [(a * ANGLES[angle], r * RANGES[far], 0.2 * k * TIMES[when], 9) for k, a, r in BEAMS]
+    body = (mark.join(f"{row[k]:.6f}" for k in order).replace(".", point) for row in rows)
+    head = mark.join(names[k].replace(" ", "" if mark == " " else " ") for k in order)
+    return f"{first}{head}\n" + text(body)
+
+
+@given(tables(), st.sampled_from(["plain", *ENCODINGS]))
+@settings(max_examples=DRAWN, deadline=None)
+def test_all_ways_to_write_a_table_give_one_log(folder, table, encoding):
+    """Catches a separator, a mark, a unit or an order that only one of the columns understands."""
+    (folder / "it.csv").write_bytes(ENCODINGS.get(encoding, str.encode)(table))
+    log = readers.read(folder / "it.csv")
+    assert_same(log, times=0.2 * np.arange(3))
+    assert "left out: 'quality'" in log.assumed and "beams counter-clockwise" in log.assumed
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_what_programs_state_is_read(tmp_path, name):
+    """Catches a program that is refused, mirrored, or whose reach and times are passed over."""
+    content, clockwise, timed = PROGRAMS[name]
+    (path := tmp_path / "it.txt").write_text(content)
+    log = readers.read(path)
+    assert_same(log, clockwise, CLOCK if timed else None)
+    if "angle_min" in content or "ros2" in name:
+        assert log[0].max_range == 12 and not log.assumed
+        path.write_text(
+            content.replace("2.630", "12.5").replace("2.63", "12.5").replace("2.210", "0.01")
+        )
+        assert np.isposinf(readers.read(path)[0].ranges).sum() == 1
+
+
+@pytest.mark.parametrize("name", DECLARED)
+def test_what_is_declared_is_read_by_call_by_command_and_by_a_file_beside_it(
+    tmp_path, name, capsys
+):
+    """Catches a way to name columns that reads them otherwise, and a pose that is passed over."""
+    content, how = DECLARED[name]
+    (path := tmp_path / "it.txt").write_text(content)
+    log, times = read_csv(path, **how), CLOCK if name == "dates" else CLOCK - CLOCK[0]
+    assert_same(log, times=times if "time" in how["columns"] else None)
+    if "pose" in name:
+        poses = np.column_stack([range(3), [0.5] * 3, [0.1] * 3])
+        assert log.odometry == pytest.approx(poses)
+    view = ["--view", *map(str, how["view"])] if "view" in how else []
+    assert main(["info", str(path), "--columns", how["columns"], *view, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["scans"]["scans"] == 3
+    said = {key: list(v) if isinstance(v, tuple) else v for key, v in how.items()}
+    path.with_name("it.txt.toml").write_text(text(f"{k} = {v!r}" for k, v in said.items()))
+    assert readers.format_of(path) == "table"
+    assert [scan.ranges.tolist() for scan in readers.read(path)] == [s.ranges.tolist() for s in log]
+
+
+#: What a file says too little of, what is asked, and the answer.
+ASKED = {
+    "units": (
+        "scan,angle,distance\n" + lines(lambda k, a, r: f"{k},{a},{100 * r:.0f}"),
+        "the unit of 'angle' and 'distance' is not said",
+        "scan,angle_deg|angle_rad,range_mm|range_cm|range_m", "scan,angle_deg,range_cm"),
+    "nobody's": (
+        "angle,distance,intensity\n" + lines(lambda k, a, r: f"{a},{1000 * r:.0f},9"),
+        "the unit of 'angle' and 'distance' is not said",
+        "angle_deg|angle_rad,range_mm|range_cm|range_m,-", "angle_deg,range_mm,-"),
+    "one name": (
+        "weather;Abstand;angle_deg\n" + lines(lambda k, a, r: f"rain;{r};{a}"),
+        "no name says which column is the range",
+        "-,range_mm|range_cm|range_m|-,angle_deg", "-,range_m,angle_deg"),
+    "x without a unit": (
+        "x;y;scan\n" + lines(lambda k, a, r: (
+            f"{r * np.cos(np.radians(a)):.5f};{r * np.sin(np.radians(a)):.5f};{k}")),
+        "the unit of 'x' and 'y' is not said", "x_mm|x_cm|x_m,y_mm|y_cm|y_m,scan", "x_m,y_m,scan"),
+    "two of a kind": (
+        "theta,bearing,range_m\n" + lines(lambda k, a, r: f"7,{a},{r}"),
+        "'theta' and 'bearing' both say that they are the angle",
+        "angle_deg|angle_rad|pose_theta_deg|pose_theta_rad|-,"
+        "angle_deg|angle_rad|pose_theta_deg|pose_theta_rad|-,range_m", "-,angle_deg,range_m"),
+    "a scan a row": (
+        wide(["t", "x", "y", "theta", *(f"r{k}" for k in range(12))],
+             lambda k: [f"{0.2 * k:.1f}", str(k), "0.5", "7.1"]),
+        "the unit of 't', 'x', 'y', 'theta', 'ranges' is not said and where the first and the last",
+        "time_s|time_ms|time_us|time_ns|-,pose_x_mm|pose_x_cm|pose_x_m|-,"
+        "pose_y_mm|pose_y_cm|pose_y_m|-,pose_theta_deg|pose_theta_rad|-,ranges_mm|ranges_cm|ranges_m",
+        "time_s,pose_x_m,pose_y_m,pose_theta_rad,ranges_m"),
+    "a class at the end": (
+        wide([], lambda k: [], end=["wall"]) , "whether the numbers of a row are ranges",
+        "ranges_mm|ranges_cm|ranges_m,-", "ranges_m,-"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ASKED)
+def test_what_is_not_said_is_asked_for_and_the_answer_reads_the_file(tmp_path, monkeypatch, name):
+    """Catches a guess, advice of other columns or that runs unchosen, and words without rows."""
+    content, missing, wanted, answer = ASKED[name]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "it.csv").write_text(content)
+    with pytest.raises(LogError) as caught:
+        readers.read("it.csv")
+    reason = caught.value.reason
+    rows = [row for row in content.splitlines()[-36:] if re.search(r"\d\W", row)]
+    assert missing in reason and "\n    " in reason
+    assert f"--columns '{wanted}'" in reason and f"columns='{wanted}'" in reason
+    assert column_choices("it.csv").columns == wanted
+    assert rows[1].replace(";", ",")[:40] in reason
+    with pytest.raises(ValueError, match="choose one of"):
+        read_csv("it.csv", columns=wanted)
+    view = (0, 330) if "--view" in reason else None
+    log = read_csv("it.csv", columns=answer, view=view)
+    assert len(log) == 3 and log[1].ranges == pytest.approx(FAR, abs=1e-2)
+
+
+@pytest.mark.parametrize("head", [
+    "angle_mil,distance_mm", "angle_deg,distance_yd", "angle_deg,range_left_mm", "a,b",
+    "angle_0.1deg,distance_mm", "time_s,range_mm", "angle_deg,angle_rad",
+])  # fmt: skip
+def test_words_that_are_not_known_are_asked_for(tmp_path, head):
+    """Catches mils read as degrees, yards as metres, or a beam without a direction."""
+    (tmp_path / "it.csv").write_text(f"{head}\n" + lines(lambda k, a, r: f"{a},{1000 * r:.0f}"))
+    with pytest.raises(LogError, match="choose one"):
+        readers.read(tmp_path / "it.csv")
+
+
+def test_rows_of_one_scan_are_one_wherever_they_stand(tmp_path):
+    """Catches 12 scans of 3 beams where a spreadsheet sorted by angle, and two runs joined."""
+    path, head = tmp_path / "it.csv", "scan,time_s,angle_deg,range_mm\n"
+    rows = sorted(((k, 0.2 * k, a, 1000 * r) for k, a, r in BEAMS), key=lambda row: row[2])
+    path.write_text(head + text(",".join(map(str, row)) for row in rows))
+    assert_same(readers.read(path), times=CLOCK - CLOCK[0])
+    path.write_text(head + 2 * text(",".join(map(str, row)) for row in rows))
+    with pytest.raises(LogError, match="scan numbers come back, with directions"):
+        readers.read(path)
+    path.write_text("time_s,angle_deg,range_mm\n" + text(",".join(map(str, r[1:])) for r in rows))
+    with pytest.raises(LogError, match="times go back 11 times: sort its rows by time"):
+        readers.read(path)
+
+
+@pytest.mark.parametrize(
+    ("angles", "lengths"),
+    [
+        ([350, 10, 30, 355, 5], [1, 3, 1]),
+        ([0, 120, 240, 0, 120, 240], [3, 3]),
+        ([240, 120, 0, 240, 120, 0], [3, 3]),
+        ([-135, 0, 135, -135, 0, 135], [3, 3]),
+        ([0, 60, 120, 60, 0, 60, 120], [3, 2, 2]),
+        ([0, 0, 3, 3, 6, 6, 9, 9, 0], [8, 1]),
+        ([0, 8, 4, 8], [4]),  # back by half of them, and no more
+        ([7], [1]),
+    ],
+)
+def test_a_scan_ends_where_the_angle_wraps_or_turns_back(tmp_path, angles, lengths):
+    """Catches a cut at every step back, and sweeps to and fro that are one scan."""
+    (path := tmp_path / "it.csv").write_text(text(f"{angle},1" for angle in angles))
+    assert [len(scan) for scan in read_csv(path, columns="angle_deg,range_m")] == lengths
+
+
+def test_each_beam_keeps_its_time_and_clockwise_beams_are_turned_round(tmp_path):
+    """Catches the mirror image of a room, and delays in the order of the file."""
+    path = tmp_path / "it.csv"
+    path.write_text("time_ms,angle_deg_cw,range_m\n5,0,1\n6,90,2\n7,180,3\n")
+    (scan,) = readers.read(path)
+    assert scan.points()[1] == pytest.approx([0, -2]) and scan.time == pytest.approx(0.005)
+    assert scan.delays == pytest.approx([0.002, 0.001, 0])
+    clockwise = read_csv(path.with_name("it.csv"), columns="-,ranges_m", view=(90, -90))
+    assert np.degrees(clockwise[0].angles) == pytest.approx([-90, 90])
+    assert clockwise[0].ranges.tolist() == [1, 0] or clockwise[0].ranges[0] == 1
+
+
+def test_a_clock_goes_on_at_midnight_and_one_without_a_unit_is_left_out(tmp_path):
+    """Catches scans a day apart, and a column that nobody needs and that ends the reading."""
+    path = tmp_path / "it.csv"
+    clocks = ("23:59:59.8", "00:00:00.0", "00:00:00.2")
+    path.write_text("time,angle_deg,range_m\n" + lines(lambda k, a, r: f"{clocks[k]},{a},{r:.3f}"))
+    assert_same(readers.read(path), times=86399.8 + CLOCK - CLOCK[0])
+    for clock in ("7", "13/09/2020"):
+        path.write_text(
+            "t,angle_deg,dist_mm\n" + lines(lambda k, a, r, c=clock: f"{c},{a},{1000 * r}")
+        )
+        log = readers.read(path)
+        assert_same(log)
+        assert "'t' says no unit of time and is left out" in log.assumed
+
+
+def test_damage_is_told_with_its_line_or_left_out(tmp_path):
+    """Catches words that become walls, nothing measured that ends the reading, and a lost line."""
+    (path := tmp_path / "it.csv").write_text(
+        "# lab\nangle_deg,range_mm,error\n0,1500,0\n10,,0\n20,-,0\n30,oops,0\n40,0,0\n50,900,8035\n"
+        "60,inf,0\n70,#NUM!,0\n80,1\n"
+    )
+    with pytest.raises(LogError, match="line 11: expected 3 fields, got 2"):
+        readers.read(path)
+    path.write_text(path.read_text().removesuffix("80,1\n"))
+    with pytest.raises(LogError, match="line 6: expected a number for the range, got 'oops'"):
+        readers.read(path)
+    log = readers.read(path, on_error="skip")
+    assert log.skipped.lines == 1 and len(log[0]) == 7
+    assert log[0].valid.tolist() == [True] + [False] * 6 and np.isposinf(log[0].ranges[-2])
+    path.write_text("a,b\n" + lines(lambda k, a, r: f"{250 * r:.0f},{a}"))
+    with pytest.raises(LogError, match="of 36 lines are no angle_deg,range_mm"):
+        read_csv(path, columns="angle_deg,range_mm", on_error="skip")
+
+
+def test_a_program_that_was_cut_off_is_damaged_where_it_is(tmp_path):
+    """Catches a line of a known program with half a beam, which is passed over."""
+    content = PROGRAMS["ultra_simple"][0].splitlines()
+    content[4] = content[4][:20]
+    (path := tmp_path / "it.txt").write_text(text(content))
+    with pytest.raises(LogError, match="line 5: expected a beam"):
+        readers.read(path)
+    assert len(readers.read(path, on_error="skip")[0]) == 11
+
+
+def test_beams_that_an_xv11_marks_are_no_walls(tmp_path):
+    """Catches an error code in hexadecimal that is not known as one: a wall 16 m away."""
+    content = PROGRAMS["xv11"][0].replace("60,2210,15,0", "60,16384,0,80A5")
+    (tmp_path / "it.txt").write_text(content)
+    for scan in readers.read(tmp_path / "it.txt"):
+        assert np.flatnonzero(~scan.valid).tolist() == [2]
+
+
+@pytest.mark.parametrize("name", ["sensor", "robot_id", "Lidar-No", "topic"])
+def test_several_sensors_that_a_column_names_are_parted_by_the_advice(tmp_path, monkeypatch, name):
+    """Catches two lasers whose scans become one, and advice that does not run."""
+    monkeypatch.chdir(tmp_path)
+    rows = (f"{who},{a},{r + who}" for _ in range(3) for who in (0, 1)
+            for a, r in zip(TURN, FAR, strict=True))  # fmt: skip
+    (tmp_path / "it.csv").write_text(text([f"{name},angle_deg,range_m", *rows]))
+    with pytest.raises(LogError, match=f"'{name}' holds 0, 1") as caught:
+        readers.read("it.csv")
+    advice = caught.value.reason.partition("; ")[2].removesuffix(" parts them")
+    exec(advice, {"pandas": pandas, "path": "it.csv"})
+    assert readers.read("part2.csv")[2].ranges == pytest.approx(FAR + 1)
+
+
+def test_what_ros_shortened_is_told_with_the_option(tmp_path):
+    """Catches a scan of the first beams alone."""
+    content = PROGRAMS["ros2 --csv"][0].replace(",2.210,", ",'...',", 1)
+    (tmp_path / "it.csv").write_text(content.replace("'...'", "..."))
+    with pytest.raises(LogError, match="ros2 topic echo --full-length"):
+        readers.read(tmp_path / "it.csv")
+
+
+#: What is no table, and what its three lines give.
+OTHERS = {
+    "JSON": (json.dumps([{"angle": a, "range": r} for _, a, r in BEAMS], indent=1), "records"),
+    "JSON a line": (lines(lambda k, a, r: json.dumps({"angle": a, "range": r})), "records"),
+    "YAML": (lines(lambda k, a, r: f"- angle: {a}\n  range: {r:.2f}"), "records"),
+    "lists of Python": (
+        text(str([(15, float(a), float(r)) for _, a, r in BEAMS]) for _ in "123"), "scans"),
+    "numbers between words": (lines(lambda k, a, r: f"Angle: {a:.0f}, Dist: {r:.2f} m"), "rows"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_what_is_no_table_is_opened_by_three_lines(tmp_path, monkeypatch, name):
+    """Catches advice that nobody has run."""
+    monkeypatch.chdir(tmp_path)
+    content, variable = OTHERS[name]
+    (tmp_path / "it.txt").write_text(content)
+    with pytest.raises(UnknownFormat, match="which these lines open") as caught:
+        readers.read("it.txt")
+    code = [line[4:] for line in caught.value.reason.splitlines()[1:4]]
+    held: dict[str, object] = {}
+    exec("\n".join(code), held)
+    assert len(held[variable]) in (1, 3, 36)
+    if variable == "rows":
+        assert len(read_csv("it.txt.csv", columns="angle_deg,range_m")) == 3
+
+
+def test_a_log_of_words_stays_one_whatever_its_head(tmp_path):
+    """Catches a comment with the names of columns that makes a table of a CARMEN log."""
+    from log_samples import CARMEN
+
+    (tmp_path / "it.log").write_text("# angle_deg range_mm\n" + CARMEN)
+    assert readers.format_of(tmp_path / "it.log") == "CARMEN"
+
+
+@pytest.mark.parametrize("kind", ["csv", "npz"])
+def test_numbered_files_with_a_scan_each_are_one_log(tmp_path, kind, capsys):
+    """Catches as many logs as there are scans, and 10 before 2."""
+    (folder := tmp_path / "walk").mkdir()
+    for k in (1, 2, 10):
+        far = FAR + 0.01 * k
+        if kind == "npz":
+            np.savez(folder / f"scan_{k}.npz", ranges=far, angles=np.radians(TURN))
+        else:
+            beams = (f"{a},{r:.3f}" for a, r in zip(TURN, far, strict=True))
+            (folder / f"scan_{k}.csv").write_text(text(["angle_deg,range_m", *beams]))
+    log = readers.read(folder)
+    assert [scan.ranges[0] for scan in log] == pytest.approx(FAR[0] + 0.01 * np.array([1, 2, 10]))
+    assert any("in the order of the numbers" in told for told in log.assumed)
+    assert main(["info", str(folder), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["scans"]["scans"] == 3
+
+
+def test_arrays_that_are_not_known_are_told(tmp_path):
+    """Catches poses beside the scans that are passed over without a word."""
+    np.savez(tmp_path / "it.npz", ranges=[FAR], angles=np.radians(TURN), poses=[[1, 2, 3]])
+    assert "left out: poses" in segmap.read(tmp_path / "it.npz").assumed
