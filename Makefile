@@ -74,7 +74,7 @@ mutants: $(SETUP) $(WARM) ## plant bugs by rule and see a test fail (PACKAGE=red
 	$(RUN) tests/mutants.py $(or $(PACKAGE),reduction) $(ARGS)
 
 fuzz: $(SETUP) $(WARM) ## read 5 000 tables, 100 000 damaged files: logs, maps (MUTANTS=500 ARGS="-k carmen" for fewer)
-	SEGMAP_TABLES=5000 $(RUN) -m pytest -q -p no:nbval tests/readers/test_tables.py -k all_ways
+	SEGMAP_TABLES=5000 $(RUN) -m pytest -q -p no:nbval tests/readers/test_declared_tables.py -k all_ways
 	SEGMAP_MUTANTS=$(or $(MUTANTS),4600) $(RUN) -m pytest $(SPREAD) --dist load -m "not slow" -p no:nbval \
 		tests/readers/test_damage.py tests/quadtree/test_quadtree_files.py $(or $(ARGS),-k "damaged_ or crafted")
 

@@ -80,7 +80,7 @@ GOOD = {
     "tie.pose": PATH[3] - PATH[0], "veto.loops": 0, "angle_candidates.viewpoints": np.zeros((2, 2)),
     "write_ros_map.path": "written.yaml", "read_bag.path": "it.bag", "read_bag.scan": "/scan",
     "read_bag.odometry": "/odom", "read_bag.truth": "/odom",
-    "with_trajectories.truth": "track.tum", "first_rows.path":
+    "with_trajectories.truth": "track.tum", "column_choices.path":
     "beams.csv", "with_trajectories.odometry": "track.tum",
     "read_trajectory.path": "poses.csv", "write_segments.path":
     "written.csv", "write_arrays.path": "written.npz", "write_session.path": "written.segmap",

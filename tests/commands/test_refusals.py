@@ -9,7 +9,7 @@ import pytest
 from programs import program
 
 BEAMS = "".join(f"{20 * (k % 18)};{66.6 + 3 * (k % 18):.1f}\n" for k in range(36))
-ROS2 = "angle_min: 0.0\nangle_increment: 0.1\nranges:\n- 1.0\n- '...'\n---\n"
+ROS2 = "header:\n  frame_id: laser\nangle_min: 0.0\nranges:\n- 1.0\n- '...'\n---\n"
 #: A file of each kind of fault, and words of its refusal: what it is, and what to do.
 REFUSALS = {
     "empty.log": ("", "is empty, expected a log"),
@@ -20,18 +20,18 @@ REFUSALS = {
     "comments.txt": ("# nothing\n", "it has comments only"),
     "nounit.csv": (
         f"angle;dist\n{BEAMS}",
-        "unit of 'dist' is not said.*--columns angle_deg,range_",
+        "unit of 'angle' and 'dist' is not said.*--columns 'angle_deg.angle_rad,range_mm.range_cm",
     ),
     "norange.csv": ("angle_deg\n1\n", "no known format"),
     "numbers.txt": (
         "1;2;3\n4;5;9\n7;8;1\n",
-        "3 columns between ';'.*--columns.*segmap.readers.read_csv",
+        "no name says which column is the angle.*--columns.*segmap.readers.read_csv",
     ),
     "damaged.csv": ("angle_deg,range_mm\n1,x\n", "got 'x'.*--skip leaves damaged lines out"),
     "degrees.csv": ("angle_deg,range_mm\n9000,1\n", "an angle within two turns"),
     "short.log": ("FLASER 3 1\n", "announces 3 ranges, but 1 fields follow|holds no scan"),
-    "poses.csv": ("1,2,3,4,5,6,7\n", "holds poses and no scan: .*read_trajectory"),
-    "echo.yaml": (ROS2, "shortened: `ros2 topic echo --full-length`"),
+    "poses.csv": ("t,x,y,theta\n1,2,3,4\n", "holds poses and no scan: .*read_trajectory"),
+    "echo.yaml": (ROS2, "YAML, which these lines open:.*yaml.safe_load_all"),
     "two.zip": ("zip", "is an archive by zip: unpack it"),
     "cut.gz": (b"\x1f\x8b\x08\x00broken", "broken or cut short"),
     "cut.bag": ("bag", "is cut off.*`rosbag reindex`"),

@@ -23,9 +23,9 @@ import numpy as np
 import pytest
 from driven_panels import LOG
 from emulated import wait_for
-from log_samples import NPZ, RAWSEEDS, SINGLE_FILES
+from log_samples import HOKUYO, NPZ, RAWSEEDS, SINGLE_FILES
 from programs import program
-from table_samples import OTHERS
+from table_samples import PROGRAMS
 
 import segmap
 from segmap import Log, SegmentMap, alignment, exports, progress, readers, reduction
@@ -104,7 +104,7 @@ def place(tmp_path_factory):
 
 
 #: Texts and bytes by the name of their format, as files of any name.
-FILES = SINGLE_FILES | {name: content for name, (content, *_) in OTHERS.items()}
+FILES = SINGLE_FILES | {name: content for name, (content, *_) in PROGRAMS.items()}
 FILES["npz"] = NPZ
 
 
@@ -119,8 +119,7 @@ def laid_out(name):
         exports.write_session(path, readers.Session(log, {}))
     elif name in ("rawseeds", "numbered"):
         path.mkdir()
-        scan = OTHERS["whole degrees and metres"][0].splitlines(keepends=True)[:12]
-        numbered = {f"scan_{k}.txt": "".join(scan) for k in (1, 2, 10)}
+        numbered = {f"scan_{k}.txt": HOKUYO for k in (1, 2, 10)}
         for file, text in (RAWSEEDS if name == "rawseeds" else numbered).items():
             (path / file).write_text(text)
     else:
@@ -531,21 +530,33 @@ def test_an_uploaded_file_is_read(tmp_path, worker):
 
 
 def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
-    """Catches a table that Python alone can read, and a choice that is not the one of the page."""
+    """Catches a table that Python alone can read, one that is read unchosen, and lost choices."""
     rows = "".join(f"{0.1 * (k // 9):.1f};{20 * (k % 9)};{500 + k}\n" for k in range(27))
     made = bench()
     made._worker = worker
-    upload(made, "it.csv", rows.encode())
+    upload(made, "it.csv", b"t;angle_deg;dist\n" + rows.encode())
     table = made._source.columns
-    assert "no known format" in refused(made) and table.view.layout.display == ""
-    assert [kind.value for kind in table.kinds] == ["-", "angle_deg", "range_mm"]
-    table.kinds[0].value = "time_s"
+    assert "the unit of &#x27;dist&#x27; is not said" in refused(made)
+    assert table.view.layout.display == "" and table.read.disabled
+    assert [kind.value for kind in table.kinds] == ["choose", "angle_deg", "choose"]
+    table.kinds[0].value, table.kinds[2].value = "time_s", "range_mm"
+    assert not table.read.disabled and table.first.layout.display == "none"
     table.read.click()
     made.wait()
     assert len(made.log) == 3 and made.log.times == pytest.approx([0, 0.1, 0.2])
     assert made.log[0].ranges.max() == pytest.approx(0.508)
-    names = "columns=['time_s', 'angle_deg', 'range_mm'], clockwise=False"
-    assert made._source.expression.startswith(f"segmap.readers.read_csv('it.csv', {names}")
+    names = "columns=['time_s', 'angle_deg', 'range_mm']"
+    assert (
+        made._source.expression == f"segmap.readers.read_csv('it.csv', {names}, on_error=\"skip\")"
+    )
+    upload(made, "wide.csv", "".join(f"{k},{'1.5,' * 180}2\n" for k in range(9)).encode())
+    assert [kind.value for kind in table.kinds] == ["choose"] and table.read.disabled
+    table.kinds[0].value, table.first.value, table.last.value = "ranges_m", "-91", "90"
+    table.read.click()
+    made.wait()
+    assert len(made.log) == 9 and np.degrees(made.log[0].angles[[0, -1]]) == pytest.approx(
+        [-91, 90]
+    )
     made.bundled.value = "room"
     assert table.view.layout.display == "none"
 

@@ -48,7 +48,8 @@ PACKAGES = [
     "panels", "testing", "hokuyo", "hokuyo.emulator", "plan",
 ]  # fmt: skip
 #: What the library makes itself and hands out: nobody else has to call these.
-MADE = {"AgainstWalls", "Alignment", "Belief", "Door", "FloorPlan", "Graph", "HeadError",
+MADE = {"AgainstWalls", "Alignment", "Belief", "ColumnChoices", "Door", "FloorPlan", "Graph",
+        "HeadError",
         "LogError", "Match", "Methods", "NoRoute", "OdometryComparison", "Places", "Port",
         "Reduction", "Room", "SensorError", "SensorGone", "Squares", "Tree", "Uncertainty",
         "UnknownFormat", "Verdict", "take_points"}  # fmt: skip
@@ -117,7 +118,7 @@ def bounded(tmp_path_factory):
     bag_samples.write(folder, "ros1")
     (folder / "beams.csv").write_text("0,1\n1,2\n")
     (folder / "track.tum").write_text("-1 0 0 0 0 0 0 1\n9 1 0 0 0 0 0 1\n")
-    (folder / "poses.csv").write_text("10.5, 1, 2, 0.5" + ", 0" * 9)
+    (folder / "poses.csv").write_text("time_s,x_m,y_m,theta_rad\n10.5,1,2,0.5\n")
     TREE.save(folder / "map.npz")
     for name in ("segments.csv", "segments.npz"):
         exports.write_segments(folder / name, MAP)

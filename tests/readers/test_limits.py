@@ -104,15 +104,6 @@ def test_the_first_lines_decide_and_no_later_one(tmp_path):
     assert "Wean" in readers.format_of(path)
 
 
-def test_a_header_is_sought_in_the_first_lines(read):
-    """Catches a header in line 20, or of 4096 bytes, that is not seen, and one beyond."""
-    table = "angle_deg,range_mm{}\n1,1000\n"
-    for notes, more, fine in ((19, 0, True), (20, 0, False), (0, 4076, True), (0, 4077, False)):
-        said = "# note\n" * notes + table.format("," + "x" * more if more else "")
-        with nullcontext() if fine else pytest.raises(LogError):
-            assert len(read(said)) == 1
-
-
 @pytest.mark.parametrize("units", ["rad m s", "deg cm ms", "deg mm us", "deg mm ns"])
 def test_every_unit_of_a_table(read, units):
     factors = {"deg": 180 / np.pi, "cm": 100, "mm": 1e3, "ms": 1e3, "us": 1e6, "ns": 1e9}

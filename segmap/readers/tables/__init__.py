@@ -20,6 +20,10 @@ __all__ = [
 ]  # fmt: skip
 
 
+#: So many rows of numbers without names are a table.
+LEAST_ROWS = 3
+
+
 def is_table(path: Path) -> bool:
     """Whether a file says that it is a table, though perhaps not enough."""
     layout = layout_of(path)
@@ -44,4 +48,5 @@ def asked_of(path: Path) -> str:
     layout = layout_of(path)
     if pose_layout_of(path).names:
         return POSES_ALONE
-    return choices_of(layout).told(path.name) if layout.rows else ""
+    are_numbers = len(layout.rows) >= LEAST_ROWS and 2 * sum(layout.kinds) >= len(layout.kinds)
+    return choices_of(layout).told(path.name) if are_numbers else ""

@@ -151,7 +151,7 @@ def written(path: Path) -> Layout:
     fits = (not text.startswith(COMMENTS) and kind(text) == usual for _, text in lines)
     begin = next((k for k, is_row in enumerate(fits) if is_row), None)
     if not usual or begin is None:
-        return Layout(separator=mark)
+        return _head_alone(lines)
     first = next(k for k, (_, text) in enumerate(lines) if not text.startswith(COMMENTS))
     while (
         begin > first + 1 and len(usual) == len(above := kind(lines[begin - 1][1])) and any(above)
@@ -163,6 +163,16 @@ def written(path: Path) -> Layout:
     head = max(heads, key=lambda names: sum(map(bool, map(meaning, names))), default=())
     line = lines[begin - 1][0] if begin else 0
     return Layout((), line, mark, "," if comma else ".", head=head, kinds=usual, rows=rows)
+
+
+def _head_alone(lines: Sequence[tuple[int, str]]) -> Layout:
+    """The layout of a table with a head that says all, and no row that is whole."""
+    for number, text in lines:
+        mark = next((m for m in SEPARATORS if m in text), None)
+        head = _head(text, mark, "")
+        if not missing_in(head):
+            return Layout((), number, mark, head=head, kinds=(True,) * len(head))
+    return Layout()
 
 
 def _head(text: str, mark: str | None, row: str) -> tuple[str, ...]:
@@ -195,7 +205,10 @@ def merged(head: Sequence[str]) -> list[tuple[str, int]]:
 def said_beside(path: Path, missing: Missing = missing_in) -> Layout | None:
     """What the file NAME.toml beside a table says; None without one."""
     beside = path.parent / f"{path.name}.toml"
-    if not (path.is_file() and beside.is_file()):
+    try:
+        if not (path.is_file() and beside.is_file()):
+            return None
+    except OSError:  # a name that is too long
         return None
     try:
         return declared(path, **tomllib.loads(read_text(beside)), missing=missing)

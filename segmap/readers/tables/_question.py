@@ -88,9 +88,9 @@ def _choices(
     """What each column may be, of its name and whether it holds numbers."""
     columns = [meaning(name) for name, _ in names]
     roles = Counter(column.role for column in columns if column)
-    kinds = (("ranges",), ("angle", "range"), ("x", "y"))
-    most = max(kinds, key=lambda kind: sum(role in roles for role in kind) / len(kind))
-    needed = needed or most
+    if not needed:
+        points = sum(role in roles for role in "xy") > sum(r in roles for r in ("angle", "range"))
+        needed = ("ranges",) if "ranges" in roles else ("x", "y") if points else ("angle", "range")
     lacking = [role for role in needed if role not in roles]
     if lacking == ["angle", "range"]:
         lacking += ["x", "y", "time", "scan"]

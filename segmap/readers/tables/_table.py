@@ -139,16 +139,17 @@ class Rows:
         texts = self.texts(place) if self.is_words(place) else None
         held = self.columns[place] if texts is None else pd.to_numeric(texts, errors="coerce")
         values = held.to_numpy(float, na_value=np.nan) * column.factor
-        most, expected = MOST.get(column.role, (LIMIT, f"a number for the {column.role}"))
+        plain = f"a number for the {column.role}"
+        most, bounded = MOST.get(column.role, (LIMIT, plain))
         ends = column.role in ("range", "ranges", "x", "y")
         with np.errstate(invalid="ignore"):
-            wrong = (np.abs(values) > most) & ~(np.isinf(values) & ends)
-        if column.role in ("angle", "scan"):
-            wrong |= np.isnan(values)
+            beyond = (np.abs(values) > most) & ~(np.isinf(values) & ends)
+        wrong = beyond | (np.isnan(values) & (column.role in ("angle", "scan")))
         if texts is not None:
             wrong |= np.isnan(values) & ~texts.isin(NOT_MEASURED).to_numpy()
         for row in np.flatnonzero(wrong & self.good).tolist():
             got = str(self.columns[place].iloc[row])[:40]
+            expected = bounded if beyond[row] else plain
             self._damaged(int(self.numbers[row]), f"expected {expected}, got {got!r}")
         self.good &= ~wrong
         return values
