@@ -109,7 +109,7 @@ def test_files_that_are_no_logs(path, content, reason, on_error):
         (SICK, "1,2", "announces 2 ranges, but 0 fields follow"),
         (SICK, SICK.splitlines()[0] + ", 1", "3 fields and 181 ranges, got 185 in all"),
         (CSV, "x,1,0,0", "a number for the angle, got 'x'"),
-        (CSV, "800,1,0,0", "an angle within two turns, got '800'"),
+        (CSV, "800,1,0,0", "an angle within two turns, got '800.0'"),
         (CSV, "1", "expected 4 fields, got 1"),
         (CSV, "1,x,0,0", "a number for the range, got 'x'"),
         (RPLIDAR, "theta: 12.3", "expected a beam, new,angle_deg_cw,range_mm"),

@@ -12,7 +12,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -67,41 +67,45 @@ class Rows:
     def __init__(self, lines: Lines, layout: Layout) -> None:
         self.lines, self.layout = lines, layout
         text = lines.held(MOST_BYTES).decode("utf-8-sig", "replace")
-        each = (row.strip(STRIPPED) for row in text.split("\n"))
-        numbered = list(enumerate(each, 1))
-        head = numbered[layout.line - 1][1] if layout.line else ""
-        rows = [
-            (number, row)
-            for number, row in numbered[layout.line :]
-            if row and row != head and not row.startswith(COMMENTS)
+        self.is_quoted = '"' in text
+        each = [row.strip(STRIPPED) for row in text.split("\n")]
+        head = each[layout.line - 1] if layout.line else ""
+        places = [
+            place
+            for place in range(layout.line, len(each))
+            if (row := each[place]) and row != head and not row.startswith(COMMENTS)
         ]
-        whole = list(self._matched(rows) if layout.pattern else self._counted(rows))
-        self.numbers = np.array([number for number, _ in whole], int)
-        self.columns = self._parsed([row for _, row in whole])
-        self.good = np.ones(len(whole), bool)
+        rows = [each[place] for place in places]
+        parts = self._matched(places, rows) if layout.pattern else self._counted(places, rows)
+        self.numbers = np.array([place for place, _ in parts], int) + 1
+        self.columns = self._parsed([row for _, row in parts])
+        self.good = np.ones(len(parts), bool)
 
-    def _matched(self, rows: Iterable[tuple[int, str]]) -> Iterator[tuple[int, str]]:
+    def _matched(self, places: Sequence[int], rows: Sequence[str]) -> list[tuple[int, str]]:
         """The parts of lines that hold a beam, between commas."""
-        mark, pattern = re.compile(self.layout.mark), re.compile(self.layout.pattern)
-        for number, row in rows:
+        mark, pattern, found = re.compile(self.layout.mark), re.compile(self.layout.pattern), []
+        for place, row in zip(places, rows, strict=True):
             if match := pattern.search(row):
-                yield number, ",".join(part or "" for part in match.groups())
+                found.append((place, ",".join(part or "" for part in match.groups())))
             elif mark.search(row):
                 wanted = ",".join(self.layout.names)
-                self._damaged(number, f"expected a beam, {wanted}, got {row[:40]!r}")
+                self._damaged(place + 1, f"expected a beam, {wanted}, got {row[:40]!r}")
+        return found
 
-    def _counted(self, rows: Sequence[tuple[int, str]]) -> Iterator[tuple[int, str]]:
+    def _counted(self, places: Sequence[int], rows: Sequence[str]) -> list[tuple[int, str]]:
         """The rows with as many fields as most of the first have."""
         mark, wide = self.layout.separator, len(self.layout.kinds)
-        for number, row in rows:
-            if mark and '"' in row:
-                count = len(fields_of(row, mark)) if row.count('"') % 2 == 0 else 0
-            else:
-                count = row.count(mark) + 1 if mark else len(row.split())
-            if count == wide:
-                yield number, row
-            else:
-                self._damaged(number, f"expected {wide} fields, got {count}")
+        if mark is None:
+            counts = [len(row.split()) for row in rows]
+        elif self.is_quoted:
+            counts = [len(fields_of(row, mark)) * (row.count('"') % 2 == 0) for row in rows]
+        else:
+            counts = [row.count(mark) + 1 for row in rows]
+        for place, count in zip(places, counts, strict=True):
+            if count != wide:
+                self._damaged(place + 1, f"expected {wide} fields, got {count}")
+        triples = zip(places, rows, counts, strict=True)
+        return [(place, row) for place, row, count in triples if count == wide]
 
     def _parsed(self, rows: Sequence[str]) -> Any:
         import pandas as pd
@@ -117,7 +121,7 @@ class Rows:
             io.StringIO("\n".join(rows)), header=None, names=range(wide), index_col=False,
             sep="," if layout.pattern else layout.separator or r"\s+", decimal=layout.decimal,
             skipinitialspace=True, low_memory=False,
-            quoting=csv.QUOTE_MINIMAL if any('"' in row for row in rows) else csv.QUOTE_NONE,
+            quoting=csv.QUOTE_MINIMAL if self.is_quoted else csv.QUOTE_NONE,
         )  # fmt: skip
 
     def _damaged(self, number: int, fault: str) -> None:
