@@ -38,7 +38,7 @@ REFUSALS = {
     "cut.mcap": ("mcap", "is cut off.*`ros2 bag reindex`.*`mcap recover`"),
     "old.bag": (b"#ROSBAG V1.2\n", "Bag version 102 is not supported"),
     "noscan.bag": ("noscan", "holds no sensor_msgs/LaserScan, but the bag holds /odom"),
-    "pickle.npy": ("npy", "no array of numbers alone.*write a line for each beam"),
+    "pickle.npy": ("npy", "an array of numpy's, which these lines open:.*numpy.load"),
     "it.npz": ("npz", "expected arrays ranges and angles.*no angles"),
     "missing.log": (None, "is neither a file nor a folder|does not exist"),
 }

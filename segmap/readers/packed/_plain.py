@@ -12,8 +12,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
 
-import numpy as np
-
 from ... import arrays
 from ...files import members, shown
 from .._lines import LogError, UnknownFormat
@@ -35,8 +33,6 @@ AN_ARCHIVE_BY_TAR = "is an archive by tar: `tar -xf` unpacks it, then name the f
 A_WORKBOOK = (
     "is a workbook: save its sheet as CSV, or pandas.read_excel(path).to_csv('it.csv', index=False)"
 )
-#: First bytes of one array of numpy's.
-NPY = b"\x93NUMPY"
 #: Marks at the front of a text -> its encoding; the longer ones first.
 MARKS = {
     codecs.BOM_UTF32_LE: "utf-32",
@@ -123,8 +119,6 @@ def _unpacked(path: Path, folder: Path) -> Path:
     else:
         plain = path
     _refuse_archives(path, plain, front)
-    if front.startswith(NPY):
-        return _as_text(plain, folder)
     if encoding := _encoding(front):
         text = folder / "text"
         text.mkdir()
@@ -176,25 +170,3 @@ def _copied(source: IO[Any], target: Path, budget: Budget) -> Path:
         while part := source.read(CHUNK_BYTES):
             budget.take(file.write(part.encode("utf-8") if isinstance(part, str) else part))
     return target
-
-
-def _as_text(path: Path, folder: Path) -> Path:
-    """An array as a table: a row a line; of three dimensions a scan a line, its beams in brackets.
-
-    So scans of the package rplidar, `(k, n, 3)`, and ranges `(k, n)` are what they are as text.
-    """
-    try:
-        held = np.atleast_2d(np.load(path, allow_pickle=False))
-    except ValueError as fault:
-        words = "scans of several lengths, perhaps: write a line for each beam, or numpy.savez"
-        raise LogError(path, f"is no array of numbers alone ({fault}): {words}") from fault
-    if held.ndim > 3 or held.dtype.kind not in "iuf" or not held.size:
-        raise LogError(path, f"expected numbers, got {held.dtype} of shape {held.shape}")
-    text = folder / "text"
-    text.mkdir(exist_ok=True)
-    with (text / path.name).open("w", encoding="utf-8") as file:
-        for row in held.tolist():
-            beams = row if held.ndim == 2 else [str(tuple(beam)) for beam in row]
-            line = " ".join(map(str, beams)) if held.ndim == 2 else f"[{', '.join(beams)}]"
-            file.write(f"{line}\n")
-    return text / path.name

@@ -36,7 +36,7 @@ from .._text import Binary
 NEEDED = ("ranges", "angles")
 KNOWN = {
     *NEEDED, "odometry", "truth", "times", "max_range", "sensor_pose", "codes", "delays", "track",
-    "order_known", "beams", "assumed", "format",
+    "order_known", "beams", "assumed", "format", "session.json",
 }  # fmt: skip
 #: Byte of a zip file that holds the length of the first name.
 NAME_LENGTH_OFFSET = 26
