@@ -163,8 +163,8 @@ def bag(name: str, folder: Path, rng: random.Random) -> list[str]:
         return strict_and_lenient(place)
 
 
-def trajectory(content: bytes, folder: Path, rng: random.Random) -> list[str]:
-    path, ends = folder / "track.csv", []
+def trajectory(name: str, content: bytes, folder: Path, rng: random.Random) -> list[str]:
+    path, ends = folder / name, []
     path.write_bytes(mutated(content, rng))
     for mode in ("raise", "skip"):
         try:
@@ -238,8 +238,8 @@ def beginning(name: str) -> bytes:
 
 TARGETS: dict[str, Target] = {n: partial(log, n, data) for n, data in SAMPLES.items()}
 TARGETS |= {n: partial(log, n, t.encode()) for n, t in RAWSEEDS.items()}
-TARGETS["track"] = partial(trajectory, GROUNDTRUTH.encode())
-TARGETS["odometry"] = partial(trajectory, ODOMETRY_CSV.encode())
+TARGETS["track"] = partial(trajectory, "GROUNDTRUTH.csv", GROUNDTRUTH.encode())
+TARGETS["odometry"] = partial(trajectory, "ODOMETRY_XYT.csv", ODOMETRY_CSV.encode())
 for _name in ("segments.csv", "segments.npz"):
     TARGETS[_name] = partial(given_to, readers.read_segments, _name, ODD_MAP)
 TARGETS["graph"] = partial(given_to, readers.read_graph, "it.g2o", a_graph(3, 4, 2))

@@ -86,6 +86,7 @@ GOOD = {
     "written.csv", "write_arrays.path": "written.npz", "write_session.path": "written.segmap",
     "files": ["good.log.gz"], "session": readers.Session(LOG, {}), "read_session.path":
     "it.segmap", "settings": {"a": 1},
+    "read_csv.view": (-90.0, 90.0), "read_trajectory.columns": "time_s,x_m,y_m,theta_rad",
     "read_csv.path": "beams.csv", "read_csv.columns": "angle_rad,range_m", "read_segments.path":
     "segments.csv", "SegmentMap.load.path": "segments.npz", "write_sheet.path": "written.svg",
     "write_sheet.map": WALLS, "write_segments.map": MAP, "read_graph.path": "graph.g2o",

@@ -16,6 +16,10 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from ... import arrays
+from ...arrays import brief
 from .._lines import NOT_MEASURED, Lines, LogError, is_number
 from ..packed import read_text
 from ._columns import meaning, missing_in, named, places_of
@@ -32,6 +36,8 @@ MOST_COLUMNS = 12
 COUNTED = re.compile(r"(.*?)[\s_.\[(]*(\d+)[\])]?(.*)")
 #: What names of columns do not say, in words.
 Missing = Callable[[Sequence[str]], str]
+#: A beam points nowhere beyond two turns.
+MOST_VIEW_DEG = 720.0
 SAID_BESIDE = "expected columns = 'angle_deg,range_mm', and of a scan a row view = [-90, 90]"
 
 
@@ -223,7 +229,14 @@ def declared(
     names = named(columns)
     if fault := missing(names):
         raise ValueError(f"columns do not say enough: {fault}")
-    if view is not None:
-        first, last = view
-        view = float(first), float(last)
-    return written(path)._replace(names=names, view=view)
+    return written(path)._replace(names=names, view=checked_view(view))
+
+
+def checked_view(view: Any) -> tuple[float, float] | None:
+    """Where the first and the last range of a row point, two numbers in degrees."""
+    if view is None:
+        return None
+    ends = arrays.numbers(view, "view")
+    if ends.shape != (2,) or not (np.abs(ends) <= MOST_VIEW_DEG).all():
+        raise ValueError(f"view must be two directions in degrees, got {brief(view)}")
+    return float(ends[0]), float(ends[1])

@@ -36,7 +36,7 @@ from .._lines import (
 from .._raw_scans import COUNTERCLOCKWISE, known, place_of
 from ..packed import log_file
 from ._columns import Column, places_of
-from ._layout import COMMENTS, Layout, declared, fields_of, layout_of, said_beside
+from ._layout import COMMENTS, Layout, checked_view, declared, fields_of, layout_of, said_beside
 from ._question import choices_of
 
 #: No scan has more beams.
@@ -120,7 +120,7 @@ class Rows:
         return pd.read_csv(
             io.StringIO("\n".join(rows)), header=None, names=range(wide), index_col=False,
             sep="," if layout.pattern else layout.separator or r"\s+", decimal=layout.decimal,
-            skipinitialspace=True, low_memory=False,
+            skipinitialspace=True, low_memory=False, lineterminator="\n", skip_blank_lines=False,
             quoting=csv.QUOTE_MINIMAL if self.is_quoted else csv.QUOTE_NONE,
         )  # fmt: skip
 
@@ -374,5 +374,5 @@ def read_csv(
             layout = declared(place, columns, view)
         else:
             layout = said_beside(Path(path)) or layout_of(place)
-            layout = layout._replace(view=layout.view if view is None else (view[0], view[1]))
+            layout = layout._replace(view=checked_view(view) or layout.view)
         return read_rows(place, stem(place), on_error, layout)
