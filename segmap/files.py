@@ -9,15 +9,13 @@ import csv
 import gzip
 import html
 import io
-import itertools
 import math
 import os
-import platform
 import re
 import stat
 import sys
 import tempfile
-import time
+import uuid
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -30,11 +28,6 @@ from numpy.typing import NDArray
 
 from .progress import each
 
-try:
-    import fcntl
-except ImportError:  # Windows, where what killed writers left stays
-    fcntl = None  # type: ignore[assignment]
-
 #: A packed file may always unpack to this many bytes, ...
 LEAST_UNPACKED_BYTES = 1 << 20
 #: ... and to this many times its own: logs shrink to a third, the most regular tree to a 23rd, and
@@ -42,12 +35,6 @@ LEAST_UNPACKED_BYTES = 1 << 20
 MOST_UNPACKED_RATIO = 50
 #: How numpy packs: other ways cannot be unpacked piece by piece.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-#: Of files that this process writes: two may be begun at the same time.
-COUNT = itertools.count()
-#: This machine, in the names of files that it has begun: others may share the folder.
-HOST = re.sub(r"\W", "_", platform.node())
-#: No file takes so long to be written, seconds.
-DAY = 24 * 3600.0
 #: More bytes than the head of an array takes.
 HEAD = 256
 
@@ -145,24 +132,19 @@ def writable(path: Path) -> Path:
 def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
     """A file written beside its place, and moved there once it is complete.
 
-    A file that was there keeps its mode, and its owner where this user may give files away. What a
-    symbolic link leads to is replaced. With `sync` the disk has it all before, and what killed
-    writers left beside it is removed; a recorder has no time for that. Raises as `writable`.
+    A file that was there keeps its mode; what a symbolic link leads to is replaced. With `sync` the
+    disk has it all before; a recorder has no time for that. Raises as `writable`.
     """
     place, old = writable(path), existing(path)
-    if sync:
-        remove_orphans(place.parent)
-    part = place.with_name(f".segmap-{HOST}-{os.getpid()}-{next(COUNT)}.part")
-    mode, lock = 0o666 if old is None else 0o600, None
+    part = place.with_name(f".segmap-{uuid.uuid4().hex}.part")
     try:
-        with open(part, "wb", opener=lambda name, how: _locked(name, how, mode)) as target:
-            lock = os.dup(target.fileno()) if fcntl else None  # until the file is moved
+        with part.open("xb") as target:
+            if old is not None:
+                part.chmod(old.st_mode & 0o777)
             yield target
             target.flush()
             if sync:
                 os.fsync(target.fileno())
-        if old is not None:
-            _give(part, old)
         part.replace(place)
     except OSError as error:
         if error.errno and error.filename in (None, str(part)):
@@ -170,43 +152,6 @@ def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
         raise
     finally:
         part.unlink(missing_ok=True)
-        if lock is not None:
-            os.close(lock)
-
-
-def _locked(name: str, how: int, mode: int) -> int:
-    """Open a new file and hold its lock: nobody takes it for an orphan."""
-    while True:
-        file = os.open(name, how, mode)
-        if fcntl:
-            with suppress(OSError):  # a disk without locks, where no orphan is removed either
-                fcntl.flock(file, fcntl.LOCK_EX)
-        if not fcntl or Path(name).exists():
-            return file
-        os.close(file)  # between the two steps it was taken for one
-
-
-def remove_orphans(folder: Path) -> None:
-    """Remove files that killed writers have begun: nobody holds their locks.
-
-    Locks of another machine may not reach this one: its files must be a day old, too.
-    """
-    for path in folder.glob(".segmap-*.part"):
-        with suppress(OSError), path.open("r+b") as file:
-            ours = path.name.startswith(f".segmap-{HOST}-")
-            if fcntl and (ours or time.time() - path.stat().st_mtime > DAY):
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                path.unlink()
-
-
-def _give(part: Path, old: os.stat_result) -> None:
-    """Give a new file the owner and the mode of the old one."""
-    new = part.stat()
-    if (new.st_uid, new.st_gid) != (old.st_uid, old.st_gid):
-        for owner in (-1, old.st_uid):
-            with suppress(PermissionError):
-                os.chown(part, owner, old.st_gid)
-    part.chmod(old.st_mode & 0o777)
 
 
 def write_lines(path: Path, lines: Iterable[str]) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import arrays
 from ..arrays import LIMIT, Array, Count, checked
-from ..files import existing, remove_orphans, replacing, shown, writable
+from ..files import existing, replacing, shown, writable
 from ..scans import LaserScan
 from ..scans.error_codes import LOWEST, NOT_MEASURED_CODE, NOTHING_MET_CODE, told_in_a_text
 from ._host import one_by_one
@@ -113,7 +113,6 @@ def check_target(path: str | Path, count: int | None = None) -> Path:
             target.resolve().unlink()
     elif target.is_dir():
         writable(target / "scan")
-        remove_orphans(target)
     elif target.exists():
         said = f"{path} is a file: name a folder, or a log that ends in {CARMEN[0]}"
         raise ValueError(shown(said))

@@ -1,4 +1,4 @@
-"""What writes a file: whole or not at all, in the place that a link names, with mode and owner."""
+"""What writes a file: whole or not at all, in the place that a link names, with its mode."""
 
 import ast
 import errno
@@ -7,8 +7,6 @@ import inspect
 import os
 import re
 import stat
-import subprocess
-import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -166,29 +164,6 @@ def test_a_file_that_is_replaced_keeps_its_mode(writer, mode, tmp_path):
     assert b"older" not in (tmp_path / name).read_bytes()
 
 
-@pytest.mark.parametrize("allowed", [True, False])
-def test_a_file_that_is_replaced_keeps_its_owner_where_it_may(
-    writer, allowed, tmp_path, monkeypatch
-):
-    """Catches an export by root that the user can no longer change; else the content counts."""
-
-    def refused(*arguments):
-        raise PermissionError(1, "Operation not permitted")
-
-    if os.geteuid() != 0 and allowed:
-        pytest.skip("only root gives files away")
-    write, name = writer
-    (tmp_path / name).write_bytes(b"older")
-    if os.geteuid() == 0:
-        os.chown(tmp_path / name, 1234, 4321)
-    if not allowed:
-        monkeypatch.setattr(os, "chown", refused)
-    write(tmp_path / name)
-    found = (tmp_path / name).stat()
-    assert not allowed or (found.st_uid, found.st_gid) == (1234, 4321)
-    assert b"older" not in (tmp_path / name).read_bytes()
-
-
 @pytest.mark.parametrize("there", [True, False])
 def test_a_link_stays_and_what_it_leads_to_changes(writer, there, tmp_path):
     """Catches a link that becomes a file, while its target keeps yesterday's content."""
@@ -299,84 +274,13 @@ def test_a_packed_file_holds_no_date_and_is_never_a_bomb(size):
     assert size <= max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * len(found))
 
 
-# ---------------------------------------------------------------------------- killed and refused
-#: Begins a file and says so; what it would have written never comes.
-BEGINS = """
-import sys
-from pathlib import Path
-from segmap.files import replacing
-with replacing(Path("it.csv")) as target:
-    target.write(b"half")
-    print(sys.argv[0], flush=True)
-    sys.stdin.read()
-"""
-
-
-@pytest.fixture
-def writer_at_work(tmp_path):
-    """A process that has begun a file in the folder."""
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen([sys.executable, "-c", BEGINS], cwd=tmp_path, **pipes) as found:
-        assert found.stdout.readline()
-        yield found
-        found.kill()
-
-
-def begun(folder):
-    return sorted(path.name for path in folder.glob(".segmap-*"))
-
-
-def test_only_what_a_killed_writer_left_is_removed(writer_at_work, tmp_path):
-    """Catches `.part` files that stay for ever, and one that is taken from under a writer."""
-    living = begun(tmp_path)
-    for _ in range(2):
-        table_of_one(tmp_path / "other.csv")
-        assert begun(tmp_path) == living and len(living) == 1
-    writer_at_work.kill()
-    writer_at_work.wait()
-    assert begun(tmp_path) == living
-    table_of_one(tmp_path / "other.csv")
-    assert begun(tmp_path) == [] and not (tmp_path / "it.csv").exists()
-
-
-def test_a_writer_finishes_what_others_saw_begun(writer_at_work, tmp_path):
-    """Catches a lock that ends before the file is moved."""
-    table_of_one(tmp_path / "other.csv")
-    writer_at_work.communicate()
-    assert (tmp_path / "it.csv").read_bytes() == b"half" and begun(tmp_path) == []
-
-
-def test_an_orphan_may_bear_the_number_of_a_living_process(tmp_path):
-    """Catches a number that was given anew, files of another machine, and what is no file of ours.
-
-    Locks of another machine may not reach this one: what it began is left for a day.
-    """
-    with replacing(tmp_path / "name.csv"):
-        (name,) = begun(tmp_path)
-    ours = tmp_path / name.replace(f"-{os.getpid()}-", f"-{os.getppid()}-")
-    theirs = tmp_path / ".segmap-elsewhere-12-0.part"
-    kept = [
-        tmp_path / ".segmap-elsewhere-13-0.part",
-        tmp_path / ".segmap-notes",
-        tmp_path / "a.part",
-    ]
-    for path in (ours, theirs, *kept):
-        path.write_bytes(b"half")
-    link = tmp_path / f"{ours.stem}0.part"
-    link.symlink_to(kept[-1])
-    (folder := tmp_path / f"{ours.stem}1.part").mkdir()
-    os.utime(theirs, (0, 0))
-    table_of_one(tmp_path / "other.csv")
-    assert not ours.exists() and not theirs.exists()
-    assert all(path.exists() for path in kept) and folder.is_dir()
-
-
 def test_two_threads_that_write_leave_each_other_alone(tmp_path):
-    """Catches a file that is taken for an orphan between its beginning and its lock."""
+    """Catches one temporary name for two files."""
     with ThreadPoolExecutor(4) as workers:
         names = [tmp_path / f"{k}.csv" for k in range(200)]
         list(workers.map(table_of_one, names))
-    assert all(path.read_bytes() == b"1\n" for path in names) and begun(tmp_path) == []
+    assert all(path.read_bytes() == b"1\n" for path in names)
+    assert others(tmp_path, *(path.name for path in names)) == set()
 
 
 def table_of_one(path):

@@ -19,7 +19,7 @@ LAYERS = {
     "entry points": "__init__ __main__ _call _commands _map_pipeline _warm panels",
 }
 #: Lines of code of the core, at most: a commit that raises this says which issue grants it.
-CORE_LINES = 14_483
+CORE_LINES = 14_448
 #: A core that is so much smaller lowers the figure.
 SLACK_LINES = 150
 #: Modules of a folder, lines of a file that is read to its end.
