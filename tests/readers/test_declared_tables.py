@@ -237,6 +237,15 @@ def test_a_clock_goes_on_at_midnight_and_one_without_a_unit_is_left_out(tmp_path
         assert "'t' says no unit of time and is left out" in log.assumed
 
 
+def test_what_is_not_used_is_told(tmp_path):
+    """Catches end points, or half a pose, beside the beams that are passed over without a word."""
+    path = tmp_path / "it.csv"
+    path.write_text("x_m,y_m,angle_deg,range_m,pose_x_m\n0,1,90,1,7\n")
+    (scan,) = (log := readers.read(path))
+    assert scan.points() == pytest.approx(np.array([[0, 1]])) and scan.odometry is None
+    assert "left out: 'x_m', 'y_m', 'pose_x_m'" in log.assumed
+
+
 def test_damage_is_told_with_its_line_or_left_out(tmp_path):
     """Catches words that become walls, nothing measured that ends the reading, and a lost line."""
     (path := tmp_path / "it.csv").write_text(

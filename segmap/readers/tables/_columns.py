@@ -79,6 +79,8 @@ CLOCKWISE = {"cw", "clockwise"}
 LEFT_OUT = re.compile(r"-(?:\*(\d{1,5}))?")
 
 
+#: What makes a log: one of these sets, the first that there is.
+KINDS = (("ranges",), ("angle", "range"), ("x", "y"))
 POSES_ALONE = (
     "it holds poses and no scan: --odometry or --truth reads them beside a log, "
     "readers.read_trajectory in Python"
@@ -182,8 +184,7 @@ def missing_in(names: Sequence[str]) -> str:
     roles = {*found}
     if {"x", "y", "angle"} <= roles and "range" not in roles:
         return POSES_ALONE
-    kinds = (("ranges",), ("angle", "range"), ("x", "y"))
-    needed = next((kind for kind in kinds if {*kind} <= roles), None)
+    needed = next((kind for kind in KINDS if {*kind} <= roles), None)
     if needed is None:
         part = {"angle": "range", "range": "angle", "x": "y", "y": "x"}
         lacking = next((part[role] for role in part if role in roles), "angle, and which the range")

@@ -35,7 +35,7 @@ from .._lines import (
 )
 from .._raw_scans import COUNTERCLOCKWISE, known, place_of
 from ..packed import log_file
-from ._columns import Column, places_of
+from ._columns import KINDS, Column, places_of
 from ._layout import COMMENTS, Layout, checked_view, declared, fields_of, layout_of, said_beside
 from ._question import choices_of
 
@@ -189,6 +189,10 @@ def read_rows(path: Path, name: str, on_error: str, layout: Layout) -> Log:
         raise HeadError(path, choices_of(layout).told(path.name), layout.line or None)
     lines = Lines(path, on_error)
     rows, places, told = Rows(lines, layout), places_of(layout.names), list(layout.told)
+    beam = next(kind for kind in KINDS if {*kind} <= {*places})
+    others = {role for kind in KINDS for role in kind} - {*beam}
+    others |= set() if {*POSE} <= {*places} else {*POSE}
+    places = {role: at for role, at in places.items() if role not in others}
     ranges_at, ranges = places.pop("ranges", (len(layout.names), None))
     behind = rows.columns.shape[1] - len(layout.names)  # so many more fields than names
     held: dict[str, Array] = {}
