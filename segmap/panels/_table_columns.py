@@ -17,9 +17,9 @@ COLUMN_KINDS = (
     *("x_m", "y_m", "x_mm", "y_mm", "pose_x_m", "pose_y_m", "pose_theta_rad", "pose_theta_deg"),
 )
 #: Shown where the table does not say what a column is.
-OPEN = "choose"
+NOT_CHOSEN = "choose"
 #: Tables of more columns are none with a line a beam.
-MOST_COLUMNS = 12
+MOST_SHOWN_COLUMNS = 12
 #: Width of a column.
 COLUMN_WIDTH = "128px"
 MOST_CHARACTERS = 14
@@ -63,12 +63,12 @@ class TableColumns:
         try:
             names, _ = self._named()
         except ValueError:
-            names = [OPEN]
-        self.read.disabled = OPEN in names
+            names = [NOT_CHOSEN]
+        self.read.disabled = NOT_CHOSEN in names
 
     def show(self, found: ColumnChoices | None = None) -> None:
         """Show the first rows below what the columns may be; nothing where there are none."""
-        known = found is not None and bool(found.rows) and len(found.choices) <= MOST_COLUMNS
+        known = found is not None and bool(found.rows) and len(found.choices) <= MOST_SHOWN_COLUMNS
         self.view.layout.display = "" if known else "none"
         self.kinds = []
         if found is None or not known:
@@ -76,7 +76,7 @@ class TableColumns:
             return
         cell = W.Layout(width=COLUMN_WIDTH)
         for place, names in enumerate(found.choices, 1):
-            first = [OPEN] if names[1:] else []
+            first = [NOT_CHOSEN] if names[1:] else []
             options = [*dict.fromkeys((*first, *names, *COLUMN_KINDS))]
             what = f"what column {place} is"
             self.kinds.append(W.Dropdown(options=options, layout=cell, tooltip=what))

@@ -50,7 +50,7 @@ LISTS = (
     "import ast\nwith open({name!r}) as file:\n"
     "    scans = [ast.literal_eval(line[line.index('['):]) for line in file if '[(' in line]"
 )
-WORDS = (
+WORDED_NUMBERS = (
     "import pathlib, re; path = pathlib.Path({name!r})\n"
     r"rows = [re.findall(r'-?\d+(?:\.\d+)?', line) for line in path.read_text().splitlines()]"
     "\npathlib.Path({name!r} + '.csv').write_text('\\n'.join(map(','.join, rows)))"
@@ -86,7 +86,7 @@ def worded_numbers(name: str, lines: Sequence[str]) -> str:
     first = lines[0].strip()
     numbers = sum(len(re.findall(r"\d+", line)) > 1 for line in lines)
     if re.search("[A-Za-z]{2}", first) and numbers > NUMBERS_SHARE * len(lines):
-        return _opened("numbers between words", WORDS, name)
+        return _opened("numbers between words", WORDED_NUMBERS, name)
     return ""
 
 

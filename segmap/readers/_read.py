@@ -16,7 +16,7 @@ from ._formats import recognise
 from ._lines import OnError, stem
 from .bags import kind_of, read_bag, recordings
 from .packed import log_file
-from .tables import one_scan_each, read_in_order, read_rows, said_beside
+from .tables import one_scan_each, read_declared_rows, read_in_order, said_beside
 
 
 @checked
@@ -83,7 +83,7 @@ def read(
         (place,) = places
         name = place.resolve().name if place.is_dir() else stem(place)
         if layout := said_beside(Path(paths[0])):
-            return read_rows(place, name, on_error, layout)
+            return read_declared_rows(place, name, on_error, layout)
         return recognise(place).read(place, name, on_error)
 
 

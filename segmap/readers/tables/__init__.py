@@ -10,13 +10,14 @@ from ._layout import Layout, layout_of, said_beside
 from ._messages import is_csm, message_form_of, read_csm, read_messages
 from ._npz import ARRAYS, log_from_arrays
 from ._question import ColumnChoices, choices_of, column_choices
-from ._table import read_csv, read_declared, read_rows
+from ._table import read_csv, read_declared, read_declared_rows
 from ._trajectories import pose_layout_of, read_trajectory, with_trajectories
 
 __all__ = [
     "ARRAYS", "STATED_FILES", "TABLE_FOLDERS", "TABLE_FORMATS", "ColumnChoices", "CoreSlam",
     "HokuyoText", "Rawseeds", "asked_of", "column_choices", "log_from_arrays", "one_scan_each",
-    "read_csv", "read_in_order", "read_rows", "read_trajectory", "said_beside", "with_trajectories",
+    "read_csv", "read_declared_rows", "read_in_order", "read_trajectory", "said_beside",
+    "with_trajectories",
 ]  # fmt: skip
 
 

@@ -22,15 +22,15 @@ import numpy as np
 
 from ...arrays import brief
 
-LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
-ANGLES = {"deg": np.pi / 180, "rad": 1.0}
-TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+LENGTH_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
+ANGLE_UNITS = {"deg": np.pi / 180, "rad": 1.0}
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 #: Role -> its units; a role without any needs none.
 UNITS = {
-    **dict.fromkeys(("range", "ranges", "x", "y", "pose_x", "pose_y"), LENGTHS),
-    **dict.fromkeys(("angle", "pose_theta"), ANGLES),
+    **dict.fromkeys(("range", "ranges", "x", "y", "pose_x", "pose_y"), LENGTH_UNITS),
+    **dict.fromkeys(("angle", "pose_theta"), ANGLE_UNITS),
     **{
-        "time": TIMES,
+        "time": TIME_UNITS,
         "scan": {},
         "new": {},
         "error": {},
@@ -76,11 +76,11 @@ UNIT_WORDS = {
 POSE_WORDS = {"pose", "robot", "odom", "odometry"}
 NUMBER_WORDS = {"id", "no", "nr", "number", "index", "num"}
 CLOCKWISE = {"cw", "clockwise"}
-LEFT_OUT = re.compile(r"-(?:\*(\d{1,5}))?")
+LEFT_OUT_COLUMNS = re.compile(r"-(?:\*(\d{1,5}))?")
 
 
 #: What makes a log: one of these sets, the first that there is.
-KINDS = (("ranges",), ("angle", "range"), ("x", "y"))
+BEAM_ROLES = (("ranges",), ("angle", "range"), ("x", "y"))
 POSES_ALONE = (
     "it holds poses and no scan: --odometry or --truth reads them beside a log, "
     "readers.read_trajectory in Python"
@@ -146,7 +146,7 @@ def named(columns: str | Sequence[str]) -> tuple[str, ...]:
     for name in map(str.strip, names):
         if "|" in name:
             raise ValueError(f"columns must say one thing of each: choose one of {name}")
-        if left_out := LEFT_OUT.fullmatch(name):
+        if left_out := LEFT_OUT_COLUMNS.fullmatch(name):
             found += ["-"] * int(left_out[1] or 1)
         elif meaning(name):
             found.append(name)
@@ -184,7 +184,7 @@ def missing_in(names: Sequence[str]) -> str:
     roles = {*found}
     if {"x", "y", "angle"} <= roles and "range" not in roles:
         return POSES_ALONE
-    needed = next((kind for kind in KINDS if {*kind} <= roles), None)
+    needed = next((kind for kind in BEAM_ROLES if {*kind} <= roles), None)
     if needed is None:
         part = {"angle": "range", "range": "angle", "x": "y", "y": "x"}
         lacking = next((part[role] for role in part if role in roles), "angle, and which the range")

@@ -29,9 +29,9 @@ from .._lines import Lines, LogError, Reading, merged_skipped
 from .._raw_scans import known_truth
 from .._text import Binary
 from ._fixed import HokuyoText, Rawseeds
-from ._layout import Layout, first_lines, layout_of, said_beside, written
+from ._layout import Layout, first_lines, layout_as_written, layout_of, said_beside
 from ._npz import ARRAYS, claims
-from ._table import read_rows
+from ._table import read_declared_rows
 from ._trajectories import RAWSEEDS_POSES, track_in
 
 RAWSEEDS_LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
@@ -67,7 +67,7 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     truth = None
     for sensor in ("ODOMETRY_XYT", "GROUNDTRUTH"):
         if sensor in files:
-            columns = written(files[sensor])._replace(names=RAWSEEDS_POSES[sensor])
+            columns = layout_as_written(files[sensor])._replace(names=RAWSEEDS_POSES[sensor])
             track, reading = track_in(files[sensor], on_error, columns)
             found.unknown = merged_skipped(found.unknown, reading.skipped)
             if sensor == "GROUNDTRUTH":
@@ -121,7 +121,7 @@ def _form_of(path: Path) -> Binary | Layout | type[HokuyoText] | None:
 
 def _read_by(form: Binary | Layout | type[HokuyoText], path: Path, name: str, on_error: str) -> Log:
     return (
-        read_rows(path, name, on_error, form)
+        read_declared_rows(path, name, on_error, form)
         if isinstance(form, Layout)
         else form.read(path, name, on_error)
     )

@@ -127,7 +127,7 @@ def layout_of(path: Path) -> Layout:
             told = (f"a text of {program.name}",)
             names = named(program.columns)
             return Layout(names, pattern=program.beam, mark=program.mark, told=told)
-    found = written(path)
+    found = layout_as_written(path)
     if columns := HEADS.get(" ".join(found.head).lower()):
         told = ("columns as the makers of RPLidar mean them",)
         return found._replace(names=named(columns), told=told)
@@ -135,7 +135,7 @@ def layout_of(path: Path) -> Layout:
     return found if missing_in(names) else found._replace(names=names)
 
 
-def written(path: Path) -> Layout:
+def layout_as_written(path: Path) -> Layout:
     """Separator, decimal mark, first row and head of a table.
 
     Rows are the lines whose fields are numbers and words as those of most lines are.
@@ -217,19 +217,19 @@ def said_beside(path: Path, missing: Missing = missing_in) -> Layout | None:
     except OSError:  # a name that is too long
         return None
     try:
-        return declared(path, **tomllib.loads(read_text(beside)), missing=missing)
+        return declared_layout(path, **tomllib.loads(read_text(beside)), missing=missing)
     except (ValueError, TypeError) as fault:
         raise LogError(beside, f"{SAID_BESIDE}: {fault}") from fault
 
 
-def declared(
+def declared_layout(
     path: Path, columns: str | Sequence[str], view: Any = None, *, missing: Missing = missing_in
 ) -> Layout:
     """A layout whose columns, and whose view where a row is a scan, somebody names."""
     names = named(columns)
     if fault := missing(names):
         raise ValueError(f"columns do not say enough: {fault}")
-    return written(path)._replace(names=names, view=checked_view(view))
+    return layout_as_written(path)._replace(names=names, view=checked_view(view))
 
 
 def checked_view(view: Any) -> tuple[float, float] | None:

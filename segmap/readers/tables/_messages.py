@@ -37,7 +37,7 @@ NUMBERS = re.compile(
     r"(?:.*[./])?((?:angle|range)_(?:min|max)|(?:angle|time)_increment|header[./]stamp(?:[./]\w+)?)"
 )
 RANGES = re.compile(r"(?:.*[./])?ranges[\[_./]?(\d*)\]?")
-NEEDED = {"angle_min", "angle_increment"}
+NEEDED_NUMBERS = {"angle_min", "angle_increment"}
 #: What stands before the ranges in a line of ROS 2: seconds, nanoseconds, the frame, and these.
 ROS2_NUMBERS = (
     "angle_min",
@@ -73,7 +73,7 @@ def message_form_of(path: Path) -> MessageForm | None:
         names = fields_of(text, separator)
         found = {m[1]: k for k, name in enumerate(names) if (m := NUMBERS.fullmatch(name))}
         ranges = [k for k, name in enumerate(names) if RANGES.fullmatch(name)]
-        if ranges and {*found} >= NEEDED:
+        if ranges and {*found} >= NEEDED_NUMBERS:
             return MessageForm(number, separator, found, ranges, clock_of(names))
     row = fields_of(lines[0][1], ",") if lines else []
     if len(row) <= ROS2_BEFORE or is_number(row[2]) or not all(map(is_number, row[:2] + row[3:10])):

@@ -19,7 +19,7 @@ TOLD_ROWS = 3
 TOLD_CHARACTERS = 70
 #: Units in the order in which they are offered; feet and inches are rare, and said.
 OFFERED = ("mm", "cm", "m", "deg", "rad", "s", "ms", "us", "ns")
-VIEW = (
+VIEW_UNSAID = (
     "where the first and the last range of a row point is not said (degrees, counter-clockwise "
     "from straight ahead)"
 )
@@ -78,7 +78,7 @@ def choices_of(layout: Layout, of_poses: str = "") -> ColumnChoices:
     open_ = [name for (name, _), choice in zip(names, choices, strict=True) if choice[1:]]
     missing = f"the unit of {', '.join(map(repr, open_))} is not said" if open_ else ""
     missing = missing if layout.head else ALL_RANGES
-    missing = " and ".join(filter(None, (missing, VIEW * (layout.view is None))))
+    missing = " and ".join(filter(None, (missing, VIEW_UNSAID * (layout.view is None))))
     return ColumnChoices(missing, choices, rows, layout.view is None)
 
 
@@ -128,8 +128,8 @@ def column_choices(path: str | Path) -> ColumnChoices:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder) / "it.csv"
     ...     _ = path.write_text("scan;angle_deg;range\\n0;0;1500\\n0;90;2000\\n")
-    ...     found = column_choices(path)
-    >>> found.columns, found.rows[0]
+    ...     asked = column_choices(path)
+    >>> asked.columns, asked.rows[0]
     ('scan,angle_deg,range_mm|range_cm|range_m', ('0', '0', '1500'))
     """
     with log_file(path) as place:

@@ -35,8 +35,16 @@ from .._lines import (
 )
 from .._raw_scans import COUNTERCLOCKWISE, known, place_of
 from ..packed import log_file
-from ._columns import KINDS, Column, places_of
-from ._layout import COMMENTS, Layout, checked_view, declared, fields_of, layout_of, said_beside
+from ._columns import BEAM_ROLES, Column, places_of
+from ._layout import (
+    COMMENTS,
+    Layout,
+    checked_view,
+    declared_layout,
+    fields_of,
+    layout_of,
+    said_beside,
+)
 from ._question import choices_of
 
 #: No scan has more beams.
@@ -183,14 +191,14 @@ class Rows:
         return (when - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy()
 
 
-def read_rows(path: Path, name: str, on_error: str, layout: Layout) -> Log:
+def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> Log:
     """The log that a table holds."""
     if not layout.is_whole:
         raise HeadError(path, choices_of(layout).told(path.name), layout.line or None)
     lines = Lines(path, on_error)
     rows, places, told = Rows(lines, layout), places_of(layout.names), list(layout.told)
-    beam = next(kind for kind in KINDS if {*kind} <= {*places})
-    others = {role for kind in KINDS for role in kind} - {*beam}
+    beam = next(kind for kind in BEAM_ROLES if {*kind} <= {*places})
+    others = {role for kind in BEAM_ROLES for role in kind} - {*beam}
     others |= set() if {*POSE} <= {*places} else {*POSE}
     places = {role: at for role, at in places.items() if role not in others}
     ranges_at, ranges = places.pop("ranges", (len(layout.names), None))
@@ -338,7 +346,7 @@ def ends_of_turns(angles: Array) -> tuple[NDArray[np.int64], str]:
 
 def read_declared(path: Path, name: str, on_error: str = "raise") -> Log:
     """Read a table by what it says of its columns."""
-    return read_rows(path, name, on_error, layout_of(path))
+    return read_declared_rows(path, name, on_error, layout_of(path))
 
 
 @checked
@@ -375,8 +383,8 @@ def read_csv(
     """
     with log_file(path) as place:
         if columns is not None:
-            layout = declared(place, columns, view)
+            layout = declared_layout(place, columns, view)
         else:
             layout = said_beside(Path(path)) or layout_of(place)
             layout = layout._replace(view=checked_view(view) or layout.view)
-        return read_rows(place, stem(place), on_error, layout)
+        return read_declared_rows(place, stem(place), on_error, layout)

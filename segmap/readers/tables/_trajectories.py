@@ -32,7 +32,7 @@ from .._mounting import in_space, level
 from .._raw_scans import Track, known, known_truth
 from ..packed import log_file
 from ._columns import Column, meaning
-from ._layout import Layout, declared, said_beside, written
+from ._layout import Layout, declared_layout, layout_as_written, said_beside
 from ._messages import clock_of
 from ._question import choices_of
 from ._table import Rows
@@ -83,7 +83,7 @@ def missing_of_poses(names: Sequence[str]) -> str:
 
 def pose_layout_of(path: Path) -> Layout:
     """How a file of poses is written: by its name, its head, or as TUM and ROS 2 have it."""
-    layout = written(path)
+    layout = layout_as_written(path)
     for sensor, names in RAWSEEDS_POSES.items():
         if sensor in path.name.upper() and len(layout.kinds) == len(names):
             return layout._replace(names=names)
@@ -150,7 +150,7 @@ def _layout_beside(
     """What the caller, or a file NAME.toml beside a file of poses, says of its columns."""
     if columns is None:
         return said_beside(Path(path), missing_of_poses)
-    return declared(place, columns, missing=missing_of_poses)
+    return declared_layout(place, columns, missing=missing_of_poses)
 
 
 @checked
