@@ -82,7 +82,7 @@ def merged_greedily(rows: Rows, limits: Limits) -> Found:
     """The first phase: outputs, and the cluster of each segment."""
     s, n, d = rows.segments, len(rows.segments), describe(rows.segments)
     reach = min(max(limits.penalty / ACROSS_COST_SHARE, limits.gap), 2 * limits.distance)
-    # step 1: pairs that may merge, both ways, ascending; then the list of neighbours of each
+    # step 1: pairs that may merge
     who, least = np.full((n, NEIGHBOURS), -1), np.full((n, NEIGHBOURS), np.inf)
     unit = max(2 * reach, length(s).mean() if n else 0.0)
     own, room, places = np.arange(n), np.empty(n + 1, np.int64), empty_index(n, unit)
@@ -90,36 +90,33 @@ def merged_greedily(rows: Rows, limits: Limits) -> Found:
         nearest_neighbours(s, d, reach, part, places, room, least, who)
     i, k = np.nonzero(who >= 0)
     j = who[i, k]
-    pair = np.sort(np.concatenate([n * i + j, n * j + i]))
-    pairs = np.column_stack(np.divmod(pair[np.diff(pair, prepend=-1) > 0], n))
-    near = np.column_stack([pairs[:, 1], np.arange(1, len(pairs) + 1)])
-    first = np.searchsorted(pairs[:, 0], np.arange(n + 1))
-    some = first[1:] > first[:-1]
-    near[first[1:][some] - 1, 1] = -1
+    low, high = np.divmod(np.unique(n * np.minimum(i, j) + np.maximum(i, j)), n)
+    near = np.column_stack([high, low]).ravel()
     # step 2: every segment is a cluster
+    size = 1 << max(n - 1, 0).bit_length()
     state = State(
         s=s,
         d=d,
         drawn=s.copy(),
         sums=np.column_stack([segment_sums(d), np.zeros(n)]),
-        link=np.column_stack([own, 0 * own, 0 * own + 1, own, own, np.where(some, first[:-1], -1)]),
+        link=np.column_stack([own, 0 * own + 1, own, own, 0 * own - 1]),
         after=np.full(n, -1),
-        near=near,
+        near=np.column_stack([near, 0 * near]),
+        key=np.empty(len(low)),
+        exact=np.zeros(len(low), np.int64),
         mark=np.full(n, -1),
-        fitted=np.full((n, 3), -1),
+        fitted=np.full(n, -1),
         fits=np.empty((n, 5)),
-        heap=np.empty((len(near) + 2 * n, 6)),
-        size=np.zeros(2, np.int64),
+        cheapest=np.full(n, -1),
+        cost=np.full(n + 1, np.inf),
+        winners=np.concatenate([np.full(size, n), own, np.full(size - n, n)]),
     )
     fitting, share = empty_room(n), 0.0
-    for part in parts(own, "least cost: estimating merges of segment"):
+    for part in parts(np.arange(len(low)), "least cost: estimating merges of pair"):
         estimate_all(state, fitting, part, limits)
-    while state.size[0]:
-        share = max(share, state.size[1] / state.size.sum())
+    while (cost := merge_some(state, fitting, limits)) < np.inf:
+        share = max(share, min(cost / limits.penalty, 1.0))
         announce(share, f"least cost: merging {n} segments")
-        if state.size[0] + n > len(state.heap):
-            state = state._replace(heap=np.concatenate([state.heap, np.empty_like(state.heap)]))
-        merge_some(state, fitting, limits)
     announce(1.0, f"least cost: merging {n} segments")
     alive, parents = resolve_merges(state.link[:, 0])
     return state.drawn[alive], parents

@@ -4,9 +4,22 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import apart, describe_one, join_sums, length_of, place_on_line, span
+from ...kernels import (
+    ACROSS_WEIGHT,
+    ANGULAR_WEIGHT,
+    APART_WEIGHT,
+    apart,
+    describe_one,
+    join_sums,
+    length_of,
+    mean_line_terms,
+    place_on_line,
+    span,
+)
 from ...segments import MIN_LENGTH
 from .._index import Index, enter, meeting
 from .._runner import Indices
@@ -28,21 +41,26 @@ WORK = 2000
 class State(NamedTuple):
     """Clusters while they merge: n inputs, and as many clusters at first.
 
-    Members of a cluster, and its neighbours, are linked lists, -1 at the end.
+    Members of a cluster, and its neighbours, are linked lists, -1 at the end. Of the p pairs, pair
+    q is entry 2 q in the list of one of its clusters and 2 q + 1 in that of the other. Each cluster
+    knows its cheapest neighbour of a higher index, and a tree of winners the cheapest of all.
     """
 
     s: Array  # (n, 2, 2) inputs
     d: Array  # (n, 5) middle, direction and half length of each
     drawn: Array  # (n, 2, 2) the segment of each cluster
     sums: Array  # (n, 7) weight, centre, scatter xx, xy, yy; cost
-    link: Indices  # (n, 6) parent, version, members, first and last member, first neighbour
+    link: Indices  # (n, 5) parent, members, first and last member, first neighbour
     after: Indices  # (n,) the member behind a member
-    near: Indices  # (p, 2) a neighbour, and the entry behind it
-    mark: Indices  # (n,) when a cluster was last seen in a list of neighbours
-    fitted: Indices  # (n, 3) the last fit of each cluster: with which other, versions of both
+    near: Indices  # (2 p, 2) a neighbour, -1 where the pair is gone, and the entry behind it
+    key: Array  # (p,) cost of a pair, estimated or fitted; inf: too dear
+    exact: Indices  # (p,) 1 for the cost of a fit
+    mark: Indices  # (n,) the last that went into a neighbour of this cluster
+    fitted: Indices  # (n,) the pair of the last fit of each cluster
     fits: Array  # (n, 5) its segment and cost
-    heap: Array  # (h, 6) key, both clusters, their versions, 1 for the cost of a fit, 0 estimated
-    size: Indices  # (2,) entries on the heap, and how many were taken off
+    cheapest: Indices  # (n,) entry of the cheapest neighbour of a higher index
+    cost: Array  # (n,) its key, inf for none
+    winners: Indices  # of nodes 2 k and 2 k + 1 the cheaper cluster stands in k; ties: the lower
 
 
 # ------------------------------------------------------------------ step 1: who may merge
@@ -71,13 +89,19 @@ def nearest_neighbours(
 ) -> None:
     """Enter some inputs; write the indices of the nearest of each, `(n, k)`, -1 for no more.
 
-    Of those within reach, by the distance of quality, which is written too.
+    Of those within reach, by the distance of quality, which is written too. Most are too far off
+    already without the gap between the two, the slow term.
     """
     for i in part:
         for k in range(meeting(places, s[i], reach, near)):
             j = near[k]
-            if apart(s[i], s[j]) <= reach or crosses(s[i], s[j]):
-                value = rounded(distance_between(s[j], s[i], d[j], d[i]))
+            angular, across = mean_line_terms(d[j], d[i])
+            value = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across
+            if rounded(value) > max(nearest[i, -1], nearest[j, -1]):
+                continue
+            off = apart(s[j], s[i])
+            if off <= reach or crosses(s[i], s[j]):
+                value = rounded(value + APART_WEIGHT * off)
                 insert_ranked(nearest, who, i, j, value)
                 insert_ranked(nearest, who, j, i, value)
         enter(places, i, s[i], 0.0)
@@ -91,57 +115,36 @@ def _second_is_longer(state: State, a: int, b: int) -> bool:
 
 
 @compiled
-def _before(heap: Array, i: int, j: int) -> bool:
-    """Whether entry i of the heap is cheaper than entry j (ties: the lower clusters)."""
-    c = 0
-    while c < 2 and heap[i, c] == heap[j, c]:
-        c += 1
-    return heap[i, c] < heap[j, c]
+def _find_cheapest(state: State, a: int) -> None:
+    """Find the cheapest neighbour of a higher index (ties: the lower); then the winners above."""
+    near, key, winners, cost = state.near, state.key, state.winners, state.cost
+    best, least, entry = -1, np.inf, state.link[a, 4]
+    while entry >= 0:
+        value, other = key[entry // 2], near[entry, 0]
+        if other > a and (value < least or (value == least < np.inf and other < near[best, 0])):
+            best, least = entry, value
+        entry = near[entry, 1]
+    state.cheapest[a], cost[a] = best, least
+    node = (len(winners) // 2 + a) // 2
+    while node > 0:
+        one, other, before = winners[2 * node], winners[2 * node + 1], winners[node]
+        winners[node] = other if cost[other] < cost[one] else one
+        if winners[node] == before and before != a:
+            break
+        node //= 2
 
 
 @compiled
-def _swap(heap: Array, i: int, j: int) -> None:
-    """Let two entries of the heap change places."""
-    for c in range(heap.shape[1]):
-        heap[i, c], heap[j, c] = heap[j, c], heap[i, c]
+def _estimate(state: State, room: Room, entry: int, limits: Limits) -> None:
+    """Estimate the cost of a pair, `inf` where that is far too dear.
 
-
-@compiled
-def _put(state: State, key: float, a: int, b: int, exact: int) -> None:
-    """Put a pair on the heap: an array, so that it stays between two calls."""
-    heap, link, k = state.heap, state.link, state.size[0]
-    heap[k, 0], heap[k, 1], heap[k, 2], heap[k, 5] = key, a, b, exact
-    heap[k, 3], heap[k, 4] = link[a, 1], link[b, 1]
-    state.size[0] += 1
-    while k > 0 and _before(heap, k, (k - 1) // 2):
-        _swap(heap, k, (k - 1) // 2)
-        k = (k - 1) // 2
-
-
-@compiled
-def _take_first(state: State) -> int:
-    """Take the cheapest pair off the heap; the row in which it now stands."""
-    heap, last, k = state.heap, state.size[0] - 1, 0
-    state.size[0], state.size[1] = last, state.size[1] + 1
-    _swap(heap, 0, last)
-    while True:
-        child = 2 * k + 1
-        if child + 1 < last and _before(heap, child + 1, child):
-            child += 1
-        if child >= last or not _before(heap, child, k):
-            return last
-        _swap(heap, k, child)
-        k = child
-
-
-@compiled
-def _estimate(state: State, room: Room, a: int, b: int, limits: Limits) -> None:
-    """Put a pair on the heap by an estimate of its cost, unless that is far too dear.
-
-    That is what it costs to draw the larger cluster's segment out over the smaller one's.
+    It is what it costs to draw the larger cluster's segment out over the smaller one's.
     """
-    drawn, link, line = state.drawn, state.link, room.frame
-    members, longer = link[b, 2] - link[a, 2], _second_is_longer(state, a, b)
+    drawn, link, line, pair = state.drawn, state.link, room.frame, entry // 2
+    a, b = state.near[entry, 0], state.near[entry ^ 1, 0]
+    a, b = min(a, b), max(a, b)
+    state.key[pair], state.exact[pair] = np.inf, 0
+    members, longer = link[b, 1] - link[a, 1], _second_is_longer(state, a, b)
     describe_one(drawn[b if longer else a], line)
     low_a, high_a = span(drawn[a], line[0], line[1], line[2], line[3])
     low_b, high_b = span(drawn[b], line[0], line[1], line[2], line[3])
@@ -154,30 +157,29 @@ def _estimate(state: State, room: Room, a: int, b: int, limits: Limits) -> None:
     low, high = min(low_a, low_b), max(high_a, high_b)
     place_on_line(room.line, line[0], line[1], line[2], line[3], low, high)
     describe_one(room.line, line)
-    total, i = -state.sums[small, 6], link[small, 3]
+    total, i = -state.sums[small, 6], link[small, 2]
     while i >= 0 and total <= ESTIMATE_PENALTIES * limits.penalty:
         total += distance_between(state.s[i], room.line, state.d[i], line)
         i = state.after[i]
     if total <= ESTIMATE_PENALTIES * limits.penalty:
-        key = rounded(max(total, 0.0) / ESTIMATE_PENALTIES)
-        _put(state, key, a, b, 0)
+        state.key[pair] = rounded(max(total, 0.0) / ESTIMATE_PENALTIES)
 
 
 @compiled
-def _fit_pair(state: State, room: Room, a: int, b: int, limits: Limits) -> float:
-    """Cost of the best segment for two clusters; it stays in `fits`, for as long as both last."""
-    link, fitted, fits, count = state.link, state.fitted, state.fits, 0
-    if fitted[a, 0] == b and fitted[a, 1] == link[a, 1] and fitted[a, 2] == link[b, 1]:
+def _fit_pair(state: State, room: Room, a: int, b: int, pair: int, limits: Limits) -> float:
+    """Cost of the best segment for two clusters; it stays in `fits` until the next fit of a."""
+    link, fits, count = state.link, state.fits, 0
+    if state.exact[pair] and state.fitted[a] == pair:
         return fits[a, 4]
     most = state.sums[a, 6] + state.sums[b, 6] + ESTIMATE_PENALTIES * limits.penalty
     join_sums(state.sums[a], state.sums[b], room.sums)
     for c in (a, b):
-        i = link[c, 3]
+        i = link[c, 2]
         while i >= 0:
             load_member(room, count, i, state.s, state.d)
             i, count = state.after[i], count + 1
     long = state.drawn[b if _second_is_longer(state, a, b) else a]
-    fitted[a, 0], fitted[a, 1], fitted[a, 2] = b, link[a, 1], link[b, 1]
+    state.fitted[a], state.exact[pair] = pair, 1
     fits[a, 4] = fit_cheapest_line(state.s, room, count, limits, long, most)
     for k in range(4):
         fits[a, k] = room.line[k // 2, k % 2]
@@ -186,75 +188,71 @@ def _fit_pair(state: State, room: Room, a: int, b: int, limits: Limits) -> float
 
 @compiled
 def _merge_clusters(state: State, a: int, b: int) -> None:
-    """Let cluster b go into cluster a: segment, cost, sums, members, version, neighbours."""
-    link, near = state.link, state.near
+    """Let cluster b go into cluster a: segment, cost, sums, members, neighbours."""
+    link, near, mark = state.link, state.near, state.mark
     join_sums(state.sums[a], state.sums[b], state.sums[a])
     state.sums[a, 6] = state.fits[a, 4]
     for k in range(4):
         state.drawn[a, k // 2, k % 2] = state.fits[a, k]
-    state.after[link[a, 4]] = link[b, 3]
-    link[a, 4] = link[b, 4]
-    link[a, 1] += 1
-    link[a, 2] += link[b, 2]
+    state.after[link[a, 3]] = link[b, 2]
+    link[a, 3] = link[b, 3]
+    link[a, 1] += link[b, 1]
     link[b, 0] = a
-    # one list of neighbours: living ones, each once, without a itself
-    stamp, first, last = link[a, 1] * len(link) + a + len(link), -1, -1
-    state.mark[a] = stamp
-    for c in (a, b):
-        entry = link[c, 5]
+    # one list of neighbours, each once, without a and b themselves
+    heads, first = (link[a, 4], link[b, 4]), -1
+    link[b, 4], mark[a], mark[b] = -1, b, b
+    for entry in heads:
         while entry >= 0:
             after, other = near[entry, 1], near[entry, 0]
-            while link[other, 0] != other:  # the living cluster that it went into
-                link[other, 0] = link[link[other, 0], 0]
-                other = link[other, 0]
-            if state.mark[other] != stamp:
-                state.mark[other] = stamp
-                near[entry, 0], near[entry, 1] = other, -1
-                if last >= 0:
-                    near[last, 1] = entry
-                else:
-                    first = entry
-                last = entry
+            if other >= 0 and mark[other] != b:
+                mark[other], near[entry ^ 1, 0], near[entry, 1], first = b, a, first, entry
+            else:
+                near[entry ^ 1, 0] = -1
             entry = after
-    link[a, 5] = first
+    link[a, 4] = first
 
 
 @compiled
 def estimate_all(state: State, room: Room, part: Indices, limits: Limits) -> None:
-    """Put some clusters on the heap, each with the later ones of its neighbours."""
+    """Enter some pairs, by the lower cluster, in the lists of neighbours."""
     link, near = state.link, state.near
-    for a in part:
-        entry = link[a, 5]
-        while entry >= 0:
-            if near[entry, 0] > a:
-                _estimate(state, room, a, near[entry, 0], limits)
-            entry = near[entry, 1]
+    for pair in part:
+        for entry in (2 * pair, 2 * pair + 1):
+            a = near[entry ^ 1, 0]
+            near[entry, 1], link[a, 4] = link[a, 4], entry
+        _estimate(state, room, 2 * pair, limits)
+        a = near[2 * pair + 1, 0]
+        if pair + 1 == len(state.key) or near[2 * pair + 3, 0] != a:
+            _find_cheapest(state, a)
 
 
 @compiled
-def merge_some(state: State, room: Room, limits: Limits) -> None:
+def merge_some(state: State, room: Room, limits: Limits) -> float:
     """Merge clusters, the cheapest pair first, until every merge costs more than the penalty.
 
-    Or for a while, until there were `WORK` pairs and members, or the heap is nearly full.
+    Or for a while, until there were `WORK` pairs and members; the cost of the pair that is next.
     """
-    link, near, heap, size, work = state.link, state.near, state.heap, state.size, 0
-    while size[0] > 0 and size[0] + len(link) <= len(heap) and work < WORK:
-        k = _take_first(state)
-        a, b, of_a, of_b = int(heap[k, 1]), int(heap[k, 2]), heap[k, 3], heap[k, 4]
-        exact, work = heap[k, 5], work + 1
-        if link[a, 0] != a or link[b, 0] != b or link[a, 1] != of_a or link[b, 1] != of_b:
-            continue
-        work += link[a, 2] + link[b, 2]
-        cost = _fit_pair(state, room, a, b, limits)
-        delta = rounded(cost - (state.sums[a, 6] + state.sums[b, 6]))
+    link, near, cost, winners, work = state.link, state.near, state.cost, state.winners, 0
+    while cost[winners[1]] < np.inf and work < WORK:
+        a = winners[1]
+        b, pair = near[state.cheapest[a], 0], state.cheapest[a] // 2
+        work += 1 + link[a, 1] + link[b, 1]
+        exact, cost_of_both = state.exact[pair], state.sums[a, 6] + state.sums[b, 6]
+        delta = rounded(_fit_pair(state, room, a, b, pair, limits) - cost_of_both)
         if not exact:
-            if not delta <= limits.penalty:
-                continue
-            if size[0] > 0 and delta > heap[0, 0]:
-                _put(state, delta, a, b, 1)
+            state.key[pair] = delta if delta <= limits.penalty else np.inf
+            _find_cheapest(state, a)
+            if not delta <= min(limits.penalty, cost[winners[1]]):
                 continue
         _merge_clusters(state, a, b)
-        entry = link[a, 5]
+        _find_cheapest(state, b)
+        entry = link[a, 4]
         while entry >= 0:
-            _estimate(state, room, min(a, near[entry, 0]), max(a, near[entry, 0]), limits)
+            _estimate(state, room, entry, limits)
+            c = near[entry, 0]
+            cheapest = near[state.cheapest[c], 0]
+            if cheapest < 0 or cheapest == a or (c < a and state.key[entry // 2] <= cost[c]):
+                _find_cheapest(state, c)
             entry = near[entry, 1]
+        _find_cheapest(state, a)
+    return cost[winners[1]]
