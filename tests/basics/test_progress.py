@@ -98,7 +98,7 @@ def test_each_thing_is_told_before_it_comes():
 
 
 def test_merging_tells_a_share_that_only_rises_to_its_end():
-    """Catches a share of a heap that grows again, and an end that nobody hears of."""
+    """Catches a share of a cost that falls again, and an end that nobody hears of."""
     said = heard(WORK["least_cost"])
     shares = [
         share for share, words in said if words == f"least cost: merging {len(malaga())} segments"

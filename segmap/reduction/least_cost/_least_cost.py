@@ -114,9 +114,11 @@ def merged_greedily(rows: Rows, limits: Limits) -> Found:
     fitting, share = empty_room(n), 0.0
     for part in parts(np.arange(len(low)), "least cost: estimating merges of pair"):
         estimate_all(state, fitting, part, limits)
-    while (cost := merge_some(state, fitting, limits)) < np.inf:
+    cost = 0.0
+    while cost < np.inf:
         share = max(share, min(cost / limits.penalty, 1.0))
         announce(share, f"least cost: merging {n} segments")
+        cost = merge_some(state, fitting, limits)
     announce(1.0, f"least cost: merging {n} segments")
     alive, parents = resolve_merges(state.link[:, 0])
     return state.drawn[alive], parents
