@@ -29,6 +29,11 @@ BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 	--nbval-sanitize-with=tests/nbval.cfg -p no:cacheprovider
 
+# Tests of the library run where its app cannot be imported; all others follow.
+LIBRARY := $(foreach name,alignment basics experiments exports matching metrics panels plan plotting \
+	quadtree readers reduction sensors,tests/$(name))
+REST := $(filter-out $(LIBRARY),$(patsubst %/,%,$(filter-out tests/__pycache__/,$(wildcard tests/*/))))
+
 # Every compiled loop on small cases, on bad arguments, on extreme lengths and on damaged maps.
 INDEXED := $(wildcard $(foreach name,warm entry_points returns quadtree_files reduction_properties,tests/*/test_$(name).py))
 
@@ -55,7 +60,8 @@ test: $(SETUP) $(WARM) $(ALONE) ## set up, then prove it: style, types, tests, e
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m mypy
-	$(RUN) -m pytest $(SPREAD) -m "not slow" -p no:nbval
+	SEGMAP_ALONE=1 $(RUN) -m pytest $(SPREAD) -m "not slow" -p no:nbval segmap $(LIBRARY)
+	$(RUN) -m pytest $(SPREAD) -m "not slow" -p no:nbval segmap_app notebooks/segmap_course $(REST)
 	PYTHONWARNINGS=error::DeprecationWarning:__main__ .venv-lab/bin/python -m pytest $(SPREAD) $(NBVAL) notebooks/*.ipynb
 
 test-all: test bounds .venv/segmap-for-grading ## the same, every index of the loops checked, then the tests that are marked slow
@@ -76,7 +82,7 @@ mutants: $(SETUP) $(WARM) ## plant bugs by rule and see a test fail (PACKAGE=red
 fuzz: $(SETUP) $(WARM) ## read 5 000 tables, 100 000 damaged files: logs, maps (MUTANTS=500 ARGS="-k carmen" for fewer)
 	SEGMAP_TABLES=5000 $(RUN) -m pytest -q -p no:nbval tests/readers/test_declared_tables.py -k all_ways
 	SEGMAP_MUTANTS=$(or $(MUTANTS),4600) $(RUN) -m pytest $(SPREAD) --dist load -m "not slow" -p no:nbval \
-		tests/readers/test_damage.py tests/quadtree/test_quadtree_files.py $(or $(ARGS),-k "damaged_ or crafted")
+		tests/app/files/test_damage.py tests/quadtree/test_quadtree_files.py $(or $(ARGS),-k "damaged_ or crafted")
 
 bounds: $(SETUP) ## run every compiled loop with each index checked
 	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR="$(CURDIR)/build/bounds" $(RUN) -m pytest $(SPREAD) -p no:nbval $(INDEXED)

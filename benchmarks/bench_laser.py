@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from segmap.hokuyo import SensorError, UrgSensor, parse_scan
-from segmap.hokuyo._geometry import laser_scan
-from segmap.hokuyo._protocol import ScanRequest, encode_reply, encode_scan, parse_reply
-from segmap.hokuyo.emulator import Emulator, furnished_room
 from segmap.panels import LivePanel
 from segmap.scans import LaserScan
+from segmap.sensors import SensorError, UrgSensor, parse_scan
+from segmap.sensors._geometry import laser_scan
+from segmap.sensors._protocol import ScanRequest, encode_reply, encode_scan, parse_reply
+from segmap.sensors.emulator import Emulator, furnished_room
 
 from .measure import Row
 

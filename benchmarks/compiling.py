@@ -75,9 +75,9 @@ def recorded(done: list[Compilation]) -> Iterator[None]:
 
 def cases(rooms: list[str]) -> Iterator[Callable[[], object]]:
     """The calls that warm these rooms, or all."""
-    from segmap import _warm
+    from segmap import warm
 
-    for name, call in _warm.cases().items():
+    for name, call in warm.cases().items():
         if not rooms or name.split()[0] in rooms:
             yield call
 

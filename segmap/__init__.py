@@ -20,9 +20,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from . import (
-    _display,
     alignment,
     angles,
+    display,
     extraction,
     metrics,
     poses,
@@ -42,7 +42,7 @@ from .scans import LaserScan, Log
 from .segments import SegmentMap
 
 if TYPE_CHECKING:
-    from . import arrays, experiments, exports, hokuyo, matching, panels, plan, plotting, testing
+    from . import arrays, experiments, exports, matching, panels, plan, plotting, sensors, testing
 
 __version__ = "0.2.0"
 
@@ -63,7 +63,6 @@ __all__ = [
     "extract_polylines",
     "extraction",
     "fusion",
-    "hokuyo",
     "load",
     "matching",
     "metrics",
@@ -81,6 +80,7 @@ __all__ = [
     "scans",
     "segment_distance",
     "segments",
+    "sensors",
     "simulation",
     "testing",
 ]
@@ -98,7 +98,7 @@ def __getattr__(name: str) -> Any:
     except ModuleNotFoundError as error:
         if (missing := error.name or "") not in _EXTRA:
             raise
-        hint = f"segmap.{name} needs {missing}: {_display.pip_install(_EXTRA[missing])}"
+        hint = f"segmap.{name} needs {missing}: {display.pip_install(_EXTRA[missing])}"
         raise ImportError(hint, name=missing) from error
 
 
@@ -106,8 +106,8 @@ def __dir__() -> list[str]:
     return sorted([*__all__, "__version__"])
 
 
-@_display.picture.register
-def _draw(value: _display.Pictured) -> bytes:
+@display.picture.register
+def _draw(value: display.Pictured) -> bytes:
     """Import the drawings when a notebook first asks for a picture."""
     from . import plotting
 

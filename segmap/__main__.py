@@ -8,7 +8,7 @@ import sys
 def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code, as where it is stopped while it is being loaded."""
     try:
-        from ._commands import main as command
+        from segmap_app.commands import main as command
     except KeyboardInterrupt:
         print("segmap: stopped", file=sys.stderr)
         return 130

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import sys
 import tempfile
 from contextlib import contextmanager
 from importlib import import_module
@@ -17,6 +18,10 @@ MEMORY = Path("/dev/shm")
 if os.access(MEMORY, os.W_OK) and shutil.disk_usage(MEMORY).free > 4 << 30:
     os.environ.setdefault("TMPDIR", str(MEMORY))
     tempfile.tempdir = None  # whoever asked before
+
+#: `make test` runs the tests of the library where its app cannot be imported.
+if os.environ.get("SEGMAP_ALONE"):
+    sys.modules["segmap_app"] = None  # type: ignore[assignment]
 
 settings.register_profile("steady", deadline=None, derandomize=True)
 settings.load_profile("steady")

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from conftest import later
 from log_samples import GROUNDTRUTH, NPZ, ODOMETRY_CSV, RAWSEEDS, SINGLE_FILES
 from quadtrees import state
 from segmap_course import load_trials
@@ -16,10 +17,12 @@ from segmap_course import load_trials
 from segmap import SegmentMap, readers
 from segmap.arrays import LIMIT
 from segmap.experiments import load_alignments, load_walls, read_records
-from segmap.exports import write_graph, write_segments
+from segmap.exports import PoseGraph, write_graph, write_segments
 from segmap.poses import between, compose
 from segmap.quadtree import QuadtreeMap
-from segmap.readers import LogError, PoseGraph
+from segmap.readers import LogError
+
+files = later("segmap_app.files")
 
 #: A map with numbers that are hard to write.
 ODD_MAP = SegmentMap(
@@ -181,7 +184,7 @@ def given_to(
     read: Callable[[Path], object], name: str, what: object, folder: Path, rng: random.Random
 ) -> list[str]:
     """A map of segments or a pose graph; what is read of a mutant can be written again."""
-    write = write_graph if read is readers.read_graph else write_segments
+    write = write_graph if name.endswith(".g2o") else write_segments
     path, sound = folder / "it", folder / name
     if not sound.exists():
         write(sound, what)
@@ -242,7 +245,9 @@ TARGETS["track"] = partial(trajectory, "GROUNDTRUTH.csv", GROUNDTRUTH.encode())
 TARGETS["odometry"] = partial(trajectory, "ODOMETRY_XYT.csv", ODOMETRY_CSV.encode())
 for _name in ("segments.csv", "segments.npz"):
     TARGETS[_name] = partial(given_to, readers.read_segments, _name, ODD_MAP)
-TARGETS["graph"] = partial(given_to, readers.read_graph, "it.g2o", a_graph(3, 4, 2))
+TARGETS["graph"] = partial(
+    given_to, lambda path: files.read_graph(path), "it.g2o", a_graph(3, 4, 2)
+)
 TARGETS["map.npz"] = squares
 TARGETS["runs"] = partial(table, read_records, beginning("malaga"))
 TARGETS["trials"] = partial(table, load_trials, beginning("matching"))

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from segmap.hokuyo import SensorError, UrgSensor
-from segmap.hokuyo.emulator import Unit
-from segmap.hokuyo.emulator._device import Fault, Unplugged, Wire
+from segmap.sensors import SensorError, UrgSensor
+from segmap.sensors.emulator import Unit
+from segmap.sensors.emulator._device import Fault, Unplugged, Wire
 
 SHARED = Path(__file__).resolve().parents[1].parent / "shared" / "data"
 #: Of a URG-04LX: steps a turn, the first and last that are measured, that ahead; reach, seconds.

@@ -22,12 +22,12 @@ from segmap import (
     metrics,
     plan,
     quadtree,
-    readers,
     reduction,
     segments,
     simulation,
 )
-from segmap.hokuyo import emulator
+from segmap.sensors import emulator
+from segmap_app import files
 
 WALLS = np.array([[(0, 0), (3, 0)], [(3, 0), (3, 2)], [(3, 2), (0, 2)], [(0, 2), (0, 0)]], float)
 PATH = np.array([(1 + k / 20, 1, 0.02 * k) for k in range(4)])
@@ -52,7 +52,7 @@ TREE = quadtree.build_map(LOG, PATH, resolution=0.05)
 MAP = segments.SegmentMap(WALLS)
 REDUCTION = reduction.METHODS["hybrid"](MAP)
 RUNS = experiments.sweep({"it": MAP}, ["fusion"], {"fusion": {"tolerance": [0.01, 0.04]}})
-GRAPH = readers.PoseGraph(PATH[:2], [(0, 1)], PATH[1:2], [np.eye(3)])
+GRAPH = exports.PoseGraph(PATH[:2], [(0, 1)], PATH[1:2], [np.eye(3)])
 PLAN = plan.floor_plan(MAP, TREE)
 TIMES = pd.DataFrame(
     {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
@@ -84,7 +84,7 @@ GOOD = {
     "beams.csv", "with_trajectories.odometry": "track.tum",
     "read_trajectory.path": "poses.csv", "write_segments.path":
     "written.csv", "write_arrays.path": "written.npz", "write_session.path": "written.segmap",
-    "files": ["good.log.gz"], "session": readers.Session(LOG, {}), "read_session.path":
+    "files": ["good.log.gz"], "session": files.Session(LOG, {}), "read_session.path":
     "it.segmap", "settings": {"a": 1},
     "read_csv.view": (-90.0, 90.0), "read_trajectory.columns": "time_s,x_m,y_m,theta_rad",
     "read_csv.path": "beams.csv", "read_csv.columns": "angle_rad,range_m", "read_segments.path":
@@ -129,7 +129,7 @@ GOOD = {
     np.zeros(len(TREE.leaves().x)), "walls": WALLS, "rasterize.shown":
     np.ones(len(TREE.leaves().x)), "waypoints": PATH[:, :2], "cropped.left": 0.0, "cropped.low":
     0.0, "cropped.right": 2.0, "cropped.high": 1.0, "latitude": 52.5, "longitude": 13.4, "north":
-    0.3, "Grid.name": "EPSG:25832", "east": 5e5, "northing": 5.8e6, "world": exports.Earth(52.5,
+    0.3, "Grid.name": "EPSG:25832", "east": 5e5, "northing": 5.8e6, "world": files.Earth(52.5,
     13.4), "turned.angle": 0.1, "place": (52.5, 13.4), "placed_at.north": 30.0, "origin": "map",
     "window": np.array([0.0, 0.0, 3.0, 2.0]),
 }  # fmt: skip

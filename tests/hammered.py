@@ -13,7 +13,7 @@ import numpy as np
 
 from segmap import load
 from segmap.alignment import LiveGraph
-from segmap.exports import write_geojson, write_ros_map, write_svg
+from segmap.exports import ros_classes, write_geojson, write_svg
 from segmap.extraction import extract_polylines
 from segmap.matching import DistanceField, LiveMap, NoRoute, nearest_score, route
 from segmap.poses import transform
@@ -51,7 +51,7 @@ def whole(map):
     with tempfile.TemporaryDirectory() as folder:
         map.save(f"{folder}/it.npz")
         QuadtreeMap.load(f"{folder}/it.npz")  # looks at each block
-        write_ros_map(f"{folder}/it.yaml", map)
+        ros_classes(map)
         write_svg(f"{folder}/it.svg", map)
         write_geojson(f"{folder}/it.json", map)
 

@@ -35,7 +35,11 @@ import coverage
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-PACKAGES = {"segmap": ROOT / "segmap", "segmap_course": ROOT / "notebooks" / "segmap_course"}
+PACKAGES = {
+    "segmap": ROOT / "segmap",
+    "segmap_app": ROOT / "segmap_app",
+    "segmap_course": ROOT / "notebooks" / "segmap_course",
+}
 #: Seconds that all tests of a package may take, and compiled code with a bug; and how many times as
 #: long as without a bug the tests may take.
 WHOLE_PACKAGE, COMPILING, SLOWER = 1500, 120, 5
@@ -48,19 +52,19 @@ REWRITTEN = "pytest.PytestAssertRewriteWarning"
 #: Files of tests under another name, and those of packages that try this one too: what is written
 #: is read again.
 ALSO = {
-    "_map_pipeline": (
-        "panels/test_workbench.py",
-        "panels/test_workbench_session.py",
-        "commands/test_commands.py",
+    "pipeline": (
+        "app/page/test_workbench.py",
+        "app/page/test_workbench_session.py",
+        "app/commands/test_commands.py",
     ),
     "alignment/pose_graph": ("matching/test_merge.py",),
-    "exports": ("readers/test_graph_files.py", "exports/test_segment_files.py"),
+    "exports": ("app/files/test_graph_files.py", "exports/test_segment_files.py"),
     "grading": ("course/grading/test_handout.py", "course/grading/test_tasks.py"),
     "threads": ("basics/test_progress.py",),
 }
 FORK = multiprocessing.get_context("fork")
 #: What teaches, or only hands on, is left alone.
-NOT_CHANGED = ("literal", "__init__.py", "__main__.py", "_warm.py", "testing")
+NOT_CHANGED = ("literal", "__init__.py", "__main__.py", "warm.py", "testing")
 SWAPPED = {
     **{"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="},
     **{"+": "-", "-": "+", "*": "/", "/": "*", "//": "/", "%": "+", "**": "*"},

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from segmap.hokuyo import checksum, encode
-from segmap.hokuyo.emulator import Unit
+from segmap.sensors import checksum, encode
+from segmap.sensors.emulator import Unit
 
 
 class Reply(NamedTuple):

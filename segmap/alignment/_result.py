@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from .._display import Pictured
 from ..arrays import Array, Radians, checked
 from ..compiled import work_time
+from ..display import Pictured
 from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..quadtree import QuadtreeMap

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from .._display import counted
 from ..arrays import Array
+from ..display import counted
 from ..metrics import doubled_walls
 from ..quadtree import QuadtreeMap, smeared_walls
 from ..scans.causes import Cause

@@ -1,9 +1,7 @@
-"""A log as arrays in an NPZ file of numpy's, for scripts of one's own; a session with it."""
+"""A log as arrays in an NPZ file of numpy's, for scripts of one's own."""
 
 from __future__ import annotations
 
-import json
-from dataclasses import astuple
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +10,6 @@ from numpy.typing import NDArray
 
 from .. import arrays
 from ..files import write_npz
-from ..readers import Session
 from ..scans import Log
 
 
@@ -44,36 +41,6 @@ def write_arrays(path: str | Path, log: Log) -> None:
             f"log {log.name!r} must have scans of one number of beams, got {counts or 'no scan'}"
         )
     write_npz(place, "log of segmap 1", log_arrays(log))
-
-
-def write_session(path: str | Path, session: Session) -> None:
-    """Write a log with all that was chosen and found on it, as `readers.read_session` reads it.
-
-    The file is a zip: `session.json` holds settings, runs and edits, and beside it lie the arrays
-    of the log, as `write_arrays` names them; `beams` counts those of each scan, where scans with
-    fewer are filled up. The name must end in `.segmap`.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from segmap import load
-    >>> from segmap.readers import read_session
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_session(f"{folder}/it.segmap", Session(load("room"), {"method": "fusion"}))
-    ...     read_session(f"{folder}/it.segmap").settings
-    {'method': 'fusion'}
-    """
-    place = arrays.file(path)
-    if place.suffix.lower() != ".segmap":
-        raise ValueError(f"path: the name must end in .segmap, got {place.name!r}")
-    log = arrays.instance(session, "session", Session).log
-    said = {name: getattr(session, name) for name in ("settings", "runs", "edits")}
-    said |= {
-        "name": log.name,
-        "skipped": log.skipped,
-        "causes": [astuple(cause) for cause in log.causes],
-    }
-    write_npz(place, Session.FORMAT, {**log_arrays(log), "session.json": json.dumps(said)})
 
 
 def log_arrays(log: Log) -> dict[str, NDArray[Any]]:

@@ -2,16 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import arrays
 from ..alignment import Alignment
 from ..arrays import Array
 from ..files import write_lines
 from ..poses import information
-from ..readers import PoseGraph
+
+
+class PoseGraph(NamedTuple):
+    """Poses and measured motions between them, as `alignment.solve_graph` takes them.
+
+    Examples
+    --------
+    >>> graph = PoseGraph(np.zeros((2, 3)), [(0, 1)], [(1.0, 0.0, 0.0)], np.eye(3)[None])
+    >>> graph.ids is None
+    True
+    """
+
+    poses: Array  #: (n, 3), metres and radians
+    edges: NDArray[np.int64]  #: (m, 2): rows of `poses` that are joined
+    relative: Array  #: (m, 3): pose of the second in the frame of the first
+    information: Array  #: (m, 3, 3): inverse covariance, in the frame of the first
+    ids: NDArray[Any] | None = None  #: (n,): names of the vertices; None: their rows
+    left_out: Mapping[str, int] = MappingProxyType({})  #: lines that do not concern the poses
 
 
 def write_graph(path: str | Path, graph: Alignment | PoseGraph) -> None:

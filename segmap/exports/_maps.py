@@ -1,8 +1,7 @@
-"""Quadtree maps for other programs: ROS' map_server (PGM and YAML), GeoJSON, and SVG."""
+"""Quadtree maps for other programs: grey values for map servers, GeoJSON, and SVG."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from copy import deepcopy
 from pathlib import Path
@@ -13,16 +12,12 @@ from numpy.typing import NDArray
 
 from .. import arrays
 from ..arrays import Quantity, Share, checked, upper_bound_excluded
-from ..files import replacing, write_bytes
+from ..files import write_bytes
 from ..quadtree import QuadtreeMap, extent
 from ._world import Frame, collection
 
 #: Grey values of classes: free, unknown, occupied.
 GREYS = np.array([254, 205, 0], np.uint8)
-#: What the YAML states for `(255 - grey) / 255`: from here on a cell is occupied.
-OCCUPIED_THRESH = 0.65
-#: Up to here it is free; 205 lies between the two.
-FREE_THRESH = 0.196
 #: Colour of the outlines of leaves.
 OUTLINE_COLOUR = "#0072b2"
 #: Their width, pixels.
@@ -52,7 +47,9 @@ def ros_classes(
     occupied: Number = 0.5,
     free: Number = 0.25,
 ) -> Classes:
-    """The grid that `write_ros_map` writes, with its parameters: 254 free, 205 unknown, 0 occupied.
+    """A map as the grey values of ROS' map_server: 254 free, 205 unknown, 0 occupied.
+
+    `segmap_app.files.write_ros_map` writes this grid, with the same parameters.
 
     It shows the part where something is known; the whole root where nothing is.
 
@@ -74,75 +71,6 @@ def ros_classes(
     return Classes(GREYS[grid.astype(np.int64)], left, low, side)
 
 
-@checked
-def write_ros_map(
-    path: str | Path,
-    map: QuadtreeMap,
-    *,
-    resolution: float | None = None,
-    occupied: Number = 0.5,
-    free: Number = 0.25,
-) -> None:
-    """Write a map for ROS: a YAML and, beside it, a PGM of the same name.
-
-    White (254) is free, grey (205) unknown, black (0) occupied; row 0 of the picture is the top,
-    `origin` the lower left corner of its lower left pixel. Only the part where something is known
-    is written.
-
-    Parameters
-    ----------
-    path : str or Path
-        Of the YAML; must end in `.yaml`.
-    resolution : float or None
-        Side of a pixel: the map's own by default, or this times a power of two. A pixel that holds
-        several cells is occupied where one is, and free where all are.
-    occupied : float
-        Cells of greater occupancy are occupied.
-    free : float
-        Cells of at most this occupancy are free: by default those that half the `bias` crossed.
-
-    Notes
-    -----
-    The picture comes first, so that a new YAML never names a picture that is not there.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> tree = QuadtreeMap(resolution=0.5, size=4, bias=1)
-    >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)], [(0.2, 1.2)] * 2)
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_ros_map(Path(folder) / "it.yaml", tree)
-    ...     print((Path(folder) / "it.yaml").read_text().splitlines()[0])
-    image: "it.pgm"
-    """
-    place = arrays.file(path)
-    if place.suffix != ".yaml":
-        raise ValueError(f"path: the name must end in .yaml, got {place.name!r}")
-    found = ros_classes(map, resolution=resolution, occupied=occupied, free=free)
-    rows, columns = found.greys.shape
-    picture, pixels = place.with_suffix(".pgm"), np.flipud(found.greys).tobytes()
-    thresholds = f"free: occupancy <= {free:g}, occupied: occupancy > {occupied:g}"
-    lines = [
-        f"image: {json.dumps(picture.name, ensure_ascii=False)}",
-        f"resolution: {_yaml_number(found.side)}",
-        f"origin: [{_yaml_number(found.left)}, {_yaml_number(found.low)}, 0.0]",
-        "negate: 0",
-        f"occupied_thresh: {OCCUPIED_THRESH}",
-        f"free_thresh: {FREE_THRESH}",
-        "mode: trinary",
-        f"# {thresholds}, else unknown; bias {map.bias}",
-    ]
-    with replacing(place) as text, replacing(picture) as image:  # both can be written, or none is
-        image.write(f"P5\n{columns} {rows}\n255\n".encode("ascii") + pixels)
-        text.write("".join(f"{line}\n" for line in lines).encode("utf-8", "surrogateescape"))
-
-
-def _yaml_number(value: float) -> str:
-    """A number with a point in it: some YAML readers take 1e-05 for a word."""
-    mantissa, mark, power = repr(value).partition("e")
-    return mantissa + (".0" if mark and "." not in mantissa else "") + mark + power
-
-
 # ------------------------------------------------------------------------- drawings
 @checked
 def write_geojson(
@@ -156,11 +84,11 @@ def write_geojson(
 
     Coordinates are metres in the map's frame, x before y; the file says so in its `crs`, a local
     reference system. GDAL and QGIS read it; who follows RFC 7946 to the letter takes degrees. With
-    a `world`, an `Earth` or a `Grid`, they are degrees of WGS84, or metres of that grid.
+    a `world` (`segmap_app.files` has some) they are degrees of WGS84, or metres of a grid.
 
     Examples
     --------
-    >>> import tempfile
+    >>> import json, tempfile
     >>> tree = QuadtreeMap(resolution=0.5, size=4)
     >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)])
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -198,7 +126,7 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
 
     Examples
     --------
-    >>> import tempfile
+    >>> import json, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_svg(Path(folder) / "it.svg", QuadtreeMap(resolution=0.5, size=4))
     ...     (Path(folder) / "it.svg").read_text().count("<path")

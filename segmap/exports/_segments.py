@@ -1,4 +1,4 @@
-"""Segment maps for other programs: tables, drawings, geometries."""
+"""Segment maps for other programs: CSV, DXF, SVG, GeoJSON, WKT."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def write_segments(path: str | Path, map: Segments, *, world: Frame = Frame()) -
     - `.svg`: a drawing, y upwards, units are metres, those of the lines' width too.
     - `.geojson`: LineStrings with the property `scan`, x before y, metres in the map's frame. Its
       `crs` names a local reference system, which GDAL and QGIS read; who follows RFC 7946 to the
-      letter takes degrees. With a `world`, an `Earth` or a `Grid`, it is in degrees of WGS84, or in
-      metres of that grid; the other formats stay in the map's frame.
+      letter takes degrees. With a `world` (`segmap_app.files` has some) it is in degrees
+      of WGS84, or in metres of a grid; the other formats stay in the map's frame.
     - `.wkt`: one line, a MULTILINESTRING, which `shapely.from_wkt` and QGIS take.
     - `.dxf`: a drawing of LINEs on layer 0, in metres, of the version R12 that every program reads;
       a segment without length is left out.

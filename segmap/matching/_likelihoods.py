@@ -1,4 +1,4 @@
-"""What the end of a beam is worth in each cell of a map: for the search and the particles."""
+"""Likelihood of the end of a beam in each cell of a map: for the search and `localize`."""
 
 from __future__ import annotations
 

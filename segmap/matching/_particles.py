@@ -1,4 +1,4 @@
-"""Mapping with many hypotheses, each a particle with a pose, a weight and a map of its own."""
+"""Mapping by particles, each with pose, likelihood, weight and a map of its own."""
 
 from __future__ import annotations
 

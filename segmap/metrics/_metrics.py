@@ -1,4 +1,4 @@
-"""How far two segments are apart, how well a reduced map keeps its walls, how good poses are.
+"""Distance of two segments, quality of a reduced map, errors of poses.
 
 Segment distance and quality: A 2.7.7 and 6.2.2; grades: A 6.2.3; relation errors: Kuemmerle et al.
 """

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from ._base import Panel, player, slider, text
 from ._compare import ComparePanel
-from ._control import control
 from ._live import LivePanel
 from ._quadtree import QuadtreePanel
 from ._scan import ScanPanel
-from .workbench import Workbench
+from .controls import control
 
 __all__ = [
-    "ComparePanel", "LivePanel", "Panel", "QuadtreePanel", "ScanPanel", "Workbench", "control",
+    "ComparePanel", "LivePanel", "Panel", "QuadtreePanel", "ScanPanel", "control",
     "player", "slider", "text",
 ]  # fmt: skip

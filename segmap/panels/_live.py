@@ -14,17 +14,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from .._display import counted
 from ..arrays import Array, Metres, checked
 from ..compiled import work_time
+from ..display import counted
 from ..extraction import extract_polylines
-from ..hokuyo import Newest, SensorError, UrgSensor
 from ..matching import Belief, LiveMap, Step, localize, map_scans
 from ..plotting import ERROR
 from ..poses import transform
 from ..quadtree import QuadtreeMap
 from ..reduction import LiveReduction
 from ..scans import LaserScan
+from ..sensors import Newest, SensorError, UrgSensor
 from ._base import Panel, slider, text
 from ._live_picture import LivePicture
 

@@ -1,4 +1,4 @@
-"""Cells between the lines of a building, the edges between them, and doorways."""
+"""Cells between the lines of a building, and which openings between them are a door."""
 
 from __future__ import annotations
 

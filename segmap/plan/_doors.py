@@ -1,4 +1,4 @@
-"""Doors: doorways that lead from one room to another."""
+"""Which doorways lead from one room to another."""
 
 from __future__ import annotations
 

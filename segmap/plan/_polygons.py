@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from .._display import pip_install
 from ..arrays import Array
+from ..display import pip_install
 from ._cells import LEAST_HOLE_M2, Grid, Mask
 from ._lines import Line
 

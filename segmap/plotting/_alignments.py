@@ -10,9 +10,9 @@ from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from .._display import counted
 from ..alignment import Alignment, position_errors
 from ..arrays import Array
+from ..display import counted
 from ..scans import Log
 from ._scans import draw_cloud, draw_log, draw_path
 from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, legend_below, map_axes, titled

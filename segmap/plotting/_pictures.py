@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from .. import arrays
-from .._display import picture
 from ..alignment import Alignment
 from ..arrays import Count, at_most, checked
+from ..display import picture
 from ..quadtree import QuadtreeMap
 from ..reduction import Reduction
 from ..scans import LaserScan, Log

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from .._display import counted
 from ..arrays import Array, Segments, checked
+from ..display import counted
 from ..metrics import AgainstWalls
 from ..scans import LaserScan
 from ._scans import draw_scan

@@ -1,4 +1,4 @@
-"""A quadtree of an aligned log, and the part of it that is worth looking at."""
+"""A quadtree of an aligned log, people who passed left out, and the part worth looking at."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Loops of the quadtree: cells found and split, rays walked leaf by leaf (B 4.2 to 4.4).
+"""Loops of the quadtree: cells found and split, each ray cast leaf by leaf (B 4.2 to 4.4).
 
 A tree is an array of nodes in blocks of four, the children of one square. `vis[node]` of a leaf is
 the number of rays that crossed it; of an inner node it is `~block` (negative), the block of its

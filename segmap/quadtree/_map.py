@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from .._display import Pictured
 from ..arrays import LIMIT, Array, Count, Quantity, at_most, checked
+from ..display import Pictured
 from ..files import shown
 from ..threads import Locked, locked
 from . import _kernels as kernels

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .._display import counted
 from ..arrays import Array
+from ..display import counted
 from ..scans.causes import Cause, Finding
 
 #: A step back by less than so many usual steps is a message that came late, and no clock.

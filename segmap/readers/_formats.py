@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib.metadata import entry_points
 from itertools import islice
 from pathlib import Path
 
-from . import bags, tables
-from ._lines import Lines, UnknownFormat
+from . import tables
 from ._others import other_file, other_text, worded_numbers
-from ._text import Binary, TextFormat
 from .carmen import CARMEN_FORMATS
-from .graphs import GRAPH_FORMATS
+from .lines import Lines, UnknownFormat
 from .tables import TABLE_FORMATS
+from .text import Binary, Parts, TextFormat
 
 #: These are asked first, in this order.
-BINARY_FORMATS: tuple[Binary, ...] = (bags.BAG, tables.ARRAYS)
-FOLDER_FORMATS: tuple[Binary, ...] = (bags.BAG, *tables.TABLE_FOLDERS)
-TEXT_FORMATS: tuple[type[TextFormat], ...] = (*CARMEN_FORMATS, *GRAPH_FORMATS, *TABLE_FORMATS)
+BINARY_FORMATS: tuple[Binary, ...] = (tables.ARRAYS,)
+FOLDER_FORMATS: tuple[Binary, ...] = tables.TABLE_FOLDERS
+TEXT_FORMATS: tuple[type[TextFormat], ...] = (*CARMEN_FORMATS, *TABLE_FORMATS)
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
 LOOKED_AT_LINES = 200
 #: Lines with words of one format are so many of them at least, where a head names columns; ...
@@ -40,6 +40,20 @@ Measurements in arrays (metres, radians, seconds) become a log by three lines:
     log = segmap.Log("mine", scans)"""
 
 
+def registered() -> list[Binary | type[TextFormat]]:
+    """The formats that other packages add by the entry point `segmap.formats`."""
+    try:
+        return [form for point in entry_points(group="segmap.formats") for form in point.load()]
+    except ImportError:  # a package that is installed in part
+        return []
+
+
+def in_parts() -> list[tuple[Binary, Parts]]:
+    """The formats whose logs may lie in several files."""
+    forms = [form for form in registered() if isinstance(form, Binary)]
+    return [(form, form.parts) for form in forms if form.parts]
+
+
 def recognise(path: Path) -> Binary | type[TextFormat]:
     """The format of a file or folder, by what speaks for it.
 
@@ -50,8 +64,13 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
     for form in FOLDER_FORMATS if path.is_dir() else BINARY_FORMATS:
         if form.claims(path):
             return form
-    if path.is_file() and (words := other_file(path)):
-        raise UnknownFormat(path, f"{words}\n{WHAT_TO_DO}")
+    stated = other_file(path) if path.is_file() else ""
+    if path.is_dir() or stated:
+        for other in registered():
+            if isinstance(other, Binary) and other.claims(path):
+                return other
+    if stated:
+        raise UnknownFormat(path, f"{stated}\n{WHAT_TO_DO}")
     if path.is_dir():
         raise UnknownFormat(
             path,
@@ -62,15 +81,19 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
     lines = Lines(path, "skip", separator="\n")
     sample = [line[0] for line in islice(lines, LOOKED_AT_LINES)]
     split = {separator: [line.split(separator) for line in sample] for separator in (None, ",")}
-    votes = {
-        form: sum(map(form.claims, filter(None, split[form.separator]))) for form in TEXT_FORMATS
-    }
+
+    def vote(form: type[TextFormat]) -> int:
+        return sum(map(form.claims, filter(None, split[form.separator])))
+
+    votes = {form: vote(form) for form in TEXT_FORMATS}
+    if max(votes.values()) < SHAPE_SHARE * len(sample):  # none of ours says most of it
+        votes |= {form: vote(form) for form in registered() if not isinstance(form, Binary)}
     for share, by_shape, tables_next in (
         (WORDS_SHARE, False, tables.STATED_FILES),
         (SHAPE_SHARE, True, ()),
     ):
         least = max(share * len(sample), 1)
-        forms = [form for form in TEXT_FORMATS if votes[form] >= least]
+        forms = [form for form in votes if votes[form] >= least]
         forms = [form for form in forms if by_shape or not form.by_shape]
         if forms := [form for form in forms if form.fits(sample)]:
             return max(forms, key=lambda form: votes[form])

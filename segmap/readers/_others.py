@@ -9,6 +9,9 @@ from pathlib import Path
 
 #: First bytes of files that others read -> what they are, and what makes a table of them.
 OTHER_FILES = {
+    b"#ROSBAG V": "of ROS, a bag: the package segmap_app reads it, and is not installed here",
+    b"SQLite format 3": "of SQLite: bags of ROS 2 are, which the package segmap_app reads",
+    b"\x89MCAP0\r\n": "of ROS 2, a bag: the package segmap_app reads it, and is not installed here",
     b"MATLAB 5.0": "of MATLAB: numpy.savez('it.npz', **scipy.io.loadmat(path, squeeze_me=True)) "
     "keeps its arrays, of which `ranges` and `angles` make a log",
     b"MATLAB 7.3": "of MATLAB 7.3: save it there with '-v7', which scipy.io.loadmat reads",

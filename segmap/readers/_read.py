@@ -12,9 +12,8 @@ from ..arrays import brief, checked
 from ..progress import Progress
 from ..scans import Log
 from ._bundled import bundled
-from ._formats import recognise
-from ._lines import OnError, stem
-from .bags import kind_of, read_bag, recordings
+from ._formats import in_parts, recognise
+from .lines import OnError, stem
 from .packed import log_file
 from .tables import one_scan_each, read_declared_rows, read_in_order, said_beside
 
@@ -74,8 +73,9 @@ def read(
     with ExitStack() as stack:
         places = [stack.enter_context(log_file(each, folders=True)) for each in paths]
         if len(places) != 1:
-            if places and kind_of(places[0]):
-                return read_bag(paths, on_error=on_error)
+            for form, parts in in_parts() if places else ():
+                if form.claims(places[0]):
+                    return parts.read(places, on_error=on_error)
             groups = one_scan_each(places)
             if len(groups) != 1:
                 raise ValueError(f"path must be the parts of one log, got {brief(path)}")
@@ -98,7 +98,9 @@ def together(files: Sequence[str]) -> list[list[str]]:
     if not isinstance(files, list | tuple):
         raise ValueError(f"files must be a list of paths, got {brief(files)}")
     named = [str(arrays.file(file, "files")) for file in files]
-    groups = recordings(named)
+    groups = [[name] for name in named]
+    for _, parts in in_parts():
+        groups = parts.together(named)
     alone = one_scan_each([group[0] for group in groups if len(group) == 1])
     groups = [*(group for group in groups if len(group) > 1), *alone]
     return sorted(groups, key=lambda group: named.index(group[0]))

@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import LIMIT, Array
 from ..files import shown
 from ..segments import SegmentMap
-from ._lines import Lines, LogError, float_fields
+from .lines import Lines, LogError, float_fields
 from .packed import log_file
 
 SEGMENT_COLUMNS = ["x1", "y1", "x2", "y2", "scan"]

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from .._display import Pictured
 from ..arrays import Array, Metres, Radians, Segments, at_least, at_most
 from ..compiled import work_time
+from ..display import Pictured
 from ..methods import Method
 from ..progress import announce
 from ..segments import MIN_LENGTH, SegmentMap, length

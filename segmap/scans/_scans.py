@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from .._display import Pictured
 from ..arrays import Array, unit_checks
+from ..display import Pictured
 from ..poses.motions import transform
 from .causes import Finding, doubt_of
 

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._display import counted
 from ..arrays import Array
+from ..display import counted
 from ..poses.motions import between
 from . import LaserScan
 from .causes import Cause, Finding

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from .._display import Pictured
 from ..angles import axial_mean
 from ..arrays import Array, Segments
+from ..display import Pictured
 from ..files import read_npz, shown, write_npz
 from ._points import behind, checked_places, clipped, take_points
 

@@ -5,7 +5,7 @@ import pytest
 from driven_panels import parts_of, view_of
 
 from segmap import load
-from segmap.panels import Workbench
+from segmap_app.page import Workbench
 
 LOG = load("room")[:8]
 

@@ -11,7 +11,7 @@ import pytest
 import segmap_course as course
 from segmap_course.exercises import Exercise
 
-from segmap import arrays, exports, extraction, load, matching, metrics, simulation
+from segmap import arrays, extraction, load, matching, metrics, simulation
 from segmap.alignment import METHODS as ALIGNMENTS
 from segmap.alignment import Match, align_to_truth, ground_truth, odometry, solve_graph
 from segmap.matching import (
@@ -34,7 +34,6 @@ from segmap.plotting import (
 )
 from segmap.poses import interpolate
 from segmap.quadtree import QuadtreeMap, build_map, map_of_grid
-from segmap.readers import Session
 from segmap.reduction import (
     METHODS,
     common_directions,
@@ -45,6 +44,8 @@ from segmap.reduction import (
 from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap
 from segmap.simulation import URG_04LX, cast_rays, drive, simulate
+from segmap_app import files
+from segmap_app.files import Session
 
 NAN, ZERO = float("nan"), (0.0, 0.0, 0.0)
 WALL = [(1.0, -1.0), (1.0, 1.0)]
@@ -335,13 +336,13 @@ MAPS = [
     *each(METHODS["fusion"](TWO).members)(*alike("index must be", -1, 2, 0.5)),
 ]
 EXPORTS = [
-    *each(exports.Earth)(
+    *each(files.Earth)(
         (139.7, 35.7, "latitude must be .* at most 90, in degrees, got 139.7"),
         (0, 181, "longitude must be .* at most 180, in degrees, got 181"),
         (NAN, 0, "latitude must be .* got nan"),
         *((0, 0, north, f"north must be .*got {north}") for north in (90, 6.3, -6.3)),
     ),
-    *each(exports.Grid)(
+    *each(files.Grid)(
         ("25832", 0, 0, "name must be like EPSG:25832"),
         ("EPSG:4326", 0, 0, "is in degrees, no grid in metres"),
         ("EPSG:25832", np.inf, 0, "east must be .* in metres, got inf"),
@@ -353,7 +354,7 @@ EXPORTS = [
         ({"settings": 3}, "settings must "),
         ({"runs": {"a": 1}}, "runs must "),
     ),
-    *each(exports.write_session)(
+    *each(files.write_session)(
         ("it.zip", session(), r"must end in \.segmap, got 'it\.zip'"),
         ("it.segmap", Session(ROOM[:0], {}), "must hold a scan"),
     ),

@@ -5,9 +5,8 @@ from typing import Annotated, Literal
 
 import numpy as np
 import pytest
-from driven_panels import parts_of, view_of
 
-from segmap import LaserScan, alignment, load, reduction
+from segmap import LaserScan
 from segmap.arrays import (
     Count,
     Metres,
@@ -18,7 +17,7 @@ from segmap.arrays import (
     at_least,
     at_most,
 )
-from segmap.panels import Workbench, control, slider
+from segmap.panels import control, slider
 
 
 def method(
@@ -100,25 +99,3 @@ def test_a_slider_needs_both_ends_and_a_step():
         none.meant()
     with pytest.raises(ValueError, match="angle must be"):
         control(method, "angle", -1.0, **whole)
-
-
-@pytest.fixture(scope="module")
-def workbench():
-    return Workbench(load("room"))
-
-
-@pytest.mark.parametrize("name", [*alignment.METHODS, *reduction.METHODS])
-def test_each_control_and_each_method_says_what_it_is(workbench, name):
-    """Catches a threshold without a sentence, and a label whose tooltip is "null"."""
-    choice = workbench.align if name in alignment.METHODS else workbench.method
-    choice.value = name
-    assert name.replace("_", " ") in choice.advice.value and len(choice.advice.value) > 120
-    for keyword, each in choice.controls.items():
-        assert each.tooltip.startswith(f"{keyword}: ") and len(each.tooltip) > len(keyword) + 10
-
-
-def test_no_label_of_the_workbench_says_null(workbench):
-    """Catches a control with a name and no tooltip, of which a browser makes "null"."""
-    named = [part for part in parts_of(view_of(workbench)) if part.has_trait("tooltip")]
-    named = [part for part in named if getattr(part, "description", "")]
-    assert len(named) > 30 and all(part.tooltip for part in named)

@@ -13,12 +13,12 @@ from emulated import emulator_threads, needs_terminals, pattern, wait_for
 from planned_loops import LOG, Planned, held_back
 
 from segmap import LaserScan, load
-from segmap.hokuyo import Newest, SensorError, UrgSensor
-from segmap.hokuyo.emulator import Emulator, furnished_room
 from segmap.matching import LiveMap
 from segmap.panels import LivePanel, _live
 from segmap.panels._live_picture import Greys, LivePicture
 from segmap.quadtree import build_map
+from segmap.sensors import Newest, SensorError, UrgSensor
+from segmap.sensors.emulator import Emulator, furnished_room
 from segmap.simulation import Sensor, box, drive, simulate, square_room
 
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from conftest import slow
 
-from segmap import _warm
+from segmap import warm
 from segmap.compiled import (
     COMPILING,
     KEPT_NOWHERE,
@@ -38,14 +38,14 @@ import sys
 if {blocked}:
     sys.modules["numba"] = None
 import numpy as np
-from segmap import _warm
+from segmap import warm
 from segmap.alignment.points._point_map import PointMap
 from segmap.reduction import METHODS
 from segmap.segments import SegmentMap
-points = _warm._room()
+points = warm._room()
 search = dict(reach=0.2, turn=0.2, step=0.1)
 found = [PointMap(points).search(points[::3], (0.1, 0.0, 0.1), **search)[0]]
-for name, case in _warm.cases().items():
+for name, case in warm.cases().items():
     found += case() if name != {slow!r} else []
 for method in METHODS.values():  # what has nothing, or one thing, to look at
     for count in (0, 1):
@@ -374,27 +374,27 @@ def test_what_is_needed_is_loaded_once_and_tells_of_compiling_alone(monkeypatch)
         announce(0.7, "placing scan 3 of 4")
         announce(0.0, Compiling(f"{COMPILING}: {len(ran)} loops so far"))
 
-    monkeypatch.setattr(_warm, "cases", lambda: {n: partial(case, n) for n in ("a", "b")})
-    monkeypatch.setattr(_warm, "_dispatched", set())
+    monkeypatch.setattr(warm, "cases", lambda: {n: partial(case, n) for n in ("a", "b")})
+    monkeypatch.setattr(warm, "_dispatched", set())
     monkeypatch.delenv(PLAIN, raising=False)
     with told(lambda share, words: heard.append((share, words))):
-        _warm.dispatch(["b", "a", "b", "a method of one's own"])
-        _warm.dispatch(["a"])
+        warm.dispatch(["b", "a", "b", "a method of one's own"])
+        warm.dispatch(["a"])
     assert ran == ["b", "a"]
     loading = "loading compiled loops"
     assert heard[::2] == [(0.0, loading), (0.5, loading)] and len(heard) == 4
-    monkeypatch.setattr(_warm, "_dispatched", set())
+    monkeypatch.setattr(warm, "_dispatched", set())
     needed = [SimpleNamespace(_fast=None, _inner=None) for _ in range(10)]
     needed[3]._fast = needed[4]._inner = print  # of two there is machine code
-    monkeypatch.setattr(_warm, "loops", lambda cases: needed)
-    monkeypatch.setattr(_warm, "missing", ran)  # one for each case
+    monkeypatch.setattr(warm, "loops", lambda cases: needed)
+    monkeypatch.setattr(warm, "missing", ran)  # one for each case
     heard.clear()
     with told(lambda share, words: heard.append((share, words))):
-        _warm.dispatch(["a", "b"])
+        warm.dispatch(["a", "b"])
     assert heard == [(0.0, loading)] + [(0.2, "compiling loop 2 of 10")] * 2
     assert isinstance(heard[1][1], Compiling), "no time is told of it"
     ran[2:] = []
     monkeypatch.setenv(PLAIN, "1")  # as plain Python the cases take minutes
-    monkeypatch.setattr(_warm, "_dispatched", set())
-    _warm.dispatch(["a"])
+    monkeypatch.setattr(warm, "_dispatched", set())
+    warm.dispatch(["a"])
     assert ran == ["b", "a"]

@@ -39,7 +39,8 @@ from entry_point_table import (
 )
 from matplotlib import pyplot
 
-from segmap import experiments, exports, hokuyo, readers
+from segmap import experiments, exports, readers, sensors
+from segmap_app import files
 
 #: The library as far as it takes arrays and numbers. `literal` is loops to read, without checks.
 PACKAGES = [
@@ -122,9 +123,9 @@ def bounded(tmp_path_factory):
     TREE.save(folder / "map.npz")
     for name in ("segments.csv", "segments.npz"):
         exports.write_segments(folder / name, MAP)
-    exports.write_session(folder / "it.segmap", GOOD["session"])
+    files.write_session(folder / "it.segmap", GOOD["session"])
     exports.write_graph(folder / "graph.g2o", GOOD["write_graph.graph"])
-    exports.write_ros_map(folder / "ros.yaml", GOOD["exports.map"])
+    files.write_ros_map(folder / "ros.yaml", GOOD["exports.map"])
     experiments.write_records(GOOD["frame"], folder / "runs.csv")
     for name in ("alignment.csv", "walls.csv"):
         (folder / name).write_bytes(readers.data_file(f"records/{name}").read_bytes())
@@ -189,7 +190,7 @@ def complaint(package, called, function, name, bad, must):
                 pyplot.close("all")
                 return f"leaves an empty figure behind: {error}"
             return "" if named or "broadcast" in str(error) else f"does not name {name}: {error}"
-        except hokuyo.SensorError as error:  # what a sensor sends is judged by its own words
+        except sensors.SensorError as error:  # what a sensor sends is judged by its own words
             return "" if package == "hokuyo" and str(error) else f"SensorError: {error}"
         except AssertionError:
             return "" if called.startswith("assert_") else "AssertionError"

@@ -297,4 +297,4 @@ def test_nothing_is_asked_of_an_index_that_somebody_else_may_fill():
     asked = re.compile(r"pip install [\'\"]?segmap(?![-\w])")
     assert len(texts) > 300
     said = {str(p): asked.findall(p.read_text(encoding="utf-8")) for p in texts}
-    assert {p for p, found in said.items() if found} == {str(ROOT / "segmap/_display.py")}
+    assert {p for p, found in said.items() if found} == {str(ROOT / "segmap/display.py")}

@@ -12,11 +12,11 @@ ROOT = Path(__file__).resolve().parents[2]
 #: Every file and folder at the top of `segmap` stands on one layer.
 LAYERS = {
     "core": (
-        "_display alignment angles arrays compiled extraction files kernels matching methods "
+        "alignment angles arrays compiled display extraction files kernels matching methods "
         "metrics plan poses progress quadtree reduction scans segments simulation testing threads"
     ),
-    "edges": "experiments exports hokuyo plotting readers",
-    "entry points": "__init__ __main__ _call _commands _map_pipeline _warm panels",
+    "edges": "experiments exports plotting readers sensors",
+    "entry points": "__init__ __main__ panels warm",
 }
 #: Lines of code of the core, at most: a commit that raises this says which issue grants it.
 CORE_LINES = 14_448
@@ -33,7 +33,7 @@ FAMILIES = {
 
 
 def sources() -> list[Path]:
-    folders = ("segmap", "notebooks/segmap_course", "tests")
+    folders = ("segmap", "segmap_app", "notebooks/segmap_course", "tests")
     return sorted(path for folder in folders for path in (ROOT / folder).rglob("*.py"))
 
 

@@ -11,7 +11,7 @@ from makefile import ROOT
 from programs import program
 
 import segmap
-from segmap import _warm
+from segmap import warm
 from segmap.arrays import Array
 from segmap.compiled import Compiled, compiled
 
@@ -38,11 +38,11 @@ def test_every_kernel_has_a_case_and_knows_its_named_tuples():
     """Catches a new loop that nobody warms, and whose first call is then slow; one that takes a
     named tuple that its annotations do not say: it ends when the tuple's module has moved; and a
     bar that stands still, or runs ahead, while loops are compiled."""
-    for name in _warm.cases():
-        _warm.run_case(name)
+    for name in warm.cases():
+        warm.run_case(name)
     kernels = [k for k in gc.get_objects() if type(k) is Compiled]
     ours = [k for k in kernels if k.plain.__module__.startswith("segmap.")]
-    told = _warm.loops(_warm.cases().values())  # of so many a bar tells how many are compiled
+    told = warm.loops(warm.cases().values())  # of so many a bar tells how many are compiled
     assert told <= {*ours} and len(told) > 0.97 * len(ours)  # few are named by a table alone
     cold = {k.plain.__qualname__ for k in ours if k._fast is None and k._inner is None}
     assert len(ours) > 100 and not cold

@@ -239,3 +239,20 @@ def first_difference(got: Any, right: Any, given: Sequence[Any]) -> str:
     told = f"{text(b[place])} is expected, got {text(a[place])}"
     where = ", ".join(map(str, place))
     return f"; they differ first at [{where}]: {told}{said}"
+
+
+Three = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The value of a pose: so much for each metre or radian from a point, or away from it."""
+
+    slope: Three
+    point: Three = (0.0, 0.0, 0.0)
+    away: tuple[bool, bool, bool] = (False, False, False)
+
+    def __call__(self, pose: Any) -> float:
+        """The score of a pose, an array or a tuple of three numbers."""
+        off = np.subtract(pose, self.point)
+        return float(np.where(self.away, np.abs(off), off) @ np.array(self.slope))

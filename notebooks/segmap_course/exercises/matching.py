@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from segmap.arrays import Array
 from segmap.poses import transform
 
 from ..literal import MOVES, climb_step, distance_score, systematic, weighed
-from ._answers import Cases
+from ._answers import Cases, Surface
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
@@ -70,23 +69,6 @@ check_scan_score = Exercise(
 
 
 # ------------------------------------------------------------------------------ hill climb
-Three = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Surface:
-    """The value of a pose: so much for each metre or radian from a point, or away from it."""
-
-    slope: Three
-    point: Three = (0.0, 0.0, 0.0)
-    away: tuple[bool, bool, bool] = (False, False, False)
-
-    def __call__(self, pose: Any) -> float:
-        """The score of a pose, an array or a tuple of three numbers."""
-        off = np.subtract(pose, self.point)
-        return float(np.where(self.away, np.abs(off), off) @ np.array(self.slope))
-
-
 #: A pose is an array or a tuple: three numbers.
 Pose = Any
 Value = Callable[[Pose], float]

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from segmap.arrays import Array
-from segmap.hokuyo import checksum, decode
 from segmap.poses import transform
 from segmap.readers import half_turn
+from segmap.sensors import checksum, decode
 from segmap.simulation import cast_rays
 
 from ._answers import Cases

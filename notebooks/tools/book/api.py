@@ -21,7 +21,8 @@ PACKAGES = (
         "exports",
         "experiments",
     ),
-    *("progress", "hokuyo", "hokuyo.emulator", "plotting", "panels", "testing", "arrays"),
+    *("progress", "sensors", "sensors.emulator", "plotting", "panels", "testing", "arrays"),
+    *("segmap_app.files", "segmap_app.page"),
     *("segmap_course", "segmap_course.literal"),
 )
 

@@ -8,11 +8,12 @@ ROOT = Path(__file__).resolve().parents[3]
 SEGMAP = ROOT / "segmap"
 
 #: From the ground up: name, what it holds, the folders and files of `segmap` that stand on it.
+#: Those of the app have its name before theirs.
 LAYERS = (
     (
         "Ground",
         "arrays that are checked, poses, segments, scans",
-        "progress compiled _display arrays files threads methods _call angles poses segments scans "
+        "progress compiled display arrays files threads methods angles poses segments scans "
         "kernels",
     ),
     (
@@ -23,17 +24,18 @@ LAYERS = (
     (
         "Methods",
         "reduction, quadtree, alignment, matching, floor plans; the sensor",
-        "hokuyo reduction quadtree alignment matching plan",
+        "sensors reduction quadtree alignment matching plan",
     ),
     (
         "Around the methods",
-        "experiments, files that go out, drawings, the whole way from log to map",
-        "experiments exports testing _warm _map_pipeline plotting",
+        "experiments, files that go out, drawings, panels of the chapters",
+        "experiments exports testing warm plotting panels",
     ),
     (
-        "Entry points",
-        "what people touch: panels and the page, commands",
-        "panels _commands __main__",
+        "The app",
+        "for people with a log: files of other programs, from log to map, the page, the command",
+        "segmap_app/files segmap_app/call segmap_app/pipeline segmap_app/page "
+        "segmap_app/commands __main__",
     ),
 )
 #: Files to begin with, in this order, and what each shows.
@@ -47,25 +49,33 @@ FIRST = (
 WIDTH, BOX_HEIGHT, GAP = 860, 26, 8
 
 
+def place_of(package: str) -> Path:
+    """The folder or file of a package; those of the app are named with it."""
+    folder = (ROOT if package.startswith("segmap_app") else SEGMAP) / package
+    return folder if folder.is_dir() else folder.with_suffix(".py")
+
+
 def imports_of(package: str) -> set[str]:
-    """The folders and files at the top of `segmap` that one of them imports."""
-    folder = SEGMAP / package
-    files = folder.rglob("*.py") if folder.is_dir() else [SEGMAP / f"{package}.py"]
+    """The packages of the map that one of them imports."""
+    place = place_of(package)
+    files = place.rglob("*.py") if place.is_dir() else [place]
     found: set[str] = set()
     for path in files:
-        depth = len(path.relative_to(SEGMAP).parts)
+        home = path.relative_to(ROOT).parts[:-1]
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and node.level == depth:
-                found |= (
-                    {node.module.split(".")[0]} if node.module else {a.name for a in node.names}
-                )
+            if isinstance(node, ast.ImportFrom):
+                base = home[: len(home) - node.level + 1] if node.level else ()
+                whole = [*base, *(node.module.split(".") if node.module else ())]
+                for name in node.names:
+                    first, *rest = [*whole, name.name]
+                    found |= {rest[0] if first == "segmap" else "/".join([first, *rest[:1]])}
     return (found & {name for _, _, names in LAYERS for name in names.split()}) - {package}
 
 
 def words_of(package: str) -> str:
     """The first sentence of its docstring."""
-    folder = SEGMAP / package
-    return first_line(folder / "__init__.py" if folder.is_dir() else SEGMAP / f"{package}.py")
+    place = place_of(package)
+    return first_line(place / "__init__.py" if place.is_dir() else place)
 
 
 def first_line(path: Path) -> str:
@@ -75,7 +85,7 @@ def first_line(path: Path) -> str:
 
 def files_of(package: str) -> list[Path]:
     """The files of a folder that hold more than its list of names."""
-    found = sorted((SEGMAP / package).rglob("*.py"))
+    found = sorted(place_of(package).rglob("*.py"))
     return [path for path in found if path.name not in ("__init__.py", "__main__.py")]
 
 
@@ -106,7 +116,8 @@ def code_map() -> str:
     """The page, as Markdown."""
     lines = ["# Map of the code", ""]
     lines += ["Five layers. A layer imports its own and lower ones, never a higher one, and the"]
-    lines += ["library never imports the course. `tests/project/test_imports.py` holds it.", ""]
+    lines += ["library never imports the course; of its files `__main__.py` alone imports the app."]
+    lines += ["`tests/project/test_imports.py` holds it.", ""]
     lines += ["```{raw} html", picture(), "```", ""]
     for number, (name, words, packages) in enumerate(LAYERS, 1):
         lines += [f"## {number} {name}", "", f"{words[0].upper()}{words[1:]}.", ""]
@@ -122,6 +133,6 @@ def code_map() -> str:
     lines += ["| file | what is in it |", "|---|---|"]
     for package in sorted(name for _, _, names in LAYERS for name in names.split()):
         for path in files_of(package):
-            lines += [f"| `{path.relative_to(SEGMAP)}` | {first_line(path)} |"]
+            lines += [f"| `{path.relative_to(ROOT)}` | {first_line(path)} |"]
     lines += [""]
     return "\n".join(lines)

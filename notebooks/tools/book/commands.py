@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from segmap._commands import parser
+from segmap_app.commands import parser
 
 INDEX = """Commands
 ========

@@ -1,4 +1,4 @@
-"""Loop closing: old places proposed, measured, and rejected unless several loops agree."""
+"""Loop closing: places proposed by descriptor, measured, rejected unless several loops agree."""
 
 from __future__ import annotations
 

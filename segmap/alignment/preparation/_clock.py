@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..._display import counted
+from ...display import counted
 from ...scans import Log
 from ...scans.causes import Cause, Finding
 

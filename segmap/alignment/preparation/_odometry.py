@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ... import arrays
-from ..._display import counted
 from ...arrays import Array, checked
+from ...display import counted
 from ...poses.motions import compose
 from ...scans import Log
 from ...scans.causes import Cause, Finding

@@ -45,8 +45,8 @@ import numpy as np
 from ...arrays import Array, unit_checks
 from ...poses import compose
 from ...scans import Skipped
-from .._lines import Lines, counted_fields, float_fields, merged_skipped, pose_fields, time
-from .._raw_scans import (
+from ..lines import Lines, counted_fields, float_fields, merged_skipped, pose_fields, time
+from ..raw_scans import (
     NOWHERE,
     Extrinsic,
     RawScan,
@@ -57,7 +57,7 @@ from .._raw_scans import (
     uncorrected,
     view_of,
 )
-from .._text import TextFormat
+from ..text import TextFormat
 
 OLD = ("FLASER", "RLASER")
 NEW = tuple(f"{kind}LASER{k}" for kind in ("ROBOT", "RAW") for k in range(1, 6))

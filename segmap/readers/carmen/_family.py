@@ -35,8 +35,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ...arrays import Array
-from .._lines import Lines, counted_fields, float_fields, is_number, pose_fields
-from .._raw_scans import (
+from ..lines import Lines, counted_fields, float_fields, is_number, pose_fields
+from ..raw_scans import (
     NOWHERE,
     URG_STEP,
     Extrinsic,
@@ -46,7 +46,7 @@ from .._raw_scans import (
     extrinsic_by_poses,
     half_turn,
 )
-from .._text import Declared
+from ..text import Declared
 
 #: Beams of lasers that look over more than half a turn, and the turn from one to the next.
 WIDE_LASER_STEPS_RAD = {540: np.radians(0.5), 541: np.radians(0.5), 682: URG_STEP, 683: URG_STEP}

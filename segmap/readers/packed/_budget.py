@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...files import most_unpacked
-from .._lines import LogError
+from ..lines import LogError
 
 
 class Budget:

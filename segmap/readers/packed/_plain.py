@@ -14,7 +14,7 @@ from typing import IO, Any
 
 from ... import arrays
 from ...files import members, shown
-from .._lines import LogError, UnknownFormat
+from ..lines import LogError, UnknownFormat
 from ._budget import Budget
 
 #: First bytes of a file that one program packed -> the function that opens it.

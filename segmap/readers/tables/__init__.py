@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from .._text import Binary
+from ..text import Binary
 from ._columns import POSES_ALONE
 from ._fixed import CoreSlam, HokuyoText, Rawseeds
 from ._folders import files_of, numbered, one_scan_each, read_folder, read_in_order, read_numbered

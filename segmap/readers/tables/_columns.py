@@ -1,4 +1,4 @@
-"""What the name of a column declares: its role, its unit, and which way its angles grow.
+"""What the name of a column declares, in a head or by `--columns`: role, unit, way of angles.
 
 angle_deg, angle_rad            direction of a beam; `angle_deg_cw` where angles grow clockwise
 range_m, range_cm, range_mm     how far it went; `range_ft` and `range_in` too

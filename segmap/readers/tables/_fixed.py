@@ -34,8 +34,8 @@ from ...arrays import LIMIT, Array
 from ...poses import compose
 from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
-from .._lines import MOST_DIRECTION_RAD, Lines, float_fields, is_number, time
-from .._raw_scans import (
+from ..lines import MOST_DIRECTION_RAD, Lines, float_fields, is_number, time
+from ..raw_scans import (
     COUNTERCLOCKWISE,
     NOWHERE,
     URG_ASSUMED,
@@ -48,7 +48,7 @@ from .._raw_scans import (
     uncorrected,
     urg_delays,
 )
-from .._text import TextFormat, by_names
+from ..text import TextFormat, by_names
 from ._table import MOST_BEAMS_READ
 
 #: Lines of CoreSLAM by the number of their fields, and the sign of the right wheel.
@@ -69,6 +69,10 @@ CORESLAM_ASSUMED = (
 RAWSEEDS_HOKUYO = 682
 #: So many steps of a column go one way where it does.
 ONE_WAY_SHARE = 0.8
+#: Steps in a turn of a Hokuyo: URG-04LX; UST-10LX and UTM-30LX.
+STEPS_A_TURN = (1024, 1440)
+#: An angle between beams is that of such a step, but for so much: angles are rounded.
+STEP_TOLERANCE = 0.01
 #: What two numbers a line do not say.
 HOKUYO_TEXT_ASSUMED = (
     "ranges in millimetres",
@@ -193,15 +197,19 @@ class HokuyoText(TextFormat):
 
     @classmethod
     def fits(cls, lines: Sequence[str]) -> bool:
-        """Whether the second column holds radians that go one way, and the first does not.
+        """Whether the second column holds radians that go one way.
 
-        Where both go one way nobody knows which is the angle.
+        Where both go one way, the angle between beams must be that of a Hokuyo's step.
         """
         rows = [found for line in lines if cls.claims(found := line.split())]
-        steps = np.sign(np.diff(np.array(rows, float).reshape(-1, 2), axis=0))
+        apart = np.diff(np.array(rows, float).reshape(-1, 2), axis=0)
+        steps = np.sign(apart)
         moved = np.abs(steps).sum(0)
         ways = np.abs(steps.sum(0)) >= ONE_WAY_SHARE * moved
-        is_open = bool(ways[0] and moved[0])
+        step = np.median(np.abs(apart[:, 1])) if len(apart) else 0.0
+        turned = step * np.array(STEPS_A_TURN) / (2 * np.pi)
+        is_step = bool((np.abs(turned - 1) < STEP_TOLERANCE).any())
+        is_open = bool(ways[0] and moved[0]) and not is_step
         return any("." in angle for _, angle in rows) and bool(ways[1]) and not is_open
 
     def _take(self, fields: list[str]) -> None:

@@ -25,9 +25,9 @@ import numpy as np
 
 from ...poses import interpolate
 from ...scans import LaserScan, Log
-from .._lines import Lines, LogError, Reading, merged_skipped
-from .._raw_scans import known_truth
-from .._text import Binary
+from ..lines import Lines, LogError, Reading, merged_skipped
+from ..raw_scans import known_truth
+from ..text import Binary
 from ._fixed import HokuyoText, Rawseeds
 from ._layout import Layout, first_lines, layout_as_written, layout_of, said_beside
 from ._npz import ARRAYS, claims

@@ -20,7 +20,7 @@ import numpy as np
 
 from ... import arrays
 from ...arrays import brief
-from .._lines import NOT_MEASURED, Lines, LogError, is_number
+from ..lines import NOT_MEASURED, Lines, LogError, is_number
 from ..packed import read_text
 from ._columns import meaning, missing_in, named, places_of
 

@@ -27,8 +27,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...scans import LaserScan, Log
-from .._lines import Lines, LogError, float_fields, is_number, pose_fields, time
-from .._raw_scans import beams_of_message, known, known_truth, place_of
+from ..lines import Lines, LogError, float_fields, is_number, pose_fields, time
+from ..raw_scans import beams_of_message, known, known_truth, place_of
 from ._columns import meaning
 from ._layout import fields_of, first_lines
 

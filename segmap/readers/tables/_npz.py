@@ -29,9 +29,9 @@ from ...arrays import Array
 from ...files import read_arrays, shown
 from ...progress import each
 from ...scans import NOTHING_SKIPPED, LaserScan, Log
-from .._lines import LATEST_TIME_S, LogError
-from .._raw_scans import known, known_truth, place_of
-from .._text import Binary
+from ..lines import LATEST_TIME_S, LogError
+from ..raw_scans import known, known_truth, place_of
+from ..text import Binary
 
 NEEDED = ("ranges", "angles")
 KNOWN = {

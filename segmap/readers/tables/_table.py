@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ...arrays import LIMIT, Array, checked
 from ...scans import LaserScan, Log
-from .._lines import (
+from ..lines import (
     LATEST_TIME_S,
     MOST_DIRECTION_RAD,
     NOT_MEASURED,
@@ -33,8 +33,8 @@ from .._lines import (
     OnError,
     stem,
 )
-from .._raw_scans import COUNTERCLOCKWISE, known, place_of
 from ..packed import log_file
+from ..raw_scans import COUNTERCLOCKWISE, known, place_of
 from ._columns import BEAM_ROLES, Column, places_of
 from ._layout import (
     COMMENTS,

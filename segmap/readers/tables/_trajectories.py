@@ -27,10 +27,10 @@ from ... import arrays
 from ...arrays import Array, checked
 from ...poses import interpolate
 from ...scans import Log
-from .._lines import HeadError, Lines, LogError, OnError
-from .._mounting import in_space, level
-from .._raw_scans import Track, known, known_truth
+from ..lines import HeadError, Lines, LogError, OnError
+from ..mounting import in_space, level
 from ..packed import log_file
+from ..raw_scans import Track, known, known_truth
 from ._columns import Column, meaning
 from ._layout import Layout, declared_layout, layout_as_written, said_beside
 from ._messages import clock_of

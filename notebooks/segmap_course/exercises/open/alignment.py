@@ -6,11 +6,11 @@ import numpy as np
 
 from segmap.alignment import match_points, point_icp, position_errors
 from segmap.arrays import Array
-from segmap.hokuyo import checksum, decode
 from segmap.metrics import quality
 from segmap.poses import between, transform
 from segmap.readers import load
 from segmap.segments import length
+from segmap.sensors import checksum, decode
 
 from ._open import ROOM, Challenge, Prediction, admit, malaga, metres_away
 

@@ -1,0 +1,10 @@
+"""An emulated URG-04LX or UST-10LX behind a pseudo-terminal or a TCP port, with faults on demand.
+
+`python -m segmap.sensors.emulator` starts one and prints its device, or with `--tcp 0` its address.
+"""
+
+from ._emulator import Emulator
+from ._unit import Unit
+from ._worlds import Replay, Room, furnished_room
+
+__all__ = ["Emulator", "Replay", "Room", "Unit", "furnished_room"]

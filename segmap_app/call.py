@@ -1,0 +1,85 @@
+"""A function that a user chose, with its thresholds, as code and as words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from segmap.arrays import Declared, declared
+
+
+@dataclass(frozen=True)
+class Call:
+    """A function of some data by its name, with the thresholds that are not its defaults."""
+
+    name: str
+    function: Callable[..., Any]
+    thresholds: Mapping[str, Any] = field(default_factory=dict)
+
+    def run(self, data: Any) -> Any:
+        """Call it."""
+        return self.function(data, **self.thresholds)
+
+    def arguments(self) -> str:
+        """The thresholds as Python writes them, each behind a comma; angles by their degrees."""
+        said, written = declared(self.function), ""
+        for name, value in self.thresholds.items():
+            text = short(value) if isinstance(value, float) else repr(value)
+            if isinstance(value, float) and said[name].read_unit != said[name].unit:
+                read = as_read(said[name], value)
+                exact = said[name].meant(read) == value
+                text = f"np.radians({short(read)})" if exact else repr(float(value))
+            written += f", {name}={text}"
+        return written
+
+    def words(self) -> str:
+        """The thresholds as a person reads them."""
+        return self.arguments().removeprefix(", ").replace("=", " ").replace("np.", "")
+
+
+def as_read(said: Declared, value: Any) -> Any:
+    """A threshold as people read it; without the digits that a conversion adds, if it is one."""
+    if not isinstance(value, float):
+        return value
+    read = said.read(value)
+    brief = float(f"{read:.6g}")
+    return brief if said.meant(brief) == value else read
+
+
+def short(value: float) -> str:
+    """A number as short as it can be written without becoming another one."""
+    brief = f"{value:.6g}"
+    return brief if float(brief) == value else repr(float(value))
+
+
+def preparing(options: Mapping[str, Any]) -> dict[str, Any]:
+    """The keywords of `alignment.prepared` for options of `segmap map`, as a session keeps them.
+
+    Examples
+    --------
+    >>> preparing({"no_deskew": True, "mount": [0.2, 0.0, 180.0]})
+    {'deskew': False, 'mount': (0.2, 0.0, 3.141592653589793)}
+    """
+    found: dict[str, Any] = {"deskew": False} if options.get("no_deskew") else {}
+    found |= {name: True for name in ("keep_body", "clockwise") if options.get(name)}
+    if options.get("mount_auto"):
+        found["mount"] = "auto"
+    elif "mount" in options:
+        x, y, degrees = options["mount"]
+        found["mount"] = (float(x), float(y), math.radians(degrees))
+    return found
+
+
+def called(room: Any, name: str, call: Call, data: str) -> str:
+    """A call of a method, by its own name where the room exports it, else out of METHODS."""
+    own = getattr(room, call.name, None) is call.function
+    path = f"segmap.{name}.{call.name}" if own else f"segmap.{name}.METHODS[{call.name!r}]"
+    return f"{path}({data}{call.arguments()})"
+
+
+def option_words(held: tuple[str, Any]) -> str:
+    """An option that a session keeps, as words."""
+    name, value = held
+    return name if value is True else f"{name} {value}"

@@ -1,0 +1,262 @@
+"""`segmap compare LOG`: all reduction methods on one map, at equal quality (A 6.2.3).
+
+With a plan of the building also against its walls: quality asks how near the noisy map is.
+"""
+
+from __future__ import annotations
+
+import argparse
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from segmap import extraction, metrics, warm
+from segmap.display import counted
+from segmap.methods import bracket, halved
+from segmap.readers import LogError, read_segments
+from segmap.reduction import METHODS
+from segmap.scans import Log
+from segmap.segments import SegmentMap, length
+
+from . import log_options
+from ._output import Report, finite, percent, progress, seconds
+from .log_options import thresholds
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: What -o may end in.
+SUFFIXES = (".png", ".csv")
+#: The threshold that a method varies is doubled or halved so often at most, to reach a quality.
+MOST_DOUBLINGS = 5
+#: So many runs then lie between the two beside that quality.
+RUNS_BETWEEN = 2
+#: A method whose run takes so long, in seconds, gets no further one.
+SLOW_RUN_S = 20.0
+#: A longer map is thinned, scan by scan: some methods take time with the square of its segments.
+MOST_COMPARED_SEGMENTS = 2000
+#: Where a smaller share of the map lies beside the walls of a plan, the plan is of another place or
+#: in another unit: a few walls at 0 lie there in any unit.
+LEAST_BESIDE_SHARE = 0.1
+#: So is a plan that is so many times as large.
+LARGER_PLAN_RATIO = 50
+
+
+class _TooSlow(Exception):
+    """The last run of a method took so long that there is no further one."""
+
+
+def add(commands: Any) -> None:
+    """Name the command and its arguments."""
+    command = commands.add_parser(
+        "compare",
+        help="all reduction methods on the map of a log, at equal quality",
+        epilog=log_options.examples(
+            "compare room",
+            "compare malaga --quality 90 -o curves.png -o runs.csv",
+            "compare room --all --table methods.csv",
+        ),
+    )
+    log_options.add_poses(command)
+    command.add_argument(
+        "--quality",
+        type=float,
+        default=85.0,
+        metavar="PERCENT",
+        help="at which the methods are compared; default: 85",
+    )
+    command.add_argument(
+        "--all",
+        action="store_true",
+        help=f"every scan; else as many as give {MOST_COMPARED_SEGMENTS} segments",
+    )
+    command.add_argument("--filter", type=float, metavar="METRES", help="leave shorter ones out")
+    command.add_argument(
+        "--walls",
+        type=Path,
+        metavar="FILE",
+        help="judge by true walls too: a .csv with x1,y1,x2,y2,scan or .npz, metres, in the frame "
+        "of the map",
+    )
+    log_options.add_output(command, SUFFIXES, "a picture of the curves, or all runs")
+    command.set_defaults(run=partial(log_options.each_log, work=compare_methods, check=check))
+
+
+def check(given: argparse.Namespace) -> None:
+    """Refuse a quality that is none, and read the plan."""
+    log_options.check_options(given)
+    log_options.refuse_wrong(given, "filter", log_options.LENGTH)
+    if not 0 < given.quality <= 100:
+        given.refuse(f"--quality must be above 0 and at most 100 per cent, got {given.quality:g}")
+    try:
+        given.plan = None if given.walls is None else read_segments(given.walls)
+    except LogError as error:  # of a plan --skip leaves nothing out
+        raise ValueError(f"--walls {error}") from error
+
+
+def compare_methods(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+    """Run all methods on the map of one log, and print what each leaves."""
+    warm.dispatch(f"reduction {name}" for name in METHODS)
+    made = log_options.placed_outcome(given, log, report)
+    map = whole = extraction.build_map(made.log, made.alignment.trusted, keep_points=True)
+    verdict = made.alignment.verdict_on(map)
+    if given.filter is not None:
+        map = whole = whole.filtered(given.filter)
+    if not len(map):
+        raise ValueError("there is nothing to compare: the map holds no segment")
+    if not given.all:
+        map = thinned(map)
+    part = ""
+    if len(map) < len(whole):
+        kept, every = (len(np.unique(m.scan)) for m in (map, whole))
+        part = f"; compared on {len(map)} of them, from {kept} of {every} scans (--all takes all)"
+    report.line("extracted", f"{counted(len(whole), 'segment')}{part}", segments=len(whole))
+    if given.plan is not None:
+        check_plan(given, map, report)
+    quality = given.quality / 100
+    runs = compared(log.name, map, quality)
+    taken = float(runs["seconds"].sum())
+    report.line("compared", f"{counted(len(runs), 'run')}, {seconds(taken)}", seconds=taken)
+    nearest = print_table(runs, quality, report)
+    if given.plan is not None:
+        print_walls(given, map, nearest, report)
+
+    def write(path: Path) -> None:
+        """All runs, or their picture."""
+        if path.suffix == ".csv":
+            from segmap.experiments import write_records
+
+            write_records(runs, path)
+        else:
+            from ._pictures import write_curves
+
+            write_curves(path, runs, quality)
+
+    return log_options.finished(given, verdict, paths, report, write)
+
+
+def compared(name: str, map: SegmentMap, quality: float) -> pd.DataFrame:
+    """Runs of all methods on a map, more of them near a quality."""
+    import pandas as pd
+
+    found = []
+    with progress(len(METHODS), "method") as bar:
+        for method in METHODS:
+            bar.set_postfix_str(method)
+            found.append(searched({name: map}, method, quality))
+            bar.update()
+    return pd.concat(found, ignore_index=True)
+
+
+def searched(map: dict[str, SegmentMap], method: str, quality: float) -> pd.DataFrame:
+    """Runs of a method from its default on: beyond the wanted quality, and then closer to it."""
+    import pandas as pd
+
+    from segmap.experiments import sweep
+
+    varies = METHODS[method].varies
+    found: list[pd.DataFrame] = []
+
+    def good(value: float) -> bool:
+        """Run with a threshold, and tell whether its quality is that good."""
+        if found and found[-1]["seconds"].item() > SLOW_RUN_S:
+            raise _TooSlow
+        found.append(sweep(map, [method], {method: {varies: [value]}}))
+        return bool(found[-1]["quality"].item() >= quality)
+
+    with suppress(_TooSlow):
+        ends = bracket(
+            good,
+            thresholds(METHODS[method].function)[varies].default,
+            MOST_DOUBLINGS,
+            MOST_DOUBLINGS,
+        )
+        for _ in range(RUNS_BETWEEN if ends else 0):
+            ends = halved(good, ends)
+    return pd.concat(found)
+
+
+def thinned(map: SegmentMap) -> SegmentMap:
+    """Every second scan, every third, ...: the first part of a map that is not too long."""
+    every, part, step = np.unique(map.scan), map, 1
+    while len(part) > MOST_COMPARED_SEGMENTS and step < len(every):
+        step += 1
+        part = map[np.isin(map.scan, every[::step])]
+    return part
+
+
+def check_plan(given: argparse.Namespace, map: SegmentMap, report: Report) -> None:
+    """Say how much of a map lies beside the walls of a plan; refuse a plan of another place."""
+    found = metrics.against_walls(given.plan, map)
+    share = 1 - found.invented / length(map.segments).sum()
+    ends = [each.segments.reshape(-1, 2) for each in (map, given.plan)]
+    small, large = (np.ptp(each, axis=0).max() for each in ends)
+    if share < LEAST_BESIDE_SHARE or large > LARGER_PLAN_RATIO * small:
+        spans = [f"from {each.min(0).round(1)} to {each.max(0).round(1)}" for each in ends]
+        raise ValueError(
+            f"{percent(share)} of the map lies beside a wall of {given.walls}: the map is "
+            f"{spans[0]} m, the plan {spans[1]}. A plan must be in metres, not millimetres, and in "
+            "the frame of the map: `segmap map LOG --method none -o map.dxf` writes the map, to "
+            "lay the plan on it"
+        )
+    words = f"{counted(len(found.walls), 'wall')} of {given.walls}; beside them lies"
+    figures = {"walls": len(found.walls), "beside": share}
+    report.line("plan", f"{words} {percent(share)} of the map", **figures)
+
+
+def print_walls(
+    given: argparse.Namespace, map: SegmentMap, runs: dict[str, pd.Series], report: Report
+) -> None:
+    """What one run of each method keeps of the walls of a plan, of what the map before has."""
+    from segmap.experiments import thresholds_of
+
+    report.say(
+        f"  {'against the plan':<22} {'a wall':>11} {'found':>8} {'missed':>8} {'invented':>8} "
+        f"{'double':>8} {'off':>8}"
+    )
+    for name, run in {"the map before": None, **runs}.items():
+        after = map if run is None else METHODS[name](map, **thresholds_of(run))
+        found = metrics.against_walls(given.plan, after, seen=map)
+        seen = float(found.seen.sum())
+        shares = {
+            "found": found.found,
+            "missed": found.missed / seen,
+            "invented": found.invented / seen,
+            "double": float(found.doubled.sum()) / seen,
+        }
+        columns = " ".join(f"{percent(share):>8}" for share in shares.values())
+        off = f"{1000 * found.offset:.0f} mm"
+        report.say(f"  {name:<22} {found.per_wall:>11.2f} {columns} {off:>8}")
+        figures = {"per_wall": found.per_wall, **shares, "offset": found.offset}
+        said = report.found["plan"] if run is None else report.found["methods"][name]
+        said["against_walls"] = {word: finite(figure) for word, figure in figures.items()}
+    report.say()
+
+
+def print_table(runs: pd.DataFrame, quality: float, report: Report) -> dict[str, pd.Series]:
+    """What each method leaves at one quality, the best first, and its run that comes nearest."""
+    from segmap.experiments import equal_quality, select
+
+    total, at = int(runs["n_before"].iloc[0]), equal_quality(runs, quality).iloc[0]
+    methods = map(str, dict.fromkeys(runs["method"]))
+    names = sorted(methods, key=lambda name: -np.nan_to_num(at[name], nan=-np.inf))
+    report.say()
+    report.say(f"  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
+    nearest = {}
+    for name in names:
+        gone, own = float(at[name]), select(runs, method=name)
+        nearest[name] = near = own.iloc[int((own["quality"].fillna(0.0) - quality).abs().argmin())]
+        left = "-" if np.isnan(gone) else f"{(1 - gone) * total:.0f}"
+        share, varies = "not reached" if np.isnan(gone) else percent(gone), METHODS[name].varies
+        words = f"quality {percent(near['quality'])}, {near['n_after']} left"
+        run = (
+            f"--{varies.replace('_', '-')} {near[varies]:.3g}: {words}, {seconds(near['seconds'])}"
+        )
+        report.say(f"  {name:<22} {share:>11} {left:>6}  {run}")
+        figures = {"gone": None if np.isnan(gone) else gone, "nearest": run}
+        report.found.setdefault("methods", {})[name] = figures
+    report.say()
+    return nearest

@@ -1,0 +1,118 @@
+"""`segmap convert LOG -o FILE`: a log, its path or its pose graph, for other programs."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from segmap import exports
+from segmap.alignment import Alignment
+from segmap.display import counted
+from segmap.files import shown
+from segmap.scans import Log
+
+from .. import files
+from ..pipeline import Pipeline
+from . import log_options
+from ._locate import states
+from ._output import Report
+
+#: What -o may end in.
+SUFFIXES = (".log", ".log.gz", ".npz", ".tum", ".g2o")
+
+
+def add(commands: Any) -> None:
+    """Name the command and its arguments."""
+    command = commands.add_parser(
+        "convert",
+        help="write a log, its path or its pose graph, for other programs; a map for ROS as .npz",
+        epilog=log_options.examples(
+            "convert room -o room.log                     for CARMEN",
+            "convert room --align pose_graph -o room.tum -o room.g2o",
+            "occupancy room -o room.yaml                  a map for ROS,",
+            "convert room.yaml -o room.npz                and as arrays",
+        ),
+    )
+    log_options.add_logs(command)
+    log_options.add_align(
+        command, "its poses are written instead of the true ones that the log has"
+    )
+    log_options.add_strict(command)
+    log_options.add_output(
+        command,
+        SUFFIXES,
+        "the log for CARMEN or as arrays (.npz), its path (.tum), its graph (.g2o)",
+    )
+    command.set_defaults(run=run)
+
+
+def run(given: argparse.Namespace) -> int:
+    """Convert each log, or one map for ROS."""
+    if not files.is_ros_map(given.logs[0]):
+        return log_options.each_log(given, convert, check=check)
+    if len(given.logs) > 1 or len(given.output) != 1 or not given.output[0].endswith(".npz"):
+        given.refuse("a map for ROS becomes one file: `segmap convert map.yaml -o map.npz`")
+    (source,), (target,) = given.logs, given.output
+    report = Report(source, json=given.json, quiet=given.quiet)
+    log_options.check_places([Path(target)])
+    map = files.read_ros_map(source)
+    map.save(target)
+    report.say(f"{shown(source)}: a map for ROS")
+    report.line("map", states(map))
+    report.line("written", target, files=[target])
+    report.end()
+    return 0
+
+
+def check(given: argparse.Namespace) -> None:
+    """Refuse files that nothing would be written to."""
+    log_options.check_options(given)
+    if not given.output:
+        given.refuse("name the file to write: -o FILE")
+    if given.align != "pose_graph" and any(name.endswith(".g2o") for name in given.output):
+        given.refuse("a .g2o holds a pose graph: add --align pose_graph")
+
+
+def convert(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+    """Write one log to all its files; where its poses were sought, only if they make a map."""
+    made = Pipeline(log_options.recipe_of(given, log), log) if given.align else None
+    poses, written = None, paths
+    if made is not None:
+        poses = made.alignment_in_log_frame
+        log_options.tell_alignment(poses, report)
+        written = log_options.allowed(given, made.verdict, paths, report)
+    if written:
+        texts = [_write_log(path, log, poses) for path in written]
+        report.line("written", texts[0], files=[str(path) for path in written])
+        for text in texts[1:]:
+            report.line("", text)
+    return 0 if made is None else log_options.concluded(given, made.verdict, report)
+
+
+def _write_log(path: Path, log: Log, poses: Alignment | None) -> str:
+    if path.suffix == ".tum":
+        kind, rows = ("odometry", log.odometry) if poses is None else (poses.method, poses.poses)
+        if poses is None and log.truth is not None and np.isfinite(log.truth).all(1).any():
+            kind, rows = "ground truth", log.truth
+        if not np.isfinite(rows).all(1).any():
+            raise ValueError("the log has no poses to write: --align pose_graph finds them")
+        exports.write_tum(path, log, rows)
+        return f"{path}: {counted(int(np.isfinite(rows).all(1).sum()), 'pose')} by {kind}"
+    if path.suffix == ".g2o" and poses is not None:
+        exports.write_graph(path, poses)
+        assert poses.graph is not None  # it refuses an alignment without
+        edges = poses.graph.edges
+        words = f"{path}: {counted(len(log), 'pose')}, {counted(len(edges), 'edge')}"
+        loose = len(log) - len(np.unique(edges))
+        return f"{words}; {loose} without an edge: only key scans have some" if loose else words
+    known = log.truth if poses is None else poses.poses
+    if path.suffix == ".npz":
+        exports.write_arrays(path, replace(log, truth=known))
+    else:
+        exports.write_carmen(path, log, poses)
+    placed = 0 if known is None else int(np.isfinite(known).all(1).sum())
+    return f"{path}: {counted(len(log), 'scan')}, {placed} with a corrected pose"

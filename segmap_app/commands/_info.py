@@ -1,0 +1,65 @@
+"""`segmap info LOG...`: what a log is, and what a session keeps beside it."""
+
+from __future__ import annotations
+
+import argparse
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from segmap.display import counted, facts, figures
+from segmap.readers import UnknownFormat, format_of
+from segmap.scans import Log
+
+from ..files import read_session
+from ._output import Report
+from .log_options import add_logs, each_log, examples, is_session
+
+
+def add(commands: Any) -> None:
+    """Name the command and its arguments."""
+    command = commands.add_parser(
+        "info",
+        help="what a log is: scans, beams, field of view, path, odometry, truth, damage; and what "
+        "a session keeps",
+        epilog=examples(
+            "info malaga",
+            "info room corridor --table logs.csv     a row for each log, to be sorted",
+            "info malaga --json                      for another program",
+        ),
+    )
+    add_logs(command)
+    command.set_defaults(
+        run=partial(each_log, work=describe_log, head=which_log_and_format, check=check)
+    )
+
+
+def check(given: argparse.Namespace) -> None:
+    """Damaged lines are left out and counted."""
+    given.skip = True
+
+
+def which_log_and_format(log: Log, source: str) -> str:
+    """Which log comes now, and its format."""
+    if Path(source).name == source and not Path(source).exists():
+        return f"{log.name}: comes with segmap"
+    try:
+        form = "session" if is_session(source) else format_of(source)
+    except UnknownFormat:  # its columns were named
+        form = "table"
+    return f"{log.name}: {form}, {source}"
+
+
+def describe_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+    """Print what a log is, a line a thing; of a session also its options, edits and runs."""
+    numbers = figures(log)
+    for word, text in facts(log):
+        report.line(word, text, **numbers.get(word, {}))
+    if is_session(source := report.found["source"]):
+        session = read_session(source)
+        for word in ("settings", "edits"):
+            held = getattr(session, word)
+            text = ", ".join(f"{name} {value}" for name, value in held.items())
+            report.line(word, text or "none", options=held)
+        report.line("runs", counted(len(session.runs), "run"), runs=len(session.runs))
+    return 0

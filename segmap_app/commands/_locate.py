@@ -1,0 +1,156 @@
+"""`segmap locate MAP LOG...`: where on a known map the scans of a log were taken."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from segmap import quadtree, readers, warm
+from segmap.files import shown
+from segmap.matching import Uncertainty, localize
+from segmap.plan import shapely_or_hint
+from segmap.progress import each
+from segmap.scans import Log
+from segmap.segments import SegmentMap
+
+from .. import files
+from ._output import Report, metres, percent
+from .log_options import NO_MAP, add_logs, each_log, examples, is_log, is_session
+
+#: Pictures that the YAML of a map for ROS names.
+PICTURES = (".pgm", ".png", ".bmp")
+#: A robot that was found, or has no place, is lost; else it is not found yet.
+LOST_KINDS = (Uncertainty.LOST, Uncertainty.NO_PLACE)
+
+
+def add(commands: Any) -> None:
+    """Name the command and its arguments."""
+    command = commands.add_parser(
+        "locate",
+        help="where on a known map a robot is: found, kept while it drives, or lost",
+        epilog=examples(
+            "occupancy room -o room.yaml           a map for ROS, and where on it a robot is",
+            "locate room.yaml room",
+            "locate room.yaml room --json",
+            "map room -o room.csv                  or a map of segments",
+            "locate room.csv room",
+        ),
+    )
+    command.add_argument(
+        "map",
+        type=Path,
+        metavar="MAP",
+        help="of `segmap occupancy` or `segmap map`, .npz or .csv; or for ROS, .yaml",
+    )
+    command.add_argument(
+        "--plan",
+        type=Path,
+        metavar="FILE",
+        help="of `segmap plan LOG -o plan.geojson`, in the frame of the map: tells the room",
+    )
+    add_logs(command)
+    command.set_defaults(run=partial(each_log, work=locate_log, check=check))
+
+
+def check(given: argparse.Namespace) -> None:
+    """Read the map; a log in its place is no map yet."""
+    name = shown(given.map)
+    given.rooms = rooms_of(given) if given.plan else {}
+    if given.map.suffix.lower() in PICTURES:
+        given.refuse(f"{name} is a picture: name the .yaml that belongs to it")
+    try:
+        given.known = read_map(given.map)
+    except ValueError:
+        if is_a_log(given.map):
+            given.refuse(
+                f"{name} is a log, and locate wants a map first: `segmap occupancy {name} -o "
+                f"map.npz` makes one, then `segmap locate map.npz LOG`"
+            )
+        raise
+
+
+def rooms_of(given: argparse.Namespace) -> dict[str, Any]:
+    """The polygon of each room of a plan, by its name."""
+    shapely = shapely_or_hint()
+    try:
+        held = json.loads(readers.read_text(given.plan))
+        features = [one for one in held["features"] if one["properties"]["kind"] == "room"]
+        found = {one["properties"]["name"]: shapely.geometry.shape(one["geometry"])
+                 for one in features if "crs" in held}  # fmt: skip
+    except (KeyError, TypeError, ValueError, AttributeError, shapely.errors.ShapelyError):
+        found = {}
+    if not found:
+        given.refuse(
+            f"--plan {shown(given.plan)}: no plan in metres: `segmap plan LOG -o plan.geojson` "
+            "makes one, without --place"
+        )
+    return found
+
+
+def is_a_log(path: Path) -> bool:
+    """Whether a log is there, or one of that name comes with segmap."""
+    if path.exists():
+        return is_session(str(path)) or is_log(path)
+    try:
+        readers.load(str(path))
+    except ValueError:
+        return False
+    return True
+
+
+def read_map(path: Path) -> quadtree.QuadtreeMap | SegmentMap:
+    """A map of squares, ours or for ROS, or one of segments."""
+    if files.is_ros_map(path):
+        return files.read_ros_map(path)
+    if path.suffix.lower() == ".npz":
+        try:
+            return quadtree.QuadtreeMap.load(path)
+        except ValueError:
+            pass
+    return readers.read_segments(path)
+
+
+def states(map: quadtree.QuadtreeMap) -> str:
+    """What a map for ROS tells: three states, and no counts."""
+    value, side = map.leaf_occupancy(), map.leaves().side
+    free, occupied = (float((side[kind] ** 2).sum()) for kind in (value < 0.5, value > 0.5))
+    return (
+        f"{free:.1f} m2 free, {occupied:.1f} m2 occupied, the rest unknown: how often each cell "
+        "was seen is not in a map for ROS"
+    )
+
+
+def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+    """Say where the last scan is, since when the robot is found, and how often it was lost."""
+    if files.is_ros_map(given.map):
+        report.line("map", states(given.known))
+    warm.dispatch(["quadtree all", "matching all"])
+    scans = each(log, "placing scan")
+    beliefs = list(localize(given.known, scans, rng=np.random.default_rng(0)))
+    found = np.array([belief.found for belief in beliefs], bool)
+    times = f"{int(found.sum())} of {len(log)} scans"
+    first = f", the first is scan {int(found.argmax())}" if found.any() else ""
+    lost = sum(belief.uncertainty in LOST_KINDS for belief in beliefs)
+    report.line("found", f"{times}{first}; lost at {lost}", found=int(found.sum()), lost=lost,
+                scans=len(log))  # fmt: skip
+    if not beliefs:
+        return NO_MAP
+    last = beliefs[-1]
+    x, y, heading = last.pose.tolist()
+    off = float(np.sqrt(np.diag(last.covariance)[:2].sum()))
+    words = f"{x:.2f} m, {y:.2f} m, {np.degrees(heading):.1f} degrees, within {metres(off)}"
+    report.line("place", words if np.isfinite(x) else "unknown", x=x, y=y, heading=heading, off=off)
+    if given.rooms and last.found:
+        shapely = shapely_or_hint()
+        inside = [name for name, room in given.rooms.items() if room.covers(shapely.Point(x, y))]
+        report.line("room", inside[0] if inside else "none", room=inside[0] if inside else None)
+    sure = f"{percent(last.share)} of the particles are there, scans fit to {last.fit:.2f}"
+    verdict = f"{last.reason or 'found'}: {sure}"
+    report.assumptions()
+    report.line("verdict", verdict, share=last.share, fit=float(last.fit), reason=last.reason)
+    return 0 if last.found else NO_MAP

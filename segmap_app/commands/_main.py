@@ -1,0 +1,98 @@
+"""All commands behind one name, and how each may end."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from typing import Any
+
+from segmap import __version__
+from segmap.files import speak
+
+from . import _app, _compare, _convert, _info, _locate, _map, _merge, _notebooks, _occupancy, _warm
+from ._output import FAULTS, Usage, plain_warnings, print_error, progress_bars, reason
+from .log_options import Command, Completion, examples, parsed
+
+DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
+EPILOG = """\
+LOG is a file or a folder of any format that segmap reads, a folder of such logs, or the name of a
+log that comes with segmap: malaga, corridor, room. Exit codes: 0 done, 1 something failed, 2 the
+command was not understood, or names a file that cannot be written: nothing was done; 3 a log gave
+no map, or was not found on one; 130 stopped by Control-C.
+`segmap COMMAND --help` tells the rest.
+"""
+
+
+def _add_sensor(commands: Any) -> None:
+    """`segmap sensor list|info|record`: the programs of `segmap.sensors` by another name."""
+    command = commands.add_parser(
+        "sensor",
+        help="find a Hokuyo sensor, ask what it is, record what it sees",
+        epilog=examples(
+            "sensor list", "sensor info", "sensor record drive.log --count 600 --port /dev/ttyACM0"
+        ),
+    )
+    command.add_argument(
+        "what",
+        nargs=argparse.REMAINDER,
+        metavar="list | info | record ...",
+        help="`segmap sensor record --help` tells its options",
+    )
+
+    def run(given: argparse.Namespace) -> int:
+        from segmap.sensors.__main__ import main, stop_on_signals
+
+        stop_on_signals()
+        return main(given.what, prog="segmap sensor")
+
+    command.set_defaults(run=run)
+
+
+#: In the order in which they are listed.
+COMMANDS = (
+    *(_info.add, _map.add, _map.add_plan, _merge.add, _compare.add, _occupancy.add, _locate.add),
+    *(_convert.add, _app.add, _add_sensor, _notebooks.add, _warm.add),
+)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command and return its exit code."""
+    speak()
+    try:
+        given = parsed(parser(), sys.argv[1:] if arguments is None else arguments)
+        with plain_warnings(), progress_bars(quiet=getattr(given, "quiet", False)):
+            return int(given.run(given) or 0)
+    except KeyboardInterrupt:
+        print_error("stopped")
+        return 130
+    except BrokenPipeError:  # `segmap info ... | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except Usage as error:
+        print_error(str(error))
+        return 2
+    except FAULTS as error:
+        print_error(reason(error))
+        return 1
+
+
+def parser() -> Command:
+    """The parser of all commands."""
+    found = Command(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
+    found.add_argument("--version", action="version", version=f"segmap {__version__}")
+    found.add_argument(
+        "--completion",
+        action=Completion,
+        nargs=0,
+        help='for Tab in bash or zsh: eval "$(segmap --completion)" in ~/.bashrc or ~/.zshrc',
+    )
+    commands = found.add_subparsers(
+        required=True, metavar="COMMAND", title="commands", parser_class=Command
+    )
+    for add in COMMANDS:
+        add(commands)
+    said = {action.dest: str(action.help) for action in commands._choices_actions}
+    for name, each in commands.choices.items():
+        each.finish(said[name])
+    return found

@@ -1,0 +1,342 @@
+"""`segmap map LOG...`: poses, segments, a reduction, how good it is, and whether it is a map.
+
+And `segmap plan LOG...`: a floor plan with rooms, doors and areas.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import re
+from dataclasses import replace
+from datetime import date
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from segmap import exports, extraction, metrics, quadtree, reduction, warm
+from segmap.arrays import declared
+from segmap.display import counted
+from segmap.files import shown, write_bytes
+from segmap.plan import floor_plan
+from segmap.quadtree import without_passers
+from segmap.readers import read_text
+from segmap.reduction import METHODS, Reduction
+from segmap.scans import Log
+
+from .. import files
+from ..pipeline import MapChoices, Pipeline, cropped, world_of
+from . import log_options
+from ._output import Report, metres, percent, seconds
+
+MAP_DESCRIPTION = """\
+Aligns the scans of each log, draws a segment for each wall that a scan saw, merges the segments of
+one wall, and says how good the map is, or that it is none.
+"""
+EXAMPLES = log_options.examples(
+    "map room -o room.svg                   a log that comes with segmap, as a drawing",
+    "map room corridor -o '{name}.dxf'      a file for each log, for CAD",
+    "map malaga --method fusion --tolerance 0.05 -o it.png -o it.segmap",
+)
+#: What -o may end in.
+SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt", ".segmap")
+WRITTEN = (
+    "the map after the reduction; a .png shows it before and after, a .segmap keeps the log with "
+    "these options and figures"
+)
+#: The thresholds of the extraction begin so.
+EXTRACT = "extract_"
+#: What -o of a plan may end in.
+PLAN_SUFFIXES = (".svg", ".pdf", ".png", ".dxf", ".geojson", ".csv")
+#: Shorter segments are left out before a plan is drawn, metres (A 6.2.1).
+LEAST_PLANNED_M = 0.10
+#: Side of the squares of its free space, metres.
+PLAN_SQUARE_M = 0.05
+
+
+def add(commands: Any) -> None:
+    """Name the command and its arguments."""
+    command = commands.add_parser(
+        "map",
+        help="a map of segments: align, extract, reduce, and tell how good it is",
+        description=MAP_DESCRIPTION,
+        epilog=EXAMPLES,
+    )
+    log_options.add_poses(command)
+    group = command.few_need("loops to mend, of pose_graph")
+    group.add_argument(
+        "--veto",
+        action="extend",
+        type=pairs,
+        default=[],
+        metavar="FILE",
+        help="align by pose_graph without these loops: the rows of --loops that are false, or one "
+        "as FIRST-SECOND",
+    )
+    group.add_argument(
+        "--tie",
+        action="extend",
+        type=pairs,
+        default=[],
+        metavar="FIRST-SECOND",
+        help="align by pose_graph, with a loop between two scans that see one place; or a FILE",
+    )
+    add_making(command)
+    command.set_defaults(run=partial(log_options.each_log, work=draw_walls_of_log, check=check))
+
+
+def add_making(command: log_options.Command) -> None:
+    """All that leads from poses to a map and its files."""
+    names = (*METHODS, "none")
+    command.add_argument(
+        "--method",
+        choices=names,
+        default="least_cost",
+        metavar="METHOD",
+        help=f"{', '.join(names)}; default: least_cost",
+    )
+    command.add_argument(
+        "--extract",
+        choices=extraction.METHODS,
+        default="extract_polylines",
+        metavar="METHOD",
+        help=f"{', '.join(extraction.METHODS)}; default: extract_polylines",
+    )
+    command.add_argument(
+        "--filter", type=float, metavar="METRES", help="leave shorter segments out before reducing"
+    )
+    command.add_argument(
+        "--seen-through",
+        type=float,
+        metavar="SHARE",
+        help="leave people out who walked through: beams that end where at most this share of all "
+        "beams ended while the others went on, 0.2 say",
+    )
+    group = command.few_need("loops, as pose_graph closed them")
+    group.add_argument(
+        "--loops",
+        type=Path,
+        metavar="FILE",
+        help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
+    )
+    log_options.add_world(command)
+    log_options.add_output(command, SUFFIXES, WRITTEN)
+    functions = {name: method.function for name, method in METHODS.items()}
+    log_options.add_thresholds(command, "thresholds of the reduction methods", functions)
+    log_options.add_thresholds(command, "thresholds of the extraction", extraction.METHODS, EXTRACT)
+
+
+def check_making(given: argparse.Namespace) -> None:
+    """Refuse options that do not go together."""
+    log_options.refuse_others(given, given.method, METHODS)
+    log_options.refuse_others(given, given.extract, extraction.METHODS, EXTRACT)
+    log_options.refuse_wrong(given, "filter", log_options.LENGTH)
+    log_options.refuse_wrong(given, "seen_through", declared(without_passers)["seen_through"])
+    log_options.check_options(given)
+
+
+def check(given: argparse.Namespace) -> None:
+    """Refuse loops that are of no pose graph, or of several."""
+    check_making(given)
+    if given.veto or given.tie or given.loops:
+        if given.align not in (None, "pose_graph"):
+            given.refuse(f"--loops, --veto and --tie: {given.align} closes no loops")
+        if len(given.logs) > 1:
+            given.refuse("--loops, --veto and --tie are for one log")
+        given.align = "pose_graph"
+
+
+def pairs(text: str) -> list[str]:
+    """Loops as `FIRST-SECOND`: one, or those of a table as `--loops` writes it."""
+    if re.fullmatch(r"\d+-\d+", text):
+        return [text]
+    try:
+        lines = read_text(text).splitlines()
+        rows = csv.DictReader(lines, delimiter=";" if ";" in "".join(lines[:1]) else ",")
+        return [f"{int(row['first'])}-{int(row['second'])}" for row in rows]
+    except (KeyError, TypeError, ValueError) as error:
+        words = f"{text} must be a table with columns first and second"
+        raise argparse.ArgumentTypeError(words) from error
+
+
+def draw_walls_of_log(
+    given: argparse.Namespace, log: Log, paths: list[Path], report: Report
+) -> int:
+    """Map one log, and write what was asked for where there is a map."""
+    for name in ("veto", "tie"):
+        for loop in getattr(given, name):
+            if max(map(int, loop.split("-"))) >= len(log):
+                raise ValueError(f"--{name} {loop}: the log has scans 0 to {len(log) - 1}")
+    made = log_options.tell_poses(Pipeline(map_recipe_of(given, log), log), report)
+    return mapped(given, made, made.recipe, paths, report)
+
+
+def map_recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
+    """All that the options say of a map."""
+    extract = log_options.call(given, given.extract, extraction.METHODS[given.extract], EXTRACT)
+    chosen = [given.method] if given.method != "none" else []
+    return replace(
+        log_options.recipe_of(given, log),
+        extract=extract,
+        least=given.filter or 0.0,
+        methods=[log_options.call(given, name, METHODS[name].function) for name in chosen],
+        seen_through=given.seen_through,
+    )
+
+
+def mapped(
+    given: argparse.Namespace, made: Pipeline, kept: MapChoices, paths: list[Path], report: Report
+) -> int:
+    """Say how a map comes out, and write it; a session has what is `kept`, and these figures."""
+    if given.seen_through is not None:
+        pairs = zip(made.log, made.log_without_passers, strict=True)
+        gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in pairs)
+        words = f"{counted(gone, 'beam')} left out that others saw through"
+        report.line("passers", words, beams=gone)
+    count = len(made.extracted)
+    report.line("extracted", counted(count, "segment"), segments=count)
+    if given.loops is not None:
+        write_bytes(given.loops, made.alignment.loops().to_csv().encode())
+        report.line("loops", f"written to {given.loops}", file=str(given.loops))
+    if given.crop is not None:
+        count = len(made.cropped)
+        report.line("cropped", f"to {counted(count, 'segment')}", segments=count)
+    if given.filter is not None:
+        words = f"{counted(len(made.map), 'segment')} of {given.filter:g} m or more"
+        report.line("filtered", words, segments=len(made.map), least=given.filter)
+    for found in made.reductions:
+        tell_reduction(made, found, report)
+    after = made.reductions[0] if made.reductions else made.map
+
+    def write(path: Path) -> None:
+        """In the format that the name asks for."""
+        if path.suffix.lower() == ".png":
+            from ._pictures import write_map_picture
+
+            write_map_picture(path, made.map, after)
+        elif path.suffix.lower() == ".segmap":
+            files.write_session(path, kept.session(made.given, [report.kept()]))
+        else:
+            exports.write_segments(path, after, world=world_of(made.recipe.edits))
+
+    return log_options.finished(given, made.verdict, paths, report, write)
+
+
+def tell_reduction(made: Pipeline, found: Reduction, report: Report) -> None:
+    """Say what a reduction leaves, and how good it is."""
+    method, rate = made.recipe.methods[0].name, metrics.reduction_rate(made.map, found)
+    gone = f"{percent(rate)} gone ({metrics.grade_reduction(rate)})"
+    left = counted(len(found), "segment")
+    report.line(
+        "reduced",
+        f"by {method}: {left} left, {gone}, {seconds(found.seconds)}",
+        method=method,
+        segments=len(found),
+        rate=rate,
+        grade=metrics.grade_reduction(rate),
+        seconds=found.seconds,
+    )
+    if found.doubt:
+        report.line("", f"doubt: {found.doubt}")
+    if len(made.map):
+        kept, errors = made.qualities[0], metrics.errors(made.map, found)
+        off = f"segments lie {metres(errors.mean())} off on average, {metres(errors.max())} at most"
+        report.line(
+            "quality",
+            f"{percent(kept)} ({metrics.grade_quality(kept)} reduction): {off}",
+            quality=kept,
+            grade=metrics.grade_quality(kept),
+            mean_error=float(errors.mean()),
+            largest_error=float(errors.max()),
+        )
+
+
+def add_plan(commands: Any) -> None:
+    """Name `segmap plan` and its arguments."""
+    command = commands.add_parser(
+        "plan",
+        help="a floor plan: walls, rooms with their areas, doors",
+        epilog=log_options.examples(
+            "plan room -o room.pdf                 a sheet to print",
+            "plan room -o room.dxf -o rooms.csv    layers for CAD, and a table of the rooms",
+            "plan room --regular -o room.geojson   nearly right angles become right",
+            "plan room --rooms 1 2 hall            the room at (1, 2) has this name",
+        ),
+    )
+    log_options.add_poses(command)
+    command.add_argument(
+        "--regular",
+        action="store_true",
+        help="walls that are turned by less than a degree from an axis become parallel to it",
+    )
+    command.add_argument(
+        "--door",
+        type=float,
+        nargs=2,
+        default=[0.55, 2.5],
+        metavar=("NARROWEST", "WIDEST"),
+        help="widths of a doorway, metres; default: 0.55 2.5. Where a plan has more rooms than the "
+        "building, 0.55 1.2 joins what no leaf closes",
+    )
+    command.add_argument(
+        "--rooms",
+        nargs=3,
+        type=str.strip,  # of a session words have a space before them: a name may begin with a dash
+        action="append",
+        default=[],
+        metavar=("X", "Y", "NAME"),
+        help="a name for the room at a place of the plan, metres; once for each room",
+    )
+    log_options.add_world(command)
+    log_options.add_output(
+        command, PLAN_SUFFIXES, "the plan: a sheet, layers, geometries, a table of rooms"
+    )
+    command.set_defaults(run=partial(log_options.each_log, work=plan_of_log, check=check_doors))
+
+
+def check_doors(given: argparse.Namespace) -> None:
+    """Refuse options that do not go together."""
+    if not 0 < given.door[0] < given.door[1] < float("inf"):
+        given.refuse("--door wants the narrowest and the widest doorway, in metres")
+    for x, y, name in given.rooms:
+        try:
+            float(x), float(y)
+        except ValueError:
+            given.refuse(f"--rooms wants x and y in metres, then the name, got {x} {y} {name}")
+    log_options.check_options(given)
+
+
+def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+    """Map one log, draw its plan, and write what was asked for where there is a map."""
+    warm.dispatch(["extraction all", "quadtree all", "reduction one_per_wall"])
+    made = log_options.placed_outcome(given, log, report)
+    poses, side = made.alignment.trusted, PLAN_SQUARE_M
+    seen = extraction.build_map(made.log, poses, keep_points=True)
+    verdict = made.alignment.verdict_on(seen)
+    free = quadtree.build_map(made.log, poses, resolution=side, free_resolution=side)
+    if given.crop is not None:
+        seen, free = cropped(seen, given.crop), cropped(free, given.crop)
+    walls = reduction.one_per_wall(seen.filtered(LEAST_PLANNED_M))
+    plan = floor_plan(walls, free, regular=given.regular, door=tuple(given.door))
+    for x, y, name in given.rooms:
+        k = int(plan.room_at([(float(x), float(y))])[0])
+        if k >= 0:
+            plan.rooms[k] = replace(plan.rooms[k], name=name)
+        else:
+            report.line("rooms", f"no room lies at {x}, {y}: {shown(name)} is left out")
+    area = sum(room.area for room in plan.rooms)
+    rooms, doors = counted(len(plan.rooms), "room"), counted(len(plan.doors), "door")
+    words = f"{rooms} of {area:.1f} m2, {doors}"
+    report.line("planned", words, rooms=len(plan.rooms), area=area, doors=len(plan.doors))
+    words = f"{counted(len(plan.walls), 'wall')}, {counted(len(plan.clutter), 'piece')} of clutter"
+    report.line("walls", words, walls=len(plan.walls), clutter=len(plan.clutter))
+    if plan.doubt:
+        report.line("doubt", plan.doubt, doubt_of_plan=plan.doubt)
+
+    def write(path: Path) -> None:
+        """With the day, as sheets have it."""
+        title, today = log.name, date.today().isoformat()
+        world = world_of(log_options.edits_of(given))
+        exports.write_plan(path, plan, title=title, verdict=verdict.words, date=today, world=world)
+
+    return log_options.finished(given, verdict, paths, report, write)

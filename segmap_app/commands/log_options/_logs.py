@@ -1,0 +1,372 @@
+"""Logs of a command, one after the other, and the files that it writes.
+
+Logs are named, lie in a folder or in sessions. Names of files are checked before any work."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from segmap.alignment import Verdict
+from segmap.display import counted
+from segmap.files import members, shown, writable, write_bytes
+from segmap.readers import LogError, UnknownFormat, format_of, together
+from segmap.scans import Log
+
+from ...files import is_ros_map, read_session
+from .._output import (
+    FAULTS,
+    Report,
+    Usage,
+    percent,
+    print_error,
+    print_line,
+    progress,
+    reason,
+    stoppable,
+)
+from ._command import Command
+from ._reading import add_reading, read_log
+from ._settings import applied
+
+#: Stands for the name of the log.
+LOG_NAME = "{name}"
+#: Exit code where a log gave no map.
+NO_MAP = 3
+#: Files of these kinds lie beside logs: some quote a line of one.
+DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
+#: So many files that are no logs are named.
+NAMED = 5
+#: What a command does with one log, and the files that it writes: to an exit code.
+Work = Callable[[argparse.Namespace, Log, list[Path], Report], int]
+
+
+def add_logs(command: Command) -> None:
+    """The arguments LOG..., and how they are read and told."""
+    command.add_argument(
+        "logs",
+        nargs="+",
+        metavar="LOG",
+        help="a file, a folder, a session (.segmap) with its options, or malaga, corridor, room",
+    )
+    group = command.add_argument_group("damage, and what is printed")
+    group.add_argument(
+        "--skip", action="store_true", help="leave damaged lines out, and say how many"
+    )
+    group.add_argument(
+        "--json", action="store_true", help="print all that is said as JSON, one object a log"
+    )
+    group.add_argument(
+        "-q", "--quiet", action="store_true", help="print no result: only what fails or is doubtful"
+    )
+    group = command.few_need("tables, options from a file, bags of ROS")
+    group.add_argument(
+        "--table",
+        type=_csv,
+        metavar="FILE",
+        help="write the figures as .csv too, a row for each log",
+    )
+    group.add_argument(
+        "--config",
+        type=Path,
+        metavar="FILE",
+        help="a .toml with options by their names, `tolerance = 0.05`; those given here win",
+    )
+    add_reading(group)
+
+
+def _csv(text: str) -> Path:
+    if not text.lower().endswith(".csv"):
+        raise argparse.ArgumentTypeError(f"{text!r} must end in .csv")
+    return Path(text)
+
+
+def say_which_log(log: Log, source: str) -> str:
+    """Which log comes now."""
+    where = "" if source == log.name else f", {source}"
+    return f"{log.name}: {counted(len(log), 'scan')}{where}"
+
+
+def each_log(
+    given: argparse.Namespace,
+    work: Work,
+    head: Callable[[Log, str], str] = say_which_log,
+    check: Callable[[argparse.Namespace], None] = lambda given: None,
+) -> int:
+    """Do one log after the other, and name at the end those that failed.
+
+    `check` refuses options that do not go together. The exit code is 1 where one log failed, else
+    the largest of the codes of all.
+    """
+    each = [source for text in given.logs for source in sources(text)]
+    named = given.columns or given.view
+    chosen = [[file] for file in each] if named else together(each)
+    for name in filter(is_ros_map, [*each, getattr(given, "first", each[0])]):
+        given.refuse(
+            f"{shown(name)} is a map for ROS and no log: `segmap locate {shown(name)} LOG` finds a "
+            "robot on it, `segmap convert` keeps it as .npz"
+        )
+    targets = Targets(getattr(given, "output", []))
+    if len(chosen) > 1 and (alike := targets.alike()):
+        given.refuse(f"{counted(len(chosen), 'log')} would go to {alike}: write {{name}} in it")
+    check_places([given.table, getattr(given, "loops", None), *targets.fixed()])
+    if not all(map(is_session, each)):
+        check(given)
+    failed, codes, reports = [], [0], []
+    with stoppable(), progress(1 if given.quiet else len(chosen), "log") as bar:
+        for files in chosen:
+            source = files[0]
+            bar.set_description(shown(Path(source).name))
+            reports.append(report := Report(source, json=given.json, quiet=given.quiet))
+            try:
+                with warnings.catch_warnings():  # a thousand scans may deserve the same
+                    warnings.simplefilter("default", UserWarning)
+                    log, own, left = log_of(files, given)
+                if is_session(source):
+                    check(own)
+                paths = targets.paths(log.name, source)
+                report.begin(log, head(log, source))
+                if log.skipped and head is say_which_log:  # `info` tells it among the rest
+                    count, why = log.skipped
+                    words = f"{counted(count, 'line')} left out; {why}"
+                    report.line("damaged", words, lines=count)
+                if left and head is say_which_log:
+                    report.line("session", f"its {', '.join(left)} left out: no option here")
+                codes.append(work(own, log, paths, report))
+            except BrokenPipeError:  # nobody reads any more
+                raise
+            except FAULTS as error:
+                why, named = reason(error), shown(source)
+                failed.append(why if named in why else f"{named}: {why}")
+                report.found["failed"] = failed[-1]
+            report.end()
+            bar.update()
+    if given.table:
+        write_table(given.table, reports)
+    for why in failed:
+        print_error(why)
+    if len(reports) > 1 and not (given.json or given.quiet):
+        print_line(f"{len(reports) - len(failed)} of {counted(len(reports), 'log')} done")
+    return 1 if failed else max(codes)
+
+
+def check_places(paths: Iterable[Path | None]) -> None:
+    """End with an error of usage where one of the files cannot be written; nothing is done yet."""
+    for path in filter(None, paths):
+        try:
+            for each in beside(path):
+                writable(each)
+        except (ValueError, OSError) as error:
+            raise Usage(reason(error)) from error
+
+
+def beside(path: Path) -> list[Path]:
+    """A file, and what is written with it: of a map for ROS its picture."""
+    return [path, path.with_suffix(".pgm")] if path.suffix == ".yaml" else [path]
+
+
+def write_table(path: Path, reports: Sequence[Report]) -> None:
+    """A row for each log, a column for each figure: `aligned.matched` and so on."""
+    rows = [dict(_figures(report.found)) for report in reports]
+    text = io.StringIO()
+    table = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
+    table.writeheader()
+    table.writerows(rows)
+    write_bytes(path, text.getvalue().encode("utf-8", "backslashreplace"))
+
+
+def _figures(said: dict[str, Any], begin: str = "") -> Iterator[tuple[str, Any]]:
+    """Each figure with the words that lead to it."""
+    for word, value in said.items():
+        if isinstance(value, dict):
+            yield from _figures(value, f"{begin}{word}.")
+        else:
+            yield f"{begin}{word}", value
+
+
+def sources(text: str) -> Iterator[str]:
+    """The logs that an argument names: itself, or those below a folder that is no log itself."""
+    folder = Path(text)
+    if not folder.is_dir() or is_log(folder):
+        yield text
+        return
+    inside = list(below(folder))
+    found = [path for path in inside if is_log(path)]
+    if rest := [str(path.relative_to(folder)) for path in inside if path not in found]:
+        more = f" and {len(rest) - NAMED} more" if len(rest) > NAMED else ""
+        names = f"{', '.join(map(shown, rest[:NAMED]))}{more}"
+        print_error(f"{shown(folder)}: left out, since no log: {names}")
+    yield from map(str, found or [folder])
+
+
+def below(folder: Path) -> Iterator[Path]:
+    """What lies in a folder, with the files of a folder that is no log in its place."""
+    for path in sorted(folder.iterdir()):
+        if path.is_dir() and not (path.name.startswith(".") or path.is_symlink() or is_log(path)):
+            yield from below(path)
+        elif not path.name.startswith("."):
+            yield path
+
+
+def is_session(source: str) -> bool:
+    """Whether a log comes with options of its own."""
+    return source.lower().endswith(".segmap")
+
+
+def is_log(path: Path) -> bool:
+    """Whether a file or folder has the format of a log; one that cannot be read may have been.
+
+    A map of `segmap map` or `segmap occupancy` is an NPZ too, of other arrays.
+    """
+    held = members(path)
+    if path.suffix in DOCUMENTS or ("format.npy" in held and "ranges.npy" not in held):
+        return False
+    try:
+        format_of(path)
+    except UnknownFormat:
+        return False
+    except LogError:
+        pass
+    return True
+
+
+def log_of(
+    files: Sequence[str], given: argparse.Namespace
+) -> tuple[Log, argparse.Namespace, Sequence[str]]:
+    """The log in some files, its options, and those of its session that this command has not."""
+    if is_session(files[0]):
+        session = read_session(files[0])
+        log = replace(session.log, name=Path(files[0]).stem)
+        return log, *applied(given, {**session.settings, **session.edits})
+    return read_log(files, given), given, ()
+
+
+def add_strict(command: Command) -> None:
+    """The options that say what counts as a map, and what happens where there is none."""
+    group = command.few_need("what counts as a map")
+    group.add_argument(
+        "--strict",
+        type=_share,
+        default=0.0,
+        metavar="SHARE",
+        help=f"end with {NO_MAP} too where a smaller share of the scans is placed, 0.9 say; alone, "
+        "where the map is doubtful",
+    )
+    group.add_argument("--strict-verdict", action="store_true", help=argparse.SUPPRESS)
+    group.add_argument(
+        "--force", action="store_true", help=f"write the files even where that ends with {NO_MAP}"
+    )
+
+
+def _share(text: str) -> float:
+    share = float(text)
+    if not 0 <= share <= 1:
+        raise argparse.ArgumentTypeError(f"{text} must be from 0 to 1")
+    return share
+
+
+def too_little(given: argparse.Namespace, verdict: Verdict) -> bool:
+    """Whether this is no map, or less than --strict asks for."""
+    few = verdict.placed < given.strict * verdict.scans
+    doubtful = given.strict_verdict and verdict.grade == "doubtful"
+    return verdict.grade == "not a map" or few or doubtful
+
+
+def allowed(
+    given: argparse.Namespace, verdict: Verdict, paths: list[Path], report: Report
+) -> list[Path]:
+    """The files that may be written: none where there is too little, unless --force says so."""
+    if given.force or not too_little(given, verdict):
+        return paths
+    if paths:
+        names = ", ".join(map(str, paths))
+        report.line("written", f"nothing; --force writes {names} all the same", files=[])
+    return []
+
+
+def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> int:
+    """Say the verdict on the map, as the last line, and give the exit code.
+
+    Beside the output stands once more what makes it doubtful.
+    """
+    report.assumptions()
+    few = verdict.grade != "not a map" and verdict.placed < given.strict * verdict.scans
+    asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
+    report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
+    if verdict.grade == "doubtful":
+        print_error(f"{report.found['source']}: {verdict}")
+    return NO_MAP if too_little(given, verdict) else 0
+
+
+def finished(
+    given: argparse.Namespace,
+    verdict: Verdict,
+    paths: list[Path],
+    report: Report,
+    write: Callable[[Path], None],
+) -> int:
+    """Write each file where there is a map, name what was written, and say the verdict."""
+    written = allowed(given, verdict, paths, report)
+    for path in written:
+        write(path)
+    if written:
+        names = [str(each) for path in written for each in beside(path)]
+        report.line("written", ", ".join(names), files=names)
+    return concluded(given, verdict, report)
+
+
+def add_output(command: Command, suffixes: Sequence[str], what: str) -> None:
+    """The option -o, as often as one likes, for names that end in one of the suffixes."""
+    command.add_argument(
+        "-o",
+        "--output",
+        action="append",
+        default=[],
+        metavar="FILE",
+        type=partial(_with_known_suffix, suffixes),
+        help=f"write {what}; the name ends in {', '.join(suffixes)}; may be given more than once; "
+        f"{LOG_NAME} in it stands for the name of the log, for several logs: 'maps/{LOG_NAME}.svg'",
+    )
+
+
+def _with_known_suffix(suffixes: Sequence[str], text: str) -> str:
+    if not text.lower().endswith(tuple(suffixes)) or text.startswith(tuple(suffixes)):
+        raise argparse.ArgumentTypeError(f"{text!r} must end in one of {', '.join(suffixes)}")
+    return text
+
+
+class Targets:
+    """The names given with -o, with the name of each log in its place."""
+
+    def __init__(self, patterns: Sequence[str]) -> None:
+        self._patterns = patterns
+        self._taken: dict[Path, str] = {}
+
+    def alike(self) -> str:
+        """The first name that is the same for all logs; empty where there is none."""
+        return next((pattern for pattern in self._patterns if LOG_NAME not in pattern), "")
+
+    def fixed(self) -> list[Path]:
+        """A path in each folder that is the same for all logs: whether it can be written to."""
+        paths = map(Path, self._patterns)
+        return [path for path in paths if LOG_NAME not in str(path.parent)]
+
+    def paths(self, name: str, source: str) -> list[Path]:
+        """The files for a log of this name, none of them written before, nor the log itself."""
+        found = [Path(pattern.replace(LOG_NAME, name)) for pattern in self._patterns]
+        for path in found:
+            place = path.resolve()
+            writable(path)
+            if place == Path(source).resolve():
+                raise ValueError(f"cannot write {path}: it is the log itself")
+            if other := self._taken.get(place):
+                raise ValueError(f"{path} was written for {other}: this log would replace it")
+            self._taken[place] = source
+        return found

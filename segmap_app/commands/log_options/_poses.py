@@ -1,0 +1,220 @@
+"""A pose for each scan of a log, and the frame in which its map is written."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+
+from segmap.alignment import METHODS, Alignment, usual_method
+from segmap.display import counted
+from segmap.scans import Log
+from segmap.scans.causes import Cause
+from segmap.scans.motion import is_timed
+from segmap.segments import SegmentMap
+
+from ...call import Call
+from ...pipeline import MapChoices, Pipeline, world_of
+from .._output import Report, seconds
+from ._command import Command
+from ._logs import add_logs, add_strict
+from ._settings import EDITS, PREPARE
+from ._thresholds import add_thresholds, chosen_thresholds, refuse_others, refuse_wrong, thresholds
+
+#: So many reasons for scans that were not matched are told.
+MOST_REASONS = 3
+#: What happens without --align, in most commands.
+ALIGN = "default: ground_truth where the log has it for each scan, else pose_graph"
+
+
+def add_poses(command: Command, *, align: bool = True) -> None:
+    """All that leads from LOG... to a pose for each scan, and when that is a map."""
+    add_logs(command)
+    if align:
+        add_align(command)
+    add_preparing(command)
+    add_strict(command)
+
+
+def add_preparing(command: Command) -> None:
+    """The options for `alignment.prepared`."""
+    group = command.few_need("the laser and its log")
+    group.add_argument(
+        "--no-deskew",
+        action="store_true",
+        help="take all beams of a scan to be measured at once, even where the log has their times",
+    )
+    group.add_argument(
+        "--keep-body", action="store_true", help="keep beams that see the robot itself"
+    )
+    group.add_argument(
+        "--clockwise",
+        action="store_true",
+        help="the laser counts its beams clockwise, or hangs upside down, and the log does not say",
+    )
+    group.add_argument(
+        "--mount",
+        nargs=3,
+        type=float,
+        metavar=("X", "Y", "DEGREES"),
+        help="where the laser sits on the robot, metres ahead and to the left, and where it looks, "
+        "counter-clockwise from ahead; `--mount auto` takes what turns and ways tell",
+    )
+    group.add_argument("--mount-auto", action="store_true", help=argparse.SUPPRESS)
+
+
+def preparing_of(given: argparse.Namespace) -> dict[str, Any]:
+    """The options for `alignment.prepared` that are given, as a session keeps them."""
+    return {name: value for name in PREPARE if (value := getattr(given, name, None))}
+
+
+def recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
+    """What the options say of the way to poses, and what is edited on a map.
+
+    By default: the true poses where the log has one for each scan; else all poses at once, loops
+    closed.
+    """
+    name = getattr(given, "align", None) or usual_method(log)
+    refuse_others(given, name, METHODS, "align_")
+    align = call(given, name, METHODS[name].function, "align_")
+    if name == "ground_truth" != usual_method(log):  # some scans have none
+        align = replace(align, thresholds={"missing": "drop", **align.thresholds})
+    prepare = preparing_of(given) if hasattr(given, "no_deskew") else {"no_deskew": True}
+    return MapChoices(align, prepare=prepare, edits=edits_of(given))
+
+
+def edits_of(given: argparse.Namespace) -> dict[str, Any]:
+    """What the options change in the map, and not in the way to it."""
+    return {name: value for name in EDITS if (value := getattr(given, name, None))}
+
+
+def call(
+    given: argparse.Namespace, name: str, function: Callable[..., Any], prefix: str = ""
+) -> Call:
+    """A function with the thresholds that are given for it."""
+    return Call(name, function, chosen_thresholds(given, function, prefix))
+
+
+def placed_outcome(given: argparse.Namespace, log: Log, report: Report) -> Pipeline:
+    """The log with its beams carried to the start of each scan, and a pose for each scan."""
+    return tell_poses(Pipeline(recipe_of(given, log), log), report)
+
+
+def add_align(command: Command, without: str = ALIGN) -> None:
+    """The option --align, and the thresholds of what it names.
+
+    `without` says what happens where it is not given.
+    """
+    command.add_argument(
+        "--align", choices=METHODS, metavar="METHOD", help=f"{', '.join(METHODS)}; {without}"
+    )
+    functions = {name: method.function for name, method in METHODS.items()}
+    add_thresholds(command, "thresholds of the alignment methods", functions, "align_")
+
+
+def tell_poses(made: Pipeline, report: Report) -> Pipeline:
+    """Say how a log was de-skewed, aligned and turned, each as soon as it is."""
+    tell_deskewing(made, report)
+    tell_alignment(made.alignment_in_log_frame, report)
+    if made.recipe.edits.get("square"):
+        degrees = float(np.degrees(made.turn))
+        words = f"by {degrees:.2f} degrees about the origin: most walls along x and y"
+        report.line("turned", words, degrees=degrees)
+    return made
+
+
+def tell_deskewing(made: Pipeline, report: Report) -> None:
+    """Say of how many scans the beams were carried to their start, where they have their times."""
+    if any(found.cause is Cause.SKEW for found in made.log.causes):
+        return  # no beam is carried, and the doubt of the alignment says why
+    if is_timed(made.given) and not is_timed(made.log):
+        count = sum(new is not old for new, old in zip(made.log, made.given, strict=True))
+        words = f"{count} of {counted(len(made.log), 'scan')}, by how the robot moved meanwhile"
+        report.line("de-skewed", words, scans=count)
+
+
+def tell_alignment(found: Alignment, report: Report) -> None:
+    """Say how many scans are placed, how many loops that took, and what speaks against it."""
+    figures: dict[str, Any] = {"method": found.method, "matched": int(found.used.sum())}
+    placed = f"{figures['matched']} of {counted(len(found), 'scan')} matched"
+    if found.graph is not None:
+        figures["loops"] = int(found.graph.loop.sum())
+        placed += f", {counted(figures['loops'], 'loop')} closed"
+    words = f"by {found.method}: {placed}, {seconds(found.seconds)}"
+    figures["causes"] = [asdict(finding) for finding in found.causes]
+    report.line("aligned", words, **figures, scans=len(found), seconds=found.seconds)
+    reasons = Counter(filter(None, found.reasons)).most_common(MOST_REASONS)
+    for why, count in reasons:
+        report.line("", f"{counted(count, 'scan')} not: {why}")
+    if found.doubt:
+        report.line("", f"doubt: {found.doubt}")
+
+
+def add_world(command: Command) -> None:
+    """The options that say how a map is turned and cropped, and where on the earth it lies."""
+    group = command.few_need("where the map lies")
+    group.add_argument(
+        "--crop",
+        nargs=4,
+        type=float,
+        metavar=("LEFT", "LOW", "RIGHT", "HIGH"),
+        help="keep what lies in this rectangle, metres, of the map that is written",
+    )
+    group.add_argument(
+        "--square",
+        action="store_true",
+        help="turn the map about its origin, by the smallest angle, until most walls run along x "
+        "and y; all files then have this frame",
+    )
+    group.add_argument(
+        "--place",
+        nargs=2,
+        type=float,
+        metavar=("LAT", "LON"),
+        help="where (0, 0) of the map lies, degrees of WGS84: a .geojson is then in degrees, the "
+        "other files stay in metres",
+    )
+    group.add_argument(
+        "--north",
+        nargs=1,
+        type=float,
+        metavar="DEGREES",
+        help="where north is in the map, and in the squared one with --square: counter-clockwise "
+        "from x; default: 90, y points north",
+    )
+    group.add_argument(
+        "--crs",
+        metavar="EPSG:CODE",
+        help="a grid in metres, as EPSG:25832: --place is then EAST NORTH in it, and a .geojson "
+        "names it",
+    )
+
+
+def check_options(given: argparse.Namespace) -> None:
+    """End with an error of usage, before any work, where these options do not go together."""
+    if align := getattr(given, "align", None):
+        refuse_others(given, align, METHODS, "align_")
+    for name in () if align else ("ground_truth", "pose_graph"):  # the log tells which of them
+        for threshold, of in thresholds(METHODS[name].function).items():
+            refuse_wrong(given, f"align_{threshold}", of.said)
+    if hasattr(given, "crop"):
+        useful = any(name.lower().endswith((".geojson", ".segmap")) for name in given.output)
+        if given.place and not useful and "place" not in given.held:
+            given.refuse("--place is for a .geojson, the other files have none: name one with -o")
+        if given.crs and given.place and abs(given.place[0]) <= 90 and abs(given.place[1]) <= 180:
+            x, y = given.place
+            given.refuse(
+                f"--place {x:g} {y:g} looks like degrees, and in {given.crs} it is EAST NORTH in "
+                f"metres: leave --crs out, `--place LAT LON`, or give the place in that grid"
+            )
+        option = "--place"
+        try:
+            world_of(edits_of(given))
+            option = "--crop"
+            SegmentMap([]).cropped(*given.crop or (0, 0, 1, 1))
+        except ValueError as error:
+            given.refuse(f"{option}: {error}")

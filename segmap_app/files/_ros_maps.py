@@ -1,0 +1,332 @@
+"""Maps of ROS' map_server: a YAML and the picture that it names.
+
+    image: it.pgm             beside the YAML, or a whole path
+    resolution: 0.05          side of a pixel, metres
+    origin: [-3.0, 1.0, 0.0]  lower left corner of the lower left pixel, metres, and yaw, radians
+    negate: 0                 1: white is occupied
+    occupied_thresh: 0.65
+    free_thresh: 0.196
+    mode: trinary             or scale, or raw
+
+The darkness of a pixel, 0 white to 1 black, is its occupancy: above `occupied_thresh` it is
+occupied, below `free_thresh` free. https://wiki.ros.org/map_server
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import warnings
+from pathlib import Path, PureWindowsPath
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmap import arrays
+from segmap.arrays import LIMIT, Array, Quantity, checked, file
+from segmap.exports import ros_classes
+from segmap.files import replacing, shown
+from segmap.poses import transform
+from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap, map_of_grid
+from segmap.readers import LogError, read_text
+
+#: A YAML of a map has a few lines.
+MOST_YAML_CHARACTERS = 1 << 16
+#: So many pixels a map of 400 m by 400 m at 0.05 m has.
+MOST_MAP_PIXELS = 1 << 26
+YAML_MODES = ("trinary", "scale", "raw")
+#: What pictures map_server writes and people draw, by the names of Pillow.
+KINDS = ("PPM", "PNG", "BMP")
+#: A threshold that is checked together with another.
+Number = Annotated[float, Quantity("")]
+Cells = NDArray[np.int8]
+#: What our YAML states for `(255 - grey) / 255`: from here on a cell is occupied.
+OCCUPIED_THRESH = 0.65
+#: Up to here it is free; 205 lies between the two.
+FREE_THRESH = 0.196
+
+
+def is_ros_map(path: str | Path) -> bool:
+    """Whether a file is the YAML of a map for ROS, by its name and by a line that names an image.
+
+    Examples
+    --------
+    >>> is_ros_map("room.npz")
+    False
+    """
+    place = file(path)
+    if place.suffix.lower() not in (".yaml", ".yml") or not place.is_file():
+        return False
+    try:
+        return re.search(r"^image\s*:", read_text(place), re.MULTILINE) is not None
+    except LogError:
+        return False
+
+
+def read_ros_map(path: str | Path) -> QuadtreeMap:
+    """Read a map of map_server: a YAML and its picture, PGM, PNG or BMP.
+
+    Of each cell it keeps whether it is free, occupied or unknown. How often a cell was seen is not
+    in such a file: a map that `write_ros_map` wrote comes back with these three states alone. A
+    `scale` map has shades between the thresholds, and transparent pixels: both become unknown. Of a
+    `raw` map the value of a pixel is the occupancy in per cent, of which the thresholds make three
+    states, and what is above 100 unknown. A map with a yaw is turned into the frame of the world,
+    cell by cell; no wall gets a hole.
+
+    Raises
+    ------
+    LogError
+        A YAML that says nonsense or leaves something out, and the line; a picture that is absent,
+        damaged, or larger than 2^26 pixels.
+
+    Warns
+    -----
+    UserWarning
+        Saying what is lost: shades that become unknown, and cells that are turned.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from segmap.exports import write_ros_map
+    >>> tree = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_ros_map(Path(folder) / "it.yaml", tree)
+    ...     map = read_ros_map(Path(folder) / "it.yaml")
+    >>> map.occupancy([(0.2, 0.2), (1.2, 0.2), (3.2, 3.2)])
+    array([0. , 1. , 0.5])
+    """
+    place = file(path)
+    said = _Said(place)
+    side = said.number("resolution", least=1e-9, most=LIMIT)
+    x, y, yaw = said.origin()
+    occupied, free = (said.number(f"{kind}_thresh", 0, 1) for kind in ("occupied", "free"))
+    if free > occupied:
+        raise said.fault("free_thresh", f"must not be above occupied_thresh, {occupied:g}")
+    mode = said.word("mode", YAML_MODES, "trinary")
+    negate = said.word("negate", ("0", "1", "false", "true"), "0") in ("1", "true")
+    grey, opaque = _picture(said)
+    shade = grey if negate else 255 - grey
+    if mode == "raw":  # there the pixel is the value
+        value = 255 - grey if negate else grey
+        occupancy = np.where(value <= 100, value / 100, np.nan)
+    else:
+        occupancy = shade / 255
+    cells = np.select([occupancy > occupied, occupancy < free], [OCCUPIED, FREE], UNKNOWN)
+    if mode == "scale":
+        cells[~opaque] = UNKNOWN
+        if lost := int(((cells == UNKNOWN) & opaque).sum()):
+            words = f"{lost} cells have a shade between the thresholds, and become unknown"
+            warnings.warn(f"{shown(place)}: {words}", UserWarning, stacklevel=2)
+    cells = np.flipud(cells.astype(np.int8))
+    try:
+        if not yaw:
+            return map_of_grid(cells, resolution=side, corner=(x, y))
+        words = f"turned by its yaw, {math.degrees(yaw):.1f} degrees: walls are up to a cell off"
+        warnings.warn(f"{shown(place)}: {words}", UserWarning, stacklevel=2)
+        turned, corner = _turned_grid(cells, side, np.array((x, y, yaw)))
+        return map_of_grid(turned, resolution=side, corner=corner)
+    except ValueError as error:
+        raise LogError(place, str(error)) from error
+
+
+def _turned_grid(cells: Cells, side: float, origin: Array) -> tuple[Cells, Array]:
+    """The grid in the frame of the world, and its lower left corner.
+
+    A cell is what lies at its centre; that none of a thin wall is lost, each occupied cell also
+    marks the one in which its own centre falls.
+    """
+    rows, columns = cells.shape
+    ends = np.array([(0, 0), (columns, 0), (columns, rows), (0, rows)]) * side
+    around = transform(origin, ends)
+    corner = around.min(0)
+    wide, tall = np.ceil(np.ptp(around, axis=0) / side - 1e-6).astype(int)
+    if wide * tall > 2 * MOST_MAP_PIXELS:
+        raise ValueError(f"its yaw makes it {wide} by {tall} cells, more than can be read")
+    found = np.zeros((tall, wide), np.int8)
+    back = np.array((math.cos(origin[2]), math.sin(origin[2])))
+    across = (np.arange(wide) + 0.5) * side + corner[0] - origin[0]
+    for row in range(tall):  # a row at a time: the places of all cells take sixteen times as much
+        up = (row + 0.5) * side + corner[1] - origin[1]
+        i = np.floor((across * back[0] + up * back[1]) / side).astype(int)
+        j = np.floor((up * back[0] - across * back[1]) / side).astype(int)
+        within = (i >= 0) & (i < columns) & (j >= 0) & (j < rows)
+        found[row, within] = cells[j[within], i[within]]
+    j, i = np.nonzero(cells == OCCUPIED)
+    centres = transform(origin, (np.stack([i, j], -1) + 0.5) * side)
+    i, j = np.floor((centres - corner) / side).astype(int).T
+    found[np.clip(j, 0, tall - 1), np.clip(i, 0, wide - 1)] = OCCUPIED
+    return found, corner
+
+
+# ------------------------------------------------------------------------------ the picture
+def _picture(said: _Said) -> tuple[Array, NDArray[np.bool_]]:
+    """Mean of the colours of each pixel, 0 to 255, row 0 at the top; and whether it is opaque."""
+    from PIL import Image  # matplotlib brings it
+
+    named = said.text("image")
+    place = said.path.parent / named
+    if not place.is_file():  # a whole path may be of the machine that made the map
+        beside = said.path.parent / PureWindowsPath(named).name
+        if not beside.is_file():
+            raise said.fault("image", f"is not there, neither {shown(place)} nor beside the YAML")
+        warnings.warn(f"{shown(place)} is not there: {beside.name} is", UserWarning, stacklevel=3)
+        place = beside
+    try:
+        with Image.open(place, formats=KINDS) as image:
+            columns, rows = image.size
+            if columns * rows > MOST_MAP_PIXELS:
+                raise ValueError(f"it has {columns} by {rows} pixels, at most 2^26 are read")
+            if image.mode.startswith("I"):  # 16 bits
+                return np.asarray(image, float) / 257, np.ones((rows, columns), bool)
+            clear = "A" in image.getbands() or "transparency" in image.info
+            kind = "RGBA" if clear else "L" if image.mode in ("1", "L") else "RGB"
+            layers = np.asarray(image.convert(kind)).reshape(rows, columns, -1)
+    except Exception as error:  # Pillow raises a dozen for damage
+        raise LogError(place, f"is no picture that can be read ({shown(error)})") from error
+    opaque = layers[..., 3] == 255 if clear else np.ones((rows, columns), bool)
+    return layers[..., :3].mean(-1, dtype=np.float32), opaque
+
+
+# --------------------------------------------------------------------------------- the YAML
+class _Said:
+    """What the YAML of a map says: `key: value` lines, and a list in brackets or a line each."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._held: dict[str, tuple[Any, int]] = {}
+        if len(said := read_text(path)) > MOST_YAML_CHARACTERS:
+            raise LogError(path, "is too long for the YAML of a map")
+        key = ""
+        for number, line in enumerate(said.splitlines(), 1):
+            text = re.sub(r"(^|\s)#(?=(?:[^'\"]|'[^']*'|\"[^\"]*\")*$).*", "", line).strip()
+            if item := re.fullmatch(r"-\s+(.+)", text):
+                if key and isinstance(self._held[key][0], list):
+                    self._held[key][0].append(item[1])
+            elif found := re.fullmatch(r"(\w+)\s*:\s*(.*)", text):
+                key, value = found.groups()
+                listed = re.fullmatch(r"\[(.*)\]", value)
+                self._held[key] = (
+                    listed[1].split(",") if listed else value if value else [],
+                    number,
+                )
+
+    def fault(self, key: str, reason: str) -> LogError:
+        """What is wrong with the value of a key."""
+        return LogError(self.path, f"{key} {reason}", self._held[key][1])
+
+    def text(self, key: str) -> str:
+        """A text, plain or in quotes."""
+        value, _ = self._held.get(key, (None, 0))
+        if value is None:
+            raise LogError(self.path, f"has no {key}, which the YAML of a map for ROS must say")
+        if isinstance(value, list) or not value:
+            raise self.fault(key, "must be one value")
+        if value[0] == '"':
+            try:
+                return str(json.loads(value))
+            except ValueError:
+                raise self.fault(key, f"has quotes that do not end: {value[:40]}") from None
+        return value[1:-1].replace("''", "'") if value[0] == "'" else str(value)
+
+    def number(self, key: str, least: float, most: float) -> float:
+        """A number between two bounds."""
+        return self._number(key, self.text(key), least, most)
+
+    def _number(self, key: str, text: str, least: float, most: float) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not least <= value <= most:
+            raise self.fault(key, f"must be a number from {least:g} to {most:g}, got {text[:40]!r}")
+        return value
+
+    def word(self, key: str, known: tuple[str, ...], usual: str | None = None) -> str:
+        """One word of several."""
+        if usual is not None and key not in self._held:
+            return usual
+        if (word := self.text(key).lower()) not in known:
+            raise self.fault(key, f"must be one of {', '.join(known)}, got {word[:40]!r}")
+        return word
+
+    def origin(self) -> tuple[float, float, float]:
+        """Lower left corner, metres, and yaw, radians."""
+        value, _ = self._held.get("origin", (None, 0))
+        if value is None:
+            raise LogError(self.path, "has no origin, which the YAML of a map for ROS must say")
+        if not isinstance(value, list) or len(value) != 3:
+            raise self.fault("origin", f"must be [x, y, yaw], got {str(value)[:40]}")
+        x, y, yaw = (self._number("origin", text.strip(), -LIMIT, LIMIT) for text in value)
+        return x, y, yaw
+
+
+@checked
+def write_ros_map(
+    path: str | Path,
+    map: QuadtreeMap,
+    *,
+    resolution: float | None = None,
+    occupied: Number = 0.5,
+    free: Number = 0.25,
+) -> None:
+    """Write a map for ROS: a YAML and, beside it, a PGM of the same name.
+
+    White (254) is free, grey (205) unknown, black (0) occupied; row 0 of the picture is the top,
+    `origin` the lower left corner of its lower left pixel. Only the part where something is known
+    is written.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the YAML; must end in `.yaml`.
+    resolution : float or None
+        Side of a pixel: the map's own by default, or this times a power of two. A pixel that holds
+        several cells is occupied where one is, and free where all are.
+    occupied : float
+        Cells of greater occupancy are occupied.
+    free : float
+        Cells of at most this occupancy are free: by default those that half the `bias` crossed.
+
+    Notes
+    -----
+    The picture comes first, so that a new YAML never names a picture that is not there.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> tree = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)], [(0.2, 1.2)] * 2)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_ros_map(Path(folder) / "it.yaml", tree)
+    ...     print((Path(folder) / "it.yaml").read_text().splitlines()[0])
+    image: "it.pgm"
+    """
+    place = arrays.file(path)
+    if place.suffix != ".yaml":
+        raise ValueError(f"path: the name must end in .yaml, got {place.name!r}")
+    found = ros_classes(map, resolution=resolution, occupied=occupied, free=free)
+    rows, columns = found.greys.shape
+    picture, pixels = place.with_suffix(".pgm"), np.flipud(found.greys).tobytes()
+    thresholds = f"free: occupancy <= {free:g}, occupied: occupancy > {occupied:g}"
+    lines = [
+        f"image: {json.dumps(picture.name, ensure_ascii=False)}",
+        f"resolution: {_yaml_number(found.side)}",
+        f"origin: [{_yaml_number(found.left)}, {_yaml_number(found.low)}, 0.0]",
+        "negate: 0",
+        f"occupied_thresh: {OCCUPIED_THRESH}",
+        f"free_thresh: {FREE_THRESH}",
+        "mode: trinary",
+        f"# {thresholds}, else unknown; bias {map.bias}",
+    ]
+    with replacing(place) as text, replacing(picture) as image:  # both can be written, or none is
+        image.write(f"P5\n{columns} {rows}\n255\n".encode("ascii") + pixels)
+        text.write("".join(f"{line}\n" for line in lines).encode("utf-8", "surrogateescape"))
+
+
+def _yaml_number(value: float) -> str:
+    """A number with a point in it: some YAML readers take 1e-05 for a word."""
+    mantissa, mark, power = repr(value).partition("e")
+    return mantissa + (".0" if mark and "." not in mantissa else "") + mark + power

@@ -1,0 +1,118 @@
+"""Frames of a robot as ROS tells of them (tf): where the laser sits, and how the robot moved."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from segmap.arrays import Array
+from segmap.readers.mounting import in_space, level
+from segmap.readers.raw_scans import Track
+
+#: A laser that moves by more than this on its robot, in metres and radians, has no place on it.
+FIXED_LASER = 0.01, np.radians(1)
+#: What the name of the frame of odometry holds.
+ODOMETRY_FRAME = "odom"
+#: What the name of the robot's own frame holds.
+BASE_FRAME = "base"
+
+
+class Frames:
+    """Poses of frames in the frame above each: of what stands still, and of what moves.
+
+    Poses are (4, 4) arrays: they carry points of a frame into the one above it.
+    """
+
+    def __init__(self) -> None:
+        self.above: dict[str, str] = {}
+        self.poses: dict[str, Array] = {}
+        self.moving: set[str] = set()
+        self.tracks: dict[tuple[str, str], Track] = {}
+
+    def take(self, transform: Any, time: float, after: int | None = None) -> None:
+        """Take in one transform: geometry_msgs/TransformStamped, its time, and scans before it."""
+        parent, child = plain(transform.header.frame_id), plain(transform.child_frame_id)
+        place, turn = transform.transform.translation, transform.transform.rotation
+        pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
+        first = self.poses.setdefault(child, pose)
+        step = np.linalg.inv(first) @ pose
+        turn = np.arccos(np.clip((np.trace(step[:3, :3]) - 1) / 2, -1, 1))
+        if (
+            self.above.setdefault(child, parent) != parent
+            or np.abs(step[:3, 3]).max() > FIXED_LASER[0]
+            or turn > FIXED_LASER[1]
+        ):
+            self.moving.add(child)
+        if first is pose or child in self.moving or ODOMETRY_FRAME in parent:
+            self.tracks.setdefault((child, parent), Track()).add(time, level(pose), after)
+
+    def chain(self, frame: str) -> dict[str, Array]:
+        """The frame itself and all above it, each with the pose of the frame in it."""
+        pose = np.eye(4)
+        found = {frame: pose}
+        while self.above.get(frame, frame) not in found:
+            pose, frame = self.poses[frame] @ pose, self.above[frame]
+            found[frame] = pose
+        return found
+
+    def place(self, laser: str, base: str) -> Array | None:
+        """The laser's pose in the frame of the robot; None where nothing links the two.
+
+        It is a ValueError where something between the two moves.
+        """
+        up, down = self.chain(plain(laser)), self.chain(plain(base))
+        common = next((frame for frame in up if frame in down), None)
+        if common is None:
+            return None
+        between = [f for chain in (up, down) for f in list(chain)[: list(chain).index(common)]]
+        if moving := [frame for frame in between if frame in self.moving]:
+            raise ValueError(f"expected a laser that is fixed to {base}, but {moving[0]} moves")
+        return np.linalg.inv(down[common]) @ up[common]
+
+    def base_of(self, laser: str) -> str:
+        """The robot's frame where no odometry names it: the first "base" above the laser."""
+        return next((f for f in self.chain(plain(laser)) if _is(f, BASE_FRAME)), plain(laser))
+
+    def carries(self, base: str, laser: str) -> int:
+        """Whether a frame carries the laser: 1, 0 where nothing tells, -1 where others carry it."""
+        up, base = list(self.chain(plain(laser))), plain(base)
+        if base in up or {*self._rigid(base)} & {*self._rigid(up[0])}:
+            return 1
+        told = {*self.above, *self.above.values()}
+        return -1 if base in told and up[0] in told else 0
+
+    def _rigid(self, frame: str) -> list[str]:
+        """The frame and those above it, as far as none moves in the next."""
+        up = list(self.chain(frame))
+        return up[: next((k + 1 for k, f in enumerate(up) if f in self.moving), len(up))]
+
+    def driven(self, laser: str) -> tuple[str, str, Track]:
+        """The robot's frame, the one above in which it moves, and its poses there.
+
+        That is the lowest link that moves, from the robot's frame on, and that of an odometry
+        before others; where nothing is known of the laser, the odometry with most poses.
+        """
+        up = list(self.chain(plain(laser)))
+        base = next((k for k, frame in enumerate(up) if _is(frame, BASE_FRAME)), 0)
+        for frame in up[base:]:
+            links = [link for link in self.tracks if link[0] == frame]
+            told = [link for link in links if ODOMETRY_FRAME in link[1]] or links
+            if told and (frame in self.moving or ODOMETRY_FRAME in told[0][1]):
+                link = max(told, key=lambda each: len(self.tracks[each].times))
+                return *link, self.tracks[link]
+        found = [link for link in self.tracks if ODOMETRY_FRAME in link[1]]
+        if len(up) > 1 or not found:
+            return "", "", Track()
+        link = max(found, key=lambda each: len(self.tracks[each].times))
+        return *link, self.tracks[link]
+
+
+def plain(frame: str) -> str:
+    """The name of a frame: ROS 1 may write it with a slash before it."""
+    return frame.strip("/")
+
+
+def _is(frame: str, word: str) -> bool:
+    """Whether the last part of a name begins with a word: `robot1/base_link` is a base."""
+    return frame.split("/")[-1].startswith(word)

@@ -1,0 +1,194 @@
+"""Bags of ROS 1 and ROS 2, opened by the package `rosbags`: messages in the order of the file.
+
+`rosbags` gives messages by the recorder's clock; where that was set back while it recorded, scans
+and odometry of two times would be mixed. It raises errors of many kinds over damaged files: each
+ends as a LogError.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+from segmap.display import pip_install
+from segmap.readers.lines import LogError
+from segmap.readers.packed import Budget
+
+from ._bounds import check_database, check_mcap
+from ._files import kind_of
+
+#: Messages with transforms between frames: today's, and how ROS 1 called them first.
+FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
+#: A part begins at most so long after the one before ends, ...
+MOST_BETWEEN_PARTS_NS = 60 * 10**9
+#: ... and no earlier than so long before that: topics are not written quite in their order.
+MOST_OVERLAP_OF_PARTS_NS = 10**9
+#: All messages of a database, in the order in which they were written.
+MESSAGES_QUERY = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
+#: What chunks of ROS 1 begin with that are packed.
+CHUNK_MAGIC = {b"BZh": "bz2", b"\x04\x22\x4d\x18": "lz4"}
+REMEDIES = (
+    "`rosbag reindex` (ROS 1) or `ros2 bag reindex` (ROS 2) mends a copy of it, "
+    "`mcap recover` or `sqlite3 FILE .recover` a file of ROS 2 that was cut off"
+)
+
+
+class Bag:
+    """An open bag, with a reader of `rosbags` for each of its files."""
+
+    def __init__(self, parts: Sequence[Path], readers: Sequence[Any]) -> None:
+        self.path, self._parts = parts[0], [*zip(parts, readers, strict=True)]
+        self.connections = [c for reader in readers for c in _connections(reader)]
+        is_2 = kind_of(self.path) != "ROS 1"
+        types = _types(is_2)
+        self._decode = types.deserialize_cdr if is_2 else types.deserialize_ros1
+        self._digest = types.hash_rihs01 if is_2 else lambda kind: types.generate_msgdef(kind)[1]
+
+    def topics(self, *kinds: str) -> dict[str, int]:
+        """Names of the topics with messages of these types, and how many each has."""
+        counts: dict[str, int] = {}
+        for each in self.connections:
+            if each.msgtype in kinds:
+                counts[each.topic] = counts.get(each.topic, 0) + each.msgcount
+        return counts
+
+    def messages(self, kinds: Mapping[str, str]) -> Iterator[tuple[str, int, bytes]]:
+        """Topic, time in nanoseconds and bytes of each message of topics of these kinds."""
+        last_ns, budget = 0, _budget([path for path, _ in self._parts])
+        for path, reader in self._parts:
+            chosen = [c for c in _connections(reader) if kinds.get(c.topic) == c.msgtype]
+            for each in chosen:
+                if each.digest not in ("", "*", None, self._digest(each.msgtype)):
+                    reason = f"{each.topic} is of another {each.msgtype} than that of ROS"
+                    raise LogError(path, reason)
+            count, is_next = 0, last_ns > 0
+            with damage(path):
+                for topic, time_ns, data in _in_order_of_file(reader, chosen, budget):
+                    if is_next and not count:
+                        _check_goes_on(path, time_ns - last_ns)
+                    count, last_ns = count + 1, max(last_ns, time_ns)
+                    budget.take(len(data))
+                    yield topic, time_ns, bytes(data)
+                if count < (most := sum(each.msgcount for each in chosen)):
+                    raise ValueError(f"{count} of {most} messages are there")
+
+    def decoded(self, data: bytes, kind: str) -> Any:
+        """A message out of its bytes; damaged ones are a ValueError."""
+        try:
+            return self._decode(data, kind)
+        except Exception as fault:
+            raise ValueError(f"expected a message of {kind} ({_fault_text(fault)})") from fault
+
+
+def _connections(reader: Any) -> list[Any]:
+    """The topics of a file; a database may hold anything in the place of a name."""
+    each = reader.connections
+    return [c for c in each if isinstance(c.topic, str) and isinstance(c.msgtype, str)]
+
+
+def _check_goes_on(path: Path, later_ns: int) -> None:
+    """Refuse a part that begins long after, or before, the one before it ends."""
+    if not -MOST_OVERLAP_OF_PARTS_NS <= later_ns <= MOST_BETWEEN_PARTS_NS:
+        when = f"{abs(later_ns) / 1e9:.0f} s {'after' if later_ns > 0 else 'before'}"
+        reason = f"begins {when} the part before it ends: it is a log of its own, name it alone"
+        raise LogError(path, reason)
+
+
+def _in_order_of_file(
+    reader: Any, chosen: Sequence[Any], budget: Budget
+) -> Iterator[tuple[str, int, Any]]:
+    """Topic, time and bytes of the messages of some connections, as they were written."""
+    topics = {each.id: each.topic for each in chosen}
+    if not topics:
+        return
+    if hasattr(reader, "indexes"):  # ROS 1: what the index of one topic lists comes as it stands
+        indexes, entries = reader.indexes, [e for id in topics for e in reader.indexes[id]]
+        entries.sort(key=lambda entry: (entry.chunk_pos, entry.offset))
+        for at, chunk in reader.chunks.items():
+            reader.chunks[at] = chunk._replace(decompressor=partial(_chunk_within, budget))
+        reader.indexes = {chosen[0].id: entries}
+        for each, time_ns, data in reader.messages(chosen[:1]):
+            yield each.topic, time_ns, data
+        reader.indexes = indexes
+    elif hasattr(reader.storage, "messages_scan"):  # an .mcap
+        for each, time_ns, data in reader.storage.messages_scan(chosen):
+            yield each.topic, time_ns, data
+    else:
+        for id, time_ns, data in reader.storage.dbconn.execute(MESSAGES_QUERY):
+            if id in topics:
+                yield topics[id], time_ns, data
+
+
+def _chunk_within(budget: Budget, data: bytes) -> bytes:
+    """A chunk of a bag of ROS 1, unpacked; one that is not packed begins with a length."""
+    packing = next((name for magic, name in CHUNK_MAGIC.items() if data.startswith(magic)), None)
+    return budget.unpacked(packing, data) if packing else data
+
+
+@cache
+def _types(is_2: bool) -> Any:
+    """The types of messages of a generation of ROS: those that are read never changed in it.
+
+    They are kept, since `rosbags` makes code of them, 0.1 s for each bag. What a bag says of
+    its types is not believed: `rosbags` would make code of that too.
+    """
+    system = importlib.import_module("rosbags.typesys")
+    if is_2:
+        return system.get_typestore(system.Stores.ROS2_HUMBLE)
+    types = system.get_typestore(system.Stores.ROS1_NOETIC)
+    for kind in FRAMES:
+        transforms = "geometry_msgs/TransformStamped[] transforms"
+        types.register(system.get_types_from_msg(transforms, kind))
+    return types
+
+
+@contextmanager
+def opened(parts: Sequence[Path]) -> Iterator[Bag]:
+    """A bag, closed in the end; one that is damaged, or made to fill the memory, is a LogError."""
+    budget, readers = _budget(parts), []
+    with ExitStack() as stack:
+        for part in parts:
+            with damage(part):
+                readers.append(stack.enter_context(_reader(part, budget)))
+        yield Bag(parts, readers)
+
+
+def _budget(parts: Sequence[Path]) -> Budget:
+    return Budget(parts[0], sum(part.stat().st_size for part in parts))
+
+
+def _reader(path: Path, budget: Budget) -> Any:
+    """What `rosbags` reads one file with."""
+    kind = kind_of(path)
+    if kind == "ROS 1":
+        return importlib.import_module("rosbags.rosbag1").Reader(path)
+    if kind == "zstd":
+        raise LogError(path, "is packed by zstd: `unzstd` unpacks it, then name the unpacked file")
+    if kind == ".mcap":
+        check_mcap(path, budget)
+    else:
+        check_database(path)
+    return importlib.import_module("rosbags.rosbag2").Reader(path)
+
+
+@contextmanager
+def damage(path: Path) -> Iterator[None]:
+    """Turn whatever `rosbags` raises into a LogError."""
+    try:
+        yield
+    except (LogError, GeneratorExit):
+        raise
+    except ImportError as fault:
+        reason = f"is a bag of ROS: reading it needs {pip_install('ros')}"
+        raise LogError(path, reason) from fault
+    except Exception as fault:
+        reason = f"is cut off, was never closed, or is damaged ({_fault_text(fault)}): {REMEDIES}"
+        raise LogError(path, reason) from fault
+
+
+def _fault_text(fault: Exception) -> str:
+    return str(fault)[:300] or type(fault).__name__

@@ -1,0 +1,262 @@
+"""All that can be chosen on the workbench between a log and a reduced map."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import ipywidgets as W
+from traitlets import TraitError
+
+from segmap import alignment, extraction, reduction
+from segmap.arrays import described
+from segmap.files import as_html
+from segmap.panels.controls import ENTRY, control, folded, wrong
+from segmap.scans import Log
+
+from ..call import Call
+from ..files import Session
+from ..pipeline import BEGIN, MapChoices
+from ._edits import NUMBER_ENTRIES, Edits
+
+#: A slider goes in so many steps a default ...
+SLIDER_STEPS = 20
+#: ... up to so many times the default.
+SLIDER_DEFAULTS = 10
+WRAP: Any = {"flex_flow": "row wrap", "align_items": "center"}
+#: Names of the lists, one below the other.
+LIST_NAME_STYLE = {"description_width": "104px"}
+#: Below each list stands what the method that is chosen does.
+SMALL = '<div style="line-height: 1.35; font-size: 12px; margin-left: 4px">'
+#: What the list of second methods says of none.
+NONE = "none"
+
+#: Name -> function, and the threshold that gets a slider, or nothing; the word for none: None.
+Functions = Mapping[str, tuple[Callable[..., Any], str] | None]
+
+
+class Choice:
+    """A choice of one function of several, and controls of the thresholds of the chosen one.
+
+    Each keeps its settings while another is chosen.
+
+    Examples
+    --------
+    >>> from segmap.reduction import fusion
+    >>> choice = Choice("method", {"none": None, "fusion": (fusion, "tolerance")}, "none")
+    >>> choice.value = "fusion"
+    >>> choice["tolerance"].value = 0.06
+    >>> choice.call().words()
+    'tolerance 0.06'
+    """
+
+    def __init__(self, name: str, functions: Functions, first: str) -> None:
+        self._functions = functions
+        self._made: dict[str, dict[str, Any]] = {}
+        self.picker: Any = W.Dropdown(
+            options=list(functions), value=first, description=name, style=LIST_NAME_STYLE
+        )
+        self.picker.layout.flex, self.picker.layout.min_width = "1 1 200px", "0"
+        self._box = W.Box(layout=W.Layout(**WRAP))
+        self.settings: Any = folded("settings", self._box, f"settings of {name}")
+        self.wrong, self.advice = wrong(), W.HTML()
+        row = W.Box([self.picker, self.settings])
+        self.view = W.VBox([row, self.advice, self._box, self.wrong])
+        self.picker.observe(self._chosen, names="value")
+        self._chosen()
+
+    @property
+    def value(self) -> str:
+        """The name that is chosen."""
+        return str(self.picker.value)
+
+    @value.setter
+    def value(self, name: str) -> None:
+        self.picker.value = name
+
+    def __getitem__(self, threshold: str) -> Any:
+        """The control of a threshold of the function that is chosen."""
+        return self.controls[threshold]
+
+    @property
+    def controls(self) -> dict[str, Any]:
+        """Controls of the thresholds of the function that is chosen, by their names."""
+        return self._made.get(self.value, {})
+
+    def begin(self, name: str) -> None:
+        """Choose a function with its defaults."""
+        self._made.clear()
+        self.value = name
+        self._chosen()
+
+    def call(self) -> Call | None:
+        """The function with the thresholds that are not its defaults, and the one that varies."""
+        if (about := self._functions[self.value]) is None:
+            return None
+        function, varies = about
+        usual = inspect.signature(function).parameters
+        values = {name: each.meant() for name, each in self.controls.items()}
+        changed = {k: v for k, v in values.items() if k == varies or v != usual[k].default}
+        return Call(self.value, function, changed)
+
+    def _chosen(self, change: Any = None) -> None:
+        about = self._functions[self.value]
+        if about is not None and self.value not in self._made:
+            self._made[self.value] = _controls(*about)
+        words = "" if about is None else described(about[0])[""].replace("`", "")
+        name = self.value.removeprefix("extract_").replace("_", " ")
+        self.advice.value = f"{SMALL}{as_html(f'{name}: {words}' * bool(words))}</div>"
+        nothing = [] if about is None else [W.Label("no threshold")]
+        self._box.children = list(self.controls.values()) or nothing
+        self.settings.layout.visibility = "hidden" if about is None else "visible"
+
+
+def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
+    """Controls of the keywords that are plain values, the one that varies first, as a slider."""
+    found = {}
+    for name, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind is parameter.KEYWORD_ONLY and (made := control(function, name)):
+            found[name] = made
+    if varies:
+        usual = found.pop(varies).value
+        step, most = usual / SLIDER_STEPS, SLIDER_DEFAULTS * usual
+        moved = control(function, varies, least=step, most=most, step=step)
+        moved.style.description_width = ENTRY["description_width"]
+        found = {varies: moved, **found}
+    return found
+
+
+class Choices:
+    """All: `people` is the share for `without_passers`, `least` the length of the filter.
+
+    `usual` is what is chosen where nobody says anything.
+    """
+
+    def __init__(self) -> None:
+        alignments = {k: (m.function, "") for k, m in alignment.METHODS.items()}
+        reductions = {k: (m.function, m.varies) for k, m in reduction.METHODS.items()}
+        extractions = {k: (f, "") for k, f in extraction.METHODS.items()}
+        self.usual = {"align": "pose_graph", "extract": "extract_polylines"}
+        self.usual |= {"method": "least_cost", "second": NONE}
+        self.align = Choice("alignment", alignments, self.usual["align"])
+        self.extract = Choice("extraction", extractions, self.usual["extract"])
+        self.method = Choice("method", reductions, self.usual["method"])
+        self.second = Choice("second method", {NONE: None, **reductions}, NONE)
+        named: Any = {"description": "leave out below [m]", "style": ENTRY}
+        words = "de-skew, where beams have times"
+        self.deskew: Any = W.Checkbox(True, description=words, indent=False)
+        self.keep_body: Any = W.Checkbox(False, description="keep beams that see the robot itself")
+        self.clockwise: Any = W.Checkbox(False, description="the beams are counted clockwise")
+        self.deskew.tooltip = "beams are carried to where the robot was when their scan began"
+        self.keep_body.tooltip = "else beams that always end at the robot are left out"
+        self.clockwise.tooltip = "for a laser that is mounted upside down"
+        for box in (self.deskew, self.keep_body, self.clockwise):
+            box.indent, box.layout.width = False, "auto"
+        hint = "X Y DEGREES, or auto"
+        self.mount: Any = W.Text(description="laser [m, degrees]", placeholder=hint, style=ENTRY)
+        self.mount.layout.width = "auto"
+        self.mount.tooltip = "place and direction of the laser on the robot; auto finds them"
+        self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
+        named["description"] = "seen through [share]"
+        self.people: Any = W.BoundedFloatText(0.0, min=0, max=1, step=0.05, **named)
+        self.people.tooltip = "0.2 leaves out people who walked through; 0 keeps all"
+        self.least.tooltip = "shorter segments are left out before they are reduced"
+        self.least.layout.width = self.people.layout.width = "270px"
+        self.edits = Edits()
+
+    def begin(self, log: Log) -> None:
+        """Choose the alignment that the command takes for a log, unless another one was chosen.
+
+        No edit of another map is kept.
+        """
+        self.edits.restore({})
+        usual = alignment.usual_method(log)
+        if self.align.value == self.usual["align"]:
+            self.align.value = usual
+        self.usual["align"] = usual
+
+    def restore(self, session: Session) -> None:
+        """Choose what a session says, and the defaults of all else.
+
+        Raises
+        ------
+        ValueError
+            Where it says what cannot be chosen here.
+        """
+        held = {**self.usual, **session.settings}
+        try:
+            for kind, begin in BEGIN.items():
+                choice = getattr(self, kind)
+                choice.begin(held[kind])
+                for name, made in choice.controls.items():
+                    value = held.get(begin + name, made.value)
+                    if hasattr(made, "max"):  # of a slider, which may end below
+                        made.max = max(made.max, value)
+                    made.value = str(value) if isinstance(made, W.Text) else value
+            self.edits.restore(session.edits)
+            self.people.value = held.get("seen_through", 0.0)
+            self.least.value = held.get("filter", 0.0)
+            self.deskew.value = not held.get("no_deskew", False)
+            self.keep_body.value = held.get("keep_body", False)
+            self.clockwise.value = held.get("clockwise", False)
+            place = "auto" if held.get("mount_auto") else " ".join(map(str, held.get("mount", [])))
+            self.mount.value = place
+        except (TraitError, TypeError, KeyError, ArithmeticError) as fault:
+            raise ValueError(f"the session cannot be chosen here: {fault}") from fault
+
+    def refused(self, text: str) -> bool:
+        """Say why there is no run beside the control that its first word names; "" is none.
+
+        Returned is whether there is such a control.
+        """
+        word, found = text.replace(":", " ").partition(" ")[0], False
+        for each in (self.align, self.extract, self.method, self.second):
+            own = word in each.controls
+            each.wrong.value = as_html(text) if own else ""
+            if own:
+                each.settings.value = found = True
+        own = word in (
+            "north",
+            "EPSG",
+            "name",
+            "latitude",
+            "longitude",
+            "tie",
+            "veto",
+            *NUMBER_ENTRIES,
+        )
+        self.edits.wrong.value = as_html(text) if own else ""
+        return found or own
+
+    def prepare(self) -> dict[str, Any]:
+        """What is chosen for `alignment.prepared`, by the options of `segmap map`."""
+        found: dict[str, Any] = {"no_deskew": not self.deskew.value}
+        found |= {"keep_body": self.keep_body.value, "clockwise": self.clockwise.value}
+        text = self.mount.value.strip()
+        found["mount_auto"] = text == "auto"
+        try:
+            found["mount"] = [] if text in ("", "auto") else [float(word) for word in text.split()]
+            assert len(found["mount"]) in (0, 3)
+        except (ValueError, AssertionError):
+            raise ValueError(f"laser must be like '0.2 0 180', or auto, got {text!r}") from None
+        return {name: value for name, value in found.items() if value}
+
+    def recipe(self, log: str) -> MapChoices:
+        """All that is chosen, for the log that an expression gives."""
+        chosen = (each.call() for each in (self.align, self.extract, self.method, self.second))
+        align, extract, *methods = (call for call in chosen if call is not None)
+        least, prepare = float(self.least.value), self.prepare()
+        seen, edits = float(self.people.value) or None, self.edits.asked()
+        return MapChoices(align, extract, least, methods, prepare, seen, edits, log)
+
+    def views(self) -> dict[str, Any]:
+        """Their controls, by the steps of the way."""
+        laser = W.VBox([self.keep_body, self.clockwise, self.mount])
+        fold = folded("laser", laser)
+        fold.layout.align_self = "flex-start"
+        return {
+            "Poses": W.VBox([self.align.view, self.deskew, fold, laser]),
+            "Segments": W.VBox([self.extract.view, self.people, self.least]),
+            "Map": W.VBox([self.method.view, self.second.view]),
+        }

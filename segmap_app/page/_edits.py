@@ -1,0 +1,185 @@
+"""What is done to a map by hand: loops left out or forced, turn, crop, place, names of rooms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import ipywidgets as W
+import numpy as np
+
+from segmap import arrays
+from segmap.display import counted
+from segmap.files import as_html
+from segmap.panels.controls import ENTRY, folded, wrong
+from segmap.plan import FloorPlan
+
+from ..pipeline import Pipeline
+from . import _files
+
+#: Entries of numbers, by their options: how many, label and example.
+NUMBER_ENTRIES = {
+    "crop": (4, "crop [m]", "left low right high"),
+    "place": (2, "place of (0, 0)", "latitude longitude"),
+    "north": (1, "north [degrees]", "90, which is up"),
+}
+
+
+class Edits:
+    """Controls of all edits; `veto` and `tie` are loops as `FIRST-SECOND`.
+
+    Examples
+    --------
+    >>> edits = Edits()
+    >>> edits.square.value, edits.crop.value = True, "0, -5, 20, 5"
+    >>> edits.value()
+    {'square': True, 'crop': [0.0, -5.0, 20.0, 5.0]}
+    """
+
+    def __init__(self) -> None:
+        self.veto: list[str] = []
+        self.tie: list[str] = []
+        #: x, y, metres, and the name of the room there.
+        self.rooms: list[list[Any]] = []
+        wide: Any = {"style": ENTRY, "layout": {"width": "auto"}, "continuous_update": False}
+        words = "square: most walls along x and y"
+        self.square: Any = W.Checkbox(False, description=words, indent=False)
+        self.square.layout.width = "auto"
+        self.crop, self.place, self.north = (
+            W.Text(description=label, placeholder=hint, **wide)
+            for _, label, hint in NUMBER_ENTRIES.values()
+        )
+        self.square.tooltip = "turn the map"
+        self.crop.tooltip = "what lies outside of the rectangle is left out, metres of the map"
+        self.place.tooltip = "where (0, 0) of the map lies on the earth, for GIS (GeoJSON)"
+        self.north.tooltip = "where north is in the map, counter-clockwise from x"
+        hint = "EPSG:25832: place is east north"
+        self.crs: Any = W.Text(description="grid, not degrees", placeholder=hint, **wide)
+        self.drag: Any = W.ToggleButton(False, description="drag it on the map", tooltip="crop")
+        self.drag.layout.width = "auto"
+        self.controls = [self.square, self.crop, self.place, self.north, self.crs]
+        self.crop.layout.flex = "1 1 260px"
+        cut = W.Box([self.crop, self.drag], layout=W.Layout(flex_flow="row wrap"))
+        self.degrees: Any = W.Button(description="They are degrees: without a grid")
+        self.degrees.layout = W.Layout(width="auto", display="none", align_self="flex-start")
+        self.degrees.on_click(lambda button: setattr(self.crs, "value", ""))
+        self.box = W.VBox([cut, self.place, self.north, self.crs, self.degrees])
+        self.open, self.wrong = folded("crop and place", self.box), wrong()
+
+    def value(self) -> dict[str, Any]:
+        """What is edited, by the options of `segmap map`, as a session keeps it."""
+        found: dict[str, Any] = {"veto": [*self.veto], "tie": [*self.tie]}
+        found["square"] = self.square.value
+        for name, (count, label, hint) in NUMBER_ENTRIES.items():
+            text = getattr(self, name).value
+            try:
+                found[name] = [float(word) for word in text.replace(",", " ").split()]
+                assert len(found[name]) in (0, count)
+            except (ValueError, AssertionError):
+                raise ValueError(f"{label} must be like '{hint}', got {text!r}") from None
+        found["crs"], found["rooms"] = self.crs.value.strip(), [*self.rooms]
+        return {name: value for name, value in found.items() if value}
+
+    def asked(self) -> dict[str, Any]:
+        """The same, for a run: a place that looks like degrees in a grid is asked about."""
+        found = self.value()
+        east, north = place = found.get("place", [0.0, 0.0])
+        wrong = "crs" in found and abs(east) <= 90 and abs(north) <= 180 and any(place)
+        self.degrees.layout.display = "" if wrong else "none"
+        if wrong:
+            said = f"place {east:g} {north:g} looks like degrees"
+            raise ValueError(f"{said}, and a grid takes metres to the east and north")
+        return found
+
+    def take_loops(self, held: Mapping[str, Any]) -> None:
+        """Leave out and force the loops that these edits name, and no others."""
+        self.veto, self.tie = [*held.get("veto", [])], [*held.get("tie", [])]
+
+    def restore(self, held: Mapping[str, Any]) -> None:
+        """Set what a session keeps, and nothing else."""
+        self.take_loops(held)
+        self.rooms = [[*arrays.point((x, y)).tolist(), f"{n}"] for x, y, n in held.get("rooms", [])]
+        self.square.value, self.crs.value = held.get("square", False), held.get("crs", "")
+        for name in NUMBER_ENTRIES:
+            value = held.get(name, [])
+            numbers = value if isinstance(value, list) else [value]
+            getattr(self, name).value = " ".join(map(str, numbers))
+
+
+class Rooms:
+    """A switch; on, the sheet of the floor plan stands in the place of the map, which canvas.css
+    hides, and there are its rooms with names to be typed, and their areas.
+
+    Names are kept in the edits with their places: they stay where a room gets another number.
+    `begin` calls a function in the worker, `say` says what is done, and `outcome` is what is shown;
+    `plan` is the floor plan that stands there, None where none does.
+    """
+
+    def __init__(
+        self,
+        edits: Edits,
+        begin: Callable[..., None],
+        say: Callable[[str, float], None],
+        outcome: Callable[[], Pipeline | None],
+    ) -> None:
+        self.edits, self._begin, self._say, self._outcome = edits, begin, say, outcome
+        self.plan: FloorPlan | None = None
+        tip = "rooms with their areas, and doors"
+        self.switch: Any = W.ToggleButton(False, description="plan", tooltip=tip)
+        self.picture: Any = W.Image(format="png")
+        self.total, self.names = W.HTML(), W.VBox()
+        self.box, self.sheet = W.VBox(), W.Box()
+        self.sheet.add_class("segmap-sheet")
+        self.large: Any = W.ToggleButton(False, description="large", tooltip="twice as large")
+        self.large.observe(self._enlarged, names="value")
+        self.switch.observe(self._switched, names="value")
+
+    def _switched(self, change: Any = None) -> None:
+        if not self.switch.value:
+            self.plan = None
+            self.box.children = self.names.children = self.sheet.children = ()
+        elif not self.box.children:
+            self._begin(_files.plan_of, (self._outcome(),), self.show)
+
+    def _enlarged(self, change: Any) -> None:
+        (self.sheet.add_class if self.large.value else self.sheet.remove_class)("segmap-large")
+
+    def show(self, plan: FloorPlan) -> None:
+        """Show a plan, with the names that are kept."""
+        for (*_, name), k in zip(self.edits.rooms, self._inside(plan), strict=True):
+            if k >= 0:
+                plan.rooms[k] = replace(plan.rooms[k], name=name)
+        entries = []
+        for k, room in enumerate(plan.rooms):
+            entry: Any = W.Text(room.name, description=f"{room.area:.1f} m\N{SUPERSCRIPT TWO}")
+            entry.continuous_update, entry.tooltip = False, f"name of room {k + 1}"
+            entry.observe(lambda change, k=k: self._named(plan, k, change["new"]), names="value")
+            entries.append(entry)
+        self.names.children = entries
+        self._draw(plan)
+        self.plan = plan
+        self.box.children = [self.large, self.total, self.names]
+        self.sheet.children = [self.picture]
+        self._say("the floor plan is made", 1.0)
+
+    def _draw(self, plan: FloorPlan) -> None:
+        area, count = sum(room.area for room in plan.rooms), counted(len(plan.rooms), "room")
+        doors = counted(len(plan.doors), "door")
+        said = f"{count} of {area:.1f} m\N{SUPERSCRIPT TWO}, {doors}"
+        self.total.value = as_html("; ".join(filter(None, [said, plan.doubt])))
+        if (made := self._outcome()) is not None:
+            self.picture.value = _files.written(made, "plan.png", plan)["plan.png"]
+
+    def _inside(self, plan: FloorPlan) -> list[int]:
+        """The room of each name that is kept, -1 for none."""
+        places = np.reshape([place for *place, _ in self.edits.rooms], (-1, 2))
+        return plan.room_at(places.astype(float)).tolist()
+
+    def _named(self, plan: FloorPlan, k: int, name: str) -> None:
+        """Keep the name of a room, in the place of what it was called."""
+        kept = zip(self.edits.rooms, self._inside(plan), strict=True)
+        self.edits.rooms = [held for held, room in kept if room != k]
+        self.edits.rooms.append([*plan.rooms[k].place.round(3).tolist(), name])
+        plan.rooms[k] = replace(plan.rooms[k], name=name)
+        self._draw(plan)

@@ -1,0 +1,89 @@
+"""What is written of an outcome, and the layers that are made of it when they are asked for."""
+
+from __future__ import annotations
+
+import datetime
+import math
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from segmap import exports, extraction, reduction, warm
+from segmap.arrays import Array
+from segmap.files import shown
+from segmap.plan import FloorPlan, floor_plan
+from segmap.poses import transform
+from segmap.quadtree import QuadtreeMap, build_map
+from segmap.scans import Log
+
+from .. import files
+from ..pipeline import Pipeline, cropped, world_of
+
+#: Sides of the cells of a map for a robot, metres.
+CELL = 0.05
+#: Points of so many scans are drawn at most.
+MOST_DRAWN_SCANS = 400
+#: Points of so many scans are drawn while a map grows.
+SKETCHED_SCANS = 50
+#: Leaves of at most this occupancy are free, as in `files.write_ros_map`.
+FREE_OCCUPANCY = 0.25
+
+
+def write_outcome(
+    path: str | Path, outcome: Pipeline, which: int = 0, plan: FloorPlan | None = None
+) -> None:
+    """Write what a method leaves, or the floor plan, in the format that the name asks for."""
+    end, edits = Path(path).suffix.lower(), outcome.recipe.edits
+    today, degrees = datetime.date.today().isoformat(), edits.get("north")
+    words: Any = {"title": shown(outcome.given.name), "verdict": outcome.verdict.words}
+    words |= {"date": today, "north": None if degrees is None else math.radians(degrees[0])}
+    if end == ".yaml":
+        files.write_ros_map(path, cells(outcome))
+    elif plan is not None:
+        exports.write_plan(path, plan, world=world_of(edits), **words)
+    elif end in (".pdf", ".png"):
+        exports.write_sheet(path, outcome.reductions[which], **words)
+    else:
+        exports.write_segments(path, outcome.reductions[which], world=world_of(edits))
+
+
+def written(outcome: Pipeline, name: str, plan: FloorPlan | None = None) -> dict[str, bytes]:
+    """The files that `write_outcome` makes, by their names."""
+    with tempfile.TemporaryDirectory() as folder:
+        write_outcome(Path(folder) / name, outcome, plan=plan)
+        return {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
+
+
+def cells(outcome: Pipeline) -> QuadtreeMap:
+    """The quadtree of an outcome: what is occupied and what is free."""
+    tree = build_map(outcome.log_without_passers, outcome.alignment.trusted, resolution=CELL)
+    return cropped(tree, outcome.recipe.edits.get("crop"))
+
+
+def free_space(outcome: Pipeline) -> Array:
+    """Squares that beams crossed, `(n, 3)`: lower left corner and side, metres."""
+    warm.dispatch(["quadtree all"])
+    tree = cells(outcome)
+    x, y, side = tree.leaves()[:3]
+    return np.stack([x, y, side], -1)[tree.leaf_occupancy() <= FREE_OCCUPANCY]
+
+
+def plan_of(outcome: Pipeline) -> FloorPlan:
+    """The floor plan of an outcome, as `segmap plan` makes it: of one line a wall."""
+    warm.dispatch(["quadtree all", "reduction one_per_wall"])
+    log, poses = outcome.log_without_passers, outcome.alignment.trusted
+    seen = extraction.build_map(log, poses, keep_points=True)
+    free = build_map(log, poses, resolution=CELL, free_resolution=CELL)
+    crop = outcome.recipe.edits.get("crop")
+    walls = reduction.one_per_wall(cropped(seen, crop).filtered())
+    return floor_plan(walls, cropped(free, crop))
+
+
+def drawn_points(log: Log, poses: Array, *, sketched: bool = False) -> Array:
+    """Where beams of scans ended, `(n, 2)`, metres: all that can be drawn, or a sketch of them."""
+    known = np.flatnonzero(np.isfinite(poses).all(1))
+    scans = known[:: 1 + len(known) // (SKETCHED_SCANS if sketched else MOST_DRAWN_SCANS)]
+    found = [transform(poses[k], log[int(k)].points()[:: 1 + sketched]) for k in scans]
+    return np.concatenate([np.zeros((0, 2)), *found])

@@ -1,0 +1,400 @@
+"""What the buttons of the page do: a log in, a map out, every run kept."""
+
+from __future__ import annotations
+
+import tempfile
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from segmap import arrays
+from segmap.display import counted
+from segmap.files import file_name, shown
+from segmap.plotting import thumbnail
+from segmap.progress import told
+from segmap.reduction import Reduction
+from segmap.scans import Log
+from segmap.segments import length
+
+from .. import files
+from ..pipeline import MapChoices, Pipeline, begin, follow
+from . import _edits, _files, _shown
+from ._bar import REASON_ELSEWHERE, Bar, Work
+from ._choices import Choices
+from ._job import Worker
+from ._loops import Loops
+from ._page import NO_PLANS, SAVES, Page
+from ._runs import COLUMNS, Runs
+from ._source import Source, telling
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Workbench(Page, Work):
+    """Choose a log, an alignment, an extraction, one or two reductions; see, compare and keep.
+
+    A bundled log, a path or an uploaded file is taken. *Run* works in a process of its own, which
+    *Stop* ends; a run that fails leaves the last good one. Scans without a pose of their own
+    (`Alignment.used`) are left out of the map. A segment that is pointed at shows its members.
+
+    Attributes
+    ----------
+    align, extract, method, second : choices
+        `workbench.method.value = "hybrid"; workbench.method["angle"].value = 5`: angles in degrees.
+    people, least : number
+        The share for `quadtree.without_passers`, 0 for none; shorter segments, in metres, are left
+        out before the reduction.
+    deskew : checkbox
+        Whether beams are carried to the start of their scan; where they have times only.
+    bundled, path, upload : controls
+    outcome : Pipeline or None
+        Alignment, map and reductions of the last good run.
+    about, state, verdict, chosen : labels
+        What the log is; what happens, or why it does not; whether the map is one; what is pointed
+        at.
+    shown, tool, layers : buttons
+        "before", "after" or "both": which maps are seen; whether a click looks or measures a
+        "distance" or an "area"; what is drawn with the maps, by name.
+    loops, edits : controls
+        Loops left out and forced, `loops.listed`, `loops.mend`, `loops.tie`; `edits.square`,
+        `edits.crop`, `edits.place`, `edits.north`, `edits.crs`: what is edited is run at once, and
+        `undo` takes the last edit back.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> workbench = Workbench(load("room"))
+    >>> workbench.run()
+    >>> workbench
+    Workbench(room: least_cost leaves 52 of 567 segments, quality 95.1%)
+    """
+
+    def __init__(self, log: Log | None = None) -> None:
+        if log is not None:
+            arrays.instance(log, "log", Log)
+        self.outcome: Pipeline | None = None
+        self._known, self._seen = cast(Pipeline | None, None), cast(Pipeline | None, None)
+        self._runs, self._history = Runs(), list[Mapping[str, Any]]()
+        self.listed = self._runs.listed
+        self._worker, self._thread, self._bar = Worker(), threading.Thread(), Bar()
+        self._worker.grown = self._grown
+        self.progress, self.state = self._bar.bar, self._bar.state
+        self._choices = chosen = Choices()
+        self.align, self.extract, self.least = chosen.align, chosen.extract, chosen.least
+        self.people = chosen.people
+        self.method, self.second, self.deskew = chosen.method, chosen.second, chosen.deskew
+        self.edits, self.loops = chosen.edits, Loops(chosen.edits, self._looked, self._edited)
+        self.rooms = _edits.Rooms(chosen.edits, self._begin, self._bar.say, lambda: self.outcome)
+        self._make_outputs(self._told)
+        first: str | Log = "malaga" if log is None else log
+        self._source = Source(first, self._taken, self._bar, self._begin)
+        self.bundled, self.path, self.upload = self._source.controls
+        self.about = self._source.about
+        views = {"Log": self._source.view, **chosen.views()}
+        self._view = self._laid_out(views, self.listed)
+        self._connect()
+        self._settle()
+
+    def open(self, source: str | Path | Log) -> None:
+        """Take another log: the name of a bundled one, a path, or a Log; else the one is kept."""
+        self._source.open(source)
+
+    @property
+    def log(self) -> Log:
+        """The log that the next run begins with."""
+        return self._source.log
+
+    def _taken(self, log: Log, session: files.Session | None) -> None:
+        """Another log: nothing that was found holds for it; a session has choices and runs."""
+        self._known = None
+        self._history.clear()
+        self._choices.begin(log)
+        words = ""
+        if session is not None:
+            self._choices.restore(session)
+            if refused := self._runs.take(session.runs):
+                count = counted(len(session.runs), "run")
+                words = f"; {refused} of its {count} left out: no row of a run"
+        self._bar.say(f"{log.name}: ready to run{words}", 0.0)
+
+    # --------------------------------------------------------------------- a run
+    def run(self) -> None:
+        """Do it, here and now, and show it; where a method refuses, the run before stays."""
+        with told(self._bar.tell):
+            self._show(self.log, follow(*self._work(anew=True)))
+        self._settle()
+
+    def _work(self, *, anew: bool = False) -> tuple[MapChoices, Log, Pipeline | None]:
+        """What is to be done, on what is known; of a run that was stopped nothing, if anew."""
+        known = None if anew and self._known is not None and self._known.stopped else self._known
+        return self._choices.recipe(self._source.expression), self.log, known
+
+    def _start(self, button: object = None) -> None:
+        """Do it in the worker, and show it when it is done."""
+        with telling(self._wrong):
+            work = self._work(anew=button is not None)
+            self._begin(begin, work, partial(self._reduce, *work[:2]), self._choices.refused)
+
+    def _grown(self, way: arrays.Array, points: arrays.Array) -> None:
+        """Show the scans that are placed so far."""
+        if self.canvas is not None:
+            self.canvas.grow(way, points, f"scan {len(way)} of {len(self.log)}")
+
+    def _reduce(self, recipe: MapChoices, log: Log, begun: Pipeline) -> None:
+        """Show a new map while it is reduced, and then what is left of it."""
+        if log is self.log:
+            if not self._is_shown(begun):
+                self._show_map(begun)
+            self._known = begun
+        self._show(log, self._worker.do(follow, recipe, log, begun))
+
+    def _edited(self, change: Any = None) -> None:
+        """Run again at once, where there is a map to be edited."""
+        if self._known is not None:
+            self._start()
+
+    def _looked(self, way: arrays.Array, scans: Sequence[int]) -> None:
+        """Show the way on the map, and two scans on it; or no longer."""
+        if self.canvas is not None:
+            self.canvas.looked_at = [*scans]
+
+    def _undo(self, button: object) -> None:
+        """Take the last edit back."""
+        if len(self._history) > 1:
+            self._history.pop()
+            known, self._known = self._known, None  # nothing is run while they are set
+            self.edits.restore(self._history[-1])
+            self._known = known
+            self._start()
+
+    def _told(self, said: Mapping[str, Any]) -> None:
+        """What was done on the map, or in the table of the runs."""
+        with telling(self._bar.wrong):
+            if "scan" in said:
+                self.loops.picked(int(said["scan"]))
+            elif "rectangle" in said:
+                corners = np.reshape(said["rectangle"], (2, 2)) + self.canvas.middle
+                text = " ".join(map(str, corners.ravel().round(2).tolist()))
+                self.edits.drag.value, self.edits.crop.value = False, text
+            elif "measured" in said:
+                unit = "m\N{SUPERSCRIPT TWO}" if said["measured"] == "area" else "m"
+                self.chosen.value = f"{float(said['size']):.3f} {unit}"
+            elif "run" in said:
+                self.bring_back(int(said["run"]), beside=bool(said["beside"]))
+
+    def bring_back(self, run: int, *, beside: bool = False) -> None:
+        """Show a run of the table again, with all that was chosen; or only its map, beside ours."""
+        if run not in self._runs.made:
+            raise ValueError(f"run {run}: only its figures are kept, choose it and press Run")
+        outcome = self._runs.made[run]
+        if beside and self.canvas is not None:
+            left = outcome.reductions[0]
+            title = f"run {run}, {shown(outcome.given.name)}: {len(left)}"
+            self.canvas.beside(left.segments, title)
+        elif self._thread.is_alive():
+            raise ValueError("something is running: wait for it, or press Stop, then try again")
+        else:
+            self._source.open(outcome.given, outcome.recipe.log)
+            self._choices.restore(outcome.recipe.session(outcome.given, ()))
+            self._show(outcome.given, outcome)
+            self._settle()
+
+    def _failed(self, function: Callable[..., Any]) -> str:
+        """Show the last good run again, and say that it is kept."""
+        if self.outcome is not None and self.outcome.given is self.log:
+            # what cannot be is not tried again
+            self.edits.take_loops(self.outcome.recipe.edits)
+            if self._known is not self.outcome:
+                self._show_map(self.outcome)
+                self._known = self.outcome
+        if self.canvas is not None and self.canvas.growing:
+            self.canvas.growing = False
+            if self.outcome is not None:
+                self._show_map(self.outcome)
+        return ". The last good run is kept." if self.outcome and function is begin else ""
+
+    def _wrong(self, text: str) -> None:
+        """What was refused, beside what caused it, or else in the line of the state."""
+        self._bar.wrong(REASON_ELSEWHERE if self._choices.refused(text) else text)
+
+    def _stop(self, button: object = None) -> None:
+        self._source.stop()
+        self._worker.stop()
+
+    def _show(self, log: Log, outcome: Pipeline) -> None:
+        self.outcome = outcome
+        self._runs.add(outcome)
+        self._show_map(outcome)
+        self._known = None
+        if log is self.log:  # another may be chosen meanwhile
+            self._known = outcome
+            if self._history[-1:] != [outcome.recipe.edits]:
+                self._history.append(outcome.recipe.edits)
+        self.figures.value = _shown.left(outcome)
+        self.listing.value = _shown.code(outcome.code())
+        words = f"{outcome.stopped}; Run maps all of it" if outcome.stopped else "done"
+        self._bar.say(f"{outcome.given.name}: {words}", 1.0)
+        self.chosen.value = "point at a segment that is left: what it was made of lights up"
+
+    def _show_map(self, outcome: Pipeline) -> None:
+        """Show a map, its way and loops, and what is left of it where that is known."""
+        map, done, self.rooms.switch.value = outcome.map, outcome.is_reduced(), False
+        if self.canvas is not None:
+            found = [each.segments for each in outcome.reductions] if done else []
+            wait = [f"before: {len(map)} segments", "not reduced yet"]
+            poses, loops = outcome.alignment.poses, outcome.alignment.loops()
+            ends = loops[["x_first", "y_first", "x_second", "y_second"]].to_numpy(float)
+            layers = {"way": poses[:, :2], "sure": outcome.alignment.sure}
+            layers["loops"] = ends.reshape(-1, 2, 2)
+            titles = _shown.titles(outcome) if done else wait
+            self.canvas.show(map.segments, found, titles, layers)
+            self.canvas.unsaved, self._seen = True, outcome
+            self.layers["free space"].value = False  # that was of another map
+            self._layered()
+            self.canvas.summary = _shown.summary(outcome, self.canvas.size) if done else ""
+        elif done:
+            self.picture.value = _shown.still(outcome)
+        self.verdict.value = _shown.verdict_html(outcome)
+        self.extracted.value = f"{len(map)} segments of {len(np.unique(map.scan))} scans"
+        if not self._is_shown(outcome):
+            self.loops.show(outcome)
+
+    def _is_shown(self, outcome: Pipeline) -> bool:
+        """Whether its map is seen already: who looks at two scans is not disturbed then."""
+        known = self._known
+        if known is None or (self.canvas is not None and self.canvas.growing):
+            return False
+        mended = known.recipe.mends() != outcome.recipe.mends()
+        return not mended and np.array_equal(known.map.segments, outcome.map.segments)
+
+    # --------------------------------------------------------------------- what came out
+    @property
+    def code(self) -> str:
+        """Python that makes what is shown; nothing before the first run."""
+        return self.outcome.code() if self.outcome else ""
+
+    @property
+    def runs(self) -> pd.DataFrame:
+        """A row for each method of each run."""
+        import pandas as pd
+
+        return pd.DataFrame(self._runs.rows, columns=list(COLUMNS))
+
+    def point(self, index: int, which: int = 0) -> arrays.Array:
+        """Point at a segment that a method left, as the mouse does: its members, `(k, 2, 2)`.
+
+        `which` is 0 for the first method, 1 for the second.
+        """
+        reduced, map = self._result(which), cast(Pipeline, self.outcome).map
+        rows = reduced.members(index)
+        scans, size = len(np.unique(map.scan[rows])), float(length(reduced.segments[index]))
+        self.chosen.value = (
+            f"segment {index}: {size:.2f} m, made of {len(rows)} segments of {scans} scans"
+        )
+        if self.canvas is not None:
+            self.canvas.members, self.canvas.pointed = rows.tolist(), [which, int(index)]
+        return map.segments[rows]
+
+    def _pointed(self, change: Any) -> None:
+        which, index = change["new"]
+        if which >= 0:
+            with telling(self._bar.say):
+                self.point(index, which)
+        elif self.canvas is not None:
+            self.canvas.members, self.chosen.value = [], ""
+
+    def export(self, path: str | Path, which: int = 0) -> None:
+        """Write what a method leaves, as `exports.write_segments` does; 1 for the second.
+
+        A name that ends in `.segmap` keeps the log with all that is chosen, and the runs.
+        """
+        if arrays.file(path).suffix.lower() == ".segmap":
+            held = self.outcome if self._known is self.outcome else None
+            log = held.given if held and held.stopped else self.log
+            files.write_session(path, self._work()[0].session(log, self._runs.rows))
+        else:
+            self._result(which)
+            _files.write_outcome(path, cast(Pipeline, self.outcome), which)
+
+    def _download(self, button: Any) -> None:
+        """Hand the floor plan that is shown, or else the first result, to the browser."""
+        plan = self.rooms.plan if (end := SAVES[button.description]) not in NO_PLANS else None
+        with telling(self._bar.wrong):
+            method, outcome = self._result().method, cast(Pipeline, self.outcome)
+            way = ["plan" if plan else method, outcome.stopped.replace(" ", "-")]
+            name = file_name("-".join(filter(None, [self.log.name, *way])) + end)
+            if end == ".yaml":  # its cells take seconds
+                self._begin(_files.written, (outcome, name), self._save)
+            elif end == ".segmap":
+                with tempfile.TemporaryDirectory() as folder:
+                    self.export(Path(folder) / name)
+                    self._save({name: (Path(folder) / name).read_bytes()})
+            else:
+                self._save(_files.written(outcome, name, plan))
+
+    def _save(self, files: Mapping[str, bytes]) -> None:
+        for name, content in files.items():
+            self.canvas.save(name, content)
+        self.canvas.unsaved = not any(name.endswith(".segmap") for name in files)
+        self._bar.say(f"saved: {', '.join(files)}", 1.0)
+
+    def _result(self, which: int = 0) -> Reduction:
+        if self.outcome is None:
+            raise ValueError("there is no map yet: press Run (or call run()) first")
+        found = self.outcome.reductions
+        return found[arrays.whole(which, "which", least=0, most=len(found) - 1)]
+
+    # --------------------------------------------------------------------- how it looks
+    def _connect(self) -> None:
+        """What is done where a control is touched."""
+        pressed = {self.start: self._start, self.stop: self._stop, self.undo: self._undo}
+        for button, done in (pressed | dict.fromkeys(self.files.children, self._download)).items():
+            button.on_click(done)
+        for control in self.edits.controls:
+            control.observe(self._edited, names="value")
+        for layer in self.layers.values():
+            layer.observe(self._layered, names="value")
+        self.about.observe(self._settle, names="value")
+        if self.canvas is not None:
+            self.canvas.observe(self._pointed, names="pointed")
+
+    def _settle(self, change: Any = None, busy: bool | None = None) -> None:
+        """Grey what cannot be done now."""
+        busy, done = self._thread.is_alive() if busy is None else busy, self.outcome is not None
+        edited = len(self._history) > 1
+        if busy:
+            self._choices.refused("")
+        self._grey(ready=self._source.ready, busy=busy, done=done, edited=edited)
+
+    def _layered(self, change: Any = None) -> None:
+        """What is drawn with the maps; what takes time is made when it is first asked for."""
+        on, canvas = [name for name, each in self.layers.items() if each.value], self.canvas
+        canvas.layers = on
+        if (made := self._seen) is None:
+            return
+        if "points" in on and not canvas.points:
+            canvas.points = canvas.packed(_files.drawn_points(made.log, made.alignment.trusted))
+        if "free space" in on and not canvas.free and not self._thread.is_alive():
+            self._begin(_files.free_space, (made,), self._freed)
+
+    def _freed(self, squares: arrays.Array) -> None:
+        squares[:, :2] -= self.canvas.middle
+        self.canvas.free = squares.astype(np.float32).tobytes()
+        self._bar.say(f"{self.log.name}: free space", 1.0)
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
+        """The live panel, and for readers without a kernel its picture and its text."""
+        self._worker.start()  # so that the first run need not wait for it
+        bundle: dict[str, Any] = dict(self._view._repr_mimebundle_())
+        picture = _shown.still(self.outcome) if self.outcome else thumbnail(self.log)
+        return bundle | {"image/png": picture, "text/plain": repr(self)}
+
+    def __repr__(self) -> str:
+        if self.outcome is None:
+            return f"Workbench({shown(self.log.name)}: not run yet)"
+        return f"Workbench({shown(self.outcome.given.name)}: {self.outcome.summary()})"

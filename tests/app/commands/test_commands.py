@@ -1,0 +1,1351 @@
+"""`segmap ...`: each command on a real log, its exit code, its words, and its files read back."""
+
+import io
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import alignment_logs as logs
+import bag_samples
+import nbformat
+import numpy as np
+import pandas as pd
+import pytest
+from chapter_rules import links, markdown
+from conftest import later, slow
+from makefile import ROOT
+from programs import program
+
+import segmap
+from segmap import (
+    alignment,
+    exports,
+    extraction,
+    metrics,
+    poses,
+    readers,
+    reduction,
+    simulation,
+)
+from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
+from segmap.methods import Method
+from segmap.quadtree import QuadtreeMap
+from segmap.scans.causes import Cause, Finding
+from segmap_app import files
+
+main = program("segmap")
+
+plt = later("matplotlib.pyplot")
+
+PNG = b"\x89PNG"
+SCANS = 12
+#: A Hokuyo scan as text, which saw nothing, and one of a wall of 1 m.
+DARK, WALL = ("".join(f"{r} {k / 100:.2f}\n" for k in range(100)) for r in (0, 1000))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Pieces of the Malaga log, with a true pose for each scan, as a folder of logs."""
+    place = tmp_path_factory.mktemp("logs")
+    log = segmap.load("malaga")
+    true = alignment.ground_truth(log, missing="drop").poses
+    for name, first in (("near", 0), ("far", 60)):
+        part = slice(first, first + SCANS)
+        exports.write_carmen(place / f"{name}.log", log[part], true[part])
+    return place
+
+
+@pytest.fixture
+def near(folder):
+    return str(folder / "near.log")
+
+
+def expected(path, method, **settings):
+    log = segmap.read(path)
+    return reduction.METHODS[method](segmap.build_map(log, log.truth, keep_points=True), **settings)
+
+
+# ------------------------------------------------------------------------------ info
+def test_info_tells_what_malaga_is(run, tmp_path):
+    """Catches a path without the odometry, a view in radians, a count of beams of one scan.
+
+    A folder of numbered scans is one log.
+    """
+    (tmp_path / "walk").mkdir()
+    for k in range(3):
+        (tmp_path / "walk" / f"scan_{k}.txt").write_text(WALL)
+    code, said, beside = run("info", "malaga", ROOT / "data/malaga/malaga.log.gz", "walk")
+    assert code == 0 and beside == ""
+    for part in ("225 scans in 59.1 s", "361 a scan", "180 degrees, 0.5 from beam to beam",
+                 "for each scan; a path of 76.4 m", "for 99 of 225 scans", "CARMEN",
+                 "3 scans", "numbered scans"):  # fmt: skip
+        assert part in said
+    assert said.splitlines()[-1] == "3 of 3 logs done"
+
+
+def test_info_counts_damaged_lines_and_the_others_refuse_them(run, near):
+    """Catches a damaged log that `info` cannot tell of, and one that is mapped without a word."""
+    Path("cut.log").write_text(Path(near).read_text() + "FLASER 361 1.0\n")
+    code, said, _ = run("info", "cut.log")
+    assert code == 0 and "damaged   1 line left out; cut.log, line" in said
+    code, said, beside = run("map", "cut.log", "--method", "none", "-o", "cut.csv")
+    assert code == 1 and not Path("cut.csv").exists() and said == ""
+    assert re.match(r"segmap: cut.log, line \d+: .*\(--skip leaves damaged lines out\)\n", beside)
+    code, said, _ = run("map", "cut.log", "--method", "none", "--skip", "-o", "cut.csv", "--json")
+    found = json.loads(said)["damaged"]
+    assert code == 0 and found["lines"] == 1 and "1 line left out; cut.log, line" in found["text"]
+
+
+def test_info_tells_what_a_session_keeps_and_no_map_is_a_log(run):
+    """Catches a session that passes for arrays, and maps in a folder that are faults there."""
+    log, (one, two) = segmap.load("room")[:3], ({"filter": 0.5, "text": "x"}, {})
+    files.write_session("it.segmap", files.Session(log, one, [{}, {}], two))
+    segmap.build_map(log, log.truth).save("segments.npz")
+    segmap.quadtree.build_map(log, log.truth).save("squares.npz")
+    exports.write_arrays("log.npz", log)
+    Path("walk.txt").write_text(WALL)
+    code, said, beside = run("info", ".")
+    assert code == 0 and said.splitlines()[-1] == "3 of 3 logs done"
+    assert "left out, since no log: segments.npz, squares.npz" in beside
+    code, said, _ = run("info", "it.segmap", "log.npz")
+    assert "it: session, it.segmap\n" in said and "log: NPZ, log.npz\n" in said
+    for line in ("settings  filter 0.5, text x", "edits     none", "runs      2 runs"):
+        assert said.count(f"  {line}\n") == 1
+    found = json.loads(run("info", "it.segmap", "--json")[1])
+    assert found["settings"]["options"] == one and found["runs"]["runs"] == 2
+
+
+def test_topics_of_a_bag_are_options(run, near):
+    """Catches a topic that is named and not asked for, and one that is asked of a text."""
+    bag = bag_samples.write(Path(), "mcap")
+    code, said, _ = run("info", bag, "--scan-topic", "/scan", "--odometry-topic", "/odom")
+    assert code == 0 and "ROS bag" in said and "odometry  for each scan" in said
+    code, _, beside = run("info", bag, "--scan-topic", "/rear")
+    assert code == 1 and "/rear" in beside and "/scan" in beside
+    code, _, beside = run("info", near, "--scan-topic", "/scan")
+    assert code == 1 and "is no bag of ROS" in beside
+
+
+def test_columns_and_poses_of_a_log_are_options(run):
+    """Catches columns that Python alone can name, and a file of poses that is sought in a bag."""
+    rows = [f"{0.1 * (k // 9):.1f} {20 * (k % 9)} {500 + k}" for k in range(27)]
+    Path("it.txt").write_text("\n".join(rows) + "\n")
+    Path("it.tum").write_text("".join(f"{k / 10} {k} 0 0 0 0 0 1\n" for k in range(3)))
+    given = ("--columns", "t_s,angle_deg,range_mm", "--truth", "it.tum", "--odometry", "it.tum")
+    code, said, _ = run("info", "it.txt", *given)
+    assert code == 0 and "3 scans in 0.2 s" in said and said.count("a path of 2.0 m") == 2
+    assert "poses of it.tum are the robot's" in said
+    code, _, beside = run("info", "it.txt", "--columns", "angle,range_mm,t")
+    assert code == 1 and "the unit of 'angle' is not said" in beside
+    bag = bag_samples.write(Path(), "mcap")
+    code, said, _ = run("info", bag, "--scan-topic", "/scan", "--truth", "/odom")
+    assert code == 0 and "truth     for each scan" in said
+
+
+# ------------------------------------------------------------------------------ map
+def test_a_map_is_what_the_library_makes_in_every_format(run, near):
+    """Catches another map than the printed one, and files of the map before the reduction."""
+    names = [f"it.{suffix}" for suffix in ("csv", "npz", "svg", "dxf", "geojson", "wkt", "png")]
+    outputs = [word for name in names for word in ("-o", name)]
+    code, said, _ = run("map", near, "--method", "fusion", "--tolerance", "0.06", *outputs)
+    wanted = expected(near, "fusion", tolerance=0.06)
+    assert code == 0 and f"by fusion: {len(wanted)} segments left" in said
+    assert "by ground_truth: 12 of 12 scans" in said
+    kept = segmap.quality(segmap.build_map(segmap.read(near), segmap.read(near).truth), wanted)
+    assert f"quality   {100 * kept:.1f} %" in said and ", ".join(names) in said
+    off = metrics.errors(segmap.build_map(segmap.read(near), segmap.read(near).truth), wanted)
+    told = re.search(r"lie ([\d.]+) (mm|m) off on average, ([\d.]+) (mm|m) at most", said).groups()
+    told = [float(told[k]) / {"mm": 1000, "m": 1}[told[k + 1]] for k in (0, 2)]
+    assert told == pytest.approx([off.mean(), off.max()], abs=0.005)
+    assert said.startswith(f"near: 12 scans, {near}\n")
+    for name in ("it.csv", "it.npz"):
+        assert np.array_equal(readers.read_segments(name).segments, wanted.segments)
+    assert len(json.loads(Path("it.geojson").read_text())["features"]) == len(wanted)
+    assert {path.name for path in Path().iterdir()} == set(names)
+    # a picture holds both maps at one scale, and needs no display
+    run("map", near, "--method", "none", "-o", "none.png")
+    one, both = (plt.imread(name) for name in ("none.png", "it.png"))
+    assert one.shape[:2] != both.shape[:2] and both.size > 1.5 * one.size
+    assert plt.get_fignums() == []
+
+
+@pytest.mark.parametrize("command", ["map", "compare", "occupancy"])
+def test_beams_with_times_are_carried_to_the_start_of_their_scan(run, command, only):
+    """Catches a command that de-skews in silence, or not at all, and one that cannot leave it."""
+    log = logs.moving_log()
+    exports.write_arrays("moving.npz", log)
+    if command == "compare":
+        only("fusion")
+    words = command, "moving.npz", "--align", "pose_graph"
+    code, said, _ = run(*words, "--json")
+    found = json.loads(said)
+    assert code == 0 and found["de-skewed"]["scans"] == len(log)
+    assert "by how the robot moved" in found["de-skewed"]["text"]
+    assert "notes" not in found["aligned"]
+    if command == "map":
+        new = alignment.prepared(log)
+        wanted = segmap.build_map(new, alignment.pose_graph(new).trusted)
+        assert found["extracted"]["segments"] == len(wanted)
+    code, said, _ = run(*words, "--no-deskew")
+    assert code == 0 and "de-skewed" not in said
+    assert "scans the robot moved by more than the spacing of the beams, up to" in said
+
+
+def test_beams_that_see_the_robot_are_kept_where_that_is_asked_for(run):
+    """Catches an option that changes nothing, and a mask that the command does not tell."""
+
+    def blocked(k, ranges):
+        ranges[20:50] = ranges[130:160] = 0.6
+        return ranges
+
+    stops = [(1, 5), (2, 5), (2, 6.5), (2, 5), (7, 5), (6, 5), (6, 6.5), (6, 5), (1, 5)]
+    path = simulation.drive(stops, step=0.2, turn=np.radians(12))
+    sensor, rng = simulation.SICK_LMS200, np.random.default_rng(5)
+    log = simulation.simulate(logs.OFFICE, path, sensor=sensor, rng=rng)
+    exports.write_arrays("blocked.npz", logs.changed(log, blocked))
+    words = "map", "blocked.npz", "--method", "none"
+    code, said, _ = run(*words)
+    told = "beams see the robot itself: --keep-body keeps them"
+    assert code == 0 and told in " ".join(said.split())
+    kept = run(*words, "--keep-body")[1]
+    assert told not in kept
+    few, many = (int(re.findall(r"extracted (\d+)", text)[0]) for text in (said, kept))
+    assert many > few + 1.5 * len(log)
+
+
+def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
+    """Catches a unit that is guessed from a name: radians that the command takes in metres."""
+    given = []
+
+    @checked
+    def strange(map, *, angle: Metres = 0.2, skew: Radians = np.radians(10),
+                bend: RadiansPerMetre = 1.0):  # fmt: skip
+        """Do something strange.
+
+        Parameters
+        ----------
+        angle
+            Its width.
+        skew, bend
+            How
+            askew.
+        """
+        given.extend((angle, skew, bend))
+        return replace(reduction.fusion(map), doubt="it is strange")
+
+    monkeypatch.setitem(reduction.METHODS, "strange", Method(strange, "here", varies="angle"))
+    words = ("--skew", 20, "--angle", 0.3, "--bend", 30)
+    code, said, _ = run("map", near, "--method", "strange", *words)
+    assert code == 0 and "            doubt: it is strange" in said.splitlines()
+    assert given == [0.3, np.radians(20), np.radians(30)]
+    said = " ".join(run("map", "--help", "strange")[1].split())
+    assert "--skew DEGREES How askew. Default: 10 degrees." in said
+    assert "--angle METRES Its width. Default: 0.2 metres." in said and "--bend DEGREES/M" in said
+
+
+def test_switches_filters_and_thresholds_of_the_extraction(run, near):
+    """Catches --tolerance of the extraction and of the method that are one, and a lost --no-."""
+    log = segmap.read(near)
+    for words, made, told in (
+        (
+            ("--extract-tolerance", "0.1"),
+            segmap.build_map(log, log.truth, tolerance=0.1),
+            "extract",
+        ),
+        (("--filter", "0.5"), segmap.build_map(log, log.truth).filtered(0.5), "of 0.5 m or more"),
+        (
+            ("--method", "viewing_sector", "--no-forget"),
+            expected(near, "viewing_sector", forget=False),
+            "",
+        ),
+    ):
+        code, said, _ = run("map", near, "--method", "none", *words, "-o", "it.csv")
+        assert code == 0 and told in said
+        assert len(readers.read_segments("it.csv")) == len(made)
+
+
+@pytest.mark.parametrize(
+    "method", ["backbone", slow("odometry"), slow("point_icp"), slow("angle_correspondence")]
+)
+def test_each_alignment_is_an_option(run, folder, method):
+    code, said, _ = run("map", folder / "far.log", "--align", method, "--method", "none")
+    assert code == 0 and f"by {method}: " in said
+
+
+def test_scans_that_were_not_matched_are_left_out_and_told(run, near):
+    """Catches a wall that is drawn where the odometry believes to be, or between few true poses."""
+    log = segmap.read(near)
+    true = log.truth.copy()
+    true[8:] = np.nan
+    exports.write_carmen("few.log", log, true)
+    code, said, _ = run("map", "few.log", "--align", "ground_truth", "--method", "none")
+    assert code == 0 and "8 of 12 scans matched" in said
+    assert "4 scans not: no ground truth at its time" in said
+    assert f"extracted {len(segmap.build_map(log[:8], log.truth[:8]))} segments" in said
+    assert "by pose_graph: 12 of 12 scans" in run("map", "few.log", "--method", "none")[1]
+
+
+# ------------------------------------------------------------------------------ verdict
+@pytest.fixture
+def lost(tmp_path):
+    """A log of which one scan in sixty saw anything, and that has no odometry."""
+    log = segmap.load("room")
+    scans = [
+        replace(scan, odometry=None, ranges=scan.ranges if k == 0 else np.full(len(scan), np.inf))
+        for k, scan in enumerate(log)
+    ]
+    exports.write_arrays(tmp_path / "lost.npz", segmap.Log("lost", scans))
+    return "lost.npz"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("map", "-o", "it.csv"),
+        ("map", "--method", "none", "-o", "it.csv"),
+        ("occupancy", "-o", "it.npz"),
+        ("convert", "--align", "pose_graph", "-o", "it.tum"),
+    ],
+)
+def test_no_map_is_told_and_writes_nothing(run, lost, words):
+    """Catches a map of one scan in sixty that replaces yesterday's, and ends with 0."""
+    Path(words[-1]).write_text("yesterday's")
+    code, said, beside = run(words[0], lost, *words[1:])
+    last = said.splitlines()[-1]
+    assert code == 3 and last == "  verdict   NOT A MAP: 1 of 61 scans placed" and beside == ""
+    assert f"nothing; --force writes {words[-1]} all the same" in said
+    assert Path(words[-1]).read_text() == "yesterday's"
+    code, said, _ = run(words[0], lost, *words[1:], "--force")
+    assert code == 3 and "nothing" not in said and words[-1] in said
+    assert Path(words[-1]).read_bytes() != b"yesterday's"
+
+
+def test_a_good_map_is_called_so_and_strict_asks_for_more(run, folder, tmp_path):
+    """Catches a grade of the reduction that reads like one of the map, and --strict that is met."""
+    shutil.copy(folder / "far.log", tmp_path)
+    code, said, _ = run("map", "far.log", "--method", "fusion")
+    assert code == 0 and said.splitlines()[-1].startswith("  verdict   GOOD: 12 of 12 scans placed")
+    assert re.search(r"quality   [\d.]+ % \([a-z ]+ reduction\): ", said)
+    words = ("map", "far.log", "--align", "backbone", "--method", "none", "-o", "it.csv")
+    code, said, _ = run(*words, "--strict", "0.5")
+    assert code == 0 and "verdict   DOUBTFUL: 10 of 12 scans placed" in said
+    Path("it.csv").unlink()
+    code, said, beside = run(*words, "--strict")
+    assert code == 3 and not Path("it.csv").exists()
+    assert beside.splitlines()[-1].startswith("segmap: far.log: DOUBTFUL: 10 of 12 scans placed")
+    code, said, _ = run("map", "far.log", "--strict", "--method", "none")
+    assert code == 0
+    code, said, _ = run(*words, "--strict", "0.9")
+    assert code == 3 and not Path("it.csv").exists()
+    assert said.splitlines()[-1].endswith("(--strict asks for 90.0 % of the scans)")
+
+
+def test_each_command_says_one_verdict_on_the_same_poses(run, folder, tmp_path, only):
+    """Catches a command that judges the poses alone, ends otherwise, keeps the cause for itself, or
+    prints a line beside its object.
+
+    The occupancy map is judged by its cells too.
+    """
+    only("fusion", "least_cost")
+    shutil.copy(folder / "far.log", tmp_path)
+    found = {}
+    for command, file in (("map", "csv"), ("compare", "csv"), ("convert", "tum"),
+                          ("occupancy", "npz")):  # fmt: skip
+        words = (command, "far.log", "--align", "backbone", "-o", f"it.{file}", "--json")
+        code, said, beside = run(*words)
+        told = json.loads(said)
+        found[command] = told["verdict"]
+        assert code == 0 and Path(f"it.{file}").exists() and told["log"] == "far"
+        assert command != "compare" or set(told["methods"]) == {"fusion", "least_cost"}
+        assert beside.splitlines()[-1] == f"segmap: far.log: {found[command]['words']}"
+        assert run(*words, "--strict")[0] == 3
+    assert found["map"]["grade"] == "doubtful" and found["map"]["doubled"] is not None
+    assert found["compare"] == found["convert"] == found["map"]
+    cells = found["occupancy"].pop("smeared")
+    assert found["map"].pop("smeared") is None and 0 <= cells < 0.2
+    words = f"{found['map']['words']}, {100 * cells:.0f} % of the walls smeared"
+    assert found["occupancy"] == found["map"] | {"words": words, "text": words}
+
+
+def test_json_is_an_object_a_log_with_all_that_is_printed(run, folder, lost, tmp_path):
+    """Catches text between the objects, a figure that only the text has, and a log left out."""
+    shutil.copy(folder / "far.log", tmp_path)
+    (tmp_path / "bad.log").write_text("FLASER 3 1.0 2.0\n")
+    logs, options = ("far.log", lost, "bad.log"), ("--method", "fusion", "-o", "{name}.csv")
+    code, said, beside = run("map", *logs, *options, "--json", "--table", "all.csv")
+    found = [json.loads(line) for line in said.splitlines()]
+    assert code == 1 and [one["source"] for one in found] == list(logs)
+    far, dark, bad = found
+    assert far["verdict"]["grade"] == "good" and far["verdict"]["placed"] == SCANS
+    assert far["written"]["files"] == ["far.csv"] and 0 < far["quality"]["quality"] < 1
+    assert dark["verdict"]["words"] == "NOT A MAP: 1 of 61 scans placed"
+    assert dark["aligned"]["notes"] and dark["written"]["files"] == []
+    assert bad["failed"] in beside and "verdict" not in bad
+    _, plain, _ = run("map", "far.log", *options)
+    for line in plain.splitlines()[1:]:
+        word, text = line.split(maxsplit=1)
+        shown = re.sub(r"[\d.]+ m?s$", "", text)  # but for the time that it took
+        assert far[word]["text"].startswith(shown)
+    table = pd.read_csv("all.csv")
+    assert table["source"].tolist() == list(logs)
+    assert table["verdict.grade"].tolist()[:2] == ["good", "not a map"]
+    assert table["reduced.segments"][0] == far["reduced"]["segments"]
+
+
+@pytest.mark.parametrize(("wide", "tall", "rows"), [(8, 2, 2), (2, 8, 1), (7, 8, 1)])
+def test_a_picture_holds_both_maps_at_one_scale(run, figures, wide, tall, rows):
+    """Catches a map that is missing or squeezed: wide ones stand below each other, 7 inches long.
+
+    A frame of 0.9 inches is left for titles and scales, and no map is thinner than 0.3 of 7.
+    """
+    rng = np.random.default_rng(1)
+    path = simulation.drive([(1, 1), (wide - 1, tall - 1)], step=1.0, turn=0.8)
+    walls = simulation.rectangular_room(wide, tall)
+    log = simulation.simulate(walls, path, sensor=simulation.SICK_LMS200, rng=rng)
+    exports.write_carmen("it.log", log, path)
+    assert run("map", "it.log", "--method", "basic_offline", "-o", "it.png")[0] == 0
+    log = segmap.read("it.log")
+    wall = segmap.build_map(log, log.truth)
+    reduced, size = reduction.basic_offline(wall), np.ptp(wall.segments, axis=(0, 1))
+    sides = 7 * np.maximum(size / size.max(), 0.3) + 0.9
+    assert figures[0].get_size_inches() == pytest.approx(sides * (3 - rows, rows))
+    shown = [ax.collections[0].get_segments() for ax in figures[0].axes]
+    assert [len(drawn) for drawn in shown] == [len(wall), len(reduced)]
+    titles = [ax.get_title() for ax in figures[0].axes]
+    assert titles == [f"Segments: {len(wall)}", f"Reduced: {len(reduced)}"]
+    first, second = figures[0].axes
+    assert first.get_shared_x_axes().joined(first, second)
+    assert first.get_shared_y_axes().joined(first, second)
+    thin, thick = (ax.collections[0].get_linewidth()[0] for ax in figures[0].axes)
+    assert thin < 1 < thick and figures[0].dpi * 7 == 1050  # dots along a map
+    assert bool(first.get_xlabel()) == (rows == 1) and bool(second.get_ylabel()) == (rows == 2)
+
+
+def test_curves_are_drawn_from_none_to_all(run, near, figures, only):
+    only("fuzzy_set", "hybrid", "fusion")
+    assert run("compare", near, "-o", "it.png")[0] == 0
+    figures[0].draw_without_rendering()
+    (ax,) = figures[0].axes
+    curves, legend = ax.get_window_extent(), ax.get_legend().get_window_extent()
+    assert ax.get_ylim() == (0, 1) and curves.x1 < legend.x0 < legend.x1 < figures[0].bbox.x1
+    assert legend.x0 - curves.x1 < 0.05 * curves.width < curves.width / 2
+    assert legend.y0 + legend.y1 == pytest.approx(curves.y0 + curves.y1, rel=0.01)
+
+
+def test_only_warnings_for_users_are_shown(run, monkeypatch):
+    class Own(UserWarning):
+        pass
+
+    def warned(log):
+        warnings.warn("mine", Own, stacklevel=1)
+        warnings.showwarning("another's", Warning, "it.py", 1)
+        return alignment.odometry(log)
+
+    method = replace(alignment.METHODS["odometry"], function=warned)
+    monkeypatch.setitem(alignment.METHODS, "odometry", method)
+    _, _, beside = run("map", "room", "--align", "odometry", "--method", "none")
+    assert "warning: mine\n" in beside and "another" not in beside
+
+
+def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
+    """Catches a map read as the other kind, a robot called found elsewhere, and a wrong code."""
+    log = segmap.load("room")
+    segmap.quadtree.build_map(log, log.truth, resolution=0.05).save("squares.npz")
+    exports.write_segments("walls.csv", segmap.build_map(log, log.truth).filtered(0.3))
+    exports.write_segments("walls.npz", segmap.build_map(log, log.truth).filtered(0.3))
+    for map in ("squares.npz", "walls.csv", "walls.npz"):
+        code, said, _ = run("locate", map, "room", "--json")
+        place, verdict = json.loads(said)["place"], json.loads(said)["verdict"]
+        assert code == 0 and verdict["reason"] == "", said
+        assert np.hypot(place["x"] - log.truth[-1, 0], place["y"] - log.truth[-1, 1]) < 0.1
+    code, said, _ = run("locate", "squares.npz", folder / "near.log")
+    assert code == 3 and f"found     0 of {SCANS} scans; lost at" in said
+    code, _, error = run("locate", "none.npz", "room")
+    assert code == 1 and "none.npz" in error
+
+
+def test_a_map_for_ros_is_a_map_and_no_log(run):
+    """Catches our own map that we cannot read, one that is merged, and a log in a map's place."""
+    log = segmap.load("room")
+    map = segmap.quadtree.build_map(log, log.truth, resolution=0.05)
+    files.write_ros_map("it.yaml", map)
+    code, said, _ = run("locate", "it.yaml", "room", "--json")
+    found = json.loads(said)
+    assert code == 0 and "the rest unknown" in found["map"]["text"]
+    place = np.array([found["place"]["x"], found["place"]["y"]])
+    assert np.hypot(*(place - log.truth[-1, :2])) < 0.1
+    for words in (("merge", "it.yaml", "room"), ("merge", "room", "it.yaml"), ("map", "it.yaml")):
+        code, said, beside = run(*words)
+        assert code == 2 and said == "" and "`segmap locate it.yaml LOG` finds" in beside
+    code, said, _ = run("convert", "it.yaml", "-o", "it.npz")
+    assert code == 0 and "m2 occupied" in said and "written   it.npz" in said
+    kept = QuadtreeMap.load("it.npz")
+    assert np.array_equal(exports.ros_classes(kept).greys, exports.ros_classes(map).greys)
+    for words, told in (
+        (("locate", "room", "room"), "room is a log, and locate wants a map first"),
+        (("locate", "it.pgm", "room"), "it.pgm is a picture: name the .yaml"),
+        (("convert", "it.yaml", "-o", "it.log"), "a map for ROS becomes one file"),
+    ):
+        code, _, beside = run(*words)
+        assert code == 2 and told in beside
+
+
+# ------------------------------------------------------------------------------ usage
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("map --method fusion --sigma 1", "fusion has no --sigma; it has --toleranc"),
+        ("map --method fusion --sigma=1 --bandwidth=1 --angle=1 --gap=1", "fusion has no --angle"),
+        ("map --method none --sigma 1", "none has no --sigma; it has no threshold"),
+        ("map -o it.pdf", "'it.pdf' must end in one of .svg, .csv"),
+        ("map -o .svg", "'.svg' must end in one of"),
+        ("map --tolerance four", "invalid float value: 'four'"),
+        ("map --toler 0.1", "unrecognized arguments: --toler"),
+        ("map --align magic", "invalid choice: 'magic'; one of odometry, ground_truth"),
+        ("map --method fusio", "invalid choice: 'fusio' (did you mean fusion?)"),
+        ("map --penlty 1", "unrecognized arguments: --penlty 1 (did you mean --penalty?)"),
+        ("map --help fusio", "no such method (did you mean fusion?)"),
+        ("map --penalty -1", "--penalty must be a number above 0, in metres, got -1"),
+        ("map --angle 400", "--angle must be a number above 0 and of at most 90, in degr"),
+        ("map --align-turn -4", "--align-turn must be"),
+        ("map --extract-gap 0", "--extract-gap must be"),
+        ("map --filter -1", "--filter must be"),
+        ("compare --filter nan", "--filter must be"),
+        ("map --seen-through 1.5", "--seen-through must be"),
+        ("occupancy --resolution 0", "--resolution must be"),
+        (
+            "map --place 45.46 9.19 --crs EPSG:25832 -o it.geojson",
+            "--place 45.46 9.19 looks like degrees",
+        ),
+        ("map far.log -o it.svg", "2 logs would go to it.svg: write {name} in it"),
+        ("occupancy --score field", "--score field is for --matcher"),
+        ("convert", "name the file to write: -o FILE"),
+        ("convert -o it.g2o", "a .g2o holds a pose graph: add --align pose_graph"),
+        ("compare --quality 0", "--quality must be above 0 and at most 100"),
+        ("compare --quality 100.5", "at most 100 per cent, got 100.5"),
+        ("info --bad", "unrecognized arguments"),
+        ("info --table it.txt", "'it.txt' must end in .csv"),
+        ("map --strict 90", "90 must be from 0 to 1"),
+        ("map --strict nan", "nan must be from 0 to 1"),
+        ("map --crop 0 0 -1 2", "--crop: wanted left < right and low < high"),
+        ("map --north 30", "--place: north and a grid need a place"),
+        ("occupancy --crs EPSG:25832", "--place: north and a grid need a place"),
+        ("map --place 52 13 -o it.dxf", "--place is for a .geojson"),
+        (
+            "occupancy --place 5e5 5e6 --crs UTM -o it.geojson",
+            "--place: name must be like EPSG:25832",
+        ),
+        ("occupancy --square --matcher hill-climbing", "--square turns poses that --align finds"),
+        ("occupancy --align odometry --matcher hill-climbing", "name one"),
+        ("map --align odometry --align-angle 1", "odometry has no --align-angle; it has"),
+    ],
+)
+def test_what_is_not_understood_is_said_before_anything_is_done(run, near, words, said):
+    """Catches usage errors that end as 1, or after a minute of work."""
+    command, *options = words.split()
+    code, out, beside = run(command, near, *options)
+    assert code == 2 and out == "" and said in " ".join(beside.split())
+    assert beside.count("\n") == 2 and beside.endswith(" --help` tells what there is\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("nowhere.log",), "nowhere.log: does not exist, expected a log file or a folder"),
+        (("malagga",), "malagga: is neither a file nor a folder"),
+        (("nowhere.log", "-o", "no/where.svg"), "cannot write no/where.svg: the folder "),
+        (("nowhere.log", "-o", "folder.svg"), "folder.svg is a folder"),
+        (("near.log", "--tie", "3-99"), "--tie 3-99: the log has scans 0 to 11"),
+    ],
+)
+def test_faults_are_one_line_and_1_or_2(run, near, tmp_path, words, said):
+    """Catches a traceback, and a fault that is found after the work."""
+    shutil.copy(near, tmp_path)
+    (tmp_path / "folder.svg").mkdir()
+    code, out, beside = run("map", *words)
+    assert code == (2 if "-o" in words else 1)  # a file that cannot be written is asked for
+    assert beside.startswith("segmap: ") and beside.count("\n") == 1
+    assert said in beside and ("written" not in out)
+    assert "aligned" not in out
+
+
+# ------------------------------------------------------------------------------ kept options
+CHOICE = "--method", "hybrid", "--angle", "20", "--extract-gap", "0.2", "--square", "--crop"
+CROP = "-2", "-30", "20.5", "30"
+
+
+def test_a_session_repeats_its_map(run, near):
+    """Catches an option that is lost on the way, another unit, and a log that is changed by it."""
+    code, *_ = run("map", near, *CHOICE, *CROP, "-o", "it.csv", "-o", "it.segmap")
+    assert code == 0
+    session = files.read_session("it.segmap")
+    assert session.settings == {"method": "hybrid", "angle": 20.0, "extract_gap": 0.2}
+    assert session.edits == {"square": True, "crop": [-2.0, -30.0, 20.5, 30.0]}
+    code, said, _ = run("map", "it.segmap", "-o", "again.csv", "--json")
+    assert code == 0 and Path("again.csv").read_bytes() == Path("it.csv").read_bytes()
+    before, after = session.runs[0], json.loads(said)
+    assert {k: after[k] for k in ("extracted", "cropped", "quality")} == {
+        k: before[k] for k in ("extracted", "cropped", "quality")
+    }
+    # what is said on the command wins, and thresholds of the method before are no fault then
+    code, said, _ = run("map", "it.segmap", "--method", "fusion", "--json")
+    assert code == 0 and json.loads(said)["reduced"]["method"] == "fusion"
+    code, said, _ = run("map", "it.segmap", "--angle", "3", "--json")
+    assert code == 0 and json.loads(said)["reduced"]["segments"] != before["reduced"]["segments"]
+    code, said, _ = run("occupancy", "it.segmap")
+    assert code == 0 and "its method, extract_gap, angle left out: no option" in said
+    assert "turned " in said and "cropped " in said
+
+
+def test_a_session_of_many_sizes_and_with_times(run):
+    """Catches delays that a session loses: then nothing is carried."""
+    files.write_session("it.segmap", files.Session(logs.moving_log(), {"method": "none"}))
+    found = json.loads(run("map", "it.segmap", "--json", "--align", "pose_graph")[1])
+    assert found["de-skewed"]["scans"] > 0 and "reduced" not in found
+    files.write_session("bad.segmap", files.Session(logs.moving_log(), {"filter": "wide"}))
+    code, said, beside = run("map", "bad.segmap", "it.segmap", "--align", "pose_graph")
+    assert code == 1 and "1 of 2 logs done" in said
+    assert "bad.segmap: argument --filter: invalid float value: 'wide'" in beside
+
+
+def test_options_in_a_file_are_those_of_the_command(run, near):
+    """Catches another unit than the option's, a file that wins, and an output in two places."""
+    Path("map.toml").write_text(
+        'method = "hybrid"\nangle = 20\nextract-gap = 0.2\nsquare = true\n'
+        'crop = [-2, -30.0, 20.5, 30]\noutput = ["a.csv"]\njson = true\nskip = false\n'
+    )
+    run("map", near, *CHOICE, *CROP, "-o", "it.csv")
+    code, said, _ = run("map", near, "--config", "map.toml")
+    assert code == 0 and json.loads(said)["written"]["files"] == ["a.csv"]
+    assert Path("a.csv").read_bytes() == Path("it.csv").read_bytes()
+    Path("a.csv").unlink()
+    code, said, _ = run("map", near, "--config", "map.toml", "--angle", "3", "-o", "b.csv")
+    assert json.loads(said)["reduced"]["segments"] != len(readers.read_segments("it.csv"))
+    assert not Path("a.csv").exists() and Path("b.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "said"),
+    [
+        ("tolerence = 0.05", 2, "which is no option (did you mean tolerance?)"),
+        ("xyzzy = 1", 2, "map.toml has xyzzy, which is no option"),
+        ('filter = "wide"', 2, "argument --filter: invalid float value: 'wide'"),
+        ("crop = [1, 2]", 2, "argument --crop: expected 4 arguments"),
+        ("crop = [0, 0, -1e-5, 2]", 2, "--crop: wanted left < right and low < high"),
+        ('method = "magic"', 2, "argument --method: invalid choice: 'magic'"),
+        ("[fusion]\ntolerance = 0.05", 2, "map.toml has fusion, which is no option"),
+        ("method = fusion", 1, "map.toml: Invalid value (at line 1, column 10)"),
+    ],
+)
+def test_a_file_of_options_that_is_not_understood(run, near, text, code, said):
+    """Catches a slip in a file that changes nothing and is not told."""
+    Path("map.toml").write_text(text)
+    found, out, beside = run("map", near, "--config", "map.toml")
+    assert found == code and out == "" and said in beside and beside.count("\n") == code
+
+
+# ------------------------------------------------------------------------------ several logs
+def test_a_failed_log_is_told_at_the_end_and_the_others_are_done(run, folder, tmp_path):
+    """Catches a bad log that stops the night's work, or that nobody hears of."""
+    for path in folder.iterdir():
+        shutil.copy(path, tmp_path)
+    (tmp_path / "bad.log").write_text("FLASER 3 1.0 2.0\n")
+    (tmp_path / "README.md").write_text("FLASER 3 1.0 2.0\n")
+    (tmp_path / ".hidden.log").write_text("FLASER 3 1.0 2.0\n")
+    (tmp_path / "deep" / "down").mkdir(parents=True)
+    (tmp_path / "far.log").rename(tmp_path / "deep" / "down" / "far.log")
+    (tmp_path / "deep" / "back").symlink_to(tmp_path)
+    (tmp_path / "maps").mkdir()
+    code, said, beside = run("map", ".", "--method", "fusion", "-o", "maps/{name}.csv")
+    assert code == 1 and said.splitlines()[-1] == "2 of 3 logs done"
+    assert {path.name for path in Path("maps").iterdir()} == {"near.csv", "far.csv"}
+    first, last = beside.splitlines()
+    assert first == "segmap: .: left out, since no log: README.md, deep/back"
+    assert last.startswith("segmap: bad.log, line 1: ")
+    wanted = expected("deep/down/far.log", "fusion")
+    assert np.array_equal(readers.read_segments("maps/far.csv").segments, wanted.segments)
+
+
+def test_a_name_from_outside_moves_no_cursor(run, near, tmp_path):
+    """Catches names of files that clear the screen, or that pass for lines of their own."""
+    (tmp_path / "logs").mkdir()
+    good = "good\x1b[2J\n2 of 2 logs done\udc80.log"
+    for name in (good, "bad\x1b]0;it\x07\n.log", "no\x9b2J\n"):
+        text = Path(near).read_text() if name == good else "FLASER 3 1.0\x1b[2J 2.0\n"
+        (tmp_path / "logs" / name).write_text(text[: 20 if name == "no\x9b2J\n" else None])
+    for words in (
+        ("map", "logs", "--method", "fusion", "-o", "{name}.csv"),
+        ("info", "logs"),
+        ("info", "logs/bad\x1b]0;it\x07\n.log", "logs/no\x9b2J\n/\x1b"),
+        ("map", "logs", "-o", "no\x1b/\n/{name}.csv"),
+        ("info", "--no\x1b[2J\n"),
+    ):
+        code, *said = run(*words)
+        assert code in (1, 2) and all(c.isprintable() or c == "\n" for c in "".join(said))
+        assert "\n2 of 2" not in "".join(said)
+    with pytest.raises(readers.LogError, match=r"^no\\x1b\\n: does not exist"):
+        readers.read("no\x1b\n")
+
+
+def test_logs_do_not_replace_each_other(run, near, tmp_path):
+    """Catches a second run.log whose map overwrites the first, and a log gone by a slip of -o."""
+    for name, log in (("a", near), ("b", Path(near).with_name("far.log"))):
+        (tmp_path / name).mkdir()
+        shutil.copy(log, f"{name}/run.log")
+    words = ("a/run.log", "b/run.log", "--method", "fusion", "-o", "{name}.csv")
+    code, said, beside = run("map", *words)
+    assert code == 1 and "1 of 2 logs done" in said
+    assert "b/run.log: run.csv was written for a/run.log" in beside
+    assert len(readers.read_segments("run.csv")) == len(expected(near, "fusion"))
+    before = Path("a/run.log").read_bytes()
+    code, _, beside = run("convert", "a/run.log", "-o", "./a/{name}.log")
+    assert code == 1 and "it is the log itself" in beside
+    assert Path("a/run.log").read_bytes() == before
+
+
+def test_control_c_ends_with_130_and_leaves_nothing_half_written(run, near, monkeypatch):
+    """Catches a traceback, an exit code of 1, and the rest of the logs that goes on."""
+    calls = []
+
+    def stop(*given, **named):
+        calls.append(given)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(exports, "write_segments", stop)
+    code, said, beside = run("map", near, near, "--method", "fusion", "-o", "{name}.csv")
+    assert code == 130 and beside == "segmap: stopped\n" and len(calls) == 1
+    assert list(Path().iterdir()) == [] and "written" not in said
+
+
+#: A method that does not hear of Control-C for hours.
+LOOP = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
+from importlib import import_module
+from hashlib import pbkdf2_hmac
+from segmap import reduction
+def forever(map):
+    print("begun", flush=True)
+    pbkdf2_hmac("sha256", b"", b"", 2**31 - 1)
+object.__setattr__(reduction.METHODS["hybrid"], "function", forever)
+sys.exit(import_module("segmap.__main__").main(["map", "room", "--method", "hybrid"]))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Control-C goes to all of a console there")
+def test_control_c_ends_a_loop_that_does_not_hear_it():
+    command = [sys.executable, "-c", LOOP]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, **pipes) as process:
+        assert "begun\n" in iter(process.stdout.readline, "")
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=60)[1] == "segmap: stopped\n"
+    assert process.returncode == 130
+
+
+#: Control-C while the command is still being loaded.
+LOADING = """
+import sys
+from importlib import import_module
+class Stop:
+    def find_spec(self, name, *rest):
+        if name == "segmap_app.commands._map":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Stop())
+sys.exit(import_module("segmap.__main__").main(["--version"]))
+"""
+
+
+def test_control_c_while_it_is_loaded():
+    """Catches a traceback through fifty files."""
+    done = subprocess.run([sys.executable, "-c", LOADING], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "segmap: stopped\n")
+
+
+def test_a_config_that_is_not_there(run):
+    """Catches a name told twice, and a file of options that is called a log."""
+    code, _, beside = run("map", "room", "--config", "nowhere.toml")
+    assert code == 1 and beside == "segmap: nowhere.toml: does not exist, expected a file\n"
+
+
+def test_a_log_without_anything(run, tmp_path):
+    """Catches statistics of no number, and a warning with the path and a line of a source file."""
+    (tmp_path / "dark.txt").write_text(DARK)
+    code, said, beside = run("info", "dark.txt")
+    assert code == 0 and beside == ""
+    assert "none is valid" in said and "1 scan, without times" in said
+    assert said.count("none\n") == 2
+    code, said, beside = run("map", "dark.txt", "--align", "odometry", "--method", "fusion")
+    assert code == 3 and "extracted 0 segments" in said and ".py" not in beside
+    assert beside.startswith("warning: the map of log 'dark' is empty")
+
+
+# ------------------------------------------------------------------------------ occupancy
+def test_occupancy_is_written_for_everybody(run, near):
+    """Catches a quadtree of another resolution, and a YAML without its picture."""
+    names = [f"it.{suffix}" for suffix in ("yaml", "npz", "svg", "geojson", "png")]
+    outputs = [word for name in names for word in ("-o", name)]
+    code, said, _ = run("occupancy", near, "--resolution", "0.2", *outputs)
+    assert code == 0 and "it.yaml, it.pgm, it.npz" in said and "at 0.2 m" in said
+    map = QuadtreeMap.load("it.npz")
+    assert map.scans == SCANS and map.resolution == 0.2
+    assert 'image: "it.pgm"' in Path("it.yaml").read_text()
+    assert Path("it.pgm").read_bytes()[:2] == b"P5" and Path("it.png").read_bytes()[:4] == PNG
+    assert len(json.loads(Path("it.geojson").read_text())["features"]) > 10
+    assert np.ptp(plt.imread("it.png")[..., :3], axis=-1).max() == 0  # grey: no blue outlines
+
+
+@pytest.mark.parametrize("matcher", ["hill-climbing", "sample-and-rank-thesis"])
+def test_occupancy_by_matching_alone(run, matcher):
+    """Catches a matcher that is not asked, and a map in the frame of the odometry."""
+    words = ("--matcher", matcher, "--resolution", "0.05", "-o", "it.npz", "--score", "nearest")
+    exports.write_carmen("room.log", segmap.load("room")[:6])
+    code, said, _ = run("occupancy", "room.log", *words)
+    assert code == 0 and f"by {matcher}, score nearest: 5 of 6 scans" in said
+    assert QuadtreeMap.load("it.npz").scans == 6
+
+
+# ------------------------------------------------------------------------------ where it lies
+def test_both_maps_are_turned_into_one_frame(run):
+    """Catches a ROS map that lies askew in the DXF of one building, and a turn about elsewhere."""
+    log = segmap.load("room")
+    true = poses.compose((2.0, -1.0, 0.5), log.truth)
+    exports.write_carmen("room.log", log, true)
+    words = ("room.log", "--square", "--json")
+    code, said, _ = run("map", *words, "--method", "none", "-o", "it.csv")
+    turn = json.loads(said)["turned"]["degrees"]
+    assert code == 0 and turn == pytest.approx(-np.degrees(0.5), abs=0.2)
+    walls = segmap.build_map(log, poses.compose((0, 0, np.radians(turn)), true)).segments
+    np.testing.assert_allclose(readers.read_segments("it.csv").segments, walls, atol=1e-4)
+    code, said, _ = run("occupancy", *words, "-o", "it.npz")
+    assert code == 0 and json.loads(said)["turned"]["degrees"] == turn
+    ends = walls[segmap.segments.length(walls) > 1.0].reshape(-1, 2)
+    leaves = (found := QuadtreeMap.load("it.npz")).leaves()
+    full = np.stack([leaves.x, leaves.y], -1)[found.leaf_occupancy() > 0.5] + 0.025
+    assert len(ends) > 300 and all(np.abs(full - end).max(1).min() < 0.1 for end in ends)
+
+
+@pytest.mark.parametrize("command", ["map", "occupancy"])
+def test_a_map_is_placed_on_the_earth(run, near, command):
+    """Catches a place that is not handed on, north in radians, and a grid without its name."""
+    if command == "map":
+        command = "map", near, "--method", "none"
+        write = exports.write_segments, segmap.build_map(segmap.read(near), segmap.read(near).truth)
+    else:
+        command = "occupancy", near
+        log = segmap.read(near)
+        write = exports.write_geojson, segmap.quadtree.build_map(log, log.truth)
+    places = {
+        ("--place", "36.7", "-4.4", "--north", "60"): files.Earth(36.7, -4.4, np.radians(60)),
+        ("--place", "5e5", "4e6", "--crs", "EPSG:25830"): files.Grid("EPSG:25830", 5e5, 4e6),
+    }
+    for words, world in places.items():
+        assert run(*command, *words, "-o", "it.geojson")[0] == 0
+        write[0]("wanted.geojson", write[1], world=world)
+        assert Path("it.geojson").read_bytes() == Path("wanted.geojson").read_bytes()
+
+
+def test_what_lies_outside_a_rectangle_is_cut_off(run, near):
+    """Catches a crop after the reduction, of the filtered map, and an empty map in silence."""
+    code, said, _ = run(
+        "map", near, "--method", "none", "--crop", "0", "-5", "20", "5", "-o", "it.csv"
+    )
+    map = segmap.build_map(segmap.read(near), segmap.read(near).truth)
+    wanted = map.cropped(0, -5, 20, 5)
+    assert code == 0 and 0 < len(wanted) < len(map) and f"to {len(wanted)} segments" in said
+    assert np.array_equal(readers.read_segments("it.csv").segments, wanted.segments)
+    code, _, beside = run("map", near, "--crop", "900", "0", "901", "1", "-o", "no.csv")
+    assert code == 1 and not Path("no.csv").exists()
+    (left, low), (right, high) = (f(map.segments, (0, 1)) for f in (np.min, np.max))
+    reach = f"from x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m\n"
+    assert beside.endswith(f"crop: no segment lies in that rectangle; the map reaches {reach}")
+
+
+def test_a_map_of_squares_is_cropped_to_cells(run, near):
+    """Catches an option that only one of two maps has, and space that stays free outside."""
+    words = "occupancy", near, "--resolution", "0.2", "-o", "it.npz", "--crop"
+    code, said, _ = run(*words, "0", "-5", "20", "5", "--json")
+    log = segmap.read(near)
+    whole = segmap.quadtree.build_map(log, log.truth, resolution=0.2)
+    map = QuadtreeMap.load("it.npz")
+    hits = int((map.leaves().occ > 0).sum())
+    assert code == 0 and json.loads(said)["cropped"]["squares"] == hits > 0
+    places = np.random.default_rng(1).uniform(-30, 30, (20_000, 2))
+    kept = ((places > (0, -5)) & (places < (20, 5))).all(1)
+    edge = (np.abs(places[:, None] - [(0, -5), (20, 5)]) < 0.1).any((1, 2))
+    wanted = np.where(kept, whole.occupancy(places), 0.5)
+    assert np.array_equal(map.occupancy(places)[~edge], wanted[~edge])
+    code, _, beside = run(*words, "900", "0", "901", "1")
+    assert code == 1 and "crop: no square lies in that rectangle; the map reaches" in beside
+
+
+def test_beams_that_others_saw_through_are_left_out(run, near):
+    """Catches an option that does nothing, and one that counts beams without an echo."""
+    log = segmap.read(near)
+    wanted = segmap.quadtree.without_passers(log, log.truth, seen_through=0.3)
+    gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in zip(log, wanted, strict=True))
+    words = "--method", "none", "--seen-through", "0.3", "-o", "it.csv"
+    code, said, _ = run("map", near, *words)
+    assert code == 0 and gone > 0 and f"passers   {gone} beams left out" in said
+    walls = segmap.build_map(wanted, log.truth).segments
+    assert np.array_equal(readers.read_segments("it.csv").segments, walls)
+    code, _, beside = run("map", near, "--seen-through", "2")
+    assert code == 2 and "--seen-through must be" in beside  # before any work
+
+
+def test_map_lists_its_loops_and_leaves_out_those_that_a_file_vetoes(run):
+    """Catches a loop taken by its row in another list, and a veto that changes nothing."""
+    code, out, _ = run("map", "corridor", "--loops", "loops.csv")
+    whole = pd.read_csv("loops.csv")
+    assert code == 0 and "written to loops.csv" in out
+    pd.testing.assert_frame_equal(
+        whole, alignment.pose_graph(segmap.load("corridor")).loops().reset_index()
+    )
+    worst = whole.sort_values("residual").tail(2)
+    worst.to_csv("bad.csv", index=False)
+    run("map", "corridor", "--veto", "bad.csv", "--loops", "rest.csv")
+    rest = pd.read_csv("rest.csv")
+    ends = ["first", "second"]
+    assert rest[ends].values.tolist() == whole.drop(worst.index)[ends].values.tolist()
+    # A session keeps what was vetoed; one loop has no file
+    one = "-".join(map(str, worst[ends].values[0]))
+    run("map", "corridor", "--veto", one, "--loops", "one.csv", "-o", "it.segmap")
+    run("map", "it.segmap", "--loops", "again.csv")
+    assert len(pd.read_csv("again.csv")) == len(whole) - 1
+    # A loop is forced, and kept as well
+    code, out, _ = run(
+        "map", "corridor", "--tie", "5-151", "--loops", "tied.csv", "-o", "it.segmap"
+    )
+    assert code == 0 and "5 loops closed" in out
+    assert [5, 151] in pd.read_csv("tied.csv")[ends].values.tolist()
+    assert files.read_session("it.segmap").edits == {"tie": ["5-151"]}
+    code, _, beside = run("map", "corridor", "--tie", "0-54")
+    assert code == 1 and "tie: scan 54 is not placed by 0: the two places look different" in beside
+    for text, wrong, words in (
+        ("first,second\n0,3\n", 1, "veto: no loop was closed between scans 0-3"),
+        ("first\n0\n", 2, "bad.csv must be a table with columns first and second"),
+    ):
+        Path("bad.csv").write_text(text)
+        code, _, beside = run("map", "corridor", "--veto", "bad.csv")
+        assert code == wrong and words in beside
+    code, _, beside = run("map", "corridor", "--align", "odometry", "--veto", "0-3")
+    assert code == 2 and "odometry closes no loops" in beside
+    code, _, beside = run("map", "corridor", "room", "--loops", "loops.csv")
+    assert code == 2 and "are for one log" in beside
+
+
+# ------------------------------------------------------------------------------ merge
+def test_sessions_of_one_building_are_merged_and_the_next_comes_to_them(run, near):
+    """Catches a map in the frame of the second, a session of another map, and a last one."""
+    log, world = segmap.load("room"), (30.0, -20.0, 2.0)
+    parts = {"one": log[:30], "two": log[20:50], "three": log[35:]}
+    for name, part in parts.items():
+        scans = [replace(s, odometry=poses.compose(world, s.odometry)) for s in part]
+        exports.write_arrays(
+            f"{name}.npz", segmap.Log(name, part.scans if name == "one" else scans)
+        )
+    words = "--method", "none", "--square", "--json", "-o"
+    code, said, _ = run("merge", "one.npz", "two.npz", *words, "it.csv", "-o", "it.segmap",
+                        "--loops", "loops.csv")  # fmt: skip
+    one, two = segmap.read("one.npz"), segmap.read("two.npz")
+    found, told = segmap.matching.merge(one, two), json.loads(said)
+    turn = np.radians(told["turned"]["degrees"])
+    at = poses.compose((0, 0, turn), found.trusted)
+    both = segmap.Log("both", [*one, *two])
+    assert code == 0 and told["aligned"]["matched"] == 60 == told["verdict"]["placed"]
+    walls = segmap.build_map(both, at).segments
+    assert np.array_equal(readers.read_segments("it.csv").segments, walls)
+    assert len(pd.read_csv("loops.csv")) == told["aligned"]["loops"] > 5
+    assert run("map", "it.segmap", "-o", "again.csv")[0] == 0
+    assert Path("again.csv").read_bytes() == Path("it.csv").read_bytes()
+    code, said, _ = run("merge", "it.segmap", "three.npz", "--method", "none", "-o", "all.segmap")
+    whole = files.read_session("all.segmap")
+    true = np.vstack([part.truth for part in parts.values()])
+    off = poses.between(whole.log.truth[0], whole.log.truth) - poses.between(true[0], true)
+    assert code == 0 and "86 of 86 scans matched" in said and np.abs(off[:, :2]).max() < 0.1
+    code, said, _ = run("merge", "one.npz", near, "--method", "none", "-o", "no.csv", "--force")
+    assert code == 3 and not Path("no.csv").exists()
+    assert "  verdict   NOT A MAP: the sessions are not merged: only 0 places" in said
+    code, _, beside = run("merge", "it.segmap", near, "--penalty", "1")
+    assert code == 1 and "none has no --penalty" in beside
+    for first, words in (
+        ("none.npz", "none.npz: does not exist"),
+        ("it.segmap", "cannot write it.segmap: it is the first log itself"),
+    ):
+        code, _, beside = run("merge", first, near, "-o", "it.segmap")
+        assert code == 1 and words in beside
+
+
+def test_each_of_the_two_is_prepared_once_and_nothing_that_is_known_of_it_is_lost(run):
+    """Logs of a laser that hangs upside down, one of them with a scan that saw nothing.
+
+    Catches scans that are merged or kept as they were before, or put right twice; findings and
+    what was assumed of one of the two that nobody tells; a place for a scan that has none.
+    """
+    log = segmap.load("room")
+    for name, part in (("one", log[:16]), ("two", log[8:24])):
+        scans = [replace(scan, angles=-scan.angles) for scan in part]
+        if name == "two":
+            scans[-1] = replace(scans[-1], ranges=np.full(len(scans[-1]), np.inf))
+        told = Finding(Cause.OTHER, 1.0, f"the floor of {name} was wet", "", True)
+        sayings = {"causes": [told], "assumed": [f"{name} is dry"]}
+        held = segmap.Log(name, scans, **sayings)
+        files.write_session(f"{name}.segmap", files.Session(held, {}))
+    code, said, _ = run("merge", "one.segmap", "two.segmap", "--clockwise", "--method", "none",
+                        "-o", "it.segmap", "-o", "it.csv", "--force")  # fmt: skip
+    assert code in (0, 3), said
+    for name in ("one", "two"):
+        assert f"the floor of {name} was wet" in said
+    found = files.read_session("it.segmap")
+    upright = [*log[:16], *log[8:24]]
+    for k, (scan, true) in enumerate(zip(found.log, upright, strict=True)):
+        assert k == 31 or np.allclose(scan.points(), true.points(), atol=1e-6), k
+    placed = np.isfinite(found.log.truth).all(1)
+    assert np.flatnonzero(~placed).tolist() == [31]
+    assert "clockwise" not in found.settings
+    assert set(found.log.assumed) == {"one is dry", "two is dry"}
+    code, _, beside = run("merge", str(Path("one.segmap").resolve()), "two.segmap",
+                          "-o", "./one.segmap")  # fmt: skip
+    assert code == 1 and "it is the first log itself" in beside
+
+
+# ------------------------------------------------------------------------------ compare
+@pytest.mark.parametrize("methods", [("fuzzy_set", "hybrid", "fusion"), slow(reduction.METHODS)])
+def test_methods_are_compared_at_one_quality(run, near, methods, only):
+    """Catches a method that is missing, a column that is not that of the quality asked for."""
+    only(*methods)
+    exports.write_carmen("short.log", segmap.read(near)[:3])
+    code, said, _ = run("compare", "short.log", "--quality", "90", "-o", "it.png", "-o", "it.csv")
+    assert code == 0 and "at quality 90.0 %" in said and "(--all" not in said
+    assert "  written   it.png, it.csv\n" in said
+    runs = segmap.experiments.read_records("it.csv")
+    assert set(runs["method"]) == set(methods) and Path("it.png").read_bytes()[:4] == PNG
+    table = said[said.index("at quality") :]
+    shown = re.findall(r"^  (\w+) +(?:(\d+\.\d) %|not reached) +(\d+|-) ", table, re.MULTILINE)
+    assert {name for name, *_ in shown} == set(methods)
+    gone = [float(share) for _, share, _ in shown if share]
+    assert gone == sorted(gone, reverse=True) and len(gone) >= 2
+    at = segmap.experiments.equal_quality(runs, 0.9).iloc[0]
+    best, share, left = shown[0]
+    assert float(share) == round(100 * at[best], 1)
+    assert int(left) == round((1 - at[best]) * runs["n_before"].iloc[0])
+
+
+@pytest.fixture
+def plan(tmp_path, only):
+    """A few methods, a drive through a room of 6 m x 4 m at noisy poses, and its walls."""
+    only("hybrid", "least_cost")
+    rng, walls = np.random.default_rng(3), simulation.rectangular_room(6, 4)
+    path = simulation.drive([(1, 1), (5, 1), (5, 3)], step=1.0, turn=0.8)
+    log = simulation.simulate(walls, path, sensor=simulation.SICK_LMS200, rng=rng)
+    exports.write_carmen(tmp_path / "drive.log", log, path + rng.normal(0, 0.01, path.shape))
+    exports.write_segments(tmp_path / "plan.csv", walls)
+    return walls
+
+
+def test_a_plan_judges_the_run_that_is_shown(run, plan):
+    """Catches a judge of other thresholds, and shares of the whole walls in the place of seen."""
+    words = ("drive.log", "--walls", "plan.csv", "--json", "--table", "it.csv")
+    code, said, _ = run("compare", *words)
+    found = json.loads(said)
+    log = segmap.read("drive.log")
+    before = extraction.build_map(log, log.truth, keep_points=True)
+    assert code == 0 and found["plan"]["walls"] == 4 and found["plan"]["beside"] > 0.9
+    for name, said in [*found["methods"].items(), ("none", found["plan"])]:
+        after = before
+        if name != "none":
+            varies, value = re.match(r"--(\w+) ([\d.]+):", said["nearest"]).groups()
+            after = reduction.METHODS[name](before, **{varies: float(value)})
+            assert f", {len(after)} left" in said["nearest"]
+        wanted = metrics.against_walls(plan, after, seen=before)
+        judged = said["against_walls"]
+        assert judged["per_wall"] == wanted.per_wall and judged["found"] == wanted.found
+        for word, lost in (
+            ("missed", wanted.missed),
+            ("invented", wanted.invented),
+            ("double", wanted.doubled.sum()),
+        ):
+            assert judged[word] == pytest.approx(lost / wanted.seen.sum(), abs=0.01)
+        assert judged["offset"] == pytest.approx(wanted.offset, abs=0.002)
+    table = pd.read_csv("it.csv")
+    told = found["methods"]["hybrid"]["against_walls"]["per_wall"]
+    assert table["methods.hybrid.against_walls.per_wall"].item() == told
+    _, said, _ = run("compare", "drive.log", "--walls", "plan.csv")
+    shown = said[said.index("against the plan") :].splitlines()[1:5]
+    assert [line[2:5] for line in shown] == ["the", "lea", "hyb", ""]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda walls: walls * 1000, "the plan from [0. 0.] to [6000. 4000.]. A plan must be in m"),
+        (lambda walls: walls + (30, 0), "0.0 % of the map lies beside a wall of plan.csv"),
+        (lambda walls: walls[:0], "walls must hold a segment that has a length"),
+    ],
+)
+def test_a_plan_of_another_place_is_refused_before_anything_is_run(run, plan, change, said):
+    """Catches a plan in millimetres, whose walls through 0 lie beside the map all the same."""
+    exports.write_segments("plan.csv", change(plan))
+    code, out, beside = run("compare", "drive.log", "--walls", "plan.csv")
+    assert code == 1 and said in " ".join(beside.split()) and "compared" not in out
+
+
+def test_a_damaged_plan_is_named_before_the_log_is_read(run, plan):
+    """Catches the advice of --skip, which is for logs."""
+    Path("plan.csv").write_text("x1,y1,x2,y2,scan\n0,0,one,0,0\n")
+    code, out, beside = run("compare", "drive.log", "--walls", "plan.csv")
+    assert code == 1 and out == "" and "--skip" not in beside
+    assert "--walls plan.csv, line 2: expected numbers for x1,y1,x2,y2,scan" in beside
+
+
+def test_what_is_compared_of_a_long_log_is_said(run, only):
+    """Catches a map that loses more than it must: at most 2000 segments are compared."""
+    only("hybrid")
+    log = segmap.load("malaga")
+    map = segmap.build_map(log, alignment.ground_truth(log, missing="drop").trusted)
+    for step in range(1, 9):
+        part = map[np.isin(map.scan, np.unique(map.scan)[::step])]
+        if len(part) <= 2000:
+            break
+    scans, every = (len(np.unique(each.scan)) for each in (part, map))
+    assert step > 1
+    told = f"{len(map)} segments; compared on {len(part)} of them, from {scans} of {every} scans (-"
+    assert told in run("compare", "malaga", "--align", "ground_truth", "--align-missing", "drop")[1]
+
+
+# ------------------------------------------------------------------------------ convert
+def test_convert_keeps_what_the_log_holds(run, near):
+    """Catches poses that are lost on the way, a path with other poses, a graph as a log."""
+    code, said, _ = run("convert", near, "-o", "it.log.gz", "-o", "it.tum")
+    assert code == 0 and "12 with a corrected pose" in said and "12 poses by ground truth" in said
+    _, said, _ = run("convert", near, "-o", "it.log.gz", "-o", "it.tum", "--json")
+    assert json.loads(said)["written"]["notes"] == ["it.tum: 12 poses by ground truth"]
+    before, after = segmap.read(near), segmap.read("it.log.gz")
+    assert np.allclose(after.truth, before.truth, atol=1e-5)
+    assert np.allclose(after[3].ranges, before[3].ranges, atol=1e-6)
+    assert np.allclose(np.loadtxt("it.tum")[:, 1:3], before.truth[:, :2], atol=1e-5)
+    far = str(Path(near).with_name("far.log"))
+    code, said, _ = run("convert", far, "--align", "pose_graph", "-o", "it.tum", "-o", "it.g2o")
+    graph = files.read_graph("it.g2o")
+    assert code == 0 and "12 poses by pose_graph" in said and f"{len(graph.edges)} edges" in said
+    loose = 12 - len(set(np.ravel(graph.edges).tolist()))
+    assert ("without an edge" in said) == (loose > 0)
+    if loose:
+        assert f"; {loose} without an edge: only key scans have some" in said
+    assert np.allclose(np.loadtxt("it.tum")[:, 1:3], graph.poses[:, :2], atol=1e-5)
+
+
+def test_convert_to_arrays_keeps_where_the_points_are(run, near):
+    """Catches a laser that sits 0.78 m ahead of the robot and is put on it."""
+    code, said, _ = run("convert", near, "-o", "it.npz")
+    before, after = segmap.read(near), segmap.read("it.npz")
+    assert code == 0 and "12 with a corrected pose" in said and before[0].sensor_pose[0] > 0.7
+    for old, new in zip(before, after, strict=True):
+        assert new.points().tolist() == old.points().tolist()
+    exports.write_arrays("bare.npz", segmap.Log("bare", before.scans))
+    assert "12 scans, 0 with a corrected pose" in run("convert", "bare.npz", "-o", "bare.log")[1]
+    dark = segmap.LaserScan([9.0, np.nan], [0, 1], max_range=8.5, codes=[0, 7])
+    exports.write_arrays("dark.npz", segmap.Log("dark", [dark]))
+    code, _, beside = run("convert", "dark.npz", "-o", "dark.tum")
+    assert code == 1 and "the log has no poses to write" in beside
+
+
+# ------------------------------------------------------------------------------ notebooks
+def test_chapters_are_copied_and_the_work_of_a_student_stays(run):
+    """Catches an exercise that is overwritten, and links that lead nowhere in the copy."""
+    chapters = {path.name for path in (ROOT / "notebooks").glob("*.ipynb")}
+    code, said, _ = run("notebooks", "mine")
+    assert code == 0 and f"{len(chapters)} chapters copied to mine" in said
+    assert {path.name for path in Path("mine").glob("*.ipynb")} == chapters
+    assert broken_links(Path("mine")) == []
+    Path("mine/54_fusion.ipynb").write_text("my answers")
+    Path("mine/51_basic.ipynb").unlink()
+    code, said, _ = run("notebooks", "mine")
+    assert code == 0 and Path("mine/54_fusion.ipynb").read_text() == "my answers"
+    assert "1 chapter copied" in said and f"{len(chapters) - 2} chapters there already" in said
+    assert "since yours differ: 54_fusion.ipynb" in said and "newer" not in said
+    assert Path("mine/51_basic.ipynb").exists()
+
+
+def broken_links(folder):
+    texts = {path: json.loads(path.read_bytes()) for path in folder.glob("*.ipynb")}
+    wanted = [(path, link) for path, text in texts.items() for link in links(markdown(text))]
+    return [link for path, link in wanted if not (path.parent / link).exists()]
+
+
+@pytest.fixture
+def clone(tmp_path, monkeypatch):
+    """A clone with two chapters, a picture and the data that one of them links to."""
+    for name in ("notebooks/pictures", "data"):
+        (tmp_path / "clone" / name).mkdir(parents=True)
+    source = tmp_path / "clone" / "notebooks"
+    (source / "pictures" / "a.png").write_bytes(PNG)
+    said = "[data](../data/README.md), [next](11_next.ipynb#top), ![a](pictures/a.png) \U0001f600"
+    cells = [{"cell_type": "markdown", "source": [said]}]
+    for name in ("00_start_here", "11_next"):
+        (source / f"{name}.ipynb").write_text(json.dumps({"cells": cells}), encoding="utf-8")
+    (tmp_path / "clone" / "data" / "README.md").write_text("data")
+    monkeypatch.setattr("segmap.files.__file__", str(source.parent / "segmap" / "files.py"))
+    monkeypatch.setenv("JUPYTER_DATA_DIR", str(tmp_path / "jupyter"))
+    return source
+
+
+def test_work_in_a_clone_has_all_links_and_the_originals_stay(run, clone):
+    """Catches a link cut though it leads somewhere, a picture left behind, a save git tracks."""
+    before = {path: path.read_bytes() for path in clone.rglob("*.*")}
+    work = clone.parent / "work"
+    _, said, _ = run("notebooks", "clone/work")
+    assert "jupyter lab" not in said and broken_links(work) == []
+    for path in work.glob("*.ipynb"):
+        assert path.read_bytes() == (clone / path.name).read_bytes()
+        path.write_text("saved")
+    _, said, _ = run("notebooks", work)
+    assert "since yours differ: 00_start_here.ipynb, 11_next.ipynb\n" in said
+    assert {path: path.read_bytes() for path in clone.rglob("*.*")} == before
+    assert "work/" in (ROOT / ".gitignore").read_text().split()
+
+
+def test_a_newer_original_is_offered_beside_the_work_of_a_student(run, clone):
+    """Catches work that is overwritten, an offer that is made each time or hides an older one, and
+    a copy without work that stays old."""
+    work, (first, second) = clone.parent / "new" / "work", sorted(clone.glob("*.ipynb"))
+    _, said, _ = run("notebooks", work)
+    assert Path(re.search(r"jupyter lab (\S+)", said)[1]) == work / first.name
+    (work / first.name).write_text("my answers")
+    for k, text in enumerate(("new", "newer still"), start=1):
+        first.write_text(text)
+        second.write_text(text)
+        _, said, _ = run("notebooks", work)
+        beside = work / f"{first.stem}.newer-{k}.ipynb"
+        assert f"{first.name} is newer than yours, which stays: the new one is {beside}" in said
+        assert beside.read_text() == text == (work / second.name).read_text()
+        _, again, _ = run("notebooks", work)
+        assert "is newer" not in again and f"since yours differ: {first.name}" in again
+    assert (work / first.name).read_text() == "my answers"
+    assert (work / f"{first.stem}.newer-1.ipynb").read_text() == "new"
+    (work / ".originals.json").write_text("[broken")
+    code, *_ = run("notebooks", work)
+    assert code == 0 and (work / first.name).read_text() == "my answers"
+
+
+def as_jupyter_saves(path):
+    """A chapter that was opened, run to its end and saved."""
+    notebook = json.loads(path.read_bytes())
+    notebook["metadata"] = {"language_info": {"version": "3.99"}}
+    empty = {"cell_type": "code", "metadata": {}, "outputs": [], "source": []}
+    notebook["cells"] = [c | {"id": f"{k}"} for k, c in enumerate(notebook["cells"])] + [empty]
+    path.write_text(json.dumps(notebook, indent=3))
+
+
+def test_a_chapter_that_was_only_opened_is_not_a_changed_one(run, clone):
+    """Catches an offer beside a copy without work, and outputs that are lost by each `make lab`."""
+    work, chapter = clone.parent / "new" / "work", clone / "00_start_here.ipynb"
+    run("notebooks", work)
+    as_jupyter_saves(copy := work / chapter.name)
+    opened = copy.read_bytes()
+    _, said, _ = run("notebooks", work)
+    assert "2 chapters there already" in said and copy.read_bytes() == opened
+    chapter.write_text(chapter.read_text().replace("next", "onward"))
+    _, said, _ = run("notebooks", work)
+    assert "1 chapter copied" in said and copy.read_bytes() != opened
+    assert "onward" in copy.read_text() and list(work.glob("*newer*")) == []
+    copy.write_text(copy.read_text().replace("onward", "my answer"))
+    as_jupyter_saves(copy)
+    chapter.write_text(chapter.read_text().replace("onward", "forward"))
+    _, said, _ = run("notebooks", work)
+    assert "is newer than yours" in said and "my answer" in copy.read_text()
+
+
+def test_jupyter_trusts_what_is_ours_and_nothing_else(run, clone):
+    """Catches panels that stay hidden until a student trusts them, and trust for what came in."""
+    sign, work = pytest.importorskip("nbformat.sign"), clone.parent / "new" / "work"
+
+    def trusted():
+        notary = sign.NotebookNotary()
+        read = (nbformat.read(path, as_version=4) for path in sorted(work.glob("*.ipynb")))
+        return [notary.check_signature(notebook) for notebook in read]
+
+    for path in clone.glob("*.ipynb"):
+        shutil.copy(ROOT / "notebooks" / "54_fusion.ipynb", path)
+    run("notebooks", work)
+    assert trusted() == [True, True]
+    first = work / "00_start_here.ipynb"
+    first.write_text(first.read_text().replace("</", "<script></"))
+    run("notebooks", work)
+    assert trusted() == [False, True]
+
+
+def test_a_reader_that_has_gone_ends_the_program_with_1(clone, monkeypatch):
+    """Catches what Python prints when it ends, where `head` has closed the pipe."""
+    with (clone / "nobody.txt").open("w") as out:
+
+        class Gone(io.StringIO):
+            fileno = out.fileno
+
+            def flush(self):
+                raise BrokenPipeError
+
+        monkeypatch.setattr(sys, "stdout", Gone())
+        assert main(["notebooks", str(clone.parent / "work")]) == 1
+        os.write(out.fileno(), b"what Python still has to say")
+    assert (clone / "nobody.txt").read_bytes() == b""
+
+
+# ------------------------------------------------------------------------------ the program
+def test_without_a_command_it_says_what_there_is(run):
+    code, _, beside = run()
+    assert code == 2 and "required: COMMAND" in beside
+    assert run("--version")[1] == f"segmap {segmap.__version__}\n"
+
+
+def test_the_program_is_light_and_ends_with_the_code_of_the_command(near, tmp_path):
+    """Catches numba that is loaded to say what a log is, and a script that overlooks a fault."""
+    command = [sys.executable, "-X", "importtime", "-m", "segmap", "info", near, "gone.log"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and "12 scans" in done.stdout
+    assert done.stdout.endswith("1 of 2 logs done\n")
+    assert "segmap: gone.log: does not exist" in done.stderr and "Traceback" not in done.stderr
+    loaded = set(re.findall(r"\| +([\w.]+)$", done.stderr, re.MULTILINE))
+    assert "segmap.readers" in loaded
+    assert loaded & {"numba", "matplotlib", "pandas", "ipywidgets"} == set()
+
+
+def test_the_page_is_served_to_this_machine_only(run, monkeypatch):
+    """Catches a page without a token, a port that is forgotten, and a riddle where voila is not."""
+    app = pytest.importorskip("voila.app")
+    asked = []
+    monkeypatch.setattr(app.Voila, "launch_instance", lambda options: asked.append(options))
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert run("app", "--port", "8890")[0] == run("app", "--no-browser")[0] == 0
+    assert Path(asked[0][0]).is_file() and asked[0][0] == asked[1][0]
+    both = {"--Voila.ip=127.0.0.1", "--Voila.auto_token=True"}
+    assert {*asked[0][1:]} == both | {"--Voila.port=8890", "--Voila.port_retries=0"}
+    monkeypatch.delenv("DISPLAY"), monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    run("app")
+    assert {*asked[1][1:]} == {*asked[2][1:]} == both | {"--no-browser"}
+    monkeypatch.setitem(sys.modules, "voila.app", None)
+    code, _, told = run("app")
+    assert code == 1 and told.startswith("segmap: the page needs voila: pip install anywidget")
+    assert "segmap[" not in told and " voila" in told
+
+
+def test_columns_and_view_are_taken_from_the_command(run, tmp_path):
+    """Catches options that are told and not handed on, and a folder of scans that is many logs."""
+    rows = [",".join(f"{1000 + 10 * k + scan}" for k in range(5)) for scan in range(3)]
+    (tmp_path / "it.txt").write_text("\n".join(rows) + "\n")
+    options = ("--columns", "ranges_mm", "--view", "-90", "90", "--json")
+    code, out, _ = run("info", "it.txt", *options)
+    assert code == 0 and json.loads(out)["scans"]["scans"] == 3
+    (tmp_path / "walk").mkdir()
+    for k in (1, 2, 10):
+        beams = "\n".join(f"{a},{1 + k / 100:.2f}" for a in range(0, 360, 60))
+        (tmp_path / "walk" / f"scan_{k}.csv").write_text(f"angle_deg,range_m\n{beams}\n")
+    code, out, _ = run("info", "walk", "--json")
+    assert code == 0 and json.loads(out)["scans"]["scans"] == 3

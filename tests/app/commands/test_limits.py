@@ -1,0 +1,353 @@
+"""Commands on results made by hand: what they say to the letter, and what they do at each limit."""
+
+import inspect
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import tqdm
+from programs import program
+
+import segmap
+from segmap import alignment, experiments, exports, quadtree, readers, reduction
+from segmap.alignment import Alignment, Verdict
+from segmap.scans.causes import Cause, Finding
+from segmap_app import files
+
+main = program("segmap")
+
+# ------------------------------------------------------------------------------- words
+
+
+@pytest.mark.parametrize(
+    ("words", "bars"),
+    [
+        (("compare", "it.log"), {"method": (2, 2, "fusion")}),
+        (("info", "it.log", "it.log"), {"log": (2, 2, "it.log: ")}),
+        (("info", "it.log"), {}),
+    ],
+)
+def test_a_bar_grows_to_its_end(run, monkeypatch, words, bars, only):
+    """Catches one that stays at nothing, says no name, or is there for one step or in a file."""
+    exports.write_carmen("it.log", segmap.load("room")[:4])
+    only("fusion", "hybrid")
+    found = {}
+
+    def close(bar):
+        if not bar.disable:
+            found[bar.unit] = bar.n, bar.total, bar.postfix or bar.desc
+
+    monkeypatch.setattr("tqdm.tqdm.close", close)
+    for screen, shown in ((io.StringIO(), {}), (Terminal(), bars)):
+        monkeypatch.setattr(sys, "stderr", screen)
+        run(*words)
+        found.pop("it", None)  # the bar of what is done within a step
+        assert found == shown
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+class AtOnce(tqdm.tqdm):
+    def __init__(self, *work, **given):
+        super().__init__(*work, **given | {"delay": 0, "mininterval": 0})
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("map", "room", "--align", "pose_graph", "-o", "it.PNG"),
+        ("occupancy", "room", "--matcher", "hill-climbing"),
+        ("locate", "it.npz", "room"),
+        ("merge", "room", "room", "--method", "none"),
+    ],
+)
+def test_long_work_moves_a_bar_on_a_terminal(run, monkeypatch, words):
+    """Catches a bar that stands still for the whole alignment, one that stays, and two at once."""
+    log = segmap.load("room")
+    quadtree.build_map(log, log.truth, resolution=0.05).save("it.npz")
+    monkeypatch.setattr(sys, "stderr", screen := Terminal())
+    monkeypatch.setattr("tqdm.std.tqdm.monitor_interval", 0)
+    monkeypatch.setattr("tqdm.tqdm", AtOnce)
+    monkeypatch.setattr("segmap.progress.FIRST_ESTIMATE_S", 0.0)
+    assert run(*words)[0] == 0
+    scans = [int(k) for k in re.findall(r"placing scan (\d+) of 61 \|", screen.getvalue())]
+    order = list(dict.fromkeys(scans))
+    assert len(order) > 3 and order == sorted(order)
+    shown = screen.getvalue().split("segmap: room: ")[0]  # the verdict of --matcher follows
+    assert "/3" not in shown and "\n" not in shown
+    assert re.search(r"\| \d+ s left", screen.getvalue())
+    early = re.findall(r"placing scan [123] of 61 \|[^|\r]*\| ([^\r]*left)", screen.getvalue())
+    assert early == [], "of 61 scans these are less than 5 %"
+    assert screen.getvalue().endswith(" \r")
+
+
+# ---------------------------------------------------------------------- logs, verdicts
+SLIPPED = Finding(Cause.OTHER, 1, "it slipped")
+
+
+def test_an_alignment_is_told_with_its_commonest_reasons_first(run, monkeypatch):
+    """Catches a list of reasons as long as the log, the rare ones, and a doubt that is kept."""
+    reasons = ("late", *["dark"] * 4, *["far"] * 3, *["turning"] * 2, "")
+    used = np.array([not reason for reason in reasons])
+    found = Alignment(np.zeros((11, 3)), used, 0.04, "odometry", reasons, causes=(SLIPPED,))
+    method = replace(alignment.METHODS["odometry"], function=lambda log: found)
+    monkeypatch.setitem(alignment.METHODS, "odometry", method)
+    exports.write_carmen("it.log", segmap.load("room")[:11])
+    code, said, _ = run("map", "it.log", "--align", "odometry", "--method", "none")
+    assert code == 3 and said.splitlines() == [
+        "it: 11 scans, it.log",
+        "  aligned   by odometry: 1 of 11 scans matched, 40 ms",
+        "            4 scans not: dark",
+        "            3 scans not: far",
+        "            2 scans not: turning",
+        "            doubt: it slipped",
+        f"  extracted {len(segmap.build_map(segmap.read('it.log'), found.trusted))} segments",
+        "  assumed   the laser sits at the robot's centre",
+        "  verdict   NOT A MAP: 1 of 11 scans placed",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("grade", "placed", "strict", "code"),
+    [("good", 9, 0.9, 0), ("good", 8, 0.9, 3), ("doubtful", 10, 1.0, 0), ("not a map", 10, 0.0, 3)],
+)
+def test_strict_is_met_by_just_as_many(run, monkeypatch, grade, placed, strict, code):
+    """Catches 9 of 10 scans that are fewer than 0.9, and --force that is not asked."""
+    verdict = Verdict(grade, "as said", placed, 10)
+    monkeypatch.setattr(Alignment, "verdict_on", lambda found, map: verdict)
+    words = ("map", "room", "--align", "odometry", "--strict", strict, "-o", "it.svg")
+    ended, said, _ = run(*words)
+    assert (ended, Path("it.svg").exists()) == (code, code == 0)
+    assert ("(--strict asks" in said) == (code == 3 and grade == "good")
+    assert run(*words, "--force")[0] == code and Path("it.svg").exists()
+
+
+SWAPPED = ("139.7 35.7", "90.5 0", "-120 45", "180 -90")
+WRONG = ("180.5 0", "120 90.5", "120 -100", "90 0 --north 400", "120 1e9 --crs EPSG:25832")
+
+
+@pytest.mark.parametrize("place", SWAPPED + WRONG)
+def test_a_longitude_that_comes_first_is_told(run, place):
+    code, _, beside = run("map", "it.log", "--place", *place.split(), "-o", "IT.GEOJSON")
+    assert code == 2 and "--place: " in beside
+    assert ("; the latitude comes first" in beside) == (place in SWAPPED)
+
+
+def test_a_folder_is_read_by_name_and_what_cannot_be_read_was_a_log(run, monkeypatch):
+    """Catches the order of a disk, and a log that is passed over in silence since it is gone."""
+    Path("logs").mkdir()
+    for name in ("b.log", "a.log"):
+        exports.write_carmen(Path("logs") / name, segmap.load("room")[:2])
+    Path("logs/gone.log").symlink_to("nowhere.log")
+    order = sorted(Path("logs").iterdir(), reverse=True)
+    monkeypatch.setattr(Path, "iterdir", lambda folder: iter(order))
+    code, said, beside = run("info", "logs", "--table", "IT.CSV")
+    assert code == 1 and said.splitlines()[-1] == "2 of 3 logs done"
+    assert said.index("a: CARMEN") < said.index("b: CARMEN") and "left out" not in beside
+    table = pd.read_csv("IT.CSV")
+    assert table["log"].tolist()[:2] == ["a", "b"] and "gone.log" in table["failed"][2]
+
+
+# ---------------------------------------------------------------------------- map, occupancy
+def test_occupancy_tells_size_and_area(run):
+    """Catches the area as a length, a size with a margin, and one of another kind of leaves."""
+    code, said, _ = run("occupancy", "room", "--resolution", "0.1", "--json", "-o", "it.geojson",
+                        "-o", "it.npz")  # fmt: skip
+    told, map = json.loads(said)["mapped"], quadtree.QuadtreeMap.load("it.npz")
+    features = json.loads(Path("it.geojson").read_text())["features"]
+    rings = np.array([each["geometry"]["coordinates"][0] for each in features])
+    sides = np.ptp(rings, axis=1)[:, 0]
+    assert code == 0 and told["occupied"] == pytest.approx((sides**2).sum())
+    leaves, (left, low, right, high) = map.leaves(), quadtree.extent(map, margin=0)
+    assert (told["width"], told["height"]) == pytest.approx((right - left, high - low))
+    assert told["leaves"] == len(leaves.x) and told["bytes"] == map.nbytes
+    words = f"{right - left:.1f} m by {high - low:.1f} m at 0.1 m: {told['occupied']:.2f} m2 occup"
+    assert told["text"].startswith(words)
+
+
+def blind(name, *scans, count=61):
+    """A file of the bundled log, of which some scans see a round wall that is not there."""
+    log = segmap.load("room")[:count]
+    odd = [replace(s, ranges=np.full(len(s), 1.0)) if k in scans else s for k, s in enumerate(log)]
+    exports.write_arrays(name, segmap.Log("room", odd))
+
+
+@pytest.mark.parametrize("lost", [None, 3])
+def test_a_matcher_that_lost_the_robot_says_at_which_scan(run, lost):
+    """Catches a good map of a lost robot, and one that is never good."""
+    blind("it.npz", lost, count=4)
+    _, said, _ = run("occupancy", "it.npz", "--matcher", "hill-climbing")
+    doubt = "DOUBTFUL: 3 of 4 scans placed, lost at scan 3, and what follows hangs on it"
+    wanted = "GOOD: 4 of 4 scans placed" if lost is None else doubt
+    assert said.splitlines()[-1].startswith(f"  verdict   {wanted}")
+
+
+# ------------------------------------------------------------------------------- locate
+@pytest.mark.parametrize("lost", [False, True])
+def test_locate_tells_the_last_belief(run, lost):
+    """Catches the first place for the last, a spread that adds radians, and an exit code of 0."""
+    log = segmap.load("room")
+    map = quadtree.build_map(log, log.truth, resolution=0.05)
+    map.save("squares.npz")
+    Path("squares.npz").rename("SQUARES.NPZ")
+    blind("it.npz", *range(40, 61 * lost))
+    code, told, _ = run("locate", "SQUARES.NPZ", "it.npz")
+    log = segmap.read("it.npz")
+    beliefs = list(segmap.matching.localize(map, log, rng=np.random.default_rng(0)))
+    last, found = beliefs[-1], [k for k, belief in enumerate(beliefs) if belief.found]
+    (x, y, h), off = last.pose, np.sqrt(np.trace(last.covariance[:2, :2]))
+    within = f"{1000 * off:.1f} mm" if off < 0.1 else f"{off:.2f} m"
+    words = f"{x:.2f} m, {y:.2f} m, {np.degrees(h):.1f} degrees, within {within}"
+    assert (code, bool(last.reason)) == ((3, True) if lost else (0, False))
+    assert told.splitlines()[1].startswith(
+        f"  found     {len(found)} of 61 scans, the first is scan {found[0]}; lost at "
+    )
+    assert told.splitlines()[2] == f"  place     {words if np.isfinite(x) else 'unknown'}"
+    share = f"{100 * last.share:.1f} % of the particles are there, scans fit to {last.fit:.2f}"
+    assert told.splitlines()[-1] == f"  verdict   {last.reason or 'found'}: {share}"
+
+
+# ------------------------------------------------------------------------------- compare
+def made_up(monkeypatch, quality, seconds=lambda value: 0.1):
+    """`compare` asks for runs, and is given these; what it asks for, as parts of the default."""
+    asked = []
+
+    def sweep(maps, methods, settings):
+        ((name, map),), (method,) = maps.items(), methods
+        varies = reduction.METHODS[method].varies
+        default = inspect.signature(getattr(reduction, method)).parameters[varies].default
+        (value,) = settings[method][varies]
+        asked.append(round(value / default, 6))
+        row = {"map": name, "filtered": 0.0, "method": method, varies: value, "n_before": len(map)}
+        kept = quality(method, asked[-1])
+        gone = 1 - kept if kept == kept else 0.99
+        left = round((1 - gone) * len(map))
+        row |= {"n_after": left, "reduction": gone, "quality": kept, "seconds": seconds(asked[-1])}
+        return pd.DataFrame([row])
+
+    monkeypatch.setattr("segmap.experiments.sweep", sweep)
+    exports.write_carmen("it.log", segmap.load("room")[:4])
+    return asked
+
+
+TWICE, ROOT = [1, 2, 4, 8, 16, 32], 2**0.5
+
+
+@pytest.mark.parametrize(
+    ("limit", "slow_at", "seconds", "tried"),
+    [
+        (3.0, np.inf, 0, [1, 2, 4, 2 * ROOT, 2 * ROOT * ROOT**0.5]),
+        (0.3, np.inf, 0, [1, 0.5, 0.25, 0.25 * ROOT, 0.25 * ROOT**0.5]),
+        (1e9, np.inf, 0, TWICE),
+        (0, np.inf, 0, [1 / k for k in TWICE]),
+        (31, np.inf, 0, [*TWICE, 16 * ROOT, 16 * ROOT * ROOT**0.5]),
+        (1e9, 4, 20.0, TWICE),
+        (1e9, 4, 20.1, [1, 2, 4]),
+        (1e9, 0, 99.0, [1]),
+    ],
+)
+def test_a_method_is_sought_by_doubling_and_then_between(
+    run, monkeypatch, limit, slow_at, seconds, tried, only
+):
+    """Catches a search that ends beside the quality, or never, or that waits for a slow method."""
+    only("fusion")
+    asked = made_up(
+        monkeypatch,
+        lambda method, value: 0.9 if value <= limit else 0.5,
+        lambda value: seconds if value >= slow_at else 0.1,
+    )
+    assert run("compare", "it.log", "--quality", "90")[0] == 0
+    assert asked == pytest.approx(tried, abs=1e-5)
+
+
+def test_the_table_has_the_best_first_and_the_run_that_is_nearest(run, monkeypatch, only):
+    """Catches the worst first, a run without quality that is nearest, and gone taken for left."""
+    only("hybrid", "fusion", "least_cost")
+    kept = {"hybrid": 0.98, "fusion": 0.95, "least_cost": 0.5}
+    made_up(
+        monkeypatch,
+        lambda method, value: (
+            np.nan if (method, value) == ("hybrid", 1) else max(kept[method] - value / 20, 0.0)
+        ),
+    )
+    code, said, _ = run("compare", "it.log", "--quality", "90")
+    table = said[said.index("at quality 90.0 %") :].splitlines()
+    assert code == 0 and table[0].split()[4:] == ["gone", "left", "nearest", "run"]
+    rows = [line.split() for line in table[1:4]]
+    assert rows[0][:2] == ["fusion", "10.0"] and rows[2][:4] == [
+        "least_cost",
+        "not",
+        "reached",
+        "-",
+    ]
+    assert rows[1][0] == "hybrid" and "quality 90.0 %" in table[1] and "nan" not in table[2]
+    count = int(re.search(r"(\d+) segments", said)[1])
+    assert int(rows[0][3]) == round(0.9 * count)
+
+
+# ---------------------------------------------------------------------------- streams
+NAMED = "caf\u00e9 \u2192 \u0416.log"
+#: What a terminal of another language, an old Windows and a machine without a language have.
+TERMINALS = (
+    {"PYTHONIOENCODING": "cp1252"},
+    {"PYTHONIOENCODING": "ascii"},
+    {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+)
+
+
+@pytest.mark.parametrize("terminal", TERMINALS)
+def test_a_name_that_a_terminal_cannot_say_never_ends_the_work(terminal, tmp_path):
+    """Catches "'charmap' codec can't encode", and work that is lost for it."""
+    exports.write_carmen(tmp_path / NAMED, segmap.load("room")[:3])
+    words = [NAMED, "nowhere \u0416.log", "--method", "none", "--force", "-o", "{name}.csv"]
+    found = subprocess.run(
+        [sys.executable, "-m", "segmap", "map", *words],
+        cwd=tmp_path, env=os.environ | terminal, capture_output=True, check=False,
+    )  # fmt: skip
+    said, beside = found.stdout.decode("latin-1"), found.stderr.decode("latin-1")
+    assert "codec" not in beside and "Traceback" not in beside and found.returncode == 1
+    assert "3 scans" in said
+    assert "\\u0416.log" in beside or "\\udcd0\\udc96.log" in beside
+    assert len(list(tmp_path.glob("*.csv"))) == 1
+
+
+def test_a_name_that_is_no_text_is_written_out(tmp_path, capsys, monkeypatch):
+    """Catches a session, a table of runs or a ROS map that a name ends after all the work."""
+    monkeypatch.chdir(tmp_path)
+    name = os.fsdecode(b"no\xfftext")
+    exports.write_carmen(f"{name}.log", segmap.load("room")[:3])
+    words = (f"{name}.log", "--force", "-o")
+    for command, ends in (("map", ".segmap"), ("compare", ".csv"), ("occupancy", ".yaml")):
+        assert main([command, *words, f"{name}{ends}"]) == 0, capsys.readouterr().err
+    (run,) = files.read_session(f"{name}.segmap").runs
+    assert (run["log"], run["source"]) == ("no\\udcfftext", "no\\udcfftext.log")
+    assert set(experiments.read_records(f"{name}.csv")["map"]) == {"no\\udcfftext"}
+    assert b'image: "no\xfftext.pgm"' in Path(f"{name}.yaml").read_bytes()
+    assert Path(f"{name}.pgm").exists()
+
+
+def test_a_closed_output_is_silent_and_a_file_without_a_size_is_told():
+    """Catches `>&-` and a file of the system, whose size is 0, that end in another error."""
+    command = f"{sys.executable} -m segmap info"
+    for ends, code in (("room >&-", 0), ("room 2>&-", 0), ("room >&- 2>&- <&-", 0),
+                       ("nowhere 2>&-", 1), ("/proc/self/maps", 1)):  # fmt: skip
+        found = subprocess.run(
+            ["sh", "-c", f"{command} {ends}"], capture_output=True, text=True, check=False
+        )
+        assert found.returncode == code, found.stderr
+        assert "Traceback" not in found.stderr and "ZeroDivision" not in found.stderr
+    lines = Path("/proc/self/maps")
+    if lines.exists():
+        with pytest.raises(readers.LogError):
+            readers.read(lines)

@@ -1,0 +1,196 @@
+"""Maps for ROS read back by the rules of map_server: ours to the cell, nonsense by its line."""
+
+from contextlib import nullcontext
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from segmap import load
+from segmap.exports import ros_classes
+from segmap.poses import transform
+from segmap.quadtree import QuadtreeMap, build_map, map_of_grid
+from segmap.readers import LogError
+from segmap_app.files import is_ros_map, read_ros_map, write_ros_map
+
+YAML = """\
+image: it.png
+resolution: 0.5
+origin: [-1.0, 2.0, 0.0]
+negate: 0
+occupied_thresh: 0.65
+free_thresh: 0.196
+"""
+
+
+def written(picture, text=YAML, *swaps):
+    """A YAML beside a picture whose last row is the lowest."""
+    from pathlib import Path
+
+    picture = picture if isinstance(picture, Image.Image) else Image.fromarray(picture)
+    picture.save("it.png")
+    for old, new in swaps:
+        assert old in text
+        text = text.replace(old, new)
+    Path("it.yaml").write_text(text)
+    return "it.yaml"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def states(map, *places):
+    return map.occupancy(np.array(places)).tolist()
+
+
+ROW = np.array([[254, 205, 0]], np.uint8)
+#: The middles of the three cells of `ROW`.
+THREE = (-0.75, 2.25), (-0.25, 2.25), (0.25, 2.25)
+
+
+def test_our_own_map_comes_back_to_the_cell(tmp_path):
+    """Catches rows upside down, a corner at the centre of a pixel, a state that is another."""
+    log = load("room")
+    map = build_map(log, log.truth, resolution=0.05)
+    write_ros_map("it.yaml", map)
+    found = read_ros_map("it.yaml")
+    before, after = ros_classes(map), ros_classes(found)
+    assert np.array_equal(before.greys, after.greys)
+    assert after[1:] == pytest.approx(before[1:]) and {*np.unique(after.greys)} == {0, 205, 254}
+    found.save("it.npz")  # what the loops rely on is checked there
+    assert np.array_equal(QuadtreeMap.load("it.npz").leaf_occupancy(), found.leaf_occupancy())
+
+
+@pytest.mark.parametrize(
+    ("picture", "swaps", "expected"),
+    [
+        (ROW, (), [0, 0.5, 1]),
+        (ROW, (("negate: 0", "negate: 1"),), [1, 1, 0]),  # 205 is 0.80 dark then
+        (ROW, (("0.65", "0.19"), ("0.196", "0.1")), [0, 1, 1]),
+        (ROW, (("0.196", "0.2"),), [0, 0, 1]),
+        (np.array([[0, 30, 100]], np.uint8), (("negate: 0", "negate: 0\nmode: raw"),), [0, 0.5, 1]),
+        (np.array([[101, 255, 66]], np.uint8), (("negate: 0", "negate: 0\nmode: raw"),),
+         [0.5, 0.5, 1]),
+        (Image.fromarray(ROW).convert("RGB"), (), [0, 0.5, 1]),
+        (Image.fromarray(ROW).convert("P"), (), [0, 0.5, 1]),
+        (ROW.astype(np.uint16) * 257, (), [0, 0.5, 1]),
+        (Image.fromarray(ROW[:, ::2] > 9), (), [0, 1, 0.5]),
+    ],
+)  # fmt: skip
+def test_a_pixel_means_what_map_server_says(picture, swaps, expected):
+    """Catches thresholds of another darkness, a negative, colours and depths taken wrongly."""
+    assert states(read_ros_map(written(picture, YAML, *swaps)), *THREE) == expected
+
+
+def test_shades_and_clear_pixels_of_a_scale_map_are_unknown_and_told():
+    """Catches a wall half as dark that is taken for one, and a loss that nobody hears of."""
+    picture = np.array([[(0, 0, 0, 255), (120, 120, 120, 255), (0, 0, 0, 0)]], np.uint8)
+    name = written(picture, YAML, ("negate: 0", "negate: 0\nmode: scale"))
+    with pytest.warns(UserWarning, match="1 cells have a shade between the thresholds"):
+        assert states(read_ros_map(name), *THREE) == [1, 0.5, 0.5]
+
+
+@pytest.mark.parametrize("degrees", [90, -30, 200])
+def test_a_yaw_turns_the_map_about_its_origin(degrees):
+    """Catches a turn the other way or about the centre, and a wall with holes in it."""
+    grid = np.full((12, 20), 254, np.uint8)
+    grid[3] = 0  # a wall, nine cells above the lowest row
+    yaw = float(np.radians(degrees))
+    name = written(grid, YAML, ("2.0, 0.0]", f"2.0, {yaw!r}]"))
+    with pytest.warns(UserWarning, match="turned by its yaw"):
+        found = read_ros_map(name)
+    along = np.stack([np.linspace(0.8, 9.2, 300), np.full(300, 4.25)], -1)
+    turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+    wall = along @ turn.T + (-1.0, 2.0)
+    seen = found.occupancy(wall)
+    assert (seen > 0.5).mean() > 0.7  # a point beside a border may lie in the next cell
+    free = (along - (0, 2)) @ turn.T + (-1.0, 2.0)
+    assert (found.occupancy(free) == 0).all()
+
+
+def test_a_map_with_a_comment_in_its_picture_lies_at_its_origin():
+    """Catches a size out of the comment, rows from the top, and a corner that is turned away."""
+    cells = np.full((80, 120), 254, np.uint8)
+    cells[[0, -1]], cells[:, [0, -1]], cells[20:40, 60] = 0, 0, 0
+    Path("it.pgm").write_bytes(b"P5\n# map_saver 0.050 m/pix\n120 80\n255\n" + cells.tobytes())
+    Path("it.yaml").write_text(
+        "image: it.pgm\nresolution: 0.05\norigin: [-1.0, -2.0, 0.3]\nnegate: 0\n"
+        "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    with pytest.warns(UserWarning, match="17.2 degrees"):
+        found = read_ros_map("it.yaml")
+    ends = np.array([(0.025, 0.025), (5.975, 0.025), (5.975, 3.975), (0.025, 3.975), (3.025, 2.5)])
+    free = np.array([(3.0, 1.0), (1.0, 3.5), (2.5, 2.5)])
+    origin = (-1.0, -2.0, 0.3)
+    assert (found.occupancy(transform(origin, ends)) == 1).all()
+    assert (found.occupancy(transform(origin, free)) == 0).all()
+    assert (found.occupancy(transform(origin, free + (6, 0))) == 0.5).all()
+
+
+def test_lists_quotes_comments_and_paths_are_those_of_yaml(tmp_path):
+    """Catches a YAML as another program writes it that is called nonsense."""
+    text = (
+        "%YAML 1.1\n---\nimage: 'it.png'   # the picture\nresolution: 5e-1\norigin:\n- -1.0\n"
+        "- 2.0\n- 0\nnegate: false\noccupied_thresh: 0.65\nfree_thresh: 0.196\nmode: trinary\n"
+    )
+    assert states(read_ros_map(written(ROW, text)), *THREE) == [0, 0.5, 1]
+    (tmp_path / "below").mkdir()
+    far = written(ROW, text, ("'it.png'", f'"{tmp_path}/it.png"'))
+    assert states(read_ros_map(far), *THREE) == [0, 0.5, 1]
+    other = written(ROW, text, ("'it.png'", "C:\\maps\\it.png"), ("negate: false\n", ""))
+    with pytest.warns(UserWarning, match=r"is not there: it\.png is"):
+        assert states(read_ros_map(other), *THREE) == [0, 0.5, 1]
+    for encoding in ("utf-8-sig", "utf-16"):
+        Path("it.yaml").write_bytes(text.removeprefix("%YAML 1.1\n---\n").encode(encoding))
+        assert is_ros_map("it.yaml") and states(read_ros_map("it.yaml"), *THREE) == [0, 0.5, 1]
+    assert is_ros_map("it.yaml") and not is_ros_map("it.png") and not is_ros_map("gone.yaml")
+
+
+@pytest.mark.parametrize(
+    ("swap", "said"),
+    [
+        (("resolution: 0.5", "resolution: 0"), "line 2: resolution must be a number from"),
+        (("resolution: 0.5", "resolution: nan"), "line 2: resolution must be a number from"),
+        (("resolution: 0.5\n", ""), "has no resolution"),
+        (("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]"), "line 3: origin must be [x, y, yaw]"),
+        (("-1.0, 2", "west, 2"), "line 3: origin must be a number"),
+        (("0.65", "65"), "line 5: occupied_thresh must be a number from 0 to 1, got '65'"),
+        (("0.196", "0.9"), "line 6: free_thresh must not be above occupied_thresh"),
+        (("negate: 0", "negate: perhaps"), "line 4: negate must be one of"),
+        (("negate: 0", "negate: 0\nmode: dual"), "line 5: mode must be one of trinary, scale, raw"),
+        (
+            ("it.png", "gone.png"),
+            "line 1: image is not there, neither gone.png nor beside the YAML",
+        ),
+        (("it.png", '"it'), "line 1: image has quotes that do not end"),
+        (("it.png", "it.yaml"), "is no picture that can be read"),
+    ],
+)
+def test_nonsense_is_told_by_its_line(swap, said):
+    """Catches a map of cells without a side, and a traceback of Pillow."""
+    with pytest.raises(LogError) as told:
+        read_ros_map(written(ROW, YAML, swap))
+    assert said in str(told.value)
+
+
+def test_a_picture_beyond_all_bounds_is_refused():
+    side = 1 << 13
+    for rows, told in ((side, nullcontext()), (side + 1, pytest.raises(LogError, match="8193"))):
+        with told:
+            read_ros_map(written(np.full((rows, side), 205, np.uint8)))
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (3, 5), (8, 8), (1, 70), (65, 2)])
+def test_a_grid_of_any_shape_is_itself_in_a_tree(shape):
+    """Catches a row or column that is lost where the sides are no powers of two."""
+    cells = np.random.default_rng(1).integers(0, 3, shape)
+    map = map_of_grid(cells, resolution=0.25, corner=(-3.0, 7.0))
+    rows, columns = np.indices(shape)
+    x, y = -3.0 + 0.25 * (columns + 0.5), 7.0 + 0.25 * (rows + 0.5)
+    found = map.occupancy(np.stack([x.ravel(), y.ravel()], -1)).reshape(shape)
+    assert np.array_equal(found, np.array([0.5, 0, 1])[cells])
+    map.insert_scan((0.0, 7.1), [(40.0, 7.1)])  # and it grows like any other
+    assert map.occupancy([(40.0, 7.1)]) == 1

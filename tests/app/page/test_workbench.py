@@ -1,0 +1,935 @@
+"""The workbench without a browser: what it runs, keeps, says and refuses."""
+
+import contextlib
+import itertools
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from dataclasses import replace
+from functools import partial
+from inspect import signature
+from pathlib import Path
+
+import alignment_logs as logs
+import bag_samples
+import ipywidgets as W
+import numpy as np
+import pytest
+from driven_panels import LOG
+from emulated import wait_for
+from log_samples import HOKUYO, NPZ, RAWSEEDS, SINGLE_FILES
+from programs import program
+from table_samples import PROGRAMS
+
+import segmap
+from segmap import Log, SegmentMap, alignment, exports, progress, readers, reduction
+from segmap.arrays import Metres, Radians, checked
+from segmap.display import facts
+from segmap.experiments import pareto
+from segmap.methods import Method
+from segmap.panels._base import VIEW
+from segmap.plotting import thumbnail
+from segmap.progress import announce
+from segmap_app import files
+from segmap_app.page import Workbench, _job, _shown
+from segmap_app.page._choices import Choice
+from segmap_app.page._job import Failed, Stopped, Worker
+from segmap_app.page._page import SAVES
+from segmap_app.page._source import OWN
+
+main = program("segmap")
+
+METHODS = {**alignment.METHODS, **reduction.METHODS}
+
+
+def bench(log=LOG, **chosen):
+    """A workbench that takes the true poses, which costs no time."""
+    made = Workbench(log)
+    made.align.value, made.method.value = "ground_truth", "fusion"
+    for name, value in chosen.items():
+        getattr(made, name).value = value
+    return made
+
+
+def done(**chosen):
+    made = bench(**chosen)
+    made.run()
+    return made
+
+
+# ------------------------------------------------------------------ what is run
+
+
+@pytest.mark.parametrize("kind", ["room", "malaga", "no truth", "no odometry", "beam times"])
+def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch, capsys):
+    """Catches another alignment, method or threshold by default in page or command, and Python
+    that cannot read the path."""
+    monkeypatch.chdir(tmp_path)
+    made = Workbench(segmap.load("room"))
+    if kind in ("room", "malaga"):
+        made.bundled.value = source = kind
+    else:
+        log = replace(LOG, truth=None) if kind != "beam times" else logs.moving_log()
+        if kind == "no odometry":
+            log = replace(log, scans=tuple(replace(scan, odometry=None) for scan in log))
+        exports.write_arrays(tmp_path / "it's.npz", log)
+        made.path.value = source = "it's.npz"
+        made.wait()
+    made.run()
+    assert main(["map", source, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert len(made.outcome.map) == told["extracted"]["segments"]
+    assert len(made.outcome.reductions[0]) == told["reduced"]["segments"]
+    assert made.outcome.alignment.method == told["aligned"]["method"]
+    assert ("de-skewed" in told) == (kind == "beam times")
+    assert made.outcome.recipe.prepare == {}
+    if kind != "malaga":  # which takes its time
+        exec(made.code, names := {})
+        assert np.array_equal(names["reduced"].segments, made.outcome.reductions[0].segments)
+    made.align.value = "odometry"
+    made.open(segmap.load("room"))
+    assert made.align.value == "odometry"  # what was chosen stays
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A folder that is there as long as the worker that reads in it."""
+    return tmp_path_factory.mktemp("place")
+
+
+#: Texts and bytes by the name of their format, as files of any name.
+FILES = SINGLE_FILES | {name: content for name, (content, *_) in PROGRAMS.items()}
+FILES["npz"] = NPZ
+
+
+def laid_out(name):
+    """The path of a log of this format, which is written here."""
+    if name in ("ros1", "db3", "mcap"):
+        (folder := Path(f"of {name}")).mkdir()
+        return bag_samples.write(folder, name)
+    path = Path(f"{name.replace(' ', '-')}.{'segmap' if name == 'session' else 'txt'}")
+    if name == "session":
+        log = replace(segmap.load("room")[:3], name=name)
+        files.write_session(path, files.Session(log, {}))
+    elif name in ("rawseeds", "numbered"):
+        path.mkdir()
+        numbered = {f"scan_{k}.txt": HOKUYO for k in (1, 2, 10)}
+        for file, text in (RAWSEEDS if name == "rawseeds" else numbered).items():
+            (path / file).write_text(text)
+    else:
+        content = FILES[name]
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+@pytest.mark.parametrize("name", [*FILES, "rawseeds", "numbered", "ros1", "db3", "mcap", "session"])
+def test_command_page_and_library_read_one_log(name, worker, place, monkeypatch):
+    """Catches a format that one of the three opens in another way, or not at all."""
+    monkeypatch.chdir(place)
+    path = laid_out(name)
+    wanted = readers.read(path)
+    page = bench()
+    page._worker = worker
+    page.path.value = str(path)
+    page.wait()
+    assert main(["convert", str(path), "-o", "told.npz", "-q"]) == 0
+    exports.write_arrays("wanted.npz", wanted)
+    exports.write_arrays("page.npz", page.log)
+    held = [dict(np.load(f"{kind}.npz")) for kind in ("wanted", "page", "told")]
+    assert page.log.name == wanted.name and page.log.assumed == wanted.assumed
+    for other in held[1:]:
+        assert {*other} == {*held[0]}
+        for key, value in held[0].items():
+            np.testing.assert_array_equal(other[key], value, err_msg=key)
+
+
+def test_scans_without_a_pose_of_their_own_are_left_out():
+    """Catches a map that holds scans at poses which are only carried on."""
+    truth = np.array(LOG.truth)
+    truth[0] = np.nan
+    made = bench(Log("gap", LOG.scans, truth))
+    made.align["missing"].value = "drop"
+    made.run()
+    assert set(made.outcome.map.scan) == set(range(1, len(LOG)))
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {},
+        {"extract": "extract_clusters", "least": 0.2, "second": "mean_shift"},
+        {"method": "hybrid", "align": "odometry", "people": 0.9},
+        {"method": "viewing_sector", "second": "weighted_line_fitting"},
+    ],
+)
+def test_the_same_in_python_makes_the_same(settings):
+    """Catches code that leaves a choice out, or rounds a threshold."""
+    made = bench(**settings)
+    for choice in (made.extract, made.method, made.second):
+        for entry in choice.controls.values():
+            if isinstance(entry, W.BoundedFloatText):
+                entry.value = entry.value * 1.07
+    made.run()
+    names = {"log": LOG}
+    exec(made.code, names)
+    found = [names["reduced"], names.get("other")]
+    assert np.array_equal(names["full"].segments, made.outcome.map.segments)
+    for mine, theirs in zip(found, made.outcome.reductions, strict=False):
+        assert np.array_equal(mine.segments, theirs.segments)
+    assert ("other" in names) == (len(made.outcome.reductions) == 2)
+    kept = [segmap.quality(names["full"], each) for each in filter(None, found)]
+    assert kept == made.outcome.qualities
+
+
+def test_what_is_known_is_not_done_again(monkeypatch):
+    """Catches an alignment that runs again for another threshold, one that is kept too long, a bar
+    that stands still in silence, and a row for a run that was not made."""
+    made, said = bench(), []
+    monkeypatch.setattr(made._bar, "tell", lambda share, words: said.append(words * (share < 1)))
+
+    def steps(choice=None, value=None):
+        if choice is not None:
+            choice.value = value
+        said.clear()
+        made.run()
+        return "".join(words[0] for words in said if " by " in words or words[:1] == "m")
+
+    assert steps() == "aerm"
+    begun = [word for word in said if not word.startswith(("loading compiled", "compiling once"))]
+    assert begun[0] == f"preparing {len(LOG)} scans"
+    assert steps() == "m" and steps(made.method["tolerance"], 0.08) == "rm"
+    first, (done,) = made.outcome.map, made.outcome.reductions
+    assert steps(made.second, "hybrid") == "rm" and made.outcome.reductions[0] is done
+    assert list(made.runs["method"]) == ["fusion", "fusion", "hybrid"]
+    assert steps(made.least, 0.5) == "rrm" and len(made.outcome.map) < len(first)
+    assert steps(made.extract["tolerance"], 0.2) == steps(made.people, 0.5) == "errm"
+    made.open(Log("other", LOG.scans[:3], LOG.truth[:3]))
+    assert steps() == "aerrm" and max(made.outcome.map.scan) == 2
+    first = made.outcome.map
+    assert steps(made.align, "odometry") == "aerrm"
+    assert not np.array_equal(made.outcome.map.segments, first.segments)
+    assert made.outcome.alignment.method == made.runs["alignment"].iloc[-1] == "odometry"
+
+
+def test_beams_with_times_are_carried_to_the_start_of_their_scan():
+    """Catches the map of the log as it was, a choice without effect, and code that leaves it."""
+    made = bench(logs.moving_log(), deskew=True)
+    made.align.value = "pose_graph"
+    made.run()
+    assert made.runs["align_thresholds"].iloc[-1] == "" and made.outcome.log is not made.log
+    assert made.outcome.alignment.doubt == ""
+    first = made.outcome
+    made.least.value = 0.3
+    made.run()
+    assert made.outcome.log is first.log and len(made.outcome.map) < len(first.map)
+    made.deskew.value = False
+    made.run()
+    assert "prepared(log, deskew=False)" in made.code and made.outcome.log is made.log
+    assert "the robot moved by more than the spacing" in made.verdict.value
+    made.open(LOG)
+    made.deskew.value = True
+    made.run()
+    assert "prepared(log)" in made.code and made.outcome.log is LOG
+
+
+# ------------------------------------------------------------------ controls
+
+
+#: What it was called with.
+GIVEN = []
+
+
+@checked
+def strange(map: SegmentMap, *, angle: Metres = 0.2, skew: Radians = np.radians(10)):
+    """A method that nobody knows; its names say the opposite of its units."""
+    GIVEN[:] = angle, skew
+    return reduction.fusion(map)
+
+
+def test_a_new_method_appears_by_itself(monkeypatch):
+    """Catches a list of methods beside METHODS, and a unit that is guessed from a name."""
+    method = Method(strange, "here", varies="angle")
+    monkeypatch.setitem(reduction.METHODS, "newest", method)
+    made = bench(method="newest")
+    assert "newest" in made.second.picker.options
+    slider, skew = made.method["angle"], made.method["skew"]
+    assert (slider.min, slider.max, slider.description) == (0.01, 2.0, "angle [m]")
+    assert (skew.value, skew.description) == (10.0, "skew [degrees]")
+    skew.value = 20
+    made.method.value, made.method.value = "hybrid", "newest"  # settings stay meanwhile
+    made.run()
+    assert [0.2, np.radians(20)] == GIVEN
+    exec(made.code, names := {"log": LOG})
+    assert [0.2, np.radians(20)] == GIVEN and len(names["reduced"])
+    assert "skew=np.radians(20)" in made.code
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_untouched_controls_are_the_defaults(name):
+    """Catches a default that its own control rounds, and a threshold that varies without slider."""
+    method = METHODS[name]
+    made = Choice("method", {name: (method.function, method.varies)}, name)
+    assert set(made.call().thresholds) == {*filter(None, [method.varies])}
+    sliders = [key for key, c in made.controls.items() if isinstance(c, W.FloatSlider)]
+    assert sliders == [*filter(None, [method.varies])] == list(made.controls)[: len(sliders)]
+    usual = signature(method.function).parameters
+    assert all(c.meant() == usual[key].default for key, c in made.controls.items())
+
+
+def test_thresholds_are_shown_where_they_are_asked_for():
+    """Catches settings of the function before, and a button for none."""
+    ways = {"none": None, "odometry": (alignment.odometry, ""), "fusion": (reduction.fusion, "")}
+    shown = []
+    choice = Choice("way", ways, "none")
+    for choice.value in ways:
+        names = [part.value if type(part) is W.Label else "" for part in choice._box.children]
+        shown.append((names[:1], choice.settings.layout.visibility))
+    assert shown == [([], "hidden"), (["no threshold"], "visible"), ([""], "visible")]
+    assert choice._box.layout.display == "none"
+    choice.settings.value = True
+    assert choice._box.layout.display == "flex"
+
+
+# ------------------------------------------------------------------ in a process of its own
+
+
+@pytest.fixture(scope="module")
+def worker():
+    """One for all tests: its start costs a second."""
+    made = Worker()
+    yield made
+    made.stop()
+
+
+def test_run_stop_and_failure_in_the_worker(worker, monkeypatch):
+    """Catches a stop that waits, a failed run that takes the good one away, a button that stays
+    disabled, and work that nobody can start again."""
+    made, watched = bench(), []
+    made._worker = worker
+    monkeypatch.setattr(made._bar, "watch", watched.append)
+
+    def click():
+        made.start.click()
+        made.wait()
+        wait_for(lambda: watched[-1:] == [made._thread])
+        assert not made.start.disabled
+
+    click()
+    assert made.state.value == f"{LOG.name}: done" and made.progress.value == made.progress.max
+    first, here = made.outcome, done()
+    assert np.array_equal(first.reductions[0].segments, here.outcome.reductions[0].segments)
+    made.method.value = "hybrid"
+    made.method["angle"].value = 0
+    click()
+    assert made.outcome is first and len(made.runs) == 1
+    assert refused(made).endswith(made.method.wrong.value)
+    assert made.method.wrong.value.startswith("angle must be")
+    assert made.state.value.endswith("The last good run is kept.")
+
+
+ENDLESS = """
+from segmap.compiled import compiled
+from segmap_app.page._job import Worker
+from segmap.progress import announce, told
+
+@compiled
+def turn(count: int) -> float:
+    total = 0.0
+    for k in range(count):
+        total += k % 7
+    return total
+
+def endless():
+    announce(0.0, str(turn(9)))  # compiled
+    turn(10**13)
+
+if __name__ == "__main__":
+    import endless
+    with told(lambda share, text: print(text, flush=True)):
+        Worker().do(endless.endless)
+"""
+
+
+def test_the_worker_ends_with_its_kernel(tmp_path):
+    """Catches work of many minutes that nobody waits for, and that nobody can stop."""
+    (tmp_path / "endless.py").write_text(ENDLESS)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True}
+    kernel = subprocess.Popen([sys.executable, "endless.py"], cwd=tmp_path, **pipes)
+    try:
+        assert kernel.stdout.readline() == b"22.0\n"
+        kernel.kill()
+        assert kernel.communicate(timeout=30) == (b"", b"")  # which the worker holds open too
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(kernel.pid, signal.SIGKILL)
+
+
+def hurry():
+    """Work of three kinds that takes no time."""
+    for words in "abc":
+        announce(0.0, words)
+
+
+def test_each_kind_of_work_is_told_at_once(worker):
+    said = []
+    with progress.told(lambda share, words: said.append(words)):
+        worker.do(hurry)
+    assert said == ["a", "b", "c"]
+
+
+class Unknown:
+    """Arrives nowhere, as what a notebook defines."""
+
+    def __reduce__(self):
+        return int, ("x",)
+
+
+def test_a_method_of_the_notebook_is_told_to_run_here(worker):
+    """Catches a worker that is out of step after what it could not take in."""
+    with pytest.raises(Failed, match="only this notebook defines"):
+        worker.do(lambda: 1)
+    with pytest.raises(Failed, match=r"invalid literal.*only this notebook defines"):
+        worker.do(facts, Unknown())
+    with pytest.raises(Failed, match="positional argument"):
+        worker.do(facts, LOG, LOG)
+
+
+def forever():
+    """Work with steps."""
+    for k in itertools.count():
+        announce(k % 100 / 100, f"step {k}")
+        time.sleep(0.001)
+
+
+@pytest.mark.parametrize(("work", "stays"), [(forever, True), (partial(time.sleep, 60), False)])
+def test_a_worker_is_stopped_at_once_and_begins_anew(worker, work, stays, monkeypatch):
+    """Catches a stop that waits for the work, or ends a worker that would have listened."""
+    monkeypatch.setattr(_job, "STEP_PATIENCE_S", 20 if stays else 0.3)  # a machine with much to do
+    worker.do(callable, forever)  # it has read this file now
+    process, ended = worker.start(), []
+
+    def wait():
+        with contextlib.suppress(Stopped):
+            worker.do(work)
+        ended.append(time.monotonic())
+
+    thread = threading.Thread(target=wait)
+    thread.start()
+    time.sleep(0.5)
+    begun = time.monotonic()
+    worker.stop()
+    thread.join(20)
+    assert ended[0] - begun < 5  # half a second, but for the load of the machine
+    assert (worker._process is process) or not stays
+    assert (worker._process is None) or stays
+    assert worker.do(print) is None
+
+
+def test_a_worker_that_dies_is_told_and_replaced(worker, monkeypatch):
+    """Catches a run that waits for ever for a process that the system has ended."""
+    process = worker.start()
+    process.kill(), process.wait()
+    with monkeypatch.context() as patch, pytest.raises(Failed, match="ended by itself"):
+        patch.setattr(worker, "start", lambda: process)  # it died only after it was asked for
+        worker.do(print)
+    assert worker.do(print) is None
+    assert worker._process is not process and process.stdin.closed and process.stdout.closed
+    kept = worker.start()
+    with pytest.raises(Failed, match="SystemExit: no room"):
+        worker.do(sys.exit, "no room")
+    assert worker.do(print) is None and worker.start() is kept
+    with pytest.raises(Failed, match="ended by itself"):
+        worker.do(os._exit, 3)
+
+
+@pytest.mark.slow
+def test_a_run_that_is_stopped_keeps_what_is_placed_and_says_so(worker, tmp_path, monkeypatch):
+    """Catches a stop that throws the map away, one that is taken for a whole map, a map that is
+    seen only at the end, and a next run that maps the part again."""
+    made, grown = bench(segmap.load("malaga"), align="pose_graph"), []
+    made._worker = worker
+    monkeypatch.setattr(worker, "grown", lambda *seen: grown.append(seen) or made._grown(*seen))
+    made.start.click()
+    wait_for(lambda: len(grown) > 1 or "solving" in made.state.value, 60)
+    assert made.canvas.growing and made.canvas.before == b"" and len(made.canvas.points) > 99
+    made.stop.click()
+    made.wait()
+    count = len(made.outcome.alignment)
+    words = f"stopped at scan {count} of 225"
+    assert 1 <= len(grown[0][0]) < count < 225 and len(grown[0][1]) > 99
+    assert made.state.value == f"malaga: {words}; Run maps all of it"
+    assert made.outcome.verdict.grade == "doubtful" and words in made.verdict.value
+    assert not made.canvas.growing and len(made.canvas.way) == 8 * count
+    assert not made.start.disabled and words in made.runs["align_thresholds"].iloc[-1]
+    exec(made.code, names := {"log": made.log})
+    assert np.array_equal(names["full"].segments, made.outcome.map.segments)
+    made.export(tmp_path / "it.segmap")
+    kept = files.read_session(tmp_path / "it.segmap").log
+    assert len(kept) == count and kept.causes[-1].words == words and kept.causes[-1].doubtful
+    monkeypatch.setattr(made.canvas, "save", lambda name, content: grown.append(name))
+    made.files.children[0].click()
+    assert grown[-1] == f"malaga-fusion-{words.replace(' ', '-')}.dxf"
+    made.method["tolerance"].value = 0.06
+    made.edits.square.value = True  # an edit is of what is kept
+    made.wait()
+    assert made.outcome.stopped == words
+    made.start.click()
+    made.wait()
+    assert len(made.outcome.alignment) == 225 and made.outcome.stopped == ""
+    assert words not in made.verdict.value
+
+
+def test_a_run_that_is_stopped_at_once_says_so(worker):
+    """Catches a stop that is taken for a failure, and a bar that stays where it was."""
+    made = bench(LOG, align="segment_icp")
+    made._worker = worker
+    made.stop.click()
+    made.start.click()
+    wait_for(lambda: not worker._idle.is_set() or not made._thread.is_alive(), 60)
+    worker.stop()
+    made.wait()
+    assert made.state.value in ("stopped", f"{LOG.name}: done") and not made.start.disabled
+    assert (made.outcome is None) == (made.state.value == "stopped")
+
+
+# ------------------------------------------------------------------ logs
+
+
+def test_an_uploaded_file_is_read(tmp_path, worker):
+    """Catches a name that leaves its folder, a piece that is lost or comes twice, and a file that
+    is no log taking the log away, or told with places and Python that its user does not know."""
+    exports.write_carmen(tmp_path / "a.log", LOG)
+    made, content = bench(), (tmp_path / "a.log").read_bytes() + b"FLASER 3 1\n"
+    made._worker = worker
+    upload(made, "../../etc/mine.log", content)
+    assert made.log.name == "mine" and len(made.log) == len(LOG)
+    assert "<b>mine</b> 5 scans" in made.about.value
+    assert "1 line left out; mine.log, line 7: announces" in made.about.value
+    assert made.state.value == "mine: ready to run"
+    asked = upload(made, "b.log", content, stop=True)
+    assert asked == [0, 700, -1] and made.log.name == "mine"
+    upload(made, "\0", b"no log\n")
+    assert made.log.name == "mine" and made._source.wrong.value.startswith(
+        "upload.log: is of no known format: it starts with &#x27;no log&#x27;. Known formats: "
+    )
+    upload(made, "b.log", b"FLASER 3 1\n")
+    reason = made._source.wrong.value
+    assert reason.startswith("b.log: holds no scan, expected a FLASER")
+    assert "damaged line 1: " in reason
+    assert "segmap" not in reason and tempfile.gettempdir() not in reason
+    assert reason in refused(made) and "segmap-wrong" in made.state._dom_classes
+    assert made.start.disabled, "the next run would map a log that nobody asks for any more"
+    upload(made, "mine.log", content)
+    assert not made.start.disabled and made._source.wrong.value == ""
+
+
+def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
+    """Catches a table that Python alone can read, one that is read unchosen, and lost choices."""
+    rows = "".join(f"{0.1 * (k // 9):.1f};{20 * (k % 9)};{500 + k}\n" for k in range(27))
+    made = bench()
+    made._worker = worker
+    upload(made, "it.csv", b"t;angle_deg;dist\n" + rows.encode())
+    table = made._source.columns
+    assert "the unit of &#x27;dist&#x27; is not said" in refused(made)
+    assert table.view.layout.display == "" and table.read.disabled
+    assert [kind.value for kind in table.kinds] == ["choose", "angle_deg", "choose"]
+    table.kinds[0].value, table.kinds[2].value = "time_s", "range_mm"
+    assert not table.read.disabled and table.first.layout.display == "none"
+    table.read.click()
+    made.wait()
+    assert len(made.log) == 3 and made.log.times == pytest.approx([0, 0.1, 0.2])
+    assert made.log[0].ranges.max() == pytest.approx(0.508)
+    names = "columns=['time_s', 'angle_deg', 'range_mm']"
+    assert (
+        made._source.expression == f"segmap.readers.read_csv('it.csv', {names}, on_error=\"skip\")"
+    )
+    upload(made, "wide.csv", "".join(f"{k},{'1.5,' * 180}2\n" for k in range(9)).encode())
+    assert [kind.value for kind in table.kinds] == ["choose"] and table.read.disabled
+    table.kinds[0].value, table.first.value, table.last.value = "ranges_m", "-91", "90"
+    table.read.click()
+    made.wait()
+    assert len(made.log) == 9 and np.degrees(made.log[0].angles[[0, -1]]) == pytest.approx(
+        [-91, 90]
+    )
+    made.bundled.value = "room"
+    assert table.view.layout.display == "none"
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("..", "cannot be the name"), ("n" * 300, f"{'n' * 40}&#x27; cannot be the name"),
+     ("\u00e9" * 128, "cannot be the name"), ("half \ud800", "half \\ud800: is of no known format"),
+     (".", "upload.log: is of no known format"), ("n" * 255, "is of no known format")],
+)  # fmt: skip
+def test_an_uploaded_name_that_is_none_is_told(name, words):
+    """Catches an exception that nobody sees, and the places of a server in what is said."""
+    made = bench()
+    assert upload(made, name, b"no log\n")[-1] == -1
+    assert words in refused(made) and tempfile.gettempdir() not in refused(made)
+    assert made.log is LOG
+
+
+@pytest.mark.parametrize("kind", ["db3", "mcap"])
+def test_an_uploaded_bag_is_read(kind, tmp_path, worker):
+    """Catches a file of ROS 2 that the page takes by its path only."""
+    path = bag_samples.write(tmp_path, kind) / f"it.{kind}"
+    made = bench()
+    made._worker = worker
+    upload(made, path.name, path.read_bytes())
+    wanted = readers.read(path)
+    assert len(made.log) == len(wanted) and made.log.times == pytest.approx(wanted.times)
+    assert made.log.odometry == pytest.approx(wanted.odometry, nan_ok=True)
+
+
+def test_the_size_of_an_upload_is_what_arrives(monkeypatch):
+    """Catches a page that says 1 byte and sends what fills the disk."""
+    monkeypatch.setattr("segmap_app.page._source.MOST_UPLOAD_BYTES", 1000)
+    made, piece = bench(), b"#" * 400
+    said = [made._source.take("a.log", 10**9, 0, piece)]
+    said += [made._source.take("a.log", 900, start, piece) for start in (0, 400, 800, 800)]
+    assert said == [-1, 400, 800, -1, -1]
+    assert "a.log has 0.0 MB: only a file up to" in refused(made)
+    assert made._source._folder == "" and made.log is LOG
+
+
+def refused(made):
+    """What stands in red on the page: each reason once."""
+    kinds = (made.align, made.extract, made.method, made.second, made.edits)
+    lines = [made.state, made._source.wrong, *(kind.wrong for kind in kinds)]
+    texts = [line.value for line in lines if line.value and "segmap-wrong" in line._dom_classes]
+    reasons = [text for text in texts if not text.startswith("refused: the reason stands in red")]
+    assert len(reasons) == 1 and (len(texts) == 1) == (texts == [made.state.value])
+    return "\n".join(texts)
+
+
+def test_a_file_that_is_stopped_while_it_is_read_was_not_refused(worker, tmp_path):
+    """Catches a line that says *stopped* beside the file, and one that points to a reason there."""
+    made = bench()
+    made._worker = worker
+    made._source._begin(time.sleep, (60,), print, made._source._refused)
+    wait_for(lambda: not made.stop.disabled)
+    made.stop.click()
+    made.wait()
+    assert made.state.value == "stopped" and made._source.wrong.value == ""
+    assert made.start.disabled and made.log is LOG
+
+
+def upload(made, name, content, piece=700, *, stop=False):
+    """What upload.js does, and where it was asked to go on."""
+    asked = [0]
+    made.upload.send = lambda said: asked.append(said["next"])
+    while asked[-1] >= 0:
+        said = {"name": name, "size": len(content), "start": asked[-1]}
+        part = memoryview(content[asked[-1] : asked[-1] + piece])
+        made.upload._handle_custom_msg(said, [part])
+        if stop:
+            made.stop.click()
+    made.wait()
+    return asked
+
+
+def test_a_path_that_is_none_is_told_and_the_log_kept():
+    made = bench()
+    made.path.value = "/nowhere/at.log"
+    made.wait()
+    assert "does not exist" in refused(made) and made.log is LOG
+    with pytest.raises(ValueError, match="source must be the path"):
+        made.open(3)
+    with pytest.raises(ValueError, match="must hold one scan at least"):
+        made.open(Log("empty", []))
+    with pytest.raises(ValueError, match="log must be a Log, got 'malaga'"):
+        Workbench("malaga")
+    assert made.start.disabled and made.bundled.value == OWN
+    made.files.children[0].click()
+    assert made.state.value == "there is no map yet: press Run (or call run()) first"
+
+
+def test_a_path_may_begin_at_home(tmp_path, monkeypatch, worker):
+    """Catches `~/my.log` that is sought in a folder of that name."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    exports.write_carmen(tmp_path / "my.log", LOG)
+    made = bench()
+    made._worker = worker
+    made.path.value = "~/my.log"
+    made.wait()
+    assert made.log.name == "my" and f"segmap.read('{tmp_path}/my.log'" in made._source.expression
+
+
+def test_a_row_of_all_runs_brings_that_run_back(tmp_path):
+    """Catches the map of one run with the choices or the log of another, and a row of a session
+    that promises what is not kept."""
+    made = done()
+    first = made.outcome
+    made.open(segmap.load("room"))
+    made.align.value, made.method.value = "odometry", "hybrid"
+    made.method["angle"].value = 7
+    made.run()
+    made.canvas._handle_custom_msg({"run": 0, "beside": True}, [])
+    assert made.canvas.titles[2:] == ["", "run 0, simulated: 4"] and made.log.name == "room"
+    assert len(made.canvas.other) == 16 * len(first.reductions[0])
+    made.canvas._handle_custom_msg({"run": 0, "beside": False}, [])
+    assert made.outcome is first and made.log is LOG and made.canvas.other == b""
+    assert (made.align.value, made.method.value) == ("ground_truth", "fusion")
+    assert made.state.value == f"{LOG.name}: done" and made.figures.value == _shown.left(first)
+    made.bring_back(1)
+    assert (made.log.name, made.method["angle"].value, len(made.runs)) == ("room", 7, 2)
+    made.export(tmp_path / "it.segmap")
+    made.open(tmp_path / "it.segmap")
+    made.canvas._handle_custom_msg({"run": 0, "beside": False}, [])
+    assert made.state.value.startswith("run 0: only its figures are kept")
+    assert "segmap-run" not in made.listed.value
+
+
+def test_each_edit_is_taken_back(worker):
+    """Catches an undo of two edits at once, and one that is itself undone."""
+    made = done()
+    made._worker = worker
+    assert made.undo.disabled
+    for crop in ("0 0 9 9", "0 0 5 5"):
+        made.edits.crop.value = crop
+        made.wait()
+    made.edits.square.value = True
+    made.wait()
+    for crop in ("0.0 0.0 5.0 5.0", "0.0 0.0 9.0 9.0", ""):
+        made.undo.click()
+        made.wait()
+        assert (made.edits.crop.value, made.edits.square.value) == (crop, False)
+        assert made.outcome.recipe.edits == made.edits.value()
+    assert made.undo.disabled and len(made.outcome.map) == len(done().outcome.map)
+
+
+def test_what_cannot_be_done_is_greyed_and_why_stands_beside_its_cause(worker):
+    """Catches a button that answers with a reproach, and a fault that is far from its entry."""
+    made = bench(method="hybrid")
+    made._worker = worker
+    needs = [*made.files.children, made.shown, made.tool, made.edits.drag, *made.layers.values()]
+    assert all(each.disabled for each in needs) and made.stop.disabled
+    assert not made.start.disabled
+    made.method["angle"].value = 0
+    made.start.click()
+    made.wait()
+    assert made.method.wrong.value.startswith("angle must be") and made.method.settings.value
+    assert made.align.wrong.value == made.second.wrong.value == made.edits.wrong.value == ""
+    made.method["angle"].value, made.edits.crop.value = 5, "<b>"
+    made.start.click()
+    assert made.edits.wrong.value.startswith("crop [m] must be like") and "<b>" not in str(
+        made.edits.wrong.value
+    )
+    seen = {made.start: [], made.stop: []}
+    for button, states in seen.items():  # the work may end before anybody looks
+        button.observe(lambda change, states=states: states.append(change.new), "disabled")
+    made.edits.crop.value = ""  # the map that waits to be reduced runs at once: no click
+    made.wait()
+    assert seen == {made.start: [True, False], made.stop: [False, True]}
+    assert made.method.wrong.value == made.edits.wrong.value == ""
+    assert "segmap-wrong" not in made.state._dom_classes
+    assert not any(each.disabled for each in needs) and made.stop.disabled
+
+
+def test_layers_and_what_is_measured(worker):
+    """Catches a layer of the map before, one that is made though nobody asks, and lost units."""
+    made = done()
+    made._worker, canvas = worker, made.canvas
+    assert canvas.layers == [] and canvas.points == canvas.free == b"" and canvas.unsaved
+    assert len(canvas.way) == 8 * len(LOG) and len(canvas.sure) == 4 * len(LOG)
+    for name in ("points", "grid", "free space"):
+        made.layers[name].value = True
+    made.wait()
+    assert canvas.layers == ["points", "free space", "grid"]
+    valid = sum(int(scan.valid.sum()) for scan in LOG)
+    assert len(canvas.points) == 8 * valid and len(canvas.free) > 12
+    x, y, side = np.frombuffer(canvas.free, np.float32).reshape(-1, 3).T
+    wide, high = canvas.size
+    assert min(side) >= 0.05 * (1 - 1e-6) and max(x + side) <= wide / 2 + 1
+    assert max(y + side) <= high / 2 + 1
+    for kind, words in (("distance", "2.500 m"), ("area", "2.500 m\u00b2")):
+        canvas._handle_custom_msg({"measured": kind, "size": 2.5}, [])
+        assert made.chosen.value == words
+    made.second.value = "hybrid"
+    made.run()
+    assert canvas.points != b"", "another map has its own"
+
+
+def headings(page):
+    """What stands above the steps of a page."""
+    texts = [getattr(each, "value", "") for each in page._view.children[1].children]
+    return [re.sub("<.*?>", "", text) for text in texts if str(text).startswith("<h2")]
+
+
+def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path, monkeypatch):
+    """Catches a name that goes to another room, a picture that keeps the old one, a lost area.
+
+    And a doubt that knows no names, or takes one for HTML; a file of segments where the plan is
+    seen, and of the plan where it is not.
+    """
+    made = bench(segmap.load("room"))
+    made.run()
+    made._worker, rooms = worker, made.rooms
+    assert not rooms.box.children and not rooms.switch.disabled
+    rooms.switch.value = True
+    made.wait()
+    total, doubt = rooms.total.value.split("; ")
+    assert total == "3 rooms of 46.7 m\u00b2, 2 doors"
+    assert doubt == "free space ends where nothing was seen, and may go on: room 1 (11.7 m)"
+    assert sum(float(each.description.split()[0]) for each in rooms.names.children) == (
+        pytest.approx(46.7, abs=0.15)
+    )
+    before = bytes(rooms.picture.value)
+    rooms.names.children[1].value = "hall"
+    rooms.names.children[1].value = "the hall <b>$x"
+    assert before.startswith(b"\x89PNG") and bytes(rooms.picture.value) != before
+    sent = []
+    monkeypatch.setattr(made.canvas, "save", lambda *given: sent.append(given))
+    for shown, name in ((True, "room-plan.csv"), (False, "room-fusion.csv")):
+        rooms.switch.value = shown
+        made.wait()
+        made.files.children[[*SAVES].index("Table (CSV)")].click()
+        assert sent[-1][0] == name
+        assert (
+            (b"hall <b>$x" in sent[-1][1]) == shown == (headings(made)[6] == "Save the floor plan")
+        )
+    assert headings(made)[6] == "Save the first result"
+    made.export(tmp_path / "it.segmap")
+    ((*_, name),) = files.read_session(tmp_path / "it.segmap").edits["rooms"]
+    other = Workbench()
+    other.open(tmp_path / "it.segmap")
+    other.run()
+    other._worker, other.rooms.switch.value = worker, True
+    other.wait()
+    assert [each.value for each in other.rooms.names.children] == ["room 1", name, "room 3"]
+    other.rooms.names.children[0].value = "<i>"
+    assert other.rooms.total.value.endswith("may go on: &lt;i&gt; (11.7 m)")
+    other.run()
+    assert not other.rooms.switch.value and not other.rooms.box.children
+    files.write_session(tmp_path / "no.segmap", files.Session(LOG, {}, edits={"rooms": [[1]]}))
+    with pytest.raises(ValueError):
+        other.open(tmp_path / "no.segmap")
+
+
+def test_another_log_while_one_is_worked_on():
+    """Catches the map of one log shown as that of another, or kept for its next run."""
+    made = bench()
+    outcome = done().outcome
+    other = Log("other", LOG.scans[:3], LOG.truth[:3])
+    made.open(other)
+    made._show(LOG, outcome)
+    assert list(made.runs["map"]) == [LOG.name] and repr(made).startswith(f"Workbench({LOG.name}:")
+    made.run()
+    assert made.outcome.map.scan.max() == 2
+
+
+# ------------------------------------------------------------------ what is seen
+
+
+@pytest.fixture(scope="module")
+def both():
+    """A run of two methods."""
+    return done(second="basic_online")
+
+
+def test_a_segment_that_is_pointed_at_shows_its_members(both):
+    """Catches members of the other method, and rows of the output for rows of the map."""
+    outcome = both.outcome
+    for which, index in ((0, 2), (1, 1)):
+        rows = outcome.reductions[which].members(index)
+        scans = {*outcome.map.scan[rows]}
+        both.canvas.set_state({"pointed": [which, index]})
+        assert both.canvas.members == rows.tolist() and len(rows) > len(scans)
+        assert np.array_equal(both.point(index, which), outcome.map.segments[rows])
+        assert f"segment {index}: " in both.chosen.value
+        assert f"made of {len(rows)} segments of {len(scans)} scans" in both.chosen.value
+    both.canvas.set_state({"pointed": [-1, -1]})
+    assert both.canvas.members == [] and both.chosen.value == ""
+
+
+def test_what_cannot_be_pointed_at_is_told(both):
+    """Catches an exception that nobody sees: a message that comes after another run."""
+    both.canvas.set_state({"pointed": [0, 9999]})
+    assert "index must be" in both.state.value
+    with pytest.raises(ValueError, match="which must be"):
+        both.point(0, 2)
+    with pytest.raises(ValueError, match="no map yet"):
+        bench().point(0)
+
+
+def test_a_map_without_a_wall_is_refused_with_its_verdict():
+    """Catches a run that ends with a hint about the extraction where no scan was placed."""
+    bench = Workbench(Log("dark", [replace(s, ranges=np.full(len(s), np.inf)) for s in LOG]))
+    bench.align.value = "odometry"
+    with (
+        pytest.warns(UserWarning, match="is empty"),
+        pytest.raises(ValueError, match=r"NOT A MAP: .* no wall found; no segment is left"),
+    ):
+        bench.run()
+    assert bench.verdict.value == ""
+
+
+def test_the_page_holds_what_came_of_it(both):
+    """Catches a result in the place of another, rows that experiments cannot compare, and a run
+    that asks for loops where there is no graph."""
+    outcome, rows, canvas, found = both.outcome, both.runs, both.canvas, both.outcome.reductions
+    assert (
+        both.verdict.value == _shown.verdict_html(outcome) and outcome.verdict.doubled is not None
+    )
+    assert both.figures.value == _shown.left(outcome)
+    assert both.listed.value == _shown.runs_table(rows.to_dict("records"), {0, 1})
+    assert both.listing.value == _shown.code(both.code)
+    assert both.extracted.value == f"{len(outcome.map)} segments of {len(LOG)} scans"
+    shown = [len(each) for each in (canvas.before, canvas.first, canvas.second)]
+    assert shown == [16 * len(each) for each in (outcome.map, *found)]
+    assert canvas.titles == _shown.titles(outcome) and both.loops.open.layout.display == "none"
+    assert list(rows["method"]) == ["fusion", "basic_online"]
+    assert list(rows["n_after"]) == [len(each) for each in found]
+    assert list(rows["quality"]) == [round(kept, 9) for kept in outcome.qualities]
+    gone = [round(segmap.reduction_rate(outcome.map, each), 9) for each in found]
+    assert list(rows["reduction"]) == gone
+    assert set(rows["verdict"]) == {"good"} and set(rows["placed"]) == {len(LOG)}
+    assert set(pareto(rows)["method"]) <= {"fusion", "basic_online"}
+    assert list(Workbench(LOG).runs.columns) == list(rows.columns)
+
+
+def test_it_is_shown_without_a_kernel(both):
+    """Catches an empty page of a chapter that was exported, or that nobody trusts yet."""
+    bundle = both._repr_mimebundle_()
+    assert bundle["image/png"].startswith(b"\x89PNG") and bundle["text/plain"] == repr(both)
+    assert bundle[VIEW]["model_id"] == both._view.model_id
+    fresh = Workbench(LOG)
+    assert fresh._repr_mimebundle_()["image/png"] == thumbnail(LOG)
+    assert repr(fresh) == f"Workbench({LOG.name}: not run yet)"
+    assert "fusion leaves" in repr(both) and "basic_online leaves" in repr(both)
+
+
+def test_without_anywidget_there_is_a_picture(monkeypatch):
+    """Catches a workbench that needs the canvas to run at all."""
+    monkeypatch.setitem(__import__("sys").modules, "segmap_app.page._browser", None)
+    made = done()
+    assert made.canvas is None and bytes(made.picture.value).startswith(b"\x89PNG")
+    assert len(made.point(0)) and made.picture in made._view.children[2].children
+
+
+@pytest.mark.parametrize(("name", "end"), SAVES.items())
+def test_the_browser_gets_the_result_in_every_format(both, name, end, tmp_path, monkeypatch):
+    """Catches a button of another format, and one that writes the map before."""
+    sent, found = [], both.outcome.reductions
+    monkeypatch.setattr(both._worker, "do", lambda function, *given: function(*given))
+    monkeypatch.setattr(type(both.canvas), "save", lambda self, *given: sent.append(given))
+    (button,) = (b for b in both.files.children if b.description == name)
+    button.click()
+    both.wait()
+    both.export(tmp_path / f"simulated-fusion{end}")
+    files = sorted(tmp_path.iterdir())
+    assert len(files) == (2 if end == ".yaml" else 1)
+    assert sent == [(path.name, path.read_bytes()) for path in files]
+    both.export(tmp_path / "map.npz")
+    assert len(readers.read_segments(tmp_path / "map.npz")) == len(found[0])
+    if end == ".csv":
+        both.export(tmp_path / f"other{end}", which=1)
+        for name, reduced in zip(("simulated-fusion", "other"), found, strict=True):
+            read = readers.read_segments(tmp_path / f"{name}{end}")
+            assert np.array_equal(read.segments, reduced.segments)

@@ -1,0 +1,289 @@
+"""The emulated sensor by itself: what it answers to which bytes, by the manual, with our clock."""
+
+import numpy as np
+import pytest
+from emulated import Wired, far_pattern, needs_terminals, open_files, pattern
+from scip import replies, reply, scan_lines
+
+from segmap.sensors import SensorError, UrgSensor, decode, parse_scan
+from segmap.sensors.emulator import Emulator, Replay, Room, Unit, furnished_room
+from segmap.simulation import URG_04LX, rectangular_room
+
+UST = {"model": "UST-10LX"}
+
+
+class Bench:
+    """A unit without a wire, and the clock that it goes by."""
+
+    def __init__(self, world=pattern, **settings):
+        self.now = 0.0
+        self.unit = Unit(world, clock=lambda: self.now, **settings)
+        self.now = 1.0
+
+    def says(self, text, seconds=0.0):
+        """What it sends to a request within some seconds, looked at every hundredth."""
+        self.unit.receive(text.encode() + b"\n")
+        said = self.unit.transmit()
+        for _ in range(round(seconds * 100)):
+            self.now += 0.01
+            said += self.unit.transmit()
+        return said
+
+    def status(self, text, seconds=0.0):
+        (found,) = replies(self.says(text, seconds))
+        return found.status
+
+
+@pytest.mark.parametrize(
+    ("said", "statuses"),
+    [
+        ("GD0044072501", "10"),
+        ("BM BM GD0044072501", "00 02 00"),
+        ("GD0044076901", "04"),
+        ("GD0725004401", "05"),
+        ("GD00x4072501", "01"),
+        ("GD0044", "0C"),
+        ("MD0044076901000", "04"),
+        ("TM0 TM0 VV QT TM2 TM2 VV", "00 02 0E 0E 00 03 00"),
+        ("TM1 TM7", "04 01"),
+        ("SS01920x SS000001 SS019200 SS115200", "01 02 03 00"),
+        ("QT QT XX CR00 VV PP II", "00 00 0E 03 00 00 00"),
+        ("BM TM0 TM2 GD0044072501", "00 00 00 10"),
+        ("BM RS GD0044072501", "00 00 10"),
+        ("HS0 HS1", "0C 0C"),
+    ],
+)
+def test_statuses_of_the_manual(said, statuses):
+    """Catches an emulator that is more forgiving than the sensor."""
+    bench = Bench()
+    assert [bench.status(text, 0.2) for text in said.split()] == statuses.split()
+
+
+def test_a_scan_byte_by_byte():
+    """2134 bytes with their echo; the turn that was finished last, its stamp, every step of it.
+
+    At 19200 bit/s they take 1.1 s.
+    """
+    bench = Bench(stamp=5000)
+    bench.says("BM")
+    said = bench.says("GD0044072501", 0.2)
+    assert len(said) == 2134
+    (reply,) = replies(said)
+    met = parse_scan(reply.body, 3)
+    turn = (met.clock - 5000) // 100
+    assert met.clock % 100 == 0
+    assert turn in (9, 10)
+    assert (met.millimetres == pattern(turn)[44:726]).all()
+    slow = Bench(usb=False, rate=19200)
+    slow.says("BM", 0.1)
+    said = slow.says("GD0044072501", 0.8)
+    assert 0 < len(said) < 1600
+    assert len(said + slow.says("", 0.5)) == 2134
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds", "left", "gap"),
+    [("MD0044072501003", 1.0, ["02", "01", "00"], 100), ("MS0044072501100", 1.05, ["00"] * 5, 200)],
+)
+def test_a_stream(text, seconds, left, gap):
+    """Catches a count that is not what is left, and a laser that stays on after the last."""
+    bench = Bench()
+    first, *scans = replies(bench.says(text, seconds))
+    assert (first.echo, first.status) == (text, "00")
+    assert [scan.echo for scan in scans] == [text[:-2] + count for count in left]
+    assert {scan.status for scan in scans} == {"99"}
+    clocks = [parse_scan(scan.body, 3 if text[1] == "D" else 2).clock for scan in scans]
+    assert set(np.diff(clocks)) == {gap}
+    assert bench.unit.laser == (gap == 200), "the second one goes on until QT"
+    assert bench.status("QT") == "00" and not bench.unit.laser
+    assert bench.says("", 0.5) == b""
+
+
+def test_clusters_give_the_nearest():
+    """Catches the largest or the first of a group, and an error that hides a distance."""
+
+    def world(turn):
+        steps = pattern(turn)
+        steps[44:50] = 900, 7, 300, 19, 7, 19
+        return steps
+
+    bench = Bench(world)
+    bench.says("BM")
+    (reply,) = replies(bench.says("GD0044004903", 0.2))
+    assert parse_scan(reply.body, 3).millimetres.tolist() == [300, 19]
+
+
+def test_its_clock_wraps_and_is_of_its_own_seconds():
+    """Catches a wrap that comes hours later, or has been; ten times faster has stamps as ever."""
+    bench = Bench(stamp=2**24 - 500)
+    bench.says("TM0")
+    told = []
+    for _ in range(2):
+        (reply,) = replies(bench.says("TM1", 1.0))
+        told.append(int(decode(reply.body[0][:-1], 4)[0]))
+    assert told == [400, 1400]
+    soon, fast = Bench(), Bench(speed=10.0)
+    soon.now = 30.0
+    soon.unit.wrap_clock()
+    stamps = []
+    for bench, seconds in ((soon, 0.8), (fast, 0.2)):
+        _, *scans = replies(bench.says("MD0044072501000", seconds))
+        stamps.append([parse_scan(scan.body, 3).clock for scan in scans])
+    assert stamps[0][0] > 2**24 - 1000 and stamps[0][-1] < 1000
+    assert len(stamps[1]) >= 18 and set(np.diff(stamps[1])) == {100}
+
+
+@pytest.mark.parametrize("command", ["ME0044072501000", "HD0044072501", "%ST"])
+def test_some_commands_wedge_it(command):
+    """Catches an emulator that lets a driver do what puts a real unit out of order."""
+    bench = Bench()
+    bench.says("MD0044072501000", 0.3)
+    assert bench.says(command, 0.5) == b""
+    assert bench.says("VV", 0.5) == b""
+    assert bench.unit.dead
+
+
+def test_the_old_protocol():
+    bench = Bench(lambda turn: np.minimum(pattern(turn) + 400, 5000), protocol="1.1")
+    assert bench.says("VV") == b"VV\nE\n\n"
+    assert bench.says("QT") == b"QT\nE\n\n"
+    assert bench.says("V").startswith(b"V\n0\nVEND:")
+    for text, status in (("L1", "E"), ("L0", "0"), ("L1", "0")):
+        assert bench.says(text) == f"{text}\n{status}\n\n".encode()
+    echo, status, *lines = bench.says("G00076801").strip(b"\n").split(b"\n")
+    assert (echo, status) == (b"G00076801", b"0")
+    met = decode(b"".join(lines), 2)
+    assert len(met) == 769
+    assert met.max() <= 4095
+    assert bench.says("SCIP2.0") == b"SCIP2.0\n0\n\n"
+    assert not bench.unit.laser
+    assert bench.status("VV") == "00"
+    assert Bench(protocol="1.1 only").says("SCIP2.0") == b"SCIP2.0\nE\n\n"
+
+
+def test_a_long_line_is_forgotten():
+    """Catches a buffer that grows with what is never a request."""
+    bench = Bench()
+    for _ in range(100):
+        bench.unit.receive(b"x" * 1000)
+    kept = [held for held in vars(bench.unit).values() if isinstance(held, bytes | bytearray)]
+    assert max(map(len, kept)) <= 80
+    assert replies(bench.says(""))[0].status == "0E"
+    assert bench.status("VV") == "00"
+
+
+# ---------------------------------------------------------------------------- worlds
+def test_a_room_is_driven_through_there_and_back():
+    path = [(1.0, 1.0, 0.0), (1.5, 1.0, 0.0), (2.0, 1.0, 0.0)]
+    room = Room(rectangular_room(4, 3), path, URG_04LX.ideal())
+    turns = [room(turn) for turn in range(6)]
+    assert [int(steps[384]) for steps in turns] == [3000, 2500, 2000, 2500, 3000, 2500]
+    assert turns[0][384 + 256] == 2000  # step 640 looks left: the wall at y = 3
+    assert len(turns[0]) == 769
+    assert (np.delete(turns[0], np.s_[44:726]) == 19).all(), "steps that are not measured"
+    with pytest.raises(ValueError, match="path must hold at least one pose"):
+        Room(rectangular_room(4, 3), [])
+    first, again = furnished_room(), furnished_room()
+    assert all((first(turn) == again(turn)).all() for turn in range(5))
+
+
+def test_a_replay_gives_one_turn_after_the_other():
+    """Catches a replay that stands still, one that ends, and replies that are no scan."""
+    turns = [np.arange(met, met + 5) for met in (500, 600, 0)]  # codes too
+    sent = b"".join(reply("GD0380038401", "00", scan_lines(0, met)) for met in turns)
+    others = b"VV\n00P\nVEND:x;0\nPROD:y;0\nFIRM:z;0\n\nGD0380038401\n10Q\n\n"
+    replay = Replay(others + sent)
+    assert [replay(turn)[380:385].tolist() for turn in range(4)] == [
+        turns[k].tolist() for k in (0, 1, 2, 0)
+    ]
+    sent_far = reply("GD0000108001", "00", scan_lines(0, far_pattern(1)))
+    assert (Replay(sent_far, **UST)(0) == far_pattern(1)).all()
+    with pytest.raises(SensorError, match="more than 769 steps"):
+        Replay(sent_far)
+    with pytest.raises(SensorError, match="no scan"):
+        Replay(b"VV\n00P\n\n")
+    with pytest.raises(SensorError, match="check sum"):
+        Replay(sent.replace(b"7d", b"7e", 1))
+
+
+# ------------------------------------------------------------------------------ wire
+def test_a_fault_of_the_wire_spoils_one_byte():
+    """Catches a flipped bit that takes the next byte with it, and a fault at another place."""
+    port, sent = Wired(), b"BM\n00P\n\n"
+
+    def says(kind, at):
+        port.plan(kind, at)
+        port.write(b"BM\nQT\n")
+        return port.read(port.in_waiting)[: len(sent)]
+
+    changed = [a ^ b for a, b in zip(says("flip", 2), sent, strict=True)]
+    assert changed[2].bit_count() == 1 and not any(changed[:2] + changed[3:])
+    assert says("lose", 4) == sent[:4] + sent[5:] + b"Q"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"protocol": "3"}, "protocol must be one of"),
+        ({"protocol": "1.1"} | UST, "protocol must be one of"),
+        ({"model": "UST-99"}, "model must be one of"),
+        ({"rate": 9600}, "rate must be one of"),
+        ({"world": Room(rectangular_room(4, 3), [(1, 1, 0)])} | UST, "model must be 'URG-04LX'"),
+        ({"tcp": "0", "usb": False}, "tcp goes with neither"),
+        *(({"tcp": w}, "tcp must be") for w in ("", "x", "1:", "99999", "::1:0", "\u0661")),
+    ],
+)
+def test_emulators_that_cannot_be(wrong, message):
+    with pytest.raises(ValueError, match=message):
+        Emulator(**({"world": pattern} | wrong))
+    with Emulator(pattern, tcp="0") as it, pytest.raises(ValueError, match=r"'flip'.*'wrap'"):
+        it.inject("burn")
+
+
+WRONG_WORLDS = [(lambda turn: "two", "two"), (lambda turn: np.ones(5), r"\(769,\)")]
+
+
+@pytest.mark.parametrize(("world", "message"), WRONG_WORLDS)
+def test_a_world_that_gives_no_scan_is_named_at_its_first(world, message):
+    """Catches an exception that ends in a thread, where nobody sees why the sensor is silent."""
+    with (
+        pytest.raises(ValueError, match=f"world must .*{message}"),
+        Emulator(world, tcp="0", speed=10.0) as emulator,
+        UrgSensor(emulator.port) as sensor,
+    ):
+        sensor.scan()
+    emulator.stop()
+    old = Bench(world, protocol="1.1")
+    with pytest.raises(ValueError, match=f"world must .*{message}"):
+        old.says("G00000001")
+
+
+@needs_terminals
+def test_a_link_replaces_links_only(tmp_path):
+    """Catches a mistyped link that removes a log of the user's, and ends left open by a failure."""
+    mine = tmp_path / "mine.log"
+    mine.write_text("scans")
+    before = open_files()
+    for link in (mine, tmp_path / "none" / "laser"):
+        with pytest.raises(OSError, match=link.name):
+            Emulator(pattern, link=link)
+    assert mine.read_text() == "scans"
+    assert open_files() == before
+    stale = tmp_path / "laser"
+    stale.symlink_to(tmp_path / "gone")
+    with Emulator(pattern, link=stale) as emulator:
+        assert stale.resolve().exists()
+        assert emulator.port == str(stale)
+    assert not stale.is_symlink()
+
+
+@pytest.mark.parametrize("begun", [0.0, 7.3])
+def test_a_unit_left_streaming_sends_its_first_turn_once_that_is_over(begun):
+    """Catches a turn that is sent before the mirror has gone round."""
+    now = begun
+    unit = Unit(pattern, clock=lambda: now, streaming=True)
+    assert unit.laser and unit.transmit() == b""
+    now = begun + 0.9 * unit.model.turn
+    assert unit.transmit() == b""
+    now = begun + 1.1 * unit.model.turn
+    assert unit.transmit().startswith(b"MD")

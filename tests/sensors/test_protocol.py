@@ -1,0 +1,355 @@
+"""SCIP as bytes: coding, sums, whole captures there and back, and what damage does."""
+
+import contextlib
+import itertools
+
+import numpy as np
+import pytest
+from emulated import capture
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from segmap.sensors import SensorError, checksum, decode, encode, parse_scan
+from segmap.sensors._connect import switch_off
+from segmap.sensors._geometry import laser_scan, parse_geometry, request_for
+from segmap.sensors._host import HostClock
+from segmap.sensors._lines import Lines
+from segmap.sensors._protocol import (
+    Measurement,
+    ScanRequest,
+    blocks,
+    encode_info,
+    encode_reply,
+    encode_scan,
+    parse_info,
+    parse_reply,
+    parse_request,
+)
+
+FROM, TO = "urg04lx-from-sensor.scip.gz", "urg04lx-to-sensor.scip.gz"
+
+
+# ---------------------------------------------------------------------------- coding
+def test_numbers_and_sums_of_the_manual():
+    """Catches groups of six bits in the wrong order, another zero, and another mask."""
+    texts = {1234: b"CB", 5432: b"1Dh", 16_000_000: b"m2@0", 19: b"0C", 4095: b"oo"}
+    for value, text in (*texts.items(), (19, b"00C")):
+        assert encode(value, len(text)) == text
+        assert decode(text, len(text)) == [value]
+    for line in (b"00P", b"01Q", b"02R", b"03S", b"10Q", b"99b", b"0Aa", b"0Ii"):
+        assert checksum(line[:2]) == line[2:]
+    for value in (-1, 4096):
+        with pytest.raises(ValueError, match="2 characters, 0 to 4095"):
+            encode(value, 2)
+
+
+@given(st.integers(2, 4), st.integers(0, 200), st.integers(0, 999))
+def test_numbers_there_and_back(characters, count, seed):
+    values = np.random.default_rng(seed).integers(0, 64**characters, count).tolist()
+    text = encode(values, characters)
+    assert len(text) == characters * len(values)
+    assert decode(text, characters).tolist() == values
+
+
+@given(st.integers(0, 2**24 - 1), st.integers(0, 800), st.integers(0, 999))
+def test_scans_there_and_back(clock, count, seed):
+    """Catches values that are cut at the border of a block: 64 is no multiple of 3.
+
+    What two or three characters cannot hold is cut, and a clock beyond its 24 bits wraps.
+    """
+    millimetres = np.random.default_rng(seed).integers(0, 5600, count)
+    for characters in (2, 3):
+        met = parse_scan(encode_scan(clock + 2**24, millimetres, characters), characters)
+        assert met.clock == clock
+        most = 64**characters - 1
+        assert met.millimetres.tolist() == np.minimum(millimetres, most).tolist()
+    assert parse_scan(encode_scan(0, [2**18], 3), 3).millimetres.tolist() == [2**18 - 1]
+
+
+@given(
+    st.sampled_from(["GD", "GS", "MD", "MS"]),
+    *(st.integers(0, most) for most in (768, 768, 99, 9, 99)),
+)
+def test_requests_there_and_back(kind, first, last, cluster, skip, scans):
+    streams = kind[0] == "M"
+    request = ScanRequest(kind, first, last, cluster, skip * streams, scans * streams)
+    assert parse_request(request.text) == request
+    assert ScanRequest("MD", 44, 725).text == "MD0044072501000", "every turn, without an end"
+
+
+def test_other_texts_are_no_requests():
+    for text in ("", "GD", "GD004407250", "GD00440725011", "MD0044072501", "XD0044072501"):
+        with pytest.raises(SensorError, match="is no request for scans"):
+            parse_request(text)
+
+
+# -------------------------------------------------------------------------- captures
+def replies_of(data: bytes) -> list[list[bytes]]:
+    return [reply.strip(b"\n").split(b"\n") for reply in data.split(b"\n\n") if reply.strip(b"\n")]
+
+
+def test_the_capture_byte_by_byte():
+    """Every reply of the sensor is parsed, its sums seen to, and written again the same."""
+    data = capture(FROM)
+    first, rest = data.split(b"SCIP2.0\n0\n\n")
+    assert first.startswith(b"V\n0\nVEND:")
+    scans, again = 0, b""
+    for lines in replies_of(rest):
+        reply = parse_reply(lines)
+        body = list(reply.body)
+        if reply.echo.startswith("GD"):
+            met = parse_scan(body, 3)
+            assert len(met.millimetres) == parse_request(reply.echo).beams == 677
+            body, scans = encode_scan(met.clock, met.millimetres, 3), scans + 1
+        elif body:
+            body = encode_info(parse_info(body))
+        again += encode_reply(reply.echo, reply.status, body)
+    assert scans == 121
+    assert again == rest
+
+
+def test_the_old_and_the_streamed_capture():
+    """Six scans of SCIP 1.1, whose ends are not measured, and one of MS: written again the same.
+
+    The host of the long capture asked as we do.
+    """
+    replies = replies_of(capture("urg04lx-scip1.scip"))
+    assert len(replies) == 6
+    again = b""
+    for echo, status, *lines in replies:
+        met = decode(b"".join(lines), 2)
+        assert (echo, status, len(met)) == (b"G00076801", b"0", 769)
+        assert (met[:44] == 19).all()
+        again += encode_reply("G00076801", "0", blocks(encode(met, 2)), old=True)
+    assert again == capture("urg04lx-scip1.scip")
+    data = capture("urg04lx-ms-2char.scip")
+    reply = parse_reply(replies_of(data)[0])
+    met = parse_scan(reply.body, 2)
+    assert (reply.status, len(met.millimetres)) == ("99", parse_request(reply.echo).beams)
+    assert encode_reply(reply.echo, "99", encode_scan(*met, 2)) == data
+    said = {line.decode() for line in capture(TO).split(b"\n") if line}
+    ours = {ScanRequest("GD", 46, 722).text, "VV", "PP", "II", "BM", "SCIP2.0"}
+    assert ours <= said and said - ours == {"V", "CR00", "HS0"}
+
+
+# ---------------------------------------------------------------------------- damage
+WHOLE = encode_scan(6968830, 20 + np.arange(682) * 7 % 4000, 3)
+
+
+@settings(max_examples=150)
+@given(st.integers(0, 2113), st.integers(0, 7))
+def test_no_flipped_bit_passes(at, bit):
+    """Catches a sum that is not looked at, or characters that are not: bits 6 and 7 keep sums."""
+    text = bytearray(b"\n".join(WHOLE))
+    text[at % len(text)] ^= 1 << bit
+    with pytest.raises(SensorError):
+        assert len(parse_scan(bytes(text).split(b"\n"), 3).millimetres) != 682
+
+
+@pytest.mark.parametrize("characters", [2, 3])
+def test_no_lost_byte_passes(characters):
+    """Catches blocks of any length: a lost "@" leaves the sum, a lost end of line joins blocks."""
+    met = np.full(682, 1024)
+    text = b"\n".join(encode_scan(0, met, characters))
+    for at in range(len(text)):
+        with pytest.raises(SensorError):
+            parse_scan((text[:at] + text[at + 1 :]).split(b"\n"), characters)
+
+
+@pytest.mark.parametrize("length", [63, 66, 129])
+def test_blocks_of_another_length_are_refused(length):
+    """Catches two blocks that an end of line turned into a digit has joined: the sum may hold."""
+    first, *blocks = encode_scan(0, np.full(128, 1024), 3)
+    text = b"".join(block[:-1] for block in blocks)
+    cut = [text[:length], text[length:192]]
+    with pytest.raises(SensorError, match="block without its 64 characters"):
+        parse_scan([first, *(block + checksum(block) for block in cut)], 3)
+
+
+TOLD = dict(ARES="1024", AMIN="44", AMAX="725", AFRT="384", DMIN="20", DMAX="5600", SCAN="600")
+
+
+def test_a_wrong_sum_is_overlooked_in_information_only():
+    """Some firmware sends a wrong sum, and a line of another kind, with VV."""
+    assert parse_info([b"SERI:H0706400;X"]) == {"SERI": "H0706400"}
+    assert parse_info([b"SERI:H0706400;F", b"ready"]) == {"SERI": "H0706400"}
+    for line in (b"SERI:H0706400;X", b"SERI:H0706400", b"ready", b""):
+        with pytest.raises(SensorError, match="no line of information with its sum"):
+            parse_info([line], strict=True)
+
+
+def flipped(text):
+    """A text with each of its bits turned over."""
+    for at in range(8 * len(text)):
+        damaged = bytearray(text)
+        damaged[at // 8] ^= 1 << at % 8
+        yield bytes(damaged)
+
+
+def test_no_flipped_bit_moves_the_geometry():
+    """Catches AFRT read without its sum: 385 for 384 turns every scan by a beam."""
+    right = parse_geometry(TOLD)
+    for damaged in flipped(b"\n".join(encode_info(TOLD))):
+        with contextlib.suppress(SensorError):
+            assert parse_geometry(parse_info(damaged.split(b"\n"), strict=True)) == right
+
+
+def test_no_flipped_bit_makes_another_status():
+    """Catches "p0", whose sum is that of "00": a refusal that the sensor never gave."""
+    assert parse_reply([b"BM", b"00P"]).status == "00"
+    for status in flipped(b"00P"):
+        with pytest.raises(SensorError, match=r"check sum|no status"):
+            parse_reply([b"BM", status])
+
+
+CANNOT_BE = [dict(ARES="0"), dict(AMIN="x"), dict(AMAX="9999"), dict(SCAN="0"), dict(AFRT="1024")]
+CANNOT_BE += [dict(ARES="20000", AMAX="10000")]  # requests have four digits for a step
+CANNOT_BE += [{key: str(2**20 + 1)} for key in ("ARES", "DMAX", "SCAN")]
+
+
+def test_a_geometry_that_cannot_be():
+    """Catches an arc without its front, and numbers so long that the arithmetic overflows."""
+    geometry = parse_geometry(TOLD)
+
+    def angles(*request):
+        asked = request_for(geometry, "GD", *request)
+        met = Measurement(0, np.full(asked.beams, 500))
+        return laser_scan(met, asked, geometry, time=0.0).angles
+
+    assert angles(384, 385, 1).tolist() == [0.0, 2 * np.pi / 1024]
+    assert np.degrees(angles(None, None, 1))[0] == pytest.approx(-119.53, abs=0.005)
+    assert angles(383, 384, 2).tolist() == [-np.pi / 1024]  # the middle of two steps
+    asked = request_for(geometry, "GD", 128, 384, 2)
+    scan = laser_scan(Measurement(0, np.full(129, 500)), asked, geometry, time=5.0)
+    assert scan.delays == pytest.approx(np.arange(129) * 2 * 0.1 / 1024)
+    assert scan.time == pytest.approx(5.0 + (128.5 - 384 + 512) / 1024 * 0.1)  # from the rear on
+    for change in (*CANNOT_BE, *({key: "9" * 400} for key in ("SCAN", "AFRT", "DMAX"))):
+        with pytest.raises(SensorError, match="PP told"):
+            parse_geometry(TOLD | change)
+
+
+def test_what_a_model_is():
+    """Catches one wrong bit that changes the table of codes: no sum sees the upper two bits."""
+    for model in ("UTM-30LX-EW", "UST-20LX", "UXM-30LX-EW(Hokuyo)"):
+        assert parse_geometry(TOLD | {"MODL": model}).is_far
+    for model in ("URG-04LX-UG01(Simple-URG)", "UBG-04LX-F01", "UHG-08LX"):
+        assert not parse_geometry(TOLD | {"MODL": model}).is_far
+    line = b"MODL:URG-04LX;" + checksum(b"MODL:URG-04LX")
+    for damaged in itertools.islice(flipped(line), 8 * 5, 8 * 8):
+        with pytest.raises(SensorError, match="no line of information"):
+            parse_info([damaged], strict=True)
+
+
+# ------------------------------------------------------------------- arbitrary bytes
+class Said:
+    """A port that holds some bytes, or says the same for ever; its clock goes on with each read."""
+
+    def __init__(self, data, endless=False):
+        self.left, self.endless, self.now = data, endless, 0.0
+
+    @property
+    def in_waiting(self):
+        return len(self.left)
+
+    def read(self, size=1, /):
+        self.now += 0.01
+        assert self.now < 100, "reads without end"
+        data = self.left[:size]
+        self.left = self.left if self.endless else self.left[size:]
+        return data
+
+
+noise = st.one_of(
+    st.binary(max_size=3000),
+    st.lists(
+        st.sampled_from([b"GD0044072501\n", b"00P\n", b"99b\n", b"\n", *WHOLE[:3], b"QT\n", b"\r"])
+    ).map(b"".join),
+)
+
+
+@settings(deadline=None, max_examples=80)
+@given(noise, st.booleans())
+@example(b"x", True)
+@example(b"GD0044072501\n", True)
+@example(b"\n", True)
+def test_arbitrary_bytes(data, endless):
+    """Nothing but a SensorError, and an end: by the clock, or by the length of a line or reply."""
+    port = Said(data, endless)
+    lines = Lines(port, lambda: port.now)
+    with contextlib.suppress(SensorError):
+        found = lines.reply(b"GD0044072501", 0.5)
+        if found.lines is not None:
+            parse_scan(parse_reply(found.lines).body, 3)
+    assert port.now < 2.0
+    assert len(lines.kept) <= 512 + len(data)
+
+
+def test_silence_forgets_what_was_heard_before():
+    """Catches an old answer, or half a line, that is taken for the answer to the next request."""
+    port = Said(b"BM\n00P\n\nGD0044072501\n00P\nhalf a li")
+    lines = Lines(port, lambda: port.now)
+    assert lines.reply(b"BM", 0.5) == ([b"BM", b"00P"], 0)
+    assert lines.kept.startswith(b"GD0044072501")
+    assert lines.silence(0.1)
+    port.left = b"QT\n00P\n\n"
+    assert lines.line(0.5) == b"QT"
+
+
+class Answers(Said):
+    """A port that says the next answer to whatever is written."""
+
+    def __init__(self, *answers):
+        super().__init__(b"")
+        self.answers, self.asked = iter(answers), []
+
+    def write(self, data, /):
+        self.asked.append(data)
+        self.left = next(self.answers)
+
+
+@pytest.mark.parametrize(
+    ("answers", "asked"),
+    [([b"QT\n00P\n\n"], 1), ([b"", b"QT\n0Ee\n\n", b"QT\n00P\n\n"], 3), ([b""] * 3, 3)],
+)
+def test_the_laser_is_switched_off_until_it_says_so(answers, asked):
+    """Catches a laser that stays on where QT was lost once, and one that is told again."""
+    port = Answers(*answers)
+    switch_off(Lines(port, lambda: port.now))
+    assert port.asked == [b"QT\n"] * asked
+
+
+@given(st.lists(st.binary(max_size=80), max_size=6), st.integers(2, 3))
+def test_parsers_raise_nothing_else(lines, characters):
+    for parse in (
+        parse_reply,
+        parse_info,
+        lambda body: parse_scan(body, characters),
+        lambda body: parse_geometry(parse_info(body)),
+    ):
+        with contextlib.suppress(SensorError):
+            assert parse(lines) is not None
+
+
+# ----------------------------------------------------------------------------- clock
+@pytest.mark.parametrize("first", [0, 2**24 - 250])
+def test_late_arrivals_do_not_move_the_clock(first):
+    """Catches times of arrival taken for times of measuring, always or where the stamps wrap."""
+    late = [0.0, 0.03, 0.0, 0.9, 0.0, 0.01]
+    clock, stamps = HostClock(least=0.07), [(first + 100 * k) % 2**24 for k in range(6)]
+    times = [clock.seconds(stamps[k], 50.07 + 0.1 * k + d) for k, d in enumerate(late)]
+    assert times == pytest.approx([50 + 0.1 * k for k in range(6)], abs=0.002)
+
+
+def test_a_night_without_scans_is_counted_in_wraps():
+    """Catches a scan that lies 4 h 39 min before the one it follows."""
+    clock, wrap = HostClock(), 2**24 / 1000
+    clock.seconds(1000, 10.0)
+    assert clock.seconds(2000, 11.0 + 2 * wrap) == pytest.approx(11 + 2 * wrap, abs=1e-6)
+
+
+@pytest.mark.parametrize("pace", [100.02, 99.98])
+def test_a_drifting_clock_is_followed(pace):
+    """Catches an offset that is fixed at the first scan: quartz parts by a second in hours."""
+    clock = HostClock()
+    times = [clock.seconds(round(pace * k) % 2**24, 0.1 * k) for k in range(20_000)]
+    assert abs(times[-1] - 0.1 * 19_999) < 0.01

@@ -1,0 +1,207 @@
+"""Recording: every scan whole or absent, whenever the recorder dies."""
+
+import itertools
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from programs import program
+
+from segmap import LaserScan, read
+from segmap.sensors import record
+
+recorder = program("segmap.sensors")
+
+ANGLES = (np.arange(682) - 340) * 2 * np.pi / 1024
+
+
+def scan(number: int) -> LaserScan:
+    """A scan whose every range tells its number, and a few errors."""
+    ranges = 1.0 + number / 1000 + np.zeros(682)
+    codes = np.zeros(682, np.int64)
+    codes[:3] = 7, 0, 16
+    ranges[:3] = np.nan, np.inf, np.nan
+    return LaserScan(ranges, ANGLES, 100 + 0.1 * number, max_range=5.6, codes=codes)
+
+
+def numbers(path) -> list[int]:
+    """Which scans a log holds; fails where one is not whole."""
+    found = []
+    for one in read(path):
+        number = np.rint(1000 * (one.ranges[3:] - 1.0)).astype(int)
+        assert len(one) == 682
+        assert (number == number[0]).all()
+        found.append(int(number[0]))
+    return found
+
+
+@pytest.mark.parametrize("name", ["some.log", "BENCH.LOG", "folder"])
+def test_there_and_back(name, tmp_path):
+    path = tmp_path / name
+    assert record(map(scan, range(3)), path) == 3
+    assert record(map(scan, itertools.count(3)), path, count=2) == 2
+    assert numbers(path) == [0, 1, 2, 3, 4]
+    assert path.is_dir() == (name == "folder")
+    log = read(path)
+    assert log[1].angles == pytest.approx(ANGLES, abs=1e-6)
+    assert np.isinf(log[1].ranges[1])
+    assert not log[1].valid[:3].any()
+    if name == "folder":
+        assert log[1].codes[:4].tolist() == [7, 0, 16, 0]
+    else:
+        assert log.times == pytest.approx(100 + 0.1 * np.arange(5), abs=1e-6)
+        assert log.truth is None
+
+
+def test_a_line_cut_anywhere_is_no_scan(tmp_path, monkeypatch):
+    """Catches a line that counts before it is whole: the disk fills, or the power fails.
+
+    And a writer that holds scans back in a buffer: the system would not be asked.
+    """
+    path, real = tmp_path / "some.log", os.write
+
+    class Died(Exception):
+        pass
+
+    for stop in (0, 1, 2, 100, 4096, 5000):
+        record([scan(1)], path)
+
+        def half(file, data, stop=stop):
+            if len(data) > 1:
+                real(file, data[: min(stop, len(data))])
+                raise Died
+            return real(file, data)
+
+        with monkeypatch.context() as patch, pytest.raises(Died):
+            patch.setattr(os, "write", half)
+            record([scan(2)], path)
+        assert set(numbers(path)) == {1}
+    record([scan(3)], path)
+    assert numbers(path) == [1] * 6 + [3]
+
+
+# ---------------------------------------------------------------- before the sensor is asked
+class NotAsked:
+    """Stands for the scans of a sensor that nobody may ask yet."""
+
+    def __iter__(self):
+        pytest.fail("the sensor was asked before the recording could start")
+
+
+def cannot_be_recorded(folder: Path, name: str) -> Path:
+    """A path that no recording can go to."""
+    (folder / "file").write_text("mine")
+    (folder / "folder.log").mkdir()
+    os.mkfifo(folder / "pipe.log")
+    os.mkfifo(folder / "pipe")
+    (folder / "device.log").symlink_to("/dev/full")
+    (folder / "circle.log").symlink_to(folder / "circle.log")
+    return folder / name
+
+
+IMPOSSIBLE = {
+    "file": "is a file: name a folder, or a log that ends in .log",
+    "folder.log": "is a folder, no regular file",
+    "pipe.log": "is a device or a pipe",
+    "pipe": "is a file: name a folder",
+    "device.log": "is a device or a pipe",
+    "circle.log": "circle.log",
+    "none/it.log": "cannot record .*: no folder .*none exists",
+    "none/it": "cannot record .*: no folder .*none exists",
+    "packed.log.gz": "a packed file cannot be added to",
+}
+
+
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+def test_what_cannot_be_recorded_is_told_before_a_sensor_is_asked(name, tmp_path, capsys):
+    """Catches a laser switched on, or a minute's wait for a sensor, for nothing."""
+    path = cannot_be_recorded(tmp_path, name)
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises((ValueError, OSError), match=IMPOSSIBLE[name]):
+        record(NotAsked(), path)
+    assert recorder(["record", str(path), "--port", "/no-port"]) == 1
+    said = capsys.readouterr().err
+    assert re.search(IMPOSSIBLE[name], said) and "/no-port" not in said
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("name", ["new.log", "new", "old.log", "old"])
+def test_trying_out_leaves_nothing(name, tmp_path, capsys, monkeypatch):
+    """Catches an empty log, or folder, of a recording that never began.
+
+    Root, who may run the tests, is refused nothing by itself.
+    """
+
+    def refused(*arguments, **named):
+        raise PermissionError(13, "Permission denied", name)
+
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old.log").write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+    command = ["record", str(tmp_path / name), "--port", "/no-port"]
+    for more, said in (
+        ([], "cannot open /no-port"),
+        (["--count", "0"], "count must be a whole number of at least 1, got 0"),
+        ([], "PermissionError: "),
+    ):
+        if said.startswith("Permission"):
+            monkeypatch.setattr(os, "open", refused)
+            monkeypatch.setattr(Path, "mkdir", refused)
+        assert recorder(command + more) == 1
+        assert said in capsys.readouterr().err
+    monkeypatch.undo()
+    assert sorted(tmp_path.rglob("*")) == before
+    assert (tmp_path / "old.log").read_text() == "mine"
+    with pytest.raises(ValueError, match="count must be"):
+        record(NotAsked(), tmp_path / "it", count=-3)
+
+
+# ----------------------------------------------------------------------- nothing left behind
+@pytest.mark.parametrize("where", ["pathlib.Path.replace", "pathlib.Path.stat"])
+def test_an_interrupt_leaves_no_part(where, tmp_path, monkeypatch):
+    """Control-C, TERM and HUP reach the recorder as KeyboardInterrupt, at any of its steps."""
+    path = tmp_path / "folder"
+    record([scan(0)], path)
+
+    def scans():
+        def interrupt(*arguments, **named):
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(where, interrupt)
+        yield scan(1)
+
+    with pytest.raises(KeyboardInterrupt):
+        record(scans(), path)
+    monkeypatch.undo()
+    assert [p.name for p in path.iterdir()] == ["scan000001.txt"]
+
+
+# ------------------------------------------------------------- nothing that `read` refuses
+ODD_SCANS = {
+    "no beam": LaserScan([], []),
+    "no time": LaserScan([1.0], [0.0], time=np.nan),
+    "late": LaserScan([1.0], [0.0], time=1e13),
+    "wide": LaserScan([1.0, 1.0], [-5.5, 5.5]),
+    "far": LaserScan([1e300], [0.0]),
+    "many": LaserScan(np.ones(200_000), np.linspace(-1, 1, 200_000)),
+    "limit below zero": LaserScan([1.0, np.inf], [0.0, 0.1], max_range=-1.0),
+    "short": LaserScan([1e-9, 1e-4, 1.0], [0.0, 0.1, 0.2]),
+    "errors only": LaserScan([np.nan] * 3, [0.0, 0.1, 0.2]),
+    "uneven": LaserScan([1.0, 1.0, 1.0], [0.0, 0.1, 0.3]),
+}
+
+
+@pytest.mark.parametrize("name", ODD_SCANS)
+@pytest.mark.parametrize("target", ["it.log", "it"])
+def test_what_is_recorded_can_be_read(name, target, tmp_path):
+    """Catches one odd scan that spoils the whole log for its reader."""
+    path = tmp_path / target
+    record([scan(0)], path)
+    try:
+        record([ODD_SCANS[name]], path)
+    except ValueError:
+        assert len(read(path)) == 1
+    else:
+        assert [len(one) for one in read(path)] == [682, len(ODD_SCANS[name])]

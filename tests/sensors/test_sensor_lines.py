@@ -1,0 +1,315 @@
+"""The driver and the emulator over real lines: one contract for a pseudo-terminal and for TCP.
+
+Whatever happens on either line: right ranges, a laser that is off in the end, a port that is free.
+"""
+
+import contextlib
+import gc
+import itertools
+import os
+import socket
+import time
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import slow
+from emulated import (
+    FAULTS,
+    emulator_threads,
+    far_pattern,
+    far_turn,
+    needs_terminals,
+    open_files,
+    pattern,
+    run,
+    turn_of,
+    wait_for,
+)
+from scip import answer_instead, reply
+
+from segmap.sensors import SensorError, UrgSensor
+from segmap.sensors.emulator import Emulator
+
+UST = {"model": "UST-10LX", "tcp": "0"}
+#: No run with a fault takes longer, seconds, on a machine that does other things too.
+BOUND = 20.0
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_left():
+    """Catches a port, a connection or a thread that a test leaves behind."""
+    gc.collect()  # what an earlier test left
+    before = open_files()
+    yield
+    gc.collect()
+    assert emulator_threads() == []
+    assert open_files() == before
+
+
+def of(emulator, **settings):
+    return UrgSensor(emulator.port, **({"timeout": 0.3} | settings))
+
+
+class Line:
+    """A kind of line: how a sensor is put at it, and what its scans show."""
+
+    def __init__(self, kind, folder):
+        self.is_tcp = kind == "tcp"
+        self.world, self.turn = (far_pattern, far_turn) if self.is_tcp else (pattern, turn_of)
+        self.settings = UST if self.is_tcp else {"link": folder / "laser"}
+
+    def emulator(self, **settings):
+        return Emulator(self.world, speed=10.0, **self.settings, **settings)
+
+    def open(self, name):
+        import serial
+
+        url = name.replace("tcp://", "socket://")  # pyserial's
+        return serial.serial_for_url(url, timeout=0.02)
+
+
+@pytest.fixture(params=[pytest.param("terminal", marks=needs_terminals), "tcp"])
+def line(request, tmp_path):
+    if request.param == "terminal":
+        pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    return Line(request.param, tmp_path)
+
+
+# ------------------------------------------------------------------------------ scans
+def test_scans_and_a_stream_that_is_ended(line):
+    """Catches two characters a distance, geometry of another model, a lost or doubled byte."""
+    with line.emulator() as emulator, of(emulator) as sensor:
+        line.turn(sensor.scan())
+        with contextlib.closing(sensor.scans()) as scans:
+            turns = [line.turn(scan) for scan in itertools.islice(scans, 12)]
+        assert len(set(turns)) == 12 and (sensor.delivered, sensor.dropped) == (13, 0)
+        assert emulator.unit.received[-1] == "QT" and not emulator.unit.laser
+        assert sensor.rate == (100_000_000 if line.is_tcp else 115200)
+        if line.is_tcp:  # nothing to agree on, and nothing short
+            assert not {text for text in emulator.unit.received if text[:2] in ("SS", "MS", "GS")}
+
+
+def test_a_port_that_is_handed_in(line):
+    """Catches a driver that needs the name of a device, and one that leaves the port open."""
+    with line.emulator() as emulator:
+        port = line.open(emulator.port)
+        with UrgSensor(port, timeout=0.3) as sensor:
+            line.turn(sensor.scan())
+        with pytest.raises(OSError):
+            port.write(b"QT\n")
+        if not line.is_tcp:
+            with of(emulator, reconnect=1.0) as sensor, pytest.raises(SensorError):
+                UrgSensor(Path(emulator.port))
+
+
+@needs_terminals
+@pytest.mark.parametrize("rate", [57600, 250000])
+def test_connects_at_the_rate_that_the_terminal_tells(rate):
+    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    rates = (115200, 57600, 250000)
+    with (
+        Emulator(pattern, speed=10.0, rate=rate, usb=False) as emulator,
+        of(emulator, rates=rates) as sensor,
+    ):
+        assert sensor.rate == emulator.unit.rate == 115200
+        turn_of(sensor.scan())
+
+
+def test_an_urg_over_tcp_and_ipv6():
+    """Catches a model that is bound to its line, and an address that ends at its first colon."""
+    with contextlib.ExitStack() as stack:
+        try:
+            emulator = stack.enter_context(Emulator(pattern, tcp="[::1]:0", speed=10.0))
+        except OSError:
+            pytest.skip("this machine has no IPv6")
+        assert emulator.port.startswith("tcp://[::1]:")
+        turn_of(stack.enter_context(of(emulator)).scan())
+
+
+@needs_terminals
+@pytest.mark.parametrize(
+    "seconds", [float(os.environ.get("SEGMAP_SOAK", "20" if os.environ.get("CI") else "2"))]
+)
+def test_soak(seconds):
+    """Real time: ten scans a second, nothing dropped, nothing that grows."""
+    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    with Emulator(pattern) as emulator, UrgSensor(emulator.port) as sensor:
+        begun, turns = time.monotonic(), []
+        with contextlib.closing(sensor.scans()) as stream:
+            for scan in stream:
+                turns.append(turn_of(scan))
+                if time.monotonic() - begun > seconds:
+                    break
+        assert sensor.dropped == 0
+        assert (np.diff(turns) > 0).all()
+        assert len(turns) > 5 * seconds
+
+
+# ----------------------------------------------------------------------------- opening
+def test_one_program_at_a_time(line):
+    """Catches two that get each other's answers; the next is served as soon as the first leaves."""
+    with line.emulator() as emulator:
+        for _ in range(2):
+            with of(emulator) as sensor:
+                line.turn(sensor.scan())
+                with pytest.raises(SensorError, match="another program uses it"):
+                    of(emulator)
+                line.turn(sensor.scan())
+
+
+def test_a_port_where_nothing_answers(line, tmp_path):
+    with line.emulator() as emulator:
+        emulator.inject("silence", seconds=60)
+        at = r"at 1\d+ bit/s"
+        with pytest.raises(SensorError, match=f"nothing answers as a URG does {at}"):
+            of(emulator, rates=(115200,), timeout=0.1)
+    if not line.is_tcp:
+        with pytest.raises(SensorError, match=r"cannot open .*it is not there: is the sensor"):
+            UrgSensor(str(tmp_path / "ttyACM7"))
+
+
+def test_a_program_that_crashed_left_it_streaming():
+    with Emulator(far_pattern, speed=10.0, **UST) as emulator:
+        host, port = emulator.port.removeprefix("tcp://").split(":")
+        with socket.create_connection((host, int(port))) as crashed:
+            crashed.sendall(b"MD0000108001000\n")
+            assert crashed.recv(10)
+        with of(emulator) as sensor:
+            assert emulator.unit.stream is None
+            far_turn(sensor.scan())
+
+
+# ---------------------------------------------------------------------------- leaving
+def crash(sensor):
+    with sensor:
+        next(sensor.scans())
+        raise ZeroDivisionError
+
+
+def interrupt(sensor):
+    with sensor:
+        for _ in sensor.scans():
+            raise KeyboardInterrupt
+
+
+def forget(sensor):
+    """Its laser is on after one scan, and there is no stream whose end would switch it off."""
+
+
+def forget_the_stream(sensor):
+    next(sensor.scans())
+
+
+def test_the_laser_is_off_and_the_port_free(line):
+    with line.emulator() as emulator:
+        for leave in (crash, interrupt, forget, forget_the_stream, UrgSensor.close):
+            sensor = of(emulator)
+            line.turn(sensor.scan())
+            assert emulator.unit.laser
+            with contextlib.suppress(ZeroDivisionError, KeyboardInterrupt):
+                leave(sensor)
+            del sensor
+            wait_for(lambda: not emulator.unit.laser)
+            assert emulator.unit.stream is None
+
+
+# --------------------------------------------------------------------------- unplugged
+def test_unplugged_is_an_error_unless_asked(line):
+    with line.emulator() as emulator:
+        with of(emulator) as sensor:
+            stream = sensor.scans()
+            next(stream)
+            emulator.unplug()
+            with pytest.raises(SensorError, match="plug it in"):
+                list(stream)
+        emulator.replug()
+        with of(emulator, timeout=0.1) as sensor:
+            emulator.inject("silence", seconds=60)
+            with pytest.raises(SensorError, match="no answer to"):
+                sensor.scan()
+            assert "closed" not in repr(sensor), "it may be asked again"
+
+
+@pytest.mark.parametrize("single", [True, False])
+def test_comes_back_when_asked(line, single):
+    """Catches a driver that reconnects over one line only, and scans from before."""
+    with line.emulator() as emulator, of(emulator, reconnect=10.0) as sensor:
+        source = iter(sensor.scan, None) if single else sensor.scans()
+        line.turn(next(source))
+        for back in (1, 2):
+            emulator.replug()
+            for scan in itertools.islice(source, 20):  # some were on their way
+                line.turn(scan)
+                if sensor.reconnects == back:
+                    break
+            assert sensor.reconnects == back
+
+
+@pytest.mark.parametrize("single", [True, False])
+def test_comes_back_when_the_cable_was_pulled(line, single):
+    """Catches a driver that waits for ever where nobody tells it that the sensor has gone."""
+    with line.emulator() as emulator, of(emulator, reconnect=10.0, timeout=0.2) as sensor:
+        source = iter(sensor.scan, None) if single else sensor.scans()
+        line.turn(next(source))
+        emulator.inject("silence", seconds=2.5)
+        for scan in itertools.islice(source, 300):  # many may be on their way to a slow reader
+            line.turn(scan)
+            if sensor.reconnects:
+                break
+        assert sensor.reconnects >= 1
+
+
+def test_comes_back_when_the_sensor_is_ready(line):
+    """Catches a sensor that was switched off and on, and is refused for its first seconds."""
+    with line.emulator() as emulator, of(emulator, reconnect=10.0) as sensor:
+        asked = []
+        sensor.scan()
+        answer_instead(
+            emulator.unit,
+            "BM",
+            lambda text: asked.append(text) or (None if len(asked) > 3 else reply(text, "0M")),
+        )
+        emulator.replug()
+        line.turn(sensor.scan())
+        assert len(asked) == 4 and sensor.reconnects == 1
+
+
+def test_does_not_wait_for_ever(line):
+    """Catches a driver that reconnects for ever: to none, or to one that answers all but MD."""
+    with line.emulator() as emulator:
+        with of(emulator, reconnect=0.3) as sensor:
+            emulator.unplug()
+            begun = time.monotonic()
+            with pytest.raises(SensorError, match=r"not back within 0.3 s: cannot open"):
+                sensor.scan()
+            assert time.monotonic() - begun < 3.0
+        emulator.replug()
+        with of(emulator, reconnect=10.0, timeout=0.1) as sensor:
+            answer_instead(emulator.unit, "MD", lambda text: b"")
+            with pytest.raises(SensorError, match="no whole scan in 5 attempts: no answer to MD"):
+                next(sensor.scans())
+            assert sensor.reconnects == 5
+
+
+# ------------------------------------------------------------------------------ faults
+def through(line, fault, seed) -> float:
+    """Seconds that a run takes with a URG-04LX that goes wrong somewhere on the way."""
+    begun, rng, way = time.monotonic(), np.random.default_rng(seed), {"tcp": "0"}
+    way = way if line.is_tcp else {}
+    with Emulator(pattern, speed=10, rng=rng, **way, **FAULTS[fault]) as emulator:
+        sensor_at = partial(of, emulator, rates=(115200, 19200), timeout=0.4)
+        run(sensor_at, emulator.unit, emulator.wire, fault, seed)
+    return time.monotonic() - begun
+
+
+@pytest.mark.parametrize("seeds", [1, slow(4)])
+def test_faults(line, seeds):
+    """Catches a wrong range, a hang, and a port or a thread that stays; all at the same time."""
+    faults = [f for f in FAULTS if not (line.is_tcp and f == "wrong rate")]
+    runs = [(fault, 16 * seed + k) for k, fault in enumerate(faults) for seed in range(seeds)]
+    with ThreadPoolExecutor(8) as pool:
+        seconds = list(pool.map(lambda one: through(line, *one), runs))
+    assert max(seconds) < BOUND
