@@ -76,7 +76,7 @@ def other_text(name: str, lines: Sequence[str]) -> str:
     first = lines[0].strip()
     if "[(" in first or (lines[1:] and "[(" in lines[1]):
         return _opened("lists of Python, printed", LISTS, name)
-    if first[0] in "[{":
+    if re.match(r'[\[{]\s*($|["\d\[{-])', first):
         is_lines = len(lines) > 1 and _is_json(first)
         return _opened("JSON", JSON_LINES if is_lines else JSON_WHOLE, name)
     if re.fullmatch(r"---|\w+:|- \w+:.*", first):

@@ -355,3 +355,19 @@ def test_arrays_that_are_not_known_are_told(tmp_path):
     """Catches poses beside the scans that are passed over without a word."""
     np.savez(tmp_path / "it.npz", ranges=[FAR], angles=np.radians(TURN), poses=[[1, 2, 3]])
     assert "left out: poses" in segmap.read(tmp_path / "it.npz").assumed
+
+
+def test_a_point_beside_decimal_commas_is_refused(tmp_path):
+    """Catches 3.978 millimetres, which a spreadsheet means as 3978, read as 4 millimetres."""
+    (tmp_path / "it.csv").write_text("angle_deg;range_mm\n0,0;3.978\n30,0;978\n60,5;978\n")
+    with pytest.raises(LogError, match=r"line 2: expected a number for the range, got '3\.978'"):
+        readers.read(tmp_path / "it.csv")
+
+
+@pytest.mark.parametrize("line", ["{'angle': 1.5, 'range': 2500}", "[ INFO] [17.5]: : [45.0, 2.5]"])
+def test_what_begins_as_json_does_is_not_called_json(tmp_path, line):
+    """Catches lines of Python that cannot open the file that they are for."""
+    (tmp_path / "it.txt").write_text(f"{line}\n" * 5)
+    with pytest.raises(LogError) as fault:
+        readers.read(tmp_path / "it.txt")
+    assert "import json" not in str(fault.value)

@@ -159,6 +159,8 @@ class Rows:
         wrong = beyond | (np.isnan(values) & (column.role in ("angle", "scan")))
         if texts is not None:
             wrong |= np.isnan(values) & ~texts.isin(NOT_MEASURED).to_numpy()
+            if self.layout.decimal == ",":  # a point would part thousands
+                wrong |= self.columns[place].astype(str).str.contains(r"\d\.\d").to_numpy()
         for row in np.flatnonzero(wrong & self.good).tolist():
             got = str(self.columns[place].iloc[row])[:40]
             expected = bounded if beyond[row] else plain
