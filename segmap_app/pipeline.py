@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from segmap import alignment, arrays, extraction, reduction, warm
 from segmap.alignment import Alignment, LiveGraph, Verdict
-from segmap.arrays import Array, declared
+from segmap.arrays import declared
 from segmap.exports import Frame
 from segmap.files import shown
 from segmap.metrics import quality, reduction_rate
@@ -385,7 +385,7 @@ def cropped(map: Map, corners: Sequence[float] | None) -> Map:
         left, low, right, high = extent(map, margin=0)
     else:
         what, count = "segment", len(found)
-        ends: Array = map.segments.reshape(-1, 2)
+        ends: arrays.Array = map.segments.reshape(-1, 2)
         left, low, right, high = (*ends.min(0), *ends.max(0)) if len(map) else (0.0,) * 4
     if not count and (left, low) != (right, high):  # of an empty map nothing was cut off
         reach = f"x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m"

@@ -56,9 +56,9 @@ def test_every_kernel_has_a_case_and_knows_its_named_tuples():
 BEYOND = """
 import gc
 from benchmarks.compiling import cells
-from segmap import _warm, load
+from segmap import load, warm
 from segmap.compiled import Compiled
-from segmap.panels import Workbench
+from segmap_app.page import Workbench
 
 def taken():
     loops = [k for k in gc.get_objects() if type(k) is Compiled and hasattr(k._fast, "signatures")]
@@ -75,7 +75,7 @@ def page():
 
 def beyond(cases, calls):
     for name in cases:
-        _warm.run_case(name)
+        warm.run_case(name)
     known = taken()
     for call in calls:
         call()
@@ -84,7 +84,7 @@ def beyond(cases, calls):
 
 
 @pytest.mark.parametrize(
-    "asked", ["beyond(_warm.FIRST, cells('00'))", "beyond(_warm.cases(), [page])"]
+    "asked", ["beyond(warm.FIRST, cells('00'))", "beyond(warm.cases(), [page])"]
 )
 def test_what_is_warm_serves_chapter_00_and_the_page(asked):
     """Catches a signature that only real maps have: lists read-only, cut, or in another order; a

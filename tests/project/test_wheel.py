@@ -10,9 +10,9 @@ import pytest
 from makefile import ROOT
 
 PATH_CODE = """
-import segmap, segmap_course
+import segmap, segmap_app.files, segmap_course
 from segmap.files import chapters_folder
-print(segmap.__file__, segmap_course.__file__, chapters_folder(), segmap.load("room"), sep="\\n")
+print(segmap.__file__, segmap_app.__file__, segmap_course.__file__, chapters_folder(), segmap.load("room"), sep="\\n")
 """
 
 
@@ -27,17 +27,21 @@ def wheel(tmp_path_factory):
 def test_each_file_is_in_the_wheel_once(wheel):
     """Catches a course that is shipped twice, a folder that is forgotten, and tools of ours."""
     names = [name for name in wheel.namelist() if ".dist-info/" not in name]
-    sources = [*(ROOT / "segmap").rglob("*.py"), *(ROOT / "notebooks/segmap_course").rglob("*.py")]
+    folders = [ROOT / name for name in ("segmap", "segmap_app", "notebooks/segmap_course")]
+    sources = [path for folder in folders for path in folder.rglob("*.py")]
     here = [str(p.relative_to(ROOT)).removeprefix("notebooks/") for p in sources]
     code = [n for n in names if n.endswith(".py") and not n.startswith("segmap/data/")]
     assert Counter(code) == Counter(here)
     chapters = {f"segmap/notebooks/{p.name}" for p in (ROOT / "notebooks").glob("*.ipynb")}
     assert chapters <= set(names) and "segmap/notebooks/pictures/malaga.png" in names
     tops = {name.split("/")[0] for name in names}
-    assert max(Counter(names).values()) == 1 and tops == {"segmap", "segmap_course"}
-    assert {"segmap/py.typed", "segmap_course/py.typed", "segmap/data/room/room.log.gz"} <= set(
-        names
-    )
+    assert max(Counter(names).values()) == 1 and tops == {"segmap", "segmap_app", "segmap_course"}
+    assert {
+        "segmap/py.typed",
+        "segmap_app/py.typed",
+        "segmap_course/py.typed",
+        "segmap/data/room/room.log.gz",
+    } <= set(names)
 
 
 def test_the_wheel_works_away_from_the_clone(wheel, tmp_path):
