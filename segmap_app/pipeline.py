@@ -8,12 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
-from segmap import alignment, arrays, extraction, reduction, warm
+from segmap import alignment, arrays, extraction, metrics, reduction, warm
 from segmap.alignment import Alignment, LiveGraph, Verdict
 from segmap.arrays import declared
 from segmap.exports import Frame
 from segmap.files import shown
-from segmap.metrics import quality, reduction_rate
 from segmap.progress import Stopped, announce
 from segmap.quadtree import QuadtreeMap, extent, without_passers
 from segmap.reduction import Reduction
@@ -297,7 +296,7 @@ class Pipeline:
         """Of each reduction."""
         reductions = self.reductions
         announce(0.0, "measuring quality")
-        return [quality(self.map, reduced) for reduced in reductions]
+        return [metrics.quality(self.map, reduced) for reduced in reductions]
 
     def results(self) -> list[tuple[Call, Reduction, float]]:
         """Each method with its reduction and its quality."""
@@ -344,7 +343,7 @@ class Pipeline:
                 "method": call.name,
                 "thresholds": call.words(),
                 "n_after": len(reduced),
-                "reduction": round(reduction_rate(self.map, reduced), 9),
+                "reduction": round(metrics.reduction_rate(self.map, reduced), 9),
                 "quality": round(kept, 9),
                 "seconds": round(reduced.seconds, 6),
             }

@@ -24,20 +24,6 @@ LOOKED_AT_LINES = 200
 WORDS_SHARE = 0.1
 #: ... and those that are told by their shape alone.
 SHAPE_SHARE = 0.5
-#: Names of all formats of single files.
-NAMES_OF_FORMATS = (
-    *(form.name for form in TEXT_FORMATS),
-    *(form.name for form in (*BINARY_FORMATS, *tables.STATED_FILES)),
-)
-#: What a user writes whose data are in none of the formats.
-WHAT_TO_DO = f"""\
-Known formats: {", ".join(NAMES_OF_FORMATS)}.
-Tables say what their columns are: a head such as angle_deg,range_mm, a file NAME.toml beside \
-them, --columns or segmap.readers.read_csv.
-Measurements in arrays (metres, radians, seconds) become a log by three lines:
-    import segmap
-    scans = [segmap.LaserScan(ranges, angles, time=t) for t, ranges in measured]
-    log = segmap.Log("mine", scans)"""
 
 
 def registered() -> list[Binary | type[TextFormat]]:
@@ -46,6 +32,24 @@ def registered() -> list[Binary | type[TextFormat]]:
         return [form for point in entry_points(group="segmap.formats") for form in point.load()]
     except ImportError:  # a package that is installed in part
         return []
+
+
+def names_of_formats() -> list[str]:
+    """Names of all formats of single files."""
+    forms = (*TEXT_FORMATS, *BINARY_FORMATS, *tables.STATED_FILES, *registered())
+    return [form.name for form in forms]
+
+
+def what_to_do() -> str:
+    """What a user writes whose data are in none of the formats."""
+    return f"""\
+Known formats: {", ".join(names_of_formats())}.
+Tables say what their columns are: a head such as angle_deg,range_mm, a file NAME.toml beside \
+them, --columns or segmap.readers.read_csv.
+Measurements in arrays (metres, radians, seconds) become a log by three lines:
+    import segmap
+    scans = [segmap.LaserScan(ranges, angles, time=t) for t, ranges in measured]
+    log = segmap.Log("mine", scans)"""
 
 
 def in_parts() -> list[tuple[Binary, Parts]]:
@@ -70,13 +74,13 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
             if isinstance(other, Binary) and other.claims(path):
                 return other
     if stated:
-        raise UnknownFormat(path, f"{stated}\n{WHAT_TO_DO}")
+        raise UnknownFormat(path, f"{stated}\n{what_to_do()}")
     if path.is_dir():
         raise UnknownFormat(
             path,
             "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
             "ODOMETRY_XYT.csv, GROUNDTRUTH.csv), a bag of ROS 2 (metadata.yaml) "
-            f"or numbered files with a scan in each\n{WHAT_TO_DO}",
+            f"or numbered files with a scan in each\n{what_to_do()}",
         )
     lines = Lines(path, "skip", separator="\n")
     sample = [line[0] for line in islice(lines, LOOKED_AT_LINES)]
@@ -86,7 +90,7 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
         return sum(map(form.claims, filter(None, split[form.separator])))
 
     votes = {form: vote(form) for form in TEXT_FORMATS}
-    if max(votes.values()) < SHAPE_SHARE * len(sample):  # none of ours says most of it
+    if max(votes.values()) <= SHAPE_SHARE * len(sample):  # none of ours says most of it
         votes |= {form: vote(form) for form in registered() if not isinstance(form, Binary)}
     for share, by_shape, tables_next in (
         (WORDS_SHARE, False, tables.STATED_FILES),
@@ -108,12 +112,12 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
 def _looks_like(path: Path, sample: Sequence[str], count: int) -> str:
     """What a file of no known format holds, and what to do with it."""
     if not count:
-        return f"is empty, expected a log\n{WHAT_TO_DO}"
+        return f"is empty, expected a log\n{what_to_do()}"
     if not sample:
-        return f"is of no known format: it has comments only\n{WHAT_TO_DO}"
+        return f"is of no known format: it has comments only\n{what_to_do()}"
     words = other_text(path.name, sample)
     if not words and (asked := tables.asked_of(path)):
         return asked
     if words := words or worded_numbers(path.name, sample):
-        return f"{words}\n{WHAT_TO_DO}"
-    return f"is of no known format: it starts with {sample[0][:40]!r}\n{WHAT_TO_DO}"
+        return f"{words}\n{what_to_do()}"
+    return f"is of no known format: it starts with {sample[0][:40]!r}\n{what_to_do()}"

@@ -12,7 +12,9 @@ from makefile import ROOT
 PATH_CODE = """
 import segmap, segmap_app.files, segmap_course
 from segmap.files import chapters_folder
-print(segmap.__file__, segmap_app.__file__, segmap_course.__file__, chapters_folder(), segmap.load("room"), sep="\\n")
+for package in (segmap, segmap_app, segmap_course):
+    print(package.__file__)
+print(chapters_folder(), segmap.load("room"), sep="\\n")
 """
 
 

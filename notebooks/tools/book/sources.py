@@ -15,7 +15,7 @@ from pathlib import Path
 import nbformat
 from nbformat import NotebookNode
 
-from segmap.readers._formats import NAMES_OF_FORMATS
+from segmap.readers._formats import names_of_formats
 
 from .alt_texts import stored_alt
 from .citations import with_links
@@ -78,7 +78,7 @@ def copy_sources(folder: Path, chapters: list[Path] = CHAPTERS) -> list[str]:
             _copy(path, folder / path.relative_to(ROOT))
     shutil.copy(Path(__file__).parent / "index.md", folder)
     (folder / "docs").mkdir(exist_ok=True)
-    formats = f"All formats by their names: {', '.join(NAMES_OF_FORMATS)}."
+    formats = f"All formats by their names: {', '.join(names_of_formats())}."
     for path in ROOT.glob("docs/*.md"):
         text = path.read_text(encoding="utf-8").replace(FORMATS, formats)
         (folder / "docs" / path.name).write_text(text, encoding="utf-8")

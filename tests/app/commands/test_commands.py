@@ -1326,6 +1326,8 @@ def test_the_page_is_served_to_this_machine_only(run, monkeypatch):
     assert run("app", "--port", "8890")[0] == run("app", "--no-browser")[0] == 0
     assert Path(asked[0][0]).is_file() and asked[0][0] == asked[1][0]
     both = {"--Voila.ip=127.0.0.1", "--Voila.auto_token=True"}
+    both |= {option for option in asked[0] if "MappingKernelManager.cull" in option}
+    assert len(both) == 4
     assert {*asked[0][1:]} == both | {"--Voila.port=8890", "--Voila.port_retries=0"}
     monkeypatch.delenv("DISPLAY"), monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     run("app")

@@ -14,6 +14,7 @@ from log_samples import CARMEN, CARMEN_NEW, CSV, ENCODINGS
 from programs import program
 
 from segmap import LogError, exports, files, readers
+from segmap_app.files import read_graph
 
 main = program("segmap")
 
@@ -93,7 +94,7 @@ def test_graphs_maps_and_options_are_read_in_any_encoding(tmp_path, encoding, ca
     """Catches encodings that only the readers of logs know."""
     write, graph = ENCODINGS[encoding], "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n"
     graph += "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n"
-    found = readers.read_graph(written(tmp_path / "it.g2o", write(graph)))
+    found = read_graph(written(tmp_path / "it.g2o", write(graph)))
     assert len(found.poses) == 2
     exports.write_segments(tmp_path / "plan.csv", np.array([[(0, 0), (6, 0)], [(6, 0), (6, 4)]]))
     plan = (tmp_path / "plan.csv").read_text()

@@ -66,8 +66,6 @@ SHARED = {
     "formats/dpslam-first-40-lines.log": (20, 181, 8.18, 0, 0.004),
     "formats/wean-robotdata4.log.gz": (600, 180, 50, 0, 21.50),
     "formats/coreslam-test_lab2.dat.gz": (404, 683, 5.6, 0, 24.62),
-    "formats/localization_demo.rawlog": (37, 361, 80, 0, None),
-    "formats/localization_demo.simplemap.gz": (72, 361, 80, 72, np.nan),
 }
 
 
