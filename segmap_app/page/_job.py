@@ -31,7 +31,7 @@ from ._files import drawn_points
 #: Python has imported.
 START = (
     "import signal, sys; signal.signal(signal.SIGINT, signal.SIG_IGN); sys.path[:] = sys.argv[1:]; "
-    "from segmap.panels.workbench import _job; _job.serve()"
+    "from segmap_app.page import _job; _job.serve()"
 )
 #: What to do with a function that cannot be sent.
 RUNS_HERE = "what only this notebook defines runs with workbench.run()"
