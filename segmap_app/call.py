@@ -83,3 +83,18 @@ def option_words(held: tuple[str, Any]) -> str:
     """An option that a session keeps, as words."""
     name, value = held
     return name if value is True else f"{name} {value}"
+
+
+def with_imports(body: str) -> str:
+    """Python code behind the imports that it needs.
+
+    Examples
+    --------
+    >>> print(with_imports('log = segmap.load("room")'), end="")
+    import segmap
+    <BLANKLINE>
+    log = segmap.load("room")
+    """
+    numpy = "import numpy as np\n\n" if "np." in body else ""
+    app = "import segmap_app.files\n" if "segmap_app." in body else ""
+    return f"{numpy}import segmap\n{app}\n{body}\n"

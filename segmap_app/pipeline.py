@@ -21,7 +21,7 @@ from segmap.scans.causes import Cause, Finding
 from segmap.segments import SegmentMap, main_direction
 from segmap.threads import computed
 
-from .call import Call, as_read, called, option_words, preparing, short
+from .call import Call, as_read, called, option_words, preparing, short, with_imports
 from .files import Session, placed_at
 
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
@@ -127,10 +127,10 @@ class MapChoices:
         if "place" in self.edits:
             of, placed = type(frame := world_of(self.edits)), vars(frame)
             options = Call(of.__name__, of, placed).arguments().removeprefix(", ")
-            name, world = "map.geojson", f", world=segmap.exports.{of.__name__}({options})"
+            name, world = "map.geojson", f", world=segmap_app.files.{of.__name__}({options})"
         lines.append(f'# segmap.exports.write_segments("{name}", reduced{world})')
         body = "\n".join(lines)
-        return ("import numpy as np\n\n" if "np." in body else "") + f"import segmap\n\n{body}\n"
+        return with_imports(body)
 
 
 Choice = Callable[[MapChoices], Any]

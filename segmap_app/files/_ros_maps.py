@@ -89,7 +89,7 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     Examples
     --------
     >>> import tempfile
-    >>> from segmap.exports import write_ros_map
+    >>> from segmap_app.files import write_ros_map
     >>> tree = QuadtreeMap(resolution=0.5, size=4, bias=1)
     >>> tree.insert_scan((0.2, 0.2), [(1.2, 0.2)])
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -419,6 +419,7 @@ def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(app, brow
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="no folder of processes here")
+@pytest.mark.slow  # a minute of waiting for clocks, which a loaded machine breaks
 def test_a_page_ends_its_kernel(browser, tmp_path):
     """Catches kernels that no page can reach any more, and one that is ended though its page stays
     or the work goes on.
