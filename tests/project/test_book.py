@@ -138,7 +138,7 @@ def test_a_page_shows_what_the_chapter_stored(book):
     assert page.count('<details class="code-fold"') > 20 and "_images/" in page
     assert page.count('<input type="range"') == 2 and "widget-view" not in page
     assert 'href="53_mean_shift.html"' in page and "A 4.4" in page
-    assert re.search(r'href="\.\./references\.html#thesis-a"', page)
+    assert re.search(r'href="\.\./docs/references\.html#thesis-a"', page)
 
 
 def test_api_pages_show_signatures_and_examples(book):

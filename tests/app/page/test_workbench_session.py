@@ -132,8 +132,8 @@ def test_a_mended_map_is_that_of_its_code_and_of_the_command(mended, tmp_path, m
     mended.export("it.segmap")
     assert main(["map", "it.segmap", "-o", "it.csv", "-o", "it.geojson", "-o", "more.segmap"]) == 0
     assert np.array_equal(readers.read_segments("it.csv").segments, wanted)
-    files = [(tmp_path / f"{name}.geojson").read_bytes() for name in ("map", "page", "it")]
-    assert len({*files}) == 1 and b'"crs"' not in files[0]
+    written = [(tmp_path / f"{name}.geojson").read_bytes() for name in ("map", "page", "it")]
+    assert len({*written}) == 1 and b'"crs"' not in written[0]
     assert main(["map", "it.segmap", "-o", "it.dxf"]) == 0  # without a use for the place
     # and comes back, from the command's session too
     assert files.read_session("it.segmap").edits == EDITS
