@@ -68,7 +68,7 @@ OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
            "simulation": [simulation.URG_04LX], "alignment": [ALIGNMENT, LIVE],
            "plan": [PLAN],
            "reduction": [REDUCTION, reduction.LiveReduction()],
-           "hokuyo.emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
+           "sensors.emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
 
 #: Good values by the name of a parameter; `function.parameter` comes first, then
 #: `package.parameter`. A parameter that is not here keeps its default.
@@ -170,12 +170,12 @@ GOOD |= {
 GOOD |= {
     "UrgSensor.port": Newly,
     "UrgSensor.clock": lambda: Newly.last.now,
-    "hokuyo.text": b"00",
+    "sensors.text": b"00",
     "parse_scan.body": [b"JUGnD", b"06805m`"],
     "characters": 2,
     "encode.values": np.array([392, 381]),
-    "hokuyo.sensor": LOG.scans,
-    "hokuyo.path": "recorded.log",
+    "sensors.sensor": LOG.scans,
+    "sensors.path": "recorded.log",
     "world": emulator.Room(WALLS, PATH),
     "turn": 3,
     "index": 1,

@@ -45,7 +45,7 @@ def write_arrays(path: str | Path, log: Log) -> None:
 
 def log_arrays(log: Log) -> dict[str, NDArray[Any]]:
     """What a log holds, by the names of `write_arrays`; scans with fewer beams are filled up."""
-    if not len(log):
+    if not len(arrays.instance(log, "log", Log)):
         raise ValueError(f"log {log.name!r} must hold a scan")
     counts = np.array([len(scan) for scan in log])
     there = np.arange(counts.max()) < counts[:, None]

@@ -90,7 +90,7 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
         return sum(map(form.claims, filter(None, split[form.separator])))
 
     votes = {form: vote(form) for form in TEXT_FORMATS}
-    if max(votes.values()) <= SHAPE_SHARE * len(sample):  # none of ours says most of it
+    if max(votes.values()) < len(sample):  # none of ours says all of it
         votes |= {form: vote(form) for form in registered() if not isinstance(form, Binary)}
     for share, by_shape, tables_next in (
         (WORDS_SHARE, False, tables.STATED_FILES),

@@ -192,7 +192,7 @@ def test_the_map_of_the_code_has_every_folder_and_no_import_that_climbs():
     """Catches a map that is older than the code."""
     layer = {n: k for k, (_, _, names) in enumerate(code_map.LAYERS) for n in names.split()}
     tops = {p.name.removesuffix(".py") for p in (ROOT / "segmap").iterdir()}
-    tops |= {f"segmap_app/{p.stem}" for p in (ROOT / "segmap_app").iterdir()}
+    tops |= {f"segmap_app/{p.name.removesuffix('.py')}" for p in (ROOT / "segmap_app").iterdir()}
     none = {"__init__", "__pycache__", "segmap_app/__init__", "segmap_app/__pycache__"}
     assert set(layer) == {name for name in tops if "." not in name} - none
     used = {package: code_map.imports_of(package) for package in layer}

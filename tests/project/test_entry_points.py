@@ -46,7 +46,7 @@ from segmap_app import files
 PACKAGES = [
     "angles", "poses", "segments", "scans", "extraction", "metrics", "simulation", "alignment",
     "reduction", "quadtree", "matching", "exports", "readers", "plotting", "experiments",
-    "panels", "testing", "hokuyo", "hokuyo.emulator", "plan",
+    "panels", "testing", "sensors", "sensors.emulator", "plan",
 ]  # fmt: skip
 #: What the library makes itself and hands out: nobody else has to call these.
 MADE = {"AgainstWalls", "Alignment", "Belief", "ColumnChoices", "Door", "FloorPlan", "Graph",
@@ -191,7 +191,7 @@ def complaint(package, called, function, name, bad, must):
                 return f"leaves an empty figure behind: {error}"
             return "" if named or "broadcast" in str(error) else f"does not name {name}: {error}"
         except sensors.SensorError as error:  # what a sensor sends is judged by its own words
-            return "" if package == "hokuyo" and str(error) else f"SensorError: {error}"
+            return "" if package == "sensors" and str(error) else f"SensorError: {error}"
         except AssertionError:
             return "" if called.startswith("assert_") else "AssertionError"
         except TypeError as error:  # what is called says so itself
