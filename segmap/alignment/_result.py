@@ -362,5 +362,5 @@ class Trail:
 
 def long_segments(scan: LaserScan, min_length: float) -> Array:
     """Segments of a scan that are at least `min_length` metres long, `(n, 2, 2)`, robot frame."""
-    found = extract_polylines(scan.points())
+    found = extract_polylines(scan.points(), closed=scan.whole_turn)
     return found[length(found) >= min_length]

@@ -55,7 +55,7 @@ def extract_clusters(
         squares on `a x + b y = 1`: it depends on the origin, and a cluster whose line passes
         through the origin gives no segment.
     closed
-        The last point is next to the first (360-degree scans).
+        The last point is next to the first; of a scan `LaserScan.whole_turn` tells.
 
     Returns
     -------
@@ -143,7 +143,8 @@ def build_map(
         Pose of the robot at each scan, such as `log.truth`; a scan with NaN in it is left out.
         Of scans at which the robot stands, and sees the same, the first 20 are drawn.
     extract
-        `extract(points, **thresholds) -> (n, 2, 2)`.
+        `extract(points, **thresholds) -> (n, 2, 2)`. Those of this package join a wall across the
+        seam of a whole turn.
     keep_points
         Keep the points behind each segment and the place of the sensor at each scan. Only
         `extract_polylines` and `extract_clusters` tell which points those are.
@@ -240,7 +241,8 @@ def _polylines(
 
 
 def _clusters_of(scans: Sequence[LaserScan], **given: Any) -> tuple[Runs, Rows]:
-    return _joined([_clusters(scan.points(), **given) for scan in scans])
+    closed = given.pop("closed")
+    return _joined([_clusters(s.points(), **given, closed=closed or s.whole_turn) for s in scans])
 
 
 def _polylines_of(
@@ -251,15 +253,12 @@ def _polylines_of(
     min_length: float,
     closed: bool,
 ) -> tuple[Runs, Rows]:
-    given = gap, tolerance, min_points, min_length
-    if closed:
-        return _joined([_polylines(scan.points(), *given, closed) for scan in scans])
     angles = np.concatenate([s.angles for s in scans])
     poses = np.array([s.sensor_pose for s in scans])
     beams = np.array([np.concatenate([s.ranges for s in scans]), np.cos(angles), np.sin(angles)])
     first, turns = np.cumsum([0, *map(len, scans)]), poses[:, 2].copy()
-    far = [s.max_range for s in scans]
-    lasers = np.column_stack([poses[:, :2], np.cos(turns), np.sin(turns), far])
+    far, closed_too = [s.max_range for s in scans], [closed or s.whole_turn for s in scans]
+    lasers = np.column_stack([poses[:, :2], np.cos(turns), np.sin(turns), far, closed_too])
     least, n = max(min_points, 2), len(angles)
     points, counts = np.empty((n, 2)), np.empty(len(scans), np.int64)
     most = n // least + len(scans)

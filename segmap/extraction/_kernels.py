@@ -348,7 +348,8 @@ def polylines_of_scans(
     """`LaserScan.points` of many scans, and the segments of each, metres; how many points, or -1.
 
     `beams`, (3, n), are ranges, cosines and sines, those of scan i from `first[i]`; `lasers`,
-    (m, 5), x, y, cosine and sine of each sensor's pose, and its largest range.
+    (m, 6), x, y, cosine and sine of each sensor's pose, its largest range, and whether it looks
+    all round.
     """
     most, used, found = 0, 0, 0
     for i in range(len(lasers)):
@@ -356,7 +357,7 @@ def polylines_of_scans(
     room, sums = np.empty((4, most), np.int64), np.empty((6, most))
     for i in range(len(lasers)):
         begin, x, y = used, lasers[i, 0], lasers[i, 1]
-        c, s, far = lasers[i, 2], lasers[i, 3], lasers[i, 4]
+        c, s, far, closed = lasers[i, 2], lasers[i, 3], lasers[i, 4], lasers[i, 5] > 0
         for b in range(first[i], first[i + 1]):
             r = beams[0, b]
             if 0.0 < r < far and r < np.inf:
@@ -364,6 +365,9 @@ def polylines_of_scans(
                 points[used, 0], points[used, 1] = x + c * u - s * v, y + s * u + c * v
                 used += 1
         p, own = points[begin:used], out[found:]
+        if closed and len(p) > 2:
+            start = start_of_round(p, gap)
+            p[:] = np.concatenate((p[start:], p[:start]))
         counts[i] = polylines(p, gap, tolerance, min_points, min_length, own, room, sums)
         if counts[i] < 0:
             return -1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -133,7 +133,7 @@ def localize_ekf(
             if before is not None:
                 pose, spread = moved(pose, spread, between(before, scan.odometry), odometry_noise)
             before, sigmas = scan.odometry, (sigma, wall_sigma)
-            yield (state := corrected(pose, spread, scan.points(), walls, sigmas, limit))
+            yield (state := corrected(pose, spread, scan, walls, sigmas, limit))
             pose, spread = state.pose, state.covariance
 
     return states(first, known)
@@ -155,10 +155,11 @@ def moved(pose: Array, covariance: Array, way: Array, noise: OdometryNoise) -> t
 
 
 def corrected(
-    pose: Array, spread: Array, points: Array, walls: Array, sigmas: tuple[float, ...], gate: float
+    pose: Array, spread: Array, scan: LaserScan, walls: Array, sigmas: Sequence[float], gate: float
 ) -> KalmanState:
-    """What the segments of a scan, points `(n, 2)` in the robot's frame, make of a prediction."""
-    seen = extract_polylines(points)
+    """What the segments of a scan make of a prediction."""
+    points = scan.points()
+    seen = extract_polylines(points, closed=scan.whole_turn)
     placed = transform(pose, seen)
     middle, size = midpoint(placed), length(walls)
     along = (walls[:, 1] - walls[:, 0]) / size[:, None]

@@ -293,5 +293,5 @@ def insert_placed(
         unseen = free_ends(scan, sensor) if free else None
         map.insert_scan(sensor[:2], transform(pose, points), unseen)
     if walls is not None:
-        found = extract_polylines(points)
+        found = extract_polylines(points, closed=scan.whole_turn)
         walls.add(transform(pose, found.reshape(-1, 2)).reshape(-1, 2, 2))

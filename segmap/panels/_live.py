@@ -260,7 +260,9 @@ class LivePanel(Panel):
             if self._scan is None or now is None or not np.isfinite(now.pose[0]):
                 self.picture.value = self._picture.png()
                 return
-            own = extract_polylines(self._scan.points(), tolerance=self.tolerance.value)
+            own = extract_polylines(
+                self._scan.points(), tolerance=self.tolerance.value, closed=self._scan.whole_turn
+            )
             segments = transform(now.pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
             self._tell(len(segments))
             walls = None if self._live is None else self._live.walls
@@ -312,7 +314,7 @@ def _checked_source(source: UrgSensor | Iterable[LaserScan]) -> UrgSensor | Iter
 def _warm_up() -> None:
     """Load what is compiled, and draw once, before the laser is on and scans wait for it."""
     scan, map = LaserScan([1.0], [0.0]), QuadtreeMap(resolution=0.1)
-    segments, picture = extract_polylines(scan.points()), LivePicture()
+    segments, picture = extract_polylines(scan.points(), closed=scan.whole_turn), LivePicture()
     for step in (*map_scans([scan, scan], map=map), *map_scans([scan], map=map, graph=True)):
         picture.show(map, scan, step.pose, segments)
         picture.png()

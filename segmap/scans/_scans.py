@@ -13,12 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from ..arrays import Array, unit_checks
 from ..display import Pictured
-from ..poses.motions import transform
+from ..poses.motions import transform, wrap
 from .causes import Finding, doubt_of
 
 T = TypeVar("T")
 
 NO_POSE = (np.nan, np.nan, np.nan)
+#: In a whole turn the last beam is at most so many steps before the first: one may be missing.
+SEAM_STEPS = 2.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -111,6 +113,14 @@ class LaserScan(Pictured):
         """Which beams hold a measurement, `(n,)` bool."""
         r = self.ranges
         return np.isfinite(r) & (r > 0) & (r < self.max_range)
+
+    @property
+    def whole_turn(self) -> bool:
+        """Whether the beams go all round: the last one is next to the first."""
+        steps = wrap(np.diff(self.angles))
+        if not len(steps):
+            return False
+        return bool(2 * np.pi - abs(steps.sum()) < SEAM_STEPS * np.median(np.abs(steps)))
 
     def points(self) -> Array:
         """End points of the valid beams in the robot's frame, `(m, 2)` array, metres."""

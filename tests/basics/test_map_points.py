@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from segmap import load
 from segmap.experiments import sweep
 from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
-from segmap.scans import Log
+from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap, extreme_projections
 
 PIECES = [extract_polylines, extract_clusters]
@@ -45,6 +45,23 @@ def test_segments_are_the_same_with_and_without_points(extract):
     assert_array_equal(a_map(extract).segments, plain.segments)
     assert_array_equal(a_map(extract).scan, plain.scan)
     assert plain.points is None and plain.first is None and plain.sensors is None
+
+
+@pytest.mark.parametrize("extract", PIECES)
+@pytest.mark.parametrize("turned", [1, -1])
+@pytest.mark.parametrize("first", [-np.pi, -1.0, 0.0, 1.3, 3.0])
+def test_a_wall_goes_on_across_the_seam_of_a_whole_turn(extract, turned, first):
+    """Catches a wall that the first beam cuts in two, clockwise and in angles that begin anew."""
+    angles = first + turned * np.radians(np.arange(360))
+    far = 1 / np.maximum(np.abs(np.cos(angles)) / 2, np.abs(np.sin(angles)) / 3)
+    far[far > 3.4] = np.inf  # no corner, so that clusters are walls too
+    for listed in (angles, angles % (2 * np.pi)):
+        scan = LaserScan(far, listed, sensor_pose=(0.3, 0.2, 1.0))
+        map = build_map(Log("room", [scan]), [(0, 0, 0)], extract=extract, keep_points=True)
+        walls = build_map(Log("room", [scan]), [(0, 0, 0)], extract=extract)
+        assert scan.whole_turn and len(map) == 4 and len(map.points) == scan.valid.sum()
+        assert_array_equal(walls.segments, map.segments)
+    assert not LaserScan(far[:-3], angles[:-3]).whole_turn
 
 
 def test_no_point_stands_behind_two_segments():

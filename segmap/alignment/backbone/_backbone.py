@@ -169,7 +169,7 @@ class _Backbone:
         """Lay one scan."""
         t, guess = self.t, self.trail.guess() if k else self.trail.pose()
         skipped = self._skipped(k, guess)
-        seen = extract_polylines(scan.points())
+        seen = extract_polylines(scan.points(), closed=scan.whole_turn)
         seen = seen[length(seen) > t.min_length]  # A 3.3.2, step 3
         rebuilt = not skipped and self._rebuilt(guess)  # step 4
         there = transform(guess, seen)  # step 5
