@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 import numpy as np
+import pandas as pd
 from segmap_course import Explored, explore
 
-from segmap.files import replacing, table_text
 from segmap.simulation import office
 
 from .measure import RECORDS, Row
@@ -16,13 +16,13 @@ EVERY = 5.0
 
 
 def rows() -> Iterator[Row]:
-    table, found = [("seed", "metres", "known")], [explored(seed) for seed in SEEDS]
+    table, found = [], [explored(seed) for seed in SEEDS]
     for seed, run in zip(SEEDS, found, strict=True):
         for metres in np.arange(0, run.metres[-1] + EVERY, EVERY):
             at = np.searchsorted(run.metres, metres, "right") - 1
             table.append((seed, metres, round(run.known[at], 4)))
-    with replacing(RECORDS / "exploring.csv") as target:
-        target.write(table_text(table).encode())
+    frame = pd.DataFrame(table, columns=["seed", "metres", "known"])
+    frame.to_csv(RECORDS / "exploring.csv", index=False, lineterminator="\n")
     ninety = [run.metres[np.argmax(run.known >= 0.9)] for run in found]
     least = min(run.known[-1] for run in found)
     yield Row(

@@ -122,7 +122,8 @@ def online() -> Row:
     map = build_map(log, log.truth, **PIECES)
     runs = [times(name, map, thresholds) for name in TIMED for thresholds in ONLINE]
     (RECORDS / "online").mkdir(exist_ok=True)
-    write_records(pd.concat(runs), RECORDS / "online" / "intel.csv")
+    path = RECORDS / "online" / "intel.csv"
+    pd.concat(runs).round({"seconds": 6}).to_csv(path, index=False, lineterminator="\n")
     powers = ", ".join(f"{run['method'].iloc[0]} {growth(run):.2f}" for run in runs)
     return Row(f"on-line on {len(log)} scans", f"time ~ scans ^ ({powers})")
 

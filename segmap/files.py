@@ -1,11 +1,10 @@
-"""Files that appear only when they are complete, tables and arrays of which everything is checked.
+"""Files that appear only when they are complete, and arrays of which everything is checked.
 
 What is no regular file is neither read nor replaced.
 """
 
 from __future__ import annotations
 
-import csv
 import gzip
 import html
 import io
@@ -17,7 +16,7 @@ import sys
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
@@ -169,48 +168,6 @@ def packed(data: bytes) -> bytes:
     """Bytes as gzip, never so small that a reader takes them for a bomb."""
     found = gzip.compress(data, mtime=0)
     return gzip.compress(data, 0, mtime=0) if len(data) > most_unpacked(len(found)) else found
-
-
-# ------------------------------------------------------------------------------ tables
-def table_text(rows: Iterable[Sequence[object]]) -> str:
-    """Rows of cells as CSV text, a line each; halves of letters in a name are written out."""
-    target = io.StringIO()
-    csv.writer(target, lineterminator="\n").writerows(rows)
-    return target.getvalue().encode("utf-8", "backslashreplace").decode("utf-8")
-
-
-def read_table(path: Path, head: Sequence[str]) -> Iterator[tuple[list[str], str]]:
-    """Cells of each line below the head of a CSV file, and where they stand, for an error.
-
-    A last line without an end was cut off when its writer was stopped: it is left out.
-
-    Raises
-    ------
-    ValueError
-        Naming file and line: another head, bytes that are no text, quotes that do not end.
-    """
-    existing(path)
-    return table_lines(path.read_bytes(), shown(path.name), head)
-
-
-def table_lines(data: bytes, name: str, head: Sequence[str]) -> Iterator[tuple[list[str], str]]:
-    """The same of bytes that such a file holds."""
-    data = data[: data.rfind(b"\n") + 1] or data
-    try:
-        text = data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        raise ValueError(f"{name}, line {line}: expected text in UTF-8, got {error}") from error
-    rows = csv.reader(io.StringIO(text, newline=""), strict=True)
-    try:
-        first = next(rows, [])
-        if first != list(head):
-            said = shown(",".join(first)[:200])
-            raise ValueError(f"{name}, line 1: expected the head {','.join(head)}, got {said}")
-        for cells in rows:
-            yield cells, f"{name}, line {rows.line_num}"
-    except csv.Error as error:
-        raise ValueError(f"{name}, line {rows.line_num}: expected a CSV line, {error}") from error
 
 
 # ------------------------------------------------------------------------------ arrays

@@ -151,7 +151,6 @@ GOOD |= {
     "function": reduction.METHODS["fusion"].function, "digest.map": MAP, "front.points":
     PATH[:, :2], "reduction_at.points": PATH[:, :2], "names": "malaga", "load_online.name":
     "intel", "read_records.path": "runs.csv", "write_records.path": "saved.csv",
-    "load_alignments.path": "alignment.csv", "load_walls.path": "walls.csv",
     "good_maps.frame": experiments.load_walls("tuned"), "sweep.methods": ["fusion"],
     "select.method": "fusion", "select.map": "it", "filtered": 0.0,
     "sweep.filters": (0.1,), "sweep.records": "swept.csv",
@@ -215,7 +214,6 @@ MEANT = {"LaserScan.ranges=masked", "LaserScan.time=nan", "measure.ranges=masked
          "encode_reply_1.echo=NUL", "encode_reply_1.status=NUL", "laser_scan.time=nan",
          "info_line.key=NUL", "info_line.text=NUL",
          "sweep.filters=objects", "UrgSensor.clock=of nothing", "Unit.clock=of nothing",
-         "sweep.measure=of nothing", "sweep.measure=of words",  # these runs are known
          "map_of_grid.cells=cut",  # a smaller grid is one
          "placed_at.place=with huge",  # of which `Earth` and `Grid` tell
          "default_thresholds.function=of nothing",

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, astuple, dataclass, fields, replace
-from pathlib import Path
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,6 @@ from numpy.typing import NDArray
 
 from segmap.angles import wrap
 from segmap.arrays import Array
-from segmap.files import read_table, replacing, table_text
 from segmap.matching import MATCHERS, SCORES, map_scans
 from segmap.quadtree import QuadtreeMap
 from segmap.readers import data_file
@@ -56,12 +54,6 @@ class Trial:
     leaves: int
     nbytes: int
     seconds: float
-
-
-HEAD = tuple(f.name for f in fields(Trial))
-#: No number of a trial is larger.
-MOST = 2**53
-KINDS = (str, str, str, int, float, float, float, int, int, float)
 
 
 def room_walk(scans: int = 200, *, seed: int = 0) -> Log:
@@ -150,13 +142,8 @@ def try_pair(log: Log, matcher: str, score: str, *, seed: int = 0) -> Trial:
     )
 
 
-def load_trials(path: Path | None = None) -> list[Trial]:
+def load_trials() -> list[Trial]:
     """All pairs of matcher and score on `room_walk`, as `make bench` wrote them.
-
-    Raises
-    ------
-    ValueError
-        Naming the file, the line and what was expected there.
 
     Examples
     --------
@@ -164,16 +151,10 @@ def load_trials(path: Path | None = None) -> list[Trial]:
     >>> best.matcher, best.largest < 0.05
     ('hill climbing', True)
     """
-    found = []
-    for row, where in read_table(path or data_file("records/matching.csv"), HEAD):
-        try:
-            trial = Trial(*[kind(cell) for kind, cell in zip(KINDS, row, strict=True)])
-            if not all(0 <= number <= MOST for number in astuple(trial)[3:]):
-                raise ValueError(f"expected numbers from 0 to {MOST}")
-        except (ValueError, OverflowError) as error:
-            raise ValueError(f"{where}: expected a trial, got {row}") from error
-        found.append(trial)
-    return found
+    import pandas as pd
+
+    frame = pd.read_csv(data_file("records/matching.csv"))
+    return [Trial(*row) for row in frame.itertuples(index=False)]
 
 
 def load_columns(name: str) -> NDArray[np.void]:
@@ -189,12 +170,6 @@ def load_columns(name: str) -> NDArray[np.void]:
     """
     path = data_file(f"records/{name}.csv")
     return np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
-
-
-def write_trials(trials: Iterable[Trial], path: Path) -> None:
-    """Write what `load_trials` reads, through a temporary file: whole or not at all."""
-    with replacing(path) as target:
-        target.write(table_text([HEAD, *map(astuple, trials)]).encode())
 
 
 def trial_table(trials: Iterable[Trial]) -> pd.DataFrame:

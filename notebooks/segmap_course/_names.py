@@ -26,7 +26,6 @@ from ._matcher_trials import (
     room_walls,
     trial_table,
     try_pair,
-    write_trials,
 )
 from ._storage import (
     Representation,
@@ -194,7 +193,7 @@ __all__ = [
     "predict_survivors", "predict_turned_quality", "predict_wrong_turn", "profile_peaks", "reasons",
     "represent", "room_walk", "room_walls", "sample_points", "ten_maps", "thesis_grid",
     "thesis_results", "three_plans", "trial_table", "try_pair", "unknown_building", "visible_walls",
-    "wall_errors", "within_thesis", "write_trials",
+    "wall_errors", "within_thesis",
 ]  # fmt: skip
 __all__ += drawings.__all__
 __all__ += panels.__all__

@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import arrays
 from ..reduction import Reduction
-from ._files import ONLINE, Threshold, as_frame
+from ._files import Threshold
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,19 +38,22 @@ def online_times(
     0      2     2
     1      3     2
     """
+    import pandas as pd
+
     arrays.instance(reduction, "reduction", Reduction)
     arrays.instance(thresholds, "thresholds", Mapping)
     if reduction.scan_seconds is None or reduction.scan_live is None:
         raise ValueError(f"reduction must be of an on-line method, got {reduction!r}")
     count, every = len(reduction.scan_seconds), arrays.whole(every, "every")
-    named = {"method": reduction.method, "thresholds": dict(thresholds)}
-    seconds = np.cumsum(reduction.scan_seconds)
-    rows = [
-        {**named, "scans": n, "seconds": float(seconds[n - 1]), "live": int(live)}
-        for n, live in enumerate(reduction.scan_live, 1)
-        if n % every == 0 or n == count
-    ]
-    return as_frame(rows, ONLINE)
+    chosen = {name: arrays.number(value, "thresholds") for name, value in thresholds.items()}
+    scans = np.arange(1, count + 1)
+    rows = {
+        "scans": scans,
+        "seconds": np.cumsum(reduction.scan_seconds),
+        "live": reduction.scan_live,
+    }
+    frame = pd.DataFrame({"method": reduction.method, **chosen, **rows})
+    return frame[(scans % every == 0) | (scans == count)].reset_index(drop=True)
 
 
 def growth(frame: pd.DataFrame, *, after: float = 0.25) -> float:

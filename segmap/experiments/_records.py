@@ -9,26 +9,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import arrays
-from ..files import replacing, table_lines
 from ..readers import data_file
 from ._files import (
-    ALIGNMENTS,
-    FORMER,
     NO_THRESHOLDS,
-    ONLINE,
-    RUNS,
-    WALLS_COLUMNS,
+    NUMBERS,
     Threshold,
     as_frame,
-    checked_rows,
-    columns_of,
-    csv_line,
     read_rows,
-    row_line,
+    thresholds_in,
+    write_rows,
 )
 
 if TYPE_CHECKING:
     import pandas as pd
+
+#: Buildings whose runs come with segmap.
+BUILDINGS = ("fr079", "intel", "intel_default", "malaga", "malaga_default", "office")
 
 
 def read_records(path: str | Path) -> pd.DataFrame:
@@ -37,25 +33,14 @@ def read_records(path: str | Path) -> pd.DataFrame:
     A last line without an end was cut off when its writer was stopped: it is left out. Metres are
     NaN where the file is older than they are; what is damaged is a ValueError that names the line.
     """
-    path = arrays.file(path)
-    return as_frame(read_rows(path, columns_of(path)), RUNS)
+    return as_frame(read_rows(arrays.file(path)))
 
 
 def write_records(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write runs of `sweep` or of `online_times` to a CSV file, whole or not at all.
-
-    What `read_records` would refuse is a ValueError that names the line.
-    """
-    had = set(arrays.frame(frame, numbers=["seconds"]))
-    columns = ONLINE if "scans" in had else RUNS if {"invented", "missed"} & had else FORMER
-    arrays.frame(frame, [name for name in columns if name != "thresholds"])
-    path = arrays.file(path)
-    plain = ({str(k): v for k, v in row.items()} for row in frame.to_dict("records"))
-    rows = (row | {"thresholds": thresholds_of(row)} for row in plain)
-    data = (csv_line(columns) + "".join(row_line(row, columns) for row in rows)).encode()
-    checked_rows(table_lines(data, path.name, list(columns)), columns)
-    with replacing(path) as target:
-        target.write(data)
+    """Write runs of `sweep` to a CSV file, whole or not at all."""
+    arrays.frame(frame, ["map", "method", "digest"], set(NUMBERS) - {"invented", "missed"})
+    rows = [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
+    write_rows(arrays.file(path), [row | {"thresholds": thresholds_of(row)} for row in rows])
 
 
 def load_records(*names: str) -> pd.DataFrame:
@@ -71,11 +56,9 @@ def load_records(*names: str) -> pd.DataFrame:
     104       0.0      4240     1086
     340       0.1      3840     1036
     """
-    place = data_file("records")
-    chosen = names or sorted(path.stem for path in place.glob("*.csv") if _holds_runs(path))
-    paths = [_csv_file(place, name, "names") for name in chosen]
-    rows = [row for path in paths for row in read_rows(path, columns_of(path))]
-    return as_frame(rows, RUNS)
+    chosen = [arrays.one_of(name, "names", BUILDINGS) for name in names or BUILDINGS]
+    paths = [data_file(f"records/{name}.csv") for name in chosen]
+    return as_frame(row for path in paths for row in read_rows(path))
 
 
 def load_online(name: str) -> pd.DataFrame:
@@ -83,15 +66,15 @@ def load_online(name: str) -> pd.DataFrame:
 
     With the columns of `online_times`.
     """
-    return as_frame(read_rows(_csv_file(data_file("records/online"), name), ONLINE), ONLINE)
+    return _table(f"online/{arrays.one_of(name, 'name', ('intel',))}")
 
 
-def load_alignments(log: str = "", *, path: Path | None = None) -> pd.DataFrame:
+def load_alignments(log: str = "") -> pd.DataFrame:
     """Errors of all alignment methods on Malaga, Intel and FR079, as `make bench` wrote them.
 
     Intel and FR079 are measured against verified relations (`metrics.relation_errors`), FR079 with
     simulated drift; Malaga against its 99 corrected poses after the best rigid motion. Only logs
-    whose name begins with `log`; `path` is another such file.
+    whose name begins with `log`.
 
     Returns
     -------
@@ -107,21 +90,14 @@ def load_alignments(log: str = "", *, path: Path | None = None) -> pd.DataFrame:
     0      odometry  3.53
     1  ground_truth  0.04
     """
-    arrays.instance(log, "log", str)
-    path = None if path is None else arrays.file(path)
-    frame = as_frame(read_rows(path or data_file("records/alignment.csv"), ALIGNMENTS), ALIGNMENTS)
-    found = frame[frame["log"].str.startswith(log)].reset_index(drop=True)
-    if log and not len(found):
-        known = ", ".join(dict.fromkeys(frame["log"]))
-        raise ValueError(f"log must be the beginning of one of {known}, got {log!r}")
-    return found
+    return _beginning(_table("alignment"), "log", log)
 
 
-def load_walls(group: str = "", *, path: Path | None = None) -> pd.DataFrame:
+def load_walls(group: str = "") -> pd.DataFrame:
     """Reduction methods against the true walls of simulated buildings, as `make bench` judged them.
 
-    Only groups of maps whose name begins with `group`; `path` is another such file. The buildings,
-    and what is good, are told in `data/records/README.md`.
+    Only groups of maps whose name begins with `group`. The buildings, and what is good, are told in
+    `data/records/README.md`.
 
     Returns
     -------
@@ -138,16 +114,26 @@ def load_walls(group: str = "", *, path: Path | None = None) -> pd.DataFrame:
     0     0  basic_offline  distance 0.02  000000000000
     1     0  basic_offline  distance 0.05  000000000000
     """
+    found = _beginning(_table("walls"), "group", group)
+    words = [thresholds_text(thresholds_in(text)) for text in found["thresholds"]]
+    return found.assign(thresholds=words, maps=found["all_four"].str.len())
+
+
+def _table(name: str) -> pd.DataFrame:
+    """A table that comes with segmap."""
     import pandas as pd
 
-    arrays.instance(group, "group", str)
-    path = data_file("records/walls.csv") if path is None else arrays.file(path)
-    rows = [row for row in read_rows(path, WALLS_COLUMNS) if row["group"].startswith(group)]
-    if group and not rows:
-        raise ValueError(f"group must be the beginning of one in {path.name}, got {group!r}")
-    for row in rows:
-        row |= {"thresholds": thresholds_text(row["thresholds"]), "maps": len(row["all_four"])}
-    return pd.DataFrame(rows, columns=[*WALLS_COLUMNS, "maps"])
+    texts: Any = dict.fromkeys(("noise", "thresholds", "all_four"), str)
+    return pd.read_csv(data_file(f"records/{name}.csv"), converters=texts)
+
+
+def _beginning(frame: pd.DataFrame, column: str, start: str) -> pd.DataFrame:
+    """Rows in which the text of a column begins with some letters."""
+    found = frame[frame[column].str.startswith(arrays.instance(start, column, str))]
+    if found.empty:
+        names = ", ".join(dict.fromkeys(frame[column]))
+        raise ValueError(f"{column} must be the beginning of one of {names}, got {start!r}")
+    return found.reset_index(drop=True)
 
 
 def select(
@@ -197,9 +183,8 @@ def thresholds_of(run: Mapping[str, Any] | pd.Series) -> dict[str, Threshold]:
 
     if not isinstance(run, pd.Series):
         arrays.instance(run, "run", Mapping)
-    for name, value in run.items():
-        if not (pd.api.types.is_scalar(value) or isinstance(value, tuple)):
-            raise ValueError(f"run must hold one value for {name!r}, got {arrays.brief(value)}")
+    if not all(map(pd.api.types.is_scalar, dict(run).values())):
+        raise ValueError(f"run must hold one value a column, got {arrays.brief(run)}")
     plain = {k: v.item() if isinstance(v, np.generic) else v for k, v in run.items()}
     return {str(k): v for k, v in plain.items() if k not in NO_THRESHOLDS and not pd.isna(v)}
 
@@ -218,17 +203,3 @@ def thresholds_text(run: Mapping[str, Any] | pd.Series) -> str:
 def number_text(value: Threshold) -> str:
     """A threshold with three digits."""
     return f"{value:.3g}" if isinstance(value, float) else str(value)
-
-
-def _holds_runs(path: Path) -> bool:
-    """Whether a CSV file holds runs, by its head: other records lie beside them."""
-    with path.open(encoding="utf-8", newline="") as lines:
-        return lines.readline() in (csv_line(RUNS), csv_line(FORMER))
-
-
-def _csv_file(place: Path, name: str, word: str = "name") -> Path:
-    """The file of that name in a folder of CSV files; errors call the argument by a word."""
-    paths = {path.stem: path for path in place.glob("*.csv")}
-    if arrays.instance(name, word, str) not in paths:
-        raise ValueError(f"{word} must be of {', '.join(sorted(paths))}, got {name!r}")
-    return paths[name]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Generator, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor, as_completed
-from contextlib import closing, suppress
+from contextlib import suppress
 from functools import lru_cache, partial
 from pathlib import Path
 from statistics import median
@@ -17,8 +17,8 @@ from ..arrays import Segments
 from ..metrics import invented, missed, quality, reduction_rate
 from ..reduction import METHODS
 from ..segments import SegmentMap
-from ._files import RUNS, Row, as_frame, journal
-from ._plan import Function, Grid, Items, Job, Measure, planned
+from ._files import Row, add_row, as_frame, resumed
+from ._plan import Function, Grid, Job, planned
 from ._records import number_text
 
 if TYPE_CHECKING:
@@ -40,7 +40,6 @@ def sweep(
     records: str | Path | None = None,
     progress: bool | Callable[..., Any] = False,
     repeat: int = 1,
-    measure: Measure = quality,
 ) -> pd.DataFrame:
     """Run methods on maps with all thresholds of their grids.
 
@@ -68,9 +67,6 @@ def sweep(
         `tqdm.tqdm`.
     repeat
         Seconds are the median of so many runs, all else is that of the last one.
-    measure
-        What the column quality holds: a function of the map before and the reduction, in [0, 1]
-        (A 6.1 leaves it open). For processes one that can be sent to them.
 
     Returns
     -------
@@ -112,65 +108,57 @@ def sweep(
     if executor is not None:
         arrays.instance(executor, "executor", Executor)
     records = None if records is None else arrays.file(records, "records")
-    arrays.function(measure, "measure", "of the map before and the reduction")
-    jobs = planned(maps, chosen, grids, filters, arrays.whole(repeat, "repeat"), measure)
-    done: dict[int, Row] = {}
-    with journal(records) as (found, add):
-        done |= _known(jobs, found, records)
+    jobs = planned(maps, chosen, grids, filters, arrays.whole(repeat, "repeat"))
+    done = {} if records is None else _stored(jobs, resumed(records), records)
+    with _bar_class(progress)(total=len(jobs), initial=len(done)) as bar:
 
         def keep(index: int, row: Row) -> None:
-            """Remember a run, and write it down, once."""
-            if index not in done:
-                done[index] = row
-                add(row)
+            """Remember a run, write it down, and show that it is there."""
+            done[index] = row
+            if records is not None:
+                add_row(records, row)
+            bar.set_postfix_str(f"{row['method']} on {row['map']}", refresh=False)
+            bar.update()
 
-        with (
-            _bar_class(progress)(total=len(jobs), initial=len(done)) as bar,
-            closing(_finished(jobs, done, executor, keep)) as finished,
-        ):
-            for index, row in finished:
-                keep(index, row)
-                bar.set_postfix_str(f"{row['method']} on {row['map']}", refresh=False)
-                bar.update()
-    return as_frame((done[index] for index in range(len(jobs))), RUNS)
+        todo = {index: job for index, job in enumerate(jobs) if index not in done}
+        if executor is None:
+            for index, job in todo.items():
+                keep(index, run_job(job))
+        else:
+            _run_elsewhere(todo, executor, keep)
+    return as_frame(done[index] for index in range(len(jobs)))
 
 
 def run_job(job: Job) -> Row:
     """One run, in whatever process: what an executor is given."""
+    thresholds, map = job.row["thresholds"], job.segments
     try:
-        _load(job.function, job.first)
-        thresholds = job.row["thresholds"]
-        runs = [job.function(job.segments, **thresholds) for _ in range(job.repeat)]
+        _load(job.function, tuple(thresholds.items()))
+        runs = [job.function(map, **thresholds) for _ in range(job.repeat)]
         found, seconds = runs[-1], median(each.seconds for each in runs)
-        kept = math.nan
-        if len(job.segments):
-            kept = float(arrays.call_given(job.measure, "measure", job.segments, found))
-        if not (0 <= kept <= 1 or math.isnan(kept)):
-            raise ValueError(f"measure must give a number in [0, 1] or NaN, got {kept}")
-        rate = reduction_rate(job.segments, found)
+        return job.row | {
+            "n_before": len(map),
+            "n_after": len(found),
+            "reduction": round(reduction_rate(map, found), 9),
+            "quality": round(quality(map, found), 9) if len(map) else math.nan,
+            "seconds": round(seconds, 6),
+            "invented": round(invented(map, found), 4),
+            "missed": round(missed(map, found), 4),
+        }
     except Exception as error:
         kinds = (kind for kind in (ValueError, TypeError) if isinstance(error, kind))
         kind = next(kinds, RuntimeError)
         raise kind(f"{_job_text(job.row)}: {type(error).__name__}: {error}") from error
-    return job.row | {
-        "n_before": len(job.segments),
-        "n_after": len(found),
-        "reduction": round(rate, 9),
-        "quality": round(kept, 9),
-        "seconds": round(seconds, 6),
-        "invented": round(invented(job.segments, found), 4),
-        "missed": round(missed(job.segments, found), 4),
-    }
 
 
 @lru_cache(maxsize=256)  # once in each process: what is loaded stays loaded
-def _load(function: Function, thresholds: Items) -> None:
+def _load(function: Function, thresholds: tuple[tuple[str, Any], ...]) -> None:
     """Call a method once, so that no run is timed that compiles; the run itself tells of errors."""
     with suppress(Exception):
         function(TINY, **dict(thresholds))
 
 
-def _known(jobs: list[Job], rows: list[Row], path: str | Path | None) -> dict[int, Row]:
+def _stored(jobs: list[Job], rows: list[Row], path: Path) -> dict[int, Row]:
     """The runs that a file holds already, by their place in the request."""
     digests = {job.row["map"]: job.row["digest"] for job in jobs}
     for row in rows:
@@ -187,23 +175,16 @@ def _key(row: Row) -> tuple[object, ...]:
     return row["map"], row["method"], row["filtered"], frozenset(row["thresholds"].items())
 
 
-def _finished(
-    jobs: list[Job],
-    done: dict[int, Row],
-    executor: Executor | None,
-    keep: Callable[[int, Row], None],
-) -> Generator[tuple[int, Row]]:
-    """Runs as they finish; when the caller stops, what waits is cancelled, what is done kept."""
-    todo = [index for index in range(len(jobs)) if index not in done]
-    if executor is None:
-        yield from ((index, run_job(jobs[index])) for index in todo)
-        return
-    futures = {executor.submit(run_job, jobs[index]): index for index in todo}
+def _run_elsewhere(
+    todo: dict[int, Job], executor: Executor, keep: Callable[[int, Row], None]
+) -> None:
+    """Runs as they finish; on an error what waits is cancelled, and what is done is kept."""
+    waiting = {executor.submit(run_job, job): index for index, job in todo.items()}
     try:
-        for future in as_completed(futures):
-            yield futures[future], future.result()
+        for future in as_completed(list(waiting)):
+            keep(waiting.pop(future), future.result())
     finally:
-        for future, index in futures.items():
+        for future, index in waiting.items():
             if not future.cancel() and future.done() and future.exception() is None:
                 keep(index, future.result())
 

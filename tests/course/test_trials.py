@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from segmap_course import load_trials, room_walk, room_walls, trial_table, try_pair, write_trials
+from segmap_course import load_trials, room_walk, room_walls, trial_table, try_pair
 
 from segmap import Log
 from segmap.matching import MATCHERS, SCORES
@@ -46,29 +46,6 @@ def test_the_walk_stays_inside_the_room():
     assert np.degrees(np.abs(np.angle(np.exp(1j * away[:, 2]))).max()) < 3
     assert (truth[:, :2].min(0) > 0.5).all() and (truth[:, :2].max(0) < (3.5, 2.5)).all()
     assert len(room_walls()) == 16 and (length(room_walls()) > 0.2).all()
-
-
-def test_records_survive_a_file(tmp_path):
-    trials = load_trials()[:3]
-    write_trials(trials, tmp_path / "some.csv")
-    assert load_trials(tmp_path / "some.csv") == trials
-    assert [path.name for path in tmp_path.iterdir()] == ["some.csv"]
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "some.csv, line 1: expected the head log,matcher"),
-        ("log,matcher\n", "some.csv, line 1: expected the head log,matcher"),
-        ("HEAD\na,b,c\n", "some.csv, line 2: expected a trial, got"),
-        ("HEAD\na,b,c,0,x,1,1,1,1,1\n", "some.csv, line 2: expected a trial"),
-    ],
-)
-def test_foreign_files_are_named(tmp_path, text, message):
-    head = "log,matcher,score,seed,median,largest,heading,leaves,nbytes,seconds"
-    (tmp_path / "some.csv").write_text(text.replace("HEAD", head))
-    with pytest.raises(ValueError, match=message):
-        load_trials(tmp_path / "some.csv")
 
 
 def test_the_table_holds_medians():

@@ -16,15 +16,12 @@ import pandas as pd
 import pytest
 import segmap_course as course
 from programs import program
-from segmap_course import load_trials, write_trials
 
 import segmap
 import segmap_app
 from segmap import LaserScan, Log, SegmentMap, exports, readers
 from segmap.experiments import (
-    load_alignments,
     load_records,
-    load_walls,
     read_records,
     sweep,
     write_records,
@@ -34,7 +31,6 @@ from segmap.files import (
     MOST_UNPACKED_RATIO,
     packed,
     replacing,
-    table_lines,
     write_bytes,
 )
 from segmap.plan import floor_plan
@@ -70,7 +66,6 @@ WRITERS = {
     "graph": (lambda path: exports.write_graph(path, GRAPH), ".g2o"),
     "drawn": (lambda path: exports.write_segments(path, WALLS), ".dxf.gz"),
     "records": (lambda path: write_records(load_records("malaga")[:2], path), ".csv"),
-    "trials": (lambda path: write_trials(load_trials()[:2], path), ".csv"),
 }
 
 
@@ -225,9 +220,6 @@ READERS = {
     **{"log": segmap.read, "trajectory": readers.read_trajectory, "bag": files.read_bag},
     **{"csv": readers.read_csv, "segments": readers.read_segments, "graph": files.read_graph},
     **{"tree": QuadtreeMap.load, "map": SegmentMap.load, "runs": read_records},
-    "alignments": lambda path: load_alignments(path=path),
-    "walls": lambda path: load_walls(path=path),
-    "trials": load_trials,
     "sweep": lambda path: sweep({"it": WALLS}, ["fusion"], records=path),
 }
 
@@ -249,23 +241,6 @@ def test_the_longest_name_is_written(tmp_path):
     path = tmp_path / ("n" * 251 + ".csv")
     write_records(pd.DataFrame(load_records("malaga")[:1]), path)
     assert path.exists()
-
-
-@pytest.mark.parametrize(
-    ("text", "cells"),
-    [("a,b\n1,2\n3,4\n", ["12", "34"]), ("a,b\n1,2\n3,4", ["12"]), ("a,b", []), ("a,b\n", [])],
-)
-def test_a_last_line_without_an_end_is_left_out(text, cells):
-    """Catches a number cut short that is read, and a whole line that is lost with it."""
-    found = list(table_lines(text.encode(), "runs.csv", ["a", "b"]))
-    assert ["".join(row) for row, _ in found] == cells
-    assert [where for _, where in found] == [f"runs.csv, line {k + 2}" for k in range(len(cells))]
-
-
-def test_a_long_line_in_the_place_of_a_head_is_told_in_part():
-    """Catches an error of megabytes."""
-    with pytest.raises(ValueError, match=r"got x{200}$"):
-        list(table_lines(b"x" * 5000 + b"\n", "runs.csv", ["a", "b"]))
 
 
 @pytest.mark.parametrize("size", [1000, LEAST_UNPACKED_BYTES + 1])

@@ -127,8 +127,6 @@ def bounded(tmp_path_factory):
     exports.write_graph(folder / "graph.g2o", GOOD["write_graph.graph"])
     files.write_ros_map(folder / "ros.yaml", GOOD["exports.map"])
     experiments.write_records(GOOD["frame"], folder / "runs.csv")
-    for name in ("alignment.csv", "walls.csv"):
-        (folder / name).write_bytes(readers.data_file(f"records/{name}").read_bytes())
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     resource.setrlimit(resource.RLIMIT_AS, (12 << 30, hard))
     with pytest.MonkeyPatch.context() as patch:
