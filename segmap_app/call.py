@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -64,12 +64,39 @@ def preparing(options: Mapping[str, Any]) -> dict[str, Any]:
     """
     found: dict[str, Any] = {"deskew": False} if options.get("no_deskew") else {}
     found |= {name: True for name in ("keep_body", "clockwise") if options.get(name)}
+    if options.get("mask"):
+        found["mask"] = directions(options["mask"])
     if options.get("mount_auto"):
         found["mount"] = "auto"
     elif "mount" in options:
         x, y, degrees = options["mount"]
         found["mount"] = (float(x), float(y), math.radians(degrees))
     return found
+
+
+def directions(words: Iterable[str]) -> tuple[tuple[float, float], ...]:
+    """The directions FROM:TO that words like "-170:-150,150:170" name in degrees, in radians.
+
+    Raises
+    ------
+    ValueError
+        Where they name none.
+
+    Examples
+    --------
+    >>> directions(["0:180"])
+    ((0.0, 3.141592653589793),)
+    """
+    found = []
+    for text in ",".join(words).split(","):
+        try:
+            begin, end = map(float, text.split(":"))
+        except ValueError:
+            begin = end = math.nan
+        if not (max(abs(begin), abs(end)) <= 360 and (end - begin) % 360):
+            raise ValueError(f"a mask must be FROM:TO in degrees, like -170:-150, got {text!r}")
+        found.append((math.radians(begin), math.radians(end)))
+    return tuple(found)
 
 
 def called(room: Any, name: str, call: Call, data: str) -> str:

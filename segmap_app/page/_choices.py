@@ -15,7 +15,7 @@ from segmap.files import as_html
 from segmap.panels.controls import ENTRY, control, folded, wrong
 from segmap.scans import Log
 
-from ..call import Call
+from ..call import Call, directions
 from ..files import Session
 from ..pipeline import BEGIN, MapChoices
 from ._edits import NUMBER_ENTRIES, Edits
@@ -153,9 +153,12 @@ class Choices:
         self.clockwise.tooltip = "for a laser that is mounted upside down"
         for box in (self.deskew, self.keep_body, self.clockwise):
             box.indent, box.layout.width = False, "auto"
+        hint, style = "FROM:TO, FROM:TO", ENTRY
+        self.mask: Any = W.Text(description="mask [degrees]", placeholder=hint, style=style)
+        self.mask.tooltip = "directions in which the laser sees the robot, which are left out"
         hint = "X Y DEGREES, or auto"
         self.mount: Any = W.Text(description="laser [m, degrees]", placeholder=hint, style=ENTRY)
-        self.mount.layout.width = "auto"
+        self.mask.layout.width = self.mount.layout.width = "auto"
         self.mount.tooltip = "place and direction of the laser on the robot; auto finds them"
         self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
         named["description"] = "seen through [share]"
@@ -200,6 +203,7 @@ class Choices:
             self.deskew.value = not held.get("no_deskew", False)
             self.keep_body.value = held.get("keep_body", False)
             self.clockwise.value = held.get("clockwise", False)
+            self.mask.value = ",".join(held.get("mask", []))
             place = "auto" if held.get("mount_auto") else " ".join(map(str, held.get("mount", [])))
             self.mount.value = place
         except (TraitError, TypeError, KeyError, ArithmeticError) as fault:
@@ -233,6 +237,8 @@ class Choices:
         """What is chosen for `alignment.prepared`, by the options of `segmap map`."""
         found: dict[str, Any] = {"no_deskew": not self.deskew.value}
         found |= {"keep_body": self.keep_body.value, "clockwise": self.clockwise.value}
+        if mask := self.mask.value.replace(" ", ""):
+            directions(found.setdefault("mask", [mask]))
         text = self.mount.value.strip()
         found["mount_auto"] = text == "auto"
         try:
@@ -252,7 +258,7 @@ class Choices:
 
     def views(self) -> dict[str, Any]:
         """Their controls, by the steps of the way."""
-        laser = W.VBox([self.keep_body, self.clockwise, self.mount])
+        laser = W.VBox([self.keep_body, self.mask, self.clockwise, self.mount])
         fold = folded("laser", laser)
         fold.layout.align_self = "flex-start"
         return {

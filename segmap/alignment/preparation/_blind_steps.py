@@ -47,11 +47,6 @@ LASER_STANDS_RAD = np.radians(3)
 LEAST_REST_SHARE = 0.15
 
 
-def torn(steps: Steps) -> int:
-    """At how many steps a part of the scan stands for the laser though the rest moves."""
-    return int((steps.overlap <= LEAST_STEP_OVERLAP).sum())
-
-
 def blind_steps(log: Log) -> Steps:
     """Steps of a log that its scans alone tell; none where no walls fix the motion."""
     many = EVEN_STARTS if np.isfinite(log.odometry).all(1).any() else STARTS_ALONE

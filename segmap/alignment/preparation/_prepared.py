@@ -5,25 +5,22 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ... import arrays
-from ...arrays import checked
+from ...arrays import Array, checked
 from ...poses.motions import compose, inverse
 from ...progress import Progress
 from ...scans import Log
-from ...scans.causes import Cause, Finding
 from ...scans.odometry import odometry_against_steps
 from .. import _deskew
-from ._blind_steps import blind_steps, torn
+from ._blind_steps import blind_steps
 from ._body import without_body
 from ._clock import with_clock_mended
 from ._nothing_met import without_nothing_met
 from ._odometry import mounting_of, with_odometry_corrected
 from ._range_unit import with_ranges_in_metres
-
-#: So many steps between which something rides make a map doubtful: right logs have one at most.
-MOST_RIDING_STEPS = 3
 
 
 @checked
@@ -32,6 +29,7 @@ def prepared(
     *,
     deskew: bool = True,
     keep_body: bool = False,
+    mask: ArrayLike | None = None,
     clockwise: bool = False,
     mount: ArrayLike | Literal["auto"] | None = None,
     progress: Progress | None = None,
@@ -40,7 +38,7 @@ def prepared(
 
     1. A clock that goes back goes on; times that are all equal are none. Ranges of kilometres are
        in another unit; one number in many beams means that nothing was met.
-    2. Beams that see what rides with the robot, its body or people, are left out.
+    2. Beams that see what rides with the robot are left out.
     3. Odometry is compared with matches that do not lean on it. Another unit, delay or direction is
        corrected, a jump is no motion, and what contradicts the scans is left out.
     4. Beams of a laser that turns while the robot moves are carried back: `alignment.deskew`.
@@ -51,6 +49,9 @@ def prepared(
         False takes all beams of a scan to be measured at once.
     keep_body
         True keeps beams that see the robot itself.
+    mask : (m, 2) array, radians, or None
+        Directions that see the robot, from .. to counter-clockwise in the laser's frame: what is
+        measured there is left out.
     clockwise
         The beams are measured, or listed, the other way round: a laser that hangs upside down.
     mount : (3,) array, metres and radians, "auto" or None
@@ -77,6 +78,8 @@ def prepared(
     arrays.instance(log, "log", Log)
     if clockwise:
         log = replace(log, scans=tuple(replace(scan, angles=-scan.angles) for scan in log))
+    if mask is not None:
+        log = _masked(log, arrays.table(mask, "mask", 2, unit="radians", limit=2 * np.pi))
     if mount is not None and not isinstance(mount, str):
         place = arrays.pose(mount, "mount")
         log = replace(log, scans=tuple(replace(scan, sensor_pose=place) for scan in log))
@@ -84,11 +87,6 @@ def prepared(
     steps = blind_steps(log)
     if not keep_body and (seen := without_body(log, steps)) is not log:
         log, steps = seen, blind_steps(seen)
-    if torn(steps) >= MOST_RIDING_STEPS:
-        words = f"at {torn(steps)} of {len(steps.first)} steps a part of the scan stands still"
-        why = "for the laser while the rest moves: people, or parts of the robot, move along"
-        told = Finding(Cause.BODY, torn(steps), f"{words} {why}", doubtful=True)
-        log = replace(log, causes=(*log.causes, told))
     if isinstance(mount, str):
         arrays.one_of(mount, "mount", ["auto"])
         place = mounting_of(odometry_against_steps(log.odometry, steps))
@@ -97,3 +95,15 @@ def prepared(
         steps = steps._replace(motion=compose(compose(place, steps.motion), inverse(place)))
     log = with_odometry_corrected(log, steps)
     return _deskew.deskew(log) if deskew else log
+
+
+def _masked(log: Log, mask: Array) -> Log:
+    """A log with NaN from the first direction of each row `(m, 2)`, radians, to the second."""
+    width = np.diff(mask, axis=1)[:, 0] % (2 * np.pi)
+    if not (width > 0).all():
+        raise ValueError(f"mask must hold directions from .. to that differ, got {mask.tolist()}")
+    scans = []
+    for scan in log:
+        inside = ((scan.angles[:, None] - mask[:, 0]) % (2 * np.pi) <= width).any(1)
+        scans.append(replace(scan, ranges=np.where(inside, np.nan, scan.ranges)))
+    return replace(log, scans=tuple(scans))

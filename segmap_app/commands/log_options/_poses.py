@@ -17,7 +17,7 @@ from segmap.scans.causes import Cause
 from segmap.scans.motion import is_timed
 from segmap.segments import SegmentMap
 
-from ...call import Call
+from ...call import Call, directions
 from ...pipeline import MapChoices, Pipeline, world_of
 from .._output import Report, seconds
 from ._command import Command
@@ -50,6 +50,13 @@ def add_preparing(command: Command) -> None:
     )
     group.add_argument(
         "--keep-body", action="store_true", help="keep beams that see the robot itself"
+    )
+    group.add_argument(
+        "--mask",
+        action="append",
+        metavar="FROM:TO",
+        help="leave out what the laser sees from one direction to another, degrees "
+        "counter-clockwise from where it looks: the robot's own posts; -170:-150,150:170 are two",
     )
     group.add_argument(
         "--clockwise",
@@ -201,6 +208,10 @@ def check_options(given: argparse.Namespace) -> None:
     for name in () if align else ("ground_truth", "pose_graph"):  # the log tells which of them
         for threshold, of in thresholds(METHODS[name].function).items():
             refuse_wrong(given, f"align_{threshold}", of.said)
+    try:
+        directions(getattr(given, "mask", None) or ["0:1"])
+    except ValueError as error:
+        given.refuse(f"--mask: {error}")
     if hasattr(given, "crop"):
         useful = any(name.lower().endswith((".geojson", ".segmap")) for name in given.output)
         if given.place and not useful and "place" not in given.held:

@@ -18,7 +18,7 @@ from ._command import meant
 EDITS = {"veto", "tie", "crop", "square", "place", "north", "crs"}
 
 #: Options that say how a log is prepared.
-PREPARE = ("no_deskew", "keep_body", "clockwise", "mount", "mount_auto")
+PREPARE = ("no_deskew", "keep_body", "mask", "clockwise", "mount", "mount_auto")
 
 
 def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
@@ -45,14 +45,14 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
 def _written_out(words: Sequence[str]) -> list[str]:
     """The words with `--mount auto`, and `--strict` without a share, as options of their own.
 
-    Columns whose first is left out, as -,angle_deg, are no option.
+    Columns whose first is left out, as -,angle_deg, are no option, nor is a mask of -170:-150.
     """
     found: list[str] = []
     for word, following in zip(words, [*words, ""][1:], strict=True):
         if word == "auto" and found[-1:] == ["--mount-auto"]:
             continue
-        if word.startswith("-,") and found[-1:] == ["--columns"]:
-            found[-1] = f"--columns={word}"
+        if (found[-1:] == ["--columns"] and word.startswith("-,")) or found[-1:] == ["--mask"]:
+            found[-1] += f"={word}"
             continue
         if word == "--mount=auto" or (word == "--mount" and following == "auto"):
             word = "--mount-auto"

@@ -219,6 +219,10 @@ def test_beams_that_see_the_robot_are_kept_where_that_is_asked_for(run):
     assert told not in kept
     few, many = (int(re.findall(r"extracted (\d+)", text)[0]) for text in (said, kept))
     assert many > few + 1.5 * len(log)
+    mask = ("--mask", "-71:-40,39:70.5")  # the beams that are blocked, by a person who knows them
+    masked = run(*words, "--keep-body", *mask)[1]
+    assert abs(int(re.findall(r"extracted (\d+)", masked)[0]) - few) < 0.2 * len(log)
+    assert run(*words, "--mask", "30")[0] == 2
 
 
 def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):

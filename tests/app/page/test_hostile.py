@@ -189,7 +189,7 @@ def test_a_row_whose_values_have_other_types_is_left_out_and_told(page, tmp_path
 def test_a_choice_of_another_type_is_refused_and_the_log_is_kept(value, page, tmp_path):
     """Catches a session that ends the page in another error, or of which a half is taken."""
     names = ("align", "method", "second", "filter", "seen_through", "no_deskew", "mount")
-    names += ("mount_auto", "keep_body", "tolerance", "align_step", "extract_gap")
+    names += ("mount_auto", "keep_body", "mask", "tolerance", "align_step", "extract_gap")
     held = [({name: value}, {}) for name in names]
     held += [({}, {name: value}) for name in ("veto", "tie", "square", "crop", "place", "north")]
     for settings, edits in held:

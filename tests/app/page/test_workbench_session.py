@@ -38,13 +38,14 @@ def chosen():
 #: What is chosen of the laser and its log, by the words of the page.
 KEPT = {
     **{"keep beams that see the robot itself": True, "the beams are counted clockwise": True},
-    "laser [m, degrees]": "0.25 0 180",
+    **{"laser [m, degrees]": "0.25 0 180", "mask [degrees]": "-170:-150,150:170"},
 }
 SETTINGS = {
     **{"align": "odometry", "extract": "extract_clusters", "extract_gap": 0.251234567},
     **{"extract_fit": "algebraic", "method": "hybrid", "angle": 7.5, "filter": 0.15},
     **{"second": "mean_shift", "second_sigma": 0.3, "no_deskew": True, "seen_through": 0.35},
     **{"keep_body": True, "clockwise": True, "mount": [0.25, 0.0, 180.0]},
+    "mask": ["-170:-150,150:170"],
 }
 
 
