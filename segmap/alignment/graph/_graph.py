@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 #: and radians (the bundled logs); and their covariance.
 REAL_ERRORS = 0.02, float(np.radians(0.3))
 REAL = np.diag([REAL_ERRORS[0], *REAL_ERRORS]) ** 2
+#: Standard deviation, metres, along a direction where a search chose the place: that says nothing.
+CHOSEN_M = 100.0
 #: So many draws give standard deviations to a tenth of their size.
 DRAWS = 32
 #: What lies within this, metres, is the neighbourhood of a pose: a large room, or a few small ones.
@@ -165,9 +167,13 @@ def groups(first: Indices, second: Indices, count: int) -> Indices:
     return np.asarray(connected_components(graph, directed=False)[1], np.int64)
 
 
-def information(covariance: Array, least: Array = REAL) -> Array:
-    """Information of a motion with this covariance, beside that of all matches; (3, 3) arrays."""
-    return np.asarray(np.linalg.inv(covariance + least))
+def information(covariance: Array, least: Array = REAL, free: Array | None = None) -> Array:
+    """Information of a motion with this covariance, beside that of all matches; (3, 3) arrays.
+
+    None along the direction `free`, a unit vector `(2,)`.
+    """
+    along = CHOSEN_M * np.array([0.0, 0.0, 0.0] if free is None else [*free, 0.0])
+    return np.asarray(np.linalg.inv(covariance + least + np.outer(along, along)))
 
 
 def residuals(poses: Array, edges: Edge) -> Array:

@@ -68,8 +68,6 @@ NEARLY_WHOLE_OVERLAP = 0.9
 MOST_SLIDE_M = 0.3
 #: Nor is one that turns by more, radians.
 MOST_SLIDE_RAD = 0.2
-#: Standard deviation of the odometry along a direction that a match leaves free, metres.
-ALONG_ERROR = 0.2
 #: At last each scan is laid on the map of so many key frames ...
 FINAL_NEIGHBOURS = 15
 #: ... within so many metres, of all passes, since the loops have brought these together.
@@ -160,6 +158,7 @@ class FrontEnd(Undoable):
             match = self.matcher(map, points, guess)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
                 match = self._regained(map, points, guess, match)
+            match = self.wheels.along(match, guess)
             weighed = self.wheels.weighed(map, points, match)
             row.driven, match = weighed is not match, weighed
             row.overlap = match.overlap if match.matched or measured else np.nan
@@ -236,9 +235,6 @@ class FrontEnd(Undoable):
             self.begins = new
         elif match.matched and new and self._guessed(match):
             covariance = covariance + np.diag(BREAK) ** 2
-        if match.matched and match.free is not None and measured:
-            along = np.array([*match.free, 0.0]) / ALONG_ERROR
-            covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
         tied = match.matched and row.unmatched is not Unmatched.FREE_DIRECTION
         frame = KeyFrame(len(self.rows) - 1, self.points, tied, measured)
         self.frames.add(frame, match.pose, covariance)

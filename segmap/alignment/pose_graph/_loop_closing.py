@@ -168,7 +168,7 @@ class LoopCloser(Undoable):
         fresh: list[tuple[Edge, float]] = []
         for window, match in zip(windows, matches, strict=True):
             if match.matched:
-                known = information(match.covariance, self.frames.least)
+                known = information(match.covariance, self.frames.least, match.free)
                 fresh.append((Edge(window.old, new, match.pose, known, True), window.reach))
             else:
                 self._reject(window.old, new, match.reason)

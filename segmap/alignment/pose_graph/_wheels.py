@@ -77,13 +77,29 @@ class Wheels(Undoable):
         self.way += math.hypot(step[0], step[1])
         self.turn += abs(step[2])
 
+    def along(self, match: Match, guess: Array) -> Match:
+        """A match that leaves a direction free, where the odometry's guess `(3,)` has it along it.
+
+        As sure as these wheels are, and only where what the walls do fix does not contradict them.
+        """
+        usual = self._usual(MOST_WHEEL_FACTOR)
+        if match.free is None or not self._off(match) <= CONTRADICTION_SIGMAS * usual:
+            return match
+        along = np.array([*match.free, 0.0])
+        told = (usual * self._ordinary()[0]) ** 2
+        spread = along @ match.covariance @ along
+        gain = match.covariance @ along / (spread + told)
+        moved = match.pose + gain * (along @ (guess - match.pose))
+        covariance = match.covariance - np.outer(gain, along @ match.covariance)
+        return replace(match, pose=moved, covariance=covariance)
+
     def weighed(self, map: PointMap, points: Array, match: Match) -> Match:
         """A match of a scan's points `(m, 2)`, or the place by odometry if both contradict.
 
         Where a match is right, nearly all points on which both places differ lie on a wall at its
         own. Where it follows people, the walls behind them speak for the odometry.
         """
-        if not match.matched or not math.isfinite(off := self._off(match.pose)):
+        if not match.matched or not math.isfinite(off := self._off(match)):
             return match
         usual = self._usual()
         if self.way > PLACE_ERROR_M and off > CONTRADICTION_SIGMAS * usual:
@@ -97,7 +113,8 @@ class Wheels(Undoable):
                 stands and against < PEOPLE_SHARE * len(points)
             ):
                 return driven
-        self.off.append(off)
+        if match.free is None and not match.turns:
+            self.off.append(off)
         return match
 
     def _driven(self, map: PointMap, points: Array, match: Match, usual: float) -> Match:
@@ -107,7 +124,7 @@ class Wheels(Undoable):
             points, self.motion, reach=max(place, 2 * SEARCH_CELL_M), turn=heading
         )
         found = match if start is None else map.register(points, start, reach=LAST)
-        if not found.matched or self._off(found.pose) > CONTRADICTION_SIGMAS:
+        if not found.matched or self._off(found) > CONTRADICTION_SIGMAS:
             known = np.diag((usual * self._ordinary()) ** 2)
             found = Match(self.motion, known, matched=True)
         loose = found.covariance + np.diag([WON_M, WON_M, 0.0]) ** 2
@@ -120,15 +137,18 @@ class Wheels(Undoable):
         heading += HEADING_ERROR_RAD_PER_RAD * self.turn
         return np.array([place, place, heading])
 
-    def _usual(self) -> float:
-        """How many times more than ordinary ones these wheels err."""
+    def _usual(self, unknown: float = 1.0) -> float:
+        """How many times more than ordinary ones these wheels err, by steps that walls fix."""
         recent = sorted(self.off[-RECENT_MATCHES:])
         if len(recent) < LEAST_MATCHES:
-            return 1.0
+            return unknown
         return max(recent[int(RESIDUAL_QUANTILE * len(recent))] / NORMAL_QUANTILE, 1.0)
 
-    def _off(self, pose: Array) -> float:
-        """How far a pose in the key frame is off, in deviations of ordinary wheels; maybe NaN."""
+    def _off(self, match: Match) -> float:
+        """How far what walls fix of a match is off, in deviations of ordinary wheels; maybe NaN."""
+        pose = match.pose
+        if match.free is not None:
+            pose = pose + (*(match.free @ (self.motion - pose)[:2] * match.free), 0.0)
         x, y, heading = between(self.motion, pose)
         place, _, turn = self._ordinary()
         return math.sqrt((x * x + y * y) / place**2 + (wrap(heading) / turn) ** 2)
