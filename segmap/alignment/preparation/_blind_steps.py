@@ -27,6 +27,8 @@ STARTS_ALONE = 300
 SCANS_AROUND_TURN = np.array([-6, -4, -2, 2, 4, 6])
 #: Scans from the start to the end of a step, tried one after the other.
 STRIDES = (1, 2, 4, 8, 16)
+#: Scans of fewer points tell nothing.
+LEAST_STEP_POINTS = 6
 #: Half side of the search, metres.
 STEP_SEARCH_M = 0.8
 #: Half of the headings that are searched, radians.
@@ -77,14 +79,14 @@ def _step_from(log: Log, first: int) -> tuple[int, Array, float] | None:
     None where no match tells.
     """
     points, known = in_range(log[first].points()), None
-    if len(points) < 6:
+    if len(points) < LEAST_STEP_POINTS:
         return None
     map = PointMap(points)
     for stride in STRIDES:
         if first + stride >= len(log):
             break
         current = in_range(log[first + stride].points())
-        if len(current) < 6:
+        if len(current) < LEAST_STEP_POINTS:
             break
         match = _step_match(map, current)
         if match is None or match.free is not None:
@@ -103,22 +105,20 @@ def _step_match(map: PointMap, current: Array) -> Match | None:
     What rides with the robot stands for the laser. It is nearer than the walls: the rest counts
     only where it is farther away, for a person who passes by is not.
     """
-    match = _registered_at_rest(map, current)
+    match = registered_near(map, current, np.zeros(3))
     if match is not None and _stands(match.pose):
         rides = map.near(current, match.pose, LAST)
         away = np.hypot(*current.T)
         if 1 - rides.mean() > LEAST_REST_SHARE and np.median(away[~rides]) > np.median(away[rides]):
-            rest = _registered_at_rest(map, current[~rides])
+            rest = registered_near(map, current[~rides], np.zeros(3))
             if rest is not None and rest.overlap > LEAST_STEP_OVERLAP and not _stands(rest.pose):
                 return replace(rest, overlap=float(map.near(current, rest.pose, LAST).mean()))
     return match if match is not None and match.overlap > LEAST_STEP_OVERLAP else None
 
 
-def _registered_at_rest(map: PointMap, current: Array) -> Match | None:
-    """Where points `(m, 2)` lie on the map, searched for as if the robot stood."""
-    start, _ = map.search(
-        current, np.zeros(3), reach=STEP_SEARCH_M, turn=STEP_SEARCH_RAD, least=0.3
-    )
+def registered_near(map: PointMap, current: Array, guess: Array) -> Match | None:
+    """Where points `(m, 2)` lie on the map, searched for around a pose `(3,)`."""
+    start, _ = map.search(current, guess, reach=STEP_SEARCH_M, turn=STEP_SEARCH_RAD, least=0.3)
     match = None if start is None else map.register(current, start)
     return match if match is not None and match.matched else None
 

@@ -24,11 +24,11 @@ from ...scans.odometry import (
     Steps,
     delay_of,
     odometry_against_steps,
-    odometry_jumps,
     shifted,
     steps_of,
 )  # fmt: skip
 from ._blind_steps import blind_steps
+from ._jumps import without_jumps
 
 #: Names of units, and the metres of each.
 ODOMETRY_UNITS = {
@@ -80,11 +80,8 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
         causes.append(_delay(late, log.times))
     rows, found = _without_repeats(rows, steps)
     causes += found
-    jumps = odometry_jumps(rows, log.times)
-    if len(jumps):
-        rows[jumps] = np.nan
-        words = f"the odometry jumps {counted(len(jumps), 'time')}, first at scan {jumps[0]}"
-        causes.append(Finding(Cause.JUMP, len(jumps), f"{words}: no motion is known there"))
+    rows, found = without_jumps(log, rows)
+    causes += found
     rows, found = _agreeing(rows, steps)
     causes += found
     if not causes:

@@ -12,7 +12,7 @@ from segmap.alignment import compare_odometry, odometry, pose_graph, position_er
 from segmap.poses import between, compose, inverse
 from segmap.scans import Log
 from segmap.scans.causes import Cause
-from segmap.simulation import SICK_LMS200, OdometryNoise, Sensor, drive, office, simulate
+from segmap.simulation import SICK_LMS200, OdometryNoise, Sensor, box, drive, office, simulate
 
 AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
 SENSORS = {"around": AROUND, "ahead": SICK_LMS200}
@@ -195,6 +195,31 @@ def test_a_step_that_no_robot_drives_is_no_motion(name):
     aligned = pose_graph(found)
     assert aligned.used.all()
     assert position_errors(aligned.poses, log.truth, best=True).max() < 0.05
+
+
+def paused(log: Log, begin: int, end: int) -> Log:
+    """A log whose recorder paused between two scans, and whose times do not show it."""
+    scans = (*log[:begin], *log[end:])
+    timed = tuple(replace(scan, time=0.1 * k) for k, scan in enumerate(scans))
+    return replace(log, scans=timed, truth=np.delete(log.truth, np.s_[begin:end], 0))
+
+
+def test_a_step_that_the_scans_confirm_is_true():
+    """Catches a recorder that paused taken for a jump: the map is GOOD then, and metres off."""
+    log = paused(driven(), 100, 190)
+    found = prepared(log)
+    (finding,) = found.causes
+    assert finding.cause is Cause.JUMP and not finding.doubtful and "paused" in finding.words
+    assert np.array_equal(found.odometry, log.odometry)
+
+
+def test_a_step_that_nothing_tells_is_doubted():
+    """Catches a corridor that looks alike from both places, and a map of it that is called good."""
+    walls = box(60, 2.2, (30, 1.1, 0))
+    path = drive([(2, 1.1), (55, 1.1)], step=0.25)
+    rng = np.random.default_rng(3)
+    log = simulate(walls, path, sensor=AROUND, rng=rng, odometry_noise=OdometryNoise())
+    assert causes(prepared(paused(log, 100, 120))) == {Cause.JUMP: True}
 
 
 def test_a_faster_robot_does_not_jump():
