@@ -22,7 +22,7 @@ from ..quadtree import QuadtreeMap
 from ..scans import LaserScan, Log
 from ..scans.causes import Finding, Unmatched, doubt_of
 from ..scans.motion import skew_warning, stood
-from ..scans.odometry import contradictions
+from ..scans.odometry import contradictions, promised_under
 from ..segments import SegmentMap, length
 from ._verdict import Verdict, judge
 from .graph import Graph, loops_of
@@ -89,6 +89,7 @@ class Appraisal(NamedTuple):
     causes: tuple[Finding, ...] = ()
     spread: Array | None = None
     local_spread: Array | None = None
+    proviso: str = ""
 
 
 class Appraised(Generic[T]):
@@ -141,8 +142,10 @@ class Alignment(Pictured):
     unmatched
         The kind of each reason.
     appraise
-        Works out `causes`, `spread` and `local_spread` when the first of them is asked for, where
-        they are not given.
+        Works out `causes`, `spread`, `local_spread` and `proviso` when the first of them is asked
+        for, where they are not given.
+    proviso
+        Words to put behind what `spread` promises: what it holds under, and what it leaves out.
 
     Examples
     --------
@@ -161,6 +164,7 @@ class Alignment(Pictured):
     local_spread: Appraised[Array | None] = Appraised()
     unmatched: tuple[Unmatched, ...] = ()
     appraise: Callable[[], Appraisal] = Appraisal
+    proviso: Appraised[str] = Appraised()
 
     @cached_property
     def appraisal(self) -> Appraisal:
@@ -304,7 +308,8 @@ def checked_alignment(
         """What the method says, behind what is known of the log and seen in it."""
         own, known = found.appraise(), getattr(scans, "causes", ())
         seen = skew_warning(scans, poses) + stood(scans, poses) + contradictions(scans, poses, used)
-        return own._replace(causes=(*known, *seen, *own.causes))
+        proviso = promised_under(scans, poses, used)
+        return own._replace(causes=(*known, *seen, *own.causes), proviso=proviso)
 
     evidence = reasons, found.graph, None, None, None, unmatched, appraise
     return Alignment(poses.copy(), used.copy(), seconds, name, *evidence)  # a user may edit these

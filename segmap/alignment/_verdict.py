@@ -24,10 +24,6 @@ PLACED = 0.9
 #: Of the scans that are placed at least so many are sure, in the whole map or relative to those
 #: near by: a large building may be right in each of its parts and bent as a whole.
 SURE_SHARE = 0.5
-#: More walls are not doubled in a good map: see `metrics.doubled_walls` for what was measured.
-MOST_DOUBLED_SHARE = 0.25
-#: Nor are more of the occupied cells of its quadtree smeared: see `quadtree.smeared_walls`.
-SMEARED = 0.2
 
 #: So many scans must count before a log can be called unsure as a whole.
 LEAST_COUNTED_SCANS = 10
@@ -37,7 +33,10 @@ UNKNOWN_M = 1.0
 #: A good map promises no more than this, metres: half of a door.
 PROMISE_M = 0.5
 
-Grade = Literal["good", "doubtful", "not a map"]
+#: Words of a map from one place.
+ONE_LOOK = "one look; nothing confirms it"
+
+Grade = Literal["good", "not checked", "doubtful", "not a map"]
 
 
 @dataclass(frozen=True)
@@ -51,9 +50,10 @@ class Verdict:
         is there, what was matched leaves poses free, or none of ten scans and more is sure and half
         of them may be over 2 m off.
         "doubtful" where less than nine tenths of the scans are placed, less than half of those are
-        sure relative to those within 20 m, more than a quarter of the walls is doubled or a fifth
-        of the quadtree smeared, nothing but the wheels places them, or a finding of the alignment
-        makes it so.
+        sure relative to those within 20 m, nothing but the wheels places them, or a finding of the
+        alignment makes it so: the poses do not keep what the matches say, say.
+        "not checked" where nothing speaks against the poses and nothing confirms them: one look,
+        or poses of a file that no match was compared with.
     words
         One line for a user, which begins with the grade in capitals; what makes the map doubtful
         comes first.
@@ -66,7 +66,8 @@ class Verdict:
         Twice the largest standard deviation of a scan that is placed; the words promise it where no
         cause speaks against the map.
     doubled
-        Share of the walls that the map shows twice; None where no map was looked at.
+        Share of the walls that the map shows twice; None where no map was looked at. People and
+        cheap lasers double walls that are right: it decides nothing, nor does `smeared`.
     causes
         Of the findings that make the map doubtful, as `Cause` names them.
     smeared
@@ -118,19 +119,11 @@ def judge(
         doubled = share if np.isfinite(share) else None
     blurred = np.nan if tree is None else smeared_walls(tree)
     smeared = float(blurred) if np.isfinite(blurred) else None
-    drawn = [  # words on walls that are drawn more than once, and whether these are too many
-        (share > most, f"{100 * share:.0f} % of the walls {word}")
-        for share, most, word in (
-            (doubled, MOST_DOUBLED_SHARE, "doubled"),
-            (smeared, SMEARED, "smeared"),
-        )
-        if share is not None
-    ]
     told = f"{placed} of {counted(scans, 'scan')} placed"
     costly = [finding for finding in found.causes if finding.doubtful]
     causes = tuple(str(each.cause) for each in costly)
-    causes += (str(Cause.DOUBLED),) * any(bad for bad, _ in drawn)
     figures = placed, scans, sure, worst, doubled, causes, smeared
+    # 1. No map
     for finding in found.causes:
         if finding.cause in (Cause.NOT_MERGED, Cause.LEFT_FREE):
             return Verdict("not a map", f"NOT A MAP: {finding.words}", *figures)
@@ -143,21 +136,34 @@ def judge(
         if not middle <= 2 * UNKNOWN_M:
             words = f"NOT A MAP: no scan is sure, half of them may be {middle:.1f} m off and more"
             return Verdict("not a map", f"{words}; {told}", *figures)
-    said = [(placed < PLACED * scans, told)]  # and whether it speaks against the map
-    said += [(True, finding.words) for finding in costly]
+    # 2. What speaks against the map, and what does not
+    against = [told] if placed < PLACED * scans else []
+    rest = [] if against else [told]
+    against += [finding.words for finding in costly]
     if found.method == "odometry":
-        said.append((True, "nothing but the wheels places them"))
+        against.append("nothing but the wheels places them")
     if sure is not None:
         local = int(near.sum())
         more = f" ({local} relative to those within 20 m)" if local > sure else ""
-        said.append((local < SURE_SHARE * placed, f"{counted(sure, 'scan')} sure{more}"))
-    grade: Grade = "doubtful" if any(bad for bad, _ in said + drawn) else "good"
+        unsure = local < SURE_SHARE * placed
+        (against if unsure else rest).append(f"{counted(sure, 'scan')} sure{more}")
+    # 3. What confirms it
+    open_questions = [] if against else _unconfirmed(found)
+    grade: Grade = "doubtful" if against else "not checked" if open_questions else "good"
     if worst and not causes and (within := _within(off, grade)):
-        said.append((False, within))
-    said += drawn
-    against, rest = ([text for bad, text in said if bad is kind] for kind in (True, False))
-    words = "; ".join(", ".join(texts) for texts in (against, rest) if texts)
+        rest.append(within + found.proviso)
+    walls = (doubled, "doubled"), (smeared, "smeared")
+    rest += [
+        f"{100 * share:.0f} % of the walls {word}" for share, word in walls if share is not None
+    ]
+    words = "; ".join(", ".join(texts) for texts in (against or open_questions, rest) if texts)
     return Verdict(grade, f"{grade.upper()}: {words}", *figures)
+
+
+def _unconfirmed(found: Alignment) -> list[str]:
+    """Why nothing confirms the poses, in words; empty where something does."""
+    words = [each.words for each in found.causes if each.cause is Cause.NOT_CHECKED]
+    return words or ([ONE_LOOK] if found.used.sum() == 1 else [])
 
 
 def _within(off: Array, grade: Grade) -> str:

@@ -29,7 +29,7 @@ class Cause(StrEnum):
     ODOMETRY_MIRRORED = "odometry mirrored"
     MOUNTING = "mounting"  # the laser looks elsewhere than ahead
     LEVER_ARM = "lever arm"  # the laser's place on the robot
-    LIFTED = "lifted or another floor"
+    LIFTED = "lifted or another floor"  # while nothing was measured
     # What the map says
     NO_DISTANCE = "free direction"
     UNTIED = "no match ties it"
@@ -41,7 +41,8 @@ class Cause(StrEnum):
     NO_WALLS = "no walls"
     NOT_MERGED = "not merged"
     LOST = "lost"
-    DOUBLED = "doubled"
+    BEND = "bend"  # the poses do not keep what the matches said as they came
+    NOT_CHECKED = "not checked"  # nothing confirms the poses
     OTHER = "other"  # words of an earlier version
 
 

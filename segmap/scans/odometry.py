@@ -64,7 +64,6 @@ class Steps(NamedTuple):
     first: NDArray[np.int64]  # (m,)
     second: NDArray[np.int64]  # (m,)
     motion: Array  # (m, 3), metres and radians
-    overlap: Array = np.zeros(0)  # (m,), share of the second scan that lies on the first so
 
 
 @dataclass(frozen=True)
@@ -249,15 +248,9 @@ def contradictions(
 
     `alignment.prepared` compares it before and puts it right; what that told is not told again.
     """
-    known: list[Any] = [s.odometry if s.odometry is not None else (np.nan,) * 3 for s in scans]
-    rows: Array = np.reshape(known, (-1, 3)).astype(float)
+    rows, jumps, found = _against_poses(scans, poses, used)
     if not np.isfinite(rows).all(-1).any():
         return []
-    jumps = odometry_jumps(rows, np.array([scan.time for scan in scans]))
-    steps = _steps_between(poses, used)
-    before = [np.searchsorted(jumps, ends, "right") for ends in steps[:2]]
-    whole = before[0] == before[1]  # no jump lies between
-    found = odometry_against_steps(rows, Steps(*(each[whole] for each in steps[:3])))
     remedy = "begin with alignment.prepared(log)"
     many = counted(len(jumps), "time") if len(jumps) else ""
     first = f"the odometry jumps {many}, first at scan {jumps[:1].sum()}"
@@ -294,6 +287,33 @@ def contradictions(
         for so, cause, value, words in says
         if so and cause not in told
     ]
+
+
+def promised_under(scans: Sequence[LaserScan], poses: Array, used: NDArray[np.bool_]) -> str:
+    """What a promise on poses `(k, 3)` hangs on, to stand behind it; empty where on nothing.
+
+    Without odometry for most steps places that repeat would be one. Where wheels and ranges differ,
+    the log does not say which of both has the scale.
+    """
+    rows, _, found = _against_poses(scans, poses, used)
+    known: Array = np.isfinite(between(rows[:-1], rows[1:])).all(1).astype(float)
+    if len(known) and np.median(known) < 1:
+        return " if no place repeats"
+    percent = round(100 * abs(found.way - 1)) if np.isfinite(found.way) else 0
+    return f" and {percent} % of every distance, by which wheels and ranges differ" * bool(percent)
+
+
+def _against_poses(
+    scans: Sequence[LaserScan], poses: Array, used: NDArray[np.bool_]
+) -> tuple[Array, NDArray[np.int64], OdometryComparison]:
+    """The odometry `(k, 3)` of scans, where it jumps, and how it compares with poses elsewhere."""
+    known: list[Any] = [s.odometry if s.odometry is not None else (np.nan,) * 3 for s in scans]
+    rows: Array = np.reshape(known, (-1, 3)).astype(float)
+    jumps = odometry_jumps(rows, np.array([scan.time for scan in scans]))
+    steps = _steps_between(poses, used)
+    before = [np.searchsorted(jumps, ends, "right") for ends in steps[:2]]
+    whole = before[0] == before[1]  # no jump lies between
+    return rows, jumps, odometry_against_steps(rows, Steps(*(each[whole] for each in steps)))
 
 
 def _steps_between(poses: Array, used: NDArray[np.bool_]) -> Steps:

@@ -1,12 +1,10 @@
 """Pose graph: each scan on a map of the last key frames, loops closed, all poses solved."""
 
-from ._doubt import breaks
 from ._front_end import FrontEnd, Tracking
 from ._loop_closing import LoopClosing
 from ._merge import merge_graphs
 from ._pose_graph import LiveGraph, Placed, pose_graph
 
 __all__ = [
-    "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "Tracking", "breaks", "merge_graphs",
-    "pose_graph",
+    "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "Tracking", "merge_graphs", "pose_graph",
 ]  # fmt: skip

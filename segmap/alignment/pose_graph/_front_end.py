@@ -28,6 +28,7 @@ from ..graph import (
 from ..points import PointMap, in_range
 from ._doubt import appraisal
 from ._key_frames import KeyFrame, KeyFrames, Undoable
+from ._pauses import OTHER_PLACE_M, OTHER_PLACE_RAD
 from ._wheels import Wheels
 
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
@@ -43,12 +44,8 @@ LEAST_SEARCH_M = 1.5
 SEARCH_STEPS = 1.5
 #: ... and no farther than this, metres.
 FARTHEST_SEARCH_M = 6.0
-#: Two places whose scores differ by less are equally likely, ...
+#: Two places that are not the same are equally likely where their scores differ by less.
 ALIKE_SCORES = 0.05
-#: ... if they lie so far apart, metres, ...
-OTHER_PLACE_M = 0.5
-#: ... or are turned by so much, radians.
-OTHER_PLACE_RAD = np.radians(15)
 #: Along a corridor no larger turn is believed, radians.
 CORRIDOR_TURN_RAD = np.radians(60)
 #: After so many lost scans in a row a map begins anew.
@@ -302,19 +299,17 @@ class FrontEnd(Undoable):
 
     def outcome(self, rejected: Sequence[Rejected] = ()) -> Outcome:
         """Poses and reasons of all scans, the graph, and how both are appraised."""
-        frames, poses, frame = self.frames, self.poses(), self._key_frames()
-        rows = [copy(row) for row in self.rows]  # more scans may follow
-        edges = stacked(frames.edges) if frames.edges else None
-        if edges is not None:
+        frames, poses, frame = copy(self.frames), self.poses(), self._key_frames()
+        rows, frames.rows = [copy(row) for row in self.rows], [*frames.rows]  # more may follow
+        frames.edges = [*frames.edges]
+        if frames.edges:
             used = [row.used for row in rows]
             matched = np.bincount(frame, used, len(frames)).astype(float)
             tied = [key.tied for key in frames.rows]
             for k in np.flatnonzero(untied(tied, frames.edges, matched)[frame] & used):
                 rows[k].unmatched, rows[k].reason = Unmatched.UNTIED, ""
         laid = [Laid(at, row.unmatched, row.reason) for row, at in zip(rows, poses, strict=True)]
-        solved = frames.converged, frames.fixed
-        appraise = partial(appraisal, rows, poses, frames.poses, edges, *solved)
-        return Outcome(laid, self.graph(rejected), appraise)
+        return Outcome(laid, self.graph(rejected), partial(appraisal, rows, frames))
 
 
 def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:

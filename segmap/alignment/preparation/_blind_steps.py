@@ -6,8 +6,6 @@ for around where it was taken, as if the robot stood, until the robot has moved 
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -55,29 +53,23 @@ def blind_steps(log: Log) -> Steps:
     starts = np.unique(np.linspace(0, max(len(log) - 2, 0), many).astype(int))
     found = _steps_from(log, starts if len(log) > 1 else starts[:0])
     # A drive along corridors turns at few places: look there once more
-    turning = np.array(
-        [first for first, _, motion, _ in found if abs(motion[2]) > STEP_END_RAD / 2]
-    )
+    turning = np.array([first for first, _, motion in found if abs(motion[2]) > STEP_END_RAD / 2])
     around = np.unique(turning[:, None] + SCANS_AROUND_TURN) if len(turning) else starts[:0]
     around = np.setdiff1d(around[(around >= 0) & (around < len(log) - 1)], starts)
     found += _steps_from(log, around[:: 1 + len(around) // TURNING_STARTS])
     first, second = ([row[k] for row in found] for k in (0, 1))
     motion = np.reshape([row[2] for row in found], (-1, 3))
-    overlap = np.array([row[3] for row in found], float)
-    return Steps(np.array(first, np.int64), np.array(second, np.int64), motion, overlap)
+    return Steps(np.array(first, np.int64), np.array(second, np.int64), motion)
 
 
-def _steps_from(log: Log, starts: NDArray[np.int64]) -> list[tuple[int, int, Array, float]]:
+def _steps_from(log: Log, starts: NDArray[np.int64]) -> list[tuple[int, int, Array]]:
     """The steps that begin at some scans."""
     steps = ((int(first), _step_from(log, int(first))) for first in starts)
     return [(first, *step) for first, step in steps if step is not None]
 
 
-def _step_from(log: Log, first: int) -> tuple[int, Array, float] | None:
-    """The scan up to which the robot has moved enough, how, and how much of it lies on the first.
-
-    None where no match tells.
-    """
+def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
+    """The scan up to which the robot has moved enough, and how; None where no match tells."""
     points, known = in_range(log[first].points()), None
     if len(points) < LEAST_STEP_POINTS:
         return None
@@ -93,7 +85,7 @@ def _step_from(log: Log, first: int) -> tuple[int, Array, float] | None:
             break
         if np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]) > MOST_DEVIATION_M:
             break
-        known = first + stride, match.pose, match.overlap
+        known = first + stride, match.pose
         if np.hypot(*match.pose[:2]) > STEP_END_M or abs(match.pose[2]) > STEP_END_RAD:
             break
     return known
@@ -112,7 +104,7 @@ def _step_match(map: PointMap, current: Array) -> Match | None:
         if 1 - rides.mean() > LEAST_REST_SHARE and np.median(away[~rides]) > np.median(away[rides]):
             rest = registered_near(map, current[~rides], np.zeros(3))
             if rest is not None and rest.overlap > LEAST_STEP_OVERLAP and not _stands(rest.pose):
-                return replace(rest, overlap=float(map.near(current, rest.pose, LAST).mean()))
+                return rest
     return match if match is not None and match.overlap > LEAST_STEP_OVERLAP else None
 
 

@@ -146,7 +146,7 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     if found.still > STILL_SHARE:
         words = f"at {100 * found.still:.0f} % of the steps the scans stand though the wheels drive"
         why = "people, or parts of the robot, move along with it"
-        causes.append(Finding(Cause.BODY, found.still, f"{words}: {why}", doubtful=True))
+        causes.append(Finding(Cause.BODY, found.still, f"{words}: {why}"))
     return rows, causes
 
 
