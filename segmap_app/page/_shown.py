@@ -23,7 +23,12 @@ STATIC_WIDTH = 648
 #: Its height, pixels.
 STATIC_HEIGHT = 320
 #: Colours of the verdicts, which colour-blind eyes tell apart too.
-COLORS = {"good": "#009e73", "doubtful": "#c47f00", "not a map": "#d55e00"}
+COLORS = {
+    "good": "#009e73",
+    "not checked": "#56728f",
+    "doubtful": "#c47f00",
+    "not a map": "#d55e00",
+}
 #: So many runs are listed.
 LATEST = 8
 #: A widget sets lines far apart; a table that is too wide has a bar of its own to move it.

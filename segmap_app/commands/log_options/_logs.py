@@ -257,7 +257,7 @@ def add_strict(command: Command) -> None:
         default=0.0,
         metavar="SHARE",
         help=f"end with {NO_MAP} too where a smaller share of the scans is placed, 0.9 say; alone, "
-        "where the map is doubtful",
+        "where the map is not good",
     )
     group.add_argument("--strict-verdict", action="store_true", help=argparse.SUPPRESS)
     group.add_argument(
@@ -275,8 +275,8 @@ def _share(text: str) -> float:
 def too_little(given: argparse.Namespace, verdict: Verdict) -> bool:
     """Whether this is no map, or less than --strict asks for."""
     few = verdict.placed < given.strict * verdict.scans
-    doubtful = given.strict_verdict and verdict.grade == "doubtful"
-    return verdict.grade == "not a map" or few or doubtful
+    short_of_good = given.strict_verdict and verdict.grade != "good"
+    return verdict.grade == "not a map" or few or short_of_good
 
 
 def allowed(
@@ -294,13 +294,13 @@ def allowed(
 def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> int:
     """Say the verdict on the map, as the last line, and give the exit code.
 
-    Beside the output stands once more what makes it doubtful.
+    Beside the output stands once more what makes it less than good.
     """
     report.assumptions()
     few = verdict.grade != "not a map" and verdict.placed < given.strict * verdict.scans
     asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
     report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
-    if verdict.grade == "doubtful":
+    if verdict.grade in ("doubtful", "not checked"):
         print_error(f"{report.found['source']}: {verdict}")
     return NO_MAP if too_little(given, verdict) else 0
 
