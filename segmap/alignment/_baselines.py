@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Annotated, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..poses import between, compose, interpolate, inverse, transform
 from ..scans import Log
 from ..scans.causes import Unmatched
 from ._result import Outcome, Trail, alignment_method
+from .pose_graph import poses_compared
 
 
 @alignment_method
@@ -75,7 +77,8 @@ def ground_truth(
     Returns
     -------
     Alignment
-        A dropped scan is not used; its pose carries the odometry on.
+        A dropped scan is not used; its pose carries the odometry on. Its causes say where matches
+        between neighbours and at revisits contradict the poses, and where none confirms them.
 
     Raises
     ------
@@ -113,7 +116,8 @@ def ground_truth(
         first = int(np.argmax(known))
         back = between(log.odometry[first], log.odometry[0])
         found[0] = compose(found[first], back) if np.isfinite(back).all() else found[first]
-    return _known_poses(log, found, known, Unmatched.NO_TRUTH)
+    laid = _known_poses(log, found, known, Unmatched.NO_TRUTH).laid
+    return Outcome(laid, appraise=partial(poses_compared, log, found, known))
 
 
 def _known_poses(log: Log, poses: Array, known: NDArray[np.bool_], missing: Unmatched) -> Outcome:

@@ -1,11 +1,14 @@
 """Whether solved poses keep what the matches said as they came."""
 
+import re
+from dataclasses import replace
+
 import alignment_logs as logs
 import numpy as np
 import pytest
 
 from segmap import load
-from segmap.alignment import pose_graph
+from segmap.alignment import ground_truth, pose_graph
 from segmap.alignment.graph import REAL, bends
 from segmap.poses import between, compose
 from segmap.scans.causes import Cause
@@ -80,3 +83,29 @@ def test_right_maps_keep_what_the_matches_say(name):
     log = load(name)
     for each in (log, logs.without_odometry(log)):
         assert Cause.BEND not in {finding.cause for finding in pose_graph(each).causes}
+
+
+# ------------------------------------------------------------------ poses that came with a log
+@pytest.mark.parametrize("metres", [0.0, 0.6, 1.0, 3.0])
+def test_poses_of_a_log_are_compared_with_matches(metres):
+    """Catches half of a path that lies 3 m elsewhere, and GOOD since nobody asked."""
+    log = load("malaga")
+    truth = log.truth.copy()
+    truth[112:, :2] += metres * np.array([0.6, 0.8])
+    verdict = ground_truth(replace(log, truth=truth), missing="drop").verdict
+    assert verdict.grade == ("doubtful" if metres else "good")
+    assert verdict.causes == (("bend",) * len(verdict.causes)) and bool(verdict.causes) == (
+        metres > 0
+    )
+    if metres:
+        said = re.findall(r"([\d.]+) m\b", verdict.words)
+        assert any(abs(float(each) - metres) < 0.2 for each in said)
+
+
+def test_poses_that_no_match_confirms_are_not_checked():
+    """Catches poses of scans that see nothing, and of one place, that are called good."""
+    log = load("room")
+    verdict = ground_truth(logs.blind(log, *range(15, 61))).verdict
+    assert verdict.grade == "not checked" and "no match confirms" in verdict.words
+    rest = replace(log[:3], truth=np.zeros((3, 3)))
+    assert ground_truth(rest).verdict.words.startswith("NOT CHECKED: one look; nothing confirms it")

@@ -32,26 +32,23 @@ class Bends(NamedTuple):
     size: Array  # (w,), in standard deviations of the chain
     off: Array  # (w, 3), the later end as the poses have it, in the frame that the chain gives it
 
-    def over(self) -> Bends:
-        """Those windows in which chain and poses contradict each other."""
-        torn = self.size > MOST_BEND
-        return Bends(self.first[torn], self.last[torn], self.size[torn], self.off[torn])
-
-    def finding(self, scans: NDArray[np.int64], what: str) -> list[Finding]:
+    def finding(self, scans: NDArray[np.int64], what: str, metres: float = 0.0) -> list[Finding]:
         """What speaks against poses that bend their chain: the narrowest window that tells it.
 
-        `scans`, `(n,)`, are those at the poses; `what` names these.
+        `scans`, `(n,)`, are those at the poses; `what` names these. Only windows count whose end
+        lies `metres` elsewhere and more.
         """
-        torn = self.over()
-        if not len(torn.size):
+        far = np.hypot(self.off[:, 0], self.off[:, 1])
+        torn = np.flatnonzero((self.size > MOST_BEND) & (far >= metres))
+        if not len(torn):
             return []
-        narrow = np.flatnonzero(torn.last - torn.first == (torn.last - torn.first).min())
-        k = narrow[np.argmax(torn.size[narrow])]
-        (x, y, turn), ends = torn.off[k], scans[[torn.first[k], torn.last[k]]]
+        length = (self.last - self.first)[torn]
+        narrow = torn[length == length.min()]
+        k = narrow[np.argmax(self.size[narrow])]
+        turn, ends = abs(float(np.degrees(self.off[k, 2]))), scans[[self.first[k], self.last[k]]]
         words = f"between scans {ends[0]} and {ends[1]} {what} tears what the matches say by"
-        metres, degrees = float(np.hypot(x, y)), abs(float(np.degrees(turn)))
-        words += f" {metres:.2f} m and {degrees:.1f} degrees"
-        return [Finding(Cause.BEND, metres, words, doubtful=True)]
+        words += f" {far[k]:.2f} m and {turn:.1f} degrees"
+        return [Finding(Cause.BEND, float(far[k]), words, doubtful=True)]
 
 
 def chain_bends(edges: Edge, poses: Array) -> Bends:
@@ -69,11 +66,11 @@ def bends(motions: Array, covariances: Array, poses: Array) -> Bends:
     Examples
     --------
     >>> straight = np.arange(9)[:, None] * (0.5, 0.0, 0.0)
-    >>> known = np.broadcast_to(np.diag([0.02, 0.02, 0.005]) ** 2, (8, 3, 3))
+    >>> steps, covariances = np.diff(straight, axis=0), [np.diag([0.02, 0.02, 0.005]) ** 2] * 8
     >>> torn = straight + np.where(np.arange(9) < 4, 0, 0.3)[:, None] * (0, 1, 0)
-    >>> bends(np.diff(straight, axis=0), known, straight).finding(np.arange(9), "the map")
+    >>> bends(steps, covariances, straight).finding(np.arange(9), "the map")
     []
-    >>> print(*bends(np.diff(straight, axis=0), known, torn).finding(np.arange(9), "the map"))
+    >>> print(*bends(steps, covariances, torn).finding(np.arange(9), "the map"))
     between scans 1 and 5 the map tears what the matches say by 0.30 m and 0.0 degrees
     """
     steps = len(motions)
@@ -84,12 +81,12 @@ def bends(motions: Array, covariances: Array, poses: Array) -> Bends:
     carry[:, 0, 1] = np.sin(heading)
     carry[:, 1, 0] = -carry[:, 0, 1]
     carry[:, 2, 2] = 1.0
-    own = carry @ covariances @ carry.transpose(0, 2, 1)
+    own = carry @ np.asarray(covariances) @ carry.transpose(0, 2, 1)
     arm = np.broadcast_to(np.eye(3), (steps, 3, 3)).copy()
     arm[:, 0, 2], arm[:, 1, 2] = -y, x
     carry = carry @ arm
     none = np.zeros(0, np.int64)
-    found = [Bends(none, none, np.zeros(0), np.zeros((0, 3)))]
+    parts = [Bends(none, none, np.zeros(0), np.zeros((0, 3)))]
     for window in (w for w in WINDOWS if w <= steps):
         first = np.arange(0, steps - window + 1, window // 4)
         motion, covariance = np.zeros((len(first), 3)), np.zeros((len(first), 3, 3))
@@ -100,5 +97,5 @@ def bends(motions: Array, covariances: Array, poses: Array) -> Bends:
         off[:, 2] = wrap(off[:, 2])
         weighed = np.linalg.solve(covariance, off[:, :, None])[:, :, 0]
         size = np.sqrt(np.einsum("ni,ni->n", off, weighed))
-        found.append(Bends(first, first + window, size, off))
-    return Bends(*map(np.concatenate, zip(*found, strict=True)))
+        parts.append(Bends(first, first + window, size, off))
+    return Bends(*map(np.concatenate, zip(*parts, strict=True)))

@@ -1,10 +1,12 @@
 """Pose graph: each scan on a map of the last key frames, loops closed, all poses solved."""
 
 from ._front_end import FrontEnd, Tracking
+from ._given_poses import poses_compared
 from ._loop_closing import LoopClosing
 from ._merge import merge_graphs
 from ._pose_graph import LiveGraph, Placed, pose_graph
 
 __all__ = [
     "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "Tracking", "merge_graphs", "pose_graph",
+    "poses_compared",
 ]  # fmt: skip
