@@ -61,7 +61,11 @@ G2O = text(
     "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1"
     for k in range(2)
 )
-HOKUYO = text(f"{1000 + k % 7} {0.01 * (k - 10):.4f}" for k in range(20)) + "0 0.11\n7 0.12\n"
+HOKUYO = (
+    "# urg_mm angle_rad\n"
+    + text(f"{1000 + k % 7} {0.01 * (k - 10):.4f}" for k in range(20))
+    + "0 0.11\n7 0.12\n"
+)
 CORESLAM = text(
     f"{212387282 + 98000 * k} 14710 {29221 + 40 * k} {25178 + 50 * k} " + "0 " * 20 + "1500 " * 683
     for k in range(3)
@@ -196,7 +200,7 @@ ASSUMED = {
     "carmen": {FIVE, SICK_REACH.format(50)},
     "carmen_new": {CENTRE},
     "g2o": set(),
-    "hokuyo": {"ranges in millimetres", "angles in radians", COUNTER, "values below 20 are error"},
+    "hokuyo": {COUNTER},
     "coreslam": {URG, "wheels of 77 mm radius", "the laser sits 0.145 m ahead"},
     "coreslam_13": {URG, "wheels of 77 mm radius", "the laser sits 0.145 m ahead"},
     "gmapping": {FIVE, CENTRE, SICK_REACH.format(50)},

@@ -8,7 +8,7 @@ from itertools import islice
 from pathlib import Path
 
 from . import tables
-from ._others import other_file, other_text, worded_numbers
+from ._others import other_file, other_text
 from .carmen import CARMEN_FORMATS
 from .lines import Lines, UnknownFormat
 from .tables import TABLE_FORMATS
@@ -76,11 +76,15 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
     if stated:
         raise UnknownFormat(path, f"{stated}\n{what_to_do()}")
     if path.is_dir():
+        first = next((file for file in sorted(path.iterdir()) if file.is_file()), None)
+        words = first and other_file(first)
         raise UnknownFormat(
             path,
             "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
             "ODOMETRY_XYT.csv, GROUNDTRUTH.csv), a bag of ROS 2 (metadata.yaml) "
-            f"or numbered files with a scan in each\n{what_to_do()}",
+            "or numbered files with a scan each, whose heads, or segmap.readers.read_csv(folder, "
+            "columns='range_mm,angle_rad'), or urg_mm of a Hokuyo, say their columns"
+            f"{f'; its first file {words}' if words else ''}\n{what_to_do()}",
         )
     lines = Lines(path, "skip", separator="\n")
     sample = [line[0] for line in islice(lines, LOOKED_AT_LINES)]
@@ -92,21 +96,20 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
     votes = {form: vote(form) for form in TEXT_FORMATS}
     if max(votes.values()) < len(sample):  # none of ours says all of it
         votes |= {form: vote(form) for form in registered() if not isinstance(form, Binary)}
-    for share, by_shape, tables_next in (
-        (WORDS_SHARE, False, tables.STATED_FILES),
-        (SHAPE_SHARE, True, ()),
-    ):
+    words = other_text(path.name, sample) if sample else ""
+    for share, by_shape in ((WORDS_SHARE, False), (SHAPE_SHARE, True)):
         least = max(share * len(sample), 1)
-        forms = [form for form in votes if votes[form] >= least]
-        forms = [form for form in forms if by_shape or not form.by_shape]
-        if forms := [form for form in forms if form.fits(sample)]:
+        forms = [form for form in votes if votes[form] >= least and form.by_shape <= by_shape]
+        if forms:
             return max(forms, key=lambda form: votes[form])
-        for each in tables_next if lines.number else ():
-            if each.claims(path):
+        for each in tables.STATED_FILES if sample and not by_shape else ():
+            if (not words or each.name == "CSM") and each.claims(path):
                 return each
     if lines.first:
         raise UnknownFormat(path, lines.first.reason, lines.first.line)
-    raise UnknownFormat(path, _looks_like(path, sample, lines.number))
+    raise UnknownFormat(
+        path, f"{words}\n{what_to_do()}" if words else _looks_like(path, sample, lines.number)
+    )
 
 
 def _looks_like(path: Path, sample: Sequence[str], count: int) -> str:
@@ -115,9 +118,6 @@ def _looks_like(path: Path, sample: Sequence[str], count: int) -> str:
         return f"is empty, expected a log\n{what_to_do()}"
     if not sample:
         return f"is of no known format: it has comments only\n{what_to_do()}"
-    words = other_text(path.name, sample)
-    if not words and (asked := tables.asked_of(path)):
+    if asked := tables.asked_of(path):
         return asked
-    if words := words or worded_numbers(path.name, sample):
-        return f"{words}\n{what_to_do()}"
     return f"is of no known format: it starts with {sample[0][:40]!r}\n{what_to_do()}"

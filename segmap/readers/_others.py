@@ -53,13 +53,6 @@ LISTS = (
     "import ast\nwith open({name!r}) as file:\n"
     "    scans = [ast.literal_eval(line[line.index('['):]) for line in file if '[(' in line]"
 )
-WORDED_NUMBERS = (
-    "import pathlib, re; path = pathlib.Path({name!r})\n"
-    r"rows = [re.findall(r'-?\d+(?:\.\d+)?', line) for line in path.read_text().splitlines()]"
-    "\npathlib.Path({name!r} + '.csv').write_text('\\n'.join(map(','.join, rows)))"
-)
-#: So many lines with two numbers and more are a table with words in it.
-NUMBERS_SHARE = 0.5
 
 
 def other_file(path: Path) -> str:
@@ -81,15 +74,6 @@ def other_text(name: str, lines: Sequence[str]) -> str:
         return _opened("JSON", JSON_LINES if is_lines else JSON_WHOLE, name)
     if re.fullmatch(r"---|\w+:|- \w+:.*", first):
         return _opened("YAML", YAML, name)
-    return ""
-
-
-def worded_numbers(name: str, lines: Sequence[str]) -> str:
-    """What opens a text with several numbers in most lines, and words; empty of others."""
-    first = lines[0].strip()
-    numbers = sum(len(re.findall(r"\d+", line)) > 1 for line in lines)
-    if re.search("[A-Za-z]{2}", first) and numbers > NUMBERS_SHARE * len(lines):
-        return _opened("numbers between words", WORDED_NUMBERS, name)
     return ""
 
 

@@ -71,11 +71,6 @@ class TextFormat:
         return fields[0] in cls.keywords
 
     @classmethod
-    def fits(cls, lines: Sequence[str]) -> bool:
-        """Whether its first lines together may be of this format, where each alone is."""
-        return True
-
-    @classmethod
     def read(cls, path: Path, name: str, on_error: str = "raise") -> Log:
         """Read a log of this format."""
         return cls(Lines(path, on_error, cls.separator)).walked()._log(name)

@@ -18,6 +18,8 @@ from ..scans.error_codes import LOWEST, NOT_MEASURED_CODE, NOTHING_MET_CODE, tol
 from ._host import one_by_one
 from ._sensor import UrgSensor
 
+#: First line of a Hokuyo text, which names its columns.
+HOKUYO_HEAD = "# urg_mm angle_rad\n"
 #: Endings of CARMEN logs; any other path is a folder of Hokuyo texts.
 CARMEN = (".log", ".clf", ".carmen")
 #: Readers take in so many beams of a scan.
@@ -183,7 +185,8 @@ def _write_file(folder: Path, number: int, scan: LaserScan) -> None:
         )
     beams = zip(_millimetres(scan), scan.angles, strict=True)
     with replacing(folder / f"scan{number:06}.txt", sync=False) as target:
-        target.write("".join(f"{r} {a:.9f}\n" for r, a in beams).encode("ascii"))
+        lines = [HOKUYO_HEAD, *(f"{r} {a:.9f}\n" for r, a in beams)]
+        target.write("".join(lines).encode("ascii"))
 
 
 def _millimetres(scan: LaserScan) -> NDArray[np.int64]:

@@ -108,7 +108,7 @@ class TestNoLogs:
         with pytest.raises(UnknownFormat, match=told):
             readers.read(tmp_path)
         for k in range(2):
-            (tmp_path / f"scan_{k}.txt").write_text(f"{100 * k + 100} 0.0\n")
+            (tmp_path / f"scan_{k}.txt").write_text(f"urg_mm angle_rad\n{100 * k + 100} 0\n")
         if "jpg" in name:
             assert [scan.ranges[0] for scan in readers.read(tmp_path)] == [0.1, 0.2]
             monkeypatch.chdir(tmp_path)

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import textwrap
 
 import numpy as np
 import pandas
@@ -104,16 +105,17 @@ def test_what_is_declared_is_read_by_call_and_by_a_file_beside_it(tmp_path, name
     assert [scan.ranges.tolist() for scan in readers.read(path)] == [s.ranges.tolist() for s in log]
 
 
+ANY_ANGLE = "angle_deg|angle_rad|angle_deg_cw|angle_rad_cw"
 #: What a file says too little of, what is asked, and the answer.
 ASKED = {
     "units": (
         "scan,angle,distance\n" + lines(lambda k, a, r: f"{k},{a},{100 * r:.0f}"),
         "the unit of 'angle' and 'distance' is not said",
-        "scan,angle_deg|angle_rad,range_mm|range_cm|range_m", "scan,angle_deg,range_cm"),
+        f"scan,{ANY_ANGLE},range_mm|range_cm|range_m", "scan,angle_deg,range_cm"),
     "nobody's": (
         "angle,distance,intensity\n" + lines(lambda k, a, r: f"{a},{1000 * r:.0f},9"),
         "the unit of 'angle' and 'distance' is not said",
-        "angle_deg|angle_rad,range_mm|range_cm|range_m,-", "angle_deg,range_mm,-"),
+        f"{ANY_ANGLE},range_mm|range_cm|range_m,-", "angle_deg,range_mm,-"),
     "one name": (
         "weather;Abstand;angle_deg\n" + lines(lambda k, a, r: f"rain;{r};{a}"),
         "no name says which column is the range",
@@ -125,18 +127,45 @@ ASKED = {
     "two of a kind": (
         "theta,bearing,range_m\n" + lines(lambda k, a, r: f"7,{a},{r}"),
         "'theta' and 'bearing' both say that they are the angle",
-        "angle_deg|angle_rad|pose_theta_deg|pose_theta_rad|-,"
-        "angle_deg|angle_rad|pose_theta_deg|pose_theta_rad|-,range_m", "-,angle_deg,range_m"),
+        f"{ANY_ANGLE}|pose_theta_deg|pose_theta_rad|-,"
+        f"{ANY_ANGLE}|pose_theta_deg|pose_theta_rad|-,range_m", "-,angle_deg,range_m"),
     "a scan a row": (
         wide(["t", "x", "y", "theta", *(f"r{k}" for k in range(12))],
              lambda k: [f"{0.2 * k:.1f}", str(k), "0.5", "7.1"]),
-        "the unit of 't', 'x', 'y', 'theta', 'ranges' is not said and where the first and the last",
+        "what 't', 'x', 'y', 'theta', 'ranges' hold, and in which unit, is not said and where",
         "time_s|time_ms|time_us|time_ns|-,pose_x_mm|pose_x_cm|pose_x_m|-,"
         "pose_y_mm|pose_y_cm|pose_y_m|-,pose_theta_deg|pose_theta_rad|-,ranges_mm|ranges_cm|ranges_m",
         "time_s,pose_x_m,pose_y_m,pose_theta_rad,ranges_m"),
     "a class at the end": (
-        wide([], lambda k: [], end=["wall"]) , "whether the numbers of a row are ranges",
-        "ranges_mm|ranges_cm|ranges_m,-", "ranges_m,-"),
+        wide([], lambda k: [], end=["wall"]), "how many numbers N of a row stand before its ranges",
+        "-*N,ranges_mm|ranges_cm|ranges_m|-*12,-", "-*0,ranges_m,-"),
+    "other numbers before and behind the ranges": (
+        wide(["uptime_ms", *(f"d{k:03}" for k in range(12)), *(f"i{k}" for k in range(12))],
+             lambda k: [f"{200 * k}"], end=["9"] * 12),
+        "what 'uptime_ms', 'd#', 'i#' hold, and in which unit, is not said",
+        "time_ms|-,ranges_mm|ranges_cm|ranges_m|-*12,ranges_mm|ranges_cm|ranges_m|-*12",
+        "time_ms,ranges_m,-*12"),
+    "plural": (
+        "Distances,Angles\n" + lines(lambda k, a, r: f"{r},{np.radians(a):.5f}"),
+        "the unit of 'Angles' and 'range' is not said",
+        f"range_mm|range_cm|range_m,{ANY_ANGLE}", "range_m,angle_rad"),
+    "a heading": (
+        "heading_deg,range_m\n" + lines(lambda k, a, r: f"{a},{r}"),
+        "no name says which column is the angle",
+        "angle_deg|angle_deg_cw|pose_theta_deg|-,range_m", "angle_deg,range_m"),
+    "units that the names say": (
+        "Winkel;Strecke [cm];Uhr [ms]\n" + lines(lambda k, a, r: f"{a};{100 * r:.0f};{k}"),
+        "no name says which column is the angle, and which the range",
+        f"{ANY_ANGLE}|range_mm|range_cm|range_m|-,range_cm|x_cm|y_cm|-,time_ms|-",
+        "angle_deg,range_cm,time_ms"),
+    "tenths": (
+        "scan,a10,dist_mm\n" + lines(lambda k, a, r: f"{k},{10 * a},{1000 * r:.0f}"),
+        "no name says which column is the angle", f"scan,{ANY_ANGLE}|-,range_mm",
+        "scan,angle_deg/10,range_mm"),
+    "numbers between words": (
+        "VL53L1X ready\n" + lines(lambda k, a, r: f"12:34:0{k}.5 -> [Angle: {a:.0f}], {r:.2f} m"),
+        "no name says which column is the range",
+        f"-,{ANY_ANGLE},range_mm|range_cm|range_m|-", "time,angle_deg,range_m"),
 }  # fmt: skip
 
 
@@ -152,9 +181,9 @@ def test_what_is_not_said_is_asked_for_and_the_answer_reads_the_file(tmp_path, m
     rows = [row for row in content.splitlines()[-36:] if re.search(r"\d\W", row)]
     assert missing in reason and "\n    " in reason
     assert f"--columns '{wanted}'" in reason and f"columns='{wanted}'" in reason
-    assert column_choices("it.csv").columns == wanted
+    assert column_choices("it.csv").columns == wanted.removeprefix("-*N,")
     assert rows[1].replace(";", ",")[:40] in reason
-    with pytest.raises(ValueError, match="choose one of"):
+    with pytest.raises(ValueError, match=r"choose one of|got '-\*N'"):
         read_csv("it.csv", columns=wanted)
     view = (0, 330) if "--view" in reason else None
     log = read_csv("it.csv", columns=answer, view=view)
@@ -163,7 +192,7 @@ def test_what_is_not_said_is_asked_for_and_the_answer_reads_the_file(tmp_path, m
 
 @pytest.mark.parametrize("head", [
     "angle_mil,distance_mm", "angle_deg,distance_yd", "angle_deg,range_left_mm", "a,b",
-    "angle_0.1deg,distance_mm", "time_s,range_mm", "angle_deg,angle_rad",
+    "angle_0.1deg,distance_mm",
 ])  # fmt: skip
 def test_words_that_are_not_known_are_asked_for(tmp_path, head):
     """Catches mils read as degrees, yards as metres, or a beam without a direction."""
@@ -287,9 +316,8 @@ def test_several_sensors_that_a_column_names_are_parted_by_the_advice(tmp_path, 
     (tmp_path / "it.csv").write_text(text([f"{name},angle_deg,range_m", *rows]))
     with pytest.raises(LogError, match=f"'{name}' holds 0, 1") as caught:
         readers.read("it.csv")
-    advice = caught.value.reason.partition("; ")[2].removesuffix(" parts them")
-    exec(advice, {"pandas": pandas, "path": "it.csv"})
-    assert readers.read("part2.csv")[2].ranges == pytest.approx(FAR + 1)
+    exec(textwrap.dedent("\n".join(caught.value.reason.split("\n")[1:])), {"pandas": pandas})
+    assert readers.read(f"{name}_1.csv")[2].ranges == pytest.approx(FAR + 1)
 
 
 def test_what_ros_shortened_is_told_with_the_option(tmp_path):
@@ -307,7 +335,7 @@ OTHERS = {
     "YAML": (lines(lambda k, a, r: f"- angle: {a}\n  range: {r:.2f}"), "records"),
     "lists of Python": (
         text(str([(15, float(a), float(r)) for _, a, r in BEAMS]) for _ in "123"), "scans"),
-    "numbers between words": (lines(lambda k, a, r: f"Angle: {a:.0f}, Dist: {r:.2f} m"), "rows"),
+    "YAML of many numbers": ("ranges:\n" + lines(lambda k, a, r: f"- {r}"), "records"),
 }  # fmt: skip
 
 
@@ -323,8 +351,6 @@ def test_what_is_no_table_is_opened_by_three_lines(tmp_path, monkeypatch, name):
     held: dict[str, object] = {}
     exec("\n".join(code), held)
     assert len(held[variable]) in (1, 3, 36)
-    if variable == "rows":
-        assert len(read_csv("it.txt.csv", columns="angle_deg,range_m")) == 3
 
 
 def test_a_log_of_words_stays_one_whatever_its_head(tmp_path):
@@ -360,7 +386,7 @@ def test_arrays_that_are_not_known_are_told(tmp_path):
 def test_a_point_beside_decimal_commas_is_refused(tmp_path):
     """Catches 3.978 millimetres, which a spreadsheet means as 3978, read as 4 millimetres."""
     (tmp_path / "it.csv").write_text("angle_deg;range_mm\n0,0;3.978\n30,0;978\n60,5;978\n")
-    with pytest.raises(LogError, match=r"line 2: expected a number for the range, got '3\.978'"):
+    with pytest.raises(LogError, match=r"line 2: .* its decimal mark a comma, got '3\.978'"):
         readers.read(tmp_path / "it.csv")
 
 

@@ -30,7 +30,7 @@ def read_text(tmp_path, name, text):
 
 def as_text(tmp_path):
     lines = [f"{r} {a!r}" for r, a in zip(MET.tolist(), driven().angles.tolist(), strict=True)]
-    return read_text(tmp_path, "scan1.txt", "\n".join(lines) + "\n")
+    return read_text(tmp_path, "scan1.txt", "\n".join(["# urg_mm angle_rad", *lines]) + "\n")
 
 
 def as_coreslam(tmp_path):

@@ -2,6 +2,7 @@
 
 angle_deg, angle_rad            direction of a beam; `angle_deg_cw` where angles grow clockwise
 range_m, range_cm, range_mm     how far it went; `range_ft` and `range_in` too
+urg_mm                          what a Hokuyo URG-04LX sends: an error code below 20 mm
 x_m, y_m                        or where it ended, seen from the laser, in any of these units
 time_s, time_ms, time_us, time_ns, time      when; without a unit a date or time of day
 scan, new                       the number of its scan, or whether it is the first of one
@@ -10,6 +11,8 @@ error                           nothing was measured where it is not 0
 pose_x_m, pose_y_m, pose_theta_rad           the robot's odometry
 ranges_m                        a scan a row: this column and all behind it that no name follows
 -, -*20                         a column that is left out, or 20 of them
+
+A part of a unit is divided: `angle_deg/10` are tenths of a degree, `range_mm/4` quarters of 1 mm.
 """
 
 from __future__ import annotations
@@ -25,24 +28,17 @@ from ...arrays import brief
 LENGTH_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
 ANGLE_UNITS = {"deg": np.pi / 180, "rad": 1.0}
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-#: Role -> its units; a role without any needs none.
-UNITS = {
+QUATERNION = ("qx", "qy", "qz", "qw")
+#: Role -> its units, with what makes metres, radians and seconds of them; one without needs none.
+UNITS: dict[str, dict[str, float]] = {
     **dict.fromkeys(("range", "ranges", "x", "y", "pose_x", "pose_y"), LENGTH_UNITS),
     **dict.fromkeys(("angle", "pose_theta"), ANGLE_UNITS),
-    **{
-        "time": TIME_UNITS,
-        "scan": {},
-        "new": {},
-        "error": {},
-        "nanosec": {},
-        "qx": {},
-        "qy": {},
-        "qz": {},
-        "qw": {},
-    },
+    **{role: {} for role in ("scan", "new", "error", "nanosec", *QUATERNION)},
+    "time": TIME_UNITS,
+    "urg": {"mm": 1.0},
 }
 #: A word -> the role that it names.
-ROLE_WORDS = {
+ROLE_WORDS = {name: name for name in ("new", "error", "nanosec", "x", "y", "urg", *QUATERNION)} | {
     word: role
     for role, words in {
         "angle": "angle angles theta θ bearing azimuth",
@@ -51,7 +47,6 @@ ROLE_WORDS = {
         "time": "time timestamp stamp t",
         "scan": "scan rotation turn",
         "pose_theta": "heading yaw",
-        **{name: name for name in ("new", "error", "nanosec", "x", "y", "qx", "qy", "qz", "qw")},
     }.items()
     for word in words.split()
 }
@@ -73,14 +68,20 @@ UNIT_WORDS = {
     }.items()
     for word in words.split()
 }
+POSE = ("pose_x", "pose_y", "pose_theta")
 POSE_WORDS = {"pose", "robot", "odom", "odometry"}
+#: What the roles of a point are called where it is the robot's.
+OF_POSES = {"x": "pose_x", "y": "pose_y", "angle": "pose_theta"}
 NUMBER_WORDS = {"id", "no", "nr", "number", "index", "num"}
 CLOCKWISE = {"cw", "clockwise"}
+TURNS = CLOCKWISE | {"ccw", "counterclockwise"}
 LEFT_OUT_COLUMNS = re.compile(r"-(?:\*(\d{1,5}))?")
+#: A name, and into how many parts its unit is divided.
+DIVIDED = re.compile(r"(.*[a-z])/(\d{1,6}(?:\.\d+)?)")
 
 
 #: What makes a log: one of these sets, the first that there is.
-BEAM_ROLES = (("ranges",), ("angle", "range"), ("x", "y"))
+BEAM_ROLES = (("ranges",), ("angle", "urg"), ("angle", "range"), ("x", "y"))
 POSES_ALONE = (
     "it holds poses and no scan: --odometry or --truth reads them beside a log, "
     "readers.read_trajectory in Python"
@@ -93,11 +94,12 @@ class Column(NamedTuple):
     role: str
     unit: str = ""
     clockwise: bool = False
+    parts: float = 1.0  #: of the unit
 
     @property
     def factor(self) -> float:
         """What makes metres, radians or seconds of it."""
-        return 1e-9 if self.role == "nanosec" else UNITS[self.role].get(self.unit, 1.0)
+        return 1e-9 if self.role == "nanosec" else UNITS[self.role].get(self.unit, 1.0) / self.parts
 
     @property
     def is_whole(self) -> bool:
@@ -107,7 +109,14 @@ class Column(NamedTuple):
     @property
     def name(self) -> str:
         """The name that declares it."""
-        return f"{self.role}{'_' if self.unit else ''}{self.unit}{'_cw' if self.clockwise else ''}"
+        parts = f"/{self.parts:g}" if self.parts != 1 else ""
+        return f"{self.role}{'_' * bool(self.unit)}{self.unit}{'_cw' * self.clockwise}{parts}"
+
+
+def words_of(name: str) -> list[str]:
+    """The words of a name, in lower case: `AngleInDegrees` has three."""
+    split = re.sub("(?<=[a-z])(?=[A-Z])", " ", name)
+    return re.findall(r"[^\W_]+|[^\s\w()\[\].,:/-]+", split.lower())
 
 
 def meaning(name: str) -> Column | None:
@@ -115,13 +124,14 @@ def meaning(name: str) -> Column | None:
 
     Examples
     --------
-    >>> meaning("Distance (mm)"), meaning("AngleInDegrees").name, meaning("quality")
-    (Column(role='range', unit='mm', clockwise=False), 'angle_deg', None)
+    >>> meaning("Distance (mm)").name, meaning("AngleInDegrees").name, meaning("quality")
+    ('range_mm', 'angle_deg', None)
     """
-    split = re.sub("(?<=[a-z])(?=[A-Z])", " ", name)
-    words = re.findall(r"[^\W_]+|[^\s\w()\[\].,:/-]+", split.lower())
-    is_clockwise = words[-1:] != [] and words[-1] in CLOCKWISE
-    words = words[:-1] if is_clockwise else words
+    divided = DIVIDED.fullmatch(name)
+    words = words_of(divided[1] if divided else name)
+    is_turned = any(word in TURNS for word in words)
+    is_clockwise = any(word in CLOCKWISE for word in words)
+    words = [word for word in words if word not in TURNS]
     unit = UNIT_WORDS.get(words[-1], "") if len(words) > 1 else ""
     words = [word for word in (words[:-1] if unit else words) if word != "in"]
     of_pose = words[:1] != [] and words[0] in POSE_WORDS and len(words) > 1
@@ -129,12 +139,13 @@ def meaning(name: str) -> Column | None:
     if len(roles) != 1 or "" in roles:
         return None
     (role,) = roles
-    if of_pose:
-        role = {"x": "pose_x", "y": "pose_y", "angle": "pose_theta"}.get(role, role)
+    role = OF_POSES.get(role, role) if of_pose else role
     numbered = any(word in NUMBER_WORDS for word in words)
     if (unit and unit not in UNITS[role]) or (numbered and role != "scan"):
         return None
-    return Column(role, unit, is_clockwise) if not is_clockwise or role == "angle" else None
+    if (is_turned and role != "angle") or (divided and not unit):
+        return None
+    return Column(role, unit, is_clockwise, float(divided[2]) if divided else 1.0)
 
 
 def named(columns: str | Sequence[str]) -> tuple[str, ...]:
@@ -182,13 +193,13 @@ def missing_in(names: Sequence[str]) -> str:
     except ValueError as fault:
         return str(fault)
     roles = {*found}
-    if {"x", "y", "angle"} <= roles and "range" not in roles:
+    if not {"range", "ranges"} & roles and ({"x", "y", "angle"} <= roles or {*QUATERNION} <= roles):
         return POSES_ALONE
     needed = next((kind for kind in BEAM_ROLES if {*kind} <= roles), None)
     if needed is None:
-        part = {"angle": "range", "range": "angle", "x": "y", "y": "x"}
+        part = {"angle": "range", "range": "angle", "urg": "angle", "x": "y", "y": "x"}
         lacking = next((part[role] for role in part if role in roles), "angle, and which the range")
         return f"no name says which column is the {lacking}"
-    poses = [role for role in ("pose_x", "pose_y", "pose_theta") if role in roles]
+    poses = [role for role in POSE if role in roles]
     open_ = [names[found[role][0]] for role in (*needed, *poses) if not found[role][1].is_whole]
     return f"the unit of {' and '.join(map(repr, open_))} is not said" if open_ else ""

@@ -1,4 +1,4 @@
-"""Lines of numbers in a fixed order, without words: of CoreSLAM, Rawseeds, and a Hokuyo's beams.
+"""Lines of numbers in a fixed order, without words: of CoreSLAM and Rawseeds.
 
 CoreSLAM (Mines ParisTech), a Hokuyo URG-04LX on a robot with two wheels: a header, then ranges in
 millimetres. What most lines of a file have decides: 24 fields and 683 ranges (`test_lab2`, `exp1`),
@@ -11,9 +11,6 @@ Rawseeds, the file of one laser, comma-separated, metres and seconds:
 
     t, count, offset [quarter degrees], ranges          a SICK, its beams as in `half_turn`
     t, 681 ranges                                       a Hokuyo
-
-A Hokuyo's readings as text, a scan a file, a beam a line: millimetres, then radians. Here nothing
-says how far the sensor sees or how fast it turns, and there are no times.
 
 Values of a Hokuyo below 20 mm are error codes, see `error_codes`. There is no truth.
 
@@ -32,11 +29,9 @@ import numpy as np
 
 from ...arrays import LIMIT, Array
 from ...poses import compose
-from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
-from ..lines import MOST_DIRECTION_RAD, Lines, float_fields, is_number, time
+from ..lines import Lines, float_fields, is_number, time
 from ..raw_scans import (
-    COUNTERCLOCKWISE,
     NOWHERE,
     URG_ASSUMED,
     URG_REACH,
@@ -49,7 +44,6 @@ from ..raw_scans import (
     urg_delays,
 )
 from ..text import TextFormat, by_names
-from ._table import MOST_BEAMS_READ
 
 #: Lines of CoreSLAM by the number of their fields, and the sign of the right wheel.
 CORESLAM_LINES = {
@@ -67,19 +61,6 @@ CORESLAM_ASSUMED = (
 )
 #: Fields of a line of a Hokuyo of Rawseeds.
 RAWSEEDS_HOKUYO = 682
-#: So many steps of a column go one way where it does.
-ONE_WAY_SHARE = 0.8
-#: Steps in a turn of a Hokuyo: URG-04LX; UST-10LX and UTM-30LX.
-STEPS_A_TURN = (1024, 1440)
-#: An angle between beams is that of such a step, but for so much: angles are rounded.
-STEP_TOLERANCE = 0.01
-#: What two numbers a line do not say.
-HOKUYO_TEXT_ASSUMED = (
-    "ranges in millimetres",
-    "angles in radians",
-    COUNTERCLOCKWISE,
-    "values below 20 are error codes of a URG-04LX",
-)
 
 
 def urg_scan(laser: str, millimetres: Array, when: float) -> RawScan:
@@ -180,49 +161,3 @@ class Rawseeds(TextFormat):
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         backwards = np.pi if "REAR" in self.lines.path.name.upper() else 0.0
         return uncorrected(scans, np.array([0.0, 0.0, backwards]))
-
-
-class HokuyoText(TextFormat):
-    """One scan."""
-
-    by_shape = True
-    name, expected = "Hokuyo text", "lines of range in millimetres and angle in radians"
-
-    @classmethod
-    def claims(cls, fields: Sequence[str]) -> bool:
-        """Whether a line is one of this format."""
-        if len(fields) != 2 or not all(map(is_number, fields)):
-            return False
-        return float(fields[0]) % 1 == 0 and abs(float(fields[1])) <= MOST_DIRECTION_RAD
-
-    @classmethod
-    def fits(cls, lines: Sequence[str]) -> bool:
-        """Whether the second column holds radians that go one way.
-
-        Where both go one way, the angle between beams must be that of a Hokuyo's step.
-        """
-        rows = [found for line in lines if cls.claims(found := line.split())]
-        apart = np.diff(np.array(rows, float).reshape(-1, 2), axis=0)
-        steps = np.sign(apart)
-        moved = np.abs(steps).sum(0)
-        ways = np.abs(steps.sum(0)) >= ONE_WAY_SHARE * moved
-        step = np.median(np.abs(apart[:, 1])) if len(apart) else 0.0
-        turned = step * np.array(STEPS_A_TURN) / (2 * np.pi)
-        is_step = bool((np.abs(turned - 1) < STEP_TOLERANCE).any())
-        is_open = bool(ways[0] and moved[0]) and not is_step
-        return any("." in angle for _, angle in rows) and bool(ways[1]) and not is_open
-
-    def _take(self, fields: list[str]) -> None:
-        beam = float_fields(fields, "range and angle")
-        if len(beam) != 2 or abs(beam[0]) > LIMIT or not abs(beam[1]) <= MOST_DIRECTION_RAD:
-            raise ValueError(f"expected {self.expected}, got {' '.join(fields)[:80]}")
-        if len(self.scans) == MOST_BEAMS_READ:
-            what = f"expected one scan, but there are more than {MOST_BEAMS_READ} beams"
-            raise self.lines.error(what)
-        self.scans.append(beam)
-
-    def _log(self, name: str) -> Log:
-        millimetres, angles = np.array(self.scans).T
-        ranges, codes = as_ranges(millimetres)
-        scan = LaserScan(ranges, angles, np.nan, codes=codes)
-        return Log(name, [scan], None, self.lines.skipped, assumed=HOKUYO_TEXT_ASSUMED)

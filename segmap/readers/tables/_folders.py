@@ -8,7 +8,7 @@ is read: the first that the folder has of the order above. Odometry and truth ar
 the time of each scan; outside of what they cover, and for the truth in gaps longer than a second, a
 scan has none.
 
-Of numbered files, of a Hokuyo or tables, `scan2.txt` comes before `scan10.txt`.
+Of numbered files, tables or arrays, `scan2.txt` comes before `scan10.txt`.
 
 Assumed: the scans of numbered files are in the order of their numbers.
 """
@@ -16,7 +16,7 @@ Assumed: the scans of numbered files are in the order of their numbers.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -28,8 +28,8 @@ from ...scans import LaserScan, Log
 from ..lines import Lines, LogError, Reading, merged_skipped
 from ..raw_scans import known_truth
 from ..text import Binary
-from ._fixed import HokuyoText, Rawseeds
-from ._layout import Layout, first_lines, layout_as_written, layout_of, said_beside
+from ._fixed import Rawseeds
+from ._layout import Layout, layout_as_written, layout_of, said_beside
 from ._npz import ARRAYS, claims
 from ._table import read_declared_rows
 from ._trajectories import RAWSEEDS_POSES, track_in
@@ -42,11 +42,15 @@ PATTERN = re.compile(
 TRUTH_GAP = 1.0
 #: A number in the name of a file.
 NAME_NUMBER = re.compile("[0-9]{1,18}")
+#: So many numbered tables with a scan each are one log.
+LEAST_FILES = 3
 #: So many files of a kind are looked at.
 FEW = 20
 #: The largest file that may be one scan, in bytes.
 MOST_ONE_SCAN_BYTES = 1 << 20
 P = TypeVar("P", str, Path)
+Form = Binary | Layout
+FormOf = Callable[[Path], Form | None]
 IN_ORDER = "scans in the order of the numbers in the files' names"
 
 
@@ -78,20 +82,21 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     return replace(found._log(name), truth=truth)
 
 
-def one_scan_each(files: Iterable[P]) -> list[list[P]]:
+def one_scan_each(
+    files: Iterable[P], form_of: FormOf | None = None, least: int = LEAST_FILES
+) -> list[list[P]]:
     """Files in their order, those that hold a scan each and are numbered together, by number.
 
-    What the first of them hold decides: no more than one scan, in the same columns. A scan a file
-    of a Hokuyo is such by its format; of other tables three are needed, two may be two rooms.
+    What the first of them hold decides: no more than one scan, in the same columns. `least` files
+    are needed, since two may be two rooms; those of a Hokuyo hold a scan each.
     """
     groups: dict[Any, list[P]] = {}
     for file in files:
-        groups.setdefault((Path(file).parent, NAME_NUMBER.sub("#", Path(file).name)), []).append(
-            file
-        )
+        name = NAME_NUMBER.sub("#", Path(file).name)
+        groups.setdefault((Path(file).parent, name), []).append(file)
     found = list[list[P]]()
     for parts in groups.values():
-        together = len(parts) > 1 and _one_each(parts)
+        together = len(parts) > 1 and _one_each(parts, form_of or form_as_stated, least)
         found += [sorted(parts, key=_numbers_in_name)] if together else [[file] for file in parts]
     return found
 
@@ -100,26 +105,22 @@ def _numbers_in_name(file: str | Path) -> list[int]:
     return [*map(int, NAME_NUMBER.findall(Path(file).name))]
 
 
-def _one_each(files: Sequence[str | Path]) -> bool:
+def _one_each(files: Sequence[str | Path], form_of: FormOf, least: int) -> bool:
     """Whether the first of files hold a scan each: all that can be read, in the same columns."""
-    kinds = [kind for file in files[:FEW] if (kind := _kind_of_one(Path(file))) is not None]
-    names = {name for name, _ in kinds}
-    return len({*kinds}) == 1 and ("Hokuyo text" in names or (len(files) > 2 and "" not in names))
+    kinds = {names for file in files[:FEW] if (names := _names_of_one(Path(file), form_of))}
+    is_hokuyo = any("urg_mm" in names for names in kinds)
+    return len(kinds) == 1 and (len(files) >= least or is_hokuyo)
 
 
-def _form_of(path: Path) -> Binary | Layout | type[HokuyoText] | None:
+def form_as_stated(path: Path) -> Form | None:
     """How a file that may hold a scan is read; None of another."""
     if claims(path):
         return ARRAYS
     layout = said_beside(path) or layout_of(path)
-    if layout.is_whole:
-        return layout
-    lines = [text for _, text in first_lines(path) if not text.startswith("#")]
-    beams = sum(HokuyoText.claims(line.split()) for line in lines)
-    return HokuyoText if 2 * beams >= len(lines) > 0 and HokuyoText.fits(lines) else None
+    return layout if layout.is_whole else None
 
 
-def _read_by(form: Binary | Layout | type[HokuyoText], path: Path, name: str, on_error: str) -> Log:
+def _read_by(form: Form, path: Path, name: str, on_error: str) -> Log:
     return (
         read_declared_rows(path, name, on_error, form)
         if isinstance(form, Layout)
@@ -127,34 +128,36 @@ def _read_by(form: Binary | Layout | type[HokuyoText], path: Path, name: str, on
     )
 
 
-def _kind_of_one(path: Path) -> tuple[str, object] | None:
-    """Format and names of columns of a file with one scan; without a format where it holds more.
+def _names_of_one(path: Path, form_of: FormOf) -> tuple[str, ...]:
+    """Names of the columns of a file; empty of one that is damaged, or no table.
 
-    None of a file that is damaged, or no table.
+    One that holds more than one scan has its own path for a name.
     """
     try:
         if not path.is_file() or path.stat().st_size > MOST_ONE_SCAN_BYTES:
-            return None
-        form = _form_of(path)
+            return ()
+        form = form_of(path)
         if form is None:
-            return None
+            return ()
         found = _read_by(form, path, "", "skip")
-        if found.skipped.lines >= len(found[0]):
-            return None
-        kind = ("table", form.names) if isinstance(form, Layout) else (form.name, None)
-        return kind if len(found) == 1 else ("", None)
     except (LogError, OSError):
-        return None
+        return ()
+    if found.skipped.lines >= len(found[0]):
+        return ()
+    names = form.names if isinstance(form, Layout) else (form.name,)
+    return names if len(found) == 1 else (str(path), "")
 
 
-def numbered(folder: Path) -> list[Path]:
+def numbered(
+    folder: Path, form_of: FormOf = form_as_stated, least: int = LEAST_FILES
+) -> list[Path]:
     """The files of a folder that are a scan each, and have one name but for its numbers."""
-    groups = one_scan_each(sorted(path for path in folder.iterdir() if path.is_file()))
-    return next((g for g in groups if len(g) > 1 or _is_hokuyo(g[0])), [])
-
-
-def _is_hokuyo(path: Path) -> bool:
-    return bool(NAME_NUMBER.search(path.name)) and _one_each([path])
+    files = sorted(path for path in folder.iterdir() if path.is_file())
+    for group in one_scan_each(files, form_of, least):
+        is_one = NAME_NUMBER.search(group[0].name) and _one_each(group, form_of, least)
+        if len(group) > 1 or is_one:
+            return group
+    return []
 
 
 def read_numbered(folder: Path, name: str, on_error: str = "raise") -> Log:
@@ -162,14 +165,17 @@ def read_numbered(folder: Path, name: str, on_error: str = "raise") -> Log:
     return read_in_order(numbered(folder), name, on_error)
 
 
-def read_in_order(files: Sequence[Path], name: str, on_error: str = "raise") -> Log:
+def read_in_order(
+    files: Sequence[Path], name: str, on_error: str = "raise", form_of: FormOf = form_as_stated
+) -> Log:
     """Read a scan a file, with the columns of the first; times that do not go on are left out."""
-    reading, forms = Reading(files[0].parent, on_error), map(_form_of, files)
-    form = next((form for form in forms if form is not None), HokuyoText)
+    reading = Reading(files[0].parent, on_error)
+    first = next(form for form in map(form_of, files) if form is not None)
+    first = first._replace(line=0) if isinstance(first, Layout) else first
     scans, assumed = list[LaserScan](), tuple[str, ...]()
     for path in files:
         try:
-            found = _read_by(form, path, name, on_error)
+            found = _read_by(form_of(path) or first, path, name, on_error)
         except LogError as fault:
             reading.damaged(fault)
         else:

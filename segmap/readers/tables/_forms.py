@@ -1,15 +1,22 @@
 """Which tables there are, by what says that a file is one; and what is asked of the others."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from pathlib import Path
 
+from ...arrays import checked
+from ...scans import Log
+from ..lines import OnError, UnknownFormat, stem
+from ..packed import log_file
 from ..text import Binary
 from ._columns import POSES_ALONE
-from ._fixed import CoreSlam, HokuyoText, Rawseeds
-from ._folders import files_of, numbered, read_folder, read_numbered
-from ._layout import layout_of
+from ._fixed import CoreSlam, Rawseeds
+from ._folders import files_of, numbered, read_folder, read_in_order, read_numbered
+from ._layout import Layout, checked_view, declared_layout, layout_of, said_beside
 from ._messages import is_csm, message_form_of, read_csm, read_messages
 from ._question import choices_of
-from ._table import read_declared
+from ._table import read_declared_rows
 from ._trajectories import pose_layout_of
 
 #: So many rows of numbers without names are a table.
@@ -22,6 +29,11 @@ def is_table(path: Path) -> bool:
     return bool(layout.names) or layout.is_headed
 
 
+def read_declared(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a table by what it says of its columns."""
+    return read_declared_rows(path, name, on_error, layout_of(path))
+
+
 #: Told by a head, or by names that stand in each line.
 STATED_FILES = (
     Binary("text of ROS", message_form_of, read_messages),
@@ -32,7 +44,7 @@ TABLE_FOLDERS = (
     Binary("Rawseeds", files_of, read_folder),
     Binary("numbered scans", numbered, read_numbered),
 )
-TABLE_FORMATS = (HokuyoText, CoreSlam, Rawseeds)
+TABLE_FORMATS = (CoreSlam, Rawseeds)
 
 
 def asked_of(path: Path) -> str:
@@ -42,3 +54,53 @@ def asked_of(path: Path) -> str:
         return POSES_ALONE
     are_numbers = len(layout.rows) >= LEAST_ROWS and 2 * sum(layout.kinds) >= len(layout.kinds)
     return choices_of(layout).told(path.name) if are_numbers else ""
+
+
+@checked
+def read_csv(
+    path: str | Path,
+    *,
+    columns: str | Sequence[str] | None = None,
+    view: Sequence[float] | None = None,
+    on_error: OnError = "raise",
+) -> Log:
+    """Read a table whose columns the caller names, or a folder of numbered ones with a scan each.
+
+    Parameters
+    ----------
+    columns : list of str, or one str with commas
+        From the left, with units: `angle_deg`, `angle_deg_cw` (clockwise), `range_mm`, `time_s`,
+        `scan`; `x_m`, `y_m` for ends of beams; `pose_x_m`, `pose_y_m`, `pose_theta_rad`; `new`,
+        `error`, `nanosec`; `urg_mm` of a Hokuyo, with its error codes; `ranges_m` for a scan a row;
+        `-` for one to leave out, `-*20` for 20. Units are m, cm, mm, ft, in; deg, rad; s, ms, us,
+        ns, and parts of them: `angle_deg/10`. None takes what the file, or `NAME.toml` beside it,
+        says.
+    view : two numbers, degrees
+        Of a scan a row, `ranges_m`: where its first and its last range point, counter-clockwise
+        from straight ahead.
+    on_error : "raise" or "skip"
+        As in `read`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "mine.csv"
+    ...     _ = path.write_text("0;1500\\n90;2000\\n180;0\\n0;1510\\n90;2010\\n180;900\\n")
+    ...     log = read_csv(path, columns=["angle_deg", "range_mm"])
+    >>> log, log[1].ranges
+    (Log('mine', 2 scans, no odometry, no truth), array([1.51, 2.01, 0.9 ]))
+    """
+
+    def layout(place: Path) -> Layout:
+        if columns is not None:
+            return declared_layout(place, columns, view)
+        found = said_beside(Path(path)) or layout_of(place)
+        return found._replace(view=checked_view(view) or found.view)
+
+    with log_file(path, folders=columns is not None) as place:
+        if not place.is_dir():
+            return read_declared_rows(place, stem(place), on_error, layout(place))
+        if not (files := numbered(place, layout, least=1)):
+            raise UnknownFormat(place, f"holds no numbered files of {columns} with a scan each")
+        return read_in_order(files, place.resolve().name, on_error, layout)

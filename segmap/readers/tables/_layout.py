@@ -12,7 +12,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from itertools import islice
+from itertools import groupby, islice, pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,18 +22,24 @@ from ... import arrays
 from ...arrays import brief
 from ..lines import NOT_MEASURED, Lines, LogError, is_number
 from ..packed import read_text
-from ._columns import meaning, missing_in, named, places_of
+from ._columns import UNIT_WORDS, meaning, missing_in, named, places_of
 
 #: Separators of fields, the first that most first rows hold; else white space.
 SEPARATORS = ";\t|,"
 #: What begins a comment, and a line by which Excel names a separator.
-COMMENTS = ("#", "%", "//", "sep=")
+COMMENTS = ("#", "%", "//", "sep=", "----", "+--")
 #: So many lines tell how a file is written.
 SAMPLE_LINES = 60
-#: Of more columns nobody chooses the angle: they are a scan a row, if anything.
-MOST_COLUMNS = 12
-#: The number at the end of a name that is one of many alike.
-COUNTED = re.compile(r"(.*?)[\s_.\[(]*(\d+)[\])]?(.*)")
+#: The number in a name that is one of many alike.
+COUNTED = re.compile(r"-?\d+(?:\.\d+)?")
+#: When a line was written, perhaps with its date.
+TIME_OF_DAY = r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?"
+#: A number, or what Python prints of truth, in a line of words.
+NUMBER = re.compile(
+    rf"{TIME_OF_DAY}|"
+    r"(?<![\w.])-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"
+    rf"(?:(?!\w)|(?=(?:{'|'.join(UNIT_WORDS)})\b))|\bTrue\b|\bFalse\b"
+)
 #: What names of columns do not say, in words.
 Missing = Callable[[Sequence[str]], str]
 #: A beam points nowhere beyond two turns.
@@ -49,8 +55,8 @@ class Layout(NamedTuple):
     separator: str | None = ","
     decimal: str = "."
     view: tuple[float, float] | None = None  #: of a scan a row: its first and last beam, degrees
-    pattern: str = ""  #: of a beam in a line, where no separator parts fields
-    mark: str = ""  #: the pattern of what each of these lines holds
+    pattern: str = ""  #: of a line with numbers between words, whose groups are the columns
+    mark: str = ""  #: the pattern of what each of these lines holds; another is damaged
     told: tuple[str, ...] = ()
     head: tuple[str, ...] = ()  #: what the file itself calls its columns
     kinds: tuple[bool, ...] = ()  #: whether a column holds numbers, and no words
@@ -66,6 +72,13 @@ class Layout(NamedTuple):
         """Whether it says all that a log needs."""
         return bool(self.names) and (self.view is not None or "ranges" not in places_of(self.names))
 
+    def fields(self, row: str) -> list[str]:
+        """The fields of a row."""
+        if self.pattern:
+            match = re.search(self.pattern, row)
+            return [part or "" for part in match.groups()] if match else []
+        return fields_of(row, self.separator)
+
 
 class Program(NamedTuple):
     """A program whose text has words that no other writes."""
@@ -77,14 +90,16 @@ class Program(NamedTuple):
     columns: str
 
 
+#: A beam as record_measurments writes it, or as Python prints it.
+RPLIDAR = r"\(?(True|False)(?:\t|, )\d+(?:\t|, )([\d.]+)(?:\t|, )([\d.]+)\)?"
 PROGRAMS = (
     Program(
         "ultra_simple of RPLidar's SDK", r"theta: *\d+\.\d\d +Dist: *\d{5}\.\d\d", "theta:",
         r"^\s*(S?)\s*theta: *(\d{1,3}\.\d\d) +Dist: *(\d{5}\.\d\d)", "new,angle_deg_cw,range_mm",
     ),
     Program(
-        "record_measurments of the package rplidar", r"^(True|False)\t\d+\t[\d.]+\t[\d.]+$", "\t",
-        r"^(True|False)\t\d+\t([\d.]+)\t([\d.]+)$", "new,angle_deg_cw,range_mm",
+        "the package rplidar", rf"^{RPLIDAR}$", "True|False", f"^{RPLIDAR}$",
+        "new,angle_deg_cw,range_mm",
     ),
     Program(
         "LD06 and LD19", r"angle:[\d.]+,distance\(mm\):", r"distance\(",
@@ -131,7 +146,8 @@ def layout_of(path: Path) -> Layout:
     if columns := HEADS.get(" ".join(found.head).lower()):
         told = ("columns as the makers of RPLidar mean them",)
         return found._replace(names=named(columns), told=told)
-    names = tuple(name for name, _ in merged(found.head))
+    runs = runs_of(found.head)
+    names = tuple(name for name, count in runs for _ in range(count if "#" in name else 1))
     return found if missing_in(names) else found._replace(names=names)
 
 
@@ -151,24 +167,55 @@ def layout_as_written(path: Path) -> Layout:
         fields = fields_of(row.replace(",", ".") if comma else row, mark)
         return tuple(is_number(field) or field.lower() in NOT_MEASURED for field in fields)
 
-    kinds = Counter(kind(row) for row in body if row[0] not in "[{(")
+    kinds = Counter(map(kind, body))
     usual = max((k for k in kinds if sum(k) > 1), key=kinds.__getitem__, default=())
-    usual = usual if 2 * kinds[usual] >= len(body) else ()
-    fits = (not text.startswith(COMMENTS) and kind(text) == usual for _, text in lines)
-    begin = next((k for k, is_row in enumerate(fits) if is_row), None)
-    if not usual or begin is None:
+    is_table = usual and 2 * kinds[usual] >= len(body)
+    if (not is_table or (mark is None and not all(usual))) and (found := _of_one_form(body)):
+        return found
+    if not is_table:
         return _head_alone(lines)
-    first = next(k for k, (_, text) in enumerate(lines) if not text.startswith(COMMENTS))
-    while (
-        begin > first + 1 and len(usual) == len(above := kind(lines[begin - 1][1])) and any(above)
-    ):
-        begin -= 1  # a damaged row
+    are_rows = (not text.startswith(COMMENTS) and kind(text) == usual for _, text in lines)
+    begin = next(k for k, is_row in enumerate(are_rows) if is_row)
     rows = tuple(text for _, text in lines[begin:] if not text.startswith(COMMENTS))
-    heads = [_head(text, mark, rows[0]) for _, text in reversed(lines[:begin])]
-    heads = [head for head in heads if len(head) == len(usual)]
-    head = max(heads, key=lambda names: sum(map(bool, map(meaning, names))), default=())
-    line = lines[begin - 1][0] if begin else 0
+    heads = [(number, _head(text, mark, rows[0])) for number, text in lines[:begin]]
+    heads = [(number, names) for number, names in heads if len(names) == len(usual)]
+    if heads[1:] and (units := _units_in(heads[-1][1])):
+        names = (f"{name} {unit}".strip() for name, unit in zip(heads[-2][1], units, strict=True))
+        heads = [(heads[-1][0], tuple(names))]
+    line, head = max(reversed(heads), key=lambda each: _meanings(each[1]), default=(0, ()))
+    if not _meanings(head) and begin:
+        line = lines[begin - 1][0]
     return Layout((), line, mark, "," if comma else ".", head=head, kinds=usual, rows=rows)
+
+
+def _meanings(head: Sequence[str]) -> int:
+    return sum(meaning(name) is not None for name in head)
+
+
+def _units_in(names: Sequence[str]) -> list[str]:
+    """The units of a line of units, empty where a column has none; nothing of another line."""
+    words = [name.strip("[]() -") for name in names]
+    units = [UNIT_WORDS.get(word.lower(), "") for word in words]
+    return (
+        units if any(units) and all(u or not w for u, w in zip(units, words, strict=True)) else []
+    )
+
+
+def _of_one_form(rows: Sequence[str]) -> Layout | None:
+    """The layout of lines that are alike but for several numbers between words."""
+    forms = Counter(NUMBER.sub("#", " ".join(row.split())) for row in rows)
+    form = max(forms, key=lambda form: (form.count("#") > 1, forms[form]), default="")
+    parts = form.split("#")
+    if len(parts) < 3 or '"' in form or 2 * forms[form] < len(rows):
+        return None
+    pattern = f"({NUMBER.pattern})".join(re.escape(part).replace(r"\ ", r"\s*") for part in parts)
+    labels = [re.split("[,;]", part, maxsplit=1) for part in parts]
+    labels[-1].append("")
+    names = [f"{a[-1]} {b[0] * bool(b[1:])}" for a, b in pairwise(labels)]
+    head = tuple(" ".join(re.findall(r"[^\W\d]+|°", name)) for name in names)
+    found = Layout(pattern=f"^{pattern}$", head=head)
+    alike = tuple(row for row in rows if found.fields(row))
+    return found._replace(rows=alike, kinds=tuple(map(is_number, found.fields(alike[0]))))
 
 
 def _head_alone(lines: Sequence[tuple[int, str]]) -> Layout:
@@ -190,21 +237,27 @@ def _head(text: str, mark: str | None, row: str) -> tuple[str, ...]:
     return (*names, "") if is_open else tuple(names)
 
 
-def merged(head: Sequence[str]) -> list[tuple[str, int]]:
-    """Names of a head, and how many columns each has: those that count up are one of `ranges`."""
+def runs_of(head: Sequence[str]) -> list[tuple[str, int]]:
+    """Names of a head, and how many columns each has: those alike but for a number are one.
+
+    Examples
+    --------
+    >>> runs_of(["time_s", "r0_mm", "r1_mm", "q0", "q1", "Angles"])
+    [('time_s', 1), ('ranges_mm', 2), ('q#', 2), ('Angles', 1)]
+    """
     found: list[tuple[str, int]] = []
-    before = None
-    for name in head:
-        part = COUNTED.fullmatch(name)
-        column = meaning(f"{part[1]} {part[3]}") if part else None
-        here = None
-        if part and column and column.role == "range":
-            here = part[1], part[3], int(part[2])
-        if column and here and before == (*here[:2], here[2] - 1):
-            found[-1] = column._replace(role="ranges").name, found[-1][1] + 1
-        else:
-            found.append((name, 1))
-        before = here
+    for form, run in groupby(head, key=lambda name: COUNTED.sub("#", name)):
+        names = list(run)
+        if "#" in form and names[1:]:
+            column = meaning(form.replace("#", " "))
+            is_range = column is not None and column.role in ("range", "ranges")
+            name = column._replace(role="ranges").name if column and is_range else form
+            found.append((name, len(names)))
+            continue
+        for name in names:
+            column = meaning(name)
+            is_plural = column is not None and column.role == "ranges"
+            found.append((column._replace(role="range").name if column and is_plural else name, 1))
     return found
 
 

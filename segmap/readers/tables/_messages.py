@@ -105,8 +105,10 @@ def read_messages(path: Path, name: str, on_error: str = "raise") -> Log:
     """Read a LaserScan a line; lines without ranges are of other topics."""
     form, lines = message_form_of(path), Lines(path, on_error, "\n", comments="")
     assert form is not None
+    beyond = 0
 
     def scan_of(line: list[str]) -> LaserScan | None:
+        nonlocal beyond
         if lines.number <= form.line:
             return None
         row = fields_of(line[0], form.separator)
@@ -136,6 +138,7 @@ def read_messages(path: Path, name: str, on_error: str = "raise") -> Log:
         far = float_fields([field or "nan" for field in ranges], "ranges")
         rest = dict(range_min=0.0, range_max=np.inf, time_increment=0.0) | numbers
         beams = beams_of_message(SimpleNamespace(**rest, ranges=far))
+        beyond += bool(np.isfinite(far).any() and (far[np.isfinite(far)] > beams.max_range).all())
         when = sum(time(row[k], unit=second) for k, second in form.clock) if form.clock else np.nan
         return LaserScan(
             beams.ranges, beams.angles, when, max_range=beams.max_range, delays=beams.delays
@@ -144,6 +147,10 @@ def read_messages(path: Path, name: str, on_error: str = "raise") -> Log:
     scans = [scan for scan in lines.each(scan_of) if scan is not None]
     if not scans:
         raise lines.no_scan("lines with ranges")
+    if beyond == len(scans):
+        raise LogError(
+            path, "all its ranges lie beyond range_max: expected metres, as ROS has them"
+        )
     return Log(name, scans, None, lines.skipped)
 
 

@@ -9,10 +9,24 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..packed import log_file
-from ._columns import UNITS, Column, meaning, missing_in
-from ._layout import MOST_COLUMNS, Layout, fields_of, layout_of, merged
+from ._columns import (
+    BEAM_ROLES,
+    OF_POSES,
+    POSES_ALONE,
+    UNIT_WORDS,
+    UNITS,
+    Column,
+    meaning,
+    missing_in,
+    words_of,
+)
+from ._layout import Layout, layout_of, runs_of
 
-POSES = ("time", "x", "y", "angle")
+#: What a column of words may be.
+OF_WORDS = ("time", "new", "error", "scan")
+OF_A_POSE = ("time", "x", "y", "angle")
+#: Of more columns without a head nobody chooses the angle: they are a scan a row, if anything.
+MOST_COLUMNS = 12
 SHOWN_ROWS = 6
 #: Of them a message shows the first, and so many characters of each.
 TOLD_ROWS = 3
@@ -24,8 +38,11 @@ VIEW_UNSAID = (
     "from straight ahead)"
 )
 ALL_RANGES = (
-    "whether the numbers of a row are ranges, and in which unit, is not said (others before them "
-    "are named first, as in time_s,-*3,ranges_m)"
+    "how many numbers N of a row stand before its ranges, and the unit of these, is not said (N is "
+    "0, or names for -*N, as in time_s,-*3,ranges_m; a # goes before a first row that is a head)"
+)
+OTHER_NAMES = (
+    "(cw is clockwise; help(segmap.readers.read_csv) has other names: time_s, x_m, angle_deg/10)"
 )
 
 
@@ -41,19 +58,32 @@ class ColumnChoices(NamedTuple):
     @property
     def columns(self) -> str:
         """The names of the columns, with `|` where one must choose."""
-        return ",".join("|".join(choice) for choice in self.choices)
+        parts = ["|".join(choice) for choice in self.choices]
+        runs = [(part, len(list(same))) for part, same in groupby(parts)]
+        return ",".join(
+            f"-*{count}" if part == "-" and count > 1 else ",".join([part] * count)
+            for part, count in runs
+        )
 
     def told(self, name: str) -> str:
         """The question about a file of that name, with what to write."""
+        if not self.choices:
+            return self.missing
         shown = "".join(f"    {','.join(row)[:TOLD_CHARACTERS]}\n" for row in self.rows[:TOLD_ROWS])
         option, argument = (
             (" --view FIRST LAST", ", view=(FIRST, LAST)") if self.needs_view else ("", "")
         )
+        asked = f"{self.missing}; its first rows:\n{shown}"
+        named = (meaning(name) for choice in self.choices for name in choice)
+        roles = {column.role for column in named if column}
+        if not self.are_poses and not any({*kind} <= roles for kind in BEAM_ROLES):
+            return f"{asked}No other column of it can be that: there is no scan in it."
+        columns = f"-*N,{self.columns}" if self.missing.startswith(ALL_RANGES) else self.columns
         reads = "read_trajectory" if self.are_poses else "read_csv"
-        words = "" if self.are_poses else f"    --columns '{self.columns}'{option}\n"
+        words = "" if self.are_poses else f"    --columns '{columns}'{option}\n"
         return (
-            f"{self.missing}; its first rows:\n{shown}Where a | stands choose one:\n{words}"
-            f"    segmap.readers.{reads}({name!r}, columns='{self.columns}'{argument})\n"
+            f"{asked}Where a | stands choose one {OTHER_NAMES * (not self.are_poses)}:\n{words}"
+            f"    segmap.readers.{reads}({name!r}, columns='{columns}'{argument})\n"
             f"or keep them beside the file in {name}.toml, as columns = '...'"
             f"{' and view = [FIRST, LAST]' * self.needs_view}"
         )
@@ -61,62 +91,83 @@ class ColumnChoices(NamedTuple):
 
 def choices_of(layout: Layout, of_poses: str = "") -> ColumnChoices:
     """What is asked of a table, or of a file of poses of which so much is not said."""
-    parts = merged(layout.head) if layout.head else [("", 1)] * len(layout.kinds)
-    ends = [sum(count for _, count in parts[: k + 1]) for k in range(len(parts))]
-    names = [(name, layout.kinds[end - 1]) for (name, _), end in zip(parts, ends, strict=True)]
-    rows = tuple(tuple(fields_of(row, layout.separator)) for row in layout.rows[:SHOWN_ROWS])
+    rows = tuple(tuple(layout.fields(row)) for row in layout.rows[:SHOWN_ROWS])
+    kinds = [(is_number, len(list(run))) for is_number, run in groupby(layout.kinds)]
+    if layout.head:
+        runs = runs_of(layout.head)
+    elif len(layout.kinds) > MOST_COLUMNS:
+        runs = [("", count) for _, count in kinds]
+    else:
+        runs = [("", 1)] * len(layout.kinds)
+    ends = [sum(count for _, count in runs[: k + 1]) for k in range(len(runs))]
+    columns = [(*run, layout.kinds[end - 1]) for run, end in zip(runs, ends, strict=True)]
     if of_poses:
-        return ColumnChoices(of_poses, _choices(names, POSES), rows, are_poses=True)
-    if len(names) > MOST_COLUMNS:  # a scan a row
-        grouped = groupby(names, key=lambda each: each[1] and meaning(each[0]) is None)
-        names = [
-            each for unknown, run in grouped for each in ([("ranges", True)] if unknown else run)
-        ]
-    choices = _choices(names)
-    if not any(choice[0].startswith("ranges") for choice in choices):
-        return ColumnChoices(missing_in([name for name, _ in names]), choices, rows)
-    open_ = [name for (name, _), choice in zip(names, choices, strict=True) if choice[1:]]
-    missing = f"the unit of {', '.join(map(repr, open_))} is not said" if open_ else ""
-    missing = missing if layout.head else ALL_RANGES
+        return ColumnChoices(of_poses, _choices(columns, OF_A_POSE), rows, are_poses=True)
+    names = [name for name, _ in runs]
+    missing = missing_in(names)
+    if missing == POSES_ALONE:
+        return ColumnChoices(missing, (), ())
+    roles = {column.role for column in map(meaning, names) if column}
+    is_wide = any(count > 1 and is_number for _, count, is_number in columns)
+    if "ranges" not in roles and (not is_wide or {"angle", "range"} <= roles):
+        points = sum(role in roles for role in "xy") > sum(r in roles for r in ("angle", "range"))
+        return ColumnChoices(missing, _choices(columns, BEAM_ROLES[3 if points else 2]), rows)
+    choices = _choices(columns, BEAM_ROLES[0])
+    open_ = [name for name, choice in zip(names, choices, strict=True) if choice[1:]]
+    missing = f"what {', '.join(map(repr, open_))} hold, and in which unit, is not said"
+    missing = (missing if open_ else "") if layout.head else ALL_RANGES
     missing = " and ".join(filter(None, (missing, VIEW_UNSAID * (layout.view is None))))
     return ColumnChoices(missing, choices, rows, layout.view is None)
 
 
 def _choices(
-    names: Sequence[tuple[str, bool]], needed: Sequence[str] = ()
+    columns: Sequence[tuple[str, int, bool]], needed: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
-    """What each column may be, of its name and whether it holds numbers."""
-    columns = [meaning(name) for name, _ in names]
-    roles = Counter(column.role for column in columns if column)
-    if not needed:
-        points = sum(role in roles for role in "xy") > sum(r in roles for r in ("angle", "range"))
-        needed = ("ranges",) if "ranges" in roles else ("x", "y") if points else ("angle", "range")
+    """What each column may be, of its name, how many are alike, and whether it holds numbers."""
+    meanings = [
+        column if (column := meaning(name)) and (is_number or column.role in OF_WORDS) else None
+        for name, _, is_number in columns
+    ]
+    roles = Counter(column.role for column in meanings if column)
     lacking = [role for role in needed if role not in roles]
-    if lacking == ["angle", "range"]:
-        lacking += ["x", "y", "time", "scan"]
-    found = []
-    for column, (_, is_number) in zip(columns, names, strict=True):
+    found = list[tuple[str, ...]]()
+    for column, (name, count, is_number) in zip(meanings, columns, strict=True):
         if column is None:
-            of_roles = [Column(role) for role in lacking] if is_number else []
-            found.append((*(name for each in of_roles for name in _units_of(each)), "-"))
+            of_roles = lacking if count > 1 or "ranges" not in lacking else []
+            words = words_of(name)
+            unit = UNIT_WORDS.get(words[-1], "") if words[1:] else ""
+            if "time" not in roles and (unit or ("ranges" in needed and count == 1)):
+                of_roles = [*of_roles, "time"]
+            if unit:  # that the name says
+                of_roles = [r for r in (*of_roles, *"xy" * (len(lacking) > 1)) if unit in UNITS[r]]
+            names = _names_of(of_roles, unit) if is_number else ()
+            found.append((*names, "-" if count == 1 else f"-*{count}"))
             continue
-        offered = _units_of(column)
+        offered = _names_of([column.role], column.unit, column)
         twin = roles[column.role] > 1
-        pose = {"x": "pose_x", "y": "pose_y", "angle": "pose_theta"}.get(column.role)
-        if pose and (twin or column.role not in needed):
-            offered = (*(offered if twin else ()), *_units_of(column._replace(role=pose)), "-")
+        pose = OF_POSES.get(column.role)
+        if column.role == "pose_theta" and "angle" in lacking:
+            offered = (*_names_of(["angle"], column.unit), *offered, "-")
+        elif pose and (twin or column.role not in needed):
+            offered = (*(offered if twin else ()), *_names_of([pose], column.unit), "-")
         elif twin or (column.role == "time" and not column.unit and is_number):
             offered = (*offered, "-")
         found.append(offered)
     return tuple(found)
 
 
-def _units_of(column: Column) -> tuple[str, ...]:
-    """Names of a column, one for each unit that it may have."""
-    if column.is_whole:
+def _names_of(roles: Sequence[str], unit: str, column: Column | None = None) -> tuple[str, ...]:
+    """Names of a column of such roles: one for each unit that it may have, and way of angles."""
+    if column and column.is_whole:
         return (column.name,)
-    units = UNITS[column.role]
-    return tuple(column._replace(unit=unit).name for unit in OFFERED if unit in units)
+    names = [
+        Column(role, each, is_clockwise).name
+        for role in roles
+        for is_clockwise in ((False, True) if role == "angle" else (False,))
+        for each in ((unit,) if unit else [u for u in OFFERED if u in UNITS[role]])
+    ]
+    clockwise = column is not None and column.clockwise
+    return tuple(name for name in names if not clockwise or name.endswith("_cw"))
 
 
 def column_choices(path: str | Path) -> ColumnChoices:

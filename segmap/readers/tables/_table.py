@@ -20,8 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import LIMIT, Array, checked
+from ...arrays import LIMIT, Array
 from ...scans import LaserScan, Log
+from ...scans.error_codes import as_ranges
 from ..lines import (
     LATEST_TIME_S,
     MOST_DIRECTION_RAD,
@@ -30,20 +31,13 @@ from ..lines import (
     HeadError,
     Lines,
     LogError,
-    OnError,
-    stem,
 )
-from ..packed import log_file
 from ..raw_scans import COUNTERCLOCKWISE, known, place_of
-from ._columns import BEAM_ROLES, Column, places_of
+from ._columns import BEAM_ROLES, POSE, Column, places_of
 from ._layout import (
     COMMENTS,
     Layout,
-    checked_view,
-    declared_layout,
     fields_of,
-    layout_of,
-    said_beside,
 )
 from ._question import choices_of
 
@@ -51,6 +45,8 @@ from ._question import choices_of
 MOST_BEAMS_READ = 100_000
 #: No table has more bytes.
 MOST_BYTES = 1 << 30
+#: The largest number of two bytes, which sensors send where they measure nothing.
+FULL = 65535
 HALF_DAY_S = 43_200.0
 TIME_OF_DAY = r"\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?"
 ISO_DATE = r"\d{4}-\d{2}-\d{2}"
@@ -64,7 +60,6 @@ MOST = {
 #: Words of a column `new`, and of `error` where none is.
 YES = ("true", "1", "1.0", "s")
 NO_ERROR = ("", "0", "0.0", "00", "0000", "nan")
-POSE = ("pose_x", "pose_y", "pose_theta")
 #: A scan of end points may begin so much before the first one did.
 SAME_DIRECTION_RAD = np.radians(0.5)
 
@@ -73,64 +68,64 @@ class Rows:
     """The rows of a table that are whole, as columns by their places."""
 
     def __init__(self, lines: Lines, layout: Layout) -> None:
-        self.lines, self.layout = lines, layout
-        text = lines.held(MOST_BYTES).decode("utf-8-sig", "replace")
-        self.is_quoted = '"' in text
-        each = [row.strip(STRIPPED) for row in text.split("\n")]
-        head = each[layout.line - 1] if layout.line else ""
-        places = [
-            place
-            for place in range(layout.line, len(each))
-            if (row := each[place]) and row != head and not row.startswith(COMMENTS)
-        ]
-        rows = [each[place] for place in places]
-        parts = self._matched(places, rows) if layout.pattern else self._counted(places, rows)
-        self.numbers = np.array([place for place, _ in parts], int) + 1
-        self.columns = self._parsed([row for _, row in parts])
-        self.good = np.ones(len(parts), bool)
-
-    def _matched(self, places: Sequence[int], rows: Sequence[str]) -> list[tuple[int, str]]:
-        """The parts of lines that hold a beam, between commas."""
-        mark, pattern, found = re.compile(self.layout.mark), re.compile(self.layout.pattern), []
-        for place, row in zip(places, rows, strict=True):
-            if match := pattern.search(row):
-                found.append((place, ",".join(part or "" for part in match.groups())))
-            elif mark.search(row):
-                wanted = ",".join(self.layout.names)
-                self._damaged(place + 1, f"expected a beam, {wanted}, got {row[:40]!r}")
-        return found
-
-    def _counted(self, places: Sequence[int], rows: Sequence[str]) -> list[tuple[int, str]]:
-        """The rows with as many fields as most of the first have."""
-        mark, wide = self.layout.separator, len(self.layout.kinds)
-        if mark is None:
-            counts = [len(row.split()) for row in rows]
-        elif self.is_quoted:
-            counts = [len(fields_of(row, mark)) * (row.count('"') % 2 == 0) for row in rows]
-        else:
-            counts = [row.count(mark) + 1 for row in rows]
-        for place, count in zip(places, counts, strict=True):
-            if count != wide:
-                self._damaged(place + 1, f"expected {wide} fields, got {count}")
-        triples = zip(places, rows, counts, strict=True)
-        return [(place, row) for place, row, count in triples if count == wide]
-
-    def _parsed(self, rows: Sequence[str]) -> Any:
         import pandas as pd
 
-        layout = self.layout
-        wide = len(layout.names if layout.pattern else layout.kinds)
+        self.lines, self.layout = lines, layout
+        text = lines.held(MOST_BYTES).decode("utf-8-sig", "replace")
+        is_quoted = '"' in text
+        each = [row.strip(STRIPPED) for row in text.split("\n")]
+        head = each[layout.line - 1] if layout.line else ""
+        numbered = [
+            (place + 1, row)
+            for place, row in enumerate(each)
+            if place >= layout.line and row and row != head and not row.startswith(COMMENTS)
+        ]
+        wide = len(layout.kinds) or len(layout.names)
         if wide < len(layout.names):
             what = f"{len(layout.names)} columns are named, but its rows have {wide} fields"
-            raise HeadError(self.lines.path, what)
-        if not rows:
-            raise self.lines.no_scan(f"rows of {','.join(layout.names)}")
-        return pd.read_csv(
-            io.StringIO("\n".join(rows)), header=None, names=range(wide), index_col=False,
+            raise HeadError(lines.path, what)
+        parts = self._matched(numbered) if layout.pattern else self._counted(numbered, is_quoted)
+        if not parts:
+            raise lines.no_scan(f"rows of {','.join(layout.names)}")
+        self.numbers = np.array([number for number, _ in parts], int)
+        self.columns = pd.read_csv(
+            io.StringIO("\n".join(row for _, row in parts)), header=None, names=range(wide),
             sep="," if layout.pattern else layout.separator or r"\s+", decimal=layout.decimal,
             skipinitialspace=True, low_memory=False, lineterminator="\n", skip_blank_lines=False,
-            quoting=csv.QUOTE_MINIMAL if self.is_quoted else csv.QUOTE_NONE,
+            quoting=csv.QUOTE_MINIMAL if is_quoted else csv.QUOTE_NONE, index_col=False,
         )  # fmt: skip
+        self.good, self.has_full = np.ones(len(parts), bool), False
+
+    def _matched(self, numbered: Sequence[tuple[int, str]]) -> list[tuple[int, str]]:
+        """The parts of lines that hold a beam, between commas."""
+        layout, found = self.layout, []
+        mark, wanted = re.compile(layout.mark), ",".join(layout.names)
+        pattern = re.compile(layout.pattern)
+        for number, row in numbered:
+            if match := pattern.search(row):
+                found.append((number, ",".join(part or "" for part in match.groups())))
+            elif not layout.mark:
+                fault = f"no line as most are, {layout.rows[0][:40]!r}: {row[:40]!r}"
+                self.lines.leave_out(LogError(self.lines.path, fault, number))
+            elif mark.search(row):
+                self._damaged(number, f"expected a beam, {wanted}, got {row[:40]!r}")
+        return found
+
+    def _counted(
+        self, numbered: Sequence[tuple[int, str]], is_quoted: bool
+    ) -> list[tuple[int, str]]:
+        """The rows with as many fields as most of the first have."""
+        mark, wide, found = self.layout.separator, len(self.layout.kinds), []
+        for number, row in numbered:
+            if mark and not is_quoted:
+                count = row.count(mark) + 1
+            else:  # a quote that does not end holds no field
+                count = len(fields_of(row, mark)) * (row.count('"') % 2 == 0)
+            if count == wide:
+                found.append((number, row))
+            else:
+                self._damaged(number, f"expected {wide} fields, got {count}")
+        return found
 
     def _damaged(self, number: int, fault: str) -> None:
         self.lines.damaged(LogError(self.lines.path, fault, number))
@@ -151,7 +146,8 @@ class Rows:
         texts = self.texts(place) if self.is_words(place) else None
         held = self.columns[place] if texts is None else pd.to_numeric(texts, errors="coerce")
         values = held.to_numpy(float, na_value=np.nan) * column.factor
-        plain = f"a number for the {column.role}"
+        comma = ", its decimal mark a comma" if self.layout.decimal == "," else ""
+        plain = f"a number for the {column.role}{comma}"
         most, bounded = MOST.get(column.role, (LIMIT, plain))
         ends = column.role in ("range", "ranges", "x", "y")
         with np.errstate(invalid="ignore"):
@@ -166,6 +162,8 @@ class Rows:
             expected = bounded if beyond[row] else plain
             self._damaged(int(self.numbers[row]), f"expected {expected}, got {got!r}")
         self.good &= ~wrong
+        if column.role in ("range", "ranges") and (full := (held == FULL).to_numpy()).any():
+            self.has_full, values = True, np.where(full, np.nan, values)
         return values
 
     def values(self, place: int, column: Column) -> Array | None:
@@ -216,6 +214,8 @@ def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> 
     if ranges:
         fields = range(ranges_at, ranges_at + behind + 1)
         held["ranges"] = np.stack([rows.numbers_of(place, ranges) for place in fields], axis=1)
+    if rows.has_full:
+        told.append(f"{FULL}, the largest number of two bytes, is no measurement")
     _refuse_several(path, rows, layout)
     used = {k for k, _ in places.values()} | {ranges_at}
     unused = [n for k, n in enumerate(layout.names) if k not in used and n not in ("", "-")]
@@ -228,7 +228,7 @@ def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> 
         what = f"{wrong} of {len(rows.good)} lines are no {','.join(layout.names)}"
         raise LogError(path, f"{what}: {lines.first.reason if lines.first else ''}")
     held = {role: values[rows.good] for role, values in held.items()}
-    scans = _a_scan_a_row(held, layout) if ranges else _a_beam_a_row(path, held, layout, told)
+    scans = _a_scan_a_row(path, held, layout) if ranges else _a_beam_a_row(path, held, layout, told)
     if any(scan.odometry is not None for scan in scans):
         told.append(place_of(np.zeros(3)))
     return Log(name, scans, None, lines.skipped, assumed=told)
@@ -238,20 +238,21 @@ def _refuse_several(path: Path, rows: Rows, layout: Layout) -> None:
     """A column of the file itself that says that several sensors measured ends the reading."""
     for place, name in enumerate(layout.names):
         if WHO.fullmatch(name) and (values := [*dict.fromkeys(rows.columns[place])])[1:]:
-            said = ", ".join(map(str, values[:3]))
-            rows_of = f"pandas.read_csv(path, sep={layout.separator!r}, skiprows={layout.line - 1})"
-            raise HeadError(
-                path,
-                f"{name!r} holds {said}: expected one sensor a log; [part.to_csv(f'part{{k}}.csv', "
-                f"index=False) for k, (_, part) in enumerate({rows_of}.groupby({name!r}), 1)] "
-                "parts them",
-            )
+            held = f"{name!r} holds {', '.join(map(str, values[:3]))}: expected one sensor a log"
+            table = f"pandas.read_csv({path.name!r}, sep={layout.separator!r})"
+            code = f"for who, part in {table}.groupby({name!r}):"
+            written = f"part.to_csv(f'{name}_{{who}}.csv', index=False)"
+            raise HeadError(path, f"{held}, which these lines part:\n    {code}\n        {written}")
 
 
-def _a_scan_a_row(held: Mapping[str, Array], layout: Layout) -> list[LaserScan]:
+def _a_scan_a_row(path: Path, held: Mapping[str, Array], layout: Layout) -> list[LaserScan]:
     assert layout.view is not None
     ranges = held["ranges"]
     angles = np.radians(np.linspace(*layout.view, ranges.shape[1]))
+    factor = places_of(layout.names)["ranges"][1].factor
+    if len(angles) > 2 and np.allclose(ranges[0] / factor, np.degrees(angles), atol=1e-6):
+        what = "its first row holds the directions of the view: a head is one with # before it"
+        raise HeadError(path, what)
     if angles[0] > angles[-1]:
         angles, ranges = angles[::-1], ranges[:, ::-1]
     times = held.get("time", np.full(len(ranges), np.nan))
@@ -269,7 +270,10 @@ def _pose(held: Mapping[str, Array], row: int) -> Array | None:
 def _a_beam_a_row(
     path: Path, held: dict[str, Array], layout: Layout, told: list[str]
 ) -> list[LaserScan]:
-    if "range" not in held:
+    if "urg" in held:
+        held["range"], codes = as_ranges(held["urg"])
+        held["codes"] = codes.astype(float)
+    elif "range" not in held:
         met = np.hypot(held["x"], held["y"]) > 0  # others ended nowhere
         held = {role: values[met] for role, values in held.items()}
         held["range"] = np.hypot(held["x"], held["y"])
@@ -280,11 +284,12 @@ def _a_beam_a_row(
     if "error" in held:
         held["range"] = np.where(held["error"] > 0, np.nan, held["range"])
     held["range"] = np.where(held["range"] > 0, held["range"], np.nan)
+    ends: NDArray[np.int64] = np.empty(0, np.int64)  # a text of a Hokuyo is one scan
     if "scan" in held:
         held, ends = _by_number(path, held)
     elif held.get("new", np.zeros(1)).any():
         ends = np.flatnonzero(held["new"][1:])
-    else:
+    elif "urg" not in held:
         ends, how = ends_of_turns(held["angle"])
         told += [f"a scan ends where the angle {how}"] * bool(len(ends))
     times = held.get("time", np.full(len(held["angle"]), np.nan))
@@ -305,7 +310,9 @@ def _a_beam_a_row(
         first = float(np.min(when))
         delays = when - first if np.ptp(when) > 0 else None
         turned = -angles if is_clockwise else angles
-        scans.append(LaserScan(ranges, turned, first, _pose(held, begin), delays=delays))
+        errors = held["codes"][way].astype(np.int64) if "codes" in held else None
+        pose = _pose(held, begin)
+        scans.append(LaserScan(ranges, turned, first, pose, codes=errors, delays=delays))
     return scans
 
 
@@ -344,49 +351,3 @@ def ends_of_turns(angles: Array) -> tuple[NDArray[np.int64], str]:
     visits = np.split(outer, np.flatnonzero(np.diff(np.sign(aside[outer]))) + 1)
     ends = [int(v[np.abs(aside[v]).argmax()]) for v in visits[1:-1]]
     return np.array(ends, int), "turns back"
-
-
-def read_declared(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a table by what it says of its columns."""
-    return read_declared_rows(path, name, on_error, layout_of(path))
-
-
-@checked
-def read_csv(
-    path: str | Path,
-    *,
-    columns: str | Sequence[str] | None = None,
-    view: Sequence[float] | None = None,
-    on_error: OnError = "raise",
-) -> Log:
-    """Read a table whose columns the caller names.
-
-    Parameters
-    ----------
-    columns : list of str, or one str with commas
-        From the left, with units: `angle_deg`, `range_mm`, `time_s`, `scan`, `-` for one to leave
-        out; all names stand at the top of `readers/tables/_columns.py`. None takes what the file,
-        or `NAME.toml` beside it, says.
-    view : two numbers, degrees
-        Of a scan a row, `ranges_m`: where its first and its last range point, counter-clockwise
-        from straight ahead.
-    on_error : "raise" or "skip"
-        As in `read`.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "mine.csv"
-    ...     _ = path.write_text("0;1500\\n90;2000\\n180;0\\n0;1510\\n90;2010\\n180;900\\n")
-    ...     log = read_csv(path, columns=["angle_deg", "range_mm"])
-    >>> log, log[1].ranges
-    (Log('mine', 2 scans, no odometry, no truth), array([1.51, 2.01, 0.9 ]))
-    """
-    with log_file(path) as place:
-        if columns is not None:
-            layout = declared_layout(place, columns, view)
-        else:
-            layout = said_beside(Path(path)) or layout_of(place)
-            layout = layout._replace(view=checked_view(view) or layout.view)
-        return read_declared_rows(place, stem(place), on_error, layout)

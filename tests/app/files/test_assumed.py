@@ -66,14 +66,14 @@ def test_arrays_and_folders_list_what_they_leave_open(tmp_path):
     assert CENTRE in readers.read(tmp_path / "raw").assumed
     (tmp_path / "scans").mkdir()
     for number in (2, 10):
-        (tmp_path / "scans" / f"{number}.txt").write_text("1000 0.0\n")
+        (tmp_path / "scans" / f"{number}.txt").write_text("urg_mm angle_rad\n1000 0.0\n")
     log = readers.read(tmp_path / "scans")
     assert np.isnan(log.times).all() and "the order of the numbers" in log.assumed[-1]
 
 
 def test_a_log_that_is_written_and_read_again_assumes_the_same(tmp_path):
     """Catches an assumption that is a fact after a detour by segmap's own file, and new times."""
-    (tmp_path / "1.txt").write_text("1000 0.0\n1000 0.1\n")
+    (tmp_path / "1.txt").write_text("urg_mm angle_rad\n1000 0.0\n1000 0.1\n")
     log = readers.read(tmp_path / "1.txt")
     segmap.exports.write_arrays(tmp_path / "it.npz", log)
     again = readers.read(tmp_path / "it.npz")
