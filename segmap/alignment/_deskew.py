@@ -37,6 +37,9 @@ ENTROPY_MARGIN_NATS = 0.05
 PART_SCANS = 100
 #: ... if so many of them turn.
 LEAST_TURNING_IN_PART = 10
+#: Scans lie so many turns apart at most: else the times of the beams are wrong, or scans are left
+#: out, and nobody knows how the robot moved meanwhile.
+MOST_TURNS_A_SCAN = 2.5
 #: Maps are turned by these angles, radians: walls along the cells fill one row of them or two.
 OBLIQUE_RAD = (0.4, 0.9, 1.3)
 #: Clocks are tried up to this far apart, seconds.
@@ -54,7 +57,8 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     A turning laser measures a scan while the robot moves: walls bend, by what it turns meanwhile.
     How it moved is what a pose graph of the log says, or the `track` of its odometry where that
     agrees in time. An order of the beams that is not known is found, or nothing is changed. Where
-    walls are sharper as measured, the robot stood while it measured: the scans stay as they are.
+    walls are sharper as measured, the robot stood while it measured: the scans stay as they are,
+    as they do where scans come several turns apart by the times of their beams.
 
     Parameters
     ----------
@@ -81,12 +85,17 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     given = None if poses is None else checked_poses(log, poses)
     if not is_timed(log):
         return log
-    rows = pose_graph(log).poses if given is None else given
-    motions, causes = velocities(log.times, rows), list(log.causes)
-    if len(log) > 1 and not (np.diff(log.times) > 0).any():
+    apart = np.diff(log.times)
+    if len(log) > 1 and not (apart > 0).any():
         return _left_as_measured(
             log, 0.0, "the scans have no times, which tell how the robot moved meanwhile"
         )
+    usual = float(np.median(apart[apart > 0])) if len(log) > 1 else 0.0
+    if (whole := _whole_turn(log)) * MOST_TURNS_A_SCAN < usual:
+        words = f"a turn takes {whole:.2g} s by the times of its beams, and scans lie {usual:.2g} s"
+        return _left_as_measured(log, whole, f"{words} apart: these times are not believed")
+    rows = pose_graph(log).poses if given is None else given
+    motions, causes = velocities(log.times, rows), list(log.causes)
     margin = -np.inf if log.order_known else _margin(log, rows, motions)
     ordered = replace(log, scans=tuple(map(_reversed, log.scans))) if margin > 0 else log
     if (blurred := _blurred(ordered, motions)) >= ENTROPY_MARGIN_NATS:
@@ -116,6 +125,16 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
             scan = motion_compensated(scan, steps)
         scans.append(scan)
     return replace(log, scans=tuple(scans), causes=tuple(causes))
+
+
+def _whole_turn(log: Log) -> float:
+    """How long a whole turn takes by the times of the beams, seconds: the median over the scans."""
+    turns = [
+        2 * np.pi * np.ptp(scan.delays) / np.ptp(scan.angles)
+        for scan in log
+        if scan.delays is not None and len(scan) > 1 and np.ptp(scan.angles) > 0
+    ]
+    return float(np.median(turns)) if turns else float("inf")
 
 
 def _left_as_measured(log: Log, value: float, why: str) -> Log:

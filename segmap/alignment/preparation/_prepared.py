@@ -18,7 +18,7 @@ from .. import _deskew
 from ._blind_steps import blind_steps
 from ._body import without_body
 from ._clock import with_clock_mended
-from ._nothing_met import without_nothing_met
+from ._nothing_met import without_limit, without_nothing_met
 from ._odometry import mounting_of, with_odometry_corrected
 from ._range_unit import with_ranges_in_metres
 
@@ -86,6 +86,8 @@ def prepared(
     log = with_ranges_in_metres(without_nothing_met(with_clock_mended(log)))
     steps = blind_steps(log)
     if not keep_body and (seen := without_body(log, steps)) is not log:
+        log, steps = seen, blind_steps(seen)
+    if (seen := without_limit(log, steps)) is not log:
         log, steps = seen, blind_steps(seen)
     if isinstance(mount, str):
         arrays.one_of(mount, "mount", ["auto"])

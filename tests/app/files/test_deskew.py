@@ -325,3 +325,14 @@ def test_a_robot_that_stood_while_it_measured_keeps_its_scans():
                for s, o in zip(kept, still, strict=True))  # fmt: skip
     moved = simulate(OFFICE, PATH, sensor=SPIN, rng=np.random.default_rng(1), moving=True)
     assert not deskew(moved).causes
+
+
+def test_times_that_no_turn_takes_are_not_believed():
+    """Catches beams carried by times that are 20 times too short, and no word of it."""
+    log = simulate(OFFICE, PATH[:60], sensor=SPIN, rng=np.random.default_rng(1), moving=True)
+    short = replace(log, scans=tuple(replace(s, delays=s.delays / 20) for s in log))
+    found = deskew(short, log.truth)
+    assert [finding.cause for finding in found.causes] == [Cause.SKEW]
+    assert "not believed" in found.doubt
+    assert all(np.array_equal(a.ranges, b.ranges) for a, b in zip(found, log, strict=True))
+    assert "not believed" not in deskew(log, log.truth).doubt
