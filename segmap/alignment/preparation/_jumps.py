@@ -17,14 +17,17 @@ from ..points import PointMap, in_range
 from ._blind_steps import LEAST_STEP_OVERLAP, LEAST_STEP_POINTS, registered_near
 
 #: Scans before and after a step are compared where they lie so near by the odometry, metres: ...
-SAME_PLACE_M = 1.5
+PAIR_ACROSS_M = 1.5
 #: ... so many pairs, spread over the scans after it.
 PAIRS_ACROSS = 20
 #: A hypothesis holds where this share of the pairs matches: 0.5 to 1 if right, else 0 to 0.1.
 HOLDS_SHARE = 1 / 3
-JUMPED = "no motion is known there"
-PAUSED = "the scans move so too, so the recorder paused"
-UNKNOWN = "the scans fit that and a pause of the recorder, or neither"
+#: What is told of each kind of step; one that is unclear makes the map doubtful.
+JUMP_WORDS = {
+    "jumped": "no motion is known there",
+    "paused": "the scans move so too, so the recorder paused",
+    "unclear": "the scans fit that and a pause of the recorder, or neither",
+}
 
 
 def without_jumps(log: Log, rows: Array) -> tuple[Array, list[Finding]]:
@@ -37,24 +40,25 @@ def without_jumps(log: Log, rows: Array) -> tuple[Array, list[Finding]]:
     """
     jumps = odometry_jumps(rows, log.times)
     rows, frame, ends = rows.copy(), rows.copy(), [*jumps.tolist(), len(rows)][1:]
-    scans_by_words: dict[str, list[int]] = {}
+    scans_by_kind: dict[str, list[int]] = {}
     for scan, end in zip(jumps.tolist(), ends, strict=True):
         way = np.hypot(*between(frame[scan - 1], frame[scan : scan + 2])[:, :2].T)
         wild = len(way) > 1 and way[1] < way[0] / 2  # one row alone: the next goes on
         restarted = compose(frame[scan - 1], between(frame[scan], frame[scan:]))
         stood = wild or _holds(log, frame[:scan], restarted[: end - scan])
         drove = not wild and _holds(log, frame[:scan], frame[scan:end])
-        words = (JUMPED if stood else PAUSED) if bool(stood) is not bool(drove) else UNKNOWN
-        if words == JUMPED and not wild:
+        clear = bool(stood) is not bool(drove)
+        kind = ("jumped" if stood else "paused") if clear else "unclear"
+        if kind == "jumped" and not wild:
             frame[scan:] = restarted
         if stood or drove is False:
             rows[scan] = np.nan
-        scans_by_words.setdefault(words, []).append(scan)
+        scans_by_kind.setdefault(kind, []).append(scan)
     told = []
-    for words, scans in scans_by_words.items():
-        first = f"the odometry jumps {counted(len(scans), 'time')}, first at scan {scans[0]}"
-        doubtful = words == UNKNOWN
-        told.append(Finding(Cause.JUMP, len(scans), f"{first}: {words}", doubtful=doubtful))
+    for kind, scans in scans_by_kind.items():
+        words = f"the odometry jumps {counted(len(scans), 'time')}, first at scan {scans[0]}"
+        words += f": {JUMP_WORDS[kind]}"
+        told.append(Finding(Cause.JUMP, len(scans), words, doubtful=kind == "unclear"))
     return rows, told
 
 
@@ -68,7 +72,7 @@ def _holds(log: Log, before: Array, after: Array) -> bool | None:
         return None
     nearest: Any
     away, nearest = cKDTree(before[first, :2]).query(after[second, :2])
-    near, fits = np.flatnonzero(away < SAME_PLACE_M), []
+    near, fits = np.flatnonzero(away < PAIR_ACROSS_M), []
     for after_k in near[:: 1 + len(near) // PAIRS_ACROSS]:
         one, two = int(first[nearest[after_k]]), int(second[after_k])
         points, current = (in_range(log[k].points()) for k in (one, len(before) + two))
