@@ -29,13 +29,14 @@ from ._fit_kernels import (
     load_member,
     rounded,
     segment_sums,
-    turned_and_lost,
 )
 
 #: What a metre missed costs here. Of 0.0375, 0.05, 0.075, 0.1, 0.15 and 0.25 the least at which, on
 #: three buildings with and without the filter, no more is missed or invented at qualities of 0.9,
 #: 0.85 and 0.8 than by segment similarity, the best of the others.
 MISSED = 0.075
+#: So many of an output's members, the longest, are tried in its place.
+CANDIDATES = 8
 #: Rounds at most.
 MOST_EXCHANGE_ROUNDS = 6
 #: Another round follows where one lowers the sum by this share.
@@ -55,8 +56,9 @@ class State(NamedTuple):
     who: Indices  # (n, 2) nearest output, and the next, -1 for none
     cost: Array  # (n, 2) what each input costs there, inf for none
     total: Array  # (1,) sum of the least costs and of the penalties
-    margin: Array  # (m + 1,) what the members lose at their next output, at most a penalty each
-    fall: Array  # (m + 1,) how much less that is for a line that is tried, 0 elsewhere
+    rank: Array  # (n,) place of each among the longest
+    longest: Array  # (1, CANDIDATES) those of the longest members of an output
+    candidates: Indices  # (1, CANDIDATES) these members, -1 for no more
     ring: Indices  # (n + m + 1, 2) next and previous member of an output, which is n + f itself
     inputs: Index
     outputs: Index
@@ -65,7 +67,7 @@ class State(NamedTuple):
     seen: Indices  # (m + 1,) whether an output stands beside that line
     now: Indices  # (1,) tries so far
     when: Indices  # (m + 1,) the last that changed the members of an output, or what they lose
-    tried: Indices  # (n + m + 1,) the last of an input as an output, and of a new line for one
+    tried: Indices  # (m + 1, 2) the last of a new line for an output, and of members in its place
 
 
 def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
@@ -73,7 +75,8 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
     n, m, reach = len(rows.segments), len(drawn), 2 * HARD * limits.distance
     unit = max(reach, length(rows.segments).mean() if n else 0.0)
     place = by_cell(rows.segments, unit)
-    s = rows.segments[place]
+    s, own = rows.segments[place], np.argsort(place)
+    longest = own[np.argsort(-np.round(length(rows.segments), 9), kind="stable")]
     line, d = np.concatenate([drawn, np.zeros((1, 2, 2))]), describe(s)
     state = State(
         s=s,
@@ -84,8 +87,9 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
         who=np.full((n, 2), -1),
         cost=np.full((n, 2), np.inf),
         total=np.zeros(1),
-        margin=np.zeros(m + 1),
-        fall=np.zeros(m + 1),
+        rank=np.argsort(longest).astype(float),
+        longest=np.empty((1, CANDIDATES)),
+        candidates=np.empty((1, CANDIDATES), np.int64),
         ring=np.arange(n + m + 1).repeat(2).reshape(-1, 2),
         inputs=empty_index(n, unit),
         outputs=empty_index(m + 1, max(reach, length(drawn).mean() if n else 0.0)),
@@ -94,30 +98,33 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
         seen=np.zeros(m + 1, np.int64),
         now=np.zeros(1, np.int64),
         when=np.zeros(m + 1, np.int64),
-        tried=np.zeros(n + m + 1, np.int64),
+        tried=np.zeros((m + 1, 2), np.int64),
     )
     limits = limits._replace(missed=max(MISSED, limits.penalty / limits.distance / 40))
     enter_all(state.inputs, s)
-    rank = np.argsort(place)
-    longest = rank[np.argsort(-np.round(length(rows.segments), 9), kind="stable")]
     free, room = m, empty_room(n)
     for part in parts(np.arange(m), "least cost: finding the segments of output", size=64):
         _switch_all(state, part, limits)
     for _ in range(MOST_EXCHANGE_ROUNDS):
-        before, opened = state.total[0], np.flatnonzero(state.outputs.link[:, LEVEL_COLUMN] >= 0)
-        sizes = np.floor(state.about[opened, 4] / EQUAL + 0.5)
-        opened = opened[np.argsort(-sizes, kind="stable")]
-        for part in parts(opened, "least cost: drawing anew output", size=64):
+        before = state.total[0]
+        for part in parts(_by_size(state), "least cost: drawing anew output", size=64):
             free = _refit(state, room, part, free, limits)
         _close_all(state, limits)
-        for part in parts(longest, "least cost: trying as an output segment"):
+        for part in parts(_by_size(state), "least cost: trying members as output", size=64):
             free = _exchange_all(state, part, free, limits)
         if state.total[0] >= before * (1.0 - LEAST_FALL_SHARE):
             break
     alive = state.outputs.link[:, LEVEL_COLUMN] >= 0
-    into = (np.cumsum(alive) - 1)[state.who[rank, 0]]
+    into = (np.cumsum(alive) - 1)[state.who[own, 0]]
     order, into = ordered_by_first_input(into, np.arange(n), int(alive.sum()))
     return line[alive][order], into
+
+
+def _by_size(state: State) -> Indices:
+    """The outputs, the longest first (ties: the lower number)."""
+    outputs = np.flatnonzero(state.outputs.link[:, LEVEL_COLUMN] >= 0)
+    sizes = np.floor(state.about[outputs, 4] / EQUAL + 0.5)
+    return outputs[np.argsort(-sizes, kind="stable")]
 
 
 # ------------------------------------------------------------------ who goes where
@@ -145,25 +152,24 @@ def _switch_all(state: State, part: Indices, limits: Limits) -> None:
 @compiled
 def _assign(state: State, i: int, f: int, opens: bool, limits: Limits) -> None:
     """Find the two cheapest outputs of input i anew, where the one that opens or closes is one."""
-    cost, who, margin, near = state.cost, state.who, state.margin, state.lists[0]
+    cost, who, near = state.cost, state.who, state.lists[0]
     best, other, first, second = who[i, 0], who[i, 1], cost[i, 0], cost[i, 1]
     if opens:
-        value = assignment_cost(state.s, state.d, i, state.line, state.about, f, limits)
+        value = assignment_cost(state.s, state.d, i, state.line, state.about, f, limits, second)
         insert_ranked(cost, who, i, f, rounded(value))
     elif f in (best, other):
         for k in range(2):
             cost[i, k], who[i, k] = np.inf, -1
         for k in range(meeting(state.outputs, state.s[i], HARD * limits.distance, near)):
-            value = assignment_cost(state.s, state.d, i, state.line, state.about, near[k], limits)
-            insert_ranked(cost, who, i, near[k], rounded(value))
+            f, most = near[k], cost[i, 1]
+            value = assignment_cost(state.s, state.d, i, state.line, state.about, f, limits, most)
+            insert_ranked(cost, who, i, f, rounded(value))
     if who[i, 0] == best and who[i, 1] == other:
         return
     if best >= 0:
         state.total[0] -= first
-        margin[best] -= min(second - first, limits.penalty)
         state.when[best] = state.now[0]
     state.total[0] += cost[i, 0]
-    margin[who[i, 0]] += min(cost[i, 1] - cost[i, 0], limits.penalty)
     _enlist(state, i, len(state.s) + who[i, 0])
     state.when[who[i, 0]] = state.now[0]
 
@@ -178,7 +184,7 @@ def _enlist(state: State, i: int, head: int) -> None:
 
 
 @compiled
-def _loss(state: State, f: int, limits: Limits) -> float:
+def _loss(state: State, f: int) -> float:
     """What the members of an output lose by going elsewhere, to the line that is tried too."""
     cost, offer, n, total = state.cost, state.offer, len(state.s), 0.0
     i = state.ring[n + f, 0]
@@ -203,7 +209,7 @@ def _refit(state: State, room: Room, part: Indices, free: int, limits: Limits) -
     n = len(state.s)
     for f in part:
         count, before, i = 0, 0.0, state.ring[n + f, 0]
-        if state.when[f] < state.tried[n + f]:
+        if state.when[f] < state.tried[f, 0]:
             continue
         while i < n:
             load_member(room, count, i, state.s, state.d)
@@ -222,7 +228,7 @@ def _refit(state: State, room: Room, part: Indices, free: int, limits: Limits) -
             _switch(state, f, limits)
             free = f
         else:
-            state.tried[n + f] = state.now[0]
+            state.tried[f, 0] = state.now[0]
     return free
 
 
@@ -232,14 +238,11 @@ def _close_all(state: State, limits: Limits) -> None:
     heap = [(0.0, 0)]  # the compiler learns what an entry is
     heap.pop()
     for f in range(len(state.line)):
-        if (
-            state.outputs.link[f, LEVEL_COLUMN] >= 0
-            and state.margin[f] < (1.0 + LEAST_GAIN_SHARE) * limits.penalty
-        ):
-            heapq.heappush(heap, (_loss(state, f, limits), f))
+        if state.outputs.link[f, LEVEL_COLUMN] >= 0:
+            heapq.heappush(heap, (_loss(state, f), f))
     while len(heap):
         key, f = heapq.heappop(heap)
-        loss = _loss(state, f, limits)
+        loss = _loss(state, f)
         if loss > key + EQUAL:  # losses only rise while others close
             heapq.heappush(heap, (loss, f))
         elif loss < limits.penalty:
@@ -247,60 +250,32 @@ def _close_all(state: State, limits: Limits) -> None:
 
 
 @compiled
-def _may_gain(state: State, h: int, count: int, limits: Limits) -> bool:
-    """Whether output h could lower the sum, by a bound that looks at the inputs beside it only."""
-    cost, who, fall = state.cost, state.who, state.fall
-    near, beside = state.lists[2], state.lists[3]
-    penalty, gain, others = limits.penalty, -limits.penalty, 0
-    for k in range(count):
-        i = near[k]
-        f, margin = who[i, 0], min(cost[i, 1] - cost[i, 0], penalty)
-        most = cost[i, 0] + margin
-        turned, lost = turned_and_lost(state.s, state.d, i, state.about, h, limits)
-        offer = np.inf
-        if turned + lost < most:
-            offer = assignment_cost(state.s, state.d, i, state.line, state.about, h, limits)
-        if offer < most:
-            fall[f] += margin - max(offer - cost[i, 0], 0.0)
-            gain += max(cost[i, 0] - offer, 0.0)
-        if offer < most or state.margin[f] < penalty:
-            beside[others] = f
-            others += 1
-    for k in range(others):
-        f = beside[k]
-        if not state.seen[f]:
-            state.seen[f] = 1
-            gain += max(penalty - (state.margin[f] - fall[f]), 0.0)
-    for k in range(others):
-        state.seen[beside[k]], fall[beside[k]] = 0, 0.0
-    return gain > LEAST_GAIN_SHARE / 2.0 * penalty
+def _exchange(state: State, f: int, h: int, limits: Limits) -> int:
+    """Open output h in the place of f, and close all that lose less than the penalty then.
 
-
-@compiled
-def _exchange(state: State, j: int, h: int, limits: Limits) -> int:
-    """Open input j as output h, and close those that lose less than the penalty then.
-
-    Returns the number that is free: h again where the sum does not fall. An input that did not gain
-    is tried again when the members of its output, or what they lose, have changed.
+    Returns the number that is free: h again where f would stay, or the sum does not fall.
     """
     cost, offer, near, beside = state.cost, state.offer, state.lists[2], state.lists[3]
-    penalty, gain, others = limits.penalty, -limits.penalty, 0
-    if state.when[state.who[j, 0]] < state.tried[j]:
+    penalty, gain, others, loss = limits.penalty, -limits.penalty, 0, 0.0
+    i = state.ring[len(offer) + f, 0]
+    while i < len(offer) and loss <= penalty + EQUAL:
+        most = cost[i, 1]
+        value = assignment_cost(state.s, state.d, i, state.line, state.about, h, limits, most)
+        loss += max(min(value, most) - cost[i, 0], 0.0)
+        i = state.ring[i, 0]
+    if rounded(loss) >= penalty:
         return h
-    state.now[0] += 1
-    state.tried[j] = state.now[0]
     count = meeting(state.inputs, state.line[h], HARD * limits.distance, near)
-    if not _may_gain(state, h, count, limits):
-        return h
     for k in range(count):
-        i = near[k]
-        offer[i] = assignment_cost(state.s, state.d, i, state.line, state.about, h, limits)
+        i, most = near[k], cost[near[k], 1]
+        value = assignment_cost(state.s, state.d, i, state.line, state.about, h, limits, most)
+        offer[i] = rounded(value)
         gain += max(cost[i, 0] - offer[i], 0.0)
     for k in range(count):
         f = state.who[near[k], 0]
-        if offer[near[k]] < np.inf and not state.seen[f]:
+        if offer[near[k]] < cost[near[k], 1] and not state.seen[f]:
             beside[others], state.seen[f], others = f, 1, others + 1
-            gain += max(penalty - _loss(state, f, limits), 0.0)
+            gain += max(penalty - _loss(state, f), 0.0)
     for k in range(count):
         offer[near[k]] = np.inf
     for k in range(others):
@@ -312,7 +287,7 @@ def _exchange(state: State, j: int, h: int, limits: Limits) -> int:
     while closed < others:
         best, least = closed, np.inf
         for k in range(closed, others):
-            loss = _loss(state, beside[k], limits)
+            loss = _loss(state, beside[k])
             if loss < least or (loss == least and beside[k] < beside[best]):
                 best, least = k, loss
         if least >= penalty:
@@ -325,15 +300,28 @@ def _exchange(state: State, j: int, h: int, limits: Limits) -> int:
     for k in range(closed):
         _switch(state, beside[k], limits)
     _switch(state, h, limits)
-    state.now[0] += 1
-    state.tried[j] = state.now[0]
     return h
 
 
 @compiled
 def _exchange_all(state: State, part: Indices, free: int, limits: Limits) -> int:
-    """Try some inputs as outputs, one after the other; the number that is free then."""
-    for i in part:
-        _copy(state, state.s[i], free)
-        free = _exchange(state, i, free, limits)
+    """Try the longest members of some outputs in their place; the number that is free then.
+
+    An output is tried again when its members, or what they lose, have changed.
+    """
+    n, longest, candidates = len(state.s), state.longest, state.candidates
+    for f in part:
+        if state.when[f] < state.tried[f, 1]:
+            continue
+        longest[:], candidates[:] = np.inf, -1
+        i = state.ring[n + f, 0]
+        while i < n:
+            insert_ranked(longest, candidates, 0, i, state.rank[i])
+            i = state.ring[i, 0]
+        state.now[0] += 1
+        state.tried[f, 1], h = state.now[0], free
+        for i in candidates[0]:
+            if i >= 0 and h == free:
+                _copy(state, state.s[i], h)
+                free = _exchange(state, f, h, limits)
     return free

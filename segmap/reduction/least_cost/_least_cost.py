@@ -86,11 +86,14 @@ def merged_greedily(rows: Rows, limits: Limits) -> Found:
     who, least = np.full((n, NEIGHBOURS), -1), np.full((n, NEIGHBOURS), np.inf)
     unit = max(2 * reach, length(s).mean() if n else 0.0)
     own, room, places = np.arange(n), np.empty(n + 1, np.int64), empty_index(n, unit)
-    for part in parts(by_cell(s, unit), "least cost: looking around segment"):
+    place = by_cell(s, unit)
+    for part in parts(place, "least cost: looking around segment"):
         nearest_neighbours(s, d, reach, part, places, room, least, who)
     i, k = np.nonzero(who >= 0)
     j = who[i, k]
-    low, high = np.divmod(np.unique(n * np.minimum(i, j) + np.maximum(i, j)), n)
+    pairs = np.sort(n * np.argsort(place)[np.minimum(i, j)] + np.maximum(i, j))
+    low, high = np.divmod(pairs[np.diff(pairs, prepend=-1) > 0], n)
+    low = place[low]
     near = np.column_stack([high, low]).ravel()
     # step 2: every segment is a cluster
     size = 1 << max(n - 1, 0).bit_length()

@@ -25,6 +25,7 @@ from .._index import Index, enter, meeting
 from .._runner import Indices
 from ._fit_kernels import (
     ESTIMATE_PENALTIES,
+    ESTIMATE_RATIO,
     Limits,
     Room,
     distance_between,
@@ -162,7 +163,7 @@ def _estimate(state: State, room: Room, entry: int, limits: Limits) -> None:
         total += distance_between(state.s[i], room.line, state.d[i], line)
         i = state.after[i]
     if total <= ESTIMATE_PENALTIES * limits.penalty:
-        state.key[pair] = rounded(max(total, 0.0) / ESTIMATE_PENALTIES)
+        state.key[pair] = rounded(max(total, 0.0) / ESTIMATE_RATIO)
 
 
 @compiled

@@ -35,11 +35,11 @@ Outputs = dict[int, tuple[Segment, list[float]]]
 Ranks = list[tuple[tuple[float, int], tuple[float, int]]]
 
 #: Constants of `reduction.least_cost`.
-HARD, NEIGHBOURS, STEPS, WIDE = 2.0, 8, 6, 3.0
+HARD, NEIGHBOURS, STEPS, WIDE, RATIO = 2.0, 8, 6, 3.0, 1.5
 #: Costs that differ by less are equal, metres: then the lower index comes first. In decimals, too.
 EQUAL, DECIMALS = 1e-12, 12
 #: Those of its second phase.
-MISSED, ROUNDS, FALL, LEAST = 0.075, 6, 1e-4, 1e-6
+MISSED, CANDIDATES, ROUNDS, FALL, LEAST = 0.075, 8, 6, 1e-4, 1e-6
 
 
 def least_cost(
@@ -75,7 +75,7 @@ def merged(segments: Sequence[Segment], penalty: float, limits: Limits) -> list[
     def estimate(a: int, b: int) -> None:  # step 3
         q = estimated(segments, members, drawn, cost, a, b, gap)
         if q <= WIDE * penalty:
-            key = round(max(q, 0.0) / WIDE, DECIMALS)
+            key = round(max(q, 0.0) / RATIO, DECIMALS)
             heapq.heappush(heap, (key, a, b, version[a], version[b], False))
 
     for a, others in near.items():
@@ -271,24 +271,33 @@ def exchanged(
     """Outputs by their numbers, and the number of the nearest one of each input."""
     outputs = {f: (line, charges(inputs, line, limits)) for f, line in enumerate(drawn)}
     free = len(drawn)
-    longest = sorted(range(len(inputs)), key=lambda i: -round(segment_length(inputs[i]), 9))
+    sizes = [round(segment_length(s), 9) for s in inputs]
     for _ in range(ROUNDS if inputs else 0):
         before = summed(ranks(outputs), outputs, penalty)
-        sizes = {f: round(segment_length(line) / 2, DECIMALS) for f, (line, _) in outputs.items()}
-        for f in sorted(sizes, key=lambda f: (-sizes[f], f)):
+        for f in by_size(outputs):
             line = refitted(inputs, outputs, f, penalty, limits, bridged)
             if line:
                 outputs[free] = line, charges(inputs, line, limits)
                 del outputs[f]
                 free = f
         close_all(outputs, penalty)
-        for i in longest:
-            line = inputs[i]
-            free = exchange(outputs, free, line, charges(inputs, line, limits), penalty)
+        for f in by_size(outputs):
+            members = [i for i, ((_, at), _) in enumerate(ranks(outputs)) if at == f]
+            h = free
+            for i in sorted(members, key=lambda i: -sizes[i])[:CANDIDATES]:
+                if h == free:
+                    line = inputs[i]
+                    offer = charges(inputs, line, limits)
+                    free = exchange(outputs, f, h, line, offer, penalty)
         if summed(ranks(outputs), outputs, penalty) >= before * (1 - FALL):
             break
     lines = {f: line for f, (line, _) in outputs.items()}
     return lines, [first[1] for first, _ in ranks(outputs)]
+
+
+def by_size(outputs: Outputs) -> list[int]:
+    """The outputs, the longest first (ties: the lower number)."""
+    return sorted(outputs, key=lambda f: (-round(segment_length(outputs[f][0]) / 2, DECIMALS), f))
 
 
 def charge(s: Segment, line: Segment, limits: Limits) -> float:
@@ -366,31 +375,36 @@ def close_all(outputs: Outputs, penalty: float) -> None:
         del outputs[f]
 
 
-def exchange(outputs: Outputs, h: int, line: Segment, offer: list[float], penalty: float) -> int:
-    """Open a line as output h, and close those that lose less than the penalty then.
+def exchange(
+    outputs: Outputs, f: int, h: int, line: Segment, offer: list[float], penalty: float
+) -> int:
+    """Open a line as output h in the place of f, and close all that lose less than the penalty.
 
-    The number that is free then: h again where the sum does not fall.
+    The number that is free then: h again where f would stay, or the sum does not fall.
     """
     ranked = ranks(outputs)
-    others = {at for ((_, at), _), cost in zip(ranked, offer, strict=True) if cost < math.inf}
+    if loss(ranked, f, offer) >= penalty:
+        return h
+    pairs = zip(ranked, offer, strict=True)
+    others = {at for ((_, at), (second, _)), cost in pairs if cost < second}
     gain = sum(max(r[0][0] - cost, 0.0) for r, cost in zip(ranked, offer, strict=True)) - penalty
-    gain += sum(max(penalty - loss(ranked, f, offer), 0.0) for f in others)
+    gain += sum(max(penalty - loss(ranked, g, offer), 0.0) for g in others)
     if gain <= LEAST * penalty:
         return h
     now: Outputs = {**outputs, h: (line, offer)}
     closed = []
     while others:
         tried = ranks(now)
-        lost, f = min((loss(tried, f), f) for f in others)
+        lost, g = min((loss(tried, g), g) for g in others)
         if lost >= penalty:
             break
-        del now[f]
-        others.remove(f)
-        closed.append(f)
+        del now[g]
+        others.remove(g)
+        closed.append(g)
     most = summed(ranked, outputs, penalty) - LEAST * penalty
     if not closed or summed(ranks(now), now, penalty) >= most:
         return h
-    for f in closed:
-        del outputs[f]
+    for g in closed:
+        del outputs[g]
     outputs[h] = line, offer
     return closed[0]
