@@ -15,16 +15,12 @@ OTHER_FILES = {
     b"MATLAB 5.0": "of MATLAB: numpy.savez('it.npz', **scipy.io.loadmat(path, squeeze_me=True)) "
     "keeps its arrays, of which `ranges` and `angles` make a log",
     b"MATLAB 7.3": "of MATLAB 7.3: save it there with '-v7', which scipy.io.loadmat reads",
-    b"%PDF-": "of PDF, a document: what it shows of a log is no log",
     b"PAR1": "of Parquet: pandas.read_parquet(path).to_csv('it.csv', index=False) makes a table",
     b"\x89HDF\r\n": "of HDF5: numpy.savez('it.npz', **{k: v[()] for k, v in "
     "h5py.File(path).items()}) keeps its arrays, of which `ranges` and `angles` make a log; "
     "pandas.read_hdf reads what pandas wrote",
     b"\xd4\xc3\xb2\xa1": "of packets of a network: the sensor's own program makes scans of them",
     b"\n\r\r\n": "of packets of a network: the sensor's own program makes scans of them",
-    b"\xed\xa1\xda\x01": "of events of LCM: lcm.EventLog gives its messages",
-    b"\xdb\x01\xf5[{\x1f\x1d{": "of Cartographer: the bag that it was made of holds the scans, "
-    "cartographer_pbstream_to_ros_map writes its map",
     b"\x80\x04\x95": "of Python, pickled, which may run anything: numpy.savez writes arrays",
 }
 #: The same of bytes, of which three lines make a table or a record.

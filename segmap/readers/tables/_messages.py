@@ -121,18 +121,15 @@ def read_messages(path: Path, name: str, on_error: str = "raise") -> Log:
                 raise ValueError(f"expected {form.ranges[-1] + 1} fields, got {len(row)}")
         else:
             if "..." in row:
-                raise LogError(
-                    path, "ROS shortened its ranges: `ros2 topic echo --full-length --csv`"
-                )
+                what = "ROS shortened its ranges: `ros2 topic echo --full-length --csv`"
+                raise LogError(path, what)
             turn = numbers["angle_max"] - numbers["angle_min"]
             steps = turn / numbers["angle_increment"] if numbers["angle_increment"] else np.nan
-            if not 0 <= steps <= len(row):
-                raise ValueError(
-                    f"expected as many ranges as angle_min to angle_max has, got {len(row)} fields"
-                )
-            ranges = row[ROS2_BEFORE : ROS2_BEFORE + round(steps) + 1]
-            if len(ranges) <= round(steps):
-                raise ValueError(f"expected {round(steps) + 1} ranges, got {len(ranges)}")
+            ranges = row[ROS2_BEFORE:]
+            if not -0.5 <= steps < len(ranges) - 0.5:
+                what = f"of {steps + 1:.0f} from angle_min to angle_max"
+                raise ValueError(f"expected the ranges {what}, got {len(ranges)} fields")
+            ranges = ranges[: round(steps) + 1]
         if not any(ranges):
             return None
         far = float_fields([field or "nan" for field in ranges], "ranges")

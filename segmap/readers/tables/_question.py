@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from itertools import groupby
@@ -58,21 +59,16 @@ class ColumnChoices(NamedTuple):
     @property
     def columns(self) -> str:
         """The names of the columns, with `|` where one must choose."""
-        parts = ["|".join(choice) for choice in self.choices]
-        runs = [(part, len(list(same))) for part, same in groupby(parts)]
-        return ",".join(
-            f"-*{count}" if part == "-" and count > 1 else ",".join([part] * count)
-            for part, count in runs
-        )
+        names = ",".join("|".join(choice) for choice in self.choices)
+        return re.sub("(?<![^,])-(,-)+(?![^,])", lambda run: f"-*{run[0].count('-')}", names)
 
     def told(self, name: str) -> str:
         """The question about a file of that name, with what to write."""
         if not self.choices:
             return self.missing
         shown = "".join(f"    {','.join(row)[:TOLD_CHARACTERS]}\n" for row in self.rows[:TOLD_ROWS])
-        option, argument = (
-            (" --view FIRST LAST", ", view=(FIRST, LAST)") if self.needs_view else ("", "")
-        )
+        option = " --view FIRST LAST" * self.needs_view
+        argument = ", view=(FIRST, LAST)" * self.needs_view
         asked = f"{self.missing}; its first rows:\n{shown}"
         named = (meaning(name) for choice in self.choices for name in choice)
         roles = {column.role for column in named if column}
