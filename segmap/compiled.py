@@ -34,11 +34,6 @@ PLAIN = "SEGMAP_PLAIN"
 COMPILING = "compiling once on this machine, about a minute"
 #: And where no folder can keep it.
 KEPT_NOWHERE = "compiling, about a minute each time: no folder that could keep it may be written to"
-#: And where a process has what another thread of its parent had in hand.
-FORKED = (
-    "another thread was in this when the process was forked: fork while none works, or start the "
-    "process anew (spawn)"
-)
 #: What makes an array or a list in a kernel; numba refuses any other where it counts nothing.
 MAKERS = frozenset({"append", "arange", "empty", "empty_like", "zeros", "full", "copy", "heappush"})
 #: Loops that this process had to compile.
@@ -210,14 +205,11 @@ def _say_once(words: str) -> None:
 class _Pause:
     """Seconds in which machine code was loaded or compiled, by one thread or by several at once."""
 
-    def __init__(self, *, torn: bool = False) -> None:
+    def __init__(self) -> None:
         self.lock, self.busy, self.since, self.total = threading.Lock(), 0, 0.0, 0.0
-        self.torn = torn
 
     def change(self, by: int) -> float:
         """One thread begins, or ends; answers the seconds until now."""
-        if self.torn and by > 0:
-            raise RuntimeError(FORKED)
         with self.lock:
             now = time.perf_counter()
             if self.busy:
@@ -227,8 +219,6 @@ class _Pause:
 
 
 _pause = _Pause()
-if hasattr(os, "register_at_fork"):  # what another thread has half compiled stays so in the child
-    os.register_at_fork(after_in_child=lambda: _pause.__init__(torn=_pause.busy > 0))  # type: ignore[misc]
 
 
 @contextmanager

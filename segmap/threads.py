@@ -3,9 +3,7 @@
 All cores are used, or as many as the environment variable `SEGMAP_THREADS` says. What is itself
 one worker of several has one: a process of a pool, and every thread but the main one.
 
-A process that is forked while another thread works may use all but the objects which that thread
-was in, and no new loop if that thread was loading one: these raise an error instead of waiting for
-ever. Fork while no other thread works, or start processes anew (`spawn`).
+Fork a process while no other thread works, or start processes anew (`spawn`).
 """
 
 from __future__ import annotations
@@ -17,12 +15,10 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from copy import deepcopy
 from functools import cached_property, wraps
 from typing import Any, Concatenate, ParamSpec, Self, TypeVar
-from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiled import FORKED
 from .progress import announce
 
 Thing = TypeVar("Thing")
@@ -99,15 +95,12 @@ class computed(cached_property[Found]):
     """A property that is computed once for each object; two threads may both compute it.
 
     Before Python 3.12 that of `functools` has one lock for all objects: threads wait for each other
-    while a loop runs, and a process that is forked meanwhile waits for ever.
+    while a loop runs.
     """
 
     def __init__(self, func: Callable[[Any], Found]) -> None:
         super().__init__(func)
         self.lock: AbstractContextManager[Any] = nullcontext()
-
-
-_alive: WeakValueDictionary[int, Locked] = WeakValueDictionary()
 
 
 class Locked:
@@ -124,7 +117,6 @@ class Locked:
         """A new one, or a copy to be filled, with a lock of its own."""
         made = super().__new__(cls)
         made.lock = threading.RLock()
-        _alive[id(made)] = made
         return made
 
     def __getstate__(self) -> dict[str, Any]:
@@ -141,28 +133,6 @@ class Locked:
             for name in vars(other).keys() - {"lock"}:
                 setattr(self, name, getattr(other, name))
 
-
-class _Torn:
-    """The lock of what another thread was changing when this process was forked."""
-
-    def __enter__(self) -> None:
-        raise RuntimeError(FORKED)
-
-    def __exit__(self, *_: object) -> None: ...
-
-
-def _forked() -> None:
-    """In the child only the thread that forked goes on: nobody leaves the objects of others."""
-    for one in list(_alive.values()):
-        lock: Any = one.lock
-        if isinstance(lock, _Torn) or not lock.acquire(blocking=False):
-            one.lock = _Torn()
-        else:
-            lock.release()
-
-
-if hasattr(os, "register_at_fork"):  # not on Windows
-    os.register_at_fork(after_in_child=_forked)
 
 Own = TypeVar("Own", bound=Locked)
 

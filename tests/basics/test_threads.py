@@ -164,7 +164,7 @@ def test_threads_or_none_give_the_same_poses(monkeypatch, three):
 
 
 def test_two_objects_are_computed_at_once():
-    """Catches one lock for all objects: threads wait, and a forked process for ever."""
+    """Catches one lock for all objects: threads wait."""
     both = threading.Barrier(2, timeout=20)
 
     class Slow:
