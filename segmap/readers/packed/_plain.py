@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import IO, Any
 
 from ... import arrays
-from ...files import members, shown
+from ...files import members, most_unpacked, shown
 from ..lines import LogError, UnknownFormat
-from ._budget import Budget
 
 #: First bytes of a file that one program packed -> the function that opens it.
 PACKINGS: dict[bytes, Callable[[Path], Any]] = {
@@ -109,7 +108,7 @@ def _unpacked(path: Path, folder: Path) -> Path:
     if unpack is not None:
         try:
             plain = folder / path.stem
-            plain = _copied(unpack(path), plain, Budget(path, path.stat().st_size))
+            plain = _copied(unpack(path), plain, path)
             front = _front(plain)
         except LogError:
             raise
@@ -123,7 +122,7 @@ def _unpacked(path: Path, folder: Path) -> Path:
         text = folder / "text"
         text.mkdir()
         source = plain.open(encoding=encoding, errors="replace", newline=None)
-        return _copied(source, text / plain.name, Budget(path, plain.stat().st_size))
+        return _copied(source, text / plain.name, plain)
     return plain
 
 
@@ -164,9 +163,14 @@ def _encoding(front: bytes) -> str:
     return "utf-16-be" if odd == 0 and even > 0.9 * half else ""
 
 
-def _copied(source: IO[Any], target: Path, budget: Budget) -> Path:
-    """All that a file holds, as bytes in UTF-8 where it is text, within bounds."""
+def _copied(source: IO[Any], target: Path, path: Path) -> Path:
+    """All that a file holds, as bytes in UTF-8 where it is text, in proportion to its size."""
+    most = rest = most_unpacked(path.stat().st_size)
     with source, target.open("wb") as file:
         while part := source.read(CHUNK_BYTES):
-            budget.take(file.write(part.encode("utf-8") if isinstance(part, str) else part))
+            rest -= file.write(part.encode("utf-8") if isinstance(part, str) else part)
+            if rest < 0:
+                raise LogError(
+                    path, f"unpacks to more than {most} bytes: unpack it, if it is a log"
+                )
     return target

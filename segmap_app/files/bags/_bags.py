@@ -10,7 +10,7 @@
 Topics are those of one robot: the odometry is the one whose frame carries the laser, by tf or by
 its name. A laser that hangs upside down is honoured: its beams turn the other way. One that is
 tilted, or that moves on the robot, is refused. The robot's frame is the one that the odometry
-names. Of several lasers in one topic the one that met most is read.
+names. A topic with scans of several lasers is refused.
 
 Ranges from `range_max` on and `inf` met nothing; those below `range_min`, `-inf` and NaN are
 errors. Angles are `angle_min` plus multiples of `angle_increment`, which may be negative. Beam k is
@@ -53,7 +53,6 @@ from ._lasers import (
     beams_of,
     how_to_read,
     named_topic,
-    of_one_laser,
     scan_topics,
     time_between,
     topics_text,
@@ -109,7 +108,8 @@ def read_bag(
     ------
     LogError
         What is no bag, or a damaged one; no such topic; a laser that is tilted, or moves on the
-        robot; more than 256 MB and 50 times the size unpacked; where `rosbags` is missing.
+        robot; several lasers in one topic, or odometries of which no tf tells whose they are;
+        where `rosbags` is missing.
 
     Warns
     -----
@@ -173,19 +173,8 @@ def _read_parts(
         if not recording.messages:
             reason = f"holds no scan in {', '.join(lasers)}{recording.reading.why()}"
             raise LogError(bag.path, reason)
-        recording.choose(named.get("odometry"))
-        recording.assumed += _other_parts(parts)
+        recording.choose(named.get("odometry"), {*wheels} - {named.get("truth")})
         return recording.log(name, named.get("truth"))
-
-
-def _other_parts(parts: Sequence[Path]) -> list[str]:
-    """That a file is one of several parts of a bag, where it is read alone."""
-    if len(parts) > 1 or not PART.fullmatch(parts[0].stem):
-        return []
-    beside = recordings(sorted(parts[0].parent.glob("*")))
-    count = max((len(group) for group in beside if parts[0] in group), default=1)
-    told = f"{parts[0].name} is one of {count} parts of a bag: all of them named are one log"
-    return [told] if count > 1 else []
 
 
 class Way(NamedTuple):
@@ -246,53 +235,37 @@ class _Recording:
         return {t for t in self.bag.topics(*FRAMES) if t.endswith(STATIC) == static}
 
     # ----------------------------------------------------------------- odometry
-    def choose(self, named: str | None) -> None:
+    def choose(self, named: str | None, wheels: set[str]) -> None:
         """Take the odometry of the robot that carries the laser, or else what frames tell."""
-        laser = self.messages[0]
-        ways = {t: way for t, way in self.ways.items() if way.track.times} if not named else {}
-        if named:
-            self.odometry = self.ways.get(named, self.odometry)
+        laser = self.messages[0].frame
+        ways = {t: way for t, way in self.ways.items() if t in wheels and way.track.times}
         if len(ways) == 1:
             (self.odometry,) = ways.values()
-        if not self.odometry.track.times or self.place(laser.frame) is None:
+        if not self.odometry.track.times or self.place(laser) is None:
             self.take_all(self.frames_in(static=False), ordered=False)
         if named:
             return
-        ranked = sorted(ways, key=lambda topic: self._rank(topic, laser))
-        mine = [topic for topic in ranked if not self._foreign(topic, laser)]
-        self.odometry = ways[mine[0]] if mine else Way(Track(), "")
-        if len(ranked) > 1 and mine:
-            counts = ", ".join(f"{topic} ({len(ways[topic].track.times)})" for topic in ranked)
-            other = ranked[1]
-            warn_of_bag(
-                f"{self.path}: {counts}: {mine[0]} is read, {how_to_read('odometry', other)}"
-            )
-        elif ranked and not mine:
-            self.assumed.append(f"{', '.join(ranked)} is of another robot than {laser.frame}")
-        if not mine:
-            base, above, track = self.frames.driven(laser.frame)
-            self.odometry = Way(track, base)
-            if base and not above.split("/")[-1].startswith("odom"):
-                self.assumed.append(f"the odometry is how {base} moves in {above}")
-
-    def _rank(self, topic: str, laser: ScanMessage) -> tuple[Any, ...]:
-        way = self.ways[topic]
-        shared = sum(
-            a == b for a, b in zip(topic.split("/")[:-1], laser.topic.split("/")[:-1], strict=False)
-        )
-        usual = topic.split("/")[-1] == "odom"
-        carries = self.frames.carries(way.child, laser.frame)
-        return -carries, -shared, not usual, -len(way.track.times), topic
-
-    def _foreign(self, topic: str, laser: ScanMessage) -> bool:
-        """Whether an odometry is of another robot: tf says so, and the names do."""
-        child = self.ways[topic].child
-        spaces = [
-            [name.strip("/").split("/")[:-1][:1] for name in pair]
-            for pair in ((topic, laser.topic), (child, laser.frame))
-        ]
-        differ = any(a and b and a != b for a, b in spaces)
-        return differ and self.frames.carries(child, laser.frame) < 0
+        carried = {topic: self.frames.carries(way.child, laser) for topic, way in ways.items()}
+        ranked = sorted(ways, key=lambda topic: (-len(ways[topic].track.times), topic))
+        mine = [topic for topic in ranked if carried[topic]] or [t for t in ways if len(ways) == 1]
+        counts = ", ".join(f"{topic} ({len(ways[topic].track.times)})" for topic in ranked)
+        if len(ranked) > 1 and not mine:
+            how = how_to_read("odometry", ranked[0])
+            raise LogError(self.path, f"{counts}: no tf tells which carries {laser}, {how}")
+        if mine and carried[mine[0]] is not False:
+            self.odometry = ways[mine[0]]
+            if len(ranked) > 1:
+                other = next(topic for topic in ranked if topic != mine[0])
+                how = how_to_read("odometry", other)
+                warn_of_bag(f"{self.path}: {counts}: {mine[0]} is read, {how}")
+            return
+        if mine:
+            how = how_to_read("odometry", mine[0])
+            self.assumed.append(f"{mine[0]} is of another robot than {laser} by tf, {how}")
+        base, above, track = self.frames.driven(laser)
+        self.odometry = Way(track, base)
+        if base and not above.split("/")[-1].startswith("odom"):
+            self.assumed.append(f"the odometry is how {base} moves in {above}")
 
     def place(self, laser: str) -> Array | None:
         """The laser's pose on the robot, in space."""
@@ -307,8 +280,11 @@ class _Recording:
         rows, ordered = [], True
         topics = dict.fromkeys(message.topic for message in self.messages)
         for topic in topics:
-            mine, left = of_one_laser([m for m in self.messages if m.topic == topic])
-            self.assumed += [left] if left else []
+            mine = [message for message in self.messages if message.topic == topic]
+            lasers = ", ".join(dict.fromkeys(message.frame for message in mine))
+            if ", " in lasers:
+                reason = f"{topic} holds the scans of several lasers, {lasers}: write one of them"
+                raise LogError(self.path, f"{reason} to a topic of its own, and name it")
             place, mirrored = self._mounted(mine[0].frame, alone=len(topics) == 1)
             found = turns(mine)
             usual = time_between(found)

@@ -19,12 +19,9 @@ MAGIC = {
     b"#ROSBAG V": "ROS 1",
     b"SQLite format 3\0": ".db3",
     b"\x89MCAP0\r\n": ".mcap",
-    b"\x28\xb5\x2f\xfd": "zstd",
 }
 LONGEST_MAGIC_BYTES = max(map(len, MAGIC))
 SUFFIXES = (".db3", ".mcap", ".bag")
-#: Files that `ros2 bag record --compression-mode file` packed.
-PACKED_SUFFIXES = (".db3.zstd", ".mcap.zstd")
 #: The name of a part of a bag: of ROS 1 perhaps with a time before its number.
 PART = re.compile(r"(.*?)(?:_\d{4}(?:-\d\d){5})?_([0-9]{1,6})")
 P = TypeVar("P", str, Path)
@@ -61,10 +58,9 @@ def parts_of(path: Path) -> list[Path]:
     """
     if not path.is_dir():
         return [path]
-    inside = [file for file in path.iterdir() if file.is_file()]
+    inside = (file for file in path.iterdir() if file.is_file())
     groups = recordings(file for file in inside if file.suffix in SUFFIXES)
-    packed = [file for file in inside if file.name.endswith(PACKED_SUFFIXES)]
-    return groups[0] if len(groups) == 1 else packed[:1]
+    return groups[0] if len(groups) == 1 else []
 
 
 def kind_of(path: Path) -> str | None:

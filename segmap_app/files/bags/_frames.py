@@ -74,38 +74,31 @@ class Frames:
         """The robot's frame where no odometry names it: the first "base" above the laser."""
         return next((f for f in self.chain(plain(laser)) if _is(f, BASE_FRAME)), plain(laser))
 
-    def carries(self, base: str, laser: str) -> int:
-        """Whether a frame carries the laser: 1, 0 where nothing tells, -1 where others carry it."""
-        up, base = list(self.chain(plain(laser))), plain(base)
-        if base in up or {*self._rigid(base)} & {*self._rigid(up[0])}:
-            return 1
-        told = {*self.above, *self.above.values()}
-        return -1 if base in told and up[0] in told else 0
-
-    def _rigid(self, frame: str) -> list[str]:
-        """The frame and those above it, as far as none moves in the next."""
-        up = list(self.chain(frame))
-        return up[: next((k + 1 for k, f in enumerate(up) if f in self.moving), len(up))]
+    def carries(self, base: str, laser: str) -> bool | None:
+        """Whether the laser is fixed to a frame; None where nothing tells of one of them."""
+        try:
+            if self.place(laser, base) is not None:
+                return True
+        except ValueError:
+            return False
+        return False if {plain(base), plain(laser)} <= {*self.above, *self.above.values()} else None
 
     def driven(self, laser: str) -> tuple[str, str, Track]:
         """The robot's frame, the one above in which it moves, and its poses there.
 
         That is the lowest link that moves, from the robot's frame on, and that of an odometry
-        before others; where nothing is known of the laser, the odometry with most poses.
+        before others; where nothing is known of the laser, that of any odometry.
         """
         up = list(self.chain(plain(laser)))
         base = next((k for k, frame in enumerate(up) if _is(frame, BASE_FRAME)), 0)
-        for frame in up[base:]:
+        anywhere = [child for child, above in self.tracks if ODOMETRY_FRAME in above]
+        for frame in up[base:] if len(up) > 1 else anywhere:
             links = [link for link in self.tracks if link[0] == frame]
             told = [link for link in links if ODOMETRY_FRAME in link[1]] or links
             if told and (frame in self.moving or ODOMETRY_FRAME in told[0][1]):
                 link = max(told, key=lambda each: len(self.tracks[each].times))
                 return *link, self.tracks[link]
-        found = [link for link in self.tracks if ODOMETRY_FRAME in link[1]]
-        if len(up) > 1 or not found:
-            return "", "", Track()
-        link = max(found, key=lambda each: len(self.tracks[each].times))
-        return *link, self.tracks[link]
+        return "", "", Track()
 
 
 def plain(frame: str) -> str:

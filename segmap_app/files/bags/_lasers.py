@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from segmap.arrays import unit_checks
-from segmap.display import counted
 from segmap.files import shown
 from segmap.readers.lines import LogError
 from segmap.readers.raw_scans import MOST_APART, beams_of_message
@@ -18,7 +17,7 @@ from segmap.scans import LaserScan
 from ._open import Bag
 
 SCAN_TYPES = ("sensor_msgs/msg/LaserScan", "sensor_msgs/msg/MultiEchoLaserScan")
-#: A topic of this name holds the scans as they were measured, if it has half as many as another.
+#: A topic of this name holds the scans as they were measured, not what was made of them.
 USUAL_SCAN_TOPIC = "scan"
 #: A part begins so many beams beside where the one before ended, at most.
 PART_GAP_BEAMS = 1.5
@@ -41,11 +40,6 @@ class ScanMessage(NamedTuple):
         angles = self.beams.angles
         return float(angles[1] - angles[0]) if len(angles) > 1 else 0.0
 
-    @property
-    def laser(self) -> tuple[str, float, bool]:
-        """What tells lasers of one topic apart."""
-        return self.frame, self.beams.max_range, self.step >= 0
-
 
 def beams_of(message: Any) -> LaserScan:
     """The beams of a LaserScan, or of a MultiEchoLaserScan, of which the first echo counts."""
@@ -53,23 +47,6 @@ def beams_of(message: Any) -> LaserScan:
         echoes = [each.echoes for each in message.ranges]
         message.ranges = np.array([each[0] if len(each) else np.nan for each in echoes], float)
     return beams_of_message(message)
-
-
-def of_one_laser(messages: Sequence[ScanMessage]) -> tuple[list[ScanMessage], str]:
-    """The messages of the laser of a topic that met most, and what is left out, in words."""
-    lasers: dict[Any, list[ScanMessage]] = {}
-    for each in messages:
-        lasers.setdefault(each.laser, []).append(each)
-
-    def met(mine: list[ScanMessage]) -> tuple[int, int]:
-        return sum(bool(each.beams.valid.any()) for each in mine), len(mine)
-
-    ranked = sorted(lasers.values(), key=met, reverse=True)
-    first, *others = ranked
-    if not others:
-        return first, ""
-    left = ", ".join(f"{counted(len(m), 'scan')} of {m[0].frame}" for m in others)
-    return first, f"{first[0].topic} holds several lasers: {first[0].frame} is read, {left} are not"
 
 
 def turns(messages: Sequence[ScanMessage]) -> list[list[ScanMessage]]:
@@ -132,15 +109,8 @@ def scan_topics(bag: Bag, named: Sequence[str] | None) -> list[str]:
     if named:
         return [named_topic(bag, SCAN_TYPES, topic, "scan") for topic in named]
     topics = {topic: count for topic, count in bag.topics(*SCAN_TYPES).items() if count > 0}
-    most = max(topics.values(), default=0)
-    ranked = sorted(
-        topics,
-        key=lambda topic: (
-            topic.split("/")[-1] != USUAL_SCAN_TOPIC or 2 * topics[topic] < most,
-            -topics[topic],
-            topic,
-        ),
-    )
+    usual = {topic: topic.split("/")[-1] == USUAL_SCAN_TOPIC for topic in topics}
+    ranked = sorted(topics, key=lambda topic: (not usual[topic], -topics[topic], topic))
     if len(ranked) > 1:
         counts = ", ".join(f"{topic} ({topics[topic]})" for topic in ranked)
         warn_of_bag(f"{bag.path}: {counts}: {ranked[0]} is read, {how_to_read('scan', ranked[1])}")

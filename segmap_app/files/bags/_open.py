@@ -8,29 +8,22 @@ ends as a LogError.
 from __future__ import annotations
 
 import importlib
+import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
-from functools import cache, partial
+from contextlib import ExitStack, closing, contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from segmap.display import pip_install
 from segmap.readers.lines import LogError
-from segmap.readers.packed import Budget
 
-from ._bounds import check_database, check_mcap
 from ._files import kind_of
 
 #: Messages with transforms between frames: today's, and how ROS 1 called them first.
 FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
-#: A part begins at most so long after the one before ends, ...
-MOST_BETWEEN_PARTS_NS = 60 * 10**9
-#: ... and no earlier than so long before that: topics are not written quite in their order.
-MOST_OVERLAP_OF_PARTS_NS = 10**9
 #: All messages of a database, in the order in which they were written.
 MESSAGES_QUERY = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
-#: What chunks of ROS 1 begin with that are packed.
-CHUNK_MAGIC = {b"BZh": "bz2", b"\x04\x22\x4d\x18": "lz4"}
 REMEDIES = (
     "`rosbag reindex` (ROS 1) or `ros2 bag reindex` (ROS 2) mends a copy of it, "
     "`mcap recover` or `sqlite3 FILE .recover` a file of ROS 2 that was cut off"
@@ -42,7 +35,8 @@ class Bag:
 
     def __init__(self, parts: Sequence[Path], readers: Sequence[Any]) -> None:
         self.path, self._parts = parts[0], [*zip(parts, readers, strict=True)]
-        self.connections = [c for reader in readers for c in _connections(reader)]
+        every = [c for reader in readers for c in reader.connections]
+        self.connections = [c for c in every if isinstance(c.topic, str)]  # a database holds all
         is_2 = kind_of(self.path) != "ROS 1"
         types = _types(is_2)
         self._decode = types.deserialize_cdr if is_2 else types.deserialize_ros1
@@ -58,20 +52,16 @@ class Bag:
 
     def messages(self, kinds: Mapping[str, str]) -> Iterator[tuple[str, int, bytes]]:
         """Topic, time in nanoseconds and bytes of each message of topics of these kinds."""
-        last_ns, budget = 0, _budget([path for path, _ in self._parts])
         for path, reader in self._parts:
-            chosen = [c for c in _connections(reader) if kinds.get(c.topic) == c.msgtype]
+            chosen = [c for c in reader.connections if kinds.get(c.topic) == c.msgtype]
             for each in chosen:
                 if each.digest not in ("", "*", None, self._digest(each.msgtype)):
                     reason = f"{each.topic} is of another {each.msgtype} than that of ROS"
                     raise LogError(path, reason)
-            count, is_next = 0, last_ns > 0
+            count = 0
             with damage(path):
-                for topic, time_ns, data in _in_order_of_file(reader, chosen, budget):
-                    if is_next and not count:
-                        _check_goes_on(path, time_ns - last_ns)
-                    count, last_ns = count + 1, max(last_ns, time_ns)
-                    budget.take(len(data))
+                for topic, time_ns, data in _in_order_of_file(reader, chosen):
+                    count += 1
                     yield topic, time_ns, bytes(data)
                 if count < (most := sum(each.msgcount for each in chosen)):
                     raise ValueError(f"{count} of {most} messages are there")
@@ -84,23 +74,7 @@ class Bag:
             raise ValueError(f"expected a message of {kind} ({_fault_text(fault)})") from fault
 
 
-def _connections(reader: Any) -> list[Any]:
-    """The topics of a file; a database may hold anything in the place of a name."""
-    each = reader.connections
-    return [c for c in each if isinstance(c.topic, str) and isinstance(c.msgtype, str)]
-
-
-def _check_goes_on(path: Path, later_ns: int) -> None:
-    """Refuse a part that begins long after, or before, the one before it ends."""
-    if not -MOST_OVERLAP_OF_PARTS_NS <= later_ns <= MOST_BETWEEN_PARTS_NS:
-        when = f"{abs(later_ns) / 1e9:.0f} s {'after' if later_ns > 0 else 'before'}"
-        reason = f"begins {when} the part before it ends: it is a log of its own, name it alone"
-        raise LogError(path, reason)
-
-
-def _in_order_of_file(
-    reader: Any, chosen: Sequence[Any], budget: Budget
-) -> Iterator[tuple[str, int, Any]]:
+def _in_order_of_file(reader: Any, chosen: Sequence[Any]) -> Iterator[tuple[str, int, Any]]:
     """Topic, time and bytes of the messages of some connections, as they were written."""
     topics = {each.id: each.topic for each in chosen}
     if not topics:
@@ -108,8 +82,6 @@ def _in_order_of_file(
     if hasattr(reader, "indexes"):  # ROS 1: what the index of one topic lists comes as it stands
         indexes, entries = reader.indexes, [e for id in topics for e in reader.indexes[id]]
         entries.sort(key=lambda entry: (entry.chunk_pos, entry.offset))
-        for at, chunk in reader.chunks.items():
-            reader.chunks[at] = chunk._replace(decompressor=partial(_chunk_within, budget))
         reader.indexes = {chosen[0].id: entries}
         for each, time_ns, data in reader.messages(chosen[:1]):
             yield each.topic, time_ns, data
@@ -121,12 +93,6 @@ def _in_order_of_file(
         for id, time_ns, data in reader.storage.dbconn.execute(MESSAGES_QUERY):
             if id in topics:
                 yield topics[id], time_ns, data
-
-
-def _chunk_within(budget: Budget, data: bytes) -> bytes:
-    """A chunk of a bag of ROS 1, unpacked; one that is not packed begins with a length."""
-    packing = next((name for magic, name in CHUNK_MAGIC.items() if data.startswith(magic)), None)
-    return budget.unpacked(packing, data) if packing else data
 
 
 @cache
@@ -148,31 +114,26 @@ def _types(is_2: bool) -> Any:
 
 @contextmanager
 def opened(parts: Sequence[Path]) -> Iterator[Bag]:
-    """A bag, closed in the end; one that is damaged, or made to fill the memory, is a LogError."""
-    budget, readers = _budget(parts), []
+    """A bag, closed in the end; one that is damaged is a LogError."""
+    readers = []
     with ExitStack() as stack:
         for part in parts:
+            kind = kind_of(part)
             with damage(part):
-                readers.append(stack.enter_context(_reader(part, budget)))
+                if kind == ".db3":
+                    _check_database(part)
+                package = "rosbags.rosbag1" if kind == "ROS 1" else "rosbags.rosbag2"
+                readers.append(stack.enter_context(importlib.import_module(package).Reader(part)))
         yield Bag(parts, readers)
 
 
-def _budget(parts: Sequence[Path]) -> Budget:
-    return Budget(parts[0], sum(part.stat().st_size for part in parts))
-
-
-def _reader(path: Path, budget: Budget) -> Any:
-    """What `rosbags` reads one file with."""
-    kind = kind_of(path)
-    if kind == "ROS 1":
-        return importlib.import_module("rosbags.rosbag1").Reader(path)
-    if kind == "zstd":
-        raise LogError(path, "is packed by zstd: `unzstd` unpacks it, then name the unpacked file")
-    if kind == ".mcap":
-        check_mcap(path, budget)
-    else:
-        check_database(path)
-    return importlib.import_module("rosbags.rosbag2").Reader(path)
+def _check_database(path: Path) -> None:
+    """Refuse one that is damaged: queries would leave out what they cannot reach."""
+    uri = f"{path.resolve().as_uri()}?mode=ro&immutable=1"
+    with closing(sqlite3.connect(uri, uri=True)) as database:
+        (answer,) = database.execute("PRAGMA quick_check(1)").fetchone()
+    if answer != "ok":
+        raise sqlite3.DatabaseError(answer.replace("\n", " ")[:200])
 
 
 @contextmanager

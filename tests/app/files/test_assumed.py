@@ -41,7 +41,7 @@ def test_no_time_and_no_delay_is_made_up_and_the_rest_is_listed(name, tmp_path):
 
 def test_the_words_of_each_format_say_what_it_assumes():
     """Catches a reader that fills in a fact, and whose description does not say which."""
-    parts = {"_graph.py", "_files.py", "_open.py", "_frames.py", "_bounds.py"}
+    parts = {"_graph.py", "_files.py", "_open.py", "_frames.py"}
     parts |= {"_segments.py", "_ros_maps.py"}  # maps
     folders = (Path(package.__file__).parent for package in (readers, segmap_app.files))
     files = (path for folder in folders for path in folder.glob("**/_*.py"))

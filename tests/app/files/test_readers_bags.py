@@ -1,13 +1,11 @@
 """Bags of ROS 1 and ROS 2: what the messages mean, which are chosen, and damage."""
 
 import gzip
-import importlib
 import json
 import sqlite3
 import subprocess
 import sys
 import tempfile
-import tracemalloc
 from contextlib import closing, nullcontext
 from pathlib import Path
 
@@ -19,7 +17,7 @@ from log_samples import ODOMETRY, TIMES
 from programs import program
 from rosbags import rosbag1
 
-from segmap import files, readers
+from segmap import readers
 from segmap.readers import LogError
 from segmap_app.files import read_bag
 
@@ -83,7 +81,7 @@ def test_packed_bags(tmp_path, kind, packed):
 def test_files_packed_by_zstd_are_refused_with_what_unpacks_them(tmp_path):
     path = bags.write(tmp_path, "db3", compression="FILE")
     with pytest.raises(LogError, match=r"it\.db3\.zstd: is packed by zstd: `unzstd` unpacks it"):
-        readers.read(path)
+        readers.read(next(path.glob("*.zstd")))
 
 
 @pytest.mark.parametrize("kind", ["db3", "mcap"])
@@ -143,22 +141,8 @@ def test_parts_of_a_bag_that_are_named_together_are_one_log(tmp_path, kind, caps
     found = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [each["log"] for each in found] == ["it", "malaga"]
     assert found[0]["scans"]["scans"] == 6
-    assert any("is one of 3 parts of a bag" in told for told in readers.read(files[1]).assumed)
     with pytest.raises(LogError, match=r"are no parts of one bag, expected it_0.bag, it_1.bag"):
         read_bag([files[0], files[2]])
-
-
-def test_recordings_of_two_days_are_no_parts(tmp_path):
-    """Catches two drives that somebody numbered, joined as one: also of clocks that begin anew."""
-    files = parts(tmp_path, "db3", {0: 5.0, 1: 90_000.0})
-    told = r"it_1.db3: begins 89994 s after the part before it ends: .* name it alone"
-    with pytest.raises(LogError, match=told):
-        read_bag(files)
-    assert len(readers.read(files[1])) == 2
-    (again := tmp_path / "again").mkdir()
-    files = parts(again, "db3", {0: 40.0, 1: 5.0})
-    with pytest.raises(LogError, match=r"it_1.db3: begins 36 s before the part before it ends"):
-        read_bag(files)
 
 
 def test_drives_that_are_numbered_from_one_are_logs_of_their_own(tmp_path, capsys):
@@ -170,7 +154,6 @@ def test_drives_that_are_numbered_from_one_are_logs_of_their_own(tmp_path, capsy
         assert main(["info", *named, "--json"]) == 0
         found = [json.loads(line)["log"] for line in capsys.readouterr().out.splitlines()]
         assert found == ["drive_1", "drive_2"]
-    assert not any("parts of a bag" in told for told in readers.read(files[0]).assumed)
 
 
 def test_odometry_is_interpolated_by_the_shorter_way_and_nowhere_else(read):
@@ -411,46 +394,6 @@ class TestDamage:
         for on_error in ("raise", "skip"):
             with pytest.raises(LogError, match=r"`rosbag reindex`.*`ros2 bag reindex`"):
                 readers.read(path, on_error=on_error)
-
-    @pytest.mark.parametrize("packed", ["BZ2", "LZ4", "zstd"])
-    def test_bombs_are_refused(self, tmp_path, monkeypatch, packed):
-        """Catches a chunk that is unpacked as a whole, and one of zstd behind a small one."""
-        monkeypatch.setattr(files, "LEAST_UNPACKED_BYTES", 100_000)
-        monkeypatch.setattr(files, "MOST_UNPACKED_RATIO", 1)
-        if packed == "zstd":
-            pack = importlib.import_module("rosbags.rosbag2.reader").zstd.compress
-            path, data = tmp_path / "bomb.mcap", pack(b"first") + pack(bytes(50_000_000))
-            chunk = bytes(28) + b"\4\0\0\0zstd" + len(data).to_bytes(8, "little") + data
-            path.write_bytes(b"\x89MCAP0\r\n" + b"\6" + len(chunk).to_bytes(8, "little") + chunk)
-        else:
-            path = bags.write(tmp_path, "ros1", compression=packed, story=_nothing_seen)
-        tracemalloc.start()
-        with pytest.raises(LogError, match="unpacks to more than 100000 bytes"):
-            readers.read(path)
-        assert tracemalloc.get_traced_memory()[1] < 20e6
-        tracemalloc.stop()
-
-    @pytest.mark.parametrize(
-        ("change", "reason"),
-        [
-            ("CREATE VIEW message_definitions AS SELECT 1", "a view that no recorder"),
-            (
-                "CREATE TABLE b (c, a BLOB AS (zeroblob(1000000000)))",
-                "a table that no recorder makes",
-            ),
-            ("CREATE TRIGGER t INSERT ON topics BEGIN SELECT 1; END", "a trigger that no recorder"),
-            ("DROP TABLE messages", "missing tables"),
-        ],
-    )
-    def test_databases_that_compute_are_refused(self, tmp_path, change, reason):
-        path = bags.write(tmp_path, "db3") / "it.db3"
-        with sqlite3.connect(path) as db:
-            if "VIEW" in change:
-                db.execute("DROP TABLE message_definitions")
-            db.execute(change)
-        db.close()
-        with pytest.raises(LogError, match=reason):
-            readers.read(path)
 
     def test_what_is_no_bag_is_told(self, tmp_path):
         (tmp_path / "a.bag").write_text("FLASER 1 1 0 0 0 0 0 0")
