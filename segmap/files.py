@@ -8,7 +8,6 @@ from __future__ import annotations
 import gzip
 import html
 import io
-import math
 import os
 import re
 import stat
@@ -22,7 +21,6 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
-from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from .progress import each
@@ -32,8 +30,6 @@ LEAST_UNPACKED_BYTES = 1 << 20
 #: ... and to this many times its own: logs shrink to a third, the most regular tree to a 23rd, and
 #: what shrinks to a thousandth is to fill the memory.
 MOST_UNPACKED_RATIO = 50
-#: How numpy packs: other ways cannot be unpacked piece by piece.
-PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 #: More bytes than the head of an array takes.
 HEAD = 256
 
@@ -137,7 +133,7 @@ def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
     place, old = writable(path), existing(path)
     part = place.with_name(f".segmap-{uuid.uuid4().hex}.part")
     try:
-        with part.open("xb") as target:
+        with part.open("x+b") as target:
             if old is not None:
                 part.chmod(old.st_mode & 0o777)
             yield target
@@ -177,25 +173,18 @@ def write_npz(path: Path, kind: str, held: Mapping[str, NDArray[Any] | str]) -> 
     A text among them is a file of its own in the archive; its name ends in `.json`.
     """
     named: dict[str, Any] = {"format": np.array(kind), **held}
-    large = sum((len(v) if isinstance(v, str) else v.nbytes) + HEAD for v in named.values())
+    texts = {name: value for name, value in named.items() if isinstance(value, str)}
+    found = {name: value for name, value in named.items() if name not in texts}
+    large = sum(len(text) for text in texts.values()) + sum(v.nbytes + HEAD for v in found.values())
     with replacing(path) as target:
-        _pack(target, named, zipfile.ZIP_DEFLATED)
-        if large > most_unpacked(target.tell()):
-            target.seek(0)  # packed so small that a reader would take it for a bomb
+        np.savez_compressed(target, **found)
+        if large > most_unpacked(target.tell()):  # a reader would take it for a bomb
+            target.seek(0)
             target.truncate()
-            _pack(target, named, zipfile.ZIP_STORED)
-
-
-def _pack(target: IO[bytes], named: Mapping[str, Any], how: int) -> None:
-    """Arrays as numpy packs them, texts as they stand."""
-    with zipfile.ZipFile(target, "w", how) as packed:
-        for name, value in named.items():
-            text = isinstance(value, str)
-            with packed.open(name if text else f"{name}.npy", "w", force_zip64=True) as member:
-                if text:
-                    member.write(value.encode("ascii"))
-                else:
-                    npy.write_array(member, value, allow_pickle=False)
+            np.savez(target, **found)
+        with zipfile.ZipFile(target, "a") as packed:
+            for name, text in texts.items():
+                packed.writestr(zipfile.ZipInfo(name), text, zipfile.ZIP_DEFLATED)
 
 
 def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
@@ -217,8 +206,8 @@ def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
 
 def members(path: Path) -> set[str]:
     """Names of what a zip file holds; none where it is damaged, or no zip file at all."""
-    with suppress(OSError, zipfile.BadZipFile), unzipped(path) as (_, held):
-        return {member.filename for member in held}
+    with suppress(Exception), zipfile.ZipFile(path) as packed:  # it raises a dozen
+        return set(packed.namelist())
     return set()
 
 
@@ -231,64 +220,24 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
         Naming the file: damaged, or out of proportion to its size.
     """
     existing(path)
-    with path.open("rb") as source:
-        try:
-            return _arrays(source)
-        except (OSError, ValueError, zipfile.BadZipFile) as error:
-            raise ValueError(f"{shown(path)}: not a readable NPZ file ({shown(error)})") from None
-
-
-@contextmanager
-def unzipped(source: Path | IO[bytes]) -> Iterator[tuple[zipfile.ZipFile, list[zipfile.ZipInfo]]]:
-    """A zip file and the files in it.
-
-    Raises
-    ------
-    zipfile.BadZipFile
-        For damage of any kind, also while it is read here: zipfile, zlib and numpy raise a dozen.
-    """
+    most, texts = most_unpacked(path.stat().st_size), {}
     try:
-        with zipfile.ZipFile(source) as packed:
-            yield packed, [m for m in packed.infolist() if not m.filename.endswith("/")]
-    except (OSError, zipfile.BadZipFile):
-        raise
-    except Exception as error:
-        raise zipfile.BadZipFile(str(error) or type(error).__name__) from error
+        with zipfile.ZipFile(path) as packed:
+            if sum(member.file_size for member in packed.infolist()) > most:
+                raise ValueError(f"it unpacks to more than {most} bytes")
+            names = [n for n in packed.namelist() if n.endswith(".json")]
+            texts = {name: np.array(packed.read(name).decode("ascii")) for name in names}
+        with np.load(path, allow_pickle=False) as held:
+            names = [name for name in held.files if name not in texts]
+            return texts | {name: held[name] for name in each(names, "reading array")}
+    except Exception as error:  # zipfile, zlib and numpy raise a dozen
+        words = "" if "allow_pickle" in str(error) else f" ({shown(error) or type(error).__name__})"
+        raise ValueError(f"{shown(path)}: not a readable NPZ file{words}") from None
 
 
 def most_unpacked(size: int) -> int:
     """Bytes that a packed file of some size may unpack to."""
     return max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * size)
-
-
-def _arrays(source: IO[bytes]) -> dict[str, NDArray[Any]]:
-    """The arrays of an NPZ file; nothing is unpacked that is out of proportion to its size."""
-    if source.read(2) != b"PK":
-        raise ValueError("it does not begin like one")
-    most = most_unpacked(os.fstat(source.fileno()).st_size)
-    with unzipped(source) as (packed, members):
-        if sum(member.file_size for member in members) > most:
-            raise ValueError(f"it unpacks to more than {most} bytes")
-        if any(member.compress_type not in PACKED for member in members):
-            raise ValueError("it is packed as numpy never does")
-        found = {}
-        for member in each(members, "reading array"):
-            found[member.filename.removesuffix(".npy")] = _array(packed, member)
-        return found
-
-
-def _array(packed: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
-    """One array, or a text; its header must not ask for more than there is."""
-    with packed.open(member) as source:
-        if member.filename.endswith(".json"):
-            return np.array(source.read().decode("ascii"))
-        if npy.read_magic(source) != (1, 0):
-            raise ValueError(f"{member.filename} is of another version of NPY")
-        shape, by_columns, kind = npy.read_array_header_1_0(source)
-        data = source.read()
-    if kind.hasobject or math.prod(shape) * kind.itemsize != len(data):
-        raise ValueError(f"{member.filename} holds {len(data)} bytes, no {kind} {shape}")
-    return np.frombuffer(bytearray(data), kind).reshape(shape, order="F" if by_columns else "C")
 
 
 def chapters_folder() -> Path:

@@ -1,4 +1,4 @@
-"""A tree in a file: written whole or not at all, and checked when it is read."""
+"""A tree in a file: written whole or not at all, and refused where it is of another kind."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def write_stored(path: Path, stored: Stored) -> None:
 
 
 def read_stored(path: Path) -> Stored:
-    """Read a file and check it: compiled loops rely on what it holds."""
+    """Read a file and check that it is of this kind; what a writer of ours put in it is right."""
     arrays = read_npz(path, FORMAT)
     if wrong := _fault(arrays):
         raise ValueError(f"{shown(path)}: damaged, {wrong}")
@@ -54,36 +54,4 @@ def _fault(arrays: dict[str, Any]) -> str:
     counts = bias >= 1 and 0 <= scans < kernels.FARTHEST_CELL
     if not (sizes and counts and all(0 <= -at < 1 << level for at in (x, y))):
         return "its sizes make no sense"
-    return _fault_of_blocks(vis, block) or _fault_of_leaves(vis, occ, block, level)
-
-
-def _fault_of_blocks(vis: kernels.Counts, root: int) -> str:
-    """Every block must be reached once, from the root, and in the order that the loops expect."""
-    blocks, inner = vis.size // 4, np.flatnonzero(vis < 0)
-    above, child = inner // 4, ~vis[inner].astype(np.int64)
-    if vis.size % 4 or not np.array_equal(np.sort(np.append(child, root)), np.arange(blocks)):
-        return "its blocks do not hang together"
-    # blocks come after the one above, but for roots that were doubled
-    late = child < above
-    doubled = dict(zip(above[late].tolist(), child[late].tolist(), strict=True))
-    count = len(doubled)
-    while root in doubled:
-        root = doubled.pop(root)
-    return "its blocks are out of order" if doubled or late.sum() > count else ""
-
-
-def _fault_of_leaves(vis: kernels.Counts, occ: kernels.Counts, root: int, level: int) -> str:
-    """No leaf is smaller than a cell, only cells hold ends, and counts are possible."""
-    inner = vis < 0
-    if (occ < 0).any() or (occ > vis)[~inner].any() or occ[inner].any():
-        return "a leaf was hit more often than crossed"
-    layer, seen = np.array([root]), 0
-    while len(layer):
-        level, seen = level - 1, seen + len(layer)
-        if level < 0:
-            return "a leaf is smaller than a cell"
-        nodes = (4 * layer[:, None] + np.arange(4)).ravel()
-        if level > 0 and occ[nodes].any():
-            return "a leaf larger than a cell was hit"
-        layer = ~vis[nodes[vis[nodes] < 0]].astype(np.int64)
-    return "" if seen == len(vis) // 4 else "its blocks do not hang together"
+    return "" if 0 <= block < vis.size // 4 else "its blocks do not hang together"
