@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import errno
-import ipaddress
-import re
 import socket
+from urllib.parse import urlsplit
 
 from ._protocol import SensorError
 
@@ -17,13 +16,7 @@ ETHERNET = 100_000_000
 CONNECT = 3.0
 #: Bytes taken from the network at once.
 NETWORK_PIECE_BYTES = 1 << 16
-#: No name of a host is longer.
-LONGEST_HOST = 253
 
-_TCP_ADDRESS = re.compile(
-    r"tcp://(?:\[(?P<six>[^\[\]]*)\]|(?P<host>[a-z0-9](?:[a-z0-9._-]*[a-z0-9])?))(?::(?P<port>.*))?",
-    re.ASCII | re.IGNORECASE | re.DOTALL,
-)
 _EXAMPLE = "tcp://192.168.0.10, tcp://192.168.0.10:10940 or tcp://[fe80::1%eth0]"
 _ABSENT = (
     "nothing answers there: is the sensor powered, is its cable in, is this computer in its "
@@ -52,30 +45,14 @@ def parse_address(address: str) -> tuple[str, int]:
     (('192.168.0.10', 10940), ('::1', 4000))
     """
 
-    def wrong(what: str) -> ValueError:
-        return ValueError(f"port {address[:60]!r} {what}: write it as {_EXAMPLE}")
-
-    found = _TCP_ADDRESS.fullmatch(address)
-    if found is None:
-        raise wrong("is no address of a sensor")
-    host, port = found["host"] or found["six"], found["port"]
-    if found["six"] is not None and not _is_ipv6(host):
-        raise wrong("has no IPv6 address between its brackets")
-    if len(host) > LONGEST_HOST or any(not 0 < len(part) < 64 for part in host.split(".")):
-        raise wrong("has a host that no network knows")
-    if port is None:
-        return host, SENSOR_PORT
-    if not (port.isascii() and port.isdigit() and len(port) < 6 and 0 < int(port) < 65536):
-        raise wrong("has no port number, 1 to 65535, after its last colon")
-    return host, int(port)
-
-
-def _is_ipv6(host: str) -> bool:
     try:
-        ipaddress.IPv6Address(host)
-    except ValueError:
-        return False
-    return "\0" not in host
+        found = urlsplit(address)
+        host, port = found.hostname, SENSOR_PORT if found.port is None else found.port
+    except ValueError:  # a port that is no number, brackets that do not end
+        host, port = None, 0
+    if not host or not port > 0 or found.netloc != address[len("tcp://") :]:
+        raise ValueError(f"port {address[:60]!r} is no address of a sensor: write it as {_EXAMPLE}")
+    return host, port
 
 
 def open_tcp(address: str) -> TcpPort:
