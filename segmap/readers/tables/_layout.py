@@ -203,9 +203,9 @@ def _units_in(names: Sequence[str]) -> list[str]:
 
 def _of_one_form(rows: Sequence[str]) -> Layout | None:
     """The layout of lines that are alike but for several numbers between words."""
-    forms = Counter(NUMBER.sub("#", " ".join(row.split())) for row in rows)
-    form = max(forms, key=lambda form: (form.count("#") > 1, forms[form]), default="")
-    parts = form.split("#")
+    forms = Counter(NUMBER.sub("\0", " ".join(row.split())) for row in rows)
+    form = max(forms, key=lambda form: (form.count("\0") > 1, forms[form]), default="")
+    parts = form.split("\0")
     if len(parts) < 3 or '"' in form or 2 * forms[form] < len(rows):
         return None
     pattern = f"({NUMBER.pattern})".join(re.escape(part).replace(r"\ ", r"\s*") for part in parts)
@@ -215,7 +215,8 @@ def _of_one_form(rows: Sequence[str]) -> Layout | None:
     head = tuple(" ".join(re.findall(r"[^\W\d]+|°", name)) for name in names)
     found = Layout(pattern=f"^{pattern}$", head=head)
     alike = tuple(row for row in rows if found.fields(row))
-    return found._replace(rows=alike, kinds=tuple(map(is_number, found.fields(alike[0]))))
+    kinds = tuple(map(is_number, found.fields(alike[0]))) if alike else ()
+    return found._replace(rows=alike, kinds=kinds) if alike else None
 
 
 def _head_alone(lines: Sequence[tuple[int, str]]) -> Layout:
