@@ -10,7 +10,7 @@ from segmap import load
 from segmap.alignment import pose_graph, position_errors, prepared
 from segmap.poses import compose
 from segmap.scans import LaserScan, Log
-from segmap.scans.causes import Cause
+from segmap.scans.causes import Cause, Finding
 from segmap.simulation import (
     SICK_LMS200,
     URG_04LX,
@@ -24,7 +24,9 @@ from segmap.simulation import (
 )
 
 AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
-SENSORS = {"around": AROUND, "ahead": SICK_LMS200, "three quarters": URG_04LX}
+#: Its first beam looks ahead, so what is behind the robot lies in the middle of its scans.
+SPINS = Sensor("spins", 360, 0.0, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
+SENSORS = {"around": AROUND, "spins": SPINS, "ahead": SICK_LMS200, "three quarters": URG_04LX}
 STOPS = [(1, 5), *((x, y) for x in (2, 6) for y in (5, 6.9, 5, 3.1, 5)), (7, 5), (1.5, 5.3)]
 PATHS = {
     "rooms": drive(STOPS, step=0.15, turn=np.radians(12)),
@@ -50,12 +52,18 @@ def driven(place: str = "rooms", sensor: str = "around") -> Log:
     )
 
 
+def from_posts(scan: LaserScan) -> np.ndarray:
+    """How far each beam looks beside the next post, `(n,)`, degrees."""
+    off = np.degrees(scan.angles)[:, None] - POSTS
+    return np.abs((off + 180) % 360 - 180).min(1)
+
+
 def with_posts(log: Log, at: float = 0.25, jitter: float = 0.003, factor: float = 1.0) -> Log:
     """The log of a robot whose posts stand in each scan."""
     rng = np.random.default_rng(7)
 
     def blocked(scan: LaserScan) -> LaserScan:
-        off = np.abs(np.degrees(scan.angles)[:, None] - POSTS).min(1)
+        off = from_posts(scan)
         ranges = np.where(off < 5.5, at + jitter * rng.standard_normal(len(scan)), scan.ranges)
         return replace(scan, ranges=ranges * factor, max_range=scan.max_range * factor)
 
@@ -97,7 +105,7 @@ def test_posts_are_left_out(sensor, wheels):
     """Catches a mask beside the posts, walls that go with them, and odometry that it leans on."""
     log = with_posts(driven(sensor=sensor))
     found = prepared(log if wheels else without_odometry(log))
-    degrees = np.abs(np.degrees(log[0].angles)[:, None] - POSTS).min(1)
+    degrees = from_posts(log[0])
     posts, gone = degrees < 5.5, masked(found)
     assert gone[posts].all() and not gone[degrees > 8].any()
     (finding,) = (finding for finding in found.causes if finding.cause is Cause.BODY)
@@ -194,7 +202,22 @@ def stands() -> Log:
     )
 
 
+def aside() -> Log:
+    """Along a corridor with a laser that looks to the left."""
+    rng, place = np.random.default_rng(11), (0.3, -0.2, np.pi / 2)
+    return simulate(
+        WALLS["corridor"],
+        PATHS["corridor"],
+        sensor=AROUND,
+        rng=rng,
+        odometry_noise=OdometryNoise(),
+        sensor_pose=place,
+    )
+
+
 WALLS_ONLY = {
+    "laser aside along a corridor": aside,
+    "spins along a corridor": lambda: driven("corridor", "spins"),
     "rooms": driven,
     "carried": lambda: without_odometry(driven()),
     "along a corridor": lambda: driven("corridor"),
@@ -212,3 +235,29 @@ def test_walls_are_no_body(name):
     """Catches walls beside which the robot drives, or stands, that are taken for its body."""
     log = WALLS_ONLY[name]()
     assert not body(prepared(log))
+
+
+#: Something that each step of the preparation tells.
+TOLD = {
+    Cause.BODY: with_posts,
+    Cause.CLOCK: lambda log: changed(log, lambda k, s: replace(s, time=s.time - 50 * (k > 99))),
+    Cause.UNIT: lambda log: changed(
+        log, lambda k, s: replace(s, odometry=s.odometry / [0.3048, 0.3048, 1])
+    ),
+    Cause.NOTHING_MET: lambda log: changed(
+        log, lambda k, s: replace(s, ranges=np.minimum(s.ranges, 3.5), max_range=np.inf)
+    ),
+}
+
+
+def changed(log: Log, change) -> Log:
+    """The log with each scan changed, by its number."""
+    return replace(log, scans=tuple(change(k, scan) for k, scan in enumerate(log)))
+
+
+@pytest.mark.parametrize("cause", TOLD)
+def test_what_was_told_before_is_kept(cause):
+    """Catches causes that a step of the preparation loses."""
+    reader = Finding(Cause.OTHER, 1, "what the reader told")
+    found = prepared(replace(TOLD[cause](driven()), causes=(reader,)))
+    assert found.causes[0] is reader and cause in {finding.cause for finding in found.causes}

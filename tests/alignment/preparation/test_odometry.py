@@ -54,6 +54,13 @@ def causes(log: Log) -> dict[Cause, bool]:
     return {finding.cause: finding.doubtful for finding in log.causes}
 
 
+def late_by(rows: np.ndarray, scans: float) -> np.ndarray:
+    """The odometry read so many scans late, between its rows."""
+    at, own = np.arange(len(rows)) - scans, np.arange(len(rows))
+    x, y, heading = (np.interp(at, own, column) for column in (*rows.T[:2], np.unwrap(rows[:, 2])))
+    return np.stack([x, y, (heading + np.pi) % (2 * np.pi) - np.pi], -1)
+
+
 Change = Callable[[np.ndarray], np.ndarray]
 #: Mistakes that are put right: from the right rows to the wrong ones.
 MENDED: dict[str, tuple[Cause, Change]] = {
@@ -67,6 +74,10 @@ MENDED: dict[str, tuple[Cause, Change]] = {
     "compass": (Cause.ODOMETRY_MIRRORED, lambda rows: (0, 0, np.pi / 2) + rows * (1, 1, -1)),
     "wheels backwards": (Cause.MOUNTING, lambda rows: counted_again(rows, way=-1)),
     "late": (Cause.DELAY, lambda rows: np.vstack([np.repeat(rows[:1], 5, 0), rows[:-5]])),
+    "late, to the west": (
+        Cause.DELAY,
+        lambda rows: late_by(compose(np.array([0, 0, np.pi]), rows), 5.5),
+    ),
     "early": (Cause.DELAY, lambda rows: np.vstack([rows[8:], np.repeat(rows[-1:], 8, 0)])),
 }
 
@@ -79,7 +90,9 @@ def test_what_is_known_is_put_right(name, sensor):
     log = driven(sensor)
     found = prepared(with_rows(log, change(log.odometry)))
     assert causes(found) == {cause: False}
-    assert cause is not Cause.DELAY or (found.causes[0].value > 0) == (name == "late")
+    if cause is Cause.DELAY:
+        assert name[:4] in found.causes[0].words
+        assert (found.causes[0].value > 0) == name.startswith("late")
     right, known = log.odometry, np.isfinite(found.odometry).all(1)
     assert known.sum() >= len(log) - 10
     wanted, steps = between(right[:-1], right[1:]), between(found.odometry[:-1], found.odometry[1:])
@@ -87,7 +100,9 @@ def test_what_is_known_is_put_right(name, sensor):
         wanted = wanted * (1, 1, 1)
     off = (np.abs(steps - wanted) % (2 * np.pi))[known[:-1] & known[1:]]
     off = np.minimum(off, 2 * np.pi - off)
-    assert np.quantile(off, 0.98) < 0.02 and np.median(off[:, :2]) < 0.01
+    assert (
+        np.quantile(off, 0.98) < (0.08 if "west" in name else 0.02) and np.median(off[:, :2]) < 0.01
+    )
 
 
 def test_a_right_log_is_the_same_object():
