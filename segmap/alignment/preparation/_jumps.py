@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ...arrays import Array
 from ...display import counted
@@ -67,6 +66,8 @@ def _holds(log: Log, before: Array, after: Array) -> bool | None:
 
     None where no two of them see the same place, or walls that fix no place.
     """
+    from scipy.spatial import cKDTree
+
     first, second = (np.flatnonzero(np.isfinite(rows).all(1)) for rows in (before, after))
     if not len(first) or not len(second):
         return None
