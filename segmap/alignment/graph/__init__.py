@@ -1,6 +1,6 @@
 """Pose graphs: measured motions between poses, and the poses that fit all of them best."""
 
-from ._bend import Bends, bends, chain_bends
+from ._bend import MOST_BEND, Bends, bends, chain_bends
 from ._graph import (
     NEARBY,
     REAL,
@@ -19,7 +19,7 @@ from ._solver import SCALE, Solver, solve
 from ._solver_kernels import Edge, stacked
 
 __all__ = [
-    "NEARBY", "REAL", "REAL_ERRORS", "SCALE", "Bends", "Edge", "Graph", "Rejected", "Solver",
-    "bends", "chain_bends", "deviations", "groups", "information", "loops_of", "place_deviations",
-    "residuals", "solve", "solve_graph", "stacked",
+    "MOST_BEND", "NEARBY", "REAL", "REAL_ERRORS", "SCALE", "Bends", "Edge", "Graph", "Rejected",
+    "Solver", "bends", "chain_bends", "deviations", "groups", "information", "loops_of",
+    "place_deviations", "residuals", "solve", "solve_graph", "stacked",
 ]  # fmt: skip

@@ -283,6 +283,10 @@ class FrontEnd(Undoable):
         """Pose of the last scan, (3,) array, metres and radians."""
         return compose(self.frames.poses[self.rows[-1].frame], self.rows[-1].pose)
 
+    def key_odometry(self) -> Array:
+        """Odometry of the key frames, `(n, 3)`; NaN where the log has none."""
+        return np.reshape([self.rows[scan].odometry for scan in self.frames.scans], (-1, 3))
+
     def _key_frames(self) -> NDArray[np.int64]:
         """The key frame of each scan, `(k,)`."""
         return np.array([row.frame for row in self.rows], np.int64)

@@ -28,6 +28,7 @@ from ..points import PointMap
 from ._front_end import MOST_SLIDE_M, MOST_SLIDE_RAD, OVERLAP_GAIN, SURE_OVERLAP, FrontEnd, Tracking
 from ._key_frames import loop_pairs, rollback_on_error
 from ._loop_closing import LOST_WINDOW_M, LoopCloser, LoopClosing, Window
+from ._mending import drop_torn
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -240,12 +241,13 @@ class LiveGraph(Locked):
         if not front.rows:
             return Outcome(())
         announce(0.0, "solving for all poses")
-        # 4. All poses together, without loops that the others contradict
+        # 4. All poses together, without loops that the others, or chain and wheels, contradict
         front.frames.optimize()
         if closer.finish_pending():
             front.frames.optimize()
         if closer.drop_contradicted():
             front.frames.optimize()
+        drop_torn(front.frames, front.key_odometry())
         # 5. Each scan once more, on the map that the loops have straightened
         front.register_again()
         return front.outcome(closer.not_believed())
