@@ -22,9 +22,9 @@ FORMER_COLUMNS = ["map", "method", "thresholds", "filtered", "n_before", "n_afte
 FORMER_COLUMNS += ["reduction", "quality", "seconds", "digest"]
 #: What it writes.
 RUN_COLUMNS = [*FORMER_COLUMNS, "invented", "missed"]
-HEAD = ",".join(RUN_COLUMNS) + "\n"
+FILE_HEAD = ",".join(RUN_COLUMNS) + "\n"
 #: Columns that hold numbers.
-NUMBERS: dict[str, Callable[[str], float]] = {
+NUMBER_COLUMNS: dict[str, Callable[[str], float]] = {
     **dict.fromkeys(("n_before", "n_after"), int),
     **dict.fromkeys(("filtered", "reduction", "quality", "seconds", "invented", "missed"), float),
 }
@@ -71,7 +71,9 @@ def read_rows(path: Path) -> list[Row]:
     rows: list[Row] = []
     for row in cells.reindex(columns=RUN_COLUMNS, fill_value="").to_dict("records"):
         try:
-            numbers = {column: kind(row[column] or "nan") for column, kind in NUMBERS.items()}
+            numbers = {
+                column: kind(row[column] or "nan") for column, kind in NUMBER_COLUMNS.items()
+            }
             rows.append(row | numbers | {"thresholds": thresholds_in(row["thresholds"])})
         except ValueError as error:
             where, line = f"{name}, line {len(rows) + 2}", shown(",".join(row.values())[:300])
@@ -92,7 +94,7 @@ def _number(text: str) -> float:
 def write_rows(path: Path, rows: Iterable[Row]) -> None:
     """Write runs with their head, whole or not at all."""
     with replacing(path) as target:
-        target.write(HEAD.encode() + _lines(rows))
+        target.write(FILE_HEAD.encode() + _lines(rows))
 
 
 def add_row(path: Path, row: Row) -> None:
@@ -107,7 +109,7 @@ def resumed(path: Path) -> list[Row]:
     What was cut off, within a line or within the head, goes; one that holds something else is
     refused.
     """
-    begun = existing(path) is not None and not HEAD.encode().startswith(path.read_bytes())
+    begun = existing(path) is not None and not FILE_HEAD.encode().startswith(path.read_bytes())
     rows = read_rows(path) if begun else []
     write_rows(path, rows)
     return rows

@@ -12,7 +12,7 @@ from .. import arrays
 from ..readers import data_file
 from ._files import (
     NO_THRESHOLDS,
-    NUMBERS,
+    NUMBER_COLUMNS,
     Threshold,
     as_frame,
     read_rows,
@@ -38,7 +38,7 @@ def read_records(path: str | Path) -> pd.DataFrame:
 
 def write_records(frame: pd.DataFrame, path: str | Path) -> None:
     """Write runs of `sweep` to a CSV file, whole or not at all."""
-    arrays.frame(frame, ["map", "method", "digest"], set(NUMBERS) - {"invented", "missed"})
+    arrays.frame(frame, ["map", "method", "digest"], set(NUMBER_COLUMNS) - {"invented", "missed"})
     rows = [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
     write_rows(arrays.file(path), [row | {"thresholds": thresholds_of(row)} for row in rows])
 
