@@ -46,6 +46,12 @@ class Cause(StrEnum):
     OTHER = "other"  # words of an earlier version
 
 
+#: Causes that always make a map doubtful.
+DECISIVE = {
+    Cause.SCALE, Cause.MIRRORED, Cause.LIFTED, Cause.BEND, Cause.NOT_MERGED, Cause.LOST,
+}  # fmt: skip
+
+
 class Unmatched(StrEnum):
     """Why a pose rests on no match; empty where it does. Code asks for these, never for words.
 
@@ -89,7 +95,8 @@ class Finding:
     remedy
         What a user can do, as an option of `segmap map`; empty where there is nothing.
     doubtful
-        Whether it makes a map doubtful. What was put right does not.
+        Whether it makes a map doubtful. What was put right does not; causes that nobody can put
+        right (`DECISIVE`) always do.
 
     Examples
     --------
@@ -102,6 +109,10 @@ class Finding:
     words: str
     remedy: str = ""
     doubtful: bool = False
+
+    def __post_init__(self) -> None:
+        """A decisive cause makes a map doubtful, whoever finds it."""
+        object.__setattr__(self, "doubtful", self.doubtful or self.cause in DECISIVE)
 
     def __str__(self) -> str:
         return f"{self.words}: {self.remedy}" if self.remedy else self.words

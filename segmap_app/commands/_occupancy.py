@@ -131,7 +131,7 @@ def _matched(
     if not found.all():
         scan = int(np.argmin(found))
         words = f"lost at scan {scan}, and what follows hangs on it"
-        causes = (*causes, Finding(Cause.LOST, scan, words, doubtful=True))
+        causes = (*causes, Finding(Cause.LOST, scan, words))
     took = sum(step.seconds for step in steps)
     return map, Alignment(poses, found, took, "map_scans", causes=causes), log
 

@@ -48,7 +48,7 @@ class Bends(NamedTuple):
         turn, ends = abs(float(np.degrees(self.off[k, 2]))), scans[[self.first[k], self.last[k]]]
         words = f"between scans {ends[0]} and {ends[1]} {what} tears what the matches say by"
         words += f" {far[k]:.2f} m and {turn:.1f} degrees"
-        return [Finding(Cause.BEND, float(far[k]), words, doubtful=True)]
+        return [Finding(Cause.BEND, float(far[k]), words)]
 
 
 def chain_bends(edges: Edge, poses: Array) -> Bends:

@@ -55,7 +55,7 @@ def poses_compared(log: Log, poses: Array, used: NDArray[np.bool_]) -> Appraisal
         k = np.flatnonzero(edges.loop)[np.argmax(off)]
         words = f"at {far} of {len(off)} revisits {OWN_PATH} tears what the matches say, most"
         words += f" between scans {scans[edges.first[k]]} and {scans[edges.second[k]]}"
-        causes.append(Finding(Cause.BEND, off.max(), f"{words}: {off.max():.2f} m", doubtful=True))
+        causes.append(Finding(Cause.BEND, off.max(), f"{words}: {off.max():.2f} m"))
     if (count := int(apart.sum())) > (1 - PLACED) * len(frames):
         words = f"no match confirms {count} of {len(frames)} places of {OWN_PATH}"
         causes.append(Finding(Cause.NOT_CHECKED, count, words))

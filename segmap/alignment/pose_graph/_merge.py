@@ -100,7 +100,7 @@ def merge_graphs(
     found, scans = graph.outcome(), [row.scan for row in front.rows]
     merged = checked_alignment("merge", scans, found, work_time() - begun)
     words = f"{NOT_MERGED}: {reason}"
-    none = [Finding(Cause.NOT_MERGED, alike, words, doubtful=True)] if reason else []
+    none = [Finding(Cause.NOT_MERGED, alike, words)] if reason else []
     return replace(merged, causes=(*none, *merged.causes))
 
 

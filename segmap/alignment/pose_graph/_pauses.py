@@ -66,7 +66,7 @@ def _asked(rows: Sequence[TrackedScan], frames: KeyFrames, gap: int) -> Finding 
         where = f"better at ({place[0]:.1f}, {place[1]:.1f}) m than where it was laid"
     words = f"scan {scan}, before which nothing was measured for a while, lies {where}"
     why = "the robot was lifted, or is on another floor, or scans are missing"
-    return Finding(Cause.LIFTED, scan, f"{words}: {why}", doubtful=True)
+    return Finding(Cause.LIFTED, scan, f"{words}: {why}")
 
 
 def _better_place(row: TrackedScan, frames: KeyFrames, before: int) -> Array | None:

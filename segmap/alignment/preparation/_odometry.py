@@ -120,12 +120,12 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     elif found.turn < -RIGHT_TURN_RATIOS[0]:
         words = "the laser or the wheels count turns the other way: one of both is mirrored"
         remedy = "--clockwise where the laser hangs upside down, else mend the odometry"
-        causes.append(Finding(Cause.MIRRORED, found.turn, words, remedy, doubtful=True))
+        causes.append(Finding(Cause.MIRRORED, found.turn, words, remedy))
         rows = rows * (1, -1, -1)  # as the scans have it: the map may be the mirror image
         found = odometry_against_steps(rows, steps)
     elif not (np.isnan(found.turn) or RIGHT_TURN_RATIOS[0] < found.turn < RIGHT_TURN_RATIOS[1]):
         words = f"the scans turn by {found.turn:.2f} of what the odometry says: it is left out"
-        return _nothing(rows), [*causes, Finding(Cause.SCALE, found.turn, words, doubtful=True)]
+        return _nothing(rows), [*causes, Finding(Cause.SCALE, found.turn, words)]
     # 3. Where the laser looks
     lever = found.lever
     if found.agreement >= AGREEING_COSINE and abs(found.direction) > ASIDE_RAD:
@@ -136,7 +136,7 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     if np.isfinite(found.way) and not RIGHT_WAY_RATIOS[0] <= found.way <= RIGHT_WAY_RATIOS[1]:
         off = 100 * abs(1 / found.way - 1)
         words = f"wheels or ranges are {off:.0f} % off: scans move by {found.way:.3f} of the way"
-        causes.append(Finding(Cause.SCALE, found.way, words, doubtful=True))
+        causes.append(Finding(Cause.SCALE, found.way, words))
         rows = rows * (found.way, found.way, 1)
     # 5. Where the laser sits, and what moves along
     x, y = np.nan_to_num(lever)
