@@ -29,6 +29,7 @@ from ..points import PointMap, in_range
 from ._doubt import appraisal
 from ._key_frames import KeyFrame, KeyFrames, Undoable
 from ._pauses import OTHER_PLACE_M, OTHER_PLACE_RAD
+from ._places import OVERLAP_GAIN
 from ._wheels import Wheels
 
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
@@ -36,8 +37,6 @@ Matcher = Callable[[PointMap, Array, Array], Match]
 
 #: Without odometry a step is looked for anew where at most this share of the scan lies on the map.
 SURE_OVERLAP = 0.7
-#: The place that is found must hold so much more of the scan: below it false places match.
-OVERLAP_GAIN = 0.1
 #: The search for a lost scan reaches at least so far about the last place, metres.
 LEAST_SEARCH_M = 1.5
 #: It reaches so many times the last step, for each scan that was lost before ...
@@ -145,9 +144,9 @@ class FrontEnd(Undoable):
         before, measured, map = self.rows[-2], self.measured(), self.local
         self.wheels.drive(self.step() if measured else np.full(3, np.nan))
         # A motion that goes on from match to false match grows until it is many metres a scan:
-        # without odometry the robot stands after a scan that did not match
-        lost = not (before.used or before.unmatched is Unmatched.FREE_DIRECTION)
-        step = np.zeros(3) if lost and not measured else self.step()
+        # without odometry the robot stands after a scan that sees something and did not match
+        goes_on = Unmatched.NONE, Unmatched.FREE_DIRECTION, Unmatched.TOO_LITTLE_SEEN
+        step = self.step() if measured or before.unmatched in goes_on else np.zeros(3)
         guess = compose(before.pose, step)
         if map is None or len(points) < 6:
             match = no_match(guess, Unmatched.TOO_LITTLE_SEEN)
@@ -164,7 +163,7 @@ class FrontEnd(Undoable):
             if len(map.unfixed(points, match.pose)):
                 row.unmatched = Unmatched.FREE_DIRECTION
             row.along = float(np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]))
-        self.lost = 0 if match.matched or measured else self.lost + 1
+        self.lost = 0 if match.matched else self.lost + 1
         row.pose = match.pose
         row.place = compose(before.place, between(before.pose, match.pose))
         return match
@@ -215,27 +214,31 @@ class FrontEnd(Undoable):
         return chosen
 
     def needs_frame(self, step: float, turn: float) -> bool:
-        """Whether the last scan is far from its key frame, or the first, or the first to see."""
+        """Whether the last scan is far from its key frame, or the first, or the first to see.
+
+        What matches nothing ties nothing: it is none unless several in a row see and do not match.
+        """
+        sees, lost = len(self.points) >= 6, self.lost >= LOST_IN_A_ROW
+        if self.local is None:
+            return not len(self.frames) or len(self.points) > 0
         x, y, heading = self.rows[-1].pose
         moved = np.hypot(x, y) > step or abs(heading) > turn
-        anew = self.lost >= LOST_IN_A_ROW and len(self.points) >= 6
-        first = not len(self.frames) or (self.local is None and len(self.points))
-        return bool(moved or anew or first)
+        anew = lost and not self.measured()
+        return bool(sees and (anew or (moved and (lost or not self.lost))))
 
     def add_frame(self, match: Match) -> None:
         """Make the last scan the newest key frame, at its match."""
         row, new, measured = self.rows[-1], len(self.frames), self.measured()
         step, turn = self.rules.step_error, self.rules.turn_error
         covariance = match.covariance if match.matched else np.diag([step, step, turn]) ** 2
-        if self.lost >= LOST_IN_A_ROW:  # nothing ties it to the map before but a guess
-            self.lost, covariance = 0, np.diag(BREAK) ** 2
-            self.begins = new
+        if self.lost >= LOST_IN_A_ROW and not measured:  # only a guess ties it to the map before
+            covariance, self.begins = np.diag(BREAK) ** 2, new
         elif match.matched and new and self._guessed(match):
             covariance = covariance + np.diag(BREAK) ** 2
         tied = match.matched and row.unmatched is not Unmatched.FREE_DIRECTION
         frame = KeyFrame(len(self.rows) - 1, self.points, tied, measured)
         self.frames.add(frame, match.pose, covariance)
-        row.frame, row.pose = new, np.zeros(3)
+        row.frame, row.pose, self.lost = new, np.zeros(3), 0
         self.wheels.begin()
         first = max(new + 1 - self.rules.frames, self.begins)
         self.local = self.frames.map_of(range(first, new + 1), new)
@@ -264,6 +267,9 @@ class FrontEnd(Undoable):
                 points, offset = in_range(self.rows[scan].scan.points()), self.rows[scan].pose
                 if map is not None and len(points) >= 6:
                     match = map.register(points, offset, overlap=self.rules.overlap)
+                    if not self.rows[scan].used:
+                        other = self.matcher(map, points, offset)
+                        match = max(match, other, key=lambda each: each.matched * each.overlap)
                     offset = match.pose if match.matched else offset
                 found.append(offset)
             return found

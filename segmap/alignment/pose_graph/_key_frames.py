@@ -21,6 +21,10 @@ Members = Sequence[int] | NDArray[np.int64]
 
 #: A believed loop is so long a part of a way, metres.
 LOOP_PATH = 0.5
+#: With a standard deviation above this, metres, a loop is no way through the graph. Without
+#: odometry it is no witness either, nor is one over steps that are so vague: along a corridor
+#: neither fixes anything.
+VAGUE = 0.2
 
 
 class Undoable:
@@ -167,6 +171,18 @@ def loop_pairs(loops: ArrayLike, name: str) -> list[list[int]]:
     if found.size and found.shape[1:] != (2,):
         raise ValueError(f"{name} must be pairs of scans, (n, 2), got {arrays.brief(loops)}")
     return list(found.reshape(-1, 2).tolist())
+
+
+def firm(loops: list[Edge]) -> list[Edge]:
+    """Those loops that fix the place in all directions."""
+    known = [np.linalg.inv(loop.information)[:2, :2] for loop in loops]
+    wide = np.linalg.eigvalsh(np.reshape(known, (-1, 2, 2)))[:, -1]
+    return [loops[i] for i in np.flatnonzero(np.sqrt(wide) < VAGUE)]
+
+
+def ways_of(loops: list[Edge]) -> NDArray[np.int64]:
+    """Both ends, `(w, 2)`, of those loops that fix the place: they are ways through the graph."""
+    return np.array([loop[:2] for loop in firm(loops)], np.int64).reshape(-1, 2)
 
 
 @contextmanager

@@ -14,28 +14,29 @@ from ...scans.causes import Unmatched
 from .._result import Match, no_match
 from ..graph import Edge, Rejected, deviations, information, residuals, stacked
 from ..points import PointMap
-from ._key_frames import KeyFrames, Undoable, key_frames_in_square, path_lengths
+from ._key_frames import (
+    VAGUE,
+    KeyFrames,
+    Undoable,
+    firm,
+    key_frames_in_square,
+    path_lengths,
+    ways_of,
+)
+from ._places import OVERLAP_GAIN, best_of_passes, descriptor
 
 # Where loops are sought:
 #: Old places are proposed this much farther off than the window: they can be seen from there.
 BEYOND_WINDOW_M = 2.0
 #: Half side of the window in heading.
 WINDOW_HALF_RAD = np.radians(20)
-#: What a place looks like from any heading: shares of the points in so many rings ...
-DESCRIPTOR_RINGS = 16
-#: ... up to this radius, metres, ...
-DESCRIPTOR_RADIUS_M = 8.0
-#: ... as so many key frames before and after it see them.
+#: What a place looks like is told by so many key frames before and after it.
 DESCRIPTOR_FRAMES = 3
 #: After a step that no match confirms the robot may be anywhere. The places that look most alike
 #: are then searched in a window of this half side, metres, at every heading, ...
 LOST_WINDOW_M = 2.0
 #: ... over a path of at most this length, metres.
 LOST_PATH_M = 15.0
-#: Key frames that follow each other by less than this are one pass.
-PASS_GAP_FRAMES = 3
-#: So many passes are searched.
-SEARCHED_PASSES = 3
 #: Half sides of windows that the neighbours of an old key frame cover, metres. In larger ones the
 #: old map is made of those along as long a way: else the true place may lie where it has ended.
 COVERED_WINDOW_M = 2.5
@@ -57,10 +58,6 @@ LOST_WITNESSES = 5
 #: Other loops that must agree when the log ends. Then loops of one scan to passes farther apart
 #: than `COMPARED_PATH_M` count too.
 LAST_WITNESSES = 1
-#: With a standard deviation above this, metres, a loop is no way through the graph. Without
-#: odometry it is no witness either, nor is one over steps that are so vague: along a corridor
-#: neither fixes anything.
-VAGUE = 0.2
 #: The graph is solved at once where a new loop turns its ends by more than this, radians.
 STRAIN_ANGLE = np.radians(0.5)
 #: Loops that the solution leaves open by more standard deviations are taken out at the end.
@@ -142,11 +139,12 @@ class LoopCloser(Undoable):
         self.frames, self.drift, self.rules = frames, drift, rules
         self.descriptors: list[Array] = []
         self.lost_since: int | None = None
+        self.last_sure: int | None = None  # the key frame before it was lost
         self.pending: list[Edge] = []
         self.accepted: list[Edge] = []
         self.rejected: list[Rejected] = []
         self.maps: dict[tuple[int, int, int], PointMap | None] = {}
-        self.ways = _ways([])
+        self.ways = ways_of([])
 
     def close(self, *, confirmed: bool) -> bool:
         """Look for loops of the newest key frame; True where accepted ones strain the map.
@@ -160,12 +158,17 @@ class LoopCloser(Undoable):
 
     def seek(self, new: int, before: int, *, confirmed: bool) -> bool:
         """Look for loops of a key frame to those before another, as `close` does."""
-        self.lost_since = self.lost_since if confirmed else new
+        if not confirmed:
+            self.last_sure = new - 1 if self.lost_since is None else self.last_sure
+            self.lost_since = new
         # 1. Old places that may be the new one
         windows = self._by_place(new, before) + self._by_descriptor(new, before)
+        windows += (ahead := self._by_last_place(new))
         # 2. How the new place lies on each
         matches = [self.measure(window, self.map_around(window), new) for window in windows]
         fresh: list[tuple[Edge, float]] = []
+        if self.lost_since is not None:
+            matches = self._unique(windows, matches)
         for window, match in zip(windows, matches, strict=True):
             if match.matched:
                 known = information(match.covariance, self.frames.least, match.free)
@@ -175,8 +178,11 @@ class LoopCloser(Undoable):
         # 3. Loops that others confirm are believed; those that wait too long are given up
         self.pending += [loop for loop, _ in fresh]
         found = self._confirmed_by_others(fresh)
+        if ahead and ahead[0].turn < np.pi:  # odometry over the gap is a witness
+            found += _edges_but([e for e, _ in fresh if e.first == ahead[0].old], found)
         self.believe(found)
-        self.lost_since = None if found else self.lost_since
+        if found:
+            self.lost_since = self.last_sure = None
         path = self.frames.distance
         self._give_up([e for e in self.pending if path[new] - path[e.second] > COMPARED_PATH_M])
         # 4. Whether the poses leave one open so far that the graph has to be solved at once
@@ -199,7 +205,7 @@ class LoopCloser(Undoable):
         reach = self._reach(np.minimum(path, self._way(new, near)))
         kept = distance < reach + BEYOND_WINDOW_M
         reaches = dict(zip(near[kept].tolist(), reach[kept].tolist(), strict=True))
-        best = _best_of_passes(near[kept], distance[kept])
+        best = best_of_passes(near[kept], distance[kept])
         return [Window(k, between(poses[k], poses[new]), reaches[k], WINDOW_HALF_RAD) for k in best]
 
     def _reach(self, way: Array) -> Array:
@@ -223,8 +229,35 @@ class LoopCloser(Undoable):
             return []
         descriptors, old = np.array(self.descriptors), min(lost, before)
         unlike = np.abs(descriptors[:old] - descriptors[new]).sum(1)
-        best = _best_of_passes(np.arange(old), unlike)
+        best = best_of_passes(np.arange(old), unlike)
         return [Window(k, np.zeros(3), LOST_WINDOW_M, np.pi) for k in best]
+
+    def _by_last_place(self, new: int) -> list[Window]:
+        """Where the robot is lost: about the last place that was sure, as its motion goes on."""
+        sure, path = self.last_sure, self.frames.distance
+        if sure is None or path[new] - path[sure] > LOST_PATH_M:
+            return []
+        old = max(sure - self.rules.old_frames, 0)  # all around it was seen before the gap
+        guess = between(self.frames.poses[old], self.frames.poses[new])
+        if all(row.measured for row in self.frames.rows[sure + 1 : new + 1]):
+            return [Window(old, guess, self.rules.reach, WINDOW_HALF_RAD)]
+        return [Window(old, guess, LOST_WINDOW_M, np.pi)]
+
+    def _unique(self, windows: list[Window], matches: list[Match]) -> list[Match]:
+        """Matches of a robot that may be anywhere: the best, none if another place is as good."""
+        most = max((match.overlap for match in matches if match.matched), default=0.0)
+        alike = [match.matched and match.overlap > most - OVERLAP_GAIN for match in matches]
+        places = [
+            compose(self.frames.poses[window.old], match.pose)
+            for window, match, best in zip(windows, matches, alike, strict=True)
+            if best
+        ]
+        away = between(places[0], np.array(places)) if places else np.zeros((0, 3))
+        apart = (np.hypot(*away[:, :2].T) > LOST_WINDOW_M) | (np.abs(away[:, 2]) > WINDOW_HALF_RAD)
+        return [
+            match if best and not apart.any() else no_match(match.pose, Unmatched.OTHER_PLACE)
+            for match, best in zip(matches, alike, strict=True)
+        ]
 
     def measure(self, window: Window, map: PointMap | None, new: int) -> Match:
         """How a key frame lies on an old one by their surroundings, or why that is not told."""
@@ -281,7 +314,7 @@ class LoopCloser(Undoable):
     def _witnesses(self, loops: list[Edge]) -> list[Edge]:
         """Those that may confirm others: without odometry what slides along a corridor may not."""
         measured = all(self.frames.rows[loop.second].measured for loop in loops)
-        return loops if measured else _firm(loops)
+        return loops if measured else firm(loops)
 
     def agreeing(self, loop: Edge, known: list[Edge], *, apart: bool = False) -> list[Edge]:
         """Loops for which going round them and this one leads back to where it began.
@@ -327,7 +360,7 @@ class LoopCloser(Undoable):
     def veto(self, loops: list[Edge], reason: str = VETOED_LOOP) -> None:
         """Take loops out; others that were taken out since they contradict the rest come back."""
         self.accepted = _edges_but(self.accepted, loops)
-        self.ways = _ways(self.accepted)
+        self.ways = ways_of(self.accepted)
         steps = [edge for edge in self.frames.edges if not edge.loop]
         self.frames.exchange(steps + self.accepted)
         for loop in loops:
@@ -338,7 +371,7 @@ class LoopCloser(Undoable):
         self.pending = _edges_but(self.pending, loops)
         self.accepted += loops
         self.frames.edges += loops
-        self.ways = np.concatenate([self.ways, _ways(loops)])
+        self.ways = np.concatenate([self.ways, ways_of(loops)])
 
     def _give_up(self, loops: list[Edge]) -> None:
         """Reject loops that no other has confirmed in time."""
@@ -356,38 +389,6 @@ class LoopCloser(Undoable):
         rows, left = self.frames.rows, _edges_but(self.accepted, self.frames.edges)
         ends = [(rows[loop.first].scan, rows[loop.second].scan) for loop in left]
         return [*self.rejected, *(Rejected(*pair, CONTRADICTED_LOOP) for pair in ends)]
-
-
-def descriptor(points: Array) -> Array:
-    """Shares of points `(m, 2)`, metres, by their distance from the origin, (16,) array."""
-    distance = np.hypot(points[:, 0], points[:, 1])
-    near = distance[distance <= DESCRIPTOR_RADIUS_M]
-    ring = (near * (DESCRIPTOR_RINGS / DESCRIPTOR_RADIUS_M)).astype(np.int64)
-    counts = np.bincount(np.minimum(ring, DESCRIPTOR_RINGS - 1), minlength=DESCRIPTOR_RINGS)
-    return np.asarray(counts / max(counts.sum(), 1))
-
-
-def _firm(loops: list[Edge]) -> list[Edge]:
-    """Those loops that fix the place in all directions."""
-    known = [np.linalg.inv(loop.information)[:2, :2] for loop in loops]
-    wide = np.linalg.eigvalsh(np.reshape(known, (-1, 2, 2)))[:, -1]
-    return [loops[i] for i in np.flatnonzero(np.sqrt(wide) < VAGUE)]
-
-
-def _ways(loops: list[Edge]) -> NDArray[np.int64]:
-    """Both ends, `(w, 2)`, of those loops that fix the place: they are ways through the graph."""
-    return np.array([loop[:2] for loop in _firm(loops)], np.int64).reshape(-1, 2)
-
-
-def _best_of_passes(members: NDArray[np.int64], cost: Array) -> list[int]:
-    """The cheapest of each run of neighbouring key frames, at most three, cheapest first.
-
-    `cost` is that of each member, `(m,)`.
-    """
-    cuts = np.flatnonzero(np.diff(members) > PASS_GAP_FRAMES) + 1
-    passes = [run for run in np.split(np.arange(len(members)), cuts) if len(run)]
-    best = sorted((run[np.argmin(cost[run])] for run in passes), key=lambda k: float(cost[k]))
-    return [int(members[k]) for k in best[:SEARCHED_PASSES]]
 
 
 def _edges_but(edges: list[Edge], gone: list[Edge]) -> list[Edge]:

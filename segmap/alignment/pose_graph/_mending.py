@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ..graph import MOST_BEND, Edge, chain_bends, stacked
 from ._key_frames import KeyFrames
-from ._loop_closing import PASS_GAP_FRAMES
+from ._places import PASS_GAP_FRAMES
 
 
 def drop_torn(frames: KeyFrames, odometry: Array) -> bool:

@@ -25,16 +25,16 @@ from ...threads import Locked, locked
 from .._result import Alignment, Match, Outcome, alignment_method, checked_alignment, no_match
 from ..graph import REAL, Edge, Graph, loops_of
 from ..points import PointMap
-from ._front_end import MOST_SLIDE_M, MOST_SLIDE_RAD, OVERLAP_GAIN, SURE_OVERLAP, FrontEnd, Tracking
+from ._front_end import MOST_SLIDE_M, MOST_SLIDE_RAD, SURE_OVERLAP, FrontEnd, Tracking
 from ._key_frames import loop_pairs, rollback_on_error
 from ._loop_closing import LOST_WINDOW_M, LoopCloser, LoopClosing, Window
 from ._mending import drop_torn
+from ._places import OVERLAP_GAIN
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Above `SURE_OVERLAP` nobody looks in twice the window; a place there has to hold `OVERLAP_GAIN`
-#: more of the scan, and at least this share of it.
+#: A place in twice the window holds `OVERLAP_GAIN` more, and at least this share of the scan.
 LEAST_OVERLAP = 0.6
 #: A match within this turn of the odometry agrees with it: ordinary wheels err by 3 degrees a step.
 ODOMETRY_AGREES_RAD = np.radians(5)

@@ -24,6 +24,7 @@ from segmap.alignment.points import PointMap
 from segmap.alignment.pose_graph import FrontEnd, _front_end, _loop_closing
 from segmap.alignment.pose_graph._key_frames import KeyFrame, KeyFrames, path_lengths
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window
+from segmap.alignment.pose_graph._places import best_of_passes
 from segmap.poses import between
 from segmap.scans import Log
 from segmap.simulation import (
@@ -423,8 +424,8 @@ def test_a_loop_is_sought_where_the_way_since_the_old_place_is_over_ten_metres()
 def test_each_pass_is_searched_once_where_it_looks_most_alike():
     """Catches a pass that begins one key frame too late, or a fourth one."""
     frames, cost = np.array([0, 3, 10, 11, 30, 31, 50]), np.array([5, 4, 1, 2, 3, 9, 0.5])
-    assert _loop_closing._best_of_passes(frames, cost) == [50, 10, 30]
-    assert _loop_closing._best_of_passes(frames[:3], cost[:3]) == [10, 3]
+    assert best_of_passes(frames, cost) == [50, 10, 30]
+    assert best_of_passes(frames[:3], cost[:3]) == [10, 3]
 
 
 @pytest.mark.parametrize("wheels", [True, False])

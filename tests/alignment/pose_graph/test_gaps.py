@@ -1,0 +1,96 @@
+"""Scans that see nothing, or a hand: they tie nothing, and what follows goes on where it was."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from segmap import load
+from segmap.alignment import Alignment, LiveGraph, pose_graph, position_errors
+from segmap.scans import Log
+from segmap.simulation import (
+    OdometryNoise,
+    Sensor,
+    box,
+    drifting_odometry,
+    rectangular_room,
+    simulate,
+)
+
+WHEELS = OdometryNoise(turn_bias=0.02, turn_noise=0.02, heading_noise=0.005)
+COVERED = range(60, 66)
+
+
+def with_wheels(log: Log) -> Log:
+    """The log with odometry that errs by 2 %."""
+    odometry = drifting_odometry(log.truth, odometry_noise=WHEELS, rng=np.random.default_rng(1))
+    scans = [replace(scan, odometry=pose) for scan, pose in zip(log, odometry, strict=True)]
+    return Log(log.name, scans, log.truth)
+
+
+def bare(log: Log) -> Log:
+    return Log(log.name, [replace(scan, odometry=None) for scan in log], log.truth)
+
+
+def seen(log: Log, which: range, ranges: float) -> Log:
+    """The log where some scans see only this distance; NaN: nothing."""
+    scans = list(log)
+    for k in which:
+        scans[k] = replace(scans[k], ranges=np.full(len(scans[k].ranges), ranges))
+    return Log(log.name, scans, log.truth)
+
+
+def farthest(found: Alignment, log: Log) -> float:
+    """How far the scans that are used are off at most, metres."""
+    away = position_errors(found.poses[found.used], log.truth[found.used], best=True)
+    return float(away.max())
+
+
+@pytest.mark.parametrize("wheels", [True, False])
+@pytest.mark.parametrize(("name", "scan"), [("room", 28), ("room", 42), ("corridor", 107)])
+def test_an_empty_scan_parts_nothing(name, scan, wheels):
+    """Catches one that becomes a key frame: loops then moved all that followed by 4 to 23 m."""
+    log = with_wheels(load(name)) if wheels else bare(load(name))
+    log = seen(log, range(scan, scan + 1), np.nan)
+    found = pose_graph(log)
+    assert found.used.sum() == len(log) - 1 and not found.used[scan]
+    assert farthest(found, log) < 0.2
+
+
+def test_an_empty_scan_parts_no_live_map_either():
+    log = seen(bare(load("room")), range(28, 29), np.nan)
+    graph = LiveGraph()
+    graph.extend(log)
+    away = position_errors(graph.poses, log.truth, best=True)
+    assert np.delete(away, 28).max() < 0.2
+
+
+@cache
+def hall() -> Log:
+    """A drive on an ellipse through a hall that half a turn nearly carries onto itself."""
+    turn = np.linspace(0, 2 * np.pi, 110)
+    x, y = 9 + 6 * np.cos(turn), 6 + 3.5 * np.sin(turn)
+    heading = np.arctan2(3.5 * np.cos(turn), -6 * np.sin(turn))
+    things = box(1.5, 1, (9.75, 7.5, 0)), box(1, 1, (13.5, 1.3, 0))
+    laser = Sensor("laser", 271, np.radians(-135), np.radians(1), max_range=12.0, sigma=0.01)
+    return simulate(
+        np.concatenate([rectangular_room(18, 12), *things]),
+        np.stack([x, y, heading], 1),
+        sensor=laser,
+        odometry_noise=WHEELS,
+        rng=np.random.default_rng(1),
+    )
+
+
+@pytest.mark.parametrize(("ranges", "wheels"), [(np.nan, True), (np.nan, False), (0.25, True)])
+def test_a_covered_laser_turns_no_hall(ranges, wheels):
+    """Catches what follows at the place that half a turn carries there, 10 m off.
+
+    Without wheels, behind a hand for so long, the hall still turns: nothing else is near enough.
+    """
+    log = seen(hall() if wheels else bare(hall()), COVERED, ranges)
+    found = pose_graph(log)
+    apart = found.used & ~np.isin(np.arange(len(log)), COVERED)
+    away = position_errors(found.poses[apart], log.truth[apart], best=True)
+    assert away.max() < 0.25 and apart.sum() == len(log) - len(COVERED)
