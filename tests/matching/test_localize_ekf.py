@@ -42,7 +42,9 @@ def tracked(walls, log, start, spread=SPREAD, **options):
 
 def off(pose, scan, state):
     """Of each pair its turn and offset, at any pose: the residuals that the filter makes small."""
-    segments = transform(pose, extract_polylines(scan.points()))[state.pairs[:, 0]]
+    segments = transform(pose, extract_polylines(scan.points(), closed=scan.whole_turn))[
+        state.pairs[:, 0]
+    ]
     walls = ROOM[state.pairs[:, 1]]
     turn = (angle(segments) - angle(walls) + np.pi / 2) % np.pi - np.pi / 2
     (dx, dy), (x, y) = (walls[:, 1] - walls[:, 0]).T, (midpoint(segments) - walls[:, 0]).T
@@ -58,7 +60,7 @@ def test_one_scan_corrects_as_least_squares_with_a_prior_do(mount):
     start = PATH[12] + (0.05, -0.04, 0.02)
     (state,) = tracked(ROOM, [scan], start)
     assert len(state.pairs) >= 5 and state.unmatched <= 1
-    found = extract_polylines(scan.points())[state.pairs[:, 0]]
+    found = extract_polylines(scan.points(), closed=scan.whole_turn)[state.pairs[:, 0]]
     count = (point_distance(scan.points()[:, None], found) < 0.03).sum(0)
     size = np.hypot(*(found[:, 1] - found[:, 0]).T)
     weight = np.concatenate([np.sqrt(count / 12) * size, np.sqrt(count)]) / 0.01

@@ -44,7 +44,7 @@ class Bends(NamedTuple):
             return []
         length = (self.last - self.first)[torn]
         narrow = torn[length == length.min()]
-        k = narrow[np.argmax(self.size[narrow])]
+        k = narrow[np.argmax(self.size[narrow].round(9))]
         turn, ends = abs(float(np.degrees(self.off[k, 2]))), scans[[self.first[k], self.last[k]]]
         words = f"between scans {ends[0]} and {ends[1]} {what} tears what the matches say by"
         words += f" {far[k]:.2f} m and {turn:.1f} degrees"
@@ -71,7 +71,7 @@ def bends(motions: Array, covariances: Array, poses: Array) -> Bends:
     >>> bends(steps, covariances, straight).finding(np.arange(9), "the map")
     []
     >>> print(*bends(steps, covariances, torn).finding(np.arange(9), "the map"))
-    between scans 1 and 5 the map tears what the matches say by 0.30 m and 0.0 degrees
+    between scans 0 and 4 the map tears what the matches say by 0.30 m and 0.0 degrees
     """
     steps = len(motions)
     x, y, heading = motions.T

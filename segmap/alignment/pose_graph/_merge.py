@@ -17,10 +17,11 @@ from ...scans import LaserScan
 from ...scans.causes import Cause, Finding
 from .._result import Alignment, checked_alignment
 from ..graph import Edge, Rejected, information
-from ._front_end import BREAK
 from ._loop_closing import LOST_WITNESSES, WINDOW_HALF_RAD, Window
 from ._pose_graph import LiveGraph
 
+#: How little is known of where another session begins: metres, metres, radians.
+ANYWHERE = (1e3, 1e3, np.pi)
 #: About a place that was found the loop is measured in a window of this half side, metres.
 FOUND_PLACE_WINDOW_M = 0.5
 #: Where key frames of both lie so near, metres, ...
@@ -112,7 +113,7 @@ def _append(graph: LiveGraph, later: LiveGraph) -> None:
     alone = replace(rows[0].scan, odometry=None)  # its odometry begins in a frame of its own
     rows[0] = replace(rows[0], scan=alone, odometry=np.full(3, np.nan))
     front.rows += rows
-    front.frames.extend(later.front_end.frames, scan, np.diag(BREAK) ** 2)
+    front.frames.extend(later.front_end.frames, scan, np.diag(ANYWHERE) ** 2)
     closer.descriptors += its.descriptors
     closer.accepted += [e for e in front.frames.edges if e.loop and e.first >= frame]
     closer.ways = np.concatenate([closer.ways, frame + its.ways])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...poses.motions import between, compose, inverse
 from ...scans import Log
-from ...scans.odometry import Steps, odometry_against_steps
+from ...scans.odometry import CONTRADICTING_COSINE, Steps, odometry_against_steps
 from ._odometry import WAY_RATIOS
 
 #: Ways of the robot between two scans that are compared, metres; a turn counts by `TURN_LEVER_M`.
@@ -88,10 +88,11 @@ def _compared(one: Array, two: Array, pose: Array, directions: Array) -> Compare
 
 def _pairs(log: Log, steps: Steps) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
     """Scans between which the robot moved, and how: by the odometry, else by the steps."""
-    rows, way = log.odometry, odometry_against_steps(log.odometry, steps).way
+    rows, against = log.odometry, odometry_against_steps(log.odometry, steps)
+    wrong = against.way < WAY_RATIOS[0] or against.way > WAY_RATIOS[1]
     first, second, motion = steps[:3]
     known = np.flatnonzero(np.isfinite(rows).all(1))
-    if len(known) and not (way < WAY_RATIOS[0] or way > WAY_RATIOS[1]):
+    if len(known) and not (wrong or against.agreement < CONTRADICTING_COSINE):
         at = np.r_[0.0, np.cumsum(way_of(between(rows[known[:-1]], rows[known[1:]])))]
         start = np.unique(np.searchsorted(at, np.linspace(0, at[-1], 100)))
         first = np.tile(start, len(PAIR_WAYS_M))
