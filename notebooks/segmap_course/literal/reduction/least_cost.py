@@ -82,9 +82,13 @@ def merged(segments: Sequence[Segment], penalty: float, limits: Limits) -> list[
         for b in others:
             if a < b:
                 estimate(a, b)
+
+    def live(a: int, b: int, of_a: int, of_b: int) -> bool:
+        return version.get(a) == of_a and version.get(b) == of_b
+
     while heap:  # step 4
         _, a, b, of_a, of_b, exact = heapq.heappop(heap)
-        if version.get(a) != of_a or version.get(b) != of_b:
+        if not live(a, b, of_a, of_b):
             continue
         before = cost[a] + cost[b]
         both = [segments[i] for i in members[a] + members[b]]
@@ -93,6 +97,8 @@ def merged(segments: Sequence[Segment], penalty: float, limits: Limits) -> list[
         if not exact:
             if delta > penalty:
                 continue
+            while heap and not live(*heap[0][1:5]):
+                heapq.heappop(heap)
             if heap and delta > heap[0][0]:
                 heapq.heappush(heap, (delta, a, b, of_a, of_b, True))
                 continue
