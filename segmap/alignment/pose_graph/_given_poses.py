@@ -56,7 +56,9 @@ def poses_compared(log: Log, poses: Array, used: NDArray[np.bool_]) -> Appraisal
         words = f"at {far} of {len(off)} revisits {OWN_PATH} tears what the matches say, most"
         words += f" between scans {scans[edges.first[k]]} and {scans[edges.second[k]]}"
         causes.append(Finding(Cause.BEND, off.max(), f"{words}: {off.max():.2f} m"))
-    if (count := int(apart.sum()) + len(keys) - len(frames)) > (1 - PLACED) * len(keys):
+    if (count := sum(not row.used or apart[row.frame] for row in front.rows)) > (1 - PLACED) * len(
+        keys
+    ):
         words = f"no match confirms {count} of {len(keys)} places of {OWN_PATH}"
         causes.append(Finding(Cause.NOT_CHECKED, count, words))
     return Appraisal(tuple(causes))
