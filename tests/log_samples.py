@@ -208,7 +208,7 @@ ASSUMED = {
     "wean": {"180 beams look over 180 degrees", SICK_REACH.format(50)},
     "csv": {COUNTER, WRAPS, "left out: 'quality'"},
     "rplidar": {"a text of ultra_simple"},
-    "rplidar_record": {"a text of record_measurments"},
+    "rplidar_record": {"a text of the package rplidar"},
     "rostopic": set(),
     "ld19": {WRAPS, "a text of LD06 and LD19"},
     "xv11": {COUNTER, WRAPS, "a text of GetLDSScan"},

@@ -26,7 +26,7 @@ class TapePanel(LessonPanel):
     >>> panel = TapePanel(unknown_building())
     >>> panel.map.value = "C"
     >>> panel.metres.value
-    '12.28 m from wall to wall'
+    '12.30 m from wall to wall'
     """
 
     map = pick(("A", "B", "C", "D"))

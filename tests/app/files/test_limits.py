@@ -26,7 +26,7 @@ LIMITS = {
     "particles": ("LASER_READING 1 1 0 0 0 1\nSM_UPDATE {} 1 2 3 0", "1 0001", "2 -1"),
     "maxrange": ("PARAM maxrange {}\nLASER_READING 1 1 0 0 0 1", "0.5", "0 -1"),
     "ticks": (WHEELS, "1e12 -1e12", "1.1e12 -1.1e12"),
-    "beam": ("1000 {}", "12.56 -12.56", "12.57 -12.57 15"),
+    "beam": ("# urg_mm angle_rad\n1000 {}", "12.56 -12.56", "12.57 -12.57 15"),
     "offset": (SICK.splitlines()[0].replace("181, 0,", "181, {},"), "720 -720", "721 -720.5"),
     "degrees": ("angle_deg,range_mm\n{},1", "720 -720", "720.1 -720.1 800"),
     "range": ("angle_deg,range_m\n0,{}", "1e7 NaN INF Null", "1.1e7 -1.1e7"),
