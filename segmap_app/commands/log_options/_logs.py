@@ -301,7 +301,7 @@ def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> in
     asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
     report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
     if verdict.grade in ("doubtful", "not checked"):
-        print_error(f"{report.found['source']}: {verdict}")
+        print_error(f"{shown(report.found['source'])}: {verdict}")
     return NO_MAP if too_little(given, verdict) else 0
 
 
