@@ -20,7 +20,8 @@ REFUSALS = {
     "comments.txt": ("# nothing\n", "it has comments only"),
     "nounit.csv": (
         f"angle;dist\n{BEAMS}",
-        "unit of 'angle' and 'dist' is not said.*--columns 'angle_deg.angle_rad,range_mm.range_cm",
+        "unit of 'angle' and 'dist' is not said.*--columns 'angle_deg.angle_rad.angle_deg_cw."
+        "angle_rad_cw,range_mm.range_cm.range_m'",
     ),
     "norange.csv": ("angle_deg\n1\n", "no known format"),
     "numbers.txt": (
