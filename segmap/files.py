@@ -231,8 +231,8 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
             names = [name for name in held.files if name not in texts]
             return texts | {name: held[name] for name in each(names, "reading array")}
     except Exception as error:  # zipfile, zlib and numpy raise a dozen
-        words = "" if "allow_pickle" in str(error) else f" ({shown(error) or type(error).__name__})"
-        raise ValueError(f"{shown(path)}: not a readable NPZ file{words}") from None
+        words = shown(error) or type(error).__name__
+        raise ValueError(f"{shown(path)}: not a readable NPZ file ({words})") from None
 
 
 def most_unpacked(size: int) -> int:

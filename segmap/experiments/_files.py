@@ -84,10 +84,10 @@ def read_rows(path: Path) -> list[Row]:
 def thresholds_in(text: str) -> dict[str, Threshold]:
     """Thresholds as a file keeps them, to the last digit: `distance=0.2;angle=0.1745`."""
     pairs = (pair.split("=") for pair in text.split(";") if pair)
-    return {name: WORDS[value] if value in WORDS else _number(value) for name, value in pairs}
+    return {name: WORDS[value] if value in WORDS else _value_of(value) for name, value in pairs}
 
 
-def _number(text: str) -> float:
+def _value_of(text: str) -> float:
     return int(text) if text.lstrip("-").isdecimal() else float(text)
 
 

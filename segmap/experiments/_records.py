@@ -66,7 +66,7 @@ def load_online(name: str) -> pd.DataFrame:
 
     With the columns of `online_times`.
     """
-    return _table(f"online/{arrays.one_of(name, 'name', ('intel',))}")
+    return _stored_table(f"online/{arrays.one_of(name, 'name', ('intel',))}")
 
 
 def load_alignments(log: str = "") -> pd.DataFrame:
@@ -90,7 +90,7 @@ def load_alignments(log: str = "") -> pd.DataFrame:
     0      odometry  3.53
     1  ground_truth  0.04
     """
-    return _beginning(_table("alignment"), "log", log)
+    return _beginning(_stored_table("alignment"), "log", log)
 
 
 def load_walls(group: str = "") -> pd.DataFrame:
@@ -114,12 +114,12 @@ def load_walls(group: str = "") -> pd.DataFrame:
     0     0  basic_offline  distance 0.02  000000000000
     1     0  basic_offline  distance 0.05  000000000000
     """
-    found = _beginning(_table("walls"), "group", group)
+    found = _beginning(_stored_table("walls"), "group", group)
     words = [thresholds_text(thresholds_in(text)) for text in found["thresholds"]]
     return found.assign(thresholds=words, maps=found["all_four"].str.len())
 
 
-def _table(name: str) -> pd.DataFrame:
+def _stored_table(name: str) -> pd.DataFrame:
     """A table that comes with segmap."""
     import pandas as pd
 

@@ -30,7 +30,7 @@ def drop_torn(frames: KeyFrames, odometry: Array) -> bool:
     if not np.median(wheels) <= MOST_BEND:  # nor where they are not known
         return False
     edges, poses, worst = frames.edges, frames.poses, float(bends.size.max())
-    clusters = [c for c in _clusters(edges) if _spans(c, bends.first[torn], bends.last[torn])]
+    clusters = [c for c in _loop_clusters(edges) if _spans(c, bends.first[torn], bends.last[torn])]
     rest = edges
     while clusters and worst > MOST_BEND:
         sizes = [_worst_without(frames, rest, cluster) for cluster in clusters]
@@ -46,7 +46,7 @@ def drop_torn(frames: KeyFrames, odometry: Array) -> bool:
     return mended
 
 
-def _clusters(edges: list[Edge]) -> list[list[Edge]]:
+def _loop_clusters(edges: list[Edge]) -> list[list[Edge]]:
     """Loops by runs whose ends follow each other at both sides; one that is forced is in none."""
     runs: list[list[Edge]] = []
     for edge in sorted((e for e in edges if e.loop and not e.forced), key=lambda e: e.second):

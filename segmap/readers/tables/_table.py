@@ -48,7 +48,7 @@ MOST_BYTES = 1 << 30
 #: The largest number of two bytes, which sensors send where they measure nothing.
 FULL = 65535
 HALF_DAY_S = 43_200.0
-TIME_OF_DAY = r"\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?"
+CLOCK_TIME = r"\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?"
 ISO_DATE = r"\d{4}-\d{2}-\d{2}"
 #: Names of columns that say who measured.
 WHO = re.compile(r"(?i)(sensor|laser|lidar|robot|device|frame|topic|channel)([ _-]?(id|no|name))?")
@@ -180,7 +180,7 @@ class Rows:
         if not self.is_words(place):
             return None
         texts = self.texts(place)
-        if texts.str.fullmatch(TIME_OF_DAY).all():
+        if texts.str.fullmatch(CLOCK_TIME).all():
             seconds = pd.to_timedelta(texts).dt.total_seconds().to_numpy()
             return seconds + 2 * HALF_DAY_S * np.cumsum(
                 np.diff(seconds, prepend=seconds[:1]) < -HALF_DAY_S

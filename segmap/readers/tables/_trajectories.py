@@ -31,15 +31,12 @@ from ..lines import HeadError, Lines, LogError, OnError
 from ..mounting import in_space, level
 from ..packed import log_file
 from ..raw_scans import Track, known, known_truth
-from ._columns import Column, meaning
+from ._columns import OF_POSES, QUATERNION, Column, meaning
 from ._layout import Layout, declared_layout, layout_as_written, said_beside
 from ._messages import clock_of
 from ._question import choices_of
 from ._table import Rows
 
-#: What a name means of a file of poses.
-OF_POSES = {"x": "pose_x", "y": "pose_y", "angle": "pose_theta"}
-QUATERNION = ("qx", "qy", "qz", "qw")
 TUM = ("time_s", "x_m", "y_m", "-", *QUATERNION)
 RAWSEEDS_POSES = {
     "GROUNDTRUTH": ("time_s", "x_m", "y_m", "theta_rad", *["-"] * 9),
