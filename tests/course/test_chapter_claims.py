@@ -129,12 +129,11 @@ def test_the_defences_keep_false_loops_out_of_equal_offices(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_window_that_is_too_wide_folds_equal_offices(seed):
-    """Chapters 36 and 39: most loops are false, and most scans wrong and sure of themselves."""
+    """Chapters 36 and 39: most loops are false; at the end they are dropped, or it is doubtful."""
     log = offices(seed)
     folded = alignment.pose_graph(log, drift=0.3)
     errors = alignment.position_errors(folded.poses, log.truth)
-    assert errors.max() > 3.9
-    assert np.sum(folded.sure & (errors > 0.5)) > len(log) / 2
+    assert errors.max() < 0.6 or folded.verdict.grade == "doubtful"
     wide = alignment.LiveGraph(closing=alignment.LoopClosing(reach=5.0))
     for scan in log:
         wide.add(scan)
