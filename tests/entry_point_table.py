@@ -73,7 +73,7 @@ OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
 #: Good values by the name of a parameter; `function.parameter` comes first, then
 #: `package.parameter`. A parameter that is not here keeps its default.
 GOOD = {
-    "share": 0.5, "words": "it", "mount": (0.2, 0.0, 0.1),
+    "share": 0.5, "words": "it", "mount": (0.2, 0.0, 0.1), "mask": [(-0.2, 0.1)],
     "matching.first": LOG, "matching.second": LOG, "merge_graphs.places": lambda scan: np.zeros((0,
     3)), "match_values.first": WALLS, "match_values.second": WALLS, "alignment.first": LIVE,
     "alignment.second": LIVE, "match.first": 0, "match.second": 3, "tie.first": 0, "tie.second": 3,

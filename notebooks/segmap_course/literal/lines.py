@@ -74,3 +74,13 @@ def chains(count: int, near: Callable[[int, int], bool]) -> list[list[int]]:
             todo += new
         found.append(sorted(chain))
     return found
+
+
+def line_at(x: float, y: float, theta: float, offset: float, ends: Sequence[Point]) -> Segment:
+    """The span of all end points on a line that is shifted across by `offset`."""
+    return spanning(x - offset * math.sin(theta), y + offset * math.cos(theta), theta, ends)
+
+
+def is_longer(u: Segment, v: Segment) -> bool:
+    """Whether a segment is longer than another."""
+    return segment_length(u) > segment_length(v) + SAME

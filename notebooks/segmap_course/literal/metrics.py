@@ -9,6 +9,7 @@ from itertools import pairwise
 from .lines import (
     SAME,
     Line,
+    Point,
     Segment,
     axial_difference,
     extreme_projections,
@@ -23,6 +24,18 @@ from .lines import (
 def nearness(u: Segment, v: Segment) -> float:
     """D_uv: the least distance from an end of one segment to the other one, metres."""
     return min(*(point_to_segment(p, v) for p in u), *(point_to_segment(p, u) for p in v))
+
+
+def segments_apart(u: Segment, v: Segment) -> float:
+    """Smallest distance between two segments, 0 where they cross."""
+
+    def side(s: Segment, p: Point) -> float:
+        (x, y), (ex, ey) = s
+        return (ex - x) * (p[1] - y) - (ey - y) * (p[0] - x)
+
+    if side(u, v[0]) * side(u, v[1]) < 0 and side(v, u[0]) * side(v, u[1]) < 0:
+        return 0.0
+    return nearness(u, v)
 
 
 def mean_lines(

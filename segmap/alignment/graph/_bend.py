@@ -1,7 +1,6 @@
 """Whether solved poses keep what matches said as they came, before any loop: the bend.
 
-The consistency test of RRR (Latif, Cadena and Neira, "Robust loop closing over time for pose graph
-SLAM", IJRR 2013), over windows of a chain of motions.
+The consistency test of RRR (Latif et al. 2013), over windows of a chain of motions.
 """
 
 from __future__ import annotations

@@ -14,9 +14,10 @@ from itertools import combinations
 
 from ..lines import (
     SAME,
-    Point,
     Segment,
+    is_longer,
     line_angle,
+    line_at,
     line_of,
     parents_of,
     seen_from,
@@ -24,7 +25,7 @@ from ..lines import (
     span_on,
     spanning,
 )
-from ..metrics import nearness, segment_distance
+from ..metrics import nearness, segment_distance, segments_apart
 from ..points import sums_along
 
 #: Price of a metre, distance, sine of the angle, and gap.
@@ -83,12 +84,9 @@ def merged(segments: Sequence[Segment], penalty: float, limits: Limits) -> list[
             if a < b:
                 estimate(a, b)
 
-    def live(a: int, b: int, of_a: int, of_b: int) -> bool:
-        return version.get(a) == of_a and version.get(b) == of_b
-
     while heap:  # step 4
         _, a, b, of_a, of_b, exact = heapq.heappop(heap)
-        if not live(a, b, of_a, of_b):
+        if (version.get(a), version.get(b)) != (of_a, of_b):
             continue
         before = cost[a] + cost[b]
         both = [segments[i] for i in members[a] + members[b]]
@@ -97,7 +95,7 @@ def merged(segments: Sequence[Segment], penalty: float, limits: Limits) -> list[
         if not exact:
             if delta > penalty:
                 continue
-            while heap and not live(*heap[0][1:5]):
+            while heap and (version.get(heap[0][1]), version.get(heap[0][2])) != heap[0][3:5]:
                 heapq.heappop(heap)
             if heap and delta > heap[0][0]:
                 heapq.heappush(heap, (delta, a, b, of_a, of_b, True))
@@ -242,28 +240,6 @@ def total_least_squares(members: Sequence[Segment]) -> tuple[float, float, float
     for other in others:
         sums = sums + other
     return sums.x, sums.y, sums.direction()
-
-
-def line_at(x: float, y: float, theta: float, offset: float, ends: Sequence[Point]) -> Segment:
-    """The span of all end points on a line that is shifted across by `offset`."""
-    return spanning(x - offset * math.sin(theta), y + offset * math.cos(theta), theta, ends)
-
-
-def is_longer(u: Segment, v: Segment) -> bool:
-    """Whether a segment is longer than another."""
-    return segment_length(u) > segment_length(v) + SAME
-
-
-def segments_apart(u: Segment, v: Segment) -> float:
-    """Smallest distance between two segments, 0 where they cross."""
-
-    def side(s: Segment, p: Point) -> float:
-        (x, y), (ex, ey) = s
-        return (ex - x) * (p[1] - y) - (ey - y) * (p[0] - x)
-
-    if side(u, v[0]) * side(u, v[1]) < 0 and side(v, u[0]) * side(v, u[1]) < 0:
-        return 0.0
-    return nearness(u, v)
 
 
 # ----------------------------------------------------------------------------- second phase
