@@ -47,9 +47,7 @@ from ._unknown_building import (
     Taped,
     Unknown,
     circle_in,
-    figures,
-    plan_reasons,
-    reasons,
+    taped_on_plan,
     three_plans,
     unknown_building,
 )
@@ -184,16 +182,16 @@ __all__ = [
     "check_scan_score", "check_tape_scale", "check_unwrapped", "check_verdict", "check_weighed",
     "circle_in", "compare_with_walls", "conclusions", "corridor_walk", "decide_claims",
     "decide_floor", "decide_map", "decide_match", "decide_plan", "decide_way", "density",
-    "drawings", "drive_to_frontiers", "explore", "figures", "filter_change", "floor_of",
+    "drawings", "drive_to_frontiers", "explore", "filter_change", "floor_of",
     "four_matches", "heading_profile", "known_building", "landscape", "load_columns", "load_trials",
-    "near_metres", "occupied_centres", "office_views", "panels", "peaks", "plan_reasons",
+    "near_metres", "occupied_centres", "office_views", "panels", "peaks",
     "precision_and_recall", "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves",
     "predict_crowd", "predict_drift", "predict_fusion_left", "predict_fusion_twice",
     "predict_partition", "predict_pieces", "predict_scan_time", "predict_sparse_icp",
-    "predict_survivors", "predict_turned_quality", "predict_wrong_turn", "profile_peaks", "reasons",
-    "represent", "room_walk", "room_walls", "sample_points", "ten_maps", "thesis_grid",
-    "thesis_results", "three_plans", "trial_table", "try_pair", "unknown_building", "visible_walls",
-    "wall_errors", "within_thesis",
+    "predict_survivors", "predict_turned_quality", "predict_wrong_turn", "profile_peaks",
+    "represent", "room_walk", "room_walls", "sample_points", "taped_on_plan", "ten_maps",
+    "thesis_grid", "thesis_results", "three_plans", "trial_table", "try_pair", "unknown_building",
+    "visible_walls", "wall_errors", "within_thesis",
 ]  # fmt: skip
 __all__ += drawings.__all__
 __all__ += panels.__all__

@@ -11,6 +11,6 @@ class ChaptersHook(BuildHookInterface):
         if version == "editable":
             return
         folder = Path(self.root, "notebooks")
-        files = [*folder.glob("*.ipynb"), *folder.glob("*.md"), *folder.glob("pictures/*")]
+        files = [*folder.glob("*.ipynb"), folder / "SYLLABUS.md", *folder.glob("pictures/*")]
         inside = {str(p): f"segmap/notebooks/{p.relative_to(folder)}" for p in files}
         build_data["force_include"].update(inside)

@@ -27,14 +27,17 @@ def wheel(tmp_path_factory):
 
 
 def test_each_file_is_in_the_wheel_once(wheel):
-    """Catches a course that is shipped twice, a folder that is forgotten, and tools of ours."""
+    """Catches a course that is shipped twice, a folder that is forgotten, tools, and answers."""
     names = [name for name in wheel.namelist() if ".dist-info/" not in name]
     folders = [ROOT / name for name in ("segmap", "segmap_app", "notebooks/segmap_course")]
     sources = [path for folder in folders for path in folder.rglob("*.py")]
     here = [str(p.relative_to(ROOT)).removeprefix("notebooks/") for p in sources]
+    answers = ("segmap_course/grading/", "segmap_course/__main__.py")
+    here = [name for name in here if not name.startswith(answers)]
     code = [n for n in names if n.endswith(".py") and not n.startswith("segmap/data/")]
     assert Counter(code) == Counter(here)
     chapters = {f"segmap/notebooks/{p.name}" for p in (ROOT / "notebooks").glob("*.ipynb")}
+    assert not {"segmap/notebooks/EXAM.md", "segmap/notebooks/INSTRUCTOR.md"} & set(names)
     assert chapters <= set(names) and "segmap/notebooks/pictures/malaga.png" in names
     tops = {name.split("/")[0] for name in names}
     assert max(Counter(names).values()) == 1 and tops == {"segmap", "segmap_app", "segmap_course"}

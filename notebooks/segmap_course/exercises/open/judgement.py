@@ -1,7 +1,4 @@
-"""Open exercises of judgement: numbers to predict where a method is fooled, and what to hand over.
-
-What each decision refuses is asserted in its chapter, by the figures that the student reads there.
-"""
+"""Open exercises of judgement: what to hand over, and numbers to predict where a method fails."""
 
 from __future__ import annotations
 
@@ -22,7 +19,8 @@ decide_match = Decision(
     "decide_match(answer): a dictionary with each of the matches P to S: 'keep' for the one that "
     "you would let into a map, and for each other the figure that refuses it: 'hidden', 'next' or "
     "'across'",
-    lambda: {"P": set(), "Q": {"next"}, "R": {"hidden"}, "S": {"across"}},
+    ("P", "Q", "R", "S"),
+    "7b5868f7 893345d6 c4d1ab47 f08f4ea2",
     praise="The longest match was none of them: how much agrees says nothing of what else would",
 )
 
@@ -56,18 +54,10 @@ decide_floor = Decision(
     "decide_floor(answer): a dictionary with each of the maps A to J: 'keep' for the one that you "
     "would hand over, and for each other the figure that refuses it: 'a wall', 'missed %', "
     "'invented %', 'double %' or 'off [mm]'",
-    lambda: {
-        "A": {"a wall", "double %", "off [mm]"},
-        "B": {"missed %"},
-        "C": {"a wall", "double %", "off [mm]"},
-        "D": {"off [mm]"},
-        "E": {"a wall", "double %"},
-        "F": {"missed %", "invented %", "off [mm]"},
-        "G": set(),
-        "H": {"a wall", "invented %"},
-        "I": {"a wall", "double %"},
-        "J": {"a wall"},
-    },
+    ("A", "B", "C", "D", "E", "F", "G", "H", "I", "J"),
+    "0b70c6a6 174e873b 211edeee 266662fa 26ad7f66 51f13340 597fa360 5cd8dc9b 5cfe2ecc "
+    "9ca3cc32 a2720120 a873dbe6 bd7edb34 c5ffd983 d9db5bb3 dd8b4a30 de25fd21 e90b8657 "
+    "ea12c09d",
     praise="Five of the maps that you refused have a higher quality: it asks what the reduction "
     "changed, and not how well the map shows the building",
 )
@@ -76,14 +66,8 @@ decide_claims = Decision(
     "decide_claims(answer): a dictionary with each of the sentences A to F: 'keep' for each of the "
     "three that the runs of this chapter carry, and for each other the fault: 'parameter', "
     "'filter', 'tuned' or 'measure'",
-    lambda: {
-        "A": {"parameter"},
-        "B": set(),
-        "C": {"tuned"},
-        "D": set(),
-        "E": {"filter"},
-        "F": set(),
-    },
+    ("A", "B", "C", "D", "E", "F"),
+    "02200640 4f08502a 98c7a453 b6852645 d3449d69 f885e608",
     praise="Each of the three is a true figure, set beside one that it may not be compared with",
     keeps=3,
 )
@@ -156,6 +140,7 @@ decide_way = Decision(
     "decide_way(answer): a dictionary with each of the ways K to N: 'keep' for the one that a "
     "robot of 0.25 m may drive, and for each other the reason that refuses it: 'wall', 'unknown' "
     "or 'long'",
-    lambda: {"K": {"wall"}, "L": {"long"}, "M": set(), "N": {"unknown", "long"}},
+    ("K", "L", "M", "N"),
+    "01b9e365 1d752459 d356522c e0024f91 ee0a7e74",
     praise="The shortest was refused first: a length is worth nothing before the way is clear",
 )

@@ -1,0 +1,102 @@
+"""What is right in a task of judgement: by the figures that a student reads, printed nowhere."""
+
+import json
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import segmap_course as course
+from chapter_rules import ROOT
+from segmap_course import OPEN_EXERCISES, Decision
+
+from segmap.metrics import against_walls, doubled_walls
+
+DECISIONS = {name: one for name, one in OPEN_EXERCISES.items() if isinstance(one, Decision)}
+
+
+def sealed(decision, against):
+    """Seals of what is right, where `against` is a name -> the witnesses that refuse it."""
+    pairs = [(name, word) for name, words in against.items() for word in (words or {"keep"})]
+    return {decision.seal(name, word) for name, word in pairs}
+
+
+def beyond(figures, most):
+    return {word for word, limit in most.items() if figures[word] > limit}
+
+
+def maps_of_floor_4():
+    """By the text of chapter 42: three deviations, half a metre, a quarter of the walls."""
+    case, against = course.unknown_building(4), {}
+    for name, alignment in case.alignments.items():
+        verdict, path = alignment.verdict_on(case.maps[name]), alignment.poses[:, :2]
+        off = [case.measured(name, taped) - taped.metres for taped in case.tape]
+        told = {
+            "verdict": verdict.grade != "good",
+            "spread": verdict.sure is not None and verdict.sure < 0.9 * verdict.scans,
+            "doubled": doubled_walls(case.maps[name], path) > 0.25,
+            "tape": max(np.abs(off)) > 3 * 0.03,
+        }
+        against[name] = {word for word in told if told[word]}
+    return against
+
+
+def plans():
+    """By the text of chapter 70: a doorway wider than a room beside it, 15 cm, no door."""
+    tape, against = [taped.metres for taped in course.unknown_building().tape], {}
+    for name, plan in course.three_plans().items():
+        circles = [course.circle_in(room) for room in plan.rooms]
+        least = [min(circles[k] for k in door.rooms) / door.width for door in plan.doors]
+        told = {
+            "circle": min(least) < 1.25,
+            "tape": max(np.abs(course.taped_on_plan(name) - tape)) > 0.15,
+            "shut": not plan.graph.any(1).all(),
+        }
+        against[name] = {word for word in told if told[word]}
+    return against
+
+
+def ten_maps():
+    """By the limits of chapter 50, against the walls that a right drive sees."""
+    floor, against = course.known_building("floor"), {}
+    most = {"a wall": 1.1, "missed %": 1, "invented %": 3, "double %": 5, "off [mm]": 20}
+    for name, map in course.ten_maps().items():
+        errors = against_walls(floor.walls, map, seen=floor.true)
+        shares = {"missed %": errors.missed, "invented %": errors.invented}
+        shares["double %"] = errors.doubled
+        figures = {word: 100 * np.sum(m) / errors.seen.sum() for word, m in shares.items()}
+        figures |= {"a wall": errors.per_wall, "off [mm]": 1000 * errors.offset}
+        against[name] = beyond(figures, most)
+    return against
+
+
+@pytest.mark.parametrize(
+    ("name", "figures"),
+    [("decide_map", maps_of_floor_4), ("decide_plan", plans), ("decide_floor", ten_maps)],
+)
+def test_what_is_right_is_what_the_figures_say(name, figures):
+    """Catches an answer that was right for the maps of another version."""
+    decision, against = DECISIONS[name], figures()
+    assert tuple(against) == decision.names
+    assert [*map(bool, against.values())].count(False) == decision.keeps
+    assert sealed(decision, against) == {*decision.seals.split()}
+
+
+def test_the_way_that_is_kept_is_the_shortest_that_is_clear():
+    """Catches corners that were moved: lengths alone refuse L, and N is no shorter than M."""
+    metres = {
+        name: sum(np.hypot(*(b - a)) for a, b in pairwise(way))
+        for name, way in course.FOUR_WAYS.items()
+    }
+    assert metres["K"] < metres["M"] and metres["L"] > 1.1 * metres["M"] < metres["N"]
+    assert course.decide_way(dict(K="wall", L="long", M="keep", N="unknown"))
+
+
+@pytest.mark.parametrize("name", DECISIONS)
+def test_no_chapter_prints_what_is_right(name):
+    """Catches a guard below the task, or a cell that shows the seals."""
+    for path in sorted((ROOT / "notebooks").glob("*.ipynb")):
+        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+        sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        used = [k for k, source in enumerate(sources) if name in source]
+        assert all(f"\n\ncourse.{name}(my_" in sources[k] for k in used)
+        assert not any(".seals" in source for source in sources)
