@@ -216,15 +216,17 @@ class FrontEnd(Undoable):
     def needs_frame(self, step: float, turn: float) -> bool:
         """Whether the last scan is far from its key frame, or the first, or the first to see.
 
-        What matches nothing ties nothing: it is none unless several in a row see and do not match.
+        What matches nothing ties nothing: with odometry it is none unless several in a row see and
+        do not match. Without, the chain ends at a scan that sees and did not match, and has moved.
         """
         sees, lost = len(self.points) >= 6, self.lost >= LOST_IN_A_ROW
         if self.local is None:
             return not len(self.frames) or len(self.points) > 0
         x, y, heading = self.rows[-1].pose
         moved = np.hypot(x, y) > step or abs(heading) > turn
-        anew = lost and not self.measured()
-        return bool(sees and (anew or (moved and (lost or not self.lost))))
+        if self.measured():
+            return bool(sees and moved and (lost or not self.lost))
+        return bool(sees and (moved or lost))
 
     def add_frame(self, match: Match) -> None:
         """Make the last scan the newest key frame, at its match."""

@@ -171,7 +171,8 @@ class LoopCloser(Undoable):
             matches = self._unique(windows, matches)
         for window, match in zip(windows, matches, strict=True):
             if match.matched:
-                known = information(match.covariance, self.frames.least, match.free)
+                free = match.free if self.frames.rows[new].measured else None
+                known = information(match.covariance, self.frames.least, free)
                 fresh.append((Edge(window.old, new, match.pose, known, True), window.reach))
             else:
                 self._reject(window.old, new, match.reason)
