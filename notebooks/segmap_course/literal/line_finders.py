@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import groupby, pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +21,8 @@ from .lines import Line, Point, extreme_projections, segment_length
 #: Fewer points, and shorter pieces in metres, are no wall.
 LEAST_POINTS = 5
 LEAST_LENGTH_M = 0.10
+#: A line that moves by less than this at each of the points stands, metres.
+STANDS_M = 0.001
 Found = list[list[tuple[float, float]]]
 
 
@@ -57,25 +61,52 @@ def lines_incremental(points: Array, *, gap: float = 0.30, tolerance: float = 0.
     return kept(runs)
 
 
-def lines_regression(
-    points: Array, *, gap: float = 0.30, angle: float = math.radians(15), window: int = 7
-) -> Found:
-    """A line through each window of neighbours; windows that follow each other and agree are one.
+class WindowLine(NamedTuple):
+    """The line through neighbours: middle, direction, and the variances of turn and place."""
 
-    Where the direction turns from window to window, at corners, there is no line.
+    middle: Array
+    along: Array
+    turn_variance: float
+    offset_variance: float
+
+
+def window_line(points: Sequence[Point], sigma: float) -> WindowLine:
+    """The line through points whose ranges err by sigma, metres."""
+    x, y, dx, dy = fit_total(points)
+    middle, along = np.array((x, y)), np.array((dx, dy))
+    spread = float((((np.array(points) - middle) @ along) ** 2).sum())
+    return WindowLine(middle, along, sigma**2 / max(spread, 1e-12), sigma**2 / len(points))
+
+
+def between_windows(a: WindowLine, b: WindowLine) -> float:
+    """How far two windows are apart: turn and place, each by its variance (Mahalanobis)."""
+    (ax, ay), (bx, by) = a.along, b.along
+    turn = math.remainder(math.atan2(by, bx) - math.atan2(ay, ax), math.pi)
+    dx, dy = a.along + (b.along if a.along @ b.along > 0 else -b.along)
+    offset = float((b.middle - a.middle) @ (-dy, dx)) / math.hypot(dx, dy)
+    return turn**2 / (a.turn_variance + b.turn_variance) + offset**2 / (
+        a.offset_variance + b.offset_variance
+    )
+
+
+def lines_regression(
+    points: Array, *, gap: float = 0.30, tolerance: float = 0.03, window: int = 7, most: float = 4.0
+) -> Found:
+    """A line through each window of neighbours; three windows that agree belong to one wall.
+
+    The fidelity of a window is how far it is from the one before and the one behind it together,
+    each by the noise, a third of the tolerance; chance gives 4. Runs of windows below it are walls.
     """
     runs: list[Sequence[Point]] = []
     for run in cut_at_gaps(list(points), gap):
-        lines = [fit_total(run[k : k + window]) for k in range(len(run) - window + 1)]
-        turns = [math.atan2(line[3], line[2]) for line in lines]
-        first = 0
-        for k in range(1, len(turns) + 1):
-            apart = k < len(turns) and abs(math.remainder(turns[k] - turns[first], math.pi)) > angle
-            if apart or k == len(turns):
-                runs.append(run[first + (first > 0) * window // 2 : k + window // 2 + 1])
-                first = k
-        if turns:
-            runs[-1] = [*runs[-1], *run[len(turns) + window // 2 :]]
+        count = len(run) - window + 1
+        lines = [window_line(run[k : k + window], tolerance / 3) for k in range(count)]
+        apart = [0.0, *(between_windows(a, b) for a, b in pairwise(lines)), 0.0]
+        agree = [before + behind < most for before, behind in pairwise(apart)]
+        for is_wall, group in groupby(range(count), key=agree.__getitem__):
+            if is_wall:
+                own = list(group)
+                runs.append(run[own[0] : own[-1] + window])
     return kept(runs)
 
 
@@ -123,28 +154,45 @@ def lines_hough(
 
 def lines_em(
     points: Array, rng: np.random.Generator, *, gap: float = 0.30, tolerance: float = 0.03,
-    count: int = 20, rounds: int = 15,
+    trials: int = 50, rounds: int = 20,
 ) -> Found:  # fmt: skip
-    """Many lines at once: points belong to lines in parts, lines are fitted to these parts."""
-    all_of_them = np.asarray(points, float)
-    if len(all_of_them) < 8:
-        return []
-    start = rng.integers(len(all_of_them) - 7, size=count)
-    lines = np.array([fit_total(all_of_them[k : k + 8].tolist()) for k in start])
-    for sigma in np.geomspace(0.30, tolerance / 2, rounds):
-        normal = lines[:, 3:1:-1] * (-1, 1)
-        off = ((all_of_them[:, None] - lines[:, :2]) * normal).sum(-1)
-        near = np.exp(-(off**2) / (2 * sigma**2))
-        part = near / (near.sum(1, keepdims=True) + 0.1)  # a tenth for no line at all
-        fitted = [weighted(all_of_them, w) for w in part.T if w.sum() > LEAST_POINTS]
-        lines = np.reshape(fitted, (-1, 4))
-        if not len(lines):
-            return []
-    normal = lines[:, 3:1:-1] * (-1, 1)
-    off = np.abs(((all_of_them[:, None] - lines[:, :2]) * normal).sum(-1))
-    own = np.where(off.min(1) <= tolerance, off.argmin(1), -1)
-    cut = [cut_along(all_of_them[own == k], lines[k], gap) for k in set(own.tolist()) - {-1}]
-    return kept([run for runs in cut for run in runs])
+    """One line after the other: from a random start, until it stands; then its points are taken.
+
+    Where none of the trials leads to a line, the points that are left are no wall.
+    """
+    left, found, fails = np.asarray(points, float), list[Any](), 0
+    while len(left) >= LEAST_POINTS and fails < trials:
+        line = stands(left, random_line(left, rng), tolerance, rounds)
+        near = distances_from(left, line) <= tolerance
+        walls = kept(cut_along(left[near], line, gap))
+        fails = 0 if walls else fails + 1
+        if walls:
+            found, left = found + walls, left[~near]
+    return found
+
+
+def random_line(points: Array, rng: np.random.Generator) -> Line:
+    """The line through two points."""
+    i, j = rng.choice(len(points), 2, replace=False)
+    turn = math.atan2(*(points[j] - points[i])[::-1])
+    return (*points[i], math.cos(turn), math.sin(turn))
+
+
+def distances_from(points: Array, line: Line) -> Array:
+    """How far points are from a line, (n,) metres."""
+    x, y, dx, dy = line
+    return np.asarray(np.abs((points - (x, y)) @ (-dy, dx)))
+
+
+def stands(points: Array, line: Line, sigma: float, rounds: int) -> Line:
+    """A line after rounds of E and M: points count by their distance, then the line is fitted."""
+    for _ in range(rounds):
+        off = distances_from(points, line)
+        weights = np.exp(-(off**2) / (2 * sigma**2))  # E
+        line = weighted(points, weights)  # M
+        if np.abs(distances_from(points, line) - off).max() < STANDS_M:
+            break
+    return line
 
 
 def weighted(points: Array, weights: Array) -> Line:

@@ -12,9 +12,6 @@ from segmap.segments import length
 from .._found_lines import LINE_FINDERS, LINE_SENSORS, near_metres, office_views
 from ._lesson import LessonPanel, note, pick, slide
 
-#: What a method calls its tolerance, metres; clusters have none.
-TOLERANT = {name for name in LINE_FINDERS if name not in ("line regression", "clusters")}
-
 
 class FinderPanel(LessonPanel):
     """The segments that one of the methods finds in a scan of an office.
@@ -43,7 +40,8 @@ class FinderPanel(LessonPanel):
         sensor = next(s for s in LINE_SENSORS if s.name == self.sensor.value)
         scan, pose, walls, visible = office_views(sensor, offices=1)[self.view.value]
         name, options = self.method_name.value, {"gap": self.gap.meant()}
-        if name in TOLERANT:
+        is_tolerant = name != "clusters"
+        if is_tolerant:
             options["tolerance"] = self.tolerance.meant()
         segments = transform(pose, LINE_FINDERS[name](scan.points(), **options))
         metres = max(float(length(segments).sum()), 1e-9)
@@ -52,7 +50,7 @@ class FinderPanel(LessonPanel):
         self.found.value = (
             f"{len(segments)} segments, precision {precision:.2f}, recall {recall:.2f}"
         )
-        self.tolerance.disabled = name not in TOLERANT
+        self.tolerance.disabled = not is_tolerant
         points = transform(pose, scan.points())
         ax = draw_segments(walls, ax=figure.subplots(), color=RAW, width=0.6)
         draw_points(points, ax=ax, color=MAP, size=2)
