@@ -65,10 +65,13 @@ class Wheels(Undoable):
 
     def __init__(self) -> None:
         self.off: list[float] = []  # of each match, in standard deviations of ordinary wheels
+        self.free, self.free_way = False, 0.0  # whether the last match left a direction free, ...
+        self.way = 0.0  # ... and metres to the last key frame since one did not
         self.begin()
 
     def begin(self) -> None:
         """Begin at a new key frame."""
+        self.free_way = self.free_way + self.way if self.free else 0.0
         self.motion, self.way, self.turn = np.zeros(3), 0.0, 0.0
 
     def drive(self, step: Array) -> None:
@@ -81,12 +84,16 @@ class Wheels(Undoable):
         """A match that leaves a direction free, where the odometry's guess `(3,)` has it along it.
 
         As sure as these wheels are, and only where what the walls do fix does not contradict them.
+        What they err by a metre goes on in one direction until walls fix a place again: the
+        deviation grows with the way, not with its root.
         """
+        self.free = match.free is not None if match.matched else self.free
         usual = self._usual(MOST_WHEEL_FACTOR)
         if match.free is None or not self._off(match) <= CONTRADICTION_SIGMAS * usual:
             return match
         along = np.array([*match.free, 0.0])
-        told = (usual * self._ordinary()[0]) ** 2
+        before = PLACE_ERROR_M_PER_M * self.free_way
+        told = usual**2 * (self._ordinary()[0] ** 2 + 2 * before * PLACE_ERROR_M_PER_M * self.way)
         spread = along @ match.covariance @ along
         gain = match.covariance @ along / (spread + told)
         moved = match.pose + gain * (along @ (guess - match.pose))

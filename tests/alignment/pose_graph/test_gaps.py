@@ -85,12 +85,17 @@ def hall() -> Log:
 
 @pytest.mark.parametrize(("ranges", "wheels"), [(np.nan, True), (np.nan, False), (0.25, True)])
 def test_a_covered_laser_turns_no_hall(ranges, wheels):
-    """Catches what follows at the place that half a turn carries there, 10 m off.
-
-    Without wheels, behind a hand for so long, the hall still turns: nothing else is near enough.
-    """
+    """Catches what follows at the place that half a turn carries there, 10 m off."""
     log = seen(hall() if wheels else bare(hall()), COVERED, ranges)
     found = pose_graph(log)
     apart = found.used & ~np.isin(np.arange(len(log)), COVERED)
     away = position_errors(found.poses[apart], log.truth[apart], best=True)
     assert away.max() < 0.25 and apart.sum() == len(log) - len(COVERED)
+
+
+@pytest.mark.parametrize("scans", [1, 3, 6])
+def test_without_wheels_a_hand_turns_no_hall_that_is_called_good(scans):
+    """Catches a chain that goes on behind the hand: 10.6 m off, and GOOD."""
+    log = seen(bare(hall()), range(60, 60 + scans), 0.25)
+    found = pose_graph(log)
+    assert farthest(found, log) < 0.25 or found.verdict.grade != "good"
