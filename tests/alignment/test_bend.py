@@ -6,8 +6,9 @@ from dataclasses import replace
 import alignment_logs as logs
 import numpy as np
 import pytest
+from conftest import shared_file
 
-from segmap import load
+from segmap import load, read
 from segmap.alignment import ground_truth, pose_graph
 from segmap.alignment.graph import REAL, bends
 from segmap.poses import between, compose
@@ -100,6 +101,22 @@ def test_poses_of_a_log_are_compared_with_matches(metres):
     if metres:
         said = re.findall(r"([\d.]+) m\b", verdict.words)
         assert any(abs(float(each) - metres) < 0.2 for each in said)
+
+
+@pytest.mark.parametrize("metres", [0.5, 3.0])
+def test_poses_that_are_moved_along_a_corridor_leave_its_revisits_open(metres):
+    """Catches loops that wait for others when the log ends, and are never asked."""
+    log = load("corridor")
+    truth = log.truth.copy()
+    truth[len(truth) // 2 :, 0] += metres
+    assert "revisits" in ground_truth(replace(log, truth=truth)).verdict.words
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["intel", "fr079"])
+def test_poses_of_a_real_log_are_no_alarm(name):
+    """Catches a window of 30 m that is compared as if only the matches erred in it."""
+    assert ground_truth(read(shared_file(f"data/{name}.log.gz"))).verdict.grade == "good"
 
 
 def test_poses_that_no_match_confirms_are_not_checked():

@@ -44,12 +44,16 @@ def poses_compared(log: Log, poses: Array, used: NDArray[np.bool_]) -> Appraisal
             front.add_frame(match)
             if closer.close(confirmed=match.matched):
                 front.frames.optimize(lazily=True)
+    closer.finish_pending()
     frames = front.frames
     if not frames.edges:
         return Appraisal((Finding(Cause.NOT_CHECKED, len(frames), ONE_LOOK),))
     edges, scans = stacked(frames.edges), keys[frames.scans]
     apart = untied([row.tied for row in frames.rows], frames.edges, np.ones(len(frames)))
-    causes = chain_bends(edges, poses[scans]).finding(scans, OWN_PATH, MOST_OFF_M)
+    bends = chain_bends(edges, poses[scans])
+    # Other than solved ones these poses do not contain the chain: both err
+    bends = bends._replace(size=bends.size / np.sqrt(2))
+    causes = bends.finding(scans, OWN_PATH, MOST_OFF_M)
     off = np.hypot(*residuals(poses[scans], edges)[edges.loop, :2].T)
     if (far := int((off > MOST_OFF_M).sum())) > closer.rules.witnesses:
         k = np.flatnonzero(edges.loop)[np.argmax(off)]
