@@ -19,13 +19,19 @@ from ..poses.motions import transform
 from ..progress import each
 from ..scans import LaserScan, Log
 from ..scans.motion import standing
+from ..scans.noise import USUAL_SIGMA_M, SensorNoise, sensor_noise, warn_if_other_sensor
 from ..scans.pose_argument import checked_poses, warn_if_empty_map
 from ..segments import SegmentMap
 from ..threads import Rows, in_threads
 from . import _kernels as kernels
+from ._far import without_far_points
+from ._lines import fit_total
 
 #: So many scans are one piece of work for a thread.
 SCANS_PER_BLOCK = 128
+#: So much does the tolerance of a point grow with its standard deviation above the usual one: of
+#: hundreds of points on a wall one is off by four, and cuts it.
+MORE_TOLERANCE = 4.0
 
 
 @checked
@@ -90,6 +96,7 @@ def extract_polylines(
     min_points: Annotated[Count, at_least(0)] = 5,
     min_length: Annotated[Metres, at_least(0)] = 0.10,
     closed: bool = False,
+    sensor: SensorNoise | None = None,
 ) -> Array:
     """Split and merge: segments within `tolerance` (A 6.2; Gonzalez-Banos and Latombe 2002).
 
@@ -106,6 +113,10 @@ def extract_polylines(
     min_points, min_length
         Pieces with less, or with one point, are dropped: two or three noisy points say little about
         a direction.
+    sensor
+        Where three standard deviations of a range are more than the tolerance, they are the
+        tolerance of that point; it counts less by the square of that, and gaps beside it are wider
+        by as much. The points are then in the frame of the sensor.
 
     Returns
     -------
@@ -123,7 +134,7 @@ def extract_polylines(
            [[1. , 0.1],
             [1. , 1. ]]])
     """
-    return _polylines(points, gap, tolerance, min_points, min_length, closed).segments
+    return _polylines(points, gap, tolerance, min_points, min_length, closed, sensor).segments
 
 
 @checked
@@ -145,6 +156,10 @@ def build_map(
     extract
         `extract(points, **thresholds) -> (n, 2, 2)`. Those of this package join a wall across the
         seam of a whole turn.
+    thresholds
+        Of `extract`. The `sensor` of `extract_polylines` is estimated from the log, unless it or a
+        tolerance is given. Where it says that noise grows with range, points from afar draw no wall
+        that was seen from near.
     keep_points
         Keep the points behind each segment and the place of the sensor at each scan. Only
         `extract_polylines` and `extract_clusters` tell which points those are.
@@ -161,6 +176,13 @@ def build_map(
     arrays.function(extract, "extract", "of points")
     rows = checked_poses(log, poses)
     known = np.flatnonzero(np.isfinite(rows).all(1) & ~standing(log, rows))
+    if extract is extract_polylines and "tolerance" not in thresholds:
+        measured = sensor_noise(log)
+        if thresholds.get("sensor") is None:
+            thresholds["sensor"] = measured
+        warn_if_other_sensor(arrays.instance(thresholds["sensor"], "sensor", SensorNoise), measured)
+    if isinstance(sensor := thresholds.get("sensor"), SensorNoise):
+        log = without_far_points(log, rows, known, sensor)
     keep = arrays.switch(keep_points, "keep_points")
     if extract in list(_TELLING):  # one of the caller's own may have no hash
         map = _map_of_runs(log, rows, known, extract, thresholds, keep)
@@ -197,7 +219,7 @@ def fit_line(points: ArrayLike) -> tuple[Array, float]:
     p = arrays.points(points)
     if len(p) < 2:
         raise ValueError(f"points must hold at least 2 points, got {len(p)}")
-    x, y, dx, dy = kernels.fit_total(p, 0, len(p))
+    x, y, dx, dy = fit_total(p, np.ones(len(p)), 0, len(p))
     return np.array([x, y]), float(np.arctan2(dy, dx) % np.pi)
 
 
@@ -226,15 +248,19 @@ def _polylines(
     min_points: int,
     min_length: float,
     closed: bool,
+    sensor: SensorNoise | None,
 ) -> Runs:
     if arrays.ready(points) and points.shape[1:] == (2,) and not closed:
         p = points  # the loop looks whether they are finite
     else:
         p = _from_best_start(points, gap, closed)
     least = max(min_points, 2)
+    a, b = _spread(sensor)
+    ease, gaps = np.empty((2, len(p)))
+    kernels.set_tolerances(p, 0.0, 0.0, a, b, gap, tolerance, ease, gaps)
     out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((4, len(p)), np.int64)
-    sums = np.empty((6, len(p)))
-    found = kernels.polylines(p, gap, tolerance, least, min_length, out, room, sums)
+    sums = np.empty((7, len(p)))
+    found = kernels.polylines(p, ease, gaps, tolerance, least, min_length, out, room, sums)
     if found < 0:
         arrays.points(p)  # says which is wrong
     return Runs(out[:found], p, room[2, :found], room[3, :found])
@@ -252,6 +278,7 @@ def _polylines_of(
     min_points: int,
     min_length: float,
     closed: bool,
+    sensor: SensorNoise | None,
 ) -> tuple[Runs, Rows]:
     angles = np.concatenate([s.angles for s in scans])
     poses = np.array([s.sensor_pose for s in scans])
@@ -263,8 +290,9 @@ def _polylines_of(
     points, counts = np.empty((n, 2)), np.empty(len(scans), np.int64)
     most = n // least + len(scans)
     out, runs = np.empty((most, 2, 2)), np.empty((2, most), np.int64)
+    a, b = _spread(sensor)
     used = kernels.polylines_of_scans(
-        beams, first, lasers, gap, tolerance, least, min_length, points, out, runs, counts
+        beams, first, lasers, a, b, gap, tolerance, least, min_length, points, out, runs, counts
     )
     if used < 0:
         for scan in scans:
@@ -320,9 +348,17 @@ def _map_of_runs(
     return SegmentMap(segments, at, points=points, first=first, sensors=sensors)
 
 
+def _spread(sensor: SensorNoise | None) -> tuple[float, float]:
+    """What the tolerance of a point is more at a range of nothing and with each metre, metres."""
+    if sensor is None:
+        return 0.0, 0.0
+    more = MORE_TOLERANCE * (sensor.range_m - USUAL_SIGMA_M)
+    return more, MORE_TOLERANCE * sensor.range_share
+
+
 def _from_best_start(points: ArrayLike, gap: float, closed: bool) -> Array:
     """Points `(n, 2)`, metres; those of a closed scan from where a round best begins."""
     p = np.ascontiguousarray(arrays.points(points))
     if not closed or len(p) < 3:
         return p
-    return np.roll(p, -kernels.start_of_round(p, gap), axis=0)
+    return np.roll(p, -kernels.start_of_round(p, np.full(len(p), gap)), axis=0)

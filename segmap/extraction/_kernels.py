@@ -1,7 +1,8 @@
 """The loops of extraction: cut at gaps, split, merge, fit. Plain Python, compiled when called.
 
 `p` are points `(n, 2)` in metres, a run of them is `p[start:stop]`; a line is (x, y, dx, dy): a
-point of it and its unit direction.
+point of it and its unit direction. `ease`, (n,), is the tolerance over a point's own: 1, or less
+where the sensor is noisier; a point counts by its square, as one counts by its variance (A 2.19).
 """
 
 from __future__ import annotations
@@ -12,95 +13,69 @@ from numpy.typing import NDArray
 from ..arrays import LIMIT, Array
 from ..compiled import compiled
 from ..segments import MIN_LENGTH
+from ._lines import Line, farthest, fit_algebraic, fit_total, off, write_chord
 
-Line = tuple[float, float, float, float]
 Indices = NDArray[np.int64]
 
 #: Errors from sums that are so near to each other are computed anew, metres: rounding of sums is a
 #: thousand times smaller.
 SUM_ROUNDING_M = 1e-9
+#: Beams of a noisy sensor that meet a wall at a smaller angle say little about it, radians.
+GRAZING_RAD = float(np.radians(10))
+
+#: The points of a piece spread along it at least as five do evenly: their summed squares from its
+#: middle, in squares of its least length.
+LEAST_SPREAD = 0.4
 
 
 @compiled
-def fit_total(p: Array, start: int, stop: int) -> Line:
-    """Centre and unit direction of the total least squares line of a run, metres."""
-    x = y = sxx = syy = sxy = 0.0
-    for i in range(start, stop):
-        x += p[i, 0]
-        y += p[i, 1]
-    x, y = x / (stop - start), y / (stop - start)
-    for i in range(start, stop):
-        u, v = p[i, 0] - x, p[i, 1] - y
-        sxx += u * u
-        syy += v * v
-        sxy += u * v
-    turn = 0.5 * np.arctan2(2 * sxy, sxx - syy)
-    return x, y, np.cos(turn), np.sin(turn)
-
-
-@compiled
-def _fit_algebraic(p: Array, start: int, stop: int) -> Line:
-    """A 3.1-3.3: foot of the origin, direction of `a x + b y = 1` for a run, or NaN; metres."""
-    sxx = syy = sxy = sx = sy = 0.0
-    for i in range(start, stop):
-        sxx += p[i, 0] * p[i, 0]
-        syy += p[i, 1] * p[i, 1]
-        sxy += p[i, 0] * p[i, 1]
-        sx += p[i, 0]
-        sy += p[i, 1]
-    det, trace = sxx * syy - sxy * sxy, sxx + syy
-    a, b = sx * syy - sy * sxy, sy * sxx - sx * sxy
-    square = a * a + b * b
-    if det <= 1e-12 * (trace * trace) or square == 0.0:
-        return np.nan, np.nan, np.nan, np.nan
-    norm = np.sqrt(square)
-    return a * det / square, b * det / square, -b / norm, a / norm
-
-
-@compiled
-def _write_chord(p: Array, start: int, stop: int, line: Line, out: Array, k: int) -> float:
-    """Write the extreme projections of a run on a line into row k; return its length, metres."""
-    x, y, dx, dy = line
-    low, high = np.inf, -np.inf
-    for i in range(start, stop):
-        u = (p[i, 0] - x) * dx + (p[i, 1] - y) * dy
-        low, high = min(low, u), max(high, u)
-    out[k, 0, 0], out[k, 0, 1] = x + low * dx, y + low * dy
-    out[k, 1, 0], out[k, 1, 1] = x + high * dx, y + high * dy
-    return high - low
-
-
-@compiled
-def _off(p: Array, i: int, line: Line) -> float:
-    """Distance of one point from a line, metres."""
-    return abs((p[i, 1] - line[1]) * line[2] - (p[i, 0] - line[0]) * line[3])
-
-
-@compiled
-def _farthest(p: Array, start: int, stop: int, line: Line) -> tuple[int, float]:
-    """Index of the point of a run farthest from a line, and its distance, metres."""
-    run = p[start:stop]  # counted from 0: the compiler need not look out for negative indices
-    index, most = 0, -1.0
-    for i in range(len(run)):
-        off = _off(run, i, line)
-        if off > most:
-            index, most = i, off
-    return start + index, most
-
-
-@compiled
-def _is_cut(p: Array, i: int, k: int, gap: float) -> bool:
-    """Whether neighbours belong to different clusters: at least a gap apart (A 3.2)."""
+def _is_cut(p: Array, gaps: Array, i: int, k: int) -> bool:
+    """Whether a point and the next belong to different clusters: at least a gap apart (A 3.2)."""
     dx, dy = p[k, 0] - p[i, 0], p[k, 1] - p[i, 1]
-    return dx * dx + dy * dy >= gap * gap
+    return dx * dx + dy * dy >= gaps[i] * gaps[i]
 
 
 @compiled
-def start_of_round(p: Array, gap: float) -> int:
+def set_tolerances(
+    p: Array,
+    x: float,
+    y: float,
+    spread: float,
+    spread_share: float,
+    gap: float,
+    tolerance: float,
+    ease: Array,
+    gaps: Array,
+) -> None:
+    """Ease of each point, and the gap behind it, metres; of a sensor at x, y.
+
+    Where the sensor is noisy, neighbours of a wall that the beams meet at 10 degrees or more are
+    not farther apart than in that wall, and by their tolerance (Borges and Aldon 2004).
+    """
+    n = len(p)
+    for i in range(n):
+        more = spread + spread_share * np.hypot(p[i, 0] - x, p[i, 1] - y)
+        ease[i], gaps[i] = tolerance / (tolerance + max(more, 0.0)), gap
+    if max(spread, spread_share) <= 0.0:
+        return
+    for i in range(n):
+        k = (i + 1) % n
+        least = min(ease[i], ease[k])
+        if least < 1.0:
+            ax, ay, bx, by = p[i, 0] - x, p[i, 1] - y, p[k, 0] - x, p[k, 1] - y
+            turn = abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
+            if turn < GRAZING_RAD:
+                far = min(np.hypot(ax, ay), np.hypot(bx, by))
+                most = far * np.sin(turn) / np.sin(GRAZING_RAD - turn) + tolerance / least
+                gaps[i] = min(gap, most)
+
+
+@compiled
+def start_of_round(p: Array, gaps: Array) -> int:
     """Where a scan all round begins: behind its first gap, else at the point farthest out."""
     n, x, y, far, most = len(p), 0.0, 0.0, 0, -1.0
     for i in range(n):
-        if _is_cut(p, (i - 1) % n, i, gap):
+        if _is_cut(p, gaps, (i - 1) % n, i):
             return i
         x += p[i, 0]
         y += p[i, 1]
@@ -113,10 +88,10 @@ def start_of_round(p: Array, gap: float) -> int:
 
 
 @compiled
-def _end_of_cluster(p: Array, start: int, gap: float) -> int:
-    """First point behind the cluster that begins at a point; gap in metres."""
+def _end_of_cluster(p: Array, gaps: Array, start: int) -> int:
+    """First point behind the cluster that begins at a point."""
     stop = start + 1
-    while stop < len(p) and not _is_cut(p, stop - 1, stop, gap):
+    while stop < len(p) and not _is_cut(p, gaps, stop - 1, stop):
         stop += 1
     return stop
 
@@ -127,31 +102,37 @@ def clusters(p: Array, gap: float, total: bool, out: Array, runs: Indices) -> in
 
     `runs`, (2, n / 2 + 1), gets the first point of each, and the one behind its last.
     """
-    start, k = 0, 0
+    start, k, ease, gaps = 0, 0, np.full(len(p), 1.0), np.full(len(p), gap)
     while start < len(p):
-        stop = _end_of_cluster(p, start, gap)
+        stop = _end_of_cluster(p, gaps, start)
         if stop - start > 1:
-            line = fit_total(p, start, stop) if total else _fit_algebraic(p, start, stop)
+            line = fit_total(p, ease, start, stop) if total else fit_algebraic(p, start, stop)
             runs[0, k], runs[1, k] = start, stop
-            k += _write_chord(p, start, stop, line, out, k) > MIN_LENGTH
+            k += write_chord(p, start, stop, line, out, k) > MIN_LENGTH
         start = stop
     return k
 
 
 @compiled
-def _chord_of(p: Array, start: int, last: int) -> Line:
+def _chord_of(p: Array, ease: Array, start: int, last: int) -> Line:
     """Line from a point to the last of a run, metres; across the run where these coincide."""
     dx, dy = p[last, 0] - p[start, 0], p[last, 1] - p[start, 1]
     norm = np.hypot(dx, dy)
     if norm >= MIN_LENGTH:
         return p[start, 0], p[start, 1], dx / norm, dy / norm
-    _, _, dx, dy = fit_total(p, start, last + 1)
+    _, _, dx, dy = fit_total(p, ease, start, last + 1)
     return p[start, 0], p[start, 1], -dy, dx
 
 
 @compiled
 def _split_cluster(
-    p: Array, start: int, stop: int, tolerance: float, ends: Indices, todo: Indices
+    p: Array,
+    ease: Array,
+    start: int,
+    stop: int,
+    tolerance: float,
+    ends: Indices,
+    todo: Indices,
 ) -> int:
     """Cut a cluster at the farthest point until each chord is within tolerance, metres.
 
@@ -161,7 +142,7 @@ def _split_cluster(
     todo[0], top, count = stop - 1, 1, 0
     while top:
         last = todo[top - 1]
-        far, most = _farthest(p, start, last + 1, _chord_of(p, start, last))
+        far, most = farthest(p, ease, start, last + 1, _chord_of(p, ease, start, last))
         if most > tolerance and start < far < last:
             todo[top] = far
             top += 1
@@ -172,26 +153,28 @@ def _split_cluster(
 
 
 @compiled
-def _sum_up(p: Array, start: int, begin: int, end: int, sums: Array, k: int) -> None:
-    """Into column k: sums of x, y, xx, yy, xy of a piece without its first point, metres.
+def _sum_up(p: Array, ease: Array, start: int, begin: int, end: int, sums: Array, k: int) -> None:
+    """Into column k: sums of x, y, xx, yy, xy, 1 of a piece without its first point, metres.
 
     About the first point of the cluster; the sums of two pieces that are joined add up.
     """
-    x = y = xx = yy = xy = 0.0
+    n = x = y = xx = yy = xy = 0.0
     for i in range(begin + 1, end + 1):
-        u, v = p[i, 0] - p[start, 0], p[i, 1] - p[start, 1]
-        x, y, xx, yy, xy = x + u, y + v, xx + u * u, yy + v * v, xy + u * v
-    sums[0, k], sums[1, k], sums[2, k], sums[3, k], sums[4, k] = x, y, xx, yy, xy
+        w, u, v = ease[i] * ease[i], p[i, 0] - p[start, 0], p[i, 1] - p[start, 1]
+        n, x, y = n + w, x + w * u, y + w * v
+        xx, yy, xy = xx + w * u * u, yy + w * v * v, xy + w * u * v
+    sums[0, k], sums[1, k], sums[2, k], sums[3, k], sums[4, k], sums[5, k] = x, y, xx, yy, xy, n
 
 
 @compiled
-def _fit_sums(p: Array, start: int, begin: int, end: int, sums: Array, k: int) -> Line:
+def _fit_sums(p: Array, ease: Array, start: int, begin: int, sums: Array, k: int) -> Line:
     """Line of `fit_total` through the pieces k and k + 1, from their sums; metres."""
-    u, v, n = p[begin, 0] - p[start, 0], p[begin, 1] - p[start, 1], end + 1 - begin
-    x, y = u + sums[0, k] + sums[0, k + 1], v + sums[1, k] + sums[1, k + 1]
-    xx = u * u + sums[2, k] + sums[2, k + 1] - x * x / n
-    yy = v * v + sums[3, k] + sums[3, k + 1] - y * y / n
-    xy = u * v + sums[4, k] + sums[4, k + 1] - x * y / n
+    w, u, v = ease[begin] * ease[begin], p[begin, 0] - p[start, 0], p[begin, 1] - p[start, 1]
+    n = w + sums[5, k] + sums[5, k + 1]
+    x, y = w * u + sums[0, k] + sums[0, k + 1], w * v + sums[1, k] + sums[1, k + 1]
+    xx = w * u * u + sums[2, k] + sums[2, k + 1] - x * x / n
+    yy = w * v * v + sums[3, k] + sums[3, k + 1] - y * y / n
+    xy = w * u * v + sums[4, k] + sums[4, k + 1] - x * y / n
     a, b = xx - yy, 2 * xy
     h = np.hypot(a, b)
     if h == 0.0:
@@ -206,16 +189,16 @@ def _fit_sums(p: Array, start: int, begin: int, end: int, sums: Array, k: int) -
 
 
 @compiled
-def _exact_error(p: Array, start: int, ends: Indices, k: int) -> float:
+def _exact_error(p: Array, ease: Array, start: int, ends: Indices, k: int) -> float:
     """Largest distance from one line through the pieces k and k + 1 of a cluster, metres."""
     begin = ends[k - 1] if k else start
-    line = fit_total(p, begin, ends[k + 1] + 1)
-    return _farthest(p, begin, ends[k + 1] + 1, line)[1]
+    line = fit_total(p, ease, begin, ends[k + 1] + 1)
+    return farthest(p, ease, begin, ends[k + 1] + 1, line)[1]
 
 
 @compiled
 def _joint_error(
-    p: Array, start: int, ends: Indices, k: int, tolerance: float, sums: Array
+    p: Array, ease: Array, start: int, ends: Indices, k: int, tolerance: float, sums: Array
 ) -> float:
     """The same from sums, to their rounding; infinite where it is above the tolerance.
 
@@ -228,18 +211,26 @@ def _joint_error(
     cx, cy = ax + bx, ay + by
     twice_area = ax * by - ay * bx
     longest = max(ax * ax + ay * ay, bx * bx + by * by, cx * cx + cy * cy)
-    if twice_area * twice_area > 4.0001 * tolerance * tolerance * longest:
+    own = tolerance / min(ease[begin], ease[corner], ease[end])
+    if twice_area * twice_area > 4.0001 * own * own * longest:
         return np.inf
-    line = _fit_sums(p, start, begin, end, sums, k)
-    error = _farthest(p, begin, end + 1, line)[1]
+    line = _fit_sums(p, ease, start, begin, sums, k)
+    error = farthest(p, ease, begin, end + 1, line)[1]
     if abs(error - tolerance) < SUM_ROUNDING_M:
-        error = _exact_error(p, start, ends, k)
+        error = _exact_error(p, ease, start, ends, k)
     return error if error <= tolerance else np.inf
 
 
 @compiled
 def _merge_runs(
-    p: Array, start: int, tolerance: float, ends: Indices, count: int, errors: Array, sums: Array
+    p: Array,
+    ease: Array,
+    start: int,
+    tolerance: float,
+    ends: Indices,
+    count: int,
+    errors: Array,
+    sums: Array,
 ) -> int:
     """Join the two neighbours that one line fits best, while it fits within tolerance, metres.
 
@@ -247,9 +238,9 @@ def _merge_runs(
     `sums` are room to work.
     """
     for k in range(count):
-        _sum_up(p, start, ends[k - 1] if k else start, ends[k], sums, k)
+        _sum_up(p, ease, start, ends[k - 1] if k else start, ends[k], sums, k)
     for k in range(count - 1):
-        errors[k] = _joint_error(p, start, ends, k, tolerance, sums)
+        errors[k] = _joint_error(p, ease, start, ends, k, tolerance, sums)
     while count > 1:
         best = 0
         for k in range(1, count - 1):
@@ -257,25 +248,25 @@ def _merge_runs(
                 errors[k] < errors[best] + SUM_ROUNDING_M
                 and errors[best] < errors[k] + SUM_ROUNDING_M
             ):
-                errors[k] = _exact_error(p, start, ends, k)
-                errors[best] = _exact_error(p, start, ends, best)
+                errors[k] = _exact_error(p, ease, start, ends, k)
+                errors[best] = _exact_error(p, ease, start, ends, best)
             best = k if errors[k] < errors[best] else best
         if errors[best] == np.inf:
             break
         count -= 1
-        for row in range(5):
+        for row in range(6):
             sums[row, best] += sums[row, best + 1]
             for k in range(best + 1, count):
                 sums[row, k] = sums[row, k + 1]
         for k in range(best, count):
             ends[k], errors[k] = ends[k + 1], errors[k + 1]
         for k in range(max(best - 1, 0), min(best + 1, count - 1)):
-            errors[k] = _joint_error(p, start, ends, k, tolerance, sums)
+            errors[k] = _joint_error(p, ease, start, ends, k, tolerance, sums)
     return count
 
 
 @compiled
-def _border(p: Array, start: int, corner: int, end: int) -> int:
+def _border(p: Array, ease: Array, start: int, corner: int, end: int) -> int:
     """First point of the second of two pieces: each point goes to the nearer line.
 
     The chords of a split share their corner; a wall ends at the last beam that met it.
@@ -284,10 +275,11 @@ def _border(p: Array, start: int, corner: int, end: int) -> int:
         return corner
     if end - corner < 3:
         return corner + 1
-    left, right = fit_total(p, start, corner), fit_total(p, corner + 1, end + 1)
-    while corner - start > 2 and _off(p, corner - 1, right) < _off(p, corner - 1, left):
+    left = fit_total(p, ease, start, corner)
+    right = fit_total(p, ease, corner + 1, end + 1)
+    while corner - start > 2 and off(p, corner - 1, right) < off(p, corner - 1, left):
         corner -= 1
-    while end - corner > 2 and _off(p, corner, left) < _off(p, corner, right):
+    while end - corner > 2 and off(p, corner, left) < off(p, corner, right):
         corner += 1
     return corner
 
@@ -295,7 +287,8 @@ def _border(p: Array, start: int, corner: int, end: int) -> int:
 @compiled
 def polylines(
     p: Array,
-    gap: float,
+    ease: Array,
+    gaps: Array,
     tolerance: float,
     min_points: int,
     min_length: float,
@@ -305,27 +298,31 @@ def polylines(
 ) -> int:
     """Write the segments of all clusters, split and merged, metres; how many.
 
-    -1 where a point is not finite or out of reach. `room`, (4, n), and `sums`, (6, n), are room to
+    -1 where a point is not finite or out of reach. `room`, (4, n), and `sums`, (7, n), are room to
     work. The last two rows of `room` get the first point of each segment, and the one behind its
     last.
     """
     for i in range(len(p)):
         if not (abs(p[i, 0]) <= LIMIT and abs(p[i, 1]) <= LIMIT):
             return -1
-    ends, todo, errors, begin, found = room[0], room[1], sums[5], 0, 0
+    ends, todo, errors, begin, found = room[0], room[1], sums[6], 0, 0
     while begin < len(p):
-        stop = _end_of_cluster(p, begin, gap)
-        count = _split_cluster(p, begin, stop, tolerance, ends, todo)
-        count = _merge_runs(p, begin, tolerance, ends, count, errors, sums)
+        stop = _end_of_cluster(p, gaps, begin)
+        count = _split_cluster(p, ease, begin, stop, tolerance, ends, todo)
+        count = _merge_runs(p, ease, begin, tolerance, ends, count, errors, sums)
         start = begin
         for k in range(count):
             end = ends[k] + 1
             if k + 1 < count:
-                end = _border(p, start, ends[k], ends[k + 1])
+                end = _border(p, ease, start, ends[k], ends[k + 1])
             if end - start >= min_points:
                 room[2, found], room[3, found] = start, end
-                length = _write_chord(p, start, end, fit_total(p, start, end), out, found)
-                found += length >= min_length
+                line = fit_total(p, ease, start, end)
+                length, spread = write_chord(p, start, end, line, out, found), 0.0
+                for i in range(start, end):
+                    u = (p[i, 0] - line[0]) * line[2] + (p[i, 1] - line[1]) * line[3]
+                    spread += (u * ease[i]) ** 2
+                found += length >= min_length and spread >= LEAST_SPREAD * min_length * min_length
             start = end
         begin = stop
     return found
@@ -336,6 +333,8 @@ def polylines_of_scans(
     beams: Array,
     first: Indices,
     lasers: Array,
+    spread: float,
+    spread_share: float,
     gap: float,
     tolerance: float,
     min_points: int,
@@ -349,12 +348,12 @@ def polylines_of_scans(
 
     `beams`, (3, n), are ranges, cosines and sines, those of scan i from `first[i]`; `lasers`,
     (m, 6), x, y, cosine and sine of each sensor's pose, its largest range, and whether it looks
-    all round.
+    all round. A point's own tolerance is `spread + spread_share * range`, or `tolerance`.
     """
     most, used, found = 0, 0, 0
     for i in range(len(lasers)):
         most = max(most, first[i + 1] - first[i])
-    room, sums = np.empty((4, most), np.int64), np.empty((6, most))
+    room, sums, each = np.empty((4, most), np.int64), np.empty((7, most)), np.empty((2, most))
     for i in range(len(lasers)):
         begin, x, y = used, lasers[i, 0], lasers[i, 1]
         c, s, far, closed = lasers[i, 2], lasers[i, 3], lasers[i, 4], lasers[i, 5] > 0
@@ -365,10 +364,13 @@ def polylines_of_scans(
                 points[used, 0], points[used, 1] = x + c * u - s * v, y + s * u + c * v
                 used += 1
         p, own = points[begin:used], out[found:]
+        ease, gaps = each[0, : len(p)], each[1, : len(p)]
+        set_tolerances(p, x, y, spread, spread_share, gap, tolerance, ease, gaps)
         if closed and len(p) > 2:
-            start = start_of_round(p, gap)
+            start = start_of_round(p, gaps)
             p[:] = np.concatenate((p[start:], p[:start]))
-        counts[i] = polylines(p, gap, tolerance, min_points, min_length, own, room, sums)
+            set_tolerances(p, x, y, spread, spread_share, gap, tolerance, ease, gaps)
+        counts[i] = polylines(p, ease, gaps, tolerance, min_points, min_length, own, room, sums)
         if counts[i] < 0:
             return -1
         for k in range(counts[i]):

@@ -7,5 +7,14 @@ from ._scans import (
     Log,
     Skipped,
 )
+from .noise import SensorNoise, sensor_noise
 
-__all__ = ["NOTHING_SKIPPED", "NO_POSE", "LaserScan", "Log", "Skipped"]
+__all__ = [
+    "NOTHING_SKIPPED",
+    "NO_POSE",
+    "LaserScan",
+    "Log",
+    "SensorNoise",
+    "Skipped",
+    "sensor_noise",
+]

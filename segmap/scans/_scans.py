@@ -120,7 +120,8 @@ class LaserScan(Pictured):
         steps = wrap(np.diff(self.angles))
         if not len(steps):
             return False
-        return bool(2 * np.pi - abs(steps.sum()) < SEAM_STEPS * np.median(np.abs(steps)))
+        seam, steps = 2 * np.pi - abs(steps.sum()), np.abs(steps)
+        return bool(seam < SEAM_STEPS * steps.max() and seam < SEAM_STEPS * np.median(steps))
 
     def points(self) -> Array:
         """End points of the valid beams in the robot's frame, `(m, 2)` array, metres."""

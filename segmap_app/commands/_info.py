@@ -9,7 +9,7 @@ from typing import Any
 
 from segmap.display import counted, facts, figures
 from segmap.readers import UnknownFormat, format_of
-from segmap.scans import Log
+from segmap.scans import Log, sensor_noise
 
 from ..files import read_session
 from ._output import Report
@@ -55,6 +55,8 @@ def describe_log(given: argparse.Namespace, log: Log, paths: list[Path], report:
     numbers = figures(log)
     for word, text in facts(log):
         report.line(word, text, **numbers.get(word, {}))
+    noise = sensor_noise(log)
+    report.line("noise", f"{noise} (standard deviation of a range)", **vars(noise))
     if is_session(source := report.found["source"]):
         session = read_session(source)
         for word in ("settings", "edits"):

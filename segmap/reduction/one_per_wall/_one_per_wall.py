@@ -8,6 +8,7 @@ import numpy as np
 
 from ...arrays import SMALLEST_THRESHOLD_M, Array, Positive, Segments, checked
 from ...progress import each, parts
+from ...scans.noise import robust_sigma
 from ...segments import SegmentMap, length, midpoint
 from .._index import empty_index, enter_all
 from .._runner import Found, Indices, Reduction, Rows, ordered_by_first_input, run_offline
@@ -95,23 +96,6 @@ def one_per_wall(map: Segments, *, factor: Positive = 1.0) -> Reduction:
     lost += [] if places is not None else ["where its sensor was, so that no hidden gap is bridged"]
     doubt = f"the map does not tell {', or '.join(lost)}" if lost else ""
     return replace(found, noise=noise, doubt=doubt)
-
-
-def robust_sigma(values: Array) -> float:
-    """Standard deviation of values about 0, most of which are normal; others count no more.
-
-    Examples
-    --------
-    >>> normal = np.random.default_rng(0).normal(0, 2, 1000)
-    >>> round(robust_sigma(np.append(normal, np.full(100, 50.0))))
-    2
-    """
-    sizes = abs(values)
-    found = 1.4826 * float(np.median(sizes))
-    for _ in range(10):  # what the cut at 2.5 takes away is given back
-        kept = sizes[sizes <= 2.5 * found]
-        found = float(np.sqrt((kept**2).mean() / 0.9113))
-    return found
 
 
 def _scans_aligned(

@@ -1,0 +1,190 @@
+"""The noise of a laser's ranges: a model of two figures and a step, and its estimate from a log."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, Quantity, Settings, Share
+from ..poses.motions import between
+from ._scans import LaserScan, Log
+
+#: Standard deviation of a range of the lasers that thresholds were chosen for, metres ...
+USUAL_SIGMA_M = 0.01
+#: ... and such a laser is one that comes so near to it, times: an estimate is not better.
+USUAL_FACTOR = 1.35
+#: A sensor that is so many times noisier than its log, or less, is another; below 1 cm all is one.
+OTHER_FACTOR = 2.0
+#: So many scans are asked, or pairs of scans between which the robot stands; or one of so many.
+LEAST_SCANS, ONE_SCAN_OF = 20, 40
+#: Neighbours that are farther apart lie on two things, metres.
+MOST_STEP_M = 0.3
+#: A robot whose wheels moved less stands, metres and radians.
+STILL = 0.0005, 0.0005, 0.0003
+#: Ends of classes of range, metres, and their middles; so many beams tell of one.
+CLASSES_M = 2.0 ** np.arange(-2, 6.5, 0.5)
+MIDDLES_M = np.concatenate([[0.2], CLASSES_M * 2**0.25])
+LEAST_BEAMS = 30
+#: Steps in which lasers tell their ranges, metres.
+STEPS_M = 0.05, 0.01, 0.005, 0.001
+
+Deviation = Annotated[float, Quantity("metres", least=0, most=10.0)]
+
+
+@dataclass(frozen=True)
+class SensorNoise(Settings):
+    """Standard deviation of the ranges of a laser: `range_m + range_share * range`.
+
+    Parameters
+    ----------
+    range_m : float, metres
+        Of a range of nothing, rounding included.
+    range_share : float
+        What each metre of range adds, metres.
+    step_m : float, metres
+        Ranges are multiples of it; 0 where they are of none.
+
+    Examples
+    --------
+    An RPLidar A2 at 1 and at 10 m:
+
+    >>> SensorNoise(0.005, 0.006).sigma([1, 10]).round(3)
+    array([0.011, 0.065])
+    """
+
+    range_m: Deviation = USUAL_SIGMA_M
+    range_share: Share = 0.0
+    step_m: Deviation = 0.0
+
+    def sigma(self, ranges: ArrayLike) -> Array:
+        """Standard deviation of ranges, of any shape, metres."""
+        return self.range_m + self.range_share * np.asarray(ranges, float)
+
+    def __str__(self) -> str:
+        share = f" and {self.range_share:.2%} of the range" if self.range_share else ""
+        step = f", in steps of {1000 * self.step_m:g} mm" if self.step_m else ""
+        return f"{1000 * self.range_m:.1f} mm{share}{step}"
+
+
+def sensor_noise(log: Log) -> SensorNoise:
+    """Estimate the noise from what neighbouring beams, and beams of a robot at rest, differ by.
+
+    On a straight wall the inverse range of a beam follows from those of its two neighbours. And
+    while the robot stands a beam measures the same again. All else, corners and leaves and people,
+    only adds, and no laser is better farther off: so of both ways, and of all classes of range that
+    lie farther, the least is the noise. A line of two figures, none negative, is fitted to it.
+    What is near to 1 cm, as that of most lasers, is told as 1 cm.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> print(sensor_noise(load("room")))
+    10.0 mm
+    """
+    count = max(min(len(log), LEAST_SCANS), len(log) // ONE_SCAN_OF)
+    chosen = np.linspace(0, len(log) - 1, count).astype(int)
+    ranges, errors = _errors_between_neighbours([log.scans[k] for k in chosen])
+    if len(ranges) < LEAST_BEAMS:
+        return SensorNoise()
+    sizes = _sigmas(ranges, errors)
+    if (sizes > USUAL_SIGMA_M).any():
+        sizes = np.fmin(sizes, _sigmas(*_errors_at_rest(log)))
+    least = np.fmin.accumulate(sizes[::-1])[::-1]
+    known = np.isfinite(least) & (least > 0)
+    step = _step(ranges)
+    if not known.any():
+        return SensorNoise(step / float(np.sqrt(12)), 0.0, step)
+    weight = np.sqrt(np.bincount(np.searchsorted(CLASSES_M, ranges), minlength=len(least)))[known]
+    rows = np.stack([1 / least, MIDDLES_M / least], -1)[known] * weight[:, None]
+    a, b = np.linalg.lstsq(rows, weight, rcond=None)[0]
+    if min(a, b) < 0:  # the other one alone
+        a, b = (rows.T @ weight / (rows**2).sum(0)) * ([1, 0] if b < 0 else [0, 1])
+    far = float(a + b * np.quantile(ranges, 0.95))
+    if far <= USUAL_FACTOR * USUAL_SIGMA_M:
+        a, b = min(far, USUAL_SIGMA_M), 0.0
+    a = max(float(a), step / float(np.sqrt(12)))
+    return SensorNoise(round(a, 6), round(float(b), 6), step)
+
+
+def warn_if_other_sensor(sensor: SensorNoise, measured: SensorNoise) -> None:
+    """Warn where a sensor that was given is not the one that measured a log, near or far."""
+    for metres in (1.0, 4.0):
+        stated, found = (max(float(s.sigma(metres)), USUAL_SIGMA_M) for s in (sensor, measured))
+        if not 1 / OTHER_FACTOR <= stated / found <= OTHER_FACTOR:
+            warnings.warn(
+                f"sensor has {1000 * stated:.0f} mm of noise at {metres:g} m, and this log has "
+                f"{1000 * found:.0f}: leave sensor out to take what the log says",
+                stacklevel=3,
+            )
+            return
+
+
+def robust_sigma(values: Array) -> float:
+    """Standard deviation of values about 0, most of which are normal; others count no more.
+
+    Examples
+    --------
+    >>> normal = np.random.default_rng(0).normal(0, 2, 1000)
+    >>> round(robust_sigma(np.append(normal, np.full(100, 50.0))))
+    2
+    """
+    sizes, count = abs(values), 0
+    found = 1.4826 * float(np.median(sizes))
+    for _ in range(10):  # what the cut at 2.5 takes away is given back
+        kept = sizes[sizes <= 2.5 * found]
+        if len(kept) == count:
+            break
+        found, count = float(np.sqrt((kept**2).mean() / 0.9113)), len(kept)
+    return found
+
+
+def _errors_between_neighbours(scans: list[LaserScan]) -> tuple[Array, Array]:
+    """Ranges of beams, and by how much neighbours differ, in standard deviations of one; metres."""
+    if not scans:
+        return np.empty(0), np.empty(0)
+    gap = [np.nan]
+    r = np.concatenate([row for s in scans for row in (np.where(s.valid, s.ranges, np.nan), gap)])
+    a = np.concatenate([row for s in scans for row in (s.angles, gap)])
+    step = np.abs(np.diff(r))
+    k = np.flatnonzero((step[:-1] < MOST_STEP_M) & (step[1:] < MOST_STEP_M)) + 1
+    before, here, after = 1 / r[k - 1], 1 / r[k], 1 / r[k + 1]
+    left, right = np.sin(a[k] - a[k - 1]), np.sin(a[k + 1] - a[k])
+    across = np.sin(a[k + 1] - a[k - 1])
+    off = before * right + after * left - here * across
+    size = (before**2 * right) ** 2 + (after**2 * left) ** 2 + (here**2 * across) ** 2
+    good = size > 0
+    return r[k][good], (off / np.sqrt(np.where(good, size, 1.0)))[good]
+
+
+def _errors_at_rest(log: Log) -> tuple[Array, Array]:
+    """The same of each beam against itself, between scans from one place."""
+    poses = log.odometry
+    still = np.flatnonzero((np.abs(between(poses[:-1], poses[1:])) < STILL).all(1))
+    rows = [(np.empty(0), np.empty(0))]
+    for k in still[:: max(1, len(still) // LEAST_SCANS)]:
+        one, other = log[k], log[k + 1]
+        if len(one) == len(other) and not np.array_equal(one.ranges, other.ranges, equal_nan=True):
+            both = one.valid & other.valid
+            apart = (one.ranges[both] - other.ranges[both]) / np.sqrt(2)
+            rows.append((one.ranges[both], apart))
+    ranges, errors = (np.concatenate(row) for row in zip(*rows, strict=True))
+    return ranges, errors
+
+
+def _sigmas(ranges: Array, errors: Array) -> Array:
+    """Standard deviation of the errors of each class of range, metres; NaN where few tell."""
+    of = np.searchsorted(CLASSES_M, ranges)
+    classes = (errors[of == k] for k in range(len(MIDDLES_M)))
+    return np.array([robust_sigma(own) if len(own) >= LEAST_BEAMS else np.nan for own in classes])
+
+
+def _step(ranges: Array) -> float:
+    """The largest of the usual steps of which nearly all ranges are multiples, metres, or 0."""
+    for step in STEPS_M:
+        if (np.abs(ranges / step - np.rint(ranges / step)) < 1e-4).mean() > 0.99:
+            return step
+    return 0.0

@@ -1,0 +1,86 @@
+"""The noise of a laser, estimated and used: what is 1 cm changes nothing, what is noisier does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from segmap import load, metrics, simulation
+from segmap.extraction import build_map, extract_polylines
+from segmap.scans import Log, SensorNoise, sensor_noise
+
+WALLS = np.concatenate([simulation.box(12, 5), simulation.box(1.0, 0.6, (2, 1, 0.3))])
+
+
+def drive(range_m: float, share: float) -> Log:
+    """A drive through a hall, by a laser of 450 beams a turn."""
+    sensor = replace(simulation.URG_04LX, beams=450, first=-np.pi, step=np.radians(0.8))
+    sensor, rng = replace(sensor.ideal(), max_range=12.0), np.random.default_rng(7)
+    path = simulation.drive([(-5, -1), (5, -1)], step=0.25)
+    log = simulation.simulate(WALLS, path, sensor=sensor, rng=rng)
+    sigmas = SensorNoise(range_m, share).sigma
+    noisy = [replace(s, ranges=s.ranges + sigmas(s.ranges) * rng.normal(size=450)) for s in log]
+    return Log("hall", noisy, log.truth)
+
+
+@pytest.mark.parametrize("range_m, share", [(0.005, 0.006), (0.015, 0.0), (0.03, 0.0)])
+def test_the_noise_of_a_log_is_estimated(range_m, share):
+    """Catches an estimate that corners, or other ranges, spoil."""
+    found = sensor_noise(drive(range_m, share))
+    for metres in (1.0, 3.0, 6.0):
+        assert found.sigma(metres) == pytest.approx(range_m + share * metres, rel=0.2)
+
+
+@pytest.mark.parametrize("name", ["malaga", "room", "corridor"])
+def test_a_laser_of_1_cm_keeps_its_map(name):
+    """Catches a tolerance, a gap or a weight that moves a map for which 3 cm were chosen."""
+    log = load(name)
+    poses = log.odometry if log.truth is None else log.truth
+    whole, fixed = build_map(log, poses), build_map(log, poses, tolerance=0.03)
+    assert np.array_equal(whole.segments, fixed.segments)
+
+
+def test_ranges_tell_their_step():
+    """Catches a step that is a whole number of another one."""
+    assert [sensor_noise(load(name)).step_m for name in ("malaga", "room")] == [0.01, 0.001]
+
+
+def test_a_log_that_tells_nothing_has_the_usual_noise():
+    """Catches an estimate that fails where there is nothing to estimate it from."""
+    assert sensor_noise(Log("none", [])) == sensor_noise(load("room")[:0]) == SensorNoise()
+
+
+def test_noise_that_grows_invents_no_walls():
+    """Catches far points that draw what was seen from near, and chords across jumps."""
+    log = drive(0.005, 0.006)
+    seen = build_map(log, log.truth)
+    invented = [
+        metrics.against_walls(WALLS, map, seen=seen).invented
+        for map in (build_map(log, log.truth, tolerance=0.03), seen)
+    ]
+    assert invented[1] < 0.3 * invented[0]
+    assert len(seen) < 0.7 * len(build_map(log, log.truth, tolerance=0.03))
+
+
+def test_points_count_by_their_variance():
+    """Catches a line that noisy points turn as much as good ones."""
+    x = np.linspace(1, 9, 81)
+    points = np.stack([x, 0.5 + np.where(x > 5, 0.02 * (-1.0) ** np.arange(81) + 0.02, 0.0)], -1)
+    noise = SensorNoise(0.0, 0.01)
+    (segment,) = extract_polylines(points, sensor=noise)
+    own = np.maximum(0.03, 0.03 + 4 * (noise.sigma(np.hypot(*points.T)) - 0.01))
+    slope, offset = np.polyfit(*points.T, 1, w=1 / own)
+    assert np.allclose(segment[:, 1], slope * segment[:, 0] + offset, atol=1e-4)
+    assert not np.allclose(segment[:, 1], np.polyval(np.polyfit(*points.T, 1), segment[:, 0]), 1e-3)
+
+
+def test_a_sensor_that_is_wrong_is_told():
+    """Catches a noise that cannot be, and one that is not the log's."""
+    log = load("room")[:20]
+    for wrong in ({"range_m": -0.01}, {"range_share": 1.5}, {"step_m": np.nan}):
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            SensorNoise(**wrong)
+    with pytest.raises(ValueError, match="sensor must be a SensorNoise"):
+        build_map(log, log.truth, sensor=0.01)
+    with pytest.warns(UserWarning, match="leave sensor out"):
+        build_map(log, log.truth, sensor=SensorNoise(0.03))
