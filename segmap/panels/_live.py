@@ -48,7 +48,7 @@ class LivePanel(Panel):
     robot now is.
 
     *find me* looks for the robot on the map that stands: `localize` takes scans, and none is
-    inserted, until it is found; then mapping goes on from there.
+    inserted, until it is found, by how well lines of the scan fit; then mapping goes on from there.
 
     Parameters
     ----------

@@ -117,11 +117,11 @@ def point_distance(points: ArrayLike, segments: ArrayLike) -> Array:
     array([2., 3.])
     """
     p, s = arrays.trailing(points, "points", 2), arrays.trailing(segments, "segments", 2, 2)
-    d, r = s[..., 1, :] - s[..., 0, :], p - s[..., 0, :]
-    square = (d * d).sum(-1)
-    t = np.clip((r * d).sum(-1) / np.where(square > 0, square, 1.0), 0, 1)
-    foot = r - t[..., None] * d
-    return np.hypot(foot[..., 0], foot[..., 1])
+    x, y = p[..., 0] - s[..., 0, 0], p[..., 1] - s[..., 0, 1]
+    dx, dy = s[..., 1, 0] - s[..., 0, 0], s[..., 1, 1] - s[..., 0, 1]
+    square = dx * dx + dy * dy
+    t = np.clip((x * dx + y * dy) / np.where(square > 0, square, 1.0), 0, 1)
+    return np.hypot(x - t * dx, y - t * dy)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

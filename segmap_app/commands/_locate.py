@@ -32,7 +32,7 @@ def add(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
         "locate",
-        help="where on a known map a robot is: found, kept while it drives, or lost",
+        help="where on a known map a robot is: found, or lost, by how well lines of its scans fit",
         epilog=examples(
             "occupancy room -o room.yaml           a map for ROS, and where on it a robot is",
             "locate room.yaml room",

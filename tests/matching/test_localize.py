@@ -8,7 +8,9 @@ import pytest
 from conftest import slow
 from segmap_course import literal
 
+from segmap import Log, load, reduction
 from segmap.angles import wrap
+from segmap.extraction import build_map as drawn
 from segmap.matching import _localize as inner
 from segmap.matching import localize
 from segmap.matching._likelihoods import Likelihoods
@@ -185,6 +187,34 @@ def test_another_building_is_never_found():
         assert not any(belief.found for belief in localize(map, scans, rng=rng(1)))
 
 
+@pytest.mark.parametrize("kind", ["segments", "least_cost", "squares"])
+def test_on_a_real_map_it_is_found_where_it_is_right_and_nowhere_else(kind):
+    """Malaga, where a third of the beams meet no wall; and the robot beside the half of the map.
+
+    Catches a fit of beams that no map can explain, and one that fits to anything.
+    """
+    log = load("malaga")
+    rows = np.flatnonzero(np.isfinite(log.truth).all(1))
+    log = Log("known", [log[int(k)] for k in rows], log.truth[rows])
+
+    def map_of(part):
+        if kind == "squares":
+            return build_map(part, part.truth, resolution=0.05)
+        walls = drawn(part, part.truth)
+        return SegmentMap(reduction.least_cost(walls).segments) if kind == "least_cost" else walls
+
+    def asked(map, part):
+        beliefs = list(localize(map, part, rng=rng(1)))
+        right = [away(b, p) < 0.3 for b, p in zip(beliefs, part.truth, strict=True)]
+        return np.array(right), np.array([b.found for b in beliefs])
+
+    right, found = asked(map_of(log), log)
+    assert right.mean() > 0.9 and not (found & ~right).any()
+    assert found.sum() >= 0.85 * right.sum()
+    right, found = asked(map_of(log[:50]), log[50:])
+    assert not (found & ~right).any()
+
+
 def test_the_steps_are_those_of_the_literal_filter():
     """Catches a cell counted twice, and a fit of the wrong mean."""
     random = rng(3)
@@ -218,7 +248,7 @@ def test_poses_are_weighed_as_arrays_weigh_them(kind, threads, monkeypatch):
 @pytest.mark.parametrize("seed", range(4))
 def test_the_whole_run_is_that_of_the_literal_filter(seed):
     """From nowhere, and carried away after three scans: each particle and weight, scan by scan."""
-    map, few = Likelihoods(ROOM), Sensor("few", 12, -np.pi, np.pi / 6, max_range=30.0, sigma=0.01)
+    map, few = Likelihoods(ROOM), Sensor("few", 60, -np.pi, np.pi / 30, max_range=30.0, sigma=0.01)
     path = [*drive([(1, 1), (2, 1)], step=0.3)[:3], *[(2.8, 1.2, 1.6)] * 3]
     log = simulate(ROOM.segments, path, sensor=few, rng=rng(seed))
     scans = with_odometry(log, seed)
@@ -233,6 +263,7 @@ def test_the_whole_run_is_that_of_the_literal_filter(seed):
         [(scan.points().tolist(), scan.odometry.tolist()) for scan in scans],
         lambda place: float(map.likelihood(np.array(place))),
         fresh, rng=drawn, particles=400,
+        on_lines=lambda points, least: inner.on_lines(np.array(points), least).tolist(),
     )  # fmt: skip
     beliefs = localize(ROOM, scans, rng=rng(seed), particles=400)
     for belief, (poses, weights, fit) in zip(beliefs, steps, strict=True):

@@ -79,11 +79,14 @@ def localize(
     *,
     rng: Generator,
     particles: int = 1000,
+    on_lines: Callable[[Sequence[Point], int], Sequence[Point]] = lambda points, least: points,
 ) -> Iterator[tuple[list[Pose], list[float], float]]:
     """Particles, their weights, and how well the scans fit, after each scan (Dellaert et al. 1999).
 
     A scan is its ends, metres in the robot's frame, and the odometry. `value` is that of `fit`;
-    `fresh` gives so many poses at the places that explain the ends: a search.
+    `fresh` gives so many poses at the places that explain the ends: a search. `on_lines` gives
+    those of the ends that lie on lines of their scan, all where it has fewer lines than so many:
+    where not all fit, these are asked.
 
     Examples
     --------
@@ -96,13 +99,23 @@ def localize(
     """
     poses: list[Pose] = []
     weights: list[float] = []
+
+    def fit_of_best(
+        points: Sequence[Point], poses: Sequence[Pose], fits: Sequence[float], lines: int
+    ) -> float:
+        best = max(fits, default=0.0)
+        if not poses or best >= 0.93:
+            return best
+        return fit(value, on_lines(points, lines), poses[fits.index(best)])
+
     before, lately, anew, wait, patience, least = None, 0.0, True, 0, 1, 0.93
     for points, odometry in scans:
         if before is not None:
             poses = [moved(pose, before, odometry, rng) for pose in poses]
         fits = [fit(value, points, pose) for pose in poses]
         best, before, wait = max(fits, default=0.0), odometry, wait - 1
-        lately, anew = best if anew else sqrt(lately * best), False  # anew at another place
+        now = fit_of_best(points, poses, fits, 1 if least == 0.8 else 6)
+        lately, anew = now if anew else sqrt(lately * now), False  # anew at another place
         if lately < least and wait <= 0:  # perhaps it is elsewhere
             others = fresh(points, particles)
             there = [fit(value, points, pose) for pose in others]
@@ -110,7 +123,7 @@ def localize(
             if others and share > 0.05:
                 weights = [(1 - share) * w for w in weights] + [share / len(there)] * len(there)
                 poses, fits, patience = poses + others, fits + there, 1
-                lately, anew = lately or max(there), True
+                lately, anew = lately or fit_of_best(points, others, there, 6), True
             wait = patience = patience if poses else 1
         weights = weighed(weights, fits, len(points) / 3)
         yield poses, weights, lately
