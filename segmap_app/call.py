@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from segmap import reduction
 from segmap.arrays import Declared, declared
 
 
@@ -37,6 +39,19 @@ class Call:
     def words(self) -> str:
         """The thresholds as a person reads them."""
         return self.arguments().removeprefix(", ").replace("=", " ").replace("np.", "")
+
+
+def defaults(function: Callable[..., Any]) -> dict[str, Any]:
+    """What is taken of each argument where nobody says anything: of the usual reduction, its own.
+
+    Examples
+    --------
+    >>> defaults(reduction.least_cost)["penalty"]
+    1.0
+    """
+    usual = reduction.METHODS[reduction.USUAL_METHOD].function is function
+    own = {name: each.default for name, each in inspect.signature(function).parameters.items()}
+    return own | (reduction.USUAL_THRESHOLDS if usual else {})
 
 
 def as_read(said: Declared, value: Any) -> Any:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
@@ -21,7 +20,7 @@ from segmap.scans.causes import Cause, Finding
 from segmap.segments import SegmentMap, main_direction
 from segmap.threads import computed
 
-from .call import Call, as_read, called, option_words, preparing, short, with_imports
+from .call import Call, as_read, called, defaults, option_words, preparing, short, with_imports
 from .files import Session, placed_at
 
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
@@ -84,9 +83,9 @@ class MapChoices:
         for (kind, begin), call in zip(BEGIN.items(), calls, strict=False):
             if call.name != usual.get(kind):
                 settings[kind] = call.name
-            said, defaults = declared(call.function), inspect.signature(call.function).parameters
+            said, usual_values = declared(call.function), defaults(call.function)
             for name, value in call.thresholds.items():
-                if value != defaults[name].default:
+                if value != usual_values[name]:
                     settings[begin + name] = as_read(said[name], value)
         held = {"filter": self.least, "seen_through": self.seen_through}
         settings |= {name: value for name, value in held.items() if value}

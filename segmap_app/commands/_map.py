@@ -91,9 +91,9 @@ def add_making(command: log_options.Command) -> None:
     command.add_argument(
         "--method",
         choices=names,
-        default="least_cost",
+        default=reduction.USUAL_METHOD,
         metavar="METHOD",
-        help=f"{', '.join(names)}; default: least_cost",
+        help=f"{', '.join(names)}; default: {reduction.USUAL_METHOD}",
     )
     command.add_argument(
         "--extract",

@@ -10,12 +10,12 @@ import ipywidgets as W
 from traitlets import TraitError
 
 from segmap import alignment, extraction, reduction
-from segmap.arrays import described
+from segmap.arrays import declared, described
 from segmap.files import as_html
 from segmap.panels.controls import ENTRY, control, folded, wrong
 from segmap.scans import Log
 
-from ..call import Call, directions
+from ..call import Call, defaults, directions
 from ..files import Session
 from ..pipeline import BEGIN, MapChoices
 from ._edits import NUMBER_ENTRIES, Edits
@@ -95,9 +95,9 @@ class Choice:
         if (about := self._functions[self.value]) is None:
             return None
         function, varies = about
-        usual = inspect.signature(function).parameters
+        usual = defaults(function)
         values = {name: each.meant() for name, each in self.controls.items()}
-        changed = {k: v for k, v in values.items() if k == varies or v != usual[k].default}
+        changed = {k: v for k, v in values.items() if k == varies or v != usual[k]}
         return Call(self.value, function, changed)
 
     def _chosen(self, change: Any = None) -> None:
@@ -119,9 +119,10 @@ def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
         if parameter.kind is parameter.KEYWORD_ONLY and (made := control(function, name)):
             found[name] = made
     if varies:
-        usual = found.pop(varies).value
+        first = defaults(function)[varies]
+        usual = declared(function)[varies].read(first)
         step, most = usual / SLIDER_STEPS, SLIDER_DEFAULTS * usual
-        moved = control(function, varies, least=step, most=most, step=step)
+        moved = control(function, varies, first, least=step, most=most, step=step)
         moved.style.description_width = ENTRY["description_width"]
         found = {varies: moved, **found}
     return found
@@ -138,7 +139,7 @@ class Choices:
         reductions = {k: (m.function, m.varies) for k, m in reduction.METHODS.items()}
         extractions = {k: (f, "") for k, f in extraction.METHODS.items()}
         self.usual = {"align": "pose_graph", "extract": "extract_polylines"}
-        self.usual |= {"method": "least_cost", "second": NONE}
+        self.usual |= {"method": reduction.USUAL_METHOD, "second": NONE}
         self.align = Choice("alignment", alignments, self.usual["align"])
         self.extract = Choice("extraction", extractions, self.usual["extract"])
         self.method = Choice("method", reductions, self.usual["method"])

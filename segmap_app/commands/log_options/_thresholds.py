@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from segmap.arrays import Declared, Quantity, declared, described
 
+from ...call import defaults
 from ._command import Command
 
 #: A length that may be 0.
@@ -41,11 +42,11 @@ class Threshold(NamedTuple):
 
 def thresholds(function: Callable[..., Any]) -> dict[str, Threshold]:
     """The keywords of a method that are one number, a word of several, or a switch."""
-    said, found = declared(function), {}
+    said, usual, found = declared(function), defaults(function), {}
     for name, parameter in inspect.signature(function).parameters.items():
         own = parameter.kind is parameter.KEYWORD_ONLY and said[name]
         if own and (own.kind in (float, int, bool) or own.words):
-            found[name] = Threshold(own, parameter.default)
+            found[name] = Threshold(own, usual[name])
     return found
 
 
@@ -86,9 +87,12 @@ def _flag(name: str) -> str:
 def chosen_thresholds(
     given: argparse.Namespace, function: Callable[..., Any], prefix: str = ""
 ) -> dict[str, Any]:
-    """The thresholds of a function that were given, in its own units."""
-    found = {}
+    """The thresholds of a function that were given, in its own units, and those of its defaults
+    that are not the function's."""
+    own, found = inspect.signature(function).parameters, {}
     for name, threshold in thresholds(function).items():
+        if threshold.default != own[name].default:
+            found[name] = threshold.default
         value = getattr(given, prefix + name, None)
         if value is not None:
             found[name] = threshold.said.meant(value)
