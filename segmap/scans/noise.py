@@ -83,7 +83,7 @@ def sensor_noise(log: Log) -> SensorNoise:
     --------
     >>> from segmap import load
     >>> print(sensor_noise(load("room")))
-    10.0 mm
+    10.0 mm, in steps of 1 mm
     """
     count = max(min(len(log), LEAST_SCANS), len(log) // ONE_SCAN_OF)
     chosen = np.linspace(0, len(log) - 1, count).astype(int)
