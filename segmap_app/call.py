@@ -49,7 +49,7 @@ def defaults(function: Callable[..., Any]) -> dict[str, Any]:
     >>> defaults(reduction.least_cost)["penalty"]
     1.0
     """
-    usual = reduction.METHODS[reduction.USUAL_METHOD].function is function
+    usual = getattr(reduction, reduction.USUAL_METHOD) is function
     own = {name: each.default for name, each in inspect.signature(function).parameters.items()}
     return own | (reduction.USUAL_THRESHOLDS if usual else {})
 

@@ -10,7 +10,7 @@ import ipywidgets as W
 from traitlets import TraitError
 
 from segmap import alignment, extraction, reduction
-from segmap.arrays import declared, described
+from segmap.arrays import described
 from segmap.files import as_html
 from segmap.panels.controls import ENTRY, control, folded, wrong
 from segmap.scans import Log
@@ -119,8 +119,9 @@ def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
         if parameter.kind is parameter.KEYWORD_ONLY and (made := control(function, name)):
             found[name] = made
     if varies:
+        found.pop(varies)
         first = defaults(function)[varies]
-        usual = declared(function)[varies].read(first)
+        usual = control(function, varies, first).value
         step, most = usual / SLIDER_STEPS, SLIDER_DEFAULTS * usual
         moved = control(function, varies, first, least=step, most=most, step=step)
         moved.style.description_width = ENTRY["description_width"]
