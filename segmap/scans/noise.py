@@ -98,8 +98,9 @@ def sensor_noise(log: Log) -> SensorNoise:
     step = _step(ranges)
     if not known.any():
         return SensorNoise(step / float(np.sqrt(12)), 0.0, step)
-    weight = np.sqrt(np.bincount(np.searchsorted(CLASSES_M, ranges), minlength=len(least)))[known]
-    rows = np.stack([1 / least, MIDDLES_M / least], -1)[known] * weight[:, None]
+    counts = np.bincount(np.searchsorted(CLASSES_M, ranges), minlength=len(least))
+    weight = np.sqrt(counts[known])
+    rows = np.stack([0 * least + 1, MIDDLES_M], -1)[known] * (weight / least[known])[:, None]
     a, b = np.linalg.lstsq(rows, weight, rcond=None)[0]
     if min(a, b) < 0:  # the other one alone
         a, b = (rows.T @ weight / (rows**2).sum(0)) * ([1, 0] if b < 0 else [0, 1])

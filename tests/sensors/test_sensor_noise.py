@@ -50,6 +50,11 @@ def test_a_log_that_tells_nothing_has_the_usual_noise():
     assert sensor_noise(Log("none", [])) == sensor_noise(load("room")[:0]) == SensorNoise()
 
 
+def test_a_laser_without_noise_has_none():
+    """Catches a division by a noise of nothing."""
+    assert sensor_noise(drive(0.0, 0.0)).sigma(5.0) < 1e-4
+
+
 def test_noise_that_grows_invents_no_walls():
     """Catches far points that draw what was seen from near, and chords across jumps."""
     log = drive(0.005, 0.006)
