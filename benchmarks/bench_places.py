@@ -10,7 +10,7 @@ import numpy as np
 
 from segmap import Log, SegmentMap, alignment, build_map, load, quadtree, read, reduction
 from segmap.arrays import Array
-from segmap.matching import localize
+from segmap.matching import localize, localize_ekf
 
 from .measure import SHARED, Row, missing
 
@@ -32,6 +32,8 @@ def rows() -> Iterator[Row]:
         if log is None:
             yield from missing(f"{name}, where is the robot")
             continue
+        if name != "fr079":  # it has no odometry
+            yield Row(f"{name}, Kalman filter on least_cost", kalman(log))
         for kind, map_of in MAPS.items():
             goal = f">= {0.85 if kind == 'quadtree' else 0.9} of right, 0 wrong"
             yield Row(f"{name}, {kind}, own scans", told(map_of(log), every_third(log)), goal)
@@ -73,3 +75,17 @@ def told(map: SegmentMap | quadtree.QuadtreeMap, log: Log) -> str:
     share = f"{hits} of {right.sum()} right found ({hits / max(right.sum(), 1):.2f})"
     far = f", up to {wrong.max():.1f} m off" if len(wrong) else ""
     return f"{share}, {len(log)} asked; {len(wrong)} found wrong{far}"
+
+
+def kalman(log: Log) -> str:
+    """Errors and NEES of the Kalman filter on the log's own walls, and when it says it is lost."""
+    map, start = MAPS["least_cost"](log), np.diag([0.05, 0.05, 0.02]) ** 2
+    states = list(localize_ekf(map, log, log.truth[0], start))
+    off = np.hypot(*(np.array([state.pose for state in states]) - log.truth)[:, :2].T)
+    nees = [state.nees(pose) / 3 for state, pose in zip(states, log.truth, strict=True)]
+    lost = np.array([state.lost for state in states])
+    away = f", {lost[off > 0.5].mean():.2f} of those over 0.5 m off" if (off > 0.5).any() else ""
+    return (
+        f"{off.mean():.3f} m off, at most {off.max():.2f}; NEES/3 {np.median(nees):.2f} in the "
+        f"median, {np.mean(nees):.1f} in the mean; lost at {lost.mean():.2f} of all scans{away}"
+    )

@@ -1,13 +1,15 @@
 """An extended Kalman filter on walls: equal to least squares, consistent, and fooled as it must."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import slow
 
+from segmap import Log, alignment, load, read, reduction
 from segmap.angles import wrap
-from segmap.extraction import extract_polylines
+from segmap.extraction import build_map, extract_polylines
 from segmap.matching import localize_ekf
 from segmap.poses import compose, inverse, transform
 from segmap.segments import SegmentMap, angle, midpoint, point_distance
@@ -37,7 +39,8 @@ def seen(path=PATH, sensor=RING, seed=1, walls=ROOM):
 
 
 def tracked(walls, log, start, spread=SPREAD, **options):
-    return list(localize_ekf(SegmentMap(walls), log, start, spread, **options))
+    exact = {"odometry_noise": OdometryNoise(), "wall_sigma": 0.0}
+    return list(localize_ekf(SegmentMap(walls), log, start, spread, **exact | options))
 
 
 def off(pose, scan, state):
@@ -154,3 +157,33 @@ def test_wheels_and_walls_that_err_make_it_less_sure():
     usual = sureness()
     assert sureness(odometry_noise=OdometryNoise().ideal()) > 2 * usual
     assert 2 * sureness(wall_sigma=0.02) < usual > 2 * sureness(sigma=0.03)
+
+
+def on_real(log, poses):
+    """Errors in metres, NEES and lost at each scan, on the log's own walls."""
+    walls = SegmentMap(reduction.least_cost(build_map(log, poses)).segments)
+    states = list(localize_ekf(walls, log, poses[0], np.diag([0.05, 0.05, 0.02]) ** 2))
+    off = [np.hypot(*(s.pose - p)[:2]) for s, p in zip(states, poses, strict=True)]
+    nees = [s.nees(p) for s, p in zip(states, poses, strict=True)]
+    return np.array(off), np.array(nees), np.array([s.lost for s in states])
+
+
+def test_it_keeps_to_real_walls_and_knows_how_well():
+    """Malaga. Catches a motion without noise across the way, which stays 0.2 m to the side."""
+    log = load("malaga")
+    off, nees, lost = on_real(log, alignment.pose_graph(log).poses)
+    assert off.mean() < 0.05 and np.median(nees) / 3 < 1 and nees.mean() / 3 < 10
+    assert lost.mean() < 0.05
+
+
+def test_it_is_lost_soon_after_it_has_left_the_walls():
+    """Intel, whose wheels slip by metres. Catches a filter that is sure of a wrong place."""
+    path = Path(__file__).resolve().parents[3] / "shared" / "data" / "intel.log.gz"
+    if not path.exists():
+        pytest.skip("the log of Intel lies beside the project and is absent here")
+    log = read(path)[:1000]
+    off, _, lost = on_real(Log("intel", list(log), log.truth), log.truth)
+    begins = np.flatnonzero((off > 0.5) & (np.r_[0.0, off[:-1]] <= 0.5))
+    for k in begins:  # lost, or back on the walls, within ten scans
+        assert lost[k : k + 11].any() or (off[k : k + 11] <= 0.5).any(), k
+    assert len(begins) and lost[off < 0.3].mean() < 0.2

@@ -308,7 +308,7 @@ class PlacePanel(LessonPanel):
 
 
 class KalmanPanel(LessonPanel):
-    """An extended Kalman filter on known walls, that starts beside its place (B 2.2).
+    """An extended Kalman filter on true walls, that starts beside its place.
 
     Blue are the segments of the scan that a wall explains, orange all others, at the pose believed.
     At the right the error of the place after each scan, and twice the deviation that is claimed.
@@ -346,7 +346,7 @@ class KalmanPanel(LessonPanel):
     def _draw(self, figure: Figure) -> None:
         start, k = self.truth[0] + (0, self.off.meant(), 0), self.scan.value
         spread = np.diag([0.1, max(0.1, abs(self.off.meant())), 0.03]) ** 2
-        chosen = self.chosen() | {"odometry_noise": self.noise}
+        chosen = self.chosen() | {"odometry_noise": self.noise, "wall_sigma": 0.0}
         self.states = list(localize_ekf(self.map, self.log, start, spread, **chosen))
         away = np.array([s.pose - t for s, t in zip(self.states, self.truth, strict=True)])[:, :2]
         error = np.hypot(*away.T)

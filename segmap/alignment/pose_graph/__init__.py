@@ -5,8 +5,9 @@ from ._given_poses import poses_compared
 from ._loop_closing import LoopClosing
 from ._merge import merge_graphs
 from ._pose_graph import LiveGraph, Placed, pose_graph
+from ._wheels import Wheels
 
 __all__ = [
-    "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "Tracking", "merge_graphs", "pose_graph",
-    "poses_compared",
+    "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "Tracking", "Wheels", "merge_graphs",
+    "pose_graph", "poses_compared",
 ]  # fmt: skip

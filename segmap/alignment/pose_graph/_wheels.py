@@ -137,6 +137,15 @@ class Wheels(Undoable):
         loose = found.covariance + np.diag([WON_M, WON_M, 0.0]) ** 2
         return replace(found, covariance=loose, overlap=match.overlap)
 
+    def deviations(self) -> Array:
+        """Standard deviations of the motion as these wheels err: place, place and heading."""
+        return min(self._usual(), MOST_WHEEL_FACTOR) * self._ordinary()
+
+    def compare(self, pose: Array) -> None:
+        """Learn how far the motion is off from a pose `(3,)` that walls have fixed."""
+        if math.isfinite(off := self._off(Match(pose, np.eye(3), matched=True))):
+            self.off.append(off)
+
     def _ordinary(self) -> Array:
         """Standard deviations of ordinary wheels in place, place and heading, `(3,)`."""
         place = PLACE_ERROR_M + PLACE_ERROR_M_PER_M * self.way + PLACE_ERROR_M_PER_RAD * self.turn
