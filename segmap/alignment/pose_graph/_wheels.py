@@ -65,8 +65,9 @@ class Wheels(Undoable):
 
     def __init__(self) -> None:
         self.off: list[float] = []  # of each match, in standard deviations of ordinary wheels
-        self.free, self.free_way = False, 0.0  # whether the last match left a direction free, ...
-        self.way = 0.0  # ... and metres to the last key frame since one did not
+        self.free = False  # whether the last match left a direction free
+        self.way = 0.0  # metres since the last key frame, ...
+        self.free_way = 0.0  # ... and up to it since one whose match left none free
         self.begin()
 
     def begin(self) -> None:
