@@ -23,6 +23,7 @@ from segmap import (
     plan,
     quadtree,
     reduction,
+    scans,
     segments,
     simulation,
 )
@@ -124,7 +125,8 @@ GOOD = {
     np.tile((0.05, 0.0, 0.02), (3, 1)), "resolution": 0.05, "rng": rng(), "save.path": "saved.npz",
     "scan": LOG[0], "scans": LOG.scans, "second": WALLS, "seen": WALLS, "segments": WALLS,
     "SegmentMap.scan": np.arange(4), "sensor": simulation.SICK_LMS200, "sensor_xy": PATH[0, :2],
-    "size": 2.56, "start": PATH[0], "through": np.zeros(2), "times": np.array([0.0, 1.0]), "truth":
+    "size": 2.56, "extract_polylines.sensor": scans.SensorNoise(),
+    "start": PATH[0], "through": np.zeros(2), "times": np.array([0.0, 1.0]), "truth":
     PATH, "u": WALLS[0], "v": WALLS[1], "value": 0.5, "rasterize.values":
     np.zeros(len(TREE.leaves().x)), "walls": WALLS, "rasterize.shown":
     np.ones(len(TREE.leaves().x)), "waypoints": PATH[:, :2], "cropped.left": 0.0, "cropped.low":

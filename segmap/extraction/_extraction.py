@@ -352,6 +352,7 @@ def _spread(sensor: SensorNoise | None) -> tuple[float, float]:
     """What the tolerance of a point is more at a range of nothing and with each metre, metres."""
     if sensor is None:
         return 0.0, 0.0
+    arrays.instance(sensor, "sensor", SensorNoise)
     more = MORE_TOLERANCE * (sensor.range_m - USUAL_SIGMA_M)
     return more, MORE_TOLERANCE * sensor.range_share
 

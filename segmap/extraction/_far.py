@@ -19,9 +19,9 @@ FAR_SIGMA_M = 0.02
 #: Nor is a point with no more than so many times the least noise in its square, and beside it.
 FAR_FACTOR = 1.5
 #: Side of the squares, metres.
-SQUARE_M = 0.1
+SEEN_SQUARE_M = 0.1
 #: Squares of one row at most: no coordinate is beyond 1e7 m.
-ROW = 1 << 28
+SQUARES_A_ROW = 1 << 28
 
 
 def without_far_points(log: Log, poses: Array, known: Rows, sensor: SensorNoise) -> Log:
@@ -38,14 +38,14 @@ def without_far_points(log: Log, poses: Array, known: Rows, sensor: SensorNoise)
     places = compose(poses[known], np.array([scan.sensor_pose for scan in scans]))
     x, y, turn = np.repeat(places, sizes, axis=0).T
     squares, of = np.unique(
-        np.rint((x + measured * np.cos(angles + turn)) / SQUARE_M) * ROW
-        + np.rint((y + measured * np.sin(angles + turn)) / SQUARE_M),
+        np.rint((x + measured * np.cos(angles + turn)) / SEEN_SQUARE_M) * SQUARES_A_ROW
+        + np.rint((y + measured * np.sin(angles + turn)) / SEEN_SQUARE_M),
         return_inverse=True,
     )
     least = np.full(len(squares), np.inf)
     np.minimum.at(least, of[valid], sigma[valid])
     around = least.copy()
-    for step in (a * ROW + b for a in (-1, 0, 1) for b in (-1, 0, 1)):
+    for step in (a * SQUARES_A_ROW + b for a in (-1, 0, 1) for b in (-1, 0, 1)):
         beside = np.searchsorted(squares, squares + step) % len(squares)
         near = squares[beside] == squares + step
         around[near] = np.minimum(around[near], least[beside[near]])

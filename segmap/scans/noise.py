@@ -9,6 +9,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..arrays import Array, Quantity, Settings, Share
 from ..poses.motions import between
 from ._scans import LaserScan, Log
@@ -19,8 +20,10 @@ USUAL_SIGMA_M = 0.01
 USUAL_FACTOR = 1.35
 #: A sensor that is so many times noisier than its log, or less, is another; below 1 cm all is one.
 OTHER_FACTOR = 2.0
-#: So many scans are asked, or pairs of scans between which the robot stands; or one of so many.
-LEAST_SCANS, ONE_SCAN_OF = 20, 40
+#: So many scans are asked at least, or pairs of scans between which the robot stands; ...
+LEAST_SCANS = 20
+#: ... and of a long log one of so many.
+ONE_SCAN_OF = 40
 #: Neighbours that are farther apart lie on two things, metres.
 MOST_STEP_M = 0.3
 #: A robot whose wheels moved less stands, metres and radians.
@@ -85,6 +88,7 @@ def sensor_noise(log: Log) -> SensorNoise:
     >>> print(sensor_noise(load("room")))
     10.0 mm, in steps of 1 mm
     """
+    arrays.instance(log, "log", Log)
     count = max(min(len(log), LEAST_SCANS), len(log) // ONE_SCAN_OF)
     chosen = np.linspace(0, len(log) - 1, count).astype(int)
     ranges, errors = _errors_between_neighbours([log.scans[k] for k in chosen])
@@ -95,7 +99,7 @@ def sensor_noise(log: Log) -> SensorNoise:
         sizes = np.fmin(sizes, _sigmas(*_errors_at_rest(log)))
     least = np.fmin.accumulate(sizes[::-1])[::-1]
     known = np.isfinite(least) & (least > 0)
-    step = _step(ranges)
+    step = _range_step(ranges)
     if not known.any():
         return SensorNoise(step / float(np.sqrt(12)), 0.0, step)
     counts = np.bincount(np.searchsorted(CLASSES_M, ranges), minlength=len(least))
@@ -183,7 +187,7 @@ def _sigmas(ranges: Array, errors: Array) -> Array:
     return np.array([robust_sigma(own) if len(own) >= LEAST_BEAMS else np.nan for own in classes])
 
 
-def _step(ranges: Array) -> float:
+def _range_step(ranges: Array) -> float:
     """The largest of the usual steps of which nearly all ranges are multiples, metres, or 0."""
     for step in STEPS_M:
         if (np.abs(ranges / step - np.rint(ranges / step)) < 1e-4).mean() > 0.99:
