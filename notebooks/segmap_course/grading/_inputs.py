@@ -21,7 +21,7 @@ INPUTS = {
         "[7, 1, 5, 2, 11, 14, 4, 19, 13, 3, 12, 8, 16, 15, 10, 0, 6, 18, 17, 9, 20]"
     ),
     "break_viewing_sector": "[0.0, 0.11, 0.0]",
-    "decide_map": '{"A": "doubled", "B": "spread", "C": "tape", "D": "keep"}',
+    "decide_map": '{"A": "keep", "B": "doubled", "C": "spread", "D": "tape"}',
     "decide_plan": '{"P": "circle", "Q": "tape", "R": "keep"}',
     "decide_match": '{"P": "keep", "Q": "next", "R": "hidden", "S": "across"}',
     "decide_floor": "dict(A='a wall', B='missed %', C='a wall', D='off [mm]', E='a wall', "

@@ -278,8 +278,10 @@ def test_untouched_controls_are_the_defaults(name):
     assert set(made.call().thresholds) == {*filter(None, [method.varies])}
     sliders = [key for key, c in made.controls.items() if isinstance(c, W.FloatSlider)]
     assert sliders == [*filter(None, [method.varies])] == list(made.controls)[: len(sliders)]
-    usual = signature(method.function).parameters
-    assert all(c.meant() == usual[key].default for key, c in made.controls.items())
+    usual = {key: one.default for key, one in signature(method.function).parameters.items()}
+    if name == reduction.USUAL_METHOD:
+        usual |= reduction.USUAL_THRESHOLDS
+    assert all(c.meant() == usual[key] for key, c in made.controls.items())
 
 
 def test_thresholds_are_shown_where_they_are_asked_for():

@@ -117,11 +117,11 @@ ANSWERS = {
         ],
     ),
     "decide_map": (
-        {"A": "doubled", "B": "spread", "C": "tape", "D": "keep"},
+        {"A": "keep", "B": "doubled", "C": "spread", "D": "tape"},
         [
-            ({"A": "keep", "B": "spread", "C": "tape", "D": "tape"}, "A is not the one to keep"),
-            ({"A": "tape", "B": "tape", "C": "tape", "D": "keep"}, "B: 'tape' does not speak"),
-            ({"A": "keep", "B": "keep", "C": "tape", "D": "keep"}, "keep one, and refuse"),
+            ({"A": "tape", "B": "tape", "C": "spread", "D": "keep"}, "D is not the one to keep"),
+            ({"A": "keep", "B": "tape", "C": "tape", "D": "tape"}, "C: 'tape' does not speak"),
+            ({"A": "keep", "B": "keep", "C": "spread", "D": "keep"}, "keep one, and refuse"),
             ({"D": "keep"}, "name each of A, B, C, D"),
             (["D"], "decide first"),
         ],
