@@ -41,7 +41,7 @@ def visits(monkeypatch):
 def test_only_what_changed_is_looked_at_again(visits):
     """Catches rounds in which each segment looks at all beside it to learn that nothing changed."""
     least_cost(malaga().segments[:200])
-    assert 0 < sum(visits) < 15 * 200  # 44 times where each round looks at all
+    assert 0 < sum(visits) < 14 * 200  # 44 times where each round looks at all
 
 
 @pytest.mark.parametrize("count", [25, 50, 100, 200])
@@ -51,7 +51,7 @@ def test_of_many_looks_at_a_wall_those_are_tried_that_may_stand_for_an_output(vi
     along, across = rng.uniform(0, 1, (count, 1)) + [0, 1.0], rng.normal(0, 0.02, (count, 2))
     outputs = least_cost(np.stack([along, across], -1))
     pairs = count * (count - 1) / 2  # those that lie side by side, once
-    assert pairs < sum(visits) < pairs + 10 * count * len(outputs)  # 14 where each look is tried
+    assert pairs < sum(visits) < pairs + 4 * count * len(outputs)  # 14 where each look is tried
 
 
 @given(st.integers(0, 10_000), st.sampled_from([0.01, 0.05, 0.3]))

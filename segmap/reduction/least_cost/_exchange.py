@@ -35,7 +35,7 @@ from ._fit_kernels import (
 #: three buildings with and without the filter, no more is missed or invented at qualities of 0.9,
 #: 0.85 and 0.8 than by segment similarity, the best of the others.
 MISSED = 0.075
-#: So many of an output's members, the longest, are tried as outputs.
+#: So many of an output's members, the longest, are tried in its place.
 CANDIDATES = 8
 #: Rounds at most.
 MOST_EXCHANGE_ROUNDS = 6
@@ -250,13 +250,21 @@ def _close_all(state: State, limits: Limits) -> None:
 
 
 @compiled
-def _exchange(state: State, h: int, limits: Limits) -> int:
-    """Open output h, and close all that lose less than the penalty then.
+def _exchange(state: State, f: int, h: int, limits: Limits) -> int:
+    """Open output h in the place of f, and close all that lose less than the penalty then.
 
-    Returns the number that is free: h again where none closes, or the sum does not fall.
+    Returns the number that is free: h again where f would stay, or the sum does not fall.
     """
     cost, offer, near, beside = state.cost, state.offer, state.lists[2], state.lists[3]
-    penalty, gain, others = limits.penalty, -limits.penalty, 0
+    penalty, gain, others, loss = limits.penalty, -limits.penalty, 0, 0.0
+    i = state.ring[len(offer) + f, 0]
+    while i < len(offer) and loss <= penalty + EQUAL:
+        most = cost[i, 1]
+        value = assignment_cost(state.s, state.d, i, state.line, state.about, h, limits, most)
+        loss += max(min(value, most) - cost[i, 0], 0.0)
+        i = state.ring[i, 0]
+    if rounded(loss) >= penalty:
+        return h
     count = meeting(state.inputs, state.line[h], HARD * limits.distance, near)
     for k in range(count):
         i, most = near[k], cost[near[k], 1]
@@ -297,7 +305,7 @@ def _exchange(state: State, h: int, limits: Limits) -> int:
 
 @compiled
 def _exchange_all(state: State, part: Indices, free: int, limits: Limits) -> int:
-    """Try the longest members of some outputs as outputs; the number that is free then.
+    """Try the longest members of some outputs in their place; the number that is free then.
 
     An output is tried again when its members, or what they lose, have changed.
     """
@@ -315,5 +323,5 @@ def _exchange_all(state: State, part: Indices, free: int, limits: Limits) -> int
         for i in candidates[0]:
             if i >= 0 and h == free:
                 _copy(state, state.s[i], h)
-                free = _exchange(state, h, limits)
+                free = _exchange(state, f, h, limits)
     return free

@@ -270,7 +270,7 @@ def exchanged(
                 if h == free:
                     line = inputs[i]
                     offer = charges(inputs, line, limits)
-                    free = exchange(outputs, h, line, offer, penalty)
+                    free = exchange(outputs, f, h, line, offer, penalty)
         if summed(ranks(outputs), outputs, penalty) >= before * (1 - FALL):
             break
     lines = {f: line for f, (line, _) in outputs.items()}
@@ -357,12 +357,16 @@ def close_all(outputs: Outputs, penalty: float) -> None:
         del outputs[f]
 
 
-def exchange(outputs: Outputs, h: int, line: Segment, offer: list[float], penalty: float) -> int:
-    """Open a line as output h, and close all that lose less than the penalty then.
+def exchange(
+    outputs: Outputs, f: int, h: int, line: Segment, offer: list[float], penalty: float
+) -> int:
+    """Open a line as output h in the place of f, and close all that lose less than the penalty.
 
-    The number that is free then: h again where none closes, or the sum does not fall.
+    The number that is free then: h again where f would stay, or the sum does not fall.
     """
     ranked = ranks(outputs)
+    if loss(ranked, f, offer) >= penalty:
+        return h
     pairs = zip(ranked, offer, strict=True)
     others = {at for ((_, at), (second, _)), cost in pairs if cost < second}
     gain = sum(max(r[0][0] - cost, 0.0) for r, cost in zip(ranked, offer, strict=True)) - penalty
