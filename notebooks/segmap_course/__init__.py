@@ -1,4 +1,4 @@
-"""What only the chapters need: exercises, lesson panels and drawings, and the theses' results.
+"""What only the chapters need: exercises, panels, drawings, what moves; the theses' results.
 
 `check_<name>(my_<name>)` compares a function with the library's and answers with a hint. All names
 load together when the first is asked for, so that `literal` alone needs neither panel nor drawing.
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from ._names import *
 
 #: What `from segmap_course import ...` loads by itself.
-_PACKAGES = "drawings", "exercises", "grading", "literal", "panels"
+_PACKAGES = "drawings", "exercises", "figures", "grading", "literal", "panels"
 
 
 def __getattr__(name: str) -> Any:

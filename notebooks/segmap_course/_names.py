@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import drawings, panels
+from . import drawings, figures, panels
 from ._conclusions import conclusions, density, filter_change
 from ._explore import Explored, drive_to_frontiers, explore, floor_of
 from ._found_lines import (
@@ -159,6 +159,7 @@ from .exercises.surveyed import (
     check_pose_covariance,
     check_verdict,
 )
+from .figures import *
 from .panels import *
 
 __all__ = [
@@ -182,7 +183,7 @@ __all__ = [
     "check_scan_score", "check_tape_scale", "check_unwrapped", "check_verdict", "check_weighed",
     "circle_in", "compare_with_walls", "conclusions", "corridor_walk", "decide_claims",
     "decide_floor", "decide_map", "decide_match", "decide_plan", "decide_way", "density",
-    "drawings", "drive_to_frontiers", "explore", "filter_change", "floor_of",
+    "drawings", "drive_to_frontiers", "explore", "figures", "filter_change", "floor_of",
     "four_matches", "heading_profile", "known_building", "landscape", "load_columns", "load_trials",
     "near_metres", "occupied_centres", "office_views", "panels", "peaks",
     "precision_and_recall", "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves",
@@ -194,6 +195,7 @@ __all__ = [
     "visible_walls", "wall_errors", "within_thesis",
 ]  # fmt: skip
 __all__ += drawings.__all__
+__all__ += figures.__all__
 __all__ += panels.__all__
 
 #: Name of each exercise -> its check.

@@ -18,8 +18,8 @@ from refresh import tidy
 NOTEBOOKS = Path(__file__).resolve().parents[1]
 SYLLABUS, README = NOTEBOOKS / "SYLLABUS.md", NOTEBOOKS.parent / "README.md"
 START = NOTEBOOKS / "00_start_here.ipynb"
-#: Words a minute; minutes for a cell of code with what it shows, for a panel to play with, for a
-#: function to be written, for an open exercise (a prediction, a counter-example, an own log).
+#: Words a minute; minutes for a cell of code with what it shows, for a panel or a figure to drag,
+#: for a function to be written, for an open exercise (a prediction, a counter-example, an own log).
 SPEED, CELL, PANEL, FUNCTION, OPEN = 120, 0.75, 5, 20, 15
 #: A row that links to chapters, and ends with minutes.
 ROW = re.compile(r"^(\|.*\d\d_\w+\.ipynb\).*\| )(\d+) \|$", re.MULTILINE)
@@ -74,7 +74,7 @@ def chapter(path: Path) -> Chapter:
         "".join(SHOWS.findall("".join(cells[0]["source"]))),
         len(re.findall(r"[^\s|]*\w[^\s|]*", text)),
         len(code),
-        len(re.findall(r"^\w+ = (?:\w+\.)?(?:\w+Panel|Workbench)\(", joined, re.MULTILINE)),
+        len(re.findall(r"^\w+ = (?:\w+\.)?(?:\w+Panel|Workbench|Drag\w+)\(", joined, re.MULTILINE)),
         len(re.findall(r"^course\.check_(?!own_log)\w+\(", joined, re.MULTILINE)),
         len(
             re.findall(

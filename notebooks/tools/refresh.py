@@ -14,12 +14,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import matplotlib.image
 import nbformat
 from book.alt_texts import alt_text
 from nbclient import NotebookClient
 from nbformat import NotebookNode
-from PIL import Image
+from PIL import Image, ImageSequence
 from PIL.Image import Resampling
 
 VIEW = "application/vnd.jupyter.widget-view+json"
@@ -45,6 +44,9 @@ MOST_PICTURE_BYTES, MOST_CHAPTER_BYTES = 30_000, 198_000
 README_TAG = "readme-picture"
 #: Cells with this tag only hold the text to what it says: JupyterLab shows them folded.
 GUARD_TAG = "guard"
+#: The output of a cell with this tag answers a prediction: JupyterLab shows it folded, until it
+#: runs.
+REVEAL_TAG = "reveal"
 README_PICTURE = Path("pictures/malaga.png")
 
 
@@ -68,6 +70,8 @@ def tidy(notebook: NotebookNode) -> NotebookNode:
         cell.metadata = NotebookNode({"tags": tags} if tags else {})
         if GUARD_TAG in (tags or []):
             cell.metadata["jupyter"] = {"source_hidden": True}
+        if REVEAL_TAG in (tags or []):
+            cell.metadata["jupyter"] = {"outputs_hidden": True}
         cell.id = _cell_id(cell, used)
     for number, output in enumerate(_outputs_with(notebook, VIEW)):
         output.data[VIEW]["model_id"] = f"{number:032x}"
@@ -88,7 +92,8 @@ def fit_pictures(notebook: NotebookNode) -> None:
     """Give, in place, each picture the finest of `SIZES` with which it and the chapter fit.
 
     Figures come with two dots for each dot on the page (`plotting.sharp_figures`). What is too
-    large loses colours and then dots; in a chapter that is too large, all pictures alike.
+    large loses colours and then dots; in a chapter that is too large, all pictures alike. A film
+    is stored as it is: what draws it has made it small.
     """
     fitted = [_Fitted(output) for output in _pictures(notebook)]
     for one in fitted:
@@ -106,10 +111,13 @@ class _Fitted:
         known = output.metadata.setdefault("image/png", NotebookNode())
         sharp = "width" in known  # else it has one dot for each on the page
         self.output, self.sizes = output, [size for size in SIZES if sharp or size[0] == 1.0]
-        self.drawn = Image.open(io.BytesIO(base64.b64decode(output.data["image/png"])))
+        self.drawn = opened(output.data["image/png"])
         width, height = self.drawn.size
         output.metadata["image/png"] = NotebookNode(width=width, height=height) | known
-        self.store_smaller()
+        if is_film(self.drawn):
+            self.sizes, self.bytes = [], len(base64.b64decode(output.data["image/png"]))
+        else:
+            self.store_smaller()
 
     def store_smaller(self) -> None:
         """Store the next size."""
@@ -139,9 +147,25 @@ def keep_pictures(notebook: NotebookNode, stored: NotebookNode) -> None:
 
 
 def pixels(picture: str) -> bytes:
-    """Digest of size and pixels of a PNG in base64, whatever its compression and metadata."""
-    image = matplotlib.image.imread(io.BytesIO(base64.b64decode(picture)))
-    return hashlib.sha256(repr(image.shape).encode() + image.tobytes()).digest()
+    """Digest of size and pixels of a PNG in base64, whatever its compression and metadata.
+
+    Of a film, each frame and how long it is shown.
+    """
+    digest, image = hashlib.sha256(), opened(picture)
+    for frame in ImageSequence.Iterator(image):
+        digest.update(repr((frame.size, frame.info.get("duration"))).encode())
+        digest.update(frame.convert("RGBA").tobytes())
+    return digest.digest()
+
+
+def opened(picture: str) -> Image.Image:
+    """A PNG in base64 as an image; a film has several frames."""
+    return Image.open(io.BytesIO(base64.b64decode(picture)))
+
+
+def is_film(image: Image.Image) -> bool:
+    """Whether a picture moves."""
+    return getattr(image, "n_frames", 1) > 1
 
 
 def readme_picture(notebook: NotebookNode) -> str | None:

@@ -7,6 +7,7 @@ import nbformat
 import pytest
 from chapter_rules import CHAPTERS, ROOT
 from conftest import later
+from segmap_course import FIGURE_MIME
 
 sources, citations, api = later("book.sources"), later("book.citations"), later("book.api")
 extension, commands = later("book.extension"), later("book.commands")
@@ -54,10 +55,12 @@ def test_a_chapter_is_adapted(path):
     before = nbformat.read(path, as_version=4)
     chapter = sources.read_chapter(path, {})
     assert all("old" not in said for said in chapter.complaints)
-    assert len(chapter.complaints) == str(before).count(f"'{sources.VIEW}'")
+    panels = str(before).count(f"'{sources.VIEW}'") - str(before).count(f"'{FIGURE_MIME}'")
+    assert len(chapter.complaints) == panels
     after = chapter.notebook
     shown = [cell for cell in before.cells if "guard" not in cell.metadata.get("tags", [])]
     assert sources.VIEW not in str(after) and len(after.cells) == len(shown)
+    assert FIGURE_MIME not in str(after)
     code = [cell for cell in after.cells if cell.cell_type == "code" and cell.source.strip()]
     assert all("hide-input" in cell.metadata.tags for cell in code)
 
@@ -78,6 +81,42 @@ def test_a_panel_becomes_a_slider_of_its_states(tmp_path):
     assert "object-position: 0 100%" in html and 'max="1" value="1"' in html
     stale = sources.read_chapter(path, {"54_fusion-1": ["tolerance 0.04 m: 3 left"]})
     assert stale.complaints == ["54_fusion: pictures of panel 1 are old: make panels"]
+
+
+def in_the_new_form(path):
+    """A chapter with a prediction, its answer and a figure to drag, twice; as the book has it."""
+    new = nbformat.v4
+    figure = {"text/plain": "DragScan(<3)", "image/png": "a", sources.VIEW: {}}
+    figure[FIGURE_MIME] = {"module": "scan_on_scan", "state": '{"pose":[1,2]}'}
+    shown = [new.new_output("display_data", data=data) for data in (figure, {"text/plain": "4"})]
+    cells = [
+        new.new_markdown_cell("# 97 A try\n\n**How many?**"),
+        new.new_code_cell("predicted = None  # steps", metadata={"tags": ["predict"]}),
+        *(new.new_code_cell("figure", outputs=shown[:1]) for _ in range(2)),
+        new.new_code_cell("answer", outputs=shown[1:], metadata={"tags": ["reveal"]}),
+        new.new_markdown_cell("## Summary\n\nIt is\n`few`.\n\nNext: nothing."),
+    ]
+    for number, cell in enumerate(cells[1:-1]):
+        cell.execution_count = number + 1
+    nbformat.write(new.new_notebook(cells=cells), path)
+    return sources.read_chapter(path, {})
+
+
+def test_a_chapter_in_the_new_form_asks_and_folds(tmp_path):
+    """Catches an answer that is seen at once, a module twice on a page, a state that is lost."""
+    (tmp_path / "notebooks").mkdir()
+    (tmp_path / "_static").mkdir()
+    chapter = in_the_new_form(tmp_path / "notebooks" / "97_a_try.ipynb")
+    _, asked, first, second, answer, _ = chapter.notebook.cells
+    assert chapter.complaints == [] and asked.cell_type == "markdown"
+    assert '<input type="number"' in asked.source and "> steps</label>" in asked.source
+    assert {"hide-output", "hide-input"} <= set(answer.metadata.tags)
+    first, second = (cell.outputs[0].data["text/html"] for cell in (first, second))
+    assert 'id="figure-scan_on_scan">' in first and "<script" not in second
+    assert "function measure" in first and "DragScan(&lt;3)" in second
+    assert 'data-state="{&quot;pose&quot;:[1,2]}"' in second
+    sources.write_summaries(tmp_path)  # what the search shows is the claim, and not the question
+    assert '"It is few."' in (tmp_path / "_static" / "summaries.js").read_text()
 
 
 def test_what_a_chapter_lacks_is_told(tmp_path):

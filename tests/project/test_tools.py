@@ -90,6 +90,35 @@ def test_a_picture_with_the_same_pixels_stays(stored, kept):
     assert (notebook.cells[0].outputs[0].data["image/png"] == stored) is kept
 
 
+def film(*levels, milliseconds=500):
+    """A film whose frames have these levels of red, in base64; the still picture is the last."""
+    target, frames = io.BytesIO(), [Image.new("RGB", (40, 30), (level, 0, 0)) for level in levels]
+    shown = {"save_all": True, "append_images": frames, "default_image": True, "loop": 2}
+    frames[-1].save(target, "PNG", duration=milliseconds, **shown)
+    return base64.b64encode(target.getvalue()).decode()
+
+
+def test_a_film_is_stored_as_it_is():
+    """Catches a film that becomes its first frame, and one that is thought to be another."""
+    notebook, moving = notebook_of("1"), film(1, 2, 3)
+    notebook.cells[0].outputs = showing(moving).cells[0].outputs
+    refresh.fit_pictures(notebook)
+    assert notebook.cells[0].outputs[0].data["image/png"] == moving
+    others = [film(1, 2, 3), film(2, 1, 3), film(1, 2, 3, milliseconds=900), film(1, 3)]
+    alike = [refresh.pixels(other) == refresh.pixels(moving) for other in others]
+    assert alike == [True, False, False, False]  # all have the same still picture
+
+
+def test_an_answer_is_folded_and_no_other_cell():
+    """Catches a chapter that shows its answer when it is opened."""
+    notebook = notebook_of("1", "2", "3")
+    for cell, tag in zip(notebook.cells, ("reveal", "guard", "predict"), strict=True):
+        cell.metadata = {"tags": [tag], "collapsed": True}
+    tidy = refresh.tidy(notebook)
+    folded = [cell.metadata.get("jupyter") for cell in tidy.cells]
+    assert folded == [{"outputs_hidden": True}, {"source_hidden": True}, None]
+
+
 def drawn(noise, shape=(300, 400)):
     """An output with a smooth picture, and noise that does not compress."""
     slope = np.add.outer(*map(np.arange, shape)) % 256 // 16 * 16

@@ -7,6 +7,7 @@ from ._alignments import (
     draw_frames,
     draw_icp_step,
     draw_odometry_comparison,
+    draw_scans,
     draw_uncertainty,
 )
 from ._buildings import draw_buildings, draw_threshold
@@ -38,6 +39,7 @@ __all__ = [
     "draw_centres", "draw_classes", "draw_climb", "draw_distance_terms", "draw_field",
     "draw_frames", "draw_frontiers", "draw_growth", "draw_icp_step", "draw_labels",
     "draw_landscape", "draw_marked", "draw_merge", "draw_normals", "draw_odometry_comparison",
-    "draw_plan", "draw_profile", "draw_ray", "draw_strip", "draw_threshold", "draw_trade_off",
-    "draw_trials", "draw_uncertainty", "label_axes", "mark_places", "set_ticks", "write_names",
+    "draw_plan", "draw_profile", "draw_ray", "draw_scans", "draw_strip", "draw_threshold",
+    "draw_trade_off", "draw_trials", "draw_uncertainty", "label_axes", "mark_places", "set_ticks",
+    "write_names",
 ]  # fmt: skip

@@ -100,6 +100,42 @@ def draw_icp_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = No
     return map_axes(ax)
 
 
+def draw_scans(
+    first: ArrayLike,
+    second: ArrayLike,
+    pose: ArrayLike,
+    *,
+    ax: Axes | None = None,
+    pulls: ArrayLike = (),
+    view: ArrayLike | None = None,
+) -> Axes:
+    """Draw the first scan in grey, the second at a pose in blue with its robot, pulls in orange.
+
+    Scans are points `(n, 2)` and `(m, 2)`; a pull leads from a point to its partner, `(k, 2, 2)`.
+    A view is left, low, right and top, metres; by default all that is drawn.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_scans([(0, 1), (1, 1)], [(0, 1)], (0.5, 0, 0), ax=Figure().subplots())
+    >>> ax.lines[1].get_xydata().tolist()
+    [[0.5, 1.0]]
+    """
+    ax, (x, y, turn) = axes_or_new(ax), arrays.pose(pose)
+    ax.plot(*arrays.points(first, "first").T, ".", color=RAW, markersize=5, markeredgewidth=0)
+    pairs = np.reshape(np.asarray(pulls, float), (-1, 2, 2))
+    ax.add_collection(LineCollection(list(pairs), colors=ERROR, linewidths=0.8))
+    placed = transform((x, y, turn), arrays.points(second, "second"))
+    ax.plot(*placed.T, ".", color=RESULT, markersize=4, markeredgewidth=0)
+    ax.plot([x, x + 0.35 * np.cos(turn)], [y, y + 0.35 * np.sin(turn)], color=RESULT)
+    ax.plot([x], [y], "o", color=RESULT, markersize=7)
+    map_axes(ax)
+    if view is not None:
+        left, low, right, top = np.asarray(view, float)
+        ax.set(xlim=(left, right), ylim=(low, top))
+    return ax
+
+
 def draw_uncertainty(match: Match, *, ax: Axes | None = None) -> Axes:
     """Draw where a matched scan may be: the ellipse of two standard deviations in x and y.
 

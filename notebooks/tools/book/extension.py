@@ -63,6 +63,9 @@ def _block(self: Any, node: nodes.math_block) -> None:
 
 
 def _open(self: Any, node: nodes.Element) -> None:
+    if "below-input" in node["classes"]:  # the output of a cell that answers a prediction
+        self.body.append('<details class="reveal"><summary>Show the answer</summary>\n')
+        return
     lines = node.astext().count("\n") + 1
     unfolded = "" if lines > LONG else " open"
     counted = "1 line" if lines == 1 else f"{lines} lines"

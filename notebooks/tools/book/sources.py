@@ -17,6 +17,7 @@ from nbformat import NotebookNode
 
 from segmap.readers._formats import names_of_formats
 
+from . import new_form
 from .alt_texts import stored_alt
 from .citations import with_links
 from .code_map import code_map
@@ -112,6 +113,7 @@ def read_chapter(path: Path, states: dict[str, list[str]]) -> Chapter:
             cell.metadata["tags"] = [*cell.metadata.get("tags", []), "hide-input"]
             if alt := stored_alt(cell):
                 cell.metadata["mystnb"] = {"image": {"alt": alt}}
+    new_form.adapt_cells(notebook)
     complaints += _replace_panels(notebook, path.stem, states)
     return Chapter(notebook, complaints)
 
@@ -172,8 +174,9 @@ def write_summaries(folder: Path) -> None:
     """A script with one sentence for each page, which the search shows below the name of a page."""
     said = {}
     for path in sorted((folder / "notebooks").glob("*.ipynb")):
-        first = nbformat.read(path, as_version=4).cells[0].source
-        claim = first.partition("\n\n")[2].partition("\n\n")[0]
+        notebook = nbformat.read(path, as_version=4)
+        first = notebook.cells[0].source
+        claim = new_form.claim(notebook) or first.partition("\n\n")[2].partition("\n\n")[0]
         said[f"notebooks/{path.stem}"] = re.sub(r"\[([^]]*)\]\([^)]*\)|[*`$\\]", r"\1", claim)
     for path in (folder / "api").glob("*.rst"):
         said[f"api/{path.stem}"] = f"API: every public name of {path.stem}"

@@ -1,0 +1,15 @@
+"""What moves in a chapter: figures to drag, films, and a prediction beside its answer.
+
+A figure to drag is a class here and an ES module beside it; `drag.js` is what all modules share. A
+new one takes both: see `DragFigure`.
+"""
+
+from ._drag_figure import FIGURE_MIME, DragFigure, module_text
+from ._film import Film, film
+from ._prediction import Comparison, compare_prediction
+from ._scan_on_scan import DragScan
+
+__all__ = [
+    "FIGURE_MIME", "Comparison", "DragFigure", "DragScan", "Film", "compare_prediction", "film",
+    "module_text",
+]  # fmt: skip

