@@ -23,7 +23,7 @@ SPREAD := -n $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)') --dist
 # as their pictures. Students work in copies: what they save changes nothing that is tracked.
 LAB = JUPYTER_CONFIG_PATH="$(CURDIR)/notebooks/tools/jupyter$${JUPYTER_CONFIG_PATH:+:$$JUPYTER_CONFIG_PATH}" \
 	$(RUN) -m jupyterlab --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) \
-	$(if $(filter 0,$(shell id -u)),--allow-root) --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/work/00_start_here.ipynb
+	$(if $(filter 0,$(shell id -u)),--allow-root) --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/work/01_start_here.ipynb
 # Without a display the address is printed, and served until Control-C.
 BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no-browser)
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
@@ -53,7 +53,7 @@ app: .venv/segmap-for-app $(WARM) ## set up, then serve the workbench as a page 
 wheel: $(SETUP) ## write the wheel into dist/, for machines without a clone
 	$(RUN) -m hatchling build -t wheel -d dist
 
-handout: .venv/segmap-for-grading ## an assignment for nbgrader in build/course (ARGS="--chapters 34,54", DIR=...)
+handout: .venv/segmap-for-grading ## an assignment for nbgrader in build/course (ARGS="--chapters 07,17", DIR=...)
 	$(RUN) -m segmap_course handout $(or $(DIR),build/course/lab1) $(ARGS)
 
 test: $(SETUP) $(WARM) $(ALONE) ## set up, then prove it: style, types, tests, examples and every chapter
@@ -141,7 +141,7 @@ $(WARM): .venv/segmap-for-lab $(SOURCES)
 	@$(if $(KERNELS),mkdir -p $(dir $(KERNELS)) && find segmap -name '*.nb[ci]' | tar -cf $(KERNELS) -T -)
 	@touch $@
 
-# Lab opens when what chapter 00 needs is compiled. The rest is compiled behind it, which Control-C
+# Lab opens when what chapter 01 needs is compiled. The rest is compiled behind it, which Control-C
 # leaves alone: it ends by itself within a minute.
 $(STARTED): .venv/segmap-for-lab $(SOURCES)
 	@$(if $(KERNELS),test ! -f $(KERNELS) || tar -xf $(KERNELS))

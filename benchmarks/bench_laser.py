@@ -60,7 +60,7 @@ def live(scans: int, *, loops: bool = False) -> Iterator[Row]:
 
 
 class Measured(LivePanel):
-    """The panel of chapter 71, which notes how long each whole step takes, seconds."""
+    """The panel of chapter 29, which notes how long each whole step takes, seconds."""
 
     def __init__(self, source: UrgSensor, **settings: Any) -> None:
         self.steps: list[float] = []

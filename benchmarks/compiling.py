@@ -2,7 +2,7 @@
 
     python -m benchmarks.compiling                      all kernels, starting with an empty cache
     python -m benchmarks.compiling reduction matching   what these rooms need
-    python -m benchmarks.compiling --chapter 00         what a chapter needs
+    python -m benchmarks.compiling --chapter 01         what a chapter needs
 
 A kernel is charged for itself and for the library functions that numba compiles on its behalf (the
 sort inside it, say), not for the kernels that it calls. The last line is the sum.
@@ -111,7 +111,7 @@ def measure(calls: Iterator[Callable[[], object]]) -> tuple[list[Compilation], l
 def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser("python -m benchmarks.compiling", description=__doc__)
     parser.add_argument("rooms", nargs="*")
-    parser.add_argument("--chapter", help="its number, such as 00")
+    parser.add_argument("--chapter", help="its number, such as 01")
     parser.add_argument("--cache", help="a folder to use as cache; by default a new, empty one")
     parser.add_argument("--kept", action="store_true", help="use the cache that is always used")
     parser.add_argument("--json", action="store_true", help="print sum, count and longest call")

@@ -244,6 +244,6 @@ def chapters_folder() -> Path:
     """The folder of the chapters: in a wheel inside the package, in a clone beside it."""
     package = Path(__file__).parent
     for folder in (package / "notebooks", package.parent / "notebooks"):
-        if (folder / "00_start_here.ipynb").is_file():
+        if (folder / "01_start_here.ipynb").is_file():
             return folder
     raise FileNotFoundError("the chapters are missing: install segmap again")

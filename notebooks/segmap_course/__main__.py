@@ -48,7 +48,7 @@ def parser() -> argparse.ArgumentParser:
     handed = commands.add_parser("handout", help=words)
     words = "a name for the assignment, in a course folder of nbgrader: robotics/lab1"
     handed.add_argument("folder", metavar="COURSE/LAB", type=Path, help=words)
-    handed.add_argument("--chapters", default="", metavar="34,54", help="default: all")
+    handed.add_argument("--chapters", default="", metavar="07,17", help="default: all")
     handed.add_argument(
         "--seed", type=whole, metavar="N", help="of the hidden cases; default: 128 bits, drawn"
     )

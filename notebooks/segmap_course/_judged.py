@@ -102,7 +102,7 @@ def _weighed(
     return Weighed(best.value, best.hidden, max(elsewhere), best.wall_across())
 
 
-#: Ways K to N over the map of chapter 69, from where the robot stands to (2, 7): corners, metres.
+#: Ways K to N over the map of chapter 61, from where the robot stands to (2, 7): corners, metres.
 FOUR_WAYS = {
     name: np.array([(9.77, 3.28), *corners, (2.0, 7.0)])
     for name, corners in {

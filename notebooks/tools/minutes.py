@@ -1,5 +1,5 @@
 """What chapters show and how long they take, as their own cells say, written into the syllabus,
-the README and chapter 00 by `.venv/bin/python notebooks/tools/minutes.py`.
+the README and chapter 01 by `.venv/bin/python notebooks/tools/minutes.py`.
 
 Words by the speed of a second-language reader of technical text, cells and answers at fixed
 minutes. A table of these is an estimate to plan a lab with, and no measurement of students.
@@ -17,12 +17,12 @@ from refresh import tidy
 
 NOTEBOOKS = Path(__file__).resolve().parents[1]
 SYLLABUS, README = NOTEBOOKS / "SYLLABUS.md", NOTEBOOKS.parent / "README.md"
-START = NOTEBOOKS / "00_start_here.ipynb"
+START = NOTEBOOKS / "01_start_here.ipynb"
 #: Words a minute; minutes for a cell of code with what it shows, for a panel or a figure to drag,
 #: for a function to be written, for an open exercise (a prediction, a counter-example, an own log).
 SPEED, CELL, PANEL, FUNCTION, OPEN = 120, 0.75, 5, 20, 15
 #: A row that links to chapters, and ends with minutes.
-ROW = re.compile(r"^(\|.*\d\d_\w+\.ipynb\).*\| )(\d+) \|$", re.MULTILINE)
+ROW = re.compile(r"^(\|.*\d\d[ab]?_\w+\.ipynb\).*\| )(\d+) \|$", re.MULTILINE)
 BEGIN, END = "<!-- minutes: begin -->", "<!-- minutes: end -->"
 #: The last line of the first cell of a chapter; and between which lines all of them are listed.
 SHOWS = re.compile(r"^\*What it shows: (.*)\.\*$", re.MULTILINE)
@@ -86,7 +86,7 @@ def chapter(path: Path) -> Chapter:
 
 def all_chapters() -> list[Chapter]:
     """Every chapter, in order."""
-    return [chapter(path) for path in sorted(NOTEBOOKS.glob("[0-9][0-9]_*.ipynb"))]
+    return [chapter(path) for path in sorted(NOTEBOOKS.glob("[0-9]*_*.ipynb"))]
 
 
 def table(chapters: list[Chapter]) -> str:
@@ -116,7 +116,7 @@ def written(text: str, chapters: list[Chapter]) -> str:
 
 def files(row: str) -> list[str]:
     """The chapters that a row of a table links to."""
-    return re.findall(r"\((\d\d_\w+\.ipynb)\)", row)
+    return re.findall(r"\((\d\d[ab]?_\w+\.ipynb)\)", row)
 
 
 def stated(text: str) -> list[tuple[list[str], int]]:
@@ -133,11 +133,12 @@ def listed(text: str, chapters: list[Chapter]) -> str:
 def listed_by_part(text: str, chapters: list[Chapter]) -> str:
     """A text beside the folder of the chapters, with a row of numbers for each part."""
     rows = ""
-    for digit, part in PARTS.items():
+    for part in PARTS:
         own = [
-            f'[{c.title[:2]}](notebooks/{c.file} "{c.title[3:]}")'
+            f'[{number}](notebooks/{c.file} "{title}")'
             for c in chapters
-            if part_of(c.file) == digit
+            for number, _, title in [c.title.partition(" ")]
+            if part_of(c.file) == part
         ]
         rows += f"| {part} | {' '.join(own)} |\n"
     return LIST.sub(lambda _: f"| part | chapters |\n|---|---|\n{rows}", text)

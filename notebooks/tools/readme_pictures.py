@@ -26,7 +26,7 @@ PAGE, PANEL = (1280, 800), (1340, 900)
 #: So many colours tell light blue from grey.
 COLOURS = 128
 #: The chapter with the panel.
-CHAPTER = "67_where_am_i.ipynb"
+CHAPTER = "59_where_am_i.ipynb"
 #: The part of the window with the panel, from the left, the top, across and down.
 BOX = """
 const panel = document.querySelector('.widget-image').closest('.widget-vbox').parentElement;

@@ -18,7 +18,7 @@ from ._output import print_line
 from .log_options import examples
 
 #: The chapter that is opened first.
-FIRST_CHAPTER = "00_start_here.ipynb"
+FIRST_CHAPTER = "01_start_here.ipynb"
 #: Links that lead out of the folder of the chapters lead nowhere in most copies: their words stay.
 OUTSIDE = re.compile(rb"\[([^\[\]\n]+)\]\(\.\./[^)\n]*\)")
 #: What a chapter links to beside itself: a picture, another text.

@@ -1,4 +1,4 @@
-"""`segmap warm`: compile all loops now, or those that chapter 00 needs."""
+"""`segmap warm`: compile all loops now, or those that chapter 01 needs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def add(commands: Any) -> None:
         help="compile all loops now instead of at first use",
         epilog=examples("warm", "warm --jobs 1", "warm --first"),
     )
-    command.add_argument("--first", action="store_true", help="only what chapter 00 needs")
+    command.add_argument("--first", action="store_true", help="only what chapter 01 needs")
     command.add_argument(
         "--jobs", type=int, metavar="NUMBER", help="processes; default: one for each core"
     )
@@ -34,7 +34,7 @@ def run(given: argparse.Namespace) -> None:
     names, start = list(warm.FIRST if given.first else warm.cases()), time.monotonic()
     jobs = max(1, min(given.jobs or cores(), len(names)))
     where = "one core" if jobs == 1 else f"{jobs} cores"
-    what = "chapter 00" if given.first else "segmap"
+    what = "chapter 01" if given.first else "segmap"
     print_line(f"Compiling the loops of {what} on {where}, once for this machine ...")
     importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
     known, done = warm.cases(), set[Any]()

@@ -144,7 +144,7 @@ def test_nothing_to_extract(extract, points, closed):
 
 @pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
 def test_an_infinite_gap_cuts_nowhere(extract):
-    """Chapter 21 shows what a wall becomes without gaps."""
+    """Chapter 03 shows what a wall becomes without gaps."""
     assert len(extract([(x, 0) for x in range(9)] + [(2000, 0)], gap=np.inf)) == 1
 
 

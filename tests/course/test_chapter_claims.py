@@ -42,7 +42,7 @@ def corridor(seed: int) -> Log:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_fusion_cannot_mend_the_poses(seed):
-    """Chapter 13: by odometry the walls of the corridor are as far off after Fusion as before."""
+    """Chapter 53: by odometry the walls of the corridor are as far off after Fusion as before."""
     log, walls = corridor(seed), simulation.corridor_loop()
     drifted = build_map(log, log.odometry)
     far, then = (
@@ -54,7 +54,7 @@ def test_fusion_cannot_mend_the_poses(seed):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_an_ideal_sensor_hides_what_the_tolerance_of_polylines_does(seed):
-    """Chapter 13: in other offices too 5 mm seem good, and with noise they are not."""
+    """Chapter 53: in other offices too 5 mm seem good, and with noise they are not."""
     office, kinds = simulation.office(rng=np.random.default_rng(seed)), []
     way = simulation.drive([(0.5, 5), (11.5, 5)], step=0.5)
     for sensor in (simulation.URG_04LX.ideal(), simulation.URG_04LX):
@@ -68,7 +68,7 @@ def test_an_ideal_sensor_hides_what_the_tolerance_of_polylines_does(seed):
 
 
 def offices(seed: int) -> Log:
-    """Three equal offices in a row, as in chapters 36 and 39."""
+    """Three equal offices in a row, as in chapters 56 and 11b."""
     one = simulation.office(rng=np.random.default_rng(1), rooms=1)
     fronts = [one[:-2] + (4 * k, 0) for k in range(3)]
     walls = np.concatenate([*fronts, one[-2:-1], one[-1:] + (8, 0)])
@@ -93,7 +93,7 @@ def false_loops(graph: alignment.Graph, log: Log) -> int:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_all_scans_at_once_close_the_corridor_with_two_thirds_of_the_scans(seed):
-    """Chapter 38: the end is right, though along the walls a third of the scans is not placed."""
+    """Chapter 10: the end is right, though along the walls a third of the scans is not placed."""
     log = corridor(seed)
     found = alignment.global_segments(log)
     errors = alignment.position_errors(found.poses, log.truth)
@@ -103,7 +103,7 @@ def test_all_scans_at_once_close_the_corridor_with_two_thirds_of_the_scans(seed)
 
 @pytest.mark.parametrize("seed", range(5))
 def test_the_backbone_holds_the_heading_in_the_corridor(seed):
-    """Chapter 33: within half a degree, where the odometry is off by 2.8 to 23 degrees."""
+    """Chapter 09: within half a degree, where the odometry is off by 2.8 to 23 degrees."""
     log = corridor(seed)
     found = alignment.backbone(log)
     errors = [
@@ -115,7 +115,7 @@ def test_the_backbone_holds_the_heading_in_the_corridor(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_defences_keep_false_loops_out_of_equal_offices(seed):
-    """Chapters 36 and 39: no false loop, after the drive and during it."""
+    """Chapters 56 and 11b: no false loop, after the drive and during it."""
     log = offices(seed)
     found = alignment.pose_graph(log)
     live = alignment.LiveGraph()
@@ -129,7 +129,7 @@ def test_the_defences_keep_false_loops_out_of_equal_offices(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_window_that_is_too_wide_folds_equal_offices(seed):
-    """Chapters 36 and 39: most loops are false; at the end they are dropped, or it is doubtful."""
+    """Chapters 56 and 11b: most loops are false; at the end they are dropped, or it is doubtful."""
     log = offices(seed)
     folded = alignment.pose_graph(log, drift=0.3)
     errors = alignment.position_errors(folded.poses, log.truth, best=True)
@@ -142,7 +142,7 @@ def test_a_window_that_is_too_wide_folds_equal_offices(seed):
 
 
 def test_drives_round_the_block_close_their_loops_while_driving():
-    """Chapter 36: seven drives of seven close, and end at most 0.2 m off."""
+    """Chapter 56: seven drives of seven close, and end at most 0.2 m off."""
     corners = [(1, 1), (39, 1), (39, 15), (1, 15), (1, 1), (9, 1)]
     way = simulation.drive(corners, step=0.3, turn=np.radians(20))
     laser = simulation.Sensor("small", 91, -np.pi / 2, np.pi / 90, max_range=4.0, sigma=0.02)
@@ -162,7 +162,7 @@ def test_drives_round_the_block_close_their_loops_while_driving():
 
 @pytest.mark.parametrize("seed", range(5))
 def test_the_heading_jumps_more_in_wider_corridors(seed):
-    """Chapter 33: with each doubling of the width, and more than that of the odometry."""
+    """Chapter 09: with each doubling of the width, and more than that of the odometry."""
     noisy, jumps = replace(simulation.SICK_LMS200, sigma=0.03), []
     for width in (2, 4, 8, 16):
         walls = simulation.rectangular_room(80, width)[[0, 2]]
@@ -181,7 +181,7 @@ ALL_ROUND = simulation.Sensor("all round", 720, -np.pi, np.pi / 360, max_range=1
 
 
 def office_pairs(seed: int, sensor: simulation.Sensor = simulation.URG_04LX) -> list[tuple]:
-    """Sixty pairs of scans of simulated offices, as in chapter 32, and how they really lie."""
+    """Sixty pairs of scans of simulated offices, as in chapter 05, and how they really lie."""
     rng, pairs = np.random.default_rng(seed), []
     for _ in range(60):
         walls = simulation.office(rng=rng, rooms=1)
@@ -205,7 +205,7 @@ def right_and_wrong(pairs: list[tuple], **options) -> tuple[int, int]:
 
 
 def test_angles_are_seldom_wrong_in_one_office_and_random_walls_miss_most():
-    """Chapter 32: five other sets of sixty pairs."""
+    """Chapter 05: five other sets of sixty pairs."""
     believed, undoubted = [], []
     for seed in range(5):
         pairs = office_pairs(seed)
@@ -228,7 +228,7 @@ AS_TOLD = {"penalty": 0.0, "rival": 1.0, "least_share": 1e-6, "least_across": 1e
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 32])
 def test_with_a_laser_of_half_a_turn_the_ways_to_pair_walls_are_alike(seed):
-    """Chapter 32: the SICK; the penalty leaves many wrong matches, doubt few of them."""
+    """Chapter 05: the SICK; the penalty leaves many wrong matches, doubt few of them."""
     pairs = office_pairs(seed, simulation.SICK_LMS200)
     few = [
         right_and_wrong(pairs, heuristic=name, most_pairs=10)
@@ -242,7 +242,7 @@ def test_with_a_laser_of_half_a_turn_the_ways_to_pair_walls_are_alike(seed):
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 32])
 def test_with_a_laser_that_sees_all_round_only_random_pairs_miss(seed):
-    """Chapter 32: and the method as told is right in nearly all pairs."""
+    """Chapter 05: and the method as told is right in nearly all pairs."""
     pairs = office_pairs(seed, ALL_ROUND)
     few = {
         name: right_and_wrong(pairs, heuristic=name, most_pairs=10)
@@ -260,7 +260,7 @@ def graph_poses(log: Log) -> np.ndarray:
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("sensor", ["URG", "SICK", "all round"])
 def test_reduced_segments_are_as_good_as_the_poses(sensor, seed):
-    """Chapter 66: a few mm with true poses, some more with a graph's; as far off as the poses."""
+    """Chapter 58: a few mm with true poses, some more with a graph's; as far off as the poses."""
     eye = {"URG": simulation.URG_04LX, "SICK": simulation.SICK_LMS200, "all round": ALL_ROUND}
     walls = simulation.office(rng=np.random.default_rng(2012), rooms=2)
     way = simulation.drive([(0.7, 5), (3.3, 5), (2, 5), (2, 7.4)], step=0.2, turn=0.3)
@@ -299,7 +299,7 @@ def rooms_seen(sensor: str, poses: float | str, seed: int) -> SegmentMap:
 @pytest.mark.parametrize("poses", POSES)
 @pytest.mark.parametrize("sensor", EYES)
 def test_the_quality_of_least_cost_is_never_below_the_promise(sensor, poses, seed):
-    """Chapter 58: for any map; the promise is one for the worst map, and here it is far below."""
+    """Chapter 21: for any map; the promise is one for the worst map, and here it is far below."""
     seen = rooms_seen(sensor, poses, seed)
     for penalty in (0.015, 0.07, 0.3):
         kept = least_cost(seen, penalty=penalty)
@@ -311,7 +311,7 @@ def test_the_quality_of_least_cost_is_never_below_the_promise(sensor, poses, see
 @pytest.mark.parametrize("poses", POSES)
 @pytest.mark.parametrize("sensor", EYES)
 def test_fusion_on_line_leaves_fewer_segments_where_each_pose_errs(sensor, poses, seed):
-    """Chapter 54: a third at 2 cm; as many where poses are true or a graph's. Hybrid leaves most
+    """Chapter 17: a third at 2 cm; as many where poses are true or a graph's. Hybrid leaves most
     of the three on-line ones."""
     seen = rooms_seen(sensor, poses, seed)
     at_end, online, alone, both = (f(seen) for f in (fusion, fusion_online, hybrid, hybrid_fusion))
@@ -327,7 +327,7 @@ def test_fusion_on_line_leaves_fewer_segments_where_each_pose_errs(sensor, poses
 @pytest.mark.parametrize("noise", ["0", "0.01", "0.02"])
 @pytest.mark.parametrize("sensor", EYES)
 def test_one_per_wall_leaves_each_wall_of_the_floor_once(sensor, noise, seed):
-    """Chapter 59: whatever the laser, where poses are right and where each errs on its own."""
+    """Chapter 22: whatever the laser, where poses are right and where each errs on its own."""
     known = known_building("floor", noise, seed, sensor=EYES[sensor])
     found = against_walls(known.walls, one_per_wall(known.map), seen=known.true)
     assert found.per_wall == 1 and found.doubled.sum() < 0.01
@@ -335,7 +335,7 @@ def test_one_per_wall_leaves_each_wall_of_the_floor_once(sensor, noise, seed):
 
 
 def walked(seed: int, people: int) -> tuple[Log, np.ndarray]:
-    """A log of a corridor with people who walk past the robot; and the walls, as in chapter 62."""
+    """A log of a corridor with people who walk past the robot; and the walls, as in chapter 25."""
     rng, scans = np.random.default_rng(seed), []
     walls, path = simulation.office(rng=rng), simulation.drive([(1.0, 5.0), (11.0, 5.0)], step=0.1)
     y = 5 + rng.uniform(0.4, 0.7, people) * rng.choice([-1, 1], people)
@@ -350,7 +350,7 @@ def walked(seed: int, people: int) -> tuple[Log, np.ndarray]:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_many_people_hide_one_another(seed):
-    """Chapter 62: of ten most beams go, of forty less than half; walls stay either way."""
+    """Chapter 25: of ten most beams go, of forty less than half; walls stay either way."""
     for people, least, most in ((10, 0.6, 1.0), (40, 0.15, 0.45)):
         log, walls = walked(seed, people)
         met = []

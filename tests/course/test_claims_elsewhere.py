@@ -13,7 +13,7 @@ STOPS = [(0.7, 5), (11.3, 5), (10, 5), (10, 7.4), (10, 2.6), (10, 5), (6, 5), (6
 @pytest.mark.parametrize("office", range(3))
 @pytest.mark.parametrize("sensor", LINE_SENSORS, ids=lambda sensor: sensor.name.split()[0])
 def test_to_drop_the_shortest_is_worst_and_the_longest_is_worse_than_blind(sensor, office):
-    """Chapter 41: at quality 0.80, over poses that each err by 2 cm."""
+    """Chapter 12: at quality 0.80, over poses that each err by 2 cm."""
     rng = np.random.default_rng(office)
     walls = simulation.office(rng=np.random.default_rng(office))
     path = simulation.drive(STOPS, step=0.6)

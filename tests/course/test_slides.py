@@ -20,20 +20,20 @@ def chapter(number):
 
 def test_a_lab_becomes_slides():
     """Catches a figure that is lost or that nobody tells, code, and a link that needs a network."""
-    path, notebook = chapter("34")
+    path, notebook = chapter("07")
     page = slides.page(path)
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     drawn = sum("image/png" in output.get("data", {}) for output in outputs)
     assert page.count('src="data:image/png') == page.count("<img ") == drawn > 3
     assert len(re.findall(r'<img alt="[^"]+"', page)) == drawn
-    assert "<h1>34 ICP</h1><p><strong>ICP moves a scan" in page
+    assert "<h1>07 ICP</h1><p><strong>ICP moves a scan" in page
     assert not re.search(r"plt\.|import |href=|https?:(?!//www.w3.org)", page)
     assert page.count("<section") == page.count("</section>") == len(list(slides.slides(notebook)))
 
 
 def test_each_section_says_a_whole_sentence():
     """Catches what stands above a heading and is taken for its idea, and a sentence cut in bold."""
-    _, notebook = chapter("34")
+    _, notebook = chapter("07")
     said = {slide.heading: slide.sentences[0] for slide in slides.slides(notebook)}
     assert said["What robust weights do"].startswith("Somebody walks through, or a door opens.")
     assert all(sentence.count("**") % 2 == 0 for sentence in said.values())
@@ -42,12 +42,12 @@ def test_each_section_says_a_whole_sentence():
 
 def test_the_last_slide_holds_the_points_of_the_summary():
     """Catches one that says where to go back to, and nothing of the chapter."""
-    _, notebook = chapter("34")
+    _, notebook = chapter("07")
     *_, last = slides.slides(notebook)
     assert last.heading == "Summary" and len(last.sentences) > 2
     assert all(f"- {point}" in notebook.cells[-1].source for point in last.sentences)
 
 
 def test_a_printed_method_is_shown():
-    path, _ = chapter("54")
+    path, _ = chapter("17")
     assert "<pre>def fusion_online(" in slides.page(path)

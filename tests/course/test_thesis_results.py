@@ -90,7 +90,7 @@ def test_alignments_stand_beside_published_ones_without_times():
 
 
 RECORDS = load_records("malaga", "office", "intel", "fr079")
-#: Share of the runs on each building whose quality, and reduction, lie within A's; chapter 93 has
+#: Share of the runs on each building whose quality, and reduction, lie within A's; chapter 23b has
 #: the reason for each method that lies outside.
 WITHIN = {
     "basic_offline": ([0.25, 1.0, 0.25, 0.5], 0.6),

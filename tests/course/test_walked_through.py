@@ -24,7 +24,7 @@ from segmap import SegmentMap, alignment, extraction, matching, reduction
 with Path(__file__).with_name("walked_through.csv").open(encoding="utf-8", newline="") as _file:
     WALKED = {row.pop("method"): row for row in csv.DictReader(_file)}
 #: These have a section and nothing else: there is nothing to choose.
-SECTIONS = {"odometry": ("11", "Odometry drifts"), "ground_truth": ("31", "The idea")}
+SECTIONS = {"odometry": ("02a", "Odometry drifts"), "ground_truth": ("02b", "The idea")}
 #: Thresholds that the theses vary, by method, and the control of each.
 THESIS_THRESHOLDS = {
     "basic_offline": {"distance": "distance", "angle": "angle"},
@@ -109,4 +109,4 @@ def test_what_the_theses_vary_is_in_the_panel_of_its_method():
 
 def test_live_reduction_is_shown_where_hybrid_with_fusion_is():
     """Catches a class for robots that no chapter makes."""
-    assert "LiveReduction(" in code("54")
+    assert "LiveReduction(" in code("17")

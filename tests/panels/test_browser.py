@@ -1,6 +1,6 @@
-"""Chapter 00 in a real browser: run all cells, move the slider by its arrow keys, see it answer.
+"""Chapter 01 in a real browser: run all cells, move the slider by its arrow keys, see it answer.
 
-A picture of what it showed is left at build/browser/chapter_00.png.
+A picture of what it showed is left at build/browser/chapter_01.png.
 """
 
 import json
@@ -21,7 +21,7 @@ from makefile import lab_command
 
 assert browser  # the fixture
 
-CHAPTER = ROOT / "notebooks" / "00_start_here.ipynb"
+CHAPTER = ROOT / "notebooks" / "01_start_here.ipynb"
 TOKEN = "chapter00"
 RIGHT = "\ue014"
 
@@ -56,7 +56,7 @@ return p.filter(t => !/\\[\\d+\\]/.test(t)).length + (p.length ? 0 : 1)"""
 
 @pytest.fixture
 def chapter(tmp_path: Path) -> Iterator[str]:
-    """Address of a copy of chapter 00 in a running JupyterLab."""
+    """Address of a copy of chapter 01 in a running JupyterLab."""
     folder, port = tmp_path / "notebooks", free_port()
     folder.mkdir()
     notebook = json.loads(CHAPTER.read_text(encoding="utf-8"))
@@ -85,7 +85,7 @@ def run_all_cells(browser: Browser) -> None:
     wait("all cells to run", lambda: browser.run(UNFINISHED) == 0 and browser.run(IDLE), 300)
 
 
-def test_the_slider_of_chapter_00_answers(browser, chapter, tmp_path):
+def test_the_slider_of_chapter_01_answers(browser, chapter, tmp_path):
     """Catches what no kernel sees: a panel that is not drawn, a slider that does nothing, and a
     panel that is lost when its notebook is opened again without its kernel."""
     browser.open(chapter)
@@ -109,7 +109,7 @@ def test_the_slider_of_chapter_00_answers(browser, chapter, tmp_path):
     browser.open(chapter)
     wait("the picture of the panel", lambda: browser.run(SEEN, picture), 30)
     time.sleep(0.5)  # a lost panel would say so now
-    browser.screenshot(SCREENSHOT.with_name("chapter_00_reopened.png"))
+    browser.screenshot(SCREENSHOT.with_name("chapter_01_reopened.png"))
     assert not browser.run(LOST)
 
 

@@ -224,7 +224,7 @@ def test_goes_on_after_a_step_that_was_interrupted(after, monkeypatch):
 def test_the_panel_of_the_chapter_starts_after_its_last_cell():
     """Catches a chapter that closes the sensor of its panel: after Run All its buttons are dead."""
     pytest.importorskip("serial", reason="the driver opens ports with pyserial")
-    chapter = Path(__file__).parents[2] / "notebooks" / "71_the_sensor.ipynb"
+    chapter = Path(__file__).parents[2] / "notebooks" / "29_the_sensor.ipynb"
     cells = [c for c in json.loads(chapter.read_text("utf-8"))["cells"] if c["cell_type"] == "code"]
     sources = ["".join(cell["source"]) for cell in cells]
     needed = re.compile(r"^import|sensor\b(?!=)|device|carried|unplug")

@@ -59,7 +59,7 @@ def test_one_move_is_one_drawing():
 def test_reset_goes_back_to_what_was_shown_first_and_draws_once(figures):
     """Catches a panel left as a chapter's cell drove it, and one that forgets its first setting."""
     panel = Counter()
-    panel.position.value = 4  # as chapter 33 does before it shows its panel
+    panel.position.value = 4  # as chapter 09 does before it shows its panel
     panel._repr_mimebundle_()
     panel.position.value = 7
     press(view_of(panel), "++++")

@@ -88,7 +88,7 @@ def book(tmp_path_factory):
     unreadable.write_text('{"cells": [')
     spoiled = chapter(folder, "98_spoiled.ipynb", "# 98 Spoiled\n\nText.", png="a")
     wide = chapter(folder, "96_wide.ipynb", WIDE_PAGE)
-    sound = [wide] + [path for path in CHAPTERS if path.stem[:2] in ("53", "54")]
+    sound = [wide] + [path for path in CHAPTERS if path.stem[:2] in ("16", "17")]
     run = made("-c", BUILD, folder / "pages", "reduction", *sound, unreadable, spoiled)
     assert run.returncode == 0, run.stderr
     return folder / "pages", json.loads(run.stdout.splitlines()[-1])
@@ -105,7 +105,7 @@ def test_a_broken_chapter_does_not_lose_the_rest(book):
     assert "97_unreadable.ipynb" in said and "98_spoiled" in said
     for name in ("97_unreadable", "98_spoiled"):
         assert "could not be made" in read(folder, f"notebooks/{name}.html")
-    assert "53.1 The idea" in read(folder, "notebooks/53_mean_shift.html")
+    assert "16.1 The idea" in read(folder, "notebooks/16_mean_shift.html")
 
 
 def fetched(folder):
@@ -133,11 +133,11 @@ def test_what_a_page_shows_is_there(book):
 
 def test_a_page_shows_what_the_chapter_stored(book):
     """Catches formulas, figures, code or panels that are lost on the way."""
-    page = read(book[0], "notebooks/54_fusion.html")
+    page = read(book[0], "notebooks/17_fusion.html")
     assert "<math" in page and "<mjx" not in page and "MathJax" not in page
     assert page.count('<details class="code-fold"') > 20 and "_images/" in page
     assert page.count('<input type="range"') == 2 and "widget-view" not in page
-    assert 'href="53_mean_shift.html"' in page and "A 4.4" in page
+    assert 'href="16_mean_shift.html"' in page and "A 4.4" in page
     assert re.search(r'href="\.\./docs/references\.html#thesis-a"', page)
 
 
@@ -155,26 +155,26 @@ def test_the_book_in_a_browser(book, browser):
     browser.size(1440, 1000)
     browser.open(urllib.parse.urljoin(home, "search.html?q=mean+shift"))
     found = wait("the search", lambda: browser.run(RESULTS), 60)
-    assert found[0] == "53 Mean shift" and "segmap.reduction.mean_shift" in found
+    assert found[0] == "16 Mean shift" and "segmap.reduction.mean_shift" in found
     claim = "return document.querySelector('#search-results li > p').textContent"
     assert browser.run(claim).startswith("Mean shift cuts the walls")
     browser.screenshot(SCREENSHOT.with_name("book_search.png"))
 
-    browser.open(urllib.parse.urljoin(home, "notebooks/53_mean_shift.html"))
+    browser.open(urllib.parse.urljoin(home, "notebooks/16_mean_shift.html"))
     browser.click("//div[contains(@class, 'toc-tree')]//a[contains(., 'What goes wrong')]")
     top = "return document.querySelector('#what-goes-wrong').getBoundingClientRect().top"
     wait("the section", lambda: -5 < browser.run(top) < 200, 20)
     browser.screenshot(SCREENSHOT.with_name("book_chapter.png"))
     browser.run("document.querySelector('a.next-page').click()")
-    wait("the next page", lambda: "/54_fusion.html" in browser.run("return location.href"), 20)
+    wait("the next page", lambda: "/17_fusion.html" in browser.run("return location.href"), 20)
     browser.run("document.querySelector('button.fold-all').click()")
     assert browser.run("return document.querySelectorAll('details.code-fold[open]').length") == 0
     browser.run("document.querySelector('a.prev-page').click()")
-    wait("the page before", lambda: "/53_mean" in browser.run("return location.href"), 20)
+    wait("the page before", lambda: "/16_mean" in browser.run("return location.href"), 20)
     assert browser.run(MOVED) == [True, "0px 100%"]
 
     pages = ["index", "genindex", "api/reduction", "README"]
-    pages += [f"notebooks/{name}" for name in ("53_mean_shift", "54_fusion", "96_wide")]
+    pages += [f"notebooks/{name}" for name in ("16_mean_shift", "17_fusion", "96_wide")]
     assert [page for page in pages if not fits(browser, home, f"{page}.html")] == []
     browser.run("console.error('planted, to prove that errors are seen')")
     errors = browser.errors()
@@ -187,7 +187,7 @@ def fits(browser, home, page):
     browser.devtools("Emulation.setDeviceMetricsOverride", phone)
     browser.open(urllib.parse.urljoin(home, page))
     time.sleep(0.2)
-    if page.endswith("54_fusion.html"):
+    if page.endswith("17_fusion.html"):
         browser.screenshot(SCREENSHOT.with_name("book_phone.png"))
     return browser.run(WIDE) == [400, 400]
 

@@ -14,7 +14,7 @@ def read(path):
     return json.loads(path.read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem[:2])
+@pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem.partition("_")[0])
 def test_chapter(path):
     notebook = read(path)
     assert [f"{rule.__name__}: {said}" for rule in rules.RULES for said in rule(notebook)] == []
@@ -29,7 +29,7 @@ def test_there_are_chapters_and_all_have_a_number():
     """Catches a glob that misses chapters, and a notebook that hides in a subfolder."""
     inside = {p for p in (ROOT / "notebooks").rglob("*.ipynb") if "checkpoint" not in str(p)}
     assert CHAPTERS and inside == set(CHAPTERS)
-    assert all(re.match(r"\d\d_[a-z0-9_]+\.ipynb$", path.name) for path in CHAPTERS)
+    assert all(re.match(r"\d\d[ab]?_[a-z0-9_]+\.ipynb$", path.name) for path in CHAPTERS)
 
 
 def test_every_chapter_is_linked():
@@ -47,7 +47,7 @@ def test_links_of_the_other_texts_resolve(name):
     assert [t for t in rules.links(here.read_text()) if not (here.parent / t).exists()] == []
 
 
-def test_readme_picture_is_the_one_of_chapter_00():
+def test_readme_picture_is_the_one_of_chapter_01():
     """Catches a README that shows the map of an older version."""
     notebook = read(CHAPTERS[0])
     tagged = [c for c in notebook["cells"] if "readme-picture" in c["metadata"].get("tags", [])]
@@ -91,7 +91,7 @@ GOOD = {
         code_cell(
             "course.check_wrap(my_wrap)", 5, shown(plain="not yet: 3.0 s and 5 cm are apart")
         ),
-        markdown_cell("## Summary\n\n[on](00_start_here.ipynb), [back](../README.md)"),
+        markdown_cell("## Summary\n\n[on](01_start_here.ipynb), [back](../README.md)"),
     ],
 }
 

@@ -170,7 +170,7 @@ def test_the_lines_for_a_sensor_run(tmp_path, monkeypatch, capsys):
 
 
 def test_the_extra_of_the_chapters_opens_ports():
-    """Catches a classroom installed from `.[lab]` in which chapter 71 ends at the import."""
+    """Catches a classroom installed from `.[lab]` in which chapter 29 ends at the import."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
     assert any(text.startswith("pyserial") for text in extras["laser"])

@@ -67,7 +67,7 @@ def test_the_commands_of_the_pages_are_understood():
 
 def test_a_chapter_is_counted():
     start = KNOWN[CHAPTERS[0].name]
-    assert start.title == "00 Start here" and start.functions == 1 and start.panels == 1
+    assert start.title == "01 Start here" and start.functions == 1 and start.panels == 1
     assert 600 < start.words < 4000
     assert minutes.fives(12) == 10 and minutes.fives(13) == 15
     assert Path(minutes.SYLLABUS).name == "SYLLABUS.md"

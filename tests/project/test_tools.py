@@ -9,7 +9,7 @@ from conftest import later
 from PIL import Image
 
 nbformat, refresh = later("nbformat"), later("refresh")
-TITLE = "# 99 A try\n\nHalf is $\\frac{1}{2}$, see [fusion](54_fusion.ipynb#why)."
+TITLE = "# 99 A try\n\nHalf is $\\frac{1}{2}$, see [fusion](17_fusion.ipynb#why)."
 CELLS = [
     "import ipywidgets\nimport matplotlib.pyplot as plt",
     "plt.figure(figsize=(2, 1))\nplt.plot([0, 1])\nplt.show()",

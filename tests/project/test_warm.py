@@ -1,4 +1,4 @@
-"""`python -m segmap`: what it warms is all that compiles, and chapter 00 then waits for nothing."""
+"""`python -m segmap`: what it warms is all that compiles, and chapter 01 then waits for nothing."""
 
 import gc
 import subprocess
@@ -84,11 +84,11 @@ def beyond(cases, calls):
 
 
 @pytest.mark.parametrize(
-    "asked", ["beyond(warm.FIRST, cells('00'))", "beyond(warm.cases(), [page])"]
+    "asked", ["beyond(warm.FIRST, cells('01'))", "beyond(warm.cases(), [page])"]
 )
-def test_what_is_warm_serves_chapter_00_and_the_page(asked):
+def test_what_is_warm_serves_chapter_01_and_the_page(asked):
     """Catches a signature that only real maps have: lists read-only, cut, or in another order; a
-    chapter 00 that waits behind `make lab`; a floor plan whose first click compiles."""
+    chapter 01 that waits behind `make lab`; a floor plan whose first click compiles."""
     code = f"import sys\n{BEYOND}\nprint({asked}, file=sys.stderr)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
     assert done.stderr.splitlines()[-1] == "[]"
@@ -98,7 +98,7 @@ def test_warming_tells_what_it_compiles(capfd):
     """Catches `--first` that compiles all, or nothing."""
     assert main(["warm", "--jobs", "1", "--first"]) == 0
     first, last = capfd.readouterr().out.splitlines()
-    assert "chapter 00 on one core" in first and last.startswith("Done in")
+    assert "chapter 01 on one core" in first and last.startswith("Done in")
 
 
 @compiled

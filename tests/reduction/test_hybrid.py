@@ -44,7 +44,7 @@ SEEN_TWICE = SegmentMap(
 @pytest.mark.parametrize("method", [hybrid, hybrid_fusion])
 @pytest.mark.parametrize("to", [(100.0, 0.0, 0.0), (5e5, 4.6e6, 0.0), (3.0, -40.0, 1.0)])
 def test_about_each_pair_the_result_moves_with_the_map(method, to):
-    """About the origin it does not: fewer segments are left near to it (chapter 52)."""
+    """About the origin it does not: fewer segments are left near to it (chapter 15)."""
     there = SegmentMap(transform(to, SEEN_TWICE.segments))
     here, moved = (method(map, origin="pair") for map in (SEEN_TWICE, there))
     np.testing.assert_array_equal(here.parents, moved.parents)

@@ -1,4 +1,4 @@
-"""Merging one to many, and drawing again, as chapter 59 prints it (Wen et al. 2020)."""
+"""Merging one to many, and drawing again, as chapter 22 prints it (Wen et al. 2020)."""
 
 import numpy as np
 from segmap_course.literal.reduction.one_to_many import drawn_again, one_to_many

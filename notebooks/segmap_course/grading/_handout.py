@@ -23,7 +23,18 @@ from segmap.files import write_bytes
 
 from ._otter import otter_tests
 from ._solutions import solution
-from ._tasks import Cell, Notebook, Task, chapters, column, parts, places, read_chapter, tasks_of
+from ._tasks import (
+    Cell,
+    Notebook,
+    Task,
+    chapters,
+    column,
+    number_of,
+    parts,
+    places,
+    read_chapter,
+    tasks_of,
+)
 
 #: Links to files: an image or a page, with its words and what follows a file's name.
 LINK = re.compile(r"(!?)\[([^\]\n]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
@@ -39,7 +50,7 @@ def handout(
 ) -> list[Task]:
     """Write an assignment of nbgrader, named as the folder, into the course folder around it.
 
-    `wanted` are numbers of chapters, "34,54"; all by default. The seed is that of the hidden cases,
+    `wanted` are numbers of chapters, "07,17"; all by default. The seed is that of the hidden cases,
     by default 128 bits that nobody can guess. `course/lab1` writes `course/source/lab1`, whose
     notebooks have solutions and hidden cases, and lets nbgrader make `course/release/lab1`, which
     students get. `otter` writes `course/otter/lab1`, tests for otter-grader, too.
@@ -105,7 +116,7 @@ def source_notebook(
             cells += answer_cells(cell["source"], written[index], tasks)
         elif cell["cell_type"] == "markdown":
             cells.append(markdown(cell["id"], with_links(cell["source"], set(handed))))
-            cells += hand_cells(tasks.get(f"by_hand_{chapter[:2]}_{index}"))
+            cells += hand_cells(tasks.get(f"by_hand_{number_of(chapter)}_{index}"))
         else:
             cells.append(code(cell["id"], cell["source"], cell["metadata"]))
     cells.insert(1, name_cell(list(tasks.values())))
@@ -192,8 +203,8 @@ def with_links(source: str, handed: set[str]) -> str:
 
     Examples
     --------
-    >>> with_links("see [34](34_icp.ipynb#steps), [54](54_fusion.ipynb)", {"54_fusion.ipynb"})
-    'see 34, [54](54_fusion.ipynb)'
+    >>> with_links("see [07](07_icp.ipynb#steps), [17](17_fusion.ipynb)", {"17_fusion.ipynb"})
+    'see 07, [17](17_fusion.ipynb)'
     """
 
     def kept(match: re.Match[str]) -> str:

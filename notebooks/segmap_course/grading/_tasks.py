@@ -49,7 +49,7 @@ class Place(NamedTuple):
 
 
 def chapters(wanted: str = "") -> dict[str, Path]:
-    """Number -> file of the chapters that are named, "34,54" for instance; of all by default.
+    """Number -> file of the chapters that are named, "07,17" for instance; of all by default.
 
     Raises
     ------
@@ -58,7 +58,8 @@ def chapters(wanted: str = "") -> dict[str, Path]:
     FileNotFoundError
         Where no chapters came with the package.
     """
-    found = {path.name[:2]: path for path in sorted(chapters_folder().glob("[0-9][0-9]_*.ipynb"))}
+    files = sorted(chapters_folder().glob("[0-9]*_*.ipynb"))
+    found = {number_of(path.name): path for path in files}
     numbers = [word for word in re.split(r"[,\s]+", wanted) if word]
     unknown = [word for word in numbers if word not in found]
     if unknown:
@@ -66,6 +67,11 @@ def chapters(wanted: str = "") -> dict[str, Path]:
             f"no chapter has the number {', '.join(unknown)}; there are {', '.join(found)}"
         )
     return {number: found[number] for number in found if not numbers or number in numbers}
+
+
+def number_of(file: str) -> str:
+    """Number of a chapter by its file: "07" of `07_icp.ipynb`, "13a" of `13a_is_this_map_right`."""
+    return file.partition("_")[0]
 
 
 def read_chapter(path: Path) -> Notebook:
@@ -188,14 +194,14 @@ def tasks_of(name: str, notebook: Notebook) -> list[Task]:
             found.append((place.checked, Task(f"{own}_by_hand", name, hand)))
     for index, cell in enumerate(cells):
         if points := by_hand(cell):
-            found.append((index, Task(f"by_hand_{name[:2]}_{index}", name, points)))
+            found.append((index, Task(f"by_hand_{number_of(name)}_{index}", name, points)))
     return [task for _, task in sorted(found, key=lambda pair: pair[0])]
 
 
 def column(place: Place, chapter: str) -> str:
-    """The name of a task: `compose` for `check_compose`; `own_log_12`, which many chapters ask."""
+    """The name of a task: `compose` for `check_compose`; `own_log_52`, which many chapters ask."""
     own = place.check.removeprefix("check_")
-    return f"{own}_{chapter[:2]}" if own == "own_log" else own
+    return f"{own}_{number_of(chapter)}" if own == "own_log" else own
 
 
 def worth(exercise: Any, said: str) -> tuple[int, int]:

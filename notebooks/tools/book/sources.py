@@ -27,17 +27,16 @@ CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 PICTURES = ROOT / "notebooks" / "pictures" / "panels"
 VIEW = "application/vnd.jupyter.widget-view+json"
 
-#: Digit -> the part of the book.
+#: Title of each part of the book -> the numbers of its chapters.
 PARTS = {
-    "0": "Start",
-    "1": "Part 1: scans and logs",
-    "2": "Part 2: segments",
-    "3": "Part 3: poses",
-    "4": "Part 4: the measure",
-    "5": "Part 5: reduction",
-    "6": "Part 6: quadtrees",
-    "7": "Part 7: sensors",
-    "9": "Appendices",
+    "Part 1: What a laser sees": range(1, 5),
+    "Part 2: Where was the robot?": range(5, 12),
+    "Part 3: How good is a map?": range(12, 14),
+    "Part 4: Fewer segments": range(14, 24),
+    "Part 5: Occupancy": range(24, 28),
+    "Part 6: The building": range(28, 31),
+    "Shelf": range(51, 91),
+    "Appendix": range(91, 100),
 }
 #: Texts that become pages, and files that pages link; the rest of the project is not in the book.
 TEXTS = ("*.md", "notebooks/*.md", "data/**/*.md")
@@ -53,7 +52,7 @@ REFERENCE = (
 )
 WHAT_HOLDS = ("docs/what_can_be_told", "docs/known_limits", "docs/references")
 LINKED = re.compile(r"(`[^`\n]*`|\[[^\]]*\]\([^)]*\)|\$[^$]+\$|<[^>]+>)")
-NAMED = re.compile(r"\b[Cc]hapters? \d\d(?:(?:,| and| to) \d\d)*\b(?!\.\d)")
+NAMED = re.compile(r"\b[Cc]hapters? \d\d[ab]?(?:(?:,| and| to) \d\d[ab]?)*\b(?!\.\d)")
 HEADING = re.compile(r"^(##|###) (?=\S)", re.MULTILINE)
 FENCED = re.compile(r"(^```.*?^```$|\$\$.*?\$\$)", re.MULTILINE | re.DOTALL)
 
@@ -67,8 +66,13 @@ class Chapter:
 
 
 def part_of(chapter: str) -> str:
-    """Digit of the part to which a chapter belongs; 40, 60 and 70 end the parts 3, 5 and 6."""
-    return {"40": "3", "60": "5", "70": "6"}.get(chapter[:2], chapter[0])
+    """Title of the part to which a chapter belongs, by the first two digits of its name."""
+    return next(part for part, numbers in PARTS.items() if int(chapter[:2]) in numbers)
+
+
+def number_of(path: Path) -> str:
+    """Number of a chapter, with the letter of one that will be merged: 07, 13a."""
+    return path.stem.partition("_")[0]
 
 
 def copy_sources(folder: Path, chapters: list[Path] = CHAPTERS) -> list[str]:
@@ -108,7 +112,7 @@ def read_chapter(path: Path, states: dict[str, list[str]]) -> Chapter:
     notebook.cells = [c for c in notebook.cells if "guard" not in c.metadata.get("tags", [])]
     for cell in notebook.cells:
         if cell.cell_type == "markdown":
-            cell.source = adapt(numbered(cell.source, path.stem[:2], section))
+            cell.source = adapt(numbered(cell.source, number_of(path), section))
         elif cell.source.strip():
             cell.metadata["tags"] = [*cell.metadata.get("tags", []), "hide-input"]
             if alt := stored_alt(cell):
@@ -205,16 +209,16 @@ def numbered(text: str, chapter: str, section: list[int]) -> str:
 
 
 def _linked(text: str) -> str:
-    files = {path.stem[:2]: path.name for path in CHAPTERS}
+    files = {number_of(path): path.name for path in CHAPTERS}
     place = "/notebooks/"
 
     def chapter(match: re.Match[str]) -> str:
-        number = match.group()[-2:]
+        number = match.group().rpartition(" ")[2]
         return f"[{match.group()}]({place}{files[number]})" if number in files else match.group()
 
     def name(part: str) -> str:
         part = with_links(part, lambda words, label: f"[{words}](#{label})")
-        return NAMED.sub(lambda m: re.sub(r"(?:[Cc]hapter )?\d\d", chapter, m.group()), part)
+        return NAMED.sub(lambda m: re.sub(r"(?:[Cc]hapter )?\d\d[ab]?", chapter, m.group()), part)
 
     parts = LINKED.split(text)
     inside = [name(part) if k % 2 == 0 else part for k, part in enumerate(parts)]
@@ -278,11 +282,9 @@ def _size(path: Path) -> tuple[int, int]:
 def _write_contents(folder: Path, chapters: list[Path]) -> None:
     """The front page with the contents of the book."""
     trees = [
-        _tree(
-            PARTS.get(digit, f"Part {digit}"),
-            [f"notebooks/{p.stem}" for p in chapters if part_of(p.stem) == digit],
-        )
-        for digit in sorted({part_of(p.stem) for p in chapters})
+        _tree(part, [f"notebooks/{p.stem}" for p in chapters if part_of(p.stem) == part])
+        for part in PARTS
+        if any(part_of(p.stem) == part for p in chapters)
     ]
     own = sorted(f"notebooks/{p.stem}" for p in (folder / "notebooks").glob("*.md"))
     own = [

@@ -17,7 +17,7 @@ from ._merge_kernels import State, estimate_all, merge_some, nearest_neighbours
 #: Neighbours of each input that may merge with it.
 NEIGHBOURS = 8
 #: What a metre missed or invented costs, in metres of summed distance. At 0.1, one or two segments
-#: of a hundred fewer remain, but at low quality more is invented than by Fusion (chapter 58).
+#: of a hundred fewer remain, but at low quality more is invented than by Fusion (chapter 21).
 PRICE = 0.25
 #: Two segments at a distance d across cost together about this share of d.
 ACROSS_COST_SHARE = 0.3

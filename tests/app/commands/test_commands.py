@@ -1173,13 +1173,13 @@ def test_chapters_are_copied_and_the_work_of_a_student_stays(run):
     assert code == 0 and f"{len(chapters)} chapters copied to mine" in said
     assert {path.name for path in Path("mine").glob("*.ipynb")} == chapters
     assert broken_links(Path("mine")) == []
-    Path("mine/54_fusion.ipynb").write_text("my answers")
-    Path("mine/51_basic.ipynb").unlink()
+    Path("mine/17_fusion.ipynb").write_text("my answers")
+    Path("mine/14_basic.ipynb").unlink()
     code, said, _ = run("notebooks", "mine")
-    assert code == 0 and Path("mine/54_fusion.ipynb").read_text() == "my answers"
+    assert code == 0 and Path("mine/17_fusion.ipynb").read_text() == "my answers"
     assert "1 chapter copied" in said and f"{len(chapters) - 2} chapters there already" in said
-    assert "since yours differ: 54_fusion.ipynb" in said and "newer" not in said
-    assert Path("mine/51_basic.ipynb").exists()
+    assert "since yours differ: 17_fusion.ipynb" in said and "newer" not in said
+    assert Path("mine/14_basic.ipynb").exists()
 
 
 def broken_links(folder):
@@ -1197,7 +1197,7 @@ def clone(tmp_path, monkeypatch):
     (source / "pictures" / "a.png").write_bytes(PNG)
     said = "[data](../data/README.md), [next](11_next.ipynb#top), ![a](pictures/a.png) \U0001f600"
     cells = [{"cell_type": "markdown", "source": [said]}]
-    for name in ("00_start_here", "11_next"):
+    for name in ("01_start_here", "11_next"):
         (source / f"{name}.ipynb").write_text(json.dumps({"cells": cells}), encoding="utf-8")
     (tmp_path / "clone" / "data" / "README.md").write_text("data")
     monkeypatch.setattr("segmap.files.__file__", str(source.parent / "segmap" / "files.py"))
@@ -1215,7 +1215,7 @@ def test_work_in_a_clone_has_all_links_and_the_originals_stay(run, clone):
         assert path.read_bytes() == (clone / path.name).read_bytes()
         path.write_text("saved")
     _, said, _ = run("notebooks", work)
-    assert "since yours differ: 00_start_here.ipynb, 11_next.ipynb\n" in said
+    assert "since yours differ: 01_start_here.ipynb, 11_next.ipynb\n" in said
     assert {path: path.read_bytes() for path in clone.rglob("*.*")} == before
     assert "work/" in (ROOT / ".gitignore").read_text().split()
 
@@ -1254,7 +1254,7 @@ def as_jupyter_saves(path):
 
 def test_a_chapter_that_was_only_opened_is_not_a_changed_one(run, clone):
     """Catches an offer beside a copy without work, and outputs that are lost by each `make lab`."""
-    work, chapter = clone.parent / "new" / "work", clone / "00_start_here.ipynb"
+    work, chapter = clone.parent / "new" / "work", clone / "01_start_here.ipynb"
     run("notebooks", work)
     as_jupyter_saves(copy := work / chapter.name)
     opened = copy.read_bytes()
@@ -1281,10 +1281,10 @@ def test_jupyter_trusts_what_is_ours_and_nothing_else(run, clone):
         return [notary.check_signature(notebook) for notebook in read]
 
     for path in clone.glob("*.ipynb"):
-        shutil.copy(ROOT / "notebooks" / "54_fusion.ipynb", path)
+        shutil.copy(ROOT / "notebooks" / "17_fusion.ipynb", path)
     run("notebooks", work)
     assert trusted() == [True, True]
-    first = work / "00_start_here.ipynb"
+    first = work / "01_start_here.ipynb"
     first.write_text(first.read_text().replace("</", "<script></"))
     run("notebooks", work)
     assert trusted() == [False, True]

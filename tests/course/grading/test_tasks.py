@@ -5,7 +5,7 @@ from segmap_course.grading import Task, chapters, source_notebook, tasks_of
 
 #: Cells of a made-up chapter: those that begin with a capital are text.
 SOURCES = (
-    "Title, see [34](34_icp.ipynb#a) and [54](54_fusion.ipynb)",
+    "Title, see [07](07_icp.ipynb#a) and [17](17_fusion.ipynb)",
     "import numpy as np\nfrom math import cos",
     "Write *compose*.",
     "import numpy as np\n\ndef my_compose(a, b): ...",
@@ -60,7 +60,7 @@ def meta(name, points=None, **said):
 
 def test_a_source_notebook_is_written_whole():
     """Catches a cell that is lost or stands twice, a check in an answer, and points that differ."""
-    source = source_notebook(NAME, made_up(*SOURCES), 7, ["54_fusion.ipynb", NAME])
+    source = source_notebook(NAME, made_up(*SOURCES), 7, ["17_fusion.ipynb", NAME])
     cells = [(c["id"], c["cell_type"], c["source"], c["metadata"]) for c in source["cells"]]
     assert source["nbformat"] == 4
     name = cells.pop(1)
@@ -97,7 +97,7 @@ def test_a_source_notebook_is_written_whole():
     )
     guess = "course.predict_beams_on_wall(\n    my_guess\n)"
     assert cells == [
-        ("c0", "markdown", "Title, see 34 and [54](54_fusion.ipynb)", {}),
+        ("c0", "markdown", "Title, see 07 and [17](17_fusion.ipynb)", {}),
         ("c1", "code", SOURCES[1], {"tags": ["t"]}),
         ("c2", "markdown", SOURCES[2], {}),
         ("c3", "code", SOURCES[3], {}),
@@ -121,9 +121,9 @@ def test_a_source_notebook_is_written_whole():
         by_hand("own_log_99_by_hand", 10),
         ("c13", "code", SOURCES[13], {}),
     ]
-    other = source_notebook("54_fusion.ipynb", made_up("Title"), 7)
+    other = source_notebook("17_fusion.ipynb", made_up("Title"), 7)
     assert "- none\n" in other["cells"][1]["source"]
 
 
 def test_chapters_stand_in_their_order():
-    assert list(chapters(" 54,\n34 ,")) == ["34", "54"] and list(chapters()) == sorted(chapters())
+    assert list(chapters(" 17,\n02a ,")) == ["02a", "17"] and list(chapters()) == sorted(chapters())

@@ -25,7 +25,7 @@ def beyond(figures, most):
 
 
 def maps_of_floor_4():
-    """By the text of chapter 42: three deviations, half a metre, a quarter of the walls."""
+    """By the text of chapter 13a: three deviations, half a metre, a quarter of the walls."""
     case, against = course.unknown_building(4), {}
     for name, alignment in case.alignments.items():
         verdict, path = alignment.verdict_on(case.maps[name]), alignment.poses[:, :2]
@@ -41,7 +41,7 @@ def maps_of_floor_4():
 
 
 def plans():
-    """By the text of chapter 70: a doorway wider than a room beside it, 15 cm, no door."""
+    """By the text of chapter 28: a doorway wider than a room beside it, 15 cm, no door."""
     tape, against = [taped.metres for taped in course.unknown_building().tape], {}
     for name, plan in course.three_plans().items():
         circles = [course.circle_in(room) for room in plan.rooms]
@@ -56,7 +56,7 @@ def plans():
 
 
 def ten_maps():
-    """By the limits of chapter 50, against the walls that a right drive sees."""
+    """By the limits of chapter 13b, against the walls that a right drive sees."""
     floor, against = course.known_building("floor"), {}
     most = {"a wall": 1.1, "missed %": 1, "invented %": 3, "double %": 5, "off [mm]": 20}
     for name, map in course.ten_maps().items():

@@ -11,7 +11,7 @@ from scipy.stats import chi2
 from segmap.poses import compose, transform
 
 TEXT = (ROOT / "notebooks/EXAM.md").read_text(encoding="utf-8")
-PARTS = re.findall(r"^## Part (\d): ", TEXT, re.MULTILINE)
+PARTS = re.findall(r"^## Goal (\d): ", TEXT, re.MULTILINE)
 #: Number of the part and of the question, points, all that follows.
 QUESTIONS = re.findall(
     r"^\*\*(\d)\.(\d)\*\* \((\d) points\) (.*?)(?=^\*\*\d|^## |\Z)", TEXT, re.MULTILINE | re.DOTALL

@@ -61,7 +61,7 @@ def _basic_fooled(order: Array) -> str:
 
 
 break_basic_order = Challenge(
-    "break_basic_order(order): an order, (21,), of the shelves 0 to 20 of chapter 51, 0.10 m "
+    "break_basic_order(order): an order, (21,), of the shelves 0 to 20 of chapter 14, 0.10 m "
     "apart, one a scan, of which Basic on-line leaves at least 8 segments; from 0 to 20 it leaves "
     "one",
     _basic_fooled,
