@@ -1,0 +1,503 @@
+"""What a chapter in the new form must hold, one function a rule: `rule(notebook) -> complaints`.
+
+A chapter is in the new form where a cell is tagged `predict`. CONTRIBUTING, *A new chapter*, says
+how it goes.
+"""
+
+import ast
+import base64
+import copy
+import functools
+import io
+import json
+import re
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import segmap_course as course
+from chapter_rules import (
+    CHAPTERS,
+    ROOT,
+    code_cells,
+    in_the_new_form,
+    is_guard,
+    lines_of,
+    links,
+    markdown,
+    outputs,
+    parsed,
+    tags_of,
+)
+from PIL import Image
+
+import segmap
+
+MOST_WORDS, MOST_CELLS, MOST_LINES, MOST_MINUTES = 1000, 30, 120, 65
+#: Minutes: words and lines of code that are read in one; a picture, a panel, a function to write.
+WORDS, LINES, PICTURE, PANEL, FUNCTION = 120, 6, 0.75, 5, 20
+#: Share of the cells before which the first panel or figure to drag stands.
+EARLY = 1 / 3
+#: A film: frames, bytes, and the least share of what is not white that changes from frame to frame.
+FRAMES, MOST_FILM_BYTES, LEAST_CHANGE = (6, 12), 30_000, 0.02
+VIEW = "application/vnd.jupyter.widget-view+json"
+ASKED = re.compile(r"(\w+) = None +# (\S.*)")
+NUMBERS = [
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
+]
+#: Part of `literal` -> the packages of the library that have the method, fast.
+PACKAGES = {
+    "alignment": {"alignment", "matching"},
+    "reduction": {"reduction"},
+    "quadtrees": {"quadtree", "matching"},
+    "metrics": {"metrics"},
+    "extraction": {"extraction"},
+    "line_finders": {"extraction"},
+    "lines": {"segments", "extraction"},
+}
+LITERAL = ROOT / "notebooks" / "segmap_course" / "literal"
+#: What a chapter may call before its method stands: these, and checks.
+ALLOWED = {*course.drawings.__all__, *course.panels.__all__, *course.figures.__all__}
+
+
+# ------------------------------------------------------------------ sizes
+
+
+def words_of(notebook):
+    return len(re.findall(r"[^\s|]*\w[^\s|]*", markdown(notebook)))
+
+
+def lines_of_code(notebook):
+    return sum(bool(line.strip()) for _, s, _ in code_cells(notebook) for line in s.splitlines())
+
+
+def pictures(notebook):
+    return [lines_of(p) for _, o in outputs(notebook) if (p := o.get("data", {}).get("image/png"))]
+
+
+def panels(notebook):
+    """Cells that show a panel or a figure to drag."""
+    return [number for number, output in outputs(notebook) if VIEW in output.get("data", {})]
+
+
+def minutes(notebook):
+    joined = "\n".join(source for _, source, _ in code_cells(notebook))
+    functions = len(re.findall(r"^course\.check_\w+\(", joined, re.MULTILINE))
+    read = words_of(notebook) / WORDS + lines_of_code(notebook) / LINES
+    seen = PICTURE * len(pictures(notebook)) + PANEL * len(set(panels(notebook)))
+    return read + seen + FUNCTION * functions
+
+
+def has_room_for_nothing_else(notebook):
+    sizes = {
+        "words": (words_of(notebook), MOST_WORDS),
+        "cells of code": (len(list(code_cells(notebook))), MOST_CELLS),
+        "lines of code": (lines_of_code(notebook), MOST_LINES),
+        "minutes": (round(minutes(notebook)), MOST_MINUTES),
+    }
+    return [f"{n} {what}, more than {most}" for what, (n, most) in sizes.items() if n > most]
+
+
+# ------------------------------------------------------------------ question, prediction, answer
+
+
+def has_question(notebook):
+    """A title and a question; the claim stands in the summary."""
+    first = lines_of(notebook["cells"][0]["source"])
+    titled = notebook["cells"][0]["cell_type"] == "markdown" and re.match(r"# \d+ \S", first)
+    return [] if titled and "?" in first else ["the first cell must be a title and a question"]
+
+
+def tagged(notebook, tag):
+    return [(k, cell) for k, cell in enumerate(notebook["cells"]) if tag in tags_of(cell)]
+
+
+def asks_for_one_number(notebook):
+    return [
+        f"cell {k}: `name = None  # unit` is all that a cell tagged predict holds"
+        for k, cell in tagged(notebook, "predict")
+        if not ASKED.fullmatch(lines_of(cell["source"]).strip()) or cell["outputs"]
+    ]
+
+
+def answers_are_folded(notebook):
+    """After the prediction, with an output, which Lab does not open by itself."""
+    asked, revealed = tagged(notebook, "predict"), tagged(notebook, "reveal")
+    if not revealed or revealed[0][0] < asked[0][0]:
+        return ["a cell tagged reveal must answer, behind the prediction"]
+    return [
+        f"cell {k}: an answer without an output, or not folded: run make refresh"
+        for k, cell in revealed
+        if not cell["outputs"] or cell["metadata"].get("jupyter") != {"outputs_hidden": True}
+    ]
+
+
+def compares_with_the_prediction(notebook):
+    """The last line of a cell that answers says how far off the prediction was."""
+    names = [ASKED.match(lines_of(cell["source"])) for _, cell in tagged(notebook, "predict")]
+    said = [lines_of(cell["source"]).strip() for _, cell in tagged(notebook, "reveal")]
+    return [
+        f"{name[1]} is compared with no answer: course.compare_prediction({name[1]}, ...)"
+        for name in names
+        if name and not any(f"compare_prediction({name[1]}," in source for source in said)
+    ]
+
+
+def answers(notebook):
+    """Digits and unit of each answer."""
+    shown = "".join(lines_of(o.get("data", {}).get("text/html", "")) for _, o in outputs(notebook))
+    return re.findall(r'class="answer" data-answer="([^"]*)" data-unit="([^"]*)"', shown)
+
+
+def no_text_states_the_answer(notebook):
+    """Neither words nor comments; headings, links and formulas have numbers of their own."""
+    comments = [
+        line.partition("#")[2]
+        for _, source, cell in code_cells(notebook)
+        if not is_guard(cell)
+        for line in source.splitlines()
+    ]
+    words = re.sub(r"\$\$.*?\$\$|\$[^$]+\$", "", markdown(notebook), flags=re.DOTALL)
+    words = re.sub(r"^#.*$|\]\([^)]*\)|[Cc]hapters? \d+", "", words, flags=re.MULTILINE)
+    text = "\n".join([words, *comments])
+    found = []
+    for digits, unit in answers(notebook):
+        spelled = NUMBERS[int(digits) - 1] if digits.isdigit() and 0 < int(digits) < 13 else digits
+        stated = rf"(?<![\d.]){re.escape(digits)}(?![\d.]*\d)|\b{spelled} {re.escape(unit)}"
+        found += [f"the text says {m.group()!r}" for m in re.finditer(stated, text)]
+    return found
+
+
+# ------------------------------------------------------------------ the order of a chapter
+
+
+def moves_early(notebook):
+    """A panel or a figure to drag in the first third."""
+    last = EARLY * len(notebook["cells"])
+    early = any(number < last for number in panels(notebook))
+    return [] if early else [f"no panel or figure to drag before cell {last:.0f}"]
+
+
+def shows_before_it_calculates(notebook):
+    """The first formula stands behind the first picture."""
+    cells = list(enumerate(notebook["cells"]))
+    formulas = [
+        k for k, c in cells if c["cell_type"] == "markdown" and "$" in lines_of(c["source"])
+    ]
+    shown = [k for k, o in outputs(notebook) if "image/png" in o.get("data", {})]
+    late = formulas and (not shown or formulas[0] < shown[0])
+    return [f"cell {formulas[0]}: a formula before the first picture"] if late else []
+
+
+def fails_and_looks_at_a_real_log(notebook):
+    headings = "\n".join(re.findall(r"^#+ (.+)$", markdown(notebook), re.MULTILINE)).lower()
+    wanted = {"When it fails": "wrong|fail", "On a real log": "real log"}
+    return [f"no heading such as {h!r}" for h, p in wanted.items() if not re.search(p, headings)]
+
+
+def ends_with_its_claim(notebook):
+    """A summary: the claim, then what is next, with its link."""
+    kind, last = notebook["cells"][-1]["cell_type"], lines_of(notebook["cells"][-1]["source"])
+    parts = [part for part in last.split("\n\n") if part.strip()]
+    right = kind == "markdown" and re.match(r"#+ Summary$", parts[0]) and len(parts) >= 2
+    return [] if right and links(last) else ["the last cell must be a Summary: claim, what is next"]
+
+
+# ------------------------------------------------------------------ the method as code
+
+
+def bare(function):
+    """A function without annotations, and of its docstring the first line."""
+    function = copy.deepcopy(function)
+    for node in ast.walk(function):
+        if isinstance(node, ast.arg):
+            node.annotation = None
+        if isinstance(node, ast.FunctionDef):
+            node.returns = None
+    if text := ast.get_docstring(function):
+        function.body[0] = ast.Expr(ast.Constant(text.splitlines()[0]))
+    return ast.dump(function)
+
+
+@functools.cache
+def known_functions():
+    """Name -> the functions of `literal` and of the library, each with its file."""
+    found = {}
+    for path in [*LITERAL.rglob("*.py"), *(ROOT / "segmap").rglob("*.py")]:
+        for node in ast.parse(path.read_text("utf-8")).body:
+            if isinstance(node, ast.FunctionDef):
+                found.setdefault(node.name, []).append((path, bare(node)))
+    return found
+
+
+def defined(notebook):
+    """Number of the cell, function, and the file that has the same; None where none has."""
+    for number, cell in parsed(notebook):
+        for node in cell.body:
+            if isinstance(node, ast.FunctionDef) and not node.name.startswith("my_"):
+                same = [p for p, code in known_functions().get(node.name, []) if code == bare(node)]
+                yield number, node.name, same[0] if same else None
+
+
+def last_step(notebook):
+    """The last cell with a step of the method; -1 without one."""
+    return max((number for number, _, file in defined(notebook) if file), default=-1)
+
+
+def cells_are_the_readable_copy(notebook):
+    last = last_step(notebook)
+    if last < 0:
+        return ["no cell writes a function of `literal` or of the library"]
+    return [
+        f"cell {number}: {name} is not that of `literal` or of the library"
+        for number, name, file in defined(notebook)
+        if file is None and (number < last or name in known_functions())
+    ]
+
+
+def packages_of(notebook):
+    """Packages of the library that have the method of the chapter."""
+    files = [file for _, _, file in defined(notebook) if file]
+    inside = [f.relative_to(LITERAL).parts[0] for f in files if f.is_relative_to(LITERAL)]
+    library = {f.relative_to(ROOT / "segmap").parts[0] for f in files if LITERAL not in f.parents}
+    named = [PACKAGES.get(part.removesuffix(".py"), set()) for part in inside]
+    return library.union(*named)
+
+
+def imported(notebook):
+    """Name in the chapter -> what it is called where it comes from."""
+    names = {}
+    for node in (node for _, cell in parsed(notebook) for node in ast.walk(cell)):
+        if isinstance(node, ast.Import):
+            names |= {a.asname or a.name: a.name for a in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names |= {a.asname or a.name: f"{node.module}.{a.name}" for a in node.names}
+    return names
+
+
+def calls(notebook):
+    """Number of the cell, and the whole name of what it calls."""
+    names = imported(notebook)
+    for number, cell in parsed(notebook):
+        for node in ast.walk(cell):
+            if isinstance(node, ast.Call):
+                first, *rest = ast.unparse(node.func).split(".")
+                yield number, ".".join([names.get(first, first), *rest])
+
+
+def is_of_the_method(name, packages):
+    """Whether `segmap.fusion` or `segmap.reduction.fusion` is called, by the packages."""
+    if name.startswith(tuple(f"segmap.{package}." for package in packages)):
+        return True
+    called = getattr(segmap, name.removeprefix("segmap."), None) if name[:7] == "segmap." else None
+    home = getattr(called, "__module__", "")
+    return home.startswith(tuple(f"segmap.{package}." for package in packages))
+
+
+def calls_nothing_too_early(notebook):
+    """Until its last step stands, neither the method nor the course does the chapter's work."""
+    last, packages = last_step(notebook), packages_of(notebook)
+    found = []
+    for number, name in calls(notebook):
+        own = name.partition("segmap_course.")[2]
+        early = own and own.split(".")[-1] not in ALLOWED and not own.startswith("check_")
+        if number <= last and (early or is_of_the_method(name, packages)):
+            found.append(f"cell {number}: calls {name} before the method stands")
+    return found
+
+
+def cells_and_library_agree(notebook):
+    """The first cell that calls the library's method asserts, or the guard below it."""
+    last, packages = last_step(notebook), packages_of(notebook)
+    used = [n for n, name in calls(notebook) if n > last and is_of_the_method(name, packages)]
+    asserting = {
+        n for n, c in parsed(notebook) if any(isinstance(x, ast.Assert) for x in ast.walk(c))
+    }
+    if used and {used[0], used[0] + 1} & asserting:
+        return []
+    return ["the first cell that calls the library's method must assert that both agree"]
+
+
+# ------------------------------------------------------------------ films, in every chapter
+
+
+def frames_of(picture):
+    """The still picture and the frames of a film, as pixels; and what its file says."""
+    film, found = Image.open(io.BytesIO(base64.b64decode(picture))), []
+    for k in range(getattr(film, "n_frames", 1)):
+        film.seek(k)
+        found.append(np.asarray(film.convert("RGB"), int))
+    return found, film.info
+
+
+def films_move_and_end(notebook):
+    found = []
+    for number, output in outputs(notebook):
+        picture = lines_of(output.get("data", {}).get("image/png", ""))
+        if not picture or b"acTL" not in base64.b64decode(picture)[:200]:
+            continue
+        (still, *frames), info = frames_of(picture)
+        size = len(base64.b64decode(picture))
+        if not (info.get("default_image") and info["loop"] == 2 and (still == frames[-1]).all()):
+            found.append(f"cell {number}: a film that does not end with its still picture")
+        if not FRAMES[0] <= len(frames) <= FRAMES[1] or size > MOST_FILM_BYTES:
+            found.append(f"cell {number}: a film of {len(frames)} frames and {size} bytes")
+        for k, (one, other) in enumerate(pairwise(frames)):
+            changed = (one != other).any(-1).sum() / max(1, (other != 255).any(-1).sum())
+            if changed < LEAST_CHANGE:
+                found.append(f"cell {number}: frame {k + 1} differs in {100 * changed:.1f} % only")
+    return found
+
+
+RULES = (has_room_for_nothing_else, has_question, asks_for_one_number, answers_are_folded,
+         compares_with_the_prediction, no_text_states_the_answer, moves_early,
+         shows_before_it_calculates, fails_and_looks_at_a_real_log, ends_with_its_claim,
+         cells_are_the_readable_copy, calls_nothing_too_early, cells_and_library_agree,
+         films_move_and_end)  # fmt: skip
+
+
+@pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem[:2])
+def test_a_chapter_has_its_form(path):
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    own = RULES if in_the_new_form(notebook) else [films_move_and_end]
+    assert [f"{rule.__name__}: {said}" for rule in own for said in rule(notebook)] == []
+
+
+# ------------------------------------------------------------------ each rule sees its breach
+
+
+def text(source):
+    return {"cell_type": "markdown", "metadata": {}, "source": source}
+
+
+def code(source, *shown, tags=(), **metadata):
+    made = [{"output_type": "display_data", "data": data} for data in shown]
+    about = {"tags": list(tags), **metadata}
+    return {"cell_type": "code", "metadata": about, "source": source, "outputs": made}
+
+
+def film_of(*places, loop=2, still=-1):
+    """A film of a black square at these places, base64."""
+    frames, file = [], io.BytesIO()
+    for place in places:
+        frames.append(Image.new("L", (100, 40), 255))
+        frames[-1].paste(0, (place, 5, place + 20, 25))
+    shown = {"save_all": True, "append_images": frames, "default_image": True, "loop": loop}
+    frames[still].save(file, "PNG", duration=500, **shown)
+    return base64.b64encode(file.getvalue()).decode()
+
+
+FILM = film_of(*range(0, 60, 10))
+ANSWER = '<p class="answer" data-answer="7" data-unit="steps">The answer is 7 steps.</p>'
+PLACED = """def placed(point, pose):
+    \"\"\"A point of the robot's frame in the frame of the pose (metres, radians).\"\"\"
+    (x, y), (at_x, at_y, heading) = point, pose
+    c, s = math.cos(heading), math.sin(heading)
+    return c * x - s * y + at_x, s * x + c * y + at_y
+"""
+GOOD = {
+    "cells": [
+        text("# 97 A try\n\n**How many steps?**"),
+        code("import math\nimport segmap_course as course\nfrom segmap import segments"),
+        code("course.draw_scans(a, b, start)", {"image/png": ""}),
+        code("steps_predicted = None  # steps", tags=["predict"]),
+        code("figure = course.DragScan(a, b, start)\nfigure", {VIEW: {}, "image/png": ""}),
+        text("The point $p$ in 7.5 minutes, see [chapter 7](07.ipynb)."),
+        code(PLACED),
+        code("print(1)"),
+        code(
+            "course.compare_prediction(steps_predicted, n, 'steps')",
+            {"text/html": ANSWER},
+            tags=["reveal"],
+            jupyter={"outputs_hidden": True},
+        ),
+        code("course.film(frames, 'it moves')", {"image/png": FILM}),
+        code("assert segments.length([(0, 0), placed((1, 0), pose)]) == 1"),
+        text("## When it fails"),
+        code("def shape_of(walls):\n    return segments.length(walls)"),
+        text("## On a real log"),
+        text("## Exercise"),
+        code("course.check_compose(my_compose)"),
+        text("## Summary\n\nThis holds.\n\nNext: [chapter 8](08.ipynb)."),
+    ]
+}
+BREACHES = [
+    ("has_room_for_nothing_else", lambda c: c[5].update(source="word " * 1001)),
+    ("has_room_for_nothing_else", lambda c: c[7].update(source="1\n" * 110)),
+    ("has_room_for_nothing_else", lambda c: c.extend([code("1")] * 22 + c[-1:])),
+    ("has_room_for_nothing_else", lambda c: c[15].update(source="course.check_a()\n" * 3)),
+    ("has_question", lambda c: c[0].update(source="# 97 A try\n\n**It is 2 mm.**")),
+    ("has_question", lambda c: c[0].update(source="A try?")),
+    ("asks_for_one_number", lambda c: c[3].update(source="steps_predicted = 7  # steps")),
+    ("asks_for_one_number", lambda c: c[3].update(source="steps_predicted = None")),
+    ("answers_are_folded", lambda c: c[8]["metadata"].pop("jupyter")),
+    ("answers_are_folded", lambda c: c[8].update(outputs=[])),
+    ("answers_are_folded", lambda c: c.insert(3, c.pop(8))),
+    ("compares_with_the_prediction", lambda c: c[8].update(source="course.film(frames, 'x')")),
+    ("no_text_states_the_answer", lambda c: c[5].update(source="After 7 steps it stands.")),
+    ("no_text_states_the_answer", lambda c: c[5].update(source="It takes seven steps.")),
+    ("no_text_states_the_answer", lambda c: c[7].update(source="print(1)  # not 7")),
+    ("moves_early", lambda c: c.insert(9, c.pop(4))),
+    ("shows_before_it_calculates", lambda c: c.insert(2, text("$x$"))),
+    ("fails_and_looks_at_a_real_log", lambda c: c[11].update(source="## What is next")),
+    ("fails_and_looks_at_a_real_log", lambda c: c[13].update(source="## Elsewhere")),
+    ("ends_with_its_claim", lambda c: c[-1].update(source="Next: [chapter 8](08.ipynb).")),
+    ("ends_with_its_claim", lambda c: c[-1].update(source="## Summary\n\nThis holds.")),
+    ("cells_are_the_readable_copy", lambda c: c[6].update(source=PLACED.replace("c * x", "s * x"))),
+    ("cells_are_the_readable_copy", lambda c: c[6].update(source=PLACED.replace("robot", "other"))),
+    ("cells_are_the_readable_copy", lambda c: c[1].update(source="def f():\n    pass")),
+    ("calls_nothing_too_early", lambda c: c[2].update(source="segments.length(a)")),
+    ("calls_nothing_too_early", lambda c: c[2].update(source="course.thesis_results()")),
+    ("cells_and_library_agree", lambda c: c[10].update(source="segments.length(a)")),
+    ("cells_and_library_agree", lambda c: c[10].update(source="assert 1")),
+    ("films_move_and_end", lambda c: show(c, film_of(*range(0, 50, 10)))),
+    ("films_move_and_end", lambda c: show(c, film_of(0, 10, 10, 20, 30, 40))),
+    ("films_move_and_end", lambda c: show(c, film_of(*range(0, 60, 10), loop=0))),
+    ("films_move_and_end", lambda c: show(c, film_of(*range(0, 60, 10), still=0))),
+]
+
+
+def show(cells, picture):
+    cells[9]["outputs"][0]["data"]["image/png"] = picture
+
+
+def test_a_chapter_in_the_new_form_passes():
+    """Catches a rule that nothing can meet."""
+    assert in_the_new_form(GOOD)
+    assert [(rule.__name__, said) for rule in RULES for said in rule(GOOD)] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "breach"), BREACHES, ids=lambda value: value if isinstance(value, str) else "breach"
+)
+def test_a_breach_is_seen_by_its_rule(name, breach):
+    """Catches a rule that passes silently."""
+    notebook = copy.deepcopy(GOOD)
+    breach(notebook["cells"])
+    assert name in {rule.__name__ for rule in RULES if rule(notebook)}
+
+
+def test_every_rule_has_a_breach():
+    assert {name for name, _ in BREACHES} == {rule.__name__ for rule in RULES}
+
+
+def test_a_film_of_the_course_passes():
+    """Catches a film that `course.film` makes, and no chapter may show."""
+    axes = (
+        course.draw_scans([(0, 1)], [(0, 1)], (0.3 * k, 0, 0), view=(-1, -1, 3, 2))
+        for k in range(6)
+    )
+    shown, _ = course.film((ax.figure for ax in axes), "it moves")._repr_mimebundle_()
+    cell = code("film", shown)
+    assert films_move_and_end({"cells": [cell]}) == []
