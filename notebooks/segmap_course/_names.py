@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from . import drawings, figures, panels
+from ._clinic import clinic_walls
 from ._conclusions import conclusions, density, filter_change
 from ._explore import Explored, drive_to_frontiers, explore, floor_of
 from ._found_lines import (
@@ -181,9 +182,9 @@ __all__ = [
     "check_pose_covariance", "check_quality", "check_ransac_trials", "check_ray_cells",
     "check_reduction_at", "check_reduction_rate", "check_resampled", "check_rooms_left",
     "check_scan_score", "check_tape_scale", "check_unwrapped", "check_verdict", "check_weighed",
-    "circle_in", "compare_with_walls", "conclusions", "corridor_walk", "decide_claims",
-    "decide_floor", "decide_map", "decide_match", "decide_plan", "decide_way", "density",
-    "drawings", "drive_to_frontiers", "explore", "figures", "filter_change", "floor_of",
+    "circle_in", "clinic_walls", "compare_with_walls", "conclusions", "corridor_walk",
+    "decide_claims", "decide_floor", "decide_map", "decide_match", "decide_plan", "decide_way",
+    "density", "drawings", "drive_to_frontiers", "explore", "figures", "filter_change", "floor_of",
     "four_matches", "heading_profile", "known_building", "landscape", "load_columns", "load_trials",
     "near_metres", "occupied_centres", "office_views", "panels", "peaks",
     "precision_and_recall", "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves",

@@ -15,11 +15,19 @@ from ._rooms import (
     square_room,
     two_position_square,
 )
-from ._sensors import SICK_LMS200, URG_04LX, OdometryNoise, Sensor, drifting_odometry, measure
+from ._sensors import (
+    CHEAP_WHEELS,
+    SICK_LMS200,
+    URG_04LX,
+    OdometryNoise,
+    Sensor,
+    drifting_odometry,
+    measure,
+)
 from ._simulate import cast_rays, drive, simulate
 
 __all__ = [
-    "SICK_LMS200", "URG_04LX", "OdometryNoise", "Sensor", "box", "cast_rays", "circular_room",
-    "city", "corridor_loop", "drifting_odometry", "drive", "measure", "office", "polyline",
-    "rectangular_room", "simulate", "square_room", "two_position_square",
+    "CHEAP_WHEELS", "SICK_LMS200", "URG_04LX", "OdometryNoise", "Sensor", "box", "cast_rays",
+    "circular_room", "city", "corridor_loop", "drifting_odometry", "drive", "measure", "office",
+    "polyline", "rectangular_room", "simulate", "square_room", "two_position_square",
 ]  # fmt: skip

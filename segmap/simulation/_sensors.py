@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -39,6 +39,8 @@ class Sensor(Settings):
         Anything nearer is an error of the sensor and comes back as NaN.
     sigma : float
         Standard deviation of a range.
+    range_share : float
+        What each metre of range adds to it: 0.006 for an RPLidar, whose sigma is 0.005.
     resolution : float
         Ranges are rounded to multiples of it; 0 leaves them as they are.
     dropout : float
@@ -65,6 +67,7 @@ class Sensor(Settings):
     dropout: Share = 0.0
     grazing: Annotated[float, Quantity("radians", least=0)] = 0.0
     period: Seconds = 0.1
+    range_share: Share = 0.0
 
     @property
     def angles(self) -> Array:
@@ -73,21 +76,16 @@ class Sensor(Settings):
 
     def ideal(self) -> Sensor:
         """The same beams (directions in radians, ranges in metres) without any fault."""
-        return replace(self, min_range=0.0, sigma=0.0, resolution=0.0, dropout=0.0, grazing=0.0)
+        beams = self.beams, self.first, self.step
+        return Sensor(self.name, *beams, self.max_range, period=self.period)
 
 
 #: SICK LMS 200 in its centimetre mode: 80 m, 10 mm steps, about 10 mm of noise; 181 beams from -90
 #: to 90 degrees. Over a serial line at 38 400 baud it delivers about five scans a second.
 SICK_LMS200 = Sensor(
-    "SICK LMS 200",
-    beams=181,
-    first=-np.pi / 2,
-    step=np.pi / 180,
-    max_range=80.0,
-    sigma=0.010,
-    resolution=0.010,
-    period=0.2,
-)
+    "SICK LMS 200", beams=181, first=-np.pi / 2, step=np.pi / 180,
+    max_range=80.0, sigma=0.010, resolution=0.010, period=0.2,
+)  # fmt: skip
 
 #: Hokuyo URG-04LX: steps 44 to 725 of 1024 a turn, step 384 ahead; 20 mm to 4 m, 10 mm of noise,
 #: rounded to 1 mm, ten scans a second (B 5.1.1). Chosen here: one beam in a hundred is lost, and so
@@ -137,9 +135,9 @@ def measure(
     arrays.instance(sensor, "sensor", Sensor)
     true, angle = arrays.ranges(ranges), arrays.numbers(incidence, "incidence")
     if true.ndim != 1 or angle.shape != true.shape:
-        shapes = f"{true.shape} and {angle.shape}"
-        raise ValueError(f"ranges and incidence must have one shape, (n,), got {shapes}")
-    found = true + sensor.sigma * rng.standard_normal(true.shape)
+        raise ValueError(f"ranges and incidence must both be (n,), got {true.shape}, {angle.shape}")
+    sigma = sensor.sigma + sensor.range_share * np.where(np.isfinite(true), true, 0.0)
+    found = true + sigma * rng.standard_normal(true.shape)
     if sensor.resolution > 0:
         with np.errstate(over="ignore"):  # infinite is beyond every sensor's range
             found = np.round(found / sensor.resolution) * sensor.resolution
@@ -181,6 +179,10 @@ class OdometryNoise(Settings):
     def ideal(self) -> OdometryNoise:
         """No noise at all: the odometry then equals the truth, in metres and radians."""
         return OdometryNoise(0.0, 0.0, 0.0, 0.0)
+
+
+#: A robot with cheap wheels, in `data/clinic`: a turn is 5 % wrong, and 1 m turns it by a degree.
+CHEAP_WHEELS = OdometryNoise(turn_bias=0.05, turn_noise=0.05, heading_noise=0.02)
 
 
 @checked

@@ -244,7 +244,7 @@ def _near_walls(walls: Array, sensor: Sensor) -> Callable[[Array], Array]:
     from scipy.spatial import cKDTree
 
     # An error of a range can bring a wall within the range, but not from farther off than this.
-    reach = sensor.max_range + 10 * sensor.sigma + sensor.resolution
+    reach = sensor.max_range * (1 + 10 * sensor.range_share) + 10 * sensor.sigma + sensor.resolution
     if len(walls) <= MANY or not np.isfinite(reach):
         return lambda pose: walls
     along = np.hypot(*(walls[:, 1] - walls[:, 0]).T)

@@ -17,9 +17,9 @@ from .log_options import Command, Completion, examples, parsed
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
 EPILOG = """\
 LOG is a file or a folder of any format that segmap reads, a folder of such logs, or the name of a
-log that comes with segmap: malaga, corridor, room. Exit codes: 0 done, 1 something failed, 2 the
-command was not understood, or names a file that cannot be written: nothing was done; 3 a log gave
-no map, or was not found on one; 130 stopped by Control-C.
+log that comes with segmap: malaga, clinic, corridor, room. Exit codes: 0 done, 1 something failed,
+2 the command was not understood, or names a file that cannot be written: nothing was done; 3 a log
+gave no map, or was not found on one; 130 stopped by Control-C.
 `segmap COMMAND --help` tells the rest.
 """
 

@@ -182,6 +182,8 @@ def test_errors_have_their_stated_size():
     """Catches a bias, another share of lost beams, and ranges cut where they should be rounded."""
     error = measured(np.full(40_000, 3.0), seed=5, resolution=0.0) - 3
     assert abs(error.std() / 0.010 - 1) < 0.02 and abs(error.mean()) < 2e-4
+    far = measured(np.full(40_000, 3.0), seed=5, sigma=0.005, range_share=0.006, resolution=0.0)
+    assert abs(far.std() / 0.023 - 1) < 0.02
     lost = np.isinf(measured(np.full(20_000, 2.0), seed=6, sensor=URG_04LX, dropout=0.05))
     assert abs(lost.mean() - 0.05) < 0.005
     np.testing.assert_allclose(measured([1.004, 1.006, 2.0], sigma=0.0), [1.00, 1.01, 2.0])

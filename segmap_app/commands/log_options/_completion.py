@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from ._command import Command
 
 #: Logs that come with segmap.
-BUNDLED = ("malaga", "corridor", "room")
+BUNDLED = ("malaga", "clinic", "corridor", "room")
 #: For bash, and for zsh, which can read what is for bash. The case asks for the command, the word
 #: before, the word that is begun, and its number; the first pattern that fits wins.
 SCRIPT = """\

@@ -54,7 +54,8 @@ def add_logs(command: Command) -> None:
         "logs",
         nargs="+",
         metavar="LOG",
-        help="a file, a folder, a session (.segmap) with its options, or malaga, corridor, room",
+        help="a file, a folder, a session (.segmap) with its options, or malaga, clinic, corridor, "
+        "room",
     )
     group = command.add_argument_group("damage, and what is printed")
     group.add_argument(

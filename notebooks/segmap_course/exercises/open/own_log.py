@@ -21,7 +21,7 @@ from .._exercise import Check
 from ._open import Open
 
 #: The logs that come with segmap: none of them is a log of one's own.
-BUNDLED = ("corridor", "malaga", "room")
+BUNDLED = ("clinic", "corridor", "malaga", "room")
 #: A map is made from so many scans at most, evenly chosen.
 MOST_SCANS = 200
 #: What the log and its map must have at least; walls are segments of 1 m and more.
