@@ -1175,8 +1175,10 @@ def test_chapters_are_copied_and_the_work_of_a_student_stays(run):
     assert broken_links(Path("mine")) == []
     Path("mine/17_fusion.ipynb").write_text("my answers")
     Path("mine/14_basic.ipynb").unlink()
+    Path("mine/my_mapper.py").write_text("my function")
     code, said, _ = run("notebooks", "mine")
     assert code == 0 and Path("mine/17_fusion.ipynb").read_text() == "my answers"
+    assert Path("mine/my_mapper.py").read_text() == "my function"
     assert "1 chapter copied" in said and f"{len(chapters) - 2} chapters there already" in said
     assert "since yours differ: 17_fusion.ipynb" in said and "newer" not in said
     assert Path("mine/14_basic.ipynb").exists()

@@ -1,0 +1,77 @@
+"""A function that passes its check is kept in `my_mapper.py`, in a student's copy alone."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+RIGHT = """\
+import numpy as np
+import segmap_course as course
+from segmap.angles import wrap
+
+TURNS = 1.0
+
+def turned(step, heading):
+    c, s = np.cos(heading), np.sin(heading)
+    return np.array([c * step[0] - s * step[1], s * step[0] + c * step[1]])
+
+def my_compose(a_from_b, b_from_c):
+    there = a_from_b[:2] + turned(b_from_c, a_from_b[2])
+    return np.array([*there, *[wrap(a_from_b[2] + TURNS * h) for h in b_from_c[2:]]])
+"""
+USE = "import my_mapper; print(my_mapper.compose((1, 2, 0), (1, 0, 0)))"
+
+
+def printed(folder: Path, *cells: str) -> list[str]:
+    """What each cell of a notebook in a folder shows as its value."""
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+    NotebookClient(notebook, resources={"metadata": {"path": str(folder)}}).execute()
+    return [
+        output["data"]["text/plain"]
+        for cell in notebook.cells
+        for output in cell.outputs
+        if output.output_type == "execute_result"
+    ]
+
+
+def test_what_passes_is_kept_with_what_it_uses_and_runs_alone(tmp_path):
+    """Catches a helper, a number, an import of the notebook that is left behind, a second copy."""
+    (tmp_path / "my_mapper.py").write_text('"""Mine."""\n')
+    check = "course.check_compose(my_compose)"
+    other = RIGHT.replace("there = ", "there = np.zeros(2) + ")
+    shown = printed(tmp_path, RIGHT, check, check, other, check, "my_compose = max", check)
+    assert shown[0] == "passed: kept in my_mapper.py" and shown[1] == "passed"
+    assert "below the one of before" in shown[2] and shown[3].startswith("not yet")
+    text = (tmp_path / "my_mapper.py").read_text()
+    assert text.startswith('"""Mine."""\n') and text.count("def my_compose") == 2
+    command = [sys.executable, "-W", "error", "-c", USE]
+    answer = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert answer.stdout.split() == ["[2.", "2.", "0.]"]
+
+
+def test_nothing_is_written_where_no_student_works(tmp_path):
+    """Catches a file in the project's folder, at a refresh or in a grader's."""
+    assert printed(tmp_path, RIGHT, "course.check_compose(my_compose)") == ["passed"]
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("cell", "words"),
+    [
+        (RIGHT + "\nmy_compose = lambda a, b, f=my_compose: f(a, b)", "a lambda has no name"),
+        (
+            RIGHT.replace("TURNS = 1.0", "TURNS = [1.0]").replace("TURNS *", "TURNS[0] *"),
+            "it uses TURNS, a variable",
+        ),
+    ],
+)
+def test_what_cannot_be_kept_is_told(tmp_path, cell, words):
+    """Catches a file that does not run alone, and a pass that turns into an error."""
+    (tmp_path / "my_mapper.py").write_text("")
+    (shown,) = printed(tmp_path, cell, "course.check_compose(my_compose)")
+    assert shown.startswith("passed: not kept in my_mapper.py: ") and words in shown
+    assert (tmp_path / "my_mapper.py").read_text() == ""
