@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from . import drawings, figures, panels
-from ._clinic import clinic_walls
+from ._clinic import Answers, Measured, clearance, clinic_walls, measure_clinic
 from ._conclusions import conclusions, density, filter_change
 from ._explore import Explored, drive_to_frontiers, explore, floor_of
 from ._found_lines import (
@@ -165,11 +165,11 @@ from .panels import *
 
 __all__ = [
     "EXERCISES", "FOUR_WAYS", "LINE_FINDERS", "LINE_SENSORS", "OPEN_EXERCISES", "THESIS_FILTERS",
-    "THESIS_GRIDS", "Challenge", "Check", "Decision", "Exercise", "Explored", "Known", "Landscape",
-    "OwnLog", "Prediction", "Representation", "Taped", "Trial", "Unknown", "View", "Weighed",
-    "alignment_table", "break_basic_order", "break_cells", "break_fusion", "break_icp",
-    "break_line", "break_loss", "break_matching", "break_quality", "break_reader", "break_sum",
-    "break_viewing_sector", "check_axial_mean", "check_beam_angles", "check_best_run",
+    "THESIS_GRIDS", "Answers", "Challenge", "Check", "Decision", "Exercise", "Explored", "Known",
+    "Landscape", "Measured", "OwnLog", "Prediction", "Representation", "Taped", "Trial", "Unknown",
+    "View", "Weighed", "alignment_table", "break_basic_order", "break_cells", "break_fusion",
+    "break_icp", "break_line", "break_loss", "break_matching", "break_quality", "break_reader",
+    "break_sum", "break_viewing_sector", "check_axial_mean", "check_beam_angles", "check_best_run",
     "check_best_shift", "check_building_axis", "check_carried", "check_carried_beam",
     "check_cast_ray", "check_cell_of", "check_climb_step", "check_compose", "check_distances",
     "check_edge_error", "check_far_ends", "check_farthest_point", "check_fit_line",
@@ -182,11 +182,11 @@ __all__ = [
     "check_pose_covariance", "check_quality", "check_ransac_trials", "check_ray_cells",
     "check_reduction_at", "check_reduction_rate", "check_resampled", "check_rooms_left",
     "check_scan_score", "check_tape_scale", "check_unwrapped", "check_verdict", "check_weighed",
-    "circle_in", "clinic_walls", "compare_with_walls", "conclusions", "corridor_walk",
+    "circle_in", "clearance", "clinic_walls", "compare_with_walls", "conclusions", "corridor_walk",
     "decide_claims", "decide_floor", "decide_map", "decide_match", "decide_plan", "decide_way",
     "density", "drawings", "drive_to_frontiers", "explore", "figures", "filter_change", "floor_of",
     "four_matches", "heading_profile", "known_building", "landscape", "load_columns", "load_trials",
-    "near_metres", "occupied_centres", "office_views", "panels", "peaks",
+    "measure_clinic", "near_metres", "occupied_centres", "office_views", "panels", "peaks",
     "precision_and_recall", "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves",
     "predict_crowd", "predict_drift", "predict_fusion_left", "predict_fusion_twice",
     "predict_partition", "predict_pieces", "predict_scan_time", "predict_sparse_icp",

@@ -12,6 +12,7 @@ from ._alignments import (
 )
 from ._buildings import draw_buildings, draw_threshold
 from ._charts import label_axes, mark_places, set_ticks, write_names
+from ._clinic import wardrobe
 from ._plans import draw_labels, draw_plan
 from ._quadtrees import (
     draw_cells,
@@ -41,5 +42,5 @@ __all__ = [
     "draw_landscape", "draw_marked", "draw_merge", "draw_normals", "draw_odometry_comparison",
     "draw_plan", "draw_profile", "draw_ray", "draw_scans", "draw_strip", "draw_threshold",
     "draw_trade_off", "draw_trials", "draw_uncertainty", "label_axes", "mark_places", "set_ticks",
-    "write_names",
+    "wardrobe", "write_names",
 ]  # fmt: skip

@@ -1,0 +1,68 @@
+"""Drawings of the story: what a map says about the clinic."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
+
+from segmap.arrays import Segments
+from segmap.plotting import ERROR, MAP, RESULT, axes_row, draw_segments, map_axes
+from segmap.poses import transform
+from segmap.simulation import box, polyline
+
+from .._clinic import WARDROBE_DEPTH_M, WARDROBE_LENGTH_M, Answers, measure_clinic
+
+
+def wardrobe(map: Segments, poses: ArrayLike | None = None) -> Answers:
+    """Ask a map of the clinic the three questions of the story, and draw the answers.
+
+    Does the wardrobe go round the corner, how thick is the wall between rooms 2 and 3, how long is
+    the building? Orange are the tapes that `measure_clinic` stretches; beside the map stands the
+    wardrobe at the tightest place between corridors as wide as they are on the map.
+
+    Parameters
+    ----------
+    map
+        SegmentMap, Reduction or `(n, 2, 2)` array, metres.
+    poses : (250, 3) array, metres and radians, or None
+        Of the scans of `clinic` in the frame of the map: the true ones where none are given.
+
+    Examples
+    --------
+    >>> from segmap_course import clinic_walls
+    >>> wardrobe(clinic_walls())
+    wardrobe goes round: 16.7 ± 0.0 cm to spare; wall 10.0 ± 0.0 cm; building 9.00 ± 0.00 m
+    """
+    answers = measure_clinic(map, poses)
+    left, right = axes_row(2, (8.6, 4.2))
+    draw_segments(map, ax=left, color=MAP, width=0.8)
+    for ends in answers.ends.values():
+        left.plot(*ends.T, "|-", color=ERROR, markersize=5)
+    left.set_title(
+        f"Wall of rooms 2 and 3: {answers.of_wall}\nBuilding: {answers.of_building}",
+        fontsize="medium",
+    )
+    _draw_corner(right, answers)
+    right.set_title(f"Wardrobe {answers.of_wardrobe}", fontsize="medium")
+    map_axes(left)
+    map_axes(right)
+    return answers
+
+
+def _draw_corner(ax: Axes, answers: Answers) -> None:
+    """The corner between both corridors, the wardrobe, and its distance from the inner corner."""
+    widths = (answers.tapes[name].metres for name in ("left corridor", "upper corridor"))
+    (w1, w2), far = widths, 2.4
+    if not np.isfinite([w1, w2]).all():
+        ax.text(0, 0, "a wall was not seen")
+        return
+    outer, inner = [(0, -far), (0, 0), (far, 0)], [(w1, -far), (w1, -w2), (far, -w2)]
+    draw_segments(np.concatenate([polyline(outer), polyline(inner)]), ax=ax, color=MAP, width=1.5)
+    heading = np.pi / 2 - answers.turn  # of the long side, from the left wall to the upper one
+    start = (0, -WARDROBE_LENGTH_M * np.cos(answers.turn), heading)
+    middle = transform(start, np.array([WARDROBE_LENGTH_M, -WARDROBE_DEPTH_M]) / 2)
+    wardrobe = box(WARDROBE_LENGTH_M, WARDROBE_DEPTH_M, (*middle, heading))
+    ax.fill(*wardrobe[:, 0].T, color=RESULT, alpha=0.3)
+    across = np.array([np.sin(heading), -np.cos(heading)]) * answers.clearance.metres
+    ax.plot(*np.array([(w1, -w2), (w1, -w2) - across]).T, color=ERROR, linewidth=3)
