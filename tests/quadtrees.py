@@ -13,7 +13,7 @@ def leaves_of(map):
     squares = np.rint(where / map.resolution).astype(int).tolist()
     assert len({tuple(square) for square in squares}) == len(squares)
     counts = np.stack([found.vis, found.occ], -1).tolist()
-    return {tuple(square): pair for square, pair in zip(squares, counts, strict=True)}
+    return {tuple(square): tuple(pair) for square, pair in zip(squares, counts, strict=True)}
 
 
 def literal_of(map):

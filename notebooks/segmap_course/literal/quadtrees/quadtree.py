@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import floor
+from typing import TypeVar
 
 Point = tuple[float, float]
 #: Column and row, counted from the first corner of the map.
 Cell = tuple[int, int]
 #: Column and row of the lower left cell, and the side in cells.
 Square = tuple[int, int, int]
+#: What a leaf counts: how many ends, or rays and ends.
+Counts = TypeVar("Counts")
 
 
 def cell_of(x: float, corner: float, resolution: float) -> int:
@@ -17,10 +20,47 @@ def cell_of(x: float, corner: float, resolution: float) -> int:
     return floor((x - corner) / resolution)
 
 
+def quarters(square: Square) -> list[Square]:
+    """The four squares of half the side."""
+    left, low, side = square
+    half = side // 2
+    return [(x, y, half) for x in (left, left + half) for y in (low, low + half)]
+
+
+def holds(square: Square, cell: Cell) -> bool:
+    """Whether a cell lies in a square."""
+    (left, low, side), (x, y) = square, cell
+    return left <= x < left + side and low <= y < low + side
+
+
+def leaf_of(leaves: dict[Square, Counts], root: Square, cell: Cell) -> Square:
+    """The leaf that holds a cell: from the root down, each time into the quarter that holds it."""
+    square = root
+    while square not in leaves:
+        square = next(quarter for quarter in quarters(square) if holds(quarter, cell))
+    return square
+
+
+def split(leaves: dict[Square, Counts], root: Square, cell: Cell, least: int = 1) -> None:
+    """Cut the leaf of a cell until its side is `least`; quarters keep its counts (B 4.2)."""
+    while (leaf := leaf_of(leaves, root, cell))[2] > least:
+        counts = leaves.pop(leaf)
+        leaves.update({quarter: counts for quarter in quarters(leaf)})
+
+
 def grown(root: Square, cell: Cell) -> Square:
     """The root, doubled once towards a cell that lies outside it (B 4.2)."""
     x, y, side = root
     return x - side * (cell[0] < x), y - side * (cell[1] < y), 2 * side
+
+
+def grow(leaves: dict[Square, Counts], root: Square, cell: Cell, empty: Counts) -> Square:
+    """Double the root until it holds a cell; the quarters beside the old root are empty leaves."""
+    while not holds(root, cell):
+        larger = grown(root, cell)
+        leaves.update({quarter: empty for quarter in quarters(larger) if quarter != root})
+        root = larger
+    return root
 
 
 def occupancy(vis: int, occ: int, bias: int = 20) -> float:
@@ -59,13 +99,6 @@ def crossed_cells(start: Cell, end: Cell) -> list[Cell]:
     return [(x, y) for x, y in cells if max(abs(x - end[0]), abs(y - end[1])) > 1]
 
 
-def quarters(square: Square) -> list[Square]:
-    """The four squares of half the side."""
-    left, low, side = square
-    half = side // 2
-    return [(x, y, half) for x in (left, left + half) for y in (low, low + half)]
-
-
 class Quadtree:
     """Leaves `(x, y, side)`, in cells from the first corner, with their two counts.
 
@@ -79,7 +112,7 @@ class Quadtree:
     >>> tree = Quadtree(1.0, 4)
     >>> tree.insert((0.5, 0.5), [(3.5, 0.5)])
     >>> tree.leaves[3, 0, 1], tree.leaves[0, 0, 2]
-    ([1, 1], [1, 0])
+    ((1, 1), (1, 0))
     """
 
     def __init__(
@@ -93,7 +126,7 @@ class Quadtree:
     ) -> None:
         self.resolution, self.corner, self.largest = resolution, corner, largest
         self.root, self.finest = (0, 0, cells), finest
-        self.leaves = {square: [0, 0] for square in quarters(self.root)}
+        self.leaves = dict.fromkeys(quarters(self.root), (0, 0))
 
     def insert(self, sensor: Point, points: Iterable[Point], free: Iterable[Point] = ()) -> None:
         """Add the rays of a scan, metres: those that ended, and those that met nothing (B 4.2-4.4).
@@ -109,16 +142,17 @@ class Quadtree:
         for end in ends:  # step 1: each end in a leaf of a single cell
             self.split(end, 1)
         for end in ends:  # step 2: the ends, with the ray of each but the first in a cell
-            counts = self.leaves[self.leaf(end)]
-            counts[0] += counts[1] > 0 or counts[0] == 0
-            counts[1] += 1
+            leaf = self.leaf(end)
+            vis, occ = self.leaves[leaf]
+            self.leaves[leaf] = vis + (occ > 0 or vis == 0), occ + 1
         rays = [crossed_cells(start, end) for end in ends] + [ray_cells(start, end) for end in last]
         if self.finest is not None:
             for cell in (cell for ray in rays for cell in ray):
                 self.split(cell, self.finest)
         for ray in rays:  # step 3: each leaf that holds a cell of a ray, once a ray
             for leaf in {self.leaf(cell) for cell in ray}:
-                self.leaves[leaf][0] += 1
+                vis, occ = self.leaves[leaf]
+                self.leaves[leaf] = vis + 1, occ
         while self.finest is not None and any([self.join(leaf) for leaf in list(self.leaves)]):
             pass
 
@@ -129,28 +163,24 @@ class Quadtree:
 
     def grow(self, cell: Cell) -> None:
         """Double the root until it holds a cell."""
-        while not holds(self.root, cell):
-            root = grown(self.root, cell)
-            if root[2] > self.largest:
-                raise ValueError(f"cell {cell} lies beyond {self.largest} cells a side")
-            self.leaves |= {square: [0, 0] for square in quarters(root) if square != self.root}
-            self.root = root
+        root = self.root
+        while not holds(root, cell):
+            root = grown(root, cell)
+        if root[2] > self.largest:
+            raise ValueError(f"cell {cell} lies beyond {self.largest} cells a side")
+        self.root = grow(self.leaves, self.root, cell, (0, 0))
 
     def leaf(self, cell: Cell) -> Square:
         """Leaf that holds a cell."""
-        x, y, side = self.root
-        while (x, y, side) not in self.leaves:
-            side //= 2
-            x, y = x + side * (cell[0] >= x + side), y + side * (cell[1] >= y + side)
-        return x, y, side
+        return leaf_of(self.leaves, self.root, cell)
 
     def split(self, cell: Cell, least: int) -> None:
         """Split the leaf of a cell down to this side: what a large leaf counted says nothing of its
         parts, each of which starts with one ray."""
-        while (leaf := self.leaf(cell))[2] > least:
-            counts = self.leaves.pop(leaf)
-            first = [1, 0] if self.finest is None else counts
-            self.leaves |= {square: list(first) for square in quarters(leaf)}
+        leaf = self.leaf(cell)
+        if leaf[2] > least and self.finest is None:
+            self.leaves[leaf] = 1, 0
+        split(self.leaves, self.root, cell, least)
 
     def join(self, leaf: Square) -> bool:
         """Make one leaf of four that are alike and never hit, this one being the first of them."""
@@ -180,7 +210,7 @@ def mean_and_variance(tree: Quadtree, square: Square) -> tuple[float, float]:
     Examples
     --------
     >>> tree = Quadtree(1.0, 4)
-    >>> tree.leaves[0, 0, 2] = [4, 2]
+    >>> tree.leaves[0, 0, 2] = 4, 2
     >>> tree.insert((3.5, 3.5), [], free=[(3.5, 3.5)] * 20)
     >>> mean_and_variance(tree, tree.root)
     (0.375, 0.046875)
@@ -191,9 +221,3 @@ def mean_and_variance(tree: Quadtree, square: Square) -> tuple[float, float]:
     four = [mean_and_variance(tree, quarter) for quarter in quarters(square)]
     mean = sum(m for m, _ in four) / 4
     return mean, sum(v + (m - mean) ** 2 for m, v in four) / 4
-
-
-def holds(square: Square, cell: Cell) -> bool:
-    """Whether a cell lies in a square."""
-    (left, low, side), (x, y) = square, cell
-    return left <= x < left + side and low <= y < low + side
