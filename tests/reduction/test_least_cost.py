@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import MAPS, assert_literal, malaga
+from segmap_course.literal.reduction.least_cost_merges import merge_all
 
 from segmap import build_map, load
 from segmap.compiled import Compiled
@@ -13,6 +14,7 @@ from segmap.metrics import quality
 from segmap.poses import transform
 from segmap.reduction import METHODS, least_cost, reduce_to
 from segmap.segments import SegmentMap, length
+from segmap.testing import assert_segments_equal
 
 LOG = load("malaga")
 
@@ -156,3 +158,15 @@ def test_no_penalty_reaches_a_quality_that_one_merge_breaks():
     walls = np.array([[(0, 0), (2, 0)], [(0, 0.001), (2, 0.001)]])
     assert len(reduce_to(walls, quality=1 - 1e-9)) == 2
     assert len(reduce_to(walls, quality=0.5)) == 1
+
+
+@pytest.mark.parametrize("first", range(5))
+@pytest.mark.parametrize("penalty", [0.05, 1.0])
+def test_its_core_ends_with_the_same_segments_where_nothing_is_undone(first, penalty):
+    """Catches a core that chapter 21 shows and that is another method."""
+    clinic = load("clinic")[first::5]
+    looks = build_map(clinic, clinic.truth).segments
+    near = (abs(looks[..., 0] - 5.45) < 0.09) & (looks[..., 1] > 1.45) & (looks[..., 1] < 4.42)
+    looks = looks[near.all(axis=1)]  # of both faces of the wall between rooms 2 and 3
+    merged = [line for _, line, _ in merge_all(looks, penalty)]
+    assert_segments_equal(merged, least_cost(looks, penalty=penalty))
