@@ -77,12 +77,14 @@ def matches() -> Iterator[Row]:
 
 
 def against_literal() -> Iterator[Row]:
-    """The same work by the plain loops of `segmap_course.literal`."""
+    """The same work by the readable methods of `segmap_course.literal`."""
     log = load("malaga")
     before, now = log[20].points(), log[23].points()
-    plain = before.tolist(), now.tolist(), (0.0, 0.0, 0.0)
+    start_pose = np.zeros(3)
     match_points(before, now)
-    took = in_turn(lambda: literal.point_to_line(*plain), lambda: match_points(before, now))
+    took = in_turn(
+        lambda: literal.icp(before, now, start_pose)[-1], lambda: match_points(before, now)
+    )
     yield Row("match_points, literal / ours", f"{took[0] / took[1]:.0f} x")
     start, ends, motions = circle(60)
     edges = [

@@ -20,7 +20,10 @@ def farthest_in_a_loop(points):
 
 def moved_by_pseudo_inverse(points, feet, normals):
     rows = [[nx, ny, x * ny - y * nx] for (x, y), (nx, ny) in zip(points, normals, strict=True)]
-    return np.linalg.pinv(rows) @ ((feet - points) * normals).sum(1)
+    away = ((feet - points) * normals).sum(1)
+    usual = max(np.median(np.abs(away)) / 0.6745, 0.01)
+    root = 1 / np.hypot(1, away / (2 * usual))
+    return np.linalg.pinv(root[:, None] * rows) @ (root * away)
 
 
 def flatness_by_doubled_angles(normals, weights):

@@ -125,6 +125,10 @@ DRAWINGS = {
     "ray": (lambda ax: course.draw_ray((0, 0), (14, 5), ax=ax), {RESULT, RAW, ERROR}),
     "robot": (lambda ax: plotting.draw_robot((0, 0, 0), ax=ax), {ERROR}),
     "scan": (lambda ax: plotting.draw_scan(SCAN, ax=ax, beams=True), {RAW, ERROR}),
+    "scans": (
+        lambda ax: course.draw_scans(POINTS, POINTS, (0, 0, 0), ax=ax, pulls=[POINTS[:2]]),
+        {RAW, RESULT, ERROR},
+    ),
     "segments": (lambda ax: plotting.draw_segments(WALLS, ax=ax), {MAP}),
     "strip": (lambda ax: course.draw_strip(WALLS[[0, 2]], 0.0, 0.01, ax=ax), {RAW, MAP, ERROR}),
     "threshold": (
@@ -140,6 +144,11 @@ DRAWINGS = {
         lambda ax: course.draw_uncertainty(Matched(np.zeros(3), np.eye(3), True), ax=ax),
         {RESULT},
     ),
+    "wall_normals": (
+        lambda ax: course.draw_wall_normals([(0, 0), (1, 0)], [(0, 1), (np.nan, np.nan)], ax=ax),
+        {RAW, RESULT, ERROR},
+    ),
+    "weights": (lambda ax: course.draw_weights([0.1, -0.2], [0.9, 0.8], ax=ax), {RAW, ERROR}),
 }
 #: Drawings that make a figure of several pictures, and whether these have their limits in common.
 ROWS = {
@@ -154,7 +163,19 @@ ROWS = {
         True,
     ),
     "quadtrees": (lambda: plotting.draw_quadtrees({"a": TREE, "b": TREE}), True),
+    "scan_poses": (
+        lambda: course.draw_scan_poses(
+            POINTS, POINTS, {"a": (0, 0, 0), "b": (1, 0, 0)}, (-1, -1, 3, 2)
+        ),
+        True,
+    ),
     "side_by_side": (lambda: plotting.draw_side_by_side(WALLS, WALLS[:1]), True),
+}
+#: Drawings that make a figure of a map and a chart.
+BESIDE_A_CHART = {
+    "shifts": lambda: course.draw_shifts(
+        POINTS, POINTS, (0, 0, 0), {"along": (1, 0), "across": (0, 1)}
+    ),
 }
 #: What x or y is these do not know: the caller says it.
 CALLER_LABELS = {"basin", "climb", "trade_off"}
@@ -177,7 +198,7 @@ def colors_of(ax):
 def test_every_drawing_is_in_the_contract():
     """Catches a new drawing that nothing looks at."""
     public = {n for room in (plotting, course) for n in dir(room) if n.startswith("draw_")}
-    assert public == {f"draw_{name}" for name in (*DRAWINGS, *ROWS)}
+    assert public == {f"draw_{name}" for name in (*DRAWINGS, *ROWS, *BESIDE_A_CHART)}
 
 
 @pytest.mark.parametrize("name", DRAWINGS)
@@ -210,6 +231,15 @@ def test_a_row_of_pictures_is_one_figure_with_titles_at_one_scale(name):
     assert {ax.figure for ax in row} == {row[0].figure} and row[0].figure.dpi == plotting.DPI
     assert all(ax.get_title() for ax in row) and len({ax.get_ylim() for ax in row}) == 1
     assert not shared or len({ax.get_xlim() for ax in row}) == 1
+
+
+@pytest.mark.parametrize("name", BESIDE_A_CHART)
+def test_a_map_beside_its_chart_has_titles_and_units(name):
+    """Catches a chart without units, and a map that is longer in x than in y."""
+    maps, chart = BESIDE_A_CHART[name]()
+    assert maps.figure is chart.figure and maps.get_title() and chart.get_title()
+    assert maps.get_aspect() == 1 and maps.get_xlabel() == "x [m]"
+    assert "[cm]" in chart.get_xlabel() and "[cm]" in chart.get_ylabel() and chart.get_legend()
 
 
 NOTHING = {

@@ -13,6 +13,13 @@ from ._alignments import (
 from ._buildings import draw_buildings, draw_threshold
 from ._charts import label_axes, mark_places, set_ticks, write_names
 from ._clinic import wardrobe
+from ._icp import (
+    draw_scan_poses,
+    draw_shifts,
+    draw_wall_normals,
+    draw_weights,
+    icp_frames,
+)
 from ._plans import draw_labels, draw_plan
 from ._quadtrees import (
     draw_cells,
@@ -40,7 +47,8 @@ __all__ = [
     "draw_centres", "draw_classes", "draw_climb", "draw_distance_terms", "draw_field",
     "draw_frames", "draw_frontiers", "draw_growth", "draw_icp_step", "draw_labels",
     "draw_landscape", "draw_marked", "draw_merge", "draw_normals", "draw_odometry_comparison",
-    "draw_plan", "draw_profile", "draw_ray", "draw_scans", "draw_strip", "draw_threshold",
-    "draw_trade_off", "draw_trials", "draw_uncertainty", "label_axes", "mark_places", "set_ticks",
+    "draw_plan", "draw_profile", "draw_ray", "draw_scan_poses", "draw_scans", "draw_shifts",
+    "draw_strip", "draw_threshold", "draw_trade_off", "draw_trials", "draw_uncertainty",
+    "draw_wall_normals", "draw_weights", "icp_frames", "label_axes", "mark_places", "set_ticks",
     "wardrobe", "write_names",
 ]  # fmt: skip

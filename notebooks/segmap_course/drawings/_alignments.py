@@ -108,6 +108,7 @@ def draw_scans(
     ax: Axes | None = None,
     pulls: ArrayLike = (),
     view: ArrayLike | None = None,
+    title: str = "",
 ) -> Axes:
     """Draw the first scan in grey, the second at a pose in blue with its robot, pulls in orange.
 
@@ -129,7 +130,7 @@ def draw_scans(
     ax.plot(*placed.T, ".", color=RESULT, markersize=4, markeredgewidth=0)
     ax.plot([x, x + 0.35 * np.cos(turn)], [y, y + 0.35 * np.sin(turn)], color=RESULT)
     ax.plot([x], [y], "o", color=RESULT, markersize=7)
-    map_axes(ax)
+    map_axes(ax).set_title(title)
     if view is not None:
         left, low, right, top = np.asarray(view, float)
         ax.set(xlim=(left, right), ylim=(low, top))

@@ -9,7 +9,7 @@ from segmap.arrays import Array
 from segmap.poses import transform
 from segmap.segments import length, point_distance
 
-from ..literal import point_to_line_step
+from ..literal.alignment.point_to_line import point_to_line_step, residuals, weights
 from ._answers import Cases, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -164,8 +164,11 @@ def _rooms(rng: Rng) -> Cases:
     corridor = np.concatenate([np.stack([2 + 2 * s, 0 * s + side], 1) for side in (1, -1)])
     turn = (0, 0, rng.uniform(-np.pi, np.pi))
 
-    def seen(walls: Array, ways: list[tuple[int, int]], *off: float) -> tuple[Array, Array, Array]:
+    def seen(
+        walls: Array, ways: list[tuple[int, int]], *off: float, wrong: float = 0.0
+    ) -> tuple[Array, Array, Array]:
         feet = transform(turn, walls)
+        feet[::6] += wrong
         return transform(off, feet), feet, transform(turn, np.repeat(ways, 5, axis=0))
 
     dx, dy, away = rng.uniform(0.1, 0.3, 3)
@@ -174,6 +177,7 @@ def _rooms(rng: Rng) -> Cases:
         "a room that is shifted": seen(room, ways, dx, -dy, 0),
         "a room that is turned": seen(room, ways, 0, 0, degrees),
         "a room that is shifted and turned": seen(room, ways, -dx, dy, -degrees),
+        "a room where some partners are wrong": seen(room, ways, dx, -dy, 0, wrong=2.0),
         "a corridor, which does not fix the motion along it": seen(corridor, ways[1:], dx, away, 0),
     }
 
@@ -181,8 +185,16 @@ def _rooms(rng: Rng) -> Cases:
 def _in_arrays(points: Array, feet: Array, normals: Array) -> Array:
     """The same in arrays, of which the mistakes change a part."""
     lever = points[:, 0] * normals[:, 1] - points[:, 1] * normals[:, 0]
-    rows, offsets = np.column_stack([normals, lever]), ((points - feet) * normals).sum(1)
-    return -np.asarray(np.linalg.lstsq(rows, offsets, rcond=1e-9)[0], float)
+    rows, offsets = np.column_stack([normals, lever]), residuals(points, feet, normals)
+    root = np.sqrt(weights(offsets))
+    return -np.asarray(np.linalg.lstsq(root[:, None] * rows, root * offsets, rcond=1e-9)[0], float)
+
+
+def smallest_move(points: Array, feet: Array, normals: Array) -> Array:
+    """The step of the chapter, and of equally good ones the smallest."""
+    counted = weights(residuals(points, feet, normals))
+    parts = points.tolist(), feet.tolist(), normals.tolist(), counted.tolist()
+    return np.array(point_to_line_step(*parts))
 
 
 def _to_points(points: Array, feet: Array, _: Array) -> Array:
@@ -193,13 +205,14 @@ def _to_points(points: Array, feet: Array, _: Array) -> Array:
 
 check_move_onto_walls = Exercise(
     "move_onto_walls(points, feet, normals) -> (3,): the small x, y in metres and turn in radians "
-    "about the origin that minimise the squared offsets of points (n, 2) across walls through feet "
-    "(n, 2) with unit normals (n, 2)",
-    point_to_line_step,
+    "about the origin that minimise the weighted squares of the residuals of points (n, 2) from "
+    "walls through feet (n, 2) with unit normals (n, 2), weighted as in the chapter; of equally "
+    "good moves the smallest",
+    smallest_move,
     _rooms,
     {
         "the sign: the motion takes the offsets away, it does not add them again": (
-            changed(point_to_line_step, np.negative)
+            changed(smallest_move, np.negative)
         ),
         "points may slide along their walls: only the part of the offset along the normal counts": (
             _to_points
@@ -208,20 +221,26 @@ check_move_onto_walls = Exercise(
             edited(_in_arrays, ("[normals, lever]", "[normals, 0 * lever]"))
         ),
         "angles count counter-clockwise: a small turn moves (x, y) by (-y, x), not by (y, -x)": (
-            lambda p, f, n: point_to_line_step(p, f, n) * np.array((1, 1, -1))
+            lambda p, f, n: smallest_move(p, f, n) * np.array((1, 1, -1))
         ),
         "the turn is in radians: for those a small turn moves a point by turn times distance": (
-            lambda p, f, n: point_to_line_step(p, f, n) * np.array((1, 1, 180 / np.pi))
+            lambda p, f, n: smallest_move(p, f, n) * np.array((1, 1, 180 / np.pi))
+        ),
+        "a residual that is large beside the others counts less: its weight is below 1": (
+            edited(_in_arrays, ("np.sqrt(weights(offsets))", "np.ones(len(offsets))"))
         ),
         "in a corridor the equations are singular: np.linalg.lstsq takes the smallest motion": (
             edited(
                 _in_arrays,
-                ("lstsq(rows, offsets, rcond=1e-9)[0]", "solve(rows.T @ rows, rows.T @ offsets)"),
+                (
+                    "lstsq(root[:, None] * rows, root * offsets, rcond=1e-9)[0]",
+                    "solve(rows.T @ (root[:, None] ** 2 * rows), rows.T @ (root**2 * offsets))",
+                ),
             )
         ),
         "the turn is one about the origin: with the third column taken about the middle of the "
         "points x and y come out differently": (
-            lambda p, f, n: point_to_line_step(p - p.mean(0), f - p.mean(0), n)
+            lambda p, f, n: smallest_move(p - p.mean(0), f - p.mean(0), n)
         ),
     },
     near,

@@ -92,7 +92,7 @@ def test_links_lead_to_a_file_of_the_handout():
         if cell["cell_type"] == "markdown"
     )
     assert set(re.findall(r"\]\(([^)#\s]+)", text)) <= set(names)
-    assert "not part of this handout" in text and "Ground truth" in text
+    assert "not part of this handout" in text and "How far a match" in text
 
 
 # --------------------------------------------------------------------------- the command

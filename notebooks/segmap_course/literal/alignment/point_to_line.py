@@ -1,12 +1,107 @@
-"""Point-to-line ICP as plain loops (A 2.5.1, after Lu and Milios 1997; Censi 2008)."""
+"""Point-to-line ICP as chapter 7 writes it (A 2.5.1, after Lu and Milios 1997; Censi 2008)."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
-from ..lines import Point, placed
-from ..points import sums_of
+import numpy as np
+from numpy.typing import NDArray
+
+from segmap.arrays import Array
+from segmap.poses import transform
+
+from ..lines import Point
+
+
+def partners(
+    reference: Array, points: Array, reach: float
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Index of the nearest reference point of each point, and whether it is within reach.
+
+    Points are `(n, 2)` and `(m, 2)`, the reach is in metres; both answers are `(m,)`.
+    """
+    distance = np.hypot(*(points[:, None] - reference).transpose(2, 0, 1))
+    return distance.argmin(axis=1), distance.min(axis=1) < reach
+
+
+def wall_normals(points: Array) -> Array:
+    """Unit normal of the wall through each point, (n, 2); NaN where there is no wall.
+
+    The neighbourhood is the smallest of 0.12, 0.24, 0.48 and 0.96 m that holds five points; a wall
+    is much narrower than long.
+    """
+    normals = np.full(points.shape, np.nan)
+    for k, point in enumerate(points):
+        for radius in (0.12, 0.24, 0.48, 0.96):
+            near = points[np.hypot(*(points - point).T) <= radius]
+            if len(near) >= 5:
+                spread, axes = np.linalg.eigh(np.cov(near.T))
+                if spread[0] < 0.15 * spread[1]:
+                    normals[k] = axes[:, 0]
+                break
+    return normals
+
+
+def residuals(points: Array, feet: Array, normals: Array) -> Array:
+    """How far each point lies from its wall, across the wall, metres."""
+    return np.asarray(((points - feet) * normals).sum(axis=1))
+
+
+def weights(r: Array) -> Array:
+    """1 where a residual is small, near 0 where it is many times the usual one."""
+    sigma = max(1.4826 * np.median(abs(r)), 0.01)
+    return np.asarray(1 / (1 + (r / (2 * sigma)) ** 2))
+
+
+def best_move(points: Array, feet: Array, normals: Array) -> Array:
+    """Small shift x, y in metres and turn about the origin in radians that fits best, (3,)."""
+    (x, y), (n_x, n_y) = points.T, normals.T
+    J = np.column_stack([n_x, n_y, x * n_y - y * n_x])
+    r = residuals(points, feet, normals)
+    WJ = weights(r)[:, None] * J
+    return -np.linalg.solve(WJ.T @ J, WJ.T @ r)
+
+
+def one_step(pose: Array, reference: Array, normals: Array, scan: Array, reach: float) -> Array:
+    """The best move of a scan that lies at a pose: x, y and a turn about the robot, (3,)."""
+    points = transform((0, 0, pose[2]), scan)
+    nearest, near = partners(reference, points + pose[:2], reach)
+    near &= ~np.isnan(normals[nearest, 0])
+    feet = reference[nearest[near]] - pose[:2]
+    return best_move(points[near], feet, normals[nearest[near]])
+
+
+def icp(
+    reference: Array, scan: Array, start: Array, reach: float = 0.6, last: float = 0.12
+) -> Array:
+    """Poses of the scan from its start to where it comes to rest, (k, 3).
+
+    Reference and scan are points `(n, 2)`, each in the frame of its robot; at most 250 in the scan.
+    Partners are sought within `reach` metres at first and within `last` in the end.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        Where the walls leave a direction wholly free.
+
+    Examples
+    --------
+    >>> side = np.column_stack([np.arange(30) / 10, np.zeros(30)])
+    >>> corner = np.concatenate([side, side[:, ::-1]])
+    >>> icp(corner, corner - (0.05, 0.02), np.zeros(3))[-1].round(3) + 0.0
+    array([0.05, 0.02, 0.  ])
+    """
+    normals, size = wall_normals(reference), np.sqrt((scan**2).sum(axis=1).mean())
+    poses = [np.array(start, float)]
+    for _ in range(60):
+        move = one_step(poses[-1], reference, normals, scan, reach)
+        poses.append(poses[-1] + move)
+        length = max(np.hypot(*move[:2]), size * abs(move[2]))
+        if length < 1e-4 and reach <= last:
+            break
+        if length < 0.02:
+            reach = max(reach / 2, last)
+    return np.array(poses)
 
 
 def point_to_line_step(
@@ -54,63 +149,3 @@ def least_solution(matrix: list[list[float]], right: list[float]) -> list[float]
         before, size = size, sum(r * r for r in rest)
         way = [r + size / before * w for r, w in zip(rest, way, strict=True)]
     return found
-
-
-def wall_normal(points: Sequence[Point], at: Point) -> Point | None:
-    """Normal of the wall that points form around a place; None where they form none.
-
-    The neighbourhood is the smallest of 0.12, 0.24, 0.48 and 0.96 m that holds five points; a wall
-    is much narrower than long.
-    """
-    for radius in (0.12, 0.24, 0.48, 0.96):
-        near = [p for p in points if math.dist(p, at) <= radius]
-        if len(near) >= 5:
-            sums = sums_of(near)
-            along, middle = sums.direction(), (sums.xx + sums.yy) / 2
-            half = math.hypot((sums.xx - sums.yy) / 2, sums.xy)
-            narrow = middle - half < 0.15 * (middle + half)
-            return (-math.sin(along), math.cos(along)) if narrow else None
-    return None
-
-
-def point_to_line(
-    reference: Sequence[Point], current: Sequence[Point], start: Point, reach: float = 0.6
-) -> tuple[float, float, float]:
-    """Pose of a scan of at most 250 points in the frame of another, by point-to-line ICP.
-
-    Partners are sought as far as `reach`, metres, at first, and 0.12 m in the end.
-
-    Examples
-    --------
-    >>> corner = [(0.1 * k, 0.0) for k in range(30)] + [(0.0, 0.1 * k) for k in range(30)]
-    >>> x, y, turn = point_to_line(corner, [(x - 0.05, y - 0.02) for x, y in corner], (0, 0, 0))
-    >>> round(x, 3), round(y, 3), abs(round(turn, 3))
-    (0.05, 0.02, 0.0)
-    """
-    x, y, heading = start
-    walls = [(p, n) for p in reference if (n := wall_normal(reference, p)) is not None]
-    known = {(p[0], p[1]): n for p, n in walls}
-    span = math.sqrt(sum(px * px + py * py for px, py in current) / len(current))
-    for _ in range(60):
-        points, feet, normals = [], [], []
-        for p in current:
-            turned = placed(p, (0.0, 0.0, heading))
-            q = min(reference, key=lambda q: math.dist(q, (turned[0] + x, turned[1] + y)))
-            if math.dist(q, (turned[0] + x, turned[1] + y)) < reach and (q[0], q[1]) in known:
-                points.append(turned)  # turned about the robot
-                feet.append((q[0] - x, q[1] - y))
-                normals.append(known[q[0], q[1]])
-        rows = zip(points, feet, normals, strict=True)
-        offsets = [(p[0] - f[0]) * n[0] + (p[1] - f[1]) * n[1] for p, f, n in rows]
-        ranked = sorted(abs(r) for r in offsets)
-        middle = (ranked[len(ranked) // 2] + ranked[(len(ranked) - 1) // 2]) / 2
-        sigma = max(1.4826 * middle, 0.01)
-        weights = [1 / (1 + (r / (2 * sigma)) ** 2) for r in offsets]
-        step = point_to_line_step(points, feet, normals, weights, span)
-        x, y, heading = x + step[0], y + step[1], heading + step[2]
-        far = max(math.hypot(step[0], step[1]), abs(step[2]) * span)
-        if far < 1e-4 and reach <= 0.12:
-            break
-        if far < 0.02:
-            reach = max(0.5 * reach, 0.12)
-    return x, y, heading
