@@ -223,7 +223,7 @@ def anywhere(rng: Rng, low: float = -180.0, high: float = 180.0) -> Array:
     return np.append(rng.uniform(-5, 5, 2), np.radians(rng.uniform(low, high)))
 
 
-# ------------------------------------------------------------------ what is kept for the last chapter
+# -------------------------------------------------------------- what is kept for the last chapter
 def keep(function: Callable[..., Any], name: str) -> str:
     """Add a function to `my_mapper.py` of this folder under a name; words on what was done.
 
