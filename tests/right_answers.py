@@ -43,11 +43,6 @@ def step_in_a_loop(centres, pieces, sigma, bandwidth):
     return moved
 
 
-def grown_by_arrays(root, cell):
-    low = np.array(root[:2])
-    return np.append(np.where(np.array(cell) < low, low - root[2], low), 2 * root[2])
-
-
 def resampled_by_counts(weights, offset):
     """How many teeth lie below the end of each particle, and below that of the one before."""
     n = len(weights)
@@ -327,7 +322,6 @@ RIGHT = {
     "mean_shift_step": step_in_a_loop,
     "best_shift": shift_by_table,
     "cell_of": lambda x, c, r: np.floor((x - c) / r),
-    "grown": grown_by_arrays,
     "occupancy": lambda vis, occ, b: occ / vis if occ else np.interp(vis, [0, b], [0.5, 0.0]),
     "ray_cells": cells_by_formula,
     "frontier_cells": frontier_by_shifts,

@@ -141,7 +141,6 @@ from .exercises.poses import (
 from .exercises.quadtree import (
     check_cell_of,
     check_frontier_cells,
-    check_grown,
     check_occupancy,
     check_pixel,
     check_ray_cells,
@@ -173,7 +172,7 @@ __all__ = [
     "check_best_shift", "check_building_axis", "check_carried", "check_carried_beam",
     "check_cast_ray", "check_cell_of", "check_climb_step", "check_compose", "check_distances",
     "check_edge_error", "check_far_ends", "check_farthest_point", "check_fit_line",
-    "check_flatness", "check_frontier_cells", "check_grown", "check_growth_power",
+    "check_flatness", "check_frontier_cells", "check_growth_power",
     "check_heading_between", "check_hough", "check_invented_metres", "check_laplacian",
     "check_least_translation", "check_look_noise", "check_loop_rest", "check_match_value",
     "check_matches", "check_mean_line", "check_mean_shift_step", "check_mean_wall_error",

@@ -76,9 +76,9 @@ WRONG = {
         "cast_ray",
         lambda f: lambda *given: found if (found := f(*given)) > 0.5 else np.inf,
     ),
-    "left of its own column too": (
-        "grown",
-        lambda f: lambda root, cell: f(root, (cell[0] - (cell[0] == root[0]), cell[1])),
+    "left of the corner by one": (
+        "cell_of",
+        lambda f: lambda points, corner, r: f(points, corner, r) - (points < corner),
     ),
 }
 
@@ -118,8 +118,8 @@ def nearest(point, wall):
             "mean_wall_error",
             lambda points, walls: np.mean([min(nearest(p, w) for w in walls) for p in points]),
         ),
-        ("cell_of", lambda x, corner, r: int(np.floor(np.round((x - corner) / r, 9)))),
-        ("cell_of", lambda x, corner, r: int(np.floor((x - corner) / r + 1e-9))),
+        ("cell_of", lambda points, corner, r: np.floor(np.round((points - corner) / r, 9))),
+        ("cell_of", lambda points, corner, r: np.floor((points - corner) / r + 1e-9)),
     ],
 )
 def test_minimised_and_rounded_answers_are_right(name, other):

@@ -2,24 +2,124 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import ArrayLike
 
+from segmap.arrays import Array
 from segmap.exports import Classes
 from segmap.matching import DistanceField
-from segmap.plotting import ERROR, GROUPS, RAW, RESULT, TRUTH, axes_or_new, map_axes, square_corners
+from segmap.plotting import (
+    ERROR,
+    GROUPS,
+    MAP,
+    RAW,
+    RESULT,
+    TRUTH,
+    axes_or_new,
+    axes_row,
+    map_axes,
+    square_corners,
+)
 from segmap.quadtree import Frontier, QuadtreeMap
 
 from .._landscapes import Landscape, peaks, profile_peaks
 from .._matcher_trials import Trial
 from ..literal import crossed_cells, ray_cells
+from ..literal.quadtrees.quadtree import Square
+from ._charts import label_axes, set_ticks
 
+#: Outlines of leaves below this part of the picture would hide what they surround.
+_LEAST_PART = 1 / 90
 #: Marks of matchers, used in turn.
 _MARKS = "os^vDX"
+
+
+def draw_leaves(
+    leaves: Mapping[Square, int],
+    *,
+    corner: ArrayLike = (0.0, 0.0),
+    resolution: float = 1.0,
+    marked: Sequence[Square] = (),
+    points: Sequence[Any] | Array = (),
+    limits: Sequence[float] | None = None,
+    title: str = "",
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw leaves `(column, row, side)` in cells: black with ends in them, else as blue outlines.
+
+    Squares that are `marked` have orange edges. `points` in metres are orange dots, and what is
+    black else is grey below them. `limits` are left, right, low and high edge, metres, by default
+    those of all leaves.
+    """
+    ax = axes_or_new(ax)
+
+    def squares(which: Iterable[Square]) -> Any:
+        x, y, side = np.reshape(list(which), (-1, 3)).T * float(resolution)
+        return square_corners(x, y, side) + np.asarray(corner, float)
+
+    edges = squares(leaves)
+    low, high = edges.min((0, 1)), edges.max((0, 1))
+    left, right, bottom, top = limits or (low[0], high[0], low[1], high[1])
+    seen = [s for s in leaves if s[2] * resolution >= _LEAST_PART * (right - left)]
+    full = squares(square for square, ends in leaves.items() if ends)
+    shade = "0.85" if len(points) else MAP
+    ax.add_collection(PolyCollection(full, facecolor=shade, antialiased=False, linewidth=0))
+    for chosen, color, width in ((seen, RESULT, 0.5), (marked, ERROR, 2.5)):
+        lines = PolyCollection(squares(chosen), facecolor="none", edgecolor=color, linewidth=width)
+        ax.add_collection(lines)
+    ax.plot(*np.reshape(points, (-1, 2)).T, ".", color=ERROR, markersize=3)
+    map_axes(ax).set(xlim=(left, right), ylim=(bottom, top))
+    ax.set_title(title, fontsize=10)
+    return ax
+
+
+def draw_leaf_row(
+    cases: Mapping[str, Mapping[Square, int]], *, resolution: ArrayLike = 1.0, **options: Any
+) -> list[Axes]:
+    """Draw trees side by side, title -> leaves; the options are those of `draw_leaves`.
+
+    The resolution may be one a tree.
+    """
+    row = axes_row(len(cases), (max(5.5, 2.75 * len(cases)), 3.5))
+    sides = np.broadcast_to(resolution, len(cases)).tolist()
+    for ax, (title, leaves), side in zip(row, cases.items(), sides, strict=True):
+        draw_leaves(leaves, ax=ax, title=title, resolution=side, **options)
+    return row
+
+
+def draw_cells_of_a_wall(cuts: Mapping[float, Mapping[Square, int]], **options: Any) -> list[Axes]:
+    """Draw one wall in trees of several resolutions, metres, and say how many ends a cell has."""
+    full = [np.array([ends for ends in leaves.values() if ends]) for leaves in cuts.values()]
+    titles = [f"{len(n)} cells, {100 * (n == 1).mean():.0f} % have one end only" for n in full]
+    cases = dict(zip(titles, cuts.values(), strict=True))
+    return draw_leaf_row(cases, resolution=list(cuts), **options)
+
+
+def draw_sizes_of_halls(leaves: Mapping[float, int], *, ax: Axes | None = None) -> Axes:
+    """Draw how many leaves halls have, length in metres -> leaves, beside equal squares of 5 cm."""
+    ax, length = axes_or_new(ax), np.array(list(leaves))
+    ax.loglog(length, 0.75 * (length / 0.05) ** 2, "o-", color=RAW, label="equal squares")
+    ax.loglog(length, list(leaves.values()), "o-", color=RESULT, label="quadtree")
+    set_ticks(ax, x=length)
+    title = "The quadtree grows with the walls"
+    return label_axes(ax, title, "length of the hall [m]", "squares of 5 cm and more")
+
+
+def draw_equal_squares(ends: ArrayLike, side: float, **options: Any) -> Axes:
+    """Draw the squares of a grid around ends of beams `(n, 2)`, m: black with ends in them."""
+    corner = np.asarray(options.pop("corner", (0.0, 0.0)), float)
+    cells = np.floor((np.asarray(ends) - corner) / side).astype(int)
+    (left, low), (right, high) = cells.min(0).tolist(), cells.max(0).tolist()
+    full = set(map(tuple, cells.tolist()))
+    columns, rows = range(left, right + 1), range(low, high + 1)
+    squares = {(x, y, 1): int((x, y) in full) for x in columns for y in rows}
+    said = f"{len(squares)} equal squares; something ended in {len(full)}"
+    return draw_leaves(squares, corner=corner, resolution=side, **{"title": said} | options)
 
 
 def draw_cells(map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None) -> Axes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import ceil, floor
+from math import floor
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from segmap.arrays import Array
 
-from ..literal import cell_of, grown, occupancy, ray_cells
+from ..literal import cell_of, occupancy, ray_cells
 from ._answers import Cases, same_cells
 from ._exercise import Exercise, Rng, changed, edited, listed
 
@@ -19,89 +19,62 @@ Cell = tuple[int, int]
 
 
 # ------------------------------------------------------------------------------ cells
-def _places(rng: Rng) -> Cases:
-    """Inside cells, left of the corner, and on edges where floor divisions round wrongly.
+def _cells(points: Any, corner: Any, resolution: float) -> Any:
+    return np.floor((points - corner) / resolution).astype(int)
+
+
+def _scans(rng: Rng) -> Cases:
+    """Points on all sides of the corner, and on edges where floor divisions round wrongly.
 
     On an edge where x / r itself is a little off, rounded answers are as right: there is none.
     """
     r = float(rng.choice([0.05, 0.1, 0.2, 0.25]))
-    corner, k = round(rng.uniform(0.5, 3), 1), int(rng.integers(5, 40))
+    corner = rng.uniform(0.5, 3, 2).round(1) * (1, -1)
+    cells = rng.integers(3, 40, (4, 2)) * [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    near = np.array([(-1, 0), (0, -1)])
     edges = [(round(i * s, 2), s) for s in (0.05, 0.1, 0.2) for i in range(1, 200)]
     floored = [(x, s) for x, s in edges if x // s != floor(x / s) == round(x / s)]
-    return listed(
-        [
-            (round((k + 0.6) * r, 4), 0.0, r),
-            (round(-0.4 * r, 4), 0.0, r),
-            (round(-(k + 0.7) * r, 4), 0.0, r),
-            (round(corner + (k + 0.6) * r, 4), corner, r),
-            *((float(x), 0.0, float(s)) for x, s in rng.permutation(floored)[:2]),
-        ]
-    )
+    x, side = floored[int(rng.integers(len(floored)))]
+    inside = rng.uniform(0.2, 0.4, (6, 2)) + np.array([0, 0.4, 0, 0.4, 0, 0.4])[:, None]
+    return {
+        "points on all sides of the corner": (
+            corner + (np.concatenate([cells, near]) + inside) * r,
+            corner,
+            r,
+        ),
+        "points on edges of cells": (np.array([(x, 2 * side), (0.0, x)]), np.zeros(2), side),
+    }
 
 
 check_cell_of = Exercise(
-    "cell_of(x, corner, resolution) -> int: the column that holds x, counted from the corner",
-    cell_of,
-    _places,
+    "cell_of(points, corner, resolution) -> (n, 2) whole numbers: column and row of each point "
+    "(n, 2), counted from the corner (2,)",
+    _cells,
+    _scans,
     {
-        "int() cuts towards zero: -0.5 becomes 0, so two columns share one number; use floor": (
-            lambda x, c, r: int((x - c) / r)
+        "math.floor takes a single number, and this raises a TypeError: np.floor takes all points "
+        "of a scan at once": cell_of,
+        "to cut the digits off is no floor: -0.5 becomes 0, so two columns share one number": (
+            lambda points, c, r: ((points - c) / r).astype(int)
         ),
         "1.0 // 0.1 is 9, as 0.1 is a little more than a tenth: divide first, then take floor": (
-            lambda x, c, r: int((x - c) // r)
+            lambda points, c, r: (points - c) // r
         ),
         "a cell begins at its left edge: floor, and not the nearest whole number": (
-            lambda x, c, r: round((x - c) / r)
+            lambda points, c, r: np.round((points - c) / r)
         ),
-        "columns are counted from the corner: subtract it first": lambda x, c, r: floor(x / r),
-        "a cell begins at its left edge: floor, and not ceil": lambda x, c, r: ceil((x - c) / r),
-        "cells have `resolution` metres a side: divide by it": lambda x, c, r: floor((x - c) * r),
-    },
-)
-
-
-# ----------------------------------------------------------------------------- growth
-def _roots(rng: Rng) -> Cases:
-    """A root anywhere and a cell on each of its sides and corners, and one far away."""
-    side = int(2 ** rng.integers(2, 6))
-    x, y = (int(v) for v in rng.integers(-20, 20, 2))
-    near, far = (int(v) for v in rng.integers(0, side, 2))
-    away = side * int(rng.integers(2, 9))
-    cells = (
-        (x + near + away, y - 1 - far - away),
-        *((x + near, y + side + far), (x + side + far, y + near), (x - 1 - far, y + near)),
-        *((x + near, y - 1 - far), (x - 1 - far, y + side), (x + side + far, y - 1 - near)),
-        *((x, y - 1 - near), (x + side + near, y), (x, y + side), (x - 1 - near, y)),
-    )
-    return {f"root {(x, y, side)} and cell {cell}": ((x, y, side), cell) for cell in cells}
-
-
-def _until_inside(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
-    x, y, side = root
-    inside = x <= cell[0] < x + side and y <= cell[1] < y + side
-    return root if inside else _until_inside(grown(root, cell), cell)
-
-
-check_grown = Exercise(
-    "grown(root, cell) -> (x, y, side): root (x, y, side), doubled once towards a cell outside it",
-    grown,
-    _roots,
-    {
-        "for a cell beside the root this grows downwards for ever, as the thesis does: down only "
-        "where the cell lies below": edited(grown, ("cell[1] < y", "cell[1] < y + side")),
-        "a cell to the left or below is never reached this way: move the corner by one side": (
-            lambda root, cell: (*root[:2], 2 * root[2])
+        "columns are counted from the corner: subtract it first": (
+            lambda points, c, r: np.floor(points / r)
         ),
-        "the root doubles: the new side is twice the old one": (
-            lambda root, cell: (*grown(root, cell)[:2], root[2])
+        "a cell begins at its left edge: floor, and not ceil": (
+            lambda points, c, r: np.ceil((points - c) / r)
         ),
-        "the old root must stay one quarter of the new: the corner moves by the old side": (
-            lambda root, cell: 2 * np.array(grown(root, cell)) - (root[0], root[1], 2 * root[2])
+        "cells have `resolution` metres a side: divide by it": (
+            lambda points, c, r: np.floor((points - c) * r)
         ),
-        "the corner moves to the left only for a cell to the left, and down only for one below": (
-            lambda root, cell: (root[0] - root[2], root[1] - root[2], 2 * root[2])
+        "x is counted from the corner's x, and y from its y": (
+            lambda points, c, r: np.floor((points - c[0]) / r)
         ),
-        "one doubling is asked for, though the cell may still lie outside": _until_inside,
     },
 )
 
