@@ -30,7 +30,7 @@ TEXTS = sorted(
         "notebooks/tools/**/*.*",
         "segmap/**/*.py",
         "segmap_app/**/*.py",
-        "tests/course/**/*.py",
+        "tests/course/*.py",
     )
     for path in ROOT.glob(pattern)
     if path.suffix in (".md", ".py") and path.name != "test_chapter_form.py"  # a made-up chapter
