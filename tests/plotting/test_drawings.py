@@ -42,6 +42,8 @@ ALIGNED = Alignment(POSES, np.array([True, False, True]), 0.0, "by hand", ("", "
 POINTS = np.array([(0.1 * k, 0) for k in range(30)])
 TREE = QuadtreeMap(resolution=0.5, size=8, bias=1)
 TREE.insert_scan((1, 1), [(3.25, 1.25)])
+#: Leaves of a quadtree, and how many ends each has.
+LEAVES = {(0, 0, 1): 1, (1, 0, 1): 0, (0, 1, 1): 0, (1, 1, 1): 2}
 LAND = course.Landscape(np.array([-0.1, 0, 0.1]), np.diag([0.0, 2.0, 0.0]))
 RUNS = course.thesis_results()
 USC = select(RUNS, map="usc", filtered=False)
@@ -82,6 +84,10 @@ DRAWINGS = {
     "classes": (lambda ax: course.draw_classes(ros_classes(TREE), ax=ax), set()),
     "climb": (lambda ax: course.draw_climb(POSES, ax=ax), {RESULT}),
     "curves": (lambda ax: plotting.draw_curves(USC, ax=ax), THESIS),
+    "equal_squares": (
+        lambda ax: course.draw_equal_squares(POINTS, 0.5, ax=ax),
+        {MAP, RESULT, ERROR},
+    ),
     "field": (lambda ax: course.draw_field(DistanceField(TREE), ax=ax), set()),
     "frontiers": (
         lambda ax: course.draw_frontiers(frontiers(TREE, min_size=1), ax=ax),
@@ -97,6 +103,10 @@ DRAWINGS = {
         {MAP},
     ),
     "landscape": (lambda ax: course.draw_landscape(LAND, ax=ax), {ERROR, TRUTH}),
+    "leaves": (
+        lambda ax: course.draw_leaves(LEAVES, ax=ax, marked=[(0, 0, 1)], points=[(1, 1)]),
+        {"#d9d9d9", RESULT, ERROR},
+    ),
     "log": (lambda ax: plotting.draw_log(LOG, ax=ax), {RAW, TRUTH}),
     "marked": (lambda ax: course.draw_marked(WALLS, [True, False, True], ax=ax), {RAW, ERROR}),
     "merge": (lambda ax: course.draw_merge(WALLS[:2], WALLS[2], ax=ax), {RAW, MAP, RESULT}),
@@ -130,6 +140,10 @@ DRAWINGS = {
         {RAW, RESULT, ERROR},
     ),
     "segments": (lambda ax: plotting.draw_segments(WALLS, ax=ax), {MAP}),
+    "sizes_of_halls": (
+        lambda ax: course.draw_sizes_of_halls({1.0: 9, 2.0: 20}, ax=ax),
+        {RAW, RESULT},
+    ),
     "strip": (lambda ax: course.draw_strip(WALLS[[0, 2]], 0.0, 0.01, ax=ax), {RAW, MAP, ERROR}),
     "threshold": (
         lambda ax: course.draw_threshold(USC, USC, method="fusion", ax=ax),
@@ -155,8 +169,15 @@ ROWS = {
     "alignments": (lambda: plotting.draw_alignments(LOG, {"a": POSES, "b": ALIGNED}), True),
     "buildings": (lambda: course.draw_buildings(RUNS), True),
     "cases": (lambda: course.draw_cases({"a": WALLS, "b": WALLS[:1]}, lambda map: map[:1]), False),
+    "cells_of_a_wall": (
+        lambda: course.draw_cells_of_a_wall(
+            {0.5: LEAVES, 1.0: {(0, 0, 1): 3}}, limits=(0, 2, 0, 2)
+        ),
+        True,
+    ),
     "distance_terms": (lambda: course.draw_distance_terms(WALLS[0], WALLS[2]), True),
     "frames": (lambda: course.draw_frames(SCAN, {"a": (0, 0, 0), "b": (3, 4, 0)}), True),
+    "leaf_row": (lambda: course.draw_leaf_row({"a": LEAVES, "b": LEAVES}), True),
     "maps": (lambda: plotting.draw_maps({"a": WALLS, "b": WALLS[:1]}), True),
     "odometry_comparison": (
         lambda: course.draw_odometry_comparison(dict.fromkeys("ab", compare_odometry(LOG))),
