@@ -27,6 +27,8 @@ TAPES = {
 }
 #: Each tape is held at nine places side by side: this far from the robot, to its left.
 ASIDE_M = np.linspace(-0.2, 0.2, 9)
+#: A tape is read to so much: no deviation is smaller.
+READING_M = 0.001
 #: An answer is sure where it is more than so many of its deviations away from nothing.
 SURE_DEVIATIONS = 2.0
 #: Turns of the wardrobe on its way round the corner, radians.
@@ -34,7 +36,7 @@ TURNS = np.linspace(0, np.pi / 2, 901)
 
 
 class Measured(NamedTuple):
-    """The middle one of nine lengths, and half of what the middle seven span: metres."""
+    """The middle one of nine lengths, and half of what the middle seven span or more: metres."""
 
     metres: float
     deviation: float
@@ -138,7 +140,7 @@ def measure_clinic(map: Segments, poses: ArrayLike | None = None) -> Answers:
     Examples
     --------
     >>> measure_clinic(clinic_walls())
-    wardrobe goes round: 16.7 ± 0.0 cm to spare; wall 10.0 ± 0.0 cm; building 9.00 ± 0.00 m
+    wardrobe goes round: 16.7 ± 0.1 cm to spare; wall 10.0 ± 0.1 cm; building 9.00 ± 0.00 m
     """
     walls, truth = arrays.segments(map, "map"), _true_poses()
     at = truth if poses is None else arrays.poses(poses, "poses")
@@ -183,8 +185,11 @@ def _end(starts: Array, lengths: Array) -> Array:
 
 
 def _middle(lengths: Array) -> Measured:
-    """The median of nine lengths and half the span without the least and the largest, metres."""
+    """The median of nine lengths and half the span without the least and the largest, metres.
+
+    At least what a tape can be read to.
+    """
     low, middle, high = np.sort(lengths)[[1, len(lengths) // 2, -2]]
     if not np.isfinite([low, high]).all():
         return Measured(np.nan, np.nan)
-    return Measured(float(middle), float(high - low) / 2)
+    return Measured(float(middle), max(float(high - low) / 2, READING_M))

@@ -32,7 +32,7 @@ def wardrobe(map: Segments, poses: ArrayLike | None = None) -> Answers:
     --------
     >>> from segmap_course import clinic_walls
     >>> wardrobe(clinic_walls())
-    wardrobe goes round: 16.7 ± 0.0 cm to spare; wall 10.0 ± 0.0 cm; building 9.00 ± 0.00 m
+    wardrobe goes round: 16.7 ± 0.1 cm to spare; wall 10.0 ± 0.1 cm; building 9.00 ± 0.00 m
     """
     answers = measure_clinic(map, poses)
     left, right = axes_row(2, (8.6, 4.2))
