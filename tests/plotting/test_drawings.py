@@ -170,9 +170,7 @@ ROWS = {
     "buildings": (lambda: course.draw_buildings(RUNS), True),
     "cases": (lambda: course.draw_cases({"a": WALLS, "b": WALLS[:1]}, lambda map: map[:1]), False),
     "cells_of_a_wall": (
-        lambda: course.draw_cells_of_a_wall(
-            {0.5: LEAVES, 1.0: {(0, 0, 1): 3}}, limits=(0, 2, 0, 2)
-        ),
+        lambda: course.draw_cells_of_a_wall({0.5: LEAVES, 1.0: LEAVES}, limits=(0, 2, 0, 2)),
         True,
     ),
     "distance_terms": (lambda: course.draw_distance_terms(WALLS[0], WALLS[2]), True),

@@ -94,9 +94,11 @@ def draw_leaf_row(
 
 def draw_cells_of_a_wall(cuts: Mapping[float, Mapping[Square, int]], **options: Any) -> list[Axes]:
     """Draw one wall in trees of several resolutions, metres, and say how many ends a cell has."""
-    full = [np.array([ends for ends in leaves.values() if ends]) for leaves in cuts.values()]
-    titles = [f"{len(n)} cells, {100 * (n == 1).mean():.0f} % have one end only" for n in full]
-    cases = dict(zip(titles, cuts.values(), strict=True))
+    cases = {}
+    for side, leaves in cuts.items():
+        full = np.array([ends for ends in leaves.values() if ends])
+        alone = f"{100 * (full == 1).mean():.0f} % with one end only"
+        cases[f"{100 * side:g} cm: {len(full)} cells, {alone}"] = leaves
     return draw_leaf_row(cases, resolution=list(cuts), **options)
 
 

@@ -245,16 +245,13 @@ def keep(function: Callable[..., Any], name: str) -> str:
         return f"not kept in {MY_MAPPER}: {error}"
     if function.__name__ != name:
         source += f"\n{name} = {function.__name__}\n"
-    before = path.read_text()
+    before = path.read_text("utf-8")
     if before.endswith(source):
         return ""
     write_bytes(path, f"{before}\n\n{source}".encode())
-    again = f"\n{name} = " in before or f"\ndef {name}(" in before
-    return (
-        f"kept in {MY_MAPPER}, below the one of before, which no longer counts"
-        if again
-        else (f"kept in {MY_MAPPER}")
-    )
+    if f"\n{name} = " in before or f"\ndef {name}(" in before:
+        return f"kept in {MY_MAPPER}, below the one of before, which no longer counts"
+    return f"kept in {MY_MAPPER}"
 
 
 def source_with_imports(function: Callable[..., Any]) -> str:

@@ -39,12 +39,18 @@ def printed(folder: Path, *cells: str) -> list[str]:
 
 
 def test_what_passes_is_kept_with_what_it_uses_and_runs_alone(tmp_path):
-    """Catches a helper, a number, an import of the notebook that is left behind, a second copy."""
+    """Catches a helper, a number or an import that is left behind, a second copy, and a grader's
+    cases that write."""
     (tmp_path / "my_mapper.py").write_text('"""Mine."""\n')
     check = "course.check_compose(my_compose)"
     other = RIGHT.replace("there = ", "there = np.zeros(2) + ")
-    shown = printed(tmp_path, RIGHT, check, check, other, check, "my_compose = max", check)
-    assert shown[0] == "passed: kept in my_mapper.py" and shown[1] == "passed"
+    hidden = "course.check_compose(my_compose, course.check_compose.fresh(3))"
+    graded, *shown = printed(
+        tmp_path, RIGHT, hidden, check, check, other, check, "my_compose = max", check
+    )
+    assert (
+        graded == "passed" and shown[0] == "passed: kept in my_mapper.py" and shown[1] == "passed"
+    )
     assert "below the one of before" in shown[2] and shown[3].startswith("not yet")
     text = (tmp_path / "my_mapper.py").read_text()
     assert text.startswith('"""Mine."""\n') and text.count("def my_compose") == 2
