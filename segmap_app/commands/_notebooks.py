@@ -92,7 +92,7 @@ def _hand_over(folder: Path, name: str, content: bytes, handed: dict[str, str]) 
     if there is None or _digests(there).split()[-1] in (*cells, now.split()[-1]):
         if there is not None and before == now:
             return "there already"  # opened, or run: what it shows is of this original
-        path.parent.mkdir(exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         write_bytes(path, content)
         return "copied"
     if before is None or before == now:
