@@ -1193,11 +1193,11 @@ def broken_links(folder):
 @pytest.fixture
 def clone(tmp_path, monkeypatch):
     """A clone with two chapters, a picture and the data that one of them links to."""
-    for name in ("notebooks/pictures/of", "data"):
+    for name in ("notebooks/pictures/b", "data"):
         (tmp_path / "clone" / name).mkdir(parents=True)
     source = tmp_path / "clone" / "notebooks"
-    (source / "pictures" / "of" / "a.png").write_bytes(PNG)
-    said = "[data](../data/README.md), [next](11_next.ipynb#top), ![a](pictures/of/a.png) \U0001f600"
+    (source / "pictures" / "b" / "a.png").write_bytes(PNG)
+    said = "[data](../data/README.md), [next](11_next.ipynb#top), ![a](pictures/b/a.png) \U0001f600"
     cells = [{"cell_type": "markdown", "source": [said]}]
     for name in ("01_start_here", "11_next"):
         (source / f"{name}.ipynb").write_text(json.dumps({"cells": cells}), encoding="utf-8")
