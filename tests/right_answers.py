@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 from scipy.special import softmax
+from segmap_course.literal.reduction import least_cost
 
 from segmap import segments
 from segmap.angles import axial_difference, axial_mean_of_two, wrap
@@ -139,13 +140,13 @@ def missed_between_ends(seen, kept):
     return np.diff(cuts)[inside[0] & ~inside[1]].sum()
 
 
-def metres_between_ends(spans, whole, gap):
-    """Between two neighbouring ends of members all is covered or nothing is."""
-    ends = np.unique([0, whole, *spans.ravel()])
-    middles = (ends[1:] + ends[:-1]) / 2
-    bare = [not any(low < x < high for low, high in spans) for x in middles]
-    metres = np.diff(ends)[bare]
-    return metres[(metres > gap) | (len(spans) == 0)].sum()
+def cost_of_one_face(members, line):
+    """No two looks point against each other; else what the plain version says of them."""
+    along = [np.array(b) - np.array(a) for a, b in members]
+    if any(np.dot(u, v) < 0 for u in along for v in along):
+        return math.inf
+    limits = 0.25, 0.05, math.sin(math.radians(5)), 0.05
+    return least_cost.cost_of(members.tolist(), line.tolist(), limits)
 
 
 def quality_as_a_geometric_mean(distances):
@@ -332,7 +333,7 @@ RIGHT = {
     "weighed": lambda w, f, n: softmax(np.log(w) + n * np.log(f)),
     "pose_covariance": pose_covariance_closed,
     "verdict": verdict_by_parts,
-    "invented_metres": metres_between_ends,
+    "cost_of_faces": cost_of_one_face,
     "pose_cost": cost_by_masked_average,
     "mean_line": lambda u, v, a, b: mean_of_complex_numbers(u, v, a, b),
     "look_noise": noise_by_a_loop,

@@ -110,7 +110,6 @@ from .exercises.open.judgement import (
     decide_way,
     predict_bend,
     predict_crowd,
-    predict_partition,
     predict_survivors,
     predict_wrong_turn,
 )
@@ -153,8 +152,8 @@ from .exercises.sensor import (
 )
 from .exercises.strips import check_best_shift, check_mean_shift_step
 from .exercises.surveyed import (
+    check_cost_of_faces,
     check_growth_power,
-    check_invented_metres,
     check_memberships,
     check_pose_covariance,
     check_verdict,
@@ -170,10 +169,11 @@ __all__ = [
     "break_icp", "break_line", "break_loss", "break_matching", "break_quality", "break_reader",
     "break_sum", "break_viewing_sector", "check_axial_mean", "check_beam_angles", "check_best_run",
     "check_best_shift", "check_building_axis", "check_carried", "check_carried_beam",
-    "check_cast_ray", "check_cell_of", "check_climb_step", "check_compose", "check_distances",
+    "check_cast_ray", "check_cell_of", "check_climb_step", "check_compose",
+    "check_cost_of_faces", "check_distances",
     "check_edge_error", "check_far_ends", "check_farthest_point", "check_fit_line",
     "check_flatness", "check_frontier_cells", "check_growth_power",
-    "check_heading_between", "check_hough", "check_invented_metres", "check_laplacian",
+    "check_heading_between", "check_hough", "check_laplacian",
     "check_least_translation", "check_look_noise", "check_loop_rest", "check_match_value",
     "check_matches", "check_mean_line", "check_mean_shift_step", "check_mean_wall_error",
     "check_memberships", "check_merged", "check_missed_metres", "check_move_onto_walls",
@@ -188,7 +188,7 @@ __all__ = [
     "measure_clinic", "near_metres", "occupied_centres", "office_views", "panels", "peaks",
     "precision_and_recall", "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves",
     "predict_crowd", "predict_drift", "predict_fusion_left", "predict_fusion_twice",
-    "predict_partition", "predict_pieces", "predict_scan_time", "predict_sparse_icp",
+    "predict_pieces", "predict_scan_time", "predict_sparse_icp",
     "predict_survivors", "predict_turned_quality", "predict_wrong_turn", "profile_peaks",
     "represent", "room_walk", "room_walls", "sample_points", "taped_on_plan", "ten_maps",
     "thesis_grid", "thesis_results", "three_plans", "trial_table", "try_pair", "unknown_building",

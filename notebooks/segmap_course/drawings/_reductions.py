@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from segmap import arrays
 from segmap.arrays import Segments
 from segmap.plotting import ERROR, MAP, RESULT, axes_or_new, axes_row, draw_segments
 from segmap.reduction import Reduction
@@ -58,6 +61,46 @@ def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None
     ax.set(xlabel="scans", ylabel="segments")
     ax.legend()
     return ax
+
+
+def draw_closer(
+    maps: Mapping[str, Segments], window: ArrayLike, *, figure: Figure | None = None
+) -> list[Axes]:
+    """Draw maps side by side, each with two metres or so of one wall beside it, larger.
+
+    The first map is black, as it was before; others are blue. The window is left, low, right and
+    top of what is larger, metres. All maps have one scale, and so have all windows, in which the
+    short side is drawn larger than the long one, so that looks of one wall can be told apart.
+
+    Examples
+    --------
+    >>> twice = np.array([[(0, 0), (3, 0)], [(0, 0.01), (3, 0.01)]])
+    >>> [ax.get_title() for ax in draw_closer({"before": twice, "after": twice[:1]}, (1, -1, 2, 1))]
+    ['before', 'closer', 'after', 'closer']
+    """
+    left, low, right, top = np.asarray(window, float)
+    ends = np.concatenate([arrays.segments(map).reshape(-1, 2) for map in maps.values()])
+    (x0, y0), (x1, y1) = ends.min(axis=0) - 0.2, ends.max(axis=0) + 0.2
+    wide = (x1 - x0) / (y1 - y0)
+    thin = 0.45 if right - left < top - low else 1.2
+    if figure is None:
+        height = min(4.5, 8.4 / (wide + thin) / len(maps))
+        size = (wide + thin) * height * len(maps) + 0.8, max(3.5, height + 0.6)
+        figure = plt.figure(figsize=size, layout="constrained")
+    axes = figure.subplots(1, 2 * len(maps), width_ratios=[wide, thin] * len(maps))
+    for k, (title, map) in enumerate(maps.items()):
+        whole, closer = axes[2 * k : 2 * k + 2]
+        for ax, width in ((whole, 0.8), (closer, 1.2)):
+            draw_segments(map, ax=ax, color=RESULT if k else MAP, width=width)
+            ax.set_ylabel("")
+        outline = [(left, low), (right, low), (right, top), (left, top), (left, low)]
+        whole.plot(*np.transpose(outline), color=ERROR, linewidth=1.2)
+        whole.set(title=title, xlim=(x0, x1), ylim=(y0, y1))
+        closer.set(title="closer", xlim=(left, right), ylim=(low, top), aspect="auto")
+        closer.tick_params(colors=ERROR)
+        closer.spines[:].set_color(ERROR)
+    axes[0].set_ylabel("y [m]")
+    return list(axes)
 
 
 def draw_trade_off(

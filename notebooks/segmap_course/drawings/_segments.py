@@ -108,6 +108,25 @@ def draw_merge(
     return draw_segments(parts, ax=ax, width=1.5, label="its parts")
 
 
+def draw_missed(
+    looks: Segments, line: ArrayLike, *, distance: float = 0.05, ax: Axes | None = None
+) -> Axes:
+    """Draw a line, thick and blue, for some looks; those that end too far off it are orange.
+
+    The grey band is as far as they may end, `distance` in metres. Scales of x and y differ.
+    """
+    array, ends = arrays.segments(looks), np.asarray(line, float)
+    dx, dy = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
+    normal = np.array([-dy, dx])
+    missed = (abs((array - ends[0]) @ normal) > distance).any(axis=1)
+    ax = draw_segments([ends], ax=axes_or_new(ax, (6.0, 3.6)), color=RESULT, width=4.0)
+    band = [*(ends + distance * normal), *(ends - distance * normal)[::-1]]
+    ax.fill(*np.transpose(band), color=RAW, alpha=0.3, linewidth=0)
+    draw_marked(array, missed, ax=ax, color=MAP, width=1.2)
+    ax.set(aspect="auto", title=f"Orange: {missed.sum()} of {len(array)} looks are missed")
+    return ax
+
+
 def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | None = None) -> Axes:
     """Draw walls along x and a strip of Fusion: what is in it is black, the rest orange (A 4.4.1).
 

@@ -12,7 +12,7 @@ from segmap.arrays import Array
 from segmap.poses import transform
 from segmap.reduction.surveyed import Line, add_pose
 
-from ..literal.reduction.least_cost import invented
+from ..literal.reduction.least_cost_merges import cost_of
 from ._answers import Cases, close, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -222,65 +222,75 @@ check_memberships = Exercise(
 
 
 # ------------------------------------------------------------------------- least cost
-def _members(rng: Rng) -> Cases:
-    """Gaps between members, before and behind them; members inside others; no member."""
-    gap, a, b = rng.integers(5, 20) / 100, *rng.integers(100, 300, 2) / 100
+def _looks(rng: Rng) -> Cases:
+    """Looks at a wall, each from its first beam to its last, and the line that would stand there.
 
-    def case(whole: float, *spans: tuple[float, float]) -> tuple[Any, ...]:
-        return np.array(spans, float).reshape(-1, 2), np.array(whole), np.array(gap)
+    The line runs as the first look does or the other way, which means nothing.
+    """
+    pose = anywhere(rng)
+
+    def case(*ways: int, size: float = 2.0, turn: float = 0.0) -> tuple[Array, Array]:
+        low = np.column_stack(
+            [rng.uniform(0, 0.04, len(ways)), rng.uniform(-0.02, 0.02, len(ways))]
+        )
+        high = low + np.column_stack([rng.uniform(0.9, 1, len(ways)) * size, 0 * low[:, 1]])
+        high[-1, 1] += turn * size
+        looks = np.stack([low, high], axis=1)
+        looks = np.array([look[::way] for look, way in zip(looks, ways, strict=True)])
+        line = np.array([(0, 0), (size + 0.1, 0)])[:: int(rng.choice([-1, 1]))]
+        return transform(pose, looks), transform(pose, line)
 
     return {
-        "one member as long as the segment": case(a, (0, a)),
-        "two members and a hole, the last one first": case(a + b + 1, (a + 1, a + b + 1), (0, a)),
-        "a short member inside a long one": case(a + b, (0, a), (0.3, 0.6), (a + 0.5, a + b)),
-        "a gap shorter than the limit": case(a + b, (0, a), (a + 0.6 * gap, a + b)),
-        "short gaps at both ends": case(a + b, (0.6 * gap, a), (a, a + b - 0.6 * gap)),
-        "gaps as long as the limit": (
-            *(np.array([(0, 1), (1.125, 3)]), np.array(3.125), np.array(0.125)),
-        ),
-        "nothing kept at the start": case(a + b, (a, a + b)),
-        "nothing kept at the end": case(a + b, (0, a / 2), (a / 2, a)),
-        "no member at all": case(a),
-        "no member, a segment shorter than the gap": case(0.7 * gap),
+        "four looks from one side": case(1, 1, 1, 1),
+        "four looks from the other side": case(-1, -1, -1, -1),
+        "three looks from one side and one from the other": case(1, 1, 1, -1),
+        "one look from the side of the others, which come first": case(-1, -1, -1, 1),
+        "two looks from each side": case(1, -1, 1, -1),
+        "a short wall, and a look that is turned": case(1, 1, 1, size=0.4, turn=0.12),
+        "a wall whose last look ends too far off": case(1, 1, turn=0.08),
+        "a line that is longer than its only look": case(1),
     }
 
 
-def _by(metres: Callable[..., float]) -> Callable[[Array, float, float], float]:
-    """With spans as the plain version takes them, a list of pairs."""
-    return lambda spans, whole, gap: metres([(a, b) for a, b in spans.tolist()], whole, gap)
+def _cost_of_faces(members: Array, line: Array) -> float:
+    """As the chapter's cost; but two faces of a wall are two."""
+    along = members[:, 1] - members[:, 0]
+    if (along @ along[0] < 0).any():
+        return np.inf
+    return cost_of(members, line)
 
 
-def _with(*changes: tuple[str, str]) -> Callable[[Array, float, float], float]:
-    """The plain version with parts of it changed."""
-    return _by(edited(invented, *changes))
+def _faces(*changes: tuple[str, str]) -> Callable[[Array, Array], float]:
+    return edited(_cost_of_faces, *changes)
 
 
-#: Starts where the first member begins, not where the segment does.
-_LATE = ("reached, metres = 0.0", "reached, metres = min(spans)[0] if spans else 0.0")
-
-
-check_invented_metres = Exercise(
-    "invented_metres(spans, whole, gap) -> metres of a segment, from 0 to whole, in gaps longer "
-    "than gap between spans (k, 2), low and high, of the members that it keeps",
-    _by(invented),
-    _members,
+check_cost_of_faces = Exercise(
+    "cost_of_faces(members, line) -> cost_of(members, line), metres, of looks (n, 2, 2) and the "
+    "segment (2, 2) in their place; infinite where two looks were made from opposite sides",
+    _cost_of_faces,
+    _looks,
     {
-        "sort the members along the segment first": _with(("*sorted(spans)", "*spans")),
-        "a short member inside a long one does not end it: keep the highest end": (
-            _with(("max(reached, high)", "high"))
+        "this is the chapter's own cost: two faces of one wall still cost a finite sum": cost_of,
+        "the line in their place has no side: compare the looks with each other": (
+            _faces(("along @ along[0]", "along @ (line[1] - line[0])"))
         ),
-        "a gap up to `gap` costs nothing": _with(("> gap", "> 0")),
-        "look before the first member and behind the last one too": (
-            _with(_LATE, ("(whole, whole)]", "(whole, whole)][: len(spans) or 1]"))
+        "one look from the other side is enough, not half of all": (
+            _faces(("(along @ along[0] < 0).any()", "(along @ along[0] < 0).mean() >= 0.5"))
         ),
-        "behind the last member you look; look before the first one too": _with(_LATE),
-        "where no member is kept, all is invented, however short": _with(("not spans or ", "")),
-        "a gap that is longer than `gap` counts whole, not only what it is longer": (
-            _with(("low - reached\n", "low - reached - gap * bool(spans)\n"))
+        "looks from one side may have a line in common: only opposite ones may not": (
+            _faces(("< 0).any()", "> 0).any()"))
         ),
-        "members may lie inside each other, and short gaps cost nothing: the sum of their lengths "
-        "does not say what they leave": (
-            lambda spans, whole, gap: float(whole - (spans[:, 1] - spans[:, 0]).sum())
+        "looks from the other side are not left out of the sum: they forbid the line": (
+            _faces(
+                ("if (along @ along[0] < 0).any():", "if False:"),
+                ("cost_of(members, line)", "cost_of(members[along @ along[0] > 0], line)"),
+            )
+        ),
+        "a price is paid as soon as the penalty is high enough: it must be infinite": (
+            _faces(("return np.inf", "return cost_of(members, line) + 0.25"))
+        ),
+        "all else costs what it did: the metres missed and invented too": (
+            _faces(("return cost_of(members, line)", "return errors(members, [line]).sum()"))
         ),
     },
 )

@@ -232,18 +232,24 @@ class SectorPanel(ReductionPanel):
 
 
 class LeastCostPanel(ReductionPanel):
-    """A map and what least cost leaves of it, for each penalty; and what quality does not see.
+    """A part of a map and what least cost leaves of it, for each penalty.
 
-    `promised` is the quality that the penalty guarantees, `unseen` metres invented and missed.
+    `promised` is the quality that the penalty guarantees, `unseen` metres invented and missed,
+    which quality does not see. Scales of x and y differ, so that looks at one wall can be told
+    apart.
     """
 
     method = staticmethod(least_cost)
-    penalty = keyword(0.005, 0.5, 0.005)
+    penalty = keyword(0.005, 2.0, 0.005)
     distance = keyword(0.01, 0.20, 0.01)
     gap = keyword(0.0, 0.10, 0.01)
     promised = unseen = note()
     rows = ("penalty", "distance", "gap", "count", "rate quality", "promised unseen")
     words = "penalty {penalty:.3f} m: {count}"
+
+    def _draw(self, figure: Figure) -> None:
+        super()._draw(figure)
+        figure.axes[0].set_aspect("auto")
 
     def _tell(self, found: Reduction) -> None:
         super()._tell(found)

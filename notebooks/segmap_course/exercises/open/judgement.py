@@ -7,7 +7,7 @@ import numpy as np
 from segmap.alignment import solve_graph
 from segmap.extraction import build_map
 from segmap.poses import compose
-from segmap.reduction import least_cost, one_per_wall
+from segmap.reduction import one_per_wall
 from segmap.simulation import SICK_LMS200
 
 from ..._known_buildings import driven
@@ -70,27 +70,6 @@ decide_claims = Decision(
     "02200640 4f08502a 98c7a453 b6852645 d3449d69 f885e608",
     praise="Each of the three is a true figure, set beside one that it may not be compared with",
     keeps=3,
-)
-
-
-def _partition(looks: int = 8, thick: float = 0.05) -> float:
-    faces = np.tile([[(0, 0), (2, 0)], [(0, thick), (2, thick)]], (looks, 1, 1))
-    low, high = 0.01, 1.0
-    while high - low > 1e-4:
-        middle = (low + high) / 2
-        low, high = (low, middle) if len(least_cost(faces, penalty=middle)) == 1 else (middle, high)
-    return high
-
-
-predict_partition = Prediction(
-    "predict_partition(guess): the two faces of a partition, 2 m long and 0.05 m apart, are seen "
-    "eight times each; from which penalty on does `least_cost` leave one segment, in metres; "
-    "within a factor of 1.1",
-    _partition,
-    "m",
-    factor=1.1,
-    because="All sixteen looks pay for half of 0.05 m, 0.295 of it each: the penalty that joins "
-    "two faces grows with the number of looks",
 )
 
 
