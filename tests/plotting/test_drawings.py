@@ -110,6 +110,10 @@ DRAWINGS = {
     "log": (lambda ax: plotting.draw_log(LOG, ax=ax), {RAW, TRUTH}),
     "marked": (lambda ax: course.draw_marked(WALLS, [True, False, True], ax=ax), {RAW, ERROR}),
     "merge": (lambda ax: course.draw_merge(WALLS[:2], WALLS[2], ax=ax), {RAW, MAP, RESULT}),
+    "missed": (
+        lambda ax: course.draw_missed(WALLS[[0, 2]], [(0, -0.04), (5, -0.04)], ax=ax),
+        {RAW, MAP, RESULT, ERROR},
+    ),
     "normals": (lambda ax: course.draw_normals(WALLS, ax=ax), {MAP, *GROUPS[:3]}),
     "online": (
         lambda ax: plotting.draw_online(online_times(hybrid(SEEN), {}), ax=ax),
@@ -173,6 +177,10 @@ ROWS = {
         lambda: course.draw_cells_of_a_wall({0.5: LEAVES, 1.0: LEAVES}, limits=(0, 2, 0, 2)),
         True,
     ),
+    "clusters": (
+        lambda: course.draw_clusters(WALLS, {p: [((0, 2), WALLS[0], 0.1)] for p in (0.1, 1.0)}),
+        True,
+    ),
     "distance_terms": (lambda: course.draw_distance_terms(WALLS[0], WALLS[2]), True),
     "frames": (lambda: course.draw_frames(SCAN, {"a": (0, 0, 0), "b": (3, 4, 0)}), True),
     "leaf_row": (lambda: course.draw_leaf_row({"a": LEAVES, "b": LEAVES}), True),
@@ -196,10 +204,15 @@ BESIDE_A_CHART = {
         POINTS, POINTS, (0, 0, 0), {"along": (1, 0), "across": (0, 1)}
     ),
 }
+#: Drawings that make a figure of pictures with limits of their own.
+OF_THEIR_OWN = {
+    "closer": lambda: course.draw_closer({"a": WALLS, "b": WALLS[:1]}, (1, -1, 2, 1)),
+    "costs": lambda: course.draw_costs(WALLS, WALLS, [0.1, np.inf, 0.2]),
+}
 #: What x or y is these do not know: the caller says it.
 CALLER_LABELS = {"basin", "climb", "trade_off"}
 #: Along x and y in metres, with scales of their own so that what is near can be told apart.
-STRETCHED = {"centres", "strip"}
+STRETCHED = {"centres", "missed", "strip"}
 
 
 pytestmark = pytest.mark.usefixtures("agg")
@@ -217,7 +230,7 @@ def colors_of(ax):
 def test_every_drawing_is_in_the_contract():
     """Catches a new drawing that nothing looks at."""
     public = {n for room in (plotting, course) for n in dir(room) if n.startswith("draw_")}
-    assert public == {f"draw_{name}" for name in (*DRAWINGS, *ROWS, *BESIDE_A_CHART)}
+    assert public == {f"draw_{name}" for name in (*DRAWINGS, *ROWS, *BESIDE_A_CHART, *OF_THEIR_OWN)}
 
 
 @pytest.mark.parametrize("name", DRAWINGS)
@@ -259,6 +272,15 @@ def test_a_map_beside_its_chart_has_titles_and_units(name):
     assert maps.figure is chart.figure and maps.get_title() and chart.get_title()
     assert maps.get_aspect() == 1 and maps.get_xlabel() == "x [m]"
     assert "[cm]" in chart.get_xlabel() and "[cm]" in chart.get_ylabel() and chart.get_legend()
+
+
+@pytest.mark.parametrize("name", OF_THEIR_OWN)
+def test_pictures_of_one_figure_have_titles_and_metres(name):
+    """Catches a figure of another resolution, and a picture that does not say what it shows."""
+    axes = OF_THEIR_OWN[name]()
+    assert {ax.figure for ax in axes} == {axes[0].figure} and axes[0].figure.dpi == plotting.DPI
+    assert all(ax.get_title() for ax in axes) and axes[-1].get_xlabel() == "x [m]"
+    assert "[m]" in axes[0].get_ylabel()
 
 
 NOTHING = {

@@ -37,7 +37,14 @@ from ._quadtrees import (
     draw_sizes_of_halls,
     draw_trials,
 )
-from ._reductions import draw_cases, draw_closer, draw_growth, draw_trade_off
+from ._reductions import (
+    draw_cases,
+    draw_closer,
+    draw_clusters,
+    draw_costs,
+    draw_growth,
+    draw_trade_off,
+)
 from ._segments import (
     draw_centres,
     draw_distance_terms,
@@ -51,11 +58,11 @@ from ._segments import (
 __all__ = [
     "draw_backbone", "draw_basin", "draw_buildings", "draw_candidate", "draw_cases", "draw_cells",
     "draw_cells_of_a_wall", "draw_centres", "draw_classes", "draw_climb", "draw_closer",
-    "draw_distance_terms", "draw_equal_squares", "draw_field", "draw_frames", "draw_frontiers",
-    "draw_growth", "draw_icp_step", "draw_labels", "draw_landscape", "draw_leaf_row", "draw_leaves",
-    "draw_marked", "draw_merge", "draw_missed", "draw_normals", "draw_odometry_comparison",
-    "draw_plan", "draw_profile",
-    "draw_ray", "draw_scan_poses", "draw_scans", "draw_shifts", "draw_sizes_of_halls", "draw_strip",
+    "draw_clusters", "draw_costs", "draw_distance_terms", "draw_equal_squares", "draw_field",
+    "draw_frames", "draw_frontiers", "draw_growth", "draw_icp_step", "draw_labels",
+    "draw_landscape", "draw_leaf_row", "draw_leaves", "draw_marked", "draw_merge", "draw_missed",
+    "draw_normals", "draw_odometry_comparison", "draw_plan", "draw_profile", "draw_ray",
+    "draw_scan_poses", "draw_scans", "draw_shifts", "draw_sizes_of_halls", "draw_strip",
     "draw_threshold", "draw_trade_off", "draw_trials", "draw_uncertainty", "draw_wall_normals",
     "draw_weights", "icp_frames", "label_axes", "mark_places", "set_ticks", "wardrobe",
     "write_names",

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from segmap import arrays
 from segmap.arrays import Segments
-from segmap.plotting import ERROR, MAP, RESULT, axes_or_new, axes_row, draw_segments
+from segmap.plotting import DPI, ERROR, GROUPS, MAP, RESULT, axes_or_new, axes_row, draw_segments
 from segmap.reduction import Reduction
 from segmap.segments import SegmentMap
 
@@ -63,9 +62,7 @@ def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None
     return ax
 
 
-def draw_closer(
-    maps: Mapping[str, Segments], window: ArrayLike, *, figure: Figure | None = None
-) -> list[Axes]:
+def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:
     """Draw maps side by side, each with two metres or so of one wall beside it, larger.
 
     The first map is black, as it was before; others are blue. The window is left, low, right and
@@ -83,10 +80,9 @@ def draw_closer(
     (x0, y0), (x1, y1) = ends.min(axis=0) - 0.2, ends.max(axis=0) + 0.2
     wide = (x1 - x0) / (y1 - y0)
     thin = 0.45 if right - left < top - low else 1.2
-    if figure is None:
-        height = min(4.5, 8.4 / (wide + thin) / len(maps))
-        size = (wide + thin) * height * len(maps) + 0.8, max(3.5, height + 0.6)
-        figure = plt.figure(figsize=size, layout="constrained")
+    height = min(4.5, 8.4 / (wide + thin) / len(maps))
+    size = (wide + thin) * height * len(maps) + 0.8, max(3.5, height + 0.6)
+    figure = plt.figure(figsize=size, dpi=DPI, layout="constrained")
     axes = figure.subplots(1, 2 * len(maps), width_ratios=[wide, thin] * len(maps))
     for k, (title, map) in enumerate(maps.items()):
         whole, closer = axes[2 * k : 2 * k + 2]
@@ -101,6 +97,54 @@ def draw_closer(
         closer.spines[:].set_color(ERROR)
     axes[0].set_ylabel("y [m]")
     return list(axes)
+
+
+def draw_costs(looks: Segments, lines: Segments, costs: ArrayLike) -> list[Axes]:
+    """Draw looks at a wall along y, and below them the cost of each line over the x of its middle.
+
+    The line of least cost is thick and blue. A line of infinite cost is left out. The figure is
+    new; scales of x and y differ.
+
+    Examples
+    --------
+    >>> twice = np.array([[(0, 0), (0, 3)], [(0.1, 0), (0.1, 3)]])
+    >>> draw_costs(twice, twice, [0.2, 0.3])[1].get_ylabel()
+    'cost [m]'
+    """
+    array, values = arrays.segments(lines), np.asarray(costs, float)
+    figure = plt.figure(figsize=(6.0, 4.6), dpi=DPI, layout="constrained")
+    wall, curve = figure.subplots(2, sharex=True)
+    draw_segments(array[[values.argmin()]], ax=wall, color=RESULT, width=4.0)
+    draw_segments(looks, ax=wall, width=1.2)
+    curve.plot(array[:, :, 0].mean(axis=1), values, color=RESULT)
+    wall.set(title="The looks, and the cheapest of these lines", aspect="auto", xlabel="")
+    curve.set(title="What a line costs that stands here", xlabel="x [m]", ylabel="cost [m]")
+    curve.set_ylim(0)
+    return [wall, curve]
+
+
+def draw_clusters(looks: Segments, clusters: Mapping[float, Sequence[Any]]) -> list[Axes]:
+    """Draw the clusters of looks that each penalty, in metres, leaves: each in a colour of its own.
+
+    A cluster is the numbers of its looks, its line, which is thick, and its cost. The figure is
+    new; scales of x and y differ.
+
+    Examples
+    --------
+    >>> twice = np.array([[(0, 0), (0, 3)], [(0.1, 0), (0.1, 3)]])
+    >>> draw_clusters(twice, {0.5: [((0, 1), twice[0], 0.3)]})[0].get_title()
+    'penalty 0.5 m: 1 left'
+    """
+    array = arrays.segments(looks)
+    axes = axes_row(len(clusters), (9.0, 3.6), shared="xy")
+    for ax, (penalty, parts) in zip(axes, clusters.items(), strict=True):
+        for k, (members, line, _) in enumerate(parts):
+            color = GROUPS[k % len(GROUPS)]
+            draw_segments([line], ax=ax, color=color, width=4.0)
+            draw_segments(array[list(members)], ax=ax, color=color, width=1.2)
+        ax.set(title=f"penalty {penalty:g} m: {len(parts)} left", aspect="auto")
+        ax.label_outer()
+    return axes
 
 
 def draw_trade_off(

@@ -111,19 +111,28 @@ def draw_merge(
 def draw_missed(
     looks: Segments, line: ArrayLike, *, distance: float = 0.05, ax: Axes | None = None
 ) -> Axes:
-    """Draw a line, thick and blue, for some looks; those that end too far off it are orange.
+    """Draw a line, thick and blue, for some looks; what it misses and what it invents is orange.
 
-    The grey band is as far as they may end, `distance` in metres. Scales of x and y differ.
+    A look that leaves the grey band is missed: there it ends more than `distance` off, in metres.
+    Metres of the line in gaps longer than `distance` between the other looks are invented. Scales
+    of x and y differ.
     """
     array, ends = arrays.segments(looks), np.asarray(line, float)
-    dx, dy = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
-    normal = np.array([-dy, dx])
+    whole = np.hypot(*(ends[1] - ends[0]))
+    along = (ends[1] - ends[0]) / whole
+    normal = np.array([-along[1], along[0]])
     missed = (abs((array - ends[0]) @ normal) > distance).any(axis=1)
+    low, high = np.sort(np.sort((array[~missed] - ends[0]) @ along), axis=0).T
+    gaps = np.column_stack([np.append(0, np.maximum.accumulate(high)), np.append(low, whole)])
+    gaps = gaps[gaps[:, 1] - gaps[:, 0] > distance]
     ax = draw_segments([ends], ax=axes_or_new(ax, (6.0, 3.6)), color=RESULT, width=4.0)
+    draw_segments(ends[0] + gaps[:, :, None] * along, ax=ax, color=ERROR, width=4.0)
     band = [*(ends + distance * normal), *(ends - distance * normal)[::-1]]
     ax.fill(*np.transpose(band), color=RAW, alpha=0.3, linewidth=0)
     draw_marked(array, missed, ax=ax, color=MAP, width=1.2)
-    ax.set(aspect="auto", title=f"Orange: {missed.sum()} of {len(array)} looks are missed")
+    metres = np.hypot(*(array[missed, 1] - array[missed, 0]).T).sum(), (gaps @ (-1, 1)).sum()
+    title = f"Orange: {metres[0]:.1f} m missed, {metres[1]:.1f} m invented"
+    ax.set(aspect="auto", title=title)
     return ax
 
 
