@@ -222,7 +222,7 @@ check_memberships = Exercise(
 
 
 # ------------------------------------------------------------------------- least cost
-def _looks(rng: Rng) -> Cases:
+def _looks_at_faces(rng: Rng) -> Cases:
     """Looks at a wall, each from its first beam to its last, and the line that would stand there.
 
     The line runs as the first look does or the other way, which means nothing.
@@ -268,7 +268,7 @@ check_cost_of_faces = Exercise(
     "cost_of_faces(members, line) -> cost_of(members, line), metres, of looks (n, 2, 2) and the "
     "segment (2, 2) in their place; infinite where two looks were made from opposite sides",
     _cost_of_faces,
-    _looks,
+    _looks_at_faces,
     {
         "this is the chapter's own cost: two faces of one wall still cost a finite sum": cost_of,
         "the line in their place has no side: compare the looks with each other": (
