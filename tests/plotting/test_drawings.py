@@ -22,7 +22,7 @@ from segmap.alignment import Match as Matched
 from segmap.experiments import online_times, select
 from segmap.exports import ros_classes
 from segmap.matching import DistanceField
-from segmap.metrics import against_walls
+from segmap.metrics import against_walls, segment_distance
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, TRUTH, method_style
 from segmap.quadtree import QuadtreeMap, frontiers
 from segmap.reduction import Reduction, hybrid
@@ -181,6 +181,7 @@ ROWS = {
         lambda: course.draw_clusters(WALLS, {p: [((0, 2), WALLS[0], 0.1)] for p in (0.1, 1.0)}),
         True,
     ),
+    "distance_curves": (lambda: course.draw_distance_curves(segment_distance), False),
     "distance_terms": (lambda: course.draw_distance_terms(WALLS[0], WALLS[2]), True),
     "frames": (lambda: course.draw_frames(SCAN, {"a": (0, 0, 0), "b": (3, 4, 0)}), True),
     "leaf_row": (lambda: course.draw_leaf_row({"a": LEAVES, "b": LEAVES}), True),

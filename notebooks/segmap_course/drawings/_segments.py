@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
@@ -17,9 +19,11 @@ from segmap.plotting import (
     RESULT,
     axes_grid,
     axes_or_new,
+    axes_row,
     draw_segments,
     group_colors,
 )
+from segmap.poses import transform
 from segmap.reduction import hough
 from segmap.segments import angle, length, midpoint
 
@@ -63,6 +67,32 @@ def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
         draw_segments(np.asarray(marks), ax=ax, color=ERROR, width=2.5)
     for s, top in zip(both, tops, strict=True):
         row[0].plot(*np.array([s[0], top]).T, ":", color=ERROR)
+    return row
+
+
+def draw_distance_curves(distance: Callable[[Array, Array], float]) -> list[Axes]:
+    """Draw what a distance `distance(u, v)` between a wall of 2 m and its copy makes of a move.
+
+    The copy is turned about its middle, shifted across the wall, and pushed along it.
+
+    Examples
+    --------
+    >>> from segmap.metrics import segment_distance
+    >>> [ax.get_title() for ax in draw_distance_curves(segment_distance)]
+    ['Turned', 'Shifted across', 'Pushed along']
+    """
+    wall = np.array([(-1.0, 0.0), (1.0, 0.0)])
+    moves = {
+        "Turned": [(k, (0, 0, np.radians(k))) for k in np.linspace(0, 89, 90)],
+        "Shifted across": [(k, (0, k, 0)) for k in np.linspace(0, 1)],
+        "Pushed along": [(k, (k, 0, 0)) for k in np.linspace(0, 4, 81)],
+    }
+    row = axes_row(3, (9.0, 3.6), shared="y")
+    for ax, (name, steps) in zip(row, moves.items(), strict=True):
+        values = [float(distance(wall, transform(pose, wall))) for _, pose in steps]
+        ax.plot([size for size, _ in steps], values, color=RESULT)
+        ax.set(title=name, xlabel="angle [degrees]" if name == "Turned" else "way [m]")
+    row[0].set_ylabel("D [m]")
     return row
 
 

@@ -21,6 +21,36 @@ from .lines import (
 )
 
 
+def mean_directions(u: Segment, v: Segment, share: float = 0.5) -> list[float]:
+    """Direction of the line midway, radians: both of them where the segments are perpendicular."""
+    at_u, at_v = line_angle(u), line_angle(v)
+    if min(segment_length(u), segment_length(v)) < SAME:  # a point takes the other's direction
+        return [at_u if segment_length(u) >= SAME else at_v]
+    turn = axial_difference(at_v, at_u)
+    turns = [turn] if abs(abs(turn) - math.pi / 2) > 1e-9 else [math.pi / 2, -math.pi / 2]
+    return [at_u + share * turn for turn in turns]
+
+
+def turned(u: Segment, v: Segment, direction: float, share: float = 0.5) -> float:
+    """D_ang: length times tangent of the angle to the line midway, the mean of both, metres."""
+    return sum(
+        part * segment_length(s) * math.tan(abs(axial_difference(line_angle(s), direction)))
+        for part, s in ((1 - share, u), (share, v))
+    )
+
+
+def mean_middle(u: Segment, v: Segment, share: float = 0.5) -> Point:
+    """The mean of both middles, metres: the line midway passes through it."""
+    x, y = ((1 - share) * (u[0][k] + u[1][k]) / 2 + share * (v[0][k] + v[1][k]) / 2 for k in (0, 1))
+    return x, y
+
+
+def shifted(u: Segment, v: Segment, direction: float, share: float = 0.5) -> float:
+    """D_uva: the largest distance of an end from the line midway, metres."""
+    (x, y), dx, dy = mean_middle(u, v, share), math.cos(direction), math.sin(direction)
+    return max(abs((p[1] - y) * dx - (p[0] - x) * dy) for p in (*u, *v))
+
+
 def nearness(u: Segment, v: Segment) -> float:
     """D_uv: the least distance from an end of one segment to the other one, metres."""
     return min(*(point_to_segment(p, v) for p in u), *(point_to_segment(p, u) for p in v))
@@ -38,32 +68,28 @@ def segments_apart(u: Segment, v: Segment) -> float:
     return nearness(u, v)
 
 
+def line_cost(u: Segment, v: Segment, direction: float, share: float = 0.5) -> float:
+    """What a line midway costs: the weighted sum of *turned* and *shifted*, metres."""
+    return 0.66 * turned(u, v, direction, share) + 0.09 * shifted(u, v, direction, share)
+
+
 def mean_lines(
     u: Segment, v: Segment, weight_u: float = 1.0, weight_v: float = 1.0
 ) -> list[tuple[float, Line]]:
-    """Mean line of two segments, both where they are perpendicular.
-
-    Each comes with `0.66 D_ang + 0.09 D_uva`, metres.
-    """
-    size_u, size_v = segment_length(u), segment_length(v)
-    at_u = line_angle(u) if size_u >= SAME else line_angle(v) if size_v >= SAME else 0.0
-    at_v = line_angle(v) if size_v >= SAME else at_u
-    share, turn = weight_v / (weight_u + weight_v), axial_difference(at_v, at_u)
-    turns = [turn] if abs(abs(turn) - math.pi / 2) > 1e-9 else [math.pi / 2, -math.pi / 2]
-    x, y = ((1 - share) * (u[0][k] + u[1][k]) / 2 + share * (v[0][k] + v[1][k]) / 2 for k in (0, 1))
-    found = []
-    for direction in (at_u + share * turn for turn in turns):
-        d_ang = (1 - share) * size_u * math.tan(abs(axial_difference(at_u, direction)))
-        d_ang += share * size_v * math.tan(abs(axial_difference(at_v, direction)))
-        dx, dy = math.cos(direction), math.sin(direction)
-        d_uva = max(abs((p[1] - y) * dx - (p[0] - x) * dy) for p in (*u, *v))
-        found.append((0.66 * d_ang + 0.09 * d_uva, (x, y, dx, dy)))
-    return found
+    """Mean line of two segments, both where they are perpendicular; each with its cost, metres."""
+    share = weight_v / (weight_u + weight_v)
+    x, y = mean_middle(u, v, share)
+    return [
+        (line_cost(u, v, direction, share), (x, y, math.cos(direction), math.sin(direction)))
+        for direction in mean_directions(u, v, share)
+    ]
 
 
 def segment_distance(u: Segment, v: Segment, weight_u: float = 1.0, weight_v: float = 1.0) -> float:
     """`0.66 D_ang + 0.09 D_uva + 0.25 D_uv`, metres; of two mean directions the smaller value."""
-    return min(mean_lines(u, v, weight_u, weight_v))[0] + 0.25 * nearness(u, v)
+    share = weight_v / (weight_u + weight_v)
+    costs = [line_cost(u, v, direction, share) for direction in mean_directions(u, v, share)]
+    return min(costs) + 0.25 * nearness(u, v)
 
 
 def quality(before: Sequence[Segment], after: Sequence[Segment], *, scale: float = 0.050) -> float:

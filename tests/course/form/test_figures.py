@@ -32,8 +32,20 @@ def scans_of_the_room(rng):
     return figure, {"pulls": figure.pulls().reshape(-1, 4), "mean": figure.mean}
 
 
+def two_walls(rng):
+    """Two walls anywhere; every third pair is perpendicular, or on one line."""
+    ends = rng.uniform(-2, 2, (2, 2, 2))
+    if rng.integers(3) == 0:
+        (x, y), (a, b) = np.round(ends[0], 1)
+        ends = [[(x, y), (a, b)], [(x, y), (x - (b - y), y + a - x)]]
+    elif rng.integers(3) == 0:
+        ends[1] = ends[0, 0] + np.array([[1.5], [2]]) * np.diff(ends[0], axis=0)
+    figure = course.DragWalls(*ends)
+    return figure, {**figure.terms(), "distance": figure.distance}
+
+
 #: Each figure to drag: one of its states drawn at random, and what Python measures there.
-FIGURES = {"scan_on_scan": scans_of_the_room}
+FIGURES = {"scan_on_scan": scans_of_the_room, "two_walls": two_walls}
 
 
 def measured_by_modules(name, states, folder):
