@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 from scipy.special import softmax
+from segmap_course import literal
 from segmap_course.literal.reduction import least_cost
 
 from segmap import segments
@@ -149,8 +150,14 @@ def cost_of_one_face(members, line):
     return least_cost.cost_of(members.tolist(), line.tolist(), limits)
 
 
-def quality_as_a_geometric_mean(distances):
-    return np.exp(-distances / 0.05).max(axis=1).prod() ** (1 / len(distances))
+def quality_of_both_maps(before, after):
+    """As a loop over walls, with the distance of `literal`."""
+    worst = 0.0
+    for walls, others in ((before, after), (after, before)):
+        metres = [np.hypot(*(b - a)) for a, b in walls]
+        errors = [min(literal.segment_distance(s, t) for t in others) for s in walls]
+        worst = max(worst, np.dot(metres, errors) / sum(metres))
+    return np.exp(-worst / 0.050)
 
 
 def reduction_by_mask(points, quality):
@@ -311,7 +318,7 @@ RIGHT = {
     "carried_beam": beam_about_a_centre,
     "carried": lambda before, after, pose: compose(compose(after, inverse(before)), pose),
     "reduction_rate": lambda a, b: 1 - len(b) / len(a) if len(a) else 0,
-    "quality": quality_as_a_geometric_mean,
+    "quality": quality_of_both_maps,
     "reduction_at": reduction_by_mask,
     "growth_power": power_by_deviations,
     "best_run": row_by_masked_argmax,

@@ -95,12 +95,10 @@ from .exercises.mechanisms import (
 from .exercises.open import Challenge, Decision, OwnLog, Prediction
 from .exercises.open.alignment import (
     break_icp,
-    break_loss,
     break_quality,
     break_sum,
     predict_scan_time,
     predict_sparse_icp,
-    predict_turned_quality,
 )
 from .exercises.open.decision import decide_map, decide_plan
 from .exercises.open.judgement import (
@@ -166,7 +164,7 @@ __all__ = [
     "THESIS_GRIDS", "Answers", "Challenge", "Check", "Decision", "Exercise", "Explored", "Known",
     "Landscape", "Measured", "OwnLog", "Prediction", "Representation", "Taped", "Trial", "Unknown",
     "View", "Weighed", "alignment_table", "break_basic_order", "break_cells", "break_fusion",
-    "break_icp", "break_line", "break_loss", "break_matching", "break_quality", "break_reader",
+    "break_icp", "break_line", "break_matching", "break_quality", "break_reader",
     "break_sum", "break_viewing_sector", "check_axial_mean", "check_beam_angles", "check_best_run",
     "check_best_shift", "check_building_axis", "check_carried", "check_carried_beam",
     "check_cast_ray", "check_cell_of", "check_climb_step", "check_compose",
@@ -189,7 +187,7 @@ __all__ = [
     "precision_and_recall", "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves",
     "predict_crowd", "predict_drift", "predict_fusion_left", "predict_fusion_twice",
     "predict_pieces", "predict_scan_time", "predict_sparse_icp",
-    "predict_survivors", "predict_turned_quality", "predict_wrong_turn", "profile_peaks",
+    "predict_survivors", "predict_wrong_turn", "profile_peaks",
     "represent", "room_walk", "room_walls", "sample_points", "taped_on_plan", "ten_maps",
     "thesis_grid", "thesis_results", "three_plans", "trial_table", "try_pair", "unknown_building",
     "visible_walls", "wall_errors", "within_thesis",

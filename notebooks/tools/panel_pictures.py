@@ -46,7 +46,6 @@ STATES: dict[str, list[str]] = {
     "10-1": ["similar=*"],
     "11a-1": ["scan=*"],
     "11b-1": ["scan=*"],
-    "12-1": ["offset=*"],
     "13a-1": ["map=*"],
     "13b-1": ["distance=*"],
     "14-1": ["distance=*"],

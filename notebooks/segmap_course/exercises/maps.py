@@ -8,8 +8,8 @@ import numpy as np
 
 from segmap.arrays import Array
 from segmap.experiments import front, reduction_at
-from segmap.metrics import reduction_rate
-from segmap.segments import point_distance
+from segmap.metrics import reduction_rate, segment_distance
+from segmap.segments import length, point_distance
 
 from ..literal.metrics import covered
 from ._answers import Cases, near
@@ -54,53 +54,71 @@ check_reduction_rate = Exercise(
 )
 
 
-def _distances(rng: Rng) -> Cases:
-    n = int(rng.integers(2, 5))
+def _walls(rng: Rng) -> Cases:
+    """Maps before and after: parallel walls some centimetres apart, of very different lengths."""
+
+    def rows(count: int, first: float = 0.0) -> Array:
+        y = first + 0.12 * np.arange(count) + rng.uniform(0, 0.04, count)
+        lengths = np.append(rng.uniform(0.3, 0.8, count - 1), rng.uniform(4, 6))
+        return np.stack([np.stack([0 * y, y], 1), np.stack([lengths, y], 1)], axis=1)
+
+    walls, more = rows(4), rows(3, 0.6)
+    moved = walls + rng.uniform(0.02, 0.08, (4, 1, 2))
     return {
-        "more segments after": (rng.uniform(0.005, 0.08, (n, n + 2)),),
-        "fewer segments after": (rng.uniform(0.005, 0.08, (n + 2, n)),),
-        "a perfect map": (rng.uniform(0.1, 1, (n, n)) * (1 - np.eye(n))[rng.permutation(n)],),
-        "one segment for several": (rng.uniform(0.005, 0.08, (n + 1, 1)),),
+        "the longest of four walls is lost": (walls, moved[:3]),
+        "the shortest walls are lost": (walls, moved[2:]),
+        "walls are invented": (walls, np.concatenate([moved, more])),
+        "nothing has changed": (walls, walls),
     }
 
 
-def _quality(distances: Array) -> float:
-    return float(np.exp(-distances.min(axis=1).mean() / 0.050))
+def _quality(before: Array, after: Array, *, by_metres: bool = True) -> tuple[float, float]:
+    """Quality of `after` for `before`, and the other way round."""
+
+    def one_way(walls: Array, others: Array) -> float:
+        errors = segment_distance(walls[:, None], others[None]).min(axis=1)
+        weights = length(walls) if by_metres else None
+        return float(np.exp(-np.average(errors, weights=weights) / 0.050))
+
+    return one_way(before, after), one_way(after, before)
+
+
+def _summed(before: Array, after: Array) -> float:
+    errors = segment_distance(before[:, None], after[None])
+    back = (length(after) * errors.min(axis=0)).sum()
+    return float(np.exp(-max((length(before) * errors.min(axis=1)).sum(), back) / 0.050))
 
 
 check_quality = Exercise(
-    "quality(distances) -> float: exp(-mean error / 0.050 m), from distances (n, m) in metres "
-    "between n segments before and m after",
-    _quality,
-    _distances,
+    "quality(before, after) -> float: the smaller of the qualities of `after` for `before` and of "
+    "`before` for `after`, maps (n, 2, 2) and (m, 2, 2) in metres; in each mean error a wall "
+    "counts by its length, and the scale is 0.050 m",
+    lambda before, after: min(_quality(before, after)),
+    _walls,
     {
-        "every segment of the map *before* looks for its nearest: the minimum runs along a row": (
-            edited(_quality, ("axis=1", "axis=0"))
+        "this is the quality of the chapter: let a wall count by its length, and ask both maps": (
+            lambda before, after: _quality(before, after, by_metres=False)[0]
         ),
-        "only the nearest segment after counts, not the mean distance from all": (
-            edited(_quality, (".min(axis=1)", ""))
+        "a wall that is invented still costs nothing: let the walls after look for theirs before, "
+        "too": lambda before, after: _quality(before, after)[0],
+        "a wall that is lost costs nothing now: let the walls before look for theirs after, too": (
+            lambda before, after: _quality(before, after)[1]
         ),
-        "the mean of the errors counts, not the largest": (edited(_quality, ("mean", "max"))),
-        "the mean of the errors counts, not their sum: else large maps are always bad": (
-            edited(_quality, ("mean", "sum"))
+        "both maps are asked; now let each wall count by its length": (
+            lambda before, after: min(_quality(before, after, by_metres=False))
         ),
-        "quality lies between 0 and 1: no per cent": lambda given: 100 * _quality(given),
-        "distances are metres: the scale is 0.050 m, not 50": edited(_quality, ("0.050", "50.0")),
-        "take the mean of the errors first, then exp: the mean of the exponentials is larger": (
-            edited(_quality, (".mean() / 0.050)", " / 0.050).mean()"))
+        "the smaller of both qualities counts, not the larger": (
+            lambda before, after: max(_quality(before, after))
         ),
-        "the mean of the errors counts, not their median": (
-            edited(_quality, ("distances.min(axis=1).mean()", "np.median(distances.min(axis=1))"))
+        "the smaller of both qualities counts, not their mean": (
+            lambda before, after: sum(_quality(before, after)) / 2
         ),
-        "divide the mean error by 0.050 m before you take exp": edited(_quality, (" / 0.050", "")),
-        "a worse map has a lower quality: exp of minus the error": (
-            edited(_quality, ("-distances", "distances"))
+        "the smaller of both qualities counts, not their product": (
+            lambda before, after: float(np.prod(_quality(before, after)))
         ),
-        "the mean of the errors counts, not the root of the mean of their squares": (
-            edited(
-                _quality,
-                ("distances.min(axis=1).mean()", "np.sqrt(np.mean(distances.min(1) ** 2))"),
-            )
+        "divide by the sum of the lengths: else large maps are always bad": _summed,
+        "quality lies between 0 and 1: no per cent": (
+            lambda before, after: 100 * min(_quality(before, after))
         ),
     },
 )

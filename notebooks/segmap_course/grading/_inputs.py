@@ -8,9 +8,6 @@ INPUTS = {
     # A wall of 6 m outside of the room.
     "break_quality": "[[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(4, 3), (0, 3)], [(0, 3), (0, 0)], "
     "[(10, 10), (16, 10)]]",
-    # A piece of each wall, in its middle.
-    "break_loss": "[[(1.9, 0), (2.1, 0)], [(4, 1.4), (4, 1.6)], [(1.9, 3), (2.1, 3)], "
-    "[(0, 1.4), (0, 1.6)]]",
     # Two walls without an end in sight.
     "break_matching": "[[(-15, -1), (15, -1)], [(-15, 1), (15, 1)]]",
     # Bars of 1 cm with gaps of 4 cm before a wall, and two places.

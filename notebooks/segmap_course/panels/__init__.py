@@ -22,11 +22,11 @@ from ._reduction import (
     SectorPanel,
     WallsPanel,
 )
-from ._scans import ClusterPanel, DistancePanel, MovingPanel, PolylinePanel, RoomPanel
+from ._scans import ClusterPanel, MovingPanel, PolylinePanel, RoomPanel
 from ._tape import TapePanel
 
 __all__ = [
-    "AnglePanel", "BackbonePanel", "BasicPanel", "ClassesPanel", "ClusterPanel", "DistancePanel",
+    "AnglePanel", "BackbonePanel", "BasicPanel", "ClassesPanel", "ClusterPanel",
     "EarlyMethodsPanel", "FinderPanel", "FusionPanel", "GlobalPanel", "GroundTruthPanel",
     "HybridPanel", "IcpPanel", "KalmanPanel", "LandscapePanel", "LeastCostPanel", "LineErrorPanel",
     "MatcherPanel", "MeanShiftPanel", "MovingPanel", "OnlinePanel", "ParticlePanel", "PlacePanel",

@@ -1,4 +1,4 @@
-"""Panels of the chapters on simulated scans, on extraction and on the distance of segments."""
+"""Panels of the chapters on simulated scans and on extraction."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from segmap.arrays import Array, Segments, segments
 from segmap.extraction import extract_clusters, extract_polylines
-from segmap.metrics import distance_terms, segment_distance
 from segmap.plotting import ERROR, MAP, RAW, RESULT, draw_scan, draw_segments
 from segmap.poses import compose, transform
 from segmap.poses.motions import arc
@@ -165,32 +164,3 @@ class PolylinePanel(ExtractionPanel):
     tolerance = keyword(0.005, 0.50, 0.005)
     rows = ("tolerance", "count covered")
     words = "tolerance {tolerance:.3f} m: {count}"
-
-
-class DistancePanel(LessonPanel):
-    """A wall of 2 m and a second segment to turn, shift and shorten: what each term measures."""
-
-    #: The wall and the second segment.
-    segments: Array
-    angle = slide(0, -90, 90, 1, "degrees", label="turn")
-    offset = slide(0.0, -1.0, 1.0, 0.01, label="shift")
-    along = slide(0.0, -2.0, 2.0, 0.05, label="push along")
-    length = slide(2.0, 0.1, 2.0, 0.1)
-    turned = shifted = apart = distance = note()
-    rows = ("angle", "offset", "along", "length", "turned shifted", "apart distance")
-    words = "turned by {angle} degrees, shifted by {offset:.2f} m: {distance}"
-
-    def __init__(self) -> None:
-        self._begin()
-
-    def _draw(self, figure: Figure) -> None:
-        pose = (self.along.value, self.offset.value, self.angle.meant())
-        wall, half = np.array([(-1.0, 0.0), (1.0, 0.0)]), self.length.value / 2
-        self.segments = np.stack([wall, transform(pose, [(-half, 0.0), (half, 0.0)])])
-        terms = zip(("turned", "shifted", "apart"), distance_terms(*self.segments), strict=True)
-        for name, term in terms:
-            getattr(self, name).value = f"{name} {term:.3f} m"
-        self.distance.value = f"distance {segment_distance(*self.segments):.4f} m"
-        ax = draw_segments(self.segments[:1], ax=figure.subplots(), color=MAP, width=2)
-        draw_segments(self.segments[1:], ax=ax, color=RESULT, width=2)
-        ax.set(xlim=(-3.1, 3.1), ylim=(-2.1, 2.1))

@@ -376,16 +376,20 @@ def test_a_chapter_has_its_form(path):
 
 #: Number of a chapter -> a function of its cells, the exercise that it cannot do, and a word of the
 #: hint that whoever pastes it reads.
-PASTED = {"07": ("best_move", "move_onto_walls", "corridor")}
+PASTED = {
+    "07": ("best_move", "move_onto_walls", "corridor"),
+    "12": ("quality", "quality", "quality of the chapter"),
+}
 
 
 @pytest.mark.parametrize("number", PASTED)
 def test_the_chapter_s_own_cell_fails_with_its_hint(number):
     """Catches an exercise whose answer stands in the chapter."""
     (path,) = (path for path in CHAPTERS if path.name.startswith(number))
-    names, (step, exercise, word) = {"np": np}, PASTED[number]
-    for _, cell in parsed(json.loads(path.read_text(encoding="utf-8"))):
-        written = [n for n in cell.body if isinstance(n, ast.FunctionDef)]
+    names, (step, exercise, word) = {}, PASTED[number]
+    for k, (_, cell) in enumerate(parsed(json.loads(path.read_text(encoding="utf-8")))):
+        kinds = (ast.Import, ast.ImportFrom, ast.Assign) if k == 0 else ast.FunctionDef
+        written = [n for n in cell.body if isinstance(n, kinds)]
         exec(compile(ast.Module(written, []), path.name, "exec"), names)
     check = getattr(course, f"check_{exercise}")(names[step])
     assert not check.passed and word in repr(check)

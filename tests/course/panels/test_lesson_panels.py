@@ -80,7 +80,6 @@ PANELS = {
     "EarlyMethodsPanel": ((BENT,), "tolerance", 0.4),
     "ClassesPanel": ((build_map(LOG, LOG.truth),), "occupied", 0.9),
     "ClusterPanel": ((LOG[0],), "gap", 0.05),
-    "DistancePanel": ((), "angle", 30),
     "FinderPanel": ((), "view", 3),
     "FusionPanel": ((WALLS,), "tolerance", 0.12),
     "GlobalPanel": ((LOOP[:12],), "similar", 0.05),
@@ -121,7 +120,7 @@ def test_all_lesson_panels_are_here():
 
 
 #: One of each kind; chapters drive every panel.
-QUICK = ("BasicPanel", "ClusterPanel", "DistancePanel", "FusionPanel", "RayPanel", "IcpPanel")
+QUICK = ("BasicPanel", "ClusterPanel", "FusionPanel", "RayPanel", "IcpPanel")
 
 
 @pytest.mark.parametrize("name", [name if name in QUICK else slow(name) for name in PANELS])
@@ -303,15 +302,6 @@ def test_mean_shift_panel_draws_each_way_from_its_piece_to_its_centre(figures):
     assert np.array_equal([way[0] for way in ways.get_segments()], begin.get_offsets())
     assert np.array_equal([way[1] for way in ways.get_segments()], end.get_offsets())
     assert len(np.unique(end.get_facecolors(), axis=0)) == len(panel.directions.theta)
-
-
-@unpainted
-def test_distance_panel_turned_wall():
-    """Catches degrees taken for radians: 2 m turned by 90 degrees about the common middle."""
-    panel = course.DistancePanel()
-    panel.angle.value = 90
-    assert panel.segments[1].round(9).tolist() == [[0.0, -1.0], [0.0, 1.0]]
-    assert panel.apart.value == "apart 1.000 m" and panel.turned.value == "turned 2.000 m"
 
 
 def test_matcher_panel_shows_the_landscape_of_the_heading_that_the_scan_has(figures):

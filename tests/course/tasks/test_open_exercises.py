@@ -24,8 +24,6 @@ FENCE = [[(x, 1), (x + 0.01, 1)] for x in np.arange(-2, 2, 0.05)]
 CHARACTERS = np.full(63, 0x40)
 FLIPPED = CHARACTERS + np.where(np.arange(63) == 0, 1, 0)  # one bit, then the same bit back:
 CANCELLED = np.where(np.arange(63) == 1, 0x41, 0x40), np.where(np.arange(63) == 0, 0x41, 0x40)
-#: A piece of each wall, in its middle.
-PIECES = rectangular_room().mean(axis=1, keepdims=True) * 0.95 + rectangular_room() * 0.05
 
 #: Exercise -> an answer that passes, and answers that fail, with words of the reason.
 ANSWERS = {
@@ -183,17 +181,6 @@ ANSWERS = {
             ((-1, 0, 0), "it is not sure: it may be 1.00 m off"),
             ((0, 1, 0), "it says so: "),
             ((0, 0), "got (2,)"),
-        ],
-    ),
-    "predict_turned_quality": (0.5, [(0.9, "near enough is within 0.1")]),
-    "break_loss": (
-        PIECES,
-        [
-            (rectangular_room(), "only 0% of the metres are lost"),
-            (PIECES[:2], "the quality sees it: 0."),
-            (PIECES * 100, "stay within 20 m"),
-            (PIECES * 0.01, "segments of 0.05 m and more"),
-            (PIECES[0], "give 1 to 50 segments"),
         ],
     ),
     "predict_scan_time": (190, [(148, "it is 185.2 ms")]),

@@ -7,12 +7,11 @@ import numpy as np
 from segmap.alignment import match_points, point_icp, position_errors
 from segmap.arrays import Array
 from segmap.metrics import quality
-from segmap.poses import between, transform
+from segmap.poses import between
 from segmap.readers import load
-from segmap.segments import length
 from segmap.sensors import checksum, decode
 
-from ._open import ROOM, Challenge, Prediction, admit, malaga, metres_away
+from ._open import ROOM, Challenge, Prediction, admit, metres_away
 
 
 # ---------------------------------------------------------------------------- ICP
@@ -66,21 +65,6 @@ break_icp = Challenge(
 
 
 # ---------------------------------------------------------------------------- quality
-def _turned_quality() -> float:
-    before = malaga()
-    return float(quality(before, transform((0, 0, np.radians(1)), before)))
-
-
-predict_turned_quality = Prediction(
-    "predict_turned_quality(guess): the map of Malaga by its true poses, and the same map turned "
-    "by 1 degree about the origin: what is the quality of the second against the first; within 0.1",
-    _turned_quality,
-    "parts of 1",
-    within=0.1,
-    because="No wall is lost and no angle in the map is wrong: the quality depends on the frame",
-)
-
-
 def _quality_fooled(after: Array) -> str:
     admit(after, "segments", 1, 50, of="the room's corner")
     found, metres = quality(ROOM, after), metres_away(after, ROOM, 0.5)
@@ -96,26 +80,6 @@ break_quality = Challenge(
     _quality_fooled,
     praise="The quality asks where the walls of the map before went, not where those after it come "
     "from: what is invented costs nothing",
-)
-
-
-def _loss_unseen(after: Array) -> str:
-    admit(after, "segments", 1, 50, of="the room's corner")
-    if length(after).min() < 0.05:
-        raise ValueError("give segments of 0.05 m and more")
-    found, lost = quality(ROOM, after), metres_away(ROOM, after, 0.1) / length(ROOM).sum()
-    if found < 0.95:
-        return f"the quality sees it: {found:.3f}, 0.95 is wanted"
-    return "" if lost >= 0.8 else f"only {lost:.0%} of the metres are lost, 80 % are wanted"
-
-
-break_loss = Challenge(
-    "break_loss(after): a map `after`, (n, 2, 2) in metres, of up to 50 segments of 0.05 m and "
-    "more, that has a quality of at least 0.95 against the walls of "
-    "`simulation.rectangular_room()`, though 80 % of the metres of these walls have nothing of "
-    "`after` within 0.1 m",
-    _loss_unseen,
-    praise="A wall and any piece of it have the distance 0, so a short piece stands for all of it",
 )
 
 
