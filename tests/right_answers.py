@@ -183,12 +183,15 @@ def verdict_by_parts(wall, point, sensor, distance):
     return 0 if abs(behind) <= distance + 1e-12 else -np.sign(behind)
 
 
-def shift_by_table(offsets, lengths, tolerance):
-    low, high = offsets.min(1) + tolerance, offsets.max(1) - tolerance
-    shifts = np.concatenate([[0.0], low, high])
-    shifts = shifts[np.abs(shifts) <= tolerance]
-    totals = ((high <= shifts[:, None]) & (shifts[:, None] <= low)) @ lengths
-    return shifts[np.lexsort([np.abs(shifts), -totals])[0]]
+def chain_by_a_sweep(u, inside, first):
+    chains, reach = [[]], -np.inf
+    for i in sorted(inside, key=lambda i: u[i][0]):
+        if u[i][0] < u[i][1]:
+            if u[i][0] > reach:
+                chains.append([])
+            chains[-1].append(i)
+            reach = max(reach, u[i][1])
+    return np.sort(next(rows for rows in chains if first in rows))
 
 
 def hough_of_the_nearest_name(segment, near):
@@ -328,7 +331,7 @@ RIGHT = {
     "matches": matches_with_helpers,
     "merged": merged_with_helpers,
     "mean_shift_step": step_in_a_loop,
-    "best_shift": shift_by_table,
+    "chain": chain_by_a_sweep,
     "cell_of": lambda x, c, r: np.floor((x - c) / r),
     "occupancy": lambda vis, occ, b: occ / vis if occ else np.interp(vis, [0, b], [0.5, 0.0]),
     "ray_cells": cells_by_formula,

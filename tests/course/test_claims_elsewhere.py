@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import segmap_course as course
 from chapter_rules import CHAPTERS
-from segmap_course import clinic_walls
+from segmap_course import clinic_walls, measure_clinic
 from segmap_course.literal.reduction import least_cost as literal_least_cost
 from segmap_course.literal.reduction.least_cost_merges import merge_all
 
@@ -112,3 +112,61 @@ def test_two_faces_stay_where_the_exercise_of_least_cost_is_solved():
     few, cost = looks[near.all(axis=1)], course.check_cost_of_faces.solution
     assert len(few) == 6 and len(merge_all(few, 1.0)) == 1
     assert len(merge_all(few, 1.0, cost)) == len(merge_all(few, 100.0, cost)) == 2
+
+
+#: Standard deviation of a range, metres, and the share of the range that it grows by.
+NOISE = [(0.005, 0), (0.01, 0), (0.02, 0), (0.03, 0), (0.005, 0.006)]
+
+
+def drive_past_a_wall(building, noise, seed):
+    """A log on cheap wheels in a building, and the middle of a wall of 10 cm in it, x and y."""
+    if building == "clinic":
+        walls, path, middle = clinic_walls(), segmap.load("clinic").truth, (5.45, 2.4)
+    else:
+        walls = simulation.office(rng=np.random.default_rng(building))
+        path, middle = simulation.drive(STOPS, step=0.4), (8.0, 6.8)
+    sensor = replace(simulation.URG_04LX, sigma=noise[0], range_share=noise[1])
+    wheels, rng = simulation.CHEAP_WHEELS, np.random.default_rng(seed)
+    return simulation.simulate(walls, path, sensor=sensor, odometry_noise=wheels, rng=rng), middle
+
+
+def thickness(segments, middle, away=0.9):
+    """Of the wall between two rooms, from nine beams to each face, metres."""
+    x, ahead = middle[0] - away, 2 * away
+    reach = [
+        sum(
+            simulation.cast_rays(segments, pose, [0.0])[0]
+            for pose in ((x, y, 0.0), (x + ahead, y, np.pi))
+        )
+        for y in middle[1] + np.linspace(-0.2, 0.2, 9)
+    ]
+    return ahead - np.median(reach)
+
+
+@pytest.mark.parametrize("building", ["clinic", 0, 1])
+@pytest.mark.parametrize("noise", NOISE, ids=str)
+def test_a_tolerance_of_40_mm_keeps_a_wall_of_10_cm_and_70_mm_does_not(noise, building):
+    """Chapter 17: over true poses; catches a strip as wide as one tolerance, or as four."""
+    for seed in range(5):
+        log, middle = drive_past_a_wall(building, noise, seed)
+        before = segmap.build_map(log, log.truth)
+        narrow, wide = (segmap.fusion(before, tolerance=t).segments for t in (0.04, 0.07))
+        assert 0.09 < thickness(narrow, middle) < 0.13 and thickness(wide, middle) < 0.01
+
+
+def test_with_poses_of_the_graph_the_clinic_loses_its_wall_at_the_same_tolerance():
+    """Chapter 17 says so of the bundled log."""
+    log = segmap.load("clinic")
+    poses = pose_graph(log).poses
+    before = segmap.build_map(log, poses)
+    for tolerance, lost in ((0.05, False), (0.06, True)):
+        wall = measure_clinic(segmap.fusion(before, tolerance=tolerance), poses).wall.metres
+        assert (wall < 0.01) is lost and (lost or wall > 0.09)
+
+
+def test_poses_that_err_can_bring_the_faces_of_a_wall_nearer_and_40_mm_loses_it():
+    """Chapter 17: one such drive in an office; the poses are those of its own graph."""
+    log, middle = drive_past_a_wall(0, (0.005, 0.006), 0)
+    before = segmap.build_map(log, pose_graph(log).poses)
+    assert 0.05 < thickness(before.segments, middle) < 0.08
+    assert thickness(segmap.fusion(before, tolerance=0.04).segments, middle) < 0.01

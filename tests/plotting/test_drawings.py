@@ -107,6 +107,10 @@ DRAWINGS = {
         lambda ax: course.draw_leaves(LEAVES, ax=ax, marked=[(0, 0, 1)], points=[(1, 1)]),
         {"#d9d9d9", RESULT, ERROR},
     ),
+    "live": (
+        lambda ax: course.draw_live({"a": hybrid(SEEN), "b": hybrid(SEEN)}, ax=ax),
+        set(GROUPS[:2]),
+    ),
     "log": (lambda ax: plotting.draw_log(LOG, ax=ax), {RAW, TRUTH}),
     "marked": (lambda ax: course.draw_marked(WALLS, [True, False, True], ax=ax), {RAW, ERROR}),
     "merge": (lambda ax: course.draw_merge(WALLS[:2], WALLS[2], ax=ax), {RAW, MAP, RESULT}),
@@ -149,6 +153,10 @@ DRAWINGS = {
         {RAW, RESULT},
     ),
     "strip": (lambda ax: course.draw_strip(WALLS[[0, 2]], 0.0, 0.01, ax=ax), {RAW, MAP, ERROR}),
+    "sweep": (
+        lambda ax: course.draw_sweep([-0.1, 0.1], [1, 2], 0.1, ax=ax),
+        {RESULT, ERROR},
+    ),
     "threshold": (
         lambda ax: course.draw_threshold(USC, USC, method="fusion", ax=ax),
         {RAW, RESULT},

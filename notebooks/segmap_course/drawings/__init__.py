@@ -43,6 +43,8 @@ from ._reductions import (
     draw_clusters,
     draw_costs,
     draw_growth,
+    draw_live,
+    draw_sweep,
     draw_trade_off,
 )
 from ._segments import (
@@ -61,10 +63,10 @@ __all__ = [
     "draw_cells_of_a_wall", "draw_centres", "draw_classes", "draw_climb", "draw_closer",
     "draw_clusters", "draw_costs", "draw_distance_curves", "draw_distance_terms",
     "draw_equal_squares", "draw_field", "draw_frames", "draw_frontiers", "draw_growth",
-    "draw_icp_step", "draw_labels", "draw_landscape", "draw_leaf_row", "draw_leaves",
+    "draw_icp_step", "draw_labels", "draw_landscape", "draw_leaf_row", "draw_leaves", "draw_live",
     "draw_marked", "draw_merge", "draw_missed", "draw_normals", "draw_odometry_comparison",
     "draw_plan", "draw_profile", "draw_ray", "draw_scan_poses", "draw_scans", "draw_shifts",
-    "draw_sizes_of_halls", "draw_strip", "draw_threshold", "draw_trade_off", "draw_trials",
-    "draw_uncertainty", "draw_wall_normals", "draw_weights", "icp_frames", "label_axes",
-    "mark_places", "set_ticks", "wardrobe", "write_names",
+    "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_threshold", "draw_trade_off",
+    "draw_trials", "draw_uncertainty", "draw_wall_normals", "draw_weights", "icp_frames",
+    "label_axes", "mark_places", "set_ticks", "wardrobe", "write_names",
 ]  # fmt: skip

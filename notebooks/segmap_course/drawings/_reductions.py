@@ -147,6 +147,39 @@ def draw_clusters(looks: Segments, clusters: Mapping[float, Sequence[Any]]) -> l
     return axes
 
 
+def draw_sweep(
+    shifts: ArrayLike, totals: ArrayLike, best: float, *, ax: Axes | None = None
+) -> Axes:
+    """Draw the length of the chain in a strip of Fusion over its shift; orange marks the best one.
+
+    All are in metres; the axis of the shifts is in millimetres.
+    """
+    ax = axes_or_new(ax, (6.0, 3.5))
+    ax.plot(1000 * np.asarray(shifts, float), totals, color=RESULT)
+    ax.axvline(1000 * best, color=ERROR)
+    title = f"The length changes in steps; the best shift is {1000 * best:.0f} mm"
+    ax.set(title=title, xlabel="shift of the strip [mm]", ylabel="length of the chain [m]")
+    return ax
+
+
+def draw_live(reductions: Mapping[str, Reduction], *, ax: Axes | None = None) -> Axes:
+    """Draw how many segments the map of each on-line reduction holds after each scan.
+
+    Raises
+    ------
+    ValueError
+        Where a reduction is off-line.
+    """
+    ax = axes_or_new(ax, (6.4, 3.6))
+    for k, (name, reduction) in enumerate(reductions.items()):
+        if reduction.scan_live is None:
+            raise ValueError(f"{name!r} must be an on-line reduction, got {reduction}")
+        ax.plot(reduction.scan_live, label=name, color=GROUPS[k], linestyle=("-", "--", ":")[k % 3])
+    ax.set(title="The map while the robot drives", xlabel="scan", ylabel="segments in the map")
+    ax.legend()
+    return ax
+
+
 def draw_trade_off(
     values: ArrayLike, reduction: ArrayLike, quality: ArrayLike, *, ax: Axes | None = None
 ) -> Axes:

@@ -166,16 +166,33 @@ def draw_missed(
     return ax
 
 
-def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | None = None) -> Axes:
+def draw_strip(
+    walls: Segments,
+    shift: float,
+    tolerance: float,
+    *,
+    chain: ArrayLike | None = None,
+    ax: Axes | None = None,
+) -> Axes:
     """Draw walls along x and a strip of Fusion: what is in it is black, the rest orange (A 4.4.1).
 
-    The middle of the grey strip is the line y = `shift`; the tolerance is half its width.
+    The middle of the grey strip is the line y = `shift`; the tolerance is half its width. Where the
+    rows of a chain are given, these are black, and blue is the segment that takes their place.
     """
     ax, array = axes_or_new(ax, (6.0, 3.5)), arrays.segments(walls)
-    ax.axhspan(shift - tolerance, shift + tolerance, color=RAW, alpha=0.4)
+    ax.axhspan(shift - tolerance, shift + tolerance, color=RAW, alpha=0.4, linewidth=0)
     outside = (abs(array[..., 1] - shift) > tolerance + 1e-9).any(axis=1)
-    draw_marked(array, outside, ax=ax, color=MAP)
-    ax.set_aspect("auto")
+    if chain is not None:
+        outside = ~np.isin(np.arange(len(array)), chain)
+        ends = array[~outside, :, 0]
+        wall = [(ends.min(), shift), (ends.max(), shift)]
+        draw_segments([wall], ax=ax, color=RESULT, width=6.0)
+        count = f"{np.sum(~outside)} of {len(array)} segments in the chain"
+        ax.set_title(f"Shift {1000 * shift:.0f} mm: {count}")
+    draw_segments(array[~outside], ax=ax, color=MAP, width=1.5)
+    draw_segments(array[outside], ax=ax, color=ERROR, width=1.5)
+    ax.set(aspect="auto", xlabel="along [m]", ylabel="across [m]")
+    ax.margins(y=0.15)
     return ax
 
 

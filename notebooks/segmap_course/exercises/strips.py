@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from segmap import arrays
 from segmap.angles import axial_difference
-from segmap.arrays import Array
+from segmap.arrays import Array, Segments
 
-from ..literal import best_strip
+from ..literal import chain
 from ..literal.reduction.mean_shift import mean_difference
 from ._answers import Cases, same_poses
-from ._exercise import Exercise, Rng, changed, edited
+from ._exercise import Exercise, Rng, edited
 
 
 # ------------------------------------------------------------------------- mean shift
@@ -107,83 +110,104 @@ check_mean_shift_step = Exercise(
 )
 
 # ----------------------------------------------------------------------------- Fusion
-#: The rounding, metres, that the border of a strip forgives.
-_BORDER = 1e-9
+#: Which way a segment is measured: the robot stood on its left.
+_SEEN, _FROM_BEHIND = 1, -1
 
 
-def _strips(rng: Rng) -> Cases:
-    """A segment of 3 m on the line, and others that a shift takes in or none does, in 64ths."""
-    e = int(rng.integers(3, 7))
-    up, down, long = e + 1, -e - 1, 1.5 + 0.25 * int(rng.integers(0, 4))
+def _faces(rng: Rng) -> Cases:
+    """Segments along the line of the first, some of them seen from the other side of the wall."""
+
+    def case(*spans: tuple[float, float, int], outside: tuple[int, ...] = ()) -> tuple[Any, ...]:
+        """Low, high and way of each span, the first one first, in an order that is drawn."""
+        at, size = rng.uniform(-5, 5), rng.uniform(0.8, 1.2)
+        order = rng.permutation(len(spans))
+        rows = [spans[k] for k in order]
+        u = [[at + size * x for x in (low, high)[::way]] for low, high, way in rows]
+        inside = [i for i, k in enumerate(order) if k not in outside]
+        return u, inside, int(np.argmin(order))
+
+    more = rng.uniform(0.1, 0.4)
     return {
-        words: (np.array([(0, 0), *offsets]) / 64, np.array([3, *lengths], float), e / 64)
-        for words, offsets, lengths in (
-            ("a long segment above, a short one below", [(up, up + 1), (down, 0)], [long, 1]),
-            (
-                "a long segment above, three short ones below",
-                *([(up, up), *[(down, down)] * 3], [long, 0.25, 0.25, 0.25]),
-            ),
-            ("as much above as below", [(up, up), (down - 1, down - 1)], [long, long]),
-            ("as much below as above", [(up + 1, up + 1), (down, down)], [long, long]),
-            ("a segment below", [(down - 1, down)], [long]),
-            ("a longer wall far away", [(20, 20), (20, 21)], [2.75, long]),
-            ("a longer wall far below", [(-20, -20), (-21, -20)], [2.75, long]),
-            ("a wall that takes the whole tolerance", [(e, 2 * e)], [long]),
-            ("nothing to gain", [(e - 2, e - 1)], [1]),
-            ("a slanted segment, one of its ends near", [(up, up + 2 * e + 2)], [long]),
-        )
+        "a chain of three, and one beyond a gap": case(
+            (0, 3, _SEEN), (2, 4 + more, _SEEN), (4, 5, _SEEN), (6, 7, _SEEN)
+        ),
+        "the other face of the wall": case(
+            (0, 3, _SEEN), (0.5, 2 + more, _FROM_BEHIND), (1, 2, _SEEN)
+        ),
+        "the other face bridges a gap": case(
+            (0, 3, _SEEN), (2, 5, _FROM_BEHIND), (4 + more, 6, _SEEN), (7, 8, _FROM_BEHIND)
+        ),
+        "one of them is not in the strip": case(
+            (0, 3, _SEEN), (1 + more, 4, _SEEN), (3.5, 5, _SEEN), outside=(1,)
+        ),
+        "nothing but the first": case((0, 3, _SEEN), (3 + more, 4, _FROM_BEHIND)),
+        "small ones amid the first": case(
+            (0, 3, _SEEN), (1, 1 + more, _SEEN), (2, 2.5, _SEEN), (4, 5, _SEEN), (4.5, 6, _SEEN)
+        ),
     }
 
 
-def _best_shift(offsets: Array, lengths: Array, tolerance: float) -> float:
-    """The sweep of `literal.fusion` over segments that all overlap, the longest first."""
-    spans = [(0.0, 1.0)] * len(offsets)
-    return best_strip(spans, np.sort(offsets).tolist(), lengths.tolist(), 0, tolerance)[0]
+def robot_on_the_left(segments: Segments, places: ArrayLike) -> Array:
+    """Segments `(n, 2, 2)`, their ends in such an order that their places lie on their left.
+
+    Places `(n, 2)` are where the sensor stood when each was seen, metres. So both faces of a wall
+    run in opposite ways.
+
+    Examples
+    --------
+    >>> robot_on_the_left([[(0, 0), (1, 0)], [(0, 0), (1, 0)]], [(0, 2), (0, -2)]).tolist()
+    [[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [0.0, 0.0]]]
+    """
+    ends = arrays.segments(segments)
+    (x, y), (u, v) = (ends[:, 1] - ends[:, 0]).T, (np.asarray(places, float) - ends[:, 0]).T
+    return np.where((x * v > y * u)[:, None, None], ends, ends[:, ::-1])
 
 
-def _shift_in_arrays(offsets: Array, lengths: Array, tolerance: float) -> float:
-    """The same in arrays, of which the mistakes change a part."""
-    shifts = np.append(0.0, offsets.max(axis=1) - tolerance)
-    shifts = np.append(shifts, offsets.min(axis=1) + tolerance)
-    shifts = shifts[np.abs(shifts) <= tolerance + _BORDER]
-    away = np.abs(offsets - shifts[:, None, None]).max(axis=2)
-    totals = ((away <= tolerance + _BORDER) * lengths).sum(axis=1)
-    best = shifts[totals >= totals.max() - _BORDER]
-    return float(best[np.argmin(np.abs(best))])
+def _chain_of_a_face(u: Sequence[Sequence[float]], inside: Sequence[int], first: int) -> list[int]:
+    """The chain of those that were seen from the side from which the first was."""
+    return chain(u, [i for i in inside if u[i][0] < u[i][1]], first)
 
 
-check_best_shift = Exercise(
-    "best_shift(offsets, lengths, tolerance) -> metres: the shift whose strip holds the greatest "
-    "total of lengths (n,), among 0 and those where a segment enters or leaves",
-    _best_shift,
-    _strips,
+def _overlap(a: Sequence[float], b: Sequence[float]) -> bool:
+    return min(a) <= max(b) and min(b) <= max(a)
+
+
+check_chain = Exercise(
+    "chain(u, inside, first) -> the rows of the chain, ascending: those of `inside` that overlap "
+    "one after another from the first, and were seen from its side; u holds where each segment "
+    "starts and ends along the line, metres, and all seen from the side of the first start before "
+    "they end",
+    _chain_of_a_face,
+    _faces,
     {
-        "length decides, not number: noise makes many short segments": (
-            lambda offsets, lengths, e: _best_shift(offsets, lengths**0, e)
+        "this is the chain of the chapter, which joins both faces of a wall: leave out those that "
+        "end before they start": chain,
+        "the other face must not bridge a gap: leave it out before you look for neighbours, not "
+        "afterwards": (
+            lambda u, inside, first: [i for i in chain(u, inside, first) if u[i][0] < u[i][1]]
         ),
-        "the line may move: try the shifts at which a segment enters or leaves": (
-            lambda offsets, lengths, e: 0.0
+        "this is the other face: the first starts before it ends, and so do those of its side": (
+            lambda u, inside, first: chain(
+                u, [i for i in inside if u[i][0] > u[i][1] or i == first], first
+            )
         ),
-        "a segment below enters as the line moves down: try the lower ends plus tolerance too": (
-            edited(_shift_in_arrays, ("offsets.min(axis=1) + tolerance", "[]"))
+        "one after another: what overlaps a member belongs to the chain, also where it does not "
+        "overlap the first": (
+            lambda u, inside, first: sorted(
+                i for i in inside if u[i][0] < u[i][1] and _overlap(u[i], u[first])
+            )
         ),
-        "this moves the line away from what it wants to include, as row 72 of the thesis does": (
-            changed(_best_shift, np.negative)
+        "a gap ends the chain: not all that are inside belong to it": (
+            lambda u, inside, first: sorted(i for i in inside if u[i][0] < u[i][1])
         ),
-        "the strip must keep the longest segment: shift by no more than the tolerance": (
-            edited(_shift_in_arrays, ("shifts[np.abs(shifts) <= tolerance + _BORDER]", "shifts"))
+        "only those of `inside` lie in the strip": (
+            lambda u, inside, first: _chain_of_a_face(u, range(len(u)), first)
         ),
-        "of equal shifts the one nearest to 0 counts, not the most negative one": (
-            edited(_shift_in_arrays, ("best[np.argmin(np.abs(best))]", "best.min()"))
+        "the first is a member of its chain too": (
+            lambda u, inside, first: [i for i in _chain_of_a_face(u, inside, first) if i != first]
         ),
-        "of equal shifts the one nearest to 0 counts, not the largest one": (
-            edited(_shift_in_arrays, ("best[np.argmin(np.abs(best))]", "best.max()"))
-        ),
-        "the tolerance lies on both sides of the line: it is half the width of the strip": (
-            lambda o, lengths, e: _best_shift(o, lengths, e / 2)
-        ),
-        "both ends of a segment must lie in the strip, not one of them": (
-            edited(_shift_in_arrays, (".max(axis=2)", ".min(axis=2)"))
+        "return the rows of the chain, and not how many they are": (
+            lambda u, inside, first: len(_chain_of_a_face(u, inside, first))
         ),
     },
 )

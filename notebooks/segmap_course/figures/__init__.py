@@ -8,9 +8,10 @@ from ._drag_figure import FIGURE_MIME, DragFigure, module_text
 from ._film import Film, film
 from ._prediction import Comparison, compare_prediction
 from ._scan_on_scan import DragScan
+from ._strip_over_segments import DragStrip
 from ._two_walls import DragWalls
 
 __all__ = [
-    "FIGURE_MIME", "Comparison", "DragFigure", "DragScan", "DragWalls", "Film",
-    "compare_prediction", "film", "module_text",
+    "FIGURE_MIME", "Comparison", "DragFigure", "DragScan", "DragStrip", "DragWalls",
+    "Film", "compare_prediction", "film", "module_text",
 ]  # fmt: skip

@@ -69,27 +69,37 @@ from .quadtrees.quadtree import (
 )
 from .quadtrees.search import every_pose, headings, likelihood, places
 from .reduction.basic import basic_offline, basic_online
-from .reduction.fusion import best_strip, chain, fusion
-from .reduction.hybrid import fusion_online, hough, hybrid, hybrid_fusion
+from .reduction.fusion import (
+    add_scan,
+    best_strip,
+    chain,
+    fuse_longest,
+    fusion,
+    fusion_online,
+    in_strip,
+    online,
+)
+from .reduction.hybrid import hough, hybrid, hybrid_fusion, hybrid_scan
 from .reduction.least_cost import least_cost
 from .reduction.mean_shift import mean_shift
 from .reduction.one_per_wall import one_per_wall
 from .reduction.segment_similarity import mean_segment, segment_similarity
 
 __all__ = [
-    "MOVES", "Quadtree", "after", "against_walls", "angle_histogram", "axial_difference",
-    "basic_offline", "basic_online", "best_move", "best_shift", "best_shifts", "best_strip",
-    "best_transform", "best_turns", "carry_beam", "cell_of", "chain", "climb_step",
+    "MOVES", "Quadtree", "add_scan", "after", "against_walls", "angle_histogram",
+    "axial_difference", "basic_offline", "basic_online", "best_move", "best_shift", "best_shifts",
+    "best_strip", "best_transform", "best_turns", "carry_beam", "cell_of", "chain", "climb_step",
     "correlative_search", "correspond", "crossed_cells", "descent_score", "distance_score",
     "edge_residual", "effective_number", "enough", "every_pose", "extract_clusters",
-    "extract_polylines", "fit", "fit_algebraic", "fit_total", "fusion", "fusion_online",
-    "fuzzy_clustering", "fuzzy_set", "gauss_newton", "grown", "headings", "hill_climb", "histogram",
-    "hough", "hough_lines", "hybrid", "hybrid_fusion", "icp", "information", "least_cost",
-    "least_squares", "least_translation", "likelihood", "likelihoods", "line_angle", "line_partner",
-    "lines_em", "lines_hough", "lines_incremental", "lines_ransac", "lines_regression", "localize",
-    "log_likelihood", "match_histograms", "match_hough", "match_ndt", "match_value",
-    "mean_and_variance", "mean_lines", "mean_rotation", "mean_segment", "mean_shift", "ndt_step",
-    "normals_of", "occupancy", "occupancy_score", "one_per_wall", "placed", "places",
+    "extract_polylines", "fit", "fit_algebraic", "fit_total", "fuse_longest", "fusion",
+    "fusion_online", "fuzzy_clustering", "fuzzy_set", "gauss_newton", "grown", "headings",
+    "hill_climb", "histogram", "hough", "hough_lines", "hybrid", "hybrid_fusion", "hybrid_scan",
+    "icp", "in_strip", "information", "least_cost", "least_squares", "least_translation",
+    "likelihood", "likelihoods", "line_angle", "line_partner", "lines_em", "lines_hough",
+    "lines_incremental", "lines_ransac", "lines_regression", "localize", "log_likelihood",
+    "match_histograms", "match_hough", "match_ndt", "match_value", "mean_and_variance",
+    "mean_lines", "mean_rotation", "mean_segment", "mean_shift", "ndt_step", "normals_of",
+    "occupancy", "occupancy_score", "one_per_wall", "online", "placed", "places",
     "point_to_line_step", "point_to_segment", "polyline", "polyline_through", "quality", "quarters",
     "ray_cells", "sample_and_rank", "segment_cost", "segment_distance", "segment_length",
     "segment_similarity", "steady_twist", "systematic", "transforms", "uncertain_parameters",

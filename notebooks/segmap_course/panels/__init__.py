@@ -7,7 +7,7 @@ from ._alignment import (
     GroundTruthPanel,
     SegmentIcpPanel,
 )
-from ._chosen import EarlyMethodsPanel, LineErrorPanel, OnlinePanel
+from ._chosen import EarlyMethodsPanel, FusionPanel, LineErrorPanel
 from ._finders import FinderPanel
 from ._graphs import IcpPanel, PoseGraphPanel
 from ._matching import KalmanPanel, LandscapePanel, MatcherPanel, ParticlePanel, PlacePanel
@@ -15,7 +15,6 @@ from ._plans import PlanPanel
 from ._quadtree import ClassesPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,
-    FusionPanel,
     HybridPanel,
     LeastCostPanel,
     MeanShiftPanel,
@@ -29,7 +28,7 @@ __all__ = [
     "AnglePanel", "BackbonePanel", "BasicPanel", "ClassesPanel", "ClusterPanel",
     "EarlyMethodsPanel", "FinderPanel", "FusionPanel", "GlobalPanel", "GroundTruthPanel",
     "HybridPanel", "IcpPanel", "KalmanPanel", "LandscapePanel", "LeastCostPanel", "LineErrorPanel",
-    "MatcherPanel", "MeanShiftPanel", "MovingPanel", "OnlinePanel", "ParticlePanel", "PlacePanel",
+    "MatcherPanel", "MeanShiftPanel", "MovingPanel", "ParticlePanel", "PlacePanel",
     "PlanPanel", "PolylinePanel", "PoseGraphPanel", "RayPanel", "RoomPanel", "RoutePanel",
     "SectorPanel", "SegmentIcpPanel", "StoragePanel", "TapePanel", "WallsPanel", "insert_variant",
 ]  # fmt: skip

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
-from segmap.plotting import RESULT, draw_before_after
+from segmap import arrays
+from segmap.plotting import draw_before_after
 from segmap.reduction import (
     METHODS,
+    fusion,
     fusion_online,
     fuzzy_clustering,
     fuzzy_set,
@@ -16,6 +20,7 @@ from segmap.reduction import (
     uncertain_parameters,
     weighted_line_fitting,
 )
+from segmap.segments import SegmentMap, length
 
 from ._lesson import keyword, pick
 from ._reduction import WIDE, ReductionPanel
@@ -31,26 +36,35 @@ class ChosenPanel(ReductionPanel):
         super()._draw(figure)
 
 
-class OnlinePanel(ChosenPanel):
-    """Fusion of the map and each scan, or Hybrid with a Fusion now and then (A 2.7.9, 7).
+class FusionPanel(ChosenPanel):
+    """Fusion of a map: at the end, after each scan, or of Hybrid's map now and then (A 4.4, 7).
 
-    Beside the map stands how many segments it holds after each scan.
+    Beside the map stands a window of it, larger: left, low, right and top, metres; by default two
+    metres around the middle of its longest segment.
     """
 
-    by = pick(("hybrid_fusion", "fusion_online"), "method")
-    tolerance = keyword(0.01, 0.20, 0.01, by=(hybrid_fusion, fusion_online))
+    by = pick(("fusion", "fusion_online", "hybrid_fusion"), "method")
+    tolerance = keyword(0.01, 0.20, 0.01, by=(fusion, fusion_online, hybrid_fusion))
     every = keyword(1, 100, 1, by=(hybrid_fusion,))
     distance = keyword(0.05, 0.60, 0.05, by=(hybrid_fusion,))
     min_length = keyword(0.0, 1.0, 0.05, by=(hybrid_fusion,))
     rows = ("by", "tolerance", "every", "distance", "min_length", "count", "rate quality")
+    words = "{by}, tolerance {tolerance:.2f} m: {count}"
     pixels = WIDE
+
+    def __init__(self, map: SegmentMap, *, window: ArrayLike | None = None, **first: float) -> None:
+        segments = arrays.segments(map)
+        middle = segments[length(segments).argmax()].mean(axis=0) if len(segments) else np.zeros(2)
+        self.window = [*(middle - 1), *(middle + 1)] if window is None else window
+        super().__init__(map, **first)
 
     def _draw(self, figure: Figure) -> None:
         self._tell(METHODS[self.by.value](self.map, **self.chosen()))
-        left, right = figure.subplots(1, 2)
-        draw_before_after(self.map, self.reduction, ax=left)
-        right.plot(self.reduction.scan_live, color=RESULT)
-        right.set(title="the map while it grows", xlabel="scan", ylabel="segments", ylim=(0, None))
+        left, low, right, top = np.asarray(self.window, float)
+        axes = figure.subplots(1, 2)
+        for ax in axes:
+            draw_before_after(self.map, self.reduction, ax=ax)
+        axes[1].set(xlim=(left, right), ylim=(low, top), title="closer", aspect="auto")
 
 
 class LineErrorPanel(ChosenPanel):

@@ -35,7 +35,6 @@ from segmap.reduction import (
     basic_offline,
     basic_online,
     common_directions,
-    fusion,
     hough,
     hybrid,
     least_cost,
@@ -106,15 +105,6 @@ class BasicPanel(ReductionPanel):
     def _draw(self, figure: Figure) -> None:
         self.method = basic_online if self.online.value else basic_offline
         super()._draw(figure)
-
-
-class FusionPanel(ReductionPanel):
-    """A map and its fusion: how much is gained and what it costs, for each tolerance (A 4.4)."""
-
-    method = staticmethod(fusion)
-    tolerance = keyword(0.01, 0.20, 0.01)
-    rows = ("tolerance", "count", "rate quality")
-    words = "tolerance {tolerance:.2f} m: {count}"
 
 
 class HybridPanel(ReductionPanel):

@@ -217,10 +217,20 @@ def ends_with_its_claim(notebook):
 # ------------------------------------------------------------------ the method as code
 
 
+def without_annotation(node):
+    """`walls: list[Wall] = []` as `walls = []`."""
+    if isinstance(node, ast.AnnAssign) and node.value:
+        return ast.copy_location(ast.Assign([node.target], node.value), node)
+    return node
+
+
 def bare(function):
     """A function without annotations, and of its docstring the first line."""
     function = copy.deepcopy(function)
     for node in ast.walk(function):
+        for name, part in ast.iter_fields(node):
+            if isinstance(part, list):
+                setattr(node, name, [without_annotation(each) for each in part])
         if isinstance(node, ast.arg):
             node.annotation = None
         if isinstance(node, ast.FunctionDef):

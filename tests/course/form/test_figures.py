@@ -44,8 +44,26 @@ def two_walls(rng):
     return figure, {**figure.terms(), "distance": figure.distance}
 
 
+def strip_over_walls(rng):
+    """A strip over segments that are nearly parallel, with ends that now and then coincide."""
+    start = rng.integers(0, 8, 6) / 2
+    y = rng.uniform(-0.08, 0.08, (6, 2)).round(2)
+    size = rng.integers(2, 6, 6) / 2
+    segments = np.stack([np.stack([start, start + size], 1), y], axis=2)
+    turned = np.where(rng.integers(2, size=(6, 1, 1)), segments, segments[:, ::-1])
+    figure = course.DragStrip(turned, tolerance=0.01 * int(rng.integers(2, 7)))
+    figure.shift = float(rng.uniform(-1, 1)) * figure.tolerance
+    now = figure.measure()
+    walls = {"wall": now.wall.ravel(), "total": now.total, "most": now.most}
+    return figure, {"inside": now.inside, "chain": now.members, **walls}
+
+
 #: Each figure to drag: one of its states drawn at random, and what Python measures there.
-FIGURES = {"scan_on_scan": scans_of_the_room, "two_walls": two_walls}
+FIGURES = {
+    "scan_on_scan": scans_of_the_room,
+    "strip_over_segments": strip_over_walls,
+    "two_walls": two_walls,
+}
 
 
 def measured_by_modules(name, states, folder):

@@ -95,7 +95,6 @@ PANELS = {
         3,
     ),
     "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
-    "OnlinePanel": ((WALLS,), "distance", 0.05),
     "PlacePanel": ((build_map(LOG, LOG.truth, resolution=0.05), LOG), "scan", 0),
     "PlanPanel": ((SHELL, OPEN), "room", 2),
     "ParticlePanel": ((LOG,), "particles", 2),
@@ -179,9 +178,9 @@ def test_the_icp_panel_keeps_the_whole_moving_scan_in_the_picture(figures):
         ("LineErrorPanel", WALLS, segment_similarity, {"cost": 0.1}),
         ("EarlyMethodsPanel", WALLS, fuzzy_set, {"across": 0.04, "along": 0.1, "angle": 5}),
         ("EarlyMethodsPanel", WALLS, fuzzy_clustering, {"cell": 1, "noise": 0.3}),
-        ("OnlinePanel", BENT, hybrid_fusion, {"tolerance": 0.2, "every": 1, "distance": 0.4}),
-        ("OnlinePanel", BENT, hybrid_fusion, {"min_length": 1.0}),
-        ("OnlinePanel", BENT, fusion_online, {"tolerance": 0.2}),
+        ("FusionPanel", BENT, hybrid_fusion, {"tolerance": 0.2, "every": 1, "distance": 0.4}),
+        ("FusionPanel", BENT, hybrid_fusion, {"min_length": 1.0}),
+        ("FusionPanel", BENT, fusion_online, {"tolerance": 0.2}),
         ("HybridPanel", LEANING, hybrid, {"min_length": 0}),
         ("SectorPanel", DOOR, viewing_sector, {"forget": False}),
         ("SectorPanel", DOOR, viewing_sector, {"rejoin": False}),
@@ -222,7 +221,7 @@ def test_thresholds_of_other_methods_are_grey_and_not_handed_on():
 
 
 @unpainted
-@pytest.mark.parametrize("name", ["LineErrorPanel", "EarlyMethodsPanel", "OnlinePanel"])
+@pytest.mark.parametrize("name", ["LineErrorPanel", "EarlyMethodsPanel", "FusionPanel"])
 def test_the_sliders_of_each_method_end_where_it_ends(name):
     """Catches a slider that reaches a value which its method refuses."""
     panel = getattr(course, name)(BENT)

@@ -82,21 +82,6 @@ ANSWERS = {
             ((rectangular_room()[0], [(2, 1.5)]), "give 1 to 400 walls"),
         ],
     ),
-    "predict_fusion_left": (
-        500,
-        [(600, "it is 511 segments; near enough is within a factor of 1.1")],
-    ),
-    "predict_fusion_twice": (266, [(532, "it is 266 segments; near enough is the number itself")]),
-    "break_fusion": (
-        [[(0, 0), (3, 0)], [(0.5, 0.07), (2, 0.07)]],
-        [
-            ([[(0, 0), (3, 0)]], "give 2 to 20 walls"),
-            ([[(0, 0), (3, 0)], [(0, 0.07), (200, 0.07)]], "stay within 100 m"),
-            ([[(0, 0), (3, 0)], [(0, 0.07), (0.9, 0.07)]], "a wall is 0.90 m long"),
-            ([[(0, 0), (3, 0)], [(0.5, 0.03), (2, -0.03)]], "two walls are only 0 mm apart"),
-            ([[(0, 0), (3, 0)], [(0.5, 0.081), (2, 0.081)]], "Fusion leaves 2 of the 2 walls"),
-        ],
-    ),
     "break_basic_order": (
         [7, 1, 5, 2, 11, 14, 4, 19, 13, 3, 12, 8, 16, 15, 10, 0, 6, 18, 17, 9, 20],
         [

@@ -1,4 +1,4 @@
-"""Open exercises on reduced maps: what Fusion leaves, and inputs that fool three methods."""
+"""Open exercises on reduced maps: inputs that fool two methods."""
 
 from __future__ import annotations
 
@@ -6,48 +6,10 @@ import numpy as np
 
 from segmap.arrays import Array
 from segmap.poses import transform
-from segmap.reduction import basic_online, fusion, viewing_sector
-from segmap.segments import SegmentMap, length, point_distance
+from segmap.reduction import basic_online, viewing_sector
+from segmap.segments import SegmentMap
 
-from ._open import ROOM, Challenge, Prediction, admit, malaga, metres_away, samples
-
-predict_fusion_left = Prediction(
-    "predict_fusion_left(guess): how many of the 1227 segments of the Malaga map Fusion leaves "
-    "with a tolerance of 15 mm; within a tenth",
-    lambda: len(fusion(malaga(), tolerance=0.015)),
-    "segments",
-    factor=1.1,
-    because="Fusion leaves 649 at 10 mm and 412 at 20 mm, and the curve is steeper on the left",
-)
-
-predict_fusion_twice = Prediction(
-    "predict_fusion_twice(guess): how many segments Fusion leaves at its default tolerance, 40 mm, "
-    "of the Malaga map in which each of the 1227 segments stands twice; the number itself",
-    lambda: len(fusion(np.repeat(malaga(), 2, axis=0))),
-    "segments",
-    because="A copy lies in each strip that holds its original, and all chains become twice as "
-    "long, so the longest one stays the longest",
-)
-
-
-# ------------------------------------------------------------------------------------ Fusion
-def _fusion_fooled(walls: Array) -> str:
-    admit(walls, "walls", 2, 20, within=100, of="the origin")
-    if length(walls).min() < 1:
-        raise ValueError(f"a wall is {length(walls).min():.2f} m long, 1 m at least is wanted")
-    away = point_distance(samples(walls)[:, :, None], walls).min(axis=0)
-    if (gap := (away + np.diag(np.full(len(walls), np.inf))).min()) < 0.07 - 1e-9:
-        raise ValueError(f"two walls are only {1000 * gap:.3g} mm apart, 70 mm are wanted")
-    count = len(fusion(walls, tolerance=0.04))
-    return "" if count == 1 else f"Fusion leaves {count} of the {len(walls)} walls, not one"
-
-
-break_fusion = Challenge(
-    "break_fusion(walls): 2 to 20 different walls, (n, 2, 2) in metres, each at least 1 m long and "
-    "every two at least 70 mm apart, of which Fusion leaves one with its tolerance of 40 mm",
-    _fusion_fooled,
-    praise="The strip is two tolerances wide: both faces of a partition thinner than that are one",
-)
+from ._open import ROOM, Challenge, metres_away
 
 
 # ------------------------------------------------------------------------------------- Basic

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from ..lines import (
     SAME,
@@ -14,10 +15,12 @@ from ..lines import (
     extreme_projections,
     line_angle,
     line_of,
+    parents_of,
     seen_from,
     segment_length,
 )
-from .fusion import fusion
+from .fusion import Wall as FusedWall
+from .fusion import online
 
 
 @dataclass
@@ -127,6 +130,26 @@ def hybrid(
     return [wall.ends for wall in walls], parents
 
 
+def hybrid_scan(
+    walls: list[FusedWall],
+    segments: Sequence[Segment],
+    new: list[int],
+    distance: float = 0.20,
+    angle: float = math.pi / 18,
+    min_length: float = 0.10,
+    origin: str = "map",
+) -> None:
+    """Hybrid takes a scan into walls that know their members, as many as they count."""
+    lines = [Wall(ends, *hough(ends), len(members)) for ends, members in walls]
+    parents = [-1] * len(segments)
+    take_scan(lines, parents, segments, new, (distance, angle, min_length), origin)
+    members = [list(those) for _, those in walls] + [[] for _ in lines[len(walls) :]]
+    for i in new:
+        if parents[i] >= 0:
+            members[parents[i]].append(i)
+    walls[:] = zip((wall.ends for wall in lines), members, strict=True)
+
+
 def hybrid_fusion(
     segments: Sequence[Segment],
     scans: Sequence[int],
@@ -139,31 +162,8 @@ def hybrid_fusion(
     every: int = 50,
 ) -> Found:
     """Hybrid; Fusion of its whole map after every so many scans and after the last (A 7)."""
-    walls: list[Wall] = []
-    parents = [-1] * len(segments)
-    used = by_scan(segments, scans)
-    for done, new in enumerate(used, 1):
-        take_scan(walls, parents, segments, new, (distance, angle, min_length), origin)
-        if done % every == 0 or done == len(used):
-            fused, into = fusion([wall.ends for wall in walls], tolerance=tolerance)
-            counts = [0] * len(fused)
-            for wall, k in zip(walls, into, strict=True):
-                counts[k] += wall.count
-            walls = [Wall(s, *hough(s), count) for s, count in zip(fused, counts, strict=True)]
-            parents = [into[k] if k >= 0 else -1 for k in parents]
-    return [wall.ends for wall in walls], parents
-
-
-def fusion_online(
-    segments: Sequence[Segment], scans: Sequence[int], *, tolerance: float = 0.04
-) -> Found:
-    """Fusion on-line (A 2.7.9): what Fusion makes of the map before and a scan, scan after scan."""
-    walls: list[Segment] = []
-    parents = [-1] * len(segments)
-    for new in by_scan(segments, scans):
-        fused, into = fusion([*walls, *(segments[i] for i in new)], tolerance=tolerance)
-        parents = [into[k] if k >= 0 else -1 for k in parents]
-        for i, k in zip(new, into[len(walls) :], strict=True):
-            parents[i] = k
-        walls = list(fused)
-    return walls, parents
+    take = partial(
+        hybrid_scan, distance=distance, angle=angle, min_length=min_length, origin=origin
+    )
+    walls = online(segments, by_scan(segments, scans), take, every, tolerance)
+    return [ends for ends, _ in walls], parents_of((those for _, those in walls), len(segments))
