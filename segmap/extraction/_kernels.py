@@ -17,8 +17,8 @@ from ._lines import Line, farthest, fit_algebraic, fit_total, off, write_chord
 
 Indices = NDArray[np.int64]
 
-#: Errors from sums that are so near to each other are computed anew, metres: rounding of sums is a
-#: thousand times smaller.
+#: Distances that are so near to each other are equal, metres, and errors from sums computed anew:
+#: rounding of sums is a thousand times smaller.
 SUM_ROUNDING_M = 1e-9
 #: Beams of a noisy sensor that meet a wall at a smaller angle say little about it, radians.
 GRAZING_RAD = float(np.radians(10))
@@ -266,22 +266,32 @@ def _merge_runs(
 
 
 @compiled
-def _border(p: Array, ease: Array, start: int, corner: int, end: int) -> int:
-    """First point of the second of two pieces: each point goes to the nearer line.
+def _is_nearer(p: Array, k: int, left: Line, right: Line) -> bool:
+    """Whether a point is nearer to the left line, by more than rounding."""
+    return off(p, k, left) < off(p, k, right) - SUM_ROUNDING_M
 
-    The chords of a split share their corner; a wall ends at the last beam that met it.
+
+@compiled
+def _border(p: Array, ease: Array, first: int, corner: int, last: int) -> int:
+    """First point of the second of two pieces, which share their corner.
+
+    The corner belongs to the nearer of the lines through the other points, and so do the points
+    behind it, up to the middle of their piece: a wall ends at the last beam that met it. Beside a
+    piece that is too short for a line it belongs to the longer one.
     """
-    if corner - start < 3:
-        return corner
-    if end - corner < 3:
-        return corner + 1
-    left = fit_total(p, ease, start, corner)
-    right = fit_total(p, ease, corner + 1, end + 1)
-    while corner - start > 2 and off(p, corner - 1, right) < off(p, corner - 1, left):
-        corner -= 1
-    while end - corner > 2 and off(p, corner, left) < off(p, corner, right):
-        corner += 1
-    return corner
+    if min(corner - first, last - corner) < 3:
+        return corner + (last - corner < corner - first)
+    left = fit_total(p, ease, first, corner)
+    right = fit_total(p, ease, corner + 1, last + 1)
+    if _is_nearer(p, corner, left, right):
+        border = corner + 1
+        while 2 * border < corner + last and _is_nearer(p, border, left, right):
+            border += 1
+        return border
+    border = corner
+    while 2 * (border - 1) > first + corner and not _is_nearer(p, border - 1, left, right):
+        border -= 1
+    return border
 
 
 @compiled
@@ -310,11 +320,12 @@ def polylines(
         stop = _end_of_cluster(p, gaps, begin)
         count = _split_cluster(p, ease, begin, stop, tolerance, ends, todo)
         count = _merge_runs(p, ease, begin, tolerance, ends, count, errors, sums)
-        start = begin
+        start = corner = begin
         for k in range(count):
             end = ends[k] + 1
             if k + 1 < count:
-                end = _border(p, ease, start, ends[k], ends[k + 1])
+                end = _border(p, ease, corner, ends[k], ends[k + 1])
+                corner = ends[k]
             if end - start >= min_points:
                 room[2, found], room[3, found] = start, end
                 line = fit_total(p, ease, start, end)

@@ -25,7 +25,7 @@ CHAPTER = ROOT / "notebooks" / "01_start_here.ipynb"
 TOKEN = "chapter00"
 RIGHT = "\ue014"
 
-#: The count of segments as the panel of the chapter shows them: "276 of 2847 segments left".
+#: The count of segments as the panel of the chapter shows them: "276 of 2842 segments left".
 COUNT = """
 return [...document.querySelectorAll('.widget-label')].map(e => e.textContent)
   .filter(t => / of \\d+ segments left/.test(t))[0] || null"""

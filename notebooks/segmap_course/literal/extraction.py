@@ -100,19 +100,21 @@ def merge(points: Points, tolerance: float, ends: list[int]) -> list[int]:
     return ends
 
 
-def border(points: Points, start: int, corner: int, end: int) -> int:
-    """First point of the second of two pieces that share a corner: each to the nearer wall."""
-    if corner - start < 3:
-        return corner
-    if end - corner < 3:
-        return corner + 1
-    left, right = fit_total(points[start:corner]), fit_total(points[corner + 1 : end + 1])
-    off = [(off_line(p, left), off_line(p, right)) for p in points]
-    while corner - start > 2 and off[corner - 1][1] < off[corner - 1][0]:
-        corner -= 1
-    while end - corner > 2 and off[corner][0] < off[corner][1]:
-        corner += 1
-    return corner
+def border(points: Points, first: int, corner: int, last: int) -> int:
+    """First point of the second of two pieces that share a corner: each to the nearer wall.
+
+    From the corner on, at most up to the middle of a piece. Beside a piece that is too short for a
+    line the corner belongs to the longer one.
+    """
+    if min(corner - first, last - corner) < 3:
+        return corner + (last - corner < corner - first)
+    left, right = fit_total(points[first:corner]), fit_total(points[corner + 1 : last + 1])
+    is_left = [off_line(p, left) < off_line(p, right) - SAME for p in points]
+    if is_left[corner]:
+        middle = (corner + last) / 2
+        return next(k for k in range(corner + 1, last + 1) if k >= middle or not is_left[k])
+    middle = (first + corner) / 2
+    return next(k for k in range(corner, first, -1) if k - 1 <= middle or is_left[k - 1])
 
 
 def extract_polylines(
@@ -129,8 +131,8 @@ def extract_polylines(
     for run in cut_at_gaps(points, gap, closed):
         ends, start = merge(run, tolerance, split(run, tolerance, 0, len(run) - 1)), 0
         for k, end in enumerate(ends):
-            last = k + 1 == len(ends)
-            stop = end + 1 if last else border(run, start, end, ends[k + 1])
+            first, last = ends[k - 1] if k else 0, k + 1 == len(ends)
+            stop = end + 1 if last else border(run, first, end, ends[k + 1])
             piece, start = run[start:stop], stop
             if len(piece) >= max(min_points, 2):
                 found.append(extreme_projections(piece, fit_total(piece)))

@@ -42,8 +42,8 @@ def weighted_line_fitting(
     below `chi2`; the merged line, better known than both, looks again until none is left, and
     joins the map. Its end points are the extreme projections of all points.
 
-    The pose term decides how much merges, and it is a guess: of the 1227 segments of the bundled
-    Malaga 439 are left with the noise of the sensor alone, and 249 with the defaults. A names no
+    The pose term decides how much merges, and it is a guess: of the 1226 segments of the bundled
+    Malaga 436 are left with the noise of the sensor alone, and 246 with the defaults. A names no
     test of extent, so two far walls on one line would merge: that is what `gap` is for. The
     covariance is the exact inverse about the centre of the points; the closed form of the paper
     leaves the lever of the centre out. A runs it off-line too: with all segments in one scan.

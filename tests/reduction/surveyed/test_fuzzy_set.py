@@ -30,14 +30,14 @@ def test_two_looks_and_a_wall_across():
 
 
 def test_with_its_own_axes_it_turns_with_the_building_and_with_those_of_the_map_not():
-    """SURVEYED check c, with the counter-example: 561 of 567 are left."""
+    """SURVEYED check c, with the counter-example: 562 of 568 are left."""
     room = the_room()
-    assert len(room) == 567
+    assert len(room) == 568
     found = fuzzy_set(room)
-    assert len(found) == 112 and quality(room, found) == pytest.approx(0.822, abs=1e-3)
+    assert len(found) == 114 and quality(room, found) == pytest.approx(0.820, abs=1e-3)
     there = fuzzy_set(turned(room, 30, -7, 4))
     back = transform((-7, 4, np.radians(30)), found.segments)
     assert_segments_equal(there, back, ordered=True, atol=1e-7)
     slanted = fuzzy_set(turned(room, 30), axes=0.0)
-    assert len(slanted) == 561
+    assert len(slanted) == 562
     assert slanted.doubt.startswith("not orthogonal: ") and not found.doubt
