@@ -20,19 +20,16 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from . import (
-    alignment,
     angles,
     display,
     extraction,
     metrics,
     poses,
     progress,
-    quadtree,
     readers,
     reduction,
     scans,
     segments,
-    simulation,
 )
 from .extraction import build_map, extract_clusters, extract_polylines
 from .metrics import quality, reduction_rate, segment_distance
@@ -42,7 +39,20 @@ from .scans import LaserScan, Log
 from .segments import SegmentMap
 
 if TYPE_CHECKING:
-    from . import arrays, experiments, exports, matching, panels, plan, plotting, sensors, testing
+    from . import (
+        alignment,
+        arrays,
+        experiments,
+        exports,
+        matching,
+        panels,
+        plan,
+        plotting,
+        quadtree,
+        sensors,
+        simulation,
+        testing,
+    )
 
 __version__ = "0.2.0"
 

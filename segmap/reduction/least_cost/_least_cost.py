@@ -87,10 +87,11 @@ def merged_greedily(rows: Rows, limits: Limits) -> Found:
     unit = max(2 * reach, length(s).mean() if n else 0.0)
     own, room, places = np.arange(n), np.empty(n + 1, np.int64), empty_index(n, unit)
     place = by_cell(s, unit)
-    for part in parts(place, "least cost: looking around segment"):
-        nearest_neighbours(s, d, reach, part, places, room, least, who)
+    there, about = s[place], d[place]
+    for part in parts(own, "least cost: looking around segment"):
+        nearest_neighbours(there, about, reach, part, places, room, least, who)
     i, k = np.nonzero(who >= 0)
-    j = who[i, k]
+    i, j = place[i], place[who[i, k]]
     pairs = np.sort(n * np.argsort(place)[np.minimum(i, j)] + np.maximum(i, j))
     low, high = np.divmod(pairs[np.diff(pairs, prepend=-1) > 0], n)
     low = place[low]

@@ -40,7 +40,7 @@ HARD, NEIGHBOURS, STEPS, WIDE, RATIO = 2.0, 8, 6, 3.0, 1.5
 #: Costs that differ by less are equal, metres: then the lower index comes first. In decimals, too.
 EQUAL, DECIMALS = 1e-12, 12
 #: Those of its second phase.
-MISSED, CANDIDATES, ROUNDS, FALL, LEAST = 0.075, 8, 6, 1e-4, 1e-6
+MISSED, TRIED, ROUNDS, FALL, LEAST = 0.075, 0.5, 6, 1e-4, 1e-6
 
 
 def least_cost(
@@ -263,14 +263,10 @@ def exchanged(
                 del outputs[f]
                 free = f
         close_all(outputs, penalty)
-        for f in by_size(outputs):
-            members = [i for i, ((_, at), _) in enumerate(ranks(outputs)) if at == f]
-            h = free
-            for i in sorted(members, key=lambda i: -sizes[i])[:CANDIDATES]:
-                if h == free:
-                    line = inputs[i]
-                    offer = charges(inputs, line, limits)
-                    free = exchange(outputs, f, h, line, offer, penalty)
+        turn, nearest = by_size(outputs), [at for (_, at), _ in ranks(outputs)]
+        for j in sorted(range(len(inputs)), key=lambda i: (turn.index(nearest[i]), -sizes[i])):
+            offer = charges(inputs, inputs[j], limits)
+            free = exchange(outputs, j, free, inputs[j], offer, penalty)
         if summed(ranks(outputs), outputs, penalty) >= before * (1 - FALL):
             break
     lines = {f: line for f, (line, _) in outputs.items()}
@@ -357,15 +353,24 @@ def close_all(outputs: Outputs, penalty: float) -> None:
         del outputs[f]
 
 
-def exchange(
-    outputs: Outputs, f: int, h: int, line: Segment, offer: list[float], penalty: float
-) -> int:
-    """Open a line as output h in the place of f, and close all that lose less than the penalty.
+def saved(ranked: Ranks, f: int, offer: Sequence[float], penalty: float) -> float:
+    """What a line would save among the members of an output: some move to it, and f may close."""
+    moves = [(r[0][0], cost) for r, cost in zip(ranked, offer, strict=True) if r[0][1] == f]
+    return sum(max(first - cost, 0.0) for first, cost in moves) + max(
+        penalty - loss(ranked, f, offer), 0.0
+    )
 
-    The number that is free then: h again where f would stay, or the sum does not fall.
+
+def exchange(
+    outputs: Outputs, j: int, h: int, line: Segment, offer: list[float], penalty: float
+) -> int:
+    """Open a line, input j, as output h, and close all that lose less than the penalty then.
+
+    The number that is free then: h again where the sum does not fall, or where its nearest output
+    and the next would save too little.
     """
     ranked = ranks(outputs)
-    if loss(ranked, f, offer) >= penalty:
+    if sum(saved(ranked, f, offer, penalty) for _, f in ranked[j] if f >= 0) <= TRIED * penalty:
         return h
     pairs = zip(ranked, offer, strict=True)
     others = {at for ((_, at), (second, _)), cost in pairs if cost < second}
