@@ -40,19 +40,9 @@ from .segments import SegmentMap
 
 if TYPE_CHECKING:
     from . import (
-        alignment,
-        arrays,
-        experiments,
-        exports,
-        matching,
-        panels,
-        plan,
-        plotting,
-        quadtree,
-        sensors,
-        simulation,
-        testing,
-    )
+        alignment, arrays, experiments, exports, matching, panels, plan, plotting, quadtree,
+        sensors, simulation, testing,
+    )  # fmt: skip
 
 __version__ = "0.2.0"
 
