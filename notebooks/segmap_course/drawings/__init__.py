@@ -46,6 +46,7 @@ from ._reductions import (
     draw_live,
     draw_sweep,
     draw_trade_off,
+    say_stretch,
 )
 from ._segments import (
     draw_centres,
@@ -68,5 +69,5 @@ __all__ = [
     "draw_plan", "draw_profile", "draw_ray", "draw_scan_poses", "draw_scans", "draw_shifts",
     "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_threshold", "draw_trade_off",
     "draw_trials", "draw_uncertainty", "draw_wall_normals", "draw_weights", "icp_frames",
-    "label_axes", "mark_places", "set_ticks", "wardrobe", "write_names",
+    "label_axes", "mark_places", "say_stretch", "set_ticks", "wardrobe", "write_names",
 ]  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -15,6 +16,9 @@ from segmap.arrays import Segments
 from segmap.plotting import DPI, ERROR, GROUPS, MAP, RESULT, axes_or_new, axes_row, draw_segments
 from segmap.reduction import Reduction
 from segmap.segments import SegmentMap
+
+#: Colours of clusters that lie on each other: none looks like another of the first five.
+CLUSTERS = tuple(GROUPS[k] for k in (0, 3, 2, 5, 6, 1, 7, 8))
 
 
 def draw_cases(
@@ -41,6 +45,27 @@ def draw_cases(
         ax.set(title=title, aspect="auto")
         ax.label_outer()
     return axes
+
+
+def say_stretch(*axes: Axes) -> None:
+    """Write below the pictures of a figure how many times larger x is drawn than y.
+
+    Examples
+    --------
+    >>> axes = draw_cases({"a wall": [[(0, 0), (0.1, 3)]]}, lambda map: map)
+    >>> say_stretch(*axes)
+    >>> axes[0].texts[0].get_text()
+    'x drawn 100 times\\nlarger than y'
+    """
+    below = partial(Axes.annotate, xycoords="axes fraction", textcoords="offset points")
+    notes = [below(ax, "x\ny", (0.5, 0), xytext=(0, -32), ha="center", va="top") for ax in axes]
+    figure = axes[0].get_figure(root=True)
+    if figure is not None:
+        figure.draw_without_rendering()
+    for ax, note in zip(axes, notes, strict=True):
+        box, (left, right), (low, high) = ax.bbox, ax.get_xlim(), ax.get_ylim()
+        times = box.width / (right - left) / (box.height / (high - low))
+        note.set_text(f"x drawn {float(f'{times:.2g}'):g} times\nlarger than y")
 
 
 def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None) -> Axes:
@@ -96,6 +121,7 @@ def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:
         closer.tick_params(colors=ERROR)
         closer.spines[:].set_color(ERROR)
     axes[0].set_ylabel("y [m]")
+    say_stretch(*axes[1::2])
     return list(axes)
 
 
@@ -120,6 +146,7 @@ def draw_costs(looks: Segments, lines: Segments, costs: ArrayLike) -> list[Axes]
     wall.set(title="The looks, and the cheapest of these lines", aspect="auto", xlabel="")
     curve.set(title="What a line costs that stands here", xlabel="x [m]", ylabel="cost [m]")
     curve.set_ylim(0)
+    say_stretch(wall)
     return [wall, curve]
 
 
@@ -139,11 +166,12 @@ def draw_clusters(looks: Segments, clusters: Mapping[float, Sequence[Any]]) -> l
     axes = axes_row(len(clusters), (9.0, 3.6), shared="xy")
     for ax, (penalty, parts) in zip(axes, clusters.items(), strict=True):
         for k, (members, line, _) in enumerate(parts):
-            color = GROUPS[k % len(GROUPS)]
+            color = CLUSTERS[k % len(CLUSTERS)]
             draw_segments([line], ax=ax, color=color, width=4.0)
             draw_segments(array[list(members)], ax=ax, color=color, width=1.2)
         ax.set(title=f"penalty {penalty:g} m: {len(parts)} left", aspect="auto")
         ax.label_outer()
+    say_stretch(*axes)
     return axes
 
 

@@ -46,6 +46,7 @@ from segmap.reduction import (
 from segmap.segments import SegmentMap, midpoint
 
 from .._known_buildings import NOISES, known_building
+from ..drawings import say_stretch
 from ._lesson import LessonPanel, keyword, note, pick, play, slide, tick
 
 #: Pixels: two pictures side by side.
@@ -240,6 +241,7 @@ class LeastCostPanel(ReductionPanel):
     def _draw(self, figure: Figure) -> None:
         super()._draw(figure)
         figure.axes[0].set_aspect("auto")
+        say_stretch(figure.axes[0])
 
     def _tell(self, found: Reduction) -> None:
         super()._tell(found)
