@@ -40,9 +40,19 @@ from .segments import SegmentMap
 
 if TYPE_CHECKING:
     from . import (
-        alignment, arrays, experiments, exports, matching, panels, plan, plotting, quadtree,
-        sensors, simulation, testing,
-    )  # fmt: skip
+        alignment,
+        arrays,
+        experiments,
+        exports,
+        matching,
+        panels,
+        plan,
+        plotting,
+        quadtree,
+        sensors,
+        simulation,
+        testing,
+    )
 
 __version__ = "0.2.0"
 

@@ -119,8 +119,7 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
 def _by_size(state: State) -> Indices:
     """The outputs, the longest first (ties: the lower number)."""
     outputs = np.flatnonzero(state.outputs.link[:, LEVEL_COLUMN] >= 0)
-    sizes = np.floor(state.about[outputs, 4] / EQUAL + 0.5)
-    return outputs[np.argsort(-sizes, kind="stable")]
+    return outputs[np.argsort(-np.floor(state.about[outputs, 4] / EQUAL + 0.5), kind="stable")]
 
 
 def _by_output(state: State, rank: Indices) -> Indices:
@@ -327,9 +326,8 @@ def _exchange_all(state: State, part: Indices, free: int, limits: Limits) -> int
     have changed.
     """
     for j in part:
-        f, g = state.who[j]
-        last = state.when[f] if g < 0 else max(state.when[f], state.when[g])
-        if last >= state.tried[j]:
+        f, g = state.who[j]  # g of -1, for none, looks at the last: then it is tried once too often
+        if max(state.when[f], state.when[g]) >= state.tried[j]:
             h, free = free, _exchange(state, j, free, limits)
             if free == h:
                 state.now[0] += 1
