@@ -84,6 +84,7 @@ DRAWINGS = {
     "classes": (lambda ax: course.draw_classes(ros_classes(TREE), ax=ax), set()),
     "climb": (lambda ax: course.draw_climb(POSES, ax=ax), {RESULT}),
     "curves": (lambda ax: plotting.draw_curves(USC, ax=ax), THESIS),
+    "ends": (lambda ax: course.draw_ends(TREE, ax=ax), {MAP, RESULT, ERROR}),
     "equal_squares": (
         lambda ax: course.draw_equal_squares(POINTS, 0.5, ax=ax),
         {MAP, RESULT, ERROR},

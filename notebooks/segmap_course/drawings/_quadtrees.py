@@ -25,7 +25,7 @@ from segmap.plotting import (
     map_axes,
     square_corners,
 )
-from segmap.quadtree import Frontier, QuadtreeMap
+from segmap.quadtree import Frontier, QuadtreeMap, extent
 
 from .._landscapes import Landscape, peaks, profile_peaks
 from .._matcher_trials import Trial
@@ -43,7 +43,7 @@ def draw_leaves(
     leaves: Mapping[Square, int],
     *,
     corner: ArrayLike = (0.0, 0.0),
-    resolution: float = 1.0,
+    resolution: float | None = None,
     marked: Sequence[Square] = (),
     points: Sequence[Any] | Array = (),
     limits: Sequence[float] | None = None,
@@ -52,20 +52,20 @@ def draw_leaves(
 ) -> Axes:
     """Draw leaves `(column, row, side)` in cells: black with ends in them, else as blue outlines.
 
-    Squares that are `marked` have orange edges. `points` in metres are orange dots, and what is
-    black else is grey below them. `limits` are left, right, low and high edge, metres, by default
-    those of all leaves.
+    The axes count cells, or metres where a resolution is given. Squares that are `marked` have
+    orange edges. `points` in metres are orange dots, and what is black else is grey below them.
+    `limits` are left, right, low and high edge, by default those of all leaves.
     """
-    ax = axes_or_new(ax)
+    ax, unit = axes_or_new(ax), resolution or 1.0
 
     def squares(which: Iterable[Square]) -> Any:
-        x, y, side = np.reshape(list(which), (-1, 3)).T * float(resolution)
+        x, y, side = np.reshape(list(which), (-1, 3)).T * unit
         return square_corners(x, y, side) + np.asarray(corner, float)
 
     edges = squares(leaves)
     low, high = edges.min((0, 1)), edges.max((0, 1))
     left, right, bottom, top = limits or (low[0], high[0], low[1], high[1])
-    seen = [s for s in leaves if s[2] * resolution >= _LEAST_PART * (right - left)]
+    seen = [s for s in leaves if s[2] * unit >= _LEAST_PART * (right - left)]
     full = squares(square for square, ends in leaves.items() if ends)
     shade = "0.85" if len(points) else MAP
     ax.add_collection(PolyCollection(full, facecolor=shade, antialiased=False, linewidth=0))
@@ -74,32 +74,39 @@ def draw_leaves(
         ax.add_collection(lines)
     ax.plot(*np.reshape(points, (-1, 2)).T, ".", color=ERROR, markersize=3)
     map_axes(ax).set(xlim=(left, right), ylim=(bottom, top))
+    if resolution is None:
+        ax.set(xlabel="column", ylabel="row")
     ax.set_title(title, fontsize=10)
     return ax
 
 
-def draw_leaf_row(
-    cases: Mapping[str, Mapping[Square, int]], *, resolution: ArrayLike = 1.0, **options: Any
-) -> list[Axes]:
-    """Draw trees side by side, title -> leaves; the options are those of `draw_leaves`.
+def draw_ends(map: QuadtreeMap, *, ax: Axes | None = None) -> Axes:
+    """Draw the leaves of a map that counts ends: black where beams ended, and all outlines."""
+    leaf, (left, low, right, high) = map.leaves(), extent(map)
+    corner, side = map.bounds[:2], map.resolution
+    squares = np.stack([leaf.x - corner[0], leaf.y - corner[1], leaf.side], axis=1) / side
+    keys = np.round(squares).astype(int).tolist()
+    leaves = {(x, y, cells): n for (x, y, cells), n in zip(keys, leaf.occ.tolist(), strict=True)}
+    limits = left, right, low, high
+    return draw_leaves(leaves, corner=corner, resolution=side, limits=limits, ax=ax)
 
-    The resolution may be one a tree.
-    """
+
+def draw_leaf_row(cases: Mapping[str, Mapping[Square, int]], **options: Any) -> list[Axes]:
+    """Draw trees side by side, title -> leaves; the options are those of `draw_leaves`."""
     row = axes_row(len(cases), (max(5.5, 2.75 * len(cases)), 3.5))
-    sides = np.broadcast_to(resolution, len(cases)).tolist()
-    for ax, (title, leaves), side in zip(row, cases.items(), sides, strict=True):
-        draw_leaves(leaves, ax=ax, title=title, resolution=side, **options)
+    for ax, (title, leaves) in zip(row, cases.items(), strict=True):
+        draw_leaves(leaves, ax=ax, title=title, **options)
     return row
 
 
 def draw_cells_of_a_wall(cuts: Mapping[float, Mapping[Square, int]], **options: Any) -> list[Axes]:
     """Draw one wall in trees of several resolutions, metres, and say how many ends a cell has."""
-    cases = {}
-    for side, leaves in cuts.items():
+    row = axes_row(len(cuts), (3.5 * len(cuts), 3.7))
+    for ax, (side, leaves) in zip(row, cuts.items(), strict=True):
         full = np.array([ends for ends in leaves.values() if ends])
-        alone = f"{100 * (full == 1).mean():.0f} % with one end only"
-        cases[f"{100 * side:g} cm: {len(full)} cells, {alone}"] = leaves
-    return draw_leaf_row(cases, resolution=list(cuts), **options)
+        title = f"{len(full)} cells of {100 * side:g} cm,\n{(full == 1).sum()} of them with one end"
+        draw_leaves(leaves, resolution=side, title=title, ax=ax, **options)
+    return row
 
 
 def draw_sizes_of_halls(leaves: Mapping[float, int], *, ax: Axes | None = None) -> Axes:
@@ -113,15 +120,23 @@ def draw_sizes_of_halls(leaves: Mapping[float, int], *, ax: Axes | None = None) 
 
 
 def draw_equal_squares(ends: ArrayLike, side: float, **options: Any) -> Axes:
-    """Draw the squares of a grid around ends of beams `(n, 2)`, m: black with ends in them."""
-    corner = np.asarray(options.pop("corner", (0.0, 0.0)), float)
+    """Draw the squares of a grid around ends of beams `(n, 2)`, m: black with ends in them.
+
+    A blue cross marks the `corner` from which they are counted, where one is given.
+    """
+    corner = np.asarray(options.get("corner", (0.0, 0.0)), float)
     cells = np.floor((np.asarray(ends) - corner) / side).astype(int)
     (left, low), (right, high) = cells.min(0).tolist(), cells.max(0).tolist()
     full = set(map(tuple, cells.tolist()))
     columns, rows = range(left, right + 1), range(low, high + 1)
     squares = {(x, y, 1): int((x, y) in full) for x in columns for y in rows}
     said = f"{len(squares)} equal squares; something ended in {len(full)}"
-    return draw_leaves(squares, corner=corner, resolution=side, **{"title": said} | options)
+    ax = draw_leaves(squares, resolution=side, **{"title": said} | options)
+    if "corner" in options:
+        ax.plot(*corner, "+", color=RESULT, markersize=18, markeredgewidth=4)
+        x, y = corner.tolist()
+        ax.text(x, y + 0.05 * side, "  corner", color=RESULT, va="bottom")
+    return ax
 
 
 def draw_cells(map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None) -> Axes:

@@ -12,7 +12,7 @@ from ._finders import FinderPanel
 from ._graphs import IcpPanel, PoseGraphPanel
 from ._matching import KalmanPanel, LandscapePanel, MatcherPanel, ParticlePanel, PlacePanel
 from ._plans import PlanPanel
-from ._quadtree import ClassesPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
+from ._quadtree import ClassesPanel, EndsPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,
     HybridPanel,
@@ -26,9 +26,10 @@ from ._tape import TapePanel
 
 __all__ = [
     "AnglePanel", "BackbonePanel", "BasicPanel", "ClassesPanel", "ClusterPanel",
-    "EarlyMethodsPanel", "FinderPanel", "FusionPanel", "GlobalPanel", "GroundTruthPanel",
-    "HybridPanel", "IcpPanel", "KalmanPanel", "LandscapePanel", "LeastCostPanel", "LineErrorPanel",
-    "MatcherPanel", "MeanShiftPanel", "MovingPanel", "ParticlePanel", "PlacePanel",
-    "PlanPanel", "PolylinePanel", "PoseGraphPanel", "RayPanel", "RoomPanel", "RoutePanel",
-    "SectorPanel", "SegmentIcpPanel", "StoragePanel", "TapePanel", "WallsPanel", "insert_variant",
+    "EarlyMethodsPanel", "EndsPanel", "FinderPanel", "FusionPanel", "GlobalPanel",
+    "GroundTruthPanel", "HybridPanel", "IcpPanel", "KalmanPanel", "LandscapePanel",
+    "LeastCostPanel", "LineErrorPanel", "MatcherPanel", "MeanShiftPanel", "MovingPanel",
+    "ParticlePanel", "PlacePanel", "PlanPanel", "PolylinePanel", "PoseGraphPanel", "RayPanel",
+    "RoomPanel", "RoutePanel", "SectorPanel", "SegmentIcpPanel", "StoragePanel", "TapePanel",
+    "WallsPanel", "insert_variant",
 ]  # fmt: skip

@@ -16,12 +16,12 @@ from segmap.exports import Classes, ros_classes
 from segmap.matching import NoRoute, route
 from segmap.plotting import ERROR, RESULT, TRUTH, draw_quadtree, draw_segments
 from segmap.poses import transform
-from segmap.quadtree import QuadtreeMap, extent, frontiers
+from segmap.quadtree import QuadtreeMap, build_map, extent, frontiers
 from segmap.scans import Log
 from segmap.simulation import Sensor, circular_room, simulate
 
 from .._storage import compare_with_walls, represent
-from ..drawings import draw_classes, draw_frontiers
+from ..drawings import draw_classes, draw_ends, draw_frontiers
 from ..literal import cell_of, ray_cells
 from ._lesson import LessonPanel, keyword, note, slide, tick
 
@@ -103,6 +103,30 @@ def _cuts(a: float, b: float) -> Array:
 
 #: Side of the smallest leaves, metres.
 _SIDE = 0.05
+
+
+class EndsPanel(LessonPanel):
+    """Where the beams of a log's first scans ended, in a quadtree with cells of several sides.
+
+    `doublings` says how often the side of the smallest leaves, 5 cm, is doubled.
+    """
+
+    map: QuadtreeMap
+    scans = slide(lambda p: len(p.log), 1, lambda p: len(p.log), 1, "")
+    doublings = slide(0, 0, 4, 1, "")
+    leaves = note()
+    rows = ("scans", "doublings", "leaves")
+    words = "{scans} scans: {leaves}"
+
+    def __init__(self, log: Log, poses: ArrayLike) -> None:
+        self.log, self.poses = log, arrays.poses(poses, count=len(log), missing=True)
+        self._begin()
+
+    def _draw(self, figure: Figure) -> None:
+        count, side = self.scans.value, _SIDE * 2.0**self.doublings.value
+        self.map = build_map(self.log[:count], self.poses[:count], resolution=side)
+        self.leaves.value = f"{len(self.map.leaves().x)} leaves of {side:.3g} m and more"
+        draw_ends(self.map, ax=figure.subplots())
 
 
 class RayPanel(LessonPanel):

@@ -78,6 +78,7 @@ PANELS = {
     "BackbonePanel": ((LOG,), "scan", 3),
     "BasicPanel": ((WALLS,), "distance", 0.05),
     "EarlyMethodsPanel": ((BENT,), "tolerance", 0.4),
+    "EndsPanel": ((LOG, LOG.truth), "doublings", 2),
     "ClassesPanel": ((build_map(LOG, LOG.truth),), "occupied", 0.9),
     "ClusterPanel": ((LOG[0],), "gap", 0.05),
     "FinderPanel": ((), "view", 3),
