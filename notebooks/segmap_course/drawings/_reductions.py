@@ -175,19 +175,34 @@ def draw_clusters(looks: Segments, clusters: Mapping[float, Sequence[Any]]) -> l
     return axes
 
 
-def draw_sweep(
-    shifts: ArrayLike, totals: ArrayLike, best: float, *, ax: Axes | None = None
-) -> Axes:
-    """Draw the length of the chain in a strip of Fusion over its shift; orange marks the best one.
+def draw_sweep(walls: Segments, tolerance: float, totals: ArrayLike, best: float) -> list[Axes]:
+    """Draw at which shifts a strip of Fusion holds each wall, and the length of its chain below.
 
-    All are in metres; the axis of the shifts is in millimetres.
+    Walls lie along x. The totals belong to shifts at equal steps, from minus the tolerance to plus
+    the tolerance; orange marks the best one. All are in metres, the shifts drawn in millimetres.
+    The figure is new.
+
+    Examples
+    --------
+    >>> twice = np.array([[(0, 0), (3, 0)], [(1, 0.05), (2, 0.05)]])
+    >>> draw_sweep(twice, 0.04, [3, 4], 0.01)[1].get_ylabel()
+    'length of the chain [m]'
     """
-    ax = axes_or_new(ax, (6.0, 3.5))
-    ax.plot(1000 * np.asarray(shifts, float), totals, color=RESULT)
-    ax.axvline(1000 * best, color=ERROR)
-    title = f"The length changes in steps; the best shift is {1000 * best:.0f} mm"
-    ax.set(title=title, xlabel="shift of the strip [mm]", ylabel="length of the chain [m]")
-    return ax
+    across = 1000 * arrays.segments(walls)[..., 1]
+    enters, leaves = across.max(axis=1) - 1000 * tolerance, across.min(axis=1) + 1000 * tolerance
+    shifts = 1000 * np.linspace(-tolerance, tolerance, np.size(totals))
+    figure = plt.figure(figsize=(6.0, 4.2), dpi=DPI, layout="constrained")
+    bars, curve = figure.subplots(2, sharex=True, height_ratios=[2, 3])
+    rows = np.arange(1, len(across) + 1)
+    bars.hlines(rows, enters, leaves, color=MAP, linewidth=4)
+    curve.plot(shifts, totals, color=RESULT)
+    for ax in (bars, curve):
+        ax.axvline(1000 * best, color=ERROR)
+    bars.set(title="The strip holds each segment along its bar", ylabel="segment")
+    bars.set(yticks=rows, ylim=(0.5, len(across) + 0.5), xlim=(shifts[0] - 2, shifts[-1] + 2))
+    title = f"Of the longest chains, the least shift wins: {1000 * best:.0f} mm"
+    curve.set(title=title, xlabel="shift of the strip [mm]", ylabel="length of the chain [m]")
+    return [bars, curve]
 
 
 def draw_live(reductions: Mapping[str, Reduction], *, ax: Axes | None = None) -> Axes:

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 from segmap import arrays
 from segmap.angles import axial_mean_of_two
 from segmap.arrays import Array, Segments
+from segmap.kernels import ACROSS_WEIGHT, ANGULAR_WEIGHT, APART_WEIGHT
+from segmap.metrics import distance_terms
 from segmap.plotting import (
     ERROR,
     GROUPS,
@@ -73,26 +75,34 @@ def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
 def draw_distance_curves(distance: Callable[[Array, Array], float]) -> list[Axes]:
     """Draw what a distance `distance(u, v)` between a wall of 2 m and its copy makes of a move.
 
-    The copy is turned about its middle, shifted across the wall, and pushed along it.
+    The copy is turned about its middle, moved across the wall, and moved along it. Thin lines are
+    what each of the three terms adds.
 
     Examples
     --------
     >>> from segmap.metrics import segment_distance
     >>> [ax.get_title() for ax in draw_distance_curves(segment_distance)]
-    ['Turned', 'Shifted across', 'Pushed along']
+    ['Turn about the middle', 'Move across', 'Move along']
     """
     wall = np.array([(-1.0, 0.0), (1.0, 0.0)])
     moves = {
-        "Turned": [(k, (0, 0, np.radians(k))) for k in np.linspace(0, 89, 90)],
-        "Shifted across": [(k, (0, k, 0)) for k in np.linspace(0, 1)],
-        "Pushed along": [(k, (k, 0, 0)) for k in np.linspace(0, 4, 81)],
+        "Turn about the middle": [(k, (0, 0, np.radians(k))) for k in np.linspace(0, 89, 90)],
+        "Move across": [(k, (0, k, 0)) for k in np.linspace(0, 1)],
+        "Move along": [(k, (k, 0, 0)) for k in np.linspace(0, 4, 81)],
     }
+    counts = {"turned": ANGULAR_WEIGHT, "shifted": ACROSS_WEIGHT, "apart": APART_WEIGHT}
     row = axes_row(3, (9.0, 3.6), shared="y")
     for ax, (name, steps) in zip(row, moves.items(), strict=True):
-        values = [float(distance(wall, transform(pose, wall))) for _, pose in steps]
-        ax.plot([size for size, _ in steps], values, color=RESULT)
-        ax.set(title=name, xlabel="angle [degrees]" if name == "Turned" else "way [m]")
-    row[0].set_ylabel("D [m]")
+        way, copies = [k for k, _ in steps], [transform(pose, wall) for _, pose in steps]
+        ax.plot(way, [float(distance(wall, copy)) for copy in copies], color=RESULT, label="D")
+        terms = np.stack(distance_terms(wall, np.array(copies)))
+        parts = zip(counts.items(), terms, ("--", ":", "-."), (ERROR, MAP, GROUPS[2]), strict=True)
+        for (term, count), values, style, color in parts:
+            label = f"{count} {term}"
+            ax.plot(way, count * values, style, color=color, linewidth=1.2, label=label)
+        ax.set(title=name, xlabel="angle [degrees]" if name.startswith("Turn") else "way [m]")
+    row[0].set_ylabel("D and its parts [m]")
+    row[-1].legend()
     return row
 
 

@@ -174,19 +174,19 @@ def _overlap(a: Sequence[float], b: Sequence[float]) -> bool:
 
 check_chain = Exercise(
     "chain(u, inside, first) -> the rows of the chain, ascending: those of `inside` that overlap "
-    "one after another from the first, and were seen from its side; u holds where each segment "
-    "starts and ends along the line, metres, and all seen from the side of the first start before "
-    "they end",
+    "one after another from the first, and were seen from its side; u holds where both ends of "
+    "each segment lie along the line, metres: u[i][0] < u[i][1] where it was seen from the side of "
+    "the first, which is forwards, and u[i][0] > u[i][1] where it was seen from the other side",
     _chain_of_a_face,
     _faces,
     {
         "this is the chain of the chapter, which joins both faces of a wall: leave out those that "
-        "end before they start": chain,
+        "run backwards, u[i][0] > u[i][1]": chain,
         "the other face must not bridge a gap: leave it out before you look for neighbours, not "
         "afterwards": (
             lambda u, inside, first: [i for i in chain(u, inside, first) if u[i][0] < u[i][1]]
         ),
-        "this is the other face: the first starts before it ends, and so do those of its side": (
+        "this is the other face: the first runs forwards, and so do those of its side": (
             lambda u, inside, first: chain(
                 u, [i for i in inside if u[i][0] > u[i][1] or i == first], first
             )

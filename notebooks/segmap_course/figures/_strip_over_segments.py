@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 from segmap import arrays
 from segmap.arrays import Array, Metres, Segments, checked
+from segmap.plotting import RESULT
 from segmap.segments import length
 
 from ..drawings import draw_strip
@@ -94,8 +95,9 @@ class DragStrip(DragFigure):
         )
 
     def draw(self, ax: Axes) -> None:
-        """Draw the strip, and the segments of the chain, black, and others, orange."""
+        """Draw the strip with its dot, the segments of the chain, black, and others, orange."""
         segments = np.reshape(self.segments, (-1, 2, 2))
         draw_strip(segments, self.shift, self.tolerance, chain=self.measure().members, ax=ax)
         left, low, right, top = self.view
+        ax.plot(left + 0.03 * (right - left), self.shift, "o", color=RESULT, markersize=9)
         ax.set(xlim=(left, right), ylim=(low, top), title=repr(self)[len("DragStrip(") : -1])

@@ -61,9 +61,10 @@ class DragWalls(DragFigure):
         return f"DragWalls({terms}: D = {self.distance:.3f} m)"
 
     def draw(self, ax: Axes) -> None:
-        """Draw both walls with their ends, and D above them."""
+        """Draw both walls with their ends; the three terms and D are the title."""
         for wall, color in zip(self.walls(), (MAP, RESULT), strict=True):
             draw_segments([wall], ax=ax, color=color, width=2.5)
             ax.plot(*wall.T, "o", color=color, markerfacecolor="white", markersize=9)
         left, low, right, top = self.view
-        map_axes(ax).set(xlim=(left, right), ylim=(low, top), title=f"D = {self.distance:.3f} m")
+        title = repr(self)[len("DragWalls(") : -1]
+        map_axes(ax).set(xlim=(left, right), ylim=(low, top), title=title)

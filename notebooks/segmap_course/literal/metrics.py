@@ -32,7 +32,7 @@ def mean_directions(u: Segment, v: Segment, share: float = 0.5) -> list[float]:
 
 
 def turned(u: Segment, v: Segment, direction: float, share: float = 0.5) -> float:
-    """D_ang: length times tangent of the angle to the line midway, the mean of both, metres."""
+    """Length times tangent of the angle to the line midway, the mean of both, metres."""
     return sum(
         part * segment_length(s) * math.tan(abs(axial_difference(line_angle(s), direction)))
         for part, s in ((1 - share, u), (share, v))
@@ -46,13 +46,13 @@ def mean_middle(u: Segment, v: Segment, share: float = 0.5) -> Point:
 
 
 def shifted(u: Segment, v: Segment, direction: float, share: float = 0.5) -> float:
-    """D_uva: the largest distance of an end from the line midway, metres."""
+    """The largest distance of an end from the line midway, metres."""
     (x, y), dx, dy = mean_middle(u, v, share), math.cos(direction), math.sin(direction)
     return max(abs((p[1] - y) * dx - (p[0] - x) * dy) for p in (*u, *v))
 
 
-def nearness(u: Segment, v: Segment) -> float:
-    """D_uv: the least distance from an end of one segment to the other one, metres."""
+def apart(u: Segment, v: Segment) -> float:
+    """The least distance from an end of one segment to the other one, metres."""
     return min(*(point_to_segment(p, v) for p in u), *(point_to_segment(p, u) for p in v))
 
 
@@ -65,7 +65,7 @@ def segments_apart(u: Segment, v: Segment) -> float:
 
     if side(u, v[0]) * side(u, v[1]) < 0 and side(v, u[0]) * side(v, u[1]) < 0:
         return 0.0
-    return nearness(u, v)
+    return apart(u, v)
 
 
 def line_cost(u: Segment, v: Segment, direction: float, share: float = 0.5) -> float:
@@ -86,10 +86,10 @@ def mean_lines(
 
 
 def segment_distance(u: Segment, v: Segment, weight_u: float = 1.0, weight_v: float = 1.0) -> float:
-    """`0.66 D_ang + 0.09 D_uva + 0.25 D_uv`, metres; of two mean directions the smaller value."""
+    """`0.66 turned + 0.09 shifted + 0.25 apart`, metres; of two lines midway the cheaper one."""
     share = weight_v / (weight_u + weight_v)
     costs = [line_cost(u, v, direction, share) for direction in mean_directions(u, v, share)]
-    return min(costs) + 0.25 * nearness(u, v)
+    return min(costs) + 0.25 * apart(u, v)
 
 
 def quality(before: Sequence[Segment], after: Sequence[Segment], *, scale: float = 0.050) -> float:

@@ -25,7 +25,7 @@ from ..lines import (
     span_on,
     spanning,
 )
-from ..metrics import nearness, segment_distance, segments_apart
+from ..metrics import apart, segment_distance, segments_apart
 from ..points import sums_along
 
 #: Price of a metre, distance, sine of the angle, and gap.
@@ -281,7 +281,7 @@ def by_size(outputs: Outputs) -> list[int]:
 def charge(s: Segment, line: Segment, limits: Limits) -> float:
     """What an input costs at an output: its distance, and the metres that are not beside it."""
     price, distance, sine, _ = limits
-    if nearness(s, line) > HARD * distance * (1 + 1e-9):
+    if apart(s, line) > HARD * distance * (1 + 1e-9):
         return math.inf
     seen = [seen_from(line_of(line), p) for p in s]
     (_, _, dx, dy), (_, _, ex, ey) = line_of(line), line_of(s)
