@@ -11,6 +11,7 @@ from segmap_course.literal.reduction import least_cost
 
 from segmap import segments
 from segmap.angles import axial_difference, axial_mean_of_two, wrap
+from segmap.extraction import extract_clusters
 from segmap.poses import between, compose, inverse, transform
 
 
@@ -310,7 +311,7 @@ RIGHT = {
     "distances": distances_bit_by_bit,
     "unwrapped": lambda s: (s - s[0] + np.append(0, np.cumsum(np.diff(s) < 0)) * 2**24) / 1e3,
     "axial_mean": lambda angles: np.angle(np.mean(np.exp(2j * angles))) / 2,
-    "fit_line": lambda points: np.arctan2(*np.linalg.svd(points - points.mean(0))[2][0][::-1]),
+    "segments_all_round": lambda p, gap: extract_clusters(p, gap=gap, closed=True),
     "farthest_point": farthest_in_a_loop,
     "match_value": match_with_helpers,
     "least_translation": by_pseudo_inverse,

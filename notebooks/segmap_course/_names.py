@@ -64,8 +64,8 @@ from .exercises.basic import check_hough, check_matches, check_merged
 from .exercises.lines import (
     check_axial_mean,
     check_farthest_point,
-    check_fit_line,
     check_ransac_trials,
+    check_segments_all_round,
 )
 from .exercises.maps import (
     check_best_run,
@@ -165,7 +165,7 @@ __all__ = [
     "break_viewing_sector", "check_axial_mean", "check_beam_angles", "check_best_run",
     "check_building_axis", "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of",
     "check_chain", "check_climb_step", "check_compose", "check_cost_of_faces", "check_distances",
-    "check_edge_error", "check_far_ends", "check_farthest_point", "check_fit_line",
+    "check_edge_error", "check_far_ends", "check_farthest_point",
     "check_flatness", "check_frontier_cells", "check_growth_power", "check_heading_between",
     "check_hough", "check_laplacian", "check_least_translation", "check_look_noise",
     "check_loop_rest", "check_match_value", "check_matches", "check_mean_line",

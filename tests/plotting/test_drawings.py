@@ -90,6 +90,10 @@ DRAWINGS = {
         {MAP, RESULT, ERROR},
     ),
     "field": (lambda ax: course.draw_field(DistanceField(TREE), ax=ax), set()),
+    "fits": (
+        lambda ax: course.draw_fits(POINTS, {"a": (0, 0, 1, 0), "b": (0, 0, 0, 1)}, ax=ax),
+        {RAW, MAP, RESULT, ERROR},
+    ),
     "frontiers": (
         lambda ax: course.draw_frontiers(frontiers(TREE, min_size=1), ax=ax),
         {GROUPS[0]},
@@ -123,6 +127,10 @@ DRAWINGS = {
     "online": (
         lambda ax: plotting.draw_online(online_times(hybrid(SEEN), {}), ax=ax),
         {GROUPS[5]},
+    ),
+    "runs": (
+        lambda ax: course.draw_runs([POINTS, POINTS[:1]], WALLS[:1], ax=ax),
+        {MAP, ERROR, GROUPS[0]},
     ),
     "path": (lambda ax: plotting.draw_path(POSES, ax=ax), {TRUTH}),
     "points": (lambda ax: plotting.draw_points(POINTS, ax=ax), {RAW}),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,6 +24,7 @@ from segmap.plotting import (
     axes_row,
     draw_segments,
     group_colors,
+    map_axes,
 )
 from segmap.poses import transform
 from segmap.reduction import hough
@@ -146,6 +147,47 @@ def draw_merge(
     ax.collections[-1].set_linestyle(":")
     draw_segments([line], ax=ax, color=color, width=3.0, label="merged")
     return draw_segments(parts, ax=ax, width=1.5, label="its parts")
+
+
+def draw_runs(
+    runs: Sequence[ArrayLike], segments: Segments = (), *, ax: Axes | None = None
+) -> Axes:
+    """Draw runs of points, neighbours in different colours, and black segments over them.
+
+    A point that is alone is an orange cross.
+    """
+    ax = axes_or_new(ax, (6.0, 4.2))
+    for k, run in enumerate(runs):
+        points, color = np.asarray(run, float), GROUPS[(0, 3, 2, 5, 6)[k % 5]]
+        if len(points) == 1:
+            ax.plot(*points[0], "x", color=ERROR, markersize=7)
+        else:
+            ax.plot(*points.T, ".", color=color, markersize=5)
+    draw_segments(segments, ax=ax, color=MAP, width=1.5)
+    return ax
+
+
+def draw_fits(points: ArrayLike, lines: Mapping[str, ArrayLike], *, ax: Axes | None = None) -> Axes:
+    """Draw points with their mean, a cross, and lines by their names: first blue, then orange.
+
+    A line is a point of it and its unit direction: x, y, dx, dy. A dotted line leads from each
+    point to the first one.
+    """
+    ax, array = axes_or_new(ax, (6.0, 3.6)), np.asarray(points, float)
+    for (name, line), color in zip(lines.items(), (RESULT, ERROR), strict=False):
+        x, y, dx, dy = np.asarray(line, float)
+        ax.axline((x, y), (x + dx, y + dy), color=color, label=name, linewidth=2)
+        if color == RESULT:
+            feet = (x, y) + ((array - (x, y)) @ (dx, dy))[:, None] * (dx, dy)
+            ax.plot(*np.moveaxis(np.stack([array, feet]), -1, 0), ":", color=RAW)
+    ax.plot(*array.T, ".", color=MAP, markersize=4)
+    middle, reach = array.mean(axis=0), np.ptp(array, axis=0).max()
+    ax.plot(*middle, "+", color=MAP, markersize=14, label="mean")
+    ax.legend(loc="upper left")
+    around = reach * np.array((0.7, 0.3))
+    (left, low), (right, top) = middle - around, middle + around
+    map_axes(ax).set(xlim=(left, right), ylim=(low, top))
+    return ax
 
 
 def draw_missed(

@@ -1,17 +1,19 @@
-"""Exercises on lines: their mean direction, the line of a cluster, the corner of a polyline."""
+"""Exercises on lines: their mean direction, those of a scan all round, the corner of a polyline."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from segmap.angles import axial_mean
 from segmap.arrays import Array
-from segmap.extraction import fit_line
 from segmap.poses import transform
 
+from ..literal.extraction import cut_at_gaps, fit_total, segments_at_gaps
+from ..literal.lines import extreme_projections
 from ._answers import Cases, same_line
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -60,72 +62,71 @@ check_axial_mean = Exercise(
 )
 
 
-# ------------------------------------------------------------------ the line of a cluster
-def _noisy_walls(rng: Rng) -> Cases:
-    """Nine points of a 1 m wall, 3 cm off it at random."""
+# ------------------------------------------------------------------ a scan all round
+def _rounds(rng: Rng) -> Cases:
+    """Walls round a robot, with gaps between them; the first point is anywhere."""
+    sizes = rng.permutation([7, 9, 11])
 
-    def wall(degrees: float, through: Any) -> tuple[Array]:
-        points = np.stack([np.linspace(-0.5, 0.5, 9), rng.normal(0, 0.03, 9)], 1)
-        return (transform((*through, np.radians(degrees)), points),)
+    def wall(k: int, size: int) -> Array:
+        along = 0.1 * (np.arange(size) - size / 2)
+        points = np.column_stack([along, rng.normal(0, 0.01, size) - 1.5])
+        return transform((0.0, 0.0, k * np.pi / 2), points)
 
-    along, far = rng.uniform(20, 70), rng.uniform(0, 2)
+    def round_of(first: int, *, ends: Array = np.empty((0, 2))) -> tuple[Array, float]:
+        points = np.concatenate([*(wall(k, int(n)) for k, n in enumerate(sizes)), ends])
+        return np.roll(points, -first, axis=0), 0.3
+
     return {
-        "a wall": wall(rng.uniform(10, 60), rng.uniform(2, 4, 2)),
-        "an upright wall": wall(90, (rng.uniform(1, 4), 0)),
-        "a wall in line with the sensor": wall(
-            along, far * np.array([np.cos(np.radians(along)), np.sin(np.radians(along))])
-        ),
-        "a wall that leans to the left": wall(rng.uniform(95, 170), rng.uniform(-4, -2, 2)),
+        "a wall at the seam": round_of(int(rng.integers(2, 5))),
+        "a wall at the seam, most of it at the end": round_of(int(sizes[0]) + 5),
+        "a gap at the seam": round_of(0),
+        "one wall only": (wall(0, 9), 0.3),
+        "a point alone": round_of(3, ends=rng.uniform(2, 3, (1, 2)) * (-1, 1)),
     }
 
 
-def _fit_line(points: Array) -> float:
-    return fit_line(points)[1]
+def _segments_all_round(points: Array, gap: float) -> Array:
+    """As the chapter's; but the first run goes on where the last one ends."""
+    runs = cut_at_gaps(points.tolist(), gap)
+    if len(runs) > 1 and math.dist(points[-1], points[0]) < gap:
+        runs[0] = runs.pop() + runs[0]
+    lines = [(run, fit_total(run)) for run in runs if len(run) > 1]
+    return np.array([extreme_projections(run, line) for run, line in lines])
 
 
-def _regression(points: Array) -> float:
-    """Angle of y = m x + q: squares of the vertical distances only."""
-    d = points - points.mean(axis=0)
-    return float(np.arctan((d[:, 0] * d[:, 1]).sum() / (d[:, 0] ** 2).sum()))
+def _same_segments(found: Any, expected: Any) -> bool:
+    """Whether both hold the same segments, in any order, whichever end comes first."""
+    a, b = np.asarray(found, float), np.asarray(expected, float)
+    if a.shape != b.shape or a.ndim != 3 or not np.isfinite(a).all():
+        return False
+    one, other = (sorted(sorted(ends.tolist()) for ends in each.round(7)) for each in (a, b))
+    return np.allclose(one, other, rtol=0, atol=1e-6)
 
 
-def _algebraic(points: Array) -> float:
-    """Angle of a x + b y = 1 (A 3.1-3.3): depends on the origin."""
-    a, b = np.linalg.lstsq(points, np.ones(len(points)), rcond=None)[0]
-    return float(np.arctan2(-a, b))
+def _round(*changes: tuple[str, str]) -> Callable[[Array, float], Array]:
+    return edited(_segments_all_round, *changes)
 
 
-def _not_centred(points: Array) -> float:
-    x, y = np.linalg.eigh(points.T @ points)[1][:, -1]
-    return float(np.arctan2(y, x))
-
-
-check_fit_line = Exercise(
-    "fit_line(points) -> radians: angle of the line with the least squared distances from "
-    "points (n, 2) in metres",
-    _fit_line,
-    _noisy_walls,
+check_segments_all_round = Exercise(
+    "segments_all_round(points, gap) -> (k, 2, 2) metres: the segments of points (n, 2) all round, "
+    "by total least squares; the last point is the neighbour of the first",
+    _segments_all_round,
+    _rounds,
     {
-        "y = m x + q measures upright and fails for upright walls: use distances from the line": (
-            _regression
+        "this is the chapter's own: a wall at the seam is still in two parts": segments_at_gaps,
+        "the first and the last run are one only if the last point is nearer than the gap to the "
+        "first": _round((" and math.dist(points[-1], points[0]) < gap", "")),
+        "where both are joined, the last run must not stay as well": (
+            _round(("runs.pop() + runs[0]", "runs[-1] + runs[0]"))
         ),
-        "a x + b y = 1 depends on where the origin is and fails for a line through it: "
-        "subtract the mean of the points first": _algebraic,
-        "the first and last point have noise like all others: let every point count": (
-            lambda points: np.arctan2(*(points[-1] - points[0])[::-1])
+        "the last run must not be dropped: it is a part of the first": (
+            _round(("runs.pop() + runs[0]", "runs.pop() and runs[0]"))
         ),
-        "this is the direction across the wall: turn it by 90 degrees": (
-            lambda points: _fit_line(points) + np.pi / 2
+        "without a cut at its gaps the scan is one line": (
+            lambda points, gap: segments_at_gaps(points, np.inf)
         ),
-        "subtract the mean of the points first: of points far from the origin this is the "
-        "direction towards them": _not_centred,
-        "the formula with arctan2 gives twice the angle: halve it": (
-            lambda points: 2 * _fit_line(points)
-        ),
-        "np.arctan2 takes y first, then x": lambda points: np.pi / 2 - _fit_line(points),
-        "the answer is wanted in radians": changed(_fit_line, np.degrees),
     },
-    same_line,
+    _same_segments,
 )
 
 

@@ -6,12 +6,13 @@ new one takes both: see `DragFigure`.
 
 from ._drag_figure import FIGURE_MIME, DragFigure, module_text
 from ._film import Film, film
+from ._line_through_points import DragLine
 from ._prediction import Comparison, compare_prediction
 from ._scan_on_scan import DragScan
 from ._strip_over_segments import DragStrip
 from ._two_walls import DragWalls
 
 __all__ = [
-    "FIGURE_MIME", "Comparison", "DragFigure", "DragScan", "DragStrip", "DragWalls",
+    "FIGURE_MIME", "Comparison", "DragFigure", "DragLine", "DragScan", "DragStrip", "DragWalls",
     "Film", "compare_prediction", "film", "module_text",
 ]  # fmt: skip

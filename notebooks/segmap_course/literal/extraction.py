@@ -3,40 +3,40 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 from .lines import SAME, Line, Point, extreme_projections, line_of, seen_from
-from .points import sums_of
 
 Points = Sequence[Point]
 
 
 def fit_total(points: Points) -> Line:
     """Line with the least sum of squared distances: the mean, and the direction of most spread."""
-    sums = sums_of(points)
-    angle = sums.direction()
-    return sums.x, sums.y, math.cos(angle), math.sin(angle)
+    n = len(points)
+    cx, cy = sum(x for x, _ in points) / n, sum(y for _, y in points) / n
+    xx = sum((x - cx) ** 2 for x, _ in points)
+    yy = sum((y - cy) ** 2 for _, y in points)
+    xy = sum((x - cx) * (y - cy) for x, y in points)
+    angle = math.atan2(2 * xy, xx - yy) / 2
+    return cx, cy, math.cos(angle), math.sin(angle)
 
 
 def fit_algebraic(points: Points) -> Line | None:
     """A 3.1-3.3: least squares on `a x + b y = 1`; None for a line through the origin."""
-    sx, sy = sum(p[0] for p in points), sum(p[1] for p in points)
-    sxx, syy = sum(p[0] ** 2 for p in points), sum(p[1] ** 2 for p in points)
-    sxy = sum(p[0] * p[1] for p in points)
-    det = sxx * syy - sxy * sxy
-    if det <= 1e-12 * (sxx + syy) ** 2:
+    sx, sy = sum(x for x, _ in points), sum(y for _, y in points)
+    xx, yy = sum(x**2 for x, _ in points), sum(y**2 for _, y in points)
+    xy = sum(x * y for x, y in points)
+    det = xx * yy - xy * xy
+    if det <= 1e-12 * (xx + yy) ** 2:
         return None
-    a, b = (sx * syy - sy * sxy) / det, (sy * sxx - sx * sxy) / det
+    a, b = (sx * yy - sy * xy) / det, (sy * xx - sx * xy) / det
     norm = math.hypot(a, b)
     return (a / norm**2, b / norm**2, -b / norm, a / norm) if norm > 0 else None
 
 
-def cut_at_gaps(points: Points, gap: float, closed: bool = False) -> list[list[Point]]:
+def cut_at_gaps(points: Points, gap: float) -> list[list[Point]]:
     """Runs of points that are nearer to their neighbour than the gap, metres."""
-    points = list(points)
-    if closed and len(points) > 2:
-        points = points[(k := start_of_round(points, gap)) :] + points[:k]
     runs = [[p] for p in points[:1]]
     for before, point in pairwise(points):
         if math.dist(before, point) >= gap:
@@ -45,25 +45,32 @@ def cut_at_gaps(points: Points, gap: float, closed: bool = False) -> list[list[P
     return runs
 
 
-def start_of_round(points: Points, gap: float) -> int:
-    """Where a scan all round begins: behind its first gap, else at the point farthest out."""
-    n = len(points)
+def from_a_gap(points: Points, gap: float) -> Points:
+    """A scan all round, from behind its first gap on, else from the point farthest out."""
+    points, n = list(points), len(points)
+    if n < 3:
+        return points
     behind = [k for k in range(n) if math.dist(points[k - 1], points[k]) >= gap]
     middle = [sum(p[k] for p in points) / n for k in (0, 1)]
-    return behind[0] if behind else max(range(n), key=lambda k: math.dist(points[k], middle))
+    k = behind[0] if behind else max(range(n), key=lambda k: math.dist(points[k], middle))
+    return points[k:] + points[:k]
+
+
+def segments_at_gaps(
+    points: Points, gap: float = 0.30, fit: Callable[[Points], Line | None] = fit_total
+) -> list[list[tuple[float, float]]]:
+    """One segment for each run of more than one place (A 3.2)."""
+    lines = [(run, fit(run)) for run in cut_at_gaps(points, gap)]
+    found = [extreme_projections(run, line) for run, line in lines if line]
+    return [ends for ends in found if math.dist(*ends) > SAME]
 
 
 def extract_clusters(
     points: Points, *, gap: float = 0.30, fit: str = "total", closed: bool = False
 ) -> list[list[tuple[float, float]]]:
-    """One segment for each run of more than one place (A 3.2)."""
-    found = []
-    for run in cut_at_gaps(points, gap, closed):
-        line = fit_total(run) if fit == "total" else fit_algebraic(run)
-        ends = extreme_projections(run, line) if line else [(0.0, 0.0)] * 2
-        if math.dist(*ends) > SAME:
-            found.append(ends)
-    return found
+    """Segments of the runs, by one of both fits; a scan all round has no seam where closed."""
+    ordered = from_a_gap(points, gap) if closed else points
+    return segments_at_gaps(ordered, gap, fit_total if fit == "total" else fit_algebraic)
 
 
 def off_line(point: Point, line: Line) -> float:
@@ -128,7 +135,7 @@ def extract_polylines(
 ) -> list[list[tuple[float, float]]]:
     """Split each run, merge its pieces, fit a line to each that is large enough."""
     found = []
-    for run in cut_at_gaps(points, gap, closed):
+    for run in cut_at_gaps(from_a_gap(points, gap) if closed else points, gap):
         ends, start = merge(run, tolerance, split(run, tolerance, 0, len(run) - 1)), 0
         for k, end in enumerate(ends):
             first, last = ends[k - 1] if k else 0, k + 1 == len(ends)

@@ -387,6 +387,7 @@ def test_a_chapter_has_its_form(path):
 #: Number of a chapter -> a function of its cells, the exercise that it cannot do, and a word of the
 #: hint that whoever pastes it reads.
 PASTED = {
+    "03": ("segments_at_gaps", "segments_all_round", "two parts"),
     "07": ("best_move", "move_onto_walls", "corridor"),
     "12": ("quality", "quality", "quality of the chapter"),
 }

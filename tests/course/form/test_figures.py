@@ -58,8 +58,17 @@ def strip_over_walls(rng):
     return figure, {"inside": now.inside, "chain": now.members, **walls}
 
 
+def points_of_a_wall(rng):
+    """Points near a line in any direction."""
+    points = rng.uniform(-1, 1, (9, 2)) * (1, 0.1)
+    figure = course.DragLine(points + rng.uniform(-5, 5, 2))
+    figure.turn(float(rng.uniform(-3, 3)))
+    return figure, {"centre": figure.centre(), **figure.angles()}
+
+
 #: Each figure to drag: one of its states drawn at random, and what Python measures there.
 FIGURES = {
+    "line_through_points": points_of_a_wall,
     "scan_on_scan": scans_of_the_room,
     "strip_over_segments": strip_over_walls,
     "two_walls": two_walls,
