@@ -92,13 +92,6 @@ def test_an_answer_that_is_wrong_in_one_step_fails(words):
     assert not any(exercise(mine, exercise.fresh(seed)) for seed in range(5))
 
 
-def turned_until_least(points):
-    """The line fit by minimising, as a student may write it who forgot the formula."""
-    d = points - points.mean(0)
-    begin = np.arctan2(*(points[-1] - points[0])[::-1])
-    return minimize(lambda t: ((d @ [-np.sin(t[0]), np.cos(t[0])]) ** 2).sum(), [begin]).x[0]
-
-
 def nearest(point, wall):
     def away(t):
         return np.hypot(*(wall[0] + t * (wall[1] - wall[0]) - point))
@@ -109,7 +102,6 @@ def nearest(point, wall):
 @pytest.mark.parametrize(
     ("name", "other"),
     [
-        ("fit_line", turned_until_least),
         (
             "least_translation",
             lambda n, off, w: minimize(lambda t: (w * (off + n @ t) ** 2).sum(), [0, 0]).x,
