@@ -77,17 +77,21 @@ def nees_by_whitening(poses, truths, covariances):
     return [np.square(np.linalg.solve(np.linalg.cholesky(c), e)).sum() for c, e in pairs]
 
 
-def cells_by_formula(start, end):
-    """After k steps along the longer axis, rounded from the end with the smaller coordinate."""
-    start, end = np.array(start), np.array(end)
-    axis = int(abs(end - start)[1] > abs(end - start)[0])
-    first, last = (end, start) if end[axis] < start[axis] else (start, end)
-    length, aside = (last - first)[axis], (last - first)[1 - axis]
-    k = np.arange(length + 1)
-    across = (k * abs(aside) + (length - 1) // 2) // max(length, 1) if length else k
-    cells = np.empty((length + 1, 2), int)
-    cells[:, axis], cells[:, 1 - axis] = first[axis] + k, first[1 - axis] + np.sign(aside) * across
-    return cells
+def small_leaves_from_the_root(leaves, root, cells):
+    """Down from the root: what is no leaf is quartered, and so is a leaf above 4 cells."""
+    (left, low, side), found = root, []
+    if not any(left <= x < left + side and low <= y < low + side for x, y in cells):
+        return found
+    if root in leaves and side <= 4:
+        return [root]
+    if root in leaves:
+        leaves = leaves | dict.fromkeys(
+            [(left + i * side // 2, low + j * side // 2, side // 2) for i in (0, 1) for j in (0, 1)]
+        )
+    for x in (left, left + side // 2):
+        for y in (low, low + side // 2):
+            found += small_leaves_from_the_root(leaves, (x, y, side // 2), cells)
+    return sorted(found)
 
 
 def distances_bit_by_bit(lines):
@@ -334,8 +338,7 @@ RIGHT = {
     "mean_shift_step": step_in_a_loop,
     "chain": chain_by_a_sweep,
     "cell_of": lambda x, c, r: np.floor((x - c) / r),
-    "occupancy": lambda vis, occ, b: occ / vis if occ else np.interp(vis, [0, b], [0.5, 0.0]),
-    "ray_cells": cells_by_formula,
+    "crossed_leaves": small_leaves_from_the_root,
     "frontier_cells": frontier_by_shifts,
     "pixel": lambda x, y, o, side, n: (int((o[1] + n * side - y) / side), int((x - o[0]) / side)),
     "scan_score": lambda p, pose, c: -cKDTree(c).query(transform(pose, p))[0].sum(),

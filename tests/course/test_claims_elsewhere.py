@@ -16,6 +16,7 @@ import segmap
 from segmap import simulation
 from segmap.alignment import match_points, pose_graph
 from segmap.poses import between
+from segmap.quadtree import build_map
 from segmap.reduction import least_cost
 
 STOPS = [(0.7, 5), (11.3, 5), (10, 5), (10, 7.4), (10, 2.6), (10, 5), (6, 5), (6, 7.4)]
@@ -181,3 +182,19 @@ def test_poses_that_err_can_bring_the_faces_of_a_wall_nearer_and_40_mm_loses_it(
     before = segmap.build_map(log, pose_graph(log).poses)
     assert 0.05 < thickness(before.segments, middle) < 0.08
     assert thickness(segmap.fusion(before, tolerance=0.04).segments, middle) < 0.01
+
+
+@pytest.mark.parametrize(("name", "side", "least", "most"), [
+    ("clinic", 0.05, 0, 0.01), ("clinic", 0.1, 0, 0.01), ("malaga", 0.1, 0.1, 0.3)
+])  # fmt: skip
+def test_a_map_guesses_free_cells_in_the_open_and_hardly_any_in_small_rooms(
+    name, side, least, most
+):
+    """Chapter 25: catches a map whose large leaves no longer count rays as a whole."""
+    log = segmap.load(name)
+    rule, grid = (
+        build_map(log, log.truth, resolution=side, free_resolution=finest).to_grid()
+        for finest in (None, side)
+    )
+    free = rule <= 0.25
+    assert least <= (free & (grid == 0.5)).sum() / free.sum() < most

@@ -55,7 +55,7 @@ def test_cells_bring_a_scan_to_its_place_from_coarse_to_fine():
         ("resampled", lambda right: np.asarray(right) + 1, "count from 0"),
         ("axial_mean", lambda right: -right, "the sign is the other way round"),
         ("mean_wall_error", lambda right: 1000 * right, "a thousand times"),
-        ("ray_cells", lambda right: np.asarray(right)[1:], "the first one is missing"),
+        ("cell_of", lambda right: np.asarray(right)[1:], "the first one is missing"),
         ("quality", lambda right: 1 - right, "1 minus the answer"),
         ("edge_error", lambda right: 2 * right, "twice the answer"),
     ],

@@ -83,6 +83,10 @@ DRAWINGS = {
     ),
     "classes": (lambda ax: course.draw_classes(ros_classes(TREE), ax=ax), set()),
     "climb": (lambda ax: course.draw_climb(POSES, ax=ax), {RESULT}),
+    "counts": (
+        lambda ax: course.draw_counts({(0, 0, 2): (3, 0)}, beams=[[(0, 0), (1, 1)]], ax=ax),
+        {"#939393", RESULT, ERROR},
+    ),
     "curves": (lambda ax: plotting.draw_curves(USC, ax=ax), THESIS),
     "ends": (lambda ax: course.draw_ends(TREE, ax=ax), {MAP, RESULT, ERROR}),
     "equal_squares": (

@@ -29,7 +29,7 @@ from segmap.quadtree import Frontier, QuadtreeMap, extent
 
 from .._landscapes import Landscape, peaks, profile_peaks
 from .._matcher_trials import Trial
-from ..literal import crossed_cells, ray_cells
+from ..literal import crossed_cells, occupancy, ray_cells
 from ..literal.quadtrees.quadtree import Square
 from ._charts import label_axes, set_ticks
 
@@ -89,6 +89,44 @@ def draw_ends(map: QuadtreeMap, *, ax: Axes | None = None) -> Axes:
     leaves = {(x, y, cells): n for (x, y, cells), n in zip(keys, leaf.occ.tolist(), strict=True)}
     limits = left, right, low, high
     return draw_leaves(leaves, corner=corner, resolution=side, limits=limits, ax=ax)
+
+
+def draw_counts(
+    leaves: Mapping[Square, tuple[int, int]],
+    *,
+    beams: ArrayLike = (),
+    resolution: float | None = None,
+    numbers: bool = False,
+    title: str = "",
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw leaves `(column, row, side)` by the rays and ends that they count: occupancy as a grey.
+
+    White is free, black occupied, grey unknown. `beams` are pairs `(n, 2, 2)` of the robot and the
+    end, in the units of the axes: cells, or metres where a resolution is given. `numbers` writes
+    the rays of each leaf into it.
+    """
+    ax, unit = axes_or_new(ax), resolution or 1.0
+    x, y, side = np.array(list(leaves), float).T * unit
+    greys = [str(1 - occupancy(rays, ends)) for rays, ends in leaves.values()]
+    squares = PolyCollection(
+        square_corners(x, y, side), facecolors=greys, edgecolor=RESULT, linewidth=0.5
+    )
+    ax.add_collection(squares)
+    pairs = np.reshape(np.asarray(beams, float), (-1, 2, 2))
+    ax.add_collection(LineCollection(list(pairs), colors=ERROR, linewidths=0.8))
+    ax.plot(*pairs[:1, 0].T, "o", color=ERROR, markersize=7)
+    for left, low, size, (rays, ends) in zip(x, y, side, leaves.values(), strict=True):
+        if numbers:
+            color = "white" if ends else RESULT
+            middle: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 8, "color": color}
+            ax.text(left + size / 2, low + size / 2, f"{rays}", **middle)
+    low, high = (x.min(), y.min()), ((x + side).max(), (y + side).max())
+    map_axes(ax).set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    if resolution is None:
+        ax.set(xlabel="column", ylabel="row")
+    ax.set_title(title, fontsize=10)
+    return ax
 
 
 def draw_leaf_row(cases: Mapping[str, Mapping[Square, int]], **options: Any) -> list[Axes]:

@@ -132,12 +132,6 @@ def same_segment(found: Any, expected: Any) -> bool:
     return a.shape == (2, 2) and (close(a, b) or close(a[::-1], b))
 
 
-def same_cells(found: Any, expected: Any) -> bool:
-    """Whether both hold the same cells `(n, 2)`, in any order."""
-    a, b = _pair(found, expected)
-    return a.shape == b.shape and a.ndim == 2 and sorted(a.tolist()) == sorted(b.tolist())
-
-
 def same_poses(found: Any, expected: Any) -> bool:
     """Whether x and y of `(n, 3)` answers agree, and the angles as those of undirected lines."""
     a, b = _pair(found, expected)

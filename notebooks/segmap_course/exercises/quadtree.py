@@ -1,8 +1,7 @@
-"""Exercises on the quadtree: cells, growth, occupancy, rays, exported pictures."""
+"""Exercises on the quadtree: cells, leaves of rays, exported pictures."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import floor
 from typing import Any
 
@@ -11,11 +10,19 @@ from numpy.typing import NDArray
 
 from segmap.arrays import Array
 
-from ..literal import cell_of, occupancy, ray_cells
-from ._answers import Cases, same_cells
+from ..literal.quadtrees.quadtree import (
+    Square,
+    cell_of,
+    crossed_cells,
+    crossed_leaves,
+    quarters,
+    split,
+)
+from ._answers import Cases
 from ._exercise import Exercise, Rng, changed, edited, listed
 
 Cell = tuple[int, int]
+Leaves = dict[Square, tuple[int, int]]
 
 
 # ------------------------------------------------------------------------------ cells
@@ -79,95 +86,56 @@ check_cell_of = Exercise(
 )
 
 
-# -------------------------------------------------------------------------- occupancy
-def _counts(rng: Rng) -> Cases:
-    """Nothing known, few rays, many rays, hits; also fewer rays than the bias."""
-    bias = int(rng.integers(4, 40))
-    few, hits = int(rng.integers(1, bias)), int(rng.integers(1, bias))
-    rays = ((0, 0), (few, 0), (bias, 0), (3 * bias + few, 0))
-    hit = ((bias + hits, hits), (hits, hits), (few + 1, 1), (1, 1))
-    return {f"vis = {v}, occ = {o}, bias = {bias}": (v, o, bias) for v, o in (*rays, *hit)}
-
-
-check_occupancy = Exercise(
-    "occupancy(vis, occ, bias) -> float in [0, 1], 0.5 where nothing is known",
-    occupancy,
-    _counts,
-    {
-        "one ray would make a cell surely free: without hits it sinks slowly, over `bias` rays": (
-            lambda v, o, b: o / v if v else 0.5
-        ),
-        "after `bias` rays it is 0 and stays there": (
-            lambda v, o, b: o / v if o else 0.5 * (b - v) / b
-        ),
-        "nothing known is 0.5, not 1: half of this": edited(occupancy, ("0.5 * ", "")),
-        "the bias is for cells that were never hit: with hits it is occ / vis at once": (
-            lambda v, o, b: o / max(v, b) if o else max(0.5 * (b - v) / b, 0.0)
-        ),
-        "vis counts all rays through the cell, those that ended there too": (
-            lambda v, o, b: o / (v + o) if o else max(0.5 * (b - v) / b, 0.0)
-        ),
-        "this is how surely it is free: without hits occupancy sinks, with hits it is occ / vis": (
-            lambda v, o, b: 1 - occupancy(v, o, b)
-        ),
-    },
-)
-
-
 # ------------------------------------------------------------------------------- rays
-def _rays(rng: Rng) -> Cases:
-    """Rays of all eight directions, along the axes, diagonal, of one cell, with equal errors."""
-    x, y = (int(v) for v in rng.integers(-9, 10, 2))
-    long, short = int(rng.integers(6, 12)), int(rng.integers(1, 6))
-    even = 2 * int(rng.integers(2, 5))
-    ways = (
-        *((long, short), (-long, short), (short, long), (-short, -long), (long, -short)),
-        *((even, even // 2), (-even, 1), (0, 0), (0, -short), (short, -short), (4 * short, 1)),
-        *((1, 1), (-1, 1), (2 * short + 7, 3), (3, 2 * short + 7)),
-    )
-    return {f"from {(x, y)} to {(x + dx, y + dy)}": ((x, y), (x + dx, y + dy)) for dx, dy in ways}
+#: The largest leaf, in cells a side, that a ray may count in.
+_LARGEST = 4
 
 
-def _with(line: str, other: str) -> Callable[[Cell, Cell], NDArray[np.int64]]:
-    """The plain walk with one of its lines changed."""
-    walk = edited(ray_cells, (line, other))
-    return lambda start, end: np.array(walk(start, end), np.int64).reshape(-1, 2)
+def _small_leaves(leaves: Leaves, root: Square, cells: list[Cell], side: int = _LARGEST) -> Any:
+    for cell in cells:
+        split(leaves, root, cell, side)
+    return crossed_leaves(leaves, root, cells)
 
 
-def _from_the_start(start: Cell, end: Cell) -> list[Cell]:
-    """Always from the start: the same cells as their mirror image, which B's are not."""
-    (x0, y0), (x1, y1) = start, end
-    right, up = (-1 if x1 < x0 else 1), (-1 if y1 < y0 else 1)
-    cells = ray_cells((0, 0), (abs(x1 - x0), abs(y1 - y0)))
-    return [(x0 + right * x, y0 + up * y) for x, y in cells]
+def _crossings(rng: Rng) -> Cases:
+    """A tree that is not cut yet, and one that ends have cut, with a long ray in each."""
+    found = {}
+    for words, ends in (("a tree without ends", 0), ("a tree that three ends cut", 3)):
+        root: Square = (0, 0, 32)
+        leaves: Leaves = dict.fromkeys(quarters(root), (0, 0))
+        for x, y in rng.integers(0, 32, (ends, 2)).tolist():
+            split(leaves, root, (x, y))
+        (x0, y0), (x1, y1) = rng.integers(0, 10, 2).tolist(), rng.integers(20, 32, 2).tolist()
+        found[words] = leaves, root, crossed_cells((x0, y0), (x1, y1))
+    return found
 
 
-def _rounded(start: Cell, end: Cell) -> NDArray[np.int64]:
-    """Evenly along the longer axis, rounded."""
-    steps = max(abs(end[0] - start[0]), abs(end[1] - start[1])) + 1
-    return np.round(np.linspace(start, end, steps)).astype(np.int64)
-
-
-check_ray_cells = Exercise(
-    "ray_cells(start, end) -> (n, 2) cells (x, y), both ends included, by Bresenham's loop (B 4.4)",
-    ray_cells,
-    _rays,
+check_crossed_leaves = Exercise(
+    "crossed_leaves(leaves, root, cells) -> (n, 3) squares (column, row, side), sorted: the leaves "
+    "that hold a cell of a ray, each once, after each such leaf is cut to at most 4 cells a side",
+    _small_leaves,
+    _crossings,
     {
-        "the last x belongs to the ray too: range ends one before its end": _with("x1 + 1)", "x1)"),
-        "where the ray is steeper than 45 degrees x and y must change places, else it has gaps": (
-            _with("abs(y1 - y0) > abs(x1 - x0)", "False")
+        "a large leaf still counts the ray as a whole: cut it first, with split(leaves, root, "
+        "cell, 4) for each cell of the ray": crossed_leaves,
+        "4 cells a side are small enough, and single cells are a grid: split has a side as its "
+        "last argument": lambda leaves, root, cells: _small_leaves(leaves, root, cells, 1),
+        "4 is the side of a leaf in cells, and not how many cells it holds": (
+            lambda leaves, root, cells: _small_leaves(leaves, root, cells, 2)
         ),
-        "B walks towards larger x whichever way the ray runs: swap the ends where x decreases": (
-            _from_the_start
+        "a leaf counts a ray once, however many of its cells the ray met": (
+            edited(
+                _small_leaves,
+                (
+                    "crossed_leaves(leaves, root, cells)",
+                    "sorted(leaf_of(leaves, root, cell) for cell in cells)",
+                ),
+            )
         ),
-        "y moves where the error is above 0: at 0 it stays": _with("error > 0", "error >= 0"),
-        "B's error starts at minus half of dx, rounded down: rounding y in each column decides "
-        "otherwise where a ray runs right between two cells": _rounded,
-        "the error starts at -(dx // 2), not at 0: the ray begins in the middle of its cell": (
-            _with("error = -(dx // 2)", "error = 0")
+        "every leaf on the way of the ray is cut, not only the first": (
+            edited(_small_leaves, ("in cells:", "in cells[:1]:"))
         ),
     },
-    same_cells,
 )
 
 

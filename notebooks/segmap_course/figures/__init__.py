@@ -4,6 +4,7 @@ A figure to drag is a class here and an ES module beside it; `drag.js` is what a
 new one takes both: see `DragFigure`.
 """
 
+from ._beams_over_squares import DragBeams
 from ._drag_figure import FIGURE_MIME, DragFigure, module_text
 from ._film import Film, film
 from ._line_through_points import DragLine
@@ -13,6 +14,6 @@ from ._strip_over_segments import DragStrip
 from ._two_walls import DragWalls
 
 __all__ = [
-    "FIGURE_MIME", "Comparison", "DragFigure", "DragLine", "DragScan", "DragStrip", "DragWalls",
-    "Film", "compare_prediction", "film", "module_text",
+    "FIGURE_MIME", "Comparison", "DragBeams", "DragFigure", "DragLine", "DragScan", "DragStrip",
+    "DragWalls", "Film", "compare_prediction", "film", "module_text",
 ]  # fmt: skip

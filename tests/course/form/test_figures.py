@@ -66,8 +66,19 @@ def points_of_a_wall(rng):
     return figure, {"centre": figure.centre(), **figure.angles()}
 
 
+def beams_over_squares(rng):
+    """A robot and ends of beams, some of them in one cell, or beyond the root."""
+    ends = rng.uniform(-0.2, 3.4, (int(rng.integers(2, 8)), 2))
+    ends[-1] = ends[0] + 0.01
+    figure = course.DragBeams(rng.uniform(0, 3.2, 2), ends)
+    now = figure.measure()
+    leaves = sorted((*leaf, *counts) for leaf, counts in now.leaves.items())
+    return figure, {"leaves": leaves, "crossed": now.crossed, "through": now.through}
+
+
 #: Each figure to drag: one of its states drawn at random, and what Python measures there.
 FIGURES = {
+    "beams_over_squares": beams_over_squares,
     "line_through_points": points_of_a_wall,
     "scan_on_scan": scans_of_the_room,
     "strip_over_segments": strip_over_walls,

@@ -77,26 +77,65 @@ def ray_cells(start: Cell, end: Cell) -> list[Cell]:
     [(-3, 1), (-2, 1), (-1, 0), (0, 0)]
     """
     (x0, y0), (x1, y1) = start, end
-    steep = abs(y1 - y0) > abs(x1 - x0)
-    if steep:
-        x0, y0, x1, y1 = y0, x0, y1, x1
+    if abs(y1 - y0) > abs(x1 - x0):
+        return [(x, y) for y, x in ray_cells((y0, x0), (y1, x1))]
     if x1 < x0:
-        x0, y0, x1, y1 = x1, y1, x0, y0
-    dx, dy, y, found = x1 - x0, abs(y1 - y0), y0, []
+        return ray_cells(end, start)
+    dx, dy, y, cells = x1 - x0, abs(y1 - y0), y0, []
     error = -(dx // 2)
     for x in range(x0, x1 + 1):
-        found.append((y, x) if steep else (x, y))
+        cells.append((x, y))
         error += dy
         if error > 0:
             y += 1 if y1 > y0 else -1
             error -= dx
-    return found
+    return cells
 
 
 def crossed_cells(start: Cell, end: Cell) -> list[Cell]:
     """Cells of a ray without the mask: its end and the end's eight neighbours (B 4.4.2)."""
     cells = ray_cells(start, end)
     return [(x, y) for x, y in cells if max(abs(x - end[0]), abs(y - end[1])) > 1]
+
+
+def cut(leaves: dict[Square, tuple[int, int]], root: Square, cell: Cell) -> None:
+    """Cut the leaf of an end down to its cell; each part starts with one ray (B 4.2)."""
+    leaf = leaf_of(leaves, root, cell)
+    if leaf[2] > 1:
+        leaves[leaf] = 1, 0
+    split(leaves, root, cell)
+
+
+def count_end(leaves: dict[Square, tuple[int, int]], root: Square, cell: Cell) -> None:
+    """Count an end, and its ray but for the first, which the cut has counted (B 4.2)."""
+    leaf = leaf_of(leaves, root, cell)
+    rays, ends = leaves[leaf]
+    leaves[leaf] = rays + (ends > 0 or rays == 0), ends + 1
+
+
+def crossed_leaves(
+    leaves: dict[Square, Counts], root: Square, cells: Iterable[Cell]
+) -> list[Square]:
+    """The leaves that hold a cell of a ray, each once."""
+    return sorted({leaf_of(leaves, root, cell) for cell in cells})
+
+
+def count_ray(leaves: dict[Square, tuple[int, int]], root: Square, cells: Iterable[Cell]) -> None:
+    """Count a ray in each leaf that it crosses (B 4.3)."""
+    for leaf in crossed_leaves(leaves, root, cells):
+        rays, ends = leaves[leaf]
+        leaves[leaf] = rays + 1, ends
+
+
+def insert(
+    leaves: dict[Square, tuple[int, int]], root: Square, sensor: Cell, ends: Iterable[Cell]
+) -> None:
+    """Add a scan: first cut for all ends, then count ends and rays (B 4.2-4.4)."""
+    for end in ends:
+        cut(leaves, root, end)
+    for end in ends:
+        count_end(leaves, root, end)
+        count_ray(leaves, root, crossed_cells(sensor, end))
 
 
 class Quadtree:
@@ -139,20 +178,16 @@ class Quadtree:
         start, ends, last = self.cell(sensor), [*map(self.cell, points)], [*map(self.cell, free)]
         for cell in [start, *ends, *last]:
             self.grow(cell)
-        for end in ends:  # step 1: each end in a leaf of a single cell
+        for end in ends:
             self.split(end, 1)
-        for end in ends:  # step 2: the ends, with the ray of each but the first in a cell
-            leaf = self.leaf(end)
-            vis, occ = self.leaves[leaf]
-            self.leaves[leaf] = vis + (occ > 0 or vis == 0), occ + 1
+        for end in ends:
+            count_end(self.leaves, self.root, end)
         rays = [crossed_cells(start, end) for end in ends] + [ray_cells(start, end) for end in last]
         if self.finest is not None:
             for cell in (cell for ray in rays for cell in ray):
                 self.split(cell, self.finest)
-        for ray in rays:  # step 3: each leaf that holds a cell of a ray, once a ray
-            for leaf in {self.leaf(cell) for cell in ray}:
-                vis, occ = self.leaves[leaf]
-                self.leaves[leaf] = vis + 1, occ
+        for ray in rays:
+            count_ray(self.leaves, self.root, ray)
         while self.finest is not None and any([self.join(leaf) for leaf in list(self.leaves)]):
             pass
 
@@ -175,12 +210,11 @@ class Quadtree:
         return leaf_of(self.leaves, self.root, cell)
 
     def split(self, cell: Cell, least: int) -> None:
-        """Split the leaf of a cell down to this side: what a large leaf counted says nothing of its
-        parts, each of which starts with one ray."""
-        leaf = self.leaf(cell)
-        if leaf[2] > least and self.finest is None:
-            self.leaves[leaf] = 1, 0
-        split(self.leaves, self.root, cell, least)
+        """Split the leaf of a cell down to this side; without `finest` as `cut` does."""
+        if self.finest is None:
+            cut(self.leaves, self.root, cell)
+        else:
+            split(self.leaves, self.root, cell, least)
 
     def join(self, leaf: Square) -> bool:
         """Make one leaf of four that are alike and never hit, this one being the first of them."""
