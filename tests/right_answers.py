@@ -4,13 +4,12 @@ import math
 
 import numpy as np
 from scipy.spatial import cKDTree
-from scipy.spatial.distance import cdist
 from scipy.special import softmax
 from segmap_course import literal
 from segmap_course.literal.reduction import least_cost
 
 from segmap import segments
-from segmap.angles import axial_difference, axial_mean_of_two, wrap
+from segmap.angles import axial_difference, wrap
 from segmap.extraction import extract_clusters
 from segmap.poses import between, compose, inverse, transform
 
@@ -207,14 +206,8 @@ def hough_of_the_nearest_name(segment, near):
 
 def matches_with_helpers(a, b, distance, angle):
     turn = abs(axial_difference(segments.angle(a), segments.angle(b)))
-    return cdist(a, b).min() < distance and turn < angle
-
-
-def merged_with_helpers(a, b):
-    sizes = segments.length(a), segments.length(b)
-    way = axial_mean_of_two(segments.angle(a), segments.angle(b), *sizes)
-    middle = np.average([segments.midpoint(a), segments.midpoint(b)], axis=0, weights=sizes)
-    return segments.extreme_projections(np.vstack([a, b]), middle, way)
+    gaps = segments.point_distance(a, b), segments.point_distance(b, a)
+    return np.min(gaps) < distance and turn < angle
 
 
 def climb_by_argmax(value, pose, move, turn):
@@ -334,7 +327,6 @@ RIGHT = {
     "mean_wall_error": lambda p, w: segments.point_distance(p[:, None], w).min(axis=1).mean(),
     "hough": hough_of_the_nearest_name,
     "matches": matches_with_helpers,
-    "merged": merged_with_helpers,
     "mean_shift_step": step_in_a_loop,
     "chain": chain_by_a_sweep,
     "cell_of": lambda x, c, r: np.floor((x - c) / r),

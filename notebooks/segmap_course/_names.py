@@ -60,7 +60,7 @@ from .exercises.alignment import (
     check_match_value,
     check_move_onto_walls,
 )
-from .exercises.basic import check_hough, check_matches, check_merged
+from .exercises.basic import check_hough, check_matches
 from .exercises.lines import (
     check_axial_mean,
     check_farthest_point,
@@ -168,7 +168,7 @@ __all__ = [
     "check_farthest_point", "check_flatness", "check_frontier_cells", "check_growth_power",
     "check_heading_between", "check_hough", "check_laplacian", "check_least_translation",
     "check_look_noise", "check_loop_rest", "check_match_value", "check_matches", "check_mean_line",
-    "check_mean_shift_step", "check_mean_wall_error", "check_memberships", "check_merged",
+    "check_mean_shift_step", "check_mean_wall_error", "check_memberships",
     "check_missed_metres", "check_move_onto_walls", "check_nees", "check_own_log", "check_pixel",
     "check_pose_cost", "check_pose_covariance", "check_quality", "check_ransac_trials",
     "check_reduction_at", "check_reduction_rate", "check_resampled", "check_rooms_left",

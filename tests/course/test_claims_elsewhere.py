@@ -166,6 +166,22 @@ def test_a_tolerance_of_40_mm_keeps_a_wall_of_10_cm_and_70_mm_does_not(noise, bu
         assert 0.09 < thickness(narrow, middle) < 0.13 and thickness(wide, middle) < 0.01
 
 
+@pytest.mark.parametrize("building", ["clinic", 0, 1])
+@pytest.mark.parametrize("noise", NOISE, ids=str)
+def test_basic_keeps_a_wall_at_half_its_thickness_and_leaves_what_the_order_decides(
+    noise, building
+):
+    """Chapter 14: over true poses, 5 cm for a wall of 10 cm; catches a result without an order."""
+    for seed in range(2):
+        log, middle = drive_past_a_wall(building, noise, seed)
+        before, rng = segmap.build_map(log, log.truth), np.random.default_rng(seed)
+        narrow = segmap.reduction.basic_offline(before, distance=0.05).segments
+        assert 0.09 < thickness(narrow, middle) < 0.13
+        orders = [rng.permutation(len(before)) for _ in range(4)]
+        counts = {len(segmap.reduction.basic_offline(before.segments[k])) for k in orders}
+        assert len(counts) > 1
+
+
 def test_with_poses_of_the_graph_the_clinic_loses_its_wall_at_the_same_tolerance():
     """Chapter 17 says so of the bundled log."""
     log = segmap.load("clinic")

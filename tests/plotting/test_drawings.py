@@ -122,6 +122,7 @@ DRAWINGS = {
     ),
     "log": (lambda ax: plotting.draw_log(LOG, ax=ax), {RAW, TRUTH}),
     "marked": (lambda ax: course.draw_marked(WALLS, [True, False, True], ax=ax), {RAW, ERROR}),
+    "match": (lambda ax: course.draw_match(*WALLS[[0, 2]], ax=ax), {RAW, MAP, ERROR}),
     "merge": (lambda ax: course.draw_merge(WALLS[:2], WALLS[2], ax=ax), {RAW, MAP, RESULT}),
     "missed": (
         lambda ax: course.draw_missed(WALLS[[0, 2]], [(0, -0.04), (5, -0.04)], ax=ax),

@@ -48,6 +48,7 @@ from ._reductions import (
     draw_live,
     draw_sweep,
     draw_trade_off,
+    merge_frames,
     say_stretch,
 )
 from ._segments import (
@@ -56,6 +57,7 @@ from ._segments import (
     draw_distance_terms,
     draw_fits,
     draw_marked,
+    draw_match,
     draw_merge,
     draw_missed,
     draw_normals,
@@ -69,10 +71,10 @@ __all__ = [
     "draw_clusters", "draw_costs", "draw_counts", "draw_distance_curves", "draw_distance_terms",
     "draw_ends", "draw_equal_squares", "draw_field", "draw_fits", "draw_frames", "draw_frontiers",
     "draw_growth", "draw_icp_step", "draw_labels", "draw_landscape", "draw_leaf_row", "draw_leaves",
-    "draw_live", "draw_marked", "draw_merge", "draw_missed", "draw_normals",
+    "draw_live", "draw_marked", "draw_match", "draw_merge", "draw_missed", "draw_normals",
     "draw_odometry_comparison", "draw_plan", "draw_profile", "draw_ray", "draw_runs",
     "draw_scan_poses", "draw_scans", "draw_shifts", "draw_sizes_of_halls", "draw_strip",
     "draw_sweep", "draw_threshold", "draw_trade_off", "draw_trials", "draw_uncertainty",
-    "draw_wall_normals", "draw_weights", "icp_frames", "label_axes", "mark_places", "say_stretch",
-    "set_ticks", "wardrobe", "write_names",
+    "draw_wall_normals", "draw_weights", "icp_frames", "label_axes", "mark_places", "merge_frames",
+    "say_stretch", "set_ticks", "wardrobe", "write_names",
 ]  # fmt: skip

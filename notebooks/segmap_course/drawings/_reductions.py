@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from segmap import arrays
 from segmap.arrays import Segments
-from segmap.plotting import DPI, ERROR, GROUPS, MAP, RESULT, axes_or_new, axes_row, draw_segments
+from segmap.plotting import (
+    DPI,
+    ERROR,
+    GROUPS,
+    MAP,
+    RAW,
+    RESULT,
+    axes_or_new,
+    axes_row,
+    draw_segments,
+)
 from segmap.reduction import Reduction
 from segmap.segments import SegmentMap
 
@@ -123,6 +134,24 @@ def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:
     axes[0].set_ylabel("y [m]")
     say_stretch(*axes[1::2])
     return list(axes)
+
+
+def merge_frames(states: Sequence[Segments]) -> Iterator[Figure]:
+    """Figures of merges for a film: what the first map held, grey, and what is left, blue.
+
+    Orange is what has changed since the figure before; all have one view.
+    """
+    arrays_of = [arrays.segments(state) for state in states]
+    (x0, y0), (x1, y1) = (f(arrays_of[0].reshape(-1, 2), axis=0) for f in (np.min, np.max))
+    for before, after in zip([arrays_of[0], *arrays_of], arrays_of, strict=False):
+        ax = draw_segments(arrays_of[0], ax=axes_or_new(None, (5.0, 4.0)), color=RAW)
+        same = (after[:, None] == before).all(axis=(2, 3)).any(axis=1)
+        draw_segments(after[same], ax=ax, color=RESULT, width=3.0)
+        draw_segments(after[~same], ax=ax, color=ERROR, width=4.0)
+        ax.set(title=f"{len(after)} segments", xlim=(x0 - 0.4, x1 + 0.4), ylim=(y0 - 0.4, y1 + 0.4))
+        figure = ax.get_figure(root=True)
+        assert figure is not None
+        yield figure
 
 
 def draw_costs(looks: Segments, lines: Segments, costs: ArrayLike) -> list[Axes]:

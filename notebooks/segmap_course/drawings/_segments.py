@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from segmap import arrays
-from segmap.angles import axial_mean_of_two
+from segmap.angles import axial_difference, axial_mean_of_two
 from segmap.arrays import Array, Segments
 from segmap.kernels import ACROSS_WEIGHT, ANGULAR_WEIGHT, APART_WEIGHT
 from segmap.metrics import distance_terms
@@ -130,6 +130,23 @@ def draw_marked(
         raise ValueError(f"marked must have shape ({len(array)},), got {which.shape}")
     ax = draw_segments(array[~which], ax=ax, color=color)
     return draw_segments(array[which], ax=ax, color=ERROR, width=width)
+
+
+def draw_match(a: ArrayLike, b: ArrayLike, *, ax: Axes | None = None) -> Axes:
+    """Draw two segments, black, the distances of their end points, dotted, and the least, orange.
+
+    The title tells this distance and the angle between both.
+    """
+    ends = np.asarray([a, b], float)
+    pairs = np.array([(p, q) for p in ends[0] for q in ends[1]])
+    least = int(np.argmin(length(pairs)))
+    ax = draw_segments(np.delete(pairs, least, 0), ax=axes_or_new(ax, (6.0, 3.5)), color=RAW)
+    ax.collections[-1].set_linestyle(":")
+    draw_segments(pairs[[least]], ax=ax, color=ERROR, width=2.5)
+    turn = abs(float(axial_difference(*angle(ends))))
+    words = f"{length(pairs[least]):.2f} m apart, turned by {np.degrees(turn):.0f} degrees"
+    ax.set_title(words)
+    return draw_segments(ends, ax=ax, color=MAP, width=2.0)
 
 
 def draw_merge(

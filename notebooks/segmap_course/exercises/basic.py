@@ -1,4 +1,4 @@
-"""Exercises on Basic and Hybrid: which segments match, what they become, lines by their normals."""
+"""Exercises on Basic and Hybrid: which segments match, and lines by their normals."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from segmap.poses import transform
 from segmap.reduction import hough
 from segmap.segments import angle, midpoint
 
+from ..literal.lines import SAME, point_to_segment
 from ..literal.reduction import basic
-from ._answers import Cases, same_segment
+from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, edited
 
 
@@ -51,6 +52,9 @@ def _pairs(rng: Rng) -> Cases:
         "a corner": placed(flat, corner),
         "a corner, to 1 degree": placed(flat, corner, 0.25, np.radians(1)),
         "a piece beside the middle of a wall": placed(flat, _wall((-size / 2, 0.02), size / 3, 0)),
+        "a wall behind the piece in its middle": placed(
+            _wall((-size / 2, 0.02), size / 3, 0), flat
+        ),
         "two walls that begin together": placed(flat, _wall((0, 0.1), 2 * size, 0)),
         "a turn a little too large": placed(flat, joined(0.1, 1.5 * limits[1])),
         "a turn that is just small enough": placed(flat, joined(0.1, -0.8 * limits[1])),
@@ -63,12 +67,13 @@ def _pairs(rng: Rng) -> Cases:
 
 
 def _matches(a: Array, b: Array, distance: float, angle: float) -> bool:
-    return basic.match(a.tolist(), b.tolist(), distance, angle)
+    return _near(a, b, distance) and _turn(a, b) < angle - SAME
 
 
 def _gaps(a: Array, b: Array) -> Array:
-    """Distances of the four pairs of end points, `(2, 2)`, metres."""
-    return np.linalg.norm(a[:, None] - b[None, :], axis=-1)
+    """Distances of the four ends from the other segment, `(2, 2)`, metres: a from b, b from a."""
+    pairs = ((a, b), (b, a))
+    return np.array([[point_to_segment(p, t.tolist()) for p in s.tolist()] for s, t in pairs])
 
 
 def _turn(a: Array, b: Array) -> float:
@@ -81,15 +86,23 @@ def _directed_turn(a: Array, b: Array) -> float:
 
 
 def _near(a: Array, b: Array, distance: float) -> bool:
-    return bool(_gaps(a, b).min() < distance)
+    return bool(_gaps(a, b).min() < distance - SAME)
+
+
+def _by_ends(a: Array, b: Array, distance: float, angle: float) -> bool:
+    """The chapter's own match."""
+    return basic.match(a.tolist(), b.tolist(), distance, angle)
 
 
 check_matches = Exercise(
-    "matches(a, b, distance, angle) -> bool: whether some end point of segment a (2, 2) is closer "
-    "than distance, metres, to one of b, and their lines differ by less than angle, radians",
+    "matches(a, b, distance, angle) -> bool: whether some end point of one of two segments (2, 2) "
+    "is closer than distance, metres, to any point of the other, and their lines differ by less "
+    "than angle, radians",
     _matches,
     _pairs,
     {
+        "this is the match of the chapter, which looks at end points alone: a piece beside the "
+        "middle of a wall is near to the wall, too": _by_ends,
         "lines have no direction: 1 and 179 degrees lie 2 degrees apart, use axial_difference": (
             lambda a, b, d, t: _near(a, b, d) and abs(angle(a) - angle(b)) < t
         ),
@@ -102,111 +115,30 @@ check_matches = Exercise(
         "angle is in radians already: this lets nearly every turn through": (
             lambda a, b, d, t: _near(a, b, d) and _turn(a, b) < np.degrees(t)
         ),
-        "near end points are not enough: at a corner they meet too, compare the angles": (
+        "near segments are not enough: at a corner they meet too, compare the angles": (
             lambda a, b, d, t: _near(a, b, d)
         ),
-        "similar angles are not enough: two end points must be near": (
+        "similar angles are not enough: the segments must be near": (
             lambda a, b, d, t: _turn(a, b) < t
         ),
         "both conditions must hold, not one of them": (
             lambda a, b, d, t: _near(a, b, d) or _turn(a, b) < t
         ),
-        "the end points must be near, not the middles": (
+        "an end must be near, not the middles": (
             lambda a, b, d, t: np.hypot(*(midpoint(a) - midpoint(b))) < d and _turn(a, b) < t
         ),
-        "try all four pairs of end points: the end of one may meet the start of the other": (
-            lambda a, b, d, t: np.diag(_gaps(a, b)).min() < d and _turn(a, b) < t
+        "the ends of both count: a long wall has none near the middle of a piece beside it, but "
+        "the piece has": lambda a, b, d, t: _gaps(a, b)[0].min() < d and _turn(a, b) < t,
+        "the ends of both count, also those of the first": (
+            lambda a, b, d, t: _gaps(a, b)[1].min() < d and _turn(a, b) < t
         ),
-        "one pair of near end points is enough: take the smallest of the four distances": (
+        "one near end is enough: take the smallest of the four distances": (
             lambda a, b, d, t: _gaps(a, b).max() < d and _turn(a, b) < t
         ),
         "both tests are strict: exactly at the distance is not closer": (
             lambda a, b, d, t: _gaps(a, b).min() <= d and _turn(a, b) < t
         ),
     },
-)
-
-
-# ------------------------------------------------------------------ what two become
-def _pieces(rng: Rng) -> Cases:
-    size, lean, way = rng.uniform(2, 4), rng.uniform(3, 8), rng.uniform(20, 60)
-    flat = _wall((size / 2, 0), size, 0)
-    return {
-        words: (a, b)
-        for words, a, b in (
-            ("two pieces of one wall", flat, _wall((size + 0.7, 0.1), 1, lean)),
-            (
-                *("a short piece that overlaps a long one", _wall((0, 0), size, way)),
-                _wall((0.8, 1), 1, way + lean),
-            ),
-            ("walls at 1 and 179 degrees", _wall((1, 0), size, 1), _wall((size, 0), 1, 179)),
-            ("walls at 179 and 1 degrees", _wall((1, 0), size, 179), _wall((size, 0), 1, 1)),
-            ("a wall that leans far to the left", flat, _wall((size, 1), 2.2, 60 + 3 * lean)),
-            ("a wall that leans far to the right", flat, _wall((size, 1), 2.2, -60 - 3 * lean)),
-            ("upright walls", _wall((0, 2), size, 85), _wall((0.1, 4), 0.7 * size, 90 + lean)),
-            ("a piece in the middle of a wall", flat, _wall((size / 2, 0.05), 0.5, lean)),
-        )
-    }
-
-
-def _merged(a: Array, b: Array) -> Array:
-    return np.array(basic.merge(a.tolist(), b.tolist()))
-
-
-def _farthest(a: Array, b: Array) -> Array:
-    """The two of four end points that lie farthest apart."""
-    ends = np.concatenate([a, b])
-    return ends[list(np.unravel_index(np.argmax(_gaps(ends, ends)), (4, 4)))]
-
-
-#: A segment as long as both together, about the mean middle.
-_AS_LONG_AS_BOTH = (
-    "spanning(x, y, direction, (*a, *b))",
-    "[(x + math.cos(direction) * w, y + math.sin(direction) * w) for w in"
-    " (-(size_a + size_b) / 2, (size_a + size_b) / 2)]",
-)
-
-
-check_merged = Exercise(
-    "merged(a, b) -> (2, 2) metres: the segment that takes the place of two; its line has the "
-    "length-weighted mean direction and middle, its ends are the extreme projections of all four",
-    _merged,
-    _pieces,
-    {
-        "the plain mean of 1 and 179 degrees is a wall across: use axial_mean_of_two": (
-            edited(
-                basic.merge,
-                ("axial_difference(line_angle(b), ", "(line_angle(b) % math.pi - "),
-                ("line_angle(a))", "line_angle(a) % math.pi)"),
-            )
-        ),
-        "the direction is weighted by length: a short piece knows little of it": (
-            edited(basic.merge, ("share * turn", "turn / 2"))
-        ),
-        "the middle is weighted by length, as the direction is": (
-            edited(basic.merge, ("(1 - share) * (", "0.5 * ("), ("+ share * (", "+ 0.5 * ("))
-        ),
-        "direction and middle are weighted by length": (
-            edited(basic.merge, ("size_b / (size_a + size_b)", "0.5"))
-        ),
-        "the longer segment has the greater weight: here they are exchanged": (
-            edited(basic.merge, ("share * turn", "(1 - share) * turn"))
-        ),
-        "np.cos and np.sin take radians: no degrees": (
-            edited(basic.merge, ("y, direction", "y, math.degrees(direction % math.pi)"))
-        ),
-        "the farthest two end points do not lie on the mean line: project them on it": _farthest,
-        "the mean of the end points is too short, and depends on which end comes first": (
-            lambda a, b: (a + b) / 2
-        ),
-        "the line is the mean of both, not the one of the longer segment": (
-            edited(basic.merge, ("size_b / (size_a + size_b)", "float(size_b > size_a)"))
-        ),
-        "the length follows from the projections: it is no sum, for the two may overlap": (
-            edited(basic.merge, _AS_LONG_AS_BOTH)
-        ),
-    },
-    same_segment,
 )
 
 

@@ -391,6 +391,7 @@ PASTED = {
     "07": ("best_move", "move_onto_walls", "corridor"),
     "25": ("crossed_leaves", "crossed_leaves", "cut it first"),
     "12": ("quality", "quality", "quality of the chapter"),
+    "14": ("match", "matches", "match of the chapter"),
 }
 
 

@@ -24,11 +24,29 @@ def merge(a: Segment, b: Segment) -> Segment:
     return spanning(x, y, direction, (*a, *b))
 
 
-def basic_offline(
-    segments: Sequence[Segment], *, distance: float = 0.20, angle: float = math.pi / 18
-) -> Found:
-    """Basic over the whole map: its scans do not matter."""
-    return basic_online(segments, [0] * len(segments), distance=distance, angle=angle)
+def take_in(
+    live: dict[int, Segment], went: dict[int, int], i: int, distance: float, angle: float
+) -> None:
+    """A segment takes in, one after another, all others that match it as it grows."""
+    for j in list(live):
+        if j != i and match(live[i], live[j], distance, angle):
+            live[i], went[j] = merge(live[i], live.pop(j)), i
+
+
+def one_pass(live: dict[int, Segment], went: dict[int, int], distance: float, angle: float) -> bool:
+    """Each segment that is still there has its turn; whether any took in another."""
+    before = len(live)
+    for i in list(live):
+        if i in live:
+            take_in(live, went, i, distance, angle)
+    return len(live) < before
+
+
+def last(i: int, went: dict[int, int]) -> int:
+    """The segment into which another went at last."""
+    while went[i] != i:
+        i = went[i]
+    return i
 
 
 def basic_online(
@@ -39,7 +57,7 @@ def basic_online(
     angle: float = math.pi / 18,
 ) -> Found:
     """After each scan passes over the map until one merges nothing; survivors and parents."""
-    went = {i: i for i in range(len(segments)) if segment_length(segments[i]) >= SAME}
+    went = {i: i for i, s in enumerate(segments) if segment_length(s) >= SAME}
     live: dict[int, Segment] = {}
     for scan in sorted(set(scans)):
         live |= {i: segments[i] for i in went if scans[i] == scan}
@@ -47,21 +65,12 @@ def basic_online(
             pass
     place = {i: k for k, i in enumerate(live)}
     return list(live.values()), [
-        place[_last(i, went)] if i in went else -1 for i in range(len(scans))
+        place[last(i, went)] if i in went else -1 for i in range(len(scans))
     ]
 
 
-def one_pass(live: dict[int, Segment], went: dict[int, int], distance: float, angle: float) -> bool:
-    """Each segment in turn takes in all others that match it as it grows; whether any did."""
-    merged = False
-    for i in list(live):
-        for j in list(live):
-            if i != j and i in live and j in live and match(live[i], live[j], distance, angle):
-                live[i], went[j], merged = merge(live[i], live.pop(j)), i, True
-    return merged
-
-
-def _last(i: int, went: dict[int, int]) -> int:
-    while went[i] != i:
-        i = went[i]
-    return i
+def basic_offline(
+    segments: Sequence[Segment], *, distance: float = 0.20, angle: float = math.pi / 18
+) -> Found:
+    """Basic over the whole map: its scans do not matter."""
+    return basic_online(segments, [0] * len(segments), distance=distance, angle=angle)
