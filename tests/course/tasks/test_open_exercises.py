@@ -146,7 +146,7 @@ ANSWERS = {
             (dict.fromkeys("ACE", "filter") | dict.fromkeys("BDF", "keep"), "A: 'filter' does not"),
         ],
     ),
-    "predict_bend": (5, [(71, "it is 4.493 mm; near enough is within a factor of 2")]),
+    "predict_bend": (5, [(71, "it is 4.455 mm; near enough is within a factor of 2")]),
     "predict_crowd": (0.63, [(0.82, "it is 0.631 parts of 1")]),
     "predict_survivors": (63, [(100, "it is 63.4 particles"), (50, "near enough is within 3")]),
     "decide_way": (

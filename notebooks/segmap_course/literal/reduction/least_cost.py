@@ -370,7 +370,8 @@ def exchange(
     and the next would save too little.
     """
     ranked = ranks(outputs)
-    if sum(saved(ranked, f, offer, penalty) for _, f in ranked[j] if f >= 0) <= TRIED * penalty:
+    beside = [f for cost, f in ranked[j] if cost < math.inf]
+    if sum(saved(ranked, f, offer, penalty) for f in beside) <= TRIED * penalty:
         return h
     pairs = zip(ranked, offer, strict=True)
     others = {at for ((_, at), (second, _)), cost in pairs if cost < second}
