@@ -48,7 +48,7 @@ def known_building(
     Examples
     --------
     >>> [len(part) for part in known_building("floor")]
-    [13, 475, 475]
+    [13, 476, 476]
     """
     walls, _ = buildings()[name]
     log = driven(name, seed, sensor)

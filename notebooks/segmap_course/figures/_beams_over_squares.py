@@ -44,7 +44,7 @@ class DragBeams(DragFigure):
     --------
     >>> figure = DragBeams((0.05, 0.05), [(0.75, 0.05), (0.75, 0.75)], cells=8)
     >>> figure
-    DragBeams(4 of 16 leaves are crossed; 0 times a beam crosses a cell in which another ended)
+    DragBeams(3 of 16 leaves are crossed; 0 times a beam crosses a cell in which another ended)
     """
 
     module = "beams_over_squares"

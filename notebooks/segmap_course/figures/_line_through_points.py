@@ -29,7 +29,7 @@ class DragLine(DragFigure):
     DragLine(-1.1 degrees by distances to the line, -1.1 degrees by vertical distances)
     >>> figure.turn(np.radians(91.1))
     >>> figure
-    DragLine(90.0 degrees by distances to the line, 0.1 degrees by vertical distances)
+    DragLine(90.0 degrees by distances to the line, 13.6 degrees by vertical distances)
     """
 
     module = "line_through_points"

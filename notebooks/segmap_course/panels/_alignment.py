@@ -146,7 +146,7 @@ class SegmentIcpPanel(LessonPanel):
     >>> from segmap import load
     >>> panel = SegmentIcpPanel(load("room"), scan=3, apart=2)
     >>> panel.verdict.value
-    'match, overlap 0.78'
+    'match, overlap 0.77'
     """
 
     match: Match

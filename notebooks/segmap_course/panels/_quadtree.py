@@ -225,7 +225,7 @@ class StoragePanel(LessonPanel):
     >>> from segmap_course import room_walk, room_walls
     >>> log = room_walk(20)
     >>> StoragePanel(log, log.truth, room_walls()).segments.value
-    '12 segments, 0.4 kB, 0.8 mm off'
+    '12 segments, 0.4 kB, 0.9 mm off'
     """
 
     #: Of `compare_with_walls`.

@@ -262,7 +262,7 @@ class WallsPanel(ReductionPanel):
     --------
     >>> panel = WallsPanel()
     >>> panel.walls.value
-    '1.08 segments a wall, 100% of the walls found'
+    '1.15 segments a wall, 100% of the walls found'
     >>> panel.noise.value, panel.by.value = "0.02", "one_per_wall"
     >>> panel.estimate.value
     'poses off by 22 mm, it says'

@@ -55,7 +55,7 @@ decide_floor = Decision(
     "would hand over, and for each other the figure that refuses it: 'a wall', 'missed %', "
     "'invented %', 'double %' or 'off [mm]'",
     ("A", "B", "C", "D", "E", "F", "G", "H", "I", "J"),
-    "0b70c6a6 174e873b 211edeee 266662fa 26ad7f66 51f13340 597fa360 5cd8dc9b 5cfe2ecc "
+    "0b70c6a6 13dd76e2 174e873b 211edeee 266662fa 26ad7f66 51f13340 597fa360 5cd8dc9b 5cfe2ecc "
     "9ca3cc32 a2720120 a873dbe6 bd7edb34 c5ffd983 d9db5bb3 dd8b4a30 de25fd21 e90b8657 "
     "ea12c09d",
     praise="Five of the maps that you refused have a higher quality: it asks what the reduction "

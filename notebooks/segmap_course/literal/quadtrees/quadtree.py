@@ -87,8 +87,7 @@ def ray_cells(start: Cell, end: Cell) -> list[Cell]:
         cells.append((x, y))
         error += dy
         if error > 0:
-            y += 1 if y1 > y0 else -1
-            error -= dx
+            y, error = y + (1 if y1 > y0 else -1), error - dx
     return cells
 
 
