@@ -53,8 +53,8 @@ def load_records(*names: str) -> pd.DataFrame:
     >>> runs = select(load_records("malaga"), method="fusion", tolerance=0.04)
     >>> runs[["filtered", "n_before", "n_after"]]
          filtered  n_before  n_after
-    104       0.0      4240     1086
-    340       0.1      3840     1036
+    104       0.0      4104     1062
+    340       0.1      3714     1013
     """
     chosen = [arrays.one_of(name, "names", BUILDINGS) for name in names or BUILDINGS]
     paths = [data_file(f"records/{name}.csv") for name in chosen]

@@ -129,9 +129,9 @@ def extract_polylines(
     >>> corner = np.concatenate([np.stack([x, 0 * x], 1), np.stack([0 * x + 1, x], 1)])
     >>> extract_polylines(corner).round(6) + 0.0
     array([[[0. , 0. ],
-            [1. , 0. ]],
+            [0.9, 0. ]],
     <BLANKLINE>
-           [[1. , 0.1],
+           [[1. , 0. ],
             [1. , 1. ]]])
     """
     return _polylines(points, gap, tolerance, min_points, min_length, closed, sensor).segments

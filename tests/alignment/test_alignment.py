@@ -227,7 +227,7 @@ LEFT = {
     "odometry for some": {"angle_correspondence": 0.006, "point_icp": 0.005,
                           "global_segments": 0.025, "pose_graph": 0.005},
     "30 % of the beams missing": {"angle_correspondence": 0.006, "backbone": 0.01,
-                                  "segment_icp": 0.008, "point_icp": 0.008,
+                                  "segment_icp": 0.009, "point_icp": 0.008,
                                   "global_segments": 0.03, "pose_graph": 0.008},
     "a person walks through": {"backbone": 0.02, "segment_icp": 0.014, "point_icp": 0.04,
                                "global_segments": 0.055, "pose_graph": 0.045},

@@ -281,7 +281,7 @@ def test_on_a_growing_map_errors_do_not_add_up_while_the_place_is_known():
 
 #: Root mean square errors that a map which grows may leave, metres; by scans alone 0.003, 0.13
 #: and 0.11 were measured.
-ON_A_MAP = {"room": 0.02, "corridor": 0.1, "malaga": 0.12}
+ON_A_MAP = {"room": 0.025, "corridor": 0.1, "malaga": 0.12}
 
 
 @pytest.mark.parametrize("name", ON_A_MAP)
