@@ -227,7 +227,7 @@ LEFT = {
     "odometry for some": {"angle_correspondence": 0.006, "point_icp": 0.005,
                           "global_segments": 0.025, "pose_graph": 0.005},
     "30 % of the beams missing": {"angle_correspondence": 0.006, "backbone": 0.01,
-                                  "segment_icp": 0.009, "point_icp": 0.008,
+                                  "point_icp": 0.008,
                                   "global_segments": 0.03, "pose_graph": 0.008},
     "a person walks through": {"backbone": 0.02, "segment_icp": 0.014, "point_icp": 0.04,
                                "global_segments": 0.055, "pose_graph": 0.045},
@@ -250,6 +250,13 @@ def test_what_is_left_of_the_error(case, name):
     if case == "corridor" and name in ("global_segments", "pose_graph"):
         loops = found.graph.edges[found.graph.loop]
         assert (np.diff(loops) > 100).any() and not found.graph.loop.all() and far[-1] < 0.15
+
+
+def test_segment_icp_bears_beams_that_are_missing_by_chance():
+    """In the mean of ten draws: of one draw 4 to 12 mm are left, wherever a corner goes."""
+    drawn = [logs.missing(plain(), seed=seed) for seed in range(10)]
+    errors = [logs.errors(log, alignment.segment_icp(log).poses)[0] for log in drawn]
+    assert np.sqrt(np.square(errors).mean(axis=1)).mean() < 0.008
 
 
 @pytest.mark.parametrize("name", ["segment_icp", "point_icp", "global_segments", "pose_graph"])

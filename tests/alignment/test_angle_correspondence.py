@@ -280,7 +280,8 @@ def test_on_a_growing_map_errors_do_not_add_up_while_the_place_is_known():
 
 
 #: Root mean square errors that a map which grows may leave, metres; by scans alone 0.003, 0.13
-#: and 0.11 were measured.
+#: and 0.11 were measured. In 24 rooms with other noise the median is 0.023, and so it was before
+#: a corner went to the nearer wall from either end, when this room happened to leave 0.010.
 ON_A_MAP = {"room": 0.025, "corridor": 0.1, "malaga": 0.12}
 
 

@@ -111,8 +111,10 @@ def test_every_reduction_answers():
     """Catches reductions that cannot be told apart by what they do to a thin wall."""
     answers = by_reduction()
     assert set(answers) == set(reduction.METHODS)
-    lost = {name for name, a in answers.items() if not (a.wall.sure and a.wall.metres > 0.05)}
-    assert {"basic_offline", "basic_online", "uncertain_parameters", "fuzzy_set"} <= lost
+    lost = {name for name, a in answers.items() if not a.wall.sure}
+    assert {"uncertain_parameters", "fuzzy_set"} <= lost
+    for name in ("basic_offline", "basic_online"):  # of a wall of 10 cm
+        assert name in lost or answers[name].wall.metres < 0.02
     for name in ("fusion", "least_cost", "one_per_wall"):
         assert abs(answers[name].wall.metres - 0.10) < 0.01 and answers[name].clearance.sure
 
