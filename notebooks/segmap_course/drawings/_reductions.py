@@ -19,7 +19,6 @@ from segmap.plotting import (
     ERROR,
     GROUPS,
     MAP,
-    RAW,
     RESULT,
     axes_or_new,
     axes_row,
@@ -59,7 +58,7 @@ def draw_cases(
 
 
 def say_stretch(*axes: Axes) -> None:
-    """Write below the pictures of a figure how many times larger x is drawn than y.
+    """Write below the pictures of a figure which axis is drawn larger, and how many times.
 
     Examples
     --------
@@ -67,6 +66,9 @@ def say_stretch(*axes: Axes) -> None:
     >>> say_stretch(*axes)
     >>> axes[0].texts[0].get_text()
     'x drawn 100 times\\nlarger than y'
+    >>> say_stretch(*(lying := draw_cases({"a wall": [[(0, 0), (3, 0.1)]]}, lambda map: map)))
+    >>> lying[0].texts[0].get_text().split("\\n")[1]
+    'larger than x'
     """
     below = partial(Axes.annotate, xycoords="axes fraction", textcoords="offset points")
     notes = [below(ax, "x\ny", (0.5, 0), xytext=(0, -32), ha="center", va="top") for ax in axes]
@@ -76,7 +78,8 @@ def say_stretch(*axes: Axes) -> None:
     for ax, note in zip(axes, notes, strict=True):
         box, (left, right), (low, high) = ax.bbox, ax.get_xlim(), ax.get_ylim()
         times = box.width / (right - left) / (box.height / (high - low))
-        note.set_text(f"x drawn {float(f'{times:.2g}'):g} times\nlarger than y")
+        larger, other, times = ("x", "y", times) if times > 1 else ("y", "x", 1 / times)
+        note.set_text(f"{larger} drawn {float(f'{times:.2g}'):g} times\nlarger than {other}")
 
 
 def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None) -> Axes:
@@ -115,7 +118,7 @@ def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:
     ends = np.concatenate([arrays.segments(map).reshape(-1, 2) for map in maps.values()])
     (x0, y0), (x1, y1) = ends.min(axis=0) - 0.2, ends.max(axis=0) + 0.2
     wide = (x1 - x0) / (y1 - y0)
-    thin = 0.45 if right - left < top - low else 1.2
+    thin = 0.45 if right - left < top - low else 0.8
     height = min(4.5, 8.4 / (wide + thin) / len(maps))
     size = (wide + thin) * height * len(maps) + 0.8, max(3.5, height + 0.6)
     figure = plt.figure(figsize=size, dpi=DPI, layout="constrained")
@@ -130,6 +133,7 @@ def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:
         whole.set(title=title, xlim=(x0, x1), ylim=(y0, y1))
         closer.set(title="closer", xlim=(left, right), ylim=(low, top), aspect="auto")
         closer.tick_params(colors=ERROR)
+        closer.locator_params(axis="x", nbins=3)
         closer.spines[:].set_color(ERROR)
     axes[0].set_ylabel("y [m]")
     say_stretch(*axes[1::2])
@@ -137,15 +141,15 @@ def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:
 
 
 def merge_frames(states: Sequence[Segments]) -> Iterator[Figure]:
-    """Figures of merges for a film: what the first map held, grey, and what is left, blue.
+    """Figures of merges for a film: blue is as in the figure before, orange is new.
 
-    Orange is what has changed since the figure before; all have one view.
+    All have one view.
     """
     arrays_of = [arrays.segments(state) for state in states]
     (x0, y0), (x1, y1) = (f(arrays_of[0].reshape(-1, 2), axis=0) for f in (np.min, np.max))
     for before, after in zip([arrays_of[0], *arrays_of], arrays_of, strict=False):
-        ax = draw_segments(arrays_of[0], ax=axes_or_new(None, (5.0, 4.0)), color=RAW)
         same = (after[:, None] == before).all(axis=(2, 3)).any(axis=1)
+        ax = axes_or_new(None, (5.0, 4.0))
         draw_segments(after[same], ax=ax, color=RESULT, width=3.0)
         draw_segments(after[~same], ax=ax, color=ERROR, width=4.0)
         ax.set(title=f"{len(after)} segments", xlim=(x0 - 0.4, x1 + 0.4), ylim=(y0 - 0.4, y1 + 0.4))
