@@ -22,6 +22,7 @@ from segmap.plotting import (
     axes_grid,
     axes_or_new,
     axes_row,
+    draw_robot,
     draw_segments,
     group_colors,
     map_axes,
@@ -29,6 +30,9 @@ from segmap.plotting import (
 from segmap.poses import transform
 from segmap.reduction import hough
 from segmap.segments import angle, length, midpoint
+
+#: Runs of which each has its number in a picture, at most.
+MOST_NUMBERED = 12
 
 
 def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
@@ -169,17 +173,20 @@ def draw_merge(
 def draw_runs(
     runs: Sequence[ArrayLike], segments: Segments = (), *, ax: Axes | None = None
 ) -> Axes:
-    """Draw runs of points, neighbours in different colours, and black segments over them.
+    """Draw runs of points of a scan, numbered in their order, and black segments over them.
 
-    A point that is alone is an orange cross.
+    The orange triangle is the robot at (0, 0); a point that is alone is an orange cross.
     """
-    ax = axes_or_new(ax, (6.0, 4.2))
+    ax, single = axes_or_new(ax, (6.0, 4.2)), [len(np.asarray(run)) == 1 for run in runs]
     for k, run in enumerate(runs):
         points, color = np.asarray(run, float), GROUPS[(0, 3, 2, 5, 6)[k % 5]]
-        if len(points) == 1:
+        if single[k]:
             ax.plot(*points[0], "x", color=ERROR, markersize=7)
         else:
             ax.plot(*points.T, ".", color=color, markersize=5)
+        if len(runs) - sum(single) <= MOST_NUMBERED:
+            ax.annotate(f"{k + 1}", points[0], (4, 4), textcoords="offset points", fontsize=9)
+    draw_robot((0.0, 0.0, 0.0), ax=ax)
     draw_segments(segments, ax=ax, color=MAP, width=1.5)
     return ax
 
