@@ -317,12 +317,13 @@ def test_the_mask_is_at_the_end_of_a_ray(ax, start, end):
     """Catches a mask at the start of rays to the left, whose cells come in the other order."""
     course.draw_ray(start, end, ax=ax)
     (crossed, spared), (line,) = (squares(ax, k) for k in (0, 1)), ax.lines
-    assert len(crossed) + len(spared) == max(abs(end[0] - start[0]), abs(end[1] - start[1])) + 1
-    assert len(spared) == 2 and (*end, 1, 1) in spared and (*start, 1, 1) in crossed
+    assert len(crossed) == max(abs(end[0] - start[0]), abs(end[1] - start[1])) - 1
+    assert len(spared) == 9 and spared[4] == (*end, 1, 1) and (*start, 1, 1) in crossed
+    assert not {*spared} & {*crossed}
     assert line.get_xydata().tolist() == [[k + 0.5 for k in start], [k + 0.5 for k in end]]
     assert [to_hex(part.get_facecolor()[0]) for part in ax.collections] == [RESULT, RAW]
     for (low, high), k in ((ax.get_xlim(), 0), (ax.get_ylim(), 1)):
-        assert (low, high) == (min(start[k], end[k]), max(start[k], end[k]) + 1)
+        assert (low, high) == (min(start[k], end[k]) - 1, max(start[k], end[k]) + 2)
 
 
 def test_classes_are_drawn_at_their_place_the_lowest_row_below(ax):

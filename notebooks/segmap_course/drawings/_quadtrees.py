@@ -29,7 +29,7 @@ from segmap.quadtree import Frontier, QuadtreeMap, extent
 
 from .._landscapes import Landscape, peaks, profile_peaks
 from .._matcher_trials import Trial
-from ..literal import crossed_cells, occupancy, ray_cells
+from ..literal import crossed_cells, occupancy
 from ..literal.quadtrees.quadtree import Square
 from ._charts import label_axes, set_ticks
 
@@ -118,7 +118,7 @@ def draw_counts(
     ax.plot(*pairs[:1, 0].T, "o", color=ERROR, markersize=7)
     for left, low, size, (rays, ends) in zip(x, y, side, leaves.values(), strict=True):
         if numbers:
-            color = "white" if ends else RESULT
+            color = "white" if ends else MAP
             middle: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 8, "color": color}
             ax.text(left + size / 2, low + size / 2, f"{rays}", **middle)
     low, high = (x.min(), y.min()), ((x + side).max(), (y + side).max())
@@ -202,20 +202,19 @@ def draw_frontiers(found: Iterable[Frontier], *, ax: Axes | None = None) -> Axes
 
 
 def draw_ray(start: ArrayLike, end: ArrayLike, *, ax: Axes | None = None) -> Axes:
-    """Draw the cells of a ray (B 4.4): blue the crossed ones, grey those that the mask leaves out.
+    """Draw the cells of a ray (B 4.4): blue those that count it, grey the nine of the mask.
 
     Its ends are cells: column and row.
     """
     ax, ends = axes_or_new(ax), np.array([start, end], np.int64)
     (a, b), (c, d) = ends.tolist()
-    crossed = crossed_cells((a, b), (c, d))
-    spared = [cell for cell in ray_cells((a, b), (c, d)) if cell not in crossed]
-    for cells, color in ((crossed, RESULT), (spared, RAW)):
+    mask = [(c + i, d + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    for cells, color in ((crossed_cells((a, b), (c, d)), RESULT), (mask, RAW)):
         x, y = np.reshape(cells, (-1, 2)).T
         squares = square_corners(x, y, np.ones(len(x)))
         ax.add_collection(PolyCollection(squares, facecolor=color, linewidth=0))
     ax.plot(*(ends + 0.5).T, color=ERROR)
-    (left, low), (right, high) = ends.min(0), ends.max(0) + 1
+    (left, low), (right, high) = ends.min(0) - 1, ends.max(0) + 2
     ax.set(xlim=(left, right), ylim=(low, high), xlabel="column", ylabel="row", aspect="equal")
     ax.set(xticks=range(left, right + 1), yticks=range(low, high + 1))
     ax.grid(alpha=0.5)

@@ -106,7 +106,7 @@ def cut(leaves: dict[Square, tuple[int, int]], root: Square, cell: Cell) -> None
 
 
 def count_end(leaves: dict[Square, tuple[int, int]], root: Square, cell: Cell) -> None:
-    """Count an end, and its ray but for the first, which the cut has counted (B 4.2)."""
+    """Count an end and its ray; that of the first end was counted by the cut (B 4.2)."""
     leaf = leaf_of(leaves, root, cell)
     rays, ends = leaves[leaf]
     leaves[leaf] = rays + (ends > 0 or rays == 0), ends + 1
