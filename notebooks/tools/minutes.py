@@ -1,5 +1,5 @@
-"""What chapters show and how long they take, as their own cells say, written into the syllabus,
-the README and chapter 01 by `.venv/bin/python notebooks/tools/minutes.py`.
+"""What chapters show and how long they take, as their own cells say, written into the syllabus and
+the README by `.venv/bin/python notebooks/tools/minutes.py`.
 
 Words by the speed of a second-language reader of technical text, cells and answers at fixed
 minutes. A table of these is an estimate to plan a lab with, and no measurement of students.
@@ -11,13 +11,10 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-import nbformat
 from book.sources import PARTS, part_of
-from refresh import tidy
 
 NOTEBOOKS = Path(__file__).resolve().parents[1]
 SYLLABUS, README = NOTEBOOKS / "SYLLABUS.md", NOTEBOOKS.parent / "README.md"
-START = NOTEBOOKS / "01_start_here.ipynb"
 #: Words a minute; minutes for a cell of code with what it shows, for a panel or a figure to drag,
 #: for a function to be written, for an open exercise (a prediction, a counter-example, an own log).
 SPEED, CELL, PANEL, FUNCTION, OPEN = 120, 0.75, 5, 20, 15
@@ -125,12 +122,6 @@ def stated(text: str) -> list[tuple[list[str], int]]:
 
 
 def listed(text: str, chapters: list[Chapter]) -> str:
-    """A text in the folder of the chapters, with its list of them."""
-    rows = "".join(f"| [{c.title}]({c.file}) | {c.shows} |\n" for c in chapters)
-    return LIST.sub(lambda _: f"| chapter | what it shows |\n|---|---|\n{rows}", text)
-
-
-def listed_by_part(text: str, chapters: list[Chapter]) -> str:
     """A text beside the folder of the chapters, with a row of numbers for each part."""
     rows = ""
     for part in PARTS:
@@ -146,16 +137,10 @@ def listed_by_part(text: str, chapters: list[Chapter]) -> str:
 
 def fresh() -> dict[Path, str]:
     """Each file that lists chapters, as it should be."""
-    chapters, start = all_chapters(), nbformat.read(START, as_version=4)
-    for cell in start.cells:
-        if LIST.search(cell.source):
-            cell.source = listed(cell.source, chapters)
-    info = start.metadata.language_info
-    tidy(start).metadata.language_info = info
+    chapters = all_chapters()
     return {
         SYLLABUS: written(SYLLABUS.read_text(encoding="utf-8"), chapters),
-        README: listed_by_part(README.read_text(encoding="utf-8"), chapters),
-        START: nbformat.writes(start) + "\n",
+        README: listed(README.read_text(encoding="utf-8"), chapters),
     }
 
 

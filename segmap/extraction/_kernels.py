@@ -379,7 +379,8 @@ def polylines_of_scans(
         set_tolerances(p, x, y, spread, spread_share, gap, tolerance, ease, gaps)
         if closed and len(p) > 2:
             start = start_of_round(p, gaps)
-            p[:] = np.concatenate((p[start:], p[:start]))
+            for k, point in enumerate(np.concatenate((p[start:], p[:start]))):
+                p[k, 0], p[k, 1] = point  # a slice would cost 4 s of compiling
             set_tolerances(p, x, y, spread, spread_share, gap, tolerance, ease, gaps)
         counts[i] = polylines(p, ease, gaps, tolerance, min_points, min_length, own, room, sums)
         if counts[i] < 0:

@@ -38,10 +38,12 @@ def test_there_are_chapters_and_all_have_a_number():
 
 def test_every_chapter_is_linked():
     """Catches a chapter that no reader finds."""
-    start, *others = [path.name for path in CHAPTERS]
-    named = rules.links((ROOT / "README.md").read_text())
-    assert {f"notebooks/{name}" for name in (start, *others)} <= set(named)
-    assert set(others) <= set(rules.links(rules.markdown(read(CHAPTERS[0]))))
+    names = {path.name for path in CHAPTERS}
+    readme, syllabus = (
+        rules.links((ROOT / n).read_text()) for n in ("README.md", "notebooks/SYLLABUS.md")
+    )
+    assert {f"notebooks/{name}" for name in names} <= set(readme) and names <= set(syllabus)
+    assert "SYLLABUS.md" in rules.links(rules.markdown(read(CHAPTERS[0])))
 
 
 @pytest.mark.parametrize("name", ["README.md", "environment.md", "data/malaga/README.md",
