@@ -19,40 +19,38 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from . import (
-    angles,
-    display,
-    extraction,
-    metrics,
-    poses,
-    progress,
-    readers,
-    reduction,
-    scans,
-    segments,
-)
-from .extraction import build_map, extract_clusters, extract_polylines
-from .metrics import quality, reduction_rate, segment_distance
-from .readers import LogError, load, read
-from .reduction import METHODS, Reduction, fusion
-from .scans import LaserScan, Log
-from .segments import SegmentMap
+from . import display
 
 if TYPE_CHECKING:
     from . import (
         alignment,
+        angles,
         arrays,
         experiments,
         exports,
+        extraction,
         matching,
+        metrics,
         panels,
         plan,
         plotting,
+        poses,
+        progress,
         quadtree,
+        readers,
+        reduction,
+        scans,
+        segments,
         sensors,
         simulation,
         testing,
     )
+    from .extraction import build_map, extract_clusters, extract_polylines
+    from .metrics import quality, reduction_rate, segment_distance
+    from .readers import LogError, load, read
+    from .reduction import METHODS, Reduction, fusion
+    from .scans import LaserScan, Log
+    from .segments import SegmentMap
 
 __version__ = "0.2.0"
 
@@ -95,14 +93,26 @@ __all__ = [
     "testing",
 ]
 
+#: What has a name here too, by the package that it is of.
+_OFTEN_USED = {
+    "extraction": ("build_map", "extract_clusters", "extract_polylines"),
+    "metrics": ("quality", "reduction_rate", "segment_distance"),
+    "readers": ("LogError", "load", "read"),
+    "reduction": ("METHODS", "Reduction", "fusion"),
+    "scans": ("LaserScan", "Log"),
+    "segments": ("SegmentMap",),
+}
 #: The extra that brings a package which not everybody has.
 _EXTRA = {"ipywidgets": "lab", "IPython": "lab", "serial": "laser"}
 
 
 def __getattr__(name: str) -> Any:
-    """The packages that load when first named: some bring pandas, matplotlib or widgets."""
+    """Packages load when first named: some bring pandas, matplotlib or widgets."""
     if name not in __all__:
         raise AttributeError(f"module 'segmap' has no attribute {name!r}")
+    for package, names in _OFTEN_USED.items():
+        if name in names:
+            return getattr(importlib.import_module(f"segmap.{package}"), name)
     try:
         return importlib.import_module(f"segmap.{name}")
     except ModuleNotFoundError as error:

@@ -42,7 +42,7 @@ def pip_install(extra: str) -> str:
     >>> pip_install("laser")
     'pip install pyserial'
     """
-    from importlib.metadata import PackageNotFoundError, distribution, requires
+    from importlib.metadata import PackageNotFoundError, distributions, requires
 
     try:
         lines = requires("segmap") or []
@@ -50,14 +50,8 @@ def pip_install(extra: str) -> str:
         return f"its packages are those of the extra {extra!r} in pyproject.toml"
     ours = [line for line in lines if line.endswith(f"extra == {extra!r}")]
     names = [re.split(r"[^\w.-]", line, maxsplit=1)[0] for line in ours]
-
-    def missing(name: str) -> bool:
-        try:
-            return not distribution(name)
-        except PackageNotFoundError:
-            return True
-
-    return " ".join(["pip install", *(list(filter(missing, names)) or names)])
+    missing = [name for name in names if not any(distributions(name=name))]
+    return " ".join(["pip install", *(missing or names)])
 
 
 def counted(count: int, word: str) -> str:
