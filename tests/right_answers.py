@@ -34,12 +34,12 @@ def flatness_by_doubled_angles(normals, weights):
     return (half - turned) / (half + turned)
 
 
-def step_in_a_loop(centres, pieces, sigma, bandwidth):
+def step_in_a_loop(centres, pieces, lengths, sigma, bandwidth):
     moved = []
     for c in centres:
         turns = np.array([np.angle(np.exp(2j * (p[2] - c[2]))) / 2 for p in pieces])
         away = [np.hypot(*(p - c)[:2]) for p in pieces]
-        w = np.exp(-(np.square(away) + (turns / bandwidth) ** 2) / 2 / sigma**2)
+        w = lengths * np.exp(-(np.square(away) + (turns / bandwidth) ** 2) / 2 / sigma**2)
         x, y = np.average(pieces[:, :2], axis=0, weights=w)
         moved.append([x, y, (c[2] + np.average(turns, weights=w)) % np.pi])
     return moved

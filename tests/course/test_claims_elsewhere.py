@@ -182,6 +182,28 @@ def test_basic_keeps_a_wall_at_half_its_thickness_and_leaves_what_the_order_deci
         assert len(counts) > 1
 
 
+@pytest.mark.parametrize("sigma", [0.1, 0.2, 0.4])
+def test_mean_shift_makes_one_of_walls_nearer_than_028_sigma(sigma):
+    """Chapter 16 says so without noise: two heaps, two deviations of the thin kernel apart."""
+    rng = np.random.default_rng(16)
+    for size in (1, 2, 3, 5):
+        pose = (*rng.uniform(-5, 5, 2), rng.uniform(0, np.pi))
+        for apart, lines in ((0.27 * sigma, 1), (0.31 * sigma, 2)):
+            walls = np.array([[(0, 0), (size, 0)], [(0, apart), (size, apart)]])
+            turned = segmap.poses.transform(pose, walls)
+            assert len(segmap.reduction.mean_shift(turned, sigma=sigma)) == lines
+
+
+@pytest.mark.parametrize("building", ["clinic", 0, 1])
+@pytest.mark.parametrize("noise", NOISE, ids=str)
+def test_mean_shift_keeps_a_wall_of_10_cm_at_20_cm_and_loses_it_at_40(noise, building):
+    """Chapter 16 says so of the clinic, where 30 cm lose it too; true poses."""
+    log, (x, y) = drive_past_a_wall(building, noise, 0)
+    part = segmap.build_map(log, log.truth).cropped(x - 1, y - 1.2, x + 1, y + 1.2)
+    kept, lost = (segmap.reduction.mean_shift(part, sigma=s).segments for s in (0.2, 0.4))
+    assert 0.09 < thickness(kept, (x, y)) < 0.11 and thickness(lost, (x, y)) < 0.01
+
+
 def test_with_poses_of_the_graph_the_clinic_loses_its_wall_at_the_same_tolerance():
     """Chapter 17 says so of the bundled log."""
     log = segmap.load("clinic")

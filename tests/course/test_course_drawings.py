@@ -269,16 +269,13 @@ def test_each_case_is_reduced_by_itself_and_lies_over_what_is_left():
         np.testing.assert_array_equal(lines_of(ax, 1), map)
 
 
-def test_centres_go_from_black_dots_to_those_of_their_group(ax):
-    """Catches ways drawn across the centres in place of along the steps."""
-    ways = np.array([[(0, 0), (1, 0), (5, 5)], [(0.4, 0), (0.6, 0), (5, 5)]])
-    course.draw_centres(ways, [0, 0, 1], ax=ax)
-    assert [line.get_xydata().tolist() for line in ax.lines] == ways.swapaxes(0, 1).tolist()
-    start, end = ax.collections
-    np.testing.assert_array_equal(start.get_offsets(), ways[0])
-    np.testing.assert_array_equal(end.get_offsets(), ways[1])
-    found = [to_hex(c) for c in end.get_facecolor()]
-    assert found == [GROUPS[k] for k in (0, 0, 1)]
+def test_a_hill_is_where_pieces_are_dense(ax):
+    """Catches a density of another width, and a centre drawn beside it."""
+    course.draw_hill([0.0, 0.1], [0.0, 0.05], 0.2, ax=ax)
+    curve, pieces, way = (line.get_xydata() for line in ax.lines)
+    assert pieces.tolist() == [[0, 0], [0.1, 0]]
+    np.testing.assert_allclose(way[0, 1], 1 + np.exp(-(0.5**2) / 2))
+    assert way[1, 1] >= curve[:, 1].max() - 1e-6
 
 
 def test_normals_end_on_the_lines_of_their_walls_in_their_colours(ax):

@@ -192,7 +192,7 @@ def test_a_step_is_that_of_mean_shift(seed):
     begin, one = (
         common_directions(segments, sigma=0.2, bandwidth=5.0, steps=k).centres for k in (0, 1)
     )
-    found = np.array(course.check_mean_shift_step.solution(begin, begin, 0.2, 5.0))
+    found = np.array(course.check_mean_shift_step.solution(begin, begin, np.ones(6), 0.2, 5.0))
     np.testing.assert_allclose(found[:, :2], one[:, :2], atol=1e-9)
     np.testing.assert_allclose(axial_difference(found[:, 2], one[:, 2]), 0, atol=1e-9)
 

@@ -77,10 +77,6 @@ DRAWINGS = {
         {MAP, RESULT},
     ),
     "cells": (lambda ax: course.draw_cells(TREE, TREE.to_grid() > 0.5, ax=ax), {ERROR}),
-    "centres": (
-        lambda ax: course.draw_centres(np.zeros((2, 1, 2)), [0], ax=ax),
-        {RAW, MAP, GROUPS[0]},
-    ),
     "classes": (lambda ax: course.draw_classes(ros_classes(TREE), ax=ax), set()),
     "climb": (lambda ax: course.draw_climb(POSES, ax=ax), {RESULT}),
     "counts": (
@@ -148,6 +144,7 @@ DRAWINGS = {
         lambda ax: plotting.draw_position_errors(LOG, {"a": POSES, "b": ALIGNED}, ax=ax),
         {ERROR, RESULT},
     ),
+    "hill": (lambda ax: course.draw_hill([0, 0.1], [0, 0.05], 0.2, ax=ax), {MAP, ERROR}),
     "profile": (lambda ax: course.draw_profile([-1, 0, 1], [0, 2, 0], ax=ax), {RESULT, ERROR}),
     "provenance": (
         lambda ax: plotting.draw_provenance(WALLS, REDUCED, ax=ax),
@@ -208,6 +205,7 @@ ROWS = {
         lambda: course.draw_odometry_comparison(dict.fromkeys("ab", compare_odometry(LOG))),
         True,
     ),
+    "phases": (lambda: course.draw_phases([(0, 0, 0)], WALLS, WALLS[:1], 0.2), True),
     "quadtrees": (lambda: plotting.draw_quadtrees({"a": TREE, "b": TREE}), True),
     "scan_poses": (
         lambda: course.draw_scan_poses(
@@ -232,7 +230,7 @@ OF_THEIR_OWN = {
 #: What x or y is these do not know: the caller says it.
 CALLER_LABELS = {"basin", "climb", "trade_off"}
 #: Along x and y in metres, with scales of their own so that what is near can be told apart.
-STRETCHED = {"centres", "missed", "strip"}
+STRETCHED = {"missed", "strip"}
 
 
 pytestmark = pytest.mark.usefixtures("agg")

@@ -105,7 +105,7 @@ def test_a_broken_chapter_does_not_lose_the_rest(book):
     assert "97_unreadable.ipynb" in said and "98_spoiled" in said
     for name in ("97_unreadable", "98_spoiled"):
         assert "could not be made" in read(folder, f"notebooks/{name}.html")
-    assert "16.1 The idea" in read(folder, "notebooks/16_mean_shift.html")
+    assert "16.2 The idea" in read(folder, "notebooks/16_mean_shift.html")
 
 
 def fetched(folder):
@@ -157,12 +157,12 @@ def test_the_book_in_a_browser(book, browser):
     found = wait("the search", lambda: browser.run(RESULTS), 60)
     assert found[0] == "16 Mean shift" and "segmap.reduction.mean_shift" in found
     claim = "return document.querySelector('#search-results li > p').textContent"
-    assert browser.run(claim).startswith("Mean shift cuts the walls")
+    assert browser.run(claim).startswith("Mean shift lets pieces of walls")
     browser.screenshot(SCREENSHOT.with_name("book_search.png"))
 
     browser.open(urllib.parse.urljoin(home, "notebooks/16_mean_shift.html"))
-    browser.click("//div[contains(@class, 'toc-tree')]//a[contains(., 'What goes wrong')]")
-    top = "return document.querySelector('#what-goes-wrong').getBoundingClientRect().top"
+    browser.click("//div[contains(@class, 'toc-tree')]//a[contains(., 'When it fails')]")
+    top = "return document.querySelector('#when-it-fails').getBoundingClientRect().top"
     wait("the section", lambda: -5 < browser.run(top) < 200, 20)
     browser.screenshot(SCREENSHOT.with_name("book_chapter.png"))
     browser.run("document.querySelector('a.next-page').click()")

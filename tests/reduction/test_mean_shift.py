@@ -45,12 +45,12 @@ def test_the_first_phase_can_be_watched():
     map = redundant_map(np.random.default_rng(4), 20) / 3
     whole = common_directions(map)
     begin, one = (common_directions(map, steps=k).centres for k in (0, 1))
-    literal = cut(map.tolist(), 0.2)
-    np.testing.assert_allclose(begin[:, :2], [piece.place[:2] for piece in literal], atol=1e-12)
+    pieces, owner = cut(map, 0.2)
+    np.testing.assert_allclose(begin[:, :2], pieces.mean(axis=1), atol=1e-12)
     assert 0 < np.abs(one - begin)[:, :2].max() < 0.2
     assert np.abs(whole.centres - one)[:, :2].max() > 0.01
     assert len(whole.theta) == whole.cluster.max() + 1
-    np.testing.assert_array_equal(whole.owner, [piece.owner for piece in literal])
+    np.testing.assert_array_equal(whole.owner, owner)
     ways = [inspect.signature(way).parameters for way in (common_directions, mean_shift)]
     for name in ("sigma", "bandwidth"):
         assert ways[0][name].default == ways[1][name].default

@@ -24,7 +24,6 @@ from segmap.plotting import (
     axes_row,
     draw_robot,
     draw_segments,
-    group_colors,
     map_axes,
 )
 from segmap.poses import transform
@@ -269,21 +268,6 @@ def draw_strip(
     draw_segments(array[outside], ax=ax, color=ERROR, width=1.5)
     ax.set(aspect="auto", xlabel="along [m]", ylabel="across [m]")
     ax.margins(y=0.15)
-    return ax
-
-
-def draw_centres(ways: ArrayLike, group: ArrayLike, *, ax: Axes | None = None) -> Axes:
-    """Draw how the centres of mean shift climb: grey paths from black dots to coloured ones.
-
-    The ways `(k, n, 2)` are where each of n centres is, from the first step to the last; each axis
-    has its own scale, and each group, of `(n,)` numbers, a colour.
-    """
-    ax, steps = axes_or_new(ax), np.asarray(ways, float)
-    ax.plot(*np.moveaxis(steps, -1, 0), color=RAW, linewidth=0.6)
-    (x, y), (to_x, to_y) = steps[0].T, steps[-1].T
-    ax.scatter(x, y, s=3, color=MAP, zorder=2)
-    ax.scatter(to_x, to_y, s=18, c=group_colors(np.asarray(group, np.int64)), zorder=3)
-    ax.set(xlabel="x [m]", ylabel="y [m]")
     return ax
 
 

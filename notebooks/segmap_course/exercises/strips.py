@@ -13,7 +13,7 @@ from segmap.angles import axial_difference
 from segmap.arrays import Array, Segments
 
 from ..literal import chain
-from ..literal.reduction.mean_shift import mean_difference
+from ..literal.reduction.mean_shift import moves
 from ._answers import Cases, same_poses
 from ._exercise import Exercise, Rng, edited
 
@@ -30,7 +30,8 @@ def _pieces(rng: Rng) -> Cases:
     def case(centres: Any, pieces: Any) -> tuple[Any, ...]:
         scale = [1, 1, np.pi / 180]
         places = np.array(centres, float) * scale, np.array(pieces, float) * scale
-        return *places, sigma, float(np.radians(slack)) / sigma
+        lengths = sigma * rng.uniform(0.1, 1, len(pieces))
+        return *places, lengths, sigma, float(np.radians(slack)) / sigma
 
     return {
         "two pieces": case(about(way, 1), about(way, 2)),
@@ -44,46 +45,59 @@ def _pieces(rng: Rng) -> Cases:
     }
 
 
-def _literal_step(centres: Array, pieces: Array, sigma: float, bandwidth: float) -> list[Any]:
-    """One step of phase 1 (A 4.8)."""
-
-    def square(d: Any) -> float:
-        return float((d[0] ** 2 + d[1] ** 2 + (d[2] / bandwidth) ** 2) / sigma**2)
-
-    points = pieces.tolist()
-    return [at + mean_difference(points, at.tolist(), square) for at in centres]
-
-
-def _mean_shift_step(centres: Array, pieces: Array, sigma: float, bandwidth: float) -> Array:
-    """The same in arrays, of which the mistakes change a part."""
+def _mean_shift_step(
+    centres: Array, pieces: Array, lengths: Array, sigma: float, bandwidth: float
+) -> Array:
+    """One step of phase 1 (A 4.8), in which a piece counts by its length."""
     d = pieces - centres[:, None]
     d[..., 2] = axial_difference(d[..., 2], 0.0)
     away = np.linalg.norm(d * [1, 1, 1 / bandwidth], axis=-1)
-    w = np.exp(-((away / sigma) ** 2) / 2)
+    w = lengths * np.exp(-((away / sigma) ** 2) / 2)
     return np.asarray(centres + (w[..., None] * d).sum(axis=1) / w.sum(axis=1)[:, None])
 
 
+def _unweighted_step(
+    centres: Array, pieces: Array, lengths: Array, sigma: float, bandwidth: float
+) -> Array:
+    """The chapter's own step."""
+    return centres + moves(pieces, centres, np.array([sigma, sigma, sigma * bandwidth]))
+
+
 check_mean_shift_step = Exercise(
-    "mean_shift_step(centres, pieces, sigma, bandwidth) -> (n, 3): centres (n, 3), as x and y in "
-    "metres and the angle in radians, after one step towards the pieces (m, 3)",
-    _literal_step,
+    "mean_shift_step(centres, pieces, lengths, sigma, bandwidth) -> (n, 3): centres (n, 3), as x "
+    "and y in metres and the angle in radians, after one step towards the pieces (m, 3), in which "
+    "a piece counts by its length (m,), metres",
+    _mean_shift_step,
     _pieces,
     {
+        "this is the chapter's step, where a scrap pulls as much as a long piece: multiply the "
+        "weights by the lengths": _unweighted_step,
+        "multiply the weights by the lengths, and not the kernel's distance": (
+            edited(
+                _mean_shift_step, ("away / sigma", "lengths * away / sigma"), ("lengths * np", "np")
+            )
+        ),
+        "a length counts once: divide by the sum of the weights with their lengths": (
+            edited(_mean_shift_step, ("w.sum(axis=1)", "(w / lengths).sum(axis=1)"))
+        ),
         "walls at 2 and 177 degrees differ by 5: take the axial difference of the angles": (
             edited(_mean_shift_step, ("axial_difference(d[..., 2], 0.0)", "d[..., 2]"))
         ),
         "the weights are right; add the weighted mean of the axial differences to the angle of the "
         "centre, in place of averaging the angles themselves": (
-            edited(_mean_shift_step, ("centres + (w[..., None] * d).sum(axis=1)", "w @ pieces"))
+            edited(
+                _mean_shift_step,
+                ("centres + (w[..., None] * d).sum(axis=1)", "w @ pieces"),
+            )
         ),
         "a radian is not a metre: divide the difference of the angles by the bandwidth": (
-            lambda c, p, s, b: _mean_shift_step(c, p, s, 1.0)
+            lambda c, p, n, s, b: _mean_shift_step(c, p, n, s, 1.0)
         ),
         "the bandwidth is in radians a metre: divide by it to get metres": (
-            lambda c, p, s, b: _mean_shift_step(c, p, s, 1 / b)
+            lambda c, p, n, s, b: _mean_shift_step(c, p, n, s, 1 / b)
         ),
         "the kernel is exp(-d^2 / (2 sigma^2)): the 2 is missing": (
-            lambda c, p, s, b: _mean_shift_step(c, p, s / np.sqrt(2), b)
+            lambda c, p, n, s, b: _mean_shift_step(c, p, n, s / np.sqrt(2), b)
         ),
         "a weighted mean: divide by the sum of the weights": (
             edited(_mean_shift_step, (" / w.sum(axis=1)[:, None]", ""))
@@ -91,16 +105,13 @@ check_mean_shift_step = Exercise(
         "this is how far each centre moves: add it to where the centre is": (
             lambda c, *rest: _mean_shift_step(c, *rest) - c
         ),
-        "centres are pulled by the pieces, which stay, not by each other": (
-            lambda c, p, s, b: _mean_shift_step(c, c, s, b)
-        ),
         "the bandwidth turns the angle into metres; sigma then divides it as it divides x and y": (
-            lambda c, p, s, b: _mean_shift_step(c, p, s, b / s)
+            lambda c, p, n, s, b: _mean_shift_step(c, p, n, s, b / s)
         ),
         "divide the angle by the bandwidth alone: sigma divides all three afterwards, and not "
-        "twice": lambda c, p, s, b: _mean_shift_step(c, p, s, b * s),
+        "twice": lambda c, p, n, s, b: _mean_shift_step(c, p, n, s, b * s),
         "the bandwidth is in radians a metre: angles stay in radians": (
-            lambda c, p, s, b: _mean_shift_step(c, p, s, np.radians(b))
+            lambda c, p, n, s, b: _mean_shift_step(c, p, n, s, np.radians(b))
         ),
         "the weight falls with the square of the distance": (
             edited(_mean_shift_step, ("((away / sigma) ** 2)", "(away / sigma)"))

@@ -185,7 +185,7 @@ class MeanShiftPanel(ReductionPanel):
         ways = list(np.stack([begin, end], axis=1))
         right.add_collection(LineCollection(ways, colors=RAW, linewidths=0.6))
         right.scatter(begin[:, 0], begin[:, 1], s=3, color=RAW, linewidths=0)
-        right.scatter(end[:, 0], end[:, 1], s=12, c=group_colors(found.cluster), linewidths=0)
+        right.scatter(*end.T, s=20, c=group_colors(found.cluster), linewidths=0, zorder=3)
         right.set_aspect("equal")
         right.set(title="its pieces, and where they climb to", xlabel="x [m]")
 
