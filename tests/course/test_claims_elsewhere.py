@@ -15,6 +15,7 @@ from segmap_course.literal.reduction.least_cost_merges import merge_all
 import segmap
 from segmap import simulation
 from segmap.alignment import match_points, pose_graph
+from segmap.angles import axial_mean
 from segmap.poses import between
 from segmap.quadtree import build_map
 from segmap.reduction import least_cost
@@ -202,6 +203,24 @@ def test_mean_shift_keeps_a_wall_of_10_cm_at_20_cm_and_loses_it_at_40(noise, bui
     part = segmap.build_map(log, log.truth).cropped(x - 1, y - 1.2, x + 1, y + 1.2)
     kept, lost = (segmap.reduction.mean_shift(part, sigma=s).segments for s in (0.2, 0.4))
     assert 0.09 < thickness(kept, (x, y)) < 0.11 and thickness(lost, (x, y)) < 0.01
+
+
+def width(looks):
+    """How far middles of looks longer than 0.3 m lie apart across their mean direction, metres."""
+    long = looks.segments[segmap.segments.length(looks.segments) > 0.3]
+    turn = axial_mean(segmap.segments.angle(long))
+    return np.ptp(segmap.segments.midpoint(long) @ [-np.sin(turn), np.cos(turn)])
+
+
+def test_what_chapter_16_reads_off_its_pictures():
+    """A wall and a corridor at 0.30 m, and how wide the bundle and a face of the clinic are."""
+    clinic, street = (
+        segmap.build_map(log, log.truth) for log in map(segmap.load, ("clinic", "malaga"))
+    )
+    tapes = measure_clinic(segmap.reduction.mean_shift(clinic, sigma=0.30)).tapes
+    assert 0.09 < tapes["left corridor"].metres - 1.20 < 0.105
+    assert width(street.cropped(-12, 10.8, -10, 11.3)) == pytest.approx(0.10, abs=0.005)
+    assert width(clinic.cropped(5.36, 2.0, 5.45, 4.0)) == pytest.approx(0.004, abs=0.0005)
 
 
 def test_with_poses_of_the_graph_the_clinic_loses_its_wall_at_the_same_tolerance():
