@@ -280,20 +280,20 @@ def laplacian_by_rows(count, edges, weights):
     return rows.T @ (weights[:, None] * rows)
 
 
-def rooms_as_sets(widths, doors, kappa):
-    """Rooms as sets of numbers; the least doorway by sorting all of them each time."""
-    rooms = [{k} for k in range(len(widths))]
-    while True:
-        found = []
-        for i, j, width in doors:
-            one, other = (next(room for room in rooms if k in room) for k in (i, j))
-            if one is not other:
-                circles = (max(widths[k] for k in room) for room in (one, other))
-                found.append((min(circles) / width, sorted([min(one), min(other)]), one, other))
-        if not found or min(found)[0] >= kappa:
-            return [min(next(r for r in rooms if k in r)) for k in range(len(widths))]
-        _, _, one, other = min(found, key=lambda each: each[0])
-        rooms = [room for room in rooms if room not in (one, other)] + [one | other]
+def axes_one_wall_at_a_time(walls):
+    """Votes in a list of quarters of a degree, by directions as complex numbers to the fourth."""
+    way = [complex(*(end - start)) for start, end in np.asarray(walls, float)]
+    axes = []
+    while sum(map(abs, way)) >= 2:
+        votes = []
+        for step in range(360):
+            unit = np.exp(-4j * np.radians(step / 4))
+            off = [abs(np.degrees(np.angle((w / abs(w)) ** 4 * unit))) / 4 for w in way]
+            votes.append(sum(abs(w) * max(0, 1 - d / 6) for w, d in zip(way, off, strict=True)))
+        axes.append(votes.index(max(votes)) / 4)
+        unit = np.exp(-4j * np.radians(axes[-1]))
+        way = [w for w in way if abs(np.degrees(np.angle((w / abs(w)) ** 4 * unit))) / 4 > 8]
+    return axes
 
 
 #: Exercise -> its answer. Some use helpers of the library, some lists or whole numbers.
@@ -346,6 +346,6 @@ RIGHT = {
     "building_axis": lambda a, w: np.angle((w * np.exp(4j * a)).sum()) / 4 % (np.pi / 2),
     "far_ends": far_ends_by_pairs,
     "laplacian": laplacian_by_rows,
-    "rooms_left": rooms_as_sets,
+    "axes_of": axes_one_wall_at_a_time,
     "memberships": lambda squares, noise: softmax(-np.log(np.append(squares, noise**2)))[:-1],
 }

@@ -106,11 +106,26 @@ def clinic_walls() -> Array:
     return read_segments(data_file("clinic/walls.csv")).segments
 
 
+def clearance_at(first: ArrayLike, second: ArrayLike, turn: ArrayLike) -> Array:
+    """How far the inner corner between two corridors is from the wardrobe at a turn, metres.
+
+    That is `w1 cos t + w2 sin t - L sin t cos t - b`: its ends touch the outer walls, and t, in
+    radians, is 0 along the first corridor.
+
+    Examples
+    --------
+    >>> clearance_at(1.2, 1.3, 0)
+    array(0.6)
+    """
+    (w1, w2), t = (np.asarray(width, float) for width in (first, second)), np.asarray(turn, float)
+    sin, cos = np.sin(t), np.cos(t)
+    return np.asarray(w1 * cos + w2 * sin - WARDROBE_LENGTH_M * sin * cos - WARDROBE_DEPTH_M)
+
+
 def clearance(first: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
     """Room that is left for the wardrobe between corridors of two widths, and the tightest turn.
 
-    Metres and radians. At a turn t the inner corner is `w1 cos t + w2 sin t - L sin t cos t - b`
-    away from the wardrobe, whose ends touch the outer walls; t is 0 along the first corridor.
+    Metres and radians.
 
     Examples
     --------
@@ -119,8 +134,7 @@ def clearance(first: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
     (0.167, 43)
     """
     w1, w2 = (np.asarray(width, float)[..., None] for width in (first, second))
-    sin, cos = np.sin(TURNS), np.cos(TURNS)
-    room = w1 * cos + w2 * sin - WARDROBE_LENGTH_M * sin * cos - WARDROBE_DEPTH_M
+    room = clearance_at(w1, w2, TURNS)
     return room.min(axis=-1), TURNS[room.argmin(axis=-1)]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from . import drawings, figures, panels
-from ._clinic import Answers, Measured, clearance, clinic_walls, measure_clinic
+from ._clinic import Answers, Measured, clearance, clearance_at, clinic_walls, measure_clinic
 from ._conclusions import conclusions, density, filter_change
 from ._explore import Explored, drive_to_frontiers, explore, floor_of
 from ._found_lines import (
@@ -44,14 +44,7 @@ from ._thesis import (
     thesis_results,
     within_thesis,
 )
-from ._unknown_building import (
-    Taped,
-    Unknown,
-    circle_in,
-    taped_on_plan,
-    three_plans,
-    unknown_building,
-)
+from ._unknown_building import Taped, Unknown, unknown_building
 from .drawings import *
 from .exercises import Check, Exercise
 from .exercises.alignment import (
@@ -84,13 +77,13 @@ from .exercises.matching import (
     check_weighed,
 )
 from .exercises.mechanisms import (
+    check_axes_of,
     check_building_axis,
     check_far_ends,
     check_laplacian,
     check_look_noise,
     check_mean_line,
     check_pose_cost,
-    check_rooms_left,
 )
 from .exercises.open import Challenge, Decision, OwnLog, Prediction
 from .exercises.open.alignment import (
@@ -100,7 +93,7 @@ from .exercises.open.alignment import (
     predict_scan_time,
     predict_sparse_icp,
 )
-from .exercises.open.decision import decide_map, decide_plan
+from .exercises.open.decision import decide_map
 from .exercises.open.judgement import (
     decide_claims,
     decide_floor,
@@ -161,30 +154,29 @@ __all__ = [
     "Landscape", "Measured", "OwnLog", "Prediction", "Representation", "Taped", "Trial", "Unknown",
     "View", "Weighed", "alignment_table", "break_basic_order", "break_cells", "break_icp",
     "break_line", "break_matching", "break_quality", "break_reader", "break_sum",
-    "break_viewing_sector", "check_axial_mean", "check_beam_angles", "check_best_run",
-    "check_building_axis", "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of",
-    "check_chain", "check_climb_step", "check_compose", "check_cost_of_faces",
-    "check_crossed_leaves", "check_distances", "check_edge_error", "check_far_ends",
-    "check_farthest_point", "check_flatness", "check_frontier_cells", "check_growth_power",
-    "check_heading_between", "check_hough", "check_laplacian", "check_least_translation",
-    "check_look_noise", "check_loop_rest", "check_match_value", "check_matches", "check_mean_line",
-    "check_mean_shift_step", "check_mean_wall_error", "check_memberships",
-    "check_missed_metres", "check_move_onto_walls", "check_nees", "check_own_log", "check_pixel",
-    "check_pose_cost", "check_pose_covariance", "check_quality", "check_ransac_trials",
-    "check_reduction_at", "check_reduction_rate", "check_resampled", "check_rooms_left",
+    "break_viewing_sector", "check_axes_of", "check_axial_mean", "check_beam_angles",
+    "check_best_run", "check_building_axis", "check_carried", "check_carried_beam",
+    "check_cast_ray", "check_cell_of", "check_chain", "check_climb_step", "check_compose",
+    "check_cost_of_faces", "check_crossed_leaves", "check_distances", "check_edge_error",
+    "check_far_ends", "check_farthest_point", "check_flatness", "check_frontier_cells",
+    "check_growth_power", "check_heading_between", "check_hough", "check_laplacian",
+    "check_least_translation", "check_look_noise", "check_loop_rest", "check_match_value",
+    "check_matches", "check_mean_line", "check_mean_shift_step", "check_mean_wall_error",
+    "check_memberships", "check_missed_metres", "check_move_onto_walls", "check_nees",
+    "check_own_log", "check_pixel", "check_pose_cost", "check_pose_covariance", "check_quality",
+    "check_ransac_trials", "check_reduction_at", "check_reduction_rate", "check_resampled",
     "check_scan_score", "check_segments_all_round", "check_tape_scale", "check_unwrapped",
-    "check_verdict", "check_weighed", "circle_in", "clearance", "clinic_walls",
+    "check_verdict", "check_weighed", "clearance", "clearance_at", "clinic_walls",
     "compare_with_walls", "conclusions", "corridor_walk", "decide_claims", "decide_floor",
-    "decide_map", "decide_match", "decide_plan", "decide_way", "density", "drawings",
-    "drive_to_frontiers", "explore", "figures", "filter_change", "floor_of", "four_matches",
-    "heading_profile", "known_building", "landscape", "load_columns", "load_trials",
-    "measure_clinic", "near_metres", "occupied_centres", "office_views", "panels", "peaks",
-    "precision_and_recall", "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves",
-    "predict_crowd", "predict_drift", "predict_pieces", "predict_scan_time", "predict_sparse_icp",
+    "decide_map", "decide_match", "decide_way", "density", "drawings", "drive_to_frontiers",
+    "explore", "figures", "filter_change", "floor_of", "four_matches", "heading_profile",
+    "known_building", "landscape", "load_columns", "load_trials", "measure_clinic", "near_metres",
+    "occupied_centres", "office_views", "panels", "peaks", "precision_and_recall",
+    "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves", "predict_crowd",
+    "predict_drift", "predict_pieces", "predict_scan_time", "predict_sparse_icp",
     "predict_survivors", "predict_wrong_turn", "profile_peaks", "represent", "robot_on_the_left",
-    "room_walk", "room_walls", "sample_points", "taped_on_plan", "ten_maps", "thesis_grid",
-    "thesis_results", "three_plans", "trial_table", "try_pair", "unknown_building", "visible_walls",
-    "wall_errors", "within_thesis",
+    "room_walk", "room_walls", "sample_points", "ten_maps", "thesis_grid", "thesis_results",
+    "trial_table", "try_pair", "unknown_building", "visible_walls", "wall_errors", "within_thesis",
 ]  # fmt: skip
 __all__ += drawings.__all__
 __all__ += figures.__all__

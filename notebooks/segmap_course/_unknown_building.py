@@ -1,4 +1,4 @@
-"""A log without truth, four maps and three plans of it, and a tape measure: which one is right?"""
+"""A log without truth, four maps of it, and a tape measure: which one is right?"""
 
 from __future__ import annotations
 
@@ -12,9 +12,6 @@ import numpy as np
 from segmap.alignment import Alignment, odometry, point_icp, pose_graph
 from segmap.arrays import Array
 from segmap.extraction import build_map
-from segmap.plan import FloorPlan, Room, floor_plan
-from segmap.quadtree import build_map as build_tree
-from segmap.reduction import one_per_wall
 from segmap.scans import Log
 from segmap.segments import SegmentMap
 from segmap.simulation import SICK_LMS200, OdometryNoise, cast_rays, drive, office, simulate
@@ -35,10 +32,6 @@ LAID = (
     ("across the building", 12, 0.0),
     ("across the corridor", 48, np.pi / 2),
 )
-#: A room on each side of a door holds a circle of at least so many times its width.
-WIDER_THAN_A_DOOR = 1.25
-#: The map of `unknown_building` from which each plan is made, and kappa.
-MADE_FROM = {"P": ("D", 0.1), "Q": ("C", WIDER_THAN_A_DOOR), "R": ("D", WIDER_THAN_A_DOOR)}
 
 
 class Taped(NamedTuple):
@@ -129,50 +122,3 @@ def unknown_building(floor: int = 0) -> Unknown:
         for true in [wall_to_wall(walls, truth, Taped(words, k, turn, 0.0))]
     )
     return Unknown(log, alignments, maps, tape, truth)
-
-
-@cache
-def three_plans() -> Mapping[str, FloorPlan]:
-    """Plans P, Q and R of the log of `unknown_building`.
-
-    Examples
-    --------
-    >>> {name: (len(plan.rooms), len(plan.doors)) for name, plan in three_plans().items()}
-    {'P': (11, 10), 'Q': (7, 6), 'R': (7, 6)}
-    """
-    case, made = unknown_building(), {}
-    for name, (source, kappa) in MADE_FROM.items():
-        log = with_other_unit(case.log) if source == "C" else case.log
-        poses = case.alignments[source]
-        walls = one_per_wall(build_map(log, poses, keep_points=True))
-        free = build_tree(log, poses, resolution=0.05, free_resolution=0.05)
-        made[name] = floor_plan(walls, free, kappa=kappa)
-    return made
-
-
-def circle_in(room: Room) -> float:
-    """Diameter of the largest circle that a room holds, metres.
-
-    Examples
-    --------
-    >>> corridor = three_plans()["R"].rooms[0]
-    >>> round(circle_in(corridor), 1)
-    2.1
-    """
-    import shapely
-
-    inside = shapely.Polygon(room.outline, room.holes)
-    return 2 * float(shapely.maximum_inscribed_circle(inside, tolerance=0.01).length)
-
-
-def taped_on_plan(name: str) -> Array:
-    """What the tape of `unknown_building` would be on one of `three_plans`, (3,) metres.
-
-    Examples
-    --------
-    >>> taped_on_plan("R").round()
-    array([12.,  9.,  2.])
-    """
-    poses = unknown_building().alignments[MADE_FROM[name][0]].poses
-    walls = three_plans()[name].walls.segments
-    return np.array([wall_to_wall(walls, poses, taped) for taped in unknown_building().tape])

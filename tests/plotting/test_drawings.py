@@ -9,7 +9,7 @@ import pytest
 import segmap_course as course
 from matplotlib.colors import to_hex, to_rgba
 
-from segmap import load, plotting
+from segmap import build_map, load, plotting, quadtree
 from segmap.alignment import (
     Alignment,
     angle_candidates,
@@ -23,6 +23,7 @@ from segmap.experiments import online_times, select
 from segmap.exports import ros_classes
 from segmap.matching import DistanceField
 from segmap.metrics import against_walls, segment_distance
+from segmap.plan import floor_plan
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, TRUTH, method_style
 from segmap.quadtree import QuadtreeMap, frontiers
 from segmap.reduction import Reduction, hybrid
@@ -49,6 +50,13 @@ RUNS = course.thesis_results()
 USC = select(RUNS, map="usc", filtered=False)
 #: Of the methods that the thesis compares.
 THESIS = {method_style(method, 0)[0] for method in USC["method"]}
+
+
+def plan_of_the_room():
+    log = load("room")
+    free = quadtree.build_map(log, log.truth, resolution=0.05, free_resolution=0.05)
+    return floor_plan(build_map(log, log.truth), free)
+
 
 #: Each drawing on given axes, and the colours that it uses: every meaning has its own everywhere.
 DRAWINGS = {
@@ -79,6 +87,7 @@ DRAWINGS = {
     "cells": (lambda ax: course.draw_cells(TREE, TREE.to_grid() > 0.5, ax=ax), {ERROR}),
     "classes": (lambda ax: course.draw_classes(ros_classes(TREE), ax=ax), set()),
     "climb": (lambda ax: course.draw_climb(POSES, ax=ax), {RESULT}),
+    "corner": (lambda ax: course.draw_corner(1.2, 1.3, 0.7, ax=ax), {MAP, RESULT, ERROR}),
     "counts": (
         lambda ax: course.draw_counts({(0, 0, 2): (3, 0)}, beams=[[(0, 0), (1, 1)]], ax=ax),
         {"#939393", RESULT, ERROR},
@@ -104,8 +113,10 @@ DRAWINGS = {
         {RAW, RESULT, ERROR},
     ),
     "labels": (
-        lambda ax: course.draw_labels(np.eye(3, dtype=np.int64), WALLS[:1], 0.1, ax=ax),
-        {MAP},
+        lambda ax: course.draw_labels(
+            np.eye(3, dtype=np.int64), WALLS[:1], (0, 0), 0.1, lines=([1], []), ax=ax
+        ),
+        {MAP, RAW},
     ),
     "landscape": (lambda ax: course.draw_landscape(LAND, ax=ax), {ERROR, TRUTH}),
     "leaves": (
@@ -136,8 +147,8 @@ DRAWINGS = {
     "path": (lambda ax: plotting.draw_path(POSES, ax=ax), {TRUTH}),
     "points": (lambda ax: plotting.draw_points(POINTS, ax=ax), {RAW}),
     "plan": (
-        lambda ax: course.draw_plan(course.three_plans()["R"], lit=6, ax=ax),
-        {RAW, MAP, ERROR, RESULT, *GROUPS[:6]},
+        lambda ax: course.draw_plan(plan_of_the_room(), lit=2, ax=ax),
+        {RAW, MAP, ERROR, RESULT, *GROUPS[:2]},
     ),
     "poses": (lambda ax: plotting.draw_poses(POSES, ax=ax), {RESULT}),
     "position_errors": (

@@ -12,7 +12,7 @@ from ._alignments import (
 )
 from ._buildings import draw_buildings, draw_threshold
 from ._charts import label_axes, mark_places, set_ticks, write_names
-from ._clinic import wardrobe
+from ._clinic import draw_corner, wardrobe
 from ._icp import (
     draw_scan_poses,
     draw_shifts,
@@ -68,13 +68,14 @@ from ._segments import (
 __all__ = [
     "climb_frames", "draw_backbone", "draw_basin", "draw_buildings", "draw_candidate", "draw_cases",
     "draw_cells", "draw_cells_of_a_wall", "draw_classes", "draw_climb", "draw_closer",
-    "draw_clusters", "draw_costs", "draw_counts", "draw_distance_curves", "draw_distance_terms",
-    "draw_ends", "draw_equal_squares", "draw_field", "draw_fits", "draw_frames", "draw_frontiers",
-    "draw_growth", "draw_hill", "draw_icp_step", "draw_labels", "draw_landscape", "draw_leaf_row",
-    "draw_leaves", "draw_live", "draw_marked", "draw_match", "draw_merge", "draw_missed",
-    "draw_normals", "draw_odometry_comparison", "draw_phases", "draw_plan", "draw_profile",
-    "draw_ray", "draw_runs", "draw_scan_poses", "draw_scans", "draw_shifts", "draw_sizes_of_halls",
-    "draw_strip", "draw_sweep", "draw_threshold", "draw_trade_off", "draw_trials",
-    "draw_uncertainty", "draw_wall_normals", "draw_weights", "icp_frames", "label_axes",
-    "mark_places", "merge_frames", "say_stretch", "set_ticks", "wardrobe", "write_names",
+    "draw_clusters", "draw_corner", "draw_costs", "draw_counts", "draw_distance_curves",
+    "draw_distance_terms", "draw_ends", "draw_equal_squares", "draw_field", "draw_fits",
+    "draw_frames", "draw_frontiers", "draw_growth", "draw_hill", "draw_icp_step", "draw_labels",
+    "draw_landscape", "draw_leaf_row", "draw_leaves", "draw_live", "draw_marked", "draw_match",
+    "draw_merge", "draw_missed", "draw_normals", "draw_odometry_comparison", "draw_phases",
+    "draw_plan", "draw_profile", "draw_ray", "draw_runs", "draw_scan_poses", "draw_scans",
+    "draw_shifts", "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_threshold",
+    "draw_trade_off", "draw_trials", "draw_uncertainty", "draw_wall_normals", "draw_weights",
+    "icp_frames", "label_axes", "mark_places", "merge_frames", "say_stretch", "set_ticks",
+    "wardrobe", "write_names",
 ]  # fmt: skip

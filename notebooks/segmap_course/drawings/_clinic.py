@@ -11,7 +11,16 @@ from segmap.plotting import ERROR, MAP, RESULT, axes_row, draw_segments, map_axe
 from segmap.poses import transform
 from segmap.simulation import box, polyline
 
-from .._clinic import WARDROBE_DEPTH_M, WARDROBE_LENGTH_M, Answers, measure_clinic
+from .._clinic import (
+    WARDROBE_DEPTH_M,
+    WARDROBE_LENGTH_M,
+    Answers,
+    clearance_at,
+    measure_clinic,
+)
+
+#: So much of both corridors is drawn, metres.
+FAR_M = 2.4
 
 
 def wardrobe(map: Segments, poses: ArrayLike | None = None) -> Answers:
@@ -43,26 +52,35 @@ def wardrobe(map: Segments, poses: ArrayLike | None = None) -> Answers:
         f"Wall of rooms 2 and 3: {answers.of_wall}\nBuilding: {answers.of_building}",
         fontsize="medium",
     )
-    _draw_corner(right, answers)
+    first, second = (answers.tapes[f"{name} corridor"].metres for name in ("left", "upper"))
+    if np.isfinite([first, second]).all():
+        draw_corner(first, second, answers.turn, ax=right)
+    else:
+        right.text(0, 0, "a wall was not seen")
     right.set_title(f"Wardrobe {answers.of_wardrobe}", fontsize="medium")
     map_axes(left)
     map_axes(right)
     return answers
 
 
-def _draw_corner(ax: Axes, answers: Answers) -> None:
-    """The corner between both corridors, the wardrobe, and its distance from the inner corner."""
-    widths = (answers.tapes[name].metres for name in ("left corridor", "upper corridor"))
-    (w1, w2), far = widths, 2.4
-    if not np.isfinite([w1, w2]).all():
-        ax.text(0, 0, "a wall was not seen")
-        return
-    outer, inner = [(0, -far), (0, 0), (far, 0)], [(w1, -far), (w1, -w2), (far, -w2)]
-    draw_segments(np.concatenate([polyline(outer), polyline(inner)]), ax=ax, color=MAP, width=1.5)
-    heading = np.pi / 2 - answers.turn  # of the long side, from the left wall to the upper one
-    start = (0, -WARDROBE_LENGTH_M * np.cos(answers.turn), heading)
+def draw_corner(first: float, second: float, turn: float, *, ax: Axes | None = None) -> Axes:
+    """Draw the corner between corridors of two widths, metres, and the wardrobe at a turn, radians.
+
+    Orange is what is left between the wardrobe and the inner corner.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_corner(1.2, 1.3, 0.75, ax=Figure().subplots())
+    """
+    outer, inner = [(0, -FAR_M), (0, 0), (FAR_M, 0)], [(first, -FAR_M), (first, -second)]
+    walls = [polyline(outer), polyline([*inner, (FAR_M, -second)])]
+    ax = draw_segments(np.concatenate(walls), ax=ax, color=MAP, width=1.5)
+    heading = np.pi / 2 - turn  # of the long side, from the left wall to the upper one
+    start = (0, -WARDROBE_LENGTH_M * np.cos(turn), heading)
     middle = transform(start, np.array([WARDROBE_LENGTH_M, -WARDROBE_DEPTH_M]) / 2)
     wardrobe = box(WARDROBE_LENGTH_M, WARDROBE_DEPTH_M, (*middle, heading))
     ax.fill(*wardrobe[:, 0].T, color=RESULT, alpha=0.3)
-    across = np.array([np.sin(heading), -np.cos(heading)]) * answers.clearance.metres
-    ax.plot(*np.array([(w1, -w2), (w1, -w2) - across]).T, color=ERROR, linewidth=3)
+    across = np.array([np.cos(turn), -np.sin(turn)]) * clearance_at(first, second, turn)
+    ax.plot(*np.array([(first, -second), (first, -second) - across]).T, color=ERROR, linewidth=3)
+    return map_axes(ax)

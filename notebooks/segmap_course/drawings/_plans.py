@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from segmap.arrays import Segments
 from segmap.plan import FloorPlan
-from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, axes_or_new, draw_segments
+from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, axes_or_new, draw_segments, map_axes
 
 #: How much of the colour of a room shows: of one among others, and of the one that lights up.
 TINTS = (0.25, 0.8)
@@ -22,10 +24,14 @@ def draw_plan(plan: FloorPlan, *, lit: int = -1, ax: Axes | None = None) -> Axes
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> from segmap_course import three_plans
-    >>> ax = draw_plan(three_plans()["R"], lit=0, ax=Figure().subplots())
-    >>> [text.get_text() for text in ax.texts][:2]
-    ['25', '14']
+    >>> from segmap import build_map, load, quadtree
+    >>> from segmap.plan import floor_plan
+    >>> log = load("room")
+    >>> free = quadtree.build_map(log, log.truth, resolution=0.05, free_resolution=0.05)
+    >>> plan = floor_plan(build_map(log, log.truth), free)
+    >>> ax = draw_plan(plan, lit=0, ax=Figure().subplots())
+    >>> len(ax.texts) == len(plan.rooms)
+    True
     """
     ax = draw_segments(plan.clutter, ax=ax, color=RAW, width=0.8)
     draw_segments(plan.walls, ax=ax, color=MAP, width=1.2)
@@ -35,35 +41,49 @@ def draw_plan(plan: FloorPlan, *, lit: int = -1, ax: Axes | None = None) -> Axes
         for hole in room.holes:
             ax.fill(*hole.T, color="white", linewidth=0)
         x, y = room.place
-        ax.text(x, y, f"{room.area:.0f}", ha="center", va="center", fontsize="small")
+        ax.text(x, y, f"{room.area:.1f}", ha="center", va="center", fontsize="small")
     for door in plan.doors:
         ax.plot(*door.ends.T, color=ERROR, linewidth=3, solid_capstyle="butt")
     return ax
 
 
 def draw_labels(
-    labels: NDArray[np.int64], walls: Segments, side: float, *, ax: Axes | None = None
+    labels: NDArray[np.int64],
+    walls: Segments,
+    corner: ArrayLike,
+    side: float,
+    *,
+    lines: Sequence[ArrayLike] = ((), ()),
+    ax: Axes | None = None,
 ) -> Axes:
-    """Draw squares of one number in one colour, with the number, and walls over them.
+    """Draw squares of one number in one colour, with walls over them, and lines across x and y.
 
-    `labels` `(rows, columns)` are -1 for none; the squares have `side` metres, and the frame begins
-    half a metre, less one square, left of and below 0.
+    `labels` `(rows, columns)` are -1 for none; the squares have `side` metres, and begin at a
+    corner. The number is written where it has a square metre or more.
 
     Examples
     --------
     >>> from matplotlib.figure import Figure
     >>> labels = np.array([[0, 0, 2], [-1, 0, 2]])
-    >>> ax = draw_labels(labels, [[(0, 0), (1, 0)]], 0.1, ax=Figure().subplots())
+    >>> ax = draw_labels(labels, [[(0, 0), (1, 0)]], (0, 0), 0.8, ax=Figure().subplots())
     >>> [text.get_text() for text in ax.texts]
     ['0', '2']
     """
-    start = side - 0.5
-    ax = draw_segments(walls, ax=axes_or_new(ax, (6.5, 4.0)), color=MAP, width=2.0)
-    high, wide = start + side * np.array(labels.shape)
-    shown = np.ma.masked_less(labels, 0)
-    box = (start, wide, start, high)
+    left, low = np.asarray(corner, float)
+    ax = draw_segments(walls, ax=axes_or_new(ax, (6.0, 5.0)), color=MAP, width=1.2)
+    numbers, rank = np.unique(labels, return_inverse=True)
+    shown = np.ma.masked_array(rank.reshape(labels.shape) % 12, labels < 0)
+    box = (left, left + side * labels.shape[1], low, low + side * labels.shape[0])
+    limits = ax.axis()
     ax.imshow(shown, extent=box, origin="lower", cmap="Set3", vmin=0, vmax=11)
-    for number in np.unique(labels[labels >= 0]).tolist():
-        y, x = start + side * (np.argwhere(labels == number).mean(0) + 0.5)
-        ax.text(x, y, str(number), ha="center", va="center")
+    map_axes(ax).axis(limits)
+    for across, draw in zip(lines, (ax.axvline, ax.axhline), strict=True):
+        for offset in np.asarray(across, float):
+            draw(offset, color=RAW, linestyle=":", linewidth=1)
+    for number in numbers[numbers >= 0].tolist():
+        places = np.argwhere(labels == number)
+        if len(places) * side**2 >= 1:
+            near = abs(places - np.median(places, axis=0)).sum(1).argmin()
+            y, x = (low, left) + side * (places[near] + 0.5)
+            ax.text(x, y, str(number), ha="center", va="center", fontsize="small")
     return ax

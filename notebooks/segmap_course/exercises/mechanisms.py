@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from segmap.arrays import Array
+from segmap.segments import angle, length
 
+from ..literal.floor_plan import axis_of
 from ._answers import Cases, close, same_poses, same_segment
 from ._exercise import Exercise, Rng, edited
 
@@ -297,74 +298,75 @@ check_laplacian = Exercise(
 )
 
 
-# ------------------------------------------------------------------ rooms and doorways
-def _doorways(rng: Rng) -> Cases:
-    """Rooms wide and narrow in a chain that is closed, and a doorway across it."""
+# ------------------------------------------------------------------ axes of a building
+#: Walls that are turned by no more belong to an axis, degrees; fewer metres have none.
+AXIS_DEG, LEAST_AXIS_M = 8, 2.0
+
+
+def _walls_along(rng: Rng, axis: float, sizes: Array) -> Array:
+    """Walls of these metres along or across an axis, degrees, two degrees askew."""
+    turn = np.radians(axis + 90 * rng.integers(4, size=len(sizes)) + rng.uniform(-2, 2, len(sizes)))
+    start = rng.uniform(0, 9, (len(sizes), 2))
+    way = np.column_stack([np.cos(turn), np.sin(turn)])
+    return np.stack([start, start + sizes[:, None] * way], axis=1)
+
+
+def _wings(rng: Rng) -> Cases:
+    """A hall and wings askew: long and short walls, an axis near 0, a few pieces with none."""
     cases: dict[str, tuple[Any, ...]] = {}
-    for count in (4, 5, 6, 7):
-        widths = rng.permutation([3.0, *rng.uniform(0.6, 2.0, count - 1)]).round(1)
-        pairs = [(k, (k + 1) % count) for k in range(count)] + [(0, count // 2)]
-        doors = np.column_stack([pairs, rng.permutation(np.linspace(0.6, 1.6, len(pairs)))])
-        cases[f"{count} rooms"] = widths, doors.round(2), 1.25
+    for words, first in (("a wing", 30.0), ("a hall along x", 0.0), ("two wings", 50.0)):
+        axis = first + rng.uniform(-1, 1)
+        parts = [_walls_along(rng, axis, rng.uniform(3, 6, 6))]
+        parts += [_walls_along(rng, axis + 25 + rng.uniform(-2, 2), rng.uniform(0.4, 0.9, 22))]
+        parts += [_walls_along(rng, axis - 25, rng.uniform(1, 2, 4))] * (words == "two wings")
+        parts += [_walls_along(rng, axis + 45, rng.uniform(0.5, 0.9, 2))] * (words == "a wing")
+        cases[words] = (rng.permutation(np.concatenate(parts)),)
     return cases
 
 
-def _rooms_left(widths: Array, doors: Array, kappa: float) -> NDArray[np.int64]:
-    """The rule of circles: `plan.floor_plan` measures the circle of the two rooms anew instead."""
-    room, wide = np.arange(len(widths)), np.array(widths, float)
-    for _ in widths:
-        i, j = np.sort(room[np.asarray(doors[:, :2], int)], axis=1).T
-        ratio = np.where(i == j, np.inf, np.minimum(wide[i], wide[j]) / doors[:, 2])
-        k = ratio.argmin()
-        if ratio[k] >= kappa:
-            break
-        wide[i[k]] = np.maximum(wide[i[k]], wide[j[k]])
-        room[room == j[k]] = i[k]
-    return room
+def _axes_of(walls: Array) -> Array:
+    """All axes: `axis_of` of chapter 28, then again without the walls of each."""
+    axes, places = list[float](), np.arange(0, 90, 0.25)
+    while length(walls).sum() >= LEAST_AXIS_M:
+        turn = np.degrees(angle(walls))
+        apart = abs((places[:, None] - turn + 45) % 90 - 45)
+        best = (np.clip(1 - apart / 6, 0, None) @ length(walls)).argmax()
+        axes.append(places[best])
+        walls = walls[apart[best] > AXIS_DEG]
+    return np.array(axes)
 
 
-check_rooms_left = Exercise(
-    "rooms_left(widths, doors, kappa) -> (n,) whole numbers: the lowest number of the rooms with "
-    "which each room ends as one. The rooms hold circles of widths (n,), metres; a row of doors "
-    "(m, 3) is the numbers of two rooms and the width of the doorway between. While some smaller "
-    "circle is below kappa times the width, the doorway with the least ratio of both is taken out: "
-    "its two rooms are one, with the wider circle, and all is tested anew",
-    _rooms_left,
-    _doorways,
+check_axes_of = Exercise(
+    "axes_of(walls) -> (k,) degrees in [0, 90), steps of 0.25: the axes of walls (n, 2, 2), the "
+    "strongest first. An axis takes the walls that are turned from it, or from across it, by at "
+    "most 8 degrees; those left over are searched again, while they have at least two metres",
+    _axes_of,
+    _wings,
     {
-        "both sides must be wider: the smaller circle decides, not the larger": (
-            edited(_rooms_left, ("np.minimum(wide[i], wide[j])", "np.maximum(wide[i], wide[j])"))
+        "this is the one axis of the chapter: the walls left over have an axis of their own": (
+            axis_of
         ),
-        "the least ratio goes first: which room a niche belongs to depends on it": (
-            edited(_rooms_left, ("ratio.argmin()", "(ratio < kappa).argmax()"))
+        "one axis is not all: search again among the walls left over": (
+            lambda walls: [axis_of(walls)]
         ),
-        "the new room holds the wider circle of both": (
-            edited(_rooms_left, ("np.maximum(wide[i[k]]", "np.minimum(wide[i[k]]"))
+        "each wall votes with its metres: many short pieces are no strong axis": edited(
+            _axes_of, ("None) @ length(walls))", "None).sum(1))")
         ),
-        "circles do not add up: the wider of both": (
-            edited(_rooms_left, ("np.maximum(wide[i[k]], wide[j[k]])", "wide[i[k]] + wide[j[k]]"))
+        "89.9 and 0.1 degrees are nearly one direction: differences are modulo 90, too": edited(
+            _axes_of, ("(places[:, None] - turn + 45) % 90 - 45", "places[:, None] - turn % 90")
         ),
-        "rooms that have become one take the lowest number of theirs": (
-            edited(
-                _rooms_left,
-                ("room[room == j[k]] = i[k]", "room[room == i[k]] = j[k]"),
-                ("wide[i[k]] =", "wide[j[k]] ="),
-            )
+        "along and across are one axis: directions are modulo 90, not 180": edited(
+            _axes_of, ("90, 0.25", "180, 0.25"), ("turn + 45) % 90 - 45", "turn + 90) % 180 - 90")
         ),
-        "a circle as wide as the doorway is not enough: kappa times": (
-            edited(_rooms_left, (">= kappa", ">= 1"))
+        "an axis takes its walls out before the next is searched; else it is found again beside": (
+            edited(_axes_of, ("[apart[best] > AXIS_DEG]", "[apart[best] > 0.25]"))
         ),
-        "test anew after each doorway: rooms that were too narrow may be wide enough now": (
-            edited(_rooms_left, ("wide[i[k]] =", "_ ="))
+        "fewer than two metres left over have no axis": edited(
+            _axes_of, (">= LEAST_AXIS_M", "> 0")
         ),
-        "all rooms that have become one get its number, not the last one alone": (
-            edited(_rooms_left, ("room[room == j[k]]", "room[j[k]]"))
-        ),
-        "the ratio is the circle over the doorway, not the doorway over the circle": (
-            edited(
-                _rooms_left,
-                ("np.minimum(wide[i], wide[j]) / doors[:, 2]", "doors[:, 2] / wide[i]"),
-            )
+        "the strongest first: in the order in which they are found, not by their degrees": edited(
+            _axes_of, ("return np.array(axes)", "return np.sort(axes)")
         ),
     },
+    close,
 )

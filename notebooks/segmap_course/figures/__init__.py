@@ -12,8 +12,9 @@ from ._prediction import Comparison, compare_prediction
 from ._scan_on_scan import DragScan
 from ._strip_over_segments import DragStrip
 from ._two_walls import DragWalls
+from ._wardrobe_round_the_corner import DragWardrobe
 
 __all__ = [
     "FIGURE_MIME", "Comparison", "DragBeams", "DragFigure", "DragLine", "DragScan", "DragStrip",
-    "DragWalls", "Film", "compare_prediction", "film", "module_text",
+    "DragWalls", "DragWardrobe", "Film", "compare_prediction", "film", "module_text",
 ]  # fmt: skip

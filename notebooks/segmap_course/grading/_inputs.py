@@ -19,7 +19,6 @@ INPUTS = {
     ),
     "break_viewing_sector": "[0.0, 0.11, 0.0]",
     "decide_map": '{"A": "keep", "B": "doubled", "C": "spread", "D": "tape"}',
-    "decide_plan": '{"P": "circle", "Q": "tape", "R": "keep"}',
     "decide_match": '{"P": "keep", "Q": "next", "R": "hidden", "S": "across"}',
     "decide_floor": "dict(A='a wall', B='missed %', C='a wall', D='off [mm]', E='a wall', "
     "F='missed %', G='keep', H='invented %', I='a wall', J='a wall')",

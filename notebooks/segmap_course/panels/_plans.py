@@ -1,4 +1,4 @@
-"""The panel of the chapter on floor plans: what three thresholds make of one map."""
+"""The panel of the chapter on floor plans: what two thresholds make of one map."""
 
 from __future__ import annotations
 
@@ -13,17 +13,16 @@ from ._lesson import LessonPanel, keyword, note, slide
 
 
 class PlanPanel(LessonPanel):
-    """A floor plan, `plan`, of one map with other thresholds; a room lights up and says why."""
+    """A floor plan, `plan`, of one map by another kappa or band; a room that lights up says why."""
 
     method = floor_plan
     plan: FloorPlan
     kappa = keyword(0.1, 3.0, 0.05)
-    share = keyword(0.05, 1.0, 0.05)
     band = keyword(0.02, 0.5, 0.01)
     room = slide(1, 1, 12, 1, "", label="room that lights up")
     count = why = note()
-    rows = ("kappa", "share", "band", "room", "count", "why")
-    words = "kappa {kappa}, share {share}, band {band} m: {count}; room {room} lights up"
+    rows = ("kappa", "band", "room", "count", "why")
+    words = "kappa {kappa}, band {band} m: {count}; room {room} lights up"
 
     def __init__(self, walls: Segments, free: QuadtreeMap) -> None:
         self.walls, self.free = walls, free

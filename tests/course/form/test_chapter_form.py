@@ -65,6 +65,7 @@ PACKAGES = {
     "extraction": {"extraction"},
     "line_finders": {"extraction"},
     "lines": {"segments", "extraction"},
+    "floor_plan": {"plan"},
 }
 LITERAL = ROOT / "notebooks" / "segmap_course" / "literal"
 #: What a chapter may call before its method stands: these, and checks.
@@ -392,6 +393,7 @@ PASTED = {
     "25": ("crossed_leaves", "crossed_leaves", "cut it first"),
     "12": ("quality", "quality", "quality of the chapter"),
     "14": ("match", "matches", "match of the chapter"),
+    "28": ("axis_of", "axes_of", "one axis of the chapter"),
 }
 
 

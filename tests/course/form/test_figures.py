@@ -76,6 +76,12 @@ def beams_over_squares(rng):
     return figure, {"leaves": leaves, "crossed": now.crossed, "through": now.through}
 
 
+def wardrobe_round_the_corner(rng):
+    """Corridors and a turn at random."""
+    figure = course.DragWardrobe(*rng.uniform(0.6, 2, 2), turn=rng.uniform(0, np.pi / 2))
+    return figure, {"here": figure.here, "least": figure.least, "tightest": figure.tightest}
+
+
 #: Each figure to drag: one of its states drawn at random, and what Python measures there.
 FIGURES = {
     "beams_over_squares": beams_over_squares,
@@ -83,6 +89,7 @@ FIGURES = {
     "scan_on_scan": scans_of_the_room,
     "strip_over_segments": strip_over_walls,
     "two_walls": two_walls,
+    "wardrobe_round_the_corner": wardrobe_round_the_corner,
 }
 
 

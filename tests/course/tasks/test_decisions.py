@@ -40,21 +40,6 @@ def maps_of_floor_4():
     return against
 
 
-def plans():
-    """By the text of chapter 28: a doorway wider than a room beside it, 15 cm, no door."""
-    tape, against = [taped.metres for taped in course.unknown_building().tape], {}
-    for name, plan in course.three_plans().items():
-        circles = [course.circle_in(room) for room in plan.rooms]
-        least = [min(circles[k] for k in door.rooms) / door.width for door in plan.doors]
-        told = {
-            "circle": min(least) < 1.25,
-            "tape": max(np.abs(course.taped_on_plan(name) - tape)) > 0.15,
-            "shut": not plan.graph.any(1).all(),
-        }
-        against[name] = {word for word in told if told[word]}
-    return against
-
-
 def ten_maps():
     """By the limits of chapter 13b, against the walls that a right drive sees."""
     floor, against = course.known_building("floor"), {}
@@ -71,7 +56,7 @@ def ten_maps():
 
 @pytest.mark.parametrize(
     ("name", "figures"),
-    [("decide_map", maps_of_floor_4), ("decide_plan", plans), ("decide_floor", ten_maps)],
+    [("decide_map", maps_of_floor_4), ("decide_floor", ten_maps)],
 )
 def test_what_is_right_is_what_the_figures_say(name, figures):
     """Catches an answer that was right for the maps of another version."""

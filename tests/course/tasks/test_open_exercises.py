@@ -109,15 +109,6 @@ ANSWERS = {
             (["D"], "decide first"),
         ],
     ),
-    "decide_plan": (
-        {"P": "circle", "Q": "tape", "R": "keep"},
-        [
-            ({"P": "keep", "Q": "tape", "R": "circle"}, "P is not the one to keep"),
-            ({"P": "shut", "Q": "tape", "R": "keep"}, "P: 'shut' does not speak"),
-            ({"P": "circle", "Q": "circle", "R": "keep"}, "Q: 'circle' does not speak"),
-            ({"P": "circle", "R": "keep"}, "name each of P, Q, R"),
-        ],
-    ),
     "decide_match": (
         {"P": "keep", "Q": "next", "R": "hidden", "S": "across"},
         [

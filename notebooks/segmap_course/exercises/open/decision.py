@@ -81,13 +81,3 @@ decide_map = Decision(
     praise="Each map was refused by another witness, and one by the tape alone, which no "
     "computation replaces: what is inside a log cannot know its unit",
 )
-
-decide_plan = Decision(
-    "decide_plan(answer): a dictionary with each of the plans P, Q and R: 'keep' for the one that "
-    "you would hand over, and for each other the witness that refuses it: 'circle', 'tape' or "
-    "'shut'",
-    ("P", "Q", "R"),
-    "21743624 4e87016a c95a899f",
-    praise="A doorway that is wider than the room behind it is seen in the plan itself; a wrong "
-    "unit is seen by the tape alone",
-)
