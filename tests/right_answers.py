@@ -9,7 +9,7 @@ from segmap_course import literal
 from segmap_course.literal.reduction import least_cost
 
 from segmap import segments
-from segmap.angles import axial_difference, wrap
+from segmap.angles import axial_difference
 from segmap.extraction import extract_clusters
 from segmap.poses import between, compose, inverse, transform
 
@@ -302,7 +302,6 @@ RIGHT = {
     "tape_scale": scale_by_lstsq,
     "nees": nees_by_whitening,
     "compose": composed_by_complex_numbers,
-    "heading_between": lambda a, b, t: wrap(a + t * wrap(b - a)),
     "beam_angles": lambda n: [np.radians(-90 + i * 180 / (n - n % 2)) for i in range(n)],
     "cast_ray": met_in_the_frame_of_the_beam,
     "distances": distances_bit_by_bit,

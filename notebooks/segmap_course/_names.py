@@ -122,7 +122,6 @@ from .exercises.poses import (
     check_carried_beam,
     check_compose,
     check_edge_error,
-    check_heading_between,
     check_loop_rest,
 )
 from .exercises.quadtree import (
@@ -154,6 +153,7 @@ __all__ = [
     "Landscape", "Measured", "OwnLog", "Prediction", "Representation", "Taped", "Trial", "Unknown",
     "View", "Weighed", "alignment_table", "break_basic_order", "break_cells", "break_icp",
     "break_line", "break_matching", "break_quality", "break_reader", "break_sum",
+<<<<<<< HEAD
     "break_viewing_sector", "check_axes_of", "check_axial_mean", "check_beam_angles",
     "check_best_run", "check_building_axis", "check_carried", "check_carried_beam",
     "check_cast_ray", "check_cell_of", "check_chain", "check_climb_step", "check_compose",
@@ -165,6 +165,19 @@ __all__ = [
     "check_memberships", "check_missed_metres", "check_move_onto_walls", "check_nees",
     "check_own_log", "check_pixel", "check_pose_cost", "check_pose_covariance", "check_quality",
     "check_ransac_trials", "check_reduction_at", "check_reduction_rate", "check_resampled",
+=======
+    "break_viewing_sector", "check_axial_mean", "check_beam_angles", "check_best_run",
+    "check_building_axis", "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of",
+    "check_chain", "check_climb_step", "check_compose", "check_cost_of_faces",
+    "check_crossed_leaves", "check_distances", "check_edge_error", "check_far_ends",
+    "check_farthest_point", "check_flatness", "check_frontier_cells", "check_growth_power",
+    "check_hough", "check_laplacian", "check_least_translation",
+    "check_look_noise", "check_loop_rest", "check_match_value", "check_matches", "check_mean_line",
+    "check_mean_shift_step", "check_mean_wall_error", "check_memberships",
+    "check_missed_metres", "check_move_onto_walls", "check_nees", "check_own_log", "check_pixel",
+    "check_pose_cost", "check_pose_covariance", "check_quality", "check_ransac_trials",
+    "check_reduction_at", "check_reduction_rate", "check_resampled", "check_rooms_left",
+>>>>>>> d1d54aac (Chapter 2 anew from two: placing and chaining as code, lengths against turns, poses between known poses equal to the library; a newcomer's words on chapter 1 are mended (issue 60))
     "check_scan_score", "check_segments_all_round", "check_tape_scale", "check_unwrapped",
     "check_verdict", "check_weighed", "clearance", "clearance_at", "clinic_walls",
     "compare_with_walls", "conclusions", "corridor_walk", "decide_claims", "decide_floor",

@@ -35,8 +35,8 @@ COLOURS, MOST_BYTES = (24, 12), 60_000
 #: a control from end to end: as many pictures as STEPS, and one of the value at first.
 STATES: dict[str, list[str]] = {
     "01-1": ["tolerance=*"],
-    "02a-1": ["step=*"],
-    "02b-1": ["every=*"],
+    "02-1": ["step=*"],
+    "02-2": ["every=*"],
     "03-1": ["gap=*"],
     "04-1": ["tolerance=*"],
     "05-1": ["rank=*"],

@@ -24,7 +24,7 @@ from segmap import SegmentMap, alignment, extraction, matching, reduction
 with Path(__file__).with_name("walked_through.csv").open(encoding="utf-8", newline="") as _file:
     WALKED = {row.pop("method"): row for row in csv.DictReader(_file)}
 #: These have a section and nothing else: there is nothing to choose.
-SECTIONS = {"odometry": ("02a", "Odometry drifts"), "ground_truth": ("02b", "The idea")}
+SECTIONS = {"odometry": ("02", "Steps in a chain"), "ground_truth": ("02", "Poses between")}
 #: Thresholds that the theses vary, by method, and the control of each.
 THESIS_THRESHOLDS = {
     "basic_offline": {"distance": "distance", "angle": "angle"},

@@ -8,7 +8,7 @@ import numpy as np
 
 from segmap.angles import wrap
 from segmap.arrays import Array
-from segmap.poses import between, compose, interpolate, inverse, motions, transform
+from segmap.poses import between, compose, inverse, motions, transform
 
 from ._answers import Cases, close
 from ._exercise import Exercise, Rng, anywhere, changed, edited
@@ -61,57 +61,6 @@ check_compose = Exercise(
             lambda a, b: compose(a * (0, 0, 1), b)
         ),
         "this is the second pose seen from the first; asked is where the step leads": between,
-    },
-)
-
-
-# ---------------------------------------------------------------------------- on the way
-def _ways(rng: Rng) -> Cases:
-    def way(before: float, turn: float, share: float) -> tuple[Any, ...]:
-        after = (before + turn + 180) % 360 - 180
-        return np.radians(before), np.radians(after), share
-
-    begin, turn = rng.uniform(-70, 0), rng.uniform(20, 60)
-    return {
-        "a turn to the left": way(begin, turn, rng.uniform(0.1, 0.4)),
-        "a turn to the right": way(begin, -turn, rng.uniform(0.1, 0.4)),
-        "a turn to the left, beyond half a turn": way(170, turn, rng.uniform(0.8, 0.9)),
-        "a turn to the right, beyond half a turn": way(-172, -turn, rng.uniform(0.6, 0.9)),
-        "a turn to the right, not yet beyond half a turn": way(-150, -turn, rng.uniform(0.1, 0.2)),
-    }
-
-
-def _heading_between(before: float, after: float, share: float) -> float:
-    poses = [(0, 0, before), (0, 0, after)]
-    return float(interpolate([0, 1], poses, [share])[0, 2])
-
-
-def _mixed(before: float, after: float, share: float) -> float:
-    s, c = (f([before, after]) @ [1 - share, share] for f in (np.sin, np.cos))
-    return float(np.arctan2(s, c))
-
-
-check_heading_between = Exercise(
-    "heading_between(before, after, share) -> heading at that share of the way from before to "
-    "after, by the shorter way round; radians, in [-pi, pi)",
-    _heading_between,
-    _ways,
-    {
-        "from 170 to -170 degrees is a turn of 20, not of -340: wrap the difference first": (
-            lambda a, b, t: a + t * (b - a)
-        ),
-        "the heading runs over half a turn: bring the result back with segmap.angles.wrap": (
-            lambda a, b, t: a + t * float(wrap(b - a))
-        ),
-        "the shorter way may be clockwise: a turn lies between minus and plus half a turn": (
-            lambda a, b, t: float(wrap(a + t * ((b - a) % (2 * np.pi))))
-        ),
-        "a share of 0 is the heading before, of 1 the heading after": (
-            lambda a, b, t: _heading_between(b, a, t)
-        ),
-        "headings are in radians: hand it back as it came": changed(_heading_between, np.degrees),
-        "the mean of the two directions as vectors does not turn evenly: take a share of the "
-        "angle": _mixed,
     },
 )
 

@@ -18,7 +18,7 @@ test = {test}
 
 
 def otter_tests(tasks: list[Task], seed: int) -> dict[str, str]:
-    """File -> its text, in a folder for each chapter: `02a_scans_and_poses/compose.py`."""
+    """File -> its text, in a folder for each chapter: `02_scans_poses_drift/compose.py`."""
     asked = [task for task in tasks if not task.by_hand]
     return {f"{Path(t.chapter).stem}/{t.name}.py": otter_test(t, seed) for t in asked}
 

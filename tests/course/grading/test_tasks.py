@@ -126,4 +126,4 @@ def test_a_source_notebook_is_written_whole():
 
 
 def test_chapters_stand_in_their_order():
-    assert list(chapters(" 17,\n02a ,")) == ["02a", "17"] and list(chapters()) == sorted(chapters())
+    assert list(chapters(" 17,\n02 ,")) == ["02", "17"] and list(chapters()) == sorted(chapters())
