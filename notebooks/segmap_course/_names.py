@@ -104,6 +104,7 @@ from .exercises.open.judgement import (
     predict_survivors,
     predict_wrong_turn,
 )
+from .exercises.open.my_mapper import check_my_mapper
 from .exercises.open.own_log import check_own_log
 from .exercises.open.quadtree import break_cells, break_matching, predict_coarse_leaves
 from .exercises.open.reduction import (
@@ -161,7 +162,8 @@ __all__ = [
     "check_growth_power", "check_hough", "check_laplacian",
     "check_least_translation", "check_look_noise", "check_loop_rest", "check_match_value",
     "check_matches", "check_mean_line", "check_mean_shift_step", "check_mean_wall_error",
-    "check_memberships", "check_missed_metres", "check_move_onto_walls", "check_nees",
+    "check_memberships", "check_missed_metres", "check_move_onto_walls", "check_my_mapper",
+    "check_nees",
     "check_own_log", "check_pixel", "check_pose_cost", "check_pose_covariance", "check_quality",
     "check_ransac_trials", "check_reduction_at", "check_reduction_rate", "check_resampled",
     "check_scan_score", "check_segments_all_round", "check_tape_scale", "check_unwrapped",

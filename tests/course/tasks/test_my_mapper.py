@@ -6,7 +6,11 @@ from pathlib import Path
 
 import nbformat
 import pytest
+import segmap_course as course
+from chapter_rules import CHAPTERS, ROOT
 from nbclient import NotebookClient
+from segmap_course.exercises.open.my_mapper import CHECKS
+from segmap_course.literal.alignment.plain_mapper import Functions
 
 RIGHT = """\
 import numpy as np
@@ -81,3 +85,54 @@ def test_what_cannot_be_kept_is_told(tmp_path, cell, words):
     (shown,) = printed(tmp_path, cell, "course.check_compose(my_compose)")
     assert shown.startswith("passed: not kept in my_mapper.py: ") and words in shown
     assert (tmp_path / "my_mapper.py").read_text() == ""
+
+
+# ------------------------------------------------------------------ chapter 30 maps with them
+NAMES = Functions._fields
+OF_RIGHT = "from right_answers import RIGHT\n" + "".join(f"{n} = RIGHT[{n!r}]\n" for n in NAMES)
+CHAPTER = ROOT / "notebooks" / "30_a_map_by_your_own_functions.ipynb"
+
+
+@pytest.mark.slow
+def test_six_right_functions_map_the_clinic(tmp_path, monkeypatch):
+    """Catches a mapper that takes the library's instead, and one that only its arrays suit."""
+    (tmp_path / "my_mapper.py").write_text(OF_RIGHT)
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "tests"))
+    notebook = nbformat.read(CHAPTER, 4)
+    truth = "[float(abs(poses - log.truth)[:, :2].max()) for poses in (chain, closed)]"
+    notebook.cells.append(nbformat.v4.new_code_cell(f"assert {truth}[1] < 0.2 < {truth}[0]"))
+    NotebookClient(notebook, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    shown = "".join(o.get("text", "") for cell in notebook.cells for o in cell.get("outputs", []))
+    assert shown.count(": yours\n") == 2 * len(NAMES) and "the library's" not in shown
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_function_that_is_missing_or_wrong_is_named_and_replaced(tmp_path, capsys, name):
+    """Catches a wrong function that maps, and a line that names another one."""
+    for added, words in (
+        (f"del {name}\n", "my_mapper.py does not have it"),
+        (f"def {name}(*given): ...\n", "yours does not pass: it returns nothing yet"),
+        (f"{name} = 7\n", "yours does not pass: give the function itself"),
+    ):
+        (tmp_path / "my_mapper.py").write_text(OF_RIGHT + added)
+        mine = course.check_my_mapper(tmp_path)
+        lines = capsys.readouterr().out.splitlines()
+        (line,) = (line for line in lines if not line.endswith(": yours"))
+        assert line.startswith(f"{name} ") and words in line and len(lines) == len(NAMES)
+        check = course.EXERCISES[name]
+        given = next(iter(check.cases.values()))
+        assert check.same(getattr(mine, name)(*given), check.solution(*given))
+
+
+def test_a_file_that_does_not_run_is_told(tmp_path, capsys):
+    """Catches an error of a student's file that stops the chapter."""
+    (tmp_path / "my_mapper.py").write_text("def compose(:")
+    course.check_my_mapper(tmp_path)
+    assert capsys.readouterr().out.count("my_mapper.py does not run: SyntaxError") == len(NAMES)
+
+
+def test_each_function_is_asked_for_by_the_chapter_that_is_named():
+    """Catches a chapter that was renumbered."""
+    for number, check in CHECKS.items():
+        (path,) = (path for path in CHAPTERS if path.name.startswith(number))
+        assert f"course.check_{check.name}(" in path.read_text("utf-8")
