@@ -14,10 +14,18 @@ from segmap.extraction import extract_clusters
 from segmap.poses import between, compose, inverse, transform
 
 
-def farthest_in_a_loop(points):
-    (x0, y0), (x1, y1) = points[0], points[-1]
-    off = [abs((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) for x, y in points]
-    return off.index(max(off))
+def split_by_a_list(points, tolerances, first, last):
+    ends, parts = [], [(first, last)]
+    while parts:
+        a, b = parts.pop()
+        (dx, dy), (x, y) = points[b] - points[a], (points[a : b + 1] - points[a]).T
+        off = abs(dx * y - dy * x) / np.hypot(dx, dy) / tolerances[a : b + 1]
+        k = a + int(off.argmax())
+        if off.max() <= 1 or k in (a, b):
+            ends.append(b)
+        else:
+            parts += [(a, k), (k, b)]
+    return sorted(ends)
 
 
 def moved_by_pseudo_inverse(points, feet, normals):
@@ -308,7 +316,7 @@ RIGHT = {
     "unwrapped": lambda s: (s - s[0] + np.append(0, np.cumsum(np.diff(s) < 0)) * 2**24) / 1e3,
     "axial_mean": lambda angles: np.angle(np.mean(np.exp(2j * angles))) / 2,
     "segments_all_round": lambda p, gap: extract_clusters(p, gap=gap, closed=True),
-    "farthest_point": farthest_in_a_loop,
+    "split": split_by_a_list,
     "match_value": match_with_helpers,
     "least_translation": by_pseudo_inverse,
     "move_onto_walls": moved_by_pseudo_inverse,

@@ -12,8 +12,8 @@ from segmap.angles import axial_mean
 from segmap.arrays import Array
 from segmap.poses import transform
 
-from ..literal.extraction import cut_at_gaps, fit_total, segments_at_gaps
-from ..literal.lines import extreme_projections
+from ..literal.extraction import cut_at_gaps, fit_total, off_line, segments_at_gaps, split
+from ..literal.lines import extreme_projections, line_of
 from ._answers import Cases, same_line
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -130,66 +130,74 @@ check_segments_all_round = Exercise(
 )
 
 
-# ------------------------------------------------------------------ the corner of a polyline
-def _chords(rng: Rng) -> Cases:
-    """Points that are farthest to the left and to the right of chords of all directions."""
+# ------------------------------------------------------------------ the corners of a polyline
+def _bent_runs(rng: Rng) -> Cases:
+    """Runs of straight pieces whose points have tolerances that grow along them, or fall."""
 
-    def chord(side: float, degrees: float) -> tuple[Array]:
-        count = int(rng.integers(4, 8))
-        off = rng.uniform(-0.3, 0.3, count)
-        off[[0, -1]] = 0
-        off[rng.integers(1, count - 1)] = side * rng.uniform(0.5, 0.9)
-        points = np.stack([np.linspace(0, rng.uniform(1, 3), count), off], 1)
-        return (transform(anywhere(rng, degrees, degrees), points),)
+    def bent(corners: list[tuple[float, float]], back: bool = False) -> tuple[Any, ...]:
+        x, y = np.array(corners).T
+        along = np.unique(np.append(np.linspace(0, x[-1], 23), x))
+        points, tolerances = np.stack([along, np.interp(along, x, y)], 1), 0.01 + 0.01 * along
+        size, n = rng.uniform(0.5, 2), len(along)
+        points = transform(anywhere(rng), size * points * (1, rng.choice([-1, 1])))
+        way = slice(None, None, -1) if back else slice(None)
+        return points[way], size * tolerances[way], 0, n - 1
 
-    def two_far(first: float, second: float) -> tuple[Array]:
-        points = np.array([(0, 0), (0.5, first), (1.2, 0.1), (1.9, second), (2.4, 0)])
-        return (transform(anywhere(rng), points * (1, rng.choice([-1, 1]))),)
-
-    upright = chord(1, 0)[0][:, ::-1]
+    near_and_far = [(0.0, 0.0), (2.0, 0.08), (5.0, 0.0), (8.0, 0.085), (11.0, 0.0)]
     return {
-        "the farthest to the left": chord(1, rng.uniform(-30, 30)),
-        "the farthest to the right": chord(-1, rng.uniform(-30, 30)),
-        "a chord that stands upright": (upright - upright[0] * (1, 0),),
-        "two that are far, the second farther": two_far(0.5, 0.6),
-        "two that are far, the first farther": two_far(0.6, 0.5),
-        "a steep chord": chord(-1, rng.uniform(70, 80)),
-        "a steep chord, to the left": chord(1, rng.uniform(100, 110)),
+        "a near corner that counts, a far one that does not": bent(near_and_far),
+        "the same from its other end": bent(near_and_far, back=True),
+        "two corners that count": bent([(0, 0), (3, 0.6), (7, -0.5), (10, 0)]),
+        "a near corner alone": bent([(0, 0), (2, 0.08), (11, 0)]),
+        "a straight wall": bent([(0, 0), (10, 0)]),
+        "a bend within the tolerance": bent([(0, 0), (6, 0.05), (10, 0)]),
     }
 
 
-def _farthest_point(points: Array) -> int:
-    d, r = points[-1] - points[0], points - points[0]
-    off = (d[0] * r[:, 1] - d[1] * r[:, 0]) / np.hypot(*d)  # positive to the left
-    return int(np.argmax(np.abs(off)))
+def _split(points: Array, tolerances: Array, first: int, last: int) -> list[int]:
+    chord = line_of((points[first], points[last]))
+    off = [off_line(points[k], chord) / tolerances[k] for k in range(first, last + 1)]
+    far = first + int(np.argmax(off))
+    if off[far - first] <= 1 or far in (first, last):
+        return [last]
+    return _split(points, tolerances, first, far) + _split(points, tolerances, far, last)
 
 
-check_farthest_point = Exercise(
-    "farthest_point(points) -> int: index of the one of points (n, 2) that is farthest from the "
-    "line through the first and the last",
-    _farthest_point,
-    _chords,
+def _with_one(tolerance: Callable[[Array], float]) -> Callable[..., list[int]]:
+    """The chapter's split, with one tolerance for all points."""
+    return lambda points, tolerances, first, last: split(points, tolerance(tolerances), first, last)
+
+
+check_split = Exercise(
+    "split(points, tolerances, first, last) -> list of int: last index of each piece of "
+    "points[first] to points[last], (n, 2) in metres, when each point has a tolerance of its own",
+    _split,
+    _bent_runs,
     {
-        "points lie on both sides of the chord: take absolute distances": (
-            edited(_farthest_point, ("np.abs(off)", "off"))
+        "one tolerance for all cuts far walls at their noise: each point has its own": (
+            _with_one(np.min)
         ),
-        "points lie on both sides of the chord: the sign must not decide": (
-            edited(_farthest_point, ("argmax(np.abs(off))", "argmin(off)"))
+        "one tolerance for all cuts near corners off: each point has its own": _with_one(np.max),
+        "the mean tolerance is too large near the robot and too small far from it": (
+            _with_one(np.mean)
         ),
-        "measure across the chord, not upright: an upright chord has no slope": (
-            edited(_farthest_point, ("(d[0] * r[:, 1]", "(r[:, 1]"), ("d[1]", "d[1] / d[0]"))
+        "cut where the distance in tolerances is largest, not where the metres are": edited(
+            _split,
+            ("/ tolerances[k]", ""),
+            ("off[far - first] <= 1", "off[far - first] <= tolerances[far]"),
         ),
-        "this is the distance from the first point, wanted is the one from the chord": (
-            lambda points: int(np.argmax(np.hypot(*(points - points[0]).T)))
+        "the tolerance of a point stays with it: it has the index of the point": edited(
+            _split, ("tolerances[k]", "tolerances[k - first]")
         ),
-        "the index counts from the first point of all, not from the first inner one": (
-            edited(_farthest_point, ("np.abs(off)", "np.abs(off)[1:-1]"))
+        "both parts are cut again: the function calls itself": edited(
+            _split,
+            (
+                "_split(points, tolerances, first, far) + _split(points, tolerances, far, last)",
+                "[far, last]",
+            ),
         ),
-        "this is the distance from the last point, wanted is the one from the chord": (
-            lambda points: int(np.argmax(np.hypot(*(points - points[-1]).T)))
-        ),
-        "give the index of the point, not its distance": (
-            edited(_farthest_point, ("int(np.argmax(np.abs(off)))", "np.abs(off).max()"))
+        "the pieces end at their last index, and so does the run": edited(
+            _split, ("return [last]", "return []")
         ),
     },
 )
