@@ -18,6 +18,7 @@ import nbformat
 from nbformat import NotebookNode
 from PIL import Image
 from refresh import VIEW, execute
+from segmap_course import FIGURE_MIME
 
 ROOT = Path(__file__).resolve().parents[2]
 CHAPTERS = ROOT / "notebooks"
@@ -52,7 +53,6 @@ STATES: dict[str, list[str]] = {
     "15-1": ["origin=*"],
     "16-1": ["sigma=*"],
     "17-1": ["tolerance=*"],
-    "17-2": ["every=*"],
     "18-1": ["distance=*"],
     "19-1": ["place=*"],
     "20-1": ["scan=*"],
@@ -128,8 +128,9 @@ def shown(path: Path) -> dict[str, list[tuple[Image.Image, str]]]:
 
 
 def shows_panel(cell: NotebookNode) -> bool:
-    """Whether a cell of a chapter shows a panel."""
-    return any(VIEW in output.get("data", {}) for output in cell.get("outputs", []))
+    """Whether a cell of a chapter shows a panel; a figure to drag is none, it lives in the book."""
+    shown = [output.get("data", {}) for output in cell.get("outputs", [])]
+    return any(VIEW in data and FIGURE_MIME not in data for data in shown)
 
 
 def _states(path: Path, cells: list[NotebookNode], number: int) -> list[tuple[Image.Image, str]]:
