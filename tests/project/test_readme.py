@@ -290,6 +290,19 @@ def test_one_version_stands_everywhere():
     assert len(wheels) == 3 and {*wheels} == {segmap.__version__}
 
 
+def test_the_commands_stand_in_the_order_in_which_they_are_typed():
+    """Catches `pip install` above the environment that it needs, and a page that nobody can end."""
+    typed = (
+        "-m venv env",
+        ". env/bin/activate",
+        "pip install '.[app]'",
+        "segmap warm",
+        "\nsegmap app",
+    )
+    places = [README.find(text) for text in (*typed, "Control-C")]
+    assert -1 not in places and places == sorted(places)
+
+
 def test_nothing_is_asked_of_an_index_that_somebody_else_may_fill():
     """Catches `pip install segmap`, which leads to whoever takes that name."""
     texts = [p for p in ROOT.glob("*.md") if p.name != "CONTRIBUTING.md"]
