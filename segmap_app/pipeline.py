@@ -77,8 +77,6 @@ class MapChoices:
         """The choices by the options of `segmap map`, with a log, as it was read, and its runs."""
         calls = [self.align, self.extract, *self.methods]
         usual = {"extract": "extract_polylines"}
-        if not self.align.thresholds:  # else it is named: they are not for another one
-            usual["align"] = alignment.usual_method(log)
         settings: dict[str, Any] = {"method": "none"}
         for (kind, begin), call in zip(BEGIN.items(), calls, strict=False):
             if call.name != usual.get(kind):

@@ -34,9 +34,7 @@ def odometry(log: Log) -> Outcome:
 
 
 def usual_method(log: Log) -> str:
-    """The method of commands and workbench where none is chosen: the truth, or a pose graph.
-
-    The truth where the log has it for each scan.
+    """The truth where the log has it for each scan, which costs no time; else a pose graph.
 
     Examples
     --------

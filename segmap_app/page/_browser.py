@@ -120,11 +120,18 @@ class Canvas(anywidget.AnyWidget):
     def grow(self, way: Array, points: Array, words: str) -> None:
         """Show what was placed so far: places `(k, 2)` and points `(n, 2)`, metres."""
         with self.hold_sync():
+            self.clear()
             self._frame(*(f(np.vstack([way, points]), axis=0) for f in (np.min, np.max)))
-            self.before = self.first = self.second = self.other = self.sure = self.loops = b""
-            self.way, self.points, self.free = self.packed(way), self.packed(points), b""
-            self.pointed, self.members, self.looked_at = NOTHING, [], []
+            self.way, self.points = self.packed(way), self.packed(points)
             self.titles, self.growing = [words], True
+
+    def clear(self) -> None:
+        """Show nothing."""
+        with self.hold_sync():
+            self.before = self.first = self.second = self.other = self.sure = self.loops = b""
+            self.way = self.points = self.free = b""
+            self.pointed, self.members, self.looked_at = NOTHING, [], []
+            self.titles, self.summary, self.growing = [], "", False
 
     def _frame(self, low: Array, high: Array) -> None:
         self.middle, self.size = ((low + high) / 2).tolist(), (high - low).tolist()

@@ -29,6 +29,8 @@ WRAP: Any = {"flex_flow": "row wrap", "align_items": "center"}
 LIST_NAME_STYLE = {"description_width": "104px"}
 #: Below each list stands what the method that is chosen does.
 SMALL = '<div style="line-height: 1.35; font-size: 12px; margin-left: 4px">'
+#: Said of a log with a true pose for each scan, below what the alignment does.
+OWN_POSES = f"{SMALL}This log has poses of its own: choose ground_truth to use them.</div>"
 #: What the list of second methods says of none.
 NONE = "none"
 
@@ -142,6 +144,7 @@ class Choices:
         self.usual = {"align": "pose_graph", "extract": "extract_polylines"}
         self.usual |= {"method": reduction.USUAL_METHOD, "second": NONE}
         self.align = Choice("alignment", alignments, self.usual["align"])
+        self.own_poses: Any = W.HTML()
         self.extract = Choice("extraction", extractions, self.usual["extract"])
         self.method = Choice("method", reductions, self.usual["method"])
         self.second = Choice("second method", {NONE: None, **reductions}, NONE)
@@ -171,15 +174,10 @@ class Choices:
         self.edits = Edits()
 
     def begin(self, log: Log) -> None:
-        """Choose the alignment that the command takes for a log, unless another one was chosen.
-
-        No edit of another map is kept.
-        """
+        """Keep no edit of another map, and say whether a log has poses of its own."""
         self.edits.restore({})
-        usual = alignment.usual_method(log)
-        if self.align.value == self.usual["align"]:
-            self.align.value = usual
-        self.usual["align"] = usual
+        has_poses = alignment.usual_method(log) == "ground_truth"
+        self.own_poses.value = OWN_POSES if has_poses else ""
 
     def restore(self, session: Session) -> None:
         """Choose what a session says, and the defaults of all else.
@@ -264,7 +262,7 @@ class Choices:
         fold = folded("laser", laser)
         fold.layout.align_self = "flex-start"
         return {
-            "Poses": W.VBox([self.align.view, self.deskew, fold, laser]),
+            "Poses": W.VBox([self.align.view, self.own_poses, self.deskew, fold, laser]),
             "Segments": W.VBox([self.extract.view, self.people, self.least]),
             "Map": W.VBox([self.method.view, self.second.view]),
         }

@@ -143,6 +143,15 @@ class Page:
         tools = W.Box([self.shown, self.tool, *self.layers.values()], layout=W.Layout(**WRAP))
         return laid_out(steps, bar, [tools, self.canvas, self.chosen, self.rooms.sheet])
 
+    def _show_nothing(self) -> None:
+        """Show no map, and nothing that is said of one."""
+        self.rooms.switch.value = self.layers["free space"].value = self.loops.open.value = False
+        self.loops.open.layout.display, self.picture.value = "none", b""
+        for each in (self.verdict, self.extracted, self.figures, self.listing, self.chosen):
+            each.value = ""
+        if self.canvas is not None:
+            self.canvas.clear()
+
     def _grey(self, *, ready: bool, busy: bool, done: bool, edited: bool) -> None:
         """Grey what cannot be done: where no log is `ready`, while `busy`, before a run is done."""
         self.stop.disabled, self.undo.disabled = not busy, busy or not edited

@@ -82,7 +82,6 @@ class Workbench(Page, Work):
         self._runs, self._history = Runs(), list[Mapping[str, Any]]()
         self.listed = self._runs.listed
         self._worker, self._thread, self._bar = Worker(), threading.Thread(), Bar()
-        self._worker.grown = self._grown
         self.progress, self.state = self._bar.bar, self._bar.state
         self._choices = chosen = Choices()
         self.align, self.extract, self.least = chosen.align, chosen.extract, chosen.least
@@ -111,9 +110,10 @@ class Workbench(Page, Work):
 
     def _taken(self, log: Log, session: files.Session | None) -> None:
         """Another log: nothing that was found holds for it; a session has choices and runs."""
-        self._known = None
+        self.outcome = self._known = self._seen = None
         self._history.clear()
         self._choices.begin(log)
+        self._show_nothing()
         words = ""
         if session is not None:
             self._choices.restore(session)
@@ -138,12 +138,13 @@ class Workbench(Page, Work):
         """Do it in the worker, and show it when it is done."""
         with telling(self._wrong):
             work = self._work(anew=button is not None)
+            self._worker.grown = partial(self._grown, work[1])
             self._begin(begin, work, partial(self._reduce, *work[:2]), self._choices.refused)
 
-    def _grown(self, way: arrays.Array, points: arrays.Array) -> None:
+    def _grown(self, log: Log, way: arrays.Array, points: arrays.Array) -> None:
         """Show the scans that are placed so far."""
-        if self.canvas is not None:
-            self.canvas.grow(way, points, f"scan {len(way)} of {len(self.log)}")
+        if self.canvas is not None and log is self.log:
+            self.canvas.grow(way, points, f"scan {len(way)} of {len(log)}")
 
     def _reduce(self, recipe: MapChoices, log: Log, begun: Pipeline) -> None:
         """Show a new map while it is reduced, and then what is left of it."""
@@ -206,8 +207,7 @@ class Workbench(Page, Work):
 
     def _failed(self, function: Callable[..., Any]) -> str:
         """Show the last good run again, and say that it is kept."""
-        if self.outcome is not None and self.outcome.given is self.log:
-            # what cannot be is not tried again
+        if self.outcome is not None:  # what cannot be is not tried again
             self.edits.take_loops(self.outcome.recipe.edits)
             if self._known is not self.outcome:
                 self._show_map(self.outcome)
@@ -227,14 +227,14 @@ class Workbench(Page, Work):
         self._worker.stop()
 
     def _show(self, log: Log, outcome: Pipeline) -> None:
-        self.outcome = outcome
         self._runs.add(outcome)
+        if log is not self.log:  # another was chosen meanwhile
+            self._bar.say(f"{log.name}: done, and listed in All runs", 1.0)
+            return
         self._show_map(outcome)
-        self._known = None
-        if log is self.log:  # another may be chosen meanwhile
-            self._known = outcome
-            if self._history[-1:] != [outcome.recipe.edits]:
-                self._history.append(outcome.recipe.edits)
+        self.outcome = self._known = outcome
+        if self._history[-1:] != [outcome.recipe.edits]:
+            self._history.append(outcome.recipe.edits)
         self.figures.value = _shown.left(outcome)
         self.listing.value = _shown.code(outcome.code())
         words = f"{outcome.stopped}; Run maps all of it" if outcome.stopped else "done"

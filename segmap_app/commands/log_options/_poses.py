@@ -28,7 +28,7 @@ from ._thresholds import add_thresholds, chosen_thresholds, refuse_others, refus
 #: So many reasons for scans that were not matched are told.
 MOST_REASONS = 3
 #: What happens without --align, in most commands.
-ALIGN = "default: ground_truth where the log has it for each scan, else pose_graph"
+ALIGN = "default: pose_graph"
 
 
 def add_poses(command: Command, *, align: bool = True) -> None:
@@ -80,12 +80,8 @@ def preparing_of(given: argparse.Namespace) -> dict[str, Any]:
 
 
 def recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
-    """What the options say of the way to poses, and what is edited on a map.
-
-    By default: the true poses where the log has one for each scan; else all poses at once, loops
-    closed.
-    """
-    name = getattr(given, "align", None) or usual_method(log)
+    """What the options say of the way to poses, by default a pose graph, and of edits on a map."""
+    name = getattr(given, "align", None) or "pose_graph"
     refuse_others(given, name, METHODS, "align_")
     align = call(given, name, METHODS[name].function, "align_")
     if name == "ground_truth" != usual_method(log):  # some scans have none
@@ -127,6 +123,8 @@ def tell_poses(made: Pipeline, report: Report) -> Pipeline:
     """Say how a log was de-skewed, aligned and turned, each as soon as it is."""
     tell_deskewing(made, report)
     tell_alignment(made.alignment_in_log_frame, report)
+    if made.recipe.align.name == "pose_graph" and usual_method(made.given) == "ground_truth":
+        report.line("", "the log has poses of its own: `--align ground_truth` takes them")
     if made.recipe.edits.get("square"):
         degrees = float(np.degrees(made.turn))
         words = f"by {degrees:.2f} degrees about the origin: most walls along x and y"
@@ -205,8 +203,8 @@ def check_options(given: argparse.Namespace) -> None:
     """End with an error of usage, before any work, where these options do not go together."""
     if align := getattr(given, "align", None):
         refuse_others(given, align, METHODS, "align_")
-    for name in () if align else ("ground_truth", "pose_graph"):  # the log tells which of them
-        for threshold, of in thresholds(METHODS[name].function).items():
+    else:
+        for threshold, of in thresholds(METHODS["pose_graph"].function).items():
             refuse_wrong(given, f"align_{threshold}", of.said)
     try:
         directions(getattr(given, "mask", None) or ["0:1"])

@@ -52,6 +52,10 @@ DARK, WALL = (
 )
 
 
+#: Takes the poses of a log as they are.
+TRUE = "--align", "ground_truth"
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Pieces of the Malaga log, with a true pose for each scan, as a folder of logs."""
@@ -157,7 +161,7 @@ def test_a_map_is_what_the_library_makes_in_every_format(run, near):
     figures = plt.get_fignums()
     names = [f"it.{suffix}" for suffix in ("csv", "npz", "svg", "dxf", "geojson", "wkt", "png")]
     outputs = [word for name in names for word in ("-o", name)]
-    code, said, _ = run("map", near, "--method", "fusion", "--tolerance", "0.06", *outputs)
+    code, said, _ = run("map", near, *TRUE, "--method", "fusion", "--tolerance", "0.06", *outputs)
     wanted = expected(near, "fusion", tolerance=0.06)
     assert code == 0 and f"by fusion: {len(wanted)} segments left" in said
     assert "by ground_truth: 12 of 12 scans" in said
@@ -173,7 +177,7 @@ def test_a_map_is_what_the_library_makes_in_every_format(run, near):
     assert len(json.loads(Path("it.geojson").read_text())["features"]) == len(wanted)
     assert {path.name for path in Path().iterdir()} == set(names)
     # a picture holds both maps at one scale, and needs no display
-    run("map", near, "--method", "none", "-o", "none.png")
+    run("map", near, *TRUE, "--method", "none", "-o", "none.png")
     one, both = (plt.imread(name) for name in ("none.png", "it.png"))
     assert one.shape[:2] != both.shape[:2] and both.size > 1.5 * one.size
     assert plt.get_fignums() == figures
@@ -273,7 +277,7 @@ def test_switches_filters_and_thresholds_of_the_extraction(run, near):
             "",
         ),
     ):
-        code, said, _ = run("map", near, "--method", "none", *words, "-o", "it.csv")
+        code, said, _ = run("map", near, *TRUE, "--method", "none", *words, "-o", "it.csv")
         assert code == 0 and told in said
         assert len(readers.read_segments("it.csv")) == len(made)
 
@@ -417,7 +421,7 @@ def test_a_picture_holds_both_maps_at_one_scale(run, figures, wide, tall, rows):
     walls = simulation.rectangular_room(wide, tall)
     log = simulation.simulate(walls, path, sensor=simulation.SICK_LMS200, rng=rng)
     exports.write_carmen("it.log", log, path)
-    assert run("map", "it.log", "--method", "basic_offline", "-o", "it.png")[0] == 0
+    assert run("map", "it.log", *TRUE, "--method", "basic_offline", "-o", "it.png")[0] == 0
     log = segmap.read("it.log")
     wall = segmap.build_map(log, log.truth)
     reduced, size = reduction.basic_offline(wall), np.ptp(wall.segments, axis=(0, 1))
@@ -593,7 +597,12 @@ def test_a_session_repeats_its_map(run, near):
     code, *_ = run("map", near, *CHOICE, *CROP, "-o", "it.csv", "-o", "it.segmap")
     assert code == 0
     session = files.read_session("it.segmap")
-    assert session.settings == {"method": "hybrid", "angle": 20.0, "extract_gap": 0.2}
+    assert session.settings == {
+        "align": "pose_graph",
+        "method": "hybrid",
+        "angle": 20.0,
+        "extract_gap": 0.2,
+    }
     assert session.edits == {"square": True, "crop": [-2.0, -30.0, 20.5, 30.0]}
     code, said, _ = run("map", "it.segmap", "-o", "again.csv", "--json")
     assert code == 0 and Path("again.csv").read_bytes() == Path("it.csv").read_bytes()
@@ -602,8 +611,9 @@ def test_a_session_repeats_its_map(run, near):
         k: before[k] for k in ("extracted", "cropped", "quality")
     }
     # what is said on the command wins, and thresholds of the method before are no fault then
-    code, said, _ = run("map", "it.segmap", "--method", "fusion", "--json")
-    assert code == 0 and json.loads(said)["reduced"]["method"] == "fusion"
+    code, said, _ = run("map", "it.segmap", "--method", "fusion")
+    assert code == 0 and "reduced   by fusion: " in said
+    assert "by pose_graph: " in said and "the log has poses of its own: `--align " in said
     code, said, _ = run("map", "it.segmap", "--angle", "3", "--json")
     assert code == 0 and json.loads(said)["reduced"]["segments"] != before["reduced"]["segments"]
     code, said, _ = run("occupancy", "it.segmap")
@@ -670,7 +680,7 @@ def test_a_failed_log_is_told_at_the_end_and_the_others_are_done(run, folder, tm
     (tmp_path / "far.log").rename(tmp_path / "deep" / "down" / "far.log")
     (tmp_path / "deep" / "back").symlink_to(tmp_path)
     (tmp_path / "maps").mkdir()
-    code, said, beside = run("map", ".", "--method", "fusion", "-o", "maps/{name}.csv")
+    code, said, beside = run("map", ".", *TRUE, "--method", "fusion", "-o", "maps/{name}.csv")
     assert code == 1 and said.splitlines()[-1] == "2 of 3 logs done"
     assert {path.name for path in Path("maps").iterdir()} == {"near.csv", "far.csv"}
     first, near, last = beside.splitlines()
@@ -708,7 +718,7 @@ def test_logs_do_not_replace_each_other(run, near, tmp_path):
         (tmp_path / name).mkdir()
         shutil.copy(log, f"{name}/run.log")
     words = ("a/run.log", "b/run.log", "--method", "fusion", "-o", "{name}.csv")
-    code, said, beside = run("map", *words)
+    code, said, beside = run("map", *TRUE, *words)
     assert code == 1 and "1 of 2 logs done" in said
     assert "b/run.log: run.csv was written for a/run.log" in beside
     assert len(readers.read_segments("run.csv")) == len(expected(near, "fusion"))
@@ -826,7 +836,7 @@ def test_both_maps_are_turned_into_one_frame(run):
     log = segmap.load("room")
     true = poses.compose((2.0, -1.0, 0.5), log.truth)
     exports.write_carmen("room.log", log, true)
-    words = ("room.log", "--square", "--json")
+    words = ("room.log", *TRUE, "--square", "--json")
     code, said, _ = run("map", *words, "--method", "none", "-o", "it.csv")
     turn = json.loads(said)["turned"]["degrees"]
     assert code == 0 and turn == pytest.approx(-np.degrees(0.5), abs=0.2)
@@ -855,7 +865,7 @@ def test_a_map_is_placed_on_the_earth(run, near, command):
         ("--place", "5e5", "4e6", "--crs", "EPSG:25830"): files.Grid("EPSG:25830", 5e5, 4e6),
     }
     for words, world in places.items():
-        assert run(*command, *words, "-o", "it.geojson")[0] == 0
+        assert run(*command, *TRUE, *words, "-o", "it.geojson")[0] == 0
         write[0]("wanted.geojson", write[1], world=world)
         assert Path("it.geojson").read_bytes() == Path("wanted.geojson").read_bytes()
 
@@ -863,13 +873,13 @@ def test_a_map_is_placed_on_the_earth(run, near, command):
 def test_what_lies_outside_a_rectangle_is_cut_off(run, near):
     """Catches a crop after the reduction, of the filtered map, and an empty map in silence."""
     code, said, _ = run(
-        "map", near, "--method", "none", "--crop", "0", "-5", "20", "5", "-o", "it.csv"
+        "map", near, *TRUE, "--method", "none", "--crop", "0", "-5", "20", "5", "-o", "it.csv"
     )
     map = segmap.build_map(segmap.read(near), segmap.read(near).truth)
     wanted = map.cropped(0, -5, 20, 5)
     assert code == 0 and 0 < len(wanted) < len(map) and f"to {len(wanted)} segments" in said
     assert np.array_equal(readers.read_segments("it.csv").segments, wanted.segments)
-    code, _, beside = run("map", near, "--crop", "900", "0", "901", "1", "-o", "no.csv")
+    code, _, beside = run("map", near, *TRUE, "--crop", "900", "0", "901", "1", "-o", "no.csv")
     assert code == 1 and not Path("no.csv").exists()
     (left, low), (right, high) = (f(map.segments, (0, 1)) for f in (np.min, np.max))
     reach = f"from x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m\n"
@@ -878,7 +888,7 @@ def test_what_lies_outside_a_rectangle_is_cut_off(run, near):
 
 def test_a_map_of_squares_is_cropped_to_cells(run, near):
     """Catches an option that only one of two maps has, and space that stays free outside."""
-    words = "occupancy", near, "--resolution", "0.2", "-o", "it.npz", "--crop"
+    words = "occupancy", near, *TRUE, "--resolution", "0.2", "-o", "it.npz", "--crop"
     code, said, _ = run(*words, "0", "-5", "20", "5", "--json")
     log = segmap.read(near)
     whole = segmap.quadtree.build_map(log, log.truth, resolution=0.2)
@@ -900,7 +910,7 @@ def test_beams_that_others_saw_through_are_left_out(run, near):
     wanted = segmap.quadtree.without_passers(log, log.truth, seen_through=0.3)
     gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in zip(log, wanted, strict=True))
     words = "--method", "none", "--seen-through", "0.3", "-o", "it.csv"
-    code, said, _ = run("map", near, *words)
+    code, said, _ = run("map", near, *TRUE, *words)
     assert code == 0 and gone > 0 and f"passers   {gone} beams left out" in said
     walls = segmap.build_map(wanted, log.truth).segments
     assert np.array_equal(readers.read_segments("it.csv").segments, walls)
@@ -1060,7 +1070,7 @@ def plan(tmp_path, only):
 
 def test_a_plan_judges_the_run_that_is_shown(run, plan):
     """Catches a judge of other thresholds, and shares of the whole walls in the place of seen."""
-    words = ("drive.log", "--walls", "plan.csv", "--json", "--table", "it.csv")
+    words = ("drive.log", *TRUE, "--walls", "plan.csv", "--json", "--table", "it.csv")
     code, said, _ = run("compare", *words)
     found = json.loads(said)
     log = segmap.read("drive.log")

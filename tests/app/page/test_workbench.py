@@ -66,6 +66,10 @@ def done(**chosen):
 # ------------------------------------------------------------------ what is run
 
 
+#: Logs that hold a true pose for each scan.
+OWN_POSES = "room", "beam times"
+
+
 @pytest.mark.parametrize("kind", ["room", "malaga", "no truth", "no odometry", "beam times"])
 def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch, capsys):
     """Catches another alignment, method or threshold by default in page or command, and Python
@@ -86,7 +90,8 @@ def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch
     told = json.loads(capsys.readouterr().out)
     assert len(made.outcome.map) == told["extracted"]["segments"]
     assert len(made.outcome.reductions[0]) == told["reduced"]["segments"]
-    assert made.outcome.alignment.method == told["aligned"]["method"]
+    assert made.outcome.alignment.method == told["aligned"]["method"] == "pose_graph"
+    assert ("poses of its own" in made._choices.own_poses.value) == (kind in OWN_POSES)
     assert ("de-skewed" in told) == (kind == "beam times")
     assert made.outcome.recipe.prepare == {}
     if kind != "malaga":  # which takes its time
@@ -456,7 +461,8 @@ def test_a_run_that_is_stopped_keeps_what_is_placed_and_says_so(worker, tmp_path
     seen only at the end, and a next run that maps the part again."""
     made, grown = bench(segmap.load("malaga"), align="pose_graph"), []
     made._worker = worker
-    monkeypatch.setattr(worker, "grown", lambda *seen: grown.append(seen) or made._grown(*seen))
+    grow = made.canvas.grow
+    monkeypatch.setattr(made.canvas, "grow", lambda *seen: grown.append(seen) or grow(*seen))
     made.start.click()
     wait_for(lambda: len(grown) > 1 or "solving" in made.state.value, 60)
     assert made.canvas.growing and made.canvas.before == b"" and len(made.canvas.points) > 99
@@ -814,14 +820,30 @@ def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path, monkeypatch):
         other.open(tmp_path / "no.segmap")
 
 
-def test_another_log_while_one_is_worked_on():
-    """Catches the map of one log shown as that of another, or kept for its next run."""
-    made = bench()
-    outcome = done().outcome
-    other = Log("other", LOG.scans[:3], LOG.truth[:3])
+def test_another_log_takes_the_map_of_the_one_before_from_the_page():
+    """Catches a verdict, numbers and a drawing of one log under the name of another, a file of them
+    in its name, and a run that ends when its log is no longer chosen."""
+    made = done()
+    outcome, other = made.outcome, Log("other", LOG.scans[:3], LOG.truth[:3])
+    made.loops.open.value = True
     made.open(other)
+
+    def is_empty():
+        texts = made.verdict, made.extracted, made.figures, made.listing, made.chosen
+        drawn = made.canvas.before + made.canvas.first + made.canvas.way + made.canvas.points
+        assert not any(text.value for text in texts) and not drawn and not made.canvas.titles
+        assert not made.loops.open.value and made.code == "" and made.canvas.summary == ""
+        return repr(made) == "Workbench(other: not run yet)"
+
+    assert is_empty() and made.state.value == "other: ready to run"
+    made.files.children[0].click()
+    assert made.state.value == "there is no map yet: press Run (or call run()) first"
+    made._grown(LOG, outcome.alignment.poses[:, :2], np.zeros((1, 2)))
     made._show(LOG, outcome)
-    assert list(made.runs["map"]) == [LOG.name] and repr(made).startswith(f"Workbench({LOG.name}:")
+    assert is_empty() and list(made.runs["map"]) == [LOG.name]
+    made.bring_back(0)
+    assert made.outcome is outcome and made.canvas.before and made.log is LOG
+    made.open(other)
     made.run()
     assert made.outcome.map.scan.max() == 2
 

@@ -63,7 +63,7 @@ def test_what_is_chosen_comes_back(chosen, tmp_path):
     files.write_session(one, files.Session(chosen.log, {"method": "fusion", "tolerance": 3.0}))
     other.open(one)
     assert other.method["tolerance"].value == 3.0 and other.extract.value == "extract_polylines"
-    assert (other.align.value, other.second.value) == ("ground_truth", "none")
+    assert (other.align.value, other.second.value) == ("pose_graph", "none")
     for wrong in ({"method": "magic"}, {"method": "fusion", "tolerance": "wide"}):
         files.write_session(one, files.Session(chosen.log, wrong))
         with pytest.raises(ValueError, match="the session cannot be chosen here: "):
