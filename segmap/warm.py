@@ -29,7 +29,14 @@ Found = list[Any]
 #: Where what can be called holds what it calls.
 HELD = ("plain", "function", "func", "fget", "__func__", "__wrapped__")
 #: Cases that compile all that chapter 01 needs: then `make lab` opens it.
-FIRST = ("alignment pose_graph", "extraction all", "reduction fusion", "metrics all")
+FIRST = (
+    "alignment match_points",
+    "reduction fusion",
+    "metrics all",
+    "simulation all",
+    "alignment pose_graph",
+    "extraction all",
+)
 #: Cases that this process has run: what they need is loaded.
 _dispatched: set[str] = set()
 
