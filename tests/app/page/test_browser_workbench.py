@@ -91,12 +91,13 @@ for (let i = 0; i < d.length; i += 4) if (d[i] === 0 && d[i + 1] === 114 && d[i 
 return null"""
 TOOL = "return document.querySelector('.segmap-canvas').dataset.tool"
 #: Whether letters of 8 points on the sheet of a plan, which stands in the place of the map, are
-#: 8 pixels high, and can be scrolled to.
+#: 8 pixels high, and can be scrolled to, sideways only where the window is narrower.
 SHEET = """
 const sheet = document.querySelector('.segmap-sheet'), image = sheet.querySelector('img');
 const wide = image.naturalWidth > image.naturalHeight ? 297 : 210;
 return image.getBoundingClientRect().width / wide * 8 * 25.4 / 72 >= 7.9
   && getComputedStyle(sheet).overflowX === 'auto' && sheet.clientHeight > 300
+  && sheet.scrollWidth <= Math.max(sheet.clientWidth, 840)
   && !document.querySelector('.segmap-canvas').getClientRects().length"""
 #: Which part of the window's height the canvas has; where places about its middle are seen.
 PART = """
