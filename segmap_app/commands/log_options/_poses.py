@@ -123,8 +123,6 @@ def tell_poses(made: Pipeline, report: Report) -> Pipeline:
     """Say how a log was de-skewed, aligned and turned, each as soon as it is."""
     tell_deskewing(made, report)
     tell_alignment(made.alignment_in_log_frame, report)
-    if made.recipe.align.name == "pose_graph" and usual_method(made.given) == "ground_truth":
-        report.line("", "the log has poses of its own: `--align ground_truth` takes them")
     if made.recipe.edits.get("square"):
         degrees = float(np.degrees(made.turn))
         words = f"by {degrees:.2f} degrees about the origin: most walls along x and y"
