@@ -71,7 +71,7 @@ class Workbench(Page, Work):
     >>> workbench = Workbench(load("room"))
     >>> workbench.run()
     >>> workbench
-    Workbench(room: least_cost leaves 43 of 568 segments, quality 89.6%)
+    Workbench(room: least_cost leaves 43 of 568 segments, quality 89.5%)
     """
 
     def __init__(self, log: Log | None = None) -> None:
