@@ -43,6 +43,7 @@ TEXTS = ("*.md", "notebooks/*.md", "data/**/*.md")
 FILES = (
     *("LICENSE", "CITATION.cff", "docs/pictures/*", "notebooks/pictures/*.png"),
     *("data/**/*.csv", "data/**/LICENSE"),
+    *("notebooks/segmap_course/literal/**/*.py", "segmap/plan/*.py"),
 )
 #: Where a page of the docs gets the names of all formats.
 FORMATS = "<!-- formats -->"
@@ -291,7 +292,8 @@ def _write_contents(folder: Path, chapters: list[Path]) -> None:
         page for page in own if page.removeprefix("notebooks/") not in {c.stem for c in chapters}
     ]
     data = sorted(str(p.relative_to(folder).with_suffix("")) for p in folder.glob("data/**/*.md"))
-    texts = ["README", "environment", *data, "code_map", "CONTRIBUTING", "CHANGELOG"]
+    texts = ["README", "environment", *data, "code_map"]
+    texts += ["CONTRIBUTING", "docs/fresh_reader", "CHANGELOG"]
     trees += [_tree("For teachers", own)] if own else []
     trees += [
         _tree("Reference", REFERENCE),
