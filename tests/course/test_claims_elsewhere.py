@@ -255,3 +255,27 @@ def test_a_map_guesses_free_cells_in_the_open_and_hardly_any_in_small_rooms(
     )
     free = rule <= 0.25
     assert least <= (free & (grid == 0.5)).sum() / free.sum() < most
+
+
+@pytest.mark.parametrize("sigma", [0.005, 0.01, 0.02])
+def test_a_tolerance_below_three_standard_deviations_loses_walls_and_a_larger_one_gains_none(sigma):
+    """Chapter 4: another seed than the chapter's, and a corridor beside the clinic."""
+    sensor = replace(simulation.URG_04LX, sigma=sigma)
+    clinic, corridor = segmap.load("clinic"), segmap.load("corridor")
+    for walls, poses in (
+        (clinic_walls(), clinic.truth[::10]),
+        (simulation.corridor_loop(), corridor.truth[::8]),
+    ):
+        log = simulation.simulate(walls, poses, sensor=sensor, rng=np.random.default_rng(0))
+        maps = [segmap.build_map(log, log.truth, tolerance=sigma * k) for k in (1, 3, 4, 6)]
+        one, three, *more = (segmap.segments.length(map.segments).sum() for map in maps)
+        assert one < 0.75 * three and np.allclose(more, three, rtol=0.03)
+
+
+def test_a_noisy_laser_keeps_its_metres_in_pieces():
+    """Chapter 4: at 3 cm of noise and a tolerance of one deviation."""
+    sensor, path = replace(simulation.URG_04LX, sigma=0.03), segmap.load("clinic").truth[::10]
+    log = simulation.simulate(clinic_walls(), path, sensor=sensor, rng=np.random.default_rng(0))
+    one, three = (segmap.build_map(log, log.truth, tolerance=0.03 * k).segments for k in (1, 3))
+    assert len(one) > 3 * len(three)
+    assert segmap.segments.length(one).sum() > 0.9 * segmap.segments.length(three).sum()

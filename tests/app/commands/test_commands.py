@@ -611,9 +611,10 @@ def test_a_session_repeats_its_map(run, near):
         k: before[k] for k in ("extracted", "cropped", "quality")
     }
     # what is said on the command wins, and thresholds of the method before are no fault then
-    code, said, _ = run("map", "it.segmap", "--method", "fusion")
-    assert code == 0 and "reduced   by fusion: " in said
-    assert "by pose_graph: " in said
+    code, said, _ = run("map", "it.segmap", "--method", "fusion", "--json")
+    told = json.loads(said)
+    assert code == 0 and told["reduced"]["method"] == "fusion"
+    assert told["aligned"]["method"] == "pose_graph"
     code, said, _ = run("map", "it.segmap", "--angle", "3", "--json")
     assert code == 0 and json.loads(said)["reduced"]["segments"] != before["reduced"]["segments"]
     code, said, _ = run("occupancy", "it.segmap")
