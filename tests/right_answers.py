@@ -116,14 +116,6 @@ def composed_by_complex_numbers(a, b):
     return [x.real, x.imag, (a[2] + b[2] + np.pi) % (2 * np.pi) - np.pi]
 
 
-def rest_by_matrices(*given):
-    c, s = np.cos([p[2] for p in given]), np.sin([p[2] for p in given])
-    at = [np.array([(a, -b, p[0]), (b, a, p[1]), (0, 0, 1)]) for a, b, p in zip(c, s, given)]  # noqa: B905
-    old_a, new_a, way_a, old_b, new_b, way_b = at
-    ends = way_a @ np.linalg.inv(new_a) @ new_b - np.linalg.inv(old_a) @ old_b @ way_b
-    return np.linalg.norm(ends[:2, 2])
-
-
 def met_in_the_frame_of_the_beam(wall, pose, turn):
     """The wall seen along the beam: where it crosses the axis ahead."""
     (x0, y0), (x1, y1) = transform(between((*pose[:2], pose[2] + turn), (0, 0, 0)), wall)
@@ -321,7 +313,6 @@ RIGHT = {
     "least_translation": by_pseudo_inverse,
     "move_onto_walls": moved_by_pseudo_inverse,
     "flatness": flatness_by_doubled_angles,
-    "loop_rest": rest_by_matrices,
     "edge_error": lambda first, second, relative: between(compose(first, relative), second),
     "carried_beam": beam_about_a_centre,
     "carried": lambda before, after, pose: compose(compose(after, inverse(before)), pose),

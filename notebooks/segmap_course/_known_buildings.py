@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from segmap.scans import Log
 from segmap.segments import SegmentMap
 from segmap.simulation import (
     SICK_LMS200,
+    OdometryNoise,
     Sensor,
     box,
     city,
@@ -141,3 +143,23 @@ def noisy(truth: Array, noise: str, rng: np.random.Generator) -> Array:
     for k in range(1, len(slow)):
         slow[k] = keep * slow[k - 1] + np.sqrt(1 - keep**2) * slow[k]
     return truth + slow * (0.02, 0.02, np.radians(0.3)) + white * (0.005, 0.005, np.radians(0.1))
+
+
+def equal_offices(seed: int = 3) -> Log:
+    """A drive through three offices in a row, 4 m apart, the same in every detail.
+
+    The laser sees 4 m, and the wheels are bad. The robot visits each and returns to the first.
+
+    Examples
+    --------
+    >>> equal_offices()
+    Log('simulated', 211 scans, odometry, truth)
+    """
+    one = office(rng=np.random.default_rng(1), rooms=1)
+    fronts = [one[:-2] + (4 * k, 0) for k in range(3)]
+    walls = np.concatenate([*fronts, one[-2:-1], one[-1:] + (8, 0)])
+    visits = [stop for x in (2, 6, 10) for stop in ((x, 5), (x, 7.4), (x, 5))]
+    way = drive([(1, 5), *visits, (11, 5), (1, 5), (2, 5), (2, 7.4)], step=0.3, turn=0.35)
+    wheels = OdometryNoise(turn_bias=0.05, turn_noise=0.05, heading_noise=0.02)
+    eye, rng = replace(SICK_LMS200, max_range=4.0), np.random.default_rng(seed)
+    return simulate(walls, way, sensor=eye, odometry_noise=wheels, rng=rng)

@@ -16,7 +16,7 @@ from ._found_lines import (
     visible_walls,
 )
 from ._judged import FOUR_WAYS, Weighed, four_matches, ten_maps
-from ._known_buildings import Known, known_building
+from ._known_buildings import Known, equal_offices, known_building
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._matcher_trials import (
     Trial,
@@ -39,7 +39,6 @@ from ._storage import (
 from ._thesis import (
     THESIS_FILTERS,
     THESIS_GRIDS,
-    alignment_table,
     thesis_grid,
     thesis_results,
     within_thesis,
@@ -102,7 +101,6 @@ from .exercises.open.judgement import (
     predict_bend,
     predict_crowd,
     predict_survivors,
-    predict_wrong_turn,
 )
 from .exercises.open.my_mapper import check_my_mapper
 from .exercises.open.own_log import check_own_log
@@ -123,7 +121,6 @@ from .exercises.poses import (
     check_carried_beam,
     check_compose,
     check_edge_error,
-    check_loop_rest,
 )
 from .exercises.quadtree import (
     check_cell_of,
@@ -152,30 +149,31 @@ __all__ = [
     "EXERCISES", "FOUR_WAYS", "LINE_FINDERS", "LINE_SENSORS", "OPEN_EXERCISES", "THESIS_FILTERS",
     "THESIS_GRIDS", "Answers", "Challenge", "Check", "Decision", "Exercise", "Explored", "Known",
     "Landscape", "Measured", "OwnLog", "Prediction", "Representation", "Taped", "Trial", "Unknown",
-    "View", "Weighed", "alignment_table", "break_basic_order", "break_cells", "break_icp",
-    "break_line", "break_matching", "break_quality", "break_reader", "break_sum",
-    "break_viewing_sector", "check_axes_of", "check_axial_mean", "check_beam_angles",
-    "check_best_run", "check_building_axis", "check_carried", "check_carried_beam",
-    "check_cast_ray", "check_cell_of", "check_chain", "check_climb_step", "check_compose",
-    "check_cost_of_faces", "check_crossed_leaves", "check_distances", "check_edge_error",
-    "check_far_ends", "check_flatness", "check_frontier_cells", "check_growth_power", "check_hough",
-    "check_laplacian", "check_least_translation", "check_look_noise", "check_loop_rest",
-    "check_match_value", "check_matches", "check_mean_line", "check_mean_shift_step",
-    "check_mean_wall_error", "check_memberships", "check_missed_metres", "check_move_onto_walls",
-    "check_my_mapper", "check_nees", "check_own_log", "check_pixel", "check_pose_cost",
-    "check_pose_covariance", "check_quality", "check_ransac_trials", "check_reduction_at",
-    "check_reduction_rate", "check_resampled", "check_scan_score", "check_segments_all_round",
-    "check_split", "check_tape_scale", "check_unwrapped", "check_verdict", "check_weighed",
-    "clearance", "clearance_at", "clinic_walls", "compare_with_walls", "conclusions",
-    "corridor_walk", "decide_claims", "decide_floor", "decide_map", "decide_match", "decide_way",
-    "density", "drawings", "drive_to_frontiers", "explore", "figures", "filter_change", "floor_of",
-    "four_matches", "heading_profile", "known_building", "landscape", "load_columns", "load_trials",
-    "measure_clinic", "near_metres", "occupied_centres", "office_views", "panels", "peaks",
-    "precision_and_recall", "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves",
-    "predict_crowd", "predict_drift", "predict_pieces", "predict_scan_time", "predict_sparse_icp",
-    "predict_survivors", "predict_wrong_turn", "profile_peaks", "represent", "robot_on_the_left",
-    "room_walk", "room_walls", "sample_points", "ten_maps", "thesis_grid", "thesis_results",
-    "trial_table", "try_pair", "unknown_building", "visible_walls", "wall_errors", "within_thesis",
+    "View", "Weighed", "break_basic_order", "break_cells", "break_icp", "break_line",
+    "break_matching", "break_quality", "break_reader", "break_sum", "break_viewing_sector",
+    "check_axes_of", "check_axial_mean", "check_beam_angles", "check_best_run",
+    "check_building_axis", "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of",
+    "check_chain", "check_climb_step", "check_compose", "check_cost_of_faces",
+    "check_crossed_leaves", "check_distances", "check_edge_error", "check_far_ends",
+    "check_flatness", "check_frontier_cells", "check_growth_power", "check_hough",
+    "check_laplacian", "check_least_translation", "check_look_noise", "check_match_value",
+    "check_matches", "check_mean_line", "check_mean_shift_step", "check_mean_wall_error",
+    "check_memberships", "check_missed_metres", "check_move_onto_walls", "check_my_mapper",
+    "check_nees", "check_own_log", "check_pixel", "check_pose_cost", "check_pose_covariance",
+    "check_quality", "check_ransac_trials", "check_reduction_at", "check_reduction_rate",
+    "check_resampled", "check_scan_score", "check_segments_all_round", "check_split",
+    "check_tape_scale", "check_unwrapped", "check_verdict", "check_weighed", "clearance",
+    "clearance_at", "clinic_walls", "compare_with_walls", "conclusions", "corridor_walk",
+    "decide_claims", "decide_floor", "decide_map", "decide_match", "decide_way", "density",
+    "drawings", "drive_to_frontiers", "equal_offices", "explore", "figures", "filter_change",
+    "floor_of", "four_matches", "heading_profile", "known_building", "landscape", "load_columns",
+    "load_trials", "measure_clinic", "near_metres", "occupied_centres", "office_views", "panels",
+    "peaks", "precision_and_recall", "predict_beams_on_wall", "predict_bend",
+    "predict_coarse_leaves", "predict_crowd", "predict_drift", "predict_pieces",
+    "predict_scan_time", "predict_sparse_icp", "predict_survivors", "profile_peaks", "represent",
+    "robot_on_the_left", "room_walk", "room_walls", "sample_points", "ten_maps", "thesis_grid",
+    "thesis_results", "trial_table", "try_pair", "unknown_building", "visible_walls", "wall_errors",
+    "within_thesis",
 ]  # fmt: skip
 __all__ += drawings.__all__
 __all__ += figures.__all__

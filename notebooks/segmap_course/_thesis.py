@@ -25,16 +25,6 @@ THESIS_GRIDS: dict[str, dict[str, list[float]]] = {
     "mean_shift": {"sigma": [0.10, 0.20, 0.30, 0.40]},
     "fusion": {"tolerance": [0.02, 0.04, 0.06, 0.08, 0.10]},
 }
-#: Log, method, mean, deviation and largest of the errors of position, metres: Kuemmerle et al.
-#: (2009), "On measuring the accuracy of SLAM algorithms". They do not give all the largest.
-PUBLISHED = (
-    ("intel", "scan matching", 0.220, 0.296, 1.168),
-    ("intel", "particle filter", 0.070, 0.083, np.nan),
-    ("intel", "graph mapping", 0.031, 0.026, np.nan),
-    ("fr079", "scan matching", 0.258, 0.427, 2.280),
-    ("fr079", "particle filter", 0.061, 0.044, np.nan),
-    ("fr079", "graph mapping", 0.056, 0.042, np.nan),
-)
 
 
 def thesis_results() -> pd.DataFrame:
@@ -129,30 +119,6 @@ def within_thesis(frame: pd.DataFrame, *, margin: float = 0.05) -> pd.DataFrame:
         for what, within in inside.items():
             table[name, what] = within[here].groupby(ours["method"]).mean()
     return table
-
-
-def alignment_table(runs: pd.DataFrame) -> pd.DataFrame:
-    """Errors of alignment methods on one log beside published ones, without times.
-
-    The runs are of `experiments.load_alignments`; metres, NaN where an error is not known.
-
-    Examples
-    --------
-    >>> from segmap.experiments import load_alignments
-    >>> alignment_table(load_alignments("intel")).tail(2)
-                method  mean [m]  sd [m]  largest [m]       used
-    9  particle filter     0.070   0.083          NaN  published
-    10   graph mapping     0.031   0.026          NaN  published
-    """
-    import pandas as pd
-
-    head = ["mean [m]", "sd [m]", "largest [m]"]
-    errors = runs[["mean", "deviation", "largest"]].round(3).set_axis(head, axis=1)
-    used = runs["used"].astype(str) + " of " + runs["scans"].astype(str)
-    ours = pd.concat([runs["method"], errors, used.rename("used")], axis=1)
-    log = runs["log"].iloc[0]
-    theirs = [(*row[1:], "published") for row in PUBLISHED if log.startswith(row[0])]
-    return pd.concat([ours, pd.DataFrame(theirs, columns=ours.columns)], ignore_index=True)
 
 
 def _near(column: pd.Series[Any], values: list[Any]) -> np.ndarray:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from segmap_course import compare_with_walls, known_building, represent
+from segmap_course import compare_with_walls, equal_offices, known_building, represent
 
 from segmap import SegmentMap, alignment, simulation
 from segmap.angles import wrap
@@ -67,23 +67,6 @@ def test_an_ideal_sensor_hides_what_the_tolerance_of_polylines_does(seed):
     assert np.ptp(ideal[:, 0]) < 5 and 0 < noisy[2, 0] - ideal[2, 0] < 25
 
 
-def offices(seed: int) -> Log:
-    """Three equal offices in a row, as in chapters 56 and 11b."""
-    one = simulation.office(rng=np.random.default_rng(1), rooms=1)
-    fronts = [one[:-2] + (4 * k, 0) for k in range(3)]
-    walls = np.concatenate([*fronts, one[-2:-1], one[-1:] + (8, 0)])
-    visits = [stop for x in (2, 6, 10) for stop in ((x, 5), (x, 7.4), (x, 5))]
-    stops = [(1, 5), *visits, (11, 5), (1, 5), (2, 5), (2, 7.4)]
-    wheels = simulation.OdometryNoise(turn_bias=0.05, turn_noise=0.05, heading_noise=0.02)
-    return simulation.simulate(
-        walls,
-        simulation.drive(stops, step=0.3, turn=0.35),
-        sensor=replace(simulation.SICK_LMS200, max_range=4.0),
-        odometry_noise=wheels,
-        rng=np.random.default_rng(seed),
-    )
-
-
 def false_loops(graph: alignment.Graph, log: Log) -> int:
     """How many loops are wrong by more than a metre."""
     i, j = graph.edges[graph.loop].T
@@ -115,8 +98,8 @@ def test_the_backbone_holds_the_heading_in_the_corridor(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_defences_keep_false_loops_out_of_equal_offices(seed):
-    """Chapters 56 and 11b: no false loop, after the drive and during it."""
-    log = offices(seed)
+    """Chapters 56 and 11: no false loop, after the drive and during it."""
+    log = equal_offices(seed)
     found = alignment.pose_graph(log)
     live = alignment.LiveGraph()
     for scan in log:
@@ -129,8 +112,8 @@ def test_the_defences_keep_false_loops_out_of_equal_offices(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_window_that_is_too_wide_folds_equal_offices(seed):
-    """Chapters 56 and 11b: most loops are false; at the end they are dropped, or it is doubtful."""
-    log = offices(seed)
+    """Chapters 56 and 11: most loops are false; at the end they are dropped, or it is doubtful."""
+    log = equal_offices(seed)
     folded = alignment.pose_graph(log, drift=0.3)
     errors = alignment.position_errors(folded.poses, log.truth, best=True)
     assert errors.max() < 0.5 or folded.verdict.grade == "doubtful"

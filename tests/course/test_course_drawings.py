@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,8 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from segmap_course import thesis_results
 
-from segmap import load
-from segmap.alignment import Match, compare_odometry
+from segmap.alignment import Match
 from segmap.alignment.angle_correspondence import Candidate
 from segmap.alignment.points import PointStep
 from segmap.experiments import select
@@ -374,14 +372,3 @@ def test_letters_of_lines_that_end_together_do_not_cover_each_other(ax):
     assert np.mean([places[k] for k in "ABC"]) == pytest.approx(0.5)
     assert [text.xy for text in ax.texts] == [(40, 0.5)] * 3 + [(40, 0.9)]
     assert all(text.arrow_patch.get_arrowstyle() for text in ax.texts)
-
-
-def test_matched_turns_stand_above_those_of_the_wheels():
-    """Catches the axes exchanged, radians, and a title of another comparison."""
-    seen = compare_odometry(load("room"))
-    left, right = course.draw_odometry_comparison({"a": seen, "b": seen})
-    turns = left.lines[0].get_xydata()
-    np.testing.assert_allclose(np.radians(turns[:, 0]), seen.wheels[:, 2])
-    np.testing.assert_allclose(np.radians(turns[:, 1]), seen.steps.motion[:, 2])
-    assert left.get_title().startswith("a: +") and right.get_title().startswith("b: +")
-    plt.close(left.figure)

@@ -8,14 +8,13 @@ import pytest
 from segmap_course import (
     THESIS_FILTERS,
     THESIS_GRIDS,
-    alignment_table,
     thesis_grid,
     thesis_results,
     within_thesis,
 )
 
 from segmap import METHODS, build_map, load, quality
-from segmap.experiments import load_alignments, load_records, select, sweep
+from segmap.experiments import load_records, select, sweep
 from segmap.readers import data_file
 from segmap.reduction import hybrid
 
@@ -71,22 +70,6 @@ def test_a_sweep_over_the_grid_of_the_thesis_is_in_it_and_others_are_not():
     other["hybrid"] = {"distance": 0.1, "min_length": 0.0}
     assert len(thesis_grid(sweep({"wall": wall}, list(other), other, filters=(None, 0.05)))) == 0
     assert len(thesis_grid(sweep({"wall": wall}, ["fusion"], filters=(0.05,)))) == 0
-
-
-# ------------------------------------------------------------------ errors of alignment
-
-
-def test_alignments_stand_beside_published_ones_without_times():
-    """Catches columns that are taken one for another, and times in a chapter's output."""
-    frame = load_alignments("intel")
-    table = alignment_table(frame)
-    assert list(frame)[-1] == "seconds" and "seconds" not in table
-    row = frame.iloc[2]
-    used = f"{row['used']} of {row['scans']}"
-    wanted = [row["method"], *row[["mean", "deviation", "largest"]].astype(float).round(3), used]
-    assert list(table.iloc[2]) == wanted
-    assert list(table.iloc[-1][["mean [m]", "used"]]) == [0.031, "published"]
-    assert np.isnan(table["largest [m]"].iloc[-1]) and len(table) == len(frame) + 3
 
 
 RECORDS = load_records("malaga", "office", "intel", "fr079")

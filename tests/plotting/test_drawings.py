@@ -14,7 +14,6 @@ from segmap.alignment import (
     Alignment,
     angle_candidates,
     backbone_steps,
-    compare_odometry,
     odometry,
     point_steps,
 )
@@ -128,6 +127,10 @@ DRAWINGS = {
         set(GROUPS[:2]),
     ),
     "log": (lambda ax: plotting.draw_log(LOG, ax=ax), {RAW, TRUTH}),
+    "method_errors": (
+        lambda ax: course.draw_method_errors({n: {"a": 0.1, "b": 1} for n in "xy"}, ax=ax),
+        set(GROUPS[:2]),
+    ),
     "marked": (lambda ax: course.draw_marked(WALLS, [True, False, True], ax=ax), {RAW, ERROR}),
     "match": (lambda ax: course.draw_match(*WALLS[[0, 2]], ax=ax), {RAW, MAP, ERROR}),
     "merge": (lambda ax: course.draw_merge(WALLS[:2], WALLS[2], ax=ax), {RAW, MAP, RESULT}),
@@ -208,14 +211,11 @@ ROWS = {
         True,
     ),
     "distance_curves": (lambda: course.draw_distance_curves(segment_distance), False),
+    "edges": (lambda: course.draw_edges({"a": [(0, 0, 0)], "b": [(3, 4, 0)]}, []), True),
     "distance_terms": (lambda: course.draw_distance_terms(WALLS[0], WALLS[2]), True),
     "frames": (lambda: course.draw_frames(SCAN, {"a": (0, 0, 0), "b": (3, 4, 0)}), True),
     "leaf_row": (lambda: course.draw_leaf_row({"a": LEAVES, "b": LEAVES}), True),
     "maps": (lambda: plotting.draw_maps({"a": WALLS, "b": WALLS[:1]}), True),
-    "odometry_comparison": (
-        lambda: course.draw_odometry_comparison(dict.fromkeys("ab", compare_odometry(LOG))),
-        True,
-    ),
     "phases": (lambda: course.draw_phases([(0, 0, 0)], WALLS, WALLS[:1], 0.2), True),
     "quadtrees": (lambda: plotting.draw_quadtrees({"a": TREE, "b": TREE}), True),
     "scan_poses": (

@@ -35,8 +35,8 @@ def test_what_is_named_is_linked(text, adapted):
 
 
 def test_chapters_named_in_a_row_are_linked_each():
-    linked = re.findall(r"\]\(/notebooks/(\d\da?)", sources.adapt("Chapters 11a, 25 and 27 to 29."))
-    assert linked == ["11a", "25", "27", "29"]
+    linked = re.findall(r"\]\(/notebooks/(\d\da?)", sources.adapt("Chapters 23a, 25 and 27 to 29."))
+    assert linked == ["23a", "25", "27", "29"]
 
 
 def test_headings_have_numbers_and_links_do_without():

@@ -6,7 +6,6 @@ from ._alignments import (
     draw_candidate,
     draw_frames,
     draw_icp_step,
-    draw_odometry_comparison,
     draw_scans,
     draw_uncertainty,
 )
@@ -22,6 +21,7 @@ from ._icp import (
 )
 from ._mean_shift import climb_frames, draw_hill, draw_phases
 from ._plans import draw_labels, draw_plan
+from ._pose_graph import draw_edges, draw_method_errors, loop_frames
 from ._quadtrees import (
     draw_cells,
     draw_cells_of_a_wall,
@@ -69,13 +69,13 @@ __all__ = [
     "climb_frames", "draw_backbone", "draw_basin", "draw_buildings", "draw_candidate", "draw_cases",
     "draw_cells", "draw_cells_of_a_wall", "draw_classes", "draw_climb", "draw_closer",
     "draw_clusters", "draw_corner", "draw_costs", "draw_counts", "draw_distance_curves",
-    "draw_distance_terms", "draw_ends", "draw_equal_squares", "draw_field", "draw_fits",
-    "draw_frames", "draw_frontiers", "draw_growth", "draw_hill", "draw_icp_step", "draw_labels",
-    "draw_landscape", "draw_leaf_row", "draw_leaves", "draw_live", "draw_marked", "draw_match",
-    "draw_merge", "draw_missed", "draw_normals", "draw_odometry_comparison", "draw_phases",
+    "draw_distance_terms", "draw_edges", "draw_ends", "draw_equal_squares", "draw_field",
+    "draw_fits", "draw_frames", "draw_frontiers", "draw_growth", "draw_hill", "draw_icp_step",
+    "draw_labels", "draw_landscape", "draw_leaf_row", "draw_leaves", "draw_live", "draw_marked",
+    "draw_match", "draw_merge", "draw_method_errors", "draw_missed", "draw_normals", "draw_phases",
     "draw_plan", "draw_profile", "draw_ray", "draw_runs", "draw_scan_poses", "draw_scans",
     "draw_shifts", "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_threshold",
     "draw_trade_off", "draw_trials", "draw_uncertainty", "draw_wall_normals", "draw_weights",
-    "icp_frames", "label_axes", "mark_places", "merge_frames", "say_stretch", "set_ticks",
-    "wardrobe", "write_names",
+    "icp_frames", "label_axes", "loop_frames", "mark_places", "merge_frames", "say_stretch",
+    "set_ticks", "wardrobe", "write_names",
 ]  # fmt: skip

@@ -12,7 +12,7 @@ from matplotlib.patches import Ellipse
 from numpy.typing import ArrayLike
 
 from segmap import arrays
-from segmap.alignment import Match, OdometryComparison
+from segmap.alignment import Match
 from segmap.alignment.angle_correspondence import Candidate
 from segmap.alignment.backbone import BackboneStep
 from segmap.alignment.points import PointStep
@@ -24,7 +24,6 @@ from segmap.plotting import (
     RESULT,
     axes_grid,
     axes_or_new,
-    axes_row,
     draw_robot,
     draw_scan,
     draw_segments,
@@ -155,21 +154,6 @@ def draw_uncertainty(match: Match, *, ax: Axes | None = None) -> Axes:
     ax.add_patch(Ellipse((x, y), width, height, angle=turn, color=RESULT, alpha=0.3))
     ax.plot([x], [y], "+", color=RESULT)
     return map_axes(ax)
-
-
-def draw_odometry_comparison(compared: Mapping[str, OdometryComparison]) -> list[Axes]:
-    """Draw matched turns against those of the wheels, degrees: an axis for each, by its name.
-
-    Where both agree the points lie on the dashed line. The figure is new.
-    """
-    axes = axes_row(len(compared), (max(2.7 * len(compared), 5.0), 3.5), shared="xy")
-    for ax, (name, seen) in zip(axes, compared.items(), strict=True):
-        wheels, matched = np.degrees([seen.wheels[:, 2], seen.steps.motion[:, 2]])
-        ax.plot(wheels, matched, ".", color=RESULT)
-        ax.axline((0, 0), slope=1, color=MAP, linestyle="--", linewidth=1)
-        ax.set(xlabel="turn by the wheels [degrees]", title=f"{name}: {seen.turn:+.2f}")
-    axes[0].set_ylabel("matched turn [degrees]")
-    return axes
 
 
 def draw_candidate(

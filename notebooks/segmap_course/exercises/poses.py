@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from segmap.angles import wrap
 from segmap.arrays import Array
 from segmap.poses import between, compose, inverse, motions, transform
 
-from ._answers import Cases, close
-from ._exercise import Exercise, Rng, anywhere, changed, edited
+from ._answers import Cases
+from ._exercise import Exercise, Rng, anywhere, changed
 
 
 # ---------------------------------------------------------------------- two motions in a row
@@ -211,68 +209,4 @@ check_carried_beam = Exercise(
             _carried_beam, lambda p: np.array([np.hypot(*p), np.arctan2(p[1], p[0])])
         ),
     },
-)
-
-
-# ---------------------------------------------------------------------- round two loops
-def _two_loops(rng: Rng) -> Cases:
-    """Two loops that agree, two that do not, and two whose places lie far from each other."""
-    cases: dict[str, tuple[Any, ...]] = {}
-    for words, off in (("two loops that agree", 0.0), ("a loop that is 4 m off", 4.0)):
-        old_a, old_b = anywhere(rng, -60, 60), anywhere(rng, 100, 160)
-        motion_a, motion_b = (anywhere(rng, -40, 40) * (0.2, 0.2, 1) for _ in range(2))
-        new_a, new_b = compose(old_a, motion_a), compose(old_b, motion_b)
-        cases[words] = old_a, new_a, motion_a, old_b, new_b + (off, 0, 0), motion_b
-    cases["places that err"] = tuple(anywhere(rng, -90, 90) for _ in range(6))
-    return cases
-
-
-def _loop_rest(old_a: Array, new_a: Array, motion_a: Array,
-               old_b: Array, new_b: Array, motion_b: Array) -> float:  # fmt: skip
-    one = compose(motion_a, between(new_a, new_b))
-    other = compose(between(old_a, old_b), motion_b)
-    return float(np.hypot(*(one - other)[:2]))
-
-
-check_loop_rest = Exercise(
-    "loop_rest(old_a, new_a, motion_a, old_b, new_b, motion_b) -> metres: two loops, each with the "
-    "pose of its old and of its new place (3,) and the measured motion (3,) from old to new; the "
-    "distance between where motion a and then the way from new a to new b lead, and where the way "
-    "from old a to old b and then motion b lead, both from old a",
-    _loop_rest,
-    _two_loops,
-    {
-        "first the motion, then the way between the new places: the order counts": edited(
-            _loop_rest,
-            (
-                "compose(motion_a, between(new_a, new_b))",
-                "compose(between(new_a, new_b), motion_a)",
-            ),
-        ),
-        "first the way between the old places, then the motion: the order counts": edited(
-            _loop_rest,
-            (
-                "compose(between(old_a, old_b), motion_b)",
-                "compose(motion_b, between(old_a, old_b))",
-            ),
-        ),
-        "poses do not add like vectors: compose them": edited(
-            _loop_rest,
-            ("compose(motion_a, between(new_a, new_b))", "motion_a + between(new_a, new_b)"),
-        ),
-        "the way from one place to the other is seen from the first: between, not a difference": (
-            edited(
-                _loop_rest,
-                ("between(new_a, new_b)", "(new_b - new_a)"),
-                ("between(old_a, old_b)", "(old_b - old_a)"),
-            )
-        ),
-        "from loop a to loop b, in the new places as in the old ones": edited(
-            _loop_rest, ("between(new_a, new_b)", "between(new_b, new_a)")
-        ),
-        "metres: the heading does not count": edited(
-            _loop_rest, ("np.hypot(*(one - other)[:2])", "np.linalg.norm(one - other)")
-        ),
-    },
-    close,
 )

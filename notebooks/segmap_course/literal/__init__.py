@@ -22,7 +22,12 @@ from segmap.reduction.surveyed import (
 from .alignment.angle_correspondence import best_transform, match_value, transforms
 from .alignment.backbone import least_translation, line_partner, mean_rotation
 from .alignment.correlative_search import correlative_search, likelihoods
-from .alignment.gauss_newton import edge_residual, gauss_newton
+from .alignment.gauss_newton import (
+    edge_jacobians,
+    edge_residual,
+    gauss_newton,
+    normal_equations,
+)
 from .alignment.global_segments import best_shifts, best_turns, least_squares
 from .alignment.moving_laser import after, carry_beam, steady_twist
 from .alignment.ndt import match_ndt, ndt_step, normals_of
@@ -90,16 +95,16 @@ __all__ = [
     "axial_difference", "basic_offline", "basic_online", "best_move", "best_shift", "best_shifts",
     "best_strip", "best_transform", "best_turns", "carry_beam", "cell_of", "chain", "climb_step",
     "correlative_search", "correspond", "crossed_cells", "descent_score", "distance_score",
-    "edge_residual", "effective_number", "enough", "every_pose", "extract_clusters",
-    "extract_polylines", "fit", "fit_algebraic", "fit_total", "fuse_longest", "fusion",
-    "fusion_online", "fuzzy_clustering", "fuzzy_set", "gauss_newton", "grown", "headings",
+    "edge_jacobians", "edge_residual", "effective_number", "enough", "every_pose",
+    "extract_clusters", "extract_polylines", "fit", "fit_algebraic", "fit_total", "fuse_longest",
+    "fusion", "fusion_online", "fuzzy_clustering", "fuzzy_set", "gauss_newton", "grown", "headings",
     "hill_climb", "histogram", "hough", "hough_lines", "hybrid", "hybrid_fusion", "hybrid_scan",
     "icp", "in_strip", "information", "least_cost", "least_squares", "least_translation",
     "likelihood", "likelihoods", "line_angle", "line_partner", "lines_em", "lines_hough",
     "lines_incremental", "lines_ransac", "lines_regression", "localize", "log_likelihood",
     "match_histograms", "match_hough", "match_ndt", "match_value", "mean_and_variance",
-    "mean_lines", "mean_rotation", "mean_segment", "mean_shift", "ndt_step", "normals_of",
-    "occupancy", "occupancy_score", "one_per_wall", "online", "placed", "places",
+    "mean_lines", "mean_rotation", "mean_segment", "mean_shift", "ndt_step", "normal_equations",
+    "normals_of", "occupancy", "occupancy_score", "one_per_wall", "online", "placed", "places",
     "point_to_line_step", "point_to_segment", "polyline", "polyline_through", "quality", "quarters",
     "ray_cells", "sample_and_rank", "segment_cost", "segment_distance", "segment_length",
     "segment_similarity", "steady_twist", "systematic", "transforms", "uncertain_parameters",

@@ -121,7 +121,7 @@ def partnered(placed: Array, points: Array) -> NDArray[np.bool_]:
 _BY_ODOMETRY = np.linalg.inv(np.diag([0.05, 0.05, np.radians(2)]) ** 2)
 _BY_LOOPS = np.linalg.inv(np.diag([0.02, 0.02, np.radians(0.3)]) ** 2)
 #: Margin around the path of the robot, metres.
-_MARGIN = 6.0
+_MARGIN = 3.0
 
 
 class PoseGraphPanel(LessonPanel):

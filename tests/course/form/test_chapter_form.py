@@ -391,6 +391,7 @@ PASTED = {
     "03": ("segments_at_gaps", "segments_all_round", "two parts"),
     "07": ("best_move", "move_onto_walls", "corridor"),
     "25": ("crossed_leaves", "crossed_leaves", "cut it first"),
+    "11": ("edge_residual", "edge_error", "do not subtract"),
     "12": ("quality", "quality", "quality of the chapter"),
     "14": ("match", "matches", "match of the chapter"),
     "28": ("axis_of", "axes_of", "one axis of the chapter"),

@@ -116,10 +116,6 @@ ANSWERS = {
             ({"P": "keep", "Q": "next", "R": "next", "S": "across"}, "R: 'next' does not speak"),
         ],
     ),
-    "predict_wrong_turn": (
-        0.6,
-        [(0.06, "it is 0.6172 m; near enough is within a factor of 1.5"), (3.9, "share an error")],
-    ),
     "decide_floor": (
         dict(A="off [mm]", B="missed %", C="a wall", D="off [mm]", E="a wall", F="invented %")
         | dict(G="keep", H="invented %", I="double %", J="a wall"),

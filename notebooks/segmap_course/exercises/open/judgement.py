@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from segmap.alignment import solve_graph
 from segmap.extraction import build_map
-from segmap.poses import compose
 from segmap.reduction import one_per_wall
 from segmap.simulation import SICK_LMS200
 
@@ -24,30 +22,6 @@ decide_match = Decision(
     praise="The longest match was none of them: how much agrees says nothing of what else would",
 )
 
-
-def _one_wrong_turn() -> float:
-    steps = np.tile((1.0, 0.0, 0.0), (40, 1))
-    steps[9::10, 2] = np.pi / 2
-    measured = steps + (np.arange(40) == 14)[:, None] * (0, 0, np.radians(20))
-    true, wheels = [np.zeros(3)], [np.zeros(3)]
-    for step, turned in zip(steps[:-1], measured, strict=False):
-        true, wheels = [*true, compose(true[-1], step)], [*wheels, compose(wheels[-1], turned)]
-    edges = [(k, (k + 1) % 40) for k in range(40)]
-    found = solve_graph(wheels, edges, measured, scale=np.inf)
-    return float(np.hypot(*(found - np.array(true))[:, :2].T).max())
-
-
-predict_wrong_turn = Prediction(
-    "predict_wrong_turn(guess): a robot drives once round a square of 10 m, in 40 steps of 1 m; it "
-    "measures one turn, in the middle of the second side, wrong by 20 degrees: its wheels end up "
-    "to 3.9 m off. The loop is closed by a right edge, all edges count alike, and least squares "
-    "solve for the poses; how many metres is the worst pose off then; within a factor of 1.5",
-    _one_wrong_turn,
-    "m",
-    factor=1.5,
-    because="Half a degree too much in every step, as much in all, would leave 6 cm: least squares "
-    "share an error among all steps, and that is right only where all of them made it",
-)
 
 # ---------------------------------------------------------------------------- maps
 decide_floor = Decision(

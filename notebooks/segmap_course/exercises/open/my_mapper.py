@@ -21,7 +21,7 @@ CHECKS: dict[str, Exercise] = {
     "03": check_segments_all_round,
     "07": check_move_onto_walls,
     "09": check_least_translation,
-    "11a": check_edge_error,
+    "11": check_edge_error,
     "24": check_cell_of,
 }
 
@@ -38,7 +38,7 @@ def check_my_mapper(folder: str | Path = ".") -> Functions:
     segments_all_round (chapter 03): the library's, since there is no my_mapper.py
     move_onto_walls    (chapter 07): the library's, since there is no my_mapper.py
     least_translation  (chapter 09): the library's, since there is no my_mapper.py
-    edge_error         (chapter 11a): the library's, since there is no my_mapper.py
+    edge_error         (chapter 11): the library's, since there is no my_mapper.py
     cell_of            (chapter 24): the library's, since there is no my_mapper.py
     """
     own, problem = _names_of(Path(folder) / MY_MAPPER)

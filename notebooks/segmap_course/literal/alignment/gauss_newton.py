@@ -1,74 +1,64 @@
-"""Gauss-Newton on a pose graph as plain loops (Grisetti et al. 2010)."""
+"""Gauss-Newton on a pose graph (Grisetti et al. 2010)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-Numbers = Sequence[float]
-Matrix = Sequence[Sequence[float]]
+import numpy as np
+
+from segmap.arrays import Array
+
+Numbers = Sequence[float] | Array
+#: The numbers of two poses, the measured pose of the second in the frame of the first, and the
+#: inverse of its covariance, 3 x 3.
+Edge = tuple[int, int, Numbers, Array]
 
 
-def edge_residual(first: Numbers, second: Numbers, relative: Numbers) -> tuple[float, float, float]:
+def edge_residual(first: Numbers, second: Numbers, relative: Numbers) -> Array:
     """What two poses leave of the motion measured between them, in the frame of the first."""
+    dx, dy, turn = second[0] - first[0], second[1] - first[1], second[2] - first[2] - relative[2]
+    c, s = math.cos(first[2]), math.sin(first[2])
+    wrapped = (turn + math.pi) % (2 * math.pi) - math.pi
+    return np.array([c * dx + s * dy - relative[0], c * dy - s * dx - relative[1], wrapped])
+
+
+def edge_jacobians(first: Numbers, second: Numbers) -> tuple[Array, Array]:
+    """Derivatives of the residual by the first pose and by the second, each 3 x 3."""
     dx, dy = second[0] - first[0], second[1] - first[1]
     c, s = math.cos(first[2]), math.sin(first[2])
-    turn = second[2] - first[2] - relative[2]
-    wrapped = (turn + math.pi) % (2 * math.pi) - math.pi
-    return c * dx + s * dy - relative[0], -s * dx + c * dy - relative[1], wrapped
+    by_first = [(-c, -s, c * dy - s * dx), (s, -c, -c * dx - s * dy), (0, 0, -1)]
+    return np.array(by_first), np.array([(c, s, 0), (-s, c, 0), (0, 0, 1)])
+
+
+def normal_equations(
+    poses: Sequence[Numbers] | Array, edges: Sequence[Edge], scale: float = math.inf
+) -> tuple[Array, Array]:
+    """H and g: of all changes of the poses that one costs least for which H times it is -g."""
+    n = 3 * len(poses)
+    H, g = np.zeros((n, n)), np.zeros(n)
+    for i, j, relative, information in edges:
+        r, J = edge_residual(poses[i], poses[j], relative), np.zeros((3, n))
+        J[:, 3 * i : 3 * i + 3], J[:, 3 * j : 3 * j + 3] = edge_jacobians(poses[i], poses[j])
+        weight = 1 / (1 + r @ information @ r / scale**2)
+        H += weight * J.T @ information @ J
+        g += weight * J.T @ information @ r
+    return H, g
 
 
 def gauss_newton(
-    poses: Sequence[Numbers],
-    edges: Sequence[tuple[int, int, Numbers, Matrix]],
-    scale: float = math.inf,
-) -> list[list[float]]:
+    poses: Sequence[Numbers] | Array, edges: Sequence[Edge], scale: float = math.inf
+) -> Array:
     """One step towards the poses that fit all edges best; the first pose stays.
 
-    An edge is the numbers of two poses, the measured pose of the second in the frame of the first,
-    and the 3 x 3 inverse of its covariance. One left open by `scale` standard deviations has half
-    its weight (Cauchy).
+    An edge that is left open by `scale` standard deviations has half its weight (Cauchy).
 
     Examples
     --------
-    >>> unit = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
-    >>> steps = [(0, 1, (1, 0, 0), unit), (1, 2, (1, 0, 0), unit), (2, 0, (-1.7, 0, 0), unit)]
-    >>> [round(x, 6) for x, _, _ in gauss_newton([(0, 0, 0)] * 3, steps)]
-    [0, 0.9, 1.8]
+    >>> steps = [(0, 1, (1, 0, 0), np.eye(3)), (1, 2, (1, 0, 0), np.eye(3))]
+    >>> gauss_newton(np.zeros((3, 3)), [*steps, (2, 0, (-1.7, 0, 0), np.eye(3))])[:, 0].round(6)
+    array([0. , 0.9, 1.8])
     """
-    size = 3 * len(poses)
-    hessian, gradient = [[0.0] * size for _ in range(size)], [0.0] * size
-    for i, j, relative, information in edges:
-        r = edge_residual(poses[i], poses[j], relative)
-        squared = sum(r[a] * information[a][b] * r[b] for a in range(3) for b in range(3))
-        weight = 1 / (1 + squared / scale**2)
-        c, s = math.cos(poses[i][2]), math.sin(poses[i][2])
-        x, y = r[0] + relative[0], r[1] + relative[1]  # the second as the first sees it
-        by_first = (-c, -s, y), (s, -c, -x), (0.0, 0.0, -1.0)
-        by_second = (c, s, 0.0), (-s, c, 0.0), (0.0, 0.0, 1.0)
-        columns = [(3 * i + k, [row[k] for row in by_first]) for k in range(3)]
-        columns += [(3 * j + k, [row[k] for row in by_second]) for k in range(3)]
-        for p, a in columns:
-            pull = [weight * sum(a[k] * information[k][m] for k in range(3)) for m in range(3)]
-            gradient[p] += sum(pull[m] * r[m] for m in range(3))
-            for q, b in columns:
-                hessian[p][q] += sum(pull[m] * b[m] for m in range(3))
-    free = range(3, size)
-    step = eliminated([[hessian[p][q] for q in free] for p in free], [-gradient[p] for p in free])
-    rest = [[poses[k][i] + step[3 * k - 3 + i] for i in range(3)] for k in range(1, len(poses))]
-    return [list(poses[0]), *rest]
-
-
-def eliminated(matrix: list[list[float]], right: list[float]) -> list[float]:
-    """Solution of a symmetric positive system by Gaussian elimination; both are overwritten."""
-    n = len(right)
-    for k in range(n):
-        for i in range(k + 1, n):
-            factor = matrix[i][k] / matrix[k][k]
-            for j in range(k, n):
-                matrix[i][j] -= factor * matrix[k][j]
-            right[i] -= factor * right[k]
-    for k in reversed(range(n)):
-        right[k] -= sum(matrix[k][j] * right[j] for j in range(k + 1, n))
-        right[k] /= matrix[k][k]
-    return right
+    H, g = normal_equations(poses, edges, scale)
+    step = np.linalg.solve(H[3:, 3:], -g[3:])
+    return np.asarray(poses + np.append(np.zeros(3), step).reshape(-1, 3))

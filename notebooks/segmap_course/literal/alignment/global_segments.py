@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..lines import Segment, axial_difference, line_angle, line_of, seen_from
-from .gauss_newton import eliminated
 
 Match = tuple[int, int, Segment, Segment, float]
 #: Two scans i and j, how far x_i should lie behind x_j, and the weight of that.
@@ -50,3 +49,18 @@ def best_shifts(matches: Sequence[Match], count: int) -> list[tuple[float, float
             for axis, n in enumerate((-line[3], line[2])):
                 rows[axis].append((i, j, off * n, w))
     return list(zip(*(least_squares(row, count) for row in rows), strict=True))
+
+
+def eliminated(matrix: list[list[float]], right: list[float]) -> list[float]:
+    """Solution of a symmetric positive system by Gaussian elimination; both are overwritten."""
+    n = len(right)
+    for k in range(n):
+        for i in range(k + 1, n):
+            factor = matrix[i][k] / matrix[k][k]
+            for j in range(k, n):
+                matrix[i][j] -= factor * matrix[k][j]
+            right[i] -= factor * right[k]
+    for k in reversed(range(n)):
+        right[k] -= sum(matrix[k][j] * right[j] for j in range(k + 1, n))
+        right[k] /= matrix[k][k]
+    return right

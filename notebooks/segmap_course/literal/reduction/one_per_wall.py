@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from statistics import median
 
-from ..alignment.gauss_newton import eliminated
+from ..alignment.global_segments import eliminated
 from ..lines import (
     SAME,
     Found,
