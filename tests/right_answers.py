@@ -11,6 +11,7 @@ from segmap_course.literal.reduction import least_cost
 from segmap import segments
 from segmap.angles import axial_difference
 from segmap.extraction import extract_clusters
+from segmap.metrics import segment_distance
 from segmap.poses import between, compose, inverse, transform
 
 
@@ -125,13 +126,18 @@ def met_in_the_frame_of_the_beam(wall, pose, turn):
     return x if x > 0 else np.inf
 
 
-def match_with_helpers(u, v, distance):
-    def covered(a, b):
-        along = (b - a[0]) @ (a[1] - a[0]) / segments.length(a)
-        return max(0, min(along.max(), segments.length(a)) - max(along.min(), 0))
+def match_of_what_both_cover(u, v, distance):
+    """On u as a number line; v is cut there, and so is u on v."""
 
-    apart = min(segments.point_distance(v, u).max(), segments.point_distance(u, v).max())
-    return (covered(u, v) + covered(v, u)) / 2 * 0.95 ** (apart / distance)
+    def beside(a, b):
+        turned = (b - a[0]) @ np.array([1, 1j]) / (np.array([1, 1j]) @ (a[1] - a[0]))
+        p, q = sorted(turned * segments.length(a), key=lambda z: z.real)
+        low, high = max(p.real, 0), min(q.real, segments.length(a))
+        off = [p.imag + (q - p).imag / (q - p).real * (t - p.real) for t in (low, high)]
+        return max(0, high - low), max(np.abs(off))
+
+    (one, near), (other, far) = beside(u, v), beside(v, u)
+    return (one + other) / 2 * 0.95 ** (min(near, far) / distance)
 
 
 def missed_between_ends(seen, kept):
@@ -240,10 +246,13 @@ def frontier_by_shifts(grid):
     return found.astype(int).tolist()
 
 
-def cost_by_masked_average(distances, beside, lengths, penalty):
-    some = [(d[p], lengths[p]) for d, p in zip(distances, beside, strict=True) if p.any()]
-    means = [np.average(d, weights=sizes) for d, sizes in some]
-    return (sum(means) + penalty * (len(distances) - len(means))) / len(distances)
+def cost_by_masked_average(reference, current, near, penalty):
+    costs = []
+    for s, some in zip(current, near, strict=True):
+        sizes = segments.length(reference[some])
+        away = [segment_distance(s, t) for t in reference[some]]
+        costs.append(np.average(away, weights=sizes) if away else penalty)
+    return np.average(costs, weights=segments.length(current))
 
 
 def mean_of_complex_numbers(u, v, weight_u, weight_v):
@@ -309,7 +318,7 @@ RIGHT = {
     "axial_mean": lambda angles: np.angle(np.mean(np.exp(2j * angles))) / 2,
     "segments_all_round": lambda p, gap: extract_clusters(p, gap=gap, closed=True),
     "split": split_by_a_list,
-    "match_value": match_with_helpers,
+    "match_value": match_of_what_both_cover,
     "least_translation": by_pseudo_inverse,
     "move_onto_walls": moved_by_pseudo_inverse,
     "flatness": flatness_by_doubled_angles,

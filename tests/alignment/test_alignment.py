@@ -12,6 +12,7 @@ import alignment_logs as logs
 import numpy as np
 import pytest
 from segmap_course import literal
+from segmap_course.literal.alignment.angle_correspondence import directed_distance, distance_beside
 
 from segmap import alignment, load
 from segmap.alignment import METHODS, Alignment
@@ -289,8 +290,9 @@ def match_values(seed):
     """A covered length of one side only, the larger Hausdorff distance, a lost penalty."""
     u, v = np.random.default_rng(seed).uniform(0, 1.5, (2, 25, 2, 2))
     for whole, (far, long) in itertools.product((True, False), ((0.3, 0.3), (1.0, 0.8))):
-        rule = {"distance": 0.1, "far": far, "long": long, "whole": whole}
-        found = alignment.match_values(u, v, **rule)
+        rule = {"distance": 0.1, "far": far, "long": long}
+        found = alignment.match_values(u, v, **rule, whole=whole)
+        rule["apart"] = directed_distance if whole else distance_beside
         yield found, [[literal.match_value(a, b, **rule) for b in v.tolist()] for a in u.tolist()]
         assert 20 < np.count_nonzero(found) < 0.8 * found.size
 
@@ -301,13 +303,12 @@ def segment_cost(seed):
     walls = rng.uniform(-2, 2, (12, 2, 2))
     beyond = rng.uniform(5, 7, (3, 2, 2))
     current = np.concatenate([walls + rng.normal(0, 0.1, walls.shape), beyond])
-    r, (s, t) = search.describe(walls), (walls.tolist(), current.tolist())
-    pairs = search.correspondences(walls, r, current, *thresholds)
-    found = search.cost(walls, r, current, pairs, thresholds[1], np.empty(15))
-    yield found, literal.segment_cost(s, t, *thresholds)
-    every = itertools.product(range(15), range(12))
-    yield pairs, [[i, j] for i, j in every if literal.correspond(t[i], s[j], *thresholds)]
-    assert 0 < len(pairs) < len(walls) * len(current)
+    pairs = search.correspondences(walls, search.describe(walls), current, *thresholds)
+    near = literal.partners(walls, current, *thresholds)
+    yield pairs, np.argwhere(near)
+    found = search.cost(walls, search.describe(walls), current, pairs, 0.30, np.empty(15))
+    yield found, literal.segment_cost(walls, current, near, 0.30)
+    assert 0 < len(pairs) < near.size
 
 
 def backbone_steps(seed):

@@ -8,6 +8,7 @@ from segmap.alignment import match_segments, segment_icp
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.poses import between, compose, inverse, transform
+from segmap.readers import load
 from segmap.scans import LaserScan, Log
 from segmap.segments import length
 from segmap.simulation import (
@@ -41,6 +42,18 @@ def test_recovers_the_motion_between_scans_without_error(seed):
     assert found.matched, found.reason
     assert np.hypot(*(found.pose - true)[:2]) < 0.002
     assert abs(wrap(found.pose[2] - true[2])) < np.radians(0.01)
+
+
+@pytest.mark.parametrize("degrees", [-10, -8, 8, 10])
+@pytest.mark.parametrize("pair", [(194, 218), (60, 66)])
+def test_a_start_that_is_turned_is_turned_back(pair, degrees):
+    """Catches a narrow search whose rounds are used up, and which is believed all the same."""
+    log = load("clinic")
+    first, second = (extract_polylines(log[k].points()) for k in pair)
+    true = between(*log.truth[list(pair)])
+    match = match_segments(first, second, true + (0.2, 0, np.radians(degrees)))
+    x, y, turn = between(true, match.pose)
+    assert match.matched and np.hypot(x, y) < 0.01 and abs(turn) < np.radians(0.5)
 
 
 #: Pairs of scans and starts: without error, with error, and rooms in which much is equal.

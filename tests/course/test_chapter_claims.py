@@ -164,7 +164,7 @@ ALL_ROUND = simulation.Sensor("all round", 720, -np.pi, np.pi / 360, max_range=1
 
 
 def office_pairs(seed: int, sensor: simulation.Sensor = simulation.URG_04LX) -> list[tuple]:
-    """Sixty pairs of scans of simulated offices, as in chapter 05, and how they really lie."""
+    """Sixty pairs of scans of simulated offices, and how they really lie."""
     rng, pairs = np.random.default_rng(seed), []
     for _ in range(60):
         walls = simulation.office(rng=rng, rooms=1)
@@ -188,7 +188,7 @@ def right_and_wrong(pairs: list[tuple], **options) -> tuple[int, int]:
 
 
 def test_angles_are_seldom_wrong_in_one_office_and_random_walls_miss_most():
-    """Chapter 05: five other sets of sixty pairs."""
+    """Angle correspondence: five other sets of sixty pairs."""
     believed, undoubted = [], []
     for seed in range(5):
         pairs = office_pairs(seed)
@@ -211,7 +211,7 @@ AS_TOLD = {"penalty": 0.0, "rival": 1.0, "least_share": 1e-6, "least_across": 1e
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 32])
 def test_with_a_laser_of_half_a_turn_the_ways_to_pair_walls_are_alike(seed):
-    """Chapter 05: the SICK; the penalty leaves many wrong matches, doubt few of them."""
+    """Angle correspondence: the SICK; the penalty leaves many wrong matches, doubt few of them."""
     pairs = office_pairs(seed, simulation.SICK_LMS200)
     few = [
         right_and_wrong(pairs, heuristic=name, most_pairs=10)
@@ -225,7 +225,7 @@ def test_with_a_laser_of_half_a_turn_the_ways_to_pair_walls_are_alike(seed):
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 32])
 def test_with_a_laser_that_sees_all_round_only_random_pairs_miss(seed):
-    """Chapter 05: and the method as told is right in nearly all pairs."""
+    """Angle correspondence: and the method as told is right in nearly all pairs."""
     pairs = office_pairs(seed, ALL_ROUND)
     few = {
         name: right_and_wrong(pairs, heuristic=name, most_pairs=10)

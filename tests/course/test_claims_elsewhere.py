@@ -14,7 +14,7 @@ from segmap_course.literal.reduction.least_cost_merges import merge_all
 
 import segmap
 from segmap import simulation
-from segmap.alignment import match_points, pose_graph
+from segmap.alignment import match_angles, match_points, pose_graph
 from segmap.angles import axial_mean
 from segmap.poses import between
 from segmap.quadtree import build_map
@@ -279,3 +279,31 @@ def test_a_noisy_laser_keeps_its_metres_in_pieces():
     one, three = (segmap.build_map(log, log.truth, tolerance=0.03 * k).segments for k in (1, 3))
     assert len(one) > 3 * len(three)
     assert segmap.segments.length(one).sum() > 0.9 * segmap.segments.length(three).sum()
+
+
+def kinds_of_angle_matches(**rules):
+    """Right, no match and wrong, of all pairs of scans of the clinic that are six steps apart."""
+    log, kinds = segmap.load("clinic"), []
+    walls = [segmap.extract_polylines(scan.points()) for scan in log]
+    for k in range(len(log) - 6):
+        pair, rng = (walls[k], walls[k + 6]), np.random.default_rng(1)
+        match = match_angles(*pair, rng=rng, **rules)
+        x, y, turn = between(between(log.truth[k], log.truth[k + 6]), match.pose)
+        right = np.hypot(x, y) < 0.1 and abs(turn) < np.radians(3)
+        kinds.append((0 if right else 2) if match.matched else 1)
+    return np.bincount(kinds, minlength=3).tolist()
+
+
+def test_the_table_of_rules_of_angle_correspondence():
+    """Chapter 5: each rule that is added, and few pairs of walls by three heuristics."""
+    told = {"penalty": 0.0, "rival": 1.0, "least_share": 1e-6, "least_across": 1e-6}
+    rules = [told | {"whole": True}, told, told | {"penalty": 4.0}, {}]
+    (path,) = [path for path in CHAPTERS if path.name.startswith("05_")]
+    text = path.read_text("utf-8")
+    table = [[int(n) for n in row] for row in re.findall(r"\| (\d+) \| (\d+) \| (\d+) \|", text)]
+    assert [kinds_of_angle_matches(**rule) for rule in rules] == table
+    few = [
+        kinds_of_angle_matches(heuristic=name, most_pairs=10)[0]
+        for name in ("consecutive", "random", "perpendicular")
+    ]
+    assert "{}, {} and {} of the 244 are right".format(*few) in text

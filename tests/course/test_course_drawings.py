@@ -11,7 +11,6 @@ from matplotlib.colors import to_hex
 from segmap_course import thesis_results
 
 from segmap.alignment import Match
-from segmap.alignment.angle_correspondence import Candidate
 from segmap.alignment.points import PointStep
 from segmap.experiments import select
 from segmap.exports import ros_classes
@@ -29,7 +28,6 @@ SCAN = LaserScan(
 )
 TWO, FEET = np.array([(0, 1.0), (1, 0.5)]), np.array([(0, 0.0), (1, 0)])
 STEP = PointStep(np.zeros(3), 0.6, TWO, FEET, np.array([1, 0]))
-LEFT = Candidate(np.array([1, 2, np.pi / 2]), 3.0, 1.0, 2.0, 1, np.empty((0, 5)))
 WALLS = np.array([[(0, 0), (4, 0)], [(0, 0.06), (4, 0.03)], [(0, 2), (0, 3)]])
 SEEN = SegmentMap(WALLS[[0, 0, 2, 0]], [0, 0, 1, 2])
 #: In the strip with both ends, with one, and on the border.
@@ -69,10 +67,15 @@ DRAWN = {
         [(RAW, FEET), (RESULT, TWO), (ERROR, [[(0, 1), (0, 0)], [(1, 0.5), (1, 0)]])],
         [],
     ),
-    "the second scan moves, by the pose and not by its inverse": (
-        lambda ax: course.draw_candidate(WALLS[:1], WALLS[:1], LEFT, ax=ax, color=ERROR),
-        [(MAP, WALLS[:1]), (ERROR, [[(1, 2), (1, 6)]])],
-        ["3.0 m agree, 1.0 m seen through walls"],
+    "what two segments cover of each other, and the farthest end of the second": (
+        lambda ax: course.draw_match_value([(0, 0), (3, 0)], [(1, 1), (4, 1)], ax=ax),
+        [
+            (MAP, [(4, 1), (3, 0)]),
+            (MAP, [[(0, 0), (3, 0)], [(1, 1), (4, 1)]]),
+            (ERROR, [[(1, 0), (3, 0)]]),
+            (ERROR, [[(1, 1), (3, 1)]]),
+        ],
+        ["2.00 m of u covered", "2.00 m of v covered", "  1.41 m"],
     ),
     "marked segments lie over the rest": (
         lambda ax: course.draw_marked(WALLS, [False, True, False], ax=ax),
@@ -149,6 +152,14 @@ def test_a_drawing_consists_of(claim, ax):
     named = [line.get_label() for line in (*ax.lines, *ax.collections)]
     said = [ax.get_title(), *(text.get_text() for text in ax.texts), *named]
     assert [word for word in said if word and not word.startswith("_")] == words
+
+
+def test_the_second_scan_is_laid_by_its_pose():
+    """Catches the inverse of the pose, and a wrong place in the colour of a right one."""
+    poses = {"right": (0, 0, 0), "wrong": (1, 2, np.pi / 2)}
+    right, wrong = course.draw_laid(WALLS[:1], WALLS[:1], poses)
+    assert content(right)[1] == (RESULT, [[[0, 0], [4, 0]]])
+    assert content(wrong) == [(MAP, [[[0, 0], [4, 0]]]), (ERROR, [[[1, 2], [1, 6]]])]
 
 
 def test_words_stand_beside_their_places(ax):

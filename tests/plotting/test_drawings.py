@@ -12,7 +12,6 @@ from matplotlib.colors import to_hex, to_rgba
 from segmap import build_map, load, plotting, quadtree
 from segmap.alignment import (
     Alignment,
-    angle_candidates,
     backbone_steps,
     odometry,
     point_steps,
@@ -73,16 +72,6 @@ DRAWINGS = {
         lambda ax: plotting.draw_before_after(WALLS, REDUCED, ax=ax),
         {MAP, RESULT},
     ),
-    "candidate": (
-        lambda ax: course.draw_candidate(
-            ROOM,
-            ROOM,
-            angle_candidates(ROOM, ROOM, rng=np.random.default_rng(0))[0],
-            ax=ax,
-            color=RESULT,
-        ),
-        {MAP, RESULT},
-    ),
     "cells": (lambda ax: course.draw_cells(TREE, TREE.to_grid() > 0.5, ax=ax), {ERROR}),
     "classes": (lambda ax: course.draw_classes(ros_classes(TREE), ax=ax), set()),
     "climb": (lambda ax: course.draw_climb(POSES, ax=ax), {RESULT}),
@@ -133,6 +122,10 @@ DRAWINGS = {
     ),
     "marked": (lambda ax: course.draw_marked(WALLS, [True, False, True], ax=ax), {RAW, ERROR}),
     "match": (lambda ax: course.draw_match(*WALLS[[0, 2]], ax=ax), {RAW, MAP, ERROR}),
+    "match_value": (
+        lambda ax: course.draw_match_value(WALLS[0], WALLS[0] + 0.1, ax=ax),
+        {MAP, ERROR},
+    ),
     "merge": (lambda ax: course.draw_merge(WALLS[:2], WALLS[2], ax=ax), {RAW, MAP, RESULT}),
     "missed": (
         lambda ax: course.draw_missed(WALLS[[0, 2]], [(0, -0.04), (5, -0.04)], ax=ax),
@@ -214,6 +207,10 @@ ROWS = {
     "edges": (lambda: course.draw_edges({"a": [(0, 0, 0)], "b": [(3, 4, 0)]}, []), True),
     "distance_terms": (lambda: course.draw_distance_terms(WALLS[0], WALLS[2]), True),
     "frames": (lambda: course.draw_frames(SCAN, {"a": (0, 0, 0), "b": (3, 4, 0)}), True),
+    "laid": (
+        lambda: course.draw_laid(WALLS, WALLS, {"right": (0, 0, 0), "wrong": (1, 2, 3)}),
+        True,
+    ),
     "leaf_row": (lambda: course.draw_leaf_row({"a": LEAVES, "b": LEAVES}), True),
     "maps": (lambda: plotting.draw_maps({"a": WALLS, "b": WALLS[:1]}), True),
     "phases": (lambda: course.draw_phases([(0, 0, 0)], WALLS, WALLS[:1], 0.2), True),

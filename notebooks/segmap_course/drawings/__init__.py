@@ -3,9 +3,9 @@
 from ._alignments import (
     draw_backbone,
     draw_basin,
-    draw_candidate,
     draw_frames,
     draw_icp_step,
+    draw_laid,
     draw_scans,
     draw_uncertainty,
 )
@@ -58,6 +58,7 @@ from ._segments import (
     draw_fits,
     draw_marked,
     draw_match,
+    draw_match_value,
     draw_merge,
     draw_missed,
     draw_normals,
@@ -66,16 +67,16 @@ from ._segments import (
 )
 
 __all__ = [
-    "climb_frames", "draw_backbone", "draw_basin", "draw_buildings", "draw_candidate", "draw_cases",
-    "draw_cells", "draw_cells_of_a_wall", "draw_classes", "draw_climb", "draw_closer",
-    "draw_clusters", "draw_corner", "draw_costs", "draw_counts", "draw_distance_curves",
-    "draw_distance_terms", "draw_edges", "draw_ends", "draw_equal_squares", "draw_field",
-    "draw_fits", "draw_frames", "draw_frontiers", "draw_growth", "draw_hill", "draw_icp_step",
-    "draw_labels", "draw_landscape", "draw_leaf_row", "draw_leaves", "draw_live", "draw_marked",
-    "draw_match", "draw_merge", "draw_method_errors", "draw_missed", "draw_normals", "draw_phases",
-    "draw_plan", "draw_profile", "draw_ray", "draw_runs", "draw_scan_poses", "draw_scans",
-    "draw_shifts", "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_threshold",
-    "draw_trade_off", "draw_trials", "draw_uncertainty", "draw_wall_normals", "draw_weights",
-    "icp_frames", "label_axes", "loop_frames", "mark_places", "merge_frames", "say_stretch",
-    "set_ticks", "wardrobe", "write_names",
+    "climb_frames", "draw_backbone", "draw_basin", "draw_buildings", "draw_cases", "draw_cells",
+    "draw_cells_of_a_wall", "draw_classes", "draw_climb", "draw_closer", "draw_clusters",
+    "draw_corner", "draw_costs", "draw_counts", "draw_distance_curves", "draw_distance_terms",
+    "draw_edges", "draw_ends", "draw_equal_squares", "draw_field", "draw_fits", "draw_frames",
+    "draw_frontiers", "draw_growth", "draw_hill", "draw_icp_step", "draw_labels", "draw_laid",
+    "draw_landscape", "draw_leaf_row", "draw_leaves", "draw_live", "draw_marked", "draw_match",
+    "draw_match_value", "draw_merge", "draw_method_errors", "draw_missed", "draw_normals",
+    "draw_phases", "draw_plan", "draw_profile", "draw_ray", "draw_runs", "draw_scan_poses",
+    "draw_scans", "draw_shifts", "draw_sizes_of_halls", "draw_strip", "draw_sweep",
+    "draw_threshold", "draw_trade_off", "draw_trials", "draw_uncertainty", "draw_wall_normals",
+    "draw_weights", "icp_frames", "label_axes", "loop_frames", "mark_places", "merge_frames",
+    "say_stretch", "set_ticks", "wardrobe", "write_names",
 ]  # fmt: skip

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 
 from segmap import arrays
 from segmap.alignment import Match
-from segmap.alignment.angle_correspondence import Candidate
 from segmap.alignment.backbone import BackboneStep
 from segmap.alignment.points import PointStep
+from segmap.arrays import Segments
 from segmap.plotting import (
     ERROR,
     GROUPS,
@@ -156,18 +156,25 @@ def draw_uncertainty(match: Match, *, ax: Axes | None = None) -> Axes:
     return map_axes(ax)
 
 
-def draw_candidate(
-    first: ArrayLike, second: ArrayLike, guess: Candidate, *, ax: Axes | None = None, color: str
-) -> Axes:
-    """Draw two scans, the second placed by a candidate of angle correspondence.
+def draw_laid(first: Segments, second: Segments, poses: Mapping[str, ArrayLike]) -> list[Axes]:
+    """Draw the walls of two scans, the second laid on the first at several poses, side by side.
 
-    The first is black, the second of the colour: `RESULT` where the candidate is believed, else
-    `ERROR`. The title tells what speaks for it and against it.
+    The first walls are black and thick; those of the second, with its robot, are blue. A pose has
+    its title; where that ends with "wrong" they are orange. The figure is new.
+
+    Examples
+    --------
+    >>> wall = [[(0, 0), (1, 0)]]
+    >>> [ax.get_title() for ax in draw_laid(wall, wall, {"right": (0, 0, 0), "wrong": (1, 1, 0)})]
+    ['right', 'wrong']
     """
-    ax = draw_segments(first, ax=ax, width=2.5)
-    draw_segments(transform(guess.pose, second), ax=ax, color=color, width=1.5)
-    ax.set_title(f"{guess.value:.1f} m agree, {guess.hidden:.1f} m seen through walls")
-    return ax
+    row = axes_grid(list(poses), len(poses), (min(6.0, 10.4 / len(poses)), 3.6))
+    for ax, (title, pose) in zip(row, poses.items(), strict=True):
+        draw_segments(first, ax=ax, width=3)
+        color = ERROR if title.endswith("wrong") else RESULT
+        draw_segments(transform(pose, arrays.segments(second)), ax=ax, color=color, width=1.5)
+        draw_robot(pose, ax=ax)
+    return row
 
 
 def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | None = None) -> Axes:

@@ -152,6 +152,24 @@ def draw_match(a: ArrayLike, b: ArrayLike, *, ax: Axes | None = None) -> Axes:
     return draw_segments(ends, ax=ax, color=MAP, width=2.0)
 
 
+def draw_match_value(u: ArrayLike, v: ArrayLike, *, ax: Axes | None = None) -> Axes:
+    """Draw two segments, orange what they cover of each other, and dotted how far v is from u."""
+    both, ax = np.asarray([u, v], float), axes_or_new(ax, (6.5, 3.5))
+    draw_segments(both, ax=ax, width=2)
+    for name, s, other, above in (("u", *both, -14), ("v", *both[::-1], 8)):
+        along = (s[1] - s[0]) / length(s)
+        low, high = np.sort((other - s[0]) @ along).clip(0, length(s))
+        part = s[0] + np.outer((low, high), along)
+        draw_segments([part], ax=ax, color=ERROR, width=5)
+        ax.annotate(f"{high - low:.2f} m of {name} covered", part.mean(0), (0, above),
+                    textcoords="offset points", ha="center")  # fmt: skip
+    pair = max((_to_segment(p, both[0]) for p in both[1]), key=length)
+    ax.plot(*pair.T, ":", color=MAP, marker="o", markersize=4)
+    ax.annotate(f"  {length(pair):.2f} m", pair.mean(0), va="center")
+    ax.margins(x=0.1, y=0.7)
+    return map_axes(ax)
+
+
 def draw_merge(
     parts: Segments, wall: ArrayLike, *, ax: Axes | None = None, color: str = RESULT
 ) -> Axes:

@@ -7,8 +7,9 @@ import numpy as np
 from segmap.alignment import least_translation, match_values
 from segmap.arrays import Array
 from segmap.poses import transform
-from segmap.segments import length, point_distance
+from segmap.segments import length
 
+from ..literal.alignment.angle_correspondence import match_value
 from ..literal.alignment.point_to_line import point_to_line_step, residuals, weights
 from ._answers import Cases, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
@@ -17,68 +18,73 @@ from ._exercise import Exercise, Rng, anywhere, changed, edited
 # --------------------------------------------------------------- angle correspondence
 def _pairs(rng: Rng) -> Cases:
     """Pairs that cover each other wholly, in part and not at all, placed anywhere."""
-    off, far = rng.uniform(0.03, 0.15, 2)
+    off, more = rng.uniform(0.02, 0.04, 2)
     size, part = rng.uniform(2, 4), rng.uniform(0.2, 0.4)
-    place, distance = anywhere(rng), float(rng.uniform(0.03, 0.1))
+    place, distance = anywhere(rng), float(rng.uniform(0.03, 0.08))
     long = [(0, 0), (size, 0)]
-    short = [(part * size, off), (2 * part * size, off + far)]
+    short = [(part * size, off), (2 * part * size, off + more)]
+    later = [(part * size, off), ((1 + part) * size, off)]
     return {
         words: (transform(place, u), transform(place, v), distance)
         for words, u, v in (
             ("two parallel walls", long, [(0, off), (size, off)]),
             ("a short wall beside a long one", long, short),
             ("the same, exchanged", short, long),
-            ("a leaning wall, end points exchanged", long, [(0.7 * size, 0.6), (0.3 * size, off)]),
-            ("walls that overlap in part", long, [(part * size, off), ((1 + part) * size, off)]),
-            ("walls beside each other", long, [(size + 0.5, off), (size + 2, off)]),
+            ("walls of which each has an end that the other has not", long, later),
+            ("the same, leaning", long, [later[0], ((1 + part) * size, off + more)]),
+            ("walls one behind the other", long, [(size + 0.05, off), (size + 2, off)]),
         )
     }
 
 
 def _match_value(u: Array, v: Array, distance: float) -> float:
-    """What the library finds for one pair, however far apart."""
-    return float(match_values(u[None], v[None], distance=distance, far=1e6, whole=True)[0, 0])
+    """What the library finds for one pair."""
+    return float(match_values(u[None], v[None], distance=distance)[0, 0])
 
 
 def _value(u: Array, v: Array, distance: float) -> float:
     """The same for one pair, of which the mistakes change a part."""
-    lengths = []
+    lengths, aparts = [], []
     for a, b in ((u, v), (v, u)):
-        low, high = np.sort((b - a[0]) @ (a[1] - a[0]) / length(a))
-        lengths.append(max(0.0, min(high, length(a)) - max(low, 0)))
-    apart = min(point_distance(v, u).max(), point_distance(u, v).max())
-    return float(sum(lengths) / 2 * 0.95 ** (apart / distance))
+        way = (a[1] - a[0]) / length(a)
+        low, high = np.sort((b - a[0]) @ way)
+        lengths.append(max(0.0, min(high, length(a)) - max(low, 0.0)))
+        aparts.append(abs((b - a[0]) @ (-way[1], way[0])).max())
+    return float(sum(lengths) / 2 * 0.95 ** (min(aparts) / distance))
 
-
-_FROM_MIDDLE = "np.hypot(*(u.mean(axis=0) - v.mean(axis=0)))"
 
 check_match_value = Exercise(
-    "match_value(u, v, distance) -> float, metres: of two segments (2, 2) that do not cross, the "
-    "mean of the lengths that they cover of each other, times 0.95 ** (D / distance)",
+    "match_value(u, v, distance) -> float, metres: the match value of the chapter of two segments "
+    "(2, 2) that do not cross, but with a D that only asks how far apart the parts are that both "
+    "cover of each other",
     _match_value,
     _pairs,
     {
+        "this is the match value of the chapter, for which an end that only one scan has seen is "
+        "far away: cut each segment where the other one ends": lambda u, v, distance: match_value(
+            u.tolist(), v.tolist(), distance
+        ),
         "this is the length of u that v covers; take the mean of it and of the length of v that "
         "u covers": edited(_value, ("sum(lengths) / 2", "lengths[0]")),
-        "the mean of both lengths is wanted, not their sum": edited(_value, (" / 2", "")),
+        "the mean of both lengths is wanted, not their sum": edited(_value, (" / 2 *", " *")),
         "the length is right; multiply it by 0.95 ** (D / distance)": (
-            edited(_value, (" * 0.95 ** (apart / distance)", ""))
+            edited(_value, (" * 0.95 ** (min(aparts) / distance)", ""))
         ),
         "D is measured in units of `distance`: divide by that": edited(_value, ("/ distance", "")),
-        "D is the smaller of the two directed Hausdorff distances (A 2.39), not the larger": (
-            edited(_value, ("apart = min", "apart = max"))
-        ),
-        "D asks for the farthest point of one from the other, not for the nearest": (
+        "D asks for the farthest point, not for the nearest": (
             edited(_value, (".max()", ".min()"))
         ),
-        "D is measured from the end points of one to the other segment, not between middles": (
+        "D is how far the walls are apart, not their middles": (
+            edited(_value, ("min(aparts)", "np.hypot(*(u.mean(axis=0) - v.mean(axis=0)))"))
+        ),
+        "two walls one behind the other cover nothing: no length is less than 0": (
             edited(
                 _value,
-                ("min(point_distance(v, u).max(), point_distance(u, v).max())", _FROM_MIDDLE),
+                (
+                    "max(0.0, min(high, length(a)) - max(low, 0.0))",
+                    "min(high, length(a)) - max(low, 0.0)",
+                ),
             )
-        ),
-        "two walls beside each other cover nothing: no length is less than 0": (
-            edited(_value, ("max(0.0, ", "("))
         ),
     },
     near,

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 
 from segmap.arrays import Array
+from segmap.metrics import segment_distance
 from segmap.segments import angle, length
 
+from ..literal.alignment.segment_icp import segment_cost
 from ..literal.floor_plan import axis_of
 from ._answers import Cases, close, same_poses, same_segment
 from ._exercise import Exercise, Rng, edited
@@ -16,48 +18,56 @@ from ._exercise import Exercise, Rng, edited
 
 # -------------------------------------------------------------- segment ICP
 def _scans_beside(rng: Rng) -> Cases:
-    """Distances of three to five segments from four of the map, which correspond or not."""
+    """Walls of a map, those of a scan beside them, and which are partners; some have none."""
     cases: dict[str, tuple[Any, ...]] = {}
     for words, count in (("each has a partner", 3), ("one has none", 4), ("most have none", 5)):
-        beside = rng.random((count, 4)) < 0.6
-        beside[:, 0] = True
-        beside[count - {3: 0, 4: 1, 5: 3}[count] :] = False
-        beside[0, 1] = True
-        cases[words] = rng.uniform(0.01, 0.2, (count, 4)), beside, rng.uniform(0.5, 4, 4), 0.3
+        x, size = rng.uniform(0, 2, (2, 4, 1))
+        walls = np.stack([np.concatenate([x, x * 0 + 1], 1)] * 2, 1)
+        walls[:, 1] += np.concatenate([size + 0.5, rng.uniform(-0.1, 0.1, (4, 1))], 1)
+        current = np.concatenate([walls, walls])[:count] + rng.uniform(0.01, 0.2, (count, 2, 2))
+        current[:, 1, 0] += rng.uniform(0, 3, count)
+        near = rng.random((count, 4)) < 0.6
+        near[:, 0] = True
+        near[count - {3: 0, 4: 1, 5: 3}[count] :] = False
+        near[0, 1] = True
+        cases[words] = walls, current, near, 0.3
     return cases
 
 
-def _pose_cost(distances: Array, beside: Array, lengths: Array, penalty: float) -> float:
-    """A 2.1 with the penalty inside its bracket."""
-    total = 0.0
-    for row, partners in zip(distances, np.asarray(beside, bool), strict=True):
-        weights = np.where(partners, lengths, 0.0)
-        total += (weights * row).sum() / weights.sum() if partners.any() else penalty
-    return float(total / len(distances))
+def _pose_cost(reference: Array, current: Array, near: Array, penalty: float) -> float:
+    """A 2.1 with the penalty inside its bracket, where each current segment has its length."""
+    weights, sizes = near * length(reference), length(current)
+    away = (weights * segment_distance(current[:, None], reference)).sum(axis=1)
+    total = weights.sum(axis=1)
+    costs = np.where(total > 0, away / np.maximum(total, 1e-9), penalty)
+    return float((sizes * costs).sum() / sizes.sum())
 
+
+_MEAN = "(sizes * costs).sum() / sizes.sum()"
 
 check_pose_cost = Exercise(
-    "pose_cost(distances, beside, lengths, penalty) -> metres: of m segments of a scan, whose "
-    "distances (m, n) from n segments of the map are known, the mean of what each costs: the mean "
-    "distance from those that it lies beside, (m, n) true or false, weighted with their lengths "
-    "(n,), or the penalty where there is none",
+    "pose_cost(reference, current, near, penalty) -> metres: segment_cost of the chapter, in which "
+    "each of the current segments (m, 2, 2) counts by its length; near (m, n) says which of the "
+    "reference segments (n, 2, 2) are its partners",
     _pose_cost,
     _scans_beside,
     {
+        "this is segment_cost of the chapter: a short wall of the scan counts as much as a long "
+        "one": segment_cost,
         "a segment without a partner costs the penalty, not nothing": edited(
-            _pose_cost, ("else penalty", "else 0.0")
+            _pose_cost, ("1e-9), penalty)", "1e-9), 0.0)")
         ),
-        "long walls of the map count for more: weight with their lengths": edited(
-            _pose_cost, ("np.where(partners, lengths, 0.0)", "partners * 1.0")
+        "a long wall without a partner counts for more than a short one, too": edited(
+            _pose_cost, (_MEAN, "(np.where(total > 0, sizes, 1.0) * costs).sum() / sizes.sum()")
         ),
-        "the cost is a mean over the segments, not their sum": edited(
-            _pose_cost, ("total / len(distances)", "total")
+        "the cost is a mean: divide by the sum of the lengths": edited(
+            _pose_cost, (_MEAN, "(sizes * costs).sum()")
         ),
-        "only those that it lies beside count": edited(
-            _pose_cost, ("np.where(partners, lengths, 0.0)", "lengths")
+        "divide by the lengths of all segments, not by their number": edited(
+            _pose_cost, (_MEAN, "(sizes * costs).mean()")
         ),
-        "the mean of all its partners, not the nearest of them": edited(
-            _pose_cost, ("(weights * row).sum() / weights.sum()", "row[partners].min()")
+        "partners still count by their own lengths": edited(
+            _pose_cost, ("near * length(reference)", "near * 1.0")
         ),
     },
     close,

@@ -32,7 +32,7 @@ from .alignment.global_segments import best_shifts, best_turns, least_squares
 from .alignment.moving_laser import after, carry_beam, steady_twist
 from .alignment.ndt import match_ndt, ndt_step, normals_of
 from .alignment.point_to_line import best_move, icp, point_to_line_step
-from .alignment.segment_icp import correspond, segment_cost
+from .alignment.segment_icp import partners, segment_cost, turn_and_shift
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
 from .line_finders import (
     lines_em,
@@ -94,19 +94,19 @@ __all__ = [
     "MOVES", "Quadtree", "add_scan", "after", "against_walls", "angle_histogram",
     "axial_difference", "basic_offline", "basic_online", "best_move", "best_shift", "best_shifts",
     "best_strip", "best_transform", "best_turns", "carry_beam", "cell_of", "chain", "climb_step",
-    "correlative_search", "correspond", "crossed_cells", "descent_score", "distance_score",
-    "edge_jacobians", "edge_residual", "effective_number", "enough", "every_pose",
-    "extract_clusters", "extract_polylines", "fit", "fit_algebraic", "fit_total", "fuse_longest",
-    "fusion", "fusion_online", "fuzzy_clustering", "fuzzy_set", "gauss_newton", "grown", "headings",
+    "correlative_search", "crossed_cells", "descent_score", "distance_score", "edge_jacobians",
+    "edge_residual", "effective_number", "enough", "every_pose", "extract_clusters",
+    "extract_polylines", "fit", "fit_algebraic", "fit_total", "fuse_longest", "fusion",
+    "fusion_online", "fuzzy_clustering", "fuzzy_set", "gauss_newton", "grown", "headings",
     "hill_climb", "histogram", "hough", "hough_lines", "hybrid", "hybrid_fusion", "hybrid_scan",
     "icp", "in_strip", "information", "least_cost", "least_squares", "least_translation",
     "likelihood", "likelihoods", "line_angle", "line_partner", "lines_em", "lines_hough",
     "lines_incremental", "lines_ransac", "lines_regression", "localize", "log_likelihood",
     "match_histograms", "match_hough", "match_ndt", "match_value", "mean_and_variance",
     "mean_lines", "mean_rotation", "mean_segment", "mean_shift", "ndt_step", "normal_equations",
-    "normals_of", "occupancy", "occupancy_score", "one_per_wall", "online", "placed", "places",
-    "point_to_line_step", "point_to_segment", "polyline", "polyline_through", "quality", "quarters",
-    "ray_cells", "sample_and_rank", "segment_cost", "segment_distance", "segment_length",
-    "segment_similarity", "steady_twist", "systematic", "transforms", "uncertain_parameters",
-    "viewing_sector", "weighed", "weighted_line_fitting",
+    "normals_of", "occupancy", "occupancy_score", "one_per_wall", "online", "partners", "placed",
+    "places", "point_to_line_step", "point_to_segment", "polyline", "polyline_through", "quality",
+    "quarters", "ray_cells", "sample_and_rank", "segment_cost", "segment_distance",
+    "segment_length", "segment_similarity", "steady_twist", "systematic", "transforms",
+    "turn_and_shift", "uncertain_parameters", "viewing_sector", "weighed", "weighted_line_fitting",
 ]  # fmt: skip

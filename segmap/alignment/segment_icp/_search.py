@@ -179,12 +179,12 @@ def best_shift(
 
 def turn_and_shift(
     reference: Array, current: Array, angle: float, distance: float, width: float, step: float
-) -> tuple[Array, Array, Indices]:
+) -> tuple[float, Array, Array, Indices]:
     """Turn, then shift, until neither helps; again with finer steps (A 2.5.1, step 6).
 
     New correspondences can raise the cost, so each finer search begins at the best place so far.
-    Returns the motion there, (3,) array, the current segments there, `(m, 2, 2)`, and the pairs
-    that correspond; metres and radians.
+    Returns the cost there, the motion, (3,) array, the current segments there, `(m, 2, 2)`, and the
+    pairs that correspond; metres and radians.
     """
     r, motion, away = describe(reference), np.zeros(3), np.empty(len(current))
     pairs = correspondences(reference, r, current, angle, distance)
@@ -207,4 +207,4 @@ def turn_and_shift(
                 break
         motion, current, pairs = best
         width, step = width / STEP_DIVISOR, step / STEP_DIVISOR
-    return best
+    return least, *best

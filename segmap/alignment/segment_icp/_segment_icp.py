@@ -35,11 +35,8 @@ from ._search import Indices, turn_and_shift
 
 #: Segment distance (A 2.7.7) of two parallel walls one metre apart: follows from its weights.
 SIDEWAYS = ACROSS_WEIGHT / 2 + APART_WEIGHT
-#: The search begins with this part of its widest turn and step: a wide search finds other walls
-#: too.
+#: A wide search finds other walls too: a second one has this part of its turns and steps.
 NARROW_SEARCH_PART = 1 / 16
-#: It is widened to the whole where less than this share of the scan finds a partner.
-LEAST_PARTNER_SHARE = 0.70
 #: Where a smaller share of the walls lies across a direction, it is free.
 FREE_ACROSS_SHARE = 0.02
 ONE_DIRECTION = "walls in one direction only: along them the guess was kept"
@@ -106,15 +103,12 @@ def match_segments(
         return no_match(guess, Unmatched.TOO_LITTLE_SEEN, "no segments in the scan")
     if not len(theirs):
         return no_match(guess, Unmatched.NO_REFERENCE, "no segments to match with")
-    for part in (NARROW_SEARCH_PART, 1.0):
-        widest = (part * angle, part * distance / SIDEWAYS / 4)
-        motion, ended, pairs = turn_and_shift(
-            theirs, transform(guess, ours), angle, distance, *widest
-        )
-        found = np.isin(np.arange(len(ours)), pairs[:, 0])
-        overlap = float(length(ours)[found].sum() / length(ours).sum())
-        if overlap >= LEAST_PARTNER_SHARE:
-            break
+    widths = np.outer((NARROW_SEARCH_PART, 1.0), (angle, distance / SIDEWAYS / 4))
+    placed = transform(guess, ours)
+    searches = [turn_and_shift(theirs, placed, angle, distance, *width) for width in widths]
+    _, motion, ended, pairs = min(searches, key=lambda search: search[0])
+    found = np.isin(np.arange(len(ours)), pairs[:, 0])
+    overlap = float(length(ours)[found].sum() / length(ours).sum())
     pose = compose(motion, guess)
     if overlap < share:
         words = f"too few segments found a partner: less than {share:.0%}"

@@ -109,13 +109,6 @@ ANSWERS = {
             (["D"], "decide first"),
         ],
     ),
-    "decide_match": (
-        {"P": "keep", "Q": "next", "R": "hidden", "S": "across"},
-        [
-            ({"P": "next", "Q": "hidden", "R": "hidden", "S": "keep"}, "S is not the one to keep"),
-            ({"P": "keep", "Q": "next", "R": "next", "S": "across"}, "R: 'next' does not speak"),
-        ],
-    ),
     "decide_floor": (
         dict(A="off [mm]", B="missed %", C="a wall", D="off [mm]", E="a wall", F="invented %")
         | dict(G="keep", H="invented %", I="double %", J="a wall"),

@@ -13,16 +13,6 @@ from ._open import Prediction
 from .decision import Decision
 
 # ---------------------------------------------------------------------------- poses
-decide_match = Decision(
-    "decide_match(answer): a dictionary with each of the matches P to S: 'keep' for the one that "
-    "you would let into a map, and for each other the figure that refuses it: 'hidden', 'next' or "
-    "'across'",
-    ("P", "Q", "R", "S"),
-    "7b5868f7 893345d6 c4d1ab47 f08f4ea2",
-    praise="The longest match was none of them: how much agrees says nothing of what else would",
-)
-
-
 # ---------------------------------------------------------------------------- maps
 decide_floor = Decision(
     "decide_floor(answer): a dictionary with each of the maps A to J: 'keep' for the one that you "

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+
+from segmap.poses import transform
 
 from ..lines import (
     SAME,
@@ -12,11 +14,8 @@ from ..lines import (
     axial_difference,
     line_angle,
     line_of,
-    placed,
     point_to_segment,
     seen_from,
-    segment_length,
-    span_on,
 )
 
 Pose = tuple[float, float, float]
@@ -24,8 +23,8 @@ Pose = tuple[float, float, float]
 
 def covered(u: Segment, v: Segment) -> float:
     """Length of u, metres, that v covers when it is projected on u."""
-    low, high = span_on(u, v)
-    return max(0.0, min(high, segment_length(u)) - max(low, 0.0))
+    low, high = sorted(seen_from(line_of(u), p)[0] for p in v)
+    return max(0.0, min(high, math.dist(*u)) - max(low, 0.0))
 
 
 def directed_distance(u: Segment, v: Segment) -> float:
@@ -45,28 +44,29 @@ def distance_beside(u: Segment, v: Segment) -> float:
     """Largest distance from the line of u, metres, of the part of v that lies beside u."""
     (a, off_a), (b, off_b) = sorted(seen_from(line_of(u), p) for p in v)
     slope = (off_b - off_a) / (b - a)
-    return max(abs(off_a + slope * (t - a)) for t in (max(a, 0.0), min(b, segment_length(u))))
+    return max(abs(off_a + slope * (t - a)) for t in (max(a, 0.0), min(b, math.dist(*u))))
 
 
 def match_value(
-    u: Segment, v: Segment, *, distance: float, far: float, long: float, whole: bool = True
+    u: Segment,
+    v: Segment,
+    distance: float = 0.05,
+    far: float = 0.10,
+    long: float = 0.30,
+    apart: Callable[[Segment, Segment], float] = directed_distance,
 ) -> float:
     """A 2.7.10: the length, metres, on which two segments agree, less what they lie apart.
 
     Zero where they are farther apart than `far`, or cross steeply and are both longer than `long`.
-    How far they are apart is A's 2.39, or where not `whole` that of the part that both cover.
+    How far they are apart is A's 2.39, or with `distance_beside` that of the part that both cover.
     """
     lengths = covered(u, v), covered(v, u)
-    if min(lengths) <= SAME:
-        return 0.0
-    between = directed_distance if whole else distance_beside
-    apart = min(between(u, v), between(v, u))
-    if apart > far:
+    if min(lengths) <= SAME or (off := min(apart(u, v), apart(v, u))) > far:
         return 0.0
     if not intersect(u, v):
-        return sum(lengths) / 2 * 0.95 ** (apart / distance)
+        return sum(lengths) / 2 * 0.95 ** (off / distance)
     steep = abs(axial_difference(line_angle(u), line_angle(v))) > math.pi / 4 + SAME
-    both_long = min(segment_length(u), segment_length(v)) > long
+    both_long = min(math.dist(*u), math.dist(*v)) > long
     return 0.0 if steep and both_long else sum(lengths) / 2
 
 
@@ -85,32 +85,27 @@ def transforms(
     Two angles are similar when they differ by less than `similar`, radians; each pose lays one wall
     on another and the corners on each other. A line has no direction, so half a turn more is tried.
     """
-    for (a, b), (c, d) in itertools.product(
-        itertools.permutations(first, 2), itertools.combinations(second, 2)
-    ):
-        turn = axial_difference(line_angle(b), line_angle(a))
+    corners = itertools.permutations(first, 2), itertools.combinations(second, 2)
+    for (a, b), (c, d) in itertools.product(*corners):
+        angle = axial_difference(line_angle(b), line_angle(a))
         other = axial_difference(line_angle(d), line_angle(c))
-        if abs(turn) > similar and abs(axial_difference(turn, other)) < similar:
-            for heading in (line_angle(a) - line_angle(c), line_angle(a) - line_angle(c) + math.pi):
-                corner = placed(crossing(c, d), (0.0, 0.0, heading))
+        if abs(angle) > similar and abs(axial_difference(angle, other)) < similar:
+            for half in (0.0, math.pi):
+                heading = line_angle(a) - line_angle(c) + half
+                corner = transform((0.0, 0.0, heading), crossing(c, d))
                 x, y = crossing(a, b)
                 yield x - corner[0], y - corner[1], heading
 
 
+def value_of(pose: Pose, first: Sequence[Segment], second: Sequence[Segment]) -> float:
+    """Sum of the match values, metres, when a pose carries the second set (step 2)."""
+    there = transform(pose, second).tolist()
+    return sum(match_value(u, v) for u, v in itertools.product(first, there))
+
+
 def best_transform(
-    first: Sequence[Segment],
-    second: Sequence[Segment],
-    *,
-    similar: float = math.radians(8),
-    distance: float = 0.05,
-    far: float = 0.10,
-    long: float = 0.30,
+    first: Sequence[Segment], second: Sequence[Segment], similar: float = math.radians(8)
 ) -> tuple[float, Pose]:
-    """The transform with the largest sum of match values, metres, and that sum (step 2)."""
-
-    def value(pose: Pose) -> float:
-        moved = [[placed(p, pose) for p in s] for s in second]
-        pairs = itertools.product(first, moved)
-        return sum(match_value(u, v, distance=distance, far=far, long=long) for u, v in pairs)
-
-    return max((value(pose), pose) for pose in transforms(first, second, similar))
+    """The transform with the largest sum of match values, metres, and that sum."""
+    guesses = transforms(first, second, similar)
+    return max((value_of(pose, first, second), pose) for pose in guesses)
