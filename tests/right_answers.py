@@ -204,12 +204,6 @@ def chain_by_a_sweep(u, inside, first):
     return np.sort(next(rows for rows in chains if first in rows))
 
 
-def hough_of_the_nearest_name(segment, near):
-    theta = segments.angle(segment) + np.pi / 2 + np.pi * np.arange(-6, 7)
-    theta = theta[np.abs(theta - near).argmin()]
-    return [segments.midpoint(segment) @ [np.cos(theta), np.sin(theta)], theta]
-
-
 def matches_with_helpers(a, b, distance, angle):
     turn = abs(axial_difference(segments.angle(a), segments.angle(b)))
     gaps = segments.point_distance(a, b), segments.point_distance(b, a)
@@ -332,7 +326,9 @@ RIGHT = {
     "best_run": row_by_masked_argmax,
     "missed_metres": missed_between_ends,
     "mean_wall_error": lambda p, w: segments.point_distance(p[:, None], w).min(axis=1).mean(),
-    "hough": hough_of_the_nearest_name,
+    "pair_origin": lambda *both: np.average(
+        segments.midpoint(both), axis=0, weights=segments.length(both)
+    ),
     "matches": matches_with_helpers,
     "mean_shift_step": step_in_a_loop,
     "chain": chain_by_a_sweep,

@@ -18,7 +18,7 @@ from segmap.alignment import match_angles, match_points, pose_graph
 from segmap.angles import axial_mean
 from segmap.poses import between
 from segmap.quadtree import build_map
-from segmap.reduction import least_cost
+from segmap.reduction import hybrid, least_cost
 
 STOPS = [(0.7, 5), (11.3, 5), (10, 5), (10, 7.4), (10, 2.6), (10, 5), (6, 5), (6, 7.4)]
 
@@ -181,6 +181,18 @@ def test_basic_keeps_a_wall_at_half_its_thickness_and_leaves_what_the_order_deci
         orders = [rng.permutation(len(before)) for _ in range(4)]
         counts = {len(segmap.reduction.basic_offline(before.segments[k])) for k in orders}
         assert len(counts) > 1
+
+
+@pytest.mark.parametrize("building", ["clinic", 0, 1])
+@pytest.mark.parametrize("noise", NOISE, ids=str)
+def test_hybrid_leaves_more_the_farther_the_origin_is_and_as_many_about_each_pair(noise, building):
+    """Chapter 15: over true poses, for maps that lie 50 m and 500 m away."""
+    for seed in range(5):
+        log, _ = drive_past_a_wall(building, noise, seed)
+        before = segmap.build_map(log, log.truth)
+        there = [segmap.SegmentMap(before.segments + (x, 0), before.scan) for x in (0, 50, 500)]
+        counts = [[len(hybrid(m, origin=o)) for m in there] for o in ("map", "pair")]
+        assert 1.3 * counts[0][0] < counts[0][1] < counts[0][2] and len(set(counts[1])) == 1
 
 
 @pytest.mark.parametrize("sigma", [0.1, 0.2, 0.4])

@@ -19,9 +19,8 @@ from segmap.metrics import distance_terms
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, figure_png
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap
-from segmap.reduction import hough, hybrid
 from segmap.scans import LaserScan
-from segmap.segments import SegmentMap, length
+from segmap.segments import length
 
 SCAN = LaserScan(
     [1.0, 2.0, np.inf, 9.0, 3.0], [-1, 0, 1, 2, 3], sensor_pose=(0.5, 0, 0), max_range=8.0
@@ -29,7 +28,6 @@ SCAN = LaserScan(
 TWO, FEET = np.array([(0, 1.0), (1, 0.5)]), np.array([(0, 0.0), (1, 0)])
 STEP = PointStep(np.zeros(3), 0.6, TWO, FEET, np.array([1, 0]))
 WALLS = np.array([[(0, 0), (4, 0)], [(0, 0.06), (4, 0.03)], [(0, 2), (0, 3)]])
-SEEN = SegmentMap(WALLS[[0, 0, 2, 0]], [0, 0, 1, 2])
 #: In the strip with both ends, with one, and on the border.
 STRIP = np.array([[(0, y), (1, z)] for y, z in ((0, 0), (0.03, 0.07), (0.06, 0.06))])
 TRIAL = course.Trial("it", "hill climbing", "field", 0, 0.013, 0.03, 0.01, 900, 800, 0.1)
@@ -81,11 +79,6 @@ DRAWN = {
         lambda ax: course.draw_marked(WALLS, [False, True, False], ax=ax),
         [(RAW, WALLS[[0, 2]]), (ERROR, WALLS[[1]])],
         [],
-    ),
-    "all segments up to a scan count, and the first scan is 1": (
-        lambda ax: course.draw_growth(SEEN, hybrid(SEEN), ax=ax),
-        [(MAP, [(1, 2), (2, 3), (3, 4)]), (RESULT, [(1, 1), (2, 2), (3, 2)])],
-        ["segments seen", "segments in the map"],
     ),
     "rates are not exchanged": (
         lambda ax: course.draw_trade_off([1, 2], [0.1, 0.2], [0.9, 0.8], ax=ax),
@@ -287,18 +280,19 @@ def test_a_hill_is_where_pieces_are_dense(ax):
     assert way[1, 1] >= curve[:, 1].max() - 1e-6
 
 
-def test_normals_end_on_the_lines_of_their_walls_in_their_colours(ax):
-    """Catches a normal of negative rho that points away from its wall."""
-    walls = np.array([[(-1, -2), (3, -2)], [(-4, 1), (-2, 5)]])
-    course.draw_normals(walls, ax=ax)
-    normals = ax.lines[0:4:2]
-    feet = np.array([line.get_xydata()[1] for line in normals])
-    np.testing.assert_allclose(feet[0], (0, -2), atol=1e-12)
-    assert np.allclose(np.linalg.norm(feet, axis=1), abs(hough(walls)[:, 0]))
+def test_normals_end_on_the_lines_of_their_walls_and_hough_space_has_their_lengths():
+    """Catches a normal of negative rho that points away from its wall, and one from elsewhere."""
+    walls, at = np.array([[(-1, -2), (3, -2)], [(-4, 1), (-2, 5)]]), np.array([1.0, 2.0])
+    left, right = course.draw_normals(walls, at=at)
+    feet = np.array([line.get_xydata()[1] for line in left.lines[0:4:2]])
+    np.testing.assert_allclose(feet[0], (1, -2), atol=1e-12)
     across = np.diff(walls, axis=1)[:, 0]
-    assert np.allclose((feet * across).sum(1), 0)
-    assert [line.get_color() for line in normals] == list(GROUPS[:2])
-    assert [to_hex(c) for c in ax.collections[0].get_edgecolor()] == list(GROUPS[:2])
+    assert np.allclose(((feet - at) * across).sum(1), 0)
+    assert np.allclose(((feet - walls[:, 0]) @ [[0, 1], [-1, 0]] * across).sum(1), 0)
+    rho = [line.get_ydata()[0] for line in right.lines]
+    assert np.allclose(np.linalg.norm(feet - at, axis=1), np.abs(rho))
+    shown = [[line.get_color() for line in lines] for lines in (left.lines[0:4:2], right.lines)]
+    assert shown[0] == shown[1] and len(set(shown[0])) == 2
 
 
 def squares(ax, index=0):

@@ -62,7 +62,6 @@ ROOM, CORRIDOR = load("room"), load("corridor")
 NO_TRUTH = "x must have scans, and a true pose for every scan"
 SLIM = np.array([[(0, 0), (9, 0)]], float)
 RNG = np.random.default_rng(1)
-SEEN = SegmentMap(TWO, [0, 1])
 easy = Exercise("double(x)", lambda x: 2 * x, lambda _: {"2": (2,)}, {"square": np.square})
 
 
@@ -408,10 +407,6 @@ COURSE = [
     ),
     *each(course.draw_marked)(
         *((TWO, marked, r"marked must have shape \(2,\)") for marked in ([True], [0, 1, 1])),
-    ),
-    *each(course.draw_growth)(
-        (SEEN, METHODS["fusion"](SEEN), "an on-line one of these 2 scans"),
-        (SEEN, METHODS["hybrid"](SEEN.segments), "an on-line one of these 2 scans"),
     ),
     *each(course.draw_cells)(
         (QuadtreeMap(), np.zeros((3, 4)), r"cells must be .* square grid, got shape \(3, 4\)")

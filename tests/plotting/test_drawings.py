@@ -95,7 +95,6 @@ DRAWINGS = {
         lambda ax: course.draw_frontiers(frontiers(TREE, min_size=1), ax=ax),
         {GROUPS[0]},
     ),
-    "growth": (lambda ax: course.draw_growth(SEEN, hybrid(SEEN), ax=ax), {MAP, RESULT}),
     "icp_step": (
         lambda ax: course.draw_icp_step(POINTS, point_steps(POINTS, POINTS)[0], ax=ax),
         {RAW, RESULT, ERROR},
@@ -131,7 +130,6 @@ DRAWINGS = {
         lambda ax: course.draw_missed(WALLS[[0, 2]], [(0, -0.04), (5, -0.04)], ax=ax),
         {RAW, MAP, RESULT, ERROR},
     ),
-    "normals": (lambda ax: course.draw_normals(WALLS, ax=ax), {MAP, *GROUPS[:3]}),
     "online": (
         lambda ax: plotting.draw_online(online_times(hybrid(SEEN), {}), ax=ax),
         {GROUPS[5]},
@@ -233,6 +231,7 @@ BESIDE_A_CHART = {
 OF_THEIR_OWN = {
     "closer": lambda: course.draw_closer({"a": WALLS, "b": WALLS[:1]}, (1, -1, 2, 1)),
     "costs": lambda: course.draw_costs(WALLS, WALLS, [0.1, np.inf, 0.2]),
+    "normals": lambda: course.draw_normals(WALLS, at=(1, 2), box=(0.2, 0.1)),
     "sweep": lambda: course.draw_sweep(WALLS[[0]], 0.04, [1, 2], 0.01),
 }
 #: What x or y is these do not know: the caller says it.
@@ -305,7 +304,8 @@ def test_pictures_of_one_figure_have_titles_and_metres(name):
     """Catches a figure of another resolution, and a picture that does not say what it shows."""
     axes = OF_THEIR_OWN[name]()
     assert {ax.figure for ax in axes} == {axes[0].figure} and axes[0].figure.dpi == plotting.DPI
-    below = "shift of the strip [mm]" if name == "sweep" else "x [m]"
+    other = {"sweep": "shift of the strip [mm]", "normals": "theta [degrees]"}
+    below = other.get(name, "x [m]")
     assert all(ax.get_title() for ax in axes) and axes[-1].get_xlabel() == below
     assert "[m]" in axes[-1 if name == "sweep" else 0].get_ylabel()
 

@@ -25,7 +25,6 @@ from segmap.plotting import (
     draw_segments,
 )
 from segmap.reduction import Reduction
-from segmap.segments import SegmentMap
 
 #: Colours of clusters that lie on each other: none looks like another of the first five.
 CLUSTERS = tuple(GROUPS[k] for k in (0, 3, 2, 5, 6, 1, 7, 8))
@@ -80,25 +79,6 @@ def say_stretch(*axes: Axes) -> None:
         times = box.width / (right - left) / (box.height / (high - low))
         larger, other, times = ("x", "y", times) if times > 1 else ("y", "x", 1 / times)
         note.set_text(f"{larger} drawn {float(f'{times:.2g}'):g} times\nlarger than {other}")
-
-
-def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None) -> Axes:
-    """Draw how many segments were seen up to each scan, and how many an on-line method keeps.
-
-    Raises
-    ------
-    ValueError
-        Where the reduction is off-line, or one of another drive.
-    """
-    seen, live = np.cumsum([len(scan) for scan in map.by_scan()]), reduction.scan_live
-    if live is None or len(live) != len(seen):
-        raise ValueError(f"reduction must be an on-line one of these {len(seen)} scans")
-    ax, scans = axes_or_new(ax, (6.0, 3.5)), np.arange(1, len(seen) + 1)
-    ax.plot(scans, seen, "--", color=MAP, label="segments seen")
-    ax.plot(scans, live, color=RESULT, label="segments in the map")
-    ax.set(xlabel="scans", ylabel="segments")
-    ax.legend()
-    return ax
 
 
 def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
 from numpy.typing import ArrayLike
 
 from segmap import arrays
@@ -289,17 +290,32 @@ def draw_strip(
     return ax
 
 
-def draw_normals(walls: Segments, *, ax: Axes | None = None) -> Axes:
-    """Draw walls, each with the normal of its line, dashed from the origin (A 4.2).
+def draw_normals(
+    walls: Segments, *, at: ArrayLike = (0.0, 0.0), box: tuple[float, float] | None = None
+) -> list[Axes]:
+    """Draw walls with the normals of their lines from a point; and each line in Hough space.
 
-    A wall and its normal have one colour; a dotted line joins the foot to the middle of the wall.
+    A wall, its normal, dashed, and its line in Hough space have one colour; dotted is the line from
+    the foot of the normal to the wall. The box, a distance in metres and an angle in radians, holds
+    what agrees with the first line. The figure is new.
     """
-    ax, array = axes_or_new(ax), arrays.segments(walls)
-    rho, theta = hough(array).T
-    feet = rho[:, None] * np.stack([np.cos(theta), np.sin(theta)], -1)
-    for k, (foot, wall) in enumerate(zip(feet, array, strict=True)):
-        color = GROUPS[k % len(GROUPS)]
-        ax.plot(*np.stack([np.zeros(2), foot]).T, "--", color=color)
-        ax.plot(*np.stack([foot, wall.mean(axis=0)]).T, ":", color=color, linewidth=1)
-    ax.plot(0, 0, "+", color=MAP, markersize=12)
-    return draw_segments(array, ax=ax, group=np.arange(len(array)), width=3.0)
+    array, point = arrays.segments(walls), np.asarray(at, float)
+    near = hough(array[0] - point)[1]
+    rho, theta = hough(array - point, np.full(len(array), near)).T
+    left, right = axes_row(2, (9.0, 3.8))
+    for k, wall in enumerate(array):
+        color = GROUPS[(3, 0, 2, 5, 6)[k % 5]]
+        foot = point + rho[k] * np.array([np.cos(theta[k]), np.sin(theta[k])])
+        left.plot(*np.stack([point, foot]).T, "--", color=color)
+        left.plot(*np.stack([foot, wall.mean(axis=0)]).T, ":", color=color, linewidth=1.5)
+        draw_segments([wall], ax=left, color=color, width=3.0)
+        right.plot(np.degrees(theta[k]), rho[k], "o", color=color)
+    left.plot(*point, "+", color=MAP, markersize=14)
+    left.set_title("Walls, and normals of their lines")
+    right.set(title="Hough space", xlabel="theta [degrees]", ylabel="rho [m]")
+    right.margins(0.2)
+    if box is not None:
+        distance, turn = box[0], np.degrees(box[1])
+        corner = np.degrees(near) - turn, rho[0] - distance
+        right.add_patch(Rectangle(corner, 2 * turn, 2 * distance, fill=False))
+    return [left, right]

@@ -1,8 +1,7 @@
-"""Exercises on Basic and Hybrid: which segments match, and lines by their normals."""
+"""Exercises on Basic and Hybrid: which segments match, and from where lines are compared."""
 
 from __future__ import annotations
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -10,13 +9,12 @@ import numpy as np
 from segmap.angles import axial_difference
 from segmap.arrays import Array
 from segmap.poses import transform
-from segmap.reduction import hough
-from segmap.segments import angle, midpoint
+from segmap.segments import angle, length, midpoint
 
 from ..literal.lines import SAME, point_to_segment
-from ..literal.reduction import basic
+from ..literal.reduction import basic, hybrid
 from ._answers import Cases
-from ._exercise import Exercise, Rng, anywhere, edited
+from ._exercise import Exercise, Rng, anywhere
 
 
 def _wall(middle: tuple[float, float], size: float, degrees: float) -> Array:
@@ -143,86 +141,52 @@ check_matches = Exercise(
 
 
 # ----------------------------------------------------------------------------- Hybrid
-def _named_lines(rng: Rng) -> Cases:
-    """Walls of all directions, and an angle on this side of the seam or beyond it, far off."""
-    sides = itertools.cycle(rng.permutation([-1, 1]))
+def _two_looks(rng: Rng) -> Cases:
+    """A wall and a segment beside it, far from the origin of the map and of other lengths."""
 
-    def case(ends: Any, turns: int) -> tuple[Any, ...]:
-        (x, y) = np.subtract(ends[1], ends[0])
-        off = next(sides) * np.radians(rng.uniform(62, 85))
-        return np.array(ends, float), float(np.arctan2(x, -y) + off + turns * np.pi)
+    def case(long: float, short: float) -> tuple[Any, ...]:
+        x, y = rng.uniform(5, 40, 2) * rng.choice([-1, 1], 2)
+        looks = _wall((0, 0), long, 4), _wall((rng.uniform(0.5, 1), 0.05), short, 2)
+        return tuple(transform((x, y, rng.uniform(-3, 3)), look) for look in looks)
 
-    x, y, size = *rng.uniform(1, 4, 2), rng.uniform(1, 3)
-    slanted, upright = [(x, y), (x + size, y + 0.7 * size)], [(x, -y), (x, size)]
     return {
-        "a slanted wall": case(slanted, 0),
-        "the same wall, named after half a turn": case(slanted, 1),
-        "an upright wall": case(upright, 0),
-        "an upright wall, named after half a turn": case(upright, 1),
-        "a level wall below the origin": case([(x, -y), (-size, -y)], -1),
-        "a wall that leans to the left": case([(-x, y), (-x - 0.1, y + size)], 2),
-        "a slanted wall, named after three half turns": case([(-x, y), (-x - size, -y)], 3),
+        "a wall and a scrap": case(rng.uniform(4, 6), rng.uniform(0.2, 0.4)),
+        "a scrap of the map and a long wall": case(rng.uniform(0.2, 0.4), rng.uniform(4, 6)),
+        "two walls": case(rng.uniform(2, 3), rng.uniform(1, 1.5)),
     }
 
 
-def _line(segment: Array, near: float) -> Array:
-    """The line of a segment, of which the mistakes change a part."""
-    theta = (angle(segment) + np.pi / 2) % np.pi
-    x, y = midpoint(segment)
-    rho = x * np.cos(theta) + y * np.sin(theta)
-    turns = np.round((near - theta) / np.pi)
-    return np.array([-rho if turns % 2 else rho, theta + turns * np.pi])
+def _weighted(wall: Array, a: Array, u: Array | float, v: Array | float) -> Array:
+    """The mean of both middles, with these weights."""
+    return np.asarray((u * midpoint(wall) + v * midpoint(a)) / (u + v))
 
 
-#: By y = m x + q, which does not exist for upright walls.
-_SLOPE = "np.divide(*(segment[1] - segment[0])[::-1])"
-_BY_SLOPE = (
-    ("(angle(segment) + np.pi / 2) % np.pi", f"np.arctan2(1.0, -{_SLOPE})"),
-    ("x * np.cos(theta) + y", f"(y - {_SLOPE} * x)"),
-)
+def _between(wall: Array, a: Array) -> Array:
+    return _weighted(wall, a, length(wall), length(a))
 
 
-def _by_quotient(segment: Array, near: float) -> Array:
-    """The same with Python's own numbers, which raise where numpy warns."""
-    (x0, y0), (x1, y1) = segment.tolist()
-    slope = (y1 - y0) / (x1 - x0)
-    theta = float(np.arctan2(1.0, -slope))
-    turns = np.round((near - theta) / np.pi)
-    rho = (y0 - slope * x0) * np.sin(theta)
-    return np.array([-rho if turns % 2 else rho, theta + turns * np.pi])
-
-
-def _whole_turns(segment: Array, near: float) -> Array:
-    rho, theta = hough(segment)
-    return np.array([rho, theta + 2 * np.pi * np.round((near - theta) / (2 * np.pi))])
-
-
-check_hough = Exercise(
-    "hough(segment, near) -> [rho, theta], metres and radians: the line of a segment (2, 2) by its "
-    "normal; of all the pairs that are this line, the one whose theta is nearest to `near`",
-    hough,
-    _named_lines,
+check_pair_origin = Exercise(
+    "pair_origin(wall, a) -> (x, y), metres: the mean of the middles of two segments (2, 2), in "
+    "which each counts by its length",
+    _between,
+    _two_looks,
     {
-        "an upright wall has no slope: take the angle of the normal with atan2, and rho from any "
-        "point of the wall as x cos(theta) + y sin(theta)": edited(_line, *_BY_SLOPE),
-        "dy / dx divides by 0 where the wall is upright: take atan2(dy, dx)": _by_quotient,
-        "(rho, theta) and (-rho, theta + pi) are one line: add the half turns that bring theta "
-        "nearest to `near`": lambda segment, near: hough(segment),
-        "half a turn of theta makes the normal look the other way: rho changes its sign": (
-            edited(_line, ("-rho if turns % 2 else rho", "rho"))
+        "this is the origin of the map, as in the chapter: it is far from both": hybrid.map_origin,
+        "a longer segment counts more: weigh the middles by the lengths": (
+            lambda wall, a: _weighted(wall, a, 1, 1)
         ),
-        "a line is the same after half a turn: round in steps of pi, not of 2 pi": _whole_turns,
-        "theta is the angle of the normal: a quarter turn from that of the segment": (
-            edited(_line, ("(angle(segment) + np.pi / 2) % np.pi", "angle(segment)"))
+        "the weights are exchanged: the middle of the longer one is nearer": (
+            lambda wall, a: _weighted(wall, a, length(a), length(wall))
         ),
-        "rho is right; theta is the angle of the normal, not of the segment, and has to be brought "
-        "near": edited(_line, ("theta + turns * np.pi", "angle(segment)")),
-        "rho has a sign: it is negative where the normal looks away from the wall": (
-            edited(_line, ("-rho if turns % 2 else rho", "abs(rho)"))
+        "this is the middle of the wall: the new segment counts, too": (
+            lambda wall, a: midpoint(wall)
         ),
-        "rho is the distance of the origin from the line, along its normal, not from the middle of "
-        "the segment": edited(_line, ("-rho if turns % 2 else rho", "np.hypot(x, y)")),
-        "rho comes first, then theta": lambda segment, near: hough(segment, near)[::-1],
-        "theta is wanted in radians": lambda segment, near: hough(segment, near) * [1, 180 / np.pi],
+        "this is the middle of the new segment: the wall counts, too": lambda wall, a: midpoint(a),
+        "each counts by its length, not by the square of it": (
+            lambda wall, a: _weighted(wall, a, length(wall) ** 2, length(a) ** 2)
+        ),
+        "a weighted mean: divide by the sum of the lengths": (
+            lambda wall, a: length(wall) * midpoint(wall) + length(a) * midpoint(a)
+        ),
     },
 )

@@ -394,6 +394,7 @@ PASTED = {
     "11": ("edge_residual", "edge_error", "do not subtract"),
     "12": ("quality", "quality", "quality of the chapter"),
     "14": ("match", "matches", "match of the chapter"),
+    "15": ("map_origin", "pair_origin", "origin of the map"),
     "28": ("axis_of", "axes_of", "one axis of the chapter"),
 }
 
