@@ -319,3 +319,26 @@ def test_the_table_of_rules_of_angle_correspondence():
         for name in ("consecutive", "random", "perpendicular")
     ]
     assert "{}, {} and {} of the 244 are right".format(*few) in text
+
+
+def test_a_match_is_surer_than_it_should_be_since_the_first_scan_errs_too():
+    """Chapter 8: at five places, with noise in both scans and in the second alone."""
+    log, ratios = segmap.load("clinic"), []
+    for pair in ((194, 218), (60, 72), (58, 62), (132, 156), (192, 198)):
+        true = between(*log.truth[list(pair)])
+        for sigma in (0.01, 1e-4):
+            sensors = [replace(simulation.URG_04LX, sigma=s) for s in (sigma, 0.01)]
+            rng, off, claimed = np.random.default_rng(8), [], []
+            for _ in range(40):
+                scans = [
+                    simulation.simulate(clinic_walls(), log.truth[[k]], sensor=sensor, rng=rng)[0]
+                    for k, sensor in zip(pair, sensors, strict=True)
+                ]
+                match = match_points(*(scan.points() for scan in scans), true)
+                off.append(((match.pose - true)[:2] ** 2).sum())
+                claimed.append(np.trace(match.covariance[:2, :2]))
+            ratios.append(np.sqrt(np.mean(off) / np.mean(claimed)))
+            if pair == (194, 218) and sigma == 1e-4:
+                assert round(1000 * np.sqrt(np.mean(off)), 1) == 1.4
+    both, second = ratios[::2], ratios[1::2]
+    assert max(second) < 1 < min(both) and (round(min(both), 1), round(max(both), 1)) == (1.0, 1.9)

@@ -149,3 +149,15 @@ def least_solution(matrix: list[list[float]], right: list[float]) -> list[float]
         before, size = size, sum(r * r for r in rest)
         way = [r + size / before * w for r, w in zip(rest, way, strict=True)]
     return found
+
+
+def rows_of(points: Array, normals: Array) -> Array:
+    """How the residual of each point changes with x, y and a turn about the origin, (n, 3)."""
+    (x, y), (n_x, n_y) = points.T, normals.T
+    return np.column_stack([n_x, n_y, x * n_y - y * n_x])
+
+
+def covariance_of(rows: Array, weights: Array, sigma: float) -> Array:
+    """Covariance of x, y and turn, (3, 3), where residuals err by sigma, metres."""
+    H = rows.T @ (weights[:, None] * rows)
+    return np.asarray(sigma**2 * np.linalg.inv(H))
