@@ -62,14 +62,6 @@ def resampled_by_counts(weights, offset):
     return np.repeat(np.arange(n), np.diff(below, prepend=0).astype(int))
 
 
-def scale_by_lstsq(measured, tape, sigma):
-    """The factor by a solver, its deviation by the inverse of the normal equations."""
-    (scale,), *_ = np.linalg.lstsq(tape[:, None], measured, rcond=None)
-    sure = sigma * np.linalg.inv(tape[None] @ tape[:, None])[0, 0] ** 0.5
-    off = [abs(m - scale * t) / sigma for m, t in zip(measured, tape, strict=True)]
-    return [scale, (scale - 1) / sure, max(off)]
-
-
 def trials_one_by_one(share, sure):
     """Count until none has hit with a small enough probability."""
     count, missed = 0, 1.0
@@ -302,7 +294,6 @@ def axes_one_wall_at_a_time(walls):
 #: Exercise -> its answer. Some use helpers of the library, some lists or whole numbers.
 RIGHT = {
     "ransac_trials": trials_one_by_one,
-    "tape_scale": scale_by_lstsq,
     "nees": nees_by_whitening,
     "compose": composed_by_complex_numbers,
     "beam_angles": lambda n: [np.radians(-90 + i * 180 / (n - n % 2)) for i in range(n)],

@@ -15,7 +15,7 @@ from ._found_lines import (
     precision_and_recall,
     visible_walls,
 )
-from ._judged import FOUR_WAYS, ten_maps
+from ._judged import FOUR_WAYS
 from ._known_buildings import Known, equal_offices, known_building
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._matcher_trials import (
@@ -72,7 +72,6 @@ from .exercises.matching import (
     check_nees,
     check_resampled,
     check_scan_score,
-    check_tape_scale,
     check_weighed,
 )
 from .exercises.mechanisms import (
@@ -95,7 +94,6 @@ from .exercises.open.alignment import (
 from .exercises.open.decision import decide_map
 from .exercises.open.judgement import (
     decide_claims,
-    decide_floor,
     decide_way,
     predict_bend,
     predict_crowd,
@@ -160,18 +158,18 @@ __all__ = [
     "check_move_onto_walls", "check_my_mapper", "check_nees", "check_own_log", "check_pair_origin",
     "check_pixel", "check_pose_cost", "check_pose_covariance", "check_quality",
     "check_ransac_trials", "check_reduction_at", "check_reduction_rate", "check_resampled",
-    "check_scan_score", "check_segments_all_round", "check_split", "check_tape_scale",
-    "check_unwrapped", "check_verdict", "check_weighed", "clearance", "clearance_at",
-    "clinic_walls", "compare_with_walls", "conclusions", "corridor_walk", "decide_claims",
-    "decide_floor", "decide_map", "decide_way", "density", "drawings", "drive_to_frontiers",
-    "equal_offices", "explore", "figures", "filter_change", "floor_of", "heading_profile",
-    "known_building", "landscape", "load_columns", "load_trials", "measure_clinic", "near_metres",
-    "occupied_centres", "office_views", "panels", "peaks", "precision_and_recall",
-    "predict_beams_on_wall", "predict_bend", "predict_coarse_leaves", "predict_crowd",
-    "predict_drift", "predict_pieces", "predict_scan_time", "predict_sparse_icp",
-    "predict_survivors", "profile_peaks", "represent", "robot_on_the_left", "room_walk",
-    "room_walls", "sample_points", "ten_maps", "thesis_grid", "thesis_results", "trial_table",
-    "try_pair", "unknown_building", "visible_walls", "wall_errors", "within_thesis",
+    "check_scan_score", "check_segments_all_round", "check_split", "check_unwrapped",
+    "check_verdict", "check_weighed", "clearance", "clearance_at", "clinic_walls",
+    "compare_with_walls", "conclusions", "corridor_walk", "decide_claims", "decide_map",
+    "decide_way", "density", "drawings", "drive_to_frontiers", "equal_offices", "explore",
+    "figures", "filter_change", "floor_of", "heading_profile", "known_building", "landscape",
+    "load_columns", "load_trials", "measure_clinic", "near_metres", "occupied_centres",
+    "office_views", "panels", "peaks", "precision_and_recall", "predict_beams_on_wall",
+    "predict_bend", "predict_coarse_leaves", "predict_crowd", "predict_drift", "predict_pieces",
+    "predict_scan_time", "predict_sparse_icp", "predict_survivors", "profile_peaks", "represent",
+    "robot_on_the_left", "room_walk", "room_walls", "sample_points", "thesis_grid",
+    "thesis_results", "trial_table", "try_pair", "unknown_building", "visible_walls", "wall_errors",
+    "within_thesis",
 ]  # fmt: skip
 __all__ += drawings.__all__
 __all__ += figures.__all__

@@ -342,3 +342,20 @@ def test_a_match_is_surer_than_it_should_be_since_the_first_scan_errs_too():
                 assert round(1000 * np.sqrt(np.mean(off)), 1) == 1.4
     both, second = ratios[::2], ratios[1::2]
     assert max(second) < 1 < min(both) and (round(min(both), 1), round(max(both), 1)) == (1.0, 1.9)
+
+
+def test_a_mirrored_log_is_called_good_and_keeps_every_distance():
+    """Chapter 13: neither the log nor the tape sees a mirror."""
+    case = course.unknown_building()
+    scans = [
+        replace(scan, angles=-scan.angles, odometry=scan.odometry * (1, -1, -1))
+        for scan in case.log
+    ]
+    log = segmap.Log("mirrored", scans)
+    graph = pose_graph(log)
+    seen = segmap.build_map(log, graph).filtered(0.3)
+    assert graph.verdict_on(seen).grade == "good"
+    for taped in case.tape:
+        both = [-taped.turn, np.pi - taped.turn]
+        metres = simulation.cast_rays(seen.segments, graph.poses[taped.scan], both, max_range=50)
+        assert abs(metres.sum() - taped.metres) < 0.05

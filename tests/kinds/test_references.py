@@ -90,6 +90,6 @@ def test_a_wrong_reference_is_seen(text):
 
 def test_a_right_reference_is_none():
     right = (
-        "[17 fusion](17_fusion.ipynb), [Fusion](17_fusion.ipynb), chapters 13a to 17; its chapter 7"
+        "[17 fusion](17_fusion.ipynb), [Fusion](17_fusion.ipynb), chapters 23a to 30; its chapter 7"
     )
     assert list(wrong_references(right)) == []

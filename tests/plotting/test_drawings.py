@@ -211,6 +211,14 @@ ROWS = {
     ),
     "leaf_row": (lambda: course.draw_leaf_row({"a": LEAVES, "b": LEAVES}), True),
     "maps": (lambda: plotting.draw_maps({"a": WALLS, "b": WALLS[:1]}), True),
+    "pieces": (
+        lambda: course.draw_pieces(
+            {"a": WALLS[:1], "b": WALLS[:1]},
+            WALLS[:2],
+            lambda *_: [(0, 0.5, 0, 0), (0.5, 1, -1, 0)],
+        ),
+        False,
+    ),
     "phases": (lambda: course.draw_phases([(0, 0, 0)], WALLS, WALLS[:1], 0.2), True),
     "quadtrees": (lambda: plotting.draw_quadtrees({"a": TREE, "b": TREE}), True),
     "scan_poses": (

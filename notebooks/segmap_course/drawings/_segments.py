@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,6 +21,7 @@ from segmap.plotting import (
     MAP,
     RAW,
     RESULT,
+    TRUTH,
     axes_grid,
     axes_or_new,
     axes_row,
@@ -319,3 +321,36 @@ def draw_normals(
         corner = np.degrees(near) - turn, rho[0] - distance
         right.add_patch(Rectangle(corner, 2 * turn, 2 * distance, fill=False))
     return [left, right]
+
+
+def draw_pieces(
+    cases: Mapping[str, Sequence[Any]],
+    lines: Sequence[Any],
+    pieces_of: Callable[..., Sequence[tuple[float, float, int, float]]],
+) -> list[Axes]:
+    """Draw walls that lie along x, green with their numbers, and who owns each piece of a line.
+
+    A case is walls, by its title, and has one line; blue is a piece that shows a wall, orange one
+    that shows none. The figure is new, and scales of x and y differ.
+
+    Examples
+    --------
+    >>> wall, whole = ((0, 0), (2, 0)), lambda *given: [(0, 1, 0, 0)]
+    >>> (ax,) = draw_pieces({"a wall": [wall]}, [wall], whole)
+    >>> [text.get_text() for text in ax.texts]
+    ['wall 0', 'of wall 0']
+    """
+    row = axes_row(len(cases), (9.0, 3.5), shared="y")
+    for ax, (title, walls), line in zip(row, cases.items(), lines, strict=True):
+        draw_segments(walls, ax=ax, color=TRUTH, width=3)
+        for k, wall in enumerate(walls):
+            ax.annotate(f"wall {k}", wall[0], (2, -14), textcoords="offset points")
+        start, way = np.array(line[0], float), np.subtract(line[1], line[0])
+        for a, b, owner, _ in pieces_of(walls, line, 0.10, np.radians(5)):
+            piece = np.array([start + a * way, start + b * way])
+            ax.plot(*piece.T, color=ERROR if owner < 0 else RESULT, linewidth=2)
+            said = "of none" if owner < 0 else f"of wall {owner}"
+            ax.annotate(said, piece.mean(axis=0), (0, 5), textcoords="offset points", ha="center")
+        map_axes(ax).set(title=title, aspect="auto", ylim=(-0.1, 0.2))
+        ax.label_outer()
+    return row

@@ -19,8 +19,6 @@ INPUTS = {
     ),
     "break_viewing_sector": "[0.0, 0.11, 0.0]",
     "decide_map": '{"A": "keep", "B": "doubled", "C": "spread", "D": "tape"}',
-    "decide_floor": "dict(A='a wall', B='missed %', C='a wall', D='off [mm]', E='a wall', "
-    "F='missed %', G='keep', H='invented %', I='a wall', J='a wall')",
     "decide_claims": "dict(A='parameter', B='keep', C='tuned', D='keep', E='filter', F='keep')",
     "decide_way": '{"K": "wall", "L": "long", "M": "keep", "N": "unknown"}',
     "break_icp": "[0.1, -0.57, -0.18]",

@@ -140,38 +140,55 @@ def beside(wall: Segment, s: Segment, distance: float, angle: float) -> tuple[fl
     return (start, end) if (end - start) * length > SAME else None
 
 
+def squared_offset(wall: Segment, s: Segment, a: float, b: float) -> float:
+    """Mean squared distance of a piece of a segment, from share to share, from a wall's line."""
+    o, p = (seen_from(line_of(wall), point)[1] for point in s)
+    u, v = o + a * (p - o), o + b * (p - o)
+    return (u * u + u * v + v * v) / 3
+
+
 def owned_pieces(
     walls: Sequence[Segment], s: Segment, distance: float, angle: float
 ) -> list[tuple[float, float, int, float]]:
     """A segment in pieces: from and to, as shares; the wall, -1 for none; mean squared offset."""
-    near = {k: beside(wall, s, distance, angle) for k, wall in enumerate(walls)}
-    spans = {k: span for k, span in near.items() if span is not None}
-    length = segment_length(s)
-    cuts = [0.0]
+    parts = {k: beside(wall, s, distance, angle) for k, wall in enumerate(walls)}
+    spans = {k: part for k, part in parts.items() if part}
+    cuts, pieces = [0.0], []
     for cut in sorted([1.0, *(end for span in spans.values() for end in span)]):
-        if (cut - cuts[-1]) * length > SAME:
+        if (cut - cuts[-1]) * segment_length(s) > SAME:
             cuts.append(cut)
-    cuts[-1] = 1.0
-    found = []
-    for a, b in pairwise(cuts):
-        owner, least = -1, math.inf
-        for k, (start, end) in spans.items():
-            if start <= (a + b) / 2 <= end:
-                o, p = (seen_from(line_of(walls[k]), point)[1] for point in s)
-                u, v = o + a * (p - o), o + b * (p - o)
-                if (u * u + u * v + v * v) / 3 < least - 1e-12:
-                    owner, least = k, (u * u + u * v + v * v) / 3
-        found.append((a, b, owner, least if owner >= 0 else 0.0))
-    return found
+    for a, b in pairwise([*cuts[:-1], 1.0]):
+        near = [k for k, (start, end) in spans.items() if start <= (a + b) / 2 <= end]
+        offsets = [(squared_offset(walls[k], s, a, b), k) for k in near]
+        square, owner = min(offsets, key=lambda o: round(o[0], 12), default=(0.0, -1))
+        pieces.append((a, b, owner, square))
+    return pieces
 
 
 def covered(spans: Sequence[tuple[float, float]]) -> float:
     """Metres that lie in at least one of some spans."""
     metres, reached = 0.0, -math.inf
-    for low, high in sorted(spans):
+    for low, high in sorted(map(tuple, spans)):
         metres += max(0.0, high - max(low, reached))
         reached = max(reached, high)
     return metres
+
+
+def spans_along(
+    walls: Sequence[Segment], segments: Sequence[Segment], distance: float, angle: float
+) -> tuple[list[list[tuple[float, float]]], float]:
+    """From where to where along each wall segments lie, and metres of them beside no wall."""
+    spans: list[list[tuple[float, float]]] = [[] for _ in walls]
+    invented = 0.0
+    for s in segments:
+        for a, b, k, _ in owned_pieces(walls, s, distance, angle):
+            if k < 0:
+                invented += (b - a) * segment_length(s)
+            else:
+                at, to = (seen_from(line_of(walls[k]), p)[0] for p in s)
+                low, high = sorted((at + a * (to - at), at + b * (to - at)))
+                spans[k].append((low, high))
+    return spans, invented
 
 
 def against_walls(
@@ -185,30 +202,22 @@ def against_walls(
 ) -> dict[str, float]:
     """What a map keeps of the true walls, misses, invents and has twice, in metres."""
     whole = joined_walls(walls)
-    known: list[list[tuple[float, float]]] = [[] for _ in whole]
-    spans: list[list[tuple[float, float]]] = [[] for _ in whole]
-    invented = squares = turns = metres = 0.0
+    looks, drawn = ([s for s in m if segment_length(s) >= SAME] for m in (seen or [], map))
+    known, _ = spans_along(whole, looks, distance, angle)
+    spans, invented = spans_along(whole, drawn, distance, angle)
+    squares = turns = metres = 0.0
     found = set()
-    for looks, into in ((seen or [], known), (map, spans)):
-        for s in looks:
-            length, mine = segment_length(s), [0.0] * len(whole)
-            if length < SAME:
-                continue
-            for a, b, k, square in owned_pieces(whole, s, distance, angle):
-                if k < 0:
-                    invented += (b - a) * length if into is spans else 0.0
-                    continue
-                at, to = (seen_from(line_of(whole[k]), p)[0] for p in s)
-                low, high = sorted((at + a * (to - at), at + b * (to - at)))
-                into[k].append((low, high))
+    for s in drawn:
+        length, mine = segment_length(s), [0.0] * len(whole)
+        for a, b, k, square in owned_pieces(whole, s, distance, angle):
+            if k >= 0:
+                o, p = (seen_from(line_of(whole[k]), point)[1] for point in s)
                 mine[k] += (b - a) * length
-                if into is spans:
-                    o, p = (seen_from(line_of(whole[k]), point)[1] for point in s)
-                    metres += (b - a) * length
-                    squares += (b - a) * length * square
-                    turns += (b - a) * length * math.asin((p - o) / length) ** 2
-            if into is spans and max(mine) > 0:
-                found.add(mine.index(max(mine)))
+                metres += (b - a) * length
+                squares += (b - a) * length * square
+                turns += (b - a) * length * math.asin((p - o) / length) ** 2
+        if max(mine) > 0:
+            found.add(mine.index(max(mine)))
     if seen is None:
         known = [[(0.0, segment_length(w))] for w in whole]
     counts = [

@@ -10,7 +10,7 @@ from segmap.poses import transform
 from segmap.segments import length
 from segmap.simulation import cast_rays
 
-from .._unknown_building import Unknown
+from .._unknown_building import Unknown, unknown_building
 from ._lesson import LessonPanel, note, pick, slide
 
 #: Shorter segments are measured to, but not drawn, metres.
@@ -20,16 +20,17 @@ SHOWN_M = 1.0
 class TapePanel(LessonPanel):
     """A tape from wall to wall in one of the maps, through the place of a scan.
 
+    The case is `unknown_building()` where none is given.
+
     Examples
     --------
-    >>> from segmap_course import unknown_building
-    >>> panel = TapePanel(unknown_building())
+    >>> panel = TapePanel()
     >>> panel.map.value = "C"
     >>> panel.metres.value
     '12.30 m from wall to wall'
     """
 
-    map = pick(("A", "B", "C", "D"))
+    map = pick(("D", "C", "B", "A"))
     scan = slide(48, 0, lambda panel: len(panel.case.log) - 1, 1, "")
     turn = slide(0, -90, 90, 5, "degrees", label="direction")
     metres = sure = note()
@@ -37,8 +38,8 @@ class TapePanel(LessonPanel):
     words = "map {map}, scan {scan}, {turn} degrees: {metres}, {sure}"
     pixels = {"width": 360, "height": 300}  # noqa: RUF012
 
-    def __init__(self, case: Unknown) -> None:
-        self.case = case
+    def __init__(self, case: Unknown | None = None) -> None:
+        self.case = unknown_building() if case is None else case
         self._begin()
 
     def _draw(self, figure: Figure) -> None:

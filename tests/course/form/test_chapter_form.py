@@ -393,6 +393,7 @@ PASTED = {
     "25": ("crossed_leaves", "crossed_leaves", "cut it first"),
     "11": ("edge_residual", "edge_error", "do not subtract"),
     "12": ("quality", "quality", "quality of the chapter"),
+    "13": ("lacking", "missed_metres", "make good"),
     "14": ("match", "matches", "match of the chapter"),
     "15": ("map_origin", "pair_origin", "origin of the map"),
     "28": ("axis_of", "axes_of", "one axis of the chapter"),

@@ -109,15 +109,6 @@ ANSWERS = {
             (["D"], "decide first"),
         ],
     ),
-    "decide_floor": (
-        dict(A="off [mm]", B="missed %", C="a wall", D="off [mm]", E="a wall", F="invented %")
-        | dict(G="keep", H="invented %", I="double %", J="a wall"),
-        [
-            (dict.fromkeys("BCDEFGHIJ", "a wall") | {"A": "keep"}, "A is not the one to keep"),
-            (dict.fromkeys("ABCDEFHIJ", "a wall") | {"G": "keep"}, "B: 'a wall' does not speak"),
-            (dict.fromkeys("ABCDEFGHI", "quality"), "name each of A, B, C"),
-        ],
-    ),
     "decide_claims": (
         {"A": "parameter", "B": "keep", "C": "tuned", "D": "keep", "E": "filter", "F": "keep"},
         [

@@ -14,18 +14,6 @@ from .decision import Decision
 
 # ---------------------------------------------------------------------------- poses
 # ---------------------------------------------------------------------------- maps
-decide_floor = Decision(
-    "decide_floor(answer): a dictionary with each of the maps A to J: 'keep' for the one that you "
-    "would hand over, and for each other the figure that refuses it: 'a wall', 'missed %', "
-    "'invented %', 'double %' or 'off [mm]'",
-    ("A", "B", "C", "D", "E", "F", "G", "H", "I", "J"),
-    "0b70c6a6 13dd76e2 174e873b 211edeee 266662fa 26ad7f66 51f13340 597fa360 5cd8dc9b 5cfe2ecc "
-    "9ca3cc32 a2720120 a873dbe6 bd7edb34 c5ffd983 d9db5bb3 dd8b4a30 de25fd21 e90b8657 "
-    "ea12c09d",
-    praise="Five of the maps that you refused have a higher quality: it asks what the reduction "
-    "changed, and not how well the map shows the building",
-)
-
 decide_claims = Decision(
     "decide_claims(answer): a dictionary with each of the sentences A to F: 'keep' for each of the "
     "three that the runs of this chapter carry, and for each other the fault: 'parameter', "
