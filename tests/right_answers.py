@@ -250,12 +250,13 @@ def mean_of_complex_numbers(u, v, weight_u, weight_v):
     return middle.real, middle.imag, np.angle(first) + weight_v / (weight_u + weight_v) * turn
 
 
-def noise_by_a_loop(apart):
-    found = 1.4826 * np.median([abs(d) for d in apart])
+def scan_noise_by_a_loop(apart, scans, k, noise):
+    own = [abs(d) for d, pair in zip(apart, scans, strict=True) if k in pair]
+    off = 1.4826 * np.median(own)
     for _ in range(10):
-        kept = [d * d for d in apart if abs(d) <= 2.5 * found]
-        found = math.sqrt(sum(kept) / len(kept) / 0.9113)
-    return found / math.sqrt(2)
+        squares = [d * d for d in own if d <= 2.5 * off]
+        off = math.sqrt(sum(squares) / len(squares) / 0.9113)
+    return math.sqrt(max(off * off - noise * noise, 0))
 
 
 def far_ends_by_pairs(members):
@@ -336,7 +337,7 @@ RIGHT = {
     "cost_of_faces": cost_of_one_face,
     "pose_cost": cost_by_masked_average,
     "mean_line": lambda u, v, a, b: mean_of_complex_numbers(u, v, a, b),
-    "look_noise": noise_by_a_loop,
+    "scan_noise": scan_noise_by_a_loop,
     "building_axis": lambda a, w: np.angle((w * np.exp(4j * a)).sum()) / 4 % (np.pi / 2),
     "far_ends": far_ends_by_pairs,
     "laplacian": laplacian_by_rows,

@@ -79,9 +79,9 @@ from .exercises.mechanisms import (
     check_building_axis,
     check_far_ends,
     check_laplacian,
-    check_look_noise,
     check_mean_line,
     check_pose_cost,
+    check_scan_noise,
 )
 from .exercises.open import Challenge, Decision, OwnLog, Prediction
 from .exercises.open.alignment import (
@@ -153,11 +153,11 @@ __all__ = [
     "check_climb_step", "check_compose", "check_cost_of_faces", "check_crossed_leaves",
     "check_distances", "check_edge_error", "check_far_ends", "check_flatness",
     "check_frontier_cells", "check_growth_power", "check_laplacian", "check_least_translation",
-    "check_look_noise", "check_match_value", "check_matches", "check_mean_line",
-    "check_mean_shift_step", "check_mean_wall_error", "check_memberships", "check_missed_metres",
-    "check_move_onto_walls", "check_my_mapper", "check_nees", "check_own_log", "check_pair_origin",
-    "check_pixel", "check_pose_cost", "check_pose_covariance", "check_quality",
-    "check_ransac_trials", "check_reduction_at", "check_reduction_rate", "check_resampled",
+    "check_match_value", "check_matches", "check_mean_line", "check_mean_shift_step",
+    "check_mean_wall_error", "check_memberships", "check_missed_metres", "check_move_onto_walls",
+    "check_my_mapper", "check_nees", "check_own_log", "check_pair_origin", "check_pixel",
+    "check_pose_cost", "check_pose_covariance", "check_quality", "check_ransac_trials",
+    "check_reduction_at", "check_reduction_rate", "check_resampled", "check_scan_noise",
     "check_scan_score", "check_segments_all_round", "check_split", "check_unwrapped",
     "check_verdict", "check_weighed", "clearance", "clearance_at", "clinic_walls",
     "compare_with_walls", "conclusions", "corridor_walk", "decide_claims", "decide_map",

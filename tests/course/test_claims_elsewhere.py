@@ -10,6 +10,7 @@ import segmap_course as course
 from chapter_rules import CHAPTERS
 from segmap_course import clinic_walls, measure_clinic
 from segmap_course.literal.reduction import least_cost as literal_least_cost
+from segmap_course.literal.reduction import one_per_wall as literal_walls
 from segmap_course.literal.reduction.least_cost_merges import merge_all
 
 import segmap
@@ -18,7 +19,7 @@ from segmap.alignment import match_angles, match_points, pose_graph
 from segmap.angles import axial_mean
 from segmap.poses import between
 from segmap.quadtree import build_map
-from segmap.reduction import hybrid, least_cost
+from segmap.reduction import hybrid, least_cost, one_per_wall
 
 STOPS = [(0.7, 5), (11.3, 5), (10, 5), (10, 7.4), (10, 2.6), (10, 5), (6, 5), (6, 7.4)]
 
@@ -108,13 +109,14 @@ def test_penalties_for_a_plan_of_the_clinic_hardly_differ():
     assert np.ptp(told, axis=0).max() < 0.0025
 
 
-def test_the_table_of_least_cost_has_the_lines_of_its_steps():
-    """Catches a step of chapter 21's table that has grown or has another name."""
-    (path,) = [path for path in CHAPTERS if path.name.startswith("21_")]
+@pytest.mark.parametrize(("number", "module"), [("21", literal_least_cost), ("22", literal_walls)])
+def test_a_table_of_steps_left_out_has_their_lines(number, module):
+    """Catches a step of the table that has grown or has another name."""
+    (path,) = [path for path in CHAPTERS if path.name.startswith(f"{number}_")]
     rows = re.findall(r"\| `(\w+)` \| (\d+) \|", path.read_text("utf-8"))
-    assert len(rows) == 8
+    assert len(rows) >= 5
     for name, lines in rows:
-        assert len(getsource(getattr(literal_least_cost, name)).splitlines()) == int(lines), name
+        assert len(getsource(getattr(module, name)).splitlines()) == int(lines), name
 
 
 def test_two_faces_stay_where_the_exercise_of_least_cost_is_solved():
@@ -193,6 +195,17 @@ def test_hybrid_leaves_more_the_farther_the_origin_is_and_as_many_about_each_pai
         there = [segmap.SegmentMap(before.segments + (x, 0), before.scan) for x in (0, 50, 500)]
         counts = [[len(hybrid(m, origin=o)) for m in there] for o in ("map", "pair")]
         assert 1.3 * counts[0][0] < counts[0][1] < counts[0][2] and len(set(counts[1])) == 1
+
+
+@pytest.mark.parametrize("noise", NOISE, ids=str)
+def test_one_per_wall_keeps_a_wall_of_10_cm_where_each_pose_is_off_by_1_cm(noise):
+    """Chapter 22: of the clinic, five seeds; catches scans that move away from each other."""
+    for seed in range(5):
+        log, middle = drive_past_a_wall("clinic", noise, seed)
+        off = np.random.default_rng(seed).normal(size=log.truth.shape)
+        poses = log.truth + off * (0.01, 0.01, np.radians(0.15))
+        plan = one_per_wall(segmap.build_map(log, poses, keep_points=True))
+        assert 0.09 < thickness(plan.segments, middle) < 0.12 and 0.009 < plan.noise < 0.02
 
 
 @pytest.mark.parametrize("sigma", [0.1, 0.2, 0.4])

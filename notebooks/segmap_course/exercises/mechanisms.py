@@ -12,6 +12,7 @@ from segmap.segments import angle, length
 
 from ..literal.alignment.segment_icp import segment_cost
 from ..literal.floor_plan import axis_of
+from ..literal.reduction.one_per_wall import spread
 from ._answers import Cases, close, same_poses, same_segment
 from ._exercise import Exercise, Rng, edited
 
@@ -125,53 +126,56 @@ check_mean_line = Exercise(
 
 # -------------------------------------------------------------- one per wall
 def _looks_apart(rng: Rng) -> Cases:
-    """Pairs that differ by noise, and some that are looks at two walls."""
-    noise = rng.uniform(0.01, 0.03)
-    one = rng.normal(0, noise, 60)
+    """All pairs of scans, one of which was pushed; and some pairs that are looks at two walls."""
+    noise, k = rng.uniform(0.01, 0.02), int(rng.integers(2, 12))
+    off = rng.normal(0, noise, 14)
+    off[k] = rng.uniform(4, 6) * noise
+    scans = np.argwhere(np.tri(14, k=-1))
+    apart = off[scans[:, 0]] - off[scans[:, 1]]
+    two = rng.choice(len(apart), 6, replace=False)
+    walls = apart.copy()
+    walls[two] += 20 * noise
     return {
-        "pairs of looks": (one,),
-        "pairs of looks, some at two walls": (np.append(one, rng.uniform(0.15, 0.25, 6)),),
+        "a scan that was pushed": (apart, scans, k, float(noise)),
+        "the same, and some pairs at two walls": (walls, scans, k, float(noise)),
+        "a scan that was not pushed": (apart, scans, k - 1, 0.3 * float(noise)),
     }
 
 
-def _look_noise(apart: Array) -> float:
-    """Deviation of one look: of what two are apart, outliers cut at 2.5 deviations."""
-    off = np.abs(apart)
-    found = 1.4826 * np.median(off)
-    for _ in range(10):
-        kept = off[off <= 2.5 * found]
-        found = np.sqrt((kept**2).mean() / 0.9113)
-    return float(found / np.sqrt(2))
+def _scan_noise(apart: Array, scans: Array, k: int, noise: float) -> float:
+    """Deviation of one scan, where the other look of each of its pairs errs by the noise."""
+    own = spread(apart[(scans == k).any(axis=1)])
+    return float(max(own**2 - noise**2, 0.0) ** 0.5)
 
 
-check_look_noise = Exercise(
-    "look_noise(apart) -> metres: the standard deviation of one look, from what the looks of each "
-    "pair are apart, (n,): begin with 1.4826 times the median of their sizes; ten times, take the "
-    "root mean square of those within 2.5 of it, with the mean square divided by 0.9113 for what "
-    "was cut; two looks err, so divide by the root of 2",
-    _look_noise,
+check_scan_noise = Exercise(
+    "scan_noise(apart, scans, k, noise) -> metres: the deviation of the looks of scan k, from what "
+    "the looks of each pair are apart, (n,), and the scans of both, (n, 2); the other look of a "
+    "pair has the noise of all looks, and the squares of both deviations add up; 0 where none is "
+    "left",
+    _scan_noise,
     _looks_apart,
     {
-        "both looks of a pair err: divide by the root of 2": edited(
-            _look_noise, ("found / np.sqrt(2)", "found")
+        "this is the noise of the chapter, of all looks: take the pairs of scan k alone": (
+            lambda apart, scans, k, noise: spread(apart) / np.sqrt(2)
         ),
-        "looks at two walls are no noise: cut what is far off": edited(
-            _look_noise, ("off[off <= 2.5 * found]", "off")
+        "take the pairs of scan k alone, in which either look may be its": edited(
+            _scan_noise, ("apart[(scans == k).any(axis=1)]", "apart")
         ),
-        "what was cut is missing in the mean square: divide it by 0.9113": edited(
-            _look_noise, (" / 0.9113", "")
+        "a scan may be the second of a pair, too": edited(
+            _scan_noise, ("(scans == k).any(axis=1)", "scans[:, 0] == k")
         ),
-        "looks that are right are 0 apart in the mean: the root mean square about 0": edited(
-            _look_noise, ("kept = off[", "kept = apart["), ("(kept**2).mean()", "kept.var()")
+        "both looks of a pair err: subtract the square of the noise": edited(
+            _scan_noise, ("own**2 - noise**2", "own**2")
         ),
-        "0.9113 divides the mean square, inside the root": edited(
-            _look_noise, ("mean() / 0.9113)", "mean()) / 0.9113")
+        "the looks of a pair do not err alike here: no root of 2": edited(
+            _scan_noise, ("max(own**2 - noise**2, 0.0) ** 0.5", "own / np.sqrt(2)")
         ),
-        "cut ten times, each time at the new deviation": edited(
-            _look_noise, ("range(10)", "range(1)")
+        "deviations do not add up, their squares do": edited(
+            _scan_noise, ("max(own**2 - noise**2, 0.0) ** 0.5", "max(own - noise, 0.0)")
         ),
-        "to either side: take the sizes before the median": edited(
-            _look_noise, ("np.median(off)", "abs(np.median(apart))")
+        "looks at two walls are no noise: spread cuts what is far off": edited(
+            _scan_noise, ("spread(", "np.std(")
         ),
     },
     close,

@@ -7,7 +7,7 @@ from ._alignment import (
     GroundTruthPanel,
     SegmentIcpPanel,
 )
-from ._chosen import EarlyMethodsPanel, FusionPanel, LineErrorPanel
+from ._chosen import EarlyMethodsPanel, FusionPanel, LineErrorPanel, OnePerWallPanel
 from ._finders import FinderPanel
 from ._graphs import IcpPanel, PoseGraphPanel
 from ._matching import KalmanPanel, LandscapePanel, MatcherPanel, ParticlePanel, PlacePanel
@@ -29,7 +29,7 @@ __all__ = [
     "EarlyMethodsPanel", "EndsPanel", "FinderPanel", "FusionPanel", "GlobalPanel",
     "GroundTruthPanel", "HybridPanel", "IcpPanel", "KalmanPanel", "LandscapePanel",
     "LeastCostPanel", "LineErrorPanel", "MatcherPanel", "MeanShiftPanel", "MovingPanel",
-    "ParticlePanel", "PlacePanel", "PlanPanel", "PolylinePanel", "PoseGraphPanel", "RayPanel",
-    "RoomPanel", "RoutePanel", "SectorPanel", "SegmentIcpPanel", "StoragePanel", "TapePanel",
-    "WallsPanel", "insert_variant",
+    "OnePerWallPanel", "ParticlePanel", "PlacePanel", "PlanPanel", "PolylinePanel",
+    "PoseGraphPanel", "RayPanel", "RoomPanel", "RoutePanel", "SectorPanel", "SegmentIcpPanel",
+    "StoragePanel", "TapePanel", "WallsPanel", "insert_variant",
 ]  # fmt: skip

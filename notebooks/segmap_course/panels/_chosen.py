@@ -10,11 +10,13 @@ from segmap import arrays
 from segmap.plotting import draw_before_after
 from segmap.reduction import (
     METHODS,
+    Reduction,
     fusion,
     fusion_online,
     fuzzy_clustering,
     fuzzy_set,
     hybrid_fusion,
+    one_per_wall,
     polyline,
     segment_similarity,
     uncertain_parameters,
@@ -22,7 +24,7 @@ from segmap.reduction import (
 )
 from segmap.segments import SegmentMap, length
 
-from ._lesson import keyword, pick
+from ._lesson import keyword, note, pick
 from ._reduction import WIDE, ReductionPanel
 
 
@@ -36,20 +38,13 @@ class ChosenPanel(ReductionPanel):
         super()._draw(figure)
 
 
-class FusionPanel(ChosenPanel):
-    """Fusion of a map: at the end, after each scan, or of Hybrid's map now and then (A 4.4, 7).
+class CloserPanel(ReductionPanel):
+    """A map and what is left of it, with a window of both beside it, larger.
 
-    Beside the map stands a window of it, larger: left, low, right and top, metres; by default two
-    metres around the middle of its longest segment.
+    The window is left, low, right and top, metres; by default two metres around the middle of the
+    longest segment.
     """
 
-    by = pick(("fusion", "fusion_online", "hybrid_fusion"), "method")
-    tolerance = keyword(0.01, 0.20, 0.01, by=(fusion, fusion_online, hybrid_fusion))
-    every = keyword(1, 100, 1, by=(hybrid_fusion,))
-    distance = keyword(0.05, 0.60, 0.05, by=(hybrid_fusion,))
-    min_length = keyword(0.0, 1.0, 0.05, by=(hybrid_fusion,))
-    rows = ("by", "tolerance", "every", "distance", "min_length", "count", "rate quality")
-    words = "{by}, tolerance {tolerance:.2f} m: {count}"
     pixels = WIDE
 
     def __init__(self, map: SegmentMap, *, window: ArrayLike | None = None, **first: float) -> None:
@@ -59,12 +54,42 @@ class FusionPanel(ChosenPanel):
         super().__init__(map, **first)
 
     def _draw(self, figure: Figure) -> None:
-        self._tell(METHODS[self.by.value](self.map, **self.chosen()))
+        self._tell(self.method(self.map, **self.chosen()))
         left, low, right, top = np.asarray(self.window, float)
         axes = figure.subplots(1, 2)
         for ax in axes:
             draw_before_after(self.map, self.reduction, ax=ax)
         axes[1].set(xlim=(left, right), ylim=(low, top), title="closer", aspect="auto")
+
+
+class FusionPanel(CloserPanel):
+    """Fusion of a map: at the end, after each scan, or of Hybrid's map now and then (A 4.4, 7)."""
+
+    by = pick(("fusion", "fusion_online", "hybrid_fusion"), "method")
+    tolerance = keyword(0.01, 0.20, 0.01, by=(fusion, fusion_online, hybrid_fusion))
+    every = keyword(1, 100, 1, by=(hybrid_fusion,))
+    distance = keyword(0.05, 0.60, 0.05, by=(hybrid_fusion,))
+    min_length = keyword(0.0, 1.0, 0.05, by=(hybrid_fusion,))
+    rows = ("by", "tolerance", "every", "distance", "min_length", "count", "rate quality")
+    words = "{by}, tolerance {tolerance:.2f} m: {count}"
+
+    def _draw(self, figure: Figure) -> None:
+        self.method = METHODS[self.by.value].function
+        super()._draw(figure)
+
+
+class OnePerWallPanel(CloserPanel):
+    """A map, best with scans and places of the sensor, what one per wall leaves, and its noise."""
+
+    method = staticmethod(one_per_wall)
+    factor = keyword(0.2, 4.0, 0.2)
+    estimate = note()
+    rows = ("factor", "count", "rate quality", "estimate")
+    words = "factor {factor:.1f}: {count}"
+
+    def _tell(self, found: Reduction) -> None:
+        super()._tell(found)
+        self.estimate.value = f"looks lie off by {1000 * found.noise:.0f} mm, it says"
 
 
 class LineErrorPanel(ChosenPanel):

@@ -96,6 +96,7 @@ PANELS = {
         3,
     ),
     "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
+    "OnePerWallPanel": ((WALLS,), "factor", 4.0),
     "PlacePanel": ((build_map(LOG, LOG.truth, resolution=0.05), LOG), "scan", 0),
     "PlanPanel": ((SHELL, OPEN), "room", 2),
     "ParticlePanel": ((LOG,), "particles", 2),

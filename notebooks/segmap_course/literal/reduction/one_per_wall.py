@@ -8,9 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import combinations
 from statistics import median
+from typing import Any
 
-from ..alignment.global_segments import eliminated
+import numpy as np
+
+from segmap.arrays import Array
+from segmap.poses import transform
+
 from ..lines import (
     SAME,
     Found,
@@ -71,38 +77,84 @@ def shared(u: Segment, v: Segment) -> tuple[float, float, float, float]:
     return low, high, p + slope * (low - a), p + slope * (high - a)
 
 
+def same_face(u: Segment, v: Segment, from_u: Point | None, from_v: Point | None) -> bool:
+    """Whether two looks are nearly parallel, and were seen from one side."""
+    (_, _, ux, uy), (_, _, vx, vy) = line_of(u), line_of(v)
+    sides = [seen_from(line_of(u), p)[1] for p in (from_u, from_v) if p is not None]
+    return abs(ux * vy - uy * vx) <= SINE and math.prod(sides) >= 0
+
+
 def pairs_of(
     looks: dict[int, Segment], scan: dict[int, int], sensor: dict[int, Point]
 ) -> list[Pair]:
-    """Looks of different scans at one stretch of a wall, from one side."""
-    found = []
-    long = [i for i in looks if segment_length(looks[i]) >= LEAST]
-    for i in long:
-        line = line_of(looks[i])
-        for j in long:
-            if j >= i or scan[i] == scan[j]:
-                continue
-            _, _, dx, dy = line_of(looks[j])
-            if abs(line[2] * dy - line[3] * dx) > SINE:
-                continue
-            if sensor and seen_from(line, sensor[i])[1] * seen_from(line, sensor[j])[1] < 0:
-                continue
-            size, other = segment_length(looks[i]), segment_length(looks[j])
-            a, b = (i, j) if other <= size + SAME else (j, i)  # along the longer look
+    """Looks of different scans at one stretch of a wall, from one side; the longer one first."""
+    size, pairs = {i: segment_length(s) for i, s in looks.items()}, []
+    for j, i in combinations([i for i in looks if size[i] >= LEAST], 2):
+        a, b = (i, j) if size[j] <= size[i] + SAME else (j, i)
+        faces = same_face(looks[i], looks[j], sensor.get(i), sensor.get(j))
+        if scan[i] != scan[j] and faces:
             low, high, one, two = shared(looks[a], looks[b])
-            if high - low >= OVERLAP * min(size, other) - SAME and abs(one + two) / 2 <= APART:
-                found.append((a, b))
-    return found
+            if high - low >= OVERLAP * size[b] - SAME and abs(one + two) / 2 <= APART:
+                pairs.append((a, b))
+    return pairs
+
+
+def spread(apart: Sequence[float]) -> float:
+    """Deviation of offsets from 0, of which those beyond 2.5 deviations are cut."""
+    sigma = 1.4826 * median(abs(d) for d in apart)
+    for _ in range(10):
+        squares = [d * d for d in apart if abs(d) <= 2.5 * sigma]
+        sigma = math.sqrt(sum(squares) / len(squares) / 0.9113)
+    return sigma
 
 
 def noise_of(looks: dict[int, Segment], pairs: Sequence[Pair]) -> float:
-    """Deviation of one look: of what the looks of each pair are apart, outliers cut at 2.5."""
-    apart = [abs(sum(shared(looks[i], looks[j])[2:])) / 2 for i, j in pairs]
-    found = 1.4826 * median(apart)
-    for _ in range(10):
-        kept = [d * d for d in apart if d <= 2.5 * found]
-        found = math.sqrt(sum(kept) / len(kept) / 0.9113)
-    return found / math.sqrt(2)
+    """Deviation of one look, where both looks of a pair err alike."""
+    return spread([sum(shared(looks[i], looks[j])[2:]) / 2 for i, j in pairs]) / math.sqrt(2)
+
+
+def asks(
+    k: int,
+    looks: dict[int, Segment],
+    scan: dict[int, int],
+    pairs: Sequence[Pair],
+    centre: Array,
+    sigma: float,
+) -> Array:
+    """Rows (x, y, turn, off): how a scan must move so that what its pairs share meets."""
+    rows = []
+    for i, j in (pair for pair in pairs if k in (scan[pair[0]], scan[pair[1]])):
+        low, high, one, two = shared(looks[i], looks[j])
+        x, y, dx, dy = line_of(looks[i])
+        doubt = 1 + (max(abs(one), abs(two)) / sigma / 2) ** 2
+        weight, sign = math.sqrt(max(high - low, 0)) / sigma / doubt, 1 if scan[i] == k else -1
+        for at, off in ((low, one), (high, two)):
+            lever = (x + at * dx - centre[0]) * dx + (y + at * dy - centre[1]) * dy
+            rows.append(weight * np.array([-dy, dx, lever, sign * off]))
+    return np.reshape(rows, (-1, 4))
+
+
+def step_of(
+    k: int,
+    looks: dict[int, Segment],
+    scan: dict[int, int],
+    pairs: Sequence[Pair],
+    moved: Array,
+    noise: float,
+    left: float,
+) -> tuple[Array, Array]:
+    """The centre of a scan, and its step: a share of what its pairs and its first place ask for."""
+    middles = np.array([np.mean(s, axis=0) for i, s in looks.items() if scan[i] == k])
+    centre, arm = middles.mean(axis=0), math.sqrt(middles.var(axis=0).sum())
+    stay = np.diag([1, 1, arm]) / noise
+    own = np.vstack([np.column_stack([stay, -stay @ moved]), (0, 0, 1e-9**0.5 / noise, 0)])
+    rows = np.vstack([asks(k, looks, scan, pairs, centre, max(left, noise / 10)), own])
+    return centre, SHARE * np.linalg.lstsq(rows[:, :3], rows[:, 3])[0]
+
+
+def turned(points: Any, centre: Array, step: Array) -> Any:
+    """Points carried along with a scan that turns about its centre, which moves."""
+    return transform((*(centre + step[:2]), step[2]), np.asarray(points) - centre)
 
 
 def agreed(
@@ -113,69 +165,15 @@ def agreed(
     noise: float,
 ) -> tuple[dict[int, Segment], dict[int, Point], float]:
     """Looks and sensors where the scans agree best, and the noise that is left."""
-    scans: dict[int, list[int]] = {}
-    for i in looks:
-        scans.setdefault(scan[i], []).append(i)
-    centre, first = {}, {}
-    for k, members in scans.items():
-        middles = [[(a + b) / 2 for a, b in zip(*looks[i], strict=True)] for i in members]
-        centre[k] = [sum(column) / len(members) for column in zip(*middles, strict=True)]
-        lever = sum(math.dist(m, centre[k]) ** 2 for m in middles) / len(members)
-        first[k] = [1 / noise**2, 1 / noise**2, lever / noise**2]
-    moved, left = {k: [0.0, 0.0, 0.0] for k in scans}, noise
-    for step in range(ROUNDS * STEPS):
-        asked = {k: asks(k, looks, scan, pairs, centre[k], max(left, noise / 10)) for k in scans}
-        for k, members in scans.items():
-            normal, right = asked[k]
-            for a in range(3):
-                normal[a][a] += first[k][a]
-                right[a] -= first[k][a] * moved[k][a]
-            normal[2][2] += 1e-9 * first[k][0]
-            x, y, turn = (SHARE * value for value in eliminated(normal, right))
-            old, centre[k] = centre[k], [centre[k][0] + x, centre[k][1] + y]
-            moved[k] = [a + b for a, b in zip(moved[k], (x, y, turn), strict=True)]
-            for i in members:
-                looks = {**looks, i: [turned(p, turn, old, centre[k]) for p in looks[i]]}
-                if sensor:
-                    sensor = {**sensor, i: turned(sensor[i], turn, old, centre[k])}
-        if step % STEPS == STEPS - 1:
+    moved, left = {k: np.zeros(3) for k in scan.values()}, noise
+    for round in range(1, ROUNDS * STEPS + 1):
+        steps = {k: step_of(k, looks, scan, pairs, moved[k], noise, left) for k in moved}
+        moved = {k: moved[k] + step for k, (_, step) in steps.items()}
+        looks = {i: turned(s, *steps[scan[i]]) for i, s in looks.items()}
+        sensor = {i: turned(p, *steps[scan[i]]) for i, p in sensor.items()}
+        if round % STEPS == 0:
             left = noise_of(looks, pairs)
     return looks, sensor, left
-
-
-def asks(
-    k: int,
-    looks: dict[int, Segment],
-    scan: dict[int, int],
-    pairs: Sequence[Pair],
-    centre: Point,
-    sigma: float,
-) -> tuple[list[list[float]], list[float]]:
-    """Normal equations of one scan: both ends of what each of its pairs shares shall meet."""
-    normal, right = [[0.0] * 3 for _ in range(3)], [0.0] * 3
-    for i, j in pairs:
-        if k not in (scan[i], scan[j]):
-            continue
-        low, high, one, two = shared(looks[i], looks[j])
-        if high <= low:
-            continue
-        x, y, dx, dy = line_of(looks[i])
-        weight = (high - low) / (sigma * (1 + (max(abs(one), abs(two)) / sigma / 2) ** 2)) ** 2
-        sign = 1.0 if scan[i] == k else -1.0
-        for at, off in ((low, one), (high, two)):
-            px, py = x + at * dx - centre[0], y + at * dy - centre[1]
-            row = -dy, dx, px * dx + py * dy
-            for a in range(3):
-                right[a] += weight * sign * off * row[a]
-                for b in range(3):
-                    normal[a][b] += weight * row[a] * row[b]
-    return normal, right
-
-
-def turned(p: Point, angle: float, old: Point, new: Point) -> tuple[float, float]:
-    """A point carried along with a scan that turns about its centre, which moves."""
-    c, s, x, y = math.cos(angle), math.sin(angle), p[0] - old[0], p[1] - old[1]
-    return new[0] + c * x - s * y, new[1] + s * x + c * y
 
 
 def grown(
