@@ -19,7 +19,6 @@ from ._reduction import (
     LeastCostPanel,
     MeanShiftPanel,
     SectorPanel,
-    WallsPanel,
 )
 from ._scans import ClusterPanel, MovingPanel, PolylinePanel, RoomPanel
 from ._tape import TapePanel
@@ -31,5 +30,5 @@ __all__ = [
     "LeastCostPanel", "LineErrorPanel", "MatcherPanel", "MeanShiftPanel", "MovingPanel",
     "OnePerWallPanel", "ParticlePanel", "PlacePanel", "PlanPanel", "PolylinePanel",
     "PoseGraphPanel", "RayPanel", "RoomPanel", "RoutePanel", "SectorPanel", "SegmentIcpPanel",
-    "StoragePanel", "TapePanel", "WallsPanel", "insert_variant",
+    "StoragePanel", "TapePanel", "insert_variant",
 ]  # fmt: skip

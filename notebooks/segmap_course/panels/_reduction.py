@@ -11,8 +11,6 @@ from matplotlib.figure import Figure
 
 from segmap.arrays import Array
 from segmap.metrics import (
-    AgainstWalls,
-    against_walls,
     grade_quality,
     grade_reduction,
     invented,
@@ -24,7 +22,6 @@ from segmap.plotting import (
     ERROR,
     MAP,
     RAW,
-    draw_against_walls,
     draw_before_after,
     draw_provenance,
     group_colors,
@@ -39,15 +36,12 @@ from segmap.reduction import (
     hybrid,
     least_cost,
     mean_shift,
-    one_per_wall,
-    segment_similarity,
     viewing_sector,
 )
 from segmap.segments import SegmentMap, midpoint
 
-from .._known_buildings import NOISES, known_building
 from ..drawings import say_stretch
-from ._lesson import LessonPanel, keyword, note, pick, play, slide, tick
+from ._lesson import LessonPanel, keyword, note, play, slide, tick
 
 #: Pixels: two pictures side by side.
 WIDE = {"width": 760, "height": 380}
@@ -250,46 +244,3 @@ class LeastCostPanel(ReductionPanel):
         self.promised.value = f"quality promised {np.exp(-spent / SCALE):.1%}"
         metres = [measure(self.map, found) for measure in (invented, missed)]
         self.unseen.value = f"invented {metres[0]:.2f} m, missed {metres[1]:.2f} m"
-
-
-class WallsPanel(ReductionPanel):
-    """A floor with 13 walls whose poses are off, what a method leaves of it, and two judges.
-
-    `distance` is of segment similarity, `factor` of one per wall. `found` is what the walls say
-    (`metrics.against_walls`); the picture is in its four colours.
-
-    Examples
-    --------
-    >>> panel = WallsPanel()
-    >>> panel.walls.value
-    '1.15 segments a wall, 100% of the walls found'
-    >>> panel.noise.value, panel.by.value = "0.02", "one_per_wall"
-    >>> panel.estimate.value
-    'poses off by 22 mm, it says'
-    """
-
-    found: AgainstWalls
-    method = staticmethod(segment_similarity)
-    noise = pick(NOISES, "poses off by [m]")
-    by = pick(("segment_similarity", "one_per_wall"), "method")
-    distance = keyword(0.005, 0.15, 0.005, by=(segment_similarity,))
-    factor = keyword(0.2, 4.0, 0.2, by=(one_per_wall,))
-    walls = metres = estimate = note()
-    rows = ("noise by", "distance factor", "count quality", "walls estimate", "metres")
-    words = "poses off by {noise} m, {by}, {distance:.3f} m, factor {factor:.1f}: {count}"
-
-    def __init__(self, **first: float) -> None:
-        self._begin(**first)
-
-    def _draw(self, figure: Figure) -> None:
-        walls, true, self.map = known_building("floor", self.noise.value)
-        if self.by.value == "one_per_wall":
-            self._tell(one_per_wall(self.map, **self.chosen()))
-            self.estimate.value = f"poses off by {1000 * self.reduction.noise:.0f} mm, it says"
-        else:
-            self._tell(self.method(self.map, **self.chosen()))
-            self.estimate.value = ""
-        self.found = found = against_walls(walls, self.reduction, seen=true)
-        said = str(found)[len("AgainstWalls(") : -1].split(", ")
-        self.walls.value, self.metres.value = ", ".join(said[:2]), ", ".join(said[2:])
-        draw_against_walls(found, ax=figure.subplots())

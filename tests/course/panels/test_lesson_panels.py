@@ -110,7 +110,6 @@ PANELS = {
     "SegmentIcpPanel": ((LOG,), "x", 1.5),
     "StoragePanel": ((LOG, LOG.truth, ROOM), "resolution", 10.0),
     "TapePanel": ((course.unknown_building(),), "scan", 12),
-    "WallsPanel": ((), "distance", 0.1),
     "LineErrorPanel": ((WALLS,), "place", 0.10),
 }
 

@@ -166,12 +166,12 @@ def agreed(
 ) -> tuple[dict[int, Segment], dict[int, Point], float]:
     """Looks and sensors where the scans agree best, and the noise that is left."""
     moved, left = {k: np.zeros(3) for k in scan.values()}, noise
-    for round in range(1, ROUNDS * STEPS + 1):
+    for count in range(1, ROUNDS * STEPS + 1):
         steps = {k: step_of(k, looks, scan, pairs, moved[k], noise, left) for k in moved}
         moved = {k: moved[k] + step for k, (_, step) in steps.items()}
         looks = {i: turned(s, *steps[scan[i]]) for i, s in looks.items()}
         sensor = {i: turned(p, *steps[scan[i]]) for i, p in sensor.items()}
-        if round % STEPS == 0:
+        if count % STEPS == 0:
             left = noise_of(looks, pairs)
     return looks, sensor, left
 
