@@ -10,6 +10,7 @@ from segmap.poses import transform
 from segmap.segments import length
 
 from ..literal.alignment.angle_correspondence import match_value
+from ..literal.alignment.backbone import translation_of
 from ..literal.alignment.point_to_line import point_to_line_step, residuals, weights
 from ._answers import Cases, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
@@ -119,11 +120,6 @@ def _lines_off(rng: Rng) -> Cases:
     }
 
 
-def _normal_equations(normals: Array, offsets: Array, weights: Array) -> Array:
-    weighted = normals * weights[:, None]
-    return np.asarray(np.linalg.solve(weighted.T @ normals, -weighted.T @ offsets), float)
-
-
 check_least_translation = Exercise(
     "least_translation(normals, offsets, weights) -> (2,) metres: the shortest of the shifts that "
     "minimise the weighted squares of the distances from lines, given their normals (m, 2) and how "
@@ -144,7 +140,7 @@ check_least_translation = Exercise(
             lambda normals, offsets, weights: least_translation(normals, offsets, weights**2)
         ),
         "in a corridor the matrix is singular: take the shortest solution (numpy.linalg.lstsq)": (
-            _normal_equations
+            translation_of
         ),
         "a mean of the single corrections goes only part of the way where lines differ in "
         "direction: solve for the shift": lambda normals, offsets, weights: (

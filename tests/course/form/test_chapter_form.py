@@ -390,6 +390,7 @@ def test_a_chapter_has_its_form(path):
 PASTED = {
     "03": ("segments_at_gaps", "segments_all_round", "two parts"),
     "07": ("best_move", "move_onto_walls", "corridor"),
+    "09": ("translation_of", "least_translation", "corridor"),
     "25": ("crossed_leaves", "crossed_leaves", "cut it first"),
     "11": ("edge_residual", "edge_error", "do not subtract"),
     "12": ("quality", "quality", "quality of the chapter"),
