@@ -271,9 +271,16 @@ def power_by_deviations(scans, seconds, after):
     return x @ y / (x @ x)
 
 
-def laplacian_by_rows(count, edges, weights):
-    rows = np.eye(count)[edges[:, 0]] - np.eye(count)[edges[:, 1]]
-    return rows.T @ (weights[:, None] * rows)
+def places_by_lstsq(rows, known):
+    """What is known moves to the right side of each row; a solver does the rest."""
+    held = ~np.isnan(known)
+    matrix, right = np.zeros((len(rows), len(known))), np.zeros(len(rows))
+    for k, (i, j, c, w) in enumerate(rows):
+        matrix[k, i], matrix[k, j], right[k] = w**0.5, -(w**0.5), -c * w**0.5
+    right -= matrix[:, held] @ known[held]
+    places = known.copy()
+    places[~held] = np.linalg.lstsq(matrix[:, ~held], right, rcond=None)[0]
+    return places
 
 
 def axes_one_wall_at_a_time(walls):
@@ -340,7 +347,7 @@ RIGHT = {
     "scan_noise": scan_noise_by_a_loop,
     "building_axis": lambda a, w: np.angle((w * np.exp(4j * a)).sum()) / 4 % (np.pi / 2),
     "far_ends": far_ends_by_pairs,
-    "laplacian": laplacian_by_rows,
+    "places_between": places_by_lstsq,
     "axes_of": axes_one_wall_at_a_time,
     "memberships": lambda squares, noise: softmax(-np.log(np.append(squares, noise**2)))[:-1],
 }

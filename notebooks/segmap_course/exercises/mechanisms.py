@@ -10,6 +10,7 @@ from segmap.arrays import Array
 from segmap.metrics import segment_distance
 from segmap.segments import angle, length
 
+from ..literal.alignment.global_segments import least_squares
 from ..literal.alignment.segment_icp import segment_cost
 from ..literal.floor_plan import axis_of
 from ..literal.reduction.one_per_wall import spread
@@ -264,48 +265,59 @@ check_far_ends = Exercise(
 
 
 # -------------------------------------------------------------- all scans at once
-def _graphs(rng: Rng) -> Cases:
-    """A loop of four places, and one with a pair that was measured twice."""
-    loop = np.array([(0, 1), (1, 2), (2, 3), (3, 0)])
-    twice = np.concatenate([loop, [(1, 0), (2, 0)]])
+#: Two places, how far the second lies beyond the first where that was measured, and the weight.
+Rows = list[tuple[int, int, float, float]]
+
+
+def _between(rng: Rng) -> Cases:
+    """Places of which some are known, and none of them is 0."""
+
+    def some(known: list[float], *pairs: tuple[int, int]) -> tuple[Rows, Array]:
+        steps = [(i, j, j - i + rng.uniform(-0.3, 0.3), rng.uniform(0.5, 3)) for i, j in pairs]
+        return steps, np.array(known) + rng.uniform(0.1, 0.5)
+
+    nan = np.nan
     return {
-        "a loop": (4, loop, rng.uniform(0.5, 3, 4)),
-        "a pair that was measured twice": (4, twice, rng.uniform(0.5, 3, 6)),
+        "both ends known": some([0, nan, nan, 3], (0, 1), (1, 2), (2, 3), (0, 2)),
+        "one in the middle known": some([nan, 1, nan, nan], (1, 0), (1, 2), (2, 3), (1, 3)),
     }
 
 
-def _laplacian(count: int, edges: Array, weights: Array) -> Array:
-    """B of 2.4 and 2.5."""
-    b = np.zeros((count, count))
-    for (i, j), w in zip(edges, weights, strict=True):
-        b[i, i] += w
-        b[j, j] += w
-        b[i, j] -= w
-        b[j, i] -= w
-    return b
+def _places_between(rows: Rows, known: Array) -> Array:
+    """As `literal.least_squares`, with the known places held."""
+    b, a = np.zeros((len(known), len(known))), np.zeros(len(known))
+    for i, j, c, w in rows:
+        b[i, i], b[j, j] = b[i, i] + w, b[j, j] + w
+        b[i, j], b[j, i] = b[i, j] - w, b[j, i] - w
+        a[i], a[j] = a[i] - w * c, a[j] + w * c
+    free, x = np.isnan(known), known.copy()
+    right = a[free] - b[np.ix_(free, ~free)] @ known[~free]
+    x[free] = np.linalg.solve(b[np.ix_(free, free)], right)
+    return x
 
 
-check_laplacian = Exercise(
-    "laplacian(count, edges, weights) -> (count, count): the matrix B of the normal equations of "
-    "edges (k, 2), from place to place, with their weights (k,): on the diagonal the sum of the "
-    "weights at a place, beside it minus the sum of those between two",
-    _laplacian,
-    _graphs,
+check_places_between = Exercise(
+    "places_between(rows, known) -> (n,): the places x with the least sum of w (x_i - x_j + c)^2 "
+    "over all rows (i, j, c, w), where those that are known stay; known (n,) is NaN where a place "
+    "is not",
+    _places_between,
+    _between,
     {
-        "between two places the weight stands with a minus": edited(
-            _laplacian, ("b[i, j] -= w", "b[i, j] += w"), ("b[j, i] -= w", "b[j, i] += w")
+        "the chapter's least_squares takes a count, and holds the first place alone": least_squares,
+        "hold what is known, where it is known; the chapter holds the first at 0": (
+            lambda rows, known: np.array(least_squares(rows, len(known)))
         ),
-        "B is symmetric: both places see the edge": edited(
-            _laplacian, ("        b[j, i] -= w\n", "")
+        "a known place pulls at its neighbours: B times what is known goes to the right side": (
+            edited(_places_between, (" - b[np.ix_(free, ~free)] @ known[~free]", ""))
         ),
-        "the diagonal counts the edges that end at a place, too": edited(
-            _laplacian, ("        b[j, j] += w\n", "")
+        "with its minus sign: what is known goes to the other side": edited(
+            _places_between, (" - b[np.ix_(free, ~free)]", " + b[np.ix_(free, ~free)]")
         ),
-        "a pair that was measured twice counts twice: add, do not replace": edited(
-            _laplacian, ("b[i, j] -= w", "b[i, j] = -w"), ("b[j, i] -= w", "b[j, i] = -w")
+        "each row counts by its weight": lambda rows, known: _places_between(
+            [(i, j, c, 1.0) for i, j, c, _ in rows], known
         ),
-        "the weights count, not the number of edges": edited(
-            _laplacian, ("zip(edges, weights", "zip(edges, np.ones(len(edges))")
+        "x_j lies c beyond x_i: look at the signs of A": lambda rows, known: _places_between(
+            [(i, j, -c, w) for i, j, c, w in rows], known
         ),
     },
     close,

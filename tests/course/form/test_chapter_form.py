@@ -392,6 +392,7 @@ PASTED = {
     "07": ("best_move", "move_onto_walls", "corridor"),
     "09": ("translation_of", "least_translation", "corridor"),
     "25": ("crossed_leaves", "crossed_leaves", "cut it first"),
+    "10": ("least_squares", "places_between", "takes a count"),
     "11": ("edge_residual", "edge_error", "do not subtract"),
     "12": ("quality", "quality", "quality of the chapter"),
     "13": ("lacking", "missed_metres", "make good"),

@@ -6,7 +6,15 @@ w, `exp(-D(u, v) / (2 sigma^2))` (2.7).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+
+import numpy as np
+
+from segmap.arrays import Array
+from segmap.metrics import segment_distance
+from segmap.poses import transform
+from segmap.segments import angle as angle_of
 
 from ..lines import Segment, axial_difference, line_angle, line_of, seen_from
 
@@ -18,15 +26,32 @@ Row = tuple[int, int, float, float]
 def least_squares(rows: Sequence[Row], count: int) -> list[float]:
     """The x with the least sum of `w (x_i - x_j + c)^2`, the first of them held at 0 (2.3).
 
-    Sets up `B x = A` (2.4 to 2.6; *slip*: 2.6 lacks the minus before its first sum) and eliminates.
+    Sets up `B x = A` (2.4 to 2.6; *slip*: 2.6 lacks the minus before its first sum) and solves.
     """
-    b = [[0.0] * count for _ in range(count)]
-    a = [0.0] * count
+    b, a = np.zeros((count, count)), np.zeros(count)
     for i, j, c, w in rows:
-        b[i][i], b[j][j] = b[i][i] + w, b[j][j] + w
-        b[i][j], b[j][i] = b[i][j] - w, b[j][i] - w
+        b[i, i], b[j, j] = b[i, i] + w, b[j, j] + w
+        b[i, j], b[j, i] = b[i, j] - w, b[j, i] - w
         a[i], a[j] = a[i] - w * c, a[j] + w * c
-    return [0.0, *eliminated([row[1:] for row in b[1:]], a[1:])]
+    return [0.0, *np.linalg.solve(b[1:, 1:], a[1:]).tolist()]
+
+
+def similar_segments(
+    walls: Sequence[Array],
+    poses: Array,
+    *,
+    similar: float = 0.20,
+    angle: float = math.radians(15),
+    spread: float = 0.05,
+) -> list[Match]:
+    """Each two segments of two scans that may be one wall, and their weight (2.7)."""
+    at = np.concatenate([transform(x, s) for s, x in zip(walls, poses, strict=True)])
+    scan, way = np.repeat(np.arange(len(walls)), [len(s) for s in walls]), angle_of(at)
+    away = segment_distance(at[:, None], at)
+    alike = (away < similar) & (abs(np.sin(way[:, None] - way)) < math.sin(angle))
+    pairs = np.argwhere(alike & (scan[:, None] < scan)).tolist()
+    weights = np.exp(-away / (2 * spread))
+    return [(scan[u], scan[v], at[u].tolist(), at[v].tolist(), weights[u, v]) for u, v in pairs]
 
 
 def best_turns(matches: Sequence[Match], count: int) -> list[float]:
@@ -51,16 +76,15 @@ def best_shifts(matches: Sequence[Match], count: int) -> list[tuple[float, float
     return list(zip(*(least_squares(row, count) for row in rows), strict=True))
 
 
-def eliminated(matrix: list[list[float]], right: list[float]) -> list[float]:
-    """Solution of a symmetric positive system by Gaussian elimination; both are overwritten."""
-    n = len(right)
-    for k in range(n):
-        for i in range(k + 1, n):
-            factor = matrix[i][k] / matrix[k][k]
-            for j in range(k, n):
-                matrix[i][j] -= factor * matrix[k][j]
-            right[i] -= factor * right[k]
-    for k in reversed(range(n)):
-        right[k] -= sum(matrix[k][j] * right[j] for j in range(k + 1, n))
-        right[k] /= matrix[k][k]
-    return right
+def all_at_once(walls: Sequence[Array], poses: Array, *, rounds: int = 15) -> Array:
+    """Poses when all headings and all places were solved for in turn, with less and less spread.
+
+    Walls are those of each scan, in its own frame; poses are those by the wheels, `(n, 3)`.
+    """
+    for spread in (0.05, 0.05 / 4, 0.05 / 10):
+        for _ in range(rounds):
+            matches = similar_segments(walls, poses, spread=spread)
+            poses = poses + [(0, 0, turn) for turn in best_turns(matches, len(poses))]
+            matches = similar_segments(walls, poses, spread=spread)
+            poses = poses + [(x, y, 0) for x, y in best_shifts(matches, len(poses))]
+    return poses
