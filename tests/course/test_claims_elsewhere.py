@@ -15,9 +15,17 @@ from segmap_course.literal.reduction.least_cost_merges import merge_all
 
 import segmap
 from segmap import simulation
-from segmap.alignment import match_angles, match_points, pose_graph
-from segmap.angles import axial_mean
-from segmap.poses import between
+from segmap.alignment import (
+    align_to_truth,
+    angle_correspondence,
+    match_angles,
+    match_points,
+    match_values,
+    pose_graph,
+    position_errors,
+)
+from segmap.angles import axial_mean, wrap
+from segmap.poses import between, transform
 from segmap.quadtree import build_map
 from segmap.reduction import hybrid, least_cost, one_per_wall
 
@@ -372,3 +380,19 @@ def test_a_mirrored_log_is_called_good_and_keeps_every_distance():
         both = [-taped.turn, np.pi - taped.turn]
         metres = simulation.cast_rays(seen.segments, graph.poses[taped.scan], both, max_range=50)
         assert abs(metres.sum() - taped.metres) < 0.05
+
+
+def test_a_door_for_another_and_a_loop_that_is_turned_as_a_whole():
+    """Chapter 5: a sure match at the next door, and Malaga by angles alone."""
+    log = segmap.load("clinic")
+    pair = [segmap.extract_polylines(log[k].points()) for k in (96, 102)]
+    true = between(log.truth[96], log.truth[102])
+    match = match_angles(*pair, rng=np.random.default_rng(1))
+    assert match.matched and round(np.hypot(*between(true, match.pose)[:2]), 1) == 2.1
+    values = [match_values(pair[0], transform(p, pair[1])).sum() for p in (true, match.pose)]
+    assert np.round(values, 1).tolist() == [4.5, 6.0]
+    malaga = segmap.load("malaga")
+    poses = angle_correspondence(malaga).poses
+    laid, best = (align_to_truth(poses, malaga.truth, best=best) for best in (False, True))
+    assert 5 < abs(np.degrees(wrap(best[0, 2] - laid[0, 2]))) < 6
+    assert np.sqrt(np.mean(position_errors(poses, malaga.truth, best=True) ** 2)) < 0.15
