@@ -33,21 +33,21 @@ def test_a_lab_becomes_slides():
 
 def test_each_section_says_a_whole_sentence():
     """Catches what stands above a heading and is taken for its idea, and a sentence cut in bold."""
-    _, notebook = chapter("08")
+    _, notebook = chapter("57")
     said = {slide.heading: slide.sentences[0] for slide in slides.slides(notebook)}
-    assert said["What a wall leaves free"].startswith("1. Let all points lie on walls")
+    assert said["A wrong pair"].startswith("A wall has two sides")
     assert all(sentence.count("**") % 2 == 0 for sentence in said.values())
     assert not any(sentence.endswith("?") for sentence in said.values())
 
 
 def test_the_last_slide_holds_the_points_of_the_summary():
     """Catches one that says where to go back to, and nothing of the chapter."""
-    _, notebook = chapter("15")
+    _, notebook = chapter("91")
     *_, last = slides.slides(notebook)
     assert last.heading == "Summary" and len(last.sentences) > 2
     assert all(f"- {point}" in notebook.cells[-1].source for point in last.sentences)
 
 
 def test_a_printed_method_is_shown():
-    path, _ = chapter("15")
-    assert "<pre>def absorbing_wall(" in slides.page(path)
+    path, _ = chapter("91")
+    assert "<pre>def polyline_through(" in slides.page(path)
