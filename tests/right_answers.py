@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 from scipy.special import softmax
 from segmap_course import literal
 from segmap_course.literal.reduction import least_cost
+from segmap_course.literal.reduction.one_per_wall import spread
 
 from segmap import segments
 from segmap.angles import axial_difference
@@ -251,12 +252,9 @@ def mean_of_complex_numbers(u, v, weight_u, weight_v):
 
 
 def scan_noise_by_a_loop(apart, scans, k, noise):
-    own = [abs(d) for d, pair in zip(apart, scans, strict=True) if k in pair]
-    off = 1.4826 * np.median(own)
-    for _ in range(10):
-        squares = [d * d for d in own if d <= 2.5 * off]
-        off = math.sqrt(sum(squares) / len(squares) / 0.9113)
-    return math.sqrt(max(off * off - noise * noise, 0))
+    own = [d for d, pair in zip(apart, scans, strict=True) if k in pair]
+    square = spread(own) ** 2 - noise * noise
+    return 0 if square < 0 else math.sqrt(square)
 
 
 def far_ends_by_pairs(members):

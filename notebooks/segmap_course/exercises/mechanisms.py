@@ -140,6 +140,7 @@ def _looks_apart(rng: Rng) -> Cases:
         "a scan that was pushed": (apart, scans, k, float(noise)),
         "the same, and some pairs at two walls": (walls, scans, k, float(noise)),
         "a scan that was not pushed": (apart, scans, k - 1, 0.3 * float(noise)),
+        "a scan better than all others": (apart / 9, scans, k - 1, float(noise)),
     }
 
 

@@ -91,8 +91,7 @@ def pairs_of(
     size, pairs = {i: segment_length(s) for i, s in looks.items()}, []
     for j, i in combinations([i for i in looks if size[i] >= LEAST], 2):
         a, b = (i, j) if size[j] <= size[i] + SAME else (j, i)
-        faces = same_face(looks[i], looks[j], sensor.get(i), sensor.get(j))
-        if scan[i] != scan[j] and faces:
+        if scan[i] != scan[j] and same_face(looks[i], looks[j], sensor.get(i), sensor.get(j)):
             low, high, one, two = shared(looks[a], looks[b])
             if high - low >= OVERLAP * size[b] - SAME and abs(one + two) / 2 <= APART:
                 pairs.append((a, b))
