@@ -18,7 +18,7 @@ WALL_M = 0.12
 DOOR_M = 0.9
 #: A room is found where it has so much of the union in common; its area and a door's width are
 #: right within so much; a door lies so near its place.
-FOUND_UNION, AREA_SHARE, WIDTH_M, PLACE_M = 0.8, 0.05, 0.12, 0.4
+FOUND_UNION, AREA_SHARE, WIDTH_M, PLACE_M = 0.8, 0.03, 0.12, 0.4
 
 
 class Building(NamedTuple):
@@ -42,7 +42,7 @@ def built(rooms, doors, way, *, obstacles=(), glass=(), leaves=(), shut=(), turn
     turned = [affinity.rotate(part, turn, origin=(0, 0)) for part in parts]
     corners = [shapely.get_coordinates(part) for part in turned]
     walls = np.concatenate([np.stack([c[:-1], c[1:]], 1) for c in corners])
-    big = [one for one in obstacles if one.area >= 0.5]
+    big = [one for one in obstacles if one.area >= 1.5]  # what is smaller belongs to the floor
     true = [shapely.difference(room, shapely.union_all([*big])) for room in rooms]
     widths = [max(np.ptp(shapely.get_coordinates(d), axis=0) - [0, 0]) for d in doors]
     places = [affinity.rotate(d.centroid, turn, origin=(0, 0)) for d in doors]

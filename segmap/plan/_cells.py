@@ -31,10 +31,14 @@ BESIDE_STEPS = 4
 #: end of an opening, metres: the leaf of a door may stand between.
 JAMB_M = 0.15
 JAMB_REACH_M = 0.3
-#: A cross wall is occupied between these distances from the line, metres, at this share.
-CROSS_FROM_M = 0.25
-CROSS_TO_M = 0.75
-CROSS_SHARE = 0.6
+#: A wall goes on over gaps of so much, metres.
+BRIDGED_M = 0.3
+#: One that stands alone is at least so long, metres: what is shorter may be furniture.
+SHORTEST_ALONE_M = 1.0
+#: A wall stands across a line where the sine of their angle is larger.
+ACROSS_SINE = 0.9
+#: Leaves of doors are no wider, metres.
+WIDEST_LEAF_M = 1.1
 
 Mask = NDArray[np.bool_]
 
@@ -159,8 +163,9 @@ def edges_between(
 ) -> Edges:
     """What lies between the cells on both sides of each line, square by square."""
     corners = grid.places()[[0, 0, -1, -1], [0, -1, 0, -1]]
-    thick = ndimage.binary_dilation(grid.kind == OCCUPIED)
     squares, runs, keys = list[Indices](), list[Run](), cell_keys(grid.places(), lines)
+    walls = [(line, merged_spans(line.spans, BRIDGED_M)) for line in lines]
+    walls = [(line, spans[np.ptp(spans, axis=1) >= SHORTEST_ALONE_M]) for line, spans in walls]
     for number, line in enumerate(lines):
         low, high = np.sort(corners @ line.way)[[0, -1]]
         at = np.arange(low, high, grid.side) + grid.side / 2
@@ -171,13 +176,11 @@ def edges_between(
         spans = merged_spans(np.concatenate([one.spans for one in near]))  # the other face too
         which = np.searchsorted(spans[:, 0], at, "right") - 1
         covered = (which >= 0) & (at <= spans[which, 1])
-        off = np.arange(CROSS_FROM_M, CROSS_TO_M + grid.side / 2, grid.side)[:, None] * line.normal
-        beside = [thick[grid.squares(points[:, None] + way * off)].mean(1) for way in (1, -1)]
-        cross = ndimage.maximum_filter1d(np.array(beside) > CROSS_SHARE, BESIDE_STEPS + 1)
+        crossings = crossed(line, walls)
         run, clear = np.full(len(at), -1), np.concatenate([[False], clear & ~covered, [False]])
         for ends in (np.flatnonzero(np.diff(clear)).reshape(-1, 2) - (0, 1)).tolist():
             run[ends[0] : ends[1] + 1] = len(runs)
-            runs.append(_open_run(number, at, covered, cross, ends, door))
+            runs.append(_open_run(number, at, covered, crossings, ends, door))
         sides = []
         for way in (line.normal, -line.normal):
             key, cell = cell_keys(points + BESIDE_LINE_M * way, lines), np.full(len(at), -1)
@@ -189,19 +192,51 @@ def edges_between(
     return Edges(np.concatenate(squares or [np.zeros((0, 3), np.int64)]), runs)
 
 
+def crossed(line: Line, walls: list[tuple[Line, Array]]) -> Array:
+    """Where walls, spans of other lines, meet a line, `(n, 3)`: metres along it, and on which side.
+
+    The sides are that of the normal, and the other: 1 where the wall stands there.
+    """
+    crossings = [np.zeros((0, 3))]
+    for other, spans in walls:
+        across = float(line.way @ other.normal)
+        if abs(across) > ACROSS_SINE and len(spans):
+            at = (other.offset - line.offset * float(line.normal @ other.normal)) / across
+            there = float((at * line.way + line.offset * line.normal) @ other.way)
+            beyond = np.sort((spans - there) * np.sign(line.normal @ other.way), axis=1)
+            touch = (beyond[:, 0] <= JAMB_REACH_M) & (beyond[:, 1] >= -JAMB_REACH_M)
+            sides = beyond[touch, ::-1] * (1, -1) >= SHORTEST_ALONE_M / 2
+            crossings.append(np.column_stack([np.full(len(sides), at), sides]))
+    return np.concatenate(crossings)
+
+
 def _open_run(
-    line: int, at: Array, covered: Mask, cross: Mask, ends: list[int], door: tuple[float, float]
+    line: int,
+    at: Array,
+    covered: Mask,
+    crossings: Array,
+    ends: list[int],
+    door: tuple[float, float],
 ) -> Run:
     """The open run from the first of its squares to the last."""
     side, kinds, jambs, shut = float(at[1] - at[0]), list[str](), list[float](), np.ones(2, bool)
     reach, low, high = round(JAMB_REACH_M / side), at[ends[0]] - side / 2, at[ends[1]] + side / 2
     for inner, way in zip(ends, (-1, 1), strict=True):
-        beyond, walls = covered[inner + way :: way], cross[:, inner]
+        beyond = covered[inner + way :: way] if inner + way >= 0 else covered[:0]
+        near = abs(crossings[:, 0] - at[inner]) <= JAMB_REACH_M + 2 * side
+        walls = crossings[near, 1:].any(0)
         shut &= walls  # where both sides are, it is a corridor between cross walls
-        start = int(beyond[:reach].argmax())
+        start = int(beyond[:reach].argmax()) if len(beyond) else 0
         jamb = beyond[start : start + reach].sum() * side >= JAMB_M - side / 2
+        size = int(np.append(beyond[start:], False).argmin()) * side
+        along = way * (crossings[:, 0] - at[inner])
+        meets = (along >= 0) & (along <= start * side + size + JAMB_REACH_M)
+        jamb &= size >= SHORTEST_ALONE_M or bool(meets.any())
         kinds += ["a jamb"] if jamb else ["a cross wall"] * bool(walls.any())
         jambs.append(float(at[inner] + way * side * (start * jamb + 0.5)))
-    fits = not shut.all() and len(kinds) == 2 and door[0] <= high - low <= door[1]
-    words, mouth = " and ".join(kinds if fits else ()), bool(shut.any())
+    mouth, widest = bool(shut.any()), door[1]
+    if not mouth and "a cross wall" in kinds:  # else the end of a wall in a room
+        widest = min(widest, WIDEST_LEAF_M)
+    fits = not shut.all() and len(kinds) == 2 and door[0] <= high - low <= widest
+    words = " and ".join(kinds if fits else ())
     return Run(line, float(low), float(high), words, jambs, mouth)

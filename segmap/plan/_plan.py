@@ -14,10 +14,11 @@ from ..progress import announce
 from ..quadtree import FREE, QuadtreeMap
 from ..reduction import Reduction
 from ..segments import length
-from ._cells import cell_keys, connected, edges_between, grid_along, unseen_border
+from ._cells import WIDEST_LEAF_M, cell_keys, connected, edges_between, grid_along, unseen_border
 from ._doors import Door, find_doors, shortest_way
 from ._lines import Indices, building_axes, wall_lines
-from ._polygons import Room, room_of, shapely_or_hint
+from ._outlines import room_of
+from ._polygons import Room, shapely_or_hint
 from ._rooms import find_rooms
 from ._walls import draw_walls
 
@@ -33,8 +34,6 @@ LEAST_LINE_PIECE_M = 0.3
 WALL_BETWEEN_M = 0.3
 #: Length that no axis takes is told from this share on.
 ROUND_SHARE = 0.15
-#: Leaves of doors are no wider, metres.
-WIDEST_LEAF_M = 1.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +156,8 @@ def floor_plan(
 
     Walls of a building run along few axes, so their lines cut the plane into cells (Mura et al.
     2014 do so in space). What is free in a cell joins the next one where neither a wall nor a
-    doorway stands between both.
+    doorway stands between both. A room reaches to the faces of its walls; what is smaller than
+    `least_area` and stands in it, or at a wall, counts as its floor, and is `Room.hidden`.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def floor_plan(
     band
         Segments whose offsets differ by less are on one line.
     least_area : float, square metres
-        Smaller rooms go into their neighbour.
+        Smaller rooms go into their neighbour; what is larger and stands in a room is none of it.
 
     Raises
     ------
@@ -219,19 +219,28 @@ def floor_plan(
     edges = edges_between(lines, grid, cells, (float(widths[0]), float(widths[1])), band)
     labels, told = find_rooms(grid, cells, edges, kappa, share, opening, least_area)
     parts = connected(labels, labels >= 0, least_area / grid.side**2)
+    drawn = draw_walls(segments, axes, grid, parts, regular)
+    openings = find_doors(edges, lines, grid, parts)
+    doorways = np.reshape([opening.place for opening in openings], (-1, 2))
     rooms = [
-        room_of(parts[box] == k, box, lines, grid, told[labels[parts == k][0]])
+        replace(
+            room_of(parts, k, box, grid, drawn[0].segments, drawn[3], doorways, least_area),
+            reason=told[labels[parts == k][0]],
+        )
         for k, box in enumerate(ndimage.find_objects(parts + 1))
     ]
     order = np.argsort([-room.area for room in rooms], kind="stable")
     number = np.append(np.argsort(order), -1)
     rooms = [replace(rooms[k], name=f"room {n}") for n, k in enumerate(order, 1)]
-    found = find_doors(edges, lines, grid, number[parts])
-    away = len(found) - len(doors := [door for door in found if door.rooms[0] >= 0])
-    walls = draw_walls(segments, axes, grid, number[parts], regular)
+    doors = [
+        replace(opening, rooms=tuple(np.sort(number[list(opening.rooms)]).tolist()))
+        for opening in openings
+        if opening.rooms[0] >= 0
+    ]
+    away = len(openings) - len(doors)
     shapes = [shapely.Polygon(room.outline) for room in rooms]
     around = shapely.union_all(shapely.buffer(shapes, WALL_BETWEEN_M, join_style="mitre"))
     outline = [np.array(part.exterior.coords)[:-1] for part in shapely.get_parts(around)]
     off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
     unseen = unseen_border(grid, number[parts], opening)
-    return FloorPlan(*walls, rooms, doors, outline, axes, off, away, unseen)
+    return FloorPlan(*drawn, rooms, doors, outline, axes, off, away, unseen)

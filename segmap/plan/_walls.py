@@ -11,11 +11,14 @@ from ..poses import transform
 from ..quadtree import FREE
 from ..reduction import Reduction
 from ..segments import MIN_LENGTH, angle, length, midpoint
-from ._cells import Grid, Mask
+from ._cells import BRIDGED_M, SHORTEST_ALONE_M, Grid, Mask
 from ._lines import AXIS_BAND_RAD, Indices, merged_spans, quarter_turn
 
 #: Parallel looks within this distance, metres, with one free side are one face.
 FACE_BAND_M = 0.12
+#: And within so many times their median distance from the face, but at least within this, metres.
+FACE_SPREAD = 3.0
+LEAST_FACE_BAND_M = 0.04
 #: Looks that are turned by more than this, radians, are none of one face.
 FACE_TURN_RAD = np.radians(12)
 #: How far off a segment its free side is looked for, metres.
@@ -24,16 +27,13 @@ FREE_SIDE_M = (0.10, 0.15)
 FREE_SIDE_SHARE = 0.25
 #: Looks on one line belong to one face over gaps of so much, metres: the leaves of a door.
 FACE_GAP_M = 2.5
-#: A face goes on over gaps of so much, metres; where free space lies before them; where also no
-#: ray passed through.
-BRIDGED_M = 0.3
+#: A face also goes on over gaps of so much, metres, that no ray passed.
 HIDDEN_M = 1.0
 #: Before a gap in a wall there is free space at this distance, metres; a cross wall reaches on.
 BEFORE_M = 0.9
-#: Shorter ones are clutter, metres: along an axis, along none, with one room on both sides.
+#: Shorter ones are clutter, metres: along an axis, along none.
 SHORTEST_WALL_M = 0.3
 SHORTEST_OBLIQUE_M = 0.5
-SHORTEST_ALONE_M = 1.0
 #: Other ends that are so near a wall, before it or behind, end there, metres.
 T_REACH_M = 0.15
 #: Walls that are turned by less from an axis are made regular, radians.
@@ -105,21 +105,34 @@ def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, 
     left, face = np.argsort(-sizes, kind="stable"), np.full(len(segments), -1)
     drawn, sides, residual = list[Array](), list[int](), list[float]()
     while len(left):
-        mine, chosen = segments[left], np.arange(1)
+        mine, close, band = segments[left], np.arange(1), FACE_BAND_M
         for _ in range(4):
-            weight = np.ceil(sizes[left[chosen]] / grid.side).astype(int)
-            points = np.repeat(SIMPSON @ mine[chosen], weight, axis=0)
+            weight = np.ceil(sizes[left[close]] / grid.side).astype(int)
+            points = np.repeat(SIMPSON @ mine[close], weight, axis=0)
             centre, direction = fit_line(points.reshape(-1, 2))
             (way, normal), to = transform((0, 0, direction), np.eye(2)), mine - centre
             turned = abs(axial_difference(turn[left], direction))
             facing = side[left] * np.where((mine[:, 1] - mine[:, 0]) @ way > 0, 1, -1)
-            near = (abs(to @ normal).max(1) <= FACE_BAND_M) & (turned <= FACE_TURN_RAD)
-            near &= facing * facing[0] >= 0
-            near[0] = True
             spans = np.sort(to @ way, 1)
+            off = abs(to @ normal).max(1)
+            near = (off <= FACE_BAND_M) & (turned <= FACE_TURN_RAD) & (facing * facing[0] >= 0)
+            low, high = merged_spans(spans[close]).T[..., None]
+            some = np.flatnonzero(near & (off > band))
+            start, end = spans[some].T
+            common = (np.minimum(end, high) - np.maximum(start, low)).clip(0).sum(0)
+            near[some] = 2 * common >= end - start  # one behind the other is the same face
+            near[0] = True
             blocks = merged_spans(spans[near], FACE_GAP_M)
             low, high = blocks[np.searchsorted(blocks[:, 0], spans[0, 0], "right") - 1]
             chosen = np.flatnonzero(near & (spans[:, 0] >= low) & (spans[:, 1] <= high))
+            if len(chosen) == 1:
+                break
+            away = abs(to[chosen] @ normal).mean(1)
+            order = np.argsort(away, kind="stable")
+            share = np.cumsum(sizes[left[chosen]][order])
+            half = away[order][np.searchsorted(share, share[-1] / 2)]
+            close = chosen[away <= FACE_SPREAD * half + 1e-9]
+            band = min(max(FACE_SPREAD * half, LEAST_FACE_BAND_M), FACE_BAND_M)
         front = int(np.sign(facing[chosen] @ sizes[left[chosen]]))
         for low, high in _bridged(merged_spans(spans[chosen]), centre, way, front * normal, grid):
             own = chosen[(spans[chosen, 0] >= low) & (spans[chosen, 1] <= high)]

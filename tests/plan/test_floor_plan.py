@@ -8,7 +8,7 @@ import pytest
 from segmap import build_map, load, plan, quadtree, reduction
 from segmap.poses import compose, transform
 from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, map_of_grid
-from segmap.simulation import Sensor, circular_room, drive, office, polyline, simulate
+from segmap.simulation import Sensor, box, circular_room, drive, office, polyline, simulate
 
 LASER = Sensor("whole turn", 720, -np.pi, np.pi / 360, max_range=20.0, sigma=0.01)
 ROOMS = 3
@@ -212,6 +212,62 @@ def test_an_opening_too_wide_for_a_door_joins_both_sides():
     assert len(found.rooms) == 1 and not found.doors
 
 
+def two_rooms_with(wall, furniture=(), turn=0.0, sensor=LASER):
+    """The plan of two rooms of 4 x 4 m behind a wall with a door of 0.9 m."""
+    left = polyline([(4, 1.6), (4, 0), (0, 0), (0, 4), (4, 4), (4, 2.5)])
+    right = (1, -1) * (left - (4, 0)) * (-1, -1) + (4 + wall, 0)
+    jambs = [[(4, y), (4 + wall, y)] for y in (1.6, 2.5)]
+    way = [(0.6, 0.6), (2, 3.4), (2, 2), (4 + wall / 2, 2.05), (6, 2), (6, 3.4), (7, 0.8)]
+    walls = np.concatenate([left, right, jambs, *furniture])
+    rng = np.random.default_rng(0)
+    log = simulate(walls, drive(way, step=0.2), sensor=sensor, rng=rng)
+    poses = compose((0, 0, turn), log.truth)
+    walls = reduction.one_per_wall(build_map(log, poses, keep_points=True))
+    finest = {"resolution": 0.05, "free_resolution": 0.05}
+    return plan.floor_plan(walls, quadtree.build_map(log, poses, **finest))
+
+
+@pytest.mark.parametrize("wall", [0.05, 0.12, 0.2, 0.3])
+@pytest.mark.parametrize("sensor", [LASER, replace(LASER, sigma=0.005), replace(LASER, sigma=0.02)])
+def test_faces_bound_a_room_whatever_the_wall(wall, sensor):
+    """Catches a room that reaches to the middle of its walls, or into the sill of its door."""
+    found = two_rooms_with(wall, sensor=sensor)
+    assert [room.area for room in found.rooms] == [pytest.approx(16, rel=0.02)] * 2
+    assert len(found.doors) == 1 and all(room.hidden < 0.1 for room in found.rooms)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5, 2.0])
+def test_furniture_counts_as_floor_that_nobody_saw(turn):
+    """Catches a room that ends before a wardrobe, in the middle of a wall or at a corner."""
+    wardrobe, corner = box(0.6, 2.0, (0.3, 2.2, 0)), box(0.5, 0.8, (7.95, 3.6, 0))
+    found = two_rooms_with(0.2, [wardrobe, corner], turn)
+    assert [room.area for room in found.rooms] == [pytest.approx(16, rel=0.02)] * 2
+    assert sorted(room.hidden for room in found.rooms) == [
+        pytest.approx(x, abs=0.15) for x in (0.4, 1.2)
+    ]
+
+
+def test_a_wall_that_reaches_into_a_room_is_no_furniture():
+    """Catches a partition of two metres whose area counts as floor."""
+    partition = polyline([(1.8, 0), (1.8, 2.2), (2.1, 2.2), (2.1, 0)])
+    found = two_rooms_with(0.2, [partition])
+    assert min(room.area for room in found.rooms) == pytest.approx(16 - 2.2 * 0.3, rel=0.02)
+
+
+def test_a_wall_across_a_corner_is_no_furniture():
+    """Catches a chamfer whose corner counts as floor."""
+    walls = polyline([(0, 0), (4, 0), (4, 3), (3, 4), (0, 4)], closed=True)
+    (room,) = plan.floor_plan(*seen(walls, [(1, 1), (3, 1), (2, 3)])).rooms
+    assert room.area == pytest.approx(15.5, rel=0.01) and room.hidden == 0
+
+
+def test_furniture_that_stands_free_makes_no_room_and_no_door():
+    """Catches a passage between a table and a wall that becomes a doorway."""
+    for x, y in ((1.3, 1.4), (2.2, 2.6), (2.6, 1.2)):
+        found = two_rooms_with(0.12, [box(0.9, 0.5, (x, y, 0.0))])
+        assert len(found.rooms) == 2 and len(found.doors) == 1
+
+
 def test_a_line_lies_where_most_of_its_wall_does():
     """Catches a room that a short piece beside its wall makes smaller."""
     kinds = np.full((80, 100), UNKNOWN)
@@ -219,7 +275,7 @@ def test_a_line_lies_where_most_of_its_wall_does():
     corners = [(4.5, 0.5), (4.5, 3.5), (0.5, 3.5), (0.5, 0.5), (4.1, 0.5)]
     walls = [*polyline(corners), [(4.0, 0.62), (4.5, 0.62)]]
     (room,) = plan.floor_plan(walls, map_of_grid(kinds, resolution=0.05)).rooms
-    assert room.outline[:, 1].min() == pytest.approx((3.6 * 0.5 + 0.5 * 0.62) / 4.1, abs=1e-6)
+    assert room.outline[:, 1].min() == pytest.approx(0.5, abs=1e-6)
 
 
 def test_an_opening_with_one_jamb_is_no_door():

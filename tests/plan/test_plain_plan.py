@@ -62,7 +62,7 @@ def same_rooms(walls, tree):
     np.add.at(squares, (np.unique(rooms, return_inverse=True)[1][there >= 0], there[there >= 0]), 1)
     assert sorted(squares.argmax(1)) == [*range(len(library.rooms))]
     assert squares.max(1).sum() > 0.999 * squares.sum()
-    assert np.mean(there < 0) < 0.01 and len(doors) == len(library.doors)
+    assert np.mean(there < 0) < 0.03 and len(doors) == len(library.doors)
     widths = np.sort([door.width for door in library.doors])
     assert np.allclose(sorted(width for width, _, _ in doors), widths, atol=2 * SIDE + 1e-6)
     return library
@@ -80,7 +80,7 @@ def test_the_plain_steps_give_the_rooms_of_the_library_in_the_clinic(seed):
     log = clinic_log(*NOISE[seed], seed)
     library = same_rooms(*straightened(log, log.truth if seed % 2 else pose_graph(log).poses))
     assert len(library.rooms) == 7 and not library.doubt
-    assert 0.7 < sum(room.area for room in library.rooms[1:]) / ROOMS_M2 < 0.85
+    assert 0.9 < sum(room.area for room in library.rooms[1:]) / ROOMS_M2 < 1.03
 
 
 @pytest.mark.parametrize("seed", range(4))

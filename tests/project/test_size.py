@@ -19,7 +19,7 @@ LAYERS = {
     "entry points": "__init__ __main__ panels warm",
 }
 #: Lines of code of the core, at most: a commit that raises this says which issue grants it.
-CORE_LINES = 14_830  # bend, pauses, mending and given poses: issue Earned; noise: issue Real
+CORE_LINES = 14_980  # earned verdicts: issue Earned; noise: Real; rooms to their walls: Hands
 #: A core that is so much smaller lowers the figure.
 SLACK_LINES = 150
 #: Modules of a folder, lines of a file that is read to its end.

@@ -1,0 +1,188 @@
+"""Outlines of rooms: sides on walls, over furniture, without the sills of doors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..segments import MIN_LENGTH, length
+from ._cells import SHORTEST_ALONE_M, Grid
+from ._lines import Indices
+from ._polygons import Room, shapely_or_hint
+from ._walls import CORNER_TURN_RAD, FACE_TURN_RAD, THICKEST_WALL_M, normals
+
+#: Slits and spikes that are narrower, metres, are none.
+SLIT_M = 0.15
+#: Steps of one square in a side are none, in squares.
+SMOOTHED_SQUARES = 1.2
+#: A room reaches half a square beyond its free squares, and a little more, in squares.
+GROWN_SQUARES = 0.7
+#: Corners that are so near to a straight side are none, metres.
+STRAIGHT_M = 0.01
+#: Sides of a ring that are so near to a wall along them, metres, move onto it.
+SNAP_M = 0.2
+#: Sides that are on one line are so near to it, metres.
+SAME_LINE_M = 0.05
+#: Between two sides on walls at most so many sides belong to furniture, or to a doorway.
+MOST_BETWEEN = 24
+#: And the ends of the two lie at most so far apart, metres.
+WIDEST_NICHE_M = 3.0
+#: What stands at a wall and reaches farther into a room, metres, is a wall itself where it has a
+#: side as long as one that stands alone.
+DEEPEST_FURNITURE_M = 0.8
+
+
+def room_of(
+    parts: Indices,
+    number: int,
+    box: tuple[slice, ...],
+    grid: Grid,
+    walls: Array,
+    side: Indices,
+    doorways: Array,
+    least: float,
+) -> Room:
+    """The room of the squares in a box that have a number, without a name."""
+    shapely, own = shapely_or_hint(), parts[box] == number
+
+    def placed(at: Array | Indices) -> Array:  # columns and rows
+        start = box[1].start, box[0].start
+        return grid.origin + (at + start) * grid.side @ [grid.right, grid.up]
+
+    edge = np.diff(own.astype(np.int8), axis=1, prepend=0, append=0)
+    (row, left), right = np.nonzero(edge == 1), np.nonzero(edge == -1)[1]
+    squares, slit = (
+        shapely.union_all(shapely.box(left, row, right, row + 1)),
+        SLIT_M / grid.side / 2,
+    )
+    whole = squares
+    for by in (slit, -2 * slit, slit + GROWN_SQUARES):
+        whole = shapely.buffer(whole, by, join_style="mitre")
+    whole = shapely.intersection(whole, shapely.buffer(squares, slit, join_style="mitre"))
+    whole, rings = largest(shapely.simplify(whole, SMOOTHED_SQUARES)), list[Array]()
+    others, hidden = placed(np.argwhere((parts[box] >= 0) & ~own)[:, ::-1]), 0.0
+    for ring in (whole.exterior, *whole.interiors):
+        corners = placed(np.array(ring.coords)[:-1] - 0.5)
+        corners, area = outline_of(corners, walls, side, doorways, others, least)
+        rings.append(corners)
+        hidden += area
+    clean = shapely.buffer(shapely.Polygon(rings[0], rings[1:]), 0)
+    whole = largest(shapely.simplify(clean, STRAIGHT_M))
+    outline, *holes = (np.array(r.coords)[:-1] for r in (whole.exterior, *whole.interiors))
+    areas = [float(shapely.Polygon(hole).area) for hole in holes]
+    hidden += sum(area for area in areas if area < least)
+    holes = [hole for hole, area in zip(holes, areas, strict=True) if area >= least]
+    whole = shapely.Polygon(outline, holes)
+    place = np.array(whole.representative_point().coords)[0]
+    return Room("", outline, holes, whole.area, whole.length, place, hidden, "")
+
+
+def largest(polygons: Any) -> Any:
+    """The largest part, its outline counter-clockwise and its holes clockwise."""
+    shapely = shapely_or_hint()
+    return max(shapely.get_parts(shapely.orient_polygons(polygons)), key=lambda part: part.area)
+
+
+def outline_of(
+    ring: Array, walls: Array, side: Indices, doorways: Array, others: Array, least: float
+) -> tuple[Array, float]:
+    """A ring of corners whose sides are on walls, and the area in it that furniture hides.
+
+    The inside of the ring is on its left, `side` the free side of each wall. Between two sides on
+    walls, on one line or at a right angle, stands furniture where the area is below `least` and no
+    place of `others`, `(m, 2)`, is in it. A niche in a wall with one of the `doorways`, `(d, 2)`,
+    is the sill of a door.
+    """
+    shapely, hidden, steps = shapely_or_hint(), 0.0, 2
+    sides, wall = sides_on_walls(ring, walls, side)
+    while steps <= min(MOST_BETWEEN + 1, len(sides) - 2):
+        apart = np.hypot(*(np.roll(sides[:, 0], -steps, axis=0) - sides[:, 1]).T)
+        left = normals(sides)
+        turn = (left * np.roll(left, -steps, axis=0)).sum(1)  # its cosine
+        fits = (abs(turn) < np.sin(FACE_TURN_RAD)) | (turn > np.cos(FACE_TURN_RAD))
+        fits &= (np.minimum(wall, np.roll(wall, -steps)) > 0) & (apart <= WIDEST_NICHE_M)
+        for first in np.flatnonzero(fits):
+            turned, long = np.roll(sides, -first, axis=0), np.roll(wall, -first)
+            border = between(turned, steps)
+            (x, y), (next_x, next_y) = border.T, np.roll(border, -1, axis=0).T
+            area = float(next_x @ y - next_y @ x) / 2  # positive before the walls
+            if not 0 < abs(area) <= least or not (niche := shapely.Polygon(border)).is_valid:
+                continue
+            both = turned[[0, steps]]
+            away = ((border - both[:, None, 0]) * normals(both)[:, None]).sum(-1)
+            deep = abs(away).max(1).min()
+            if area < 0:
+                goes = deep <= THICKEST_WALL_M
+                goes &= bool(shapely.dwithin(niche, shapely.points(doorways), SLIT_M).any())
+            else:
+                ways = normals(both) @ [[0, -1], [1, 0]]
+                across = abs(normals(turned[1:steps]) @ ways.T).max(1)
+                goes = deep <= DEEPEST_FURNITURE_M
+                goes |= (long[1:steps] * across).max() < SHORTEST_ALONE_M
+                goes &= steps > 2  # one side alone cuts the corner off: a wall
+                near = ((others >= border.min(0)) & (others <= border.max(0))).all(1)
+                inner = shapely.buffer(niche, -SLIT_M / 2)
+                goes &= not shapely.contains_xy(inner, *others[near].T).any()
+                hidden += area if goes else 0.0
+            if goes:
+                sides, wall = (np.delete(each, np.s_[1:steps], axis=0) for each in (turned, long))
+                steps = 1
+                break
+        steps += 1
+    pairs = zip(np.roll(sides, 1, axis=0), sides, strict=True)
+    return np.concatenate([lines_meeting(*pair) for pair in pairs]), hidden
+
+
+def sides_on_walls(ring: Array, walls: Array, side: Indices) -> tuple[Array, Array]:
+    """Sides `(n, 2, 2)` of a ring, and the length of the wall that each is on, 0 for none.
+
+    A side goes onto the wall that covers most of it and whose free side is the inside.
+    """
+    left, sides = normals(walls), np.stack([ring, np.roll(ring, -1, axis=0)], 1)
+    on = np.zeros(len(ring))
+    for k, (start, end) in enumerate(sides.copy()):
+        size = np.hypot(*(end - start))
+        way = (end - start) / max(size, MIN_LENGTH)
+        spans = np.sort((walls - start) @ way, -1).clip(0, size)
+        common = spans[:, 1] - spans[:, 0]
+        off = ((start + spans.mean(1)[:, None] * way - walls[:, 0]) * left).sum(-1)
+        facing = left @ (-way[1], way[0])
+        facing = np.where(side == 0, abs(facing), side * facing)
+        common[(abs(off) > SNAP_M) | (facing < np.cos(FACE_TURN_RAD))] = 0
+        if common.max(initial=0) > 0:
+            best = common.argmax()
+            on[k] = length(walls[best])
+            sides[k] -= ((sides[k] - walls[best, 0]) @ left[best])[:, None] * left[best]
+    return sides, on
+
+
+def between(sides: Array, steps: int) -> Array:
+    """Border `(m, 2)` of what lies between the first side of a ring, that after `steps`, and both.
+
+    Nothing, `(0, 2)`, where these two are not on one line, and do not meet at a right angle ahead.
+    """
+    one, other = sides[0], sides[steps]
+    way, to = one[1] - one[0], other[1] - other[0]
+    tip = lines_meeting(one, other)
+    if len(tip) > 1:
+        away = abs((other - one[0]) @ (-way[1], way[0])).max()
+        if steps < 3 or away > SAME_LINE_M * np.hypot(*way):
+            return tip[:0]
+        tip = tip[:0]
+    else:
+        start = lines_meeting(sides[-1], one)[-1]
+        end = lines_meeting(other, sides[(steps + 1) % len(sides)])[0]
+        if (tip[0] - start) @ way <= 0 or (end - tip[0]) @ to <= 0:
+            return tip[:0]
+    return np.concatenate([*(lines_meeting(sides[k], sides[k + 1]) for k in range(steps)), tip])
+
+
+def lines_meeting(one: Array, other: Array) -> Array:
+    """Where the lines of two sides meet, `(1, 2)`; of parallel ones the ends that follow."""
+    (u, v), to = (one[1] - one[0], other[1] - other[0]), other[0] - one[0]
+    across = u[0] * v[1] - u[1] * v[0]
+    if abs(across) > np.sin(CORNER_TURN_RAD) * np.hypot(*u) * np.hypot(*v):
+        return (one[0] + (to[0] * v[1] - to[1] * v[0]) / across * u)[None]
+    return np.stack([one[1], other[0]])
