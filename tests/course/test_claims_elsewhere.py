@@ -228,6 +228,17 @@ def test_mean_shift_makes_one_of_walls_nearer_than_028_sigma(sigma):
             assert len(segmap.reduction.mean_shift(turned, sigma=sigma)) == lines
 
 
+@pytest.mark.parametrize("times", [2, 4, 10, 40])
+@pytest.mark.parametrize("sigma", [0.1, 0.2, 0.3])
+def test_mean_shift_keeps_walls_from_043_sigma_on_however_often_one_was_seen(sigma, times):
+    """Chapter 16: nearer ones are lost, as 8 cm at 20 cm are where one was seen four times."""
+    for apart, lines in ((0.33 * sigma, 1), (0.43 * sigma, 2)):
+        walls = np.array([[(0, 0), (3, 0)]] * times + [[(0, apart), (3, apart)]])
+        assert len(segmap.reduction.mean_shift(walls, sigma=sigma)) == lines
+    lower, upper = [(0, 0), (3, 0)], [(0, 0.08), (3, 0.08)]
+    assert len(segmap.reduction.mean_shift(np.array([*[lower] * 4, upper]))) == 1
+
+
 @pytest.mark.parametrize("building", ["clinic", 0, 1])
 @pytest.mark.parametrize("noise", NOISE, ids=str)
 def test_mean_shift_keeps_a_wall_of_10_cm_at_20_cm_and_loses_it_at_40(noise, building):

@@ -14,8 +14,6 @@ from segmap import arrays
 from segmap.arrays import Array, Segments
 from segmap.plotting import DPI, ERROR, MAP, RAW, RESULT, TRUTH, axes_or_new, draw_segments
 
-from ._reductions import say_stretch
-
 #: A centre is drawn as a dash of this length, in its direction.
 DASH_M = 0.12
 
@@ -61,8 +59,8 @@ def climb_frames(pieces: Segments, states: Sequence[ArrayLike]) -> Iterator[Figu
 def draw_phases(centres: ArrayLike, pieces: Segments, lines: Segments, sigma: float) -> list[Axes]:
     """Draw where centres of upright pieces rest after phase 1, and the lines of phase 2, blue.
 
-    Dashed and green are the places where the weight of a piece has fallen to exp(-1/2). The figure
-    is new; scales of x and y differ.
+    Dashed and green are the places where the weight of a piece has fallen to exp(-1/2) for the mean
+    of the centres. The figure is new.
 
     Examples
     --------
@@ -73,16 +71,15 @@ def draw_phases(centres: ArrayLike, pieces: Segments, lines: Segments, sigma: fl
     figure = plt.figure(figsize=(9.0, 4.2), dpi=DPI, layout="constrained")
     first, second = figure.subplots(1, 2, sharex=True, sharey=True)
     array, around = arrays.segments(pieces), np.linspace(0, 2 * np.pi, 60)
-    x, y = array.mean(axis=(0, 1))
+    x, y = np.mean(np.asarray(centres, float)[:, :2], axis=0)
     radii = {first: (sigma, sigma), second: np.sqrt(2) * np.array([sigma / 10, 2 * sigma])}
     for ax, (across, along) in radii.items():
         draw_segments(array, ax=ax, color=MAP, width=1.0)
         ax.plot(x + across * np.cos(around), y + along * np.sin(around), "--", color=TRUTH)
-        ax.set_aspect("auto")
+        ax.set(xlim=(x - 0.4, x + 0.4), ylim=(y - 0.7, y + 0.7))
         ax.label_outer()
     first.plot(*np.asarray(centres, float)[:, :2].T, "o", color=RESULT, markersize=4)
     draw_segments(lines, ax=second, color=RESULT, width=4.0)
     first.set_title("Phase 1: a round kernel")
-    second.set(title="Phase 2: a thin one", aspect="auto")
-    say_stretch(first, second)
+    second.set_title("Phase 2: a thin one")
     return [first, second]
