@@ -1,5 +1,6 @@
 """What a chapter says of more than its own case: other sensors, other offices."""
 
+import itertools
 import re
 from dataclasses import replace
 from inspect import getsource
@@ -314,6 +315,22 @@ def test_a_tolerance_below_three_standard_deviations_loses_walls_and_a_larger_on
         maps = [segmap.build_map(log, log.truth, tolerance=sigma * k) for k in (1, 3, 4, 6)]
         one, three, *more = (segmap.segments.length(map.segments).sum() for map in maps)
         assert one < 0.75 * three and np.allclose(more, three, rtol=0.03)
+
+
+def test_a_piece_too_many_often_stays_at_three_standard_deviations_and_hardly_ever_at_four():
+    """Chapter 4: its longest run with other noise, three lasers, twelve seeds; five are right."""
+    pose, more = segmap.load("clinic").truth[58:59], {3: 0, 4: 0}
+    for sigma, seed in itertools.product((0.005, 0.01, 0.02), range(12)):
+        sensor, rng = replace(simulation.URG_04LX, sigma=sigma), np.random.default_rng(seed)
+        points = simulation.simulate(clinic_walls(), pose, sensor=sensor, rng=rng)[0].points()
+        gaps = np.flatnonzero(np.hypot(*np.diff(points, axis=0).T) > 0.3) + 1
+        run = max(np.split(points, gaps), key=len)
+        for k in more:
+            all_pieces = {"tolerance": k * sigma, "min_points": 2, "min_length": 0.0}
+            lines = segmap.extract_polylines(run, **all_pieces)
+            assert len(lines) >= 5
+            more[k] += len(lines) > 5
+    assert more == {3: 15, 4: 1}
 
 
 def test_a_noisy_laser_keeps_its_metres_in_pieces():
