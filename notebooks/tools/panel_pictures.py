@@ -55,7 +55,7 @@ STATES: dict[str, list[str]] = {
     "19-1": ["place=*"],
     "20-1": ["scan=*"],
     "21-1": ["penalty=*"],
-    "22-1": ["", "by='one_per_wall', noise='0.02', factor=*"],
+    "22-1": ["", "factor=*"],
     "23a-1": ["wanted=*"],
     "23b-1": ["wanted=*"],
     "24-1": ["doublings=*"],
