@@ -333,6 +333,17 @@ def test_a_piece_too_many_often_stays_at_three_standard_deviations_and_hardly_ev
     assert more == {3: 15, 4: 1}
 
 
+def test_in_two_of_eight_drives_by_the_wheels_the_end_is_the_worst_place():
+    """Chapter 2: the way through the clinic with other errors of the same wheels."""
+    truth, worst = segmap.load("clinic").truth, []
+    for seed in range(8):
+        sensor, rng = replace(simulation.URG_04LX, period=0.5), np.random.default_rng(seed)
+        wheels = {"odometry_noise": simulation.CHEAP_WHEELS, "sensor": sensor, "rng": rng}
+        off = position_errors(simulation.simulate(clinic_walls(), truth, **wheels).odometry, truth)
+        worst.append(off[-1] > 0.99 * off.max())
+    assert np.flatnonzero(worst).tolist() == [0, 2]
+
+
 def test_a_noisy_laser_keeps_its_metres_in_pieces():
     """Chapter 4: at 3 cm of noise and a tolerance of one deviation."""
     sensor, path = replace(simulation.URG_04LX, sigma=0.03), segmap.load("clinic").truth[::10]
