@@ -67,9 +67,8 @@ def laid_on(
     for reach in np.geomspace(0.6, 0.1, 10):
         turned = transform((0, 0, pose[2]), scan)
         far, k = tree.query(turned + pose[:2])
-        near = far < reach
-        feet = points[k[near]] - pose[:2]
-        pose = pose + mine.move_onto_walls(turned[near], feet, normals[k[near]])
+        near, feet = far < reach, points[k] - pose[:2]
+        pose = pose + mine.move_onto_walls(turned[near], feet[near], normals[k[near]])
     return pose, float(np.mean(far < 0.1))
 
 
@@ -90,7 +89,7 @@ def follow(
 def graph_edges(
     scans: Sequence[Array], walls: Sequence[Walls], poses: Array, keys: list[int], mine: Functions
 ) -> list[Edge]:
-    """To each key frame from the one before, and from the nearest of long before that it fits."""
+    """To each key frame from the one before, and from the nearest much older one that it fits."""
     edges = []
     for b, k in enumerate(keys[1:], 1):
         edges.append((b - 1, b, mine.edge_error(poses[keys[b - 1]], poses[k], STILL)))
