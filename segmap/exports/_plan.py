@@ -40,7 +40,8 @@ def write_plan(
     - `.dxf`: a drawing in metres with the layers WALLS, CLUTTER, DOORS, ROOMS and TEXT.
     - `.geojson`: rooms as polygons, doors as points, walls and clutter as lines, each with
       its `kind`.
-    - `.csv`: a table of the rooms: name, area, perimeter, sides along the axes, doors.
+    - `.csv`: a table of the rooms: name, area, what of it furniture hides, perimeter, sides along
+      the axes, doors.
 
     Parameters
     ----------
@@ -59,8 +60,8 @@ def write_plan(
     ...     path = Path(folder) / "rooms.csv"
     ...     write_plan(path, plan.floor_plan(walls, free))
     ...     print(path.read_text(), end="")
-    name,area_m2,perimeter_m,length_m,width_m,doors
-    room 1,12.00,14.00,4.00,3.00,0
+    name,area_m2,hidden_m2,perimeter_m,length_m,width_m,doors
+    room 1,12.00,0.00,14.00,4.00,3.00,0
     """
     place = arrays.file(path)
     arrays.instance(plan, "plan", FloorPlan)
@@ -81,9 +82,10 @@ def write_plan(
 def _csv_rooms(plan: FloorPlan, world: Frame) -> Iterator[str]:
     kept = io.StringIO()
     rows = csv.writer(kept, lineterminator="\n")
-    rows.writerow(["name", "area_m2", "perimeter_m", "length_m", "width_m", "doors"])
+    names = ("area_m2", "hidden_m2", "perimeter_m", "length_m", "width_m")
+    rows.writerow(["name", *names, "doors"])
     for k, room in enumerate(plan.rooms):
-        sizes = room.area, room.perimeter, *room_sides(plan, room)
+        sizes = room.area, room.hidden, room.perimeter, *room_sides(plan, room)
         doors = sum(k in door.rooms for door in plan.doors)
         rows.writerow([room.name, *(f"{size:.2f}" for size in sizes), doors])
     yield kept.getvalue()
@@ -99,7 +101,8 @@ def _geojson_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
 
     features = [
         feature("room", "Polygon", [ring(room.outline), *(ring(hole[::-1]) for hole in room.holes)],
-                name=room.name, area=round(room.area, 3), perimeter=round(room.perimeter, 3))
+                name=room.name, area=round(room.area, 3), hidden=round(room.hidden, 3),
+                perimeter=round(room.perimeter, 3))
         for room in plan.rooms
     ]  # fmt: skip
     features += [

@@ -15,6 +15,7 @@ from .. import arrays
 from ..arrays import Array, Segments, checked
 from ..files import shown, write_bytes
 from ..plan import FloorPlan, Room
+from ..segments import point_distance
 from ._world import Direction
 
 if TYPE_CHECKING:
@@ -216,12 +217,15 @@ def _draw_rooms(ax: Any, plan: FloorPlan, on_paper: Callable[[Array], Array], sc
     from matplotlib.path import Path as Outline
 
     for room in plan.rooms:
-        rings = [Outline(on_paper(r), closed=False) for r in (room.outline, *room.holes)]
-        around = Outline.make_compound_path(*rings)
+        rings = room.outline, *room.holes
+        paths = [Outline(on_paper(ring), closed=False) for ring in rings]
+        around = Outline.make_compound_path(*paths)
         ax.add_patch(PathPatch(around, facecolor=ROOM_TINT, edgecolor="none"))
         length, width = room_sides(plan, room)
         lines = [shown(room.name), f"{room.area:.1f} m2", f"{length:.2f} x {width:.2f} m"]
-        size = np.clip(1000 * width / scale / 6, *LETTERS_POINTS)
+        border = [np.stack([ring, np.roll(ring, -1, axis=0)], 1) for ring in rings]
+        circle = 2 * point_distance(room.place, np.concatenate(border)).min()
+        size = np.clip(1000 * circle / scale / 4, *LETTERS_POINTS)
         ax.text(*on_paper(room.place), "\n".join(lines), fontsize=size, ha="center", va="center",
                 parse_math=False)  # fmt: skip
     clutter = list(on_paper(plan.clutter.segments))

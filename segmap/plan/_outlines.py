@@ -75,7 +75,8 @@ def room_of(
     hidden += sum(area for area in areas if area < least)
     holes = [hole for hole, area in zip(holes, areas, strict=True) if area >= least]
     whole = shapely.Polygon(outline, holes)
-    place = np.array(whole.representative_point().coords)[0]
+    widest = shapely.maximum_inscribed_circle(whole, tolerance=STRAIGHT_M)
+    place = shapely.get_coordinates(widest)[0]
     return Room("", outline, holes, whole.area, whole.length, place, hidden, "")
 
 

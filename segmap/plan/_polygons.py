@@ -25,7 +25,7 @@ class Room:
     perimeter : float
         Metres, holes too.
     place : (2,) array, metres
-        A point inside.
+        The middle of the widest circle in it.
     hidden : float
         Square metres of the area that nobody saw: under furniture, and behind it.
     reason : str

@@ -326,8 +326,10 @@ def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: 
             report.line("rooms", f"no room lies at {x}, {y}: {shown(name)} is left out")
     area = sum(room.area for room in plan.rooms)
     rooms, doors = counted(len(plan.rooms), "room"), counted(len(plan.doors), "door")
-    words = f"{rooms} of {area:.1f} m2, {doors}"
-    report.line("planned", words, rooms=len(plan.rooms), area=area, doors=len(plan.doors))
+    hidden = sum(room.hidden for room in plan.rooms)
+    words = f"{rooms} of {area:.1f} m2, of which furniture hides {hidden:.1f}; {doors}"
+    figures = {"rooms": len(plan.rooms), "area": area, "hidden": hidden, "doors": len(plan.doors)}
+    report.line("planned", words, **figures)
     words = f"{counted(len(plan.walls), 'wall')}, {counted(len(plan.clutter), 'piece')} of clutter"
     report.line("walls", words, walls=len(plan.walls), clutter=len(plan.clutter))
     if plan.doubt:
