@@ -24,8 +24,7 @@ LEAST_RAYS = 2
 LEAST_HOLE_M2 = 0.5
 #: The sides of a line are looked at so far off it, metres.
 BESIDE_LINE_M = 1e-3
-#: And farther, in squares, for the cell that lies there behind what is not free; a cross wall may
-#: stand half as far from the end of an opening.
+#: And farther, in squares, for the cell that lies there behind what is not free.
 BESIDE_STEPS = 4
 #: A jamb: so much of the wall is covered, over so much from where it begins; that is as near the
 #: end of an opening, metres: the leaf of a door may stand between.

@@ -53,11 +53,8 @@ def room_of(
 
     edge = np.diff(own.astype(np.int8), axis=1, prepend=0, append=0)
     (row, left), right = np.nonzero(edge == 1), np.nonzero(edge == -1)[1]
-    squares, slit = (
-        shapely.union_all(shapely.box(left, row, right, row + 1)),
-        SLIT_M / grid.side / 2,
-    )
-    whole = squares
+    squares = shapely.union_all(shapely.box(left, row, right, row + 1))
+    whole, slit = squares, SLIT_M / grid.side / 2
     for by in (slit, -2 * slit, slit + GROWN_SQUARES):
         whole = shapely.buffer(whole, by, join_style="mitre")
     whole = shapely.intersection(whole, shapely.buffer(squares, slit, join_style="mitre"))
@@ -109,23 +106,12 @@ def outline_of(
             border = between(turned, steps)
             (x, y), (next_x, next_y) = border.T, np.roll(border, -1, axis=0).T
             area = float(next_x @ y - next_y @ x) / 2  # positive before the walls
-            if not 0 < abs(area) <= least or not (niche := shapely.Polygon(border)).is_valid:
+            if not (0 < abs(area) <= least and shapely.Polygon(border).is_valid):
                 continue
-            both = turned[[0, steps]]
-            away = ((border - both[:, None, 0]) * normals(both)[:, None]).sum(-1)
-            deep = abs(away).max(1).min()
             if area < 0:
-                goes = deep <= THICKEST_WALL_M
-                goes &= bool(shapely.dwithin(niche, shapely.points(doorways), SLIT_M).any())
+                goes = is_sill(turned[[0, steps]], border, doorways)
             else:
-                ways = normals(both) @ [[0, -1], [1, 0]]
-                across = abs(normals(turned[1:steps]) @ ways.T).max(1)
-                goes = deep <= DEEPEST_FURNITURE_M
-                goes |= (long[1:steps] * across).max() < SHORTEST_ALONE_M
-                goes &= steps > 2  # one side alone cuts the corner off: a wall
-                near = ((others >= border.min(0)) & (others <= border.max(0))).all(1)
-                inner = shapely.buffer(niche, -SLIT_M / 2)
-                goes &= not shapely.contains_xy(inner, *others[near].T).any()
+                goes = is_furniture(turned[: steps + 1], long[1:steps], border, others)
                 hidden += area if goes else 0.0
             if goes:
                 sides, wall = (np.delete(each, np.s_[1:steps], axis=0) for each in (turned, long))
@@ -134,6 +120,36 @@ def outline_of(
         steps += 1
     pairs = zip(np.roll(sides, 1, axis=0), sides, strict=True)
     return np.concatenate([lines_meeting(*pair) for pair in pairs]), hidden
+
+
+def depth(both: Array, border: Array) -> float:
+    """How far a border `(m, 2)` reaches from the nearer of the lines of two sides, metres."""
+    away = ((border - both[:, None, 0]) * normals(both)[:, None]).sum(-1)
+    return float(abs(away).max(1).min())
+
+
+def is_sill(both: Array, border: Array, doorways: Array) -> bool:
+    """Whether what lies behind two sides is as deep as a wall and has a doorway."""
+    shapely = shapely_or_hint()
+    near = shapely.dwithin(shapely.Polygon(border), shapely.points(doorways), SLIT_M)
+    return depth(both, border) <= THICKEST_WALL_M and bool(near.any())
+
+
+def is_furniture(sides: Array, wall: Array, border: Array, others: Array) -> bool:
+    """Whether what sides go round, from the first to the last, belongs to the floor.
+
+    `wall` are the lengths of the walls on which those between are. One side alone cuts a corner
+    off, and a long one that reaches far into the room is a wall too.
+    """
+    shapely, both = shapely_or_hint(), sides[[0, -1]]
+    ways = normals(both) @ [[0, -1], [1, 0]]
+    across = abs(normals(sides[1:-1]) @ ways.T).max(1)
+    is_deep = depth(both, border) > DEEPEST_FURNITURE_M
+    if len(wall) < 2 or (is_deep and (wall * across).max() >= SHORTEST_ALONE_M):
+        return False
+    near = others[((others >= border.min(0)) & (others <= border.max(0))).all(1)]
+    inner = shapely.buffer(shapely.Polygon(border), -SLIT_M / 2)
+    return not shapely.contains_xy(inner, *near.T).any()
 
 
 def sides_on_walls(ring: Array, walls: Array, side: Indices) -> tuple[Array, Array]:

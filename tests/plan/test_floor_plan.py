@@ -212,13 +212,13 @@ def test_an_opening_too_wide_for_a_door_joins_both_sides():
     assert len(found.rooms) == 1 and not found.doors
 
 
-def two_rooms_with(wall, furniture=(), turn=0.0, sensor=LASER):
+def two_rooms_with(wall, furniture=(), turn=0.0, sensor=LASER, mirror=(1, 1)):
     """The plan of two rooms of 4 x 4 m behind a wall with a door of 0.9 m."""
     left = polyline([(4, 1.6), (4, 0), (0, 0), (0, 4), (4, 4), (4, 2.5)])
     right = (1, -1) * (left - (4, 0)) * (-1, -1) + (4 + wall, 0)
     jambs = [[(4, y), (4 + wall, y)] for y in (1.6, 2.5)]
     way = [(0.6, 0.6), (2, 3.4), (2, 2), (4 + wall / 2, 2.05), (6, 2), (6, 3.4), (7, 0.8)]
-    walls = np.concatenate([left, right, jambs, *furniture])
+    walls, way = np.concatenate([left, right, jambs, *furniture]) * mirror, np.multiply(way, mirror)
     rng = np.random.default_rng(0)
     log = simulate(walls, drive(way, step=0.2), sensor=sensor, rng=rng)
     poses = compose((0, 0, turn), log.truth)
@@ -245,6 +245,15 @@ def test_furniture_counts_as_floor_that_nobody_saw(turn):
     assert sorted(room.hidden for room in found.rooms) == [
         pytest.approx(x, abs=0.15) for x in (0.4, 1.2)
     ]
+
+
+@pytest.mark.parametrize("mirror", [(1, 1), (1, -1), (-1, 1)])
+def test_a_mirrored_building_has_the_same_plan(mirror):
+    """Catches a side of a wall or of a line that is taken for the other one."""
+    found = two_rooms_with(0.2, [box(0.6, 2.0, (0.3, 2.2, 0))], mirror=mirror)
+    assert [room.area for room in found.rooms] == [pytest.approx(16, rel=0.02)] * 2
+    assert [door.width for door in found.doors] == [pytest.approx(0.9, abs=0.11)]
+    assert sum(room.hidden for room in found.rooms) == pytest.approx(1.2, abs=0.15)
 
 
 def test_a_wall_that_reaches_into_a_room_is_no_furniture():
