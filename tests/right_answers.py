@@ -246,9 +246,12 @@ def mean_of_complex_numbers(u, v, weight_u, weight_v):
     (a, b), (c, d) = (s @ [1, 1j] for s in (u, v))
     first, second = b - a, d - c
     second = second if (second / first).real > 0 else -second
-    turn = np.angle(second / first)
-    middle = (weight_u * (a + b) + weight_v * (c + d)) / 2 / (weight_u + weight_v)
-    return middle.real, middle.imag, np.angle(first) + weight_v / (weight_u + weight_v) * turn
+    one, other = weight_u * abs(first), weight_v * abs(second)
+    middle = (one * (a + b) + other * (c + d)) / 2 / (one + other)
+    share = other * abs(second) ** 2 / (one * abs(first) ** 2 + other * abs(second) ** 2)
+    way = first / abs(first) * np.exp(1j * share * np.angle(second / first))
+    reach = [((end - middle) / way).real for end in (a, b, c, d)]
+    return [((middle + t * way).real, (middle + t * way).imag) for t in (max(reach), min(reach))]
 
 
 def scan_noise_by_a_loop(apart, scans, k, noise):
@@ -341,7 +344,7 @@ RIGHT = {
     "verdict": verdict_by_parts,
     "cost_of_faces": cost_of_one_face,
     "pose_cost": cost_by_masked_average,
-    "mean_line": lambda u, v, a, b: mean_of_complex_numbers(u, v, a, b),
+    "mean_by_length": mean_of_complex_numbers,
     "scan_noise": scan_noise_by_a_loop,
     "building_axis": lambda a, w: np.angle((w * np.exp(4j * a)).sum()) / 4 % (np.pi / 2),
     "far_ends": far_ends_by_pairs,

@@ -52,7 +52,7 @@ from .exercises.alignment import (
     check_match_value,
     check_move_onto_walls,
 )
-from .exercises.basic import check_matches, check_pair_origin
+from .exercises.basic import check_matches, check_mean_by_length, check_pair_origin
 from .exercises.lines import (
     check_axial_mean,
     check_ransac_trials,
@@ -78,7 +78,6 @@ from .exercises.mechanisms import (
     check_axes_of,
     check_building_axis,
     check_far_ends,
-    check_mean_line,
     check_places_between,
     check_pose_cost,
     check_scan_noise,
@@ -153,7 +152,7 @@ __all__ = [
     "check_climb_step", "check_compose", "check_cost_of_faces", "check_crossed_leaves",
     "check_distances", "check_edge_error", "check_far_ends", "check_flatness",
     "check_frontier_cells", "check_growth_power", "check_least_translation", "check_match_value",
-    "check_matches", "check_mean_line", "check_mean_shift_step", "check_mean_wall_error",
+    "check_matches", "check_mean_by_length", "check_mean_shift_step", "check_mean_wall_error",
     "check_memberships", "check_missed_metres", "check_move_onto_walls", "check_my_mapper",
     "check_nees", "check_own_log", "check_pair_origin", "check_pixel", "check_places_between",
     "check_pose_cost", "check_pose_covariance", "check_quality", "check_ransac_trials",

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import segmap_course as course
 from chapter_rules import CHAPTERS
+from past_a_wall import NOISE, STOPS, drive_past_a_wall, thickness
 from segmap_course import clinic_walls, measure_clinic
 from segmap_course.literal.reduction import least_cost as literal_least_cost
 from segmap_course.literal.reduction import one_per_wall as literal_walls
@@ -29,8 +30,6 @@ from segmap.angles import axial_mean, wrap
 from segmap.poses import between, transform
 from segmap.quadtree import build_map
 from segmap.reduction import hybrid, least_cost, one_per_wall
-
-STOPS = [(0.7, 5), (11.3, 5), (10, 5), (10, 7.4), (10, 2.6), (10, 5), (6, 5), (6, 7.4)]
 
 
 @pytest.mark.parametrize("building", ["clinic", "office"])
@@ -136,35 +135,6 @@ def test_two_faces_stay_where_the_exercise_of_least_cost_is_solved():
     few, cost = looks[near.all(axis=1)], course.check_cost_of_faces.solution
     assert len(few) == 6 and len(merge_all(few, 1.0)) == 1
     assert len(merge_all(few, 1.0, cost)) == len(merge_all(few, 100.0, cost)) == 2
-
-
-#: Standard deviation of a range, metres, and the share of the range that it grows by.
-NOISE = [(0.005, 0), (0.01, 0), (0.02, 0), (0.03, 0), (0.005, 0.006)]
-
-
-def drive_past_a_wall(building, noise, seed):
-    """A log on cheap wheels in a building, and the middle of a wall of 10 cm in it, x and y."""
-    if building == "clinic":
-        walls, path, middle = clinic_walls(), segmap.load("clinic").truth, (5.45, 2.4)
-    else:
-        walls = simulation.office(rng=np.random.default_rng(building))
-        path, middle = simulation.drive(STOPS, step=0.4), (8.0, 6.8)
-    sensor = replace(simulation.URG_04LX, sigma=noise[0], range_share=noise[1])
-    wheels, rng = simulation.CHEAP_WHEELS, np.random.default_rng(seed)
-    return simulation.simulate(walls, path, sensor=sensor, odometry_noise=wheels, rng=rng), middle
-
-
-def thickness(segments, middle, away=0.9):
-    """Of the wall between two rooms, from nine beams to each face, metres."""
-    x, ahead = middle[0] - away, 2 * away
-    reach = [
-        sum(
-            simulation.cast_rays(segments, pose, [0.0])[0]
-            for pose in ((x, y, 0.0), (x + ahead, y, np.pi))
-        )
-        for y in middle[1] + np.linspace(-0.2, 0.2, 9)
-    ]
-    return ahead - np.median(reach)
 
 
 @pytest.mark.parametrize("building", ["clinic", 0, 1])

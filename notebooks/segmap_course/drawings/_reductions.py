@@ -19,6 +19,7 @@ from segmap.plotting import (
     ERROR,
     GROUPS,
     MAP,
+    RAW,
     RESULT,
     axes_or_new,
     axes_row,
@@ -79,6 +80,29 @@ def say_stretch(*axes: Axes) -> None:
         times = box.width / (right - left) / (box.height / (high - low))
         larger, other, times = ("x", "y", times) if times > 1 else ("y", "x", 1 / times)
         note.set_text(f"{larger} drawn {float(f'{times:.2g}'):g} times\nlarger than {other}")
+
+
+def draw_leaning(lengths: Sequence[float], eps: float) -> list[Axes]:
+    """Draw segments of these lengths, black, each with the line that leans most, orange.
+
+    The line has all that it stands for within eps of the segment, the grey strip; metres. The
+    figure is new, and y is drawn larger.
+
+    Examples
+    --------
+    >>> [ax.get_title() for ax in draw_leaning([1.0, 2.0], 0.01)]
+    ['1 m: leans by 1.15 degrees', '2 m: leans by 0.57 degrees']
+    """
+    row = axes_row(len(lengths), (9.0, 3.5), shared="xy")
+    for ax, size in zip(row, lengths, strict=True):
+        ax.fill_between((0, size), -eps, eps, color=RAW, alpha=0.4, linewidth=0)
+        draw_segments([[(0, 0), (size, 0)]], ax=ax, color=MAP, width=2)
+        draw_segments([[(0, -eps), (size, eps)]], ax=ax, color=ERROR, width=2)
+        turn = np.degrees(np.arcsin(2 * eps / size))
+        ax.set(aspect="auto", title=f"{size:g} m: leans by {turn:.2f} degrees")
+        ax.label_outer()
+    say_stretch(*row)
+    return row
 
 
 def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:

@@ -1,4 +1,4 @@
-"""Exercises on Basic and Hybrid: which segments match, and from where lines are compared."""
+"""Exercises on Basic, Hybrid, similarity: what matches, from where, and how much a look counts."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from segmap.segments import angle, length, midpoint
 
 from ..literal.lines import SAME, point_to_segment
 from ..literal.reduction import basic, hybrid
-from ._answers import Cases
-from ._exercise import Exercise, Rng, anywhere
+from ..literal.reduction.segment_similarity import mean_segment
+from ._answers import Cases, same_segment
+from ._exercise import Exercise, Rng, anywhere, edited
 
 
 def _wall(middle: tuple[float, float], size: float, degrees: float) -> Array:
@@ -189,4 +190,59 @@ check_pair_origin = Exercise(
             lambda wall, a: length(wall) * midpoint(wall) + length(a) * midpoint(a)
         ),
     },
+)
+
+
+# -------------------------------------------------------------- segment similarity
+def _two_lines(rng: Rng) -> Cases:
+    """Two segments that are nearly parallel, also where the numbers of their angles jump."""
+    cases: dict[str, tuple[Any, ...]] = {}
+    for words, at in (("two slanted walls", rng.uniform(0.3, 1.2)), ("two level walls", 0.0)):
+        ends = []
+        for turn in rng.uniform(0.02, 0.12, 2) * (1, -1):
+            along = np.array([np.cos(at + turn), np.sin(at + turn)])
+            middle, half = rng.uniform(-3, 3, 2), rng.uniform(0.5, 2)
+            ends.append(np.stack([middle - half * along, middle + half * along]))
+        ends[1] = ends[1][::-1]
+        cases[words] = *ends, float(rng.integers(2, 5)), 1.0
+    return cases
+
+
+def _mean_by_length(u: Array, v: Array, weight_u: float, weight_v: float) -> Array:
+    """As the chapter's mean segment, but a look counts by its length, its direction by the cube."""
+    both, looks = np.stack([u, v]), np.array([weight_u, weight_v])
+    sizes, (at, other) = length(both), angle(both)
+    middle = np.average(both.mean(axis=1), axis=0, weights=looks * sizes)
+    turn = (other - at + np.pi / 2) % np.pi - np.pi / 2
+    at = at + np.average([0, turn], weights=looks * sizes**3)
+    along = np.array([np.cos(at), np.sin(at)])
+    reach = (both.reshape(4, 2) - middle) @ along
+    return np.asarray(middle + np.outer([reach.min(), reach.max()], along))
+
+
+check_mean_by_length = Exercise(
+    "mean_by_length(u, v, weight_u, weight_v) -> (2, 2): the mean segment, metres, of two segments "
+    "(2, 2) that stand for so many looks, in which the middle of a look counts by its length, and "
+    "its direction by the third power of its length",
+    _mean_by_length,
+    _two_lines,
+    {
+        "this is the mean segment of the chapter, where a scrap pulls as much as a wall": (
+            mean_segment
+        ),
+        "the direction counts by the third power of the length": edited(
+            _mean_by_length, ("sizes**3", "sizes")
+        ),
+        "the middle counts by the length itself, only the direction by its third power": edited(
+            _mean_by_length, ("looks * sizes)", "looks * sizes**3)")
+        ),
+        "a segment that stands for three looks counts three times": edited(
+            _mean_by_length, ("looks * sizes", "sizes")
+        ),
+        "a line has no direction: the second may be told the other way round": edited(
+            _mean_by_length, ("(other - at + np.pi / 2) % np.pi - np.pi / 2", "other - at")
+        ),
+        "it spans all four ends": edited(_mean_by_length, ("both.reshape(4, 2)", "both[0]")),
+    },
+    same_segment,
 )

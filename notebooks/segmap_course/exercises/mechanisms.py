@@ -14,7 +14,7 @@ from ..literal.alignment.global_segments import least_squares
 from ..literal.alignment.segment_icp import segment_cost
 from ..literal.floor_plan import axis_of
 from ..literal.reduction.one_per_wall import spread
-from ._answers import Cases, close, same_poses, same_segment
+from ._answers import Cases, close, same_segment
 from ._exercise import Exercise, Rng, edited
 
 
@@ -73,55 +73,6 @@ check_pose_cost = Exercise(
         ),
     },
     close,
-)
-
-
-# -------------------------------------------------------------- segment similarity
-def _two_lines(rng: Rng) -> Cases:
-    """Two segments that are nearly parallel, also where the numbers of their angles jump."""
-    cases: dict[str, tuple[Any, ...]] = {}
-    for words, at in (("two slanted walls", rng.uniform(0.3, 1.2)), ("two level walls", 0.0)):
-        ends = []
-        for turn in rng.uniform(0.02, 0.12, 2) * (1, -1):
-            along = np.array([np.cos(at + turn), np.sin(at + turn)])
-            middle, half = rng.uniform(-3, 3, 2), rng.uniform(0.5, 2)
-            ends.append(np.stack([middle - half * along, middle + half * along]))
-        ends[1] = ends[1][::-1]
-        cases[words] = *ends, float(rng.integers(2, 5)), 1.0
-    return cases
-
-
-def _mean_line(u: Array, v: Array, weight_u: float, weight_v: float) -> Array:
-    """The weighted mean of the middles, and of the directions as those of undirected lines."""
-    share = weight_v / (weight_u + weight_v)
-    at_u, at_v = (float(np.arctan2(*(s[1] - s[0])[::-1])) for s in (u, v))
-    turn = (at_v - at_u + np.pi / 2) % np.pi - np.pi / 2
-    middle = (1 - share) * u.mean(axis=0) + share * v.mean(axis=0)
-    return np.array([*middle, at_u + share * turn])
-
-
-check_mean_line = Exercise(
-    "mean_line(u, v, weight_u, weight_v) -> (3,): x, y and direction, metres and radians, of the "
-    "mean line of two segments (2, 2): through the weighted mean of their middles, in the weighted "
-    "mean of their directions, which differ by less than a quarter of a turn",
-    _mean_line,
-    _two_lines,
-    {
-        "a line has no direction: the second may be told the other way round": edited(
-            _mean_line, ("(at_v - at_u + np.pi / 2) % np.pi - np.pi / 2", "at_v - at_u")
-        ),
-        "a segment that stands for three looks counts three times": edited(
-            _mean_line, ("weight_v / (weight_u + weight_v)", "0.5")
-        ),
-        "the heavy one decides: the weights are exchanged": edited(
-            _mean_line, ("weight_v / (weight_u", "weight_u / (weight_u")
-        ),
-        "the direction is a mean too": edited(_mean_line, ("at_u + share * turn", "at_u")),
-        "the middle of each segment counts, not where it begins": edited(
-            _mean_line, ("u.mean(axis=0)", "u[0]"), ("v.mean(axis=0)", "v[0]")
-        ),
-    },
-    same_poses,
 )
 
 

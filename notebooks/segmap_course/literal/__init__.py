@@ -42,7 +42,7 @@ from .line_finders import (
     lines_regression,
 )
 from .lines import axial_difference, line_angle, placed, point_to_segment, segment_length
-from .metrics import against_walls, mean_lines, quality, segment_distance
+from .metrics import against_walls, quality, segment_distance
 from .quadtrees.histograms import (
     angle_histogram,
     best_shift,
@@ -103,7 +103,7 @@ __all__ = [
     "likelihood", "likelihoods", "line_angle", "line_partner", "lines_em", "lines_hough",
     "lines_incremental", "lines_ransac", "lines_regression", "localize", "log_likelihood",
     "match_histograms", "match_hough", "match_ndt", "match_value", "mean_and_variance",
-    "mean_lines", "mean_rotation", "mean_segment", "mean_shift", "ndt_step", "normal_equations",
+    "mean_rotation", "mean_segment", "mean_shift", "ndt_step", "normal_equations",
     "normals_of", "occupancy", "occupancy_score", "one_per_wall", "online", "partners", "placed",
     "places", "point_to_line_step", "point_to_segment", "polyline", "polyline_through", "quality",
     "quarters", "ray_cells", "sample_and_rank", "segment_cost", "segment_distance",

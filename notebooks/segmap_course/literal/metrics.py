@@ -8,7 +8,6 @@ from itertools import pairwise
 
 from .lines import (
     SAME,
-    Line,
     Point,
     Segment,
     axial_difference,
@@ -71,18 +70,6 @@ def segments_apart(u: Segment, v: Segment) -> float:
 def line_cost(u: Segment, v: Segment, direction: float, share: float = 0.5) -> float:
     """What a line midway costs: the weighted sum of *turned* and *shifted*, metres."""
     return 0.66 * turned(u, v, direction, share) + 0.09 * shifted(u, v, direction, share)
-
-
-def mean_lines(
-    u: Segment, v: Segment, weight_u: float = 1.0, weight_v: float = 1.0
-) -> list[tuple[float, Line]]:
-    """Mean line of two segments, both where they are perpendicular; each with its cost, metres."""
-    share = weight_v / (weight_u + weight_v)
-    x, y = mean_middle(u, v, share)
-    return [
-        (line_cost(u, v, direction, share), (x, y, math.cos(direction), math.sin(direction)))
-        for direction in mean_directions(u, v, share)
-    ]
 
 
 def segment_distance(u: Segment, v: Segment, weight_u: float = 1.0, weight_v: float = 1.0) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
@@ -39,7 +41,7 @@ class ChosenPanel(ReductionPanel):
 
 
 class CloserPanel(ReductionPanel):
-    """A map and what is left of it, with a window of both beside it, larger.
+    """A map and what is left of it, by the method or by what `by` says; beside it a window, larger.
 
     The window is left, low, right and top, metres; by default two metres around the middle of the
     longest segment.
@@ -47,13 +49,15 @@ class CloserPanel(ReductionPanel):
 
     pixels = WIDE
 
-    def __init__(self, map: SegmentMap, *, window: ArrayLike | None = None, **first: float) -> None:
+    def __init__(self, map: SegmentMap, *, window: ArrayLike | None = None, **first: Any) -> None:
         segments = arrays.segments(map)
         middle = segments[length(segments).argmax()].mean(axis=0) if len(segments) else np.zeros(2)
         self.window = [*(middle - 1), *(middle + 1)] if window is None else window
         super().__init__(map, **first)
 
     def _draw(self, figure: Figure) -> None:
+        if "by" in self._parts:
+            self.method = METHODS[self.by.value].function
         self._tell(self.method(self.map, **self.chosen()))
         left, low, right, top = np.asarray(self.window, float)
         axes = figure.subplots(1, 2)
@@ -73,10 +77,6 @@ class FusionPanel(CloserPanel):
     rows = ("by", "tolerance", "every", "distance", "min_length", "count", "rate quality")
     words = "{by}, tolerance {tolerance:.2f} m: {count}"
 
-    def _draw(self, figure: Figure) -> None:
-        self.method = METHODS[self.by.value].function
-        super()._draw(figure)
-
 
 class OnePerWallPanel(CloserPanel):
     """A map, best with scans and places of the sensor, what one per wall leaves, and its noise."""
@@ -92,7 +92,7 @@ class OnePerWallPanel(CloserPanel):
         self.estimate.value = f"looks lie off by {1000 * found.noise:.0f} mm, it says"
 
 
-class LineErrorPanel(ChosenPanel):
+class LineErrorPanel(CloserPanel):
     """A map, best with points and places of the sensor, and three methods that weigh lines.
 
     Weighted line fitting for each error that poses may have, of place and of heading (A 2.7.3),

@@ -50,10 +50,11 @@ class LessonPanel(Panel):
     pixels: Any = {}  # noqa: RUF012
 
     def _begin(self, **first: Any) -> None:
-        """Make all parts and draw; `first` are keywords of the method, in its units."""
+        """Make all parts and draw; `first` are keywords of the method, in its units, and `by`."""
         bodies = [vars(kind).items() for kind in reversed(type(self).__mro__)]
         self._parts = {n: part for body in bodies for n, part in body if isinstance(part, Part)}
-        if unknown := {k for k in first if k not in self._parts or self._parts[k].of is None}:
+        given = {k for k, part in self._parts.items() if part.of is not None or k == "by"}
+        if unknown := first.keys() - given:
             raise TypeError(f"{type(self).__name__} has no keyword {', '.join(sorted(unknown))}")
         for name, part in self._parts.items():
             setattr(self, name, part.make(self, name, first.get(name)))
@@ -143,7 +144,12 @@ def tick(label: str, first: bool = False, *, says: tuple[str, str] | None = None
 
 def pick(options: Any, label: str = "", kind: Any = W.Dropdown) -> Any:
     """A list to choose from."""
-    return Part(lambda _, name, __: kind(options=tuple(options), description=label or name))
+
+    def make(panel: LessonPanel, name: str, first: Any) -> Any:
+        chosen = {} if first is None else {"value": first}
+        return kind(options=tuple(options), description=label or name, **chosen)
+
+    return Part(make)
 
 
 def note() -> Any:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from .lines import (
     axial_difference,
     line_angle,
     parents_of,
+    seen_from,
     segment_length,
     spanning,
 )
@@ -126,8 +126,7 @@ def looks_at_it(s: Array, walls: Array, distance: float, angle: float) -> Indice
     return found[:count]
 
 
-@dataclass
-class UncertainWall:
+class UncertainWall(NamedTuple):
     """A segment of the map, the standard deviations of its line, and the inputs it stands for."""
 
     ends: Segment
@@ -142,34 +141,30 @@ def uncertain(s: Segment, eps: float, i: int) -> UncertainWall:
     return UncertainWall(s, max(eps, LEAST_RHO_M), theta, [i])
 
 
+def weighted_mean(weights: Sequence[float], values: Sequence[float]) -> float:
+    """Mean of values that count as much as their weights."""
+    return sum(w * value for w, value in zip(weights, values, strict=True)) / sum(weights)
+
+
+def mean_line(walls: Sequence[UncertainWall], origin: str) -> tuple[float, float, float]:
+    """A point and the angle of the line with the mean theta, and the mean rho from one place."""
+    sizes = [segment_length(wall.ends) for wall in walls]
+    start = line_angle(next(w.ends for w in walls if segment_length(w.ends) >= max(sizes) - SAME))
+    turns = [axial_difference(line_angle(wall.ends), start) for wall in walls]
+    middles = [[(p + q) / 2 for p, q in zip(*wall.ends, strict=True)] for wall in walls]
+    x, y = (weighted_mean(sizes, values) for values in zip(*middles, strict=True))
+    x, y = (0.0, 0.0) if origin == "map" else (x, y)
+    lines = [(x, y, math.cos(start + turn), math.sin(start + turn)) for turn in turns]
+    rhos = [seen_from(line, at)[1] for line, at in zip(lines, middles, strict=True)]
+    rho = weighted_mean([segment_length(w.ends) / w.sigma_rho**2 for w in walls], rhos)
+    turn = weighted_mean([segment_length(w.ends) / w.sigma_theta**2 for w in walls], turns)
+    return x - rho * math.sin(start + turn), y + rho * math.cos(start + turn), start + turn
+
+
 def fused(walls: Sequence[UncertainWall], origin: str) -> UncertainWall:
-    """One wall for all: weighted means of theta, and of rho about a point near all of them."""
-    lengths = [segment_length(wall.ends) for wall in walls]
-    shares = [length / sum(lengths) for length in lengths]
-    longest = next(k for k, length in enumerate(lengths) if length >= max(lengths) - SAME)
-    at = line_angle(walls[longest].ends)
-    middles = [[(wall.ends[0][k] + wall.ends[1][k]) / 2 for k in (0, 1)] for wall in walls]
-    x, y = (
-        sum(share * middle[k] for share, middle in zip(shares, middles, strict=True))
-        for k in (0, 1)
-    )
-    if origin == "map":
-        x, y = 0.0, 0.0
-    sums = [0.0, 0.0, 0.0, 0.0]
-    for wall, share, middle in zip(walls, shares, middles, strict=True):
-        turn = axial_difference(line_angle(wall.ends), at)
-        rho = (middle[1] - y) * math.cos(at + turn) - (middle[0] - x) * math.sin(at + turn)
-        of_rho, of_theta = share / wall.sigma_rho**2, share / wall.sigma_theta**2
-        for k, term in enumerate((of_rho * rho, of_rho, of_theta * turn, of_theta)):
-            sums[k] += term
-    rho, at = sums[0] / sums[1], at + sums[2] / sums[3]
-    at_x, at_y = x - rho * math.sin(at), y + rho * math.cos(at)
-    ends = spanning(at_x, at_y, at, [p for wall in walls for p in wall.ends])
-    known_rho = sum(1 / wall.sigma_rho**2 for wall in walls)
-    known_theta = sum(1 / wall.sigma_theta**2 for wall in walls)
-    return UncertainWall(
-        ends,
-        max(known_rho**-0.5, LEAST_RHO_M),
-        max(known_theta**-0.5, LEAST_THETA_RAD),
-        [i for wall in walls for i in wall.members],
-    )
+    """One wall for all, on their mean line; its deviations are those of independent looks."""
+    ends = spanning(*mean_line(walls, origin), [p for wall in walls for p in wall.ends])
+    rho = sum(wall.sigma_rho**-2 for wall in walls) ** -0.5
+    theta = sum(wall.sigma_theta**-2 for wall in walls) ** -0.5
+    members = [i for wall in walls for i in wall.members]
+    return UncertainWall(ends, max(rho, LEAST_RHO_M), max(theta, LEAST_THETA_RAD), members)

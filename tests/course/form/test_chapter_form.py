@@ -398,6 +398,7 @@ PASTED = {
     "13": ("lacking", "missed_metres", "make good"),
     "14": ("match", "matches", "match of the chapter"),
     "15": ("map_origin", "pair_origin", "origin of the map"),
+    "18": ("mean_segment", "mean_by_length", "scrap pulls"),
     "28": ("axis_of", "axes_of", "one axis of the chapter"),
 }
 
