@@ -163,11 +163,13 @@ def quality_of_both_maps(before, after):
     return np.exp(-worst / 0.050)
 
 
-def reduction_by_mask(points, quality):
-    q, r = points.T
-    beaten = ((q[:, None] < q) & (r[:, None] < r)).any(axis=1)
-    order = np.argsort(q[~beaten])
-    return np.interp(quality, q[~beaten][order], r[~beaten][order], right=np.nan)
+def front_row_by_row(runs):
+    """From the best quality down: a run stays where none so far is as good in the other two."""
+    kept = []
+    for q, r, m in sorted({(-q, -r, m) for q, r, m in runs.tolist()}):
+        if not any(b <= r and c <= m for _, b, c in kept):
+            kept.append((q, r, m))
+    return [(-q, -r, m) for q, r, m in kept[::-1]]
 
 
 def row_by_masked_argmax(points, quality):
@@ -265,13 +267,6 @@ def far_ends_by_pairs(members):
     return max(((p, q) for p in points for q in points), key=lambda pair: math.dist(*pair))
 
 
-def power_by_deviations(scans, seconds, after):
-    rows = [(math.log10(n), math.log10(t)) for n, t in zip(scans, seconds, strict=True)
-            if n >= after * max(scans)]  # fmt: skip
-    x, y = (np.array(column) - np.mean(column) for column in zip(*rows, strict=True))
-    return x @ y / (x @ x)
-
-
 def places_by_lstsq(rows, known):
     """What is known moves to the right side of each row; a solver does the rest."""
     held = ~np.isnan(known)
@@ -321,8 +316,7 @@ RIGHT = {
     "carried": lambda before, after, pose: compose(compose(after, inverse(before)), pose),
     "reduction_rate": lambda a, b: 1 - len(b) / len(a) if len(a) else 0,
     "quality": quality_of_both_maps,
-    "reduction_at": reduction_by_mask,
-    "growth_power": power_by_deviations,
+    "front": front_row_by_row,
     "best_run": row_by_masked_argmax,
     "missed_metres": missed_between_ends,
     "mean_wall_error": lambda p, w: segments.point_distance(p[:, None], w).min(axis=1).mean(),

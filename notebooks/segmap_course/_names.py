@@ -61,10 +61,10 @@ from .exercises.lines import (
 )
 from .exercises.maps import (
     check_best_run,
+    check_front,
     check_mean_wall_error,
     check_missed_metres,
     check_quality,
-    check_reduction_at,
     check_reduction_rate,
 )
 from .exercises.matching import (
@@ -133,7 +133,6 @@ from .exercises.sensor import (
 from .exercises.strips import check_chain, check_mean_shift_step, robot_on_the_left
 from .exercises.surveyed import (
     check_cost_of_faces,
-    check_growth_power,
     check_memberships,
     check_pose_covariance,
     check_verdict,
@@ -151,12 +150,12 @@ __all__ = [
     "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of", "check_chain",
     "check_climb_step", "check_compose", "check_cost_of_faces", "check_crossed_leaves",
     "check_distances", "check_edge_error", "check_far_ends", "check_flatness",
-    "check_frontier_cells", "check_growth_power", "check_least_translation", "check_match_value",
+    "check_front", "check_frontier_cells", "check_least_translation", "check_match_value",
     "check_matches", "check_mean_by_length", "check_mean_shift_step", "check_mean_wall_error",
     "check_memberships", "check_missed_metres", "check_move_onto_walls", "check_my_mapper",
     "check_nees", "check_own_log", "check_pair_origin", "check_pixel", "check_places_between",
     "check_pose_cost", "check_pose_covariance", "check_quality", "check_ransac_trials",
-    "check_reduction_at", "check_reduction_rate", "check_resampled", "check_scan_noise",
+    "check_reduction_rate", "check_resampled", "check_scan_noise",
     "check_scan_score", "check_segments_all_round", "check_split", "check_unwrapped",
     "check_verdict", "check_weighed", "clearance", "clearance_at", "clinic_walls",
     "compare_with_walls", "conclusions", "corridor_walk", "decide_claims", "decide_map",

@@ -19,7 +19,7 @@ SYLLABUS, README = NOTEBOOKS / "SYLLABUS.md", NOTEBOOKS.parent / "README.md"
 #: for a function to be written, for an open exercise (a prediction, a counter-example, an own log).
 SPEED, CELL, PANEL, FUNCTION, OPEN = 120, 0.75, 5, 20, 15
 #: A row that links to chapters, and ends with minutes.
-ROW = re.compile(r"^(\|.*\d\d[ab]?_\w+\.ipynb\).*\| )(\d+) \|$", re.MULTILINE)
+ROW = re.compile(r"^(\|.*\d\d_\w+\.ipynb\).*\| )(\d+) \|$", re.MULTILINE)
 BEGIN, END = "<!-- minutes: begin -->", "<!-- minutes: end -->"
 #: The last line of the first cell of a chapter; and between which lines all of them are listed.
 SHOWS = re.compile(r"^\*What it shows: (.*)\.\*$", re.MULTILINE)
@@ -113,7 +113,7 @@ def written(text: str, chapters: list[Chapter]) -> str:
 
 def files(row: str) -> list[str]:
     """The chapters that a row of a table links to."""
-    return re.findall(r"\((\d\d[ab]?_\w+\.ipynb)\)", row)
+    return re.findall(r"\((\d\d_\w+\.ipynb)\)", row)
 
 
 def stated(text: str) -> list[tuple[list[str], int]]:

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 from segmap_course import THESIS_GRIDS, conclusions, density, thesis_results
 
-from segmap.experiments import select
+from segmap.experiments import equal_quality, load_records, select
 
 THESIS = thesis_results()
 #: (i) and (l) fail on Stanford already; (d) on USC, where mean shift changes more.
@@ -97,3 +97,11 @@ def test_density_grows_with_the_copies_of_a_wall():
     names = ("polimi", "stanford", "bicocca", "usc")
     found = [density(select(THESIS, map=name)) for name in names]
     assert found == sorted(found) and found[0] == pytest.approx(658 / 394)
+
+
+def test_fusion_is_first_of_five_or_close_to_it():
+    """Chapter 23: on A's buildings and ours, at three qualities; of A's five methods."""
+    for frame in (THESIS, load_records("malaga", "office", "intel", "fr079")):
+        for quality in (0.80, 0.85, 0.90):
+            found = equal_quality(frame, quality)[list(THESIS_GRIDS)].astype(float)
+            assert (found.max(axis=1) - found["fusion"]).max() < 0.025

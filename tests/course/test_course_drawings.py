@@ -118,21 +118,6 @@ DRAWN = {
         [(RESULT, [(900, 13), (900, 20)]), (ERROR, [(900, 13)])],
         ["hill climbing", "hill climbing, thesis"],
     ),
-    "thresholds are in millimetres, filtered runs left out, the last group blue": (
-        lambda ax: course.draw_threshold(
-            run("room", "fusion", 0.7, tolerance=0.02),
-            pd.concat([*HALL, NOISE]),
-            method="fusion",
-            ax=ax,
-        ),
-        [(RAW, [(20, 0.7)]), (RESULT, [(20, 0.9), (40, 0.8)])],
-        ["R", "H"],
-    ),
-    "a threshold that stays the same does not count": (
-        lambda ax: course.draw_threshold(pd.concat(SHIFTED), method="mean_shift", ax=ax),
-        [(RESULT, [(100, 0.5), (200, 0.5)])],
-        ["H"],
-    ),
 }
 
 
@@ -363,17 +348,3 @@ def test_a_picture_for_each_building_two_a_row():
     np.testing.assert_allclose(drawn, chosen[["quality", "reduction"]])
     names = [text.get_text() for text in axes[0].figure.legends[0].get_texts()]
     assert "mean_shift" in names and axes[0].get_xlim() == axes[3].get_xlim()
-
-
-def test_letters_of_lines_that_end_together_do_not_cover_each_other(ax):
-    """Catches eight letters on one heap, and a letter that is moved away without a line to it."""
-    runs = [run(name, "fusion", 0.5, tolerance=0.04) for name in ("ash", "box", "cot")]
-    runs += [run("den", "fusion", 0.9, tolerance=0.04)]
-    course.draw_threshold(pd.concat(runs), method="fusion", ax=ax)
-    places = {text.get_text(): text.xyann[1] for text in ax.texts}
-    low, high = ax.get_ylim()
-    assert np.diff(sorted(places.values())).min() >= 0.05 * (high - low)
-    assert places["D"] == 0.9 and places["A"] < places["B"] < places["C"]
-    assert np.mean([places[k] for k in "ABC"]) == pytest.approx(0.5)
-    assert [text.xy for text in ax.texts] == [(40, 0.5)] * 3 + [(40, 0.9)]
-    assert all(text.arrow_patch.get_arrowstyle() for text in ax.texts)

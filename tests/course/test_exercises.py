@@ -70,8 +70,7 @@ WRONG = {
         "best_run",
         lambda f: lambda points, q: f(points[1:], q) + (f(points[1:], q) >= 0),
     ),
-    "curve without the last": ("reduction_at", lambda f: lambda points, q: f(points[:-1], q)),
-    "curve without the first": ("reduction_at", lambda f: lambda points, q: f(points[1:], q)),
+    "front without its best": ("front", lambda f: lambda runs: f(runs)[:-1]),
     "far ahead only": (
         "cast_ray",
         lambda f: lambda *given: found if (found := f(*given)) > 0.5 else np.inf,

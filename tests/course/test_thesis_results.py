@@ -73,7 +73,7 @@ def test_a_sweep_over_the_grid_of_the_thesis_is_in_it_and_others_are_not():
 
 
 RECORDS = load_records("malaga", "office", "intel", "fr079")
-#: Share of the runs on each building whose quality, and reduction, lie within A's; chapter 23b has
+#: Share of the runs on each building whose quality, and reduction, lie within A's; chapter 23 has
 #: the reason for each method that lies outside.
 WITHIN = {
     "basic_offline": ([0.25, 1.0, 0.25, 0.5], 0.6),

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
+from segmap_course.literal import comparing
 
 from segmap import METHODS, SegmentMap
 from segmap.experiments import (
@@ -77,10 +78,13 @@ def test_runs_on_an_empty_map_are_on_no_curve():
 def test_the_front_holds_what_nobody_beats_and_better_quality_never_reduces_more(points):
     """Catches equal runs that beat each other, ties that stay twice, points out of order."""
     found = front(points).tolist()
+    assert comparing.front(points) == [tuple(run) for run in found]
     beaten = {p for p in points for q in points if q != p and q[0] >= p[0] and q[1] >= p[1]}
     assert found == sorted(map(list, set(points) - beaten))
     assert all(a[0] < b[0] and a[1] > b[1] for a, b in pairwise(found))
     values = [reduction_at(points, quality) for quality in np.linspace(0, 8, 33)]
+    plain = [comparing.reduction_at(points, quality) for quality in np.linspace(0, 8, 33)]
+    np.testing.assert_allclose(plain, values, rtol=1e-9)
     known = [value for value in values if not isnan(value)]
     assert known == sorted(known, reverse=True) and values[0] == max(r for _, r in points)
 

@@ -411,10 +411,6 @@ COURSE = [
     *each(course.draw_cells)(
         (QuadtreeMap(), np.zeros((3, 4)), r"cells must be .* square grid, got shape \(3, 4\)")
     ),
-    *refused(course.draw_threshold, course.thesis_results())(
-        ({"method": "hybrid"}, "method must be run over one length, hybrid is over"),
-        ({"method": "nothing"}, "method must be run over one length, nothing is over"),
-    ),
     *each(course.draw_uncertainty)(
         (Match(np.zeros(3), np.diag([np.inf] * 3), False, "too few points"), "too few points")
     ),

@@ -169,10 +169,6 @@ DRAWINGS = {
         {RAW, RESULT},
     ),
     "strip": (lambda ax: course.draw_strip(WALLS[[0, 2]], 0.0, 0.01, ax=ax), {RAW, MAP, ERROR}),
-    "threshold": (
-        lambda ax: course.draw_threshold(USC, USC, method="fusion", ax=ax),
-        {RAW, RESULT},
-    ),
     "trade_off": (
         lambda ax: course.draw_trade_off([1, 2], [0.1, 0.2], [0.9, 0.8], ax=ax),
         {RESULT, ERROR},

@@ -33,7 +33,7 @@ def test_there_are_chapters_and_all_have_a_number():
     """Catches a glob that misses chapters, and a notebook that hides in a subfolder."""
     inside = {p for p in (ROOT / "notebooks").rglob("*.ipynb") if "checkpoint" not in str(p)}
     assert CHAPTERS and inside == set(CHAPTERS)
-    assert all(re.match(r"\d\d[ab]?_[a-z0-9_]+\.ipynb$", path.name) for path in CHAPTERS)
+    assert all(re.match(r"\d\d_[a-z0-9_]+\.ipynb$", path.name) for path in CHAPTERS)
 
 
 def test_every_chapter_is_linked():

@@ -9,7 +9,7 @@ from ._alignments import (
     draw_scans,
     draw_uncertainty,
 )
-from ._buildings import draw_buildings, draw_threshold
+from ._buildings import draw_buildings
 from ._charts import label_axes, mark_places, set_ticks, write_names
 from ._clinic import draw_corner, wardrobe
 from ._icp import (
@@ -77,7 +77,7 @@ __all__ = [
     "draw_match_value", "draw_merge", "draw_method_errors", "draw_missed", "draw_normals",
     "draw_phases", "draw_pieces", "draw_plan", "draw_profile", "draw_ray", "draw_runs",
     "draw_scan_poses", "draw_scans", "draw_shifts", "draw_sizes_of_halls", "draw_strip",
-    "draw_sweep", "draw_threshold", "draw_trade_off", "draw_trials", "draw_uncertainty",
+    "draw_sweep", "draw_trade_off", "draw_trials", "draw_uncertainty",
     "draw_wall_normals", "draw_weights", "icp_frames", "label_axes", "loop_frames", "mark_places",
     "merge_frames", "say_stretch", "set_ticks", "wardrobe", "write_names",
 ]  # fmt: skip

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from segmap.arrays import Array
-from segmap.experiments import front, reduction_at
 from segmap.metrics import reduction_rate, segment_distance
 from segmap.segments import length, point_distance
 
+from ..literal import comparing
 from ..literal.metrics import covered
 from ._answers import Cases, near
 from ._exercise import Exercise, Rng, edited
@@ -151,48 +151,61 @@ def _runs(rng: Rng) -> Cases:
     }
 
 
-def _on_curve(points: Array, quality: float) -> float:
-    """The right answer, of which the mistakes change a part."""
-    q, r = front(points).T
-    return float(np.interp(quality, q, r, right=np.nan))
+def _runs_of_three(rng: Rng) -> Cases:
+    """Runs with quality, reduction and invented metres, in no order: twins, and beaten ones."""
+    q, r, m = 0.5 + np.sort(rng.random((3, 4)), axis=1) / 3
+    good = np.stack([q, r[::-1], rng.permutation(20 * m)], axis=1)
+    alone = good[:2] - (0.02, 0.02, rng.uniform(5, 9))
+    worse = good[1:] - (*rng.uniform(0.005, 0.01, 2), -rng.uniform(0.1, 1))
+    more = good[2:] + (0, 0, rng.uniform(0.5, 2))
+    return {
+        "as good in two, and more invented": (rng.permutation([*good, *more]),),
+        "worse, and less invented": (rng.permutation([*good, *alone]),),
+        "worse in all three, and twins": (rng.permutation([*good, *worse, *good[:2]]),),
+        "one run": (good[:1],),
+    }
 
 
-#: All runs, in the order of quality.
-_BY_QUALITY = ("front(points)", "points[np.argsort(points[:, 0], kind='stable')]")
+def _front(runs: Array, sign: int = -1) -> list[tuple[float, ...]]:
+    kept = []
+    for run in runs * (1, 1, sign):
+        others = runs * (1, 1, sign)
+        beaten = (others >= run).all(axis=1) & (others > run).any(axis=1)
+        kept += [] if beaten.any() else [tuple(map(float, run * (1, 1, sign)))]
+    return sorted(set(kept))
 
 
-def _step(points: Array, quality: float) -> float:
-    reached = points[points[:, 0] >= quality, 1]
-    return float(reached.max()) if len(reached) else np.nan
-
-
-check_reduction_at = Exercise(
-    "reduction_at(points, quality) -> float: the reduction that a method reaches at a quality, on "
-    "straight lines between those of its runs (n, 2), quality and reduction, that no other beats",
-    reduction_at,
-    _runs,
+check_front = Exercise(
+    "front(runs) -> rows of runs (n, 3), sorted, each once: those that no other one beats. A row "
+    "is quality, reduction, and metres invented, of which fewer are better",
+    _front,
+    _runs_of_three,
     {
-        "a run that another one beats in both quality and reduction is not on the curve": (
-            edited(_on_curve, _BY_QUALITY)
+        "this is the front of the chapter, for runs of two numbers: let invented metres count, "
+        "too": comparing.front,
+        "quality and reduction alone decide here: let invented metres count, too": edited(
+            _front, (">= run)", ">= run)[:, :2]"), ("> run)", "> run)[:, :2]")
         ),
-        "take the place between two runs, not the nearest run": (
-            lambda points, quality: float(points[np.argmin(np.abs(points[:, 0] - quality)), 1])
+        "fewer invented metres are better, not more": lambda runs: _front(runs, 1),
+        "a run is beaten where another is at least as good in all three and better in one, not "
+        "only where it is better in all": edited(
+            _front, ("(others > run).any", "(others > run).all")
         ),
-        "between two runs the curve is a straight line, not a step": _step,
-        "above the best quality of all runs nothing has been reached: nan": (
-            edited(_on_curve, (", right=np.nan", ""))
+        "a run is beaten by one that is at least as good in all three, not in one of them": (
+            edited(_front, ("(others >= run).all", "(others >= run).any"))
         ),
-        "a map that is better than asked for will do: below all runs, the largest reduction": (
-            edited(_on_curve, ("right=", "left=np.nan, right="))
+        "each run once: equal ones are one row of the answer": (
+            edited(_front, ("sorted(set(kept))", "sorted(kept)"))
         ),
-        "quality is the first column of points, reduction the second": (
-            lambda points, quality: reduction_at(points[:, ::-1], quality)
+        "equal runs do not beat each other": (
+            edited(
+                _front,
+                ("& (others > run).any(axis=1)", "& (np.arange(len(runs)) != k)"),
+                ("for run in", "for k, run in enumerate("),
+                ("* (1, 1, sign):", "* (1, 1, sign)):"),
+            )
         ),
-        "leave out the runs that another one beats, then interpolate; and above the best quality "
-        "nothing has been reached: nan": (edited(_on_curve, _BY_QUALITY, (", right=np.nan", ""))),
-        "np.interp wants qualities that rise: sort the runs first": (
-            lambda points, quality: float(np.interp(quality, *points.T))
-        ),
+        "sort the rows": edited(_front, ("sorted(set(kept))", "list(dict.fromkeys(kept))")),
     },
 )
 

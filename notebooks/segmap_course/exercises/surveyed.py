@@ -1,4 +1,4 @@
-"""Exercises on lines that err, the viewing sector, fuzzy clustering, least cost, and time."""
+"""Exercises on lines that err, the viewing sector, fuzzy clustering and least cost."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from segmap.poses import transform
 from segmap.reduction.surveyed import Line, add_pose
 
 from ..literal.reduction.least_cost_merges import cost_of
-from ._answers import Cases, close, near
+from ._answers import Cases, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
@@ -293,56 +293,4 @@ check_cost_of_faces = Exercise(
             _faces(("return cost_of(members, line)", "return errors(members, [line]).sum()"))
         ),
     },
-)
-
-
-# -------------------------------------------------------------- time against scans
-def _timed_runs(rng: Rng) -> Cases:
-    """Runs whose times grow as a power, with a start that is slow; scans that were left out."""
-    power, scans = rng.uniform(0.7, 2.2), np.arange(1.0, 121.0)
-    seconds = 0.01 * scans**power * np.exp(rng.normal(0, 0.05, 120))
-    seconds[:40] += rng.uniform(0.5, 1.5)
-    seen = np.sort(rng.choice(np.arange(1, 401), 60, replace=False)).astype(float)
-    slower = 0.02 * seen**power * np.exp(rng.normal(0, 0.1, 60)) + np.where(seen < 250, 0.5, 0.0)
-    return {
-        "every scan": (scans, seconds, 0.5),
-        "some scans only": (seen, slower, 0.5),
-        "from the first on": (scans, 0.01 * scans**power, 0.0),
-    }
-
-
-def _growth_power(scans: Array, seconds: Array, after: float) -> float:
-    late = scans >= after * scans.max()
-    return float(np.polyfit(np.log(scans[late]), np.log(seconds[late]), 1)[0])
-
-
-check_growth_power = Exercise(
-    "growth_power(scans, seconds, after) -> float: the exponent p of seconds ~ scans ** p, both "
-    "(n,) and rising: the slope of the straight line through the logarithms, by least squares, of "
-    "those from `after` times the largest number of scans on",
-    _growth_power,
-    _timed_runs,
-    {
-        "a power is the slope of the logarithms, not of the seconds themselves": edited(
-            _growth_power, ("np.log(scans[late]), np.log(seconds[late])", "scans, seconds")
-        ),
-        "both have logarithms: those of the seconds alone tell whether time is exponential": edited(
-            _growth_power, ("np.log(scans[late])", "scans[late]")
-        ),
-        "the first scans do not count: only those after the share": edited(
-            _growth_power, ("after * scans.max()", "0.0")
-        ),
-        "a share of the largest number of scans, not of the rows": edited(
-            _growth_power,
-            ("scans >= after * scans.max()", "np.arange(len(scans)) >= after * len(scans)"),
-        ),
-        "seconds against scans, not the other way round": edited(
-            _growth_power,
-            ("np.log(scans[late]), np.log(seconds[late])", "*np.log([seconds[late], scans[late]])"),
-        ),
-        "polyfit answers the slope first, then where the line begins": edited(
-            _growth_power, ("1)[0]", "1)[1]")
-        ),
-    },
-    close,
 )

@@ -70,7 +70,7 @@ def chapters(wanted: str = "") -> dict[str, Path]:
 
 
 def number_of(file: str) -> str:
-    """Number of a chapter by its file: "07" of `07_icp.ipynb`, "23a" of `23a_comparing_methods`."""
+    """Number of a chapter by its file: "07" of `07_icp.ipynb`."""
     return file.partition("_")[0]
 
 

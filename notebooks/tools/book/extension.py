@@ -30,7 +30,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
 
 def slug(title: str) -> str:
     """The name of a section in links: without its number, as a repository's page names it."""
-    words = re.sub(r"^\d\d[ab]?(?:\.\d+)+ ", "", title).strip().lower()
+    words = re.sub(r"^\d\d(?:\.\d+)+ ", "", title).strip().lower()
     return re.sub(r"[^\w\- ]", "", words).replace(" ", "-")
 
 

@@ -53,7 +53,7 @@ REFERENCE = (
 )
 WHAT_HOLDS = ("docs/what_can_be_told", "docs/known_limits", "docs/references")
 LINKED = re.compile(r"(`[^`\n]*`|\[[^\]]*\]\([^)]*\)|\$[^$]+\$|<[^>]+>)")
-NAMED = re.compile(r"\b[Cc]hapters? \d\d[ab]?(?:(?:,| and| to) \d\d[ab]?)*\b(?!\.\d)")
+NAMED = re.compile(r"\b[Cc]hapters? \d\d(?:(?:,| and| to) \d\d)*\b(?!\.\d)")
 HEADING = re.compile(r"^(##|###) (?=\S)", re.MULTILINE)
 FENCED = re.compile(r"(^```.*?^```$|\$\$.*?\$\$)", re.MULTILINE | re.DOTALL)
 
@@ -72,7 +72,7 @@ def part_of(chapter: str) -> str:
 
 
 def number_of(path: Path) -> str:
-    """Number of a chapter, with the letter of one that will be merged: 07, 13a."""
+    """Number of a chapter, of two digits."""
     return path.stem.partition("_")[0]
 
 
@@ -219,7 +219,7 @@ def _linked(text: str) -> str:
 
     def name(part: str) -> str:
         part = with_links(part, lambda words, label: f"[{words}](#{label})")
-        return NAMED.sub(lambda m: re.sub(r"(?:[Cc]hapter )?\d\d[ab]?", chapter, m.group()), part)
+        return NAMED.sub(lambda m: re.sub(r"(?:[Cc]hapter )?\d\d", chapter, m.group()), part)
 
     parts = LINKED.split(text)
     inside = [name(part) if k % 2 == 0 else part for k, part in enumerate(parts)]

@@ -66,6 +66,7 @@ PACKAGES = {
     "line_finders": {"extraction"},
     "lines": {"segments", "extraction"},
     "floor_plan": {"plan"},
+    "comparing": {"experiments"},
 }
 LITERAL = ROOT / "notebooks" / "segmap_course" / "literal"
 #: What a chapter may call before its method stands: these, and checks.
@@ -397,6 +398,7 @@ PASTED = {
     "12": ("quality", "quality", "quality of the chapter"),
     "13": ("lacking", "missed_metres", "make good"),
     "14": ("match", "matches", "match of the chapter"),
+    "23": ("front", "front", "invented metres"),
     "15": ("map_origin", "pair_origin", "origin of the map"),
     "18": ("mean_segment", "mean_by_length", "scrap pulls"),
     "28": ("axis_of", "axes_of", "one axis of the chapter"),
