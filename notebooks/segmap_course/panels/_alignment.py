@@ -216,8 +216,9 @@ class GlobalPanel(LessonPanel):
         self.count.value = f"{found.used.sum()} of {len(self.log)} scans used"
         off = np.hypot(*(found.poses - self.truth)[:, :2].T)
         self.error.value = f"{off[-1]:.2f} m off at the end, {off.max():.2f} m at most"
-        ax = draw_alignment(self.log, found, ax=figure.subplots())
-        ax.plot(*self.truth[:, :2].T, color=TRUTH, linewidth=1)
+        ax = figure.subplots()
+        ax.plot(*self.truth[:, :2].T, color=TRUTH, linewidth=1, zorder=3, label="truth")
+        draw_alignment(self.log, found, ax=ax)
 
 
 class BackbonePanel(LessonPanel):
