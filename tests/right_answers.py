@@ -330,7 +330,7 @@ RIGHT = {
     "crossed_leaves": small_leaves_from_the_root,
     "frontier_cells": frontier_by_shifts,
     "pixel": lambda x, y, o, side, n: (int((o[1] + n * side - y) / side), int((x - o[0]) / side)),
-    "scan_score": lambda p, pose, c: -cKDTree(c).query(transform(pose, p))[0].sum(),
+    "capped_score": lambda p, pose, c: -np.fmin(cKDTree(c).query(transform(pose, p))[0], 0.2).sum(),
     "climb_step": climb_by_argmax,
     "resampled": resampled_by_counts,
     "weighed": lambda w, f, n: softmax(np.log(w) + n * np.log(f)),

@@ -68,10 +68,10 @@ from .exercises.maps import (
     check_reduction_rate,
 )
 from .exercises.matching import (
+    check_capped_score,
     check_climb_step,
     check_nees,
     check_resampled,
-    check_scan_score,
     check_weighed,
 )
 from .exercises.mechanisms import (
@@ -147,6 +147,7 @@ __all__ = [
     "View", "break_basic_order", "break_cells", "break_icp", "break_line", "break_matching",
     "break_quality", "break_reader", "break_sum", "break_viewing_sector", "check_axes_of",
     "check_axial_mean", "check_beam_angles", "check_best_run", "check_building_axis",
+    "check_capped_score",
     "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of", "check_chain",
     "check_climb_step", "check_compose", "check_cost_of_faces", "check_crossed_leaves",
     "check_distances", "check_edge_error", "check_far_ends", "check_flatness",
@@ -156,7 +157,7 @@ __all__ = [
     "check_nees", "check_own_log", "check_pair_origin", "check_pixel", "check_places_between",
     "check_pose_cost", "check_pose_covariance", "check_quality", "check_ransac_trials",
     "check_reduction_rate", "check_resampled", "check_scan_noise",
-    "check_scan_score", "check_segments_all_round", "check_split", "check_unwrapped",
+    "check_segments_all_round", "check_split", "check_unwrapped",
     "check_verdict", "check_weighed", "clearance", "clearance_at", "clinic_walls",
     "compare_with_walls", "conclusions", "corridor_walk", "decide_claims", "decide_map",
     "decide_way", "density", "drawings", "drive_to_frontiers", "equal_offices", "explore",

@@ -59,7 +59,7 @@ STATES: dict[str, list[str]] = {
     "23-1": ["wanted=*"],
     "24-1": ["doublings=*"],
     "25-1": ["beams=*"],
-    "26-1": ["turn=*"],
+    "26-1": ["", "score='distance', turn=*"],
     "27-1": ["step=*"],
     "28-1": ["kappa=*"],
     "29-1": ["", *9 * ["run(10)"]],

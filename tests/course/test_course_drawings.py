@@ -14,7 +14,6 @@ from segmap.alignment import Match
 from segmap.alignment.points import PointStep
 from segmap.experiments import select
 from segmap.exports import ros_classes
-from segmap.matching import DistanceField
 from segmap.metrics import distance_terms
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, figure_png
 from segmap.poses import transform
@@ -324,17 +323,17 @@ def test_classes_are_drawn_at_their_place_the_lowest_row_below(ax):
     assert tuple(image.get_extent()) == edges and image.get_clim() == (0, 254)
 
 
-def test_a_field_lies_where_its_window_is(ax):
-    """Catches rows upside down, x for y, and a bar without its unit."""
-    map = QuadtreeMap(resolution=0.5, size=8)
-    map.insert_scan((1, 1), [(3.25, 1.25)])
-    field = DistanceField(map, (2, 1, 4, 2))
-    course.draw_field(field, ax=ax)
-    (image,), (_, bar) = ax.images, ax.figure.axes
-    left, right, low, high = image.get_extent()
-    assert (left, low, right, high) == field.bounds and image.origin == "lower"
-    assert image.get_array()[0, 2] == 0 and (image.get_array() == field.distance).all()
-    assert bar.get_ylabel() == "distance [m]"
+def test_ends_that_hit_are_blue_and_each_has_its_way_to_the_nearest_cell(ax):
+    """Catches hits and misses exchanged, and a way to the corner of a cell."""
+    map = QuadtreeMap(resolution=0.5, size=8, bias=1)
+    map.insert_scan((1, 1), [(3.25, 1.25), (6.25, 3.25)])
+    course.draw_ends_on_map(map, [(3.3, 1.3), (5.6, 3.0)], (0, 1, 7, 4), nearest=True, ax=ax)
+    blue, orange = ax.lines[-2:]
+    assert (blue.get_color(), blue.get_xydata().tolist()) == (RESULT, [[3.3, 1.3]])
+    assert (orange.get_color(), orange.get_xydata().tolist()) == (ERROR, [[5.6, 3.0]])
+    ways = ax.collections[-1].get_segments()
+    assert [way[1].tolist() for way in ways] == [[3.25, 1.25], [6.25, 3.25]]
+    assert (*ax.get_xlim(), *ax.get_ylim()) == (0, 7, 1, 4)
 
 
 def test_a_picture_for_each_building_two_a_row():

@@ -33,7 +33,10 @@ def test_occupancy_score_is_the_literal_sum(seed):
     points[:50] = rng.choice(tree.occupied(), 50)
     poses[0] = 0.0
     found = occupancy_score(map, points, poses)
-    expected = [literal.occupancy_score(tree, points, pose) for pose in poses]
+    shares = {square[:2]: literal.occupancy(*counts) for square, counts in tree.leaves.items()}
+    occupied = {cell: share for cell, share in shares.items() if share > 0.5}
+    at = poses - (*map.corner, 0)
+    expected = [literal.occupancy_score(occupied, points, pose, map.resolution) for pose in at]
     np.testing.assert_allclose(found, expected)
     assert found[0] > 20
 
@@ -49,6 +52,19 @@ def test_distance_is_that_of_every_cell(seed, free_resolution, score):
         points, poses = asked(map, rng, spread=spread)
         expected = [literal.distance_score(points, pose, centres) for pose in poses]
         np.testing.assert_allclose(score(map, points, poses), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_plain_search_finds_what_the_nearest_score_finds(seed):
+    """Catches a square that is left out, and an end outside the root."""
+    map, rng = random_map(seed)
+    tree, side = literal_of(map), map.resolution
+    cells = (np.array(tree.occupied()) - map.corner) / side - 0.5
+    squares = literal.squares_above(np.rint(cells).astype(int).tolist(), tree.root)
+    for end in rng.normal(0, 40 * side, (60, 2)):
+        away, opened = literal.nearest_cell(squares, tree.root, (end - map.corner) / side)
+        assert away * side == pytest.approx(-nearest_score(map, [end], (0, 0, 0))[0])
+        assert {*opened} <= squares
 
 
 @pytest.mark.parametrize("seed", SEEDS[:4])

@@ -19,7 +19,6 @@ from segmap.alignment import (
 from segmap.alignment import Match as Matched
 from segmap.experiments import online_times, select
 from segmap.exports import ros_classes
-from segmap.matching import DistanceField
 from segmap.metrics import against_walls, segment_distance
 from segmap.plan import floor_plan
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, TRUTH, method_style
@@ -86,7 +85,10 @@ DRAWINGS = {
         lambda ax: course.draw_equal_squares(POINTS, 0.5, ax=ax),
         {MAP, RESULT, ERROR},
     ),
-    "field": (lambda ax: course.draw_field(DistanceField(TREE), ax=ax), set()),
+    "ends_on_map": (
+        lambda ax: course.draw_ends_on_map(TREE, [(1.05, 0.05), (0, 1)], nearest=True, ax=ax),
+        {ERROR, RESULT},
+    ),
     "fits": (
         lambda ax: course.draw_fits(POINTS, {"a": (0, 0, 1, 0), "b": (0, 0, 0, 1)}, ax=ax),
         {RAW, MAP, RESULT, ERROR},
@@ -216,6 +218,7 @@ ROWS = {
         False,
     ),
     "phases": (lambda: course.draw_phases([(0, 0, 0)], WALLS, WALLS[:1], 0.2), True),
+    "landscapes": (lambda: course.draw_landscapes({"a": LAND, "b": LAND}), True),
     "quadtrees": (lambda: plotting.draw_quadtrees({"a": TREE, "b": TREE}), True),
     "scan_poses": (
         lambda: course.draw_scan_poses(

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from segmap.arrays import Array
 from segmap.exports import Classes
-from segmap.matching import DistanceField
 from segmap.plotting import (
     ERROR,
     GROUPS,
@@ -22,6 +21,7 @@ from segmap.plotting import (
     TRUTH,
     axes_or_new,
     axes_row,
+    draw_quadtree,
     map_axes,
     square_corners,
 )
@@ -29,6 +29,7 @@ from segmap.quadtree import Frontier, QuadtreeMap, extent
 
 from .._landscapes import Landscape, peaks, profile_peaks
 from .._matcher_trials import Trial
+from .._storage import occupied_centres
 from ..literal import crossed_cells, occupancy
 from ..literal.quadtrees.quadtree import Square
 from ._charts import label_axes, set_ticks
@@ -233,12 +234,31 @@ def draw_classes(classes: Classes, *, ax: Axes | None = None) -> Axes:
     return map_axes(ax)
 
 
-def draw_field(field: DistanceField, *, ax: Axes | None = None) -> Axes:
-    """Draw a distance field: the darker, the nearer an occupied cell; a bar tells the metres."""
-    ax, (left, low, right, high) = axes_or_new(ax), field.bounds
-    picture = ax.imshow(field.distance, origin="lower", extent=(left, right, low, high))
-    ax.figure.colorbar(picture, ax=ax, label="distance [m]")
-    return map_axes(ax)
+def draw_ends_on_map(
+    map: QuadtreeMap,
+    ends: ArrayLike,
+    window: Sequence[float] | None = None,
+    *,
+    nearest: bool = False,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw ends of beams `(n, 2)`, m, on a map: blue in occupied cells, orange elsewhere.
+
+    The window is left, low, right, high, m. `nearest` draws a line from each end to the centre of
+    its nearest occupied cell.
+    """
+    from scipy.spatial import cKDTree
+
+    ax, at = draw_quadtree(map, ax=ax, outlines=False), np.asarray(ends, float)
+    hit, centres = map.occupancy(at) > 0.5, occupied_centres(map)
+    if nearest:
+        ways = np.stack([at, centres[cKDTree(centres).query(at)[1]]], axis=1)
+        ax.add_collection(LineCollection(list(ways), colors=ERROR, linewidths=0.8))
+    for some, color in ((at[hit], RESULT), (at[~hit], ERROR)):
+        ax.plot(*some.T, ".", color=color, markersize=3)
+    if window is not None:
+        ax.set(xlim=(window[0], window[2]), ylim=(window[1], window[3]))
+    return ax
 
 
 def draw_landscape(land: Landscape, *, ax: Axes | None = None, tops: bool = True) -> Axes:
@@ -262,6 +282,15 @@ def draw_landscape(land: Landscape, *, ax: Axes | None = None, tops: bool = True
     ax.set(xlabel="offset in x [m]", ylabel="offset in y [m]", aspect="equal")
     ax.set(xlim=edges, ylim=edges)
     return ax
+
+
+def draw_landscapes(lands: Mapping[str, Landscape]) -> list[Axes]:
+    """Draw landscapes side by side, name -> scores, and say how many peaks each has."""
+    row = axes_row(len(lands), (4.5 * len(lands), 4.2))
+    for ax, (name, land) in zip(row, lands.items(), strict=True):
+        count = len(peaks(land.values))
+        draw_landscape(land, ax=ax).set_title(f"{name}: {count} peak{'s' * (count != 1)}")
+    return row
 
 
 def draw_climb(offsets: ArrayLike, *, ax: Axes | None = None, joined: bool = True) -> Axes:

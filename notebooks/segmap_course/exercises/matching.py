@@ -14,55 +14,72 @@ from ..literal import MOVES, climb_step, distance_score, systematic, weighed
 from ._answers import Cases, Surface
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
-
 # --------------------------------------------------------------------------------- scores
+#: No end costs more than this, metres: twice the thickness of a wall of the clinic.
+_MOST = 0.2
+
+
 def _scans(rng: Rng) -> Cases:
-    points, centres = rng.uniform(-3, 3, (5, 2)), rng.uniform(-3, 3, (7, 2))
-    moved = np.append(rng.uniform(0.2, 1, 2) * rng.choice([-1, 1], 2), 0.0)
+    """Of the ends of each scan half lie near a cell, the others far from all."""
+    points = rng.uniform(-3, 3, (6, 2))
+    moved = np.append(rng.uniform(0.4, 1, 2) * rng.choice([-1, 1], 2), 0.0)
     turned = np.array([0, 0, rng.uniform(0.4, 2.5) * rng.choice([-1, 1])])
+
+    def case(pose: Array, beams: int = 6) -> tuple[Array, Array, Array]:
+        near = transform(pose, points[:beams:2])
+        centres = near + rng.uniform(0.02, 0.1, near.shape) * rng.choice([-1, 1], near.shape)
+        return points[:beams], pose, np.concatenate([centres, centres[:1] + (9, 9)])
+
     return {
-        "a pose that changes nothing": (points, np.zeros(3), centres),
-        "a pose that is shifted": (points, moved, centres),
-        "a pose that is turned": (points[:3], turned, centres),
-        "a pose that is shifted and turned": (points, anywhere(rng), centres),
-        "a single beam": (points[:1], moved + turned, centres),
+        "a pose that changes nothing": case(np.zeros(3)),
+        "a pose that is shifted": case(moved),
+        "a pose that is turned": case(turned, 4),
+        "a pose that is shifted and turned": case(anywhere(rng)),
+        "a single beam": case(moved + turned, 1),
     }
 
 
-def _distances(points: Array, pose: Array, centres: Array) -> Array:
-    return np.linalg.norm(transform(pose, points)[:, None] - centres, axis=-1)
+def _nearest(points: Array, pose: Array, centres: Array) -> Array:
+    return np.linalg.norm(transform(pose, points)[:, None] - centres, axis=-1).min(1)
 
 
-check_scan_score = Exercise(
-    "scan_score(points, pose, centres) -> float: minus the sum of the distances of the ends "
-    "(n, 2), carried by the pose, to the nearest centre (m, 2)",
-    distance_score,
+def _capped(points: Array, pose: Array, centres: Array) -> Any:
+    return -np.minimum(_nearest(points, pose, centres), _MOST).sum()
+
+
+check_capped_score = Exercise(
+    "capped_score(points, pose, centres) -> float: minus the sum of the distances of the ends "
+    "(n, 2), carried by the pose, to the nearest centre (m, 2), where no end costs more than 0.2 m",
+    _capped,
     _scans,
     {
-        "the higher the better: distances count as a loss, so the score is never above 0": (
-            changed(distance_score, np.negative)
+        "an end in an unknown room still costs all its metres: take at most 0.2 m of each": (
+            distance_score
         ),
-        "every end looks for its nearest cell, not every cell for an end: a map holds many cells "
-        "that this scan does not see": changed(_distances, lambda away: -away.min(0).sum()),
-        "only the nearest cell counts for each end": (
-            changed(_distances, lambda away: -away.mean(1).sum())
+        "each end is limited, not their sum": (
+            changed(_nearest, lambda away: -min(away.sum(), _MOST))
+        ),
+        "an end beyond 0.2 m costs 0.2 m; if it cost nothing, a pose at which all ends are far "
+        "from the map would be the best": (
+            changed(_nearest, lambda away: -away[away <= _MOST].sum())
+        ),
+        "the higher the better: distances count as a loss, so the score is never above 0": (
+            changed(_capped, np.negative)
+        ),
+        "0.2 m is the most that an end costs, and not the least": (
+            changed(_nearest, lambda away: -np.maximum(away, _MOST).sum())
         ),
         "the sum over the beams, not their mean": (
-            changed(_distances, lambda away: -away.min(1).mean())
+            changed(_nearest, lambda away: -np.minimum(away, _MOST).mean())
         ),
         "the heading turns counter-clockwise: x' = x cos h - y sin h, y' = x sin h + y cos h": (
-            lambda points, pose, centres: distance_score(points, pose * (1, 1, -1), centres)
+            lambda points, pose, centres: _capped(points, pose * (1, 1, -1), centres)
         ),
         "the points are in the robot's frame: carry them by the pose first": (
-            lambda points, pose, centres: distance_score(points, (0, 0, 0), centres)
+            lambda points, pose, centres: _capped(points, np.zeros(3), centres)
         ),
-        "the heading is in radians already": (
-            lambda points, pose, centres: distance_score(
-                points, pose * (1, 1, np.pi / 180), centres
-            )
-        ),
-        "distances, not their squares: one beam through a door would count for all others": (
-            changed(_distances, lambda away: -(away.min(1) ** 2).sum())
+        "distances, not their squares": (
+            changed(_nearest, lambda away: -(np.minimum(away, _MOST) ** 2).sum())
         ),
     },
 )

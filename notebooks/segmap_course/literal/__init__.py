@@ -52,15 +52,7 @@ from .quadtrees.histograms import (
     match_hough,
 )
 from .quadtrees.hypotheses import effective_number, information, log_likelihood, systematic
-from .quadtrees.matching import (
-    MOVES,
-    climb_step,
-    descent_score,
-    distance_score,
-    hill_climb,
-    occupancy_score,
-    sample_and_rank,
-)
+from .quadtrees.matching import MOVES, climb_step, hill_climb, sample_and_rank
 from .quadtrees.particles import enough, fit, localize, weighed
 from .quadtrees.quadtree import (
     Quadtree,
@@ -71,6 +63,13 @@ from .quadtrees.quadtree import (
     occupancy,
     quarters,
     ray_cells,
+)
+from .quadtrees.scores import (
+    descent_score,
+    distance_score,
+    nearest_cell,
+    occupancy_score,
+    squares_above,
 )
 from .quadtrees.search import every_pose, headings, likelihood, places
 from .reduction.basic import basic_offline, basic_online
@@ -103,10 +102,11 @@ __all__ = [
     "likelihood", "likelihoods", "line_angle", "line_partner", "lines_em", "lines_hough",
     "lines_incremental", "lines_ransac", "lines_regression", "localize", "log_likelihood",
     "match_histograms", "match_hough", "match_ndt", "match_value", "mean_and_variance",
-    "mean_rotation", "mean_segment", "mean_shift", "ndt_step", "normal_equations",
+    "mean_rotation", "mean_segment", "mean_shift", "ndt_step", "nearest_cell", "normal_equations",
     "normals_of", "occupancy", "occupancy_score", "one_per_wall", "online", "partners", "placed",
     "places", "point_to_line_step", "point_to_segment", "polyline", "polyline_through", "quality",
     "quarters", "ray_cells", "sample_and_rank", "segment_cost", "segment_distance",
-    "segment_length", "segment_similarity", "steady_twist", "systematic", "transforms",
-    "turn_and_shift", "uncertain_parameters", "viewing_sector", "weighed", "weighted_line_fitting",
+    "segment_length", "segment_similarity", "squares_above", "steady_twist", "systematic",
+    "transforms", "turn_and_shift", "uncertain_parameters", "viewing_sector", "weighed",
+    "weighted_line_fitting",
 ]  # fmt: skip

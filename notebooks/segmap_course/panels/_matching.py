@@ -22,6 +22,8 @@ from segmap.matching import (
     Particles,
     localize,
     localize_ekf,
+    nearest_score,
+    occupancy_score,
     particle_mapping,
     particle_paths,
 )
@@ -35,6 +37,9 @@ from segmap.simulation import OdometryNoise
 from .._landscapes import Landscape, heading_profile, landscape, peaks
 from ..drawings import draw_climb, draw_landscape, draw_profile, label_axes
 from ._lesson import LessonPanel, keyword, note, pick, play, slide, tick
+
+#: The two landscapes that chapter 26 compares.
+LANDS = {"distance": nearest_score, "occupancy": occupancy_score}
 
 
 class LandscapePanel(LessonPanel):
@@ -55,7 +60,7 @@ class LandscapePanel(LessonPanel):
     """
 
     land: Landscape
-    score = pick(SCORES)
+    score = pick(LANDS)
     scan = slide(lambda p: len(p.log) // 4, 1, lambda p: len(p.log) - 1, 1, "")
     turn = slide(0, -20, 20, 1, "degrees", label="turned")
     peaks = best = note()
@@ -72,7 +77,7 @@ class LandscapePanel(LessonPanel):
         self._begin()
 
     def _draw(self, figure: Figure) -> None:
-        k, score = self.scan.value, SCORES[self.score.value]
+        k, score = self.scan.value, LANDS[self.score.value]
         if k not in self._maps:
             poses = self.truth[:k]
             self._maps = {k: build_map(self.log[:k], poses, resolution=self.resolution)}

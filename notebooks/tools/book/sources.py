@@ -43,7 +43,7 @@ TEXTS = ("*.md", "notebooks/*.md", "data/**/*.md")
 FILES = (
     *("LICENSE", "CITATION.cff", "docs/pictures/*", "notebooks/pictures/*.png"),
     *("data/**/*.csv", "data/**/LICENSE"),
-    *("notebooks/segmap_course/literal/**/*.py", "segmap/plan/*.py"),
+    *("notebooks/segmap_course/literal/**/*.py", "segmap/plan/*.py", "segmap/matching/*.py"),
 )
 #: Where a page of the docs gets the names of all formats.
 FORMATS = "<!-- formats -->"

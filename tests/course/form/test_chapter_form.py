@@ -61,6 +61,7 @@ PACKAGES = {
     "alignment": {"alignment", "matching"},
     "reduction": {"reduction"},
     "quadtrees": {"quadtree", "matching"},
+    "quadtrees/scores": {"matching"},
     "metrics": {"metrics"},
     "extraction": {"extraction"},
     "line_finders": {"extraction"},
@@ -281,9 +282,10 @@ def cells_are_the_readable_copy(notebook):
 def packages_of(notebook):
     """Packages of the library that have the method of the chapter."""
     files = [file for _, _, file in defined(notebook) if file]
-    inside = [f.relative_to(LITERAL).parts[0] for f in files if f.is_relative_to(LITERAL)]
+    own = [f.relative_to(LITERAL).with_suffix("") for f in files if f.is_relative_to(LITERAL)]
+    inside = [p.as_posix() if p.as_posix() in PACKAGES else p.parts[0] for p in own]
     library = {f.relative_to(ROOT / "segmap").parts[0] for f in files if LITERAL not in f.parents}
-    named = [PACKAGES.get(part.removesuffix(".py"), set()) for part in inside]
+    named = [PACKAGES.get(part, set()) for part in inside]
     return library.union(*named)
 
 
@@ -393,6 +395,7 @@ PASTED = {
     "07": ("best_move", "move_onto_walls", "corridor"),
     "09": ("translation_of", "least_translation", "corridor"),
     "25": ("crossed_leaves", "crossed_leaves", "cut it first"),
+    "26": ("distance_score", "capped_score", "unknown room"),
     "10": ("least_squares", "places_between", "takes a count"),
     "11": ("edge_residual", "edge_error", "do not subtract"),
     "12": ("quality", "quality", "quality of the chapter"),

@@ -1,13 +1,10 @@
-"""Scores of a scan on a quadtree, and the two greedy matchers, as B 4.3 says them."""
+"""The two greedy matchers, as B 4.3 says them; they climb any value of a pose."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from math import dist, pi, radians
+from math import pi, radians
 from typing import TYPE_CHECKING
-
-from ..lines import placed
-from .quadtree import Point, Quadtree, Square, holds, occupancy, quarters
 
 if TYPE_CHECKING:
     from numpy.random import Generator
@@ -15,59 +12,6 @@ if TYPE_CHECKING:
 Pose = Sequence[float]
 #: Six moves, in the order that decides between equals: x, y and heading.
 MOVES = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1))
-
-
-def occupancy_score(tree: Quadtree, points: Iterable[Point], pose: Pose) -> float:
-    """Sum of the occupancy of the cells that the beams end in, where above one half (B 4.3).
-
-    Examples
-    --------
-    >>> tree = Quadtree(0.1, 4)
-    >>> tree.insert((0.05, 0.05), [(0.35, 0.05)])
-    >>> occupancy_score(tree, [(0.3, 0.0), (9.0, 9.0)], (0.05, 0.05, 0.0))
-    1.0
-    """
-    cells = [tree.cell(placed(point, pose)) for point in points]
-    values = [occupancy(*tree.leaves[tree.leaf(c)]) for c in cells if holds(tree.root, c)]
-    return sum(value for value in values if value > 0.5)
-
-
-def distance_score(points: Iterable[Point], pose: Pose, centres: Iterable[Point]) -> float:
-    """Minus the sum of distances from the ends to the nearest of the centres, metres (B 4.3)."""
-    known = list(centres)
-    ends = [placed(point, pose) for point in points]
-    return -sum(min(dist(end, centre) for centre in known) for end in ends)
-
-
-def descent_score(tree: Quadtree, points: Iterable[Point], pose: Pose) -> float:
-    """The same by B's descent: always into the occupied child whose centre is nearest (B 4.3).
-
-    Examples
-    --------
-    >>> tree = Quadtree(1.0, 8)
-    >>> for cell in ((4.5, 0.5), (0.5, 3.5)):
-    ...     tree.insert(cell, [cell])
-    >>> round(descent_score(tree, [(3.9, 0.5)], (0.0, 0.0, 0.0)), 3)
-    -4.534
-    """
-    centres, (left, low), size = tree.occupied(), tree.corner, tree.resolution
-
-    def centre(square: Square) -> Point:
-        x, y, side = square
-        return left + (x + side / 2) * size, low + (y + side / 2) * size
-
-    def is_occupied(square: Square) -> bool:
-        (x, y), half = centre(square), square[2] / 2 * size
-        return any(max(abs(at[0] - x), abs(at[1] - y)) < half for at in centres)
-
-    total = 0.0
-    for point in points:
-        end, square = placed(point, pose), tree.root
-        while square[2] > 1:
-            parts = [part for part in quarters(square) if is_occupied(part)]
-            square = min(parts, key=lambda part: dist(end, centre(part)))
-        total -= dist(end, centre(square))
-    return total
 
 
 def climb_step(
