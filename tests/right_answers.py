@@ -102,7 +102,7 @@ def distances_bit_by_bit(lines):
 
 def by_pseudo_inverse(normals, offsets, weights):
     root = np.sqrt(weights)
-    return -np.linalg.pinv(normals * root[:, None], rcond=1e-9) @ (offsets * root)
+    return -np.linalg.pinv(normals * root[:, None], rcond=0.3) @ (offsets * root)
 
 
 def composed_by_complex_numbers(a, b):

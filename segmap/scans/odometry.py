@@ -261,7 +261,7 @@ def contradictions(
             found.turn < -RIGHT_TURN_RATIOS[0],
             Cause.MIRRORED,
             found.turn,
-            "the map turns the other way than the odometry: the laser or the wheels are mirrored",
+            "the map turns the other way than the odometry: one is mirrored, or the map is wrong",
         ),
         (
             abs(found.turn) < RIGHT_TURN_RATIOS[0] or abs(found.turn) > RIGHT_TURN_RATIOS[1],

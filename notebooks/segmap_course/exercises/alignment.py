@@ -116,6 +116,7 @@ def _lines_off(rng: Rng) -> Cases:
         "a corridor that runs askew": lines(turn, turn),
         "a corridor of three walls, askew": askew(),
         "another corridor, askew": askew(),
+        "a corridor with walls that noise turns": lines(turn, turn + rng.uniform(0.1, 1)),
         "walls of many directions": lines(*(turn + np.arange(0, 180, 36))),
     }
 
@@ -123,7 +124,8 @@ def _lines_off(rng: Rng) -> Cases:
 check_least_translation = Exercise(
     "least_translation(normals, offsets, weights) -> (2,) metres: the shortest of the shifts that "
     "minimise the weighted squares of the distances from lines, given their normals (m, 2) and how "
-    "far the points now lie from them, (m,) metres",
+    "far the points now lie from them, (m,) metres; a direction that the lines hold by less than 0.3 "
+    "of the other (rcond) counts as not held",
     least_translation,
     _lines_off,
     {
@@ -141,6 +143,9 @@ check_least_translation = Exercise(
         ),
         "in a corridor the matrix is singular: take the shortest solution (numpy.linalg.lstsq)": (
             translation_of
+        ),
+        "noise turns the walls of a corridor: give numpy.linalg.lstsq the chapter's rcond": (
+            lambda *given: least_translation(*given, parallel=1e-9)
         ),
         "a mean of the single corrections goes only part of the way where lines differ in "
         "direction: solve for the shift": lambda normals, offsets, weights: (
