@@ -161,10 +161,18 @@ GOOD |= {
 }  # fmt: skip
 GOOD |= {
     "free": TREE,
+    "Join.a": (1.0, 1.0),
+    "Join.b": (2.0, 1.0),
+    "Split.start": (1.0, 0.0),
+    "Split.end": (1.0, 2.0),
+    "NoDoor.at": (1.0, 1.0),
+    "Name.at": (1.0, 1.0),
+    "Name.text": "hall",
+    "edited.edits": [plan.NoDoor((1.0, 1.0))],
     "write_plan.plan": PLAN,
+    "PlanEditor.plan": PLAN,
     "write_plan.path": "written.dxf",
     "write_sheet.plan": PLAN,
-    "why.of": PLAN.rooms[0],
     "from_room": 0,
     "to_room": 0,
 }

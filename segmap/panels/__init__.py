@@ -6,6 +6,8 @@ They show their still picture where no kernel runs. Set a control from Python an
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from ._base import Panel, player, slider, text
 from ._compare import ComparePanel
 from ._live import LivePanel
@@ -13,7 +15,18 @@ from ._quadtree import QuadtreePanel
 from ._scan import ScanPanel
 from .controls import control
 
+if TYPE_CHECKING:
+    from ._plan_editor import PlanEditor
+
 __all__ = [
-    "ComparePanel", "LivePanel", "Panel", "QuadtreePanel", "ScanPanel", "control",
+    "ComparePanel", "LivePanel", "Panel", "PlanEditor", "QuadtreePanel", "ScanPanel", "control",
     "player", "slider", "text",
 ]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    if name != "PlanEditor":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from ._plan_editor import PlanEditor  # it alone needs anywidget and shapely
+
+    return PlanEditor

@@ -7,5 +7,8 @@ the free space from B's quadtree.
 from ._doors import Door
 from ._plan import FloorPlan, floor_plan
 from ._polygons import Room, shapely_or_hint
+from .edits import Join, Name, NoDoor, Split
 
-__all__ = ["Door", "FloorPlan", "Room", "floor_plan", "shapely_or_hint"]
+__all__ = [
+    "Door", "FloorPlan", "Join", "Name", "NoDoor", "Room", "Split", "floor_plan", "shapely_or_hint",
+]  # fmt: skip

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,13 +16,23 @@ from ..progress import announce
 from ..quadtree import FREE, QuadtreeMap
 from ..reduction import Reduction
 from ..segments import length
-from ._cells import WIDEST_LEAF_M, cell_keys, connected, edges_between, grid_along, unseen_border
+from ._cells import (
+    WIDEST_LEAF_M,
+    Edges,
+    Grid,
+    cell_keys,
+    connected,
+    edges_between,
+    grid_along,
+    unseen_border,
+)
 from ._doors import Door, find_doors, shortest_way
-from ._lines import Indices, building_axes, wall_lines
+from ._lines import Indices, Line, building_axes, wall_lines
 from ._outlines import room_of
 from ._polygons import Room, shapely_or_hint
 from ._rooms import find_rooms
 from ._walls import draw_walls
+from .edits import Edit, Name, Split
 
 #: Side of the squares of free space, metres.
 SQUARE_M = 0.05
@@ -30,10 +42,24 @@ WIDEST_BUILDING_M = 400.0
 NARROWEST_BUILDING_M = 0.5
 #: Segments below this length make no line, metres.
 LEAST_LINE_PIECE_M = 0.3
-#: The outline goes around rooms so far off: half of a thick wall between two, metres.
-WALL_BETWEEN_M = 0.3
 #: Length that no axis takes is told from this share on.
 ROUND_SHARE = 0.15
+
+
+class Base(NamedTuple):
+    """What a plan is made of before a person edits it."""
+
+    grid: Grid
+    lines: list[Line]
+    edges: Edges
+    parts: Indices  # the room of each square, -1 for none
+    reasons: list[str]
+    walls: tuple[Reduction, Reduction, Array, Indices, Array]
+    axes: Array
+    off_lines: float
+    opening: float
+    least_area: float
+    outlined: dict[bytes, Room]  # rooms by their squares: what no edit changed is not made anew
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +81,6 @@ class FloorPlan:
     rooms : list of Room
         The largest first.
     doors : list of Door
-    outline : list of (n, 2) arrays, metres
-        The border of all rooms, with the walls between them.
     axes : (k,) array, radians
         Along and across which walls run.
     off_lines : float
@@ -65,6 +89,10 @@ class FloorPlan:
         Doorways behind which nothing was seen.
     unseen : (r,) array, metres
         Of the border of each room, behind which nobody saw anything.
+    edits : tuple of Edit
+        What a person changed.
+    unplaced : list of str
+        The edits that changed nothing, and why: their rooms are not where they were.
     """
 
     walls: Reduction
@@ -74,11 +102,27 @@ class FloorPlan:
     residual: Array
     rooms: list[Room]
     doors: list[Door]
-    outline: list[Array]
     axes: Array
     off_lines: float
     openings_to_nowhere: int
     unseen: Array
+    edits: tuple[Edit, ...]
+    unplaced: list[str]
+    base: Base = field(repr=False)
+
+    def edited(self, edits: Sequence[Edit]) -> FloorPlan:
+        """The plan with these edits in the place of its own; walls and free space stay.
+
+        Examples
+        --------
+        >>> from segmap.plan import Name, floor_plan
+        >>> from segmap.quadtree import map_of_grid
+        >>> walls = [[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(4, 3), (0, 3)], [(0, 3), (0, 0)]]
+        >>> plan = floor_plan(walls, map_of_grid(np.ones((60, 80)), resolution=0.05))
+        >>> plan.edited([Name((1, 1), "hall")]).rooms
+        [Room('hall', 12.0 m2, 4 corners)]
+        """
+        return _formed(self.base, edits)
 
     @property
     def doubt(self) -> str:
@@ -94,6 +138,7 @@ class FloorPlan:
             f"doors wider than a leaf, perhaps none, or glass: {wide}": wide,
             f"no door was seen of {', '.join(alone)}": alone,
             f"free space ends where nothing was seen, and may go on: {', '.join(ends)}": ends,
+            f"edits that change nothing: {', '.join(self.unplaced)}": self.unplaced,
         }
         return "; ".join(words for words, so in doubts.items() if so)
 
@@ -104,10 +149,6 @@ class FloorPlan:
         for door in self.doors:
             found[door.rooms] = found[door.rooms[::-1]] = True
         return found
-
-    def why(self, of: Room | Door) -> str:
-        """Why a room or a door of this plan is one, in words."""
-        return (of if isinstance(of, Room) else arrays.instance(of, "of", Door)).reason
 
     def room_at(self, points: ArrayLike) -> Indices:
         """The room of points `(n, 2)`, metres: `(n,)` int array, -1 for none."""
@@ -151,6 +192,7 @@ def floor_plan(
     opening: Metres = 2.0,
     band: Metres = 0.15,
     least_area: Positive = 1.5,
+    edits: Sequence[Edit] = (),
 ) -> FloorPlan:
     """A floor plan: straight walls with closed corners, rooms with their areas, doors.
 
@@ -182,6 +224,8 @@ def floor_plan(
         Segments whose offsets differ by less are on one line.
     least_area : float, square metres
         Smaller rooms go into their neighbour; what is larger and stands in a room is none of it.
+    edits : Join, Split, NoDoor or Name, in their order
+        What a person changed, by places. What finds no room or door there is in `unplaced`.
 
     Raises
     ------
@@ -198,7 +242,7 @@ def floor_plan(
     >>> len(plan.rooms), len(plan.doors)
     (3, 2)
     """
-    shapely = shapely_or_hint()
+    shapely_or_hint()
     segments = arrays.segments(map, "map")
     arrays.instance(free, "free", QuadtreeMap)
     widths = arrays.row(door, "door", 2)
@@ -219,28 +263,66 @@ def floor_plan(
     edges = edges_between(lines, grid, cells, (float(widths[0]), float(widths[1])), band)
     labels, told = find_rooms(grid, cells, edges, kappa, share, opening, least_area)
     parts = connected(labels, labels >= 0, least_area / grid.side**2)
-    drawn = draw_walls(segments, axes, grid, parts, regular)
-    openings = find_doors(edges, lines, grid, parts)
-    doorways = np.reshape([opening.place for opening in openings], (-1, 2))
-    rooms = [
-        replace(
-            room_of(parts, k, box, grid, drawn[0].segments, drawn[3], doorways, least_area),
-            reason=told[labels[parts == k][0]],
-        )
-        for k, box in enumerate(ndimage.find_objects(parts + 1))
-    ]
+    reasons = [told[labels[parts == k][0]] for k in range(parts.max() + 1)]
+    walls = draw_walls(segments, axes, grid, parts, regular)
+    off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
+    base = Base(
+        grid, lines, edges, parts, reasons, walls, axes, float(off), opening, least_area, {}
+    )
+    return _formed(base, edits)
+
+
+def _formed(base: Base, edits: Sequence[Edit]) -> FloorPlan:
+    """Rooms and doors of a plan, after what a person changed."""
+    if not isinstance(edits, list | tuple) or not all(isinstance(each, Edit) for each in edits):
+        raise ValueError(f"edits must be a list of edits, got {arrays.brief(edits)}")
+    grid, parts = base.grid, base.parts.copy()
+    unplaced = [f"{edit} ({why})" for edit in edits if (why := edit.on_squares(grid, parts))]
+    kept, numbers = np.unique(parts[parts >= 0], return_inverse=True)
+    parts[parts >= 0] = numbers
+    openings = find_doors(base.edges, base.lines, grid, parts)
+    cuts = np.reshape([edit.line for edit in edits if isinstance(edit, Split)], (-1, 2, 2))
+    rooms = _outlined(base, parts, cuts, np.reshape([one.place for one in openings], (-1, 2)))
     order = np.argsort([-room.area for room in rooms], kind="stable")
     number = np.append(np.argsort(order), -1)
-    rooms = [replace(rooms[k], name=f"room {n}") for n, k in enumerate(order, 1)]
+    told = dict(enumerate(base.reasons))
+    rooms = [
+        replace(rooms[k], name=f"room {n}", reason=told.get(kept[k], "joined or split by hand"))
+        for n, k in enumerate(order, 1)
+    ]
     doors = [
         replace(opening, rooms=tuple(np.sort(number[list(opening.rooms)]).tolist()))
         for opening in openings
         if opening.rooms[0] >= 0
     ]
     away = len(openings) - len(doors)
-    shapes = [shapely.Polygon(room.outline) for room in rooms]
-    around = shapely.union_all(shapely.buffer(shapes, WALL_BETWEEN_M, join_style="mitre"))
-    outline = [np.array(part.exterior.coords)[:-1] for part in shapely.get_parts(around)]
-    off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
-    unseen = unseen_border(grid, number[parts], opening)
-    return FloorPlan(*drawn, rooms, doors, outline, axes, off, away, unseen)
+    unplaced += [f"{edit} ({why})" for edit in edits if (why := edit.on_doors(doors))]
+    unseen = unseen_border(grid, number[parts], base.opening)
+    plan = FloorPlan(
+        *base.walls, rooms, doors, base.axes, base.off_lines, away, unseen,
+        tuple(edits), unplaced, base,
+    )  # fmt: skip
+    for name in [edit for edit in edits if isinstance(edit, Name)]:
+        room = int(plan.room_at([name.at])[0])
+        if room >= 0:
+            rooms[room] = replace(rooms[room], name=name.text)
+        else:
+            unplaced.append(f"{name} (no room there)")
+    return plan
+
+
+def _outlined(base: Base, parts: Indices, cuts: Array, doorways: Array) -> list[Room]:
+    """The rooms of squares; those that no edit changed are known."""
+    walls, side, rooms = base.walls[0].segments, base.walls[3], list[Room]()
+    places = np.sort(np.stack(base.grid.squares(cuts), -1), axis=1)  # row and column
+    for k, box in enumerate(ndimage.find_objects(parts + 1)):
+        low, high = np.array([(each.start, each.stop) for each in box]).T
+        mine = cuts[((places[:, 0] <= high + 1) & (places[:, 1] >= low - 1)).all(1)]
+        squares = np.where(parts[box] < 0, 0, 1 + (parts[box] == k)).astype(np.int8)
+        key = low.tobytes() + high.tobytes() + mine.tobytes() + squares.tobytes()
+        if key not in base.outlined:
+            faces = np.concatenate([walls, mine]), np.append(side, np.zeros(len(mine), np.int64))
+            made = room_of(parts, k, box, base.grid, *faces, doorways, base.least_area)
+            base.outlined[key] = made
+        rooms.append(base.outlined[key])
+    return rooms

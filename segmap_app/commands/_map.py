@@ -17,8 +17,9 @@ from typing import Any
 from segmap import exports, extraction, metrics, quadtree, reduction, warm
 from segmap.arrays import declared
 from segmap.display import counted
-from segmap.files import shown, write_bytes
+from segmap.files import write_bytes
 from segmap.plan import floor_plan
+from segmap.plan.edits import FORMS, read
 from segmap.quadtree import without_passers
 from segmap.readers import read_text
 from segmap.reduction import METHODS, Reduction
@@ -260,7 +261,7 @@ def add_plan(commands: Any) -> None:
             "plan room -o room.pdf                 a sheet to print",
             "plan room -o room.dxf -o rooms.csv    layers for CAD, and a table of the rooms",
             "plan room --regular -o room.geojson   nearly right angles become right",
-            "plan room --rooms 1 2 hall            the room at (1, 2) has this name",
+            "plan room --edit 'Name 1 2 hall'      the room at (1, 2) has this name",
         ),
     )
     log_options.add_poses(command)
@@ -279,13 +280,10 @@ def add_plan(commands: Any) -> None:
         "building, 0.55 1.2 joins what no leaf closes",
     )
     command.add_argument(
-        "--rooms",
-        nargs=3,
-        type=str.strip,  # of a session words have a space before them: a name may begin with a dash
+        "--edit",
         action="append",
         default=[],
-        metavar=("X", "Y", "NAME"),
-        help="a name for the room at a place of the plan, metres; once for each room",
+        help=f"what a person changes, by places in metres of the log, once for each: {FORMS}",
     )
     log_options.add_world(command)
     log_options.add_output(
@@ -298,11 +296,11 @@ def check_doors(given: argparse.Namespace) -> None:
     """Refuse options that do not go together."""
     if not 0 < given.door[0] < given.door[1] < float("inf"):
         given.refuse("--door wants the narrowest and the widest doorway, in metres")
-    for x, y, name in given.rooms:
+    for text in given.edit:
         try:
-            float(x), float(y)
-        except ValueError:
-            given.refuse(f"--rooms wants x and y in metres, then the name, got {x} {y} {name}")
+            read(text)
+        except ValueError as fault:
+            given.refuse(f"--{fault}")
     log_options.check_options(given)
 
 
@@ -317,13 +315,8 @@ def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: 
     if given.crop is not None:
         seen, free = cropped(seen, given.crop), cropped(free, given.crop)
     walls = reduction.one_per_wall(seen.filtered(LEAST_PLANNED_M))
-    plan = floor_plan(walls, free, regular=given.regular, door=tuple(given.door))
-    for x, y, name in given.rooms:
-        k = int(plan.room_at([(float(x), float(y))])[0])
-        if k >= 0:
-            plan.rooms[k] = replace(plan.rooms[k], name=name)
-        else:
-            report.line("rooms", f"no room lies at {x}, {y}: {shown(name)} is left out")
+    edits = [read(text).turned(made.turn) for text in given.edit]
+    plan = floor_plan(walls, free, regular=given.regular, door=tuple(given.door), edits=edits)
     area = sum(room.area for room in plan.rooms)
     rooms, doors = counted(len(plan.rooms), "room"), counted(len(plan.doors), "door")
     hidden = sum(room.hidden for room in plan.rooms)

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import ipywidgets as W
-import numpy as np
 
-from segmap import arrays
-from segmap.display import counted
-from segmap.files import as_html
 from segmap.panels.controls import ENTRY, folded, wrong
 from segmap.plan import FloorPlan
+from segmap.plan.edits import Edit, read
 
 from ..pipeline import Pipeline
 from . import _files
@@ -40,8 +36,8 @@ class Edits:
     def __init__(self) -> None:
         self.veto: list[str] = []
         self.tie: list[str] = []
-        #: x, y, metres, and the name of the room there.
-        self.rooms: list[list[Any]] = []
+        #: What is changed in the floor plan, in the frame of the log.
+        self.plan: tuple[Edit, ...] = ()
         wide: Any = {"style": ENTRY, "layout": {"width": "auto"}, "continuous_update": False}
         words = "square: most walls along x and y"
         self.square: Any = W.Checkbox(False, description=words, indent=False)
@@ -78,7 +74,7 @@ class Edits:
                 assert len(found[name]) in (0, count)
             except (ValueError, AssertionError):
                 raise ValueError(f"{label} must be like '{hint}', got {text!r}") from None
-        found["crs"], found["rooms"] = self.crs.value.strip(), [*self.rooms]
+        found["crs"], found["edit"] = self.crs.value.strip(), [*map(str, self.plan)]
         return {name: value for name, value in found.items() if value}
 
     def asked(self) -> dict[str, Any]:
@@ -99,7 +95,7 @@ class Edits:
     def restore(self, held: Mapping[str, Any]) -> None:
         """Set what a session keeps, and nothing else."""
         self.take_loops(held)
-        self.rooms = [[*arrays.point((x, y)).tolist(), f"{n}"] for x, y, n in held.get("rooms", [])]
+        self.plan = tuple(read(text) for text in held.get("edit", []))
         self.square.value, self.crs.value = held.get("square", False), held.get("crs", "")
         for name in NUMBER_ENTRIES:
             value = held.get(name, [])
@@ -108,12 +104,12 @@ class Edits:
 
 
 class Rooms:
-    """A switch; on, the sheet of the floor plan stands in the place of the map, which canvas.css
-    hides, and there are its rooms with names to be typed, and their areas.
+    """A switch; on, the floor plan stands in the place of the map, which canvas.css hides, and a
+    person mends it there.
 
-    Names are kept in the edits with their places: they stay where a room gets another number.
+    What is done is kept in the edits, in the frame of the log: another run does it again.
     `begin` calls a function in the worker, `say` says what is done, and `outcome` is what is shown;
-    `plan` is the floor plan that stands there, None where none does.
+    `editor` is the plan that stands there, None where none does.
     """
 
     def __init__(
@@ -124,62 +120,33 @@ class Rooms:
         outcome: Callable[[], Pipeline | None],
     ) -> None:
         self.edits, self._begin, self._say, self._outcome = edits, begin, say, outcome
-        self.plan: FloorPlan | None = None
-        tip = "rooms with their areas, and doors"
+        self.editor: Any = None
+        tip = "rooms with their areas, and doors: mend them with the mouse"
         self.switch: Any = W.ToggleButton(False, description="plan", tooltip=tip)
-        self.picture: Any = W.Image(format="png")
-        self.total, self.names = W.HTML(), W.VBox()
-        self.box, self.sheet = W.VBox(), W.Box()
+        self.sheet = W.Box()
         self.sheet.add_class("segmap-sheet")
-        self.large: Any = W.ToggleButton(False, description="large", tooltip="twice as large")
-        self.large.observe(self._enlarged, names="value")
         self.switch.observe(self._switched, names="value")
+
+    @property
+    def plan(self) -> FloorPlan | None:
+        """The floor plan that is shown."""
+        return self.editor.plan if self.editor else None
 
     def _switched(self, change: Any = None) -> None:
         if not self.switch.value:
-            self.plan = None
-            self.box.children = self.names.children = self.sheet.children = ()
-        elif not self.box.children:
-            self._begin(_files.plan_of, (self._outcome(),), self.show)
-
-    def _enlarged(self, change: Any) -> None:
-        (self.sheet.add_class if self.large.value else self.sheet.remove_class)("segmap-large")
+            self.editor, self.sheet.children = None, ()
+        elif (outcome := self._outcome()) is not None and not self.sheet.children:
+            self._begin(_files.plan_of, (outcome, self.edits.plan), self.show)
 
     def show(self, plan: FloorPlan) -> None:
-        """Show a plan, with the names that are kept."""
-        for (*_, name), k in zip(self.edits.rooms, self._inside(plan), strict=True):
-            if k >= 0:
-                plan.rooms[k] = replace(plan.rooms[k], name=name)
-        entries = []
-        for k, room in enumerate(plan.rooms):
-            entry: Any = W.Text(room.name, description=f"{room.area:.1f} m\N{SUPERSCRIPT TWO}")
-            entry.continuous_update, entry.tooltip = False, f"name of room {k + 1}"
-            entry.observe(lambda change, k=k: self._named(plan, k, change["new"]), names="value")
-            entries.append(entry)
-        self.names.children = entries
-        self._draw(plan)
-        self.plan = plan
-        self.box.children = [self.large, self.total, self.names]
-        self.sheet.children = [self.picture]
+        """Show a plan, to be mended."""
+        from segmap.panels import PlanEditor
+
+        self.editor = PlanEditor(plan)
+        self.editor.observe(self._mended, names="edits")
+        self.sheet.children = [self.editor]
         self._say("the floor plan is made", 1.0)
 
-    def _draw(self, plan: FloorPlan) -> None:
-        area, count = sum(room.area for room in plan.rooms), counted(len(plan.rooms), "room")
-        doors = counted(len(plan.doors), "door")
-        said = f"{count} of {area:.1f} m\N{SUPERSCRIPT TWO}, {doors}"
-        self.total.value = as_html("; ".join(filter(None, [said, plan.doubt])))
-        if (made := self._outcome()) is not None:
-            self.picture.value = _files.written(made, "plan.png", plan)["plan.png"]
-
-    def _inside(self, plan: FloorPlan) -> list[int]:
-        """The room of each name that is kept, -1 for none."""
-        places = np.reshape([place for *place, _ in self.edits.rooms], (-1, 2))
-        return plan.room_at(places.astype(float)).tolist()
-
-    def _named(self, plan: FloorPlan, k: int, name: str) -> None:
-        """Keep the name of a room, in the place of what it was called."""
-        kept = zip(self.edits.rooms, self._inside(plan), strict=True)
-        self.edits.rooms = [held for held, room in kept if room != k]
-        self.edits.rooms.append([*plan.rooms[k].place.round(3).tolist(), name])
-        plan.rooms[k] = replace(plan.rooms[k], name=name)
-        self._draw(plan)
+    def _mended(self, change: Any) -> None:
+        if (outcome := self._outcome()) is not None:
+            self.edits.plan = tuple(edit.turned(-outcome.turn) for edit in change["new"])

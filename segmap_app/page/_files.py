@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import math
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from segmap import exports, extraction, reduction, warm
 from segmap.arrays import Array
 from segmap.files import shown
 from segmap.plan import FloorPlan, floor_plan
+from segmap.plan.edits import Edit
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.scans import Log
@@ -70,15 +72,19 @@ def free_space(outcome: Pipeline) -> Array:
     return np.stack([x, y, side], -1)[tree.leaf_occupancy() <= FREE_OCCUPANCY]
 
 
-def plan_of(outcome: Pipeline) -> FloorPlan:
-    """The floor plan of an outcome, as `segmap plan` makes it: of one line a wall."""
+def plan_of(outcome: Pipeline, edits: Sequence[Edit] = ()) -> FloorPlan:
+    """The floor plan of an outcome, as `segmap plan` makes it: of one line a wall.
+
+    Edits are in the frame of the log.
+    """
     warm.dispatch(["quadtree all", "reduction one_per_wall"])
     log, poses = outcome.log_without_passers, outcome.alignment.trusted
     seen = extraction.build_map(log, poses, keep_points=True)
     free = build_map(log, poses, resolution=CELL, free_resolution=CELL)
     crop = outcome.recipe.edits.get("crop")
     walls = reduction.one_per_wall(cropped(seen, crop).filtered())
-    return floor_plan(walls, cropped(free, crop))
+    turned = [edit.turned(outcome.turn) for edit in edits]
+    return floor_plan(walls, cropped(free, crop), edits=turned)
 
 
 def drawn_points(log: Log, poses: Array, *, sketched: bool = False) -> Array:

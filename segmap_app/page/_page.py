@@ -32,7 +32,7 @@ PRESSED = {
 #: Their ends where they hold the map also while the floor plan is shown.
 NO_PLANS = (".yaml", ".segmap")
 #: What is saved, above the buttons: without and with a floor plan.
-SAVED = ("Save the first result", "Save the floor plan")
+SAVED = ("Save the map", "Save the floor plan")
 TITLE = '<h1 style="font-size: 17px; margin: 4px 0">From a log of a laser to a map</h1>'
 #: What may be drawn with the maps, and what each is.
 LAYERS = {
@@ -133,7 +133,7 @@ class Page:
         row = W.Box([self.loops.open, self.edits.open, self.undo], layout=W.Layout(**WRAP))
         parts = [row, self.edits.square, self.loops.box, self.edits.box, self.edits.wrong]
         steps += headed("Mend the map", *parts)
-        steps += headed("Floor plan", self.rooms.switch, self.rooms.box)
+        steps += headed("Floor plan", self.rooms.switch)
         if self.canvas is not None:
             steps += [saved, self.files]
         steps += [*headed("All runs", listed), *headed("In Python", self.listing)]

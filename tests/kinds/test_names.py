@@ -24,6 +24,7 @@ INTERFACE = {
 #: Other names that stand in several files, at most ten of each kind, each with its reason.
 SHARED_CONSTANTS: dict[str, str] = {}
 SHARED_FUNCTIONS = {
+    "__getattr__": "a package: what it loads when it is first named",
     "between": "`poses.between`, and the same without checks in `poses.motions`",
     "compose": "`poses.compose`, and the same without checks in `poses.motions`",
     "inverse": "`poses.inverse`, and the same without checks in `poses.motions`",

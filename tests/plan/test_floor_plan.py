@@ -132,7 +132,7 @@ def test_what_is_not_joined_has_no_route():
     assert "no door was seen of room 1, room 2" in found.doubt
     found.rooms[0] = replace(found.rooms[0], name="hall")
     assert "no door was seen of hall, room 2" in found.doubt
-    assert "cells between lines" in found.why(found.rooms[0])
+    assert "cells between lines" in found.rooms[0].reason
     with pytest.raises(ValueError, match="no doors"):
         found.route(0, 1)
 

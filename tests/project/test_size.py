@@ -19,7 +19,9 @@ LAYERS = {
     "entry points": "__init__ __main__ panels warm",
 }
 #: Lines of code of the core, at most: a commit that raises this says which issue grants it.
-CORE_LINES = 14_980  # earned verdicts: issue Earned; noise: Real; rooms to their walls: Hands
+CORE_LINES = (
+    15_130  # earned verdicts: issue Earned; noise: Real; rooms to their walls, edits: Hands
+)
 #: A core that is so much smaller lowers the figure.
 SLACK_LINES = 150
 #: Modules of a folder, lines of a file that is read to its end.

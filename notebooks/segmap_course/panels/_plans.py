@@ -35,6 +35,6 @@ class PlanPanel(LessonPanel):
         self.count.value = f"{len(rooms)} rooms of {area:.0f} m2, {len(self.plan.doors)} doors"
         said = "there is no such room"
         if lit < len(rooms):
-            said = f"{rooms[lit].name}, {rooms[lit].area:.1f} m2: {self.plan.why(rooms[lit])}"
+            said = f"{rooms[lit].name}, {rooms[lit].area:.1f} m2: {rooms[lit].reason}"
         self.why.value = said
         draw_plan(self.plan, lit=lit, ax=figure.subplots())

@@ -20,31 +20,29 @@ def test_a_plan_of_a_log_is_told_and_written(tmp_path, capsys):
     assert "room 3" in sheet.read_text()
 
 
-def test_rooms_have_the_names_that_were_typed(tmp_path, capsys):
-    """Catches names that a session keeps and no sheet shows, and one in a place without a room.
-
-    And a doubt that speaks of room 1 where nobody calls it so.
-    """
+def test_a_plan_is_edited_as_typed_or_as_a_session_keeps_it(tmp_path, capsys):
+    """Catches edits that a session keeps and no sheet shows, one in a place without a room that is
+    not told, and a doubt that speaks of room 1 where nobody calls it so."""
     log, table, session = segmap.load("room"), tmp_path / "it.csv", tmp_path / "it.segmap"
     x, y, _ = log.truth[0]
-    names = [[float(x), float(y), "hall <1>"], [99.0, -99.0, "garden"]]
-    files.write_session(session, Session(log, {}, edits={"rooms": names}))
-    typed = [word for name in names for word in ("--rooms", *map(str, name))]
+    edits = [f"Name {x:.3f} {y:.3f} hall <1>", "Name 99 -99 garden"]
+    files.write_session(session, Session(log, {}, edits={"edit": edits}))
+    typed = [word for edit in edits for word in ("--edit", edit)]
     for source in ([str(session)], ["room", *typed]):
         assert main(["plan", *source, "-o", str(table)]) == 0
         said = capsys.readouterr().out
-        assert "no room lies at 99.0, -99.0: garden is left out" in said
+        assert "edits that change nothing: Name 99 -99 garden (no room there)" in said
         assert "may go on: hall <1> (11.7 m)" in said and "room 1" not in said
         assert [row.split(",")[0] for row in table.read_text().splitlines()].count("hall <1>") == 1
-    assert main(["plan", "room", "--rooms", "1", "hall", "2"]) == 2
-    assert "--rooms wants x and y in metres, then the name, got 1 hall 2" in capsys.readouterr().err
+    assert main(["plan", "room", "--edit", "Name 1 hall"]) == 2
+    assert "--edit must be like" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["-hall", "--rooms", "-1", "- 2 -"])
+@pytest.mark.parametrize("name", ["-hall", "--edit", "-1", "- 2 -"])
 def test_a_name_may_begin_with_a_dash(tmp_path, name):
     """Catches a name of a session that is taken for an option of the command."""
     log, table, session = segmap.load("room"), tmp_path / "it.csv", tmp_path / "it.segmap"
-    held = {"rooms": [[*log.truth[0, :2].tolist(), name]]}
+    held = {"edit": ["Name {:.3f} {:.3f} ".format(*log.truth[0, :2]) + name]}
     files.write_session(session, Session(log, {}, edits=held))
     assert main(["plan", str(session), "-o", str(table), "-q"]) == 0
     assert [row.split(",")[0] for row in table.read_text().splitlines()].count(name) == 1

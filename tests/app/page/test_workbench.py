@@ -34,6 +34,7 @@ from segmap.display import facts
 from segmap.experiments import pareto
 from segmap.methods import Method
 from segmap.panels._base import VIEW
+from segmap.plan import edits as plan_edits
 from segmap.plotting import thumbnail
 from segmap.progress import announce
 from segmap_app import files
@@ -770,28 +771,24 @@ def headings(page):
     return [re.sub("<.*?>", "", text) for text in texts if str(text).startswith("<h2")]
 
 
-def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path, monkeypatch):
-    """Catches a name that goes to another room, a picture that keeps the old one, a lost area.
-
-    And a doubt that knows no names, or takes one for HTML; a file of segments where the plan is
-    seen, and of the plan where it is not.
-    """
+def test_a_plan_is_mended_and_a_session_keeps_it(worker, tmp_path, monkeypatch):
+    """Catches edits that another run or a session loses, or does at turned places; a doubt that
+    knows no names; a file of segments where the plan is seen, and of the plan where it is not."""
     made = bench(segmap.load("room"))
     made.run()
     made._worker, rooms = worker, made.rooms
-    assert not rooms.box.children and not rooms.switch.disabled
+    assert rooms.plan is None and not rooms.switch.disabled
     rooms.switch.value = True
     made.wait()
-    total, doubt = rooms.total.value.split("; ")
-    assert total == "3 rooms of 48.9 m\u00b2, 2 doors"
-    assert doubt == "free space ends where nothing was seen, and may go on: room 1 (11.7 m)"
-    assert sum(float(each.description.split()[0]) for each in rooms.names.children) == (
-        pytest.approx(48.9, abs=0.15)
+    assert rooms.editor.state["words"] == (
+        "3 rooms of 48.9 m\u00b2, 2 doors; "
+        "free space ends where nothing was seen, and may go on: room 1 (11.7 m)"
     )
-    before = bytes(rooms.picture.value)
-    rooms.names.children[1].value = "hall"
-    rooms.names.children[1].value = "the hall <b>$x"
-    assert before.startswith(b"\x89PNG") and bytes(rooms.picture.value) != before
+    place = tuple(rooms.plan.rooms[1].place.round(3).tolist())
+    rooms.editor.do(plan_edits.Name(place, "the hall <b>$x"))
+    rooms.editor.do(plan_edits.NoDoor(rooms.plan.doors[0].place))
+    rooms.editor.do(plan_edits.Join((90, 90), (91, 91)))
+    assert rooms.editor.state["words"].startswith("nothing is changed: Join 90 90 91 91")
     sent = []
     monkeypatch.setattr(made.canvas, "save", lambda *given: sent.append(given))
     for shown, name in ((True, "room-plan.csv"), (False, "room-fusion.csv")):
@@ -802,21 +799,25 @@ def test_the_plan_has_names_that_a_session_keeps(worker, tmp_path, monkeypatch):
         assert (
             (b"hall <b>$x" in sent[-1][1]) == shown == (headings(made)[6] == "Save the floor plan")
         )
-    assert headings(made)[6] == "Save the first result"
+    assert headings(made)[6] == "Save the map"
     made.export(tmp_path / "it.segmap")
-    ((*_, name),) = files.read_session(tmp_path / "it.segmap").edits["rooms"]
+    first, second = files.read_session(tmp_path / "it.segmap").edits["edit"]
+    assert first == f"Name {place[0]:g} {place[1]:g} the hall <b>$x" and second[:6] == "NoDoor"
     other = Workbench()
     other.open(tmp_path / "it.segmap")
+    other.edits.square.value = True
     other.run()
     other._worker, other.rooms.switch.value = worker, True
     other.wait()
-    assert [each.value for each in other.rooms.names.children] == ["room 1", name, "room 3"]
-    other.rooms.names.children[0].value = "<i>"
-    assert other.rooms.total.value.endswith("may go on: &lt;i&gt; (11.7 m)")
+    turned = other.rooms.plan
+    assert len(turned.doors) == 1 and "the hall <b>$x" in {room.name for room in turned.rooms}
+    assert turned.edits[0].at != place and not turned.unplaced
+    other.rooms.editor.undo()
+    assert [*map(str, other.edits.plan)] == [first] and len(other.rooms.plan.doors) == 2
     other.run()
-    assert not other.rooms.switch.value and not other.rooms.box.children
-    files.write_session(tmp_path / "no.segmap", files.Session(LOG, {}, edits={"rooms": [[1]]}))
-    with pytest.raises(ValueError):
+    assert not other.rooms.switch.value and other.rooms.plan is None
+    files.write_session(tmp_path / "no.segmap", files.Session(LOG, {}, edits={"edit": ["Paint 1"]}))
+    with pytest.raises(ValueError, match="edit must be like"):
         other.open(tmp_path / "no.segmap")
 
 
