@@ -124,8 +124,8 @@ def _lines_off(rng: Rng) -> Cases:
 check_least_translation = Exercise(
     "least_translation(normals, offsets, weights) -> (2,) metres: the shortest of the shifts that "
     "minimise the weighted squares of the distances from lines, given their normals (m, 2) and how "
-    "far the points now lie from them, (m,) metres; a direction that the lines hold by less than 0.3 "
-    "of the other (rcond) counts as not held",
+    "far the points now lie from them, (m,) metres; a direction that the lines hold by less than "
+    "0.3 of the other (rcond) counts as not held",
     least_translation,
     _lines_off,
     {
