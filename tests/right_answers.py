@@ -177,15 +177,20 @@ def row_by_masked_argmax(points, quality):
     return r.argmax() if np.isfinite(r).any() else -1
 
 
-def verdict_by_parts(wall, point, sensor, distance):
-    """The point as so much of the way to one end and so much of that to the other."""
-    ends = (wall - sensor).T
-    s, t = np.linalg.solve(ends, point - sensor)
-    if min(s, t) < 0:
-        return np.nan
-    (x, y), (dx, dy) = ends[:, 0], ends[:, 1] - ends[:, 0]
-    behind = (s + t - 1) * abs(x * dy - y * dx) / math.hypot(dx, dy)
-    return 0 if abs(behind) <= distance + 1e-12 else -np.sign(behind)
+def surely_kept_by_millimetres(size, seen, min_length, forget):
+    """Every tenth of a millimetre asked by itself; then each border to the nearest end."""
+    ends = np.array(sorted({0.0, size, *(u for _, *two in seen for u in two)}))
+    at = np.arange(0.00005, size, 0.0001)
+    words = [{"gone": 1, "matches": -9, "hides": -9}[word] for word, _, _ in seen]
+    counts = sum(
+        w * ((low < at) & (at < high)) for w, (_, low, high) in zip(words, seen, strict=True)
+    )
+    away = np.concatenate([[False], counts >= 2, [False]])
+    borders = np.flatnonzero(away[1:] != away[:-1]) * 0.0001
+    borders = ends[abs(borders[:, None] - ends).argmin(axis=1)].reshape(-1, 2)
+    borders = [two for two in borders if forget and two[1] - two[0] >= min_length]
+    pieces = np.reshape([0.0, *np.ravel(borders), size], (-1, 2))
+    return [two for two in pieces if not borders or two[1] - two[0] >= min_length]
 
 
 def chain_by_a_sweep(u, inside, first):
@@ -335,7 +340,7 @@ RIGHT = {
     "resampled": resampled_by_counts,
     "weighed": lambda w, f, n: softmax(np.log(w) + n * np.log(f)),
     "pose_covariance": pose_covariance_closed,
-    "verdict": verdict_by_parts,
+    "surely_kept": surely_kept_by_millimetres,
     "cost_of_faces": cost_of_one_face,
     "pose_cost": cost_by_masked_average,
     "mean_by_length": mean_of_complex_numbers,

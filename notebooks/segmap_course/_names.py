@@ -101,10 +101,7 @@ from .exercises.open.judgement import (
 from .exercises.open.my_mapper import check_my_mapper
 from .exercises.open.own_log import check_own_log
 from .exercises.open.quadtree import break_cells, break_matching, predict_coarse_leaves
-from .exercises.open.reduction import (
-    break_basic_order,
-    break_viewing_sector,
-)
+from .exercises.open.reduction import break_basic_order
 from .exercises.open.scans import (
     break_line,
     break_reader,
@@ -135,7 +132,7 @@ from .exercises.surveyed import (
     check_cost_of_faces,
     check_memberships,
     check_pose_covariance,
-    check_verdict,
+    check_surely_kept,
 )
 from .figures import *
 from .panels import *
@@ -145,24 +142,22 @@ __all__ = [
     "THESIS_GRIDS", "Answers", "Challenge", "Check", "Decision", "Exercise", "Explored", "Known",
     "Landscape", "Measured", "OwnLog", "Prediction", "Representation", "Taped", "Trial", "Unknown",
     "View", "break_basic_order", "break_cells", "break_icp", "break_line", "break_matching",
-    "break_quality", "break_reader", "break_sum", "break_viewing_sector", "check_axes_of",
-    "check_axial_mean", "check_beam_angles", "check_best_run", "check_building_axis",
-    "check_capped_score",
+    "break_quality", "break_reader", "break_sum", "check_axes_of", "check_axial_mean",
+    "check_beam_angles", "check_best_run", "check_building_axis", "check_capped_score",
     "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of", "check_chain",
     "check_climb_step", "check_compose", "check_cost_of_faces", "check_crossed_leaves",
-    "check_distances", "check_edge_error", "check_far_ends", "check_flatness",
-    "check_front", "check_frontier_cells", "check_least_translation", "check_match_value",
-    "check_matches", "check_mean_by_length", "check_mean_shift_step", "check_mean_wall_error",
-    "check_memberships", "check_missed_metres", "check_move_onto_walls", "check_my_mapper",
-    "check_nees", "check_own_log", "check_pair_origin", "check_pixel", "check_places_between",
-    "check_pose_cost", "check_pose_covariance", "check_quality", "check_ransac_trials",
-    "check_reduction_rate", "check_resampled", "check_scan_noise",
-    "check_segments_all_round", "check_split", "check_unwrapped",
-    "check_verdict", "check_weighed", "clearance", "clearance_at", "clinic_walls",
-    "compare_with_walls", "conclusions", "corridor_walk", "decide_claims", "decide_map",
-    "decide_way", "density", "drawings", "drive_to_frontiers", "equal_offices", "explore",
-    "figures", "filter_change", "floor_of", "heading_profile", "known_building", "landscape",
-    "load_columns", "load_trials", "measure_clinic", "near_metres", "occupied_centres",
+    "check_distances", "check_edge_error", "check_far_ends", "check_flatness", "check_front",
+    "check_frontier_cells", "check_least_translation", "check_match_value", "check_matches",
+    "check_mean_by_length", "check_mean_shift_step", "check_mean_wall_error", "check_memberships",
+    "check_missed_metres", "check_move_onto_walls", "check_my_mapper", "check_nees",
+    "check_own_log", "check_pair_origin", "check_pixel", "check_places_between", "check_pose_cost",
+    "check_pose_covariance", "check_quality", "check_ransac_trials", "check_reduction_rate",
+    "check_resampled", "check_scan_noise", "check_segments_all_round", "check_split",
+    "check_surely_kept", "check_unwrapped", "check_weighed", "clearance", "clearance_at",
+    "clinic_walls", "compare_with_walls", "conclusions", "corridor_walk", "decide_claims",
+    "decide_map", "decide_way", "density", "drawings", "drive_to_frontiers", "equal_offices",
+    "explore", "figures", "filter_change", "floor_of", "heading_profile", "known_building",
+    "landscape", "load_columns", "load_trials", "measure_clinic", "near_metres", "occupied_centres",
     "office_views", "panels", "peaks", "precision_and_recall", "predict_beams_on_wall",
     "predict_bend", "predict_coarse_leaves", "predict_crowd", "predict_drift", "predict_pieces",
     "predict_scan_time", "predict_sparse_icp", "predict_survivors", "profile_peaks", "represent",

@@ -2,6 +2,7 @@
 
 import itertools
 import re
+import sys
 from dataclasses import replace
 from inspect import getsource
 
@@ -29,7 +30,7 @@ from segmap.alignment import (
 from segmap.angles import axial_mean, wrap
 from segmap.poses import between, transform
 from segmap.quadtree import build_map
-from segmap.reduction import hybrid, least_cost, one_per_wall
+from segmap.reduction import hybrid, least_cost, one_per_wall, viewing_sector
 
 
 @pytest.mark.parametrize("building", ["clinic", "office"])
@@ -117,7 +118,14 @@ def test_penalties_for_a_plan_of_the_clinic_hardly_differ():
     assert np.ptp(told, axis=0).max() < 0.0025
 
 
-@pytest.mark.parametrize(("number", "module"), [("21", literal_least_cost), ("22", literal_walls)])
+@pytest.mark.parametrize(
+    ("number", "module"),
+    [
+        ("20", sys.modules[viewing_sector.__module__]),
+        ("21", literal_least_cost),
+        ("22", literal_walls),
+    ],
+)
 def test_a_table_of_steps_left_out_has_their_lines(number, module):
     """Catches a step of the table that has grown or has another name."""
     (path,) = [path for path in CHAPTERS if path.name.startswith(f"{number}_")]

@@ -13,7 +13,6 @@ from segmap_course.grading import solution
 from segmap import plotting
 from segmap.angles import axial_difference
 from segmap.reduction import common_directions
-from segmap.reduction.surveyed import views
 
 EACH = pytest.mark.parametrize("exercise", EXERCISES.values(), ids=EXERCISES)
 
@@ -199,18 +198,6 @@ def test_a_step_is_that_of_mean_shift(seed):
     found = np.array(course.check_mean_shift_step.solution(begin, begin, np.ones(6), 0.2, 5.0))
     np.testing.assert_allclose(found[:, :2], one[:, :2], atol=1e-9)
     np.testing.assert_allclose(axial_difference(found[:, 2], one[:, 2]), 0, atol=1e-9)
-
-
-@given(st.integers(0, 10**6))
-def test_a_verdict_is_that_of_the_viewing_sector(seed):
-    """Catches an exercise that teaches another rule than the method keeps."""
-    rng = np.random.default_rng(seed)
-    wall, point, sensor = rng.uniform(-2, 2, (2, 2)), rng.uniform(-3, 3, 2), rng.uniform(-1, 1, 2)
-    tiny = [point, point + rng.uniform(-1, 1, 2) * 1e-7]
-    said = {view.says for view in views([wall], [tiny], sensor, 0.3)}
-    answer = course.check_verdict.solution(wall, point, sensor, 0.3)
-    words = {1: "hides", 0: "matches", -1: "gone"}
-    assert said == (set() if np.isnan(answer) else {words[answer]})
 
 
 def shifted(solution, off):

@@ -323,6 +323,34 @@ def draw_normals(
     return [left, right]
 
 
+def draw_sector(
+    wall: ArrayLike,
+    sensor: ArrayLike,
+    looks: Mapping[str, Array],
+    *,
+    kept: Sequence[Any] = (),
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the sector of a wall, grey, from a sensor, and looks by their words, with their rays.
+
+    The first look is blue, then one is green and one orange; rays, dotted, reach the wall or the
+    look, whichever is farther. Black is the wall, or what is kept of it, thick.
+    """
+    ax, ends, at = axes_or_new(ax, (6.5, 4.4)), np.asarray(wall, float), np.asarray(sensor, float)
+    ax.fill(*np.transpose([at, *(at + 1.5 * (ends - at))]), color=RAW, alpha=0.2, linewidth=0)
+    normal = np.array([ends[0, 1] - ends[1, 1], ends[1, 0] - ends[0, 0]])
+    for (word, look), color in zip(looks.items(), (RESULT, TRUTH, ERROR), strict=True):
+        draw_segments(look[None], ax=ax, color=color, width=4, label=word)
+        for way in look - at:
+            reach = max(1, normal @ (ends[0] - at) / (normal @ way))
+            ax.plot(*np.transpose([at, at + reach * way]), ":", color=color, linewidth=1)
+    draw_segments(ends[None], ax=ax, label="wall")
+    draw_segments(kept, ax=ax, width=4, label="kept" if kept else None)
+    ax.plot(*at, "^", color=MAP)
+    ax.legend(loc="lower left")
+    return map_axes(ax)
+
+
 def draw_pieces(
     cases: Mapping[str, Sequence[Any]],
     lines: Sequence[Any],

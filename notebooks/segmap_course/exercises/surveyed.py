@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from segmap.arrays import Array
 from segmap.poses import transform
-from segmap.reduction.surveyed import Line, add_pose
+from segmap.reduction.surveyed import Line, add_pose, kept_pieces
 
 from ..literal.reduction.least_cost_merges import cost_of
 from ._answers import Cases, near
@@ -83,100 +83,74 @@ check_pose_covariance = Exercise(
 
 
 # -------------------------------------------------------------- viewing sector
-def _looks(rng: Rng) -> Cases:
-    """A wall with points on every side, placed anywhere; what is right on the border stays put."""
-    place, away, half = anywhere(rng), rng.uniform(2, 4), rng.uniform(1, 2)
-    wall, d = np.array([(-half, away), (half, away)]), np.array(0.125)
-    x = half * rng.uniform(0.2, 0.5)
+def _said_of_a_wall(rng: Rng) -> Cases:
+    """A wall of 4 m, and what looks from several scans say of it, from where to where."""
+    u, far = rng.uniform(0.4, 0.9, 2), rng.uniform(2.5, 3.5)
 
-    def case(point: Any, ends: Array = wall) -> tuple[Any, ...]:
-        return transform(place, ends), transform(place, np.array([point]))[0], place[:2], d
+    def case(*said: tuple[str, float, float], forget: bool = True) -> tuple[Any, ...]:
+        return 4.0, list(said), 0.1, forget
 
-    border = np.array([(1.0, 3.0), (5.0, 3.0)]) + rng.integers(-8, 9, 2) / 8
-    sensor = border[0] - (1, 3)
     return {
-        "a point on the wall": case((x, away)),
-        "a point right before the sensor": case((0.01 * x, 0.01 * away)),
-        "a point 0.1 m behind a long wall that is near": (case((x, 0.6), wall * (2, 0) + (0, 0.5))),
-        "a point 0.15 m behind a short wall that is far": (
-            case((0.02, away + 0.15), wall * (0.1 / half, 1))
+        "one look through the wall": case(("gone", u[0], 2.0)),
+        "two looks, which overlap": case(("gone", u[0], 2.0), ("gone", 1 + u[1], far)),
+        "two looks at different places": case(("gone", u[0], 1.2), ("gone", 2.0, far)),
+        "two looks, and one on the wall": case(
+            ("gone", u[0], far), ("matches", 1.5, 2.0), ("gone", u[1], far)
         ),
-        "a point before the wall": case((x / 2, away / 2)),
-        "a point before a wall that is near": case((0.1 * x, 0.2), wall * (1, 0) + (0, 0.5)),
-        "a point behind the wall": case((-x, away + 0.5)),
-        "a point before the wall, its ends swapped": case((x / 2, away / 2), wall[::-1]),
-        "a point behind the wall, its ends swapped": case((x, away + 0.5), wall[::-1]),
-        "a point beside the sector": case((half + 1, away)),
-        "a point behind the sensor": case((-x, -away)),
-        "a glancing look, a little behind": case((0.95 * half, away + 0.11)),
-        "a point 0.125 m behind the wall": (border, sensor + (3, 3.125), sensor, d),
-        "a point 0.125 m before the wall": (border, sensor + (3, 2.875), sensor, d),
-        "a point far behind, on a ray that passes the wall": case((1.1 * half, 2 * away)),
+        "two looks, and one before the wall": case(
+            ("gone", u[0], far), ("gone", 0.0, far), ("hides", far - 0.5, 4.0)
+        ),
+        "two looks that overlap by 5 cm": case(("gone", u[0], 2.05), ("gone", 2.0, far)),
+        "three looks": case(("gone", u[0], 3.0), ("gone", 1.2, far), ("gone", 1.0, 2.5)),
+        "nothing is forgotten": case(("gone", u[0], 2.0), ("gone", u[1], 2.0), forget=False),
     }
 
 
-def _area(a: Array, b: Array, c: Array) -> float:
-    """Twice the area of a triangle: above 0 where c lies to the left of the way from a to b."""
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+def _surely_kept(
+    size: float, seen: list[tuple[str, float, float]], min_length: float, forget: bool
+) -> list[tuple[float, float]]:
+    """As the chapter's kept pieces; but one look through the wall is not enough."""
+    gone: list[tuple[float, float]] = []
+    cuts = sorted({0.0, size, *(u for _, *ends in seen for u in ends)})
+    for a, b in pairwise(cuts):
+        says = [word for word, low, high in seen if low < (a + b) / 2 < high]
+        if len(says) >= 2 and set(says) == {"gone"}:
+            gone.append((gone.pop()[0] if gone and gone[-1][1] == a else a, b))
+    gone = [(a, b) for a, b in gone if forget and b - a >= min_length]
+    edges = [0.0, *(u for piece in gone for u in piece), size]
+    kept = list(zip(edges[::2], edges[1::2], strict=True))
+    return [(a, b) for a, b in kept if not gone or b - a >= min_length]
 
 
-def _height(wall: Array, point: Array, sensor: Array) -> float:
-    """Distance of a point from the line of a wall, metres: positive on the sensor's side."""
-    a, b = wall
-    side = math.copysign(1.0, _area(a, b, sensor))
-    return side * _area(a, b, point) / math.dist(a, b)
-
-
-def _along_the_ray(wall: Array, point: Array, sensor: Array) -> float:
-    """How much nearer than the wall a point is on its ray: the slip of those who compare ranges."""
-    (a, b), way = wall, point - sensor
-    met = _area(a, b, sensor) / (_area(a, b, sensor) - _area(a, b, sensor + way))
-    return float((met - 1) * np.hypot(*way))
-
-
-def _inside(wall: Array, point: Array, sensor: Array) -> bool:
-    """Whether a point lies in the sector of a wall."""
-    a, b = wall
-    first, second = _area(sensor, a, point), _area(sensor, point, b)
-    return bool(min(_area(a, b, sensor) * first, _area(a, b, sensor) * second) >= 0)
-
-
-def _verdict(wall: Array, point: Array, sensor: Array, distance: float) -> float:
-    """1 where a point hides a wall, 0 on it, -1 behind it, NaN beside its sector."""
-    h = _height(wall, point, sensor)
-    says = float(h > distance + 1e-9) - float(h < -distance - 1e-9)
-    return says if _inside(wall, point, sensor) else math.nan
-
-
-check_verdict = Exercise(
-    "verdict(wall, point, sensor, distance) -> 1 where a point (2,) hides the wall (2, 2) from the "
-    "sensor (2,), 0 where it lies on it, within distance of its line, -1 where it was seen through "
-    "the wall, nan outside the sector",
-    _verdict,
-    _looks,
+check_surely_kept = Exercise(
+    "surely_kept(size, seen, min_length, forget) -> the pieces (from, to) that stay of a wall, "
+    "metres along it, ascending: all but those through which at least two stretches of `seen` went "
+    "and none says otherwise; seen holds what each says ('matches', 'hides' or 'gone'), from, to",
+    _surely_kept,
+    _said_of_a_wall,
     {
-        "which side is before the wall must not depend on the order of its ends: ask where the "
-        "sensor is": (
-            edited(
-                _verdict,
-                ("_height(wall, point, sensor)", "-_area(*wall, point) / math.dist(*wall)"),
-            )
+        "this is the function of the chapter, where one look through the wall is enough": (
+            kept_pieces
         ),
-        "before the wall hides it, behind it says that it is gone": (
-            edited(_verdict, ("h = _height", "h = -_height"))
+        "two looks must go through the same piece, not anywhere through the wall": edited(
+            _surely_kept,
+            (
+                'len(says) >= 2 and set(says) == {"gone"}',
+                'says and set(says) == {"gone"} and [w for w, *_ in seen].count("gone") > 1',
+            ),
         ),
-        "a distance without a sign cannot tell before from behind": (
-            edited(_verdict, ("_height(wall, point, sensor)", "abs(_height(wall, point, sensor))"))
+        "what another look saw on the wall or before it stays": edited(
+            _surely_kept, ('set(says) == {"gone"}', 'says.count("gone") >= 2')
         ),
-        "h is measured square to the wall, not along the ray: a glancing look stretches it": (
-            edited(_verdict, ("_height", "_along_the_ray"))
+        "two looks are enough": edited(_surely_kept, ("len(says) >= 2", "len(says) >= 3")),
+        "pieces below min_length are not cut out": edited(
+            _surely_kept, ("forget and b - a >= min_length", "forget")
         ),
-        "only what lies between the rays to both ends says something of the wall: nan elsewhere": (
-            edited(_verdict, ("_inside(wall, point, sensor)", "True"))
+        "where nothing may be forgotten the whole wall stays": edited(
+            _surely_kept, ("if forget and", "if")
         ),
-        "the border belongs to the wall: <=, not <": edited(_verdict, ("1e-9", "-1e-9")),
-        "a point outside the sector says nothing, which is nan: 0 says that it lies on the wall": (
-            changed(_verdict, np.nan_to_num)
+        "return what stays, not what is gone": edited(
+            _surely_kept, ("for a, b in kept if not gone or b", "for a, b in gone if b")
         ),
     },
 )

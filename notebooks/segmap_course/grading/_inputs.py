@@ -17,7 +17,6 @@ INPUTS = {
     "break_basic_order": (
         "[7, 1, 5, 2, 11, 14, 4, 19, 13, 3, 12, 8, 16, 15, 10, 0, 6, 18, 17, 9, 20]"
     ),
-    "break_viewing_sector": "[0.0, 0.11, 0.0]",
     "decide_map": '{"A": "keep", "B": "doubled", "C": "spread", "D": "tape"}',
     "decide_claims": "dict(A='parameter', B='keep', C='tuned', D='keep', E='filter', F='keep')",
     "decide_way": '{"K": "wall", "L": "long", "M": "keep", "N": "unknown"}',

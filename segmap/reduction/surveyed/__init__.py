@@ -12,13 +12,14 @@ from ._uncertain_parameters import (
     uncertain,
     uncertain_parameters,
 )
-from ._viewing_sector import kept_pieces, minus, viewing_sector
-from ._views import views
+from ._viewing_sector import kept_pieces, viewing_sector
+from ._views import SAYS, cross, mix, share, views
 from ._weighted_line_fitting import Line, about, add_pose, compare, fit, weighted_line_fitting
 
 __all__ = [
-    "Line", "Prototype", "UncertainWall", "about", "add_pose", "clustered", "compare",
-    "farthest_ends", "fit", "fused", "fuzzy_clustering", "fuzzy_set", "kept_pieces", "looks_at_it",
-    "memberships", "minus", "polyline", "polyline_through", "segment_similarity", "uncertain",
-    "uncertain_parameters", "viewing_sector", "views", "weighted_line_fitting",
+    "SAYS", "Line", "Prototype", "UncertainWall", "about", "add_pose", "clustered", "compare",
+    "cross", "farthest_ends", "fit", "fused", "fuzzy_clustering", "fuzzy_set", "kept_pieces",
+    "looks_at_it", "memberships", "mix", "polyline", "polyline_through", "segment_similarity",
+    "share", "uncertain", "uncertain_parameters", "viewing_sector", "views",
+    "weighted_line_fitting",
 ]  # fmt: skip

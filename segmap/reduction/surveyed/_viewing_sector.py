@@ -136,44 +136,26 @@ def at(s: Segment, t: float) -> Point:
     return s[0][0] + t * (s[1][0] - s[0][0]), s[0][1] + t * (s[1][1] - s[0][1])
 
 
-def union(intervals: Sequence[Interval]) -> list[Interval]:
-    """Intervals that touch become one."""
-    found: list[Interval] = []
-    for low, high in sorted(intervals):
-        if found and low <= found[-1][1] + SAME:
-            found[-1] = found[-1][0], max(high, found[-1][1])
-        else:
-            found.append((low, high))
-    return found
-
-
-def minus(intervals: Sequence[Interval], others: Sequence[Interval]) -> list[Interval]:
-    """What the others leave of intervals that do not overlap."""
-    left = list(intervals)
-    for low, high in others:
-        left = [
-            piece
-            for a, b in left
-            for piece in (
-                [(a, min(b, low)), (max(a, high), b)] if low < b and high > a else [(a, b)]
-            )
-            if piece[1] > piece[0]
-        ]
-    return left
-
-
 def kept_pieces(
-    size: float, seen: Sequence[View], min_length: float, forget: bool, rejoin: bool
+    size: float, seen: Sequence[tuple[str, float, float]], min_length: float, forget: bool
 ) -> list[Interval]:
-    """Step 5: what stays of a wall, metres along it."""
-    gone = union([(v.u0, v.u1) for v in seen if v.says == "gone"])
-    gone = union(minus(gone, [(v.u0, v.u1) for v in seen if v.says != "gone"]))
+    """Step 5: what stays of a wall, metres along it: all but what was only seen through."""
+    cuts = sorted({0.0, size, *(u for _, *ends in seen for u in ends)})
+    gone: list[Interval] = []
+    for a, b in pairwise(cuts):
+        says = [word for word, low, high in seen if low < (a + b) / 2 < high]
+        if says and set(says) == {"gone"}:
+            start = gone.pop()[0] if gone and a - gone[-1][1] <= SAME else a
+            gone.append((start, b))
     gone = [(a, b) for a, b in gone if forget and b - a >= min_length - SAME]
-    kept = [(0.0, size)]
-    if gone:
-        kept = [(a, b) for a, b in minus(kept, gone) if b - a >= min_length - SAME]
-    cuts = sorted(u for v in seen if v.says == "matches" for u in (v.u0, v.u1))
-    for cut in () if rejoin else cuts:
+    edges = [0.0, *(u for piece in gone for u in piece), size]
+    kept = list(zip(edges[::2], edges[1::2], strict=True))
+    return [(a, b) for a, b in kept if not gone or b - a >= min_length - SAME]
+
+
+def cut_pieces(kept: list[Interval], seen: Sequence[View], min_length: float) -> list[Interval]:
+    """What stays of a wall, cut at the ends of what matches, as A has it."""
+    for cut in sorted(u for v in seen if v.says == "matches" for u in (v.u0, v.u1)):
         kept = [
             piece
             for a, b in kept
@@ -252,11 +234,12 @@ def take_scan(
         seen.setdefault(view.wall, []).append(view)
         if view.says == "matches":
             claims[view.segment].append(view)
-    pieces = {
-        k: kept_pieces(segment_length(walls[k].ends), row, min_length, forget, rejoin)
-        for k, row in seen.items()
-        if any(view.says != "hides" for view in row)  # what is hidden alone stays as it is
-    }
+    pieces = {}
+    for k, row in seen.items():
+        if any(view.says != "hides" for view in row):  # what is hidden alone stays as it is
+            said = [(view.says, view.u0, view.u1) for view in row]
+            kept = kept_pieces(segment_length(walls[k].ends), said, min_length, forget)
+            pieces[k] = kept if rejoin else cut_pieces(kept, row, min_length)
     parts: dict[int, list[list[Wall]]] = {k: [[] for _ in row] for k, row in pieces.items()}
     new = []
     for s, its in zip(scan, claims, strict=True):

@@ -62,50 +62,84 @@ def mean_off(a: float, b: float) -> float:
 
 
 @compiled
+def mix(x: float, y: float, t: float) -> float:
+    """From x to y by a share t of the way."""
+    return x + t * (y - x)
+
+
+@compiled
+def in_sector(l0: float, l1: float, r0: float, r1: float) -> tuple[float, float]:
+    """Step 1: the part of a stretch inside a sector, as shares t0 to t1 of it; none: t0 > t1.
+
+    `l0` and `l1` tell how far its ends lie inside the left ray, `r0` and `r1` inside the right one.
+    """
+    t0, t1 = 0.0, 1.0
+    for begin, end in ((l0, l1), (r0, r1)):
+        if begin < 0:
+            t0 = max(t0, begin / (begin - end)) if end > 0 else 2.0
+        elif end < 0:
+            t1 = min(t1, begin / (begin - end))
+    return t0, t1
+
+
+@compiled
+def cuts_at(h0: float, h1: float, t0: float, t1: float, distance: float) -> list[float]:
+    """Step 2: the shares t0 to t1, and between them those where h is plus or minus the distance."""
+    cuts = [t0]
+    if h1 != h0:  # nothing is cut off that lies at the limit
+        at_limit = (distance - h0) / (h1 - h0), (-distance - h0) / (h1 - h0)
+        for t in (min(at_limit), max(at_limit)):
+            if min(t - t0, t1 - t) * abs(h1 - h0) > SAME:
+                cuts.append(t)
+    cuts.append(t1)
+    return cuts
+
+
+@compiled
+def says_at(h: float, distance: float) -> int:
+    """What a part says that lies h from the line of a wall: its place in `SAYS`."""
+    return 1 if h > distance + SAME else 2 if h < -distance - SAME else 0
+
+
+@compiled
+def stretches_of(
+    wall: Array, s: Array, p: Array, distance: float
+) -> list[tuple[int, float, float, float, float, float, float]]:
+    """What a segment says of a wall: the word, its part, that of the wall, h at the ends.
+
+    The first number is the place in `SAYS`; the next are shares of the segment, metres along the
+    wall, and distances from its line, above 0 on the side of the sensor.
+    """
+    a, b, size, sign = wall[0], wall[1], length_of(wall), np.sign(cross(p, wall[0], wall[1]))
+    l0, l1 = sign * cross(p, a, s[0]), sign * cross(p, a, s[1])
+    r0, r1 = sign * cross(p, s[0], b), sign * cross(p, s[1], b)
+    h0, h1 = sign * cross(a, b, s[0]) / size, sign * cross(a, b, s[1]) / size
+    t0, t1 = in_sector(l0, l1, r0, r1)
+    cuts, found = cuts_at(h0, h1, t0, t1, distance), []
+    for n in range(1, len(cuts) if t0 < t1 else 0):
+        t, end = cuts[n - 1], cuts[n]
+        u = size * share(mix(l0, l1, t), mix(r0, r1, t))
+        v = size * share(mix(l0, l1, end), mix(r0, r1, end))
+        says = says_at(mix(h0, h1, (t + end) / 2), distance)
+        found.append((says, t, end, min(u, v), max(u, v), mix(h0, h1, t), mix(h0, h1, end)))
+    return found
+
+
+@compiled
 def stretches_seen(
     walls: Array, scan: Array, p: Array, distance: float
 ) -> list[tuple[int, int, int, float, float, float, float, float]]:
-    """Steps 1 to 3: the stretches of a scan inside the sectors of walls, cut where h is +-distance.
-
-    Rows as of a `View`, with the place of what it says in `SAYS`.
-    """
+    """The stretches of a scan in the sectors of walls: rows of a `View`, its word as a number."""
     found = []
     for k in range(len(walls)):
-        a, b = walls[k, 0], walls[k, 1]
-        double, size = facing(p, walls[k], 1e-6), length_of(walls[k])
-        sign = 1.0 if double > 0 else -1.0
-        for j in range(len(scan) if double != 0 else 0):
-            s = scan[j]
-            left, left_end = sign * cross(p, a, s[0]), sign * cross(p, a, s[1])
-            right, right_end = sign * cross(p, s[0], b), sign * cross(p, s[1], b)
-            t0, t1 = 0.0, 1.0
-            for begin, end in ((left, left_end), (right, right_end)):
-                if begin < 0:
-                    t0 = max(t0, begin / (begin - end)) if end > 0 else 2.0
-                elif end < 0:
-                    t1 = min(t1, begin / (begin - end))
-            if t0 >= t1 or facing(p, s, 0.0) == 0:
+        if facing(p, walls[k], 1e-6) == 0:
+            continue
+        for j in range(len(scan)):
+            if facing(p, scan[j], 0.0) == 0:
                 continue
-            h0, h1 = sign * cross(a, b, s[0]) / size, sign * cross(a, b, s[1]) / size
-            cuts = [t0]
-            if h1 != h0:  # nothing is cut off that lies at the limit
-                at_limit = (distance - h0) / (h1 - h0), (-distance - h0) / (h1 - h0)
-                for t in (min(at_limit), max(at_limit)):
-                    if min(t - t0, t1 - t) * abs(h1 - h0) > SAME:
-                        cuts.append(t)
-            cuts.append(t1)
-            for n in range(1, len(cuts)):
-                begin, end = cuts[n - 1], cuts[n]
-                if (end - begin) * length_of(s) <= SAME:
-                    continue
-                h = h0 + (begin + end) / 2 * (h1 - h0)
-                says = 1 if h > distance + SAME else 2 if h < -distance - SAME else 0
-                u = size * share(
-                    left + begin * (left_end - left), right + begin * (right_end - right)
-                )
-                v = size * share(left + end * (left_end - left), right + end * (right_end - right))
-                off = mean_off(h0 + begin * (h1 - h0), h0 + end * (h1 - h0))
-                found.append((k, j, says, begin, end, min(u, v), max(u, v), off))
+            for says, t0, t1, u0, u1, h0, h1 in stretches_of(walls[k], scan[j], p, distance):
+                if (t1 - t0) * length_of(scan[j]) > SAME:
+                    found.append((k, j, says, t0, t1, u0, u1, mean_off(h0, h1)))
     return found
 
 

@@ -228,8 +228,9 @@ def without_annotation(node):
 
 
 def bare(function):
-    """A function without annotations, and of its docstring the first line."""
+    """A function without annotations, of its docstring the first line, compiled or not."""
     function = copy.deepcopy(function)
+    function.decorator_list = [d for d in function.decorator_list if ast.unparse(d) != "compiled"]
     for node in ast.walk(function):
         for name, part in ast.iter_fields(node):
             if isinstance(part, list):
@@ -404,6 +405,7 @@ PASTED = {
     "23": ("front", "front", "invented metres"),
     "15": ("map_origin", "pair_origin", "origin of the map"),
     "18": ("mean_segment", "mean_by_length", "scrap pulls"),
+    "20": ("kept_pieces", "surely_kept", "through the wall is enough"),
     "28": ("axis_of", "axes_of", "one axis of the chapter"),
 }
 

@@ -90,15 +90,6 @@ ANSWERS = {
             (range(20), "each of the numbers 0 to 20 once"),
         ],
     ),
-    "break_viewing_sector": (
-        [0.0, 0.11, 0.0],
-        [
-            ([0.1, 0, 0], "0.00 m of the walls are gone"),
-            ([0.1, 0.1, 0], "at most"),
-            ([0, 0, 2], "at most"),
-            ([0, 0], "got shape (2,)"),
-        ],
-    ),
     "decide_map": (
         {"A": "keep", "B": "doubled", "C": "spread", "D": "tape"},
         [

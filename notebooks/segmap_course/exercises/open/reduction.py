@@ -1,15 +1,14 @@
-"""Open exercises on reduced maps: inputs that fool two methods."""
+"""An open exercise on reduced maps: an input that fools a method."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from segmap.arrays import Array
-from segmap.poses import transform
-from segmap.reduction import basic_online, viewing_sector
+from segmap.reduction import basic_online
 from segmap.segments import SegmentMap
 
-from ._open import ROOM, Challenge, metres_away
+from ._open import Challenge
 
 
 # ------------------------------------------------------------------------------------- Basic
@@ -28,30 +27,4 @@ break_basic_order = Challenge(
     "one",
     _basic_fooled,
     praise="The same segments and eight times as many left: the order is part of the result",
-)
-
-
-# ---------------------------------------------------------------------------- viewing sector
-SENSOR = (2.0, 1.0)
-
-
-def _sector_fooled(slip: Array) -> str:
-    if slip.shape != (3,):
-        raise ValueError(f"give three numbers, metres, metres and degrees, got shape {slip.shape}")
-    if np.hypot(*slip[:2]) > 0.12 + 1e-9 or abs(slip[2]) > 1:
-        raise ValueError("the pose may err by 0.12 m and by 1 degree at most")
-    x, y = SENSOR
-    about = transform((x + slip[0], y + slip[1], np.radians(slip[2])), ROOM - SENSOR)
-    looks = SegmentMap(np.concatenate([ROOM, about]), np.repeat([0, 1], 4), sensors=[SENSOR] * 2)
-    lost = metres_away(ROOM, viewing_sector(looks).segments, 0.05)
-    return "" if lost >= 2.5 else f"{lost:.2f} m of the walls are gone, 2.5 m at least are wanted"
-
-
-break_viewing_sector = Challenge(
-    "break_viewing_sector(slip): an error of a pose, [x, y, angle] in metres, metres and degrees, "
-    "of at most 0.12 m and 1 degree, so that a second look at `simulation.rectangular_room()` from "
-    "(2, 1) removes at least 2.5 m of its walls from the map (default thresholds)",
-    _sector_fooled,
-    praise="An error just above `distance` is enough: every beam then ends behind a wall that "
-    "still stands",
 )
