@@ -84,7 +84,7 @@ class AnglePanel(LessonPanel):
     """Pairs of scans, and the candidates of angle correspondence by rank (A 3.3.1).
 
     The walls of the first scan are black. Those of the second are placed by the candidate, of which
-    0 is the best: blue where it is the match, orange where it is rejected. Of a log of at least two
+    1 is the best: blue where it is the match, orange where it is rejected. Of a log of at least two
     scans the pair is at first `scan` and the one so many scans later, at most the last.
     """
 
@@ -95,7 +95,7 @@ class AnglePanel(LessonPanel):
     apart = slide(
         lambda p: p.later, 1, lambda p: max(2, min(40, len(p.log) - 1)), 1, "", label="scans apart"
     )
-    rank = slide(0, 0, 9, 1, "", label="candidate")
+    rank = slide(1, 1, 10, 1, "", label="candidate")
     heuristic = keyword()
     distance = keyword(0.01, 0.30, 0.01, label="T_p")
     far = keyword(0.02, 0.60, 0.02)
@@ -122,12 +122,12 @@ class AnglePanel(LessonPanel):
         self.verdict.value = f"match, overlap {self.match.overlap:.2f}" if found else "no match"
         self.found.value = "no candidate"
         if self.candidates:
-            rank = min(self.rank.value, len(self.candidates) - 1)
-            best = self.candidates[rank]
-            color = RESULT if found and rank == 0 else ERROR
+            rank = min(self.rank.value, len(self.candidates))
+            best = self.candidates[rank - 1]
+            color = RESULT if found and rank == 1 else ERROR
             draw_segments(transform(best.pose, others), ax=ax, color=color)
             metres = f"{best.value:.2f} m match, {best.hidden:.2f} m hidden"
-            self.found.value = f"{rank + 1} of {len(self.candidates)}: {metres}"
+            self.found.value = f"{rank} of {len(self.candidates)}: {metres}"
 
     def __repr__(self) -> str:
         pair = f"scans {self.scan.value} and {self.scan.value + self.apart.value}"

@@ -74,7 +74,7 @@ def looped():
 SHELL = rectangular_room(4.6, 3.6) - 0.3
 #: Every lesson panel, a control of it, and a value that must change what is seen.
 PANELS = {
-    "AnglePanel": ((LOG,), "rank", 1),
+    "AnglePanel": ((LOG,), "rank", 2),
     "BackbonePanel": ((LOG,), "scan", 3),
     "BasicPanel": ((WALLS,), "distance", 0.05),
     "EarlyMethodsPanel": ((BENT,), "tolerance", 0.4),
@@ -346,7 +346,7 @@ def test_angle_panel_shows_what_match_angles_finds():
     found = match_angles(first, second, rng=np.random.default_rng(0))
     assert panel.match.pose == pytest.approx(found.pose, abs=1e-9)
     assert panel.verdict.value == f"match, overlap {found.overlap:.2f}"
-    panel.rank.value = 9
+    panel.rank.value = 10
     last = panel.candidates[-1]
     assert panel.found.value.startswith(f"{len(panel.candidates)} of {len(panel.candidates)}: ")
     assert f"{last.value:.2f} m match" in panel.found.value
