@@ -24,6 +24,7 @@ from segmap import alignment, build_map, quadtree, read, reduction
 from segmap.arrays import Array
 from segmap.plan import FloorPlan, Join, Split, floor_plan
 from segmap.plan.edits import Edit
+from segmap.plotting import draw_plan
 from segmap.poses import transform
 from segmap.scans import Log
 
@@ -190,11 +191,8 @@ def drawn(plans: list[tuple[str, FloorPlan]], path: Path) -> None:
     for axes, (title, plan) in zip(
         figure.subplots(1, len(plans), squeeze=False)[0], plans, strict=True
     ):
-        for k, room in enumerate(plan.rooms):
-            axes.fill(*room.outline.T, color=f"C{k % 10}", alpha=0.5)
-        axes.plot(*plan.walls.segments.T, color="black", linewidth=0.8)
-        axes.plot(*np.reshape([door.ends for door in plan.doors], (-1, 2, 2)).T, color="red")
-        axes.set(title=title, aspect="equal", xlabel="x [m]", ylabel="y [m]")
+        draw_plan(plan, ax=axes)
+        axes.set_title(title)
     figure.savefig(path)
 
 

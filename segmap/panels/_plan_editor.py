@@ -9,11 +9,13 @@ from typing import Any
 import anywidget
 import numpy as np
 import traitlets
+from matplotlib.figure import Figure
 
 from .. import arrays
 from ..display import counted
 from ..plan import FloorPlan, shapely_or_hint
 from ..plan.edits import Edit, read
+from ..plotting import draw_plan, figure_png
 
 _FOLDER = Path(__file__).parent
 #: Empty paper around the building, metres.
@@ -57,6 +59,16 @@ class PlanEditor(anywidget.AnyWidget):
         self.observe(self._changed, "edits")
         self._show(_said(plan))
         self.on_msg(lambda widget, message, buffers: self._asked(message))
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The live plan, and for readers without a kernel its picture and its text."""
+        bundle, metadata = super()._repr_mimebundle_(**kwargs) or ({}, {})
+        figure = Figure(layout="constrained")
+        draw_plan(self.plan, ax=figure.subplots())
+        return bundle | {"image/png": figure_png(figure), "text/plain": repr(self)}, metadata
+
+    def __repr__(self) -> str:
+        return f"PlanEditor({_said(self.plan)}; {counted(len(self.edits), 'edit')})"
 
     def do(self, edit: Edit) -> None:
         """Add an edit; one that finds nothing to change is said, and not kept."""

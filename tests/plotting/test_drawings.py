@@ -143,7 +143,7 @@ DRAWINGS = {
     "path": (lambda ax: plotting.draw_path(POSES, ax=ax), {TRUTH}),
     "points": (lambda ax: plotting.draw_points(POINTS, ax=ax), {RAW}),
     "plan": (
-        lambda ax: course.draw_plan(plan_of_the_room(), lit=2, ax=ax),
+        lambda ax: plotting.draw_plan(plan_of_the_room(), lit=2, ax=ax),
         {RAW, MAP, ERROR, RESULT, *GROUPS[:2]},
     ),
     "poses": (lambda ax: plotting.draw_poses(POSES, ax=ax), {RESULT}),
@@ -238,6 +238,7 @@ BESIDE_A_CHART = {
 OF_THEIR_OWN = {
     "closer": lambda: course.draw_closer({"a": WALLS, "b": WALLS[:1]}, (1, -1, 2, 1)),
     "costs": lambda: course.draw_costs(WALLS, WALLS, [0.1, np.inf, 0.2]),
+    "leaning": lambda: course.draw_leaning([1.0, 2.0], 0.01),
     "normals": lambda: course.draw_normals(WALLS, at=(1, 2), box=(0.2, 0.1)),
     "sweep": lambda: course.draw_sweep(WALLS[[0]], 0.04, [1, 2], 0.01),
 }

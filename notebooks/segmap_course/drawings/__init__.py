@@ -20,7 +20,7 @@ from ._icp import (
     icp_frames,
 )
 from ._mean_shift import climb_frames, draw_hill, draw_phases
-from ._plans import draw_labels, draw_plan
+from ._plans import draw_labels
 from ._pose_graph import draw_edges, draw_method_errors, loop_frames
 from ._quadtrees import (
     draw_cells,
@@ -77,7 +77,7 @@ __all__ = [
     "draw_frontiers", "draw_hill", "draw_icp_step", "draw_labels", "draw_laid", "draw_landscape",
     "draw_landscapes", "draw_leaf_row", "draw_leaning", "draw_leaves", "draw_live", "draw_marked",
     "draw_match", "draw_match_value", "draw_merge", "draw_method_errors", "draw_missed",
-    "draw_normals", "draw_phases", "draw_pieces", "draw_plan", "draw_profile", "draw_ray",
+    "draw_normals", "draw_phases", "draw_pieces", "draw_profile", "draw_ray",
     "draw_runs", "draw_scan_poses", "draw_scans", "draw_sector", "draw_shifts",
     "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_trade_off", "draw_trials",
     "draw_uncertainty", "draw_wall_normals", "draw_weights", "icp_frames", "label_axes",

@@ -9,42 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
 from segmap.arrays import Segments
-from segmap.plan import FloorPlan
-from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, axes_or_new, draw_segments, map_axes
-
-#: How much of the colour of a room shows: of one among others, and of the one that lights up.
-TINTS = (0.25, 0.8)
-
-
-def draw_plan(plan: FloorPlan, *, lit: int = -1, ax: Axes | None = None) -> Axes:
-    """Draw a floor plan: rooms tinted, with their areas; doors orange, clutter grey.
-
-    The room with the index `lit` is filled darker.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from segmap import build_map, load, quadtree
-    >>> from segmap.plan import floor_plan
-    >>> log = load("room")
-    >>> free = quadtree.build_map(log, log.truth, resolution=0.05, free_resolution=0.05)
-    >>> plan = floor_plan(build_map(log, log.truth), free)
-    >>> ax = draw_plan(plan, lit=0, ax=Figure().subplots())
-    >>> len(ax.texts) == len(plan.rooms)
-    True
-    """
-    ax = draw_segments(plan.clutter, ax=ax, color=RAW, width=0.8)
-    draw_segments(plan.walls, ax=ax, color=MAP, width=1.2)
-    for k, room in enumerate(plan.rooms):
-        color = RESULT if k == lit else GROUPS[k % len(GROUPS)]
-        ax.fill(*room.outline.T, color=color, alpha=TINTS[k == lit], linewidth=0)
-        for hole in room.holes:
-            ax.fill(*hole.T, color="white", linewidth=0)
-        x, y = room.place
-        ax.text(x, y, f"{room.area:.1f}", ha="center", va="center", fontsize="small")
-    for door in plan.doors:
-        ax.plot(*door.ends.T, color=ERROR, linewidth=3, solid_capstyle="butt")
-    return ax
+from segmap.plotting import MAP, RAW, axes_or_new, draw_segments, map_axes
 
 
 def draw_labels(

@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 
 from segmap.arrays import Segments
 from segmap.plan import FloorPlan, floor_plan
+from segmap.plotting import draw_plan
 from segmap.quadtree import QuadtreeMap
 
-from ..drawings import draw_plan
 from ._lesson import LessonPanel, keyword, note, slide
 
 
