@@ -165,6 +165,12 @@ DRAWINGS = {
         lambda ax: course.draw_scans(POINTS, POINTS, (0, 0, 0), ax=ax, pulls=[POINTS[:2]]),
         {RAW, RESULT, ERROR},
     ),
+    "sector": (
+        lambda ax: course.draw_sector(
+            [(0, 1), (1, 1)], (0, 0), {"a": np.array([(0, 2), (1, 2)])}, ax=ax
+        ),
+        {RAW, MAP, RESULT},
+    ),
     "segments": (lambda ax: plotting.draw_segments(WALLS, ax=ax), {MAP}),
     "sizes_of_halls": (
         lambda ax: course.draw_sizes_of_halls({1.0: 9, 2.0: 20}, ax=ax),

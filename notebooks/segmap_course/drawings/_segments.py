@@ -339,7 +339,7 @@ def draw_sector(
     ax, ends, at = axes_or_new(ax, (6.5, 4.4)), np.asarray(wall, float), np.asarray(sensor, float)
     ax.fill(*np.transpose([at, *(at + 1.5 * (ends - at))]), color=RAW, alpha=0.2, linewidth=0)
     normal = np.array([ends[0, 1] - ends[1, 1], ends[1, 0] - ends[0, 0]])
-    for (word, look), color in zip(looks.items(), (RESULT, TRUTH, ERROR), strict=True):
+    for (word, look), color in zip(looks.items(), (RESULT, TRUTH, ERROR), strict=False):
         draw_segments(look[None], ax=ax, color=color, width=4, label=word)
         for way in look - at:
             reach = max(1, normal @ (ends[0] - at) / (normal @ way))

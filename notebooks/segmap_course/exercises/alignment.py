@@ -57,8 +57,8 @@ def _value(u: Array, v: Array, distance: float) -> float:
 check_match_value = Exercise(
     "match_value(u, v, distance) -> float, metres: the match value of the chapter of two segments "
     "(2, 2) that do not cross, but with a D that only asks how far apart the parts are that both "
-    "cover of each other: the farthest point of the part of v beside u from u, the same of u from v, "
-    "and of both the smaller",
+    "cover of each other: the farthest point of the part of v beside u from u, the same of u from "
+    "v, and of both the smaller",
     _match_value,
     _pairs,
     {
@@ -89,7 +89,7 @@ check_match_value = Exercise(
             )
         ),
     },
-    # From the line of u or from what v covers of it: that is the same but for the lean of the walls.
+    # From the line of u, or from what v covers of it: the same but for the lean of the walls.
     lambda found, expected: bool(np.shape(found) == () and abs(found - expected) < 1e-4),
 )
 
