@@ -21,6 +21,8 @@ from .log_options import examples
 FIRST_CHAPTER = "01_start_here.ipynb"
 #: Links that lead out of the folder of the chapters lead nowhere in most copies: their words stay.
 OUTSIDE = re.compile(rb"\[([^\[\]\n]+)\]\(\.\./[^)\n]*\)")
+#: A panel lives in its kernel: without one Lab says "model not found" in place of its picture.
+PANEL = re.compile(rb'\s*"application/vnd\.jupyter\.widget-view\+json": \{[^{}]*\},(?=\s*")')
 #: What a chapter links to beside itself: a picture, another text.
 LINKED_FILE = re.compile(rb"\]\(([\w/-]+\.(?!ipynb)\w+)[^)\n]*\)")
 #: Beside the chapters: here the checks of the course keep each function that passes.
@@ -47,10 +49,12 @@ def run(given: argparse.Namespace) -> None:
     folder, source = given.folder, chapters_folder()
     folder.mkdir(parents=True, exist_ok=True)
     near = folder.resolve().parent == source.parent
-    files, handed = originals(source, outside=near), _handed(folder)
+    files, handed, home = originals(source, outside=near), _handed(folder), source.resolve()
+    if folder.resolve() != home:
+        files = {name: PANEL.sub(b"", content) for name, content in files.items()}
     done = {name: _hand_over(folder, name, files[name], handed) for name in files}
     write_bytes(folder / RECORD, json.dumps(handed).encode())
-    if folder.resolve() != source.resolve() and not existing(folder / OWN_FUNCTIONS):
+    if folder.resolve() != home and not existing(folder / OWN_FUNCTIONS):
         text = '"""My functions: a check that passes adds the function below."""\n'
         write_bytes(folder / OWN_FUNCTIONS, text.encode())
     _sign(files[name] for name in files if done[name] == "copied" and name.endswith(".ipynb"))

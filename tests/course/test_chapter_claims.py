@@ -7,11 +7,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from segmap_course import compare_with_walls, equal_offices, known_building, represent
+from segmap_course import (
+    LINE_FINDERS,
+    LINE_SENSORS,
+    compare_with_walls,
+    equal_offices,
+    known_building,
+    office_views,
+    precision_and_recall,
+    represent,
+)
 
 from segmap import SegmentMap, alignment, simulation
 from segmap.angles import wrap
 from segmap.extraction import build_map, extract_polylines
+from segmap.matching import localize_ekf
 from segmap.metrics import against_walls, quality
 from segmap.poses import between, transform
 from segmap.quadtree import without_passers
@@ -343,3 +353,32 @@ def test_many_people_hide_one_another(seed):
             met.append([(off < 0.06).sum(), (off > 0.12).sum()])
         wall, gone = 1 - np.divide(met[1], met[0])
         assert least < gone < most and wall < 0.01
+
+
+@pytest.mark.parametrize("sigma", [0.005, 0.03])
+@pytest.mark.parametrize("sensor", LINE_SENSORS, ids=lambda sensor: sensor.name)
+def test_split_and_merge_finds_most_or_nearly_so(sensor, sigma):
+    """Chapter 55: at the noises that it does not show, with a tolerance of three times that."""
+    views, found = office_views(replace(sensor, sigma=sigma)), {}
+    for name, finder in LINE_FINDERS.items():
+        if name != "clusters":
+            found[name] = precision_and_recall(finder, views, tolerance=3 * sigma)[1]
+    assert found["split and merge"] > max(found.values()) - 0.005
+    assert min(found.values()) > max(found.values()) - (1 / 10 if sigma < 0.02 else 1 / 6)
+
+
+def test_where_walls_lie_near_each_other_the_filter_is_not_right_about_itself():
+    """Chapter 57: in an office with furniture, told all that is true; wrong pairs."""
+    walls = simulation.office(rng=np.random.default_rng(0))
+    path = simulation.drive([(0.7, 5), (11.3, 5), (10, 5), (10, 7.4)], step=0.7)[:15]
+    wheels, prior = simulation.OdometryNoise(turn_bias=0), np.diag([0.1, 0.1, 0.03]) ** 2
+    for sensor in (simulation.URG_04LX, simulation.SICK_LMS200, ALL_ROUND):
+        errors = []
+        for seed in range(8):
+            rng = np.random.default_rng(seed)
+            log = simulation.simulate(walls, path, sensor=sensor, rng=rng, odometry_noise=wheels)
+            begin = log.truth[0] + rng.multivariate_normal(np.zeros(3), prior)
+            told = {"odometry_noise": wheels, "wall_sigma": 0.0}
+            states = localize_ekf(SegmentMap(walls), log, begin, prior, **told)
+            errors += [s.nees(t) for s, t in zip(states, log.truth, strict=True)]
+        assert np.mean(errors) > 50

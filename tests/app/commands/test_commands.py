@@ -1298,6 +1298,10 @@ def test_jupyter_trusts_what_is_ours_and_nothing_else(run, clone):
     run("notebooks", work)
     assert trusted() == [True, True]
     first = work / "01_start_here.ipynb"
+    # without its kernel Lab shows the picture of a panel only where no widget is stored
+    assert "widget-view" not in (text := first.read_text()) and text.count('"image/png"') > 8
+    run("notebooks", clone)
+    assert "widget-view" in (clone / first.name).read_text()
     first.write_text(first.read_text().replace("</", "<script></"))
     run("notebooks", work)
     assert trusted() == [False, True]
