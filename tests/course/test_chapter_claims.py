@@ -28,10 +28,13 @@ from segmap.quadtree import without_passers
 from segmap.reduction import (
     fusion,
     fusion_online,
+    fuzzy_clustering,
+    fuzzy_set,
     hybrid,
     hybrid_fusion,
     least_cost,
     one_per_wall,
+    polyline,
 )
 from segmap.scans import Log
 from segmap.segments import length, point_distance
@@ -382,3 +385,12 @@ def test_where_walls_lie_near_each_other_the_filter_is_not_right_about_itself():
             states = localize_ekf(SegmentMap(walls), log, begin, prior, **told)
             errors += [s.nees(t) for s, t in zip(states, log.truth, strict=True)]
         assert np.mean(errors) > 50
+
+
+@pytest.mark.parametrize("sensor", EYES)
+@pytest.mark.parametrize("poses", [0.0, "graph"])
+def test_the_three_early_methods_are_behind_fusion(sensor, poses):
+    """Chapter 91: by quality, with their default thresholds."""
+    seen = rooms_seen(sensor, poses, 0)
+    best = max(quality(seen, method(seen)) for method in (polyline, fuzzy_set, fuzzy_clustering))
+    assert quality(seen, fusion(seen)) > best
