@@ -77,7 +77,7 @@ class PlanEditor(anywidget.AnyWidget):
             self._show(f"nothing is changed: {after.unplaced[-1]}")
             return
         self._undone.clear()
-        self.edits = after.edits
+        self.plan, self.edits = after, after.edits
 
     def undo(self) -> None:
         """Take the last edit back."""
@@ -100,7 +100,8 @@ class PlanEditor(anywidget.AnyWidget):
             self.redo()
 
     def _changed(self, change: Any) -> None:
-        self.plan = self.plan.edited(change["new"])
+        if self.plan.edits != change["new"]:
+            self.plan = self.plan.edited(change["new"])
         self._show(_said(self.plan))
 
     def _show(self, words: str) -> None:

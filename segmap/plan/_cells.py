@@ -54,9 +54,10 @@ class Grid(NamedTuple):
     up: Array
     side: float
 
-    def places(self) -> Array:
-        """Middles of all squares, `(rows, columns, 2)`."""
-        rows, columns = (np.arange(n)[:, None] * self.side for n in self.kind.shape)
+    def places(self, box: tuple[slice, ...] = np.s_[:, :]) -> Array:
+        """Middles of the squares in a box, of all, `(rows, columns, 2)`."""
+        sizes = zip(self.kind.shape, box, strict=True)
+        rows, columns = (np.arange(n)[part, None] * self.side for n, part in sizes)
         return self.origin + (rows * self.up)[:, None] + columns * self.right
 
     def squares(self, points: Array) -> tuple[Indices, Indices]:

@@ -93,7 +93,7 @@ def outline_of(
     place of `others`, `(m, 2)`, is in it. A niche in a wall with one of the `doorways`, `(d, 2)`,
     is the sill of a door.
     """
-    shapely, hidden, steps = shapely_or_hint(), 0.0, 2
+    shapely, hidden, steps, refused = shapely_or_hint(), 0.0, 2, set[bytes]()
     sides, wall = sides_on_walls(ring, walls, side)
     while steps <= min(MOST_BETWEEN + 1, len(sides) - 2):
         apart = np.hypot(*(np.roll(sides[:, 0], -steps, axis=0) - sides[:, 1]).T)
@@ -102,6 +102,10 @@ def outline_of(
         fits = (abs(turn) < np.sin(FACE_TURN_RAD)) | (turn > np.cos(FACE_TURN_RAD))
         fits &= (np.minimum(wall, np.roll(wall, -steps)) > 0) & (apart <= WIDEST_NICHE_M)
         for first in np.flatnonzero(fits):
+            window = sides[np.arange(first - 1, first + steps + 2) % len(sides)].tobytes()
+            if window in refused:
+                continue
+            refused.add(window)
             turned, long = np.roll(sides, -first, axis=0), np.roll(wall, -first)
             border = between(turned, steps)
             (x, y), (next_x, next_y) = border.T, np.roll(border, -1, axis=0).T

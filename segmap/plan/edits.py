@@ -107,7 +107,7 @@ class Split(Edit):
             return "no room at its middle"
         box = ndimage.find_objects((parts == room).astype(int))[0]
         own, way = parts[box] == room, (line[1] - line[0]) / max(size, MIN_LENGTH)
-        to = grid.places()[box] - line[0]
+        to = grid.places(box) - line[0]
         along, across = to @ way, to @ (-way[1], way[0])
         # so wide that no way over sides of squares leads past
         cut = (along >= 0) & (along <= size) & (abs(across) <= grid.side * np.sqrt(0.5))
@@ -178,8 +178,13 @@ def read(text: str) -> Edit:
 
 def room_near(grid: Grid, parts: Indices, place: Place | Array) -> int:
     """The number of the room at a place, or of the nearest that is not far; -1 for none."""
-    away = np.where(parts >= 0, np.hypot(*np.moveaxis(grid.places() - place, -1, 0)), np.inf)
-    return int(parts.flat[away.argmin()]) if away.min() <= EDIT_REACH_M else -1
+    squares = [int(k) for k in grid.squares(np.asarray(place))]
+    reach = int(EDIT_REACH_M / grid.side) + 1
+    row, column = (slice(max(k - reach, 0), k + reach + 1) for k in squares)
+    near = parts[row, column]
+    away = np.hypot(*np.moveaxis(grid.places((row, column)) - place, -1, 0))
+    away[near < 0] = np.inf
+    return int(near.flat[away.argmin()]) if away.min() <= EDIT_REACH_M else -1
 
 
 def _touch(mask: Mask) -> bool:
