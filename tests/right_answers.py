@@ -211,7 +211,7 @@ def matches_with_helpers(a, b, distance, angle):
 
 
 def climb_by_argmax(value, pose, move, turn):
-    moves = np.kron(np.diag([move, move, turn]), [[-1], [1]])
+    moves = (np.indices((3, 3, 3)).reshape(3, -1).T - 1) * (move, move, turn)
     gains = np.array([value(pose + way) - value(pose) for way in moves])
     return pose + moves[gains.argmax()] * (gains.max() > 0)
 
@@ -336,7 +336,7 @@ RIGHT = {
     "frontier_cells": frontier_by_shifts,
     "pixel": lambda x, y, o, side, n: (int((o[1] + n * side - y) / side), int((x - o[0]) / side)),
     "capped_score": lambda p, pose, c: -np.fmin(cKDTree(c).query(transform(pose, p))[0], 0.2).sum(),
-    "climb_step": climb_by_argmax,
+    "climb_diagonally": climb_by_argmax,
     "resampled": resampled_by_counts,
     "weighed": lambda w, f, n: softmax(np.log(w) + n * np.log(f)),
     "pose_covariance": pose_covariance_closed,

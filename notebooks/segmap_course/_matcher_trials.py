@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,7 +25,7 @@ from segmap.simulation import (
 )
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 
 @dataclass(frozen=True)
@@ -170,28 +169,3 @@ def load_columns(name: str) -> NDArray[np.void]:
     """
     path = data_file(f"records/{name}.csv")
     return np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
-
-
-def trial_table(trials: Iterable[Trial]) -> pd.DataFrame:
-    """Trials as a table: medians over the seeds of each pair, in their order.
-
-    Examples
-    --------
-    >>> trial = Trial("it", "hill climbing", "field", 0, 0.0141, 0.03, 0.01, 99, 800, 0.1)
-    >>> trial_table([trial])[["matcher", "median [mm]", "heading [deg]", "step [ms]", "seeds"]]
-             matcher  median [mm]  heading [deg]  step [ms]  seeds
-    0  hill climbing           14            0.6      100.0      1
-    """
-    import pandas as pd
-
-    groups = pd.DataFrame(map(asdict, trials)).groupby(["matcher", "score"], sort=False)
-    median = groups[["median", "largest", "heading", "leaves", "seconds"]].median()
-    table = {
-        "median [mm]": (1e3 * median["median"]).round().astype(int),
-        "largest [mm]": (1e3 * median["largest"]).round().astype(int),
-        "heading [deg]": np.degrees(median["heading"]).round(1),
-        "leaves": median["leaves"].round().astype(int),
-        "step [ms]": (1e3 * median["seconds"]).round(1),
-        "seeds": groups.size(),
-    }
-    return pd.DataFrame(table).reset_index()

@@ -25,7 +25,6 @@ from ._matcher_trials import (
     load_trials,
     room_walk,
     room_walls,
-    trial_table,
     try_pair,
 )
 from ._storage import (
@@ -69,7 +68,7 @@ from .exercises.maps import (
 )
 from .exercises.matching import (
     check_capped_score,
-    check_climb_step,
+    check_climb_diagonally,
     check_nees,
     check_resampled,
     check_weighed,
@@ -145,7 +144,7 @@ __all__ = [
     "break_quality", "break_reader", "break_sum", "check_axes_of", "check_axial_mean",
     "check_beam_angles", "check_best_run", "check_building_axis", "check_capped_score",
     "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of", "check_chain",
-    "check_climb_step", "check_compose", "check_cost_of_faces", "check_crossed_leaves",
+    "check_climb_diagonally", "check_compose", "check_cost_of_faces", "check_crossed_leaves",
     "check_distances", "check_edge_error", "check_far_ends", "check_flatness", "check_front",
     "check_frontier_cells", "check_least_translation", "check_match_value", "check_matches",
     "check_mean_by_length", "check_mean_shift_step", "check_mean_wall_error", "check_memberships",
@@ -162,7 +161,7 @@ __all__ = [
     "predict_bend", "predict_coarse_leaves", "predict_crowd", "predict_drift", "predict_pieces",
     "predict_scan_time", "predict_sparse_icp", "predict_survivors", "profile_peaks", "represent",
     "robot_on_the_left", "room_walk", "room_walls", "sample_points", "thesis_grid",
-    "thesis_results", "trial_table", "try_pair", "unknown_building", "visible_walls", "wall_errors",
+    "thesis_results", "try_pair", "unknown_building", "visible_walls", "wall_errors",
     "within_thesis",
 ]  # fmt: skip
 __all__ += drawings.__all__

@@ -1,7 +1,5 @@
 """What the chapters draw: the values that their claims rest on. See `test_drawings` first."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -29,8 +27,6 @@ STEP = PointStep(np.zeros(3), 0.6, TWO, FEET, np.array([1, 0]))
 WALLS = np.array([[(0, 0), (4, 0)], [(0, 0.06), (4, 0.03)], [(0, 2), (0, 3)]])
 #: In the strip with both ends, with one, and on the border.
 STRIP = np.array([[(0, y), (1, z)] for y, z in ((0, 0), (0.03, 0.07), (0.06, 0.06))])
-TRIAL = course.Trial("it", "hill climbing", "field", 0, 0.013, 0.03, 0.01, 900, 800, 0.1)
-LOST = replace(TRIAL, matcher="hill climbing, thesis")
 
 
 pytestmark = pytest.mark.usefixtures("agg")
@@ -111,11 +107,6 @@ DRAWN = {
         lambda ax: course.mark_places({"open": 2.0, "shut": 4.0}, ax=ax, at=(0.5, 0.1)),
         [(RAW, [(2, 0), (2, 1)]), (RAW, [(4, 0), (4, 1)])],
         ["open", "shut"],
-    ),
-    "errors of trials are in millimetres, the thesis apart": (
-        lambda ax: course.draw_trials([TRIAL, LOST, replace(TRIAL, median=0.02)], ax=ax),
-        [(RESULT, [(900, 13), (900, 20)]), (ERROR, [(900, 13)])],
-        ["hill climbing", "hill climbing, thesis"],
     ),
 }
 

@@ -54,11 +54,17 @@ def test_hidden_cases_of_many_seeds_let_other_ways_pass(exercise):
 
 #: Wrong in one step -> the exercise, and the answer; each of them passed once.
 WRONG = {
-    "it never turns": ("climb_step", lambda f: lambda v, p, move, turn: f(v, p, move, 0.0)),
-    "degrees": ("climb_step", lambda f: lambda v, p, move, turn: f(v, p, move, np.degrees(turn))),
-    "radians of": ("climb_step", lambda f: lambda v, p, move, turn: f(v, p, move, turn / 57.3)),
+    "it never turns": ("climb_diagonally", lambda f: lambda v, p, move, turn: f(v, p, move, 0.0)),
+    "degrees": (
+        "climb_diagonally",
+        lambda f: lambda v, p, move, turn: f(v, p, move, np.degrees(turn)),
+    ),
+    "radians of": (
+        "climb_diagonally",
+        lambda f: lambda v, p, move, turn: f(v, p, move, turn / 57.3),
+    ),
     "never to the left": (
-        "climb_step",
+        "climb_diagonally",
         lambda f: lambda v, p, *r: np.fmax(f(v, p, *r), [p[0], -9, -9]),
     ),
     "twice the angle": ("matches", lambda f: lambda a, b, d, angle: f(a, b, d, 2 * angle)),

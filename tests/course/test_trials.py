@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from segmap_course import load_trials, room_walk, room_walls, trial_table, try_pair
+from segmap_course import load_trials, room_walk, room_walls, try_pair
 
 from segmap import Log
 from segmap.matching import MATCHERS, SCORES
@@ -46,11 +46,3 @@ def test_the_walk_stays_inside_the_room():
     assert np.degrees(np.abs(np.angle(np.exp(1j * away[:, 2]))).max()) < 3
     assert (truth[:, :2].min(0) > 0.5).all() and (truth[:, :2].max(0) < (3.5, 2.5)).all()
     assert len(room_walls()) == 16 and (length(room_walls()) > 0.2).all()
-
-
-def test_the_table_holds_medians():
-    table = trial_table([t for t in load_trials() if t.score == "field"])
-    assert list(table["matcher"]) == list(MATCHERS)
-    best = [t for t in load_trials() if (t.matcher, t.score) == ("hill climbing", "field")]
-    assert table["median [mm]"][0] == round(1e3 * np.median([t.median for t in best]))
-    assert table["step [ms]"][0] == round(1e3 * np.median([t.seconds for t in best]), 1)

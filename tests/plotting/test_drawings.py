@@ -181,7 +181,6 @@ DRAWINGS = {
         lambda ax: course.draw_trade_off([1, 2], [0.1, 0.2], [0.9, 0.8], ax=ax),
         {RESULT, ERROR},
     ),
-    "trials": (lambda ax: course.draw_trials(course.load_trials(), ax=ax), {RESULT, ERROR}),
     "uncertainty": (
         lambda ax: course.draw_uncertainty(Matched(np.zeros(3), np.eye(3), True), ax=ax),
         {RESULT},

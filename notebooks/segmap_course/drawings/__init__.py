@@ -39,7 +39,6 @@ from ._quadtrees import (
     draw_profile,
     draw_ray,
     draw_sizes_of_halls,
-    draw_trials,
 )
 from ._reductions import (
     draw_cases,
@@ -79,8 +78,7 @@ __all__ = [
     "draw_match", "draw_match_value", "draw_merge", "draw_method_errors", "draw_missed",
     "draw_normals", "draw_phases", "draw_pieces", "draw_profile", "draw_ray",
     "draw_runs", "draw_scan_poses", "draw_scans", "draw_sector", "draw_shifts",
-    "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_trade_off", "draw_trials",
-    "draw_uncertainty", "draw_wall_normals", "draw_weights", "icp_frames", "label_axes",
-    "loop_frames", "mark_places", "merge_frames", "say_stretch", "set_ticks", "wardrobe",
-    "write_names",
+    "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_trade_off", "draw_uncertainty",
+    "draw_wall_normals", "draw_weights", "icp_frames", "label_axes", "loop_frames", "mark_places",
+    "merge_frames", "say_stretch", "set_ticks", "wardrobe", "write_names",
 ]  # fmt: skip

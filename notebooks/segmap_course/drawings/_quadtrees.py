@@ -1,4 +1,4 @@
-"""Drawings of the chapters on quadtrees and matching: cells, rays, scores, trials."""
+"""Drawings of the chapters on quadtrees and matching: cells, rays, scores."""
 
 from __future__ import annotations
 
@@ -28,7 +28,6 @@ from segmap.plotting import (
 from segmap.quadtree import Frontier, QuadtreeMap, extent
 
 from .._landscapes import Landscape, peaks, profile_peaks
-from .._matcher_trials import Trial
 from .._storage import occupied_centres
 from ..literal import crossed_cells, occupancy
 from ..literal.quadtrees.quadtree import Square
@@ -36,8 +35,6 @@ from ._charts import label_axes, set_ticks
 
 #: Outlines of leaves below this part of the picture would hide what they surround.
 _LEAST_PART = 1 / 90
-#: Marks of matchers, used in turn.
-_MARKS = "os^vDX"
 
 
 def draw_leaves(
@@ -326,21 +323,4 @@ def draw_profile(
         found = profile_peaks(np.radians(degrees), scores)
         ax.plot(degrees[found], scores[found], "o", color=ERROR)
     ax.set(xlabel="heading off by [degrees]", ylabel="score")
-    return ax
-
-
-def draw_trials(trials: Iterable[Trial], *, ax: Axes | None = None) -> Axes:
-    """Draw the error of each trial over the leaves of its map, as B Fig. 6.17.
-
-    Each matcher has a mark. Those with the thesis' steps are orange, the others blue. Both axes are
-    logarithmic.
-    """
-    ax, all_of = axes_or_new(ax), list(trials)
-    for k, matcher in enumerate(dict.fromkeys(trial.matcher for trial in all_of)):
-        mine = [trial for trial in all_of if trial.matcher == matcher]
-        leaves, off = [t.leaves for t in mine], [1000 * t.median for t in mine]
-        color = ERROR if "thesis" in matcher else RESULT
-        ax.plot(leaves, off, _MARKS[k % len(_MARKS)], color=color, label=matcher)
-    ax.set(xscale="log", yscale="log", xlabel="leaves of the map", ylabel="median error [mm]")
-    ax.legend(fontsize=9)
     return ax

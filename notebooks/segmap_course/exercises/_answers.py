@@ -240,13 +240,18 @@ Three = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Surface:
-    """The value of a pose: so much for each metre or radian from a point, or away from it."""
+    """The value of a pose: so much for each metre or radian from a point, or away from it.
+
+    A ridge runs through the point: off it the value falls by so much on both sides.
+    """
 
     slope: Three
     point: Three = (0.0, 0.0, 0.0)
     away: tuple[bool, bool, bool] = (False, False, False)
+    ridge: Three = (0.0, 0.0, 0.0)
 
     def __call__(self, pose: Any) -> float:
         """The score of a pose, an array or a tuple of three numbers."""
         off = np.subtract(pose, self.point)
-        return float(np.where(self.away, np.abs(off), off) @ np.array(self.slope))
+        fallen = abs(float(off @ np.array(self.ridge)))
+        return float(np.where(self.away, np.abs(off), off) @ np.array(self.slope)) - fallen

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.poses import transform
 
-from ..literal import MOVES, climb_step, distance_score, systematic, weighed
+from ..literal import climb_step, distance_score, systematic, weighed
 from ._answers import Cases, Surface
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -92,10 +93,15 @@ Value = Callable[[Pose], float]
 
 
 def _hills(rng: Rng) -> Cases:
-    top = rng.uniform(-1, 1, 3)
+    top, start = rng.uniform(-1, 1, 3), rng.uniform(-1, 1, 3)
     move, right, up = rng.uniform(0.05, 0.2), *rng.uniform(0.3, 0.9, 2)
-    hill, start = Surface((-1, -2, -1), tuple(top.tolist()), (True,) * 3), rng.uniform(-1, 1, 3)
-    valley, slope = Surface((0, 1, 0), away=(False, True, False)), Surface((2, 1, 0))
+    hill = Surface((-1, -2, -1.5), tuple(top.tolist()), (True,) * 3)
+
+    def ridge(*along: float) -> Surface:
+        """A ridge through the start, which rises slowly along x, y and heading."""
+        slope = rng.uniform(0.2, 0.6, 3).tolist()
+        return Surface(tuple(slope), tuple(start.tolist()), ridge=along)  # type: ignore[arg-type]
+
     return {
         words: (value, np.array(pose, float), float(step), float(turn))
         for words, value, pose, step, turn in (
@@ -104,17 +110,10 @@ def _hills(rng: Rng) -> Cases:
             ("a hill, nearly there", hill, top + (0, move, 0), move, move),
             ("on the top", hill, top, move, move),
             ("a plain", Surface((0, 0, 0)), start, move, move),
-            ("a valley, both ways up", valley, start * (1, 0, 1), 0.125, 0.125),
-            (
-                "a valley in x",
-                Surface((1, 0, 0), away=(True, False, False)),
-                start * (0, 1, 1),
-                0.125,
-                1,
-            ),
-            ("a slope to the left", Surface((-2, 1, 0)), start, move, move),
-            ("a slope down to the right", Surface((1, -1, 0)), start, move, move),
-            ("a slope, the robot turned", slope, start * (1, 1, 0) + (0, 0, 2), move, move),
+            ("a ridge up to the right", ridge(9, -9, 0), start, move, move),
+            ("a ridge along which the robot turns", ridge(9, 0, -9), start, move, move),
+            ("a ridge of x, y and heading", ridge(9, -5, -4), start, move, move),
+            ("a slope, the robot turned", Surface((2, 1, 0.5)), start + (0, 0, 2), move, move),
             ("a coarse turn", hill, top - (0, 0, 0.4), 0.001, 1.0),
             ("a turn to the left", hill, top - (0, 0, right), 0.01, 0.2),
             ("a turn to the right", hill, top + (0, 0, up), 0.01, 0.2),
@@ -122,46 +121,59 @@ def _hills(rng: Rng) -> Cases:
     }
 
 
-_always = edited(climb_step, ("pose, value(pose)", "pose, float('-inf')"))
+def _climb_diagonally(value: Value, pose: Pose, move: float, turn: float) -> Pose:
+    best, most = pose, value(pose)
+    for x, y, heading in product((-1, 0, 1), repeat=3):
+        tried = pose[0] + x * move, pose[1] + y * move, pose[2] + heading * turn
+        if value(tried) > most:
+            best, most = tried, value(tried)
+    return best
 
 
-def _if_as_good(value: Value, pose: Pose, move: float, turn: float) -> Pose:
-    best = _always(value, pose, move, turn)
-    return best if value(best) >= value(pose) else pose
+_MOVES = "product((-1, 0, 1), repeat=3)"
 
-
-def _along_the_robot(value: Value, pose: Pose, move: float, turn: float) -> Pose:
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    turned = np.array(MOVES) @ [(c, s, 0), (-s, c, 0), (0, 0, 1)]
-    return climb_step(value, pose, move, turn, turned)
-
-
-check_climb_step = Exercise(
-    "climb_step(value, pose, move, turn) -> (3,): the best of the moves -x, +x, -y, +y, -heading, "
-    "+heading, where it improves value(pose)",
-    climb_step,
+check_climb_diagonally = Exercise(
+    "climb_diagonally(value, pose, move, turn) -> (3,): the best of all 26 moves in which x and y "
+    "change by -move, 0 or move and the heading by -turn, 0 or turn, where it improves value(pose)",
+    _climb_diagonally,
     _hills,
     {
-        "an equal score is no improvement: on a plain the robot would walk for ever": _if_as_good,
-        "look at all six before you move: the best counts, not the first that improves": (
-            edited(climb_step, ("best, most = tried, value(tried)", "return tried"))
+        "on a ridge that runs diagonally each of the six moves falls off the side: let two or "
+        "three of the numbers change at once": climb_step,
+        "the heading may change in the same move as x or y": (
+            edited(
+                _climb_diagonally, (_MOVES, f"[m for m in {_MOVES} if not m[2] or m[:2] == (0, 0)]")
+            )
         ),
-        "of equal moves the first in the order counts": (
-            lambda value, at, move, turn: climb_step(value, at, move, turn, MOVES[::-1])
+        "a number may also stay as it is: 26 moves, not 8": (
+            edited(_climb_diagonally, ("(-1, 0, 1)", "(-1, 1)"))
         ),
-        "the moves go along the axes of the map, not along those of the robot": _along_the_robot,
-        "stay where none of the six improves the score": _always,
+        "stay where none of the moves improves the score": (
+            edited(
+                _climb_diagonally,
+                ("pose, value(pose)", "pose, float('-inf')"),
+                ("in product", "in (m for m in product"),
+                ("=3):", "=3) if any(m)):"),
+            )
+        ),
+        "look at all moves before you choose: the best counts, not the first that improves": (
+            edited(_climb_diagonally, ("best, most = tried, value(tried)", "return tried"))
+        ),
         "the higher the better: you climb down": (
-            lambda value, *rest: climb_step(lambda p: -value(p), *rest)
+            lambda value, *rest: _climb_diagonally(lambda p: -value(p), *rest)
         ),
-        "try all six moves from where the pose is: do not walk on from each that improves": (
-            edited(climb_step, ("best, most = t", "pose, most = t"), ("return best", "return pose"))
+        "try all moves from where the pose is: do not walk on from each that improves": (
+            edited(
+                _climb_diagonally,
+                ("best, most = t", "pose, most = t"),
+                ("return best", "return pose"),
+            )
         ),
         "the pose after the move is asked for, not its value": (
-            lambda value, *rest: value(climb_step(value, *rest))
+            lambda value, *rest: value(_climb_diagonally(value, *rest))
         ),
         "the heading moves by `turn`, x and y by `move`": (
-            lambda value, at, move, turn: climb_step(value, at, turn, move)
+            lambda value, at, move, turn: _climb_diagonally(value, at, turn, move)
         ),
     },
 )
