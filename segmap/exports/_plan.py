@@ -12,14 +12,18 @@ import numpy as np
 
 from .. import arrays
 from ..arrays import Array, checked
+from ..display import pip_install
 from ..files import write_bytes
 from ..plan import FloorPlan
-from ._segments import METRES, dxf_tags
-from ._sheet import ENDS, checked_words, room_sides, write_sheet
+from ..segments import angle
+from ._segments import METRES
+from ._sheet import ENDS, checked_words, room_sides, wall_bodies, write_sheet
 from ._world import Direction, Frame, collection
 
-#: Height of letters in a drawing, metres.
+#: Height of letters in a drawing, metres: 2.5 mm at 1 : 100.
 LETTER_M = 0.25
+#: Layers of a drawing: index of the colour, and width of lines, hundredths of a millimetre.
+LAYERS = {"WALLS": (7, 50), "CLUTTER": (9, 18), "DOORS": (1, 35), "ROOMS": (5, 13), "TEXT": (7, 18)}
 
 
 @checked
@@ -32,12 +36,14 @@ def write_plan(
     date: str = "",
     north: Direction | None = None,
     world: Frame = Frame(),
+    as_recorded: bool = False,
 ) -> None:
     """Write a floor plan in the format that the name asks for.
 
     - `.pdf`, `.svg`, `.png`: a sheet to print, as `write_sheet`, with names, areas and sides of the
       rooms and the widths of the doors.
-    - `.dxf`: a drawing in metres with the layers WALLS, CLUTTER, DOORS, ROOMS and TEXT.
+    - `.dxf`: a drawing in metres, of AutoCAD 2010, with the layers WALLS, CLUTTER, DOORS, ROOMS and
+      TEXT: walls whose other face was seen and rooms as closed outlines, doors as blocks.
     - `.geojson`: rooms as polygons, doors as points, walls and clutter as lines, each with
       its `kind`.
     - `.csv`: a table of the rooms: name, area, what of it furniture hides, perimeter, sides along
@@ -45,8 +51,8 @@ def write_plan(
 
     Parameters
     ----------
-    title, verdict, date, north
-        What a sheet says, as in `write_sheet`.
+    title, verdict, date, north, as_recorded
+        What a sheet says and how it stands, as in `write_sheet`.
     world
         As in `write_segments`, for GeoJSON.
 
@@ -69,9 +75,8 @@ def write_plan(
     checked_words(title, verdict, date)
     end = place.suffix.lower()
     if end in ENDS:
-        write_sheet(
-            place, plan.walls, title=title, verdict=verdict, date=date, north=north, plan=plan
-        )
+        words: Any = {"title": title, "verdict": verdict, "date": date, "north": north}
+        write_sheet(place, plan.walls, plan=plan, as_recorded=as_recorded, **words)
     elif end in PLAN_WRITERS:
         write_bytes(place, "".join(PLAN_WRITERS[end](plan, world)).encode())
     else:
@@ -117,27 +122,44 @@ def _geojson_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
 
 
 def _dxf_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
-    yield dxf_tags((0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"))
-    yield dxf_tags((9, "$INSUNITS"), (70, METRES), (0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES"))
-    lines = {"WALLS": plan.walls.segments, "CLUTTER": plan.clutter.segments}
-    lines["DOORS"] = np.reshape([door.ends for door in plan.doors], (-1, 2, 2))
-    for layer, segments in lines.items():
-        for a, b, c, d in segments.reshape(-1, 4).tolist():
-            start, end = ((10, a), (20, b), (30, 0.0)), ((11, c), (21, d), (31, 0.0))
-            yield dxf_tags((0, "LINE"), (8, layer), *start, *end)
+    """Closed outlines of walls and rooms, doors as blocks of a unit width, words."""
+    ezdxf, kept = ezdxf_or_hint(), io.StringIO()
+    drawing = ezdxf.new("R2010", units=METRES)
+    for layer, (color, weight) in LAYERS.items():
+        drawing.layers.add(layer, color=color, lineweight=weight)
+    gap = drawing.blocks.new("DOOR")
+    gap.add_line((-0.5, 0), (0.5, 0))
+    space = drawing.modelspace()
+    bodies, faces = wall_bodies(plan)
+    outlines = {"WALLS": bodies, "ROOMS": [[room.outline, *room.holes] for room in plan.rooms]}
+    for layer, parts in outlines.items():
+        for ring in [ring for part in parts for ring in part]:
+            space.add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": layer})
+    for layer, segments in (("WALLS", faces), ("CLUTTER", plan.clutter.segments)):
+        for start, end in segments.tolist():
+            space.add_line(start, end, dxfattribs={"layer": layer})
+    for door in plan.doors:
+        turn = np.degrees(float(angle(door.ends[None])[0]))
+        size = {"xscale": door.width, "yscale": door.width, "rotation": turn, "layer": "DOORS"}
+        space.add_blockref("DOOR", door.place.tolist(), dxfattribs=size)
     for room in plan.rooms:
-        for corners in (room.outline, *room.holes):
-            yield dxf_tags((0, "POLYLINE"), (8, "ROOMS"), (66, 1), (70, 1))
-            for x, y in corners.tolist():
-                yield dxf_tags((0, "VERTEX"), (8, "ROOMS"), (10, x), (20, y), (30, 0.0))
-            yield dxf_tags((0, "SEQEND"), (8, "ROOMS"))
-        x, y = room.place.tolist()
-        words = "".join(
-            c if c.isascii() else f"\\U+{ord(c):04X}" for c in f"{room.name}, {room.area:.1f} m2"
-        )
-        text = (10, x), (20, y), (30, 0.0), (40, LETTER_M), (1, " ".join(words.split()))
-        yield dxf_tags((0, "TEXT"), (8, "TEXT"), *text)
-    yield dxf_tags((0, "ENDSEC"), (0, "EOF"))
+        words = " ".join(f"{room.name}, {room.area:.1f} m2".split())
+        text = space.add_text(words, height=LETTER_M, dxfattribs={"layer": "TEXT"})
+        text.set_placement(room.place.tolist(), align=ezdxf.enums.TextEntityAlignment.MIDDLE_CENTER)
+    drawing.write(kept)
+    yield kept.getvalue()
+
+
+def ezdxf_or_hint() -> Any:
+    """The package of drawings, set so that the same plan gives the same file; or how to get it."""
+    try:
+        import ezdxf
+        import ezdxf.enums
+    except ImportError:
+        raise ImportError(f"drawings of plans need ezdxf: {pip_install('plan')}") from None
+    ezdxf_options: Any = vars(ezdxf)["options"]
+    ezdxf_options.write_fixed_meta_data_for_testing = True
+    return ezdxf
 
 
 #: Formats that are text, by the end of their name.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import textwrap
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +14,9 @@ import numpy as np
 from .. import arrays
 from ..arrays import Array, Segments, checked
 from ..files import shown, write_bytes
-from ..plan import FloorPlan, Room
-from ..segments import point_distance
+from ..plan import FloorPlan, Room, shapely_or_hint
+from ..poses import transform
+from ..segments import length, point_distance
 from ._world import Direction
 
 if TYPE_CHECKING:
@@ -53,6 +54,10 @@ MOST_DOUBT_LINES = 5
 SHEET_DPI = 200
 #: Letters of the words on rooms, points: in small rooms, and in large ones.
 LETTERS_POINTS = (3.5, 8.0)
+#: Bodies of walls that are nearer to each other than twice this meet in a corner, metres.
+BODIES_MEET_M = 0.06
+#: What walls are filled with.
+WALL_COLOR = "0.35"
 #: What rooms are filled with.
 ROOM_TINT = "#dde8f3"
 #: What doors are drawn in.
@@ -70,6 +75,7 @@ def write_sheet(
     date: str = "",
     north: Direction | None = None,
     plan: FloorPlan | None = None,
+    as_recorded: bool = False,
 ) -> None:
     """Write a sheet to print: the map at a round scale, its bar, north, title, date and verdict.
 
@@ -89,6 +95,8 @@ def write_sheet(
     plan
         Its rooms are tinted, with names, areas and sides, and its doors have their widths; what it
         is in doubt about stands below the verdict.
+    as_recorded
+        Whether a plan stands as the map does, and not square to the building.
 
     Examples
     --------
@@ -112,7 +120,10 @@ def write_sheet(
     rules: Any = {"svg.fonttype": "none", "svg.hashsalt": "segmap", "pdf.fonttype": 42}
     with matplotlib.rc_context(rules), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a letter that no font here has
-        figure = _draw_sheet(segments, words, north, plan)
+        turn = 0.0
+        if plan is not None and len(plan.axes) and not as_recorded:
+            turn = -float((plan.axes[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4)
+        figure = _draw_sheet(segments, words, north, plan, turn)
         kept, dated = io.BytesIO(), {".pdf": "CreationDate", ".svg": "Date"}
         metadata = {dated[end]: None} if end in dated else {}
         figure.savefig(kept, format=end[1:], dpi=SHEET_DPI, metadata=metadata)
@@ -140,14 +151,14 @@ def rounded_up(least: float) -> float:
 
 
 def _draw_sheet(
-    segments: Array, words: list[str], north: float | None, plan: FloorPlan | None
+    segments: Array, words: list[str], north: float | None, plan: FloorPlan | None, turn: float
 ) -> Figure:
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
     rooms = [] if plan is None else [room.outline for room in plan.rooms]
     ends = np.concatenate([segments.reshape(-1, 2), *rooms])
-    ends = ends if len(ends) else np.zeros((1, 2))
+    ends = transform((0.0, 0.0, turn), ends if len(ends) else np.zeros((1, 2)))
     low, high = ends.min(0), ends.max(0)
     wide, tall = high - low
     page = np.array([A4_LONG_MM, A4_SHORT_MM] if wide > tall else [A4_SHORT_MM, A4_LONG_MM])
@@ -160,7 +171,8 @@ def _draw_sheet(
     middle = np.array([page[0] / 2, SHEET_MARGIN_MM + WORDS_BAND_MM + room[1] / 2])
 
     def on_paper(points: Array) -> Array:
-        return np.asarray((points - (low + high) / 2) * 1000 / scale + middle)
+        turned = transform((0.0, 0.0, turn), points)
+        return np.asarray((turned - (low + high) / 2) * 1000 / scale + middle)
 
     placed = on_paper(segments)
     dot = 72 / INCH_MM  # points a millimetre
@@ -191,7 +203,7 @@ def _draw_sheet(
     told = "  ".join(filter(None, [f"1 : {scale:g}", date]))
     ax.text(right, SHEET_MARGIN_MM + WORDS_BAND_MM - 6, told, fontsize=11, ha="right", **plain)
     _draw_scale_bar(ax, right, SHEET_MARGIN_MM + 4, scale)
-    angle = np.pi / 2 if north is None else north
+    angle = turn + (np.pi / 2 if north is None else north)
     tip = 9 * np.array([np.cos(angle), np.sin(angle)])
     foot = np.array([right - 10, SHEET_MARGIN_MM + WORDS_BAND_MM + room[1] - 18])
     ax.annotate(
@@ -206,23 +218,45 @@ def room_sides(plan: FloorPlan, room: Room) -> tuple[float, float]:
     """Length and width of a room along the axes of its building, metres, the longer first."""
     turn = plan.axes[0] if len(plan.axes) else 0.0
     along = room.outline @ [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
-    width, length = np.sort(np.ptp(along, axis=0)).tolist()
-    return length, width
+    width, longer = np.sort(np.ptp(along, axis=0)).tolist()
+    return longer, width
+
+
+def wall_bodies(plan: FloorPlan) -> tuple[list[list[Array]], Array]:
+    """Walls whose other face was seen, as rings of corners, and the faces of all others."""
+    shapely, known = shapely_or_hint(), np.isfinite(plan.thickness)
+    faces, others = plan.walls.segments[known], plan.walls.segments[~known]
+    way = (faces[:, 1] - faces[:, 0]) / length(faces)[:, None]
+    behind = (plan.side * plan.thickness)[known, None] * np.stack([way[:, 1], -way[:, 0]], -1)
+    corners = np.concatenate([faces, (faces + behind[:, None])[:, ::-1]], axis=1)
+    whole = shapely.union_all(shapely.polygons(corners))
+    for by in (BODIES_MEET_M, -BODIES_MEET_M):  # outer corners are square
+        whole = shapely.buffer(whole, by, join_style="mitre")
+    parts = [part for part in shapely.get_parts(whole) if not part.is_empty]
+    rings = [(part.exterior, *part.interiors) for part in parts]
+    return [[np.array(ring.coords)[:-1] for ring in part] for part in rings], others
+
+
+def _filled(ax: Any, rings: Iterable[Array], color: str) -> None:
+    """Fill what lies in the first ring and in no other."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    around = Outline.make_compound_path(*(Outline(ring, closed=False) for ring in rings))
+    ax.add_patch(PathPatch(around, facecolor=color, edgecolor="none"))
 
 
 def _draw_rooms(ax: Any, plan: FloorPlan, on_paper: Callable[[Array], Array], scale: float) -> None:
     """Rooms with their words, clutter, doors with their widths."""
     from matplotlib.collections import LineCollection
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path as Outline
 
+    for rings in wall_bodies(plan)[0]:
+        _filled(ax, map(on_paper, rings), WALL_COLOR)
     for room in plan.rooms:
-        rings = room.outline, *room.holes
-        paths = [Outline(on_paper(ring), closed=False) for ring in rings]
-        around = Outline.make_compound_path(*paths)
-        ax.add_patch(PathPatch(around, facecolor=ROOM_TINT, edgecolor="none"))
-        length, width = room_sides(plan, room)
-        lines = [shown(room.name), f"{room.area:.1f} m2", f"{length:.2f} x {width:.2f} m"]
+        rings = [room.outline, *room.holes]
+        _filled(ax, map(on_paper, rings), ROOM_TINT)
+        sides = "{:.2f} x {:.2f} m".format(*room_sides(plan, room))
+        lines = [shown(room.name), f"{room.area:.1f} m2", sides]
         border = [np.stack([ring, np.roll(ring, -1, axis=0)], 1) for ring in rings]
         circle = 2 * point_distance(room.place, np.concatenate(border)).min()
         size = np.clip(1000 * circle / scale / 4, *LETTERS_POINTS)

@@ -2,13 +2,16 @@
 
 import csv
 import json
+import re
 
 import ezdxf
 import numpy as np
 import pytest
+import shapely
 
 from segmap import exports, plan
-from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, map_of_grid
+from segmap.poses import transform
+from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap, map_of_grid
 from segmap.simulation import polyline
 
 
@@ -26,20 +29,51 @@ def two_rooms():
 
 
 def test_a_drawing_has_its_layers(two_rooms, tmp_path):
-    """Catches rooms on the layer of walls, and a polyline that is not closed."""
-    exports.write_plan(tmp_path / "it.dxf", two_rooms)
+    """Catches rooms on the layer of walls, an outline that is not closed, a door of another width,
+    a drawing that other programs refuse, and one that differs each time."""
+    for name in ("it.dxf", "again.dxf"):
+        exports.write_plan(tmp_path / name, two_rooms)
+    assert (tmp_path / "it.dxf").read_bytes() == (tmp_path / "again.dxf").read_bytes()
     drawing = ezdxf.readfile(tmp_path / "it.dxf")
     by_layer = {}
     for one in drawing.modelspace():
         by_layer.setdefault(one.dxf.layer, []).append(one)
-    assert not drawing.audit().errors
-    assert len(by_layer["WALLS"]) == len(two_rooms.walls)
-    assert [one.is_closed for one in by_layer["ROOMS"]] == [True, True]
-    assert len(by_layer["DOORS"]) == 1
+    assert not drawing.audit().errors and drawing.units == 6 and drawing.dxfversion == "AC1024"
+    bodies = [one for one in by_layer["WALLS"] if one.dxftype() == "LWPOLYLINE"]
+    assert bodies and all(one.is_closed for one in (*bodies, *by_layer["ROOMS"]))
+    area = sum(shapely.Polygon(one.get_points("xy")).area for one in bodies)
+    assert area == pytest.approx(2 * 0.2 * 1.5, abs=0.1)  # between the rooms, beside the door
+    assert len(by_layer["ROOMS"]) == 2
+    (door,) = by_layer["DOORS"]
+    assert door.dxf.name == "DOOR" and door.dxf.xscale == two_rooms.doors[0].width
+    (line,) = door.virtual_entities()
+    ends = np.sort([line.dxf.start.y, line.dxf.end.y])
+    assert np.allclose(ends, np.sort(two_rooms.doors[0].ends[:, 1]), atol=1e-6)
     assert {one.dxf.text for one in by_layer["TEXT"]} == {
         "room 1, 19.6 m2",  # without the doorway
         "room 2, 19.6 m2",
     }
+
+
+@pytest.mark.parametrize("as_recorded", [False, True])
+def test_a_sheet_is_square_to_its_building(tmp_path, as_recorded):
+    """Catches a sheet that is turned twice or the wrong way round, and one whose arrow stays."""
+    turn = np.radians(20)
+    walls = transform((0, 0, turn), polyline([(0, 0), (8, 0), (8, 3), (0, 3)], closed=True))
+    tree = QuadtreeMap(resolution=0.05, free_resolution=0.05)
+    places = transform((0, 0, turn), [(x, y) for x in np.arange(0.1, 8, 0.1) for y in (0.1, 2.9)])
+    for x in np.arange(0.5, 8, 0.5):
+        tree.insert_scan(transform((0, 0, turn), [(x, 1.5)])[0], places)
+        tree.insert_scan(transform((0, 0, turn), [(x, 1.5)])[0], places)
+    found = plan.floor_plan(walls, tree)
+    exports.write_plan(tmp_path / "it.svg", found, as_recorded=as_recorded)
+    text = (tmp_path / "it.svg").read_text(encoding="utf-8")
+    found = re.findall(r'<path d="M ([\d.]+) ([\d.]+) \nL ([\d.]+) ([\d.]+) \n"', text)
+    x, y = np.diff(np.array(found, float).reshape(-1, 2, 2), axis=1)[:, 0].T
+    ways = np.degrees(np.arctan2(y, x))[np.hypot(x, y) > 100] % 90
+    *walls, bar = np.minimum(ways, 90 - ways)
+    assert len(walls) == 4 and bar < 0.1
+    assert np.allclose(walls, 20 if as_recorded else 0, atol=0.5)
 
 
 def test_geometries_tell_what_they_are(two_rooms, tmp_path):
