@@ -34,7 +34,7 @@ def edge_jacobians(first: Numbers, second: Numbers) -> tuple[Array, Array]:
 def normal_equations(
     poses: Sequence[Numbers] | Array, edges: Sequence[Edge], scale: float = math.inf
 ) -> tuple[Array, Array]:
-    """H and g: of all changes of the poses that one costs least for which H times it is -g."""
+    """H and g: of all small changes of the poses the best one, d, solves H d = -g."""
     n = 3 * len(poses)
     H, g = np.zeros((n, n)), np.zeros(n)
     for i, j, relative, information in edges:
