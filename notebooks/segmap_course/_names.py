@@ -91,7 +91,6 @@ from .exercises.open.alignment import (
 )
 from .exercises.open.decision import decide_map
 from .exercises.open.judgement import (
-    decide_claims,
     decide_way,
     predict_bend,
     predict_crowd,
@@ -153,7 +152,7 @@ __all__ = [
     "check_pose_covariance", "check_quality", "check_ransac_trials", "check_reduction_rate",
     "check_resampled", "check_scan_noise", "check_segments_all_round", "check_split",
     "check_surely_kept", "check_unwrapped", "check_weighed", "clearance", "clearance_at",
-    "clinic_walls", "compare_with_walls", "conclusions", "corridor_walk", "decide_claims",
+    "clinic_walls", "compare_with_walls", "conclusions", "corridor_walk",
     "decide_map", "decide_way", "density", "drawings", "drive_to_frontiers", "equal_offices",
     "explore", "figures", "filter_change", "floor_of", "heading_profile", "known_building",
     "landscape", "load_columns", "load_trials", "measure_clinic", "near_metres", "occupied_centres",

@@ -6,11 +6,9 @@ import pytest
 import segmap_course as course
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
-from segmap_course import thesis_results
 
 from segmap.alignment import Match
 from segmap.alignment.points import PointStep
-from segmap.experiments import select
 from segmap.exports import ros_classes
 from segmap.metrics import distance_terms
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, figure_png
@@ -74,11 +72,6 @@ DRAWN = {
         lambda ax: course.draw_marked(WALLS, [False, True, False], ax=ax),
         [(RAW, WALLS[[0, 2]]), (ERROR, WALLS[[1]])],
         [],
-    ),
-    "rates are not exchanged": (
-        lambda ax: course.draw_trade_off([1, 2], [0.1, 0.2], [0.9, 0.8], ax=ax),
-        [(RESULT, [(1, 0.1), (2, 0.2)]), (ERROR, [(1, 0.9), (2, 0.8)])],
-        ["reduction", "quality"],
     ),
     "ends fall at right angles on the line, beyond the wall too": (
         lambda ax: course.draw_merge([[(-1, 1), (3, 3)]], [(0, 0), (2, 1)], ax=ax),
@@ -325,16 +318,3 @@ def test_ends_that_hit_are_blue_and_each_has_its_way_to_the_nearest_cell(ax):
     ways = ax.collections[-1].get_segments()
     assert [way[1].tolist() for way in ways] == [[3.25, 1.25], [6.25, 3.25]]
     assert (*ax.get_xlim(), *ax.get_ylim()) == (0, 7, 1, 4)
-
-
-def test_a_picture_for_each_building_two_a_row():
-    """Catches filtered runs among the others, and a legend that names no method."""
-    runs = thesis_results()
-    axes = course.draw_buildings(runs, filtered=True)
-    assert [ax.get_title() for ax in axes] == ["polimi", "stanford", "bicocca", "usc"]
-    assert [ax.get_subplotspec().rowspan.start for ax in axes] == [0, 0, 1, 1]
-    drawn = axes[0].lines[0].get_xydata()
-    chosen = select(runs, map="polimi", filtered=True, method="basic_offline")
-    np.testing.assert_allclose(drawn, chosen[["quality", "reduction"]])
-    names = [text.get_text() for text in axes[0].figure.legends[0].get_texts()]
-    assert "mean_shift" in names and axes[0].get_xlim() == axes[3].get_xlim()

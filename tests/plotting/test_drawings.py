@@ -177,10 +177,6 @@ DRAWINGS = {
         {RAW, RESULT},
     ),
     "strip": (lambda ax: course.draw_strip(WALLS[[0, 2]], 0.0, 0.01, ax=ax), {RAW, MAP, ERROR}),
-    "trade_off": (
-        lambda ax: course.draw_trade_off([1, 2], [0.1, 0.2], [0.9, 0.8], ax=ax),
-        {RESULT, ERROR},
-    ),
     "uncertainty": (
         lambda ax: course.draw_uncertainty(Matched(np.zeros(3), np.eye(3), True), ax=ax),
         {RESULT},
@@ -194,7 +190,6 @@ DRAWINGS = {
 #: Drawings that make a figure of several pictures, and whether these have their limits in common.
 ROWS = {
     "alignments": (lambda: plotting.draw_alignments(LOG, {"a": POSES, "b": ALIGNED}), True),
-    "buildings": (lambda: course.draw_buildings(RUNS), True),
     "cases": (lambda: course.draw_cases({"a": WALLS, "b": WALLS[:1]}, lambda map: map[:1]), False),
     "cells_of_a_wall": (
         lambda: course.draw_cells_of_a_wall({0.5: LEAVES, 1.0: LEAVES}, limits=(0, 2, 0, 2)),

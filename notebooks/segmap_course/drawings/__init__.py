@@ -9,7 +9,6 @@ from ._alignments import (
     draw_scans,
     draw_uncertainty,
 )
-from ._buildings import draw_buildings
 from ._charts import label_axes, mark_places, set_ticks, write_names
 from ._clinic import draw_corner, wardrobe
 from ._icp import (
@@ -48,7 +47,6 @@ from ._reductions import (
     draw_leaning,
     draw_live,
     draw_sweep,
-    draw_trade_off,
     merge_frames,
     say_stretch,
 )
@@ -69,7 +67,7 @@ from ._segments import (
 )
 
 __all__ = [
-    "climb_frames", "draw_backbone", "draw_basin", "draw_buildings", "draw_cases", "draw_cells",
+    "climb_frames", "draw_backbone", "draw_basin", "draw_cases", "draw_cells",
     "draw_cells_of_a_wall", "draw_classes", "draw_climb", "draw_closer", "draw_clusters",
     "draw_corner", "draw_costs", "draw_counts", "draw_distance_curves", "draw_distance_terms",
     "draw_edges", "draw_ends", "draw_ends_on_map", "draw_equal_squares", "draw_fits", "draw_frames",
@@ -78,7 +76,7 @@ __all__ = [
     "draw_match", "draw_match_value", "draw_merge", "draw_method_errors", "draw_missed",
     "draw_normals", "draw_phases", "draw_pieces", "draw_profile", "draw_ray",
     "draw_runs", "draw_scan_poses", "draw_scans", "draw_sector", "draw_shifts",
-    "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_trade_off", "draw_uncertainty",
+    "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_uncertainty",
     "draw_wall_normals", "draw_weights", "icp_frames", "label_axes", "loop_frames", "mark_places",
     "merge_frames", "say_stretch", "set_ticks", "wardrobe", "write_names",
 ]  # fmt: skip

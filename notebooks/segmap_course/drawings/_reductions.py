@@ -258,18 +258,3 @@ def draw_live(reductions: Mapping[str, Reduction], *, ax: Axes | None = None) ->
     ax.set(title="The map while the robot drives", xlabel="scan", ylabel="segments in the map")
     ax.legend()
     return ax
-
-
-def draw_trade_off(
-    values: ArrayLike, reduction: ArrayLike, quality: ArrayLike, *, ax: Axes | None = None
-) -> Axes:
-    """Draw reduction, blue, and quality, orange, of one method against its threshold.
-
-    Both are rates in `[0, 1]`; the name and the unit of the threshold are for the x label.
-    """
-    ax = axes_or_new(ax, (6.0, 3.6))
-    ax.plot(values, reduction, "o-", color=RESULT, label="reduction")
-    ax.plot(values, quality, "s--", color=ERROR, label="quality")
-    ax.set_ylabel("rate")
-    ax.legend()
-    return ax

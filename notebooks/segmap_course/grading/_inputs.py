@@ -18,7 +18,6 @@ INPUTS = {
         "[7, 1, 5, 2, 11, 14, 4, 19, 13, 3, 12, 8, 16, 15, 10, 0, 6, 18, 17, 9, 20]"
     ),
     "decide_map": '{"A": "keep", "B": "doubled", "C": "spread", "D": "tape"}',
-    "decide_claims": "dict(A='parameter', B='keep', C='tuned', D='keep', E='filter', F='keep')",
     "decide_way": '{"K": "wall", "L": "long", "M": "keep", "N": "unknown"}',
     "break_icp": "[0.1, -0.57, -0.18]",
     # A bit that falls in one character and rises in the next.

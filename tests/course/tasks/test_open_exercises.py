@@ -100,14 +100,6 @@ ANSWERS = {
             (["D"], "decide first"),
         ],
     ),
-    "decide_claims": (
-        {"A": "parameter", "B": "keep", "C": "tuned", "D": "keep", "E": "filter", "F": "keep"},
-        [
-            (dict.fromkeys("ABC", "tuned") | dict.fromkeys("DEF", "keep"), "E is not the one"),
-            (dict.fromkeys("ABCD", "tuned") | dict.fromkeys("EF", "keep"), "keep 3, and refuse"),
-            (dict.fromkeys("ACE", "filter") | dict.fromkeys("BDF", "keep"), "A: 'filter' does not"),
-        ],
-    ),
     "predict_bend": (5, [(71, "it is 4.455 mm; near enough is within a factor of 2")]),
     "predict_crowd": (0.63, [(0.82, "it is 0.631 parts of 1")]),
     "predict_survivors": (63, [(100, "it is 63.4 particles"), (50, "near enough is within 3")]),

@@ -12,19 +12,8 @@ from ..._known_buildings import driven
 from ._open import Prediction
 from .decision import Decision
 
-# ---------------------------------------------------------------------------- poses
+
 # ---------------------------------------------------------------------------- maps
-decide_claims = Decision(
-    "decide_claims(answer): a dictionary with each of the sentences A to F: 'keep' for each of the "
-    "three that the runs of this chapter carry, and for each other the fault: 'parameter', "
-    "'filter', 'tuned' or 'measure'",
-    ("A", "B", "C", "D", "E", "F"),
-    "02200640 4f08502a 98c7a453 b6852645 d3449d69 f885e608",
-    praise="Each of the three is a true figure, set beside one that it may not be compared with",
-    keeps=3,
-)
-
-
 def _bend() -> float:
     log = driven("floor", 0, SICK_LMS200)
     assert log.truth is not None
