@@ -216,12 +216,18 @@ def climb_by_argmax(value, pose, move, turn):
     return pose + moves[gains.argmax()] * (gains.max() > 0)
 
 
-def pose_covariance_closed(centre, alpha, sensor, place, heading):
-    arm = (sensor[1] - centre[1]) * math.cos(alpha) - (sensor[0] - centre[0]) * math.sin(alpha)
-    return [
-        [place**2 + (arm * heading) ** 2, arm * heading**2],
-        [arm * heading**2, heading**2],
-    ]
+def steady_fit_by_weights(points, s, range_, bearing):
+    """One loop: what lies far off gets no weight, whether or not the angle rests yet."""
+    weights, beams = np.ones(len(points)), points - s
+    for _ in range(80):
+        middle = np.average(points, axis=0, weights=weights)
+        scatter = np.cov(points.T, aweights=weights)
+        normal = np.linalg.eigh(scatter)[1][:, 0]
+        along = beams @ normal / np.hypot(*beams.T)
+        across = beams @ (-normal[1], normal[0])
+        variances = (range_ * along) ** 2 + (bearing * across) ** 2
+        weights = (((points - middle) @ normal) ** 2 <= 9 * variances) / variances
+    return *middle, np.arctan2(normal[1], normal[0]), 0, 0, 0
 
 
 def beam_about_a_centre(distance, angle, delay, ahead, rate):
@@ -339,7 +345,7 @@ RIGHT = {
     "climb_diagonally": climb_by_argmax,
     "resampled": resampled_by_counts,
     "weighed": lambda w, f, n: softmax(np.log(w) + n * np.log(f)),
-    "pose_covariance": pose_covariance_closed,
+    "steady_fit": steady_fit_by_weights,
     "surely_kept": surely_kept_by_millimetres,
     "cost_of_faces": cost_of_one_face,
     "pose_cost": cost_by_masked_average,

@@ -129,7 +129,7 @@ from .exercises.strips import check_chain, check_mean_shift_step, robot_on_the_l
 from .exercises.surveyed import (
     check_cost_of_faces,
     check_memberships,
-    check_pose_covariance,
+    check_steady_fit,
     check_surely_kept,
 )
 from .figures import *
@@ -149,8 +149,8 @@ __all__ = [
     "check_mean_by_length", "check_mean_shift_step", "check_mean_wall_error", "check_memberships",
     "check_missed_metres", "check_move_onto_walls", "check_my_mapper", "check_nees",
     "check_own_log", "check_pair_origin", "check_pixel", "check_places_between", "check_pose_cost",
-    "check_pose_covariance", "check_quality", "check_ransac_trials", "check_reduction_rate",
-    "check_resampled", "check_scan_noise", "check_segments_all_round", "check_split",
+    "check_quality", "check_ransac_trials", "check_reduction_rate", "check_resampled",
+    "check_scan_noise", "check_segments_all_round", "check_split", "check_steady_fit",
     "check_surely_kept", "check_unwrapped", "check_weighed", "clearance", "clearance_at",
     "clinic_walls", "compare_with_walls", "conclusions", "corridor_walk",
     "decide_map", "decide_way", "density", "drawings", "drive_to_frontiers", "equal_offices",

@@ -24,6 +24,7 @@ from segmap.plan import floor_plan
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, TRUTH, method_style
 from segmap.quadtree import QuadtreeMap, frontiers
 from segmap.reduction import Reduction, hybrid
+from segmap.reduction.surveyed import Line
 from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap
 from segmap.simulation import rectangular_room
@@ -42,6 +43,8 @@ TREE = QuadtreeMap(resolution=0.5, size=8, bias=1)
 TREE.insert_scan((1, 1), [(3.25, 1.25)])
 #: Leaves of a quadtree, and how many ends each has.
 LEAVES = {(0, 0, 1): 1, (1, 0, 1): 0, (0, 1, 1): 0, (1, 1, 1): 2}
+#: A line that is known.
+LINE = Line(0, 1, np.pi / 2, 1e-4, 0, 1e-4)
 LAND = course.Landscape(np.array([-0.1, 0, 0.1]), np.diag([0.0, 2.0, 0.0]))
 RUNS = course.thesis_results()
 USC = select(RUNS, map="usc", filtered=False)
@@ -164,6 +167,15 @@ DRAWINGS = {
     "scans": (
         lambda ax: course.draw_scans(POINTS, POINTS, (0, 0, 0), ax=ax, pulls=[POINTS[:2]]),
         {RAW, RESULT, ERROR},
+    ),
+    "contradiction": (
+        lambda ax: course.draw_contradiction((0, 0), {"a": np.eye(2), "b": np.eye(2)}, 9, ax=ax),
+        {RESULT, ERROR, MAP},
+    ),
+    "known_line": (lambda ax: course.draw_known_line(LINE, [LINE, LINE], ax=ax), {RAW, RESULT}),
+    "seen_wall": (
+        lambda ax: course.draw_seen_wall([(0, 1), (1, 1)], (0, 0), (0.01, 0.01), ax=ax),
+        {RAW, ERROR, RESULT, TRUTH, MAP},
     ),
     "sector": (
         lambda ax: course.draw_sector(

@@ -18,6 +18,7 @@ from ._icp import (
     draw_weights,
     icp_frames,
 )
+from ._known_lines import draw_contradiction, draw_known_line, draw_seen_wall
 from ._mean_shift import climb_frames, draw_hill, draw_phases
 from ._plans import draw_labels
 from ._pose_graph import draw_edges, draw_method_errors, loop_frames
@@ -69,14 +70,15 @@ from ._segments import (
 __all__ = [
     "climb_frames", "draw_backbone", "draw_basin", "draw_cases", "draw_cells",
     "draw_cells_of_a_wall", "draw_classes", "draw_climb", "draw_closer", "draw_clusters",
-    "draw_corner", "draw_costs", "draw_counts", "draw_distance_curves", "draw_distance_terms",
-    "draw_edges", "draw_ends", "draw_ends_on_map", "draw_equal_squares", "draw_fits", "draw_frames",
-    "draw_frontiers", "draw_hill", "draw_icp_step", "draw_labels", "draw_laid", "draw_landscape",
-    "draw_landscapes", "draw_leaf_row", "draw_leaning", "draw_leaves", "draw_live", "draw_marked",
-    "draw_match", "draw_match_value", "draw_merge", "draw_method_errors", "draw_missed",
-    "draw_normals", "draw_phases", "draw_pieces", "draw_profile", "draw_ray",
-    "draw_runs", "draw_scan_poses", "draw_scans", "draw_sector", "draw_shifts",
-    "draw_sizes_of_halls", "draw_strip", "draw_sweep", "draw_uncertainty",
-    "draw_wall_normals", "draw_weights", "icp_frames", "label_axes", "loop_frames", "mark_places",
-    "merge_frames", "say_stretch", "set_ticks", "wardrobe", "write_names",
+    "draw_contradiction", "draw_corner", "draw_costs", "draw_counts", "draw_distance_curves",
+    "draw_distance_terms", "draw_edges", "draw_ends", "draw_ends_on_map", "draw_equal_squares",
+    "draw_fits", "draw_frames", "draw_frontiers", "draw_hill", "draw_icp_step", "draw_known_line",
+    "draw_labels", "draw_laid", "draw_landscape", "draw_landscapes", "draw_leaf_row",
+    "draw_leaning", "draw_leaves", "draw_live", "draw_marked", "draw_match", "draw_match_value",
+    "draw_merge", "draw_method_errors", "draw_missed", "draw_normals", "draw_phases", "draw_pieces",
+    "draw_profile", "draw_ray", "draw_runs", "draw_scan_poses", "draw_scans", "draw_sector",
+    "draw_seen_wall", "draw_shifts", "draw_sizes_of_halls", "draw_strip", "draw_sweep",
+    "draw_uncertainty", "draw_wall_normals", "draw_weights", "icp_frames", "label_axes",
+    "loop_frames", "mark_places", "merge_frames", "say_stretch", "set_ticks", "wardrobe",
+    "write_names",
 ]  # fmt: skip

@@ -10,75 +10,72 @@ import numpy as np
 
 from segmap.arrays import Array
 from segmap.poses import transform
-from segmap.reduction.surveyed import Line, add_pose, kept_pieces
+from segmap.reduction.surveyed import Line, fit, kept_pieces, variance
 
 from ..literal.reduction.least_cost_merges import cost_of
-from ._answers import Cases, near
+from ._answers import Cases, same_poses
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
 # -------------------------------------------------------------- weighted line fitting
-def _lines_seen(rng: Rng) -> Cases:
-    """Walls ahead, aside and aslant, seen from anywhere, and a place that is known exactly."""
-    place, heading = rng.uniform(0.01, 0.05, 2)
-    turn, at = rng.uniform(-np.pi, np.pi, 4), rng.uniform(-5, 5, (8, 2))
-    ahead = at[1] + rng.uniform(1, 3) * np.array([np.cos(turn[0]), np.sin(turn[0])])
-    aside = at[1] + rng.uniform(1, 3) * np.array([-np.sin(turn[1]), np.cos(turn[1])])
+def _wall_behind_a_person(rng: Rng) -> Cases:
+    """A wall of 41 points, seen from anywhere; something stands before or behind it, or nothing."""
+    noise = np.array((0.01, 0.004))
+
+    def case(where: list[int], off: Any = 0.0) -> tuple[Any, ...]:
+        place, far = anywhere(rng), rng.uniform(1.5, 2.5)
+        across = rng.normal(0, noise[0], 41).clip(-1.5 * noise[0], 1.5 * noise[0])
+        across[where] = off
+        wall = np.stack([np.linspace(-1.5, 1.5, 41), far + across], 1)
+        return transform(place, wall), place[:2], *noise.tolist()
+
     return {
-        "a wall straight ahead": (ahead, float(turn[0]), at[1], place, heading),
-        "a wall along which the sensor looks": (aside, float(turn[1]), at[1], place, heading),
-        "a slanted wall": (at[2], float(turn[2]), at[3], place, heading),
-        "a place known exactly": (at[4], float(turn[3]), at[5], 0.0, heading),
+        "nobody": case([]),
+        "somebody amid the wall": case([18, 19, 20], -rng.uniform(0.25, 0.3)),
+        "somebody at its end": case([36, 37, 38, 39], -rng.uniform(0.1, 0.15)),
+        "a niche near its begin": case([3, 4, 5, 6], rng.uniform(0.1, 0.15)),
+        "four points at 23 mm": case([8, 18, 22, 32], [0.023, -0.023, -0.023, 0.023]),
     }
 
 
-def _pose_covariance(
-    centre: Array, alpha: float, sensor: Array, sigma_place: float, sigma_heading: float
-) -> Array:
-    """What eq. 2.20 adds to a line that was known exactly."""
-    exact = Line(float(centre[0]), float(centre[1]), alpha, 0.0, 0.0, 0.0)
-    line = add_pose(exact, sensor.tolist(), sigma_place, sigma_heading)
-    return np.array([[line.rr, line.ra], [line.ra, line.aa]])
+def _steady_fit(points: Array, s: Array, range_: float, bearing: float, most: float = 3.0) -> Line:
+    """As the chapter's fit, again without what lies far across, until the same points count."""
+    near, before = np.full(len(points), True), np.full(len(points), False)
+    for _ in range(50):
+        if (near == before).all():
+            break
+        line, before = fit(points[near], s.tolist(), range_, bearing), near
+        across = np.array([np.cos(line.alpha), np.sin(line.alpha)])
+        sigma = [variance(p, s, line.alpha, range_, bearing) ** 0.5 for p in points]
+        near = np.abs((points - (line.x, line.y)) @ across) <= most * np.array(sigma)
+    return line
 
 
-def _by_jacobian(c: Array, alpha: float, s: Array, place: float, heading: float) -> Array:
-    """K diag K', of which the mistakes change a part."""
-    d = s - c
-    arm = d[1] * np.cos(alpha) - d[0] * np.sin(alpha)
-    jacobian = np.array([(np.cos(alpha), np.sin(alpha), arm), (0, 0, 1)])
-    return np.asarray(jacobian @ np.diag([place, place, heading]) ** 2 @ jacobian.T)
-
-
-#: Where its arm stands.
-_ARM = "d[1] * np.cos(alpha) - d[0] * np.sin(alpha)"
-
-
-check_pose_covariance = Exercise(
-    "pose_covariance(centre, alpha, sensor, sigma_place, sigma_heading) -> (2, 2): what the pose "
-    "of a scan adds to the covariance of (offset, angle), metres and radians, of a line with its "
-    "normal at alpha, about its centre (2,), seen from sensor (2,)",
-    _pose_covariance,
-    _lines_seen,
+check_steady_fit = Exercise(
+    "steady_fit(points, s, range_, bearing) -> Line: that of points (n, 2), metres, seen from s "
+    "(2,), as `fitted` finds it; but what lies more than three deviations across the line has no "
+    "weight, and the line is fitted again until the same points count",
+    _steady_fit,
+    _wall_behind_a_person,
     {
-        "a turn of the sensor swings a wall that lies aside: the third entry of K's first row is "
-        "its arm, (s - c) . n'": edited(_by_jacobian, (_ARM, "0.0")),
-        "the arm is measured along the wall, by n' = (-sin, cos), not across it": (
-            edited(_by_jacobian, (_ARM, "d[0] * np.cos(alpha) + d[1] * np.sin(alpha)"))
+        "this is the fit of the chapter: a person before the wall bends the line": fit,
+        "one time is not enough: without the person the line lies elsewhere": edited(
+            _steady_fit, ("range(50)", "range(2)")
         ),
-        "the arm leads from the centre to the sensor, s - c: the other way round the sign of the "
-        "off-diagonal is wrong": edited(_by_jacobian, ("s - c", "c - s")),
-        "the arm is how far the sensor lies along the wall, not its whole distance": (
-            edited(_by_jacobian, (_ARM, "np.hypot(*d)"))
+        "three deviations, not two": edited(
+            _steady_fit, ("most: float = 3.0", "most: float = 2.0")
         ),
-        "a covariance holds squares of the standard deviations": edited(
-            _by_jacobian, (" ** 2", "")
+        "a deviation is the root of the variance": edited(_steady_fit, (" ** 0.5", "")),
+        "what lies behind the wall counts no more than what lies before it": edited(
+            _steady_fit,
+            (
+                "np.abs((points - (line.x, line.y)) @ across)",
+                "-np.sign((s - (line.x, line.y)) @ across)"
+                " * ((points - (line.x, line.y)) @ across)",
+            ),
         ),
-        "offset and angle err together: K diag K' is not diagonal": (
-            edited(_by_jacobian, ("jacobian.T", "jacobian.T * np.eye(2)"))
-        ),
-        "the offset comes first, then the angle": changed(_pose_covariance, np.flip),
     },
-    near,
+    same_poses,
 )
 
 

@@ -14,12 +14,22 @@ from ._uncertain_parameters import (
 )
 from ._viewing_sector import kept_pieces, viewing_sector
 from ._views import SAYS, cross, mix, share, views
-from ._weighted_line_fitting import Line, about, add_pose, compare, fit, weighted_line_fitting
+from ._weighted_line_fitting import (
+    Line,
+    about,
+    add_pose,
+    compare,
+    fit,
+    solved,
+    variance,
+    weighted_line,
+    weighted_line_fitting,
+)
 
 __all__ = [
     "SAYS", "Line", "Prototype", "UncertainWall", "about", "add_pose", "clustered", "compare",
     "cross", "farthest_ends", "fit", "fused", "fuzzy_clustering", "fuzzy_set", "kept_pieces",
     "looks_at_it", "memberships", "mix", "polyline", "polyline_through", "segment_similarity",
-    "share", "uncertain", "uncertain_parameters", "viewing_sector", "views",
-    "weighted_line_fitting",
+    "share", "solved", "uncertain", "uncertain_parameters", "variance", "viewing_sector", "views",
+    "weighted_line", "weighted_line_fitting",
 ]  # fmt: skip

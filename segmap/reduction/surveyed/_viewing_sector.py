@@ -156,13 +156,10 @@ def kept_pieces(
 def cut_pieces(kept: list[Interval], seen: Sequence[View], min_length: float) -> list[Interval]:
     """What stays of a wall, cut at the ends of what matches, as A has it."""
     for cut in sorted(u for v in seen if v.says == "matches" for u in (v.u0, v.u1)):
-        kept = [
-            piece
-            for a, b in kept
-            for piece in (
-                [(a, cut), (cut, b)] if min(cut - a, b - cut) >= min_length - SAME else [(a, b)]
-            )
-        ]
+        for k, (a, b) in enumerate(kept):
+            if min(cut - a, b - cut) >= min_length - SAME:
+                kept = [*kept[:k], (a, cut), (cut, b), *kept[k + 1 :]]
+                break
     return kept
 
 

@@ -132,9 +132,7 @@ def stretches_seen(
     """The stretches of a scan in the sectors of walls: rows of a `View`, its word as a number."""
     found = []
     for k in range(len(walls)):
-        if facing(p, walls[k], 1e-6) == 0:
-            continue
-        for j in range(len(scan)):
+        for j in range(len(scan) if facing(p, walls[k], 1e-6) != 0 else 0):
             if facing(p, scan[j], 0.0) == 0:
                 continue
             for says, t0, t1, u0, u1, h0, h1 in stretches_of(walls[k], scan[j], p, distance):

@@ -115,6 +115,10 @@ def weighted_line_fitting(
     return run_online("weighted_line_fitting", map, steps)
 
 
+#: Of (offset, angle): square metres, metres times radians, square radians.
+Covariance = tuple[float, float, float]
+
+
 class Line(NamedTuple):
     """Centre, metres, angle of the normal, radians, and covariance of (offset, angle) about it."""
 
@@ -156,21 +160,25 @@ def variance(p: Array, s: Array, alpha: float, range_: float, bearing: float) ->
 
 
 @compiled
+def weighted_line(points: Array, weights: Array) -> tuple[float, float, float]:
+    """Weighted mean of points, x and y, and the angle of the normal of the line that fits best."""
+    total = x = y = xx = xy = yy = 0.0
+    for i in range(len(points)):
+        w, p = weights[i], points[i]
+        total, x, y = total + w, x + w * p[0], y + w * p[1]
+    x, y = x / total, y / total
+    for i in range(len(points)):
+        w, u, v = weights[i], points[i, 0] - x, points[i, 1] - y
+        xx, xy, yy = xx + w * u * u, xy + w * u * v, yy + w * v * v
+    return x, y, 0.5 * np.arctan2(2 * xy, xx - yy) + np.pi / 2
+
+
+@compiled
 def fitted(points: Array, s: Array, range_: float, bearing: float) -> Line:
     """The weighted line of the points of one scan, step 1: weights follow from its angle."""
     weights, before = np.full(len(points), 1.0), np.nan
-    x = y = alpha = 0.0
     for _ in range(MOST_FITS):
-        total = xx = xy = yy = x = y = 0.0
-        for i in range(len(points)):
-            total += weights[i]
-            x, y = x + weights[i] * points[i, 0], y + weights[i] * points[i, 1]
-        x, y = x / total, y / total
-        for i in range(len(points)):
-            u, v = points[i, 0] - x, points[i, 1] - y
-            xx, xy = xx + weights[i] * u * u, xy + weights[i] * u * v
-            yy += weights[i] * v * v
-        alpha = 0.5 * np.arctan2(2 * xy, xx - yy) + np.pi / 2
+        x, y, alpha = weighted_line(points, weights)
         for i in range(len(points)):
             weights[i] = 1 / variance(points[i], s, alpha, range_, bearing)
         if abs((alpha - before + np.pi / 2) % np.pi - np.pi / 2) < REST:
@@ -207,24 +215,34 @@ def about(line: Line, x: float, y: float) -> tuple[float, float, float]:
 
 
 @compiled
-def compare(a: Line, b: Line) -> tuple[float, Line]:
-    """Steps 4 and 5: chi of the difference of two lines, and the line that both make."""
+def solved(p: Covariance, u: float, v: float) -> tuple[float, float]:
+    """The inverse of a covariance times a vector (u, v)."""
+    det = p[0] * p[2] - p[1] * p[1]
+    return (p[2] * u - p[1] * v) / det, (p[0] * v - p[1] * u) / det
+
+
+@compiled
+def difference(a: Line, b: Line) -> tuple[float, float, float, Covariance, Covariance]:
+    """Step 4, amid both centres: offset of a, what a differs from b, and both covariances."""
     x, y = (a.x + b.x) / 2, (a.y + b.y) / 2
     (ra, rra, raa), (rb, rrb, rab) = about(a, x, y), about(b, x, y)
     turns = round((a.alpha - b.alpha) / np.pi)
-    if turns % 2 != 0:
-        rb, rab = -rb, -rab
-    dr, da = ra - rb, a.alpha - (b.alpha + turns * np.pi)
-    rr, r_a, aa = rra + rrb, raa + rab, a.aa + b.aa
-    det = rr * aa - r_a * r_a
-    u, v = (aa * dr - r_a * da) / det, (rr * da - r_a * dr) / det  # S^-1 dL
-    r, alpha = ra - (rra * u + raa * v), a.alpha - (raa * u + a.aa * v)
-    f, g = (aa * rrb - r_a * rab) / det, (aa * rab - r_a * b.aa) / det  # S^-1 P_B
-    h, k = (rr * rab - r_a * rrb) / det, (rr * b.aa - r_a * rab) / det
-    new_rr, new_ra, new_aa = rra * f + raa * h, rra * g + raa * k, raa * g + a.aa * k
-    c, s, t = np.cos(alpha), np.sin(alpha), new_ra / new_aa
-    line = Line(x + r * c - t * s, y + r * s + t * c, alpha, new_rr - t * new_ra, 0.0, new_aa)
-    return dr * u + da * v, line
+    da, sign = a.alpha - (b.alpha + turns * np.pi), 1 - turns % 2 * 2  # the normal may be turned
+    return ra, ra - sign * rb, da, (rra, raa, a.aa), (rrb, sign * rab, b.aa)
+
+
+@compiled
+def compare(a: Line, b: Line) -> tuple[float, Line]:
+    """Steps 4 and 5: chi of the difference of two lines, and the line that both make."""
+    offset, dr, da, p, q = difference(a, b)
+    both = p[0] + q[0], p[1] + q[1], p[2] + q[2]
+    u, v = solved(both, dr, da)
+    r, alpha = offset - (p[0] * u + p[1] * v), a.alpha - (p[1] * u + p[2] * v)
+    (f, h), (g, k) = solved(both, q[0], q[1]), solved(both, q[1], q[2])
+    rr, ra, aa = p[0] * f + p[1] * h, p[0] * g + p[1] * k, p[1] * g + p[2] * k
+    x, y, t = (a.x + b.x) / 2, (a.y + b.y) / 2, ra / aa
+    x, y = x + r * np.cos(alpha) - t * np.sin(alpha), y + r * np.sin(alpha) + t * np.cos(alpha)
+    return dr * u + da * v, Line(x, y, alpha, rr - t * ra, 0.0, aa)
 
 
 @compiled

@@ -15,6 +15,7 @@ from segmap.reduction import (
     segment_similarity,
     uncertain_parameters,
     viewing_sector,
+    weighted_line_fitting,
 )
 from segmap.segments import length, point_distance
 
@@ -91,3 +92,22 @@ def test_a_look_turned_by_11_degrees_removes_44_cm_of_a_wall():
     looks = [[(-2, 3), (2, 3)], [(-1, 2.8), (1, 3.2)]]
     left = viewing_sector(segmap.SegmentMap(looks, [0, 1], sensors=[(0, 0), (0, 0)])).segments
     assert left[1, 0, 0] - left[0, :, 0].max() == pytest.approx(0.44, abs=0.005)
+
+
+@pytest.mark.parametrize("building", ["clinic", 0, 1])
+@pytest.mark.parametrize("noise", NOISE, ids=str)
+def test_a_term_for_the_pose_is_needed_where_each_pose_errs_for_itself(noise, building):
+    """Chapter 19: catches a covariance that says too little; five seeds were tried."""
+    log, middle = drive_past_a_wall(building, noise, 0)
+    off = np.random.default_rng(0).normal(size=log.truth.shape) * (0.03, 0.03, np.radians(0.5))
+    ratios, sigma = [], noise[0] + 2 * noise[1]
+    for poses in (log.truth, pose_graph(log).poses, log.truth + off):
+        map = segmap.build_map(log, poses, keep_points=True)
+        alone = weighted_line_fitting(map, sigma_range=sigma, sigma_place=0, sigma_heading=0)
+        right = weighted_line_fitting(map, sigma_range=sigma)
+        ratios.append(len(alone) / len(right))
+        if len(ratios) < 3:
+            assert 0.06 < thickness(alone.segments, middle) < 0.15
+        if building == 1 and noise == (0.01, 0) and len(ratios) < 3:
+            assert thickness(right.segments, middle) < 0.01
+    assert 1.1 < ratios[0] < 1.6 and 1.1 < ratios[1] < 2.1 and 3.9 < ratios[2] < 12

@@ -412,6 +412,7 @@ PASTED = {
     "23": ("front", "front", "invented metres"),
     "15": ("map_origin", "pair_origin", "origin of the map"),
     "18": ("mean_segment", "mean_by_length", "scrap pulls"),
+    "19": ("fitted", "steady_fit", "bends the line"),
     "20": ("kept_pieces", "surely_kept", "through the wall is enough"),
     "28": ("axis_of", "axes_of", "one axis of the chapter"),
 }
