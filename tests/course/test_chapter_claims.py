@@ -381,9 +381,11 @@ def test_where_walls_lie_near_each_other_the_filter_is_not_right_about_itself():
             rng = np.random.default_rng(seed)
             log = simulation.simulate(walls, path, sensor=sensor, rng=rng, odometry_noise=wheels)
             begin = log.truth[0] + rng.multivariate_normal(np.zeros(3), prior)
-            told = {"odometry_noise": wheels, "wall_sigma": 0.0}
-            states = localize_ekf(SegmentMap(walls), log, begin, prior, **told)
+            given = SegmentMap(walls), log, begin, prior
+            states = localize_ekf(*given, odometry_noise=wheels, wall_sigma=0.0)
             errors += [s.nees(t) for s, t in zip(states, log.truth, strict=True)]
+            *_, end = localize_ekf(*given, odometry_noise=wheels)
+            assert sensor is not ALL_ROUND or np.hypot(*(end.pose - log.truth[-1])[:2]) < 0.02
         assert np.mean(errors) > 50
 
 
