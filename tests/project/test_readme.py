@@ -176,7 +176,7 @@ def test_the_extra_of_the_chapters_opens_ports():
     assert any(text.startswith("pyserial") for text in extras["laser"])
     assert "segmap[laser,plan]" in extras["lab"]
     assert "segmap[lab]" in extras["app"]
-    assert "segmap[app,book,ros]" in extras["dev"]
+    assert "segmap[app,book,cluster,ros]" in extras["dev"]
 
 
 def targets():

@@ -3,7 +3,6 @@
 from ._command import Command, examples
 from ._completion import Completion
 from ._logs import (
-    NO_MAP,
     add_logs,
     add_output,
     add_strict,
@@ -31,6 +30,7 @@ from ._poses import (
     tell_poses,
 )
 from ._settings import parsed
+from ._table import NO_MAP
 from ._thresholds import LENGTH, add_thresholds, refuse_others, refuse_wrong, thresholds
 
 __all__ = [

@@ -5,18 +5,15 @@ Logs are named, lie in a folder or in sessions. Names of files are checked befor
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from segmap.alignment import Verdict
 from segmap.display import counted
-from segmap.files import members, shown, writable, write_bytes
+from segmap.files import members, shown, writable
 from segmap.readers import LogError, UnknownFormat, format_of, together
 from segmap.scans import Log
 
@@ -35,11 +32,11 @@ from .._output import (
 from ._command import Command
 from ._reading import add_reading, read_log
 from ._settings import applied
+from ._table import NO_MAP, figures, write_table
+from ._workers import on_workers
 
 #: Stands for the name of the log.
 LOG_NAME = "{name}"
-#: Exit code where a log gave no map.
-NO_MAP = 3
 #: Files of these kinds lie beside logs: some quote a line of one.
 DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
 #: So many files that are no logs are named.
@@ -75,6 +72,13 @@ def add_logs(command: Command) -> None:
         help="write the figures as .csv too, a row for each log",
     )
     group.add_argument(
+        "--workers",
+        type=_workers,
+        metavar="N|ADDRESS",
+        help="one log a process, N at a time, or on the Dask cluster at tcp://HOST:PORT; logs that "
+        "--table holds already are not done again",
+    )
+    group.add_argument(
         "--config",
         type=Path,
         metavar="FILE",
@@ -87,6 +91,12 @@ def _csv(text: str) -> Path:
     if not text.lower().endswith(".csv"):
         raise argparse.ArgumentTypeError(f"{text!r} must end in .csv")
     return Path(text)
+
+
+def _workers(text: str) -> str:
+    if not (text.isdecimal() and int(text)) and "://" not in text:
+        raise argparse.ArgumentTypeError(f"{text!r} must be a number, or like tcp://HOST:8786")
+    return text
 
 
 def say_which_log(log: Log, source: str) -> str:
@@ -120,6 +130,8 @@ def each_log(
     check_places([given.table, getattr(given, "loops", None), *targets.fixed()])
     if not all(map(is_session, each)):
         check(given)
+    if given.workers:
+        return on_workers(given, chosen)
     failed, codes, reports = [], [0], []
     with stoppable(), progress(1 if given.quiet else len(chosen), "log") as bar:
         for files in chosen:
@@ -150,7 +162,7 @@ def each_log(
             report.end()
             bar.update()
     if given.table:
-        write_table(given.table, reports)
+        write_table(given.table, [dict(figures(report.found)) for report in reports])
     for why in failed:
         print_error(why)
     if len(reports) > 1 and not (given.json or given.quiet):
@@ -171,25 +183,6 @@ def check_places(paths: Iterable[Path | None]) -> None:
 def beside(path: Path) -> list[Path]:
     """A file, and what is written with it: of a map for ROS its picture."""
     return [path, path.with_suffix(".pgm")] if path.suffix == ".yaml" else [path]
-
-
-def write_table(path: Path, reports: Sequence[Report]) -> None:
-    """A row for each log, a column for each figure: `aligned.matched` and so on."""
-    rows = [dict(_figures(report.found)) for report in reports]
-    text = io.StringIO()
-    table = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
-    table.writeheader()
-    table.writerows(rows)
-    write_bytes(path, text.getvalue().encode("utf-8", "backslashreplace"))
-
-
-def _figures(said: dict[str, Any], begin: str = "") -> Iterator[tuple[str, Any]]:
-    """Each figure with the words that lead to it."""
-    for word, value in said.items():
-        if isinstance(value, dict):
-            yield from _figures(value, f"{begin}{word}.")
-        else:
-            yield f"{begin}{word}", value
 
 
 def sources(text: str) -> Iterator[str]:

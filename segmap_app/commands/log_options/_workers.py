@@ -1,0 +1,158 @@
+"""One job a log, on the cores of this machine or on a Dask cluster: the same command elsewhere.
+
+A worker that sees the folder of this command reads and writes there; to one that does not, the
+bytes of the log go over the network, and those of what it wrote come back.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from segmap.display import counted, pip_install
+from segmap.files import shown, write_bytes
+
+from .._output import Usage, print_error, print_line, progress, stoppable
+from ._table import NO_MAP, figures, read_table, write_table
+
+#: Options of the command that a job does not have, each with its value.
+FOR_ALL = ("--workers", "--table")
+#: What a job is: its words, the folder, and the bytes of its files where a worker sees none.
+Job = tuple[list[str], str, dict[str, bytes] | None]
+
+
+def on_workers(given: argparse.Namespace, chosen: list[list[str]]) -> int:
+    """Do a command for each group of files on workers, and name at the end those that failed.
+
+    A table grows as jobs end; logs that it holds already are not done again.
+    """
+    try:
+        distributed: Any = import_module("dask.distributed")
+    except ImportError:
+        raise Usage(f"--workers needs dask: {pip_install('cluster')}") from None
+    rows, failed, codes = read_table(given.table), list[str](), [0]
+    left = [files for files in chosen if files[0] not in {row["source"] for row in rows}]
+    if len(left) < len(chosen):
+        known = counted(len(chosen) - len(left), "log")
+        print_line(f"{known} of {len(chosen)} done before: {shown(given.table)}")
+    with ExitStack() as stack:
+        stack.enter_context(stoppable())
+        cluster = given.workers
+        if cluster.isdecimal():
+            local = {"n_workers": int(cluster), "threads_per_worker": 1, "dashboard_address": None}
+            cluster = stack.enter_context(distributed.LocalCluster(**local))
+        client = stack.enter_context(distributed.Client(cluster))
+        bar = stack.enter_context(progress(1 if given.quiet else len(left), "log"))
+        jobs = {
+            client.submit(run_elsewhere, *job, pure=False): files[0]
+            for files, job in zip(left, _jobs(given, left, client), strict=True)
+        }
+        for future in distributed.as_completed(jobs):
+            code, row, written = _answer(future, source := jobs.pop(future))
+            codes.append(code)
+            for name, content in written.items():
+                write_bytes(Path(name), content)
+            if "failed" in row:
+                failed.append(row["failed"])
+            else:
+                rows.append(dict(figures(row)))
+            if given.table:
+                write_table(given.table, rows)
+            if given.json:
+                print_line(json.dumps(row))
+            elif not given.quiet and "failed" not in row:
+                print_line(f"{shown(source)}: {row.get('verdict', {}).get('text', 'done')}")
+            bar.update()
+    for why in failed:
+        print_error(why)
+    if not (given.json or given.quiet):
+        print_line(f"{len(left) - len(failed)} of {counted(len(left), 'log')} done")
+    return 1 if failed else max(codes)
+
+
+def _answer(future: Any, source: str) -> tuple[int, dict[str, Any], dict[str, bytes]]:
+    """Exit code of a job, what it says of the log, or why it failed, and the files that it sent."""
+    try:
+        code, said, errors, written = future.result()
+    except Exception as error:  # of the worker, whatever it is: the others go on
+        code, said, written = 1, "", {}
+        errors = f"its worker ended ({type(error).__name__})"
+    row: dict[str, Any] = json.loads(said.splitlines()[-1]) if said.strip() else {}
+    row["source"] = source
+    if code not in (0, NO_MAP):
+        last = [f"ended with {code}", *errors.strip().splitlines()][-1].removeprefix("segmap: ")
+        why = row.get("failed", last)
+        row["failed"] = why if shown(source) in why else f"{shown(source)}: {why}"
+    return code, row, written
+
+
+def run_elsewhere(
+    words: list[str], folder: str, sent: dict[str, bytes] | None
+) -> tuple[int, str, str, dict[str, bytes]]:
+    """A command in a process of its own: exit code, output, errors, and what it wrote if sent."""
+    command = [sys.executable, "-m", "segmap", *words]
+    if sent is None:
+        return *_run(command, folder), {}
+    with tempfile.TemporaryDirectory() as empty:
+        place = Path(empty)
+        for name, content in sent.items():
+            (place / name).parent.mkdir(parents=True, exist_ok=True)
+            (place / name).write_bytes(content)
+        done = _run(command, empty)
+        names = {str(path.relative_to(place)): path for path in _all_files(place)}
+        written = {name: path.read_bytes() for name, path in names.items() if name not in sent}
+    return *done, written
+
+
+def _run(command: list[str], folder: str) -> tuple[int, str, str]:
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def _jobs(given: argparse.Namespace, left: list[list[str]], client: Any) -> Iterator[Job]:
+    """The words for each log, the folder, and the bytes of the log for who does not see it."""
+    words, before, logs = list[str](), "", [*given.logs]
+    for word in given.words:
+        if word in logs:
+            logs.remove(word)
+        elif before not in FOR_ALL and word.split("=")[0] not in FOR_ALL:
+            words.append(word)
+        before = word
+    words.append("--json")
+    here = str(Path.cwd())
+    paths = [[Path(name) for name in files if Path(name).exists()] for files in left]
+    known = [str(path.absolute()) for each in paths for path in each]
+    if all(client.run(_sees, [here, *known]).values()):
+        yield from (([*words, *files], here, None) for files in left)
+        return
+    if any(Path(name).parent.name for name in getattr(given, "output", [])):
+        raise Usage("the workers do not see this folder: -o must be a name without a folder")
+    size = sum(
+        each.stat().st_size for group in paths for path in group for each in _all_files(path)
+    )
+    print_line(f"the workers do not see {shown(here)}: {size / 1e6:.1f} MB of logs are sent")
+    for files, group in zip(left, paths, strict=True):
+        sent = {
+            str(each.relative_to(path.parent)): each.read_bytes()
+            for path in group
+            for each in _all_files(path)
+        }
+        yield [*words, *([path.name for path in group] or files)], here, sent
+
+
+def _sees(names: list[str]) -> bool:
+    """Whether all files are where a worker looks."""
+    return all(Path(name).exists() for name in names)
+
+
+def _all_files(path: Path) -> list[Path]:
+    """A file, or those below a folder."""
+    return [each for each in (path, *sorted(path.rglob("*"))) if each.is_file()]

@@ -1,0 +1,99 @@
+"""`--workers`: one job a log, on the workers of a Dask cluster."""
+
+import csv
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from conftest import dask
+
+from segmap.readers import data_file
+
+
+def command(*words, folder):
+    """`segmap` with these words, in a process of its own."""
+    run = [sys.executable, "-m", "segmap", *words]
+    return subprocess.Popen(run, cwd=folder, stdout=-1, stderr=-1, text=True)
+
+
+def rows(table):
+    return list(csv.DictReader(table.read_text().splitlines())) if table.exists() else []
+
+
+def logs_in(folder, names):
+    (folder / "logs").mkdir(parents=True)
+    for name in names:
+        shutil.copy(data_file("room/room.log.gz"), folder / "logs" / f"{name}.log.gz")
+
+
+def test_a_worker_that_dies_and_a_log_that_is_none_leave_the_others(tmp_path):
+    """Catches a run that ends with its first fault, a table that is written at the end alone, and
+    work that is done twice."""
+    logs_in(tmp_path, "abcd")
+    (tmp_path / "logs" / "e.log.gz").write_bytes(b"\x1f\x8bnothing")
+    table = tmp_path / "t.csv"
+    words = ("map", "logs", "--workers", "{}", "--table", "t.csv", "-o", "{name}.svg")
+    with dask(tmp_path / "dask") as executor:
+        client = executor._client
+        words = [word.format(client.scheduler.address) if word == "{}" else word for word in words]
+        run = command(*words, folder=tmp_path)
+        end = time.monotonic() + 120
+        while not rows(table) and time.monotonic() < end:
+            time.sleep(0.05)
+        assert 0 < len(rows(table)) < 4, "a table that grows"
+        victim = next(iter(client.run(os.getpid).values()))
+        os.kill(victim, signal.SIGKILL)
+        out, errors = run.communicate(timeout=240)
+        assert run.returncode == 1 and "4 of 5 logs done" in out
+        assert errors.count("segmap: ") == 1 and "e.log.gz" in errors
+        found = rows(table)
+        assert sorted(row["log"] for row in found) == [*"abcd"]
+        assert all(row["verdict.text"].startswith("GOOD") for row in found)
+        assert {path.name for path in tmp_path.glob("*.svg")} == {f"{k}.svg" for k in "abcd"}
+        again = command(*words, folder=tmp_path)
+        out, errors = again.communicate(timeout=240)
+        assert "4 logs of 5 done before: t.csv" in out and "0 of 1 log done" in out
+        assert rows(table) == found
+
+
+def test_workers_that_do_not_see_the_folder_are_sent_the_log(tmp_path):
+    """Catches a path of this machine that is opened on another, and files that stay there."""
+    folder = tmp_path / "unseen"
+    logs_in(folder, "ab")
+    distributed = pytest.importorskip("distributed")
+    options = {"dashboard_address": None, "local_directory": str(tmp_path)}
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=2, **options) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        client.run(blind, "unseen")
+        words = ("map", "logs", "--workers", client.scheduler.address, "-o", "{name}.svg")
+        run = command(*words, folder=folder)
+        out, errors = run.communicate(timeout=240)
+        assert run.returncode == 0, errors
+        assert "do not see" in out and "0.1 MB of logs are sent" in out
+        assert {path.name for path in folder.glob("*.svg")} == {"a.svg", "b.svg"}
+        (folder / "far").mkdir()
+        far = command(*words[:-1], "far/{name}.svg", folder=folder)
+        out, errors = far.communicate(timeout=240)
+        assert far.returncode == 2 and "without a folder" in errors
+
+
+def blind(word):
+    """Let this process see no file whose path has a word."""
+    import pathlib
+
+    seen = pathlib.Path.exists
+    pathlib.Path.exists = lambda path, **more: word not in str(path) and seen(path, **more)
+
+
+@pytest.mark.parametrize("workers", ["0", "two", "-1", "1.5"])
+def test_other_words_are_no_number_of_workers(tmp_path, workers):
+    """Catches a cluster of no workers that waits for ever."""
+    run = command("map", "room", "--workers", workers, folder=tmp_path)
+    assert "must be a number, or like tcp://" in run.communicate(timeout=60)[1]
+    assert run.returncode == 2
