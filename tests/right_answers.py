@@ -95,9 +95,14 @@ def small_leaves_from_the_root(leaves, root, cells):
     return sorted(found)
 
 
-def distances_bit_by_bit(lines):
-    text = "".join(f"{c - 48:06b}" for line in lines for c in line[:-1])
-    return [int(text[i : i + 18], 2) for i in range(0, len(text), 18)]
+def distances_of_right_blocks(lines):
+    digits, right = [], []
+    for *text, total in lines:
+        digits += [character - 48 for character in text]
+        right += [sum(text) % 64 + 48 == total] * len(text)
+    triples = range(0, len(digits), 3)
+    numbers = [digits[k] * 4096 + digits[k + 1] * 64 + digits[k + 2] for k in triples]
+    return [n if all(right[k : k + 3]) else math.nan for k, n in zip(triples, numbers, strict=True)]
 
 
 def by_pseudo_inverse(normals, offsets, weights):
@@ -313,7 +318,7 @@ RIGHT = {
     "compose": composed_by_complex_numbers,
     "beam_angles": lambda n: [np.radians(-90 + i * 180 / (n - n % 2)) for i in range(n)],
     "cast_ray": met_in_the_frame_of_the_beam,
-    "distances": distances_bit_by_bit,
+    "kept_distances": distances_of_right_blocks,
     "unwrapped": lambda s: (s - s[0] + np.append(0, np.cumsum(np.diff(s) < 0)) * 2**24) / 1e3,
     "axial_mean": lambda angles: np.angle(np.mean(np.exp(2j * angles))) / 2,
     "segments_all_round": lambda p, gap: extract_clusters(p, gap=gap, closed=True),

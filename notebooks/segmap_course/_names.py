@@ -122,7 +122,7 @@ from .exercises.quadtree import (
 from .exercises.sensor import (
     check_beam_angles,
     check_cast_ray,
-    check_distances,
+    check_kept_distances,
     check_unwrapped,
 )
 from .exercises.strips import check_chain, check_mean_shift_step, robot_on_the_left
@@ -144,8 +144,9 @@ __all__ = [
     "check_beam_angles", "check_best_run", "check_building_axis", "check_capped_score",
     "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of", "check_chain",
     "check_climb_diagonally", "check_compose", "check_cost_of_faces", "check_crossed_leaves",
-    "check_distances", "check_edge_error", "check_far_ends", "check_flatness", "check_front",
-    "check_frontier_cells", "check_least_translation", "check_match_value", "check_matches",
+    "check_edge_error", "check_far_ends", "check_flatness", "check_front",
+    "check_frontier_cells", "check_kept_distances", "check_least_translation",
+    "check_match_value", "check_matches",
     "check_mean_by_length", "check_mean_shift_step", "check_mean_wall_error", "check_memberships",
     "check_missed_metres", "check_move_onto_walls", "check_my_mapper", "check_nees",
     "check_own_log", "check_pair_origin", "check_pixel", "check_places_between", "check_pose_cost",

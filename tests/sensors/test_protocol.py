@@ -8,6 +8,7 @@ import pytest
 from emulated import capture
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from segmap_course.literal import scip
 
 from segmap.sensors import SensorError, checksum, decode, encode, parse_scan
 from segmap.sensors._connect import switch_off
@@ -30,6 +31,17 @@ FROM, TO = "urg04lx-from-sensor.scip.gz", "urg04lx-to-sensor.scip.gz"
 
 
 # ---------------------------------------------------------------------------- coding
+@given(st.lists(st.integers(0, 64**3 - 1), max_size=60))
+def test_the_plain_reader_reads_what_the_driver_reads(millimetres):
+    """Catches a sum that counts as a character, and blocks that are read one by one."""
+    lines = encode_scan(0, millimetres, 3)[1:]
+    assert scip.distances_of(lines) == millimetres
+    for line in lines:
+        wrong = bytes([line[0] ^ 1]) + line[1:]
+        with pytest.raises(ValueError, match="sum"):
+            scip.without_sum(wrong)
+
+
 def test_numbers_and_sums_of_the_manual():
     """Catches groups of six bits in the wrong order, another zero, and another mask."""
     texts = {1234: b"CB", 5432: b"1Dh", 16_000_000: b"m2@0", 19: b"0C", 4095: b"oo"}

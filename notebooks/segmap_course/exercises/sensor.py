@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 from segmap.arrays import Array
 from segmap.poses import transform
 from segmap.readers import half_turn
-from segmap.sensors import checksum, decode
+from segmap.sensors import checksum, decode, encode
 from segmap.simulation import cast_rays
 
+from ..literal.scip import distances_of
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -138,56 +139,69 @@ check_cast_ray = Exercise(
 
 # ------------------------------------------------------------------------- the protocol
 def _blocks(rng: Rng) -> Cases:
-    """One block, blocks that cut distances, and none; each with its sum, as the sensor sends it."""
+    """Blocks that cut distances or do not, each with its sum, whole or with a wrong character."""
 
-    def blocks(size: int) -> tuple[Any, ...]:
-        values = rng.integers(0, 1 << 18, int(rng.integers(8, 20)))
-        digits = values[:, None] >> np.array([12, 6, 0]) & 63
-        text = bytes((digits.ravel() + 0x30).tolist())
+    def blocks(size: int, *wrong: int) -> tuple[Any, ...]:
+        text = encode(rng.integers(0, 1 << 18, int(rng.integers(14, 20))), 3)
         cut = [text[i : i + size] for i in range(0, len(text), size)]
-        return ([block + checksum(block) for block in cut],)
+        lines = [block + checksum(block) for block in cut]
+        for k in wrong:
+            at, other = int(rng.integers(len(cut[k]))), int(rng.integers(1, 64))
+            digit = (lines[k][at] - 0x30 + other) % 64 + 0x30
+            lines[k] = lines[k][:at] + bytes([digit]) + lines[k][at + 1 :]
+        return (lines,)
 
+    size = int(rng.choice([7, 8, 10, 11]))
     return {
-        "one block": blocks(64),
-        "blocks that cut a distance": blocks(int(rng.choice([7, 8, 10, 11]))),
-        "blocks of whole distances": blocks(9),
+        "all blocks are right": blocks(64),
+        "a wrong block that cuts two distances": blocks(size, 1),
+        "the first block is wrong": blocks(size, 0),
+        "two wrong blocks of whole distances": blocks(9, 1, 3),
+        "every block is wrong": blocks(30, 0, 1),
         "no block": ([],),
     }
 
 
-def _joined(lines: list[bytes]) -> bytes:
-    return b"".join(line[:-1] for line in lines)
+def _kept_distances(lines: list[bytes]) -> Array:
+    text = b"".join(line[:-1] for line in lines)
+    right = [checksum(line[:-1]) == line[-1:] for line in lines for _ in line[:-1]]
+    whole = np.reshape(right, (-1, 3)).all(axis=1)
+    return np.where(whole, decode(text, 3), np.nan)
 
 
-def _digits(text: bytes) -> Array:
-    return np.frombuffer(text, np.uint8).astype(float).reshape(-1, 3) - 0x30
-
-
-def _sums_kept(lines: list[bytes]) -> Array:
-    text = b"".join(lines)
+def _of_right_blocks(lines: list[bytes]) -> Array:
+    text = b"".join(line[:-1] for line in lines if checksum(line[:-1]) == line[-1:])
     return decode(text[: len(text) // 3 * 3], 3).astype(float)
 
 
-check_distances = Exercise(
-    "distances(lines) -> (n,) millimetres; lines: list of bytes, each a block of characters and "
-    "its sum; three characters a distance, of six bits each, most significant first, from '0' on",
-    lambda lines: decode(_joined(lines), 3).astype(float),
+check_kept_distances = Exercise(
+    "kept_distances(blocks) -> (n,) millimetres, NaN for each distance of which a character lies "
+    "in a block whose sum is wrong; blocks: list of bytes, each with its sum as last character",
+    _kept_distances,
     _blocks,
     {
-        "the first character is the most significant one": (
-            lambda lines: _digits(_joined(lines)) @ (1, 64, 4096)
+        "a wrong sum is an error in the chapter, which loses the whole scan: keep what lies in "
+        "right blocks": distances_of,
+        "a wrong block still has its place: without it all later distances belong to other beams": (
+            _of_right_blocks
         ),
-        "the character '0' stands for 0: take 0x30 from each": (
-            lambda lines: decode(_joined(lines), 3) + 0x30 * 4161
+        "the last character of each block is its sum: where it is wrong, the block is": (
+            lambda lines: decode(b"".join(line[:-1] for line in lines), 3).astype(float)
         ),
-        "the last character of each block is its sum, no part of a number": _sums_kept,
-        "a block need not hold whole numbers: join the blocks, then decode": (
-            lambda lines: [d for line in lines for d in decode(line[: len(line[:-1]) // 3 * 3], 3)]
+        "a distance may begin in a right block and end in a wrong one: all its three characters "
+        "must be right": edited(_kept_distances, (".all(axis=1)", "[:, 0]")),
+        "one right character is not enough: all three must lie in right blocks": (
+            edited(_kept_distances, (".all(axis=1)", ".any(axis=1)"))
         ),
-        "a character carries six bits: the parts count 4096, 64 and 1, not 65536, 256 and 1": (
-            lambda lines: _digits(_joined(lines)) @ (65536, 256, 1)
+        "a distance that is not known is NaN, and not 0: 0 says that nothing was met": (
+            changed(_kept_distances, np.nan_to_num)
         ),
-        "millimetres are asked for, not metres": lambda lines: decode(_joined(lines), 3) / 1000,
+        "right blocks keep their distances, also where another block is wrong": (
+            edited(_kept_distances, ("np.where(whole,", "np.where(whole.all(),"))
+        ),
+        "millimetres are asked for, not metres": (
+            changed(_kept_distances, lambda found: found / 1000)
+        ),
     },
 )
 

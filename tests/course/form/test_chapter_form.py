@@ -68,6 +68,7 @@ PACKAGES = {
     "line_finders": {"extraction"},
     "lines": {"segments", "extraction"},
     "floor_plan": {"plan"},
+    "scip": {f"sensors.{name}" for name in ("checksum", "decode", "parse_scan")},
     "comparing": {"experiments"},
 }
 LITERAL = ROOT / "notebooks" / "segmap_course" / "literal"
@@ -414,6 +415,7 @@ PASTED = {
     "18": ("mean_segment", "mean_by_length", "scrap pulls"),
     "19": ("fitted", "steady_fit", "bends the line"),
     "20": ("kept_pieces", "surely_kept", "through the wall is enough"),
+    "29": ("distances_of", "kept_distances", "whole scan"),
     "28": ("axis_of", "axes_of", "one axis of the chapter"),
 }
 
