@@ -18,8 +18,10 @@ SYLLABUS, README = NOTEBOOKS / "SYLLABUS.md", NOTEBOOKS.parent / "README.md"
 #: Words a minute; minutes for a cell of code with what it shows, for a panel or a figure to drag,
 #: for a function to be written, for an open exercise (a prediction, a counter-example, an own log).
 SPEED, CELL, PANEL, FUNCTION, OPEN = 120, 0.75, 5, 20, 15
-#: A row that links to chapters, and ends with minutes.
+#: A row that links to chapters, and ends with minutes; and cells of a row of a lab, of which the
+#: last but one names the functions that are written at home, which are no part of its minutes.
 ROW = re.compile(r"^(\|.*\d\d_\w+\.ipynb\).*\| )(\d+) \|$", re.MULTILINE)
+CELLS_OF_LAB = 5
 BEGIN, END = "<!-- minutes: begin -->", "<!-- minutes: end -->"
 #: The last line of the first cell of a chapter; and between which lines all of them are listed.
 SHOWS = re.compile(r"^\*What it shows: (.*)\.\*$", re.MULTILINE)
@@ -101,14 +103,21 @@ def table(chapters: list[Chapter]) -> str:
 
 def written(text: str, chapters: list[Chapter]) -> str:
     """The syllabus with a fresh table, and with the sums of the paths."""
-    minutes = {chapter.file: chapter.together for chapter in chapters}
+    known = {chapter.file: chapter for chapter in chapters}
 
     def summed(row: re.Match[str]) -> str:
-        return f"{row.group(1)}{sum(minutes[file] for file in files(row.group(1)))} |"
+        return f"{row.group(1)}{minutes_of(row.group(), known)} |"
 
     before, rest = text.split(BEGIN)
     after = ROW.sub(summed, rest.split(END)[1])
     return f"{before}{BEGIN}\n{table(chapters)}\n{END}{after}"
+
+
+def minutes_of(row: str, known: dict[str, Chapter]) -> int:
+    """Minutes of the chapters of a row, without the functions that are written at home."""
+    cells = row.strip("| ").split(" | ")
+    home = cells[3].count("`") // 2 if len(cells) == CELLS_OF_LAB else 0
+    return sum(known[file].together for file in files(row)) - FUNCTION * home
 
 
 def files(row: str) -> list[str]:
@@ -116,9 +125,9 @@ def files(row: str) -> list[str]:
     return re.findall(r"\((\d\d_\w+\.ipynb)\)", row)
 
 
-def stated(text: str) -> list[tuple[list[str], int]]:
-    """The chapters of each row, and the minutes that it states."""
-    return [(files(row), int(minutes)) for row, minutes in ROW.findall(text)]
+def stated(text: str) -> list[tuple[str, int]]:
+    """Each row that links to chapters, and the minutes that it states."""
+    return [(row.group(), int(row.group(2))) for row in ROW.finditer(text)]
 
 
 def listed(text: str, chapters: list[Chapter]) -> str:
