@@ -17,7 +17,7 @@ from driven_panels import controls, seen
 pytestmark = pytest.mark.slow
 
 #: What makes a panel in a cell.
-MADE = re.compile(r"^(\w+) = \w+\.?(?!Live)\w*Panel\(", re.MULTILINE)
+MADE = re.compile(r"^(\w+) = \w+\.?(?!Live)\w*Panel\((?!\)\.)", re.MULTILINE)
 
 
 def loaded(path: Path) -> list[str]:
