@@ -45,7 +45,7 @@ def write_plan(
     - `.dxf`: a drawing in metres, of AutoCAD 2010, with the layers WALLS, CLUTTER, DOORS, ROOMS and
       TEXT: walls whose other face was seen and rooms as closed outlines, doors as blocks.
     - `.geojson`: rooms as polygons, doors as points, walls and clutter as lines, each with
-      its `kind`.
+      its `kind`, and with the keys of OpenStreetMap's Simple Indoor Tagging.
     - `.csv`: a table of the rooms: name, area, what of it furniture hides, perimeter, sides along
       the axes, doors.
 
@@ -99,6 +99,7 @@ def _csv_rooms(plan: FloorPlan, world: Frame) -> Iterator[str]:
 def _geojson_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
     def feature(kind: str, geometry: str, coordinates: Any, **properties: Any) -> dict[str, Any]:
         placed = {"type": geometry, "coordinates": coordinates}
+        properties |= {"level": "0", **INDOOR.get(kind, {})}
         return {"type": "Feature", "properties": {"kind": kind, **properties}, "geometry": placed}
 
     def ring(corners: Array) -> Any:
@@ -162,6 +163,8 @@ def ezdxf_or_hint() -> Any:
     return ezdxf
 
 
+#: Keys of Simple Indoor Tagging, by the kind of a feature.
+INDOOR = {"room": {"indoor": "room"}, "wall": {"indoor": "wall"}, "door": {"door": "yes"}}
 #: Formats that are text, by the end of their name.
 PLAN_WRITERS: dict[str, Callable[[FloorPlan, Frame], Iterator[str]]] = {
     ".dxf": _dxf_plan, ".geojson": _geojson_plan, ".csv": _csv_rooms,

@@ -82,6 +82,15 @@ def test_geometries_tell_what_they_are(two_rooms, tmp_path):
     features = json.loads((tmp_path / "it.geojson").read_text())["features"]
     kinds = [one["properties"]["kind"] for one in features]
     assert kinds.count("room") == 2 and kinds.count("door") == 1
+    tags = {
+        (k["kind"], k.get("indoor"), k.get("door")) for k in (f["properties"] for f in features)
+    }
+    assert tags - {("clutter", None, None)} == {
+        ("room", "room", None),
+        ("wall", "wall", None),
+        ("door", None, "yes"),
+    }
+    assert {one["properties"]["level"] for one in features} == {"0"}
     room, door = features[0], features[2]
     ring = np.array(room["geometry"]["coordinates"][0])
     assert (ring[0] == ring[-1]).all()
