@@ -1,4 +1,4 @@
-"""Slides of a lab: all of its figures, whole sentences, no code, nothing from elsewhere."""
+"""Slides of a lab: all of its figures and formulas, whole sentences, nothing from elsewhere."""
 
 import re
 import sys
@@ -46,6 +46,50 @@ def test_the_last_slide_holds_the_points_of_the_summary():
     *_, last = slides.slides(notebook)
     assert last.heading == "Summary" and len(last.sentences) > 2
     assert all(f"- {point}" in notebook.cells[-1].source for point in last.sentences)
+    *_, last = slides.slides(chapter("16")[1])
+    assert last.heading == "Summary" and len(last.sentences) > 2 and "Next" not in str(last)
+
+
+@pytest.fixture(scope="module")
+def made():
+    """Chapter -> its notebook and its slides."""
+    books = {path.name: nbformat.read(path, as_version=4) for path in CHAPTERS}
+    return {name: (book, list(slides.slides(book))) for name, book in books.items()}
+
+
+def test_no_slide_is_only_a_heading(made):
+    """Catches a heading with one sentence: 263 of 613 slides were that. A title or a summary
+    without a picture has more than one sentence."""
+    for name, (_, found) in made.items():
+        bare = [s.heading for s in found if not s.shown and len(s.sentences) < 2]
+        assert len(found) > 5 and bare == [], name
+
+
+def test_each_figure_has_a_slide_and_each_derivation_its_formulas(made):
+    """Catches a figure that is lost or shown twice, and a formula that no slide shows."""
+    for name, (book, found) in made.items():
+        outputs = [output for cell in book.cells for output in cell.get("outputs", [])]
+        drawn = ["image/png" in output.get("data", {}) for output in outputs]
+        texts = "".join(cell.source for cell in book.cells if cell.cell_type == "markdown")
+        formulas = slides.lines_of(re.findall(r"\$\$(.+?)\$\$", texts, re.DOTALL))
+        assert sum("<img " in slide.shown for slide in found) == sum(drawn), name
+        shown = "".join(slide.shown for slide in found)
+        assert shown.count('display="block"') == len(formulas), name
+
+
+def test_what_is_predicted_stands_on_the_first_slide_and_its_answer_later(made):
+    for _, found in made.values():
+        assert "Predict" not in found[0].heading
+    _, found = made["07_icp.ipynb"]
+    assert "How many millimetres from the truth does ICP end?" in found[0].sentences[-1]
+
+
+def test_a_task_of_work_has_no_stub_and_no_answer_on_a_slide(made):
+    """Catches a stub, or the points of a rubric, taken for a method or a table."""
+    for name, (_, found) in made.items():
+        assert not any("def my_" in slide.shown for slide in found), name
+        asked = [slide for slide in found if slide.heading in ("Exercise", "Decide")]
+        assert all("<img " in slide.shown for slide in asked), name
 
 
 def test_a_printed_method_is_shown():
