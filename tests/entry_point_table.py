@@ -171,6 +171,7 @@ GOOD |= {
     "edited.edits": [plan.NoDoor((1.0, 1.0))],
     "write_plan.plan": PLAN,
     "PlanEditor.plan": PLAN,
+    "draw_plan.plan": PLAN,
     "write_plan.path": "written.dxf",
     "write_sheet.plan": PLAN,
     "from_room": 0,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 
+from .. import arrays
 from ..plan import FloorPlan
 from ._segments import draw_segments
 from ._style import ERROR, GROUPS, MAP, RAW, RESULT
@@ -29,6 +30,8 @@ def draw_plan(plan: FloorPlan, *, lit: int = -1, ax: Axes | None = None) -> Axes
     >>> len(ax.texts) == len(plan.rooms)
     True
     """
+    arrays.instance(plan, "plan", FloorPlan)
+    lit = arrays.whole(lit, "lit", least=-1)
     ax = draw_segments(plan.clutter, ax=ax, color=RAW, width=0.8)
     draw_segments(plan.walls, ax=ax, color=MAP, width=1.2)
     for k, room in enumerate(plan.rooms):

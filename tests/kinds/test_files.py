@@ -101,6 +101,7 @@ def test_the_table_of_writers_is_whole():
         "segmap/experiments/_files.py",  # a line a run
         "segmap/readers/packed/_plain.py",  # what is unpacked, into a folder that goes
         "segmap_app/page/_source.py",  # an upload, into a folder that goes with it
+        "segmap_app/commands/log_options/_workers.py",  # a log that is sent, into one that goes
         "segmap_course/exercises/open/scans.py",  # a log of one line, alike
     }
 
@@ -154,11 +155,11 @@ def test_a_new_file_has_the_mode_that_the_user_asks_for(writer, tmp_path):
 @pytest.mark.parametrize("mode", [0o600, 0o664, 0o444])
 def test_a_file_that_is_replaced_keeps_its_mode(writer, mode, tmp_path):
     write, name = writer
-    (tmp_path / name).write_bytes(b"older")
+    (tmp_path / name).write_bytes(b"what was there")
     (tmp_path / name).chmod(mode)
     write(tmp_path / name)
     assert stat.S_IMODE((tmp_path / name).stat().st_mode) == mode
-    assert b"older" not in (tmp_path / name).read_bytes()
+    assert b"what was there" not in (tmp_path / name).read_bytes()
 
 
 @pytest.mark.parametrize("there", [True, False])
@@ -168,12 +169,12 @@ def test_a_link_stays_and_what_it_leads_to_changes(writer, there, tmp_path):
     (tmp_path / "elsewhere").mkdir()
     target = tmp_path / "elsewhere" / "real"
     if there:
-        target.write_bytes(b"older")
+        target.write_bytes(b"what was there")
     (tmp_path / "between").symlink_to(Path("elsewhere") / "real")
     (tmp_path / name).symlink_to("between")
     write(tmp_path / name)
     assert (tmp_path / name).is_symlink() and (tmp_path / "between").is_symlink()
-    assert target.stat().st_size > 5 and b"older" not in target.read_bytes()
+    assert target.stat().st_size > 14 and b"what was there" not in target.read_bytes()
     assert others(tmp_path, name, "between", "elsewhere") == set()
     assert others(tmp_path / "elsewhere") == {"real"}
 
@@ -204,7 +205,7 @@ def test_links_in_a_circle_and_folders_that_are_not_there_are_named(writer, tmp_
 def test_a_write_that_fails_leaves_what_was_there(writer, tmp_path, monkeypatch):
     """Catches a file that is emptied first, and half a file left beside it."""
     write, name = writer
-    (tmp_path / name).write_bytes(b"older")
+    (tmp_path / name).write_bytes(b"what was there")
 
     def full(file):
         raise OSError(28, "No space left on device")
@@ -212,7 +213,7 @@ def test_a_write_that_fails_leaves_what_was_there(writer, tmp_path, monkeypatch)
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OSError, match="No space left"):
         write(tmp_path / name)
-    assert (tmp_path / name).read_bytes() == b"older" and others(tmp_path, name) == set()
+    assert (tmp_path / name).read_bytes() == b"what was there" and others(tmp_path, name) == set()
 
 
 #: Every function that reads a file.

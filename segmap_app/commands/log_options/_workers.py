@@ -47,7 +47,11 @@ def on_workers(given: argparse.Namespace, chosen: list[list[str]]) -> int:
         stack.enter_context(stoppable())
         cluster = given.workers
         if cluster.isdecimal():
-            local = {"n_workers": int(cluster), "threads_per_worker": 1, "dashboard_address": None}
+            local = {
+                "n_workers": int(cluster),
+                "threads_per_worker": 1,
+                "dashboard_address": "127.0.0.1:0",
+            }
             cluster = stack.enter_context(distributed.LocalCluster(**local))
         client = stack.enter_context(distributed.Client(cluster))
         bar = stack.enter_context(progress(1 if given.quiet else len(left), "log"))

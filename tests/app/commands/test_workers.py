@@ -7,9 +7,9 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 
 import pytest
-from conftest import dask
 
 from segmap.readers import data_file
 
@@ -18,6 +18,18 @@ def command(*words, folder):
     """`segmap` with these words, in a process of its own."""
     run = [sys.executable, "-m", "segmap", *words]
     return subprocess.Popen(run, cwd=folder, stdout=-1, stderr=-1, text=True)
+
+
+@contextmanager
+def cluster_of(workers, folder):
+    """A client of a cluster of so many workers."""
+    distributed = pytest.importorskip("distributed")
+    options = {"dashboard_address": "127.0.0.1:0", "local_directory": str(folder)}
+    with (
+        distributed.LocalCluster(n_workers=workers, threads_per_worker=1, **options) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client
 
 
 def rows(table):
@@ -37,8 +49,7 @@ def test_a_worker_that_dies_and_a_log_that_is_none_leave_the_others(tmp_path):
     (tmp_path / "logs" / "e.log.gz").write_bytes(b"\x1f\x8bnothing")
     table = tmp_path / "t.csv"
     words = ("map", "logs", "--workers", "{}", "--table", "t.csv", "-o", "{name}.svg")
-    with dask(tmp_path / "dask") as executor:
-        client = executor._client
+    with cluster_of(2, tmp_path / "dask") as client:
         words = [word.format(client.scheduler.address) if word == "{}" else word for word in words]
         run = command(*words, folder=tmp_path)
         end = time.monotonic() + 120
@@ -64,12 +75,7 @@ def test_workers_that_do_not_see_the_folder_are_sent_the_log(tmp_path):
     """Catches a path of this machine that is opened on another, and files that stay there."""
     folder = tmp_path / "unseen"
     logs_in(folder, "ab")
-    distributed = pytest.importorskip("distributed")
-    options = {"dashboard_address": None, "local_directory": str(tmp_path)}
-    with (
-        distributed.LocalCluster(n_workers=1, threads_per_worker=2, **options) as cluster,
-        distributed.Client(cluster) as client,
-    ):
+    with cluster_of(1, tmp_path) as client:
         client.run(blind, "unseen")
         words = ("map", "logs", "--workers", client.scheduler.address, "-o", "{name}.svg")
         run = command(*words, folder=folder)
