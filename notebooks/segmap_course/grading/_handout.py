@@ -21,6 +21,7 @@ from typing import Any
 
 from segmap.files import write_bytes
 
+from ._cases import TASK, own_case, with_own_case
 from ._otter import otter_tests
 from ._solutions import solution
 from ._tasks import (
@@ -105,15 +106,16 @@ def source_notebook(
     asked = {place.checked: place for place in places(notebook["cells"])}
     written = {place.written: column(place, chapter) for place in asked.values()}
     cells: list[Cell] = []
-    for index, cell in enumerate(notebook["cells"]):
+    for index, cell in enumerate(with_own_case(notebook["cells"], seed)):
         if index in asked:
             name = column(asked[index], chapter)
             answer, check = parts(cell)
-            cells += answer_cells(answer, name, tasks) if index in written else []
+            cells += answer_cells(answer, name, tasks, seed) if index in written else []
+            check = check.replace(f"course.{TASK}(", f"course.{TASK}.noted(")
             cells += [code(f"{name}-check", check), *test_cells(tasks.get(name), seed)]
             cells += hand_cells(tasks.get(f"{name}_by_hand"))
         elif index in written:
-            cells += answer_cells(cell["source"], written[index], tasks)
+            cells += answer_cells(cell["source"], written[index], tasks, seed)
         elif cell["cell_type"] == "markdown":
             cells.append(markdown(cell["id"], with_links(cell["source"], set(handed))))
             cells += hand_cells(tasks.get(f"by_hand_{number_of(chapter)}_{index}"))
@@ -139,7 +141,7 @@ def name_cell(tasks: list[Task]) -> Cell:
     )
 
 
-def answer_cells(source: str, name: str, tasks: Mapping[str, Task]) -> list[Cell]:
+def answer_cells(source: str, name: str, tasks: Mapping[str, Task], seed: int) -> list[Cell]:
     """What an answer is worth, and the cell for it, with the solution that nbgrader takes out."""
     said = [
         f"**{task.points} points** {'by hand' if task.by_hand else 'by the program'}"
@@ -147,6 +149,8 @@ def answer_cells(source: str, name: str, tasks: Mapping[str, Task]) -> list[Cell
         if (task := tasks.get(own)) and task.points
     ]
     solved = solution(name, ", ".join(tasks[name].answers)) if name in tasks else "# your own log"
+    if name == TASK:
+        solved = f"{tasks[name].given} = {own_case(seed).solution}"
     text = f"{source}\n\n\n### BEGIN SOLUTION\n{solved}\n### END SOLUTION"
     answer = code(f"{name}-answer", text, nbgrader(f"{name}-answer", solution=True))
     return [markdown(f"{name}-points", f"`{name}`: {'; '.join(said)}"), answer]

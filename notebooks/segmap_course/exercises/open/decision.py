@@ -36,6 +36,11 @@ class Decision(Open):
     not yet: stone: 'red' does not speak against it
     >>> fruit({"apple": "hard", "stone": "keep"})
     not yet: stone is not the one to keep
+
+    A handout has a case of its own: `noted` says whether an answer is whole, and no more.
+
+    >>> fruit.noted({"apple": "keep", "stone": "red"})
+    passed: noted; it is judged when it is handed in
     """
 
     task: str
@@ -51,10 +56,20 @@ class Decision(Open):
         """The seal of one answer."""
         return sha256(f"{self.name} {name} {word}".encode()).hexdigest()[:SEAL_DIGITS]
 
-    def __call__(self, decision: Any) -> Check:
+    def __call__(self, decision: Any, seals: str = "") -> Check:
         """Whether the right one is kept, and each other refused by what speaks against it."""
-        pairs = decision.items() if isinstance(decision, dict) else ()
-        words = {str(name): str(word) for name, word in pairs if word not in (None, ...)}
+        if not (noted := self.noted(decision)):
+            return noted
+        words, right = _words(decision), (seals or self.seals).split()
+        wrong = [name for name in self.names if self.seal(name, words[name]) not in right]
+        if bad := [name for name in wrong if words[name] == KEPT]:
+            return self._check(f"{', '.join(bad)} is not the one to keep")
+        against = [f"{name}: {words[name]!r} does not speak against it" for name in wrong]
+        return self._check("; ".join(against), self.praise)
+
+    def noted(self, decision: Any) -> Check:
+        """Whether each is named, and as many are kept as are wanted. Says nothing of right ones."""
+        words = _words(decision)
         if not words:
             return self._check(f"decide first; the task is {self.task}")
         if set(words) != set(self.names):
@@ -65,15 +80,16 @@ class Decision(Open):
             return self._check(
                 f"keep {many}, and refuse the others by a witness each; kept: {chosen}"
             )
-        wrong = [name for name in self.names if self.seal(name, words[name]) not in self.seals]
-        if bad := [name for name in wrong if name in chosen]:
-            return self._check(f"{', '.join(bad)} is not the one to keep")
-        against = [f"{name}: {words[name]!r} does not speak against it" for name in wrong]
-        return self._check("; ".join(against), self.praise)
+        return self._check("", "noted; it is judged when it is handed in")
+
+
+def _words(decision: Any) -> dict[str, str]:
+    pairs = decision.items() if isinstance(decision, dict) else ()
+    return {str(name): str(word) for name, word in pairs if word not in (None, ...)}
 
 
 decide_map = Decision(
-    "decide_map(answer): a dictionary with each of the maps A to D of floor 4: 'keep' for the one "
+    "decide_map(answer): a dictionary with each of the maps A to D of a floor: 'keep' for the one "
     "that you would hand over, and for each other the witness that refuses it: 'verdict', "
     "'spread', 'doubled' or 'tape'",
     ("A", "B", "C", "D"),
