@@ -42,7 +42,7 @@ def write_plan(
 
     - `.pdf`, `.svg`, `.png`: a sheet to print, as `write_sheet`, with names, areas and sides of the
       rooms and the widths of the doors.
-    - `.dxf`: a drawing in metres, of AutoCAD 2010, with the layers WALLS, CLUTTER, DOORS, ROOMS and
+    - `.dxf`: a drawing in metres (R2010) with the layers WALLS, CLUTTER, DOORS, ROOMS and
       TEXT: walls whose other face was seen and rooms as closed outlines, doors as blocks.
     - `.geojson`: rooms as polygons, doors as points, walls and clutter as lines, each with
       its `kind`, and with the keys of OpenStreetMap's Simple Indoor Tagging.

@@ -224,7 +224,9 @@ def test_a_room_says_what_it_exports(path):
 
 def test_a_missing_package_is_named_with_the_extra_that_brings_it():
     run = python("import sys; sys.modules['ipywidgets'] = None\nfrom segmap import panels")
-    said = "segmap.panels needs ipywidgets: pip install anywidget ipywidgets jupyterlab pyserial"
+    said = (
+        "segmap.panels needs ipywidgets: pip install anywidget ezdxf ipywidgets jupyterlab pyserial"
+    )
     assert said in run.stderr
     with pytest.raises(AttributeError, match="no attribute 'pannels'"):
         _ = segmap.pannels

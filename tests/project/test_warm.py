@@ -71,7 +71,7 @@ def page():
     for switch in made.layers["free space"], made.rooms.switch:
         switch.value = True
         made.wait()
-    assert len(made.canvas.free) and "rooms of" in made.rooms.total.value
+    assert len(made.canvas.free) and "rooms of" in made.rooms.editor.state["words"]
 
 def beyond(cases, calls):
     for name in cases:
