@@ -13,13 +13,14 @@ from chapter_rules import CHAPTERS
 from programs import program
 from segmap_course import EXERCISES, OPEN_EXERCISES
 from segmap_course.grading import (
+    figures,
     otter_tests,
+    own_case,
     read_chapter,
     solution,
     source_notebook,
     tasks_of,
 )
-from segmap_course.grading._cases import figures, own_case
 
 main = program("segmap_course")
 SEED = 987654321
