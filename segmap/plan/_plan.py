@@ -296,7 +296,8 @@ def _formed(base: Base, edits: Sequence[Edit]) -> FloorPlan:
         if opening.rooms[0] >= 0
     ]
     away = len(openings) - len(doors)
-    unplaced += [f"{edit} ({why})" for edit in edits if (why := edit.on_doors(doors))]
+    before = find_doors(base.edges, base.lines, grid, base.parts)
+    unplaced += [f"{edit} ({why})" for edit in edits if (why := edit.on_doors(doors, before))]
     unseen = unseen_border(grid, number[parts], base.opening)
     plan = FloorPlan(
         *base.walls, rooms, doors, base.axes, base.off_lines, away, unseen,

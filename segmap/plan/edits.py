@@ -54,8 +54,8 @@ class Edit:
         """Change the room of each square; why that cannot be, or nothing."""
         return ""
 
-    def on_doors(self, doors: list[Door]) -> str:
-        """Change the doors; why that cannot be, or nothing."""
+    def on_doors(self, doors: list[Door], before: list[Door]) -> str:
+        """Change the doors, which were these before any edit; why that cannot be, or nothing."""
         return ""
 
 
@@ -115,9 +115,7 @@ class Split(Edit):
         areas = np.bincount(pieces.ravel())[1:] * grid.side**2
         large = 1 + np.flatnonzero(areas >= LEAST_HOLE_M2)
         if len(large) < 2:
-            return (
-                f"the line leaves no two rooms of {LEAST_HOLE_M2:g} m2: draw it from wall to wall"
-            )
+            return f"no two rooms of {LEAST_HOLE_M2:g} m2 are left: draw it from wall to wall"
         near = ndimage.distance_transform_edt(~np.isin(pieces, large), return_indices=True)[1]
         parts[box][own] = (parts.max() + pieces[tuple(near)])[own]
         return ""
@@ -129,13 +127,14 @@ class NoDoor(Edit):
 
     at: Place
 
-    def on_doors(self, doors: list[Door]) -> str:
-        """The nearest door goes."""
-        away = [float(point_distance(np.array(self.at), door.ends)) for door in doors]
-        if min(away, default=np.inf) > EDIT_REACH_M:
-            return "no door there"
-        del doors[int(np.argmin(away))]
-        return ""
+    def on_doors(self, doors: list[Door], before: list[Door]) -> str:
+        """The nearest door goes, where it did not go with a join already."""
+        both = (doors, before)
+        away = [[float(point_distance(np.array(self.at), k.ends)) for k in each] for each in both]
+        near, was = (min(each, default=np.inf) <= EDIT_REACH_M for each in away)
+        if near:
+            del doors[int(np.argmin(away[0]))]
+        return "" if near or was else "no door there"
 
 
 @dataclass(frozen=True)

@@ -99,6 +99,14 @@ def test_a_door_that_is_none_goes_and_its_rooms_stay(row):
     assert "no door was seen of" in left.doubt
 
 
+def test_a_door_that_is_refused_may_go_with_a_join(row):
+    """Catches a join that is refused since the door between both rooms was refused before."""
+    edits = [NoDoor((4.6, 2.4)), Join(MIDDLES[0], MIDDLES[1])]
+    for both in (edits, edits[::-1]):
+        plan = row.edited(both)
+        assert len(plan.rooms) == 2 and len(plan.doors) == 1 and not plan.unplaced
+
+
 def test_names_stay_with_their_places(row):
     """Catches names that follow the number of a room, which a join changes."""
     named = [Name((10.0, 1.0), "store"), Name((2.0, 2.0), "hall")]
