@@ -38,6 +38,16 @@ def test_a_plan_is_edited_as_typed_or_as_a_session_keeps_it(tmp_path, capsys):
     assert "--edit must be like" in capsys.readouterr().err
 
 
+def test_names_of_an_earlier_session_are_edits(tmp_path):
+    """Catches names of rooms that are passed over since sessions hold edits."""
+    log, session = segmap.load("room"), tmp_path / "it.segmap"
+    x, y, _ = log.truth[0].tolist()
+    files.write_session(session, Session(log, {}, edits={"rooms": [[x, y, "the hall"]]}))
+    assert files.read_session(session).edits == {"edit": [f"Name {x} {y} the hall"]}
+    assert main(["plan", str(session), "-o", str(tmp_path / "it.csv"), "-q"]) == 0
+    assert "the hall," in (tmp_path / "it.csv").read_text()
+
+
 @pytest.mark.parametrize("name", ["-hall", "--edit", "-1", "- 2 -"])
 def test_a_name_may_begin_with_a_dash(tmp_path, name):
     """Catches a name of a session that is taken for an option of the command."""
