@@ -109,7 +109,7 @@ def read_session(path: str | Path) -> Session:
             old = said.pop("doubt", "")  # earlier versions held words alone
             causes = [Finding(Cause.OTHER, 1, str(old))] if old else []
             causes += [_finding(*row) for row in said.pop("causes", [])]
-            names = said.get("edits", {}).pop("rooms", [])  # earlier versions held names of rooms alone
+            names = said.get("edits", {}).pop("rooms", [])  # earlier versions held no other edits
             if names:
                 said["edits"]["edit"] = [f"Name {x} {y} {name}" for x, y, name in names]
             log = replace(log, skipped=Skipped(int(lines), str(why)), causes=tuple(causes))
