@@ -3,10 +3,6 @@
 import os
 import subprocess
 import sys
-import tomllib
-
-import pytest
-from chapter_rules import ROOT
 
 #: What such a Python lacks, before segmap is imported.
 LACKING = """
@@ -77,12 +73,3 @@ def test_everything_imports_without_numba_threads_and_processes():
 def test_a_map_is_made_drawn_and_played_with_without_them():
     """Catches work that only goes on in a second thread, and a loop that only numba runs."""
     assert run(RUNS) == ["True True True 5 iVBO"]
-
-
-@pytest.mark.parametrize(("platform", "needed"), [("linux", True), ("emscripten", False)])
-def test_numba_is_asked_for_where_it_can_be_had(platform, needed):
-    """Catches a requirement that makes the installation fail in a browser."""
-    requirement = pytest.importorskip("packaging.requirements").Requirement
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    (numba,) = (r for r in map(requirement, project["dependencies"]) if r.name == "numba")
-    assert (numba.marker is None or numba.marker.evaluate({"sys_platform": platform})) is needed

@@ -4,7 +4,6 @@ import json
 import re
 from itertools import chain
 
-import pytest
 from chapter_rules import CHAPTERS, ROOT, lines_of
 
 #: File -> number and title, as the first line of the chapter has them.
@@ -53,13 +52,9 @@ def wrong_references(text):
             yield f"chapter {number}"
 
 
-def test_a_file_has_the_number_of_its_title():
-    """Catches a chapter that is moved by its name alone."""
-    assert [file for file, (number, _) in NAMES.items() if file.split("_")[0] != number] == []
-
-
 def test_references_of_chapters_name_the_chapter_that_they_mean():
-    """Catches a number or a title that an older course had."""
+    """Catches a number or a title that an older course had, and a file that is moved alone."""
+    assert [file for file, (number, _) in NAMES.items() if file.split("_")[0] != number] == []
     for path in CHAPTERS:
         cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
         text = "\n\n".join(lines_of(cell["source"]) for cell in cells)
@@ -72,22 +67,3 @@ def test_references_of_other_texts_name_the_chapter_that_they_mean():
     for path in TEXTS:
         text = path.read_text(encoding="utf-8")
         assert list(wrong_references(text)) == [], path.relative_to(ROOT)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        *("[17 Basic](17_fusion.ipynb)", "[14](17_fusion.ipynb)", "[Basic](17_fusion.ipynb)"),
-        *("[on](98_gone.ipynb)", "see chapter 98", "Chapters 17 and 98", "chapters 14 to 98"),
-        *('[17](notebooks/17_fusion.ipynb "Basic")', "[chapter 14](17_fusion.ipynb#strips)"),
-    ],
-)
-def test_a_wrong_reference_is_seen(text):
-    assert len(list(wrong_references(text))) == 1
-
-
-def test_a_right_reference_is_none():
-    right = (
-        "[17 fusion](17_fusion.ipynb), [Fusion](17_fusion.ipynb), chapters 23 to 30; its chapter 7"
-    )
-    assert list(wrong_references(right)) == []
