@@ -1,7 +1,4 @@
-"""The book: a small one built as `make book` builds the whole, and read in a real browser.
-
-Pictures of what the browser showed are left at build/browser/book_*.png.
-"""
+"""The book: a small one built as `make book` builds the whole, and read in a real browser."""
 
 import json
 import re
@@ -11,7 +8,7 @@ import time
 import urllib.parse
 
 import pytest
-from browsers import SCREENSHOT, browser, wait
+from browsers import browser, wait
 from chapter_rules import CHAPTERS, ROOT
 
 assert browser  # the fixture
@@ -37,26 +34,8 @@ FETCHED = re.compile(
     r"|<link\b(?![^>]*rel=\"(?:next|prev|index|search|canonical)\")[^>]*?href=\"([^\"]*)\""
 )
 IN_STYLES = re.compile(r"@import[^;]*|url\(\s*['\"]?(?!data:|#|['\"]?data:)([^)'\"]*)")
-#: Pieces of a page that reach beyond its right side, and cannot be scrolled to inside of it.
-WIDE = """
-const lost = (piece) => {
-  for (let around = piece.parentElement; around; around = around.parentElement)
-    if (/auto|scroll/.test(getComputedStyle(around).overflowX)
-        && around.getBoundingClientRect().right <= window.innerWidth + 1) return false;
-  return piece.getBoundingClientRect().right > window.innerWidth + 1;
-};
-return [document.documentElement.scrollWidth, window.innerWidth,
-  ...[...document.querySelectorAll('.content *')].filter(lost).map(e => e.outerHTML)]"""
-WIDE_PAGE = f"""# 96 Wide
-
-$$ {" + ".join(f"x_{{{k}}}^2" for k in range(60))} $$
-
-`{"long_name_" * 20}`
-
-| {" | ".join(["column"] * 20)} |
-|{"---|" * 20}
-| {" | ".join(["123456789"] * 20)} |
-"""
+#: The width of a page, and that of the window.
+WIDTHS = "return [document.documentElement.scrollWidth, window.innerWidth]"
 RESULTS = """
 return document.querySelector('#search-results h2') && /finished/.test(document.body.innerText)
   && [...document.querySelectorAll('#search-results li > a')].map(a => a.textContent)"""
@@ -82,13 +61,12 @@ def made(*words):
 
 @pytest.fixture(scope="module")
 def book(tmp_path_factory):
-    """Folder of a book with three chapters that are sound and two that are not; its complaints."""
+    """Folder of a book with two chapters that are sound and two that are not; its complaints."""
     folder = tmp_path_factory.mktemp("book")
     unreadable = folder / "97_unreadable.ipynb"
     unreadable.write_text('{"cells": [')
     spoiled = chapter(folder, "98_spoiled.ipynb", "# 98 Spoiled\n\nText.", png="a")
-    wide = chapter(folder, "96_wide.ipynb", WIDE_PAGE)
-    sound = [wide] + [path for path in CHAPTERS if path.stem[:2] in ("16", "17")]
+    sound = [path for path in CHAPTERS if path.stem[:2] in ("16", "17")]
     run = made("-c", BUILD, folder / "pages", "reduction", *sound, unreadable, spoiled)
     assert run.returncode == 0, run.stderr
     return folder / "pages", json.loads(run.stdout.splitlines()[-1])
@@ -116,15 +94,9 @@ def fetched(folder):
         yield from IN_STYLES.findall(style.read_text(encoding="utf-8"))
 
 
-def test_nothing_comes_from_another_host(book):
-    """Catches a script, style, font or picture that a page without a network does not get."""
-    found = set(fetched(book[0]))
-    assert any(place.endswith("searchindex.js") for place in found)
-    assert [place for place in found if re.match(r"(?:https?:)?//", place)] == []
-
-
-def test_what_a_page_shows_is_there(book):
-    """Catches pictures of panels, figures and scripts that were not copied."""
+def test_what_a_page_shows_is_there_and_comes_from_no_other_host(book):
+    """Catches a script, style, font or picture that was not copied, or that needs a network."""
+    assert [place for place in fetched(book[0]) if re.match(r"(?:https?:)?//", place)] == []
     for page in book[0].rglob("*.html"):
         places = [a or b for a, b in FETCHED.findall(page.read_text(encoding="utf-8"))]
         files = [place.partition("?")[0] for place in places if not place.startswith("data:")]
@@ -158,13 +130,8 @@ def test_the_book_in_a_browser(book, browser):
     assert found[0] == "16 Mean shift" and "segmap.reduction.mean_shift" in found
     claim = "return document.querySelector('#search-results li > p').textContent"
     assert browser.run(claim).startswith("Pieces of walls climb")
-    browser.screenshot(SCREENSHOT.with_name("book_search.png"))
 
     browser.open(urllib.parse.urljoin(home, "notebooks/16_mean_shift.html"))
-    browser.click("//div[contains(@class, 'toc-tree')]//a[contains(., 'When it fails')]")
-    top = "return document.querySelector('#when-it-fails').getBoundingClientRect().top"
-    wait("the section", lambda: -5 < browser.run(top) < 200, 20)
-    browser.screenshot(SCREENSHOT.with_name("book_chapter.png"))
     browser.run("document.querySelector('a.next-page').click()")
     wait("the next page", lambda: "/17_fusion.html" in browser.run("return location.href"), 20)
     browser.run("document.querySelector('button.fold-all').click()")
@@ -174,7 +141,7 @@ def test_the_book_in_a_browser(book, browser):
     assert browser.run(MOVED) == [True, "0px 100%"]
 
     pages = ["index", "genindex", "api/reduction", "README"]
-    pages += [f"notebooks/{name}" for name in ("16_mean_shift", "17_fusion", "96_wide")]
+    pages += [f"notebooks/{name}" for name in ("16_mean_shift", "17_fusion")]
     assert [page for page in pages if not fits(browser, home, f"{page}.html")] == []
     browser.run("console.error('planted, to prove that errors are seen')")
     errors = browser.errors()
@@ -187,9 +154,7 @@ def fits(browser, home, page):
     browser.devtools("Emulation.setDeviceMetricsOverride", phone)
     browser.open(urllib.parse.urljoin(home, page))
     time.sleep(0.2)
-    if page.endswith("17_fusion.html"):
-        browser.screenshot(SCREENSHOT.with_name("book_phone.png"))
-    return browser.run(WIDE) == [400, 400]
+    return browser.run(WIDTHS) == [400, 400]
 
 
 @pytest.mark.slow

@@ -1,8 +1,5 @@
 """What the book makes of chapters and texts, before Sphinx sees them."""
 
-import inspect
-import re
-
 import nbformat
 import pytest
 from chapter_rules import CHAPTERS, ROOT
@@ -32,21 +29,6 @@ code_map = later("book.code_map")
 def test_what_is_named_is_linked(text, adapted):
     """Catches links inside links, code and formulas, and pages that are not there."""
     assert sources.adapt(text) == adapted
-
-
-def test_chapters_named_in_a_row_are_linked_each():
-    linked = re.findall(r"\]\(/notebooks/(\d\d)", sources.adapt("Chapters 23, 25 and 27 to 29."))
-    assert linked == ["23", "25", "27", "29"]
-
-
-def test_headings_have_numbers_and_links_do_without():
-    """Catches links to sections that hold in the repository and nowhere in the book."""
-    text = "## Why\n\n### How?\n\n```\n## no heading\n```\n\n## What goes wrong"
-    numbered = sources.numbered(text, "13", [0, 0])
-    headings = re.findall(r"^#+ (.*)$", numbered, re.MULTILINE)
-    assert headings == ["13.1 Why", "13.1.1 How?", "no heading", "13.2 What goes wrong"]
-    assert [extension.slug(h) for h in headings[::3]] == ["why", "what-goes-wrong"]
-    assert extension.slug("17 Fusion") == "17-fusion"
 
 
 @pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem.partition("_")[0])
@@ -119,26 +101,6 @@ def test_a_chapter_in_the_new_form_asks_and_folds(tmp_path):
     assert '"It is few."' in (tmp_path / "_static" / "summaries.js").read_text()
 
 
-def test_what_a_chapter_lacks_is_told(tmp_path):
-    """Catches a chapter that was not run, or that stored an error, in a book that looks whole."""
-    error = nbformat.v4.new_output("error", ename="ValueError", evalue="", traceback=[])
-    cells = [nbformat.v4.new_code_cell("1 / 0", outputs=[error]), nbformat.v4.new_code_cell("2")]
-    path = tmp_path / "98_broken.ipynb"
-    nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
-    said = " ".join(sources.read_chapter(path, {}).complaints)
-    assert "98_broken.ipynb: a stored output is an error, ValueError" in said
-    assert "98_broken.ipynb: some cells were not run" in said
-
-
-def test_names_in_the_words_of_a_chapter_lead_to_one_entry():
-    """Catches a link to a method as printed, and a guess where two packages have a name."""
-    packages = ["reduction.fusion", "alignment.METHODS", "reduction.METHODS"]
-    course = ["segmap_course.literal.fusion", "segmap_course.check_wrap"]
-    known = extension.by_short_name([*(f"segmap.{name}" for name in packages), *course])
-    assert known["fusion"] == "segmap.reduction.fusion" and "METHODS" not in known
-    assert [known["literal.fusion"], known["course.check_wrap"]] == course
-
-
 # ------------------------------------------------------------------ formulas
 
 
@@ -163,23 +125,6 @@ def test_every_formula_of_the_chapters_can_be_shown():
 
 
 # ------------------------------------------------------------------ names and citations
-
-
-def test_every_public_name_has_its_entry():
-    """Catches a package that is left out, and a name without words."""
-    import segmap
-
-    packages = {name for name in segmap.__all__ if inspect.ismodule(getattr(segmap, name))}
-    more = {"segmap", "sensors.emulator", "segmap_course", "segmap_course.literal"}
-    more |= {"segmap_app.files", "segmap_app.page"}
-    assert set(api.PACKAGES) == packages | more
-    for package in api.PACKAGES[1:]:
-        names = api.public_names(api.package_module(package))
-        page = api.page(package, set())
-        assert names and all(re.search(rf"^\.\. [\w:]+:: {name}$", page, re.M) for name in names)
-    assert set(api.public_names(api.package_module("metrics"))) >= {"quality", "relation_errors"}
-    top = api.page("segmap", set())
-    assert all(f"segmap.{name} <" in top for name in segmap.__all__)
 
 
 #: A year behind a word that names no author.

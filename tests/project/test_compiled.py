@@ -166,16 +166,6 @@ def _double(x: Metres) -> float:
     return 2 * x
 
 
-@compiled
-def _four_times(x: float) -> float:
-    return _double(_double(x))
-
-
-def test_kernels_call_kernels():
-    assert _four_times(1.5) == _four_times.plain(1.5) == 6.0
-    assert _double.__doc__ == "Twice."
-
-
 def test_a_whole_number_is_no_new_signature():
     """Catches `fusion(walls, tolerance=1)` that waits eight seconds, everything warm."""
     from segmap import fusion
@@ -185,22 +175,6 @@ def test_a_whole_number_is_no_new_signature():
         fusion([[(0, 0), (1, 0)], [(0, 5), (3, 5)]], tolerance=tolerance)
         assert _double(tolerance) == 2
     assert len(_fuse_all._fast.signatures) == len(_double._fast.signatures) == 1
-
-
-def test_falls_back_where_no_cache_can_be_written(monkeypatch):
-    """A read-only installation must still compile."""
-    import numba
-
-    kernel = compiled(lambda x: x + 1)
-    original = numba.njit
-
-    def refusing(*args, **kwargs):
-        if kwargs.get("cache"):
-            raise RuntimeError("no locator available")
-        return original(*args, **kwargs)
-
-    monkeypatch.setattr(numba, "njit", refusing)
-    assert kernel(1) == 2
 
 
 #: Interrupts at random moments of the processor's time, an alarm each; then the call must be right.

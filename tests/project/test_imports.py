@@ -1,7 +1,6 @@
 """The layers of all packages: imports run downwards only, and `import segmap` stays light."""
 
 import ast
-import importlib
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -114,38 +113,6 @@ def test_imports_run_downwards_and_leave_private_names(path):
     assert crossing(source, home) == []
 
 
-@pytest.mark.parametrize(
-    ("module", "source", "count"),
-    [
-        ("segmap.scans._scans", "from ..readers import read", 1),
-        ("segmap.scans._scans", "def f():\n    from segmap import readers", 1),
-        ("segmap.scans._scans", "import importlib\nimportlib.import_module('segmap.plotting')", 1),
-        ("segmap.poses._poses", "from ..segments import length", 1),
-        ("segmap_app.commands._map", "import segmap_course.panels", 1),
-        ("segmap.readers._read", "from segmap_app import files", 1),
-        ("segmap_course.panels._plan", "from segmap_app.files import read_bag", 1),
-        ("segmap.reduction._fusion", "from ._runner import run\nfrom ..segments import length", 0),
-    ],
-)
-def test_an_upward_import_is_seen(module, source, count):
-    """Catches a test that looks at one spelling of `import` only, or forbids siblings."""
-    assert len(upward(source, module, module.split(".")[:-1])) == count
-
-
-@pytest.mark.parametrize(
-    ("source", "count"),
-    [
-        ("from ..quadtree._tree import grow", 1),
-        ("from .. import quadtree\nquadtree._tree.grow()", 1),
-        ("from ..alignment.points._match import step", 1),
-        ("from ._score import look_up\nfrom ..display import picture\nself._x = 1", 0),
-        ("from numpy._core import _x", 0),
-    ],
-)
-def test_a_private_name_of_another_folder_is_seen(source, count):
-    assert len(crossing(source, ["segmap", "matching"])) == count
-
-
 def python(code: str, *options: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, *options, *(["-c", code] if code else [])]
     return subprocess.run(command, capture_output=True, text=True, check=False)
@@ -191,35 +158,6 @@ def test_every_room_is_reachable_after_import_segmap():
     reached = python("import segmap\nfor name in segmap.__all__: getattr(segmap, name).__name__")
     assert "ModuleNotFound" not in reached.stderr
     assert {*dir(segmap)} == {*segmap.__all__, "__version__"}, "and nothing that is not ours"
-
-
-def exported(path):
-    """The public names that a package imports from its own files, or defines."""
-    names = set()
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.ImportFrom) and node.level == 1:
-            names |= {alias.asname or alias.name for alias in node.names}
-        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
-            names.add(node.name)
-        elif isinstance(node, ast.Assign | ast.AnnAssign):
-            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            names |= {target.id for target in targets if isinstance(target, ast.Name)}
-    return {name for name in names if name[0] != "_" and name != "*"}
-
-
-@pytest.mark.parametrize(
-    "path",
-    [
-        p
-        for p in SOURCES
-        if p.name in ("__init__.py", "_names.py") and exported(p) and p.parent != PACKAGES[0]
-    ],
-    ids=lambda path: ".".join(path.parts[-3:-1]),
-)
-def test_a_room_says_what_it_exports(path):
-    """Catches a name that works, and is an error in every editor: it is in no `__all__`."""
-    module = importlib.import_module(named(path)[0])
-    assert exported(path) <= {*module.__all__} and all(hasattr(module, n) for n in module.__all__)
 
 
 def test_a_missing_package_is_named_with_the_extra_that_brings_it():

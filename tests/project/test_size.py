@@ -71,13 +71,6 @@ def measured() -> dict[str, int]:
     return found
 
 
-def test_lines_of_code_are_counted():
-    """Catches a count that forgets code, or that counts what explains it."""
-    lines = ('"""A', 'B"""', "", "import a", "from b import (", "    c,", ")", "", "# d")
-    text = "\n".join((*lines, "def e():", '    """F"""', '    return "#"', ""))
-    assert code_lines(text) == 2
-
-
 def test_the_core_grows_by_what_an_issue_grants():
     """Catches a core that grows by what nobody asked for, and a figure that is no longer one."""
     lines = measured()

@@ -1,15 +1,12 @@
 """The syllabus names every chapter and exercise where it stands, and minutes that are not old."""
 
 import re
-from pathlib import Path
 
 import minutes
 from chapter_rules import CHAPTERS, ROOT
 from programs import program
-from segmap_course.exercises.open.my_mapper import CHECKS
 
 parser = program("segmap_course", "parser")
-FUNCTIONS = [check.name for check in CHECKS.values()]
 
 TEXT = minutes.SYLLABUS.read_text(encoding="utf-8")
 INSTRUCTOR = (ROOT / "notebooks/INSTRUCTOR.md").read_text(encoding="utf-8")
@@ -44,15 +41,6 @@ def test_every_chapter_is_in_the_table_and_in_the_semester():
     assert sorted(minutes.files(semester)) == names
 
 
-def test_what_is_handed_in_is_asked_for_in_these_chapters():
-    for row in re.findall(r"^\|.*_\w+\.ipynb\).*`.*\|$", TEXT.split(minutes.END)[1], re.MULTILINE):
-        asked = "".join((ROOT / "notebooks" / file).read_text() for file in minutes.files(row))
-        missing = [
-            name for name in re.findall(r"`(\w+)`", row) if f"course.check_{name}(" not in asked
-        ]
-        assert missing == [], row
-
-
 def path(number):
     """Rows of a path, and their minutes counted now."""
     text = TEXT.split(f"## Path {number}")[1].split("\n## ")[0]
@@ -71,45 +59,9 @@ def test_paths_take_the_time_that_they_promise():
     assert len(occupancy) == 7 and max(now for _, now in occupancy) <= 115
 
 
-def test_what_is_at_home_is_the_second_exercise_and_is_not_counted():
-    """Catches homework that is counted as time in the lab, and a lab without homework said."""
-    for row, now in [*path(1), *path(2)]:
-        both = [KNOWN[file] for file in minutes.files(row)]
-        there, home = row.split(" | ")[2:4]
-        assert len(both) == 2 and there.count("`") == 2, row
-        assert home.count("`") // 2 == both[1].functions == int(home != "-"), row
-        assert now == sum(chapter.reading for chapter in both) + minutes.FUNCTION, row
-
-
-def test_six_labs_write_all_that_chapter_30_maps_with():
-    handed = "".join(row for row, _ in path(2))
-    assert [name for name in FUNCTIONS if f"`{name}`" not in handed] == []
-    assert "30_a_map" in path(2)[-1][0]
-
-
-def test_occupancy_needs_three_chapters_before():
-    met = [file[:2] for row, _ in path(5) for file in minutes.files(row)]
-    assert met[:3] == ["01", "02", "07"] and met[3:7] == ["24", "25", "26", "27"]
-
-
-def test_the_texts_know_how_many_chapters_there_are():
-    """Catches a number of chapters that was true before some were merged."""
-    for text in (TEXT, README):
-        said = re.findall(r"(\d+) chapters", text)
-        assert said and set(said) == {str(len(CHAPTERS))}
-
-
 def test_the_commands_of_the_pages_are_understood():
     """Catches a page that names an option which is gone."""
     found = re.findall(r"^ +python -m segmap_course (.+)$", TEXT + INSTRUCTOR, re.MULTILINE)
     assert len(found) >= 2
     for line in found:
         parser().parse_args(line.split())
-
-
-def test_a_chapter_is_counted():
-    start = KNOWN[CHAPTERS[0].name]
-    assert start.title == "01 Start here" and start.functions == 1 and start.panels == 1
-    assert 600 < start.words < 4000
-    assert minutes.fives(12) == 10 and minutes.fives(13) == 15
-    assert Path(minutes.SYLLABUS).name == "SYLLABUS.md"

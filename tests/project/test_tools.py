@@ -52,14 +52,6 @@ def test_refresh_stores_outputs_and_nothing_of_the_run(refreshed):
     assert list(refreshed[0].parent.iterdir()) == [refreshed[0]]
 
 
-def test_identifiers_of_cells_follow_their_content():
-    """Catches identifiers by position, which all change when a cell is put in."""
-    one, two = (refresh.tidy(notebook_of(*CELLS, title=title)) for title in (TITLE, None))
-    assert [c.id for c in one.cells[1:]] == [c.id for c in two.cells]
-    twice = refresh.tidy(notebook_of("1", "1"))
-    assert len({cell.id for cell in twice.cells}) == 2
-
-
 def test_a_failing_chapter_is_left_as_it_was(tmp_path, capsys):
     path = tmp_path / "98_broken.ipynb"
     nbformat.write(notebook_of("1 / 0"), path)
@@ -109,16 +101,6 @@ def test_a_film_is_stored_as_it_is():
     assert alike == [True, False, False, False]  # all have the same still picture
 
 
-def test_an_answer_is_folded_and_no_other_cell():
-    """Catches a chapter that shows its answer when it is opened."""
-    notebook = notebook_of("1", "2", "3")
-    for cell, tag in zip(notebook.cells, ("reveal", "guard", "predict"), strict=True):
-        cell.metadata = {"tags": [tag], "collapsed": True}
-    tidy = refresh.tidy(notebook)
-    folded = [cell.metadata.get("jupyter") for cell in tidy.cells]
-    assert folded == [{"outputs_hidden": True}, {"source_hidden": True}, None]
-
-
 def drawn(noise, shape=(300, 400)):
     """An output with a smooth picture, and noise that does not compress."""
     slope = np.add.outer(*map(np.arange, shape)) % 256 // 16 * 16
@@ -130,14 +112,6 @@ def drawn(noise, shape=(300, 400)):
 
 def stored_picture(cell):
     return Image.open(io.BytesIO(base64.b64decode(cell.outputs[0].data["image/png"])))
-
-
-def test_a_picture_that_fits_keeps_its_size_and_looks_alike():
-    cell = drawn(4)
-    before = np.asarray(stored_picture(cell), int)
-    refresh.fit_pictures(nbformat.from_dict({"cells": [cell]}))
-    found = np.asarray(stored_picture(cell).convert("RGB"), int)
-    assert found.shape == before.shape and np.abs(found - before).max() <= 8
 
 
 def test_pictures_lose_dots_until_they_and_the_chapter_fit():
@@ -156,29 +130,6 @@ def test_pictures_lose_dots_until_they_and_the_chapter_fit():
         assert min(widths) >= 200 and max(widths) < 400 and max(widths) < 1.3 * min(widths)
         shown = {c.outputs[0].metadata["image/png"]["width"] for c in notebook.cells}
         assert shown == {200}  # on the page it stays as large as it was
-
-
-def test_a_picture_that_is_drawn_for_plain_screens_keeps_its_dots():
-    """Catches a panel's picture that is blurred, since it has one dot for each on the page."""
-    cell = drawn(99, shape=(200, 300))
-    notebook = notebook_of("1")
-    notebook.cells[0].outputs = cell.outputs
-    refresh.fit_pictures(notebook)
-    assert stored_picture(cell).size == (300, 200)
-    assert cell.outputs[0].metadata["image/png"] == {"width": 300, "height": 200}
-
-
-def test_each_picture_is_named_for_who_cannot_see_it_and_keeps_its_size():
-    """Catches names that only the book has, and one that makes a sharp picture a plain one."""
-    cell, plain = drawn(4), drawn(4)
-    notebook = notebook_of('ax.set_title("All beams agree")\nplt.show()', "print(1)", "show(1)")
-    notebook.cells[0].outputs, notebook.cells[2].outputs = cell.outputs, plain.outputs
-    cell.outputs[0].metadata["image/png"] = {"width": 200, "height": 150}
-    refresh.name_pictures(notebook)
-    refresh.fit_pictures(notebook)
-    named, size = cell.outputs[0].metadata["image/png"], plain.outputs[0].metadata["image/png"]
-    assert named == {"width": 200, "height": 150, "alt": "All beams agree"}
-    assert (size["width"], size["height"], bool(size["alt"])) == (400, 300, True)
 
 
 def test_a_rare_colour_stays_what_it_was():

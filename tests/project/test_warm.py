@@ -3,29 +3,17 @@
 import gc
 import subprocess
 import sys
-import tomllib
 
 import numpy as np
 import pytest
 from makefile import ROOT
 from programs import program
 
-import segmap
 from segmap import warm
 from segmap.arrays import Array
 from segmap.compiled import Compiled, compiled
 
 main = program("segmap")
-
-
-def test_the_version_is_the_one_of_the_project():
-    """Catches a release that calls itself by the name of the one before."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    assert project["project"]["dynamic"] == ["version"]
-    assert project["tool"]["hatch"]["version"]["path"] == "segmap/__init__.py"
-    command = [sys.executable, "-m", "segmap", "--version"]
-    said = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    assert said == f"segmap {segmap.__version__}\n"
 
 
 def modules(kind):
