@@ -21,17 +21,16 @@ from .global_segments import global_segments
 from .graph import Graph, solve_graph
 from .points import match_points, point_steps
 from .pose_graph import LiveGraph, LoopClosing, Tracking, merge_graphs, pose_graph
-from .preparation import OdometryComparison, compare_odometry, prepared
+from .preparation import prepared
 from .segment_icp import match_segments, segment_icp
 
 __all__ = [
-    "METHODS", "Alignment", "Graph", "LiveGraph", "LoopClosing", "Match", "OdometryComparison",
-    "Tracking", "Unmatched", "Verdict", "align_to_truth", "angle_candidates",
-    "angle_correspondence", "backbone", "backbone_steps", "compare_odometry", "deskew",
-    "global_segments", "ground_truth", "least_translation", "match_angles", "match_points",
-    "match_segments", "match_values", "mean_rotation", "merge_graphs", "odometry", "point_icp",
-    "point_steps", "pose_graph", "position_errors", "prepared", "segment_icp", "solve_graph",
-    "usual_method",
+    "METHODS", "Alignment", "Graph", "LiveGraph", "LoopClosing", "Match", "Tracking", "Unmatched",
+    "Verdict", "align_to_truth", "angle_candidates", "angle_correspondence", "backbone",
+    "backbone_steps", "deskew", "global_segments", "ground_truth", "least_translation",
+    "match_angles", "match_points", "match_segments", "match_values", "mean_rotation",
+    "merge_graphs", "odometry", "point_icp", "point_steps", "pose_graph", "position_errors",
+    "prepared", "segment_icp", "solve_graph", "usual_method",
 ]  # fmt: skip
 
 #: Name of each method -> the method, with what it needs.

@@ -34,8 +34,6 @@ class Cause(StrEnum):
     NO_DISTANCE = "free direction"
     UNTIED = "no match ties it"
     VAGUE = "vague"
-    OPEN_LOOPS = "open loops"
-    NOT_SOLVED = "not solved"
     LEFT_FREE = "pose left free"
     NOT_ORTHOGONAL = "not orthogonal"
     NO_WALLS = "no walls"
@@ -71,7 +69,6 @@ class Unmatched(StrEnum):
     # What the other scans say
     UNTIED = "no match ties it to the rest"
     TORN = "torn from its neighbours farther than segments correspond"
-    OTHER_WALLS = "sees other walls than an earlier scan at the same place"
     # Why it was not matched at all
     TURNING = "taken while turning"
     TOO_NEAR = "too near to the last scan used"

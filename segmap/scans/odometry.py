@@ -102,12 +102,9 @@ class OdometryComparison:
     wheels: Array = field(repr=False)
 
     @property
-    def straight(self) -> NDArray[np.bool_]:
-        """Steps, `(m,)`, that go straight by the match."""
-        x, y, turn = self.steps.motion.T
-        return np.asarray(
-            (np.hypot(x, y) > COMPARED_STRAIGHT_M) & (np.abs(turn) < COMPARED_TURN_RAD)
-        )
+    def turns_agree(self) -> bool:
+        """Whether nothing speaks against the turns."""
+        return np.isnan(self.turn) or RIGHT_TURN_RATIOS[0] < self.turn < RIGHT_TURN_RATIOS[1]
 
 
 def odometry_against_steps(odometry: Array, steps: Steps) -> OdometryComparison:

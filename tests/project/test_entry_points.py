@@ -51,7 +51,7 @@ PACKAGES = [
 #: What the library makes itself and hands out: nobody else has to call these.
 MADE = {"AgainstWalls", "Alignment", "Belief", "ColumnChoices", "Door", "FloorPlan", "Graph",
         "HeadError",
-        "LogError", "Match", "Methods", "NoRoute", "OdometryComparison", "Places", "Port",
+        "LogError", "Match", "Methods", "NoRoute", "Places", "Port",
         "Reduction", "Room", "SensorError", "SensorGone", "Squares", "Tree", "Uncertainty",
         "UnknownFormat", "Verdict", "take_points"}  # fmt: skip
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.

@@ -12,15 +12,15 @@ from ...arrays import Array
 from ...scans.causes import Cause, Finding, Unmatched
 from .._result import SURE_M, Appraisal
 from .._verdict import ONE_LOOK
-from ..graph import NEARBY, chain_bends, deviations, place_deviations, stacked
+from ..graph import NEARBY, chain_bends, place_deviations, stacked
 from ._pauses import unconfirmed
 
 if TYPE_CHECKING:
     from ._front_end import TrackedScan
     from ._key_frames import KeyFrames
 
-#: Loops that stay open by this many standard deviations contradict the rest.
-OPEN = 5.0
+#: Causes that are told where scans are loose.
+LOOSE = {Unmatched.FREE_DIRECTION: Cause.NO_DISTANCE, Unmatched.UNTIED: Cause.UNTIED}
 #: Words of `Cause.LEFT_FREE`.
 LEFT_FREE = (
     "the matches contradict each other so much that they leave poses free: are there scans of "
@@ -34,9 +34,8 @@ def appraisal(rows: Sequence[TrackedScan], frames: KeyFrames) -> Appraisal:
     The key frames have been solved. Where their edges leave poses free, nothing is known of any.
     """
     frame = np.array([row.frame for row in rows], np.int64)
-    far, near, left = np.zeros(len(rows)), np.zeros(len(rows)), np.zeros(0)
-    causes = unconfirmed(rows, frames)
-    fixed = frames.fixed
+    far = near = np.zeros(len(rows))
+    causes, fixed = unconfirmed(rows, frames), frames.fixed
     if not frames.edges:
         causes.append(Finding(Cause.NOT_CHECKED, 1, ONE_LOOK))
     else:
@@ -47,47 +46,32 @@ def appraisal(rows: Sequence[TrackedScan], frames: KeyFrames) -> Appraisal:
             far, near = (spread[frame] for spread in deviation)
         except np.linalg.LinAlgError:
             fixed = False
-        left = deviations(frames.poses, edges)[edges.loop]
     along = np.array([row.along for row in rows])
     far, near = np.hypot(far, along), np.hypot(near, along)
     if not fixed:
         far = near = np.full(len(rows), np.inf)
         causes.append(Finding(Cause.LEFT_FREE, len(frames), LEFT_FREE))
-    causes += _findings([row.unmatched for row in rows], far, near, left, frames.converged)
+    causes += _findings([row.unmatched for row in rows], far, near)
     return Appraisal(tuple(causes), far, near)
 
 
-def _findings(
-    unmatched: Sequence[Unmatched], far: Array, near: Array, left: Array, converged: bool
-) -> list[Finding]:
-    """What to doubt of the whole, with numbers.
+def _findings(unmatched: Sequence[Unmatched], far: Array, near: Array) -> list[Finding]:
+    """What to doubt of the whole, with numbers; `Alignment.verdict` weighs the scans themselves.
 
     `far` and `near` are the standard deviations of all places in the whole and relative to those
-    within 20 m, `left` is what the solution leaves of each loop, `(m,)`, in standard deviations.
+    within 20 m.
     """
-    count, found, counts = len(unmatched), [], Counter(unmatched)
-
-    def add(cause: Cause, value: int, words: str) -> None:
-        """One more finding; `Alignment.verdict` weighs the scans themselves."""
-        found.append(Finding(cause, value, words))
-
-    if loose := counts[Unmatched.FREE_DIRECTION]:
-        words = f"at {loose} of {count} scans {Unmatched.FREE_DIRECTION}"
-        add(Cause.NO_DISTANCE, loose, words)
-    if apart := counts[Unmatched.UNTIED]:
-        add(Cause.UNTIED, apart, f"no match ties {apart} of {count} scans to the rest")
+    count, counts, causes = len(unmatched), Counter(unmatched), []
+    for why, cause in LOOSE.items():
+        if loose := counts[why]:
+            causes.append(Finding(cause, loose, f"at {loose} of {count} scans {why}"))
     if np.isfinite(far).all() and (vague := int((far > SURE_M).sum())):
         words = f"{vague} of {count} scans may be more than {2 * SURE_M} m off, {_worst(far)}"
         close = int((near > SURE_M).sum())
         most = f"{close} of {count}, {_worst(near)}" if close else "none"
         words += f"; relative to those within {NEARBY:g} m {most}"
-        add(Cause.VAGUE, vague, words)
-    if wide := int((left > OPEN).sum()):
-        words = f"{wide} of {len(left)} loops stay open by over {OPEN:g} standard deviations"
-        add(Cause.OPEN_LOOPS, wide, words)
-    if not converged:
-        add(Cause.NOT_SOLVED, 1, "the solver stopped before it came to an end")
-    return found
+        causes.append(Finding(Cause.VAGUE, vague, words))
+    return causes
 
 
 def _worst(far: Array) -> str:

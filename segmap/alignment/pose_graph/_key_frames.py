@@ -60,7 +60,6 @@ class KeyFrames(Undoable):
         # Variance of the steps up to each that no odometry measured, where it is widest, metres^2.
         self.spread = np.zeros(0)
         self.edges: list[Edge] = []
-        self.converged = True  # whether the last `optimize` came to an end: the poses fit best
         self.fixed = True  # whether the edges fixed all poses then; else it moved none
         self.least = least  # covariance that every match has at least
         self._solver = Solver()
@@ -120,7 +119,7 @@ class KeyFrames(Undoable):
             self._solver.add(stacked(self.edges[known:]))
             self._last = self.edges[-1]
         try:
-            self.poses, self.converged, _ = self._solver.solve(self.poses, lazily=lazily)
+            self.poses = self._solver.solve(self.poses, lazily=lazily).poses
             self.fixed = True
         except np.linalg.LinAlgError:
             self.fixed = False

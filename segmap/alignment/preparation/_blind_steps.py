@@ -7,7 +7,6 @@ for around where it was taken, as if the robot stood, until the robot has moved 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...scans import Log
@@ -15,14 +14,10 @@ from ...scans.odometry import Steps
 from .._result import Match
 from ..points import LAST, PointMap, in_range
 
-#: Scans from which steps are sought, spread evenly over the log.
-EVEN_STARTS = 75
-#: Scans that turn, around which steps are sought too.
-TURNING_STARTS = 30
+#: Scans from which steps are sought, spread evenly over the log, ...
+STARTS = 100
 #: ... and over one without odometry, where nothing else tells what rides in a part of it.
 STARTS_ALONE = 300
-#: Those around lie so many scans from one that turns.
-SCANS_AROUND_TURN = np.array([-6, -4, -2, 2, 4, 6])
 #: Scans from the start to the end of a step, tried one after the other.
 STRIDES = (1, 2, 4, 8, 16)
 #: Scans of fewer points tell nothing.
@@ -37,8 +32,6 @@ STEP_END_M = 0.2
 STEP_END_RAD = np.radians(8)
 #: ... and counts where so large a share of the scan lies on the other, ...
 LEAST_STEP_OVERLAP = 0.7
-#: ... and its place is known to this standard deviation, metres.
-MOST_DEVIATION_M = 0.05
 #: A scan stands for the laser where it moved by less, metres, ...
 LASER_STANDS_M = 0.1
 #: ... and turned by less, radians.
@@ -49,28 +42,20 @@ LEAST_REST_SHARE = 0.15
 
 def blind_steps(log: Log) -> Steps:
     """Steps of a log that its scans alone tell; none where no walls fix the motion."""
-    many = EVEN_STARTS if np.isfinite(log.odometry).all(1).any() else STARTS_ALONE
-    starts = np.unique(np.linspace(0, max(len(log) - 2, 0), many).astype(int))
-    found = _steps_from(log, starts if len(log) > 1 else starts[:0])
-    # A drive along corridors turns at few places: look there once more
-    turning = np.array([first for first, _, motion in found if abs(motion[2]) > STEP_END_RAD / 2])
-    around = np.unique(turning[:, None] + SCANS_AROUND_TURN) if len(turning) else starts[:0]
-    around = np.setdiff1d(around[(around >= 0) & (around < len(log) - 1)], starts)
-    found += _steps_from(log, around[:: 1 + len(around) // TURNING_STARTS])
-    first, second = ([row[k] for row in found] for k in (0, 1))
-    motion = np.reshape([row[2] for row in found], (-1, 3))
-    return Steps(np.array(first, np.int64), np.array(second, np.int64), motion)
-
-
-def _steps_from(log: Log, starts: NDArray[np.int64]) -> list[tuple[int, int, Array]]:
-    """The steps that begin at some scans."""
-    steps = ((int(first), _step_from(log, int(first))) for first in starts)
-    return [(first, *step) for first, step in steps if step is not None]
+    alone = not np.isfinite(log.odometry).all(1).any()
+    starts = np.linspace(0, max(len(log) - 2, 0), STARTS_ALONE if alone else STARTS)
+    ends, motions = [], []
+    for start in np.unique(starts.astype(int))[: len(log) - 1].tolist():
+        if (step := _step_from(log, start)) is not None:
+            ends.append((start, step[0]))
+            motions.append(step[1])
+    first, second = np.reshape(ends, (-1, 2)).T.astype(np.int64)
+    return Steps(first, second, np.reshape(motions, (-1, 3)))
 
 
 def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
     """The scan up to which the robot has moved enough, and how; None where no match tells."""
-    points, known = in_range(log[first].points()), None
+    points, step = in_range(log[first].points()), None
     if len(points) < LEAST_STEP_POINTS:
         return None
     map = PointMap(points)
@@ -83,12 +68,10 @@ def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
         match = _step_match(map, current)
         if match is None or match.free is not None:
             break
-        if np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]) > MOST_DEVIATION_M:
-            break
-        known = first + stride, match.pose
+        step = first + stride, match.pose
         if np.hypot(*match.pose[:2]) > STEP_END_M or abs(match.pose[2]) > STEP_END_RAD:
             break
-    return known
+    return step
 
 
 def _step_match(map: PointMap, current: Array) -> Match | None:

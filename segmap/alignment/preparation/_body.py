@@ -11,18 +11,14 @@ from ...arrays import Array
 from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import Steps
-from ._blind_steps import blind_steps
 from ._pairs import (
     LEAST_COMPARISONS,
     NEAR_M,
-    PAIR_WAYS_M,
     RIDES_SHARE,
     SEEN_THROUGH_M,
     columns,
     compared,
     directions_of,
-    ranges_by_direction,
-    way_of,
 )
 
 #: A range that changes by less is the same.
@@ -40,8 +36,7 @@ def without_body(log: Log, steps: Steps) -> Log:
     1.0 of posts, boxes and persons, 0 of walls; a pane of glass along the drive has 0.75. What is
     beside it is left out too, since half of a beam may see it.
 
-    Where neither odometry nor matches say that the robot moved, nothing is left out. If what is
-    near stands still for the laser, and the rest of the scans moves, that is told.
+    Where neither odometry nor matches say that the robot moved, nothing is left out.
     """
     directions = directions_of(log)
     if not len(directions):
@@ -53,8 +48,7 @@ def without_body(log: Log, steps: Steps) -> Log:
     differs = (change > SEEN_THROUGH_M).sum(0)
     body = (rides + differs >= LEAST_COMPARISONS) & (rides >= RIDES_SHARE * (rides + differs))
     if not body.any():
-        tells = len(pairs.seen) >= LEAST_COMPARISONS
-        return log if tells else _seems_to_ride(log, steps, directions)
+        return log
     wide = body | np.roll(body, 1) | np.roll(body, -1)
     known = ~np.isnan(pairs.same_beam).all(0)
     count = int((body & known).sum())
@@ -68,20 +62,3 @@ def _without(scan: LaserScan, body: NDArray[np.bool_], directions: Array) -> Las
     """A scan with NaN in the directions `(n,)` of the body."""
     gone = body[columns(scan.angles, directions)]
     return replace(scan, ranges=np.where(gone, np.nan, scan.ranges))
-
-
-def _seems_to_ride(log: Log, steps: Steps, directions: Array) -> Log:
-    """A log in which something near hardly changes, told if the scans move without it."""
-    ranges = ranges_by_direction(log, directions)
-    middle = np.median(np.where(np.isnan(ranges), np.inf, ranges), 0)
-    still = np.isclose(ranges, middle, 0, SAME_RANGE_M).mean(0) > RIDES_SHARE
-    still &= middle < NEAR_M
-    if not still.any() or len(steps.first) < LEAST_COMPARISONS:
-        return log
-    rest = replace(log, scans=tuple(_without(scan, still, directions) for scan in log))
-    if np.median([0.0, *way_of(blind_steps(rest).motion)]) < PAIR_WAYS_M[0] / 2:
-        return log
-    words = "something near stands still for the laser while the rest of the scans moves"
-    why = "it may be the robot itself, and neither odometry nor turns tell"
-    told = Finding(Cause.BODY, int(still.sum()), f"{words}: {why}", "--mask FROM:TO", doubtful=True)
-    return replace(log, causes=(*log.causes, told))

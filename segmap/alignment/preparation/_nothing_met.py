@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +15,13 @@ from ._pairs import LEAST_COMPARISONS, NEAR_M, SEEN_THROUGH_M, compared, directi
 
 #: Scans that are looked at, spread over the log.
 NOTHING_MET_SCANS = 200
-#: A number that means "nothing met" occurs in this share of the scans.
+#: A number that means "nothing met" occurs in this share of the scans, ...
 MET_IN_SHARE = 0.25
+#: ... in this share of all beams, ...
+MET_BEAMS_SHARE = 0.03
+#: ... and makes up this share of the ranges within a hundredth of it: 0.3 of the range that is most
+#: frequent in real logs is, of which 0.004 of the beams have one.
+STANDS_OUT_SHARE = 0.3
 #: Fewer scans do not tell.
 LEAST_TELLING_SCANS = 10
 #: So many other ranges are nearer: what rides with the robot is the nearest of all.
@@ -25,26 +29,10 @@ NEARER = 0.25
 #: Half of the beams beside those that hold it differ by this share of it. Those beside a part of a
 #: wall at one distance go on from it.
 DIFFERS = 0.02
-#: Ranges this near are one, as a share of them.
+#: Ranges this near are one number, metres; ...
+NUMBER_M = 0.002
+#: ... or, where noise is laid on them, one, as a share of them.
 RANGE_STEP = 0.01
-
-
-class Look(NamedTuple):
-    """What makes a number of a range."""
-
-    width: float  # ranges this near are one number, metres
-    share: float  # of all beams so many hold it
-    about: float  # of the ranges within this share of it (10 cm at least) ...
-    stands_out: float  # ... so many are the number
-    largest: bool = False  # it is the largest of all ranges, else the most frequent
-
-
-NUMBER_PATTERNS = (
-    # Far from all others, with a jitter of some millimetres.
-    Look(0.02, share=0.003, about=0.1, stands_out=0.98, largest=True),
-    # Equal to the millimetre; most for one range in real logs: 0.004, 30 in 100.
-    Look(0.001, share=0.03, about=0.01, stands_out=0.3),
-)
 
 
 def without_nothing_met(log: Log) -> Log:
@@ -56,50 +44,48 @@ def without_nothing_met(log: Log) -> Log:
     if len(log) < LEAST_TELLING_SCANS:
         return log
     some = log[:: 1 + len(log) // NOTHING_MET_SCANS]
-    ranges = np.concatenate([np.empty(0), *(np.where(s.valid, s.ranges, np.nan) for s in some)])
+    ranges = np.concatenate([np.where(s.valid, s.ranges, np.nan) for s in some])
     scan = np.repeat(np.arange(len(some)), [len(s) for s in some])
     causes, numbers = list(log.causes), []
-    while (told := _number_among(ranges)) is not None:
-        number, width = told
-        holds = np.abs(ranges - number) <= width
+    while (number := _number_among(ranges)) is not None:
+        holds = np.abs(ranges - number) <= NUMBER_M
         if len(np.unique(scan[holds])) < MET_IN_SHARE * len(some):
             break
         words = f"a range of {number:.5g} m means nothing met: {100 * holds.mean():.2g} % of all"
         causes.append(Finding(Cause.NOTHING_MET, number, words))
-        numbers.append(told)
+        numbers.append(number)
         ranges = np.where(holds, np.nan, ranges)
     if not numbers:
         return log
 
     def put_right(scan: LaserScan) -> LaserScan:
         """The scan with `inf` for each number."""
-        holds = [np.abs(scan.ranges - number) <= width for number, width in numbers]
+        holds = [np.abs(scan.ranges - number) <= NUMBER_M for number in numbers]
         return replace(scan, ranges=np.where(np.any(holds, 0) & scan.valid, np.inf, scan.ranges))
 
     return replace(log, scans=tuple(map(put_right, log)), causes=tuple(causes))
 
 
-def _number_among(ranges: Array) -> tuple[float, float] | None:
-    """A number among ranges `(m,)`, NaN where invalid, and how far off it is held, metres."""
-    known = np.sort(ranges[np.isfinite(ranges)])
-    grid = float(np.median(np.diff(np.unique(known)))) if len(known) > 1 else 0.0
-    for look in NUMBER_PATTERNS if len(known) else ():
-        begin, end = (np.searchsorted(known, known + side * look.width) for side in (-1, 1))
-        most = len(known) - 1 if look.largest else int(np.argmax(end - begin))
-        number, held = float(np.median(known[begin[most] : end[most]])), 2 * look.width
-        count = int((np.abs(known - number) <= held / 2).sum())
-        others = known[np.abs(known - number) > held]
-        wide = max(0.1, look.about * number, 5 * grid)
-        about = (np.abs(known - number) <= wide).sum()
-        edge = np.diff((np.abs(ranges - number) <= held).astype(np.int8)) != 0
-        step = np.abs(np.diff(ranges))[edge]
-        if (
-            count >= max(look.share * len(ranges), look.stands_out * about)
-            and (others < number).sum() > NEARER * len(others)
-            and (step > DIFFERS * number).sum() > (step <= DIFFERS * number).sum()
-        ):
-            return number, held
-    return None
+def _number_among(ranges: Array) -> float | None:
+    """The most frequent of ranges `(m,)`, NaN where invalid, where it is a number and no wall."""
+    measured = np.sort(ranges[np.isfinite(ranges)])
+    if not len(measured):
+        return None
+    begin, end = (np.searchsorted(measured, measured + side * NUMBER_M / 2) for side in (-1, 1))
+    most = int(np.argmax(end - begin))
+    number = float(np.median(measured[begin[most] : end[most]]))
+    away = np.abs(measured - number)
+    others = measured[away > NUMBER_M]
+    grid = float(np.median(np.diff(np.unique(measured)))) if len(others) else 0.0
+    about = (away <= max(0.1, 0.01 * number, 5 * grid)).sum()
+    edge = np.diff((np.abs(ranges - number) <= NUMBER_M).astype(np.int8)) != 0
+    step = np.abs(np.diff(ranges))[edge]
+    is_number = (
+        (away <= NUMBER_M / 2).sum() >= max(MET_BEAMS_SHARE * len(ranges), STANDS_OUT_SHARE * about)
+        and (others < number).sum() > NEARER * len(others)
+        and (step > DIFFERS * number).sum() > (step <= DIFFERS * number).sum()
+    )
+    return number if is_number else None
 
 
 def without_limit(log: Log, steps: Steps) -> Log:
@@ -122,10 +108,10 @@ def without_limit(log: Log, steps: Steps) -> Log:
     votes, limit = (np.bincount(index, which) for which in (None, (off_limit < off_wall)[tells]))
     limits = steps_of_range[(votes >= LEAST_COMPARISONS) & (limit > votes / 2)]
     ends = [np.isin(_range_steps(scan.ranges), limits) & scan.valid for scan in log]
-    if (count := int(sum(map(np.sum, ends)))) == 0:
+    at_limit = np.concatenate([scan.ranges[end] for scan, end in zip(log, ends, strict=True)])
+    if not len(at_limit):
         return _at_one_range(log)
-    number = float(np.median(np.concatenate([s.ranges[e] for s, e in zip(log, ends, strict=True)])))
-    share = 100 * count / sum(map(len, log))
+    number, share = float(np.median(at_limit)), 100 * len(at_limit) / sum(map(len, log))
     words = f"a range about {number:.4g} m means nothing met: {share:.2g} % of all, with no wall"
     scans = (
         replace(scan, ranges=np.where(end, np.inf, scan.ranges))
@@ -143,15 +129,11 @@ def _range_steps(ranges: Array) -> NDArray[np.int64]:
 
 def _at_one_range(log: Log) -> Log:
     """A log of which half of the beams have one range, told if no odometry says that it stands."""
-    ranges = np.concatenate([np.empty(0), *(scan.ranges[scan.valid] for scan in log)])
-    if not len(ranges):
-        return log
-    number = float(np.median(ranges))
+    ranges = np.concatenate([scan.ranges[scan.valid] for scan in log])
+    number = float(np.median(ranges)) if len(ranges) else 0.0
     many = np.mean(np.abs(_range_steps(ranges) - _range_steps(np.array(number))) < 2)
     if number < NEAR_M or many < 0.5 or np.isfinite(log.odometry).all(1).any():
         return log
-    words = (
-        f"half of the beams end {number:.3g} m away, and nothing tells whether walls stand there"
-    )
+    words = f"half of the beams end {number:.3g} m away, and nothing tells whether walls are there"
     told = Finding(Cause.NOTHING_MET, number, words, doubtful=True)
     return replace(log, causes=(*log.causes, told))

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ... import arrays
-from ...arrays import Array, checked
+from ...arrays import Array
 from ...display import counted
 from ...poses.motions import compose
 from ...scans import Log
@@ -27,7 +26,6 @@ from ...scans.odometry import (
     shifted,
     steps_of,
 )  # fmt: skip
-from ._blind_steps import blind_steps
 from ._jumps import without_jumps
 
 #: Names of units, and the metres of each.
@@ -35,7 +33,6 @@ ODOMETRY_UNITS = {
     "millimetres": 0.001,
     "centimetres": 0.01,
     "inches": 0.0254,
-    "decimetres": 0.1,
     "feet": 0.3048,
     "kilometres": 1000.0,
 }
@@ -51,19 +48,12 @@ LEAST_LEVER_M = 0.15
 LONGEST_LEVER_M = 2.0
 #: At this share of the steps scans stand although the wheels drive: 0 in right logs.
 STILL_SHARE = 0.15
-#: A delay counts from so many scans on, ...
-LEAST_DELAY_SCANS = 1.0
-#: ... where it leaves at most this share of the disagreement.
-DELAY_LEFT_SHARE = 0.6
-#: A delay of more scans than this ...
-LONG_DELAY_SCANS = 10.0
-#: ... must leave less of it.
-LONG_DELAY_LEFT_SHARE = 0.35
+#: A delay of a scan and more counts where it leaves at most this share of the disagreement.
+DELAY_LEFT_SHARE = 0.5
 #: What can be wrong with an odometry that contradicts itself.
 MIRRORS: dict[str, Callable[[Array], Array]] = {
     "its y counts to the right": lambda rows: rows * (1, -1, 1),
     "its headings count clockwise": lambda rows: rows * (1, 1, -1),
-    "its x and y are exchanged": lambda rows: rows[:, [1, 0, 2]],
 }
 
 
@@ -72,24 +62,22 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
     rows, causes = log.odometry, []
     if not np.isfinite(rows).all(1).any():
         return log
-    late, left = delay_of(rows, steps)
-    if abs(late) >= LEAST_DELAY_SCANS and left < (
-        DELAY_LEFT_SHARE if abs(late) <= LONG_DELAY_SCANS else LONG_DELAY_LEFT_SHARE
-    ):
+    late, share_left = delay_of(rows, steps)
+    if abs(late) >= 1 and share_left < DELAY_LEFT_SHARE:
         rows = shifted(rows, np.arange(len(rows)) + late)
         causes.append(_delay(late, log.times))
-    rows, found = _without_repeats(rows, steps)
-    causes += found
-    rows, found = without_jumps(log, rows)
-    causes += found
-    rows, found = _agreeing(rows, steps)
-    causes += found
+    rows, findings = _without_repeats(rows, steps)
+    causes += findings
+    rows, findings = without_jumps(log, rows)
+    causes += findings
+    rows, findings = _agreeing(rows, steps)
+    causes += findings
     if not causes:
         return log
-    known = [row if np.isfinite(row).all() else None for row in rows]
+    corrected = [row if np.isfinite(row).all() else None for row in rows]
     scans = tuple(
         replace(scan, odometry=row) if row is None or not np.array_equal(row, was) else scan
-        for scan, row, was in zip(log, known, log.odometry, strict=True)
+        for scan, row, was in zip(log, corrected, log.odometry, strict=True)
     )
     return replace(log, scans=scans, causes=(*log.causes, *causes))
 
@@ -97,77 +85,65 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
 def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     """Odometry `(k, 3)` in the unit and the frame of the matches, and what that took."""
     causes: list[Finding] = []
-    found = odometry_against_steps(rows, steps)
-    if len(found.steps.first) < LEAST_COMPARED_STEPS:
+    against = odometry_against_steps(rows, steps)
+    if len(against.steps.first) < LEAST_COMPARED_STEPS:
         return rows, causes
     # 1. Its unit
     for name, metres in ODOMETRY_UNITS.items():
-        if WAY_RATIOS[0] * metres < found.way < WAY_RATIOS[1] * metres:
+        if WAY_RATIOS[0] * metres < against.way < WAY_RATIOS[1] * metres:
             rows = rows * (metres, metres, 1)
             causes.append(Finding(Cause.UNIT, metres, f"the odometry is in {name}: converted"))
-            found = odometry_against_steps(rows, steps)
+            against = odometry_against_steps(rows, steps)
     # 2. Whether it, or the laser, is mirrored
-    if found.agreement < CONTRADICTING_COSINE and found.still < STILL_SHARE:
+    if against.agreement < CONTRADICTING_COSINE and against.still < STILL_SHARE:
         mirrored = _unmirrored(rows, steps)
         if mirrored is None:
             words = "the odometry moves otherwise than the scans do: it is left out"
-            told = Finding(Cause.NO_ODOMETRY, found.agreement, words, doubtful=True)
-            return _nothing(rows), [*causes, told]
+            told = Finding(Cause.NO_ODOMETRY, against.agreement, words, doubtful=True)
+            return np.full_like(rows, np.nan), [*causes, told]
         words, rows = mirrored
         words = f"the odometry moves across its own heading, {words}: put right"
-        causes.append(Finding(Cause.ODOMETRY_MIRRORED, found.agreement, words))
-        found = odometry_against_steps(rows, steps)
-    elif found.turn < -RIGHT_TURN_RATIOS[0]:
+        causes.append(Finding(Cause.ODOMETRY_MIRRORED, against.agreement, words))
+        against = odometry_against_steps(rows, steps)
+    elif against.turn < -RIGHT_TURN_RATIOS[0]:
         words = "the laser or the wheels count turns the other way: one of both is mirrored"
         remedy = "--clockwise where the laser hangs upside down, else mend the odometry"
-        causes.append(Finding(Cause.MIRRORED, found.turn, words, remedy))
+        causes.append(Finding(Cause.MIRRORED, against.turn, words, remedy))
         rows = rows * (1, -1, -1)  # as the scans have it: the map may be the mirror image
-        found = odometry_against_steps(rows, steps)
-    elif not (np.isnan(found.turn) or RIGHT_TURN_RATIOS[0] < found.turn < RIGHT_TURN_RATIOS[1]):
-        words = f"the scans turn by {found.turn:.2f} of what the odometry says: it is left out"
-        return _nothing(rows), [*causes, Finding(Cause.SCALE, found.turn, words)]
+        against = odometry_against_steps(rows, steps)
+    elif not against.turns_agree:
+        words = f"the scans turn by {against.turn:.2f} of what the odometry says: it is left out"
+        told = Finding(Cause.SCALE, against.turn, words)
+        return np.full_like(rows, np.nan), [*causes, told]
     # 3. Where the laser looks
-    lever = found.lever
-    if found.agreement >= AGREEING_COSINE and abs(found.direction) > ASIDE_RAD:
-        rows = compose(rows, np.array([0.0, 0.0, -found.direction]))
-        causes.append(_mounting(-found.direction))
-        found = odometry_against_steps(rows, steps)
+    x, y, turned = mounting_of(against)
+    if turned:
+        rows = compose(rows, np.array([0.0, 0.0, turned]))
+        degrees = round(float(np.degrees(turned)))
+        words = f"the laser looks {degrees} degrees aside, or the wheels count otherwise"
+        causes.append(Finding(Cause.MOUNTING, turned, words, f"--mount X Y {degrees}"))
+        against = odometry_against_steps(rows, steps)
     # 4. What it makes of the way
-    if np.isfinite(found.way) and not RIGHT_WAY_RATIOS[0] <= found.way <= RIGHT_WAY_RATIOS[1]:
-        off = 100 * abs(1 / found.way - 1)
-        words = f"wheels or ranges are {off:.0f} % off: scans move by {found.way:.3f} of the way"
-        causes.append(Finding(Cause.SCALE, found.way, words))
-        rows = rows * (found.way, found.way, 1)
+    if np.isfinite(against.way) and not RIGHT_WAY_RATIOS[0] <= against.way <= RIGHT_WAY_RATIOS[1]:
+        off = 100 * abs(1 / against.way - 1)
+        words = f"wheels or ranges are {off:.0f} % off: scans move by {against.way:.3f} of the way"
+        causes.append(Finding(Cause.SCALE, against.way, words))
+        rows = rows * (against.way, against.way, 1)
     # 5. Where the laser sits, and what moves along
-    x, y = np.nan_to_num(lever)
     if LEAST_LEVER_M < np.hypot(x, y) < LONGEST_LEVER_M:
         words = f"the laser sits {x:.2f} m ahead and {y:.2f} m left of where the log has it"
         causes.append(Finding(Cause.LEVER_ARM, float(np.hypot(x, y)), words, "--mount auto"))
-    if found.still > STILL_SHARE:
-        words = f"at {100 * found.still:.0f} % of the steps the scans stand though the wheels drive"
+    if against.still > STILL_SHARE:
+        words = f"at {100 * against.still:.0f} % of the steps the scans stand and the wheels drive"
         why = "people, or parts of the robot, move along with it"
-        causes.append(Finding(Cause.BODY, found.still, f"{words}: {why}"))
+        causes.append(Finding(Cause.BODY, against.still, f"{words}: {why}"))
     return rows, causes
 
 
-def mounting_of(found: OdometryComparison) -> Array:
+def mounting_of(against: OdometryComparison) -> Array:
     """The place of the log's robot frame on the robot, (3,) array, as turns and ways tell it."""
-    turned = -found.direction if found.agreement >= AGREEING_COSINE else 0.0
-    turned = turned if abs(turned) > ASIDE_RAD else 0.0
-    x, y = np.nan_to_num(found.lever)
-    return np.array([x, y, turned])
-
-
-def _mounting(turned: float) -> Finding:
-    """The laser looks aside, by so many radians counter-clockwise."""
-    degrees = float(np.degrees(turned))
-    to = 90 * round(degrees / 90)
-    looks = {180: "backwards", -180: "backwards", 90: "to the left", -90: "to the right"}
-    near = abs(degrees - to) < np.degrees(ASIDE_RAD) and to
-    where = looks[to] if near else f"{degrees:.0f} degrees aside"
-    words = f"the laser looks {where}, or the wheels count otherwise"
-    degrees = to if near else round(degrees)
-    return Finding(Cause.MOUNTING, turned, words, f"--mount X Y {degrees:g}")
+    aside = against.agreement >= AGREEING_COSINE and abs(against.direction) > ASIDE_RAD
+    return np.array([*np.nan_to_num(against.lever), -against.direction if aside else 0.0])
 
 
 def _delay(late: float, times: Array) -> Finding:
@@ -187,19 +163,10 @@ def _unmirrored(rows: Array, steps: Steps) -> tuple[str, Array] | None:
     """
     for words, change in MIRRORS.items():
         changed = change(rows)
-        found = odometry_against_steps(changed, steps)
-        turns_right = (
-            np.isnan(found.turn) or RIGHT_TURN_RATIOS[0] < found.turn < RIGHT_TURN_RATIOS[1]
-        )
-        if turns_right and found.agreement > AGREEING_COSINE:
-            aside = found.direction if abs(found.direction) > ASIDE_RAD else 0.0
-            return words, compose(changed, np.array([0.0, 0.0, -aside]))
+        against = odometry_against_steps(changed, steps)
+        if against.turns_agree and against.agreement > AGREEING_COSINE:
+            return words, compose(changed, np.array([0.0, 0.0, mounting_of(against)[2]]))
     return None
-
-
-def _nothing(rows: Array) -> Array:
-    """No odometry at all."""
-    return np.full_like(rows, np.nan)
 
 
 def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
@@ -219,21 +186,3 @@ def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     return rows, [
         Finding(Cause.NO_ODOMETRY, int(out.sum()), f"{words}: there is no odometry there")
     ]
-
-
-@checked
-def compare_odometry(log: Log) -> OdometryComparison:
-    """Compare the odometry of a log with matches that do not lean on it.
-
-    Some hundred scans over the log are matched with scans soon after, from the guess that the robot
-    stands. In a right log turns and ways agree; real wheels say 0.90 to 1.00 of the way.
-
-    Examples
-    --------
-    >>> from segmap import load
-    >>> comparison = compare_odometry(load("corridor"))
-    >>> round(comparison.way, 2), round(comparison.agreement, 2)
-    (1.0, 1.0)
-    """
-    arrays.instance(log, "log", Log)
-    return odometry_against_steps(log.odometry, blind_steps(log))

@@ -168,14 +168,6 @@ def test_people_who_walk_along_bend_no_map(sway):
     assert position_errors(found.poses, log.truth, best=True).max() < 0.1
 
 
-def test_where_neither_turn_nor_odometry_tells_that_is_said():
-    """Catches a body that is guessed along a corridor, and silence about it."""
-    found = prepared(without_odometry(with_posts(driven("corridor"))))
-    (finding,) = found.causes
-    assert finding.cause is Cause.BODY and finding.doubtful and "neither" in finding.words
-    assert not masked(found).any()
-
-
 def test_a_mask_leaves_out_what_lies_within():
     """Catches degrees, a wrap behind the laser, and a mask that an option before it turns over."""
     log = driven()
