@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from copy import deepcopy
 from typing import NamedTuple
 
@@ -20,7 +19,6 @@ from ..quadtree import QuadtreeMap, free_ends
 from ..reduction import LiveReduction
 from ..scans import LaserScan
 from ..threads import Locked, locked
-from ._localize import Belief, localize
 from ._scores import nearest_score
 
 
@@ -53,6 +51,10 @@ class Step(NamedTuple):
     overlap: float
 
 
+#: A scan and its pose (3,) in the map.
+Placed = tuple[LaserScan, Array]
+#: A map that was made anew, its reduced map, and how many scans they hold.
+Anew = tuple[QuadtreeMap, LiveReduction | None, int]
 #: An end of a beam so near to an occupied cell lies on the map, metres, and half a cell more: as
 #: near as point ICP seeks partners in the end.
 ON_MAP_M = 0.12
@@ -87,15 +89,12 @@ class LiveMap(Locked):
         Scans that it holds already are not drawn; a new one by default.
     map : QuadtreeMap or None
         Scans are inserted here, beside what it holds; a new map by default.
-    start : (3,) array, metres and radians, or None
-        Pose of the robot in the map at the first scan. None for a robot that does not know where on
-        a map it is: `localize` finds it, and scans before are not drawn.
+    start : (3,) array, metres and radians
+        Pose of the robot in the map at the first scan.
     free : bool
         As in `map_scans`.
     walls : LiveReduction or None
         Takes in the polylines of each scan, where it is given; after a loop anew.
-    rng : numpy.random.Generator or None
-        Draws the particles where `start` is None.
 
     Attributes
     ----------
@@ -120,89 +119,51 @@ class LiveMap(Locked):
         graph: LiveGraph | None = None,
         *,
         map: QuadtreeMap | None = None,
-        start: ArrayLike | None = (0.0, 0.0, 0.0),
+        start: ArrayLike = (0.0, 0.0, 0.0),
         free: bool = False,
         walls: LiveReduction | None = None,
-        rng: np.random.Generator | None = None,
     ) -> None:
-        if start is None and rng is None:
-            raise ValueError("to find the start, particles are drawn: give rng")
         self.walls = walls if walls is None else arrays.instance(walls, "walls", LiveReduction)
         self.graph = LiveGraph() if graph is None else arrays.instance(graph, "graph", LiveGraph)
         self.map = QuadtreeMap() if map is None else arrays.instance(map, "map", QuadtreeMap)
         self._blank = deepcopy((self.map, walls))
-        self._start = None if start is None else arrays.pose(start, "start")
-        self._rng, self._asked = rng, LaserScan([], [])
-        self._beliefs: Iterator[Belief] | None = None
-        self._free = free
+        self._start, self._free = arrays.pose(start, "start"), free
         self._map_from_graph: Array | None = None
         self._scans: list[tuple[int, LaserScan]] = []  # those that are drawn, by their number
         self._stale = False
-        self._anew: _Anew | None = None
+        self._anew: Future[Anew] | None = None
+        self._placed: list[Placed] = []  # what the new map holds, or will
 
     @locked
     def add(self, scan: LaserScan) -> Step:
-        """Place a scan and insert it; one that reaches beyond the map's `max_size` is not drawn.
-
-        Where it is interrupted after the graph has placed the scan, the next map shows it.
-        """
+        """Place a scan and insert it; one that reaches beyond the map's `max_size` is not drawn."""
         begun, number = work_time(), len(self.graph)
         self._exchange()
-        if self._start is None and not (seen := self._sought(scan)).found:
-            known = np.isfinite(seen.pose[0])
-            overlap = overlap_of(self.map, scan.points(), seen.pose) if known else 0.0
-            seconds = work_time() - begun
-            return Step(seen.pose, np.nan, seconds, False, False, overlap)
-        try:
-            found, closed = self.graph.add(scan)
-            self._stale |= closed
-            pose = self._in_map(found)
-            overlap = overlap_of(self.map, scan.points(), pose)
-            insert_placed(self.map, self.walls, scan, pose, free=self._free)
-            self._scans.append((number, scan))
-            if self._anew is not None:  # it comes into the new map once its turn comes
-                self._anew.placed.append((scan, pose))
-        except BaseException as error:
-            self._stale = True  # half a scan may be in the map, or a loop that it does not show
-            drawn = bool(self._scans) and self._scans[-1][0] == number
-            if len(self.graph) > number and not drawn and not isinstance(error, Exception):
-                self._in_map(self.graph.poses[number])
-                self._scans.append((number, scan))
-            raise
+        in_graph, closed = self.graph.add(scan)
+        self._stale |= closed
+        pose = self._in_map(in_graph)
+        overlap = overlap_of(self.map, scan.points(), pose)
+        insert_placed(self.map, self.walls, scan, pose, free=self._free)
+        self._scans.append((number, scan))
+        self._placed.append((scan, pose))
         self._begin()
         matched = not any(self.graph.unmatched[-1:])
         seconds = work_time() - begun
         return Step(pose, np.nan, seconds, closed, matched, overlap)
 
-    def _sought(self, scan: LaserScan) -> Belief:
-        """Where the robot may be on the map; that is the start where it is found."""
-        self._asked = arrays.instance(scan, "scan", LaserScan)
-        if self._beliefs is None:
-            assert self._rng is not None
-            scans = iter(lambda: self._asked, None)
-            self._beliefs = localize(self.map, scans, rng=self._rng)
-        try:
-            belief = next(self._beliefs)
-        except BaseException:
-            self._beliefs = None  # a generator that raised has ended
-            raise
-        self._start = belief.pose if belief.found else None
-        return belief
-
     def _in_map(self, pose: Array) -> Array:
         """A pose (3,) of the graph in the map, metres and radians; the first one lays the map."""
         if self._map_from_graph is None:
-            assert self._start is not None
             self._map_from_graph = compose(self._start, inverse(pose))
         return compose(self._map_from_graph, pose)
 
     def finish(self) -> None:
         """Wait until the map shows all scans at their corrected poses."""
         while (anew := self._making()) is not None:
-            anew.thread.join()
+            wait([anew])
 
     @locked
-    def _making(self) -> _Anew | None:
+    def _making(self) -> Future[Anew] | None:
         """The new map that is still to be made, if any."""
         self._exchange()
         self._begin()
@@ -220,21 +181,22 @@ class LiveMap(Locked):
         """Begin a new map where poses have moved; one that is being made ends first."""
         if self._stale and self._anew is None:
             scans = [scan for _, scan in self._scans]
-            placed = list(zip(scans, self.poses, strict=True))
-            self._anew = _Anew(*deepcopy(self._blank), placed, free=self._free)
+            self._placed = list(zip(scans, self.poses, strict=True))
+            thread = ThreadPoolExecutor(1, "new map")
+            blank = deepcopy(self._blank)
+            self._anew = thread.submit(_all_inserted, *blank, self._placed, free=self._free)
+            thread.shutdown(wait=False)
             self._stale = False
 
     def _exchange(self) -> None:
         """Let the new map take the place of the old one, if it is ready."""
-        if self._anew is None or self._anew.thread.is_alive():
+        if self._anew is None or not self._anew.done():
             return
-        try:
-            map, walls = self._anew.finished()
-        except BaseException:
-            self._stale = True
-            raise
-        finally:
-            self._anew = None
+        anew, self._anew = self._anew, None
+        self._stale |= anew.exception() is not None  # one that failed is made again
+        map, walls, count = anew.result()
+        for scan, pose in self._placed[count:]:
+            insert_placed(map, walls, scan, pose, free=self._free)
         self.map.become(map)
         if self.walls is not None and walls is not None:
             self.walls.become(walls)
@@ -243,40 +205,15 @@ class LiveMap(Locked):
         return f"LiveMap({self.graph!r})"
 
 
-class _Anew:
-    """A map that is made in a thread, of scans and their poses; more of them may be appended."""
-
-    def __init__(
-        self,
-        map: QuadtreeMap,
-        walls: LiveReduction | None,
-        placed: list[tuple[LaserScan, Array]],
-        *,
-        free: bool,
-    ) -> None:
-        self.walls = walls
-        self.map, self.placed, self.free, self.done = map, placed, free, 0
-        self.error: BaseException | None = None
-        self.thread = threading.Thread(target=self._work, name="new map", daemon=True)
-        self.thread.start()
-
-    def _work(self) -> None:
-        try:
-            self._insert()
-        except BaseException as error:
-            self.error = error
-
-    def _insert(self) -> None:
-        while self.done < len(self.placed):
-            insert_placed(self.map, self.walls, *self.placed[self.done], free=self.free)
-            self.done += 1
-
-    def finished(self) -> tuple[QuadtreeMap, LiveReduction | None]:
-        """Map and walls, with scans that came after the thread had ended; or the thread's error."""
-        if self.error is not None:
-            raise self.error
-        self._insert()
-        return self.map, self.walls
+def _all_inserted(
+    map: QuadtreeMap, walls: LiveReduction | None, placed: list[Placed], *, free: bool
+) -> Anew:
+    """The map, and the reduced one, of scans at their poses; more may come in meanwhile."""
+    count = 0
+    for scan, pose in placed:
+        insert_placed(map, walls, scan, pose, free=free)
+        count += 1
+    return map, walls, count
 
 
 def insert_placed(

@@ -11,7 +11,6 @@ from scipy.spatial import cKDTree
 
 from .. import arrays
 from ..arrays import Array, Count, at_least, at_most, checked
-from ..compiled import compiled
 from ..extraction import extract_polylines
 from ..poses.motions import between, compose, wrap
 from ..quadtree import QuadtreeMap
@@ -19,7 +18,6 @@ from ..scans import LaserScan
 from ..segments import SegmentMap, point_distance
 from ._field import either_map
 from ._likelihoods import Likelihoods
-from ._scores import Cells
 from ._search import Uncertainty, at_one_place, distinct_places, sample_beams
 from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 
@@ -259,7 +257,12 @@ def fresh_poses(map: Likelihoods, ends: Array, count: int, rng: np.random.Genera
 def kld_sample_size(poses: Array) -> int:
     """How many of the first particles are enough for the cells in which these lie (Fox 2003)."""
     cells = np.floor(poses / KLD_CELL).astype(np.int64)
-    return int(enough_particles(cells, np.full(2 << len(poses).bit_length(), -1)))
+    new = np.zeros(len(cells), bool)
+    new[np.unique(cells, axis=0, return_index=True)[1]] = True
+    a = 2 / (9 * np.maximum(np.cumsum(new) - 1, 1))
+    needed = (1 - a + np.sqrt(a) * KLD_QUANTILE) ** 3 / (9 * a * KLD_ERROR)
+    enough = np.arange(1, len(cells) + 1) >= np.maximum(needed, LEAST_PARTICLES)
+    return int(np.argmax(enough)) + 1 if enough.any() else len(cells)
 
 
 def at_places(poses: Array, weights: Array) -> list[NDArray[np.int64]]:
@@ -325,28 +328,3 @@ def estimate(
     elif len(places) > 1:
         kind, reason = Uncertainty.SEVERAL_PLACES, f"not yet: {len(places)} places"
     return Belief(pose, covariance, share, fit, reason, poses, weights, kind)
-
-
-# ---------------------------------------------------------------------------------- loops
-@compiled
-def enough_particles(cells: Cells, slots: Cells) -> int:
-    """How many of the first particles are enough for the cells in which they lie (Fox 2003).
-
-    `cells` are `(n, 3)` whole numbers. `slots`, a power of two of -1, more than n, is a table of
-    the first particle in each cell.
-    """
-    found, needed, last = 0, 0.0, len(slots) - 1
-    for k in range(len(cells)):
-        i, j, h = cells[k, 0], cells[k, 1], cells[k, 2]
-        at = (73856093 * i ^ 19349663 * j ^ 83492791 * h) & last
-        one = slots[at]
-        while one >= 0 and not (cells[one, 0] == i and cells[one, 1] == j and cells[one, 2] == h):
-            at = (at + 1) & last
-            one = slots[at]
-        if one < 0:
-            slots[at], found = k, found + 1
-            a = 2 / (9 * max(found - 1, 1))
-            needed = (1 - a + np.sqrt(a) * KLD_QUANTILE) ** 3 / (9 * a * KLD_ERROR)
-        if k + 1 >= max(needed, LEAST_PARTICLES):
-            return k + 1
-    return len(cells)

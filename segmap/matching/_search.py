@@ -43,7 +43,6 @@ class Uncertainty(StrEnum):
     SEVERAL_PLACES = "several places explain it"
     TOO_MANY_PLACES = "more places explain it than are listed"
     POOR_FIT = "the best place does not fit well"
-    NOT_FINISHED = "the search was stopped"
     LOST = "the robot was found and is lost"
 
 
@@ -101,7 +100,6 @@ def search(
     margin: Share = 0.05,
     most_places: Count = 6,
     beams: Count = 60,
-    nodes: Count | None = None,
 ) -> Places:
     """The best pose of a scan anywhere on a map, and all other places that are nearly as good.
 
@@ -128,8 +126,6 @@ def search(
         There may be more: then so many are told, and none is found.
     beams
         So many of the scan's ends are used, spread evenly along the walls.
-    nodes
-        At most so many blocks are looked into, about; None sets no limit.
 
     Returns
     -------
@@ -147,7 +143,7 @@ def search(
     """
     either_map(map)
     points = arrays.instance(scan, "scan", LaserScan).points()
-    return distinct_places(Likelihoods(map), points, least, margin, most_places, beams, nodes)
+    return distinct_places(Likelihoods(map), points, least, margin, most_places, beams)
 
 
 def distinct_places(
@@ -157,7 +153,6 @@ def distinct_places(
     margin: float = 0.05,
     most_places: int = 6,
     beams: int = 60,
-    nodes: int | None = None,
 ) -> Places:
     """The places of points `(n, 2)`, metres: see `search`."""
     if not len(points):
@@ -172,7 +167,7 @@ def distinct_places(
     tried = lattice(map.levels, used, first, step, size, columns, rows, headings)
     full = 255 * len(used)
     asked = int(np.ceil(least * full - 1e-9)), int(margin * full + 1e-9)
-    found = best_poses(tried, *asked, MOST_LEAVES, nodes)
+    found = best_poses(tried, *asked, MOST_LEAVES)
     leaves = found.rows[np.lexsort((*found.rows.T[:0:-1], -found.rows[:, 0]))]
     poses = np.empty((len(leaves), 3))
     poses[:, :2] = map.corner + (leaves[:, 2:] + 0.5) * map.size
@@ -183,8 +178,6 @@ def distinct_places(
     kind, reason = Uncertainty.NONE, ""
     if found.overflow:
         kind, reason = Uncertainty.TOO_MANY_PLACES, f"it fits at more than {MOST_LEAVES} poses"
-    elif not found.done:
-        kind, reason = Uncertainty.NOT_FINISHED, f"the search stopped after {found.looked} blocks"
     elif not many:
         kind, reason = Uncertainty.NO_PLACE, f"no pose scores {least:.6g}"
     elif many > most_places:

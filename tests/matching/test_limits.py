@@ -1,23 +1,15 @@
 """Where the rules of matching end: a little less and a little more than what they allow."""
 
 from functools import partial
-from inspect import signature
 
 import numpy as np
 import pytest
 
 from segmap import LaserScan
 from segmap.matching import (
-    DistanceField,
-    LiveMap,
     effective_number,
-    field_score,
     hill_climb,
-    localize,
     map_scans,
-    particle_mapping,
-    sample_and_rank,
-    search,
     systematic,
 )
 from segmap.quadtree import QuadtreeMap
@@ -26,24 +18,6 @@ from segmap.quadtree import QuadtreeMap
 def scan_of(points):
     x, y = np.array(points, float).T
     return LaserScan(np.hypot(x, y), np.arctan2(y, x))
-
-
-USUAL = [
-    (search, {"least": 0.5, "margin": 0.05, "most_places": 6, "beams": 60, "nodes": None}),
-    (localize, {"particles": 1000, "beams": 60}),
-    (hill_climb, {"steps": "halving", "rounds": 60, "score": field_score}),
-    (sample_and_rank, {"sigma": (0.02, np.radians(2)), "score": field_score}),
-    (map_scans, {"settle": 1, "free": False, "graph": False, "start": (0, 0, 0)}),
-    (particle_mapping, {"particles": 30, "noise": 1, "resample": 0.5, "free": False}),
-    *((DistanceField, {"resolution": 0.05}), (DistanceField.around, {"resolution": 0.02})),
-    (LiveMap, {"start": (0, 0, 0), "free": False}),
-]
-
-
-@pytest.mark.parametrize(("of", "usual"), USUAL)
-def test_what_is_meant_where_nothing_is_said(of, usual):
-    given = signature(of).parameters
-    assert {name: given[name].default for name in usual} == usual
 
 
 # ------------------------------------------------------------------ scan after scan
@@ -64,13 +38,6 @@ def test_a_robot_is_found_where_three_fifths_of_its_scan_lie_on_the_map(on, foun
     still = partial(lambda map, points, start, *, score: start)
     *_, last = map_scans([scan_of(first), scan_of(second)], matcher=still)
     assert last.overlap == on / 5 and last.found == found
-
-
-def test_a_robot_that_is_nowhere_has_nothing_on_the_map():
-    map = QuadtreeMap()
-    map.insert_scan((0, 0), [(1, 1)])
-    step = LiveMap(map=map, start=None, rng=np.random.default_rng(1)).add(LaserScan([], []))
-    assert step.overlap == 0 and not step.found
 
 
 # ------------------------------------------------------------------ smaller parts

@@ -12,10 +12,7 @@ from conftest import shared_file
 
 from segmap import alignment, read
 from segmap.alignment import LiveGraph, pose_graph, position_errors
-from segmap.alignment.graph import deviations, stacked
 from segmap.alignment.pose_graph import _merge
-from segmap.alignment.pose_graph._key_frames import KeyFrames
-from segmap.alignment.pose_graph._loop_closing import LoopCloser
 from segmap.alignment.pose_graph._merge import _passed_by_both
 from segmap.matching import merge
 from segmap.metrics import relation_errors
@@ -89,31 +86,7 @@ def test_too_few_places_that_look_alike_undo_it(monkeypatch):
         place = between(one.truth[0], true[tuple(scan.ranges)])
         return compose(graphs[0].poses[0], place)[None]
 
-    seek, solved, solve, open_by = LoopCloser.seek, [], KeyFrames.optimize, []
-    believe, ties, order = LoopCloser.believe, [], []
-
-    def sought(self, *given, **said):
-        solved.append(len(self.frames._solver) == len(self.frames.edges))
-        order.append(given[0])
-        return seek(self, *given, **said)
-
-    def believed(self, loops):
-        ties.extend(loops)
-        believe(self, loops)
-
-    def optimized(self, **given):
-        loops = stacked([edge for edge in self.edges if edge.loop])
-        open_by.append(deviations(self.poses, loops).min())
-        solve(self, **given)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(LoopCloser, "seek", sought)
-        patch.setattr(LoopCloser, "believe", believed)
-        patch.setattr(KeyFrames, "optimize", optimized)
-        good = alignment.merge_graphs(*graphs, places)
-    assert across(good, n) > 30 and solved[0], "others are sought where the first ones put it"
-    assert order[0] == ties[0].second, "and outwards from the place that was found"
-    assert open_by[0] < 1e-6, "the second session is laid where one of them says"
+    assert across(alignment.merge_graphs(*graphs, places), n) > 30
     monkeypatch.setattr(_merge, "LEAST_TIED_SHARE", 1.1)
     found = alignment.merge_graphs(*graphs, places)
     assert "places that both passed look alike" in found.doubt and not across(found, n)

@@ -216,26 +216,6 @@ def test_sixty_beams_of_a_scan_are_weighed_and_each_may_meet_anything(times):
     np.testing.assert_allclose(found, expected, rtol=1e-5)
 
 
-@pytest.mark.parametrize("call", [0, 1, 7, 20])
-def test_an_interrupt_leaves_the_map_of_the_scan_before(call, monkeypatch):
-    map, left, insert = QuadtreeMap(resolution=0.05), [call], particles_file.insert_placed
-
-    def interrupted(*given, **options):
-        left[0] -= 1
-        if left[0] == -1:
-            raise KeyboardInterrupt
-        insert(*given, **options)
-
-    monkeypatch.setattr(particles_file, "insert_placed", interrupted)
-    before = state(map)
-    with pytest.raises(KeyboardInterrupt):
-        steps = particle_mapping(room_log(), particles=3, rng=np.random.default_rng(1), map=map)
-        for _ in steps:
-            before = state(map)
-    assert state(map) == before and map.scans == call // 3
-    map.insert_scan((0, 0), [(1, 1)])
-
-
 @pytest.mark.parametrize("scan", [np.ones(9), LaserScan([1.0, np.inf], [0.0, 1.0], max_range=1e9)])
 def test_a_broken_scan_is_named_and_leaves_the_map(scan):
     map = QuadtreeMap(resolution=0.05)

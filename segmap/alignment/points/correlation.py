@@ -49,7 +49,6 @@ class BestPoses(NamedTuple):
 
     rows: Array  # (k, 4)
     looked: int  # how many blocks were looked into
-    done: bool  # whether there were not too many of them
     overflow: bool  # whether more poses score as much than there is room for
 
 
@@ -78,29 +77,25 @@ def lattice(
     return made
 
 
-def best_poses(
-    lattice: Lattice, least: float, slack: float, room: int, blocks: int | None = None
-) -> BestPoses:
+def best_poses(lattice: Lattice, least: float, slack: float, room: int) -> BestPoses:
     """Poses that score `least` or more, and at most `slack` below the best, in likelihoods.
 
     With a slack below 0 a pose must be so much better than those found before: only one is kept.
-    At most `room` poses are found, in about so many blocks.
+    At most `room` poses are found.
     """
     headings, top = np.arange(len(lattice.counts)), len(lattice.levels) - 1
     across, up = -(-lattice.east >> top), -(-lattice.north >> top)
     state, found, middle = np.array([least, 0, 0, 0]), np.empty((room, 4)), len(headings) // 2
-    many = np.inf if blocks is None else blocks
     for part in (headings[middle : middle + 1], np.delete(headings, middle)):
         bound = np.empty((len(part) * across * up, 4))
         count = bound_first_blocks(lattice, part, across, up, max(state[0] - slack, least), bound)
         first = bound[np.argsort(-bound[:count, 0], kind="stable")]
         state[2], state[3] = 0, state[3] + len(bound)
-        while state[2] < len(first) and state[1] <= room and state[3] < many:
-            portion = min(many - state[3], BLOCKS_PER_CALL)
-            branch_and_bound(lattice, first, least, slack, portion, state, found)
+        while state[2] < len(first) and state[1] <= room:
+            branch_and_bound(lattice, first, least, slack, state, found)
     kept = found[: int(state[1])]
     kept = kept[kept[:, 0] >= state[0] - max(slack, 0)]
-    return BestPoses(kept, int(state[3]), state[3] < many, state[1] > room)
+    return BestPoses(kept, int(state[3]), state[1] > room)
 
 
 # ---------------------------------------------------------------------------------- loops
@@ -223,7 +218,6 @@ def branch_and_bound(
     blocks: Array,
     least: float,
     slack: float,
-    portion: float,
     state: Array,
     found: Array,
 ) -> None:
@@ -231,12 +225,13 @@ def branch_and_bound(
 
     Blocks and poses are rows of 4: score, heading, column and row. `state` holds the best score,
     how many poses there are (one more than there is room for: they are too many), how many of the
-    first blocks are done, and how many blocks were looked into: a call ends soon after a portion.
+    first blocks are done, and how many blocks were looked into: a call ends soon after
+    `BLOCKS_PER_CALL`.
     """
     top, looked, most = len(lattice.levels) - 1, 0, np.empty(4)
     todo, value = np.empty((3 * top + 4, 3), np.int64), np.empty(3 * top + 4)
     best, count, at = state[0], int(state[1]), int(state[2])
-    while at < len(blocks) and looked < portion and count <= len(found):
+    while at < len(blocks) and looked < BLOCKS_PER_CALL and count <= len(found):
         need = max(best - slack, least)
         if blocks[at, 0] < need:
             at = len(blocks)
