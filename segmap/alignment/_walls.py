@@ -23,6 +23,20 @@ CORNER_OVERLAP_M = 0.05
 
 
 @compiled
+def moved_segments(
+    s: Array, x: float, y: float, turn: float, about_x: float, about_y: float
+) -> Array:
+    """Segments `(n, 2, 2)` turned about a point, then shifted; metres, radians."""
+    out, c, z = np.empty_like(s), np.cos(turn), np.sin(turn)
+    for i in range(len(s)):
+        for k in range(2):
+            u, v = s[i, k, 0] - about_x, s[i, k, 1] - about_y
+            out[i, k, 0] = about_x + x + c * u - z * v
+            out[i, k, 1] = about_y + y + z * u + c * v
+    return out
+
+
+@compiled
 def constraints(s: Array, a: Array, t: Array, value: Array, rows: Array) -> int:
     """What matched segments say of a small motion of t: both ends of each common part.
 

@@ -7,7 +7,6 @@ Gasparini and Gini 2006).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Any
 
 import numpy as np
@@ -23,7 +22,7 @@ from ...scans import Log
 from ...scans.causes import Unmatched
 from ...segments import SegmentMap, length, point_distance
 from .._result import Laid, Match, Outcome, Trail, alignment_method, no_match
-from .._walls import constraints
+from .._walls import constraints, moved_segments
 from . import _kernels as kernels
 from ._scenes import Candidate, Heuristic, Scene, corners, scene
 
@@ -152,7 +151,7 @@ def _hidden_lengths(poses: Array, s: Scene, t: Scene) -> Array:
     """Length of wall, (k,) array, metres, that one scene has seen through a wall of the other."""
     found, stood = np.zeros(len(poses)), transform(poses, t.places)
     for k, pose in enumerate(poses):
-        there = kernels.segments_at_pose(t.segments, *pose)
+        there = moved_segments(t.segments, *pose, 0.0, 0.0)
         looks = ((s.places, s.segments, there), (stood[k], there, s.segments))
         for places, segments, walls in looks:
             least = np.inf  # from the best of the places
@@ -167,7 +166,7 @@ def _wall_constraints(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tupl
     found, described = [], describe(s.segments)
     value = np.empty((len(s.segments), len(t.segments)))
     for pose, (x, y) in zip(poses, transform(poses, -t.middle[None])[:, 0], strict=True):
-        there = kernels.segments_at_pose(t.segments, *pose)
+        there = moved_segments(t.segments, *pose, 0.0, 0.0)
         kernels.fill_values(s.segments, described, there, rule, value)
         some = value > 0
         rows = np.empty((2 * np.count_nonzero(some), 5))
@@ -244,7 +243,6 @@ def angle_correspondence(
     *,
     rng: np.random.Generator | None = None,
     new_reference: Positive = 0.60,
-    extract: Callable[..., Array] = extract_polylines,
     grow: bool = False,
     **thresholds: Any,
 ) -> Outcome:
@@ -264,8 +262,6 @@ def angle_correspondence(
         Draws pairs of segments; None: a fixed seed, so that equal logs give equal poses.
     new_reference
         Where less than this share of a scan is matched another reference is taken.
-    extract
-        `extract(points) -> (n, 2, 2)` segments of one scan, metres, in the frame of the robot.
     grow
         Lay scans that have left the reference on a map that grows.
     **thresholds
@@ -277,11 +273,8 @@ def angle_correspondence(
     >>> angle_correspondence(load("room")[:20])
     Alignment(angle_correspondence: 20 scans, 20 used)
     """
-    arrays.function(extract, "extract", "of points")
     chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
-    given = [arrays.call_given(extract, "extract", scan.points()) for scan in log]
-    segments = [arrays.segments(each, "extract(points)") for each in given]
-    seen = [(each, scan.sensor_pose[:2]) for each, scan in zip(segments, log, strict=True)]
+    seen = [(extract_polylines(scan.points()), scan.sensor_pose[:2]) for scan in log]
     map = transform(trail.pose(0), seen[0][0]) if grow and seen else None
     reference = 0
     for k in range(1, len(log)):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...compiled import compiled
 from ...kernels import Rule, describe, match_value
-from .._walls import constraints
+from .._walls import constraints, moved_segments
 
 #: The angles of two corners differ by less, radians: a wall of 0.3 m seen with 10 mm of noise leans
 #: by 3 degrees.
@@ -89,17 +89,6 @@ def choose_distinct_poses(
 
 
 @compiled
-def segments_at_pose(s: Array, x: float, y: float, heading: float) -> Array:
-    """Segments `(n, 2, 2)`, metres, carried by a pose, metres and radians."""
-    out, c, z = np.empty_like(s), np.cos(heading), np.sin(heading)
-    for i in range(len(s)):
-        for k in range(2):
-            out[i, k, 0] = x + c * s[i, k, 0] - z * s[i, k, 1]
-            out[i, k, 1] = y + z * s[i, k, 0] + c * s[i, k, 1]
-    return out
-
-
-@compiled
 def fill_values(s: Array, a: Array, t: Array, rule: Rule, found: Array) -> float:
     """Write the match value of every pair, metres, to `found`, (n, m) array; return their sum."""
     b, total = describe(t), 0.0
@@ -115,7 +104,7 @@ def pose_values(s: Array, t: Array, poses: Array, rule: Rule, found: Array) -> N
     """Value of each pose `(k, 3)` of t in the frame of s, metres: the sum of match values."""
     a, pairs = describe(s), np.empty((len(s), len(t)))
     for k in range(len(poses)):
-        there = segments_at_pose(t, poses[k, 0], poses[k, 1], poses[k, 2])
+        there = moved_segments(t, poses[k, 0], poses[k, 1], poses[k, 2], 0.0, 0.0)
         found[k] = fill_values(s, a, there, rule, pairs)
 
 
@@ -158,7 +147,7 @@ def refine(s: Array, t: Array, pose: Array, rule: Rule, rows: Array) -> None:
     x, y, heading = pose[0], pose[1], pose[2]
     before = worth = 0.0
     for k in range(REFINING_ROUNDS + 1):
-        there = segments_at_pose(t, x, y, heading)
+        there = moved_segments(t, x, y, heading, 0.0, 0.0)
         worth = fill_values(s, a, there, rule, value)
         if k == 0:
             before = worth

@@ -30,10 +30,6 @@ from ._equations import Indices, Pairs, Rules, Scans
 WALL_POSITION_SIGMA_M = 0.03
 #: Where a smaller share of the walls lies across a direction, it is free.
 LEAST_ACROSS_SHARE = 0.02
-#: Two scans nearer to each other than this, metres, ...
-SAME_VIEW_M = 0.50
-#: ... and turned by less, radians, must see the same walls.
-SAME_VIEW_RAD = np.radians(30.0)
 #: Why a scan is not used, where its kind says less.
 WHY_WORDS = {
     Unmatched.NO_ODOMETRY: "no odometry to begin from",
@@ -223,13 +219,8 @@ def _align_kept(
     part = np.cumsum(np.isin(np.arange(len(group)), torn))
     label = np.unique(np.column_stack([group, part]), axis=0, return_inverse=True)[1].ravel()
     beyond = np.flatnonzero(label != np.bincount(label).argmax())
-    why, again = _doubts(scans, poses, pairs), _doubled(scans, poses, edges[edge])
-    marks = [
-        (begins, Unmatched.LITTLE_OVERLAP),
-        (torn, Unmatched.TORN),
-        (beyond, Unmatched.UNTIED),
-        (again, Unmatched.OTHER_WALLS),
-    ]
+    why = _doubts(scans, poses, pairs)
+    marks = (begins, Unmatched.LITTLE_OVERLAP), (torn, Unmatched.TORN), (beyond, Unmatched.UNTIED)
     for marked, kind in marks:
         for k in marked:
             why[k] = why[k] or kind
@@ -269,14 +260,3 @@ def _doubts(scans: Scans, poses: Array, pairs: Pairs) -> list[Unmatched]:
     free, none = Unmatched.FREE_DIRECTION, Unmatched.LITTLE_OVERLAP
     marks = zip(whole > 0, one_way, strict=True)
     return [none if not some else free if one else Unmatched.NONE for some, one in marks]
-
-
-def _doubled(scans: Scans, poses: Array, joined: Indices) -> Indices:
-    """Scans at the position of an earlier one, looking the same way, that share nothing with it."""
-    count = np.diff(scans.first)
-    i, j = np.triu_indices(len(poses), 1)
-    step = poses[j] - poses[i]
-    same = np.hypot(step[:, 0], step[:, 1]) < SAME_VIEW_M
-    same &= (np.abs(wrap(step[:, 2])) < SAME_VIEW_RAD) & (np.minimum(count[i], count[j]) > 1)
-    known = np.isin(i * len(poses) + j, joined[:, 0] * len(poses) + joined[:, 1])
-    return np.unique(j[same & ~known])

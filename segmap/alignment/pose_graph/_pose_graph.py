@@ -375,14 +375,8 @@ class LiveGraph(Locked):
 
     @property
     @locked
-    def reasons(self) -> tuple[str, ...]:
-        """Why each scan so far was not matched, as it came; empty where it was."""
-        return tuple(row.reason or str(row.unmatched) for row in self.front_end.rows)
-
-    @property
-    @locked
     def unmatched(self) -> tuple[Unmatched, ...]:
-        """The kind of each reason."""
+        """Why each scan so far was not matched, as it came; empty where it was."""
         return tuple(row.unmatched for row in self.front_end.rows)
 
     @property

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...compiled import compiled
 from ...kernels import APART_WEIGHT, describe, distance_below
+from .._walls import moved_segments
 
 Indices = NDArray[np.int64]
 
@@ -36,21 +37,6 @@ FINEST_STEP_M = 5e-5
 #: Cost in metres that a shift by one metre must save. One wall across in a scan of 70 saves 0.004;
 #: the noise of walls along a corridor a tenth of that, and moves no scan.
 SLOPE = 0.004
-
-
-@compiled
-def turned_about(
-    s: Array, x: float, y: float, turn: float, about_x: float, about_y: float
-) -> Array:
-    """Segments `(n, 2, 2)` turned about a point, then shifted; metres, radians."""
-    c, z = np.cos(turn), np.sin(turn)
-    out = np.empty_like(s)
-    for i in range(len(s)):
-        for k in range(2):
-            u, v = s[i, k, 0] - about_x, s[i, k, 1] - about_y
-            out[i, k, 0] = about_x + x + c * u - z * v
-            out[i, k, 1] = about_y + y + z * u + c * v
-    return out
 
 
 @compiled
@@ -118,7 +104,7 @@ def best_turn(
     best, turn = cost(reference, r, current, pairs, penalty, away), 0.0
     for k in range(-TURNS_PER_SIDE, TURNS_PER_SIDE + 1):
         tried = k * width / TURNS_PER_SIDE
-        turned = turned_about(current, 0.0, 0.0, tried, about_x, about_y)
+        turned = moved_segments(current, 0.0, 0.0, tried, about_x, about_y)
         found = cost(reference, r, turned, pairs, penalty, away)
         if found < best - COST_ROUNDING_M:
             best, turn = found, tried
@@ -168,7 +154,7 @@ def best_shift(
     failed, k = 0, 0
     while failed < len(around):
         u, v = x + step * around[k, 0], y + step * around[k, 1]
-        shifted = turned_about(current, u, v, 0.0, 0.0, 0.0)
+        shifted = moved_segments(current, u, v, 0.0, 0.0, 0.0)
         found = cost(reference, r, shifted, pairs, penalty, away)
         if found < best - SLOPE * step:
             best, x, y, failed = found, u, v, 0
@@ -194,9 +180,9 @@ def turn_and_shift(
         for _ in range(MOST_ROUNDS_PER_STEP):
             px, py = current.mean((0, 1))  # a turn about the middle leaves the shift nearly alone
             turn = best_turn(reference, r, current, pairs, distance, px, py, width)
-            turned = turned_about(current, 0.0, 0.0, turn, px, py)
+            turned = moved_segments(current, 0.0, 0.0, turn, px, py)
             x, y = best_shift(reference, r, turned, pairs, distance, step)
-            current = turned_about(turned, x, y, 0.0, px, py)
+            current = moved_segments(turned, x, y, 0.0, px, py)
             c, s, (u, v) = np.cos(turn), np.sin(turn), motion[:2] - (px, py)
             motion = np.array([px + x + c * u - s * v, py + y + s * u + c * v, motion[2] + turn])
             pairs = correspondences(reference, r, current, angle, distance)

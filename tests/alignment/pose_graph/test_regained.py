@@ -46,7 +46,7 @@ def test_where_it_is_found_and_what_is_refused(walls, step, reason):
     graph, start = LiveGraph(), HERE if walls is ROOM else np.zeros(3)
     for pose in (start, compose(start, step)):
         graph.add(seen(walls, pose))
-    assert graph.reasons == ("", reason)
+    assert graph.unmatched == ("", reason)
     found = between(*graph.poses)
     if reason != NOWHERE:  # along the corridor it keeps the guess
         assert np.abs(found - np.array(step) * (walls is ROOM, 1, 1)).max() < 0.01
