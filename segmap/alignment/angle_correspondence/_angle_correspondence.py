@@ -22,7 +22,7 @@ from ...scans import Log
 from ...scans.causes import Unmatched
 from ...segments import SegmentMap, length, point_distance
 from .._result import Laid, Match, Outcome, Trail, alignment_method, no_match
-from .._walls import constraints, moved_segments
+from .._walls import constraints
 from . import _kernels as kernels
 from ._scenes import Candidate, Heuristic, Scene, corners, scene
 
@@ -151,7 +151,7 @@ def _hidden_lengths(poses: Array, s: Scene, t: Scene) -> Array:
     """Length of wall, (k,) array, metres, that one scene has seen through a wall of the other."""
     found, stood = np.zeros(len(poses)), transform(poses, t.places)
     for k, pose in enumerate(poses):
-        there = moved_segments(t.segments, *pose, 0.0, 0.0)
+        there = transform(pose, t.segments)
         looks = ((s.places, s.segments, there), (stood[k], there, s.segments))
         for places, segments, walls in looks:
             least = np.inf  # from the best of the places
@@ -166,7 +166,7 @@ def _wall_constraints(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tupl
     found, described = [], describe(s.segments)
     value = np.empty((len(s.segments), len(t.segments)))
     for pose, (x, y) in zip(poses, transform(poses, -t.middle[None])[:, 0], strict=True):
-        there = moved_segments(t.segments, *pose, 0.0, 0.0)
+        there = transform(pose, t.segments)
         kernels.fill_values(s.segments, described, there, rule, value)
         some = value > 0
         rows = np.empty((2 * np.count_nonzero(some), 5))
