@@ -105,16 +105,6 @@ def test_each_threshold_has_a_sentence_a_unit_and_its_default(name):
             assert "holds 99 % of looks" in words and default == "9.21"
 
 
-def test_help_of_a_method_is_asked_for_by_its_name(run):
-    """Catches a word after --help that is taken for a log."""
-    code, said, _ = run("map", "--help", "fusion")
-    assert code == 0 and said.startswith("fusion:\n  Replace chains of segments")
-    assert "  --tolerance METRES  Half width of the strip." in said
-    assert "  It has no threshold." in run("map", "-h", "odometry")[1]
-    assert len(run("map", "--help-all")[1]) > 5 * len(run("map", "--help")[1])
-    assert run("info", "--help")[0] == 0
-
-
 def test_quiet_is_silent_where_all_is_well(run):
     """Catches a line that a script has to throw away, and a fault that is hidden."""
     assert run("info", "room", "malaga", "-q") == (0, "", "")

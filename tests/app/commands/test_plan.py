@@ -58,12 +58,6 @@ def test_a_name_may_begin_with_a_dash(tmp_path, name):
     assert [row.split(",")[0] for row in table.read_text().splitlines()].count(name) == 1
 
 
-def test_doors_that_are_none_are_refused(capsys):
-    """Catches a width of doors that is used before anybody looks at it."""
-    assert main(["plan", "room", "--door", "2", "1"]) == 2
-    assert "narrowest" in capsys.readouterr().err
-
-
 def test_a_robot_that_is_found_has_a_room(tmp_path, capsys):
     """Catches a room that is looked for in another frame, and a plan in degrees."""
     plan, squares = tmp_path / "plan.geojson", tmp_path / "room.npz"

