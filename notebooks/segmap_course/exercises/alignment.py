@@ -25,15 +25,16 @@ def _pairs(rng: Rng) -> Cases:
     long = [(0, 0), (size, 0)]
     short = [(part * size, off), (2 * part * size, off + more)]
     later = [(part * size, off), ((1 + part) * size, off)]
+    slanting = [(part, 0.03), (part + 0.25, 0.08)]
     return {
         words: (transform(place, u), transform(place, v), distance)
         for words, u, v in (
             ("two parallel walls", long, [(0, off), (size, off)]),
             ("a short wall beside a long one", long, short),
-            ("the same, exchanged", short, long),
             ("walls of which each has an end that the other has not", long, later),
             ("the same, leaning", long, [later[0], ((1 + part) * size, off + more)]),
-            ("walls one behind the other", long, [(size + 0.05, off), (size + 2, off)]),
+            ("a short wall that slants, of which each measures another D", slanting, long),
+            ("walls one behind the other", long, [(size + 0.2, off), (size + 2, off)]),
         )
     }
 
