@@ -18,6 +18,8 @@ SYLLABUS, README = NOTEBOOKS / "SYLLABUS.md", NOTEBOOKS.parent / "README.md"
 #: Words a minute; minutes for a cell of code with what it shows, for a panel or a figure to drag,
 #: for a function to be written, for an open exercise (a prediction, a counter-example, an own log).
 SPEED, CELL, PANEL, FUNCTION, OPEN = 120, 0.75, 5, 20, 15
+#: Where a cell makes one.
+PANELS = r"^\w+ = (?:\w+\.)?(?:\w+Panel|PlanEditor|Workbench|Drag\w+)\("
 #: A row that links to chapters, and ends with minutes; and cells of a row of a lab, of which the
 #: last but one names the functions that are written at home, which are no part of its minutes.
 ROW = re.compile(r"^(\|.*\d\d_\w+\.ipynb\).*\| )(\d+) \|$", re.MULTILINE)
@@ -73,7 +75,7 @@ def chapter(path: Path) -> Chapter:
         "".join(SHOWS.findall("".join(cells[0]["source"]))),
         len(re.findall(r"[^\s|]*\w[^\s|]*", text)),
         len(code),
-        len(re.findall(r"^\w+ = (?:\w+\.)?(?:\w+Panel|Workbench|Drag\w+)\(", joined, re.MULTILINE)),
+        len(re.findall(PANELS, joined, re.MULTILINE)),
         len(re.findall(r"^course\.check_(?!own_log)\w+\(", joined, re.MULTILINE)),
         len(
             re.findall(

@@ -61,7 +61,7 @@ STATES: dict[str, list[str]] = {
     "25-1": ["beams=*"],
     "26-1": ["", "score='distance', turn=*"],
     "27-1": ["step=*"],
-    "28-1": ["kappa=*"],
+    "28-1": ["", "do(plan.Join((8.2,0.8),(0.6,2.6)))", "do(plan.Join((8.2,0.8),(0.7,8.0)))"],
     "29-1": ["", *9 * ["run(10)"]],
     "51-1": ["", "run()", "method='hybrid', run()", "method='fusion', run()"],
     "51-2": ["", "least=0.5, run()"],
@@ -108,7 +108,9 @@ for _moves in _wanted:
         else:
             getattr({panel}, _name).value = eval(_value)
     _shown = {panel}._repr_mimebundle_()
-    if {panel}.picture.value:  # what a browser with a kernel is given is finer
+    if isinstance(_shown, tuple):  # of a widget that draws itself: with metadata
+        _shown = _shown[0]
+    elif {panel}.picture.value:  # what a browser with a kernel is given is finer
         _shown["image/png"] = bytes({panel}.picture.value)
     _display({{k: _shown[k] for k in ("image/png", "text/plain")}}, raw=True)
 """

@@ -7,16 +7,14 @@ from matplotlib.axes import Axes
 from .. import arrays
 from ..plan import FloorPlan
 from ._segments import draw_segments
-from ._style import ERROR, GROUPS, MAP, RAW, RESULT
+from ._style import ERROR, GROUPS, MAP, RAW
 
-#: How much of the colour of a room shows: of one among others, and of the one that lights up.
-TINTS = (0.25, 0.8)
+#: How much of the colour of a room shows.
+TINT = 0.25
 
 
-def draw_plan(plan: FloorPlan, *, lit: int = -1, ax: Axes | None = None) -> Axes:
+def draw_plan(plan: FloorPlan, *, ax: Axes | None = None) -> Axes:
     """Draw a floor plan: rooms tinted, with their areas; doors orange, clutter grey.
-
-    The room with the index `lit` is filled darker.
 
     Examples
     --------
@@ -26,17 +24,15 @@ def draw_plan(plan: FloorPlan, *, lit: int = -1, ax: Axes | None = None) -> Axes
     >>> log = load("room")
     >>> free = quadtree.build_map(log, log.truth, resolution=0.05, free_resolution=0.05)
     >>> plan = floor_plan(build_map(log, log.truth), free)
-    >>> ax = draw_plan(plan, lit=0, ax=Figure().subplots())
+    >>> ax = draw_plan(plan, ax=Figure().subplots())
     >>> len(ax.texts) == len(plan.rooms)
     True
     """
     arrays.instance(plan, "plan", FloorPlan)
-    lit = arrays.whole(lit, "lit", least=-1)
     ax = draw_segments(plan.clutter, ax=ax, color=RAW, width=0.8)
     draw_segments(plan.walls, ax=ax, color=MAP, width=1.2)
     for k, room in enumerate(plan.rooms):
-        color = RESULT if k == lit else GROUPS[k % len(GROUPS)]
-        ax.fill(*room.outline.T, color=color, alpha=TINTS[k == lit], linewidth=0)
+        ax.fill(*room.outline.T, color=GROUPS[k % len(GROUPS)], alpha=TINT, linewidth=0)
         for hole in room.holes:
             ax.fill(*hole.T, color="white", linewidth=0)
         x, y = room.place

@@ -146,7 +146,7 @@ DRAWINGS = {
     "path": (lambda ax: plotting.draw_path(POSES, ax=ax), {TRUTH}),
     "points": (lambda ax: plotting.draw_points(POINTS, ax=ax), {RAW}),
     "plan": (
-        lambda ax: plotting.draw_plan(plan_of_the_room(), lit=2, ax=ax),
+        lambda ax: plotting.draw_plan(plan_of_the_room(), ax=ax),
         {RAW, MAP, ERROR, RESULT, *GROUPS[:2]},
     ),
     "poses": (lambda ax: plotting.draw_poses(POSES, ax=ax), {RESULT}),

@@ -11,7 +11,6 @@ from ._chosen import EarlyMethodsPanel, FusionPanel, LineErrorPanel, OnePerWallP
 from ._finders import FinderPanel
 from ._graphs import IcpPanel, PoseGraphPanel
 from ._matching import KalmanPanel, LandscapePanel, MatcherPanel, ParticlePanel, PlacePanel
-from ._plans import PlanPanel
 from ._quadtree import ClassesPanel, EndsPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,
@@ -28,7 +27,7 @@ __all__ = [
     "EarlyMethodsPanel", "EndsPanel", "FinderPanel", "FusionPanel", "GlobalPanel",
     "GroundTruthPanel", "HybridPanel", "IcpPanel", "KalmanPanel", "LandscapePanel",
     "LeastCostPanel", "LineErrorPanel", "MatcherPanel", "MeanShiftPanel", "MovingPanel",
-    "OnePerWallPanel", "ParticlePanel", "PlacePanel", "PlanPanel", "PolylinePanel",
+    "OnePerWallPanel", "ParticlePanel", "PlacePanel", "PolylinePanel",
     "PoseGraphPanel", "RayPanel", "RoomPanel", "RoutePanel", "SectorPanel", "SegmentIcpPanel",
     "StoragePanel", "TapePanel", "insert_variant",
 ]  # fmt: skip

@@ -98,7 +98,6 @@ PANELS = {
     "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
     "OnePerWallPanel": ((WALLS,), "factor", 4.0),
     "PlacePanel": ((build_map(LOG, LOG.truth, resolution=0.05), LOG), "scan", 0),
-    "PlanPanel": ((SHELL, OPEN), "room", 2),
     "ParticlePanel": ((LOG,), "particles", 2),
     "MovingPanel": ((ROOM, (1, 1, 0)), "turn", 150),
     "PolylinePanel": ((LOG[0],), "tolerance", 0.005),
