@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import Metres, Segments, checked
+from ...arrays import Array, Metres, Segments, checked
 from ...kernels import describe
 from ...progress import announce, parts
 from ...segments import length
 from .._index import by_cell, empty_index
-from .._runner import Found, Length, Reduction, Rows, Turn, resolve_merges, run_offline
+from .._runner import Length, Reduction, Rows, Turn, run_offline
 from ._exchange import exchanged
 from ._fit_kernels import Limits, empty_room, segment_sums
 from ._merge_kernels import State, estimate_all, merge_some, nearest_neighbours
@@ -74,30 +74,42 @@ def least_cost(
     price = max(PRICE, penalty / distance / 40)
     limits = Limits(penalty, price, price, distance, float(np.sin(angle)), gap)
     return run_offline(
-        "least_cost", map, lambda rows: exchanged(rows, merged_greedily(rows, limits)[0], limits)
+        "least_cost", map, lambda rows: exchanged(rows, merged_greedily(rows, limits), limits)
     )
 
 
-def merged_greedily(rows: Rows, limits: Limits) -> Found:
-    """The first phase: outputs, and the cluster of each segment."""
-    s, n, d = rows.segments, len(rows.segments), describe(rows.segments)
-    reach = min(max(limits.penalty / ACROSS_COST_SHARE, limits.gap), 2 * limits.distance)
+def merged_greedily(rows: Rows, limits: Limits) -> Array:
+    """The first phase: the outputs, each where its first segment stands.
+
+    No merge reaches beyond a group of segments that pairs tie together, so that one group is merged
+    after the other, and what belongs together stands together in memory.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     # step 1: pairs that may merge
+    n, unit = len(rows.segments), length(rows.segments).mean() if len(rows.segments) else 0.0
+    reach = min(max(limits.penalty / ACROSS_COST_SHARE, limits.gap), 2 * limits.distance)
     who, least = np.full((n, NEIGHBOURS), -1), np.full((n, NEIGHBOURS), np.inf)
-    unit = max(2 * reach, length(s).mean() if n else 0.0)
-    own, room, places = np.arange(n), np.empty(n + 1, np.int64), empty_index(n, unit)
-    place = by_cell(s, unit)
-    there, about = s[place], d[place]
-    for part in parts(own, "least cost: looking around segment"):
-        nearest_neighbours(there, about, reach, part, places, room, least, who)
+    places, room = empty_index(n, max(2 * reach, unit)), np.empty(n + 1, np.int64)
+    place = by_cell(rows.segments, max(2 * reach, unit))
+    s = rows.segments[place]
+    d = describe(s)
+    for part in parts(np.arange(n), "least cost: looking around segment"):
+        nearest_neighbours(s, d, reach, part, places, room, least, who)
     i, k = np.nonzero(who >= 0)
     i, j = place[i], place[who[i, k]]
-    pairs = np.sort(n * np.argsort(place)[np.minimum(i, j)] + np.maximum(i, j))
-    low, high = np.divmod(pairs[np.diff(pairs, prepend=-1) > 0], n)
-    low = place[low]
-    near = np.column_stack([high, low]).ravel()
+    ties = coo_array((np.ones(len(i)), (i, j)), shape=(n, n))
+    label = connected_components(ties, directed=False)[1]
     # step 2: every segment is a cluster
-    size = 1 << max(n - 1, 0).bit_length()
+    own, order = np.arange(n), np.argsort(label, kind="stable")
+    place = np.argsort(order)
+    pairs = np.sort(n * np.minimum(place[i], place[j]) + np.maximum(place[i], place[j]))
+    low, high = np.divmod(pairs[np.diff(pairs, prepend=-1) > 0], n)
+    near = np.column_stack([high, low]).ravel()
+    first = np.flatnonzero(np.diff(label[order], prepend=-1, append=n))
+    s = rows.segments[order]
+    d = describe(s)
     state = State(
         s=s,
         d=d,
@@ -113,16 +125,15 @@ def merged_greedily(rows: Rows, limits: Limits) -> Found:
         fits=np.empty((n, 5)),
         cheapest=np.full(n, -1),
         cost=np.full(n + 1, np.inf),
-        winners=np.concatenate([np.full(size, n), own, np.full(size - n, n)]),
+        first=first,
+        winners=np.full(4 * np.diff(first).max(initial=0) + 2, n),
+        tree=np.zeros(2, np.int64),
     )
-    fitting, share = empty_room(n), 0.0
+    fitting, group = empty_room(n), -1
     for part in parts(np.arange(len(low)), "least cost: estimating merges of pair"):
         estimate_all(state, fitting, part, limits)
-    cost = 0.0
-    while cost < np.inf:
-        share = max(share, min(cost / limits.penalty, 1.0))
-        announce(share, f"least cost: merging {n} segments")
-        cost = merge_some(state, fitting, limits)
+    while group < len(first) - 1:
+        announce(first[group] / n if group > 0 else 0.0, f"least cost: merging {n} segments")
+        group = merge_some(state, fitting, group, limits)
     announce(1.0, f"least cost: merging {n} segments")
-    alive, parents = resolve_merges(state.link[:, 0])
-    return state.drawn[alive], parents
+    return state.drawn[place[state.link[place, 0] == place]]

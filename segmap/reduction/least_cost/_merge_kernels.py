@@ -44,7 +44,7 @@ class State(NamedTuple):
 
     Members of a cluster, and its neighbours, are linked lists, -1 at the end. Of the p pairs, pair
     q is entry 2 q in the list of one of its clusters and 2 q + 1 in that of the other. Each cluster
-    knows its cheapest neighbour of a higher index, and a tree of winners the cheapest of all.
+    knows its cheapest neighbour of a higher index, and a tree of winners the cheapest of its group.
     """
 
     s: Array  # (n, 2, 2) inputs
@@ -61,7 +61,9 @@ class State(NamedTuple):
     fits: Array  # (n, 5) its segment and cost
     cheapest: Indices  # (n,) entry of the cheapest neighbour of a higher index
     cost: Array  # (n,) its key, inf for none
+    first: Indices  # (groups + 1,) cluster of each group, and n
     winners: Indices  # of nodes 2 k and 2 k + 1 the cheaper cluster stands in k; ties: the lower
+    tree: Indices  # (2,) first cluster of the group that merges now, and its node
 
 
 # ------------------------------------------------------------------ step 1: who may merge
@@ -126,7 +128,7 @@ def _find_cheapest(state: State, a: int) -> None:
             best, least = entry, value
         entry = near[entry, 1]
     state.cheapest[a], cost[a] = best, least
-    node = (len(winners) // 2 + a) // 2
+    node = (state.tree[1] + a - state.tree[0]) // 2
     while node > 0:
         one, other, before = winners[2 * node], winners[2 * node + 1], winners[node]
         winners[node] = other if cost[other] < cost[one] else one
@@ -215,26 +217,42 @@ def _merge_clusters(state: State, a: int, b: int) -> None:
 
 @compiled
 def estimate_all(state: State, room: Room, part: Indices, limits: Limits) -> None:
-    """Enter some pairs, by the lower cluster, in the lists of neighbours."""
+    """Enter some pairs in the lists of neighbours, and estimate what each would cost."""
     link, near = state.link, state.near
     for pair in part:
         for entry in (2 * pair, 2 * pair + 1):
             a = near[entry ^ 1, 0]
             near[entry, 1], link[a, 4] = link[a, 4], entry
         _estimate(state, room, 2 * pair, limits)
-        a = near[2 * pair + 1, 0]
-        if pair + 1 == len(state.key) or near[2 * pair + 3, 0] != a:
-            _find_cheapest(state, a)
 
 
 @compiled
-def merge_some(state: State, room: Room, limits: Limits) -> float:
-    """Merge clusters, the cheapest pair first, until every merge costs more than the penalty.
+def _plant_tree(state: State, group: int) -> None:
+    """Let the clusters of a group be the leaves of the tree of winners."""
+    low, high, leaf = state.first[group], state.first[group + 1], 1
+    while leaf < high - low:
+        leaf *= 2
+    state.tree[0], state.tree[1] = low, leaf
+    state.winners[: 2 * leaf] = len(state.s)
+    for a in range(low, high):
+        state.winners[leaf + a - low] = a
+    for a in range(low, high):
+        _find_cheapest(state, a)
 
-    Or for a while, until there were `WORK` pairs and members; the cost of the pair that is next.
+
+@compiled
+def merge_some(state: State, room: Room, group: int, limits: Limits) -> int:
+    """Merge clusters, the cheapest pair of a group first, until each merge costs the penalty.
+
+    Group after group, until there were `WORK` pairs and members; the group that is next.
     """
     link, near, cost, winners, work = state.link, state.near, state.cost, state.winners, 0
-    while cost[winners[1]] < np.inf and work < WORK:
+    while group < len(state.first) - 1 and work < WORK:
+        if cost[winners[1]] == np.inf:
+            group, work = group + 1, work + 1
+            if group < len(state.first) - 1:
+                _plant_tree(state, group)
+            continue
         a = winners[1]
         b, pair = near[state.cheapest[a], 0], state.cheapest[a] // 2
         work += 1 + link[a, 1] + link[b, 1]
@@ -256,4 +274,4 @@ def merge_some(state: State, room: Room, limits: Limits) -> float:
                 _find_cheapest(state, c)
             entry = near[entry, 1]
         _find_cheapest(state, a)
-    return cost[winners[1]]
+    return group
