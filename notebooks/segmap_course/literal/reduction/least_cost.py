@@ -36,7 +36,7 @@ Outputs = dict[int, tuple[Segment, list[float]]]
 Ranks = list[tuple[tuple[float, int], tuple[float, int]]]
 
 #: Constants of `reduction.least_cost`.
-HARD, NEIGHBOURS, STEPS, WIDE, RATIO = 2.0, 8, 6, 3.0, 1.5
+HARD, NEIGHBOURS, STEPS, WIDE, RATIO = 2.0, 8, 6, 3.0, 2.0
 #: Costs that differ by less are equal, metres: then the lower index comes first. In decimals, too.
 EQUAL, DECIMALS = 1e-12, 12
 #: Those of its second phase.
