@@ -234,8 +234,7 @@ def _plant_tree(state: State, group: int) -> None:
         leaf *= 2
     state.tree[0], state.tree[1] = low, leaf
     state.winners[: 2 * leaf] = len(state.s)
-    for a in range(low, high):
-        state.winners[leaf + a - low] = a
+    state.winners[leaf : leaf + high - low] = np.arange(low, high)
     for a in range(low, high):
         _find_cheapest(state, a)
 
