@@ -110,7 +110,7 @@ def place(tmp_path_factory):
 
 
 #: One log of each way in which a page finds out what it is given.
-FILES = {"flaser": SINGLE_FILES["flaser"], "npz": NPZ, "hokuyo": HOKUYO}
+FILES = {"carmen": SINGLE_FILES["carmen"], "npz": NPZ, "hokuyo": HOKUYO}
 FILES |= {name: PROGRAMS[name][0] for name in [*PROGRAMS][:2]}
 
 
