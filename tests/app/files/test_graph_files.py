@@ -216,32 +216,3 @@ def test_what_is_no_graph_is_refused_and_leaves_no_file(name, tmp_path):
     with pytest.raises(ValueError, match=message):
         write_graph(tmp_path / "it.g2o", graph)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_poses_in_space_of_a_plane_robot_are_projected_and_said(tmp_path):
-    """Catches entries of the wrong rows, half an angle taken for a whole one, and silence."""
-    flat = "VERTEX_SE2 3 0 0 0\nVERTEX_SE2 5 1 2 0.6\nEDGE_SE2 3 5 1.1 2 0.6 9 1 2 8 3 7\n"
-    half = f"0 0 {np.sin(0.3):.15f} {np.cos(0.3):.15f}"
-    six = np.diag(np.full(6, 5.0))
-    plane, entries = [0, 1, 5], np.array([(9, 1, 4), (1, 8, 6), (4, 6, 28.0)])
-    six[np.ix_(plane, plane)] = entries
-    upper = " ".join(f"{value:g}" for value in six[np.triu_indices(6)])
-    space = (
-        "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 3 0 0 0.2 0 0 0 1\n"
-        f"VERTEX_SE3:QUAT 5 1 2 -0.3 {half}\nEDGE_SE3:QUAT 3 5 1.1 2 0 {half} {upper}\n"
-    )
-    six[5, 5], six[:2, 5] = 7, (2, 3)  # of TORO, whose angles are whole
-    whole = " ".join(f"{value:g}" for value in six[np.triu_indices(6)])
-    toro = (
-        "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\nVERTEX3 3 0 0 0.2 0 0 0\n"
-        f"VERTEX3 5 1 2 -0.3 0 0 0.6\nEDGE3 3 5 1.1 2 0 0 0 0.6 {whole}\n"
-    )
-    (tmp_path / "flat.g2o").write_text(flat)
-    wanted = read_graph(tmp_path / "flat.g2o")
-    for content in (space, toro):
-        (tmp_path / "space.g2o").write_text(content)
-        with pytest.warns(UserWarning, match=r"are projected: up to 0.3 m, 0 degrees"):
-            found = read_graph(tmp_path / "space.g2o")
-        for name in ("poses", "edges", "relative", "information", "ids"):
-            assert getattr(found, name) == pytest.approx(getattr(wanted, name)), name
-        assert found.left_out == {"PARAMS_SE3OFFSET": 1}
