@@ -137,6 +137,11 @@ def placed_at(
     if place is None:
         return Frame()
     first, second = arrays.row(place, "place", 2).tolist()
+    if crs is not None and abs(first) <= 90 and abs(second) <= 180:
+        raise ValueError(
+            f"place {first:g} {second:g} looks like degrees, and {crs} takes metres to the east "
+            "and north: leave the grid out, or give the place in it"
+        )
     try:
         return Earth(first, second, turn) if crs is None else Grid(crs, first, second, turn)
     except ValueError as error:

@@ -253,7 +253,7 @@ class Choices:
         chosen = (each.call() for each in (self.align, self.extract, self.method, self.second))
         align, extract, *methods = (call for call in chosen if call is not None)
         least, prepare = float(self.least.value), self.prepare()
-        seen, edits = float(self.people.value) or None, self.edits.asked()
+        seen, edits = float(self.people.value) or None, self.edits.value()
         return MapChoices(align, extract, least, methods, prepare, seen, edits, log)
 
     def views(self) -> dict[str, Any]:

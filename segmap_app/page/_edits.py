@@ -57,10 +57,7 @@ class Edits:
         self.controls = [self.square, self.crop, self.place, self.north, self.crs]
         self.crop.layout.flex = "1 1 260px"
         cut = W.Box([self.crop, self.drag], layout=W.Layout(flex_flow="row wrap"))
-        self.degrees: Any = W.Button(description="They are degrees: without a grid")
-        self.degrees.layout = W.Layout(width="auto", display="none", align_self="flex-start")
-        self.degrees.on_click(lambda button: setattr(self.crs, "value", ""))
-        self.box = W.VBox([cut, self.place, self.north, self.crs, self.degrees])
+        self.box = W.VBox([cut, self.place, self.north, self.crs])
         self.open, self.wrong = folded("crop and place", self.box), wrong()
 
     def value(self) -> dict[str, Any]:
@@ -76,17 +73,6 @@ class Edits:
                 raise ValueError(f"{label} must be like '{hint}', got {text!r}") from None
         found["crs"], found["edit"] = self.crs.value.strip(), [*map(str, self.plan)]
         return {name: value for name, value in found.items() if value}
-
-    def asked(self) -> dict[str, Any]:
-        """The same, for a run: a place that looks like degrees in a grid is asked about."""
-        found = self.value()
-        east, north = place = found.get("place", [0.0, 0.0])
-        wrong = "crs" in found and abs(east) <= 90 and abs(north) <= 180 and any(place)
-        self.degrees.layout.display = "" if wrong else "none"
-        if wrong:
-            said = f"place {east:g} {north:g} looks like degrees"
-            raise ValueError(f"{said}, and a grid takes metres to the east and north")
-        return found
 
     def take_loops(self, held: Mapping[str, Any]) -> None:
         """Leave out and force the loops that these edits name, and no others."""

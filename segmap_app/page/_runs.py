@@ -7,18 +7,15 @@ from typing import Any
 
 import ipywidgets as W
 
-from segmap.arrays import LIMIT
-
 from ..pipeline import Pipeline
 from . import _shown
 
-#: What is kept of a run, and of which type it is.
-COLUMNS: dict[str, type] = {
-    **{"map": str, "alignment": str, "align_thresholds": str, "align_seconds": float},
-    **{"extraction": str, "extract_thresholds": str, "filtered": float, "verdict": str},
-    **{"placed": float, "method": str, "thresholds": str, "n_before": int, "n_after": int},
-    **{"reduction": float, "quality": float, "seconds": float},
-}
+#: What is kept of a run.
+COLUMNS = (
+    *("map", "alignment", "align_thresholds", "align_seconds", "extraction", "extract_thresholds"),
+    *("filtered", "verdict", "placed", "method", "thresholds", "n_before", "n_after", "reduction"),
+    *("quality", "seconds"),
+)
 
 
 class Runs:
@@ -31,8 +28,8 @@ class Runs:
 
     def take(self, rows: Sequence[Mapping[str, Any]]) -> int:
         """Those of a session in the place of the others; how many were no rows of a run."""
-        known = [{name: row.get(name) for name in COLUMNS} for row in rows]
-        self.rows, self.made = [row for row in known if _is_run(row)], {}
+        self.rows = [{name: row[name] for name in COLUMNS} for row in rows if {*COLUMNS} <= {*row}]
+        self.made = {}
         self._show()
         return len(rows) - len(self.rows)
 
@@ -47,15 +44,3 @@ class Runs:
 
     def _show(self) -> None:
         self.listed.value = _shown.runs_table(self.rows, self.made)
-
-
-def _is_run(row: Mapping[str, object]) -> bool:
-    """Whether all values of a row have the type of their column; whole numbers are numbers too."""
-    kinds = {int: (int,), float: (int, float), str: (str,)}
-    for name, kind in COLUMNS.items():
-        value = row[name]
-        if type(value) not in kinds[kind]:
-            return False
-        if isinstance(value, int | float) and not abs(value) < LIMIT:
-            return False
-    return True

@@ -31,8 +31,6 @@ OWN = "(a log of your own)"
 #: The largest file that is taken from a browser, bytes.
 MOST_UPLOAD_BYTES = 100_000_000
 LARGEST = "a file up to 100 MB; larger ones by their path"
-#: The longest name of a file on usual disks, bytes.
-LONGEST = 255
 #: Calls a function elsewhere, hands what it returns to a second one here, or why not to a third.
 Begin = Callable[..., None]
 #: What is said of a log while there is none: the next run would map another one.
@@ -145,13 +143,10 @@ class Source:
         return -1
 
     def _taken_in(self, name: str, size: int, start: int, content: bytes) -> int:
-        """The same; the page may lie about the size."""
+        """The same."""
         name = name or "upload.log"
-        if name == ".." or len(name.encode()) > LONGEST:
-            raise ValueError(f"{name[:40]!r} cannot be the name of a file: give it another one")
-        if (most := max(size, start + len(content))) > MOST_UPLOAD_BYTES:
-            self.stop()
-            raise ValueError(f"{name} has {most / 1e6:.1f} MB: only {LARGEST}")
+        if size > MOST_UPLOAD_BYTES:
+            raise ValueError(f"{name} has {size / 1e6:.1f} MB: only {LARGEST}")
         if start == 0:
             self.stop()
             self.ready, self.about.value = False, NO_LOG

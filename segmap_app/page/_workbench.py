@@ -283,7 +283,7 @@ class Workbench(Page, Work):
         """A row for each method of each run."""
         import pandas as pd
 
-        return pd.DataFrame(self._runs.rows, columns=list(COLUMNS))
+        return pd.DataFrame(self._runs.rows, columns=COLUMNS)
 
     def point(self, index: int, which: int = 0) -> arrays.Array:
         """Point at a segment that a method left, as the mouse does: its members, `(k, 2, 2)`.

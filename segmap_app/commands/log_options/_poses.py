@@ -212,12 +212,6 @@ def check_options(given: argparse.Namespace) -> None:
         useful = any(name.lower().endswith((".geojson", ".segmap")) for name in given.output)
         if given.place and not useful and "place" not in given.held:
             given.refuse("--place is for a .geojson, the other files have none: name one with -o")
-        if given.crs and given.place and abs(given.place[0]) <= 90 and abs(given.place[1]) <= 180:
-            x, y = given.place
-            given.refuse(
-                f"--place {x:g} {y:g} looks like degrees, and in {given.crs} it is EAST NORTH in "
-                f"metres: leave --crs out, `--place LAT LON`, or give the place in that grid"
-            )
         option = "--place"
         try:
             world_of(edits_of(given))
