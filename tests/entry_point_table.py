@@ -189,9 +189,7 @@ GOOD |= {
     "world": emulator.Room(WALLS, PATH),
     "turn": 3,
     "index": 1,
-    "Emulator.link": None,
     "Emulator.tcp": None,
-    "capture": b"GD0383038401\n00P\nJUGnD\n06805m`\n\n",
 }
 GOOD |= {"localize_ekf.map": MAP, "localize_ekf.covariance": np.diag([0.1, 0.1, 0.05]) ** 2}
 #: Parameters that may be anything.

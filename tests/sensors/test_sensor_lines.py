@@ -53,16 +53,37 @@ def of(emulator, **settings):
     return UrgSensor(emulator.port, **({"timeout": 0.3} | settings))
 
 
+class Linked(Emulator):
+    """A terminal that has one name, also when it is plugged in again."""
+
+    def __init__(self, *world, link, **settings):
+        self.link = link
+        super().__init__(*world, **settings)
+        link.symlink_to(self._end.name)
+
+    @property
+    def port(self):
+        return str(self.link)
+
+    def replug(self):
+        super().replug()
+        self.link.unlink()
+        self.link.symlink_to(self._end.name)
+
+
 class Line:
     """A kind of line: how a sensor is put at it, and what its scans show."""
 
     def __init__(self, kind, folder):
         self.is_tcp = kind == "tcp"
         self.world, self.turn = (far_pattern, far_turn) if self.is_tcp else (pattern, turn_of)
-        self.settings = UST if self.is_tcp else {"link": folder / "laser"}
+        self.folder = folder
 
-    def emulator(self, **settings):
-        return Emulator(self.world, speed=10.0, **self.settings, **settings)
+    def emulator(self):
+        if self.is_tcp:
+            return Emulator(self.world, speed=10.0, **UST)
+        (link := self.folder / "laser").unlink(missing_ok=True)
+        return Linked(self.world, link=link, speed=10.0)
 
     def open(self, name):
         import serial

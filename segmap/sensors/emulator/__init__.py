@@ -5,6 +5,6 @@
 
 from ._emulator import Emulator
 from ._unit import Unit
-from ._worlds import Replay, Room, furnished_room
+from ._worlds import Room, furnished_room
 
-__all__ = ["Emulator", "Replay", "Room", "Unit", "furnished_room"]
+__all__ = ["Emulator", "Room", "Unit", "furnished_room"]

@@ -9,7 +9,6 @@ import select
 import socket
 import threading
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -94,43 +93,29 @@ class Wire:
 
 
 class Terminal:
-    """A pseudo-terminal that programs open as a serial port, and a link to it where asked for."""
+    """A pseudo-terminal that programs open as a serial port."""
 
-    def __init__(self, link: Path | None = None) -> None:
+    def __init__(self) -> None:
         if not hasattr(os, "openpty"):
             raise SensorError(
                 "the emulator needs pseudo-terminals: Linux, macOS, or WSL; or tcp='0'"
             )
-        self.link, self._device = link, ""
+        #: What a program opens.
+        self.name = ""
         self._ends: tuple[int, ...] = ()  # the emulator's, and the one that programs open
 
-    @property
-    def name(self) -> str:
-        """What a program opens."""
-        return str(self.link or self._device)
-
     def open(self) -> None:
-        """Make the line; a link that was left behind is replaced, a file never."""
+        """Make the line."""
         import tty
 
         master, slave = os.openpty()
         tty.setraw(slave)
         os.set_blocking(master, False)
-        self._device, self._ends = os.ttyname(slave), (master, slave)
-        try:
-            if self.link is not None:
-                if self.link.is_symlink():
-                    self.link.unlink()
-                self.link.symlink_to(self._device)
-        except OSError:
-            self.close()
-            raise
+        self.name, self._ends = os.ttyname(slave), (master, slave)
 
     def close(self) -> None:
         """Cut it; a second call does nothing."""
         ends, self._ends = self._ends, ()
-        if self.link is not None and ends and self.link.is_symlink():
-            self.link.unlink()
         for end in ends:
             os.close(end)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 import weakref
-from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -14,7 +13,7 @@ from ... import arrays
 from ...arrays import Count, Seconds, at_least, checked
 from ._device import WIRE_FAULTS, Fault, Listener, Terminal, Unplugged, Wire
 from ._unit import Unit, World
-from ._worlds import ModelName, Replay, Room, furnished_room
+from ._worlds import ModelName, Room, furnished_room
 
 #: The thread looks at the clock so often, seconds.
 TICK = 0.005
@@ -85,13 +84,11 @@ class Emulator:
     Parameters
     ----------
     world : World or None
-        What it sees: `Room`, `Replay`, or any function from the number of a turn to the millimetres
+        What it sees: `Room`, or any function from the number of a turn to the millimetres
         of all steps, `(769,)` of a URG-04LX, `(1081,)` of a UST-10LX; None for a furnished room.
     model : "URG-04LX" or "UST-10LX"
     tcp : str or None
         `[host:]port` to be reached at by TCP instead of a pseudo-terminal; port 0 takes a free one.
-    link : str or Path or None
-        A symbolic link to make, which names the device, the same after `replug`.
     rng : numpy.random.Generator or None
         Of noise on the line.
     **settings
@@ -103,7 +100,7 @@ class Emulator:
     SensorError
         On Windows, which has no pseudo-terminals, without `tcp`.
     OSError
-        Where the link cannot be made, or a file has its name; where the TCP port is taken.
+        Where the TCP port is taken.
 
     Examples
     --------
@@ -120,29 +117,24 @@ class Emulator:
         *,
         model: ModelName = "URG-04LX",
         tcp: str | None = None,
-        link: str | Path | None = None,
         rng: np.random.Generator | None = None,
         **settings: Any,
     ) -> None:
-        if tcp is not None and not (settings.get("usb", True) and link is None):
-            raise ValueError("tcp goes with neither usb=False nor a link: both are of a device")
-        if isinstance(world, Room | Replay) and world.model != model:
+        if tcp is not None and not settings.get("usb", True):
+            raise ValueError("tcp does not go with usb=False: that is of a device")
+        if isinstance(world, Room) and world.model != model:
             raise ValueError(f"model must be {world.model!r}, as the world's is, got {model!r}")
         seen = furnished_room(model) if world is None else world
         self.unit = Unit(seen, model=model, **settings)
         self.wire = Wire(time.monotonic, np.random.default_rng(1) if rng is None else rng)
-        self._end: Terminal | Listener
-        if tcp is not None:
-            self._end = Listener(arrays.instance(tcp, "tcp", str))
-        else:
-            self._end = Terminal(None if link is None else arrays.file(link, "link"))
+        self._end = Terminal() if tcp is None else Listener(arrays.instance(tcp, "tcp", str))
         self._device = Device(self.unit, self.wire, self._end)
         self._finalizer = weakref.finalize(self, self._device.stop)
         self._device.start()
 
     @property
     def port(self) -> str:
-        """The device to open, or the link to it; the address where it is reached by TCP."""
+        """The device to open, or the address where it is reached by TCP."""
         return self._end.name
 
     @checked
@@ -176,7 +168,7 @@ class Emulator:
         self._device.stop()
 
     def replug(self) -> None:
-        """Plug it in again; a device without `link` may have another name."""
+        """Plug it in again; a device may have another name."""
         self._device.stop()
         self._device.start()
 

@@ -19,9 +19,6 @@ from .._protocol import (
     CHARACTERS,
     ScanRequest,
     SensorError,
-    blocks,
-    checksum,
-    encode,
     encode_info,
     encode_reply,
     encode_scan,
@@ -36,14 +33,6 @@ FARTHEST_MM = 1 << 20
 #: No request is longer; what is, is forgotten.
 LONGEST_REQUEST = 80
 EMULATED_RATES = (19200, 38400, 57600, 115200, 250000, 500000, 750000)
-#: What SCIP 1.1 answers to V.
-OLD_VERSION = (
-    b"VEND:Hokuyo Automatic Co.,Ltd.",
-    b"PROD:SOKUIKI Sensor URG-04LX",
-    b"FIRM:3.1.04,07/08/02(20-4095[mm],240[deg],44-725[step],600[rpm])",
-    b"PROT:00003,(SCIP 1.0)",
-    b"SERI:H0000000",
-)
 #: What it speaks after power-up, and how much faster its seconds go by.
 PowerUp = Literal["2.0", "1.1", "1.1 only"]
 Speed = Annotated[Positive, at_least(1e-3), at_most(1e3)]
@@ -100,7 +89,7 @@ class Unit:
         self.speed, self.usb, self.timing = speed, usb, timing
         self.stamp, self.rate, self.next_rate = stamp, rate, rate
         self.old, self._switches = protocol != "2.0", protocol == "1.1"
-        self.laser, self.dead, self.trouble = self.old, False, ""
+        self.laser, self.trouble = self.old, ""
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
         self._begun = arrays.number(arrays.call_given(clock, "clock"), "clock()", unit="seconds")
         self.stream: ScanRequest | None = None
@@ -126,7 +115,7 @@ class Unit:
         self._line = self._line[-LONGEST_REQUEST:]
         for line in lines:
             text = line[-LONGEST_REQUEST:].decode("ascii", "replace")
-            if text and not self.dead:
+            if text:
                 self.received.append(text)
                 del self.received[:-1000]
                 self._out += self._answer(text)
@@ -134,9 +123,9 @@ class Unit:
     def transmit(self) -> bytes:
         """What it has to send by now, no more than its bit rate lets through."""
         now = self.now()
-        while self._late and self._late[0][0] <= now and not self.dead:
+        while self._late and self._late[0][0] <= now:
             self._out += self._late.popleft()[1]()
-        if self.stream and not self._out and not self.dead and self.turn() >= self._next_turn:
+        if self.stream and not self._out and self.turn() >= self._next_turn:
             self._out += self._streamed(self.stream)
         allowed = len(self._out) if self.usb else int((now - self._sent_at) * self.rate / 10)
         data, self._out = self._out[:allowed], self._out[allowed:]
@@ -155,9 +144,6 @@ class Unit:
         self.stamp = (1 << 24) - 50 - round(1000 * self.model.turn * (self.turn() + 2))
 
     def _answer(self, text: str) -> bytes:
-        if text[:2] in self.model.deadly:
-            self.dead = True
-            return b""
         if self.old:
             return self._answer_old(text)
         act: Callable[[str], bytes] | None = getattr(self, f"_do_{text[:2].lower()}", None)
@@ -166,21 +152,11 @@ class Unit:
         return act(text)
 
     def _answer_old(self, text: str) -> bytes:
-        """The reply of SCIP 1.1: no check sums, one character of status."""
-        status, body = "E", list[bytes]()
-        if text == "SCIP2.0" and self._switches:
-            self.old, self.laser, status = False, False, "0"
-        elif text == "V":
-            status, body = "0", [*OLD_VERSION]
-        elif text in ("L0", "L1"):
-            status = "E" if self.laser == (text == "L1") else "0"
-            self.laser = text == "L1"
-        elif len(text) == 9 and text[0] == "G" and text[1:].isdigit():
-            first, last, cluster = int(text[1:4]), int(text[4:7]), max(int(text[7:]), 1)
-            if first <= last < self.model.steps:
-                met = self._met(max(self.turn(), 0))[first : last + 1 : cluster]
-                status, body = "0", blocks(encode(np.minimum(met, 4095), 2))
-        return encode_reply(text, status, body, old=True)
+        """The reply of SCIP 1.1, without check sums: all that matters is that it can switch."""
+        if text != "SCIP2.0" or not self._switches:
+            return encode_reply(text, "E", old=True)
+        self.old = self.laser = False
+        return encode_reply(text, "0", old=True)
 
     def _do_vv(self, text: str) -> bytes:
         return encode_reply(text, "00", encode_info(self.model.version))
@@ -210,22 +186,10 @@ class Unit:
         self._late.clear()
         return encode_reply(text, "00")
 
-    def _do_rs(self, text: str) -> bytes:
-        self._begun, self.stamp = self._clock(), 0
-        return self._do_qt(text)
-
     def _do_tm(self, text: str) -> bytes:
-        if text == "TM1" and self.timing:
-            line = encode(self._stamp(max(self.turn(), 0)), 4)
-            return encode_reply(text, "00", [line + checksum(line)])
-        status = {
-            "TM0": "02" if self.timing else "00",
-            "TM1": "04",
-            "TM2": "00" if self.timing else "03",
-        }.get(text, "01")
-        if status == "00":
-            self.timing = text == "TM0"
-            self.laser, self.stream = False, None
+        """Leave the time mode, in which a host may have left it; it is not entered here."""
+        status = "01" if text != "TM2" else "00" if self.timing else "03"
+        self.timing &= status != "00"
         return encode_reply(text, status)
 
     def _do_ss(self, text: str) -> bytes:
@@ -237,12 +201,6 @@ class Unit:
         status = "03" if rate == self.rate else "00"
         self.next_rate = rate
         return encode_reply(text, status)
-
-    def _do_cr(self, text: str) -> bytes:
-        return encode_reply(text, "03" if text == "CR00" else "00")
-
-    def _do_hs(self, text: str) -> bytes:
-        return encode_reply(text, "0C")
 
     def _do_gd(self, text: str) -> bytes:
         """Commands are served about once a turn: the answer waits for the end of this one."""

@@ -1,4 +1,4 @@
-"""The sensors that can be emulated, and what they see: a simulated room, or a capture's scans."""
+"""The sensors that can be emulated, and the simulated room that they see."""
 
 from __future__ import annotations
 
@@ -27,7 +27,6 @@ from ...simulation import (
     rectangular_room,
     simulate,
 )
-from .._protocol import CHARACTERS, SensorError, parse_reply, parse_request, parse_scan
 
 ModelName = Literal["URG-04LX", "UST-10LX"]
 
@@ -38,7 +37,6 @@ class Model(NamedTuple):
     `version` and `limits` are its answers to VV and PP, `line` what II says of its line, empty for
     the bit rate; `steps` from 0 on can be asked for. It sends `nothing` where nothing is met,
     `near` where something is too near, and `unmeasured` for a step that it does not measure.
-    Commands that are `deadly` put it out of order until it is switched off.
     """
 
     version: dict[str, str]
@@ -49,7 +47,6 @@ class Model(NamedTuple):
     nothing: int
     near: int
     unmeasured: int
-    deadly: tuple[str, ...]
 
     @property
     def first(self) -> int:
@@ -87,7 +84,6 @@ _URG_MODEL = Model(
     NOTHING_MET_CODE,
     NEIGHBOURS_BAD_CODE,
     NOT_MEASURED_CODE,
-    ("ME", "HD", "HE", "ND", "NE", "%S"),
 )
 #: 1081 beams over 270 degrees, forty turns a second. Its data sheet promises 0.06 to 10 m on white
 #: paper, to 30 m at best, and repeats to 30 mm; lost beams as for the URG-04LX.
@@ -112,7 +108,6 @@ _UST = Model(
     NOTHING_FAR,
     UTM_TOO_NEAR_CODE,
     NOTHING_FAR,
-    (),
 )
 MODELS = {"URG-04LX": _URG_MODEL, "UST-10LX": _UST}
 
@@ -175,45 +170,6 @@ class Room:
         measured = slice(self._made.first, self._made.first + len(met))
         steps[measured] = np.where(np.isposinf(met), self._made.nothing, found)
         return steps
-
-
-class Replay:
-    """The scans that a sensor sent while it was recorded, again and again.
-
-    `capture` is what came from a sensor of the model in SCIP 2.0; replies that are no scan are
-    passed over. A SensorError where a scan is damaged, has steps that the model has not, or there
-    is none.
-
-    Examples
-    --------
-    >>> Replay(b"GD0383038401\\n00P\\nJUGnD\\n06805m`\\n\\n")(0)[383:386]
-    array([392, 381,  19])
-    """
-
-    @checked
-    def __init__(self, capture: bytes, *, model: ModelName = "URG-04LX") -> None:
-        self.model, made = model, MODELS[model]
-        self.turns = []
-        for text in arrays.instance(capture, "capture", bytes).split(b"\n\n"):
-            lines = text.strip(b"\n").split(b"\n")
-            if lines[0][:2].decode("ascii", "replace") not in CHARACTERS or len(lines) <= 3:
-                continue
-            reply = parse_reply(lines)
-            request = parse_request(reply.echo)
-            met = parse_scan(reply.body, CHARACTERS[request.kind]).millimetres
-            last = request.first + len(met)
-            if last > made.steps:
-                told = f"{request.text} asks for more than {made.steps} steps"
-                raise SensorError(f"{told}: which model?")
-            steps = np.full(made.steps, made.unmeasured)
-            steps[request.first : last] = met
-            self.turns.append(steps)
-        if not self.turns:
-            raise SensorError("the capture holds no scan of SCIP 2.0")
-
-    def __call__(self, turn: int) -> NDArray[np.int64]:
-        """Millimetres of all steps, `(769,)` of a URG-04LX."""
-        return self.turns[turn % len(self.turns)]
 
 
 def furnished_room(model: ModelName = "URG-04LX") -> Room:
