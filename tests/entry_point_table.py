@@ -137,9 +137,9 @@ GOOD = {
 }  # fmt: skip
 GOOD |= {
     "plotting.ax": Figure().subplots(), "alignment": ALIGNMENT, "alignments": {"it": PATH},
-    "maps": {"it": MAP}, "draw_quadtree.map": TREE, "draw_quadtrees.maps": {"it": TREE},
+    "maps": {"it": MAP}, "draw_quadtree.map": TREE,
     "frame": RUNS, "quality": 0.9, "draw_against_walls.found": metrics.against_walls(WALLS, MAP),
-    "draw_online.frame": TIMES, "growth.frame": TIMES, "reduction": REDUCTION,     "columns": 1,
+    "growth.frame": TIMES, "reduction": REDUCTION,     "columns": 1,
     "draw_maps.color": "#000000", "draw_maps.truth": WALLS, "draw_maps.scan": LOG[0],
     "draw_log.path": "#000000", "draw_log.poses": PATH, "robot": PATH[0], "figure": Figure((1, 1)),
     "draw_segments.scan": None, "draw_segments.group": np.zeros(4),

@@ -17,11 +17,11 @@ Threshold = float | int | None
 #: One run: the name of each column -> its value; `thresholds` is a dictionary.
 Row = dict[str, Any]
 
-#: What a sweep wrote before it measured metres: such files are read, and gone on with.
-FORMER_COLUMNS = ["map", "method", "thresholds", "filtered", "n_before", "n_after"]
-FORMER_COLUMNS += ["reduction", "quality", "seconds", "digest"]
-#: What it writes.
-RUN_COLUMNS = [*FORMER_COLUMNS, "invented", "missed"]
+#: What a sweep writes.
+RUN_COLUMNS = [
+    *("map", "method", "thresholds", "filtered", "n_before", "n_after", "reduction", "quality"),
+    *("seconds", "digest", "invented", "missed"),
+]
 FILE_HEAD = ",".join(RUN_COLUMNS) + "\n"
 #: Columns that hold numbers.
 NUMBER_COLUMNS: dict[str, Callable[[str], float]] = {
@@ -64,12 +64,12 @@ def read_rows(path: Path) -> list[Row]:
         cells = pd.read_csv(io.BytesIO(whole), **options)
     except ValueError as error:  # of pandas, or of bytes that are no text
         raise ValueError(f"{name}: expected a CSV file of runs ({shown(error)})") from error
-    if list(cells) not in (RUN_COLUMNS, FORMER_COLUMNS):
+    if list(cells) != RUN_COLUMNS:
         head = shown(",".join(map(str, cells))[:200])
         raise ValueError(f"{name}, line 1: expected the head {','.join(RUN_COLUMNS)}, got {head}")
     cells["filtered"] = cells["filtered"].replace("", "0")  # no filter
     rows: list[Row] = []
-    for row in cells.reindex(columns=RUN_COLUMNS, fill_value="").to_dict("records"):
+    for row in cells.to_dict("records"):
         try:
             numbers = {
                 column: kind(row[column] or "nan") for column, kind in NUMBER_COLUMNS.items()

@@ -30,8 +30,8 @@ BUILDINGS = ("fr079", "intel", "intel_default", "malaga", "malaga_default", "off
 def read_records(path: str | Path) -> pd.DataFrame:
     """Read runs that a sweep or `write_records` has written, with the columns of `sweep`.
 
-    A last line without an end was cut off when its writer was stopped: it is left out. Metres are
-    NaN where the file is older than they are; what is damaged is a ValueError that names the line.
+    A last line without an end was cut off when its writer was stopped: it is left out. What is
+    damaged is a ValueError that names the line.
     """
     return as_frame(read_rows(arrays.file(path)))
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from ._base import Panel, player, slider, text
 from ._compare import ComparePanel
 from ._live import LivePanel
-from ._quadtree import QuadtreePanel
 from ._scan import ScanPanel
 from .controls import control
 
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from ._plan_editor import PlanEditor
 
 __all__ = [
-    "ComparePanel", "LivePanel", "Panel", "PlanEditor", "QuadtreePanel", "ScanPanel", "control",
+    "ComparePanel", "LivePanel", "Panel", "PlanEditor", "ScanPanel", "control",
     "player", "slider", "text",
 ]  # fmt: skip
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import PercentFormatter
 
 from .. import arrays
-from ..experiments import front, thresholds_text
+from ..experiments import front
 from ..reduction import METHODS
 from ._style import GROUPS, axes_or_new
 
@@ -68,37 +68,6 @@ def draw_curves(
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     ax.set(xlabel="quality", ylabel="reduction")
-    return ax
-
-
-def draw_online(frame: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
-    """Draw how the time of on-line methods adds up as the scans come in.
-
-    The frame is of `experiments.online_times`: one run or more, of one log.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from segmap import METHODS, SegmentMap
-    >>> from segmap.experiments import online_times
-    >>> wall = SegmentMap([[(0, 0), (1, 0)], [(0, 0), (0, 1)]], [0, 1])
-    >>> ax = draw_online(online_times(METHODS["hybrid"](wall), {}), ax=Figure().subplots())
-    >>> ax.lines[0].get_xdata().tolist()
-    [0, 1, 2]
-    """
-    arrays.frame(frame, ["method"], ["scans", "seconds"])
-    ax = axes_or_new(ax)
-    seen: dict[str, int] = {}
-    thresholds = frame.columns.difference(["scans", "seconds", "live"], sort=False)
-    for _, run in frame.groupby(list(thresholds), sort=False, dropna=False):
-        method = str(run["method"].iloc[0])
-        color, _, _ = method_style(method, len(seen))
-        nth = seen[method] = seen.get(method, -1) + 1
-        words = thresholds_text(run.iloc[0])
-        label = f"{method}: {words}" if words else method
-        line = "-" if nth == 0 else "--"
-        ax.plot([0, *run["scans"]], [0.0, *run["seconds"]], line, color=color, label=label)
-    ax.set(xlabel="scans", ylabel="total time [s]")
     return ax
 
 

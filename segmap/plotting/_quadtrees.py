@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from copy import deepcopy
 from typing import Any
 
@@ -14,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from ..arrays import Array, checked
 from ..quadtree import QuadtreeMap, extent
-from ._style import ERROR, RESULT, axes_or_new, axes_row, inches, map_axes, titled
+from ._style import ERROR, RESULT, axes_or_new, map_axes
 
 #: Outlines of leaves smaller than this part of the picture would hide what they surround.
 SMALLEST_LEAF_PART = 1 / 80
@@ -68,28 +67,6 @@ def draw_quadtree(
         ax.plot(*arrays.point(place, "robot"), "s", color=ERROR, markersize=5)
     map_axes(ax).set(xlim=(left, right), ylim=(low, high))
     return ax
-
-
-def draw_quadtrees(
-    maps: Mapping[str, QuadtreeMap], *, size: tuple[float, float] = (2.25, 2.5), **options: Any
-) -> list[Axes]:
-    """Draw maps side by side, each with limits of its own and `size` inches.
-
-    Other options are those of `draw_quadtree`, the same for all.
-
-    Examples
-    --------
-    >>> maps = {f"{size} m": QuadtreeMap(resolution=1, size=size) for size in (4, 8)}
-    >>> [(ax.get_title(), float(ax.get_xlim()[1])) for ax in draw_quadtrees(maps, whole=True)]
-    [('4 m', 4.0), ('8 m', 8.0)]
-    """
-    width, height = inches(size)
-    for title, map in titled(maps, "maps").items():
-        arrays.instance(map, f"maps[{title!r}]", QuadtreeMap)
-    row = axes_row(len(maps), (len(maps) * width, height))
-    for ax, (title, map) in zip(row, maps.items(), strict=True):
-        draw_quadtree(map, ax=ax, **options).set_title(title, fontsize=10)
-    return row
 
 
 def square_corners(left: NDArray[Any], low: NDArray[Any], side: Array) -> Any:

@@ -27,7 +27,6 @@ from ._style import (
     Points,
     axes_grid,
     axes_or_new,
-    axes_row,
     group_colors,
     legend_below,
     map_axes,
@@ -131,24 +130,6 @@ def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = No
     draw_segments(before, ax=ax, width=0.7, label=f"before: {made_of}")
     legend_below(ax)
     return ax
-
-
-def draw_side_by_side(before: Segments, after: Segments) -> list[Axes]:
-    """Draw a map, black, and beside it what a method leaves of it, blue, at one scale.
-
-    Two axes of a new figure, with titles that count the segments.
-
-    Examples
-    --------
-    >>> wall = np.array([[(0, 0), (1, 0)]])
-    >>> [ax.get_title() for ax in draw_side_by_side(np.repeat(wall, 3, axis=0), wall)]
-    ['Before: 3 segments', 'After: 1']
-    """
-    before, after = arrays.segments(before, "before"), arrays.segments(after, "after")
-    left, right = axes_row(2, (9.0, 4.6), shared="xy")
-    draw_segments(before, ax=left).set_title(f"Before: {len(before)} segments")
-    draw_segments(after, ax=right, color=RESULT).set_title(f"After: {len(after)}")
-    return [left, right]
 
 
 def draw_against_walls(found: AgainstWalls, *, ax: Axes | None = None) -> Axes:

@@ -21,7 +21,7 @@ from segmap.experiments import (
     pareto,
     reduction_at,
 )
-from segmap.plotting import draw_curves, draw_online
+from segmap.plotting import draw_curves
 
 
 def runs(*rows):
@@ -163,18 +163,6 @@ def test_curves_have_a_colour_for_each_method_everywhere():
     for where in (("hall", 0.1), ("room", 0.0)):
         with pytest.raises(ValueError, match="frame must hold runs on one map, with one filter"):
             draw_curves(runs(*FUSION, ("fusion", 0.5, 0.5, *where)), ax=axes())
-
-
-def test_online_times_begin_at_nothing_and_each_run_has_its_line():
-    found = METHODS["basic_online"](WALLS)
-    given = online_times(found, {"distance": 0.2, "angle": radians(10)}, every=5)
-    ax = draw_online(pd.concat([online_times(found, {}), given]), ax=axes())
-    first, second = ax.lines
-    assert first.get_ydata()[0] == 0 and first.get_xdata()[-1] == 10
-    assert first.get_ydata()[-1] == pytest.approx(found.scan_seconds.sum())
-    assert second.get_label() == "basic_online: distance 0.2, angle 0.175"
-    assert len(second.get_xdata()) == 3 and first.get_linestyle() != second.get_linestyle()
-    assert ax.get_ylabel() == "total time [s]"
 
 
 def test_the_table_of_methods_is_that_of_the_thesis():

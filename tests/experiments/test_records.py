@@ -230,22 +230,6 @@ def test_records_by_name():
         load_records("attic")
 
 
-def test_a_file_of_before_the_metres_is_read_and_gone_on_with(tmp_path):
-    """Catches old records refused, and a line with more cells than the head of its file."""
-    path = tmp_path / "runs.csv"
-    found = sweep({"hall": HALL}, ["fusion"], GRIDS, records=path)
-    cut = [line.rsplit(",", 2)[0] for line in path.read_text().splitlines()]
-    path.write_text("\n".join(cut[:2]) + "\n")
-    assert cut[0].endswith(",seconds,digest")
-    old = read_records(path)
-    assert list(old) == list(found) and old[["invented", "missed"]].isna().all(axis=None)
-    again = sweep({"hall": HALL}, ["fusion"], GRIDS, records=path)
-    assert_frame_equal(read_records(path), again)
-    assert again["missed"].isna().tolist() == [True, False]
-    assert_frame_equal(without_seconds(again)[1:], without_seconds(found)[1:])
-    assert (found[["invented", "missed"]] >= 0).all(axis=None)
-
-
 def test_maps_that_are_good_are_counted():
     """Catches noises taken one by one, and maps that are counted twice."""
     runs = [

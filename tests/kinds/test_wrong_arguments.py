@@ -23,7 +23,7 @@ from segmap.matching import (
     sample_and_rank,
     search,
 )
-from segmap.panels import ComparePanel, LivePanel, QuadtreePanel, ScanPanel
+from segmap.panels import ComparePanel, LivePanel, ScanPanel
 from segmap.plotting import (
     draw_alignment,
     draw_log,

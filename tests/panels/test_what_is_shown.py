@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from segmap import LaserScan, Log, load, panels
 from segmap.experiments import select, thresholds_of, thresholds_text
-from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel
+from segmap.panels import ComparePanel, LivePanel, Panel, ScanPanel
 from segmap.plotting import (
     ERROR,
     RESULT,
@@ -16,12 +16,10 @@ from segmap.plotting import (
     draw_before_after,
     draw_curves,
     draw_path,
-    draw_quadtree,
     draw_scan,
     figure_png,
 )
 from segmap.poses import transform
-from segmap.quadtree import build_map
 from segmap.reduction import METHODS
 
 DRIFTED = LOG.truth + np.array([0.3, -0.2, 0.1])
@@ -53,16 +51,6 @@ def scanned(log, poses, color, step):
     draw_scan(scan, poses[k], ax=ax, color=RESULT)
     after = f"scan {k} of {len(log)}, after {scan.time - log[0].time:.2f} s"
     return figure, [after, f"{scan.valid.sum()} of {len(scan)} beams valid"]
-
-
-def leaved(log, resolution, scans, doublings):
-    figure, side = blank(), resolution * (1, 2, 4, 8, 16)[doublings]
-    map = build_map(log[:scans], log.truth[:scans], resolution=side)
-    robot = [pose for pose in log.truth[:scans] if np.isfinite(pose).all()][-1]
-    draw_quadtree(map, ax=figure.subplots(), robot=robot)
-    grid = f"{8 * (map.side / side) ** 2 / 1e3:.0f}"
-    leaves = f"{len(map.leaves().x)} leaves of {side:.3g} m and more"
-    return figure, [leaves, f"{map.nbytes / 1e3:.0f} kB; a grid {grid} kB"]
 
 
 def compared(method, wanted):
@@ -106,18 +94,6 @@ def compared(method, wanted):
             {"step": (0,)},
         ),
         (
-            lambda: QuadtreePanel(LOG),
-            lambda *at: leaved(LOG, 0.05, *at),
-            ("leaves", "bytes"),
-            {"scans": (len(LOG), 1, 3), "doublings": (0, 1, 4)},
-        ),
-        (
-            lambda: QuadtreePanel(LOG, SOME.truth, resolution=0.03),
-            lambda *at: leaved(SOME, 0.03, *at),
-            ("leaves", "bytes"),
-            {"scans": (len(LOG), 3), "doublings": (0, 2)},
-        ),
-        (
             lambda: ComparePanel(WALLS, RUNS),
             compared,
             ("thresholds", "rate", "kept"),
@@ -158,11 +134,6 @@ def test_of_many_points_some_are_drawn(figures):
 #: milliseconds too.
 SLIDERS = {
     "ScanPanel": {"step": ("scan", 0, 4, 1, 0, "d"), "play": (0, 4, 1, 250)},
-    "QuadtreePanel": {
-        "scans": ("scans", 1, 5, 1, 5, "d"),
-        "doublings": ("doublings", 0, 4, 1, 0, "d"),
-        "play": (1, 5, 1, 250),
-    },
     "ComparePanel": {"wanted": ("least quality [%]", 40, 98, 1, 80, "d")},
     "LivePanel": {"tolerance": ("tolerance [m]", 0.005, 0.10, 0.005, 0.03, ".3f")},
 }
@@ -170,7 +141,7 @@ SLIDERS = {
 
 def test_all_sliders_are_as_declared():
     """Catches a slider that begins elsewhere, ends early, or goes in other steps."""
-    for panel in (ScanPanel(LOG), QuadtreePanel(LOG), ComparePanel(WALLS, RUNS), LivePanel(LOG)):
+    for panel in (ScanPanel(LOG), ComparePanel(WALLS, RUNS), LivePanel(LOG)):
         found = {}
         for name, part in vars(panel).items():
             kind = type(part).__name__

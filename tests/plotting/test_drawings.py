@@ -17,7 +17,7 @@ from segmap.alignment import (
     point_steps,
 )
 from segmap.alignment import Match as Matched
-from segmap.experiments import online_times, select
+from segmap.experiments import select
 from segmap.exports import ros_classes
 from segmap.metrics import against_walls, segment_distance
 from segmap.plan import floor_plan
@@ -135,10 +135,6 @@ DRAWINGS = {
         lambda ax: course.draw_missed(WALLS[[0, 2]], [(0, -0.04), (5, -0.04)], ax=ax),
         {RAW, MAP, RESULT, ERROR},
     ),
-    "online": (
-        lambda ax: plotting.draw_online(online_times(hybrid(SEEN), {}), ax=ax),
-        {GROUPS[5]},
-    ),
     "runs": (
         lambda ax: course.draw_runs([POINTS, POINTS[:1]], WALLS[:1], ax=ax),
         {MAP, ERROR, GROUPS[0]},
@@ -231,14 +227,12 @@ ROWS = {
     ),
     "phases": (lambda: course.draw_phases([(0, 0, 0)], WALLS, WALLS[:1], 0.2), True),
     "landscapes": (lambda: course.draw_landscapes({"a": LAND, "b": LAND}), True),
-    "quadtrees": (lambda: plotting.draw_quadtrees({"a": TREE, "b": TREE}), True),
     "scan_poses": (
         lambda: course.draw_scan_poses(
             POINTS, POINTS, {"a": (0, 0, 0), "b": (1, 0, 0)}, (-1, -1, 3, 2)
         ),
         True,
     ),
-    "side_by_side": (lambda: plotting.draw_side_by_side(WALLS, WALLS[:1]), True),
 }
 #: Drawings that make a figure of a map and a chart.
 BESIDE_A_CHART = {

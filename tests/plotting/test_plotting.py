@@ -156,9 +156,6 @@ def test_a_thick_after_lies_over_a_thin_before_and_both_are_counted(ax):
     assert after.get_linewidth()[0] > before.get_linewidth()[0]
     assert after.get_zorder() > before.get_zorder()
     assert legend_of(ax) == ["after: 2 segments", "before: 3 segments"]
-    left, right = plotting.draw_side_by_side(THREE, THREE[:1])
-    assert left.get_title() == "Before: 3 segments" and right.get_title() == "After: 1"
-    assert (colors_of(left)[0], colors_of(right)[0]) == (MAP, RESULT)
 
 
 def test_each_output_shares_its_colour_with_the_inputs_that_made_it(ax):

@@ -11,7 +11,7 @@ from input_samples import text_samples, value_samples
 from segmap_course.exercises import Check
 
 from segmap.methods import Method
-from segmap.panels import LivePanel, QuadtreePanel, ScanPanel
+from segmap.panels import LivePanel, ScanPanel
 from segmap.reduction import Methods, fusion
 from segmap.scans import Skipped
 from segmap.scans.causes import Cause, Finding
@@ -101,7 +101,7 @@ def test_the_name_of_a_log_is_only_a_name(text, page, monkeypatch):
     assert len(files) == len(page.files.children) + 1, page.state.value  # a ROS map has two
     for name in files:
         assert not {*"/\\"} & {*name} and name.isprintable()
-    for panel in (LivePanel(page.log), ScanPanel(page.log), QuadtreePanel(page.log)):
+    for panel in (LivePanel(page.log), ScanPanel(page.log)):
         said(panel)
 
 
