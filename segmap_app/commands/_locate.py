@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,6 @@ import numpy as np
 from segmap import quadtree, readers, warm
 from segmap.files import shown
 from segmap.matching import Uncertainty, localize
-from segmap.plan import shapely_or_hint
 from segmap.progress import each
 from segmap.scans import Log
 from segmap.segments import SegmentMap
@@ -47,12 +45,6 @@ def add(commands: Any) -> None:
         metavar="MAP",
         help="of `segmap occupancy` or `segmap map`, .npz or .csv; or for ROS, .yaml",
     )
-    command.add_argument(
-        "--plan",
-        type=Path,
-        metavar="FILE",
-        help="of `segmap plan LOG -o plan.geojson`, in the frame of the map: tells the room",
-    )
     add_logs(command)
     command.set_defaults(run=partial(each_log, work=locate_log, check=check))
 
@@ -60,7 +52,6 @@ def add(commands: Any) -> None:
 def check(given: argparse.Namespace) -> None:
     """Read the map; a log in its place is no map yet."""
     name = shown(given.map)
-    given.rooms = rooms_of(given) if given.plan else {}
     if given.map.suffix.lower() in PICTURES:
         given.refuse(f"{name} is a picture: name the .yaml that belongs to it")
     try:
@@ -72,24 +63,6 @@ def check(given: argparse.Namespace) -> None:
                 f"map.npz` makes one, then `segmap locate map.npz LOG`"
             )
         raise
-
-
-def rooms_of(given: argparse.Namespace) -> dict[str, Any]:
-    """The polygon of each room of a plan, by its name."""
-    shapely = shapely_or_hint()
-    try:
-        held = json.loads(readers.read_text(given.plan))
-        features = [one for one in held["features"] if one["properties"]["kind"] == "room"]
-        found = {one["properties"]["name"]: shapely.geometry.shape(one["geometry"])
-                 for one in features if "crs" in held}  # fmt: skip
-    except (KeyError, TypeError, ValueError, AttributeError, shapely.errors.ShapelyError):
-        found = {}
-    if not found:
-        given.refuse(
-            f"--plan {shown(given.plan)}: no plan in metres: `segmap plan LOG -o plan.geojson` "
-            "makes one, without --place"
-        )
-    return found
 
 
 def is_a_log(path: Path) -> bool:
@@ -145,10 +118,6 @@ def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: R
     off = float(np.sqrt(np.diag(last.covariance)[:2].sum()))
     words = f"{x:.2f} m, {y:.2f} m, {np.degrees(heading):.1f} degrees, within {metres(off)}"
     report.line("place", words if np.isfinite(x) else "unknown", x=x, y=y, heading=heading, off=off)
-    if given.rooms and last.found:
-        shapely = shapely_or_hint()
-        inside = [name for name, room in given.rooms.items() if room.covers(shapely.Point(x, y))]
-        report.line("room", inside[0] if inside else "none", room=inside[0] if inside else None)
     sure = f"{percent(last.share)} of the particles are there, scans fit to {last.fit:.2f}"
     verdict = f"{last.reason or 'found'}: {sure}"
     report.assumptions()

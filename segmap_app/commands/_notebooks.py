@@ -33,7 +33,9 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "notebooks",
         help="copy the chapters into a folder of yours",
-        epilog=examples("notebooks work", "notebooks ."),
+        epilog=examples(
+            "notebooks work", "notebooks work       again, once segmap is newer", "notebooks ."
+        ),
     )
     command.add_argument("folder", metavar="DIR", type=Path, help="it is made if it is not there")
     command.set_defaults(run=run)

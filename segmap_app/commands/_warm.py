@@ -20,19 +20,16 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "warm",
         help="compile all loops now instead of at first use",
-        epilog=examples("warm", "warm --jobs 1", "warm --first"),
+        epilog=examples("warm", "warm --first", "warm         again, once segmap is newer"),
     )
     command.add_argument("--first", action="store_true", help="only what chapter 01 needs")
-    command.add_argument(
-        "--jobs", type=int, metavar="NUMBER", help="processes; default: one for each core"
-    )
     command.set_defaults(run=run)
 
 
 def run(given: argparse.Namespace) -> None:
     """Compile, on all cores."""
     names, start = list(warm.FIRST if given.first else warm.cases()), time.monotonic()
-    jobs = max(1, min(given.jobs or cores(), len(names)))
+    jobs = min(cores(), len(names))
     where = "one core" if jobs == 1 else f"{jobs} cores"
     what = "chapter 01" if given.first else "segmap"
     print_line(f"Compiling the loops of {what} on {where}, once for this machine ...")

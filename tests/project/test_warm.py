@@ -84,7 +84,7 @@ def test_what_is_warm_serves_chapter_01_and_the_page(asked):
 
 def test_warming_tells_what_it_compiles(capfd):
     """Catches `--first` that compiles all, or nothing."""
-    assert main(["warm", "--jobs", "1", "--first"]) == 0
+    assert main(["warm", "--first"]) == 0
     first, last = capfd.readouterr().out.splitlines()
     assert "chapter 01 on one core" in first and last.startswith("Done in")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Any, NoReturn
@@ -18,8 +19,8 @@ class Command(argparse.ArgumentParser):
     """
 
     def __init__(self, **settings: Any) -> None:
-        shape = argparse.RawDescriptionHelpFormatter
-        super().__init__(**settings, allow_abbrev=False, add_help=False, formatter_class=shape)
+        super().__init__(**settings, allow_abbrev=False, add_help=False)
+        self._negative_number_matcher = re.compile(r"-[\d.,*]")  # -170:-150, or columns -,angle_deg
         self._few: list[argparse._ArgumentGroup] = []
         #: The thresholds of each method, as options of a parser of their own.
         self.methods: dict[str, argparse._ArgumentGroup] = {}
@@ -41,8 +42,8 @@ class Command(argparse.ArgumentParser):
 
     def shown_groups(self) -> list[argparse._ArgumentGroup]:
         """All groups with options that have help, those of the methods last."""
-        told = [g for g in self._action_groups if any(map(_has_help, g._group_actions))]
-        return [*told, *self.methods.values()]
+        groups = [group for group in self._action_groups if _names(group)]
+        return [*groups, *self.methods.values()]
 
     def usage_line(self) -> str:
         """How it is called: what must be named, and that there are options."""
@@ -53,30 +54,23 @@ class Command(argparse.ArgumentParser):
     def format_help(self) -> str:
         """What most people need; where there are no methods, all."""
         few = self._few if self.methods else []
-        groups = [g for g in self._action_groups if g not in few]
-        more = [f"  {g.title}: {', '.join(_names(g._group_actions))}" for g in few]
-        text = "\n".join(["more options, which --help-all explains:", *more]) if more else ""
-        return self._told(groups, text)
+        more = "".join(f"  {group.title}: {', '.join(_names(group))}\n" for group in few)
+        words = f"more options, which --help-all explains:\n{more}\n" if few else ""
+        return self._page([group for group in self._action_groups if group not in few], words)
 
     def format_all(self) -> str:
         """All options and the thresholds of all methods."""
-        return self._told([*self._action_groups, *self.methods.values()])
+        return self._page(self.shown_groups())
 
     def format_method(self, name: str) -> str:
         """What a method does, and its thresholds."""
-        form, group = self._get_formatter(), self.methods[name]
-        _add(form, group)
-        return form.format_help() + ("" if group._group_actions else "  It has no threshold.\n")
+        group = self.methods[name]
+        page = _with_groups([group], usage=argparse.SUPPRESS)
+        return page if _names(group) else f"{page}  It has no threshold.\n"
 
-    def _told(self, groups: Iterable[argparse._ArgumentGroup], more: str = "") -> str:
-        form = self._get_formatter()
-        form.add_text(f"usage: {self.usage_line()}")
-        form.add_text(self.description)
-        for group in groups:
-            _add(form, group)
-        form.add_text(more)
-        form.add_text(self.epilog)
-        return form.format_help()
+    def _page(self, groups: list[argparse._ArgumentGroup], more: str = "") -> str:
+        words = {"usage": self.usage_line(), "description": self.description}
+        return _with_groups(groups, **words, epilog=f"{more}{self.epilog or ''}")
 
     def error(self, message: str) -> NoReturn:
         """End with a message."""
@@ -140,16 +134,15 @@ def one_of_known(word: str, known: list[str]) -> str:
     return meant(word, known) or f"; one of {', '.join(known)}"
 
 
-def _add(form: argparse.HelpFormatter, group: argparse._ArgumentGroup) -> None:
-    form.start_section(group.title)
-    form.add_text(group.description)
-    form.add_arguments(group._group_actions)
-    form.end_section()
+def _with_groups(groups: list[argparse._ArgumentGroup], **words: Any) -> str:
+    """The help of a parser that has these groups of options and no others."""
+    shape = argparse.RawDescriptionHelpFormatter
+    page = argparse.ArgumentParser(**words, add_help=False, formatter_class=shape)
+    page._action_groups = groups
+    return page.format_help()
 
 
-def _has_help(action: argparse.Action) -> bool:
-    return action.help != argparse.SUPPRESS
-
-
-def _names(actions: Iterable[argparse.Action]) -> list[str]:
-    return [a.option_strings[0] for a in actions if _has_help(a)]
+def _names(group: argparse._ArgumentGroup) -> list[str]:
+    """The arguments of a group that have help."""
+    shown = (action for action in group._group_actions if action.help != argparse.SUPPRESS)
+    return [action.option_strings[0] if action.option_strings else action.dest for action in shown]

@@ -117,22 +117,23 @@ def each_log(
     the largest of the codes of all.
     """
     each = [source for text in given.logs for source in sources(text)]
-    named = given.columns or given.view
-    chosen = [[file] for file in each] if named else together(each)
+    chosen = [[file] for file in each] if given.columns or given.view else together(each)
     for name in filter(is_ros_map, [*each, getattr(given, "first", each[0])]):
         given.refuse(
             f"{shown(name)} is a map for ROS and no log: `segmap locate {shown(name)} LOG` finds a "
             "robot on it, `segmap convert` keeps it as .npz"
         )
-    targets = Targets(getattr(given, "output", []))
-    if len(chosen) > 1 and (alike := targets.alike()):
-        given.refuse(f"{counted(len(chosen), 'log')} would go to {alike}: write {{name}} in it")
-    check_places([given.table, getattr(given, "loops", None), *targets.fixed()])
+    patterns = getattr(given, "output", [])
+    alike = [pattern for pattern in patterns if LOG_NAME not in pattern]
+    if len(chosen) > 1 and alike:
+        given.refuse(f"{counted(len(chosen), 'log')} would go to {alike[0]}: write {{name}} in it")
+    fixed = [Path(pattern) for pattern in patterns if LOG_NAME not in str(Path(pattern).parent)]
+    check_places([given.table, getattr(given, "loops", None), *fixed])
     if not all(map(is_session, each)):
         check(given)
     if given.workers:
         return on_workers(given, chosen)
-    failed, codes, reports = [], [0], []
+    failed, codes, reports, taken = [], [0], [], dict[Path, str]()
     with stoppable(), progress(1 if given.quiet else len(chosen), "log") as bar:
         for files in chosen:
             source = files[0]
@@ -141,23 +142,19 @@ def each_log(
             try:
                 with warnings.catch_warnings():  # a thousand scans may deserve the same
                     warnings.simplefilter("default", UserWarning)
-                    log, own, left = log_of(files, given)
+                    log, own, unknown = log_of(files, given)
                 if is_session(source):
                     check(own)
-                paths = targets.paths(log.name, source)
+                paths = targets(patterns, log.name, source, taken)
                 report.begin(log, head(log, source))
-                if log.skipped and head is say_which_log:  # `info` tells it among the rest
-                    count, why = log.skipped
-                    words = f"{counted(count, 'line')} left out; {why}"
-                    report.line("damaged", words, lines=count)
-                if left and head is say_which_log:
-                    report.line("session", f"its {', '.join(left)} left out: no option here")
+                if head is say_which_log:  # `info` tells it among the rest
+                    tell_what_is_left_out(log, unknown, report)
                 codes.append(work(own, log, paths, report))
             except BrokenPipeError:  # nobody reads any more
                 raise
             except FAULTS as error:
-                why, named = reason(error), shown(source)
-                failed.append(why if named in why else f"{named}: {why}")
+                why, name = reason(error), shown(source)
+                failed.append(why if name in why else f"{name}: {why}")
                 report.found["failed"] = failed[-1]
             report.end()
             bar.update()
@@ -168,6 +165,29 @@ def each_log(
     if len(reports) > 1 and not (given.json or given.quiet):
         print_line(f"{len(reports) - len(failed)} of {counted(len(reports), 'log')} done")
     return 1 if failed else max(codes)
+
+
+def tell_what_is_left_out(log: Log, options: Sequence[str], report: Report) -> None:
+    """Say which lines of a log are damaged, and which options of its session this command lacks."""
+    if log.skipped:
+        count, why = log.skipped
+        report.line("damaged", f"{counted(count, 'line')} left out; {why}", lines=count)
+    if options:
+        report.line("session", f"its {', '.join(options)} left out: no option here")
+
+
+def targets(patterns: Sequence[str], name: str, source: str, taken: dict[Path, str]) -> list[Path]:
+    """The files for a log of this name, none of them written before, nor the log itself."""
+    paths = [Path(pattern.replace(LOG_NAME, name)) for pattern in patterns]
+    for path in paths:
+        place = path.resolve()
+        writable(path)
+        if place == Path(source).resolve():
+            raise ValueError(f"cannot write {path}: it is the log itself")
+        if other := taken.get(place):
+            raise ValueError(f"{path} was written for {other}: this log would replace it")
+        taken[place] = source
+    return paths
 
 
 def check_places(paths: Iterable[Path | None]) -> None:
@@ -192,20 +212,20 @@ def sources(text: str) -> Iterator[str]:
         yield text
         return
     inside = list(below(folder))
-    found = [path for path in inside if is_log(path)]
-    if rest := [str(path.relative_to(folder)) for path in inside if path not in found]:
-        more = f" and {len(rest) - NAMED} more" if len(rest) > NAMED else ""
-        names = f"{', '.join(map(shown, rest[:NAMED]))}{more}"
+    logs = [path for path in inside if is_log(path)]
+    if others := [str(path.relative_to(folder)) for path in inside if path not in logs]:
+        more = f" and {len(others) - NAMED} more" if len(others) > NAMED else ""
+        names = f"{', '.join(map(shown, others[:NAMED]))}{more}"
         print_error(f"{shown(folder)}: left out, since no log: {names}")
-    yield from map(str, found or [folder])
+    yield from map(str, logs or [folder])
 
 
 def below(folder: Path) -> Iterator[Path]:
     """What lies in a folder, with the files of a folder that is no log in its place."""
-    for path in sorted(folder.iterdir()):
-        if path.is_dir() and not (path.name.startswith(".") or path.is_symlink() or is_log(path)):
+    for path in sorted(folder.glob("[!.]*")):
+        if path.is_dir() and not (path.is_symlink() or is_log(path)):
             yield from below(path)
-        elif not path.name.startswith("."):
+        else:
             yield path
 
 
@@ -334,33 +354,3 @@ def _with_known_suffix(suffixes: Sequence[str], text: str) -> str:
     if not text.lower().endswith(tuple(suffixes)) or text.startswith(tuple(suffixes)):
         raise argparse.ArgumentTypeError(f"{text!r} must end in one of {', '.join(suffixes)}")
     return text
-
-
-class Targets:
-    """The names given with -o, with the name of each log in its place."""
-
-    def __init__(self, patterns: Sequence[str]) -> None:
-        self._patterns = patterns
-        self._taken: dict[Path, str] = {}
-
-    def alike(self) -> str:
-        """The first name that is the same for all logs; empty where there is none."""
-        return next((pattern for pattern in self._patterns if LOG_NAME not in pattern), "")
-
-    def fixed(self) -> list[Path]:
-        """A path in each folder that is the same for all logs: whether it can be written to."""
-        paths = map(Path, self._patterns)
-        return [path for path in paths if LOG_NAME not in str(path.parent)]
-
-    def paths(self, name: str, source: str) -> list[Path]:
-        """The files for a log of this name, none of them written before, nor the log itself."""
-        found = [Path(pattern.replace(LOG_NAME, name)) for pattern in self._patterns]
-        for path in found:
-            place = path.resolve()
-            writable(path)
-            if place == Path(source).resolve():
-                raise ValueError(f"cannot write {path}: it is the log itself")
-            if other := self._taken.get(place):
-                raise ValueError(f"{path} was written for {other}: this log would replace it")
-            self._taken[place] = source
-        return found

@@ -37,11 +37,6 @@ def add_reading(group: Any) -> None:
         metavar="TOPIC",
         help="of a bag, its scans; given twice, those of both; default: scan, or the fullest",
     )
-    group.add_argument(
-        "--odometry-topic",
-        metavar="TOPIC",
-        help="of a bag, its odometry; default: that of the robot that carries the laser",
-    )
     for kind in ("odometry", "truth"):
         group.add_argument(
             f"--{kind}",
@@ -58,8 +53,6 @@ def read_log(files: Sequence[str], given: argparse.Namespace) -> Log:
     named = {kind: getattr(given, kind) for kind in ("odometry", "truth")}
     tracks = {k: name for k, name in named.items() if name and name.lower().endswith(POSE_FILES)}
     topics = {k: name for k, name in named.items() if name and k not in tracks}
-    if given.odometry_topic:
-        topics["odometry"] = given.odometry_topic
     if given.columns or given.view:
         log = read_csv(files[0], columns=given.columns, view=given.view, on_error=on_error)
     elif given.scan_topic or topics:

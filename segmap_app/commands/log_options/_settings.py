@@ -7,8 +7,6 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from numpy import format_float_positional
-
 from segmap.files import shown
 from segmap.readers import LogError, read_text
 
@@ -43,16 +41,10 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
 
 
 def _written_out(words: Sequence[str]) -> list[str]:
-    """The words with `--mount auto`, and `--strict` without a share, as options of their own.
-
-    Columns whose first is left out, as -,angle_deg, are no option, nor is a mask of -170:-150.
-    """
+    """The words with `--mount auto`, and `--strict` without a share, as options of their own."""
     found: list[str] = []
     for word, following in zip(words, [*words, ""][1:], strict=True):
         if word == "auto" and found[-1:] == ["--mount-auto"]:
-            continue
-        if (found[-1:] == ["--columns"] and word.startswith("-,")) or found[-1:] == ["--mask"]:
-            found[-1] += f"={word}"
             continue
         if word == "--mount=auto" or (word == "--mount" and following == "auto"):
             word = "--mount-auto"
@@ -110,9 +102,6 @@ def _written(flag: str, value: Any, action: argparse.Action) -> list[str]:
     values = value if isinstance(value, list) else [value]
     if not values or isinstance(values[0], list):  # an option that is given several times
         return [word for one in values for word in _written(flag, one, action)]
-    texts = [
-        format_float_positional(v, trim="0") if isinstance(v, float) else str(v) for v in values
-    ]
     if isinstance(action.nargs, int) and action.nargs:
-        return [f"--{flag}", *(text if _is_number(text) else f" {text}" for text in texts)]
-    return [f"--{flag}={text}" for text in texts]
+        return [f"--{flag}", *map(str, values)]
+    return [f"--{flag}={each}" for each in values]

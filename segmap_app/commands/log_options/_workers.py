@@ -12,7 +12,8 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import ExitStack
+from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
+from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -34,33 +35,22 @@ def on_workers(given: argparse.Namespace, chosen: list[list[str]]) -> int:
 
     A table grows as jobs end; logs that it holds already are not done again.
     """
-    try:
-        distributed: Any = import_module("dask.distributed")
-    except ImportError:
-        raise Usage(f"--workers needs dask: {pip_install('cluster')}") from None
     rows, failed, codes = read_table(given.table), list[str](), [0]
-    left = [files for files in chosen if files[0] not in {row["source"] for row in rows}]
-    if len(left) < len(chosen):
-        known = counted(len(chosen) - len(left), "log")
-        print_line(f"{known} of {len(chosen)} done before: {shown(given.table)}")
+    done_before = {row["source"] for row in rows}
+    waiting = [files for files in chosen if files[0] not in done_before]
+    if len(waiting) < len(chosen):
+        count = counted(len(chosen) - len(waiting), "log")
+        print_line(f"{count} of {len(chosen)} done before: {shown(given.table)}")
     with ExitStack() as stack:
         stack.enter_context(stoppable())
-        cluster = given.workers
-        if cluster.isdecimal():
-            local = {
-                "n_workers": int(cluster),
-                "threads_per_worker": 1,
-                "dashboard_address": "127.0.0.1:0",
-            }
-            cluster = stack.enter_context(distributed.LocalCluster(**local))
-        client = stack.enter_context(distributed.Client(cluster))
-        bar = stack.enter_context(progress(1 if given.quiet else len(left), "log"))
+        executor, client = stack.enter_context(_executor(given.workers))
+        bar = stack.enter_context(progress(1 if given.quiet else len(waiting), "log"))
         jobs = {
-            client.submit(run_elsewhere, *job, pure=False): files[0]
-            for files, job in zip(left, _jobs(given, left, client), strict=True)
+            executor.submit(run_elsewhere, *job): files[0]
+            for files, job in zip(waiting, _jobs(given, waiting, client), strict=True)
         }
-        for future in distributed.as_completed(jobs):
-            code, row, written = _answer(future, source := jobs.pop(future))
+        for future in as_completed(jobs):
+            code, row, written = _answer(future, source := jobs[future])
             codes.append(code)
             for name, content in written.items():
                 write_bytes(Path(name), content)
@@ -78,8 +68,23 @@ def on_workers(given: argparse.Namespace, chosen: list[list[str]]) -> int:
     for why in failed:
         print_error(why)
     if not (given.json or given.quiet):
-        print_line(f"{len(left) - len(failed)} of {counted(len(left), 'log')} done")
+        print_line(f"{len(waiting) - len(failed)} of {counted(len(waiting), 'log')} done")
     return 1 if failed else max(codes)
+
+
+@contextmanager
+def _executor(workers: str) -> Iterator[tuple[Executor, Any]]:
+    """What runs jobs: so many at a time here, or a cluster, and then its client."""
+    if workers.isdecimal():
+        with ThreadPoolExecutor(int(workers)) as pool:  # each job is a process of its own
+            yield pool, None
+        return
+    try:
+        distributed: Any = import_module("dask.distributed")
+    except ImportError:
+        raise Usage(f"--workers ADDRESS needs dask: {pip_install('cluster')}") from None
+    with distributed.Client(workers) as client:
+        yield client.get_executor(pure=False), client
 
 
 def _answer(future: Any, source: str) -> tuple[int, dict[str, Any], dict[str, bytes]]:
@@ -121,7 +126,7 @@ def _run(command: list[str], folder: str) -> tuple[int, str, str]:
     return done.returncode, done.stdout, done.stderr
 
 
-def _jobs(given: argparse.Namespace, left: list[list[str]], client: Any) -> Iterator[Job]:
+def _jobs(given: argparse.Namespace, waiting: list[list[str]], client: Any) -> Iterator[Job]:
     """The words for each log, the folder, and the bytes of the log for who does not see it."""
     words, before, logs = list[str](), "", [*given.logs]
     for word in given.words:
@@ -132,10 +137,10 @@ def _jobs(given: argparse.Namespace, left: list[list[str]], client: Any) -> Iter
         before = word
     words.append("--json")
     here = str(Path.cwd())
-    paths = [[Path(name) for name in files if Path(name).exists()] for files in left]
+    paths = [[Path(name) for name in files if Path(name).exists()] for files in waiting]
     known = [str(path.absolute()) for each in paths for path in each]
-    if all(client.run(_sees, [here, *known]).values()):
-        yield from (([*words, *files], here, None) for files in left)
+    if client is None or all(client.run(_sees, [here, *known]).values()):
+        yield from (([*words, *files], here, None) for files in waiting)
         return
     if any(Path(name).parent.name for name in getattr(given, "output", [])):
         raise Usage("the workers do not see this folder: -o must be a name without a folder")
@@ -143,7 +148,7 @@ def _jobs(given: argparse.Namespace, left: list[list[str]], client: Any) -> Iter
         each.stat().st_size for group in paths for path in group for each in _all_files(path)
     )
     print_line(f"the workers do not see {shown(here)}: {size / 1e6:.1f} MB of logs are sent")
-    for files, group in zip(left, paths, strict=True):
+    for files, group in zip(waiting, paths, strict=True):
         sent = {
             str(each.relative_to(path.parent)): each.read_bytes()
             for path in group

@@ -129,7 +129,8 @@ def named_topic(bag: Bag, kinds: Sequence[str], named: str, argument: str) -> st
 def how_to_read(argument: str, topic: str) -> str:
     """How another topic is read."""
     python = f"files.read_bag(path, {argument}={topic!r})"
-    return f"--{argument}-topic {topic} or {python} reads another"
+    option = "--scan-topic" if argument == "scan" else f"--{argument}"
+    return f"{option} {topic} or {python} reads another"
 
 
 def topics_text(bag: Bag) -> str:

@@ -129,7 +129,7 @@ def test_info_tells_what_a_session_keeps_and_no_map_is_a_log(run):
 def test_topics_of_a_bag_are_options(run, near):
     """Catches a topic that is named and not asked for, and one that is asked of a text."""
     bag = bag_samples.write(Path(), "mcap")
-    code, said, _ = run("info", bag, "--scan-topic", "/scan", "--odometry-topic", "/odom")
+    code, said, _ = run("info", bag, "--scan-topic", "/scan", "--odometry", "/odom")
     assert code == 0 and "ROS bag" in said and "odometry  for each scan" in said
     code, _, beside = run("info", bag, "--scan-topic", "/rear")
     assert code == 1 and "/rear" in beside and "/scan" in beside

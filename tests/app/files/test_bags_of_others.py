@@ -58,7 +58,7 @@ def test_the_odometry_is_that_of_the_robot_that_carries_the_laser(read):
     def without_frames(m):
         return [each for each in story(m) if "tf_static" not in each[0]]
 
-    asked = r"no tf tells which carries robot1/laser, --odometry-topic /robot2/odom or files\.read"
+    asked = r"no tf tells which carries robot1/laser, --odometry /robot2/odom or files\.read"
     with pytest.raises(LogError, match=asked):
         read(without_frames)
     with pytest.warns(UserWarning, match="no tf tells where robot1/laser sits"):
