@@ -227,7 +227,6 @@ ENCODINGS = {
     "a mark": lambda text: b"\xef\xbb\xbf" + text.encode(),
     "utf-16": lambda text: text.encode("utf-16"),
     "utf-16 big": lambda text: b"\xfe\xff" + text.encode("utf-16-be"),
-    "utf-16 without a mark": lambda text: text.encode("utf-16-le"),
     "utf-32": lambda text: text.encode("utf-32"),
     "lines of Windows": lambda text: text.replace("\n", "\r\n").encode(),
 }

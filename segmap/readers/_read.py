@@ -55,9 +55,9 @@ def read(
     ------
     LogError
         A damaged line, or a file that cannot be read, is of no known format or holds no scan. With
-        "skip" too where no scan remains, for a line of more than a megabyte, 100 000 empty lines in
-        a row, and a packed file of more than 1 MB and 50 times its size: these bounds keep time
-        and memory in proportion to the file.
+        "skip" too where no scan remains, for a line of more than a megabyte, and a packed
+        file of more than 1 MB and 50 times its size: these bounds keep time and memory in
+        proportion to the file.
 
     Examples
     --------

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-import stat
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import IO, Literal, TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -17,8 +16,6 @@ from ..scans import NOTHING_SKIPPED, Skipped
 
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.
 MAX_LINE = 1 << 20
-#: So many lines in a row hold nothing, or a comment: no log has a head of this length.
-MAX_EMPTY = 100_000
 #: How far the reading is, is told every so many lines.
 LINES_PER_ANNOUNCEMENT = 200
 #: What stands about a line and is none of it: white space but tabs, which separate fields, what an
@@ -140,9 +137,9 @@ class Lines(Reading):
             self.damaged(found)
 
     def __iter__(self) -> Iterator[list[str]]:
-        self.number = empty = 0
+        self.number = 0
         size = self.path.stat().st_size
-        with open_bytes(self.path) as file:
+        with self.path.open("rb") as file:
             while line := file.readline(MAX_LINE + 1):
                 self.number += 1
                 if self.number % LINES_PER_ANNOUNCEMENT == 0:
@@ -152,28 +149,18 @@ class Lines(Reading):
                 text = line.decode("utf-8-sig", "replace").strip(STRIPPED)
                 fields = text.split(self.separator)
                 comment = bool(self.comments) and text.startswith(self.comments)
-                if fields and not (comment or text.isspace() or not text):
-                    empty = 0
+                if text and not (comment or text.isspace()):
                     yield fields
-                elif (empty := empty + 1) > MAX_EMPTY:
-                    raise self.error(f"{MAX_EMPTY} lines in a row are empty, expected a log")
 
     def held(self, most: int) -> bytes:
         """At most so many bytes of a file that may have no lines."""
-        with open_bytes(self.path) as file:
+        with self.path.open("rb") as file:
             return file.read(most)
 
 
 def stem(path: Path) -> str:
     """The name of a log: that of its file, without what tells its kind."""
     return re.sub(r"\.(gz|xz|bz2)$", "", path.resolve().name).rsplit(".", 1)[0]
-
-
-def open_bytes(path: Path) -> IO[bytes]:
-    """Open a regular file for reading."""
-    if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait for ever
-        raise LogError(path, "is no regular file, expected a log")
-    return path.open("rb")
 
 
 def merged_skipped(first: Skipped, second: Skipped) -> Skipped:

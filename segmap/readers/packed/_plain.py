@@ -118,7 +118,7 @@ def _unpacked(path: Path, folder: Path) -> Path:
     else:
         plain = path
     _refuse_archives(path, plain, front)
-    if encoding := _encoding(front):
+    if encoding := next((name for mark, name in MARKS.items() if front.startswith(mark)), ""):
         text = folder / "text"
         text.mkdir()
         source = plain.open(encoding=encoding, errors="replace", newline=None)
@@ -147,20 +147,6 @@ def _front(path: Path) -> bytes:
     """The first bytes of a file."""
     with path.open("rb") as file:
         return file.read(FRONT_BYTES)
-
-
-def _encoding(front: bytes) -> str:
-    """The encoding of a text that is no plain UTF-8 in lines; empty where it is, or is no text."""
-    marked = next((name for mark, name in MARKS.items() if front.startswith(mark)), "")
-    if marked or len(front) < 8:
-        return marked
-    even, odd = front[::2].count(0), front[1::2].count(0)
-    half = len(front) // 2
-    if b"\r" in front and b"\n" not in front and not even + odd and front.isascii():
-        return "utf-8"  # lines of old Macs, and of Excel for them
-    if even == 0 and odd > 0.9 * half:
-        return "utf-16-le"
-    return "utf-16-be" if odd == 0 and even > 0.9 * half else ""
 
 
 def _copied(source: IO[Any], target: Path, path: Path) -> Path:

@@ -18,7 +18,7 @@ A part of a unit is divided: `angle_deg/10` are tenths of a degree, `range_mm/4`
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -166,8 +166,8 @@ def named(columns: str | Sequence[str]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def places_of(names: Sequence[str]) -> dict[str, tuple[int, Column]]:
-    """Columns by their roles, with their places.
+def places_of(names: Sequence[str], meant: Mapping[str, str] = {}) -> dict[str, tuple[int, Column]]:
+    """Columns by their roles, or by what is `meant` by a role, with their places.
 
     Of two of a kind the one with a unit counts; where both or neither has one, a ValueError.
     """
@@ -176,6 +176,7 @@ def places_of(names: Sequence[str]) -> dict[str, tuple[int, Column]]:
         column = meaning(name)
         if column is None:
             continue
+        column = column._replace(role=meant.get(column.role, column.role))
         first = found.get(column.role)
         if first and first[1].is_whole == column.is_whole:
             raise ValueError(

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ... import arrays
 from ...arrays import Array
-from ...files import read_arrays, shown
+from ...files import members, read_arrays, shown
 from ...progress import each
 from ...scans import NOTHING_SKIPPED, LaserScan, Log
 from ..lines import LATEST_TIME_S, LogError
@@ -38,20 +38,11 @@ KNOWN = {
     *NEEDED, "odometry", "truth", "times", "max_range", "sensor_pose", "codes", "delays", "track",
     "order_known", "beams", "assumed", "format", "session.json",
 }  # fmt: skip
-#: Byte of a zip file that holds the length of the first name.
-NAME_LENGTH_OFFSET = 26
-#: Byte at which the first name begins.
-NAME_OFFSET = 30
 
 
 def claims(path: Path) -> bool:
-    """Whether a file is a zip whose first member is an array."""
-    with path.open("rb") as file:
-        start = file.read(NAME_OFFSET + 300)
-    length = int.from_bytes(start[NAME_LENGTH_OFFSET : NAME_LENGTH_OFFSET + 2], "little")
-    return start.startswith(b"PK\x03\x04") and start[NAME_OFFSET : NAME_OFFSET + length].endswith(
-        b".npy"
-    )
+    """Whether a file is a zip that holds an array."""
+    return any(name.endswith(".npy") for name in members(path))
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:

@@ -31,7 +31,7 @@ from ..lines import HeadError, Lines, LogError, OnError
 from ..mounting import in_space, level
 from ..packed import log_file
 from ..raw_scans import Track, known, known_truth
-from ._columns import OF_POSES, QUATERNION, Column, meaning
+from ._columns import OF_POSES, QUATERNION, places_of
 from ._layout import Layout, declared_layout, layout_as_written, said_beside
 from ._messages import clock_of
 from ._question import choices_of
@@ -50,24 +50,10 @@ LONGEST_TRUTH_GAP_STEPS = 3
 LONGEST_TRUTH_GAP_S = 1.0
 
 
-def pose_columns(names: Sequence[str]) -> dict[str, tuple[int, Column]]:
-    """Columns of a file of poses by their roles; the first of a kind counts."""
-    found: dict[str, tuple[int, Column]] = {}
-    for place, name in enumerate(names):
-        if column := meaning(name):
-            role = OF_POSES.get(column.role, column.role)
-            if role in found:
-                raise ValueError(
-                    f"{names[found[role][0]]!r} and {name!r} both say that they are the {role}"
-                )
-            found[role] = place, column._replace(role=role)
-    return found
-
-
 def missing_of_poses(names: Sequence[str]) -> str:
     """What names do not say of poses; empty where they say all."""
     try:
-        found = pose_columns(names)
+        found = places_of(names, OF_POSES)
     except ValueError as fault:
         return str(fault)
     turn = ("pose_theta",) if "pose_theta" in found or "qw" not in found else QUATERNION
@@ -115,7 +101,7 @@ def track_in(
     if not layout.names:
         raise HeadError(path, choices_of(layout, missing_of_poses(layout.head)).told(path.name))
     rows, held = Rows(lines, layout), dict[str, Array]()
-    for role, (place, column) in pose_columns(layout.names).items():
+    for role, (place, column) in places_of(layout.names, OF_POSES).items():
         values = rows.values(place, column)
         if values is None:
             missing = f"the unit of {layout.names[place]!r} is not said"
