@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import struct
-import zlib
+import io
 from math import ceil, floor, log2
 from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
+from PIL import Image  # matplotlib brings it
 
 from ..arrays import Array
 from ..plotting import ERROR, RAW, RESULT
@@ -80,7 +79,9 @@ class LivePicture:
         pixels[self.window] = (255 * (1 - self.greys.grid[self.cells]) + 0.5)[..., None]
         for part in self.parts:
             self.axes.draw_artist(part)
-        return png_of(pixels)
+        packed = io.BytesIO()
+        Image.fromarray(pixels).save(packed, "png", compress_level=PACKING)
+        return packed.getvalue()
 
     def _place(self) -> None:
         """Find the pixels within the axes, and the cell of the grid about the middle of each."""
@@ -100,19 +101,6 @@ class LivePicture:
 def as_broken_line(segments: Array) -> Array:
     """Segments `(n, 2, 2)` as x and y of one line, `(2, 3 n)`, that is broken after each."""
     return np.insert(segments, 2, np.nan, axis=1).reshape(-1, 2).T
-
-
-def png_of(pixels: NDArray[np.uint8]) -> bytes:
-    """A PNG of pixels `(rows, columns, 3)`, each row as it is: to look for the best filter takes
-    thrice the time, and gains nothing with few colours."""
-    rows, columns, _ = pixels.shape
-    plain = np.pad(pixels.reshape(rows, -1), ((0, 0), (1, 0)))
-    head = struct.pack(">IIBBBBB", columns, rows, 8, 2, 0, 0, 0)
-    chunks = (b"IHDR", head), (b"IDAT", zlib.compress(plain.tobytes(), PACKING)), (b"IEND", b"")
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        for kind, data in chunks
-    )
 
 
 class Greys:

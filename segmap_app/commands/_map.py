@@ -14,11 +14,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from segmap import exports, extraction, metrics, quadtree, reduction, warm
+from segmap import exports, extraction, metrics, reduction
 from segmap.arrays import declared
 from segmap.display import counted
 from segmap.files import write_bytes
-from segmap.plan import floor_plan
 from segmap.plan.edits import FORMS, read
 from segmap.quadtree import without_passers
 from segmap.readers import read_text
@@ -26,7 +25,8 @@ from segmap.reduction import METHODS, Reduction
 from segmap.scans import Log
 
 from .. import files
-from ..pipeline import MapChoices, Pipeline, cropped, world_of
+from ..pipeline import MapChoices, Pipeline, world_of
+from ..plans import plan_of
 from . import log_options
 from ._output import Report, metres, percent, seconds
 
@@ -49,10 +49,6 @@ WRITTEN = (
 EXTRACT = "extract_"
 #: What -o of a plan may end in.
 PLAN_SUFFIXES = (".svg", ".pdf", ".png", ".dxf", ".geojson", ".csv")
-#: Shorter segments are left out before a plan is drawn, metres (A 6.2.1).
-LEAST_PLANNED_M = 0.10
-#: Side of the squares of its free space, metres.
-PLAN_SQUARE_M = 0.05
 
 
 def add(commands: Any) -> None:
@@ -311,17 +307,9 @@ def check_doors(given: argparse.Namespace) -> None:
 
 def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, draw its plan, and write what was asked for where there is a map."""
-    warm.dispatch(["extraction all", "quadtree all", "reduction one_per_wall"])
     made = log_options.placed_outcome(given, log, report)
-    poses, side = made.alignment.trusted, PLAN_SQUARE_M
-    seen = extraction.build_map(made.log, poses, keep_points=True)
-    verdict = made.alignment.verdict_on(seen)
-    free = quadtree.build_map(made.log, poses, resolution=side, free_resolution=side)
-    if given.crop is not None:
-        seen, free = cropped(seen, given.crop), cropped(free, given.crop)
-    walls = reduction.one_per_wall(seen.filtered(LEAST_PLANNED_M))
-    edits = [read(text).turned(made.turn) for text in given.edit]
-    plan = floor_plan(walls, free, regular=given.regular, door=tuple(given.door), edits=edits)
+    verdict, edits = made.verdict, [read(text) for text in given.edit]
+    plan = plan_of(made, edits, regular=given.regular, door=tuple(given.door))
     area = sum(room.area for room in plan.rooms)
     rooms, doors = counted(len(plan.rooms), "room"), counted(len(plan.doors), "door")
     hidden = sum(room.hidden for room in plan.rooms)

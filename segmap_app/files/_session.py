@@ -84,11 +84,8 @@ def write_session(path: str | Path, session: Session) -> None:
         raise ValueError(f"path: the name must end in .segmap, got {place.name!r}")
     log = arrays.instance(session, "session", Session).log
     said = {name: getattr(session, name) for name in ("settings", "runs", "edits")}
-    said |= {
-        "name": log.name,
-        "skipped": log.skipped,
-        "causes": [astuple(cause) for cause in log.causes],
-    }
+    causes = [astuple(cause) for cause in log.causes]
+    said |= {"name": log.name, "skipped": log.skipped, "causes": causes}
     write_npz(place, Session.FORMAT, {**log_arrays(log), "session.json": json.dumps(said)})
 
 
@@ -105,21 +102,15 @@ def read_session(path: str | Path) -> Session:
             held = read_npz(place, Session.FORMAT)
             said = json.loads(str(held.pop("session.json")))
             log = log_from_arrays(str(said.pop("name")), held)
-            lines, why = said.pop("skipped")
-            old = said.pop("doubt", "")  # earlier versions held words alone
-            causes = [Finding(Cause.OTHER, 1, str(old))] if old else []
-            causes += [_finding(*row) for row in said.pop("causes", [])]
+            skipped = Skipped(*said.pop("skipped"))
+            doubt = said.pop("doubt", "")  # earlier versions held words alone
+            causes = [Finding(Cause.OTHER, 1, str(doubt))] if doubt else []
+            causes += [Finding(Cause(cause), *rest) for cause, *rest in said.pop("causes", [])]
             names = said.get("edits", {}).pop("rooms", [])  # earlier versions held no other edits
             if names:
                 said["edits"]["edit"] = [f"Name {x} {y} {name}" for x, y, name in names]
-            log = replace(log, skipped=Skipped(int(lines), str(why)), causes=tuple(causes))
-            return Session(log, **said)
+            return Session(replace(log, skipped=skipped, causes=tuple(causes)), **said)
         except (TypeError, LookupError, AttributeError, RecursionError) as fault:
             raise LogError(place, f"its session.json is damaged ({fault})") from fault
         except ValueError as fault:
             raise LogError(place, str(fault).removeprefix(f"{shown(place)}: ")) from fault
-
-
-def _finding(cause: str, value: float, words: str, remedy: str, doubtful: bool) -> Finding:
-    """What a session holds of a finding."""
-    return Finding(Cause(cause), float(value), str(words), str(remedy), bool(doubtful))

@@ -12,7 +12,7 @@ from segmap.plan import FloorPlan
 from segmap.plan.edits import Edit, read
 
 from ..pipeline import Pipeline
-from . import _files
+from ..plans import plan_of
 
 #: Entries of numbers, by their options: how many, label and example.
 NUMBER_ENTRIES = {
@@ -122,7 +122,7 @@ class Rooms:
         if not self.switch.value:
             self.editor, self.sheet.children = None, ()
         elif (outcome := self._outcome()) is not None and not self.sheet.children:
-            self._begin(_files.plan_of, (outcome, self.edits.plan), self.show)
+            self._begin(plan_of, (outcome, self.edits.plan), self.show)
 
     def show(self, plan: FloorPlan) -> None:
         """Show a plan, to be mended."""

@@ -5,26 +5,23 @@ from __future__ import annotations
 import datetime
 import math
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from segmap import exports, extraction, reduction, warm
+from segmap import exports, warm
 from segmap.arrays import Array
 from segmap.files import shown
-from segmap.plan import FloorPlan, floor_plan
-from segmap.plan.edits import Edit
+from segmap.plan import FloorPlan
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.scans import Log
 
 from .. import files
 from ..pipeline import Pipeline, cropped, world_of
+from ..plans import CELL
 
-#: Sides of the cells of a map for a robot, metres.
-CELL = 0.05
 #: Points of so many scans are drawn at most.
 MOST_DRAWN_SCANS = 400
 #: Points of so many scans are drawn while a map grows.
@@ -70,21 +67,6 @@ def free_space(outcome: Pipeline) -> Array:
     tree = cells(outcome)
     x, y, side = tree.leaves()[:3]
     return np.stack([x, y, side], -1)[tree.leaf_occupancy() <= FREE_OCCUPANCY]
-
-
-def plan_of(outcome: Pipeline, edits: Sequence[Edit] = ()) -> FloorPlan:
-    """The floor plan of an outcome, as `segmap plan` makes it: of one line a wall.
-
-    Edits are in the frame of the log.
-    """
-    warm.dispatch(["quadtree all", "reduction one_per_wall"])
-    log, poses = outcome.log_without_passers, outcome.alignment.trusted
-    seen = extraction.build_map(log, poses, keep_points=True)
-    free = build_map(log, poses, resolution=CELL, free_resolution=CELL)
-    crop = outcome.recipe.edits.get("crop")
-    walls = reduction.one_per_wall(cropped(seen, crop).filtered())
-    turned = [edit.turned(outcome.turn) for edit in edits]
-    return floor_plan(walls, cropped(free, crop), edits=turned)
 
 
 def drawn_points(log: Log, poses: Array, *, sketched: bool = False) -> Array:

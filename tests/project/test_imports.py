@@ -35,6 +35,7 @@ LAYERS = (
     "segmap_app",
     "segmap_app.call segmap_app.files",
     "segmap_app.pipeline",
+    "segmap_app.plans",
     "segmap_app.page",
     "segmap_app.commands segmap_course",
     "__main__",

@@ -86,7 +86,7 @@ def test_warming_tells_what_it_compiles(capfd):
     """Catches `--first` that compiles all, or nothing."""
     assert main(["warm", "--first"]) == 0
     first, last = capfd.readouterr().out.splitlines()
-    assert "chapter 01 on one core" in first and last.startswith("Done in")
+    assert "loops of chapter 01 on " in first and last.startswith("Done in")
 
 
 @compiled

@@ -34,8 +34,8 @@ LAYERS = (
     (
         "The app",
         "for people with a log: files of other programs, from log to map, the page, the command",
-        "segmap_app/files segmap_app/call segmap_app/pipeline segmap_app/page "
-        "segmap_app/commands __main__",
+        "segmap_app/files segmap_app/call segmap_app/pipeline segmap_app/plans "
+        "segmap_app/page segmap_app/commands __main__",
     ),
 )
 #: Files to begin with, in this order, and what each shows.

@@ -1,0 +1,31 @@
+"""The floor plan of a map, as the command and the page draw it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from segmap import extraction, reduction, warm
+from segmap.plan import FloorPlan, floor_plan
+from segmap.plan.edits import Edit
+from segmap.quadtree import build_map
+
+from .pipeline import Pipeline, cropped
+
+#: Sides of the cells of a map for a robot, and of the free space of a floor plan, metres.
+CELL = 0.05
+
+
+def plan_of(outcome: Pipeline, edits: Sequence[Edit] = (), **options: Any) -> FloorPlan:
+    """The floor plan of an outcome, of one line a wall, with options of `plan.floor_plan`.
+
+    Edits are in the frame of the log.
+    """
+    warm.dispatch(["extraction all", "quadtree all", "reduction one_per_wall"])
+    log, poses = outcome.log_without_passers, outcome.alignment.trusted
+    seen = extraction.build_map(log, poses, keep_points=True)
+    free = build_map(log, poses, resolution=CELL, free_resolution=CELL)
+    crop = outcome.recipe.edits.get("crop")
+    walls = reduction.one_per_wall(cropped(seen, crop).filtered())
+    turned = [edit.turned(outcome.turn) for edit in edits]
+    return floor_plan(walls, cropped(free, crop), edits=turned, **options)
