@@ -263,10 +263,6 @@ PICTURES = [
     ),
     *each(draw_log)((ROOM[:2], [ZERO], "poses must")),
     *each(ScanPanel)((driven.LOG, driven.LOG.truth[:2], "poses must")),
-    *each(QuadtreePanel)(
-        (Log("room", driven.LOG.scans), "give poses"),
-        (driven.LOG[:0], "log must hold one scan"),
-    ),
     *each(ComparePanel)(
         (driven.WALLS, driven.RUNS[:0], "runs must hold one run"),
         (driven.WALLS, driven.RUNS.assign(method="magic"), "^runs: a method"),

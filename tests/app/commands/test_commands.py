@@ -1137,29 +1137,6 @@ def clone(tmp_path, monkeypatch):
     return source
 
 
-def test_a_newer_original_is_offered_beside_the_work_of_a_student(run, clone):
-    """Catches work that is overwritten, an offer that is made each time or hides an older one, and
-    a copy without work that stays old."""
-    work, (first, second) = clone.parent / "new" / "work", sorted(clone.glob("*.ipynb"))
-    _, said, _ = run("notebooks", work)
-    assert Path(re.search(r"jupyter lab (\S+)", said)[1]) == work / first.name
-    (work / first.name).write_text("my answers")
-    for k, text in enumerate(("new", "newer still"), start=1):
-        first.write_text(text)
-        second.write_text(text)
-        _, said, _ = run("notebooks", work)
-        beside = work / f"{first.stem}.newer-{k}.ipynb"
-        assert f"{first.name} is newer than yours, which stays: the new one is {beside}" in said
-        assert beside.read_text() == text == (work / second.name).read_text()
-        _, again, _ = run("notebooks", work)
-        assert "is newer" not in again and f"since yours differ: {first.name}" in again
-    assert (work / first.name).read_text() == "my answers"
-    assert (work / f"{first.stem}.newer-1.ipynb").read_text() == "new"
-    (work / ".originals.json").write_text("[broken")
-    code, *_ = run("notebooks", work)
-    assert code == 0 and (work / first.name).read_text() == "my answers"
-
-
 def as_jupyter_saves(path):
     """A chapter that was opened, run to its end and saved."""
     notebook = json.loads(path.read_bytes())

@@ -56,16 +56,3 @@ def test_a_name_may_begin_with_a_dash(tmp_path, name):
     files.write_session(session, Session(log, {}, edits=held))
     assert main(["plan", str(session), "-o", str(table), "-q"]) == 0
     assert [row.split(",")[0] for row in table.read_text().splitlines()].count(name) == 1
-
-
-def test_a_robot_that_is_found_has_a_room(tmp_path, capsys):
-    """Catches a room that is looked for in another frame, and a plan in degrees."""
-    plan, squares = tmp_path / "plan.geojson", tmp_path / "room.npz"
-    assert main(["plan", "room", "-o", str(plan)]) == 0
-    assert main(["occupancy", "room", "-o", str(squares)]) == 0
-    capsys.readouterr()
-    assert main(["locate", str(squares), "room", "--plan", str(plan)]) == 0
-    assert "room      room " in capsys.readouterr().out
-    assert main(["plan", "room", "--place", "52", "13", "-o", str(plan)]) == 0
-    assert main(["locate", str(squares), "room", "--plan", str(plan)]) == 2
-    assert "--place" in capsys.readouterr().err

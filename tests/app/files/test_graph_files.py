@@ -179,7 +179,7 @@ LINES = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 9 0 0 9 0 9\
 WRONG = {
     "edges only": ("FIX 0\n", None, "holds no vertex of a graph"),
     "another file": ("FLASER 1 2 3\n", 1, "expected a VERTEX_SE2 or EDGE_SE2 line"),
-    "3D": ("VERTEX3 0 0 0 0 0 0.9 0\n", 1, "in a plane, got one that is tilted by 52 degrees"),
+    "3D": ("FIX 0\nVERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n", 2, "VERTEX_SE2 or EDGE_SE2 line, got"),
     "twice": (LINES + "VERTEX_SE2 1 5 0 0\n", 4, "vertex 1 stands in the file twice"),
     "nowhere": (LINES + "EDGE_SE2 1 7 1 0 0 9 0 0 9 0 9\n", 4, "vertex 7 is not in the file"),
     "no pose": (LINES + "VERTEX_SE2 2 nan nan nan\n", 4, "expected metres and radians"),

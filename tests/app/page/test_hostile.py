@@ -23,9 +23,6 @@ TAGS |= {"table", "thead", "tbody", "tr", "th", "td"}
 TEXTS = text_samples()
 #: Marks of HTML and another folder in one name; what moves the cursor of a terminal.
 TOGETHER = TEXTS[2] + TEXTS[3] + TEXTS[8], TEXTS[7]
-#: What does not fit the numbers of a run, and what does not fit its words.
-NO_NUMBERS = value_samples()
-NO_WORDS = [value for value in value_samples() if not isinstance(value, str)]
 ROW = {
     **{"map": "m", "alignment": "a", "align_thresholds": "", "align_seconds": 1.0},
     **{"extraction": "e", "extract_thresholds": "", "filtered": 0, "verdict": "good"},

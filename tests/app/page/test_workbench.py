@@ -530,8 +530,11 @@ def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
 
 @pytest.mark.parametrize(
     ("name", "words"),
-    [("..", "cannot be the name"), ("half \ud800", "half \\ud800: is of no known format")],
-)  # fmt: skip
+    [
+        ("half \ud800", "half \\ud800: is of no known format"),
+        (".", "upload.log: is of no known format"),
+    ],
+)
 def test_an_uploaded_name_that_is_none_is_told(name, words):
     """Catches an exception that nobody sees, and the places of a server in what is said."""
     made = bench()
