@@ -32,12 +32,8 @@ STEP_END_M = 0.2
 STEP_END_RAD = np.radians(8)
 #: ... and counts where so large a share of the scan lies on the other, ...
 LEAST_STEP_OVERLAP = 0.7
-#: A scan stands for the laser where it moved by less, metres, ...
+#: A scan stands for the laser where its points move by less, metres, and it turns by half of it.
 LASER_STANDS_M = 0.1
-#: ... and turned by less, radians.
-LASER_STANDS_RAD = np.radians(3)
-#: The rest of the scan is then searched for if it is more than this share of it.
-LEAST_REST_SHARE = 0.15
 
 
 def blind_steps(log: Log) -> Steps:
@@ -84,7 +80,7 @@ def _step_match(map: PointMap, current: Array) -> Match | None:
     if match is not None and _stands(match.pose):
         rides = map.near(current, match.pose, LAST)
         away = np.hypot(*current.T)
-        if 1 - rides.mean() > LEAST_REST_SHARE and np.median(away[~rides]) > np.median(away[rides]):
+        if (~rides).sum() >= LEAST_STEP_POINTS and np.median(away[~rides]) > np.median(away[rides]):
             rest = registered_near(map, current[~rides], np.zeros(3))
             if rest is not None and rest.overlap > LEAST_STEP_OVERLAP and not _stands(rest.pose):
                 return rest
@@ -100,4 +96,4 @@ def registered_near(map: PointMap, current: Array, guess: Array) -> Match | None
 
 def _stands(motion: Array) -> bool:
     """Whether a motion `(3,)` is next to none."""
-    return bool(np.hypot(*motion[:2]) < LASER_STANDS_M and abs(motion[2]) < LASER_STANDS_RAD)
+    return bool(np.hypot(*motion[:2]) < LASER_STANDS_M and abs(motion[2]) < LASER_STANDS_M / 2)

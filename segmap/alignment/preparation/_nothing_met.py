@@ -15,15 +15,11 @@ from ._pairs import LEAST_COMPARISONS, NEAR_M, SEEN_THROUGH_M, compared, directi
 
 #: Scans that are looked at, spread over the log.
 NOTHING_MET_SCANS = 200
-#: A number that means "nothing met" occurs in this share of the scans, ...
-MET_IN_SHARE = 0.25
-#: ... in this share of all beams, ...
+#: A number that means "nothing met" occurs in this share of all beams, ...
 MET_BEAMS_SHARE = 0.03
 #: ... and makes up this share of the ranges within a hundredth of it: 0.3 of the range that is most
 #: frequent in real logs is, of which 0.004 of the beams have one.
 STANDS_OUT_SHARE = 0.3
-#: Fewer scans do not tell.
-LEAST_TELLING_SCANS = 10
 #: So many other ranges are nearer: what rides with the robot is the nearest of all.
 NEARER = 0.25
 #: Half of the beams beside those that hold it differ by this share of it. Those beside a part of a
@@ -38,19 +34,16 @@ RANGE_STEP = 0.01
 def without_nothing_met(log: Log) -> Log:
     """A log whose beams hold `inf` where a driver wrote a number for "nothing met", which is told.
 
-    Such a number stands out among the ranges, is none of the nearest, and is met in many scans
-    beside beams that see something else. A driver may have several.
+    Such a number stands out among the ranges, is none of the nearest, and is met beside beams that
+    see something else. A driver may have several.
     """
-    if len(log) < LEAST_TELLING_SCANS:
+    if len(log) < NOTHING_MET_SCANS / 20:  # too few to tell
         return log
     some = log[:: 1 + len(log) // NOTHING_MET_SCANS]
     ranges = np.concatenate([np.where(s.valid, s.ranges, np.nan) for s in some])
-    scan = np.repeat(np.arange(len(some)), [len(s) for s in some])
     causes, numbers = list(log.causes), []
     while (number := _number_among(ranges)) is not None:
         holds = np.abs(ranges - number) <= NUMBER_M
-        if len(np.unique(scan[holds])) < MET_IN_SHARE * len(some):
-            break
         words = f"a range of {number:.5g} m means nothing met: {100 * holds.mean():.2g} % of all"
         causes.append(Finding(Cause.NOTHING_MET, number, words))
         numbers.append(number)

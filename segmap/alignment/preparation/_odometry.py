@@ -44,8 +44,6 @@ AGREEING_COSINE = 0.9
 ASIDE_RAD = np.radians(8)
 #: A lever arm is told from here on, metres.
 LEAST_LEVER_M = 0.15
-#: None is longer than a robot, metres.
-LONGEST_LEVER_M = 2.0
 #: At this share of the steps scans stand although the wheels drive: 0 in right logs.
 STILL_SHARE = 0.15
 #: A delay of a scan and more counts where it leaves at most this share of the disagreement.
@@ -130,7 +128,7 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
         causes.append(Finding(Cause.SCALE, against.way, words))
         rows = rows * (against.way, against.way, 1)
     # 5. Where the laser sits, and what moves along
-    if LEAST_LEVER_M < np.hypot(x, y) < LONGEST_LEVER_M:
+    if np.hypot(x, y) > LEAST_LEVER_M:
         words = f"the laser sits {x:.2f} m ahead and {y:.2f} m left of where the log has it"
         causes.append(Finding(Cause.LEVER_ARM, float(np.hypot(x, y)), words, "--mount auto"))
     if against.still > STILL_SHARE:
