@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, wraps
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, ParamSpec, TypeVar, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 P = ParamSpec("P")
-T = TypeVar("T")
 #: A scan is sure where its standard deviation is at most this, metres: a tenth of a room.
 SURE_M = 0.25
 
@@ -92,24 +91,8 @@ class Appraisal(NamedTuple):
     proviso: str = ""
 
 
-class Appraised(Generic[T]):
-    """A field of a dataclass that its `appraisal` knows, where it was not given."""
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.name = name
-
-    @overload
-    def __get__(self, instance: None, owner: type) -> None: ...
-    @overload
-    def __get__(self, instance: Any, owner: type) -> T: ...
-    def __get__(self, instance: Any, owner: type) -> T | None:
-        if instance is None:  # the dataclass asks for the default
-            return None
-        given: T | None = vars(instance)[self.name]
-        return getattr(instance.appraisal, self.name) if given is None else given
-
-    def __set__(self, instance: Any, value: T | None) -> None:
-        vars(instance)[self.name] = value
+#: Stands for what is appraised once it is asked for.
+NOT_GIVEN: Any = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -159,12 +142,23 @@ class Alignment(Pictured):
     method: str = ""
     reasons: tuple[str, ...] = ()
     graph: Graph | None = field(default=None)
-    causes: Appraised[tuple[Finding, ...]] = Appraised()
-    spread: Appraised[Array | None] = Appraised()
-    local_spread: Appraised[Array | None] = Appraised()
+    causes: tuple[Finding, ...] = field(default_factory=lambda: NOT_GIVEN)
+    spread: Array | None = field(default_factory=lambda: NOT_GIVEN)
+    local_spread: Array | None = field(default_factory=lambda: NOT_GIVEN)
     unmatched: tuple[Unmatched, ...] = ()
     appraise: Callable[[], Appraisal] = Appraisal
-    proviso: Appraised[str] = Appraised()
+    proviso: str = field(default_factory=lambda: NOT_GIVEN)
+
+    def __post_init__(self) -> None:
+        for name in Appraisal._fields:
+            if vars(self)[name] is NOT_GIVEN:
+                del vars(self)[name]
+
+    def __getattr__(self, name: str) -> Any:
+        """A field that was not given, as it is appraised."""
+        if name not in Appraisal._fields:
+            raise AttributeError(f"an alignment has no {name!r}")
+        return getattr(self.appraisal, name)
 
     @cached_property
     def appraisal(self) -> Appraisal:
@@ -311,8 +305,15 @@ def checked_alignment(
         proviso = promised_under(scans, poses, used)
         return own._replace(causes=(*known, *seen, *own.causes), proviso=proviso)
 
-    evidence = reasons, found.graph, None, None, None, unmatched, appraise
-    return Alignment(poses.copy(), used.copy(), seconds, name, *evidence)  # a user may edit these
+    evidence = (
+        poses.copy(),
+        used.copy(),
+        seconds,
+        name,
+        reasons,
+        found.graph,
+    )  # a user may edit these
+    return Alignment(*evidence, unmatched=unmatched, appraise=appraise)
 
 
 class Trail:

@@ -8,7 +8,6 @@ from ..alignment.points.correlation import Levels, fill_maxima
 from ..arrays import Array
 from ..compiled import compiled
 from ..segments import SegmentMap
-from ..threads import Rows, in_threads, shares
 from ._field import (
     MATCHER_MARGIN_M,
     MOST_WINDOW_DISTANCE,
@@ -30,8 +29,6 @@ LIKELIHOOD_CELL_M = 0.05
 TOP = 6
 #: Logarithm of what a beam is worth whose end lies in a cell of each of the 256 values.
 LOGARITHMS = np.log((1 - ANYTHING) * (np.arange(256) / 255) + ANYTHING)
-#: Fewer poses than this for each thread take less time than to start it.
-LEAST_POSES_OF_THREAD = 2000
 
 
 class Likelihoods:
@@ -69,16 +66,10 @@ class Likelihoods:
         placed = np.concatenate([poses[:, :2], np.cos(turn), np.sin(turn)], 1)
         rows, columns = self.levels.shape[1:]
         frame = np.array([*self.corner, self.size, 1 << TOP, columns, rows])
-        level = self.levels[0].ravel()
-        ends, found = np.ascontiguousarray(points.T), np.empty(len(poses))
-
-        def weigh(rows: Rows) -> None:
-            room, sums = np.empty(len(points), np.int32), np.empty(len(rows))
-            weigh_poses(level, frame, ends, placed[rows], room, sums)
-            found[rows] = np.exp(sums / len(points))
-
-        in_threads(weigh, shares(np.arange(len(poses)), LEAST_POSES_OF_THREAD))
-        return found
+        ends, sums = np.ascontiguousarray(points.T), np.empty(len(poses))
+        room = np.empty(len(points), np.int32)
+        weigh_poses(self.levels[0].ravel(), frame, ends, placed, room, sums)
+        return np.exp(sums / len(points))
 
 
 def _distances(map: Map) -> tuple[Array, Array, float]:

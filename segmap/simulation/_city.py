@@ -9,7 +9,7 @@ import numpy as np
 from .. import arrays
 from ..arrays import Array, at_least, checked
 from ..poses import transform
-from ._rooms import Length, box, polyline, rectangular_room
+from ._rooms import Length, box, pose_at_start, recessed, rectangular_room
 
 #: One door, niche or pilaster stands in so many metres of a facade.
 PITCH = 4.0
@@ -80,18 +80,11 @@ def _facade(wall: Array, rng: np.random.Generator) -> Array:
     middle = cell * np.arange(count) + rng.uniform(half + 0.3, cell - half - 0.3)
     depth = rng.uniform(*FEATURE_DEPTHS_M, count)
     along = np.stack([middle - half, middle - half, middle + half, middle + half], -1).ravel()
-    right = np.stack([0 * depth, depth, depth, 0 * depth], -1).ravel()
-    line = np.stack([np.r_[0, along, reach], -np.r_[0, right, 0]], -1)
-    return transform(_pose_at_start(wall), polyline(line))
+    return recessed(wall, along, np.stack([0 * depth, depth, depth, 0 * depth], -1).ravel())
 
 
 def _pillar(wall: Array, rng: np.random.Generator) -> Array:
     """A pillar on the left of a wall, close to it."""
     reach = float(np.hypot(*(wall[1] - wall[0])))
     place = (rng.uniform(1.0, reach - 1.0), 0.35, rng.uniform(0, np.pi / 2))
-    return transform(_pose_at_start(wall), box(rng.uniform(*PILLARS), rng.uniform(*PILLARS), place))
-
-
-def _pose_at_start(wall: Array) -> Array:
-    """The pose of a wall's start, looking along it."""
-    return np.array([*wall[0], np.arctan2(*(wall[1] - wall[0])[::-1])])
+    return transform(pose_at_start(wall), box(rng.uniform(*PILLARS), rng.uniform(*PILLARS), place))

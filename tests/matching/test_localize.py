@@ -231,10 +231,8 @@ def test_the_steps_are_those_of_the_literal_filter():
 
 
 @pytest.mark.parametrize("kind", ["walls", "squares"])
-@pytest.mark.parametrize("threads", ["1", "2"])
-def test_poses_are_weighed_as_arrays_weigh_them(kind, threads, monkeypatch):
+def test_poses_are_weighed_as_arrays_weigh_them(kind):
     """On the map, beside it and far beyond. Catches a cell beside, an edge, a part left out."""
-    monkeypatch.setenv("SEGMAP_THREADS", threads)
     scans = simulate(ROOM.segments, drive([(1, 1), (3, 1)], step=0.3), sensor=ROUND, rng=rng(1))
     map = Likelihoods(ROOM if kind == "walls" else build_map(scans, scans.truth))
     for seed, (count, wide) in enumerate([(1, 0.1), (2, 3), (50, 1), (999, 1e7), (8001, 0.3)]):

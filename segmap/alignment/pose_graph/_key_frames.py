@@ -172,6 +172,12 @@ def loop_pairs(loops: ArrayLike, name: str) -> list[list[int]]:
     return list(found.reshape(-1, 2).tolist())
 
 
+def edges_but(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
+    """The edges but for those gone: the same objects, not equal ones."""
+    ids = {id(edge) for edge in gone}
+    return [edge for edge in edges if id(edge) not in ids]
+
+
 def firm(loops: list[Edge]) -> list[Edge]:
     """Those loops that fix the place in all directions."""
     known = [np.linalg.inv(loop.information)[:2, :2] for loop in loops]

@@ -18,6 +18,7 @@ from ._key_frames import (
     VAGUE,
     KeyFrames,
     Undoable,
+    edges_but,
     firm,
     key_frames_in_square,
     path_lengths,
@@ -180,7 +181,7 @@ class LoopCloser(Undoable):
         self.pending += [loop for loop, _ in fresh]
         found = self._confirmed_by_others(fresh)
         if ahead and ahead[0].turn < np.pi:  # odometry over the gap is a witness
-            found += _edges_but([e for e, _ in fresh if e.first == ahead[0].old], found)
+            found += edges_but([e for e, _ in fresh if e.first == ahead[0].old], found)
         self.believe(found)
         if found:
             self.lost_since = self.last_sure = None
@@ -309,7 +310,7 @@ class LoopCloser(Undoable):
             agree = self._witnesses([loop, *others])
             way = [self.frames.distance[k] for k in {each.second for each in agree}]
             if len(way) > enough and (lost or max(way) - min(way) >= min(reach, self.rules.span)):
-                found += _edges_but([loop, *others], found + self.accepted[-COMPARED_LOOPS:])
+                found += edges_but([loop, *others], found + self.accepted[-COMPARED_LOOPS:])
         return found
 
     def _witnesses(self, loops: list[Edge]) -> list[Edge]:
@@ -343,7 +344,7 @@ class LoopCloser(Undoable):
         for loop in self.pending if self.lost_since is None else []:
             others = self.agreeing(loop, known) + self.agreeing(loop, known, apart=True)
             found += [loop] if len(self._witnesses(others)) >= LAST_WITNESSES else []
-        self._give_up(_edges_but(self.pending, found))
+        self._give_up(edges_but(self.pending, found))
         self.believe(found)
         return bool(found)
 
@@ -355,12 +356,12 @@ class LoopCloser(Undoable):
         left = deviations(frames.poses, stacked(frames.edges))
         open_by = zip(frames.edges, left, strict=True)
         out = [e for e, d in open_by if e.loop and not e.forced and d > CONTRADICTED]
-        frames.exchange(_edges_but(frames.edges, out))
+        frames.exchange(edges_but(frames.edges, out))
         return bool(out)
 
     def veto(self, loops: list[Edge], reason: str = VETOED_LOOP) -> None:
         """Take loops out; others that were taken out since they contradict the rest come back."""
-        self.accepted = _edges_but(self.accepted, loops)
+        self.accepted = edges_but(self.accepted, loops)
         self.ways = ways_of(self.accepted)
         steps = [edge for edge in self.frames.edges if not edge.loop]
         self.frames.exchange(steps + self.accepted)
@@ -369,7 +370,7 @@ class LoopCloser(Undoable):
 
     def believe(self, loops: list[Edge]) -> None:
         """Make loops edges of the graph, and ways through it."""
-        self.pending = _edges_but(self.pending, loops)
+        self.pending = edges_but(self.pending, loops)
         self.accepted += loops
         self.frames.edges += loops
         self.ways = np.concatenate([self.ways, ways_of(loops)])
@@ -378,7 +379,7 @@ class LoopCloser(Undoable):
         """Reject loops that no other has confirmed in time."""
         for loop in loops:
             self._reject(loop.first, loop.second, UNSUPPORTED_LOOP)
-        self.pending = _edges_but(self.pending, loops)
+        self.pending = edges_but(self.pending, loops)
 
     def _reject(self, old: int, new: int, reason: str) -> None:
         """Keep the reason, under the indices of the scans."""
@@ -387,12 +388,6 @@ class LoopCloser(Undoable):
 
     def not_believed(self) -> list[Rejected]:
         """All loops that are no edges, also those that the solution left open at the end."""
-        rows, left = self.frames.rows, _edges_but(self.accepted, self.frames.edges)
+        rows, left = self.frames.rows, edges_but(self.accepted, self.frames.edges)
         ends = [(rows[loop.first].scan, rows[loop.second].scan) for loop in left]
         return [*self.rejected, *(Rejected(*pair, CONTRADICTED_LOOP) for pair in ends)]
-
-
-def _edges_but(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
-    """The edges but for those gone: the same objects, not equal ones."""
-    known = {id(edge) for edge in gone}
-    return [edge for edge in edges if id(edge) not in known]

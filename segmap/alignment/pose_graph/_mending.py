@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ..graph import MOST_BEND, Edge, chain_bends, stacked
-from ._key_frames import KeyFrames
+from ._key_frames import KeyFrames, edges_but
 from ._places import PASS_GAP_FRAMES
 
 
@@ -38,7 +38,7 @@ def drop_torn(frames: KeyFrames, odometry: Array) -> bool:
             break
         worst = min(sizes)
         gone = clusters.pop(int(np.argmin(sizes)))
-        rest = _but(rest, gone)
+        rest = edges_but(rest, gone)
     mended = worst <= MOST_BEND
     frames.exchange(rest if mended else edges)
     frames.poses = poses
@@ -68,14 +68,8 @@ def _spans(cluster: list[Edge], first: NDArray[np.int64], last: NDArray[np.int64
 def _worst_without(frames: KeyFrames, edges: list[Edge], gone: list[Edge]) -> float:
     """The largest bend that is left where the poses are solved without some loops."""
     poses = frames.poses
-    frames.exchange(_but(edges, gone))
+    frames.exchange(edges_but(edges, gone))
     frames.optimize()
     worst = chain_bends(stacked(frames.edges), frames.poses).size.max()
     frames.poses = poses
     return float(worst)
-
-
-def _but(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
-    """The edges but for those gone: the same objects, not equal ones."""
-    ids = {id(edge) for edge in gone}
-    return [edge for edge in edges if id(edge) not in ids]
