@@ -3,17 +3,15 @@
 import contextlib
 import pickle
 import sys
-import tempfile
 import threading
 import time
-from copy import copy, deepcopy
-from functools import cache
+from copy import deepcopy
 
 import numpy as np
 
 from segmap import load
 from segmap.alignment import LiveGraph
-from segmap.exports import ros_classes, write_geojson, write_svg
+from segmap.exports import ros_classes
 from segmap.extraction import extract_polylines
 from segmap.matching import DistanceField, LiveMap, NoRoute, nearest_score, route
 from segmap.poses import transform
@@ -48,94 +46,62 @@ def whole(map):
     leaves = map.leaves()
     squares = np.log2((leaves.side / map.resolution) ** 2 @ np.ones(len(leaves.side))) / 2
     assert squares == round(squares) and (leaves.occ <= leaves.vis).all()
-    with tempfile.TemporaryDirectory() as folder:
-        map.save(f"{folder}/it.npz")
-        QuadtreeMap.load(f"{folder}/it.npz")  # looks at each block
-        ros_classes(map)
-        write_svg(f"{folder}/it.svg", map)
-        write_geojson(f"{folder}/it.json", map)
+
+
+def find_way(map, points):
+    with contextlib.suppress(NoRoute):
+        route(map, points[0], points[1], radius=0.05)
+
+
+#: What runs a loop on the tree of a map.
+LOOKS = [
+    lambda map, points: whole(map),
+    lambda map, points: map.to_grid(value="variance"),
+    lambda map, points: (map.occupancy(points), map.statistics(), map.leaf_occupancy()),
+    lambda map, points: whole(deepcopy(pickle.loads(pickle.dumps(map))).cropped(-1, -1, 1, 1)),
+    lambda map, points: (nearest_score(map, points, np.zeros((3, 3))), extent(map)),
+    lambda map, points: (map.tree.leaves(), DistanceField(map), ros_classes(map)),
+    lambda map, points: frontiers(map),
+    find_way,
+]
 
 
 def look(map, rng):
-    """Ask a map for everything that runs a loop on its tree."""
-    points, value = rng.uniform(-5, 5, (50, 2)), ("max", "mean", "variance")[rng.integers(3)]
-    which = rng.integers(8)
-    if which == 0:
-        whole(map)
-    elif which == 1:
-        grid = map.to_grid(value=value)
-        assert np.isfinite(grid).all() and (grid <= 1).all() and (grid >= 0).all()
-    elif which == 2:
-        assert np.isfinite(map.occupancy(points)).all() and len(map.statistics())
-    elif which == 3:
-        whole(pickle.loads(pickle.dumps(map)))
-        whole(deepcopy(map).cropped(-1, -1, 1, 1))
-    elif which == 4:
-        assert (nearest_score(map, points, np.zeros((3, 3))) <= 0).all() and len(extent(map)) == 4
-    elif which == 5:
-        assert len(map.tree.leaves()[0]) and len(map.leaf_occupancy()) and len(repr(map))
-        DistanceField(map)
-    elif which == 6:
-        frontiers(map)
-    else:
-        with contextlib.suppress(NoRoute):
-            route(map, points[0], points[1], radius=0.05)
-
-
-def place(graph, rng):
-    graph.add(LOG[len(graph) % len(LOG)])
-    if len(graph) > 200:
-        graph.become(LiveGraph())
+    LOOKS[rng.integers(len(LOOKS))](map, rng.uniform(-5, 5, (50, 2)))
 
 
 def ask(graph, rng):
     """Ask a graph for all that it knows."""
-    graph.poses, graph.graph, graph.reasons, graph.loops(), repr(graph)
+    graph.poses, graph.graph, graph.loops(), repr(graph)
     if rng.random() < 0.1:
         graph.refine()
-        assert len(copy(graph).refine().poses) >= 0 and pickle.loads(pickle.dumps(graph)).lock
-
-
-def reduce(walls, rng):
-    walls.add(WALLS[rng.integers(len(WALLS))] + rng.normal(0, 0.5, 2))
-    if walls.scans > 300:
-        walls.become(LiveReduction(every=7))
-
-
-def list_walls(walls, rng):
-    assert np.isfinite(walls.segments).all() and repr(walls) and deepcopy(walls).scans >= 0
-
-
-def drive(live, rng):
-    live.add(LOG[rng.integers(len(LOG))])
 
 
 def follow(live, rng):
     """Ask a live map for what a page shows, and its map for everything."""
     assert np.isfinite(live.poses).all() and np.isfinite(live.walls.segments).all()
     look(live.map, rng)
-    if rng.random() < 0.05:
-        live.finish()
 
 
 #: What is made, what changes it, and what asks it.
 KINDS = {
     "map": (map_of, insert, look),
-    "tree": (map_of, insert, lambda map, rng: map.tree.leaves_at(map.tree.leaves()[1])),
-    "graph": (lambda seed: LiveGraph(), place, ask),
-    "walls": (lambda seed: LiveReduction(every=7), reduce, list_walls),
-    "live map": (lambda seed: LiveMap(map=map_of(0), walls=LiveReduction()), drive, follow),
+    "graph": (
+        lambda seed: LiveGraph(),
+        lambda graph, rng: graph.add(LOG[len(graph) % len(LOG)]),
+        ask,
+    ),
+    "walls": (
+        lambda seed: LiveReduction(every=7),
+        lambda walls, rng: walls.add(WALLS[rng.integers(len(WALLS))] + rng.normal(0, 0.5, 2)),
+        lambda walls, rng: (deepcopy(walls).segments, repr(walls)),
+    ),
+    "live map": (
+        lambda seed: LiveMap(map=map_of(0), walls=LiveReduction()),
+        lambda live, rng: live.add(LOG[rng.integers(len(LOG))]),
+        follow,
+    ),
 }
-
-
-@cache
-def warm(kind):
-    """Load the loops that a kind runs: that takes longer than they do."""
-    make, write, read = KINDS[kind]
-    thing = make(0)
-    for step in (write, read):
-        for seed in range(8):
-            step(thing, np.random.default_rng(seed))
 
 
 def hammer(pair, seed, seconds):
@@ -143,8 +109,8 @@ def hammer(pair, seed, seconds):
     kind, second = pair.split(", ")
     make, write, read = KINDS[kind]
     thing, steps, errors = make(seed), [0, 0], []
-    warm(kind)
-    write(thing, np.random.default_rng(seed))  # what is empty has no score
+    for step in (write, read) * 8:  # loads the loops, and what is empty has no score
+        step(thing, np.random.default_rng(seed))
     end = time.monotonic() + seconds
 
     def work(own, step):

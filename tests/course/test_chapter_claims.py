@@ -28,16 +28,13 @@ from segmap.quadtree import without_passers
 from segmap.reduction import (
     fusion,
     fusion_online,
-    fuzzy_clustering,
-    fuzzy_set,
     hybrid,
     hybrid_fusion,
     least_cost,
     one_per_wall,
-    polyline,
 )
 from segmap.scans import Log
-from segmap.segments import length, point_distance
+from segmap.segments import point_distance
 
 pytestmark = pytest.mark.slow
 
@@ -63,21 +60,6 @@ def test_fusion_cannot_mend_the_poses(seed):
         for m in (drifted, fusion(drifted))
     )
     assert 200 < then < 900 and abs(then / far - 1) < 0.15
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_an_ideal_sensor_hides_what_the_tolerance_of_polylines_does(seed):
-    """Chapter 53: in other offices too 5 mm seem good, and with noise they are not."""
-    office, kinds = simulation.office(rng=np.random.default_rng(seed)), []
-    way = simulation.drive([(0.5, 5), (11.5, 5)], step=0.5)
-    for sensor in (simulation.URG_04LX.ideal(), simulation.URG_04LX):
-        rng = np.random.default_rng(seed)
-        log = simulation.simulate(office, way, sensor=sensor, rng=rng)
-        maps = [build_map(log, log.truth, tolerance=t) for t in (0.002, 0.005, 0.03)]
-        kinds.append([(len(m), length(m.segments).sum(), quality(m, fusion(m))) for m in maps])
-    ideal, noisy = np.array(kinds)
-    assert ideal[1, 2] > 0.99 and noisy[1, 2] < 0.77 and noisy[0, 1] < 0.1 * ideal[0, 1]
-    assert np.ptp(ideal[:, 0]) < 5 and 0 < noisy[2, 0] - ideal[2, 0] < 25
 
 
 def false_loops(graph: alignment.Graph, log: Log) -> int:
@@ -137,41 +119,6 @@ def test_a_window_that_is_too_wide_folds_equal_offices(seed):
     assert alignment.position_errors(wide.poses, log.truth).max() > 3.9
 
 
-def test_drives_round_the_block_close_their_loops_while_driving():
-    """Chapter 56: seven drives of seven close, and end at most 0.2 m off."""
-    corners = [(1, 1), (39, 1), (39, 15), (1, 15), (1, 1), (9, 1)]
-    way = simulation.drive(corners, step=0.3, turn=np.radians(20))
-    laser = simulation.Sensor("small", 91, -np.pi / 2, np.pi / 90, max_range=4.0, sigma=0.02)
-    wheels = simulation.OdometryNoise(turn_bias=0.1, turn_noise=0.1, heading_noise=0.04)
-    walls, ends = simulation.corridor_loop(40, 16), []
-    for seed in range(7):
-        rng = np.random.default_rng(seed)
-        log = simulation.simulate(walls, way, sensor=laser, rng=rng, odometry_noise=wheels)
-        graph = alignment.LiveGraph()
-        for scan in log:
-            graph.add(scan)
-        if graph.graph.loop.any():
-            ends.append(alignment.position_errors(graph.poses, log.truth)[-1])
-    assert len(ends) == 7
-    assert max(ends) < 0.2
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_the_heading_jumps_more_in_wider_corridors(seed):
-    """Chapter 09: with each doubling of the width, and more than that of the odometry."""
-    noisy, jumps = replace(simulation.SICK_LMS200, sigma=0.03), []
-    for width in (2, 4, 8, 16):
-        walls = simulation.rectangular_room(80, width)[[0, 2]]
-        way = simulation.drive([(20, width / 2), (60, width / 2)], step=0.25)
-        rng = np.random.default_rng(seed)
-        log = simulation.simulate(walls, way, sensor=noisy, rng=rng)
-        laid = alignment.backbone(log, orthogonal=0).poses
-        errors = (np.degrees(wrap(p[:, 2] - log.truth[:, 2])) for p in (log.odometry, laid))
-        jumps.append([np.diff(error).std() for error in errors])
-    by_wheels, by_lines = np.transpose(jumps)
-    assert (np.diff(by_lines) > 0).all() and (by_lines > by_wheels).all()
-
-
 #: A laser that sees all round, beside those of the library.
 ALL_ROUND = simulation.Sensor("all round", 720, -np.pi, np.pi / 360, max_range=12.0, sigma=0.01)
 
@@ -220,20 +167,6 @@ def test_angles_are_seldom_wrong_in_one_office_and_random_walls_miss_most():
 
 
 AS_TOLD = {"penalty": 0.0, "rival": 1.0, "least_share": 1e-6, "least_across": 1e-6}
-
-
-@pytest.mark.parametrize("seed", [0, 1, 2, 32])
-def test_with_a_laser_of_half_a_turn_the_ways_to_pair_walls_are_alike(seed):
-    """Angle correspondence: the SICK; the penalty leaves many wrong matches, doubt few of them."""
-    pairs = office_pairs(seed, simulation.SICK_LMS200)
-    few = [
-        right_and_wrong(pairs, heuristic=name, most_pairs=10)
-        for name in ("consecutive", "random", "perpendicular", "all")
-    ]
-    assert all(28 <= right <= 35 and wrong <= 4 for right, wrong in few)
-    assert max(right for right, _ in few) - min(right for right, _ in few) <= 3
-    hidden, doubted = (right_and_wrong(pairs, **o) for o in (AS_TOLD | {"penalty": 4.0}, {}))
-    assert 10 <= hidden[1] <= 14 and doubted[1] <= 4 and doubted[0] < 0.85 * hidden[0]
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 32])
@@ -387,12 +320,3 @@ def test_where_walls_lie_near_each_other_the_filter_is_not_right_about_itself():
             *_, end = localize_ekf(*given, odometry_noise=wheels)
             assert sensor is not ALL_ROUND or np.hypot(*(end.pose - log.truth[-1])[:2]) < 0.02
         assert np.mean(errors) > 50
-
-
-@pytest.mark.parametrize("sensor", EYES)
-@pytest.mark.parametrize("poses", [0.0, "graph"])
-def test_the_three_early_methods_are_behind_fusion(sensor, poses):
-    """Chapter 91: by quality, with their default thresholds."""
-    seen = rooms_seen(sensor, poses, 0)
-    best = max(quality(seen, method(seen)) for method in (polyline, fuzzy_set, fuzzy_clustering))
-    assert quality(seen, fusion(seen)) > best

@@ -2,7 +2,7 @@
 
 import pandas as pd
 import pytest
-from segmap_course import THESIS_GRIDS, conclusions, density, thesis_results
+from segmap_course import THESIS_GRIDS, conclusions, thesis_results
 
 from segmap.experiments import equal_quality, load_records, select
 
@@ -76,13 +76,6 @@ def test_runs_that_say_otherwise_are_heard(letter):
     assert which["map"] not in ON_ITS_OWN.get(letter, set())
 
 
-def test_fast_is_a_claim_of_its_own():
-    """Catches a second answer to (e) that follows from the first."""
-    slow = select(changed("seconds", slower(100), map="usc", method="fusion"), map="usc")
-    slow = conclusions(slow)
-    assert [answer.split()[-1] for answer in slow.loc["e", "usc"]] == ["yes", "no"]
-
-
 def test_other_methods_thresholds_and_orders_do_not_answer_for_the_thesis():
     """Catches answers that change with a finer grid, a sixth method, or the order of the runs."""
     more = THESIS.assign(method="hybrid_fusion", reduction=0.999, quality=0.999)
@@ -90,13 +83,6 @@ def test_other_methods_thresholds_and_orders_do_not_answer_for_the_thesis():
         tolerance=0.001, quality=0.9999, reduction=0.0001, seconds=1e-9
     )
     assert failing(pd.concat([finer, THESIS, more], ignore_index=True)[::-1]) == ON_ITS_OWN
-
-
-def test_density_grows_with_the_copies_of_a_wall():
-    """A calls Polimi and Stanford clean, Bicocca and USC dense (A 6.2)."""
-    names = ("polimi", "stanford", "bicocca", "usc")
-    found = [density(select(THESIS, map=name)) for name in names]
-    assert found == sorted(found) and found[0] == pytest.approx(658 / 394)
 
 
 def test_fusion_is_first_of_five_or_close_to_it():

@@ -30,10 +30,6 @@ STRIP = np.array([[(0, y), (1, z)] for y, z in ((0, 0), (0.03, 0.07), (0.06, 0.0
 pytestmark = pytest.mark.usefixtures("agg")
 
 
-def lines_of(ax, index=0):
-    return np.array(ax.collections[index].get_segments())
-
-
 def content(ax):
     """Every line and every collection of lines: its colour and its coordinates, from below."""
     lines = [(line.get_color(), line.get_xydata()) for line in ax.lines]
@@ -123,20 +119,6 @@ def test_the_second_scan_is_laid_by_its_pose():
     assert content(wrong) == [(MAP, [[[0, 0], [4, 0]]]), (ERROR, [[[1, 2], [1, 6]]])]
 
 
-def test_words_stand_beside_their_places(ax):
-    """Catches x for y, an offset in metres, and marks whose words stand on their lines."""
-    course.write_names({"a": (1, 2), "b": (3, 5)}, ax=ax, offset=(6, -9), color=ERROR, size=8)
-    course.mark_places({"open": 2.0}, ax=ax, at=(0.5, 0.1), rotation=90)
-    *names, mark = ax.texts
-    assert [(text.get_text(), text.xy, text.xyann) for text in names] == [
-        *(("a", (1, 2), (6, -9)), ("b", (3, 5), (6, -9)))
-    ]
-    assert {(text.get_color(), text.get_fontsize(), text.anncoords) for text in names} == {
-        (ERROR, 8, "offset points")
-    }
-    assert (mark.get_position(), mark.get_rotation()) == ((2.5, 0.1), 90)
-
-
 def test_axes_say_what_is_drawn(ax):
     """Catches a legend of nothing, one that was not wanted, and labels that are wiped out."""
     ax.set_xlabel("x [m]")
@@ -150,18 +132,6 @@ def test_axes_say_what_is_drawn(ax):
     assert [text.get_text() for text in named.get_texts()] == ["room"]
 
 
-def test_ticks_are_the_numbers_themselves(ax):
-    """Catches powers of ten, minor ticks, and the ticks of the other axis."""
-    ax.loglog([0.1, 1000], [1, 10])
-    course.set_ticks(ax, x=[0.5, 1500])
-    figure_png(ax.figure)
-    assert [text.get_text() for text in ax.get_xticklabels()] == ["0.5", "1500"]
-    assert ax.get_xticks(minor=True).size == 0 and ax.get_yticks().tolist() != [0.5, 1500]
-    course.set_ticks(ax, y=[2, 8])
-    assert [text.get_text() for text in ax.get_yticklabels()] == ["2", "8"]
-    assert ax.get_xticks().tolist() == [0.5, 1500]
-
-
 def test_a_scan_is_drawn_in_each_frame_with_its_valid_points():
     """Catches a pose used in the wrong picture, and readings at maximum range drawn as walls."""
     frames = {"robot": (0, 0, 0), "map": (3, 4, np.pi / 2)}
@@ -170,15 +140,6 @@ def test_a_scan_is_drawn_in_each_frame_with_its_valid_points():
         drawn = np.column_stack(ax.lines[0].get_data())
         np.testing.assert_allclose(drawn, transform(pose, SCAN.points()), atol=1e-12)
     assert [ax.get_title() for ax in row] == [f"In the frame of the {name}" for name in frames]
-
-
-def test_only_some_beams_are_drawn_and_they_start_at_the_sensor():
-    """Catches beams from the turning point of the robot, and a fan that hides the points."""
-    (ax,) = course.draw_frames(SCAN, {"map": (3, 4, 0)}, every=2)
-    beams = lines_of(ax)
-    np.testing.assert_allclose(beams[:, 0], [(3.5, 4), (3.5, 4)])
-    np.testing.assert_allclose(beams[:, 1], transform((3, 4, 0), SCAN.points()[[0, 2]]))
-    assert len(ax.lines[1].get_xdata()) == 3  # all valid points
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.5, 2.0])
@@ -207,13 +168,6 @@ def test_each_outcome_has_its_colour_where_it_started(ax):
     assert ax.get_xlim() == (-0.5, 1.5) and ax.get_ylim() == (4, 8)
 
 
-def test_outcomes_of_like_colours_have_marks_where_they_started(ax):
-    """Catches orange and dark yellow cells that a colour-blind reader cannot tell apart."""
-    course.draw_basin([["free", "wrong"], ["right", "no match"]], [0, 1], [5, 7], ax=ax)
-    marks = {line.get_marker(): line.get_xydata().tolist() for line in ax.lines}
-    assert marks == {"_": [[0, 5]], "x": [[1, 5]]}
-
-
 @pytest.mark.parametrize("pose", [(2.8, 0.75, 0.5), (0.3, 1.0, -0.7), (-3.0, 0.2, 0.1)])
 @pytest.mark.parametrize("flip", [1, -1])
 def test_the_red_lines_are_as_long_as_the_terms(pose, flip):
@@ -227,25 +181,6 @@ def test_the_red_lines_are_as_long_as_the_terms(pose, flip):
     for ax, term in zip(axes, distance_terms(u, v), strict=True):
         assert ax.get_title().endswith(f"{term:.2f} m")
         np.testing.assert_array_equal(ax.collections[1].get_segments(), [u, v])
-
-
-def test_each_case_is_reduced_by_itself_and_lies_over_what_is_left():
-    """Catches a title with the map of another case, and inputs hidden under the thick result."""
-    cases = {"two": WALLS[:2], "one": WALLS[2:]}
-    row = course.draw_cases(cases, lambda map: map[:1] + 5)
-    for ax, (title, map) in zip(row, cases.items(), strict=True):
-        assert ax.get_title() == title and ax.get_aspect() == "auto"
-        np.testing.assert_array_equal(lines_of(ax, 0), map[:1] + 5)
-        np.testing.assert_array_equal(lines_of(ax, 1), map)
-
-
-def test_a_hill_is_where_pieces_are_dense(ax):
-    """Catches a density of another width, and a centre drawn beside it."""
-    course.draw_hill([0.0, 0.1], [0.0, 0.05], 0.2, ax=ax)
-    curve, pieces, way = (line.get_xydata() for line in ax.lines)
-    assert pieces.tolist() == [[0, 0], [0.1, 0]]
-    np.testing.assert_allclose(way[0, 1], 1 + np.exp(-(0.5**2) / 2))
-    assert way[1, 1] >= curve[:, 1].max() - 1e-6
 
 
 def test_normals_end_on_the_lines_of_their_walls_and_hough_space_has_their_lengths():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from segmap_course import heading_profile, landscape, load_columns, peaks, profile_peaks, room_walk
+from segmap_course import heading_profile, landscape, peaks, profile_peaks, room_walk
 
 from segmap.matching import distance_score, nearest_score, occupancy_score
 from segmap.poses import transform
@@ -52,17 +52,6 @@ def test_the_profile_turns_the_robot():
 def test_peaks(values, expected):
     """A plateau counts once, and not at all where anything beside it is higher."""
     assert peaks(values).tolist() == expected
-
-
-def test_records_of_growth_and_of_a_real_log():
-    assert len(load_columns("matching_growth")["leaves"]) > 9
-    real = load_columns("matching_exp1")
-    assert len(real) == 300 and np.isnan(real["score"]).sum() == 1
-    assert np.nanmedian(-real["score"] / real["beams"]) < 0.025
-    with pytest.raises(
-        ValueError, match=r"data/records/matching_moon\.csv is missing: install segmap again"
-    ):
-        load_columns("matching_moon")
 
 
 @pytest.mark.parametrize("shift", range(8))

@@ -1,8 +1,7 @@
 """One building represented in five ways: bytes counted by hand, errors against known walls."""
 
 import numpy as np
-import pytest
-from segmap_course import compare_with_walls, represent, sample_points, wall_errors
+from segmap_course import compare_with_walls, represent, wall_errors
 
 from segmap.simulation import (
     SICK_LMS200,
@@ -47,16 +46,6 @@ def test_scans_without_a_pose_are_left_out():
     assert represent(LOG[:0], np.empty((0, 3)))["points"].parts == 0
 
 
-def test_the_order_that_the_chapter_shows():
-    """Reduced segments are the smallest and nearest to straight walls; the tree beats the grid."""
-    found = compared()
-    size, error = found["nbytes"], found["error"]
-    assert size["reduced segments"] < size["segments"] < size["points"]
-    assert size["quadtree"] < size["dense grid"]
-    assert error["reduced segments"] < error["points"] < error["quadtree"]
-    assert found["covered"].min() > 0.9 and size["reduced segments"] < 5e3
-
-
 def test_round_walls_are_where_segments_lose():
     """Counter-example: a wide strip swallows the bends of a round room, the tree does not care."""
     walls = circular_room(2.0)
@@ -74,15 +63,6 @@ def test_errors_are_distances_from_the_nearest_wall():
     np.testing.assert_allclose(wall_errors(points, walls), [0.5, 0.25, 1, 5])
 
 
-@pytest.mark.parametrize("spacing", [0.01, 0.3, 2.0])
-def test_samples_reach_both_ends(spacing):
-    points = sample_points(WALLS, spacing)
-    for end in WALLS.reshape(-1, 2):
-        assert np.hypot(*(points - end).T).min() < 1e-12
-    first = sample_points(WALLS[:1], spacing)
-    assert np.hypot(*np.diff(first, axis=0).T).max() <= spacing + 1e-9
-
-
 def test_only_walls_that_the_points_reach_count():
     """Catches a share of what any way covers: centres of large cells reach behind corners."""
     walls = np.concatenate([WALLS, [[(2.0, 3.5), (4.0, 3.5)]]])  # behind the room, nobody saw it
@@ -92,10 +72,3 @@ def test_only_walls_that_the_points_reach_count():
     assert coarse["quadtree"] < 0.5
     half = compared(LOG[:1])["covered"]  # one scan saw half of the room
     assert half["points"] == 1 and half["segments"] > 0.95
-
-
-def test_where_nothing_was_seen_there_is_no_share_and_an_empty_map_covers_nothing():
-    found = represent(LOG[:1], LOG.truth[:1])
-    assert compare_with_walls(found, WALLS + 100.0)["covered"].isna().all()
-    found["none"] = found["points"]._replace(points=np.empty((0, 2)), nbytes=0)
-    assert compare_with_walls(found, WALLS)["covered"]["none"] == 0

@@ -13,10 +13,9 @@ from segmap_course import (
     within_thesis,
 )
 
-from segmap import METHODS, build_map, load, quality
+from segmap import METHODS
 from segmap.experiments import load_records, select, sweep
 from segmap.readers import data_file
-from segmap.reduction import hybrid
 
 FOUND = thesis_results()
 
@@ -40,17 +39,6 @@ def test_thesis_results_are_in_metres_and_radians():
     wanted = {"polimi": (658, 434), "stanford": (1507, 1117), "bicocca": (2220, 1320)}
     for name, (whole, filtered) in {**wanted, "usc": (3604, 2206)}.items():  # A 6.3 to 6.6
         assert (counts.first()[name, 0], counts.first()[name, 0.1]) == (whole, filtered)
-
-
-def test_what_the_text_of_a_says_of_its_runs():
-    """Catches a column that is read for another, by figures of the text (A 6.3, 6.6)."""
-    usc = select(FOUND, map="usc", method="fusion", filtered=True, tolerance=0.04)
-    assert usc[["quality", "reduction"]].to_numpy() == pytest.approx(0.86, abs=0.005)
-    hybrid, online = (
-        select(FOUND, map="polimi", method=name)["seconds"] for name in ("hybrid", "basic_online")
-    )
-    assert (hybrid.min(), hybrid.max()) == (4, 10)
-    assert online.min() == 31 and 180 <= online.max() < 200
 
 
 def test_the_grid_is_that_of_the_thesis():
@@ -102,11 +90,3 @@ def test_outside_of_a_s_range_by_hand():
     low.loc[low.index[0], "quality"] += 0.02
     found = within_thesis(low).loc["fusion", "moved"]
     assert found["quality"] == 0.1 and found["reduction"] == 1
-
-
-def test_hybrid_at_its_widest_keeps_what_a_found():
-    """The run itself, and not its record: A's buildings keep .71 to .84."""
-    log = load("malaga")
-    pieces = build_map(log, log.truth, min_points=2, min_length=0.0)
-    kept = quality(pieces, hybrid(pieces, distance=0.40, angle=radians(20)))
-    assert 0.71 < kept < 0.84

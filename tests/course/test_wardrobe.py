@@ -1,11 +1,7 @@
-"""The three questions of the story, on the true walls, on every alignment and every reduction.
-
-`python tests/course/test_wardrobe.py` prints the answers of all of them.
-"""
+"""The three questions of the story, on the true walls, on every alignment and every reduction."""
 
 from functools import cache
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import segmap_course as course
@@ -89,11 +85,6 @@ def test_it_cannot_be_told_within_two_deviations():
     assert measure_clinic(slanted).clearance.deviation > 0.01
 
 
-def test_poses_of_another_log_are_refused():
-    with pytest.raises(ValueError, match="one row a scan of 'clinic', 250, got 3"):
-        measure_clinic(WALLS, LOG.truth[:3])
-
-
 def test_every_alignment_answers():
     """Catches a story that all alignments tell alike, and a pose graph that is none of the best."""
     answers = by_alignment()
@@ -117,19 +108,3 @@ def test_every_reduction_answers():
         assert name in lost or answers[name].wall.metres < 0.02
     for name in ("fusion", "least_cost", "one_per_wall"):
         assert abs(answers[name].wall.metres - 0.10) < 0.01 and answers[name].clearance.sure
-
-
-def test_the_answers_are_drawn():
-    """Catches a picture that fails where a wall was not seen, and words that it does not show."""
-    for walls in (WALLS, WALLS[:0]):
-        answers = course.wardrobe(walls)
-        left, right = plt.gcf().axes
-        assert answers.of_wall in left.get_title() and answers.of_wardrobe in right.get_title()
-        plt.close()
-
-
-if __name__ == "__main__":
-    print(f"{'true walls':22}", measure_clinic(WALLS))
-    for table in (by_alignment(), by_reduction()):
-        for name, answers in table.items():
-            print(f"{name:22}", answers)
