@@ -62,7 +62,7 @@ def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
         if len(current) < LEAST_STEP_POINTS:
             break
         match = _step_match(map, current)
-        if match is None or match.free is not None:
+        if match is None or match.free is not None or match.turns:
             break
         step = first + stride, match.pose
         if np.hypot(*match.pose[:2]) > STEP_END_M or abs(match.pose[2]) > STEP_END_RAD:
