@@ -193,7 +193,6 @@ class LiveMap(Locked):
         if self._anew is None or not self._anew.done():
             return
         anew, self._anew = self._anew, None
-        self._stale |= anew.exception() is not None  # one that failed is made again
         map, walls, count = anew.result()
         for scan, pose in self._placed[count:]:
             insert_placed(map, walls, scan, pose, free=self._free)

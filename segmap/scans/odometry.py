@@ -6,7 +6,7 @@ Motions on the plane are complex numbers here, x + iy: their quotient is a scale
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -86,10 +86,8 @@ class OdometryComparison:
         tell; y also where nearly all go one way.
     still
         Share of the odometry's steps of more than 0.1 m at which the match stands.
-    steps
-        The matched motions.
-    wheels : (m, 3) array
-        The same motions by the odometry.
+    count
+        How many steps were compared.
     """
 
     turn: float
@@ -98,8 +96,7 @@ class OdometryComparison:
     agreement: float
     lever: Array
     still: float
-    steps: Steps = field(repr=False)
-    wheels: Array = field(repr=False)
+    count: int
 
     @property
     def turns_agree(self) -> bool:
@@ -127,8 +124,7 @@ def odometry_against_steps(odometry: Array, steps: Steps) -> OdometryComparison:
         float(np.abs(mean)),
         _lever(way, moved, wheels[:, 2]),
         float(stands.sum() / max(drives.sum(), LEAST_COMPARED_STEPS)),
-        steps,
-        wheels,
+        len(wheels),
     )
 
 
@@ -245,45 +241,35 @@ def contradictions(
 
     `alignment.prepared` compares it before and puts it right; what that told is not told again.
     """
-    rows, jumps, found = _against_poses(scans, poses, used)
+    rows, jumps, against = _against_poses(scans, poses, used)
     if not np.isfinite(rows).all(-1).any():
         return []
-    remedy = "begin with alignment.prepared(log)"
-    many = counted(len(jumps), "time") if len(jumps) else ""
-    first = f"the odometry jumps {many}, first at scan {jumps[:1].sum()}"
-    told = {each.cause for each in getattr(scans, "causes", ())}
-    says = [
-        (len(jumps) > 0, Cause.JUMP, len(jumps), first),
-        (
-            found.turn < -RIGHT_TURN_RATIOS[0],
-            Cause.MIRRORED,
-            found.turn,
-            "the map turns the other way than the odometry: one is mirrored, or the map is wrong",
-        ),
-        (
-            abs(found.turn) < RIGHT_TURN_RATIOS[0] or abs(found.turn) > RIGHT_TURN_RATIOS[1],
-            Cause.SCALE,
-            found.turn,
-            f"the map turns by {abs(found.turn):.2f} of what the odometry says",
-        ),
-        (
-            found.agreement < CONTRADICTING_COSINE,
-            Cause.NO_ODOMETRY,
-            found.agreement,
-            "the odometry moves otherwise than the map",
-        ),
-        (
-            not RIGHT_WAY_RATIOS[0] <= np.nan_to_num(found.way, nan=1.0) <= RIGHT_WAY_RATIOS[1],
-            Cause.SCALE,
-            found.way,
-            f"the map moves by {found.way:.3f} of what the odometry says",
-        ),
-    ]
-    return [
-        Finding(cause, value, words, remedy, doubtful=True)
-        for so, cause, value, words in says
-        if so and cause not in told
-    ]
+    told, causes = {each.cause for each in getattr(scans, "causes", ())}, []
+
+    def tell(cause: Cause, value: float, words: str) -> None:
+        """One more cause."""
+        if cause not in told:
+            remedy = "begin with alignment.prepared(log)"
+            causes.append(Finding(cause, value, words, remedy, doubtful=True))
+
+    if len(jumps):
+        many = counted(len(jumps), "time")
+        tell(Cause.JUMP, len(jumps), f"the odometry jumps {many}, first at scan {jumps[0]}")
+    turn = abs(against.turn)
+    if against.turn < -RIGHT_TURN_RATIOS[0]:
+        words = (
+            "the map turns the other way than the odometry: one is mirrored, or the map is wrong"
+        )
+        tell(Cause.MIRRORED, against.turn, words)
+    if turn < RIGHT_TURN_RATIOS[0] or turn > RIGHT_TURN_RATIOS[1]:
+        words = f"the map turns by {turn:.2f} of what the odometry says"
+        tell(Cause.SCALE, against.turn, words)
+    if against.agreement < CONTRADICTING_COSINE:
+        tell(Cause.NO_ODOMETRY, against.agreement, "the odometry moves otherwise than the map")
+    if against.way < RIGHT_WAY_RATIOS[0] or against.way > RIGHT_WAY_RATIOS[1]:
+        words = f"the map moves by {against.way:.3f} of what the odometry says"
+        tell(Cause.SCALE, against.way, words)
+    return causes
 
 
 def promised_under(scans: Sequence[LaserScan], poses: Array, used: NDArray[np.bool_]) -> str:

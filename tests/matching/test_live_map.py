@@ -1,6 +1,5 @@
 """A map that loops move: nothing is lost, the old one stands meanwhile, the end is corrected."""
 
-import threading
 from concurrent.futures import wait
 
 import numpy as np
@@ -13,7 +12,6 @@ from segmap.alignment import LiveGraph, LoopClosing
 from segmap.matching import LiveMap, _live_map, map_scans
 from segmap.poses import between, compose
 from segmap.quadtree import QuadtreeMap
-from segmap.quadtree import _kernels as kernels
 from segmap.reduction import LiveReduction, hybrid_fusion
 from segmap.scans import Log
 
@@ -102,27 +100,6 @@ def test_the_new_map_is_taken_as_soon_as_it_is_ready():
     assert live._anew is None and state(live.map) == expected(LOG[:11], live.poses)
 
 
-def test_a_map_that_could_not_be_made_anew_is_made_with_the_next(monkeypatch):
-    live, insert, fails = LiveMap(Planned((9,))), _live_map.insert_placed, [True]
-
-    def failing(*given, free):
-        if threading.current_thread().name.startswith("new map") and fails and fails.pop():
-            raise MemoryError
-        insert(*given, free=free)
-
-    monkeypatch.setattr(_live_map, "insert_placed", failing)
-    for scan in LOG[:9]:
-        live.add(scan)
-    with pytest.raises(MemoryError):
-        live.add(LOG[9])
-        live.finish()
-    live.finish()
-    again = QuadtreeMap()
-    for (_, scan), pose in zip(live._scans, live.poses, strict=True):
-        insert(again, None, scan, pose, free=False)
-    assert state(live.map) == state(again) and not fails
-
-
 def test_what_the_map_held_before_stays():
     given = blank()
     given.insert_scan((0, 0), [(9.0, 9.0)])
@@ -131,14 +108,6 @@ def test_what_the_map_held_before_stays():
     live.finish()
     assert live.poses[0].tolist() == [0, 0, 0]
     assert given.scans == 7 and given.occupancy([(9.0, 9.0)])[0] == 1
-
-
-def test_kernels_let_other_threads_go_on():
-    """Catches a map that is made in the background, while nothing else moves."""
-    map = blank()
-    map.insert_scan((0, 0), [(1.0, 1.0)])
-    fast = kernels.insert._fast
-    assert getattr(fast, "targetoptions", {"nogil": True})["nogil"]  # plain Python has no kernel
 
 
 def test_a_scan_that_the_map_refuses_has_no_pose_in_it():

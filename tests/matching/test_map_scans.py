@@ -11,7 +11,6 @@ from quadtrees import leaves_of, state
 
 from segmap import LaserScan, load
 from segmap.matching import (
-    MATCHERS,
     distance_score,
     field_score,
     hill_climb,
@@ -137,15 +136,6 @@ def test_steps_say_where_the_robot_was_lost(resolution):
 def shifted(map, points, start, *, score, by):
     """A matcher that always finds the robot so much farther along x."""
     return start + (by, 0, 0)
-
-
-def test_the_thesis_matchers_have_the_steps_of_the_thesis():
-    """B's standard deviations, metres and radians; the others have defaults of their own."""
-    rng = np.random.default_rng(1)
-    given = {name: getattr(make(rng), "keywords", {}) for name, make in MATCHERS.items()}
-    assert given["hill climbing"] == {} and given["sample and rank"] == {"rng": rng}
-    assert given["hill climbing, thesis"] == {"steps": "thesis"}
-    assert given["sample and rank, thesis"] == {"rng": rng, "sigma": (0.02, 2.0)}
 
 
 #: A scan after two good ones, and what is said of it.

@@ -3,16 +3,11 @@
 import os
 import subprocess
 import sys
-import threading
 from pathlib import Path
 
 import pytest
 from conftest import slow
 from hammered import KINDS
-
-from segmap import load
-from segmap.matching import LiveMap
-from segmap.quadtree import QuadtreeMap
 
 HAMMERED = Path(__file__).parents[1] / "hammered.py"
 PAIRS = [f"{kind}, {second}" for kind in KINDS for second in ("writers", "writer and reader")]
@@ -34,17 +29,3 @@ def test_two_threads_on_one_object(pairs, seed, seconds):
     assert done.returncode == 0, done.stderr[-3000:]
     steps = [int(word) for word in done.stdout.split()]
     assert len(steps) == 2 * len(pairs) and min(steps) > 0
-
-
-def test_a_map_waits_for_who_holds_its_lock():
-    """Catches a method without the lock, and a live map that is locked while a new one is made."""
-    live, seen = LiveMap(map=QuadtreeMap(resolution=0.1)), []
-    scan = load("room")[0]
-    live.add(scan)
-    asked = threading.Thread(target=lambda: seen.append(live.map.leaves()))
-    with live.map.lock:
-        asked.start()
-        asked.join(0.2)
-        assert asked.is_alive() and not seen
-    asked.join(20)
-    assert len(seen) == 1

@@ -84,7 +84,7 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     """Odometry `(k, 3)` in the unit and the frame of the matches, and what that took."""
     causes: list[Finding] = []
     against = odometry_against_steps(rows, steps)
-    if len(against.steps.first) < LEAST_COMPARED_STEPS:
+    if against.count < LEAST_COMPARED_STEPS:
         return rows, causes
     # 1. Its unit
     for name, metres in ODOMETRY_UNITS.items():
