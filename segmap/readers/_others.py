@@ -12,16 +12,6 @@ OTHER_FILES = {
     b"#ROSBAG V": "of ROS, a bag: the package segmap_app reads it, and is not installed here",
     b"SQLite format 3": "of SQLite: bags of ROS 2 are, which the package segmap_app reads",
     b"\x89MCAP0\r\n": "of ROS 2, a bag: the package segmap_app reads it, and is not installed here",
-    b"MATLAB 5.0": "of MATLAB: numpy.savez('it.npz', **scipy.io.loadmat(path, squeeze_me=True)) "
-    "keeps its arrays, of which `ranges` and `angles` make a log",
-    b"MATLAB 7.3": "of MATLAB 7.3: save it there with '-v7', which scipy.io.loadmat reads",
-    b"PAR1": "of Parquet: pandas.read_parquet(path).to_csv('it.csv', index=False) makes a table",
-    b"\x89HDF\r\n": "of HDF5: numpy.savez('it.npz', **{k: v[()] for k, v in "
-    "h5py.File(path).items()}) keeps its arrays, of which `ranges` and `angles` make a log; "
-    "pandas.read_hdf reads what pandas wrote",
-    b"\xd4\xc3\xb2\xa1": "of packets of a network: the sensor's own program makes scans of them",
-    b"\n\r\r\n": "of packets of a network: the sensor's own program makes scans of them",
-    b"\x80\x04\x95": "of Python, pickled, which may run anything: numpy.savez writes arrays",
 }
 #: The same of bytes, of which three lines make a table or a record.
 OPENED_FILES = {

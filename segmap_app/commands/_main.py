@@ -12,7 +12,7 @@ from segmap.files import speak
 
 from . import _app, _compare, _convert, _info, _locate, _map, _merge, _notebooks, _occupancy, _warm
 from ._output import FAULTS, Usage, plain_warnings, print_error, progress_bars, reason
-from .log_options import Command, Completion, examples, parsed
+from .log_options import Command, examples, parsed
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
 EPILOG = """\
@@ -81,12 +81,6 @@ def parser() -> Command:
     """The parser of all commands."""
     found = Command(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
     found.add_argument("--version", action="version", version=f"segmap {__version__}")
-    found.add_argument(
-        "--completion",
-        action=Completion,
-        nargs=0,
-        help='for Tab in bash or zsh: eval "$(segmap --completion)" in ~/.bashrc or ~/.zshrc',
-    )
     commands = found.add_subparsers(
         required=True, metavar="COMMAND", title="commands", parser_class=Command
     )

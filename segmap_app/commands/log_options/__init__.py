@@ -1,7 +1,6 @@
 """What commands share: the logs and options that are named, poses of their scans, files written."""
 
 from ._command import Command, examples
-from ._completion import Completion
 from ._logs import (
     add_logs,
     add_output,
@@ -34,7 +33,7 @@ from ._table import NO_MAP
 from ._thresholds import LENGTH, add_thresholds, refuse_others, refuse_wrong, thresholds
 
 __all__ = [
-    "LENGTH", "NO_MAP", "Command", "Completion", "add_align", "add_logs", "add_output",
+    "LENGTH", "NO_MAP", "Command", "add_align", "add_logs", "add_output",
     "add_poses", "add_strict", "add_thresholds", "add_world", "allowed", "call",
     "check_options", "check_places", "concluded", "each_log", "edits_of", "examples",
     "finished", "is_log", "is_session", "log_of", "parsed", "placed_outcome", "preparing_of",

@@ -4,8 +4,6 @@ import io
 import json
 import re
 import shlex
-import shutil
-import subprocess
 from contextlib import redirect_stdout, suppress
 from functools import cache
 from itertools import pairwise
@@ -69,14 +67,6 @@ def test_examples_run_as_they_stand_one_after_the_other(run, tmp_path, name):
             assert all((tmp_path / f.replace("{name}", "room")).stat().st_size for f in written)
 
 
-#: A shell asks so for what may follow the words that it is given.
-ASKED = """\
-COMP_WORDS=(segmap "$@"); COMP_CWORD=$#
-_segmap
-printf '%s\\n' "${COMPREPLY[@]}"
-"""
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_the_short_help_fits_on_a_screen_and_names_what_the_long_one_tells(name):
     """Catches a help that nobody reads to its end, an option that none tells of, no example."""
@@ -127,34 +117,3 @@ def test_info_holds_numbers_that_a_table_can_sort(run, tmp_path):
     assert malaga["odometry"]["metres"] == pytest.approx(76.4, abs=0.05)
     table = pd.read_csv("it.csv").sort_values("odometry.metres")
     assert list(table["log"]) == ["room", "malaga"]
-
-
-@pytest.mark.parametrize("shell", ["bash", "zsh"])
-def test_a_shell_offers_commands_options_methods_and_logs(run, tmp_path, shell):
-    """Catches a script that no shell reads, a shortened list, and a file's name that is cut."""
-    if not shutil.which(shell):
-        pytest.skip(f"there is no {shell}")
-    code, script, _ = run("--completion")
-    (tmp_path / "script").write_text(script)
-    (tmp_path / "own log.npz").touch()
-
-    def offered(*words):
-        zsh = shell == "zsh"
-        text = f"source ./script; {'setopt ksharrays shwordsplit' if zsh else ''}\n{ASKED}"
-        done = subprocess.run(
-            [shell, "-c", text, shell, *words], capture_output=True, text=True, timeout=60
-        )
-        assert (done.returncode, done.stderr) == (0, "")
-        found = (
-            done.stdout.splitlines()
-        )  # zsh asks for all, and itself leaves out what does not fit
-        return [word for word in found if word.startswith(words[-1])] if zsh else found
-
-    assert code == 0 and offered("m") == ["map", "merge"]
-    assert offered("--comp") == ["--completion"]
-    assert set(offered("map", "room", "--method", "")) == {*reduction.METHODS, "none"}
-    assert offered("map", "--help", "back") == ["backbone"]
-    assert offered("map", "room", "--toler") == ["--tolerance"]
-    assert "--tolerance" not in offered("info", "room", "--")
-    assert offered("map", "o") == ["own log.npz"] and offered("merge", "m") == ["malaga"]
-    assert offered("sensor", "") == ["list", "info", "record"]
