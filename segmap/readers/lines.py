@@ -223,29 +223,3 @@ def counted_fields(
     if not least <= int(field) <= len(rest):
         raise ValueError(f"announces {int(field)} {what}, but {len(rest)} fields follow")
     return rest[: int(field)], rest[int(field) :]
-
-
-def number_field(field: str, what: str, factor: float = 1.0) -> float:
-    """A field as a finite number, times the factor that makes metres or radians of it."""
-    found = float(field) * factor if is_number(field) else np.nan
-    if not abs(found) <= LIMIT:
-        raise ValueError(f"expected a number for {what}, got {field[:40]!r}")
-    return found
-
-
-def direction_field(field: str, factor: float) -> float:
-    """A direction in radians, within two turns."""
-    found = number_field(field, "the angle", factor)
-    if not abs(found) <= MOST_DIRECTION_RAD:
-        raise ValueError(f"expected an angle within two turns, got {field[:40]!r}")
-    return found
-
-
-def distance(field: str, factor: float) -> float:
-    """A range in metres; `inf` as it stands, NaN for nothing measured: an empty field, nan, 0."""
-    if field.lower() in NOT_MEASURED:
-        return np.nan
-    if field.lower() in ("inf", "+inf", "infinity"):
-        return np.inf
-    found = number_field(field, "the range", factor)
-    return found if found > 0 else np.nan

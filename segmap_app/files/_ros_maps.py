@@ -19,7 +19,7 @@ import math
 import re
 import warnings
 from pathlib import Path, PureWindowsPath
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +32,6 @@ from segmap.poses import transform
 from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap, map_of_grid
 from segmap.readers import LogError, read_text
 
-#: A YAML of a map has a few lines.
-MOST_YAML_CHARACTERS = 1 << 16
 #: So many pixels a map of 400 m by 400 m at 0.05 m has.
 MOST_MAP_PIXELS = 1 << 26
 YAML_MODES = ("trinary", "scale", "raw")
@@ -196,40 +194,40 @@ class _Said:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._held: dict[str, tuple[Any, int]] = {}
-        if len(said := read_text(path)) > MOST_YAML_CHARACTERS:
-            raise LogError(path, "is too long for the YAML of a map")
+        self._values: dict[str, str | list[str]] = {}
+        self._lines: dict[str, int] = {}
         key = ""
-        for number, line in enumerate(said.splitlines(), 1):
+        for number, line in enumerate(read_text(path).splitlines(), 1):
             text = re.sub(r"(^|\s)#(?=(?:[^'\"]|'[^']*'|\"[^\"]*\")*$).*", "", line).strip()
             if item := re.fullmatch(r"-\s+(.+)", text):
-                if key and isinstance(self._held[key][0], list):
-                    self._held[key][0].append(item[1])
-            elif found := re.fullmatch(r"(\w+)\s*:\s*(.*)", text):
-                key, value = found.groups()
+                if isinstance(rows := self._values.get(key), list):
+                    rows.append(item[1])
+            elif pair := re.fullmatch(r"(\w+)\s*:\s*(.*)", text):
+                key, value = pair.groups()
                 listed = re.fullmatch(r"\[(.*)\]", value)
-                self._held[key] = (
-                    listed[1].split(",") if listed else value if value else [],
-                    number,
-                )
+                self._values[key] = listed[1].split(",") if listed else value or []
+                self._lines[key] = number
 
     def fault(self, key: str, reason: str) -> LogError:
         """What is wrong with the value of a key."""
-        return LogError(self.path, f"{key} {reason}", self._held[key][1])
+        return LogError(self.path, f"{key} {reason}", self._lines[key])
+
+    def _value(self, key: str) -> str | list[str]:
+        if key not in self._values:
+            raise LogError(self.path, f"has no {key}, which the YAML of a map for ROS must say")
+        return self._values[key]
 
     def text(self, key: str) -> str:
         """A text, plain or in quotes."""
-        value, _ = self._held.get(key, (None, 0))
-        if value is None:
-            raise LogError(self.path, f"has no {key}, which the YAML of a map for ROS must say")
-        if isinstance(value, list) or not value:
+        value = self._value(key)
+        if isinstance(value, list):
             raise self.fault(key, "must be one value")
         if value[0] == '"':
             try:
                 return str(json.loads(value))
             except ValueError:
                 raise self.fault(key, f"has quotes that do not end: {value[:40]}") from None
-        return value[1:-1].replace("''", "'") if value[0] == "'" else str(value)
+        return value[1:-1].replace("''", "'") if value[0] == "'" else value
 
     def number(self, key: str, least: float, most: float) -> float:
         """A number between two bounds."""
@@ -244,19 +242,16 @@ class _Said:
             raise self.fault(key, f"must be a number from {least:g} to {most:g}, got {text[:40]!r}")
         return value
 
-    def word(self, key: str, known: tuple[str, ...], usual: str | None = None) -> str:
-        """One word of several."""
-        if usual is not None and key not in self._held:
-            return usual
-        if (word := self.text(key).lower()) not in known:
+    def word(self, key: str, known: tuple[str, ...], usual: str) -> str:
+        """One word of several; the usual one where the key is absent."""
+        word = self.text(key).lower() if key in self._values else usual
+        if word not in known:
             raise self.fault(key, f"must be one of {', '.join(known)}, got {word[:40]!r}")
         return word
 
     def origin(self) -> tuple[float, float, float]:
         """Lower left corner, metres, and yaw, radians."""
-        value, _ = self._held.get("origin", (None, 0))
-        if value is None:
-            raise LogError(self.path, "has no origin, which the YAML of a map for ROS must say")
+        value = self._value("origin")
         if not isinstance(value, list) or len(value) != 3:
             raise self.fault("origin", f"must be [x, y, yaw], got {str(value)[:40]}")
         x, y, yaw = (self._number("origin", text.strip(), -LIMIT, LIMIT) for text in value)

@@ -91,15 +91,20 @@ def one_scan_each(
     What the first of them hold decides: no more than one scan, in the same columns. `least` files
     are needed, since two may be two rooms; those of a Hokuyo hold a scan each.
     """
+    groups = list[list[P]]()
+    for parts in _numbered_alike(files):
+        together = len(parts) > 1 and _one_each(parts, form_of or form_as_stated, least)
+        groups += [sorted(parts, key=_numbers_in_name)] if together else [[file] for file in parts]
+    return groups
+
+
+def _numbered_alike(files: Iterable[P]) -> Iterable[list[P]]:
+    """Files of one folder that have one name but for its numbers."""
     groups: dict[Any, list[P]] = {}
     for file in files:
         name = NAME_NUMBER.sub("#", Path(file).name)
         groups.setdefault((Path(file).parent, name), []).append(file)
-    found = list[list[P]]()
-    for parts in groups.values():
-        together = len(parts) > 1 and _one_each(parts, form_of or form_as_stated, least)
-        found += [sorted(parts, key=_numbers_in_name)] if together else [[file] for file in parts]
-    return found
+    return groups.values()
 
 
 def _numbers_in_name(file: str | Path) -> list[int]:
@@ -154,10 +159,9 @@ def numbered(
 ) -> list[Path]:
     """The files of a folder that are a scan each, and have one name but for its numbers."""
     files = sorted(path for path in folder.iterdir() if path.is_file())
-    for group in one_scan_each(files, form_of, least):
-        is_one = NAME_NUMBER.search(group[0].name) and _one_each(group, form_of, least)
-        if len(group) > 1 or is_one:
-            return group
+    for group in _numbered_alike(files):
+        if NAME_NUMBER.search(group[0].name) and _one_each(group, form_of, least):
+            return sorted(group, key=_numbers_in_name)
     return []
 
 

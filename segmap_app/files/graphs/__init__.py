@@ -3,6 +3,4 @@
 from ._g2o import G2o
 from ._graph import read_graph
 
-__all__ = ["GRAPH_FORMATS", "G2o", "read_graph"]
-
-GRAPH_FORMATS = (G2o,)
+__all__ = ["G2o", "read_graph"]
