@@ -11,13 +11,12 @@ import pytest
 from matplotlib.colors import to_hex, to_rgb, to_rgba
 from matplotlib.figure import Figure
 
-import segmap
 from segmap import plotting
-from segmap.alignment import Alignment, Graph, odometry
+from segmap.alignment import Alignment, Graph
 from segmap.alignment.graph import Rejected
 from segmap.plotting import ERROR, ERRORS, GROUPS, MAP, RAW, RESULT, TRUTH, method_style
 from segmap.poses import transform
-from segmap.quadtree import QuadtreeMap, build_map
+from segmap.quadtree import QuadtreeMap
 from segmap.reduction import METHODS, Reduction
 from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap
@@ -182,16 +181,6 @@ def test_maps_have_their_titles_their_colours_and_the_same_truth_and_scan_below(
     assert colors_of(plotting.draw_maps({"all": THREE})[0]) == list(GROUPS[:3])
 
 
-def test_columns_fold_the_row_and_leave_no_empty_axes():
-    """Catches an empty second row, which leaves half of the figure white."""
-    row = plotting.draw_maps(dict.fromkeys("abc", THREE), columns=2)
-    assert len(row) == 3 and row[0].figure.axes == row
-    heights = [ax.get_position().y0 for ax in row]
-    assert heights[0] == pytest.approx(heights[1]) and heights[2] < heights[0]
-    row = plotting.axes_row(3, (300, 100))
-    assert row[0].figure.axes == row
-
-
 # --------------------------------------------------------------------------- alignments
 def test_an_alignment_shows_what_was_used_and_what_was_not(ax):
     """Catches a scan nobody could place drawn as if it were map, and a path that jumps over it."""
@@ -221,20 +210,6 @@ def test_position_errors_are_drawn_at_the_scans_whose_truth_is_known(ax):
     assert legend_of(ax) == ["b", "a", "graph"]
 
 
-def test_alignments_stand_side_by_side_and_odometry_is_red():
-    """Catches poses drawn below another's title, and odometry that is not named."""
-    log = segmap.load("room")[:5]
-    found = {"wheels": log.odometry, "truth": log.truth, "found": odometry(log)}
-    axes = plotting.draw_alignments(log, found, size=(2, 2))
-    assert [ax.get_title() for ax in axes] == list(found)
-    ends = [ax.lines[1].get_xydata()[-1] for ax in axes]
-    np.testing.assert_array_equal(
-        ends, [p[-1, :2] for p in (log.odometry, log.truth, log.odometry)]
-    )
-    assert [ax.lines[1].get_color() for ax in axes] == [ERROR, RESULT, RESULT]
-    assert [ax.get_legend() is None for ax in axes] == [True, True, False]
-
-
 # --------------------------------------------------------------------------- quadtrees
 def tree():
     """Free to the right of the sensor, a hit at the right edge, unknown above."""
@@ -256,18 +231,6 @@ def test_each_point_has_the_grey_of_its_leaf_and_leaves_leave_no_gap():
         np.testing.assert_allclose(image[np.ix_(at, at)][..., channel], expected, atol=0.01)
     assert (expected[0, 15], expected[0, 0], expected[15, 0]) == (0, 1, 0.5)
     assert set(np.unique(image.round(2))) == {0.0, 0.5, 1.0}
-
-
-def test_outlines_are_drawn_where_leaves_are_large_and_the_robot_where_it_is(ax):
-    """Catches a picture in which walls are blue instead of black."""
-    plotting.draw_quadtree(tree(), ax=ax, whole=True, robot=(3, 5, 1.0))
-    assert len(ax.collections) == 2 and len(ax.collections[1].get_paths()) == 13
-    assert dots_of(ax).tolist() == [[3, 5]]
-    log = segmap.load("room")
-    map = build_map(log, log.truth, resolution=0.01)
-    squares, outlines = plotting.draw_quadtree(map).collections
-    assert len(squares.get_array()) == len(map.leaves().x)
-    assert 100 < len(outlines.get_paths()) < 0.3 * len(map.leaves().x)
 
 
 def test_the_part_that_was_hit_is_shown_or_the_whole_root(ax):
@@ -298,24 +261,6 @@ def test_a_notebook_gets_text_and_a_small_picture_in_the_colour_of_the_thing(val
     middle = pixels(png)[20:205, 70:300]
     assert (np.linalg.norm(middle - to_rgba(color)[:3], axis=-1) < 0.3).sum() >= 10
     assert plt.get_fignums() == []
-
-
-def test_thumbnails_of_nothing_and_of_what_differs():
-    """Catches empty axes for a log without poses, and one picture for a method that failed."""
-    for nothing in (SegmentMap([]), Log("no", []), LaserScan([], []), odometry(Log("no", []))):
-        assert pixels(plotting.thumbnail(nothing)).shape == (240, 320, 3)
-    bare = LaserScan([1.0, 2.0, 1.5], [0.0, 0.5, 1.0])
-    assert plotting.thumbnail(Log("bare", [bare, bare])) == plotting.thumbnail(bare)
-    unused = replace(LOOPED, used=np.full(4, True), reasons=("",) * 4)
-    assert len({plotting.thumbnail(a) for a in (LOOPED, PLAIN, unused)}) == 3
-
-
-def test_a_figure_becomes_a_png_without_leaving_its_canvas():
-    """Catches a figure of pyplot that can no longer be shown."""
-    figure, _ = plt.subplots(figsize=(2, 1), dpi=30)
-    canvas = figure.canvas
-    assert pixels(plotting.figure_png(figure)).shape == (30, 60, 3)
-    assert figure.canvas is canvas
 
 
 def test_each_colour_is_seen_on_white():

@@ -100,7 +100,7 @@ def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch
         assert np.array_equal(names["reduced"].segments, made.outcome.reductions[0].segments)
     made.align.value = "odometry"
     made.open(segmap.load("room"))
-    assert made.align.value == "odometry"  # what was chosen stays
+    assert made.align.value == "odometry" and made.bundled.value == OWN  # what was chosen stays
 
 
 @pytest.fixture(scope="module")
