@@ -78,7 +78,9 @@ def assert_answers(panel, control, value, monkeypatch):
     assert bundle[VIEW]["model_id"]
     assert not re.search(r"0x[0-9a-f]+|Widget|widget", repr(panel))
     width, wide = (int.from_bytes(png[16:20], "big") for png in (still, before[0]))
-    assert panel.picture.layout.max_width == f"{min(900, wide)}px" and wide == 2 * width
+    high = int.from_bytes(still[20:24], "big")  # of a window it takes 60 % of the height at most
+    limit = f"min({min(900, wide)}px, {60 * width / high:.0f}vh)"
+    assert panel.picture.layout.max_width == limit and wide == 2 * width
     moved({"value": value})
     assert all(a != b for a, b in zip(before, seen(panel), strict=True))
     moved({"value": start})

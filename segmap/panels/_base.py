@@ -20,8 +20,9 @@ PANEL_WIDTH = 480
 PANEL_HEIGHT = 360
 #: Dots an inch of a picture.
 PANEL_DPI = 72
-#: As wide as its cell the picture is shown, up to so many pixels, or as many as it has.
-WIDEST_PICTURE = 900
+#: As wide as its cell the picture is shown, up to so many pixels, or as many as it has; and of the
+#: height of the window it takes so many hundredths at most, so that panel and picture fit.
+WIDEST_PICTURE, HIGHEST_PICTURE = 900, 60
 #: Where there is room for both, as in a window of 1280 pixels, the controls stand beside it.
 CONTROLS_FLEX = "0 1 440px"
 #: The picture's part of such a row.
@@ -58,7 +59,8 @@ class Panel:
             layout=W.Layout(
                 width="100%",
                 height="auto",
-                max_width=f"{min(WIDEST_PICTURE, FINER * width)}px",
+                max_width=f"min({min(WIDEST_PICTURE, FINER * width)}px, "
+                f"{HIGHEST_PICTURE * width / height:.0f}vh)",
                 margin="0",  # else it is wider than its box, which then scrolls
             ),
         )

@@ -111,7 +111,9 @@ def test_a_panel_shows_what_the_library_gives(make, wanted, texts, controls):
         assert [getattr(panel, name).value for name in texts] == said
         assert shown(panel) == figure_png(figure), values
         assert bytes(panel.picture.value) == figure_png(finer, finer=2)
-    assert panel.picture.layout.max_width == f"{min(900, 144 * figure.get_figwidth()):.0f}px"
+    wide, high = figure.get_size_inches()
+    limit = f"min({min(900, 144 * wide):.0f}px, {60 * wide / high:.0f}vh)"
+    assert panel.picture.layout.max_width == limit
     players = [part for part in parts_of(view_of(panel)) if type(part) is W.Play]
     for play in players:
         play.playing = True
