@@ -162,54 +162,50 @@ def localize(
     either_map(map)
     if not arrays.is_iterable(scans):
         raise ValueError(f"scans must be a Log, or give scans, got {arrays.brief(scans)}")
-    return _beliefs(Likelihoods(map), scans, rng, particles, beams)
+    likelihoods = Likelihoods(map)
 
+    def beliefs() -> Iterator[Belief]:
+        poses, weights = np.zeros((0, 3)), np.zeros(0)
+        before: LaserScan | None = None
+        fit, anew, wait, patience, least = 0.0, True, 0, 1, FOUND_FIT
+        for k, scan in enumerate(scans):
+            arrays.instance(scan, f"scan {k}", LaserScan)
+            poses = predict(poses, before, scan, rng)
+            before, ends, led = scan, scan.points(), scan.odometry is not None
+            if not len(ends):
+                yield estimate(poses, weights, at_places(poses, weights), fit, least)
+                continue
+            points = sample_beams(ends, beams)
+            fits = likelihoods.fits(points, poses)
+            best, wait = fits.max(initial=0.0), wait - 1
+            now = fit_of_best(likelihoods, ends, beams, poses, fits, least == DOUBTFUL_FIT)
+            fit, anew = now if anew else np.sqrt(fit * now), False
+            if fit < (least if led else FOUND_FIT) and wait <= 0:
+                fresh = fresh_poses(likelihoods, ends, particles, rng)
+                there = likelihoods.fits(points, fresh)
+                new = 1 - best / there.max(initial=best) if len(fresh) else 0.0
+                if new > BETTER_FIT_SHARE:
+                    if not led:  # it may have turned on the spot
+                        near = cKDTree(poses[:, :2]).query(fresh[:, :2])[0] <= SAME_PLACE_M
+                        if there[near].max(initial=0.0) > (1 - BETTER_FIT_SHARE) * there.max():
+                            fresh, there = fresh[near], there[near]
+                    weights = np.r_[(1 - new) * weights, np.full(len(fresh), new / len(fresh))]
+                    poses, fits = np.concatenate([poses, fresh]), np.r_[fits, there]
+                    if not (led and fit):
+                        fit = fit_of_best(likelihoods, ends, beams, fresh, there, False)
+                    anew = True  # the mean begins anew
+                again = new <= BETTER_FIT_SHARE and len(poses)
+                wait = patience = min(2 * patience, LONGEST_WAIT_SCANS) if again else 1
+            weights = weights * fits ** (BEAM_WEIGHT_PART * len(points))
+            weights /= weights.sum() or 1.0
+            places = at_places(poses, weights)
+            belief = estimate(poses, weights, places, fit, least)
+            least = DOUBTFUL_FIT if belief.found else FOUND_FIT
+            yield belief
+            if places:
+                poses, weights = redrawn(poses, weights, places, particles, rng)
 
-def _beliefs(
-    map: Likelihoods,
-    scans: Iterable[LaserScan],
-    rng: np.random.Generator,
-    particles: int,
-    beams: int,
-) -> Iterator[Belief]:
-    poses, weights = np.zeros((0, 3)), np.zeros(0)
-    before: LaserScan | None = None
-    fit, anew, wait, patience, least = 0.0, True, 0, 1, FOUND_FIT
-    for k, scan in enumerate(scans):
-        arrays.instance(scan, f"scan {k}", LaserScan)
-        poses = predict(poses, before, scan, rng)
-        before, ends, led = scan, scan.points(), scan.odometry is not None
-        if not len(ends):
-            yield estimate(poses, weights, at_places(poses, weights), fit, least)
-            continue
-        points = sample_beams(ends, beams)
-        fits = map.fits(points, poses)
-        best, wait = fits.max(initial=0.0), wait - 1
-        now = fit_of_best(map, ends, beams, poses, fits, least == DOUBTFUL_FIT)
-        fit, anew = now if anew else np.sqrt(fit * now), False
-        if fit < (least if led else FOUND_FIT) and wait <= 0:
-            fresh = fresh_poses(map, ends, particles, rng)
-            there = map.fits(points, fresh)
-            new = 1 - best / there.max(initial=best) if len(fresh) else 0.0
-            if new > BETTER_FIT_SHARE:
-                if not led:  # it may have turned on the spot
-                    near = cKDTree(poses[:, :2]).query(fresh[:, :2])[0] <= SAME_PLACE_M
-                    if there[near].max(initial=0.0) > (1 - BETTER_FIT_SHARE) * there.max():
-                        fresh, there = fresh[near], there[near]
-                weights = np.r_[(1 - new) * weights, np.full(len(fresh), new / len(fresh))]
-                poses, fits = np.concatenate([poses, fresh]), np.r_[fits, there]
-                fit = fit if led and fit else fit_of_best(map, ends, beams, fresh, there, False)
-                anew = True  # the mean begins anew
-            again = new <= BETTER_FIT_SHARE and len(poses)
-            wait = patience = min(2 * patience, LONGEST_WAIT_SCANS) if again else 1
-        weights = weights * fits ** (BEAM_WEIGHT_PART * len(points))
-        weights /= weights.sum() or 1.0
-        places = at_places(poses, weights)
-        belief = estimate(poses, weights, places, fit, least)
-        least = DOUBTFUL_FIT if belief.found else FOUND_FIT
-        yield belief
-        if places:
-            poses, weights = redrawn(poses, weights, places, particles, rng)
+    return beliefs()
 
 
 def predict(

@@ -114,37 +114,30 @@ def map_scans(
     arrays.function(matcher, "matcher", "of map, points and start, hill_climb say")
     if matcher is sample_and_rank and rng is None:
         raise ValueError("sample_and_rank draws poses: give rng, numpy.random.default_rng(1) say")
-    return _mapping_steps(log, tree, pose, settle, free, drawing(matcher, rng), score)
+    match = drawing(matcher, rng)
+
+    def steps(pose: Array) -> Iterator[Step]:
+        _warm(score if score in SCORES.values() else field_score)
+        inserted = 0
+        for k, scan in enumerate(log):
+            begun, value = work_time(), np.nan
+            with naming_scan(scan, k):
+                points = scan.points()
+                if len(points) and inserted >= settle:
+                    pose, value = _match_by_score(match, score, tree, points, pose)
+                overlap = overlap_of(tree, points, pose)
+                insert_placed(tree, None, scan, pose, free=free)
+                inserted += len(points) > 0
+            seconds = work_time() - begun
+            yield Step(pose.copy(), value, seconds, False, overlap >= FOUND, overlap)
+
+    return steps(pose)
 
 
 def drawing(matcher: Matcher, rng: np.random.Generator | None) -> Matcher:
     """A matcher that draws, with the generator that it draws from."""
     takes = rng is not None and "rng" in signature(matcher).parameters
     return partial(matcher, rng=rng) if takes else matcher
-
-
-def _mapping_steps(
-    log: Iterable[LaserScan],
-    map: QuadtreeMap,
-    pose: Array,
-    settle: int,
-    free: bool,
-    matcher: Matcher,
-    score: Score,
-) -> Iterator[Step]:
-    _warm(score if score in SCORES.values() else field_score)
-    inserted = 0
-    for k, scan in enumerate(log):
-        begun, value = work_time(), np.nan
-        with naming_scan(scan, k):
-            points = scan.points()
-            if len(points) and inserted >= settle:
-                pose, value = _match_by_score(matcher, score, map, points, pose)
-            overlap = overlap_of(map, points, pose)
-            insert_placed(map, None, scan, pose, free=free)
-            inserted += len(points) > 0
-        seconds = work_time() - begun
-        yield Step(pose.copy(), value, seconds, False, overlap >= FOUND, overlap)
 
 
 def _graph_steps(log: Iterable[LaserScan], live: LiveMap) -> Iterator[Step]:

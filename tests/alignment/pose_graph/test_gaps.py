@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 
+import alignment_logs as logs
 import numpy as np
 import pytest
 
@@ -29,10 +30,6 @@ def with_wheels(log: Log) -> Log:
     return Log(log.name, scans, log.truth)
 
 
-def bare(log: Log) -> Log:
-    return Log(log.name, [replace(scan, odometry=None) for scan in log], log.truth)
-
-
 def seen(log: Log, which: range, ranges: float) -> Log:
     """The log where some scans see only this distance; NaN: nothing."""
     scans = list(log)
@@ -51,7 +48,7 @@ def farthest(found: Alignment, log: Log) -> float:
 @pytest.mark.parametrize(("name", "scan"), [("room", 28), ("room", 42), ("corridor", 107)])
 def test_an_empty_scan_parts_nothing(name, scan, wheels):
     """Catches one that becomes a key frame: loops then moved all that followed by 4 to 23 m."""
-    log = with_wheels(load(name)) if wheels else bare(load(name))
+    log = with_wheels(load(name)) if wheels else logs.without_odometry(load(name))
     log = seen(log, range(scan, scan + 1), np.nan)
     found = pose_graph(log)
     assert found.used.sum() == len(log) - 1 and not found.used[scan]
@@ -59,7 +56,7 @@ def test_an_empty_scan_parts_nothing(name, scan, wheels):
 
 
 def test_an_empty_scan_parts_no_live_map_either():
-    log = seen(bare(load("room")), range(28, 29), np.nan)
+    log = seen(logs.without_odometry(load("room")), range(28, 29), np.nan)
     graph = LiveGraph()
     graph.extend(log)
     away = position_errors(graph.poses, log.truth, best=True)
@@ -86,7 +83,7 @@ def hall() -> Log:
 @pytest.mark.parametrize(("ranges", "wheels"), [(np.nan, True), (np.nan, False), (0.25, True)])
 def test_a_covered_laser_turns_no_hall(ranges, wheels):
     """Catches what follows at the place that half a turn carries there, 10 m off."""
-    log = seen(hall() if wheels else bare(hall()), COVERED, ranges)
+    log = seen(hall() if wheels else logs.without_odometry(hall()), COVERED, ranges)
     found = pose_graph(log)
     apart = found.used & ~np.isin(np.arange(len(log)), COVERED)
     away = position_errors(found.poses[apart], log.truth[apart], best=True)
@@ -96,6 +93,6 @@ def test_a_covered_laser_turns_no_hall(ranges, wheels):
 @pytest.mark.parametrize("scans", [1, 3, 6])
 def test_without_wheels_a_hand_turns_no_hall_that_is_called_good(scans):
     """Catches a chain that goes on behind the hand: 10.6 m off, and GOOD."""
-    log = seen(bare(hall()), range(60, 60 + scans), 0.25)
+    log = seen(logs.without_odometry(hall()), range(60, 60 + scans), 0.25)
     found = pose_graph(log)
     assert farthest(found, log) < 0.25 or found.verdict.grade != "good"

@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
+import alignment_logs as logs
 import numpy as np
 
 from segmap.alignment import pose_graph
-from segmap.poses import between, compose
 from segmap.scans import Log
 from segmap.scans.causes import Cause
 from segmap.simulation import (
@@ -30,14 +30,9 @@ def seen(walls, path, sensor=AROUND, seed=1) -> Log:
 
 def joined(first: Log, second: Log, pause: float = 16.0) -> Log:
     """Both one after the other, as if the robot had stood between them."""
-    start = first.odometry[-1]
-    rows = compose(start, between(second.odometry[0], second.odometry))
-    late = first.times[-1] + pause - second.times[0]
-    more = (
-        replace(scan, odometry=row, time=scan.time + late)
-        for scan, row in zip(second, rows, strict=True)
-    )
-    return Log("carried", [*first, *more])
+    log = logs.joined(first, second, (0.0, 0.0, 0.0))
+    later = first.times[-1] + pause + second.times - second.times[0]
+    return logs.changed(log, times=[*first.times, *later])
 
 
 def lifted(found) -> list[float]:
@@ -52,7 +47,7 @@ def test_a_lifted_robot_is_told():
     third = len(whole) // 3
     carried = joined(whole[:third], whole[2 * third :])
     assert lifted(pose_graph(carried))[0] in (third, third + 1)
-    bare = replace(carried, scans=tuple(replace(scan, odometry=None) for scan in carried))
+    bare = logs.without_odometry(carried)
     assert lifted(pose_graph(bare))[:1] in ([third], [third + 1])
 
 
@@ -102,7 +97,7 @@ def test_what_is_missing_while_nothing_is_measured_is_told():
     stops = [(1, 5), (2, 5), (2, 6.9), (2, 5), (6, 5), (6, 3.1), (6, 5), (7, 5), (1.5, 5.3)]
     path = drive(stops, step=0.15, turn=np.radians(12))
     whole = seen(office(rng=np.random.default_rng(1), rooms=2), path)
-    bare = Log("bare", [replace(scan, odometry=None) for scan in whole])
+    bare = logs.without_odometry(whole)
     first, then = int(0.4 * len(bare)), int(0.6 * len(bare))
     cut = Log("cut", [*bare[:first], *bare[then:]])
     assert not lifted(pose_graph(bare))
@@ -117,7 +112,7 @@ def test_without_odometry_a_match_after_a_far_turn_is_a_guess():
         office(rng=np.random.default_rng(0), rooms=2),
     )
     log = seen(walls, path, SICK_LMS200, seed=0)
-    alone = replace(log, scans=tuple(replace(scan, odometry=None) for scan in log))
+    alone = logs.without_odometry(log)
     led, guessed = pose_graph(log), pose_graph(alone)
     assert led.used.all() and led.sure.all() and led.spread.max() < 0.5
     assert guessed.used.all() and not guessed.sure.all() and guessed.spread.max() > 0.5

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 
+import alignment_logs as logs
 import numpy as np
 import pytest
 
@@ -84,11 +85,6 @@ def with_people(log: Log, walls: np.ndarray, *feet: tuple[float, float], sway: f
     return replace(log, scans=tuple(map(seen, log, log.truth)))
 
 
-def without_odometry(log: Log) -> Log:
-    """The log of a laser that is carried."""
-    return replace(log, scans=tuple(replace(scan, odometry=None) for scan in log))
-
-
 def masked(log: Log) -> np.ndarray:
     """Which beams are left out in all scans, `(n,)`."""
     return np.all([np.isnan(scan.ranges) for scan in log], 0)
@@ -104,7 +100,7 @@ def body(log: Log) -> list[float]:
 def test_posts_are_left_out(sensor, wheels):
     """Catches a mask beside the posts, walls that go with them, and odometry that it leans on."""
     log = with_posts(driven(sensor=sensor))
-    found = prepared(log if wheels else without_odometry(log))
+    found = prepared(log if wheels else logs.without_odometry(log))
     degrees = from_posts(log[0])
     posts, gone = degrees < 5.5, masked(found)
     assert gone[posts].all() and not gone[degrees > 8].any()
@@ -120,7 +116,7 @@ def test_posts_are_left_out_where_odometry_begins_late():
     """Catches a scan taken for the one of that number among those with odometry."""
     log = with_posts(driven("corridor"))
     half = len(log) // 2
-    found = prepared(replace(log, scans=(*without_odometry(log[:half]), *log[half:])))
+    found = prepared(replace(log, scans=(*logs.without_odometry(log[:half]), *log[half:])))
     (seen,) = body(found)
     assert abs(seen - 44) <= 4 and masked(found).any()
 
@@ -211,9 +207,9 @@ WALLS_ONLY = {
     "laser aside along a corridor": aside,
     "spins along a corridor": lambda: driven("corridor", "spins"),
     "rooms": driven,
-    "carried": lambda: without_odometry(driven()),
+    "carried": lambda: logs.without_odometry(driven()),
     "along a corridor": lambda: driven("corridor"),
-    "carried along a corridor": lambda: without_odometry(driven("corridor")),
+    "carried along a corridor": lambda: logs.without_odometry(driven("corridor")),
     "ahead": lambda: driven("corridor", "ahead"),
     "stands for long": stands,
     "stands": lambda: stands()[:300],

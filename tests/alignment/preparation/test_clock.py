@@ -8,13 +8,7 @@ import pytest
 
 from segmap import load
 from segmap.alignment import prepared
-from segmap.scans import Log
 from segmap.scans.causes import Cause
-
-
-def at_times(log: Log, times) -> Log:
-    """The log with other times."""
-    return replace(log, scans=tuple(replace(s, time=t) for s, t in zip(log, times, strict=True)))
 
 
 @pytest.mark.parametrize("by", [-5.0, -3600.0, 3600.0])
@@ -22,7 +16,7 @@ def test_a_clock_that_is_set_goes_on(by):
     """Catches scans in another order, times before the change that move, and a leap that stays."""
     log = load("corridor")
     times = log.times
-    found = prepared(at_times(log, times + np.where(np.arange(len(log)) >= 60, by, 0.0)))
+    found = prepared(logs.changed(log, times=times + np.where(np.arange(len(log)) >= 60, by, 0.0)))
     (finding,) = found.causes
     assert finding.cause is Cause.CLOCK and not finding.doubtful
     assert abs(finding.value - by - 0.6) < 1e-6 and "at scan 60" in finding.words
@@ -34,12 +28,12 @@ def test_a_pause_is_no_leap():
     """Catches a robot that waits for a minute."""
     log = load("corridor")
     times = log.times + np.where(np.arange(len(log)) >= 60, 60.0, 0.0)
-    assert not prepared(at_times(log, times)).causes
+    assert not prepared(logs.changed(log, times=times)).causes
 
 
 def test_times_that_are_all_equal_are_none():
     """Catches zeros that are used as times."""
-    found = prepared(at_times(load("corridor"), np.zeros(153)))
+    found = prepared(logs.changed(load("corridor"), times=np.zeros(153)))
     assert np.isnan(found.times).all() and not found.causes
 
 
@@ -65,6 +59,6 @@ def test_ranges_are_in_the_unit_in_which_the_wheels_go_the_same_way(unit, factor
     assert np.allclose(found[5].ranges, log[5].ranges) and np.isclose(
         found[5].max_range, log[5].max_range
     )
-    blind = replace(wrong, scans=tuple(replace(scan, odometry=None) for scan in wrong))
+    blind = logs.without_odometry(wrong)
     (guessed,) = prepared(blind).causes
     assert guessed.cause is Cause.UNIT and guessed.doubtful and unit in guessed.words

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
+import alignment_logs as logs
 import numpy as np
 import pytest
 
@@ -29,11 +30,6 @@ def driven(sensor: str = "around", place: tuple[float, float, float] = (0, 0, 0)
     return simulate(
         walls, PATH, sensor=laser, rng=rng, odometry_noise=OdometryNoise(), sensor_pose=place
     )
-
-
-def with_rows(log: Log, rows: np.ndarray) -> Log:
-    """The log with another odometry."""
-    return replace(log, scans=tuple(replace(s, odometry=r) for s, r in zip(log, rows, strict=True)))
 
 
 def counted_again(rows: np.ndarray, way: float = 1.0, turn: float = 1.0) -> np.ndarray:
@@ -88,7 +84,7 @@ def test_what_is_known_is_put_right(name, sensor):
     """Catches a factor upside down, a turn or delay of the wrong sign, a grade that suffers."""
     cause, change = MENDED[name]
     log = driven(sensor)
-    found = prepared(with_rows(log, change(log.odometry)))
+    found = prepared(logs.changed(log, odometry=change(log.odometry)))
     assert causes(found) == {cause: False}
     if cause is Cause.DELAY:
         assert name[:4] in found.causes[0].words
@@ -109,7 +105,7 @@ def test_a_right_log_is_the_same_object():
     """Catches a mask, a new odometry or a doubt where nothing is wrong."""
     for log in (driven(), driven("ahead"), load("corridor"), load("room")):
         assert prepared(log) is log
-    bare = replace(driven(), scans=tuple(replace(scan, odometry=None) for scan in driven()))
+    bare = logs.without_odometry(driven())
     assert prepared(bare) is bare
     assert prepared(Log("none", [])).scans == () == prepared(driven()[:1]).causes
 
@@ -129,7 +125,7 @@ def test_what_cannot_be_attributed_is_doubted(name):
     """Catches a wrong factor in silence, and odometry that wins against the scans."""
     cause, change = DOUBTFUL[name]
     log = driven()
-    found = prepared(with_rows(log, change(log.odometry)))
+    found = prepared(logs.changed(log, odometry=change(log.odometry)))
     assert causes(found)[cause]
     assert name != "a tenth too far" or "wheels or ranges are 10 % off" in found.causes[0].words
     aligned = pose_graph(found)
@@ -203,7 +199,7 @@ def test_a_step_that_no_robot_drives_is_no_motion(name):
     """Catches a jump that is believed, one that is counted twice, and the row before it lost."""
     count, change = JUMPS[name]
     log = driven()
-    found = prepared(with_rows(log, change(log.odometry)))
+    found = prepared(logs.changed(log, odometry=change(log.odometry)))
     (finding,) = found.causes
     assert (finding.cause, finding.value, finding.doubtful) == (Cause.JUMP, count, False)
     assert np.isnan(found.odometry[:, 0]).sum() == count
@@ -240,7 +236,9 @@ def test_a_step_that_nothing_tells_is_doubted():
 def test_a_faster_robot_does_not_jump():
     """Catches a threshold in metres: what jumps in one log is a drive in another."""
     log = driven()
-    assert Cause.JUMP not in causes(prepared(with_rows(log, log.odometry * (20, 20, 1))))
+    assert Cause.JUMP not in causes(
+        prepared(logs.changed(log, odometry=log.odometry * (20, 20, 1)))
+    )
     quick = slice(100, 140)  # which lasts, so it is no jump
     rows = log.odometry.copy()
     steps = between(rows[:-1], rows[1:])
@@ -248,7 +246,7 @@ def test_a_faster_robot_does_not_jump():
     found = [rows[0]]
     for step in steps:
         found.append(compose(found[-1], step))
-    assert Cause.JUMP not in causes(prepared(with_rows(log, np.array(found))))
+    assert Cause.JUMP not in causes(prepared(logs.changed(log, odometry=np.array(found))))
 
 
 def test_a_gap_in_time_explains_a_long_step():
@@ -265,7 +263,7 @@ def test_an_odometry_that_stands_still_is_none(begin, end):
     rows, stop = log.odometry.copy(), len(log) if end is None else end
     rows[stop:] = compose(rows[begin], between(rows[stop - 1], rows[stop:]))
     rows[begin:stop] = rows[begin]
-    found = prepared(with_rows(log, rows))
+    found = prepared(logs.changed(log, odometry=rows))
     (finding,) = found.causes
     assert finding.cause is Cause.NO_ODOMETRY and not finding.doubtful
     gone = np.isnan(found.odometry[:, 0])
@@ -275,11 +273,11 @@ def test_an_odometry_that_stands_still_is_none(begin, end):
 def test_too_few_steps_say_nothing():
     """Catches figures of three steps, and a NaN that is compared as if it were one."""
     few = driven()[:8]
-    assert not prepared(with_rows(few, few.odometry * (1000, 1000, 1))).causes
+    assert not prepared(logs.changed(few, odometry=few.odometry * (1000, 1000, 1))).causes
 
 
 def test_the_baseline_has_the_odometry_that_was_put_right():
     """Catches a method that reads the log as it was."""
     log = driven()
-    feet = with_rows(log, log.odometry / (0.3048, 0.3048, 1))
+    feet = logs.changed(log, odometry=log.odometry / (0.3048, 0.3048, 1))
     assert np.allclose(odometry(prepared(feet)).poses, log.odometry, atol=1e-9)
