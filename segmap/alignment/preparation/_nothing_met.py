@@ -102,16 +102,16 @@ def without_limit(log: Log, steps: Steps) -> Log:
     limits = steps_of_range[(votes >= LEAST_COMPARISONS) & (limit > votes / 2)]
     ends = [np.isin(_range_steps(scan.ranges), limits) & scan.valid for scan in log]
     at_limit = np.concatenate([scan.ranges[end] for scan, end in zip(log, ends, strict=True)])
-    if not len(at_limit):
-        return _at_one_range(log)
-    number, share = float(np.median(at_limit)), 100 * len(at_limit) / sum(map(len, log))
-    words = f"a range about {number:.4g} m means nothing met: {share:.2g} % of all, with no wall"
-    scans = (
-        replace(scan, ranges=np.where(end, np.inf, scan.ranges))
-        for scan, end in zip(log, ends, strict=True)
-    )
-    told = Finding(Cause.NOTHING_MET, number, words)
-    return replace(log, scans=tuple(scans), causes=(*log.causes, told))
+    if len(at_limit):
+        number, share = float(np.median(at_limit)), 100 * len(at_limit) / sum(map(len, log))
+        words = f"a range about {number:.4g} m means nothing met: {share:.2g} % of all"
+        told = Finding(Cause.NOTHING_MET, number, f"{words}, with no wall")
+        scans = (
+            replace(scan, ranges=np.where(end, np.inf, scan.ranges))
+            for scan, end in zip(log, ends, strict=True)
+        )
+        log = replace(log, scans=tuple(scans), causes=(*log.causes, told))
+    return _at_one_range(log)
 
 
 def _range_steps(ranges: Array) -> NDArray[np.int64]:
