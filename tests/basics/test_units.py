@@ -13,7 +13,7 @@ from segmap import SegmentMap, load, quadtree, readers
 from segmap.alignment import METHODS as ALIGNMENTS
 from segmap.alignment import LoopClosing, Tracking
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
-from segmap.extraction import build_map, extract_clusters, extract_polylines
+from segmap.extraction import build_map, extract_polylines
 from segmap.reduction import METHODS
 from segmap.scans import LaserScan, Log
 from segmap.simulation import SICK_LMS200
@@ -35,12 +35,6 @@ def log_of(count: int, *, odometry=None, truth=None) -> Log:
 
 
 # ------------------------------------------------------------------ beams
-
-
-def test_two_turns_either_way_are_directions():
-    assert LaserScan(
-        [1.0, 1.0], [-4 * np.pi, 4 * np.pi], sensor_pose=(0, 0, -2 * np.pi)
-    ).valid.all()
 
 
 @pytest.mark.parametrize("max_range", [np.inf, 5.6])
@@ -157,11 +151,6 @@ def test_a_bandwidth_in_degrees_is_told():
     METHODS["mean_shift"](WALLS, sigma=0.01, bandwidth=np.radians(10) / 0.01)
 
 
-def test_a_bandwidth_of_ten_radians_a_metre_is_allowed():
-    """Catches a bound that is told itself."""
-    assert len(METHODS["mean_shift"](WALLS, sigma=0.2, bandwidth=10.0))
-
-
 def test_a_map_in_millimetres_by_intent_is_left_alone():
     """Catches a bound that knows no scale: every length of a map may be scaled."""
     METHODS["basic_offline"](WIDE, distance=11.9)
@@ -169,10 +158,6 @@ def test_a_map_in_millimetres_by_intent_is_left_alone():
     for name, threshold, left in (("fusion", "tolerance", 2), ("basic_offline", "distance", 3)):
         assert len(METHODS[name](big, **{threshold: 40.0})) == left
     assert len(extract_polylines(POINTS * 10_000, tolerance=30.0, gap=600.0, min_length=100.0)) == 1
-
-
-def test_a_gap_may_be_wide():
-    assert len(extract_clusters(POINTS, gap=np.inf)) == len(extract_clusters(POINTS, gap=100)) == 1
 
 
 def test_help_shows_an_angle_in_degrees_and_the_value_stays_a_float():

@@ -8,13 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from segmap_course import (
-    LINE_FINDERS,
-    LINE_SENSORS,
     compare_with_walls,
     equal_offices,
     known_building,
-    office_views,
-    precision_and_recall,
     represent,
 )
 
@@ -22,8 +18,7 @@ from segmap import SegmentMap, alignment, simulation
 from segmap.angles import wrap
 from segmap.extraction import build_map, extract_polylines
 from segmap.metrics import against_walls, quality
-from segmap.poses import between, transform
-from segmap.quadtree import without_passers
+from segmap.poses import between
 from segmap.reduction import (
     fusion,
     fusion_online,
@@ -238,43 +233,3 @@ def test_one_per_wall_leaves_each_wall_of_the_floor_once(sensor, noise, seed):
     found = against_walls(known.walls, one_per_wall(known.map), seen=known.true)
     assert found.per_wall == 1 and found.doubled.sum() < 0.01
     assert found.offset < 0.006 and np.sum(found.missed) < 0.005 * found.seen.sum()
-
-
-def walked(seed: int, people: int) -> tuple[Log, np.ndarray]:
-    """A log of a corridor with people who walk past the robot; and the walls, as in chapter 25."""
-    rng, scans = np.random.default_rng(seed), []
-    walls, path = simulation.office(rng=rng), simulation.drive([(1.0, 5.0), (11.0, 5.0)], step=0.1)
-    y = 5 + rng.uniform(0.4, 0.7, people) * rng.choice([-1, 1], people)
-    starts, steps = rng.uniform(0, 11, people), rng.uniform(0.1, 0.25, people)
-    for k in range(len(path)):
-        at = zip(0.5 + (starts + k * steps) % 11, y, strict=True)
-        there = np.concatenate([walls, *(simulation.box(0.4, 0.25, (*xy, 0)) for xy in at)])
-        eye = simulation.SICK_LMS200
-        scans += simulation.simulate(there, path[k : k + 1], sensor=eye, rng=rng)
-    return Log("office", scans, path), walls
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_many_people_hide_one_another(seed):
-    """Chapter 25: of ten most beams go, of forty less than half; walls stay either way."""
-    for people, least, most in ((10, 0.6, 1.0), (40, 0.15, 0.45)):
-        log, walls = walked(seed, people)
-        met = []
-        for seen in (log, without_passers(log, log.truth)):
-            ends = [transform(p, s.points()) for p, s in zip(seen.truth, seen, strict=True)]
-            off = point_distance(np.concatenate(ends)[:, None], walls).min(axis=1)
-            met.append([(off < 0.06).sum(), (off > 0.12).sum()])
-        wall, gone = 1 - np.divide(met[1], met[0])
-        assert least < gone < most and wall < 0.01
-
-
-@pytest.mark.parametrize("sigma", [0.005, 0.03])
-@pytest.mark.parametrize("sensor", LINE_SENSORS, ids=lambda sensor: sensor.name)
-def test_split_and_merge_finds_most_or_nearly_so(sensor, sigma):
-    """Chapter 55: at the noises that it does not show, with a tolerance of three times that."""
-    views, found = office_views(replace(sensor, sigma=sigma)), {}
-    for name, finder in LINE_FINDERS.items():
-        if name != "clusters":
-            found[name] = precision_and_recall(finder, views, tolerance=3 * sigma)[1]
-    assert found["split and merge"] > max(found.values()) - 0.005
-    assert min(found.values()) > max(found.values()) - (1 / 10 if sigma < 0.02 else 1 / 6)

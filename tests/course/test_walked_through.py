@@ -57,33 +57,18 @@ def test_every_method_of_the_project_is_in_the_table():
 
 
 @pytest.mark.parametrize("name", [*WALKED, *SECTIONS])
-def test_a_method_has_its_section(name):
-    found = WALKED.get(name, {})
-    number, section = SECTIONS.get(name) or (found["chapter"], found["section"])
+def test_a_method_is_walked_through(name):
+    """Catches a method that is called and not shown, and a panel without what it is about."""
+    row = WALKED.get(name, {})
+    number, section = SECTIONS.get(name) or (row["chapter"], row["section"])
     assert any(heading.startswith(section) for heading in headings(number)), headings(number)
-
-
-@pytest.mark.parametrize("name", WALKED)
-def test_its_source_is_printed_or_written(name):
-    """Catches a method that is called and not shown."""
-    found = WALKED[name]
-    printed = rf"getsource\((?:\w+\.)*{found['source']}\)"
-    assert re.search(rf"{printed}|^def {found['source']}\(", code(found["chapter"]), re.MULTILINE)
-
-
-@pytest.mark.parametrize("name", WALKED)
-def test_its_panel_stands_in_the_chapter_and_has_its_thresholds(name):
-    """Catches a panel without the control of what the method is about."""
-    found = WALKED[name]
-    assert f"course.{found['panel']}(" in code(found["chapter"])
-    parts = {n for kind in getattr(course, found["panel"]).__mro__ for n in vars(kind)}
-    assert set(found["controls"].split()) <= parts
-
-
-@pytest.mark.parametrize("name", WALKED)
-def test_its_exercise_stands_in_the_chapter(name):
-    found = WALKED[name]
-    assert f"course.check_{found['exercise']}(" in code(found["chapter"])
+    if row:
+        text = code(number)
+        printed = rf"getsource\((?:\w+\.)*{row['source']}\)|^def {row['source']}\("
+        assert re.search(printed, text, re.MULTILINE)
+        assert f"course.{row['panel']}(" in text and f"course.check_{row['exercise']}(" in text
+        parts = {n for kind in getattr(course, row["panel"]).__mro__ for n in vars(kind)}
+        assert set(row["controls"].split()) <= parts
 
 
 def test_what_the_theses_vary_is_in_the_panel_of_its_method():
@@ -105,8 +90,3 @@ def test_what_the_theses_vary_is_in_the_panel_of_its_method():
             tried = np.degrees(tried) if column == "angle" else tried
             slid = getattr(panel, control)
             assert slid.min <= tried.min() + 1e-9 and tried.max() - 1e-9 <= slid.max
-
-
-def test_live_reduction_is_shown_where_hybrid_with_fusion_is():
-    """Catches a class for robots that no chapter makes."""
-    assert "LiveReduction(" in code("17")

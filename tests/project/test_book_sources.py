@@ -157,21 +157,6 @@ def prose(path):
     return "\n\n".join(cell.source for cell in cells if cell.cell_type == "markdown")
 
 
-def test_each_command_has_a_page_with_its_options():
-    """Catches a command without a page, and help of which a sign becomes a mark."""
-    pages = dict(commands.command_pages())
-    assert {"info", "map", "occupancy", "notebooks"} <= set(pages)
-    said = pages["map"].partition("\nFusion\n------\n\nReplace chains")[2].partition("----")[0]
-    assert ".. option:: --tolerance METRES\n\n   Half width of the strip." in said
-    assert "Default: 0.04 metres." in said and "segmap map room -o room.svg" in pages["map"]
-    assert "--output FILE\n\n   write the log for CARMEN" in pages["convert"]
-    assert (
-        "default: pose\\_graph" in pages["compare"]
-        and "   segmap locate MAP LOG [LOG ...] [OPT" in pages["locate"]
-    )
-    assert all(page.count(".. option:: ") >= 1 for page in pages.values())
-
-
 def test_the_map_of_the_code_has_every_folder_and_no_import_that_climbs():
     """Catches a map that is older than the code."""
     layer = {n: k for k, (_, _, names) in enumerate(code_map.LAYERS) for n in names.split()}

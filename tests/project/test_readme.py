@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -168,26 +167,6 @@ def test_commands_that_the_texts_name_exist():
     named = set(re.findall(r"\bmake (?!without)([a-z-]+)\b", re.sub(r"[^`\n]*```", "", README)))
     named |= set(re.findall(r"`make ([a-z-]+)", README + ENVIRONMENT))
     assert {"lab", "test"} <= named <= targets()
-
-
-def test_without_a_network_one_sentence_tells_where_to_read_on(tmp_path):
-    """Catches `env: 'uv': No such file`, and the pages that pip says where nothing can be had."""
-    if shutil.which("make") is None:
-        pytest.skip("make is not installed")
-    for name in ("Makefile", "pyproject.toml"):
-        shutil.copy(ROOT / name, tmp_path)
-    python = tmp_path / ".venv/bin/python"
-    python.parent.mkdir(parents=True)
-    python.write_text("#!/bin/sh\necho no route to host >&2\nexit 1\n")
-    python.chmod(0o755)
-    run = ["make", "lab"]
-    env = {"PATH": "/usr/bin:/bin"}
-    done = subprocess.run(run, cwd=tmp_path, env=env, capture_output=True, text=True)
-    said, _ = done.stderr.splitlines()  # make has the last word
-    assert done.returncode != 0 and "No such file" not in done.stdout + said
-    section = re.search(r"see \s*'(.*)' in environment.md", said).group(1)
-    assert f"## {section}\n" in ENVIRONMENT
-    assert "no route" in (tmp_path / ".venv/install.log").read_text()
 
 
 @pytest.mark.parametrize(

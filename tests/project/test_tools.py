@@ -82,25 +82,6 @@ def test_a_picture_with_the_same_pixels_stays(stored, kept):
     assert (notebook.cells[0].outputs[0].data["image/png"] == stored) is kept
 
 
-def film(*levels, milliseconds=500):
-    """A film whose frames have these levels of red, in base64; the still picture is the last."""
-    target, frames = io.BytesIO(), [Image.new("RGB", (40, 30), (level, 0, 0)) for level in levels]
-    shown = {"save_all": True, "append_images": frames, "default_image": True, "loop": 2}
-    frames[-1].save(target, "PNG", duration=milliseconds, **shown)
-    return base64.b64encode(target.getvalue()).decode()
-
-
-def test_a_film_is_stored_as_it_is():
-    """Catches a film that becomes its first frame, and one that is thought to be another."""
-    notebook, moving = notebook_of("1"), film(1, 2, 3)
-    notebook.cells[0].outputs = showing(moving).cells[0].outputs
-    refresh.fit_pictures(notebook)
-    assert notebook.cells[0].outputs[0].data["image/png"] == moving
-    others = [film(1, 2, 3), film(2, 1, 3), film(1, 2, 3, milliseconds=900), film(1, 3)]
-    alike = [refresh.pixels(other) == refresh.pixels(moving) for other in others]
-    assert alike == [True, False, False, False]  # all have the same still picture
-
-
 def drawn(noise, shape=(300, 400)):
     """An output with a smooth picture, and noise that does not compress."""
     slope = np.add.outer(*map(np.arange, shape)) % 256 // 16 * 16
@@ -130,13 +111,3 @@ def test_pictures_lose_dots_until_they_and_the_chapter_fit():
         assert min(widths) >= 200 and max(widths) < 400 and max(widths) < 1.3 * min(widths)
         shown = {c.outputs[0].metadata["image/png"]["width"] for c in notebook.cells}
         assert shown == {200}  # on the page it stays as large as it was
-
-
-def test_a_rare_colour_stays_what_it_was():
-    """Catches a palette of the frequent colours: a blue robot on a grey map turned green."""
-    rng = np.random.default_rng(1)
-    grey = rng.integers(0, 256, (200, 300, 1))
-    picture = np.repeat(grey, 3, axis=2).astype(np.uint8)
-    picture[100:104, 50:54], picture[20:23, 60:63] = (0, 114, 178), (0, 158, 115)
-    found = np.asarray(refresh.quantized(Image.fromarray(picture), 128).convert("RGB"), int)
-    assert abs(found - picture).max() <= 20
