@@ -57,7 +57,7 @@ def find_way(map, points):
 LOOKS = [
     lambda map, points: whole(map),
     lambda map, points: map.to_grid(value="variance"),
-    lambda map, points: (map.occupancy(points), map.statistics(), map.leaf_occupancy()),
+    lambda map, points: (map.occupancy(points), map.leaf_occupancy()),
     lambda map, points: whole(deepcopy(pickle.loads(pickle.dumps(map))).cropped(-1, -1, 1, 1)),
     lambda map, points: (nearest_score(map, points, np.zeros((3, 3))), extent(map)),
     lambda map, points: (map.tree.leaves(), DistanceField(map), ros_classes(map)),

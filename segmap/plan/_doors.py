@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -71,20 +70,3 @@ def find_doors(edges: Edges, lines: list[Line], grid: Grid, labels: Indices) -> 
         if all(np.hypot(*(place - door.place)) > ONE_DOOR_M for place in same):
             kept.append(door)
     return kept
-
-
-def shortest_way(doors: list[Door], places: Array, start: int, goal: int) -> list[Door]:
-    """Doors from room to room, of which `places` `(r, 2)` lie inside; none lead: a ValueError."""
-    from scipy.sparse.csgraph import dijkstra
-
-    by = {pair: door for door in reversed(doors) for pair in (door.rooms, door.rooms[::-1])}
-    apart = np.zeros((len(places),) * 2)
-    for (a, b), door in by.items():
-        apart[a, b] = np.hypot(*(places[[a, b]] - door.place).T).sum()
-    far, before = dijkstra(apart, indices=[start], return_predecessors=True)
-    if not np.isfinite(far[0, goal]):
-        raise ValueError("no doors that were seen lead from one room to the other")
-    way = [goal]
-    while way[-1] != start:
-        way.append(int(before[0, way[-1]]))
-    return [by[pair] for pair in pairwise(way[::-1])]

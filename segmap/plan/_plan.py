@@ -26,7 +26,7 @@ from ._cells import (
     grid_along,
     unseen_border,
 )
-from ._doors import Door, find_doors, shortest_way
+from ._doors import Door, find_doors
 from ._lines import Indices, Line, building_axes, wall_lines
 from ._outlines import room_of
 from ._polygons import Room, shapely_or_hint
@@ -158,21 +158,6 @@ class FloorPlan:
             inside = shapely.contains_xy(shapely.Polygon(room.outline, room.holes), *places.T)
             found[inside] = k
         return found
-
-    def route(self, from_room: int | str, to_room: int | str) -> list[Door]:
-        """The doors on the shortest way from one room to another, by index or name.
-
-        Raises
-        ------
-        ValueError
-            Where no doors lead there.
-        """
-        names, ends = [room.name for room in self.rooms], []
-        for name, room in (("from_room", from_room), ("to_room", to_room)):
-            given = names.index(arrays.one_of(room, name, names)) if isinstance(room, str) else room
-            ends.append(arrays.whole(given, name, least=0, most=len(names) - 1))
-        places = np.array([room.place for room in self.rooms])
-        return shortest_way(self.doors, places, ends[0], ends[1])
 
     def __repr__(self) -> str:
         rooms = f"{len(self.rooms)} rooms of {sum(room.area for room in self.rooms):.1f} m2"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,9 +17,6 @@ from ..threads import Locked, locked
 from . import _kernels as kernels
 from ._file import Stored, read_stored, write_stored
 from ._tree import COORDINATES_UNIT, SMALLEST_CELL_M, Leaves, Tree, level_of, point_pairs
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 NO_POINTS = np.empty((0, 2))
 Resolution = Annotated[float, Quantity("metres", least=SMALLEST_CELL_M, most=LIMIT)]
@@ -216,27 +213,6 @@ class QuadtreeMap(Pictured, Locked):
         kernels.paint(first, last, value, grid)
         corner = self.corner + (self.tree.corner + (start << k)) * self.resolution
         return grid, *corner.tolist(), float(np.ldexp(self.resolution, k))
-
-    @locked
-    def statistics(self) -> pd.DataFrame:
-        """Leaves by side, and the bytes that they and a grid of single bytes take.
-
-        Examples
-        --------
-        >>> QuadtreeMap(resolution=0.5, size=2).statistics()
-                         count
-        leaves of 1 m        4
-        leaves               4
-        bytes               32
-        bytes of a grid     16
-        """
-        import pandas as pd
-
-        sides, counts = np.unique(self.leaves().side, return_counts=True)
-        names = [f"leaves of {side:.6g} m" for side in sides]
-        rows = dict(zip(names, counts.tolist(), strict=True)) | {"leaves": int(counts.sum())}
-        rows |= {"bytes": self.nbytes, "bytes of a grid": 4**self.tree.level}
-        return pd.DataFrame({"count": rows})
 
     @locked
     def cropped(self, left: float, low: float, right: float, high: float) -> QuadtreeMap:

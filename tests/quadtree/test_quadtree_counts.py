@@ -75,18 +75,12 @@ def test_the_extent_is_that_of_the_ends_with_a_part_of_the_longer_side_around_it
     assert extent(map) == pytest.approx((-3 - 1.08, 2 - 1.08, 10.5 + 1.08, 7.5 + 1.08))
 
 
-def test_bytes_a_leaf_and_statistics(room):
+def test_bytes_a_leaf(room):
     """At most 12 (two counts of four bytes a node, of which a quarter are no leaves)."""
     tree, leaves = room.tree, room.leaves()
     assert room.nbytes == tree.vis[: 4 * tree.used].nbytes + tree.occ[: 4 * tree.used].nbytes
     assert room.nbytes <= 12 * len(leaves.x)
     assert tree.vis.nbytes + tree.occ.nbytes <= 1.6 * room.nbytes
-    rows = room.statistics()["count"].to_dict()
-    by_side = {k: v for k, v in rows.items() if k.startswith("leaves of")}
-    assert by_side["leaves of 0.02 m"] == np.isclose(leaves.side, 0.02).sum()
-    assert sum(by_side.values()) == rows["leaves"] == len(leaves.x)
-    assert rows["bytes"] == room.nbytes
-    assert rows["bytes of a grid"] == round(room.side / 0.02) ** 2
 
 
 # ------------------------------------------------------------------------- refused
