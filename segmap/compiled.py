@@ -12,14 +12,16 @@ import hashlib
 import inspect
 import multiprocessing
 import os
-import signal
 import sys
 import threading
 import time
 import types
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
-from functools import cache, partial
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from contextvars import copy_context
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar, cast, get_args, get_type_hints
 
@@ -35,9 +37,14 @@ COMPILING = "compiling once on this machine, about a minute"
 #: And where no folder can keep it.
 KEPT_NOWHERE = "compiling, about a minute each time: no folder that could keep it may be written to"
 #: What makes an array or a list in a kernel; numba refuses any other where it counts nothing.
-MAKERS = frozenset({"append", "arange", "empty", "empty_like", "zeros", "full", "copy", "heappush"})
+MAKERS = frozenset({"append", "arange", "copy", "empty", "empty_like", "full", "heapq", "zeros"})
 #: Loops that this process had to compile.
 missing: list[str] = []
+
+
+def runs_plain() -> bool:
+    """Whether loops run as plain Python: so it was asked for, or there is no numba."""
+    return os.environ.get(PLAIN) == "1" or find_spec("numba") is None
 
 
 class Compiled(Generic[P, R]):
@@ -61,25 +68,15 @@ class Compiled(Generic[P, R]):
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         """Run the machine code."""
         if self._fast is None:
-            return self._first(*args, **kwargs)
+            hints, names = get_type_hints(self.plain), self._code.co_varnames
+            self._floats = [k for k, name in enumerate(names) if hints.get(name) is float]
+            self._fast = self.plain if runs_plain() else undisturbed(self._build)()
         if not self._floats:
             return self._fast(*args, **kwargs)
-        given: list[Any] = list(args)
+        numbers: list[Any] = list(args)
         for k in self._floats:
-            given[k] = float(given[k])
-        return self._fast(*given, **kwargs)
-
-    def _first(self, *args: P.args, **kwargs: P.kwargs) -> R:
-        """Run it for the first time: it is compiled now."""
-        hints, names = get_type_hints(self.plain), self._code.co_varnames
-        self._floats = [k for k in range(self._code.co_argcount) if hints.get(names[k]) is float]
-        if os.environ.get(PLAIN) == "1":
-            self._fast = self.plain
-            return self(*args, **kwargs)
-        with _no_collecting():
-            with signals_held(), _paused():
-                self._fast = self._build()
-            return self(*args, **kwargs)
+            numbers[k] = float(numbers[k])
+        return self._fast(*numbers, **kwargs)
 
     def _build(self) -> Callable[P, R]:
         try:
@@ -89,12 +86,12 @@ class Compiled(Generic[P, R]):
         njit: Callable[..., Any] = numba.njit
         linked, options = self._linked(njit), self._options()
         try:
-            made = njit(cache=True, nogil=True, **options)(linked)
+            machine = njit(cache=True, nogil=True, **options)(linked)
         except RuntimeError:  # no folder that a cache could be written to
-            made = njit(nogil=True, **options)(linked)
-        made._cache.load_overload = _cached_code(linked, made._cache)
-        made.compile = signals_held()(_paused()(made.compile))
-        return cast(Callable[P, R], made)
+            machine = njit(nogil=True, **options)(linked)
+        machine._cache.load_overload = _cached_code(linked, machine._cache)
+        machine.compile = undisturbed(machine.compile)
+        return cast(Callable[P, R], machine)
 
     def _options(self) -> dict[str, bool]:
         return {"_nrt": self._counts(), "no_cfunc_wrapper": True}  # nobody calls it from C
@@ -202,33 +199,23 @@ def _say_once(words: str) -> None:
         print(f"segmap: {words}{hint}", file=sys.stderr)
 
 
-class _Pause:
-    """Seconds in which machine code was loaded or compiled, by one thread or by several at once."""
+class _WorkClock:
+    """A clock that stands still while threads, one or several at once, load or compile loops."""
 
     def __init__(self) -> None:
-        self.lock, self.busy, self.since, self.total = threading.Lock(), 0, 0.0, 0.0
+        self.lock, self.busy, self.since, self.paused = threading.Lock(), 0, 0.0, 0.0
 
     def change(self, by: int) -> float:
         """One thread begins, or ends; answers the seconds until now."""
         with self.lock:
             now = time.perf_counter()
             if self.busy:
-                self.total += now - self.since
+                self.paused += now - self.since
             self.busy, self.since = self.busy + by, now
-            return now - self.total
+            return now - self.paused
 
 
-_pause = _Pause()
-
-
-@contextmanager
-def _paused() -> Iterator[None]:
-    """Let the clock of the work stand still."""
-    _pause.change(1)
-    try:
-        yield
-    finally:
-        _pause.change(-1)
+_clock = _WorkClock()
 
 
 def work_time() -> float:
@@ -242,48 +229,34 @@ def work_time() -> float:
     >>> work_time() - begun < 1
     True
     """
-    return _pause.change(0)
+    return _clock.change(0)
 
 
-@contextmanager
-def signals_held() -> Iterator[None]:
-    """Let signals wait for the end: numba half imported, or a kernel half compiled, stays broken.
+def undisturbed(compiling: Callable[..., R]) -> Callable[..., R]:
+    """Let a thread compile: numba half imported, or a kernel half compiled, would stay broken.
 
-    It is the main thread that they interrupt; a mask would not do, since others may receive them.
+    Interrupts come to the main thread, which waits. The clock of the work stands still, and Python
+    looks for no garbage: that saves a tenth of the time, for objects that stay.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    known = {int(number): signal.getsignal(number) for number in signal.valid_signals()}
-    handlers = {number: handler for number, handler in known.items() if callable(handler)}
-    holding = True
 
-    def wait(number: int, frame: types.FrameType | None) -> None:
-        """Remember a signal; or hand it on, where an interrupt kept its handler from its place."""
-        run = partial(handlers[number], number, frame)
-        came.callback(run) if holding else run()
-
-    with ExitStack() as came:  # runs each, though one before it raised
+    def run(*args: Any) -> R:
+        collecting = gc.isenabled()
+        _clock.change(1)
+        gc.disable()
         try:
-            for number in handlers:
-                signal.signal(number, wait)
-            yield
+            return compiling(*args)
         finally:
-            holding = False
-            for number, handler in handlers.items():
-                signal.signal(number, handler)
+            _clock.change(-1)
+            if collecting:
+                gc.enable()
 
+    def call(*args: Any) -> R:
+        if threading.current_thread() is not threading.main_thread():
+            return run(*args)
+        with ThreadPoolExecutor(1) as thread:
+            return thread.submit(copy_context().run, run, *args).result()
 
-@contextmanager
-def _no_collecting() -> Iterator[None]:
-    """Compile without Python looking for garbage: a tenth of the time, for objects that stay."""
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collecting:
-            gc.enable()
+    return call
 
 
 def _for_any_number(inner: Any) -> Any:

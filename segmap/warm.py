@@ -6,11 +6,9 @@ with and without numba and compare.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache, partial
-from importlib.util import find_spec
 from types import CodeType, FunctionType
 from typing import Any
 
@@ -18,7 +16,7 @@ import numpy as np
 
 from . import alignment, extraction, matching, metrics, quadtree, readers, reduction, simulation
 from .arrays import Array
-from .compiled import PLAIN, Compiled, missing
+from .compiled import Compiled, missing, runs_plain
 from .methods import Method
 from .progress import Compiling, announce, compiling_only
 from .scans import LaserScan, Log
@@ -76,7 +74,7 @@ def dispatch(names: Iterable[str]) -> None:
     Compiling is told as such, and nothing else: which of the loops that may be needed it is.
     What has no case, as a method of one's own, is left to its first call.
     """
-    if os.environ.get(PLAIN) == "1" or find_spec("numba") is None:
+    if runs_plain():
         return
     known = cases()
     new = [name for name in dict.fromkeys(names) if name in known and name not in _dispatched]

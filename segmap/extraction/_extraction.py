@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from inspect import unwrap
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +25,7 @@ from ..segments import SegmentMap
 from ..threads import Rows, in_threads
 from . import _kernels as kernels
 from ._far import without_far_points
+from ._kernels import Beams, Runs
 from ._lines import fit_total
 
 #: So many scans are one piece of work for a thread.
@@ -84,7 +85,7 @@ def extract_clusters(
     array([[[0.08, 1.08],
             [0.48, 0.68]]])
     """
-    return _clusters(points, gap, fit, closed).segments
+    return _clusters(_alone(points, closed), gap, fit).segments
 
 
 @checked
@@ -134,7 +135,8 @@ def extract_polylines(
            [[1. , 0. ],
             [1. , 1. ]]])
     """
-    return _polylines(points, gap, tolerance, min_points, min_length, closed, sensor).segments
+    scan = _alone(points, closed)
+    return _polylines(scan, gap, tolerance, min_points, min_length, sensor).segments
 
 
 @checked
@@ -223,96 +225,67 @@ def fit_line(points: ArrayLike) -> tuple[Array, float]:
     return np.array([x, y]), float(np.arctan2(dy, dx) % np.pi)
 
 
-class Runs(NamedTuple):
-    """Segments `(k, 2, 2)`; all points `(n, 2)` in their order, metres; first and stop of each."""
-
-    segments: Array
-    points: Array
-    start: kernels.Indices
-    stop: kernels.Indices
+def _alone(points: ArrayLike, closed: bool) -> Beams:
+    """The points of one scan."""
+    p = np.array(arrays.points(points))
+    return Beams(p, np.array([0, len(p)]), np.array([closed]), np.zeros((1, 2)))
 
 
-def _clusters(
-    points: ArrayLike, gap: float, fit: Literal["total", "algebraic"], closed: bool
-) -> Runs:
-    p = _from_best_start(points, gap, closed)
-    out, runs = np.empty((len(p) // 2 + 1, 2, 2)), np.empty((2, len(p) // 2 + 1), np.int64)
-    found = kernels.clusters(p, gap, fit == "total", out, runs)
-    return Runs(out[:found], p, runs[0, :found], runs[1, :found])
+def _beams_of(scans: Sequence[LaserScan], closed: bool) -> Beams:
+    """`LaserScan.points` of all scans at once."""
+    angles, poses = (
+        np.concatenate([s.angles for s in scans]),
+        np.array([s.sensor_pose for s in scans]),
+    )
+    beams = np.array([np.concatenate([s.ranges for s in scans]), np.cos(angles), np.sin(angles)])
+    turns, far = poses[:, 2], [scan.max_range for scan in scans]
+    lasers = np.column_stack([poses[:, :2], np.cos(turns), np.sin(turns), far])
+    points, first = np.empty((len(angles), 2)), np.cumsum([0, *map(len, scans)])
+    used = kernels.write_points(beams, first, lasers, points)
+    rounds = np.array([closed or scan.whole_turn for scan in scans])
+    return Beams(arrays.points(points[:used]), first, rounds, np.ascontiguousarray(poses[:, :2]))
+
+
+def _room_for(most: int, scans: Beams) -> Runs:
+    """Room for so many segments of scans."""
+    counts = np.empty(len(scans.closed), np.int64)
+    return Runs(np.empty((most, 2, 2)), np.empty((2, most), np.int64), counts)
+
+
+def _used(runs: Runs) -> Runs:
+    """What of the room is used."""
+    count = runs.counts.sum()
+    return Runs(runs.segments[:count], runs.ends[:, :count], runs.counts)
+
+
+def _clusters(scans: Beams, gap: float, fit: Literal["total", "algebraic"]) -> Runs:
+    runs = _room_for(len(scans.points) // 2 + 1, scans)
+    kernels.clusters(scans, gap, fit == "total", runs)
+    return _used(runs)
 
 
 def _polylines(
-    points: ArrayLike,
+    scans: Beams,
     gap: float,
     tolerance: float,
     min_points: int,
     min_length: float,
-    closed: bool,
     sensor: SensorNoise | None,
 ) -> Runs:
-    if arrays.ready(points) and points.shape[1:] == (2,) and not closed:
-        p = points  # the loop looks whether they are finite
-    else:
-        p = _from_best_start(points, gap, closed)
-    least = max(min_points, 2)
-    a, b = _spread(sensor)
-    ease, gaps = np.empty((2, len(p)))
-    kernels.set_tolerances(p, 0.0, 0.0, a, b, gap, tolerance, ease, gaps)
-    out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((4, len(p)), np.int64)
-    sums = np.empty((7, len(p)))
-    found = kernels.polylines(p, ease, gaps, tolerance, least, min_length, out, room, sums)
-    if found < 0:
-        arrays.points(p)  # says which is wrong
-    return Runs(out[:found], p, room[2, :found], room[3, :found])
+    least, noise = max(min_points, 2), (0.0, 0.0, tolerance)
+    if sensor is not None:
+        arrays.instance(sensor, "sensor", SensorNoise)
+        more = MORE_TOLERANCE * (sensor.range_m - USUAL_SIGMA_M)
+        noise = more, MORE_TOLERANCE * sensor.range_share, tolerance
+    runs = _room_for(len(scans.points) // least + len(scans.closed), scans)
+    kernels.polylines(scans, noise, gap, least, min_length, runs)
+    return _used(runs)
 
 
-def _clusters_of(scans: Sequence[LaserScan], **given: Any) -> tuple[Runs, Rows]:
-    closed = given.pop("closed")
-    return _joined([_clusters(s.points(), **given, closed=closed or s.whole_turn) for s in scans])
-
-
-def _polylines_of(
-    scans: Sequence[LaserScan],
-    gap: float,
-    tolerance: float,
-    min_points: int,
-    min_length: float,
-    closed: bool,
-    sensor: SensorNoise | None,
-) -> tuple[Runs, Rows]:
-    angles = np.concatenate([s.angles for s in scans])
-    poses = np.array([s.sensor_pose for s in scans])
-    beams = np.array([np.concatenate([s.ranges for s in scans]), np.cos(angles), np.sin(angles)])
-    first, turns = np.cumsum([0, *map(len, scans)]), poses[:, 2].copy()
-    far, closed_too = [s.max_range for s in scans], [closed or s.whole_turn for s in scans]
-    lasers = np.column_stack([poses[:, :2], np.cos(turns), np.sin(turns), far, closed_too])
-    least, n = max(min_points, 2), len(angles)
-    points, counts = np.empty((n, 2)), np.empty(len(scans), np.int64)
-    most = n // least + len(scans)
-    out, runs = np.empty((most, 2, 2)), np.empty((2, most), np.int64)
-    a, b = _spread(sensor)
-    used = kernels.polylines_of_scans(
-        beams, first, lasers, a, b, gap, tolerance, least, min_length, points, out, runs, counts
-    )
-    if used < 0:
-        for scan in scans:
-            arrays.points(scan.points())  # says which is wrong
-    found = counts.sum()
-    return Runs(out[:found], points[:used], runs[0, :found], runs[1, :found]), counts
-
-
-def _joined(each: list[Runs]) -> tuple[Runs, Rows]:
-    """Runs of several scans as one, and how many segments each scan has."""
-    counts, sizes = [len(runs.segments) for runs in each], [len(runs.points) for runs in each]
-    segments, points, start, stop = (np.concatenate(parts) for parts in zip(*each, strict=True))
-    before = np.repeat(np.cumsum([0, *sizes[:-1]]), counts)
-    return Runs(segments, points, start + before, stop + before), np.array(counts)
-
-
-#: The extractions that tell the points of each segment: runs of many scans, how many each has.
-_TELLING: dict[Callable[..., Array], Callable[..., tuple[Runs, Rows]]] = {
-    extract_polylines: _polylines_of,
-    extract_clusters: _clusters_of,
+#: The extractions that tell the points of each segment.
+_TELLING: dict[Callable[..., Array], Callable[..., Runs]] = {
+    extract_polylines: _polylines,
+    extract_clusters: _clusters,
 }
 
 
@@ -326,16 +299,18 @@ def _map_of_runs(
 ) -> SegmentMap:
     """Segments `(n, 2, 2)`, metres, of scans of known pose; with points and places where asked."""
     arrays.call_given(extract, "extract", np.empty((0, 2)), **thresholds)  # refuses what is wrong
-    given = {**(unwrap(extract).__kwdefaults__ or {}), **thresholds}
+    options = {**(unwrap(extract).__kwdefaults__ or {}), **thresholds}
+    closed = options.pop("closed")
 
     def placed(block: Rows) -> tuple[Array, Rows, Array, Rows]:
-        runs, counts = _TELLING[extract]([log.scans[k] for k in block], **given)
-        at, size = np.repeat(block, counts), runs.stop - runs.start
+        scans = _beams_of([log.scans[k] for k in block], closed)
+        segments, (start, stop), counts = _TELLING[extract](scans, **options)
+        at, size = np.repeat(block, counts), stop - start
         points = np.empty((0, 2))
         if keep:
-            rows = np.arange(size.sum()) + np.repeat(runs.stop - np.cumsum(size), size)
-            points = transform(poses[np.repeat(at, size)], runs.points[rows, None])[:, 0]
-        return transform(poses[at], runs.segments), at, points, size
+            rows = np.arange(size.sum()) + np.repeat(stop - np.cumsum(size), size)
+            points = transform(poses[np.repeat(at, size)], scans.points[rows, None])[:, 0]
+        return transform(poses[at], segments), at, points, size
 
     blocks = [known[k : k + SCANS_PER_BLOCK] for k in range(0, len(known), SCANS_PER_BLOCK)]
     none = np.empty((0, 2, 2)), np.empty(0, np.int64), np.empty((0, 2)), np.empty(0, np.int64)
@@ -346,20 +321,3 @@ def _map_of_runs(
     places = [transform(pose, scan.sensor_pose[:2]) for pose, scan in zip(poses, log, strict=True)]
     first, sensors = np.cumsum([0, *size]), np.reshape(places, (-1, 2))
     return SegmentMap(segments, at, points=points, first=first, sensors=sensors)
-
-
-def _spread(sensor: SensorNoise | None) -> tuple[float, float]:
-    """What the tolerance of a point is more at a range of nothing and with each metre, metres."""
-    if sensor is None:
-        return 0.0, 0.0
-    arrays.instance(sensor, "sensor", SensorNoise)
-    more = MORE_TOLERANCE * (sensor.range_m - USUAL_SIGMA_M)
-    return more, MORE_TOLERANCE * sensor.range_share
-
-
-def _from_best_start(points: ArrayLike, gap: float, closed: bool) -> Array:
-    """Points `(n, 2)`, metres; those of a closed scan from where a round best begins."""
-    p = np.ascontiguousarray(arrays.points(points))
-    if not closed or len(p) < 3:
-        return p
-    return np.roll(p, -kernels.start_of_round(p, np.full(len(p), gap)), axis=0)

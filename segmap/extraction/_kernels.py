@@ -7,15 +7,20 @@ where the sensor is noisier; a point counts by its square, as one counts by its 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import LIMIT, Array
+from ..arrays import Array
 from ..compiled import compiled
 from ..segments import MIN_LENGTH
 from ._lines import Line, farthest, fit_algebraic, fit_total, off, write_chord
 
 Indices = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+#: What the tolerance of a point is more near the sensor, and with each metre; and the usual one.
+Noise = tuple[float, float, float]
 
 #: Distances that are so near to each other are equal, metres, and errors from sums computed anew:
 #: rounding of sums is a thousand times smaller.
@@ -28,6 +33,26 @@ GRAZING_RAD = float(np.radians(10))
 LEAST_SPREAD = 0.4
 
 
+class Beams(NamedTuple):
+    """Points `(n, 2)` of scans, metres, those of scan i from `first[i]` to `first[i + 1]`.
+
+    And of each scan whether it looks all round, and the place of its sensor, `(s, 2)`.
+    """
+
+    points: Array
+    first: Indices
+    closed: Flags
+    places: Array
+
+
+class Runs(NamedTuple):
+    """Segments `(k, 2, 2)`; first point and stop of each, `(2, k)`; how many each scan has."""
+
+    segments: Array
+    ends: Indices
+    counts: Indices
+
+
 @compiled
 def _is_cut(p: Array, gaps: Array, i: int, k: int) -> bool:
     """Whether a point and the next belong to different clusters: at least a gap apart (A 3.2)."""
@@ -36,23 +61,15 @@ def _is_cut(p: Array, gaps: Array, i: int, k: int) -> bool:
 
 
 @compiled
-def set_tolerances(
-    p: Array,
-    x: float,
-    y: float,
-    spread: float,
-    spread_share: float,
-    gap: float,
-    tolerance: float,
-    ease: Array,
-    gaps: Array,
+def _set_tolerances(
+    p: Array, place: Array, noise: Noise, gap: float, ease: Array, gaps: Array
 ) -> None:
-    """Ease of each point, and the gap behind it, metres; of a sensor at x, y.
+    """Ease of each point, and the gap behind it, metres; `place`, (2,), is that of the sensor.
 
     Where the sensor is noisy, neighbours of a wall that the beams meet at 10 degrees or more are
     not farther apart than in that wall, and by their tolerance (Borges and Aldon 2004).
     """
-    n = len(p)
+    (spread, spread_share, tolerance), n, x, y = noise, len(p), place[0], place[1]
     for i in range(n):
         more = spread + spread_share * np.hypot(p[i, 0] - x, p[i, 1] - y)
         ease[i], gaps[i] = tolerance / (tolerance + max(more, 0.0)), gap
@@ -71,7 +88,7 @@ def set_tolerances(
 
 
 @compiled
-def start_of_round(p: Array, gaps: Array) -> int:
+def _start_of_round(p: Array, gaps: Array) -> int:
     """Where a scan all round begins: behind its first gap, else at the point farthest out."""
     n, x, y, far, most = len(p), 0.0, 0.0, 0, -1.0
     for i in range(n):
@@ -97,20 +114,56 @@ def _end_of_cluster(p: Array, gaps: Array, start: int) -> int:
 
 
 @compiled
-def clusters(p: Array, gap: float, total: bool, out: Array, runs: Indices) -> int:
-    """Write a segment, metres, for each cluster of more than one point (A 3.2); how many.
+def write_points(beams: Array, first: Indices, lasers: Array, points: Array) -> int:
+    """`LaserScan.points` of many scans, metres; how many, and where those of each begin.
 
-    `runs`, (2, n / 2 + 1), gets the first point of each, and the one behind its last.
+    `beams`, (3, n), are ranges, cosines and sines, those of scan i from `first[i]`; `lasers`,
+    (m, 5), x, y, cosine and sine of each sensor's pose, and its largest range.
     """
-    start, k, ease, gaps = 0, 0, np.full(len(p), 1.0), np.full(len(p), gap)
-    while start < len(p):
-        stop = _end_of_cluster(p, gaps, start)
-        if stop - start > 1:
-            line = fit_total(p, ease, start, stop) if total else fit_algebraic(p, start, stop)
-            runs[0, k], runs[1, k] = start, stop
-            k += write_chord(p, start, stop, line, out, k) > MIN_LENGTH
-        start = stop
-    return k
+    used, begin = 0, first[0]
+    for scan in range(len(lasers)):
+        x, y, far = lasers[scan, 0], lasers[scan, 1], lasers[scan, 4]
+        c, s = lasers[scan, 2], lasers[scan, 3]
+        for b in range(begin, first[scan + 1]):
+            r = beams[0, b]
+            if 0.0 < r < far and r < np.inf:
+                u, v = r * beams[1, b], r * beams[2, b]
+                points[used, 0], points[used, 1] = x + c * u - s * v, y + s * u + c * v
+                used += 1
+        begin, first[scan + 1] = first[scan + 1], used
+    return used
+
+
+@compiled
+def _begin_round(p: Array, gaps: Array) -> None:
+    """Turn the points of a scan all round to where a round best begins."""
+    start = _start_of_round(p, gaps) if len(p) > 2 else 0
+    before = p.copy()
+    for k in range(len(p)):
+        point = before[(start + k) % len(p)]
+        p[k, 0], p[k, 1] = point[0], point[1]  # a slice would cost 4 s of compiling
+
+
+@compiled
+def clusters(scans: Beams, gap: float, total: bool, runs: Runs) -> None:
+    """Write a segment for each cluster of more than one point (A 3.2) of each scan.
+
+    The points of one that looks all round are turned to where a round best begins.
+    """
+    p, found = scans.points, 0
+    ease, gaps = np.full(len(p), 1.0), np.full(len(p), gap)
+    for scan in range(len(runs.counts)):
+        start, end, before = scans.first[scan], scans.first[scan + 1], found
+        if scans.closed[scan]:
+            _begin_round(p[start:end], gaps)
+        while start < end:
+            stop = _end_of_cluster(p[:end], gaps, start)
+            if stop - start > 1:
+                line = fit_total(p, ease, start, stop) if total else fit_algebraic(p, start, stop)
+                runs.ends[0, found], runs.ends[1, found] = start, stop
+                found += write_chord(p, start, stop, line, runs.segments, found) > MIN_LENGTH
+            start = stop
+        runs.counts[scan] = found - before
 
 
 @compiled
@@ -295,97 +348,48 @@ def _border(p: Array, ease: Array, first: int, corner: int, last: int) -> int:
 
 
 @compiled
-def polylines(
-    p: Array,
-    ease: Array,
-    gaps: Array,
-    tolerance: float,
-    min_points: int,
-    min_length: float,
-    out: Array,
-    room: Indices,
-    sums: Array,
-) -> int:
-    """Write the segments of all clusters, split and merged, metres; how many.
-
-    -1 where a point is not finite or out of reach. `room`, (4, n), and `sums`, (7, n), are room to
-    work. The last two rows of `room` get the first point of each segment, and the one behind its
-    last.
-    """
-    for i in range(len(p)):
-        if not (abs(p[i, 0]) <= LIMIT and abs(p[i, 1]) <= LIMIT):
-            return -1
-    ends, todo, errors, begin, found = room[0], room[1], sums[6], 0, 0
-    while begin < len(p):
-        stop = _end_of_cluster(p, gaps, begin)
-        count = _split_cluster(p, ease, begin, stop, tolerance, ends, todo)
-        count = _merge_runs(p, ease, begin, tolerance, ends, count, errors, sums)
-        start = corner = begin
-        for k in range(count):
-            end = ends[k] + 1
-            if k + 1 < count:
-                end = _border(p, ease, corner, ends[k], ends[k + 1])
-                corner = ends[k]
-            if end - start >= min_points:
-                room[2, found], room[3, found] = start, end
-                line = fit_total(p, ease, start, end)
-                length, spread = write_chord(p, start, end, line, out, found), 0.0
-                for i in range(start, end):
-                    u = (p[i, 0] - line[0]) * line[2] + (p[i, 1] - line[1]) * line[3]
-                    spread += (u * ease[i]) ** 2
-                found += length >= min_length and spread >= LEAST_SPREAD * min_length * min_length
-            start = end
-        begin = stop
-    return found
+def _spread_along(p: Array, ease: Array, start: int, stop: int, line: Line) -> float:
+    """Summed squares, square metres, of the points of a piece along its line, from its middle."""
+    spread = 0.0
+    for i in range(start, stop):
+        u = (p[i, 0] - line[0]) * line[2] + (p[i, 1] - line[1]) * line[3]
+        spread += (u * ease[i]) ** 2
+    return spread
 
 
 @compiled
-def polylines_of_scans(
-    beams: Array,
-    first: Indices,
-    lasers: Array,
-    spread: float,
-    spread_share: float,
-    gap: float,
-    tolerance: float,
-    min_points: int,
-    min_length: float,
-    points: Array,
-    out: Array,
-    runs: Indices,
-    counts: Indices,
-) -> int:
-    """`LaserScan.points` of many scans, and the segments of each, metres; how many points, or -1.
-
-    `beams`, (3, n), are ranges, cosines and sines, those of scan i from `first[i]`; `lasers`,
-    (m, 6), x, y, cosine and sine of each sensor's pose, its largest range, and whether it looks
-    all round. A point's own tolerance is `spread + spread_share * range`, or `tolerance`.
-    """
-    most, used, found = 0, 0, 0
-    for i in range(len(lasers)):
-        most = max(most, first[i + 1] - first[i])
-    room, sums, each = np.empty((4, most), np.int64), np.empty((7, most)), np.empty((2, most))
-    for i in range(len(lasers)):
-        begin, x, y = used, lasers[i, 0], lasers[i, 1]
-        c, s, far, closed = lasers[i, 2], lasers[i, 3], lasers[i, 4], lasers[i, 5] > 0
-        for b in range(first[i], first[i + 1]):
-            r = beams[0, b]
-            if 0.0 < r < far and r < np.inf:
-                u, v = r * beams[1, b], r * beams[2, b]
-                points[used, 0], points[used, 1] = x + c * u - s * v, y + s * u + c * v
-                used += 1
-        p, own = points[begin:used], out[found:]
-        ease, gaps = each[0, : len(p)], each[1, : len(p)]
-        set_tolerances(p, x, y, spread, spread_share, gap, tolerance, ease, gaps)
-        if closed and len(p) > 2:
-            start = start_of_round(p, gaps)
-            for k, point in enumerate(np.concatenate((p[start:], p[:start]))):
-                p[k, 0], p[k, 1] = point  # a slice would cost 4 s of compiling
-            set_tolerances(p, x, y, spread, spread_share, gap, tolerance, ease, gaps)
-        counts[i] = polylines(p, ease, gaps, tolerance, min_points, min_length, own, room, sums)
-        if counts[i] < 0:
-            return -1
-        for k in range(counts[i]):
-            runs[0, found], runs[1, found] = begin + room[2, k], begin + room[3, k]
-            found += 1
-    return used
+def polylines(
+    scans: Beams, noise: Noise, gap: float, min_points: int, min_length: float, runs: Runs
+) -> None:
+    """Write the segments of all clusters of each scan, split and merged, as `clusters` does."""
+    p, found, tolerance, least = scans.points, 0, noise[2], LEAST_SPREAD * min_length * min_length
+    most, (ease, gaps) = 0, np.empty((2, len(p)))
+    for scan in range(len(runs.counts)):
+        most = max(most, scans.first[scan + 1] - scans.first[scan])
+    (ends, todo), sums, errors = np.empty((2, most), np.int64), np.empty((6, most)), np.empty(most)
+    for scan in range(len(runs.counts)):
+        begin, last, before = scans.first[scan], scans.first[scan + 1], found
+        own, place = p[begin:last], scans.places[scan]
+        _set_tolerances(own, place, noise, gap, ease[begin:last], gaps[begin:last])
+        if scans.closed[scan]:
+            _begin_round(own, gaps[begin:last])
+            _set_tolerances(own, place, noise, gap, ease[begin:last], gaps[begin:last])
+        while begin < last:
+            stop = _end_of_cluster(p[:last], gaps, begin)
+            count = _split_cluster(p, ease, begin, stop, tolerance, ends, todo)
+            count = _merge_runs(p, ease, begin, tolerance, ends, count, errors, sums)
+            start = corner = begin
+            for k in range(count):
+                end = ends[k] + 1
+                if k + 1 < count:
+                    end = _border(p, ease, corner, ends[k], ends[k + 1])
+                    corner = ends[k]
+                if end - start >= min_points:
+                    runs.ends[0, found], runs.ends[1, found] = start, end
+                    line = fit_total(p, ease, start, end)
+                    size = write_chord(p, start, end, line, runs.segments, found)
+                    spread = _spread_along(p, ease, start, end, line)
+                    found += size >= min_length and spread >= least
+                start = end
+            begin = stop
+        runs.counts[scan] = found - before

@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from functools import partial
 from types import SimpleNamespace
@@ -25,7 +24,7 @@ from segmap.compiled import (
     PLAIN,
     _say_once,
     compiled,
-    signals_held,
+    undisturbed,
     work_time,
 )
 from segmap.progress import Compiling, announce, told
@@ -215,43 +214,24 @@ def test_an_interrupted_first_call_can_be_repeated(seed, tmp_path):
     assert int(came) >= 1 and found == ["1.0", "0.0", "1.0", "0.0", "1.0"] and used == "True"
 
 
-def test_signals_that_are_held_come_afterwards():
-    """Catches an interrupt that is lost, that comes within, or a handler that is not put back; and
-    that one which raises takes the others with it; and other threads, which may set no handler."""
-    before, steps = signal.default_int_handler, []
-    kept = {k: signal.signal(k, before) for k in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        held_and_told(before, steps)
-    finally:
-        for number, handler in kept.items():
-            signal.signal(number, handler)
-    threads = [threading.Thread(target=within, args=(steps,)) for _ in range(2)]
-    for thread in threads:
-        thread.start()
-        thread.join()
-    assert steps == ["within", "held", "ended", "thread", "thread"]
+def test_what_compiles_goes_on_behind_an_interrupt():
+    """Catches an interrupt that comes within, and one that is lost."""
+    steps = []
 
-
-def held_and_told(before, steps):
-    with pytest.raises(KeyboardInterrupt):
-        with signals_held():
-            signal.raise_signal(signal.SIGINT)
-            steps.append("within")
-        steps.append("after")
-    assert steps == ["within"] and signal.getsignal(signal.SIGINT) is before
-    with pytest.raises(ZeroDivisionError), signals_held():
-        steps.append(1 / 0)
-    assert signal.getsignal(signal.SIGINT) is before
-    signal.signal(signal.SIGTERM, lambda *_: steps.append("ended"))
-    with pytest.raises(KeyboardInterrupt), signals_held():
-        signal.raise_signal(signal.SIGTERM)
+    def work(word):
         signal.raise_signal(signal.SIGINT)
-        steps.append("held")
+        time.sleep(0.1)
+        steps.append(word)
 
-
-def within(steps):
-    with signals_held():
-        steps.append("thread")
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            undisturbed(work)("compiled")
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert steps == ["compiled"]
+    with pytest.raises(ZeroDivisionError):
+        undisturbed(lambda: 1 / 0)()
 
 
 # ------------------------------------------------------------------ where machine code is kept

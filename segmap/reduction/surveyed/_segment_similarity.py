@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 from typing import NamedTuple
 
 import numpy as np
@@ -17,12 +18,14 @@ from ...kernels import (
     replace_by_mean,
     turn_between,
 )
-from ...segments import angle, length, midpoint
+from ...segments import angle, length
 from .._index import Index, empty_index, enter, meeting, take_out
 from .._runner import Found, Indices, Reduction, Rows, resolve_merges, run_offline
 
 #: Costs are compared in steps of so many metres: rounding must not choose.
 COST_STEP_M = 1e-12
+#: A heap of pairs: cost, in steps, both groups, and after how many merges they cost that.
+Pairs = list[tuple[float, int, int, int]]
 
 
 @checked
@@ -66,54 +69,32 @@ def segment_similarity(map: Segments, *, distance: Metres = 0.03) -> Reduction:
     return run_offline("segment_similarity", map, lambda rows: _reduce(rows, distance))
 
 
-def _reduce(rows: Rows, distance: float) -> Found:
-    n, lengths, reach = len(rows.segments), length(rows.segments), distance / APART_WEIGHT
-    unit, (x, y) = max(2 * reach, lengths.mean() if n else 0.0), midpoint(rows.segments).T
-    order = np.lexsort((y, np.floor(x / unit)))  # what is near in space is near in memory
-    s, leaves = rows.segments[order], 1 << max(int(np.ceil(np.log2(max(n, 1)))), 1)
-    winners = np.full(2 * leaves, -1)
-    winners[leaves + order] = np.arange(n)
-    partner, changed, looked = np.zeros((3, n), np.int64)
-    state = State(
-        s=s,
-        lines=np.column_stack([angle(s), lengths[order], np.ones(n)]),
-        rank=order,
-        parents=np.arange(n),
-        costs=np.full(n, np.inf),
-        partner=partner,
-        changed=changed,
-        looked=looked,
-        winners=winners,
-        places=empty_index(n, unit),
-        near=np.empty(n + 1, np.int64),
-    )
-    _cluster(state, distance)
-    into, left = np.empty(n, np.int64), np.empty_like(s)
-    into[order], left[order] = order[state.parents], s
-    alive, parents = resolve_merges(into)
-    return left[alive], parents
-
-
 class State(NamedTuple):
-    """The groups, where they are, and for each the cheapest partner that stands behind it.
-
-    Each group knows its cheapest partner of a higher index, and a tree of winners knows the
-    cheapest of all. So the memory grows with n, not with the number of pairs. When a group has
-    changed, its neighbours compare it with their partner; one whose own partner has changed looks
-    again only when it wins.
-    """
+    """The groups and where they are."""
 
     s: Array  # (n, 2, 2), metres
     lines: Array  # (n, 3) direction, radians, length, metres, how many segments each stands for
-    rank: Indices  # of each among the inputs: "lower" and "behind" mean this
     parents: Indices  # which group took each in; its own index until then
-    costs: Array  # of each with its partner, in steps; infinite without one
-    partner: Indices
     changed: Indices  # after how many merges each has changed
-    looked: Indices  # and has got its partner
-    winners: Indices  # of nodes 2 k and 2 k + 1 the cheaper group stands in k; ties: the lower
+    costs: Array  # of the cheapest pair of each that was offered, in steps
     places: Index
     near: Indices  # room for neighbours
+
+
+def _reduce(rows: Rows, distance: float) -> Found:
+    n, lengths = len(rows.segments), length(rows.segments)
+    state = State(
+        s=rows.segments.copy(),
+        lines=np.column_stack([angle(rows.segments), lengths, np.ones(n)]),
+        parents=np.arange(n),
+        changed=np.zeros(n, np.int64),
+        costs=np.empty(n),
+        places=empty_index(n, max(2 * distance / APART_WEIGHT, lengths.mean() if n else 0.0)),
+        near=np.empty(n + 1, np.int64),
+    )
+    _cluster(state, distance)
+    alive, parents = resolve_merges(state.parents)
+    return state.s[alive], parents
 
 
 @compiled
@@ -158,36 +139,6 @@ def _pair_cost(s: Array, lines: Array, i: int, j: int, distance: float) -> float
 
 
 @compiled
-def _play(state: State, i: int) -> None:
-    """Group i has another cost: find the winners above it."""
-    winners, costs = state.winners, state.costs
-    node = (len(winners) // 2 + state.rank[i]) // 2
-    while node > 0:
-        left, right = winners[2 * node], winners[2 * node + 1]
-        winners[node] = right if right >= 0 and costs[right] < costs[left] else left
-        node //= 2
-
-
-@compiled
-def _find_partner(state: State, i: int, distance: float, merges: int, tell: bool) -> None:
-    """Find the cheapest partner behind i; where asked, `tell` those before i what i costs."""
-    s, lines, rank, costs, partner = state.s, state.lines, state.rank, state.costs, state.partner
-    costs[i], partner[i], state.looked[i] = np.inf, -1, merges
-    for k in range(meeting(state.places, s[i], distance / APART_WEIGHT, state.near)):
-        j = state.near[k]
-        if rank[j] > rank[i]:
-            cost = _pair_cost(s, lines, i, j, distance)
-            if cost < costs[i] or (cost == costs[i] and rank[j] < rank[partner[i]]):
-                costs[i], partner[i] = cost, j
-        elif j != i and tell:
-            cost = _pair_cost(s, lines, j, i, distance)
-            if cost < costs[j] or (cost == costs[j] and rank[i] < rank[partner[j]]):
-                costs[j], partner[j], state.looked[j] = cost, i, merges
-                _play(state, j)
-    _play(state, i)
-
-
-@compiled
 def _merge_to_mean(state: State, i: int, j: int) -> None:
     """i becomes the mean segment of both and takes in j."""
     s, lines = state.s, state.lines
@@ -197,26 +148,49 @@ def _merge_to_mean(state: State, i: int, j: int) -> None:
     take_out(state.places, j)
     lines[i, 0], lines[i, 1] = direction, replace_by_mean(s, i, j, share, direction)
     lines[i, 2] += lines[j, 2]
-    state.parents[j], state.costs[j] = i, np.inf
+    state.parents[j] = i
     enter(state.places, i, s[i], 0.0)
+
+
+@compiled
+def _offer(state: State, i: int, distance: float, merges: int, changed: bool, pairs: Pairs) -> None:
+    """Put the cheapest pair of i and one behind it among the pairs.
+
+    Those before i know it as it was: where it has `changed`, their pairs with it come too.
+    """
+    cheapest, partner = np.inf, -1
+    for k in range(meeting(state.places, state.s[i], distance / APART_WEIGHT, state.near)):
+        j = state.near[k]
+        if j > i:
+            cost = _pair_cost(state.s, state.lines, i, j, distance)
+            if cost < cheapest or (cost == cheapest and j < partner):
+                cheapest, partner = cost, j
+        elif j < i and changed:
+            cost = _pair_cost(state.s, state.lines, j, i, distance)
+            if cost <= state.costs[j] and cost < np.inf:
+                state.costs[j] = cost
+                heapq.heappush(pairs, (cost, j, i, merges))
+    state.costs[i] = cheapest
+    if partner >= 0:
+        heapq.heappush(pairs, (cheapest, i, partner, merges))
 
 
 @compiled
 def _cluster(state: State, distance: float) -> None:
     """Merge the cheapest pair until none costs less than `distance`, metres."""
-    s, merges = state.s, 0
-    for i in range(len(s)):
-        enter(state.places, i, s[i], 0.0)
+    pairs, merges, parents, changed = [(0.0, 0, 0, 0)], 0, state.parents, state.changed
+    pairs.pop()
     for i in range(len(state.s)):
-        _find_partner(state, i, distance, merges, False)
-    while len(state.s) > 0 and state.costs[state.winners[1]] < np.inf:
-        i = state.winners[1]
-        j = state.partner[i]
-        if state.parents[j] != j or state.changed[j] > state.looked[i]:
-            _find_partner(state, i, distance, merges, False)
+        enter(state.places, i, state.s[i], 0.0)
+    for i in range(len(state.s)):
+        _offer(state, i, distance, 0, False, pairs)
+    while len(pairs):
+        _, i, j, then = heapq.heappop(pairs)
+        if parents[i] != i or changed[i] > then:
             continue
-        merges += 1
-        _merge_to_mean(state, i, j)
-        state.changed[i] = merges
-        _play(state, j)
-        _find_partner(state, i, distance, merges, True)
+        known = parents[j] == j and changed[j] <= then
+        if known:
+            merges += 1
+            _merge_to_mean(state, i, j)
+            changed[i] = merges
+        _offer(state, i, distance, merges, known, pairs)
