@@ -133,7 +133,7 @@ class Compiled(Generic[P, R]):
     def _key(self) -> str:
         """Changes with all that the machine code rests on outside the kernel's own file.
 
-        The cache holds the modules of named tuples by name: one that has moved could not be read.
+        The cache holds named tuples by name: one that has moved could not be read.
         """
         own, parts = self._code.co_filename, self._parts()
         contents = [Path(file).read_bytes() for file in sorted({p[1] for p in parts} - {own, ""})]
@@ -141,7 +141,7 @@ class Compiled(Generic[P, R]):
         return "-" + hashlib.sha256(b"\n".join([names.encode(), *contents])).hexdigest()[:12]
 
     def _parts(self) -> set[tuple[str, str]]:
-        """Module and file of this kernel, of those it calls and of its named tuples; constants."""
+        """Names and files of this kernel, of those it calls and of its named tuples; constants."""
         found = {(self.plain.__module__, self._code.co_filename)}
         for name, value in self._used().items():
             if isinstance(value, Compiled):
@@ -154,12 +154,12 @@ class Compiled(Generic[P, R]):
 
 
 def _tuple_files(kind: Any) -> set[tuple[str, str]]:
-    """Module and file of a class of named tuples, and of those that its fields hold."""
+    """Name and file of a class of named tuples, and of those that its fields hold."""
     inside = [_tuple_files(part) for part in get_args(kind)]
     if not hasattr(kind, "_fields"):
         return set().union(*inside)
     inside += [_tuple_files(part) for part in get_type_hints(kind).values()]
-    return {(kind.__module__, inspect.getfile(kind))}.union(*inside)
+    return {(f"{kind.__module__}.{kind.__qualname__}", inspect.getfile(kind))}.union(*inside)
 
 
 def _cached_code(source: types.FunctionType, own: Any) -> Callable[..., Any]:

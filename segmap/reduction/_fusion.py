@@ -14,7 +14,7 @@ from ..arrays import Array, Metres, Segments, checked
 from ..compiled import compiled
 from ..kernels import order_by_first, place_on_line
 from ..segments import length
-from ._index import Index, empty_index, enter, meeting, take_out
+from ._index import Index, empty_index, enter_all, meeting, take_out
 from ._runner import Indices, Reduction, Rows, Steps, run_offline, run_online
 
 Line = tuple[float, float, float, float]
@@ -104,20 +104,24 @@ def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:
     """Fusion of segments that all have a length: outputs `(m, 2, 2)`, metres, parents `(n,)`."""
     n, lengths = len(s), length(s)
     step = float(max(4 * tolerance, lengths.mean() if n else 0.0))
-    near, order, seen = np.full((3, n + 1), -1)
+    near, order, seen, meets = np.full((4, n + 1), -1)
     tried, chosen = np.zeros((2, n), np.bool_)
     measured, shifts = np.empty((n + 1, 4)), np.empty((2 * n + 1, 2))
-    found, piece = np.empty(n + 1, np.int64), np.empty((2, 2))
-    room = Room(near, measured, order, tried, chosen, shifts, seen, found, piece)
-    out, parents, falling = np.empty((n, 2, 2)), np.full(n, -1), np.argsort(-lengths, kind="stable")
-    places = empty_index(n, step)
-    count = _fuse_all(s, lengths, falling, tolerance, step, places, room, out, parents)
+    falling, piece = np.argsort(-lengths, kind="stable"), np.empty((2, 2))
+    map = s, lengths, falling, empty_index(n, step)
+    state = State(*map, near, measured, order, tried, chosen, shifts, seen, meets, piece)
+    out, parents = np.empty((n, 2, 2)), np.full(n, -1)
+    count = _fuse_all(state, tolerance, step, out, parents)
     return out[:count], parents
 
 
-class Room(NamedTuple):
-    """Room to work in, for the candidates of one strip; lengths are in metres."""
+class State(NamedTuple):
+    """The map, and room to work in for the candidates of one strip; lengths are in metres."""
 
+    s: Array  # (n, 2, 2)
+    lengths: Array
+    falling: Indices  # sorts the segments by falling length
+    places: Index  # of those that are left
     near: Indices  # the segments that may be in the strip
     measured: Array  # (n + 1, 4) where each begins and ends along the line, lowest, highest offset
     order: Indices  # candidates by where they begin
@@ -125,7 +129,7 @@ class Room(NamedTuple):
     chosen: Flags  # and of the best one so far
     shifts: Array  # (2 n + 1, 2) shifts that were tried, and the length of the chain of each
     seen: Indices  # for each segment of the map, the last longest one that met it
-    found: Indices
+    meets: Indices
     piece: Array  # (2, 2) of the line of the strip
 
 
@@ -148,24 +152,22 @@ def _measure(s: Array, j: int, line: Line, wide: float, out: Array, k: int) -> b
 
 
 @compiled
-def _measure_chain(
-    s: Array, line: Line, wide: float, step: float, places: Index, longest: int, room: Room
-) -> int:
+def _measure_chain(state: State, line: Line, wide: float, step: float, longest: int) -> int:
     """Measure all live segments that may be in a chain through the longest; how many there are.
 
     The longest comes first. Walks both ways from its middle for as long as the collected
     projections reach on, whatever their shift.
     """
     x, y, dx, dy = line
-    near, measured, seen, found = room.near, room.measured, room.seen, room.found
+    s, near, measured, seen = state.s, state.near, state.measured, state.seen
     near[0], seen[longest], count = longest, longest, 1
     _measure(s, longest, line, wide, measured, 0)
     for way in (1, -1):
         reach, at = measured[0, 1], 0.0
         while at <= reach + FUSION_ROUNDING_M:
-            place_on_line(room.piece, x, y, dx, dy, way * at, way * (at + step))
-            for k in range(meeting(places, room.piece, wide, found)):
-                j = found[k]
+            place_on_line(state.piece, x, y, dx, dy, way * at, way * (at + step))
+            for k in range(meeting(state.places, state.piece, wide, state.meets)):
+                j = state.meets[k]
                 if seen[j] != longest:
                     seen[j], near[count] = longest, j
                     count += _measure(s, j, line, wide, measured, count)
@@ -182,14 +184,12 @@ def _measure_chain(
 
 
 @compiled
-def _chain(
-    room: Room, lengths: Array, order: Indices, shift: float, half: float
-) -> tuple[float, int, int]:
+def _chain(state: State, order: Indices, shift: float, half: float) -> tuple[float, int, int]:
     """Length of the chain through candidate 0, and its range in `order`.
 
     Only those of the range are its members that the strip of that shift holds (A 4.4.1).
     """
-    total, start, reach, holds, measured = 0.0, 0, -np.inf, False, room.measured
+    total, start, reach, holds, measured = 0.0, 0, -np.inf, False, state.measured
     for k in range(len(order)):
         i = order[k]
         if (
@@ -203,7 +203,7 @@ def _chain(
             total, start = 0.0, k
         holds = holds or i == 0
         reach = max(reach, measured[i, 1])
-        total += lengths[room.near[i]]
+        total += state.lengths[state.near[i]]
     return total, start, len(order)
 
 
@@ -221,22 +221,22 @@ def _comes_first(tried: Flags, chosen: Flags, near: Indices) -> bool:
 
 @compiled
 def _best_strip(
-    room: Room, lengths: Array, order: Indices, count: int, half: float
+    state: State, order: Indices, count: int, half: float
 ) -> tuple[float, float, float]:
     """Shift, low and high of the longest chain; flags its members as chosen.
 
     Only where a segment enters or leaves the strip can the chain change: all these shifts are
     tried, and 0. Of equal chains the least shift wins, then the first indices.
     """
-    measured, shifts = room.measured, room.shifts
-    tried, chosen, near = room.tried[:count], room.chosen[:count], room.near[:count]
+    measured, shifts = state.measured, state.shifts
+    tried, chosen, near = state.tried[:count], state.chosen[:count], state.near[:count]
     most, least, tries = 0.0, np.inf, 0
     for k in range(-1, 2 * len(order)):
         i = order[max(k, 0) // 2]
         edge = measured[i, 2] + half if k % 2 else measured[i, 3] - half
         shift = edge if k >= 0 else 0.0
         if abs(shift) <= half + FUSION_ROUNDING_M:
-            total, _, _ = _chain(room, lengths, order, shift, half)
+            total, _, _ = _chain(state, order, shift, half)
             shifts[tries, 0], shifts[tries, 1] = shift, total
             most = max(most, total)
             tries += 1
@@ -248,7 +248,7 @@ def _best_strip(
         shift = shifts[k, 0]
         if shifts[k, 1] < most - FUSION_ROUNDING_M or abs(shift) > least + FUSION_ROUNDING_M:
             continue
-        _, start, stop = _chain(room, lengths, order, shift, half)
+        _, start, stop = _chain(state, order, shift, half)
         begin, end = np.inf, -np.inf
         for j in range(count):
             tried[j] = False
@@ -268,24 +268,11 @@ def _best_strip(
 
 
 @compiled
-def _fuse_all(
-    s: Array,
-    lengths: Array,
-    falling: Indices,
-    tolerance: float,
-    step: float,
-    places: Index,
-    room: Room,
-    out: Array,
-    parents: Indices,
-) -> int:
-    """Fuse until the map is empty: writes outputs and parents; returns the number of outputs.
-
-    `falling` sorts the segments by falling length; parents are -1 before.
-    """
+def _fuse_all(state: State, tolerance: float, step: float, out: Array, parents: Indices) -> int:
+    """Fuse until the map is empty: writes outputs and parents, -1 before; how many outputs."""
+    s, lengths, falling, places = state.s, state.lengths, state.falling, state.places
     count, head, wide = 0, 0, 2 * (tolerance + FUSION_ROUNDING_M)
-    for j in range(len(s)):
-        enter(places, j, s[j], 0.0)
+    enter_all(places, s)
     while True:
         # A 4.4.4, step 1: the longest segment, of equal ones the first
         while head < len(s) and parents[falling[head]] >= 0:
@@ -299,14 +286,14 @@ def _fuse_all(
         dx, dy = (s[i, 1, 0] - s[i, 0, 0]) / lengths[i], (s[i, 1, 1] - s[i, 0, 1]) / lengths[i]
         x, y = (s[i, 0, 0] + s[i, 1, 0]) / 2, (s[i, 0, 1] + s[i, 1, 1]) / 2
         # steps 2 to 5: the strip, parallel to it, with the longest chain
-        near = _measure_chain(s, (x, y, dx, dy), wide, step, places, i, room)
-        order_by_first(room.order[:near], room.measured)
-        _, start, stop = _chain(room, lengths, room.order[:near], 0.0, np.inf)
-        shift, low, high = _best_strip(room, lengths, room.order[start:stop], near, tolerance)
+        near = _measure_chain(state, (x, y, dx, dy), wide, step, i)
+        order_by_first(state.order[:near], state.measured)
+        _, start, stop = _chain(state, state.order[:near], 0.0, np.inf)
+        shift, low, high = _best_strip(state, state.order[start:stop], near, tolerance)
         # step 6: one segment for the chain
         place_on_line(out[count], x - shift * dy, y + shift * dx, dx, dy, low, high)
         for k in range(near):
-            if room.chosen[k]:
-                parents[room.near[k]] = count
-                take_out(places, room.near[k])
+            if state.chosen[k]:
+                parents[state.near[k]] = count
+                take_out(places, state.near[k])
         count += 1

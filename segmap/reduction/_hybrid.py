@@ -22,6 +22,8 @@ LEAST_CELL_M = 0.4
 #: Side of the cells in distances: of four sides tried on 43 000 segments of Intel the fastest or
 #: close to it at 20, 100 and 400 mm.
 CELL_DISTANCES = 4
+#: Thresholds: distance, metres, angle, radians, least length, and whether rho is of each pair.
+Rule = tuple[float, float, float, bool]
 
 
 @checked
@@ -80,21 +82,13 @@ def hybrid(
     'the origin lies 53.9 m outside of the map,'
     """
 
+    rule = distance, angle, min_length, origin == "pair"
+
     def steps(rows: Rows) -> Steps:
         state = empty_map(len(rows.segments), distance)
         parents = np.empty(len(rows.segments), np.int64)
         for first, stop in rows.scans():
-            add_segment(
-                state,
-                rows.segments,
-                first,
-                stop,
-                distance,
-                angle,
-                min_length,
-                origin == "pair",
-                parents,
-            )
+            add_segments(state, rows.segments, first, stop, rule, parents)
             yield int(state.used[0])
         return state.s[: state.used[0]].copy(), parents
 
@@ -163,17 +157,9 @@ def _between(wall: Array, new: Array) -> tuple[float, float]:
 
 
 @compiled
-def _nearest_match(
-    state: State,
-    new: Array,
-    i: int,
-    rho: float,
-    theta: float,
-    distance: float,
-    angle: float,
-    pair: bool,
-) -> int:
+def _nearest_match(state: State, new: Array, i: int, rho: float, theta: float, rule: Rule) -> int:
     """The nearest wall whose line agrees with that of i; ties: lowest index; -1 for none."""
+    distance, angle, _, pair = rule
     lines, best, least = state.lines, -1, distance - HYBRID_ROUNDING_M
     for m in range(meeting(state.places, new[i], distance, state.near)):
         b = state.near[m]
@@ -233,29 +219,20 @@ def _append_wall(state: State, new: Array, i: int, count: float) -> None:
 
 
 @compiled
-def add_segment(
-    state: State,
-    new: Array,
-    first: int,
-    stop: int,
-    distance: float,
-    angle: float,
-    min_length: float,
-    pair: bool,
-    parents: Indices,
+def add_segments(
+    state: State, new: Array, first: int, stop: int, rule: Rule, parents: Indices
 ) -> None:
     """Match the segments `first` to `stop` of `(n, 2, 2)` with the map; those without may join.
 
-    Rho is taken about the origin, or about each `pair`. Writes where each went, -1 where dropped,
-    into `parents`, `(n,)`; metres and radians.
+    Writes where each went, -1 where dropped, into `parents`, `(n,)`; metres.
     """
     for i in range(first, stop):
         rho, theta = hough_line_of(new, i)
-        b = _nearest_match(state, new, i, rho, theta, distance, angle, pair)
+        b = _nearest_match(state, new, i, rho, theta, rule)
         parents[i] = b
         if b >= 0:
-            _absorb_in_wall(state, b, new, i, rho, theta, pair)
-        elif length_of(new[i]) >= min_length:
+            _absorb_in_wall(state, b, new, i, rho, theta, rule[3])
+        elif length_of(new[i]) >= rule[2]:
             parents[i] = state.used[0]
             _append_wall(state, new, i, 1.0)
 

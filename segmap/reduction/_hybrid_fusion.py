@@ -12,7 +12,7 @@ from .. import arrays
 from ..arrays import Array, Count, Metres, Segments, checked
 from ..threads import Locked, locked
 from ._fusion import fuse
-from ._hybrid import State, add_segment, empty_map, origin_doubt, replace_map
+from ._hybrid import State, add_segments, empty_map, origin_doubt, replace_map
 from ._runner import Indices, Length, Reduction, Rows, Steps, Turn, rows_of, run_online
 
 
@@ -66,15 +66,15 @@ def hybrid_fusion(
     (2, 1)
     """
 
+    rule = distance, angle, min_length, origin == "pair"
+
     def steps(rows: Rows) -> Steps:
         state, s = empty_map(len(rows.segments), distance), rows.segments
         parents = np.empty(len(s), np.int64)
         moves: list[Indices] = []  # where each segment of the map went at each Fusion
         borders = [0]  # inputs until then
         for done, (first, stop) in enumerate(rows.scans(), 1):
-            add_segment(
-                state, s, first, stop, distance, angle, min_length, origin == "pair", parents
-            )
+            add_segments(state, s, first, stop, rule, parents)
             if done % every == 0 or stop == len(s):
                 moves.append(_fuse_map(state, tolerance))
                 borders.append(stop)
@@ -116,8 +116,8 @@ class LiveReduction(Locked):
         tolerance: Metres = 0.04,
         every: Count = 50,
     ) -> None:
-        self.distance, self.angle, self.tolerance, self.every = distance, angle, tolerance, every
-        self.min_length, self.origin = min_length, origin
+        self.distance, self.tolerance, self.every = distance, tolerance, every
+        self.rule = distance, angle, min_length, origin == "pair"
         self._state = empty_map(0, distance)
 
     @locked
@@ -130,11 +130,7 @@ class LiveReduction(Locked):
         if used + len(new) > len(state.s):  # room for more walls; all that is known of them stays
             self._state = empty_map(2 * (used + len(new)), self.distance)
             replace_map(self._state, state.s[:used], state.lines[:used, 2].copy())
-        parents = np.empty(len(new), np.int64)
-        pair = self.origin == "pair"
-        add_segment(
-            self._state, new, 0, len(new), self.distance, self.angle, self.min_length, pair, parents
-        )
+        add_segments(self._state, new, 0, len(new), self.rule, np.empty(len(new), np.int64))
         self.scans += 1
         if self.scans % self.every == 0:
             _fuse_map(self._state, self.tolerance)

@@ -16,10 +16,11 @@ from segmap.compiled import Compiled, compiled
 main = program("segmap")
 
 
-def modules(kind):
-    """Of the named tuples in a type of numba: the cache asks for these modules by name."""
-    inside = set().union(*map(modules, kind.types)) if hasattr(kind, "types") else set()
-    return inside | ({kind.instance_class.__module__} if hasattr(kind, "fields") else set())
+def tuples(kind):
+    """The named tuples in a type of numba: the cache asks for these by name."""
+    inside = set().union(*map(tuples, kind.types)) if hasattr(kind, "types") else set()
+    own = getattr(kind, "instance_class", None) if hasattr(kind, "fields") else None
+    return inside | ({f"{own.__module__}.{own.__qualname__}"} if own else set())
 
 
 def test_every_kernel_has_a_case_and_knows_its_named_tuples():
@@ -36,8 +37,8 @@ def test_every_kernel_has_a_case_and_knows_its_named_tuples():
     assert len(ours) > 100 and not cold
     for kernel in ours:
         for machine in filter(None, (kernel._fast, kernel._inner)):
-            taken = [modules(kind) for signature in machine.signatures for kind in signature]
-            assert set().union(*taken) <= {module for module, _ in kernel._parts()}, kernel.plain
+            taken = [tuples(kind) for signature in machine.signatures for kind in signature]
+            assert set().union(*taken) <= {name for name, _ in kernel._parts()}, kernel.plain
 
 
 #: Prints for which arguments loops were compiled, or loaded, that none of the cases needed.

@@ -19,7 +19,7 @@ from ...kernels import (
     turn_between,
 )
 from ...segments import angle, length
-from .._index import Index, empty_index, enter, meeting, take_out
+from .._index import Index, empty_index, enter, enter_all, meeting, take_out
 from .._runner import Found, Indices, Reduction, Rows, resolve_merges, run_offline
 
 #: Costs are compared in steps of so many metres: rounding must not choose.
@@ -180,8 +180,7 @@ def _cluster(state: State, distance: float) -> None:
     """Merge the cheapest pair until none costs less than `distance`, metres."""
     pairs, merges, parents, changed = [(0.0, 0, 0, 0)], 0, state.parents, state.changed
     pairs.pop()
-    for i in range(len(state.s)):
-        enter(state.places, i, state.s[i], 0.0)
+    enter_all(state.places, state.s)
     for i in range(len(state.s)):
         _offer(state, i, distance, 0, False, pairs)
     while len(pairs):
