@@ -10,9 +10,9 @@ from ...arrays import SMALLEST_THRESHOLD_M, Array, Positive, Segments, checked
 from ...progress import each, parts
 from ...scans.noise import robust_sigma
 from ...segments import SegmentMap, length, midpoint
-from .._index import empty_index, enter_all
+from .._index import empty_index
 from .._runner import Found, Indices, Reduction, Rows, ordered_by_first_input, run_offline
-from ._pair_kernels import PAIR_OFFSET_M, find_pairs, offsets, pull
+from ._pair_kernels import PAIR_OFFSET_M, Looks, find_pairs, offsets, pull
 from ._wall_kernels import ABSORBED_TOLERANCES, Walls, absorb_weaker, enter_looks, grow
 
 #: Standard deviation of the ends of a look about its wall, metres, where poses are true: polylines
@@ -75,12 +75,12 @@ def one_per_wall(map: Segments, *, factor: Positive = 1.0) -> Reduction:
         of = scan[rows.source_row] if several else np.arange(n)
         if places is not None:
             sensors = places[scan[rows.source_row]]
-        index = empty_index(n, float(max(length(s).mean() if n else 0.0, 2 * PAIR_OFFSET_M)))
-        near, pairs, count, left = np.empty(n + 1, np.int64), np.empty((64, 2), np.int64), 0, 0.0
-        for part in parts(np.arange(n), "one per wall: pairing segment"):
-            pairs, count = find_pairs(s, of, sensors, index, near, part, pairs, count)
-        if count >= LEAST_NOISE_PAIRS:
-            pairs = pairs[:count]
+        unit, left = float(max(length(s).mean() if n else 0.0, 2 * PAIR_OFFSET_M)), 0.0
+        looks = Looks(s, of, sensors, empty_index(n, unit), np.empty(n + 1, np.int64))
+        words = "one per wall: pairing segment"
+        some = [find_pairs(looks, part) for part in parts(np.arange(n), words)]
+        pairs = np.concatenate([np.empty((0, 2), np.int64), *some])
+        if len(pairs) >= LEAST_NOISE_PAIRS:
             noise = left = robust_sigma(offsets(s, pairs)) / np.sqrt(2)
             if several and noise > 0:
                 s, sensors, left = _scans_aligned(s, sensors, of, pairs, noise)
@@ -133,20 +133,11 @@ def _walls_drawn(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Foun
     """One segment for each wall, and the wall of each look."""
     n, sizes = len(s), length(s)
     unit = float(max(sizes.mean() if n else 0.0, 1.0))
+    places, fans = empty_index(n, unit), empty_index(n, unit)
+    drawn, spans, grown = np.empty((n, 2, 2)), np.empty((n, 2)), np.empty((2, 2))
+    (label, mark), (near, seen, who, order) = np.full((2, n), -1), np.empty((4, n + 1), np.int64)
     walls = Walls(
-        s=s,
-        sensors=sensors,
-        places=empty_index(n, unit),
-        fans=empty_index(n, unit),
-        drawn=np.empty((n, 2, 2)),
-        label=np.full(n, -1),
-        mark=np.full(n, -1),
-        near=np.empty(n + 1, np.int64),
-        seen=np.empty(n + 1, np.int64),
-        who=np.empty(n, np.int64),
-        order=np.empty(n, np.int64),
-        spans=np.empty((n, 2)),
-        grown=np.empty((2, 2)),
+        s, sensors, places, fans, drawn, label, mark, near, seen, who, order, spans, grown
     )
     longest = np.argsort(-length(rows.segments).round(9), kind="stable")
     count = 0
@@ -158,11 +149,7 @@ def _walls_drawn(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Foun
     np.add.at(metres, walls.label, length(rows.segments))
     weakest = np.argsort(metres.round(9), kind="stable")
     places, into = empty_index(count, unit), np.arange(count)
-    enter_all(places, drawn)
-    for part in parts(weakest, "one per wall: taking in wall"):
-        absorb_weaker(
-            drawn, metres, part, places, walls.near, ABSORBED_TOLERANCES * tolerance, into
-        )
+    absorb_weaker(drawn, metres, weakest, places, ABSORBED_TOLERANCES * tolerance, into)
     while (into[into] != into).any():
         into = into[into]
     left, label = np.unique(into[walls.label], return_inverse=True)

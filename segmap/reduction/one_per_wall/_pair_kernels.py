@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +23,16 @@ PAIR_TURN_SINE = 0.174
 OVERLAP = 0.5
 
 
+class Looks(NamedTuple):
+    """Looks at walls, from several scans; lengths are in metres."""
+
+    s: Array  # (n, 2, 2)
+    scan: Indices
+    sensors: Array  # (n, 2) where each was, NaN where nobody knows
+    places: Index  # of the looks that are paired with those before them
+    near: Indices  # (n + 1,) room for neighbours
+
+
 @compiled
 def _overlap_of(s: Array, i: int, j: int) -> tuple[float, float, float, float]:
     """Where look j lies beside look i: from and to along i, and its offset there; metres."""
@@ -36,57 +48,41 @@ def _overlap_of(s: Array, i: int, j: int) -> tuple[float, float, float, float]:
 
 
 @compiled
-def _side(s: Array, sensors: Array, i: int, j: int) -> float:
+def _side(looks: Looks, i: int, j: int) -> float:
     """How far the sensor that saw look j is to the left of look i; NaN where nobody knows."""
+    s, sensors = looks.s, looks.sensors
     x, y = s[i, 0, 0], s[i, 0, 1]
     left = (s[i, 1, 0] - x) * (sensors[j, 1] - y) - (s[i, 1, 1] - y) * (sensors[j, 0] - x)
     return left / length_of(s[i])
 
 
 @compiled
-def find_pairs(
-    s: Array,
-    scan: Indices,
-    sensors: Array,
-    places: Index,
-    near: Indices,
-    part: Indices,
-    pairs: Indices,
-    count: int,
-) -> tuple[Indices, int]:
-    """Add pairs of some looks and earlier ones, of different scans, at one wall, from one side.
-
-    All pairs, and how many rows count.
-    """
+def find_pairs(looks: Looks, part: Indices) -> Indices:
+    """Pairs `(p, 2)` of some looks and earlier ones, of other scans, at one wall, from one side."""
+    s, pairs = looks.s, [(0, 0)]
+    pairs.pop()
     for i in part:
         size = length_of(s[i])
         if size < LEAST_LOOK_M:
             continue
         dx, dy = (s[i, 1, 0] - s[i, 0, 0]) / size, (s[i, 1, 1] - s[i, 0, 1]) / size
-        for k in range(meeting(places, s[i], PAIR_OFFSET_M, near)):
-            j = near[k]
-            if scan[i] == scan[j]:
-                continue
+        for k in range(meeting(looks.places, s[i], PAIR_OFFSET_M, looks.near)):
+            j = looks.near[k]
             other = length_of(s[j])
             cross = (s[j, 1, 1] - s[j, 0, 1]) * dx - (s[j, 1, 0] - s[j, 0, 0]) * dy
-            if (
-                abs(cross) > PAIR_TURN_SINE * other
-                or _side(s, sensors, i, i) * _side(s, sensors, i, j) < 0
-            ):
+            if looks.scan[i] == looks.scan[j] or abs(cross) > PAIR_TURN_SINE * other:
                 continue
             a, b = (i, j) if other <= size + SAME else (j, i)  # along the longer look
             low, high, one, two = _overlap_of(s, a, b)
             if high - low < OVERLAP * min(size, other) - SAME or abs(one + two) / 2 > PAIR_OFFSET_M:
                 continue
-            if count == len(pairs):
-                more = np.empty((2 * count, 2), np.int64)
-                for row in range(count):
-                    more[row, 0], more[row, 1] = pairs[row, 0], pairs[row, 1]
-                pairs = more
-            pairs[count, 0], pairs[count, 1] = a, b
-            count += 1
-        enter(places, i, s[i], 0.0)
-    return pairs, count
+            if not _side(looks, i, i) * _side(looks, i, j) < 0:
+                pairs.append((a, b))
+        enter(looks.places, i, s[i], 0.0)
+    rows = np.empty((len(pairs), 2), np.int64)
+    for p in range(len(pairs)):
+        rows[p, 0], rows[p, 1] = pairs[p]
+    return rows
 
 
 @compiled

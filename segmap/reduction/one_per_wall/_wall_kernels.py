@@ -52,8 +52,8 @@ class Walls(NamedTuple):
     mark: Indices  # (n,) when a look was last a member
     near: Indices  # (n + 1,) room for neighbours
     seen: Indices  # (n + 1,)
-    who: Indices  # (n,) candidates
-    order: Indices  # (n,)
+    who: Indices  # (n + 1,) candidates
+    order: Indices  # (n + 1,)
     spans: Array  # (n, 2) where they lie along the wall
     grown: Array  # (2, 2) the wall that grows
 
@@ -217,18 +217,14 @@ def grow(walls: Walls, seeds: Indices, count: int, tolerance: float) -> int:
 
 @compiled
 def absorb_weaker(
-    drawn: Array,
-    metres: Array,
-    weakest: Indices,
-    places: Index,
-    near: Indices,
-    reach: float,
-    into: Indices,
+    drawn: Array, metres: Array, weakest: Indices, places: Index, reach: float, into: Indices
 ) -> None:
     """Write the wall that each goes into: the nearest stronger one that it lies beside, or itself.
 
     `metres` are those of the looks at each, `(m,)`; the stronger keeps its line.
     """
+    near = np.empty(len(drawn) + 1, np.int64)
+    enter_all(places, drawn)
     for a in weakest:
         best, least, size = -1, reach, length_of(drawn[a])
         for k in range(meeting(places, drawn[a], reach, near)):
