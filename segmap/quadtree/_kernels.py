@@ -11,7 +11,7 @@ Callers bring all arrays, since each that a loop makes for itself takes long to 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ from ..compiled import compiled
 Counts = NDArray[np.int32]
 Cells = NDArray[np.int64]
 Holds = NDArray[np.bool_]
+#: From one level to another.
+Span = tuple[int, int]
 
 #: Makes 64 bits of a number: numba compiles a loop anew for the literal 0, and for 32 bits.
 whole: Any = np.int64
@@ -36,26 +38,57 @@ FARTHEST_CELL = 2.0**60
 LONGEST_SHARED_RAY_CELLS = 2**22
 
 
+class Blocks(NamedTuple):
+    """Both counts of all nodes, `(4 b,)`."""
+
+    vis: Counts
+    occ: Counts
+
+
+class Scan(NamedTuple):
+    """Places `(n, 2)`, metres: of the sensor, of ends of beams, and where others left its range."""
+
+    sensor: Array
+    points: Array
+    free: Array
+
+
+class Frame(NamedTuple):
+    """Where cells lie: corner `(2,)` and resolution, metres, and the root: its cell and side."""
+
+    corner: Array
+    resolution: float
+    root: Cells
+    side: int
+
+
+class Room(NamedTuple):
+    """Room to work in: for the cells of a scan, the path, and the way of a ray."""
+
+    cells: Cells
+    path: Cells
+    way: Cells
+    slopes: Array
+
+
 # ------------------------------------------------------------------------ single leaves
 @compiled
-def cells_of(
-    points: Array, corner: Array, resolution: float, root: Cells, side: int, cells: Cells
-) -> int:
+def cells_of(points: Array, frame: Frame, cells: Cells) -> int:
     """Write the cells of points `(n, 2)`, counted from the root's, into `cells`, `(n, 2)`.
 
     By one division and the floor: `//` and multiplying by the inverse give others. Returns 0 where
     all lie inside the root, 1 where one lies outside, 2 where one is not finite.
     """
-    found = 0
+    found, corner, root = 0, frame.corner, frame.root
     for k in range(len(points)):
         for i in range(2):
-            at = np.floor((points[k, i] - corner[i]) / resolution)
+            at = np.floor((points[k, i] - corner[i]) / frame.resolution)
             if not abs(at) < FARTHEST_CELL:
                 if not abs(points[k, i]) < np.inf:
                     found = 2
                 at = FARTHEST_CELL if at > 0 else -FARTHEST_CELL
             cells[k, i] = whole(at) - root[i]
-            if found == 0 and not 0 <= cells[k, i] < side:
+            if found == 0 and not 0 <= cells[k, i] < frame.side:
                 found = 1
     return found
 
@@ -96,21 +129,13 @@ def leaves_at(vis: Counts, cells: Cells, path: Cells, found: Cells) -> None:
 # ----------------------------------------------------------------------------- insertion
 @compiled
 def _split_leaf(
-    vis: Counts,
-    occ: Counts,
-    path: Cells,
-    node: int,
-    used: int,
-    level: int,
-    last: int,
-    x: int,
-    y: int,
-    first: int,
+    blocks: Blocks, path: Cells, node: int, used: int, levels: Span, x: int, y: int, first: int
 ) -> tuple[int, int]:
-    """Split a leaf about a cell down to level `last`; new leaves start with `vis = first`.
+    """Split a leaf about a cell from one level down to another; new leaves get `vis = first`.
 
     Returns the leaf that holds the cell then, and the blocks used.
     """
+    (vis, occ), (level, last) = blocks, levels
     while level > last:
         for child in range(4 * used, 4 * used + 4):
             vis[child], occ[child] = first, 0
@@ -124,7 +149,7 @@ def _split_leaf(
 
 @compiled
 def _insert_ends(
-    vis: Counts, occ: Counts, used: int, cells: Cells, ends: int, done: int, keep: bool, path: Cells
+    blocks: Blocks, used: int, ends: int, done: int, keep: bool, room: Room
 ) -> tuple[int, int]:
     """Steps 1 and 2: split the leaf of each end down to a cell, and count the end there (B 4.2.2).
 
@@ -132,7 +157,7 @@ def _insert_ends(
     they start with 1. No split touches a cell that was counted before. Returns the blocks used and
     the cells done, from cell `done` on: it stops early where the arrays get full.
     """
-    top = len(path) - 1
+    (vis, occ), cells, path, top = blocks, room.cells, room.path, len(room.path) - 1
     level, x, y = top, cells[0, 0], cells[0, 1]
     for k in range(done, ends + 1):
         if 4 * (used + top) > len(vis):
@@ -140,7 +165,7 @@ def _insert_ends(
         node, level = _find_leaf(vis, path, level, cells[k, 0], cells[k, 1], x, y)
         x, y = cells[k, 0], cells[k, 1]
         first = whole(vis[node] if keep else 1)
-        node, used = _split_leaf(vis, occ, path, node, used, level, whole(0), x, y, first)
+        node, used = _split_leaf(blocks, path, node, used, (level, whole(0)), x, y, first)
         if (occ[node] > 0 or vis[node] == 0) and vis[node] < MOST_COUNT:  # each ray but the first
             vis[node] += 1
         if occ[node] < MOST_COUNT:
@@ -161,16 +186,7 @@ def _close(vis: Counts, way: Cells, tip: int) -> int:
 
 @compiled
 def _walk_rays(
-    vis: Counts,
-    occ: Counts,
-    used: int,
-    cells: Cells,
-    ends: int,
-    done: int,
-    least: int,
-    path: Cells,
-    way: Cells,
-    slopes: Array,
+    blocks: Blocks, used: int, ends: int, done: int, least: int, room: Room
 ) -> tuple[int, int]:
     """Step 3: add 1 to `vis` of every leaf that holds a cell of a ray, but for the mask (B 4.4).
 
@@ -185,6 +201,7 @@ def _walk_rays(
     `u` and `v`, side, and how many rays ended there; `slopes`, `(m, 2)`, above which slope and up
     to which one a ray comes to that leaf by this way.
     """
+    vis, (cells, path, way, slopes) = blocks.vis, room
     top, tip, octant = len(path) - 1, whole(-1), whole(-1)
     level, x, y = top, cells[0, 0], cells[0, 1]
     for k in range(done, len(cells)):
@@ -232,7 +249,7 @@ def _walk_rays(
                 return used, k
             if level > least:
                 first = whole(vis[node])
-                node, used = _split_leaf(vis, occ, path, node, used, level, least, x, y, first)
+                node, used = _split_leaf(blocks, path, node, used, (level, least), x, y, first)
                 level = least
             side = whole(1) << level
             back_x = x & (side - 1) if sign_x > 0 else side - 1 - (x & (side - 1))
@@ -261,62 +278,40 @@ def _walk_rays(
 
 @compiled
 def insert(
-    vis: Counts,
-    occ: Counts,
-    used: int,
-    sensor: Array,
-    points: Array,
-    free: Array,
-    corner: Array,
-    resolution: float,
-    root: Cells,
-    cells: Cells,
-    done: int,
-    finest: int,
-    path: Cells,
-    way: Cells,
-    slopes: Array,
+    blocks: Blocks, used: int, scan: Scan, frame: Frame, done: int, finest: int, room: Room
 ) -> tuple[int, int]:
-    """Insert a scan: places `(n, 2)` of its sensor, of ends, and of beams that met nothing.
+    """Insert a scan.
 
     Rays split leaves above the level `finest`, where that is not negative. Returns the blocks used
-    and how far it came, `len(points) + len(cells)` in the end: with more room it goes on from
+    and how far it came, `len(scan.points) + len(cells)` in the end: with more room it goes on from
     there. -1 says that a place lies outside the root or is not finite, and nothing was done.
     """
-    ends, top = len(points), len(path) - 1
+    ends, top, cells = len(scan.points), len(room.path) - 1, room.cells
     if done == 0:
-        at = corner, resolution, root, 1 << top
-        found = cells_of(sensor, *at, cells[:1]) + cells_of(points, *at, cells[1 : ends + 1])
-        if found + cells_of(free, *at, cells[ends + 1 :]) > 0:
+        outside = cells_of(scan.sensor, frame, cells[:1])
+        outside += cells_of(scan.points, frame, cells[1 : ends + 1])
+        if outside + cells_of(scan.free, frame, cells[ends + 1 :]) > 0:
             return used, -1
         done = 1
     if done <= ends:
-        used, done = _insert_ends(vis, occ, used, cells, ends, done, finest >= 0, path)
+        used, done = _insert_ends(blocks, used, ends, done, finest >= 0, room)
         if done <= ends:
             return used, done
     least = min(finest, top) if finest >= 0 else top
-    used, k = _walk_rays(vis, occ, used, cells, ends, done - ends, least, path, way, slopes)
+    used, k = _walk_rays(blocks, used, ends, done - ends, least, room)
     return used, ends + k
 
 
 # ------------------------------------------------------------------------- the whole tree
 @compiled
-def compact(
-    vis: Counts,
-    occ: Counts,
-    root: int,
-    join: bool,
-    order: Cells,
-    above: Cells,
-    new_vis: Counts,
-    new_occ: Counts,
-) -> int:
+def compact(blocks: Blocks, root: int, join: bool, order: Cells, above: Cells, new: Blocks) -> int:
     """Copy the blocks that the root reaches into new arrays, parents first; returns their number.
 
     The root becomes block 0. Where told to `join`, squares whose four children are alike, never hit
     and equally often crossed become leaves; their blocks stay for the next call to leave out.
     `order` and `above`, `(b,)`, are room to work in: the blocks copied, and the node above each.
     """
+    (vis, occ), (new_vis, new_occ) = blocks, new
     order[0], count, k = root, 1, 0
     while k < count:
         for q in range(4):

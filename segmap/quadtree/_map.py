@@ -103,12 +103,12 @@ class QuadtreeMap(Pictured, Locked):
         if not (arrays.ready(sensor) and sensor.shape == (2,)):
             sensor = np.array(arrays.point(sensor, "sensor_xy", limit=np.inf))
         free = NO_POINTS if free_points is None else point_pairs("free_points", free_points)
-        scan = sensor[None], point_pairs("points", points), free
+        scan = kernels.Scan(sensor[None], point_pairs("points", points), free)
         given = scan, (self.corner, self.resolution), self._finest
         try:
             if not self.tree.insert(*given):
                 arrays.point(sensor, "sensor_xy", limit=np.inf)
-                cells = self._cells(sensor_xy=scan[0], points=scan[1], free_points=free)
+                cells = self._cells(sensor_xy=scan.sensor, points=scan.points, free_points=free)
                 self.tree.grow(cells, self.resolution)
                 self.tree.insert(*given)
             self.scans += 1
@@ -304,8 +304,8 @@ class QuadtreeMap(Pictured, Locked):
         together = np.concatenate(list(named.values()))
         cells = np.empty(together.shape, np.int64)
         root = self.tree.corner, 1 << self.tree.level
-        found = kernels.cells_of(together, self.corner, self.resolution, *root, cells)
-        if found == 2:
+        frame = kernels.Frame(self.corner, self.resolution, *root)
+        if kernels.cells_of(together, frame, cells) == 2:
             for name, points in named.items():
                 arrays.table(points, name, 2, unit=COORDINATES_UNIT, limit=np.inf)
         return cells

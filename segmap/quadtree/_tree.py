@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 COORDINATES_UNIT = "metres (leave out beams without return)"
 #: No cell is smaller, metres: single precision must hold coordinates counted in cells.
 SMALLEST_CELL_M = 1e-6
-#: Places `(n, 2)`, metres: of the sensor, of the ends of beams, of where the others left its range.
-Scan = tuple[Array, Array, Array]
 
 
 class Leaves(NamedTuple):
@@ -100,23 +98,23 @@ class Tree(Locked):
         self.block, self.used, self.version = self.used, self.used + 1, self.version + 1
 
     @locked
-    def insert(self, scan: Scan, at: tuple[Array, float], finest: int | None) -> bool:
+    def insert(self, scan: kernels.Scan, at: tuple[Array, float], finest: int | None) -> bool:
         """Insert a scan (B 4.2 to 4.4); False where the root does not hold it: nothing was done.
 
         `at` are corner and resolution of the map, metres. Rays too split leaves above the level
         `finest`, where there is one: children then keep the count, and leaves that are alike join
         in the end.
         """
-        ends, count = len(scan[1]), sum(map(len, scan))
+        ends, count = len(scan.points), sum(map(len, scan))
         cells, level = np.empty((count, 2), np.int64), -1 if finest is None else finest
         done, room = 0, 64
         while done < ends + count:
             room *= 1 if self._make_room(self.level) else 2
-            tree, frame = (self.vis, self.occ, self.used), (*at, self.corner)
-            ways = np.empty((room, 5), np.int64), np.empty((room, 2))
-            self.used, done = kernels.insert(
-                *tree, *scan, *frame, cells, done, level, self._path(), *ways
+            blocks, frame = self._blocks(), kernels.Frame(*at, self.corner, 1 << self.level)
+            ways = kernels.Room(
+                cells, self._path(), np.empty((room, 5), np.int64), np.empty((room, 2))
             )
+            self.used, done = kernels.insert(blocks, self.used, scan, frame, done, level, ways)
             if done < 0:
                 return False
             self.version += 1
@@ -152,11 +150,10 @@ class Tree(Locked):
 
     def _compact(self, blocks: int, *, join: bool) -> None:
         """Renumber the blocks; first of all there are so many."""
-        order, above = np.empty(blocks, np.int64), np.empty(blocks, np.int64)
-        new_vis, new_occ = np.empty(4 * blocks, np.int32), np.empty(4 * blocks, np.int32)
-        tree = self.vis, self.occ, self.block
-        self.used = kernels.compact(*tree, join, order, above, new_vis, new_occ)
-        self.vis, self.occ, self.block, self.version = new_vis, new_occ, 0, self.version + 1
+        order, above = np.empty((2, blocks), np.int64)
+        new = kernels.Blocks(*np.empty((2, 4 * blocks), np.int32))
+        self.used = kernels.compact(self._blocks(), self.block, join, order, above, new)
+        (self.vis, self.occ), self.block, self.version = new, 0, self.version + 1
 
     @locked
     def leaves_at(self, cells: kernels.Cells) -> kernels.Cells:
@@ -203,6 +200,9 @@ class Tree(Locked):
         self.block, _, _, *corner, _, _ = stored.state.tolist()
         self.vis, self.occ, self.used = stored.vis, stored.occ, len(stored.vis) // 4
         self.corner, self.version = np.array(corner, np.int64), self.version + 1
+
+    def _blocks(self) -> kernels.Blocks:
+        return kernels.Blocks(self.vis, self.occ)
 
     def _path(self) -> kernels.Cells:
         path = np.empty(self.level + 1, np.int64)
