@@ -82,19 +82,22 @@ def facts(log: Any) -> list[tuple[str, str]]:
     assumed 361 beams look over 180 degrees, counter-clockwise; ranges from 50 m on
     met nothing, as those of a SICK
     """
-    found = [("scans", counted(len(log), "scan") + _duration(log))]
+    known = figures(log)
+    told = [("scans", counted(len(log), "scan") + _duration(log))]
     if len(log):
-        found += [("beams", _beams_text(log)), ("view", _view_text(log)), ("ranges", _ranges(log))]
+        told += [("beams", _beams_text(**known["beams"])), ("view", _view_text(log))]
+        told += [("ranges", _ranges_text(log, **known.get("ranges", {})))]
     if spans := [np.ptp(scan.delays) for scan in log if scan.delays is not None and len(scan)]:
         order = "" if log.order_known else ", in an order that is not known"
-        found.append(("delays", f"the beams take {np.median(spans):.3g} s{order}"))
-    truth = np.full((0, 3), np.nan) if log.truth is None else log.truth
-    found += [("odometry", _path(log.odometry)), ("truth", _path(truth))]
+        told.append(("delays", f"the beams take {np.median(spans):.3g} s{order}"))
+    told += [
+        (word, _path_text(getattr(log, word), **known[word])) for word in ("odometry", "truth")
+    ]
     if log.assumed:
-        found.append(("assumed", "; ".join(log.assumed)))
-    if left := log.skipped:
-        found.append(("damaged", f"{counted(left.lines, 'line')} left out; {left.reason}"))
-    return found
+        told.append(("assumed", "; ".join(log.assumed)))
+    if damage := log.skipped:
+        told.append(("damaged", f"{counted(damage.lines, 'line')} left out; {damage.reason}"))
+    return told
 
 
 def figures(log: Any) -> dict[str, dict[str, float]]:
@@ -145,11 +148,8 @@ def _duration(log: Any) -> str:
     return f" in {np.ptp(times):.1f} s{rate}{early}"
 
 
-def _beams_text(log: Any) -> str:
-    counts = sorted({len(scan) for scan in log})
-    many = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
-    total = sum(len(scan) for scan in log)
-    valid = sum(int(scan.valid.sum()) for scan in log) / max(total, 1)
+def _beams_text(least: float, most: float, valid: float) -> str:
+    many = f"{least}" if least == most else f"{least} to {most}"
     return f"{many} a scan, {100 * valid:.1f} % of them valid"
 
 
@@ -163,21 +163,17 @@ def _view_text(log: Any) -> str:
     return f"{np.degrees(wide):.4g} degrees, {np.degrees(step):.3g} from beam to beam{lasers}"
 
 
-def _ranges(log: Any) -> str:
-    found = np.concatenate([scan.ranges[scan.valid] for scan in log])
-    if not len(found):
+def _ranges_text(log: Any, nearest: float = 0.0, median: float = 0.0, farthest: float = 0.0) -> str:
+    if not farthest:
         return "none is valid"
-    near, half, far = np.quantile(found, [0, 0.5, 1])
-    most = {f"{scan.max_range:.4g}" for scan in log if np.isfinite(scan.max_range)}
-    limit = f", the sensor's limit is {most.pop()} m" if len(most) == 1 else ""
-    return f"{near:.2f} to {far:.2f} m, half of them below {half:.2f} m{limit}"
+    limits = {f"{scan.max_range:.4g}" for scan in log if np.isfinite(scan.max_range)}
+    limit = f", the sensor's limit is {limits.pop()} m" if len(limits) == 1 else ""
+    return f"{nearest:.2f} to {farthest:.2f} m, half of them below {median:.2f} m{limit}"
 
 
-def _path(poses: Any) -> str:
-    known = poses[np.isfinite(poses).all(1)]
-    if not len(known):
+def _path_text(all_poses: Any, poses: float, metres: float) -> str:
+    if not poses:
         return "none"
-    way = np.hypot(*np.diff(known[:, :2], axis=0).T).sum()
-    wide, tall = np.ptp(known[:, :2], axis=0)
-    share = "each scan" if len(known) == len(poses) else f"{len(known)} of {len(poses)} scans"
-    return f"for {share}; a path of {way:.1f} m, {wide:.1f} m by {tall:.1f} m"
+    wide, tall = np.ptp(all_poses[np.isfinite(all_poses).all(1), :2], axis=0)
+    share = "each scan" if poses == len(all_poses) else f"{poses} of {len(all_poses)} scans"
+    return f"for {share}; a path of {metres:.1f} m, {wide:.1f} m by {tall:.1f} m"

@@ -12,12 +12,16 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..arrays import LIMIT, Array, Count, Quantity, at_most, checked
 from ..display import Pictured
-from ..files import shown
+from ..files import read_npz, shown, write_npz
 from ..threads import Locked, locked
 from . import _kernels as kernels
-from ._file import Stored, read_stored, write_stored
 from ._tree import COORDINATES_UNIT, SMALLEST_CELL_M, Leaves, Tree, level_of, point_pairs
 
+#: What a file calls itself, with the version of its layout.
+FORMAT = "segmap quadtree 1"
+#: What it holds: block, level, largest, x and y of the corner, bias, scans; resolution, x and y of
+#: the corner, free resolution or 0, metres; both counts.
+STORED = "state", "lengths", "vis", "occ"
 NO_POINTS = np.empty((0, 2))
 Resolution = Annotated[float, Quantity("metres", least=SMALLEST_CELL_M, most=LIMIT)]
 #: A length that must fit the cells, see `level_of`.
@@ -264,7 +268,8 @@ class QuadtreeMap(Pictured, Locked):
         state = [tree.block, tree.level, tree.largest, *tree.corner, self.bias, self.scans]
         lengths = [self.resolution, *self.corner, self.free_resolution or 0.0]
         nodes = tree.vis[: 4 * tree.used], tree.occ[: 4 * tree.used]
-        write_stored(arrays.file(path), Stored(np.array(state), np.array(lengths), *nodes))
+        counts = dict(zip(STORED, (np.array(state), np.array(lengths), *nodes), strict=True))
+        write_npz(arrays.file(path), FORMAT, counts)
 
     @classmethod
     def load(cls, path: str | Path) -> QuadtreeMap:
@@ -273,17 +278,17 @@ class QuadtreeMap(Pictured, Locked):
         A ValueError says what is wrong with a file that is damaged or foreign, or unpacks to more
         than 1 MB and 50 times its size.
         """
-        found = read_stored(arrays.file(path))
-        resolution, x, y, free = found.lengths.tolist()
-        _, level, largest, _, _, bias, scans = found.state.tolist()
+        stored = read_npz(arrays.file(path), FORMAT)
+        if set(stored) != set(STORED):
+            raise ValueError(f"{shown(path)}: damaged, it holds {sorted(stored)}")
+        state, lengths, vis, occ = (stored[name] for name in STORED)
+        resolution, x, y, free = lengths.tolist()
+        block, level, largest, *corner, bias, scans = state.tolist()
         sizes = {"size": np.ldexp(resolution, level), "max_size": np.ldexp(resolution, largest)}
         sizes |= {"corner": (x, y), "bias": bias, "free_resolution": free or None}
-        try:
-            map = cls(resolution=resolution, **sizes)
-        except ValueError as error:
-            raise ValueError(f"{shown(path)}: damaged, {error}") from None
-        map.scans = scans
-        map.tree.restore(found)
+        map = cls(resolution=resolution, **sizes)
+        map.scans, map.tree.vis, map.tree.occ, map.tree.used = scans, vis, occ, len(vis) // 4
+        map.tree.block, map.tree.corner = block, np.array(corner)
         return map
 
     @locked

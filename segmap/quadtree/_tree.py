@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,9 +12,6 @@ from ..arrays import Array
 from ..kernels import Nodes, leaves_in
 from ..threads import Locked, locked
 from . import _kernels as kernels
-
-if TYPE_CHECKING:
-    from ._file import Stored
 
 #: What an error says of coordinates.
 COORDINATES_UNIT = "metres (leave out beams without return)"
@@ -193,13 +190,6 @@ class Tree(Locked):
             kernels.occupied_blocks(self.vis, self.occ, order, holds)
             self._occupied = version, holds
         return self._occupied[1]
-
-    @locked
-    def restore(self, stored: Stored) -> None:
-        """Take over what a file holds."""
-        self.block, _, _, *corner, _, _ = stored.state.tolist()
-        self.vis, self.occ, self.used = stored.vis, stored.occ, len(stored.vis) // 4
-        self.corner, self.version = np.array(corner, np.int64), self.version + 1
 
     def _blocks(self) -> kernels.Blocks:
         return kernels.Blocks(self.vis, self.occ)

@@ -49,42 +49,18 @@ TAMPERED = {
     "another version": ({"format": np.array("segmap quadtree 9")}, "this version reads 1"),
     "another kind": ({"format": np.array("cat")}, r"not a quadtree of segmap, holds \['lengths'"),
     "no format": ({"format": None}, "not a quadtree of segmap"),
-    "no counts": ({"vis": None}, "expected.*'vis'"),
+    "no counts": ({"vis": None}, r"it holds \['lengths', 'occ', 'state'\]"),
     "one more": ({"more": np.zeros(1)}, "it holds.*'more'"),
-    "floats": ({"vis": np.zeros(8)}, r"an array is float64 \(8,\), expected int32"),
-    "other length": ({"occ": np.zeros(5, np.int32)}, "an array is int32"),
     "pickled": ({"vis": np.array([{}], object)}, "not a readable NPZ file"),
-    "more scans than can be counted": ({"state": (6, 2**62)}, "its sizes make no sense"),
-    "a corner that the root lost": ({"state": (3, 1)}, "its sizes make no sense"),
-    "a corner that has no opposite": ({"state": (3, -(2**63))}, "its sizes make no sense"),
-    "cells too small": ({"lengths": (0, 1e-300)}, "damaged, resolution must be"),
-    "a corner beyond all maps": ({"lengths": (1, 1e200)}, "damaged, corner must be within"),
-    "root above the largest": ({"state": (2, 3)}, "its sizes make no sense"),
-    "root too large": ({"state": (1, 99)}, "its sizes make no sense"),
-    "no bias": ({"state": (5, 0)}, "its sizes make no sense"),
-    "scans below zero": ({"state": (6, -1)}, "its sizes make no sense"),
-    "corner far off": ({"state": (3, 2**62)}, "its sizes make no sense"),
-    "endless cells": ({"lengths": (0, np.inf)}, "its sizes make no sense"),
-    "cells below zero": ({"lengths": (0, -1.0)}, "its sizes make no sense"),
-    "odd free_resolution": ({"lengths": (3, 0.07)}, "free_resolution must be a power of two"),
 }
-
-
-def tampered(arrays: dict, changes: dict) -> dict:
-    for name, change in changes.items():
-        if isinstance(change, tuple):
-            at, value = change
-            arrays[name][at] = value
-        else:
-            arrays[name] = change
-    return {name: array for name, array in arrays.items() if array is not None}
 
 
 @pytest.mark.parametrize("name", TAMPERED)
 def test_a_file_that_is_no_tree_is_refused(name, saved, tmp_path):
     changes, message = TAMPERED[name]
     path = tmp_path / "tampered.npz"
-    np.savez(path, **tampered(parts(saved), changes))
+    kept = {name: array for name, array in (parts(saved) | changes).items() if array is not None}
+    np.savez(path, **kept)
     with pytest.raises(ValueError, match=rf"tampered\.npz: .*{message}"):
         QuadtreeMap.load(path)
 
