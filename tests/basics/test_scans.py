@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from segmap.poses import transform
-from segmap.scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
+from segmap.scans import LaserScan, Log, Skipped
 from segmap.scans.causes import Cause, Finding
 
 RIGHT_ANGLES = np.radians([-90, 0, 90])
@@ -40,12 +40,9 @@ def test_a_masked_range_is_no_measurement(kind):
     read = np.ma.masked_greater(np.array([1, 65, 2], kind), 60)
     scan = LaserScan(read, np.radians([0, 90, 180]))
     assert scan.valid.tolist() == [True, False, True]
+    assert repr(scan).startswith("LaserScan(3 beams, 2 valid, ")
     np.testing.assert_allclose(scan.points(), [(1, 0), (-2, 0)], atol=1e-12)
     assert LaserScan(np.ma.array([1.0, 2.0]), [0, 1]).valid.all()
-
-
-def test_without_a_maximum_every_finite_positive_range_is_valid():
-    assert LaserScan([1e6, np.inf], [0, 0]).valid.tolist() == [True, False]
 
 
 @given(
@@ -76,20 +73,12 @@ def test_a_scan_cannot_be_changed_nor_through_the_array_that_it_was_made_of():
         kept.time = 1.0
 
 
-def test_a_scan_tells_how_many_beams_it_has_and_how_many_count():
-    one = LaserScan([1.0, np.nan], [0, 1], time=0.25, codes=[0, 7])
-    assert len(one) == 2 and repr(one) == "LaserScan(2 beams, 1 valid, t=0.25 s)"
-    assert one.codes.tolist() == [0, 7] and one.codes.dtype == np.int64
-    empty = LaserScan([], [])
-    assert len(empty) == 0 and empty.points().shape == (0, 2)
-
-
 # -------------------------------------------------------------------------- logs
 def test_a_log_counts_indexes_and_iterates_over_its_scans():
     """Catches `truth` and scans cut differently, and an index from the end that is off by one."""
     walk = log()
     assert len(walk) == 4 and [s.time for s in walk] == walk.times.tolist()
-    assert walk[1] is walk.scans[1] and walk[-1] is walk.scans[3]
+    assert walk[np.int64(1)] is walk.scans[1] and walk[-1] is walk.scans[3]
     with pytest.raises(IndexError):
         walk[4]
 
@@ -109,11 +98,6 @@ def test_a_part_of_a_log_keeps_what_belongs_to_the_whole():
         False,
         "odd",
     )
-    for bad in (track[::-1], [(0, np.nan, 0, 0)], [0, 1, 2, 3]):
-        with pytest.raises(
-            ValueError, match=r"track must be \(m, 4\), finite, its times ascending"
-        ):
-            Log("it", [scan()], track=bad)
 
 
 def test_odometry_is_nan_where_a_scan_has_none():
@@ -141,11 +125,6 @@ def test_a_log_tells_what_it_knows():
     assert repr(Log("w", [scan()])) == "Log('w', 1 scan, no odometry, no truth)"
 
 
-def test_nothing_skipped_is_false():
-    assert not NOTHING_SKIPPED and Skipped(1, "why")
-    assert log().skipped == (0, "")
-
-
 SECOND = np.array([False, True, False, True, False])
 
 
@@ -158,11 +137,3 @@ def test_a_log_is_cut_by_slices_masks_and_indices_alike(cut):
     assert part.scans == tuple(walk.scans[k] for k in rows)
     np.testing.assert_array_equal(part.truth, walk.truth[rows])
     assert (part.name, part.skipped) == ("walk", (2, "torn"))
-
-
-def test_cutting_nothing_and_by_a_mask_of_another_length():
-    walk = log()
-    assert len(walk[walk.times > 9]) == len(walk[9:]) == 0
-    assert walk[np.int64(2)] is walk.scans[2]
-    with pytest.raises(IndexError, match="boolean index did not match"):
-        walk[np.array([True, False])]
