@@ -349,24 +349,6 @@ def test_blind_scans_no_odometry_and_bad_input():
         localize(SegmentMap([]), [scan], rng=rng(1))
 
 
-@pytest.mark.parametrize(
-    ("match", "good"), [(literal.match_histograms, 6), (literal.match_hough, 4)]
-)
-def test_sums_along_lines_find_a_scan_beside_another(match, good):
-    """Pairs of scans of one room, turned by anything: what the chapter compares with search."""
-    walls = [box(6, 3.4, (3, 1.7, 0)), box(1.2, 0.8, (5.4, 3, 0)), box(0.6, 1.4, (0.3, 0.7, 0))]
-    dense = Sensor("dense", 360, -np.pi, np.radians(1), max_range=30.0, sigma=0.01)
-    near = 0
-    for seed in range(6):
-        random = rng(seed)
-        poses = np.array([(1.6, 1.6, 0), (*random.uniform(1.2, 2.2, 2), random.uniform(-3, 3))])
-        pair = simulate(np.concatenate(walls), poses, sensor=dense, rng=random)
-        reference = pair[0].points() + poses[0, :2]
-        off = match(reference.tolist(), pair[1].points().tolist()) - poses[1]
-        near += np.hypot(*off[:2]) < 0.1 and abs(wrap(off[2])) < 0.05
-    assert near >= good
-
-
 @pytest.mark.parametrize("blind", [1, 2, 5])
 def test_what_it_drives_while_it_sees_nothing_counts_once(blind):
     """By the odometry alone, and seen again at the end.
