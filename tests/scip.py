@@ -3,9 +3,7 @@
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-import numpy as np
-
-from segmap.sensors import checksum, encode
+from segmap.sensors import checksum
 from segmap.sensors.emulator import Unit
 
 
@@ -21,13 +19,6 @@ def reply(echo: str, status: str, body: Iterable[bytes] = ()) -> bytes:
     """A whole reply, its empty line included."""
     told = status.encode()
     return b"\n".join([echo.encode(), told + checksum(told), *body, b"", b""])
-
-
-def scan_lines(clock: int, millimetres: np.ndarray) -> list[bytes]:
-    """Lines of a scan after its status: the clock, then blocks of 64 characters, three a step."""
-    data = encode(millimetres, 3)
-    blocks = [data[k : k + 64] for k in range(0, len(data), 64)]
-    return [line + checksum(line) for line in (encode(clock, 4), *blocks)]
 
 
 def replies(said: bytes) -> list[Reply]:

@@ -85,6 +85,7 @@ def test_it_cannot_be_told_within_two_deviations():
     assert measure_clinic(slanted).clearance.deviation > 0.01
 
 
+@pytest.mark.slow
 def test_every_alignment_answers():
     """Catches a story that all alignments tell alike, and a pose graph that is none of the best."""
     answers = by_alignment()
@@ -98,6 +99,7 @@ def test_every_alignment_answers():
     assert sum(abs(a.building.metres - 9.0) > 0.15 for a in answers.values()) >= 3
 
 
+@pytest.mark.slow
 def test_every_reduction_answers():
     """Catches reductions that cannot be told apart by what they do to a thin wall."""
     answers = by_reduction()

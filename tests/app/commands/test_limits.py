@@ -267,13 +267,13 @@ TERMINALS = (
 def test_a_name_that_a_terminal_cannot_say_never_ends_the_work(terminal, tmp_path):
     """Catches "'charmap' codec can't encode", and work that is lost for it."""
     exports.write_carmen(tmp_path / NAMED, segmap.load("room")[:3])
-    words = [NAMED, "nowhere \u0416.log", "--method", "none", "--force", "-o", "{name}.csv"]
+    words = [NAMED, "nowhere \u0416.log", "-o", "{name}.tum"]
     found = subprocess.run(
-        [sys.executable, "-m", "segmap", "map", *words],
+        [sys.executable, "-m", "segmap", "convert", *words],
         cwd=tmp_path, env=os.environ | terminal, capture_output=True, check=False,
     )  # fmt: skip
     said, beside = found.stdout.decode("latin-1"), found.stderr.decode("latin-1")
     assert "codec" not in beside and "Traceback" not in beside and found.returncode == 1
     assert "3 scans" in said
     assert "\\u0416.log" in beside or "\\udcd0\\udc96.log" in beside
-    assert len(list(tmp_path.glob("*.csv"))) == 1
+    assert len(list(tmp_path.glob("*.tum"))) == 1

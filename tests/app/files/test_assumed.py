@@ -79,17 +79,6 @@ class TestWords:
         with pytest.warns(UserWarning, match=word):
             segmap.LaserScan(ranges, np.arange(len(ranges)) / 100, max_range=most)
 
-    def test_of_headings_that_wind_up(self):
-        """Catches 56 radians, nine turns of a robot that drives on, called degrees."""
-        heading = np.arange(0, 56, 3.3)  # more than half a turn from scan to scan
-        way = np.cumsum(np.column_stack([np.cos(heading), np.sin(heading)]), axis=0)
-        rows = np.column_stack([np.r_[[[0, 0]], way[:-1]], heading])
-        scan = {"ranges": [1.0, 2.0], "angles": [0.0, 0.1]}
-        segmap.Log("winds up", [segmap.LaserScan(**scan, odometry=row) for row in rows])
-        rows[:, 2] = np.degrees(heading)
-        with pytest.warns(UserWarning, match="look like degrees"):
-            segmap.Log("degrees", [segmap.LaserScan(**scan, odometry=row) for row in rows])
-
     def test_of_angles_that_count_down(self, tmp_path):
         """Catches "expected radians" for a step that is negative."""
         line = "ROBOTLASER1 0 1.57 3.14 -0.785 50 0.01 0 5 1 2 3 4 5 0" + " 0" * 11 + " 1.0 host 0"

@@ -9,7 +9,6 @@ from conftest import shared_file
 from scipy.spatial import cKDTree
 
 from segmap import poses, readers
-from segmap.angles import wrap
 from segmap.readers import LogError, data_file
 
 MALAGA = data_file("malaga")
@@ -102,19 +101,6 @@ class TestShared:
         part = log[40:80:4]
         mirrored = part.odometry * [1, -1, -1]
         assert spread_of_walls(part, part.odometry) < 0.04 < spread_of_walls(part, mirrored)
-
-    def test_coreslam_with_a_cut_line(self):
-        """Its wheels stand for the first 53 scans only: the odometry is real."""
-        path = shared_file("data/formats/coreslam-test_lab2.dat.gz")
-        with pytest.raises(LogError, match=r"line 405: expected 24 fields and 683 ranges, got 640"):
-            readers.read(path)
-        assert not readers.read(path, on_error="skip").odometry[:53].any()
-
-    def test_the_poses_of_a_run_of_gmapping(self):
-        log = readers.read(shared_file("data/formats/gmapping-sample.gfs"))
-        assert length(log.truth) == pytest.approx(7.39, abs=0.01)
-        turned = np.diff(log.truth[:, 2]) - np.diff(log.odometry[:, 2])
-        assert np.abs(wrap(turned)).max() < 0.4 < np.abs(np.diff(log.odometry[:, 2])).max()
 
     def test_bicocca_is_a_trajectory(self):
         path = shared_file("data/bicocca-25b-GROUNDTRUTH.csv.gz")
