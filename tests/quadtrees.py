@@ -1,9 +1,24 @@
 """Quadtree maps for the tests, and every bit of one in a form that compares."""
 
 import numpy as np
+import pytest
 from segmap_course import literal
 
-from segmap.quadtree import QuadtreeMap
+from segmap import load
+from segmap.quadtree import QuadtreeMap, build_map
+
+
+@pytest.fixture(scope="module")
+def room() -> QuadtreeMap:
+    log = load("room")
+    return build_map(log, log.truth, resolution=0.05, bias=4)
+
+
+def corner_map() -> QuadtreeMap:
+    """Free below, a hit to the upper right, on a map whose corner is no round number."""
+    map = QuadtreeMap(resolution=0.25, size=2, corner=(-3.07, 1.13), bias=1)
+    map.insert_scan((-3.0, 1.2), [(-1.2, 2.9)], [(-1.2, 1.2)] * 3)
+    return map
 
 
 def leaves_of(map):

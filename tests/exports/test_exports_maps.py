@@ -6,23 +6,12 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from quadtrees import room
 
-from segmap import load
 from segmap.exports import write_geojson, write_svg
-from segmap.quadtree import QuadtreeMap, build_map
+from segmap.quadtree import QuadtreeMap
 
-
-@pytest.fixture(scope="module")
-def room() -> QuadtreeMap:
-    log = load("room")
-    return build_map(log, log.truth, resolution=0.05, bias=4)
-
-
-def corner_map() -> QuadtreeMap:
-    """Free below, a hit to the upper right, on a map whose corner is no round number."""
-    map = QuadtreeMap(resolution=0.25, size=2, corner=(-3.07, 1.13), bias=1)
-    map.insert_scan((-3.0, 1.2), [(-1.2, 2.9)], [(-1.2, 1.2)] * 3)
-    return map
+assert room  # the fixture
 
 
 # ----------------------------------------------------------------- GeoJSON and SVG

@@ -5,24 +5,13 @@ import re
 
 import numpy as np
 import pytest
+from quadtrees import corner_map, room
 
-from segmap import load
 from segmap.exports import ros_classes
-from segmap.quadtree import QuadtreeMap, build_map
+from segmap.quadtree import QuadtreeMap
 from segmap_app.files import write_ros_map
 
-
-@pytest.fixture(scope="module")
-def room() -> QuadtreeMap:
-    log = load("room")
-    return build_map(log, log.truth, resolution=0.05, bias=4)
-
-
-def corner_map() -> QuadtreeMap:
-    """Free below, a hit to the upper right, on a map whose corner is no round number."""
-    map = QuadtreeMap(resolution=0.25, size=2, corner=(-3.07, 1.13), bias=1)
-    map.insert_scan((-3.0, 1.2), [(-1.2, 2.9)], [(-1.2, 1.2)] * 3)
-    return map
+assert room  # the fixture
 
 
 # ------------------------------------------------------------------------------- ROS
