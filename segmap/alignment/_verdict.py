@@ -148,7 +148,8 @@ def judge(
         unsure = local < SURE_SHARE * placed
         (against if unsure else rest).append(f"{counted(sure, 'scan')} sure{more}")
     # 3. What confirms it
-    open_questions = [] if against else _unconfirmed(found)
+    unchecked = [each.words for each in found.causes if each.cause is Cause.NOT_CHECKED]
+    open_questions = [] if against else unchecked or [ONE_LOOK] * (placed == 1)
     grade: Grade = "doubtful" if against else "not checked" if open_questions else "good"
     if worst and not causes and (within := _within(off, grade)):
         rest.append(within + found.proviso)
@@ -158,12 +159,6 @@ def judge(
     ]
     words = "; ".join(", ".join(texts) for texts in (against or open_questions, rest) if texts)
     return Verdict(grade, f"{grade.upper()}: {words}", *figures)
-
-
-def _unconfirmed(found: Alignment) -> list[str]:
-    """Why nothing confirms the poses, in words; empty where something does."""
-    words = [each.words for each in found.causes if each.cause is Cause.NOT_CHECKED]
-    return words or ([ONE_LOOK] if found.used.sum() == 1 else [])
 
 
 def _within(off: Array, grade: Grade) -> str:

@@ -32,7 +32,7 @@ STEP_END_M = 0.2
 STEP_END_RAD = np.radians(8)
 #: ... and counts where so large a share of the scan lies on the other, ...
 LEAST_STEP_OVERLAP = 0.7
-#: A scan stands for the laser where its points move by less, metres, and it turns by half of it.
+#: A scan stands for the laser where it moved by less, metres, and turned by half as many radians.
 LASER_STANDS_M = 0.1
 
 
