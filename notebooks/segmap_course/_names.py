@@ -84,28 +84,21 @@ from .exercises.mechanisms import (
 from .exercises.open import Challenge, Decision, OwnLog, Prediction
 from .exercises.open.alignment import (
     break_icp,
-    break_quality,
-    break_sum,
-    predict_scan_time,
     predict_sparse_icp,
 )
 from .exercises.open.decision import decide_map
 from .exercises.open.judgement import (
     decide_way,
-    predict_bend,
     predict_crowd,
     predict_survivors,
 )
 from .exercises.open.my_mapper import check_my_mapper
 from .exercises.open.own_log import check_own_log
-from .exercises.open.quadtree import break_cells, break_matching, predict_coarse_leaves
-from .exercises.open.reduction import break_basic_order
+from .exercises.open.quadtree import break_cells
 from .exercises.open.scans import (
-    break_line,
     break_reader,
     predict_beams_on_wall,
     predict_drift,
-    predict_pieces,
 )
 from .exercises.poses import (
     check_carried,
@@ -123,7 +116,6 @@ from .exercises.sensor import (
     check_beam_angles,
     check_cast_ray,
     check_kept_distances,
-    check_unwrapped,
 )
 from .exercises.strips import check_chain, check_mean_shift_step, robot_on_the_left
 from .exercises.surveyed import (
@@ -139,8 +131,8 @@ __all__ = [
     "EXERCISES", "FOUR_WAYS", "LINE_FINDERS", "LINE_SENSORS", "OPEN_EXERCISES", "THESIS_FILTERS",
     "THESIS_GRIDS", "Answers", "Challenge", "Check", "Decision", "Exercise", "Explored", "Known",
     "Landscape", "Measured", "OwnLog", "Prediction", "Representation", "Taped", "Trial", "Unknown",
-    "View", "break_basic_order", "break_cells", "break_icp", "break_line", "break_matching",
-    "break_quality", "break_reader", "break_sum", "check_axes_of", "check_axial_mean",
+    "View", "break_cells", "break_icp",
+    "break_reader", "check_axes_of", "check_axial_mean",
     "check_beam_angles", "check_best_run", "check_building_axis", "check_capped_score",
     "check_carried", "check_carried_beam", "check_cast_ray", "check_cell_of", "check_chain",
     "check_climb_diagonally", "check_compose", "check_cost_of_faces", "check_crossed_leaves",
@@ -152,14 +144,14 @@ __all__ = [
     "check_own_log", "check_pair_origin", "check_pixel", "check_places_between", "check_pose_cost",
     "check_quality", "check_ransac_trials", "check_reduction_rate", "check_resampled",
     "check_scan_noise", "check_segments_all_round", "check_split", "check_steady_fit",
-    "check_surely_kept", "check_unwrapped", "check_weighed", "clearance", "clearance_at",
+    "check_surely_kept", "check_weighed", "clearance", "clearance_at",
     "clinic_walls", "compare_with_walls", "conclusions", "corridor_walk",
     "decide_map", "decide_way", "density", "drawings", "drive_to_frontiers", "equal_offices",
     "explore", "figures", "filter_change", "floor_of", "heading_profile", "known_building",
     "landscape", "load_columns", "load_trials", "measure_clinic", "near_metres", "occupied_centres",
     "office_views", "panels", "peaks", "precision_and_recall", "predict_beams_on_wall",
-    "predict_bend", "predict_coarse_leaves", "predict_crowd", "predict_drift", "predict_pieces",
-    "predict_scan_time", "predict_sparse_icp", "predict_survivors", "profile_peaks", "represent",
+    "predict_crowd", "predict_drift",
+    "predict_sparse_icp", "predict_survivors", "profile_peaks", "represent",
     "robot_on_the_left", "room_walk", "room_walls", "sample_points", "thesis_grid",
     "thesis_results", "try_pair", "unknown_building", "visible_walls", "wall_errors",
     "within_thesis",

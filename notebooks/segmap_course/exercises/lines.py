@@ -148,6 +148,7 @@ def _bent_runs(rng: Rng) -> Cases:
         "a near corner that counts, a far one that does not": bent(near_and_far),
         "the same from its other end": bent(near_and_far, back=True),
         "two corners that count": bent([(0, 0), (3, 0.6), (7, -0.5), (10, 0)]),
+        "a corner of one and a half tolerances": bent([(0, 0), (5, 0.09), (10, 0)]),
         "a near corner alone": bent([(0, 0), (2, 0.08), (11, 0)]),
         "a straight wall": bent([(0, 0), (10, 0)]),
         "a bend within the tolerance": bent([(0, 0), (6, 0.05), (10, 0)]),

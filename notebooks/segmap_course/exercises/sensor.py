@@ -1,11 +1,10 @@
-"""Exercises on the sensor: its beams, its characters and its clock."""
+"""Exercises on the sensor: its beams and its characters."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from segmap.arrays import Array
 from segmap.poses import transform
@@ -16,9 +15,6 @@ from segmap.simulation import cast_rays
 from ..literal.scip import distances_of
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed, edited
-
-#: The sensor's clock, milliseconds, starts again here.
-WRAP = 1 << 24
 
 
 # ------------------------------------------------------------------------------ beams
@@ -201,46 +197,6 @@ check_kept_distances = Exercise(
         ),
         "millimetres are asked for, not metres": (
             changed(_kept_distances, lambda found: found / 1000)
-        ),
-    },
-)
-
-
-def _stamps(rng: Rng) -> Cases:
-    def stamps(start: int, most: int, count: int) -> tuple[Any, ...]:
-        steps = rng.integers(most // 2, most, count)
-        return ((start + np.cumsum(steps)) % WRAP,)
-
-    start = int(rng.integers(1000, WRAP // 2))
-    return {
-        "a clock that does not wrap": stamps(start, 500, 5),
-        "a clock that wraps": stamps(WRAP - 900, 600, 6),
-        "a clock that wraps more than once": stamps(start, WRAP - 1, 6),
-        "a stamp that comes twice": (np.array([start, start + 40, start + 40, start + 90]),),
-    }
-
-
-def _unwrapped(stamps: ArrayLike, wrap: float = WRAP) -> Array:
-    return np.append(0, np.cumsum(np.diff(np.asarray(stamps, float)) % wrap)) / 1000
-
-
-check_unwrapped = Exercise(
-    "unwrapped(stamps) -> (n,) seconds since the first; stamps (n,) in milliseconds, which start "
-    "again at 0 after 2 ** 24 - 1",
-    _unwrapped,
-    _stamps,
-    {
-        "after 2 ** 24 - 1 comes 0, not a time before": lambda s: (s - s[0]) / 1000,
-        "it may wrap more than once: add up the steps from stamp to stamp": (
-            lambda s: (s - s[0]) % WRAP / 1000
-        ),
-        "from 2 ** 24 - 1 to 0 is one millisecond: there are 2 ** 24 values": (
-            lambda s: _unwrapped(s, WRAP - 1)
-        ),
-        "stamps are milliseconds, not seconds": lambda s: 1000 * _unwrapped(s),
-        "time counts from the first stamp: subtract it": lambda s: _unwrapped(s) + s[0] / 1000,
-        "after the clock has started again all later stamps are later, not this one alone": (
-            lambda s: (s - s[0] + WRAP * (np.diff(s, prepend=s[0]) < 0)) / 1000
         ),
     },
 )

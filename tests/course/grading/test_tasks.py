@@ -15,7 +15,7 @@ SOURCES = (
     "my_guess = 0\n\ncourse.predict_beams_on_wall(\n    my_guess\n)\n",
     "| 2 | it passes |\n| 3 | a reason |",
     "my_walls, my_map = None, None",
-    "course.break_quality(my_map)",
+    "course.break_reader(my_map)",
     "Draw it, by hand: 6 points",
     "my_log = my_poses = None\ncourse.check_own_log(my_log, my_poses)",
     "course.check_compose()",
@@ -40,8 +40,8 @@ def test_the_tasks_of_a_chapter_are_read_whole():
     assert tasks_of(NAME, made_up(*SOURCES)) == [
         Task("compose", NAME, 4, ("my_compose",), "my_compose"),
         Task("predict_beams_on_wall", NAME, 3, ("my_guess",), "my_guess"),
-        Task("break_quality", NAME, 2, ("my_map",), "my_map"),
-        Task("break_quality_by_hand", NAME, 3),
+        Task("break_reader", NAME, 2, ("my_map",), "my_map"),
+        Task("break_reader_by_hand", NAME, 3),
         Task("by_hand_99_11", NAME, 6),
         Task("own_log_99_by_hand", NAME, 10),
     ]
@@ -65,8 +65,8 @@ def test_a_source_notebook_is_written_whole():
     assert source["nbformat"] == 4
     name = cells.pop(1)
     listed_points = (
-        "- `compose`: 4 points\n- `predict_beams_on_wall`: 3 points\n- `break_quality`: 2 points\n"
-        "- `break_quality_by_hand`: 3 points, graded by hand\n"
+        "- `compose`: 4 points\n- `predict_beams_on_wall`: 3 points\n- `break_reader`: 2 points\n"
+        "- `break_reader_by_hand`: 3 points, graded by hand\n"
         "- `by_hand_99_11`: 6 points, graded by hand\n"
         "- `own_log_99_by_hand`: 10 points, graded by hand\n"
     )
@@ -109,10 +109,10 @@ def test_a_source_notebook_is_written_whole():
         answer("predict_beams_on_wall", "my_guess = 0"),
         *checked("predict_beams_on_wall", guess, 3, "", "course.predict_beams_on_wall(my_guess)"),
         ("c8", "markdown", SOURCES[8], {}),
-        points("break_quality", "**2 points** by the program; **3 points** by hand"),
-        answer("break_quality", SOURCES[9]),
-        *checked("break_quality", SOURCES[10], 2),
-        by_hand("break_quality_by_hand", 3),
+        points("break_reader", "**2 points** by the program; **3 points** by hand"),
+        answer("break_reader", SOURCES[9]),
+        *checked("break_reader", SOURCES[10], 2),
+        by_hand("break_reader_by_hand", 3),
         ("c11", "markdown", SOURCES[11], {}),
         by_hand("by_hand_99_11", 6),
         points("own_log_99", "**10 points** by hand"),

@@ -15,10 +15,6 @@ from typing import Any
 import numpy as np
 
 from segmap.arrays import Array
-from segmap.extraction import build_map
-from segmap.readers import load
-from segmap.segments import length, point_distance
-from segmap.simulation import rectangular_room
 
 from .._answers import numbers, plain, type_name
 from .._exercise import Check
@@ -143,45 +139,20 @@ def _finite(answer: Any) -> Array:
     return found
 
 
-# ------------------------------------------------------------------------ what several share
-#: The map before, of several challenges: the four walls of a room of 4 m x 3 m.
-ROOM = rectangular_room()
-
-
-def malaga() -> Array:
-    """The segments of the Malaga map, by its true poses."""
-    log = load("malaga")
-    assert log.truth is not None
-    return build_map(log, log.truth).segments
-
-
-def samples(walls: Array) -> Array:
-    """201 points of each wall, evenly spaced from end to end, `(201, n, 2)`."""
-    share = np.linspace(0, 1, 201)[:, None, None]
-    return walls[:, 0] * (1 - share) + walls[:, 1] * share
-
-
-def metres_away(map: Array, other: Array, off: float) -> float:
-    """Metres of a map that lie farther than `off` from every wall of another map."""
-    away = point_distance(samples(map)[:, :, None], other).min(axis=-1)
-    return float(((away > off).mean(axis=0) * length(map)).sum())
-
-
-def admit(
-    given: Array, what: str, least: int, most: int, *, within: float = 20.0, of: str = "(0, 0)"
-) -> Array:
-    """Points `(n, 2)`, or segments `(n, 2, 2)` of any other name, as many as are wanted.
+# ------------------------------------------------------------------------ what is admitted
+def admit(given: Array, what: str, least: int, most: int, *, within: float = 20.0) -> Array:
+    """Places `(n, 2)`, or segments `(n, 2, 2)` of any other name, as many as are wanted.
 
     Raises
     ------
     ValueError
         For another shape, too few or too many, and a place far away.
     """
-    tail, shape = ((2,), "(n, 2)") if what in ("points", "places") else ((2, 2), "(n, 2, 2)")
+    tail, shape = ((2,), "(n, 2)") if what == "places" else ((2, 2), "(n, 2, 2)")
     if given.shape[1:] != tail or not least <= len(given) <= most:
         raise ValueError(
             f"give {least} to {most} {what}, {shape} in metres, got shape {given.shape}"
         )
     if np.abs(given).max() > within:
-        raise ValueError(f"stay within {within:g} m of {of}")
+        raise ValueError(f"stay within {within:g} m of (0, 0)")
     return given

@@ -4,37 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from segmap.extraction import build_map
-from segmap.reduction import one_per_wall
-from segmap.simulation import SICK_LMS200
-
-from ..._known_buildings import driven
 from ._open import Prediction
 from .decision import Decision
 
-
-# ---------------------------------------------------------------------------- maps
-def _bend() -> float:
-    log = driven("floor", 0, SICK_LMS200)
-    assert log.truth is not None
-    along = np.linspace(0, 2 * np.pi, len(log))
-    bent = log.truth + np.stack([0.1 * np.sin(along), 0 * along, 0 * along], -1)
-    found = one_per_wall(build_map(log, bent, keep_points=True).filtered(0.10))
-    return 1000 * float(found.noise)
-
-
-predict_bend = Prediction(
-    "predict_bend(guess): the poses of the floor do not err one by one: they are off along x by "
-    "0.1 m times the sine of one turn over the whole drive; how many millimetres does "
-    "`one_per_wall(...).noise` tell; within a factor of 2",
-    _bend,
-    "mm",
-    factor=2,
-    because="Neighbours share the bend, and only what they do not share is noise to this method: "
-    "walls that are 0.1 m off are called right to some millimetres",
-)
-
-# ---------------------------------------------------------------------------- robots
 predict_crowd = Prediction(
     "predict_crowd(guess): a scan lies rightly on the map, but a fifth of its beams end on people "
     "far from any wall; what is its fit, the geometric mean of 0.9 exp(-d^2 / 2 sigma^2) + 0.1; "

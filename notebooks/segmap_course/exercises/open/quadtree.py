@@ -1,41 +1,19 @@
-"""Open exercises on quadtree maps: coarser cells, a room that fools a matcher, walls that fade."""
+"""An open exercise on quadtree maps: walls that fade."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from segmap.arrays import Array
-from segmap.matching import field_score, hill_climb
 from segmap.poses import transform
-from segmap.quadtree import QuadtreeMap, build_map
+from segmap.quadtree import QuadtreeMap
 from segmap.simulation import cast_rays
 
-from ..._matcher_trials import room_walk
-from ._open import Challenge, Prediction, admit
+from ._open import Challenge, admit
 
 #: A beam each half degree, all round.
 _BEAMS = np.radians(np.arange(720) / 2)
 _REACH = 5.6  #: metres, of these beams
-_PLACES = np.stack([np.arange(-1, 1.01, 0.25), np.zeros(9), np.zeros(9)], -1)
-_START = np.array([0.3, 0.0, 0.0])  #: where the matcher begins; the scan was made at (0, 0, 0)
-
-
-def _coarse_leaves() -> float:
-    log = room_walk()[:40]
-    assert log.truth is not None
-    return float(len(build_map(log, log.truth, resolution=0.02).leaves().x))
-
-
-predict_coarse_leaves = Prediction(
-    "predict_coarse_leaves(guess): leaves of the map of the first 40 scans of `course.room_walk()` "
-    "at their true poses with cells of 2 cm; with cells of 1 cm it has 8488; within a factor of "
-    "1.15",
-    _coarse_leaves,
-    "leaves",
-    factor=1.15,
-    because="The noise of a range is as large as the small cells: each wall fills several of them "
-    "side by side, but hardly more than one or two of the large ones",
-)
 
 
 def _ends(walls: Array, pose: Array) -> Array:
@@ -50,33 +28,6 @@ def _mapped(walls: Array, poses: Array, resolution: float) -> QuadtreeMap:
     for pose in poses:
         map.insert_scan(pose[:2], transform(pose, _ends(walls, pose)))
     return map
-
-
-def _matching_fooled(walls: Array) -> str:
-    points = _ends(admit(walls, "walls", 1, 20), np.zeros(3))
-    if len(points) < 200:
-        return f"only {len(points)} of 720 beams meet a wall, 200 are wanted"
-    map = _mapped(walls, _PLACES, 0.02)
-    found = hill_climb(map, points, _START)
-    off = float(np.hypot(*found[:2]))
-    if off < 0.2:
-        return f"the matcher ends {100 * off:.0f} cm from the truth, 20 cm are wanted"
-    there, truth = field_score(map, points, [found, np.zeros(3)]) / len(points)
-    if there < truth - 0.005:
-        worse = 1000 * (truth - there)
-        return f"the score sees it: {worse:.0f} mm a beam worse than at the truth"
-    return ""
-
-
-break_matching = Challenge(
-    "break_matching(walls): 1 to 20 walls, (n, 2, 2) in metres, within 20 m of (0, 0), of which "
-    "200 beams or more of a scan at (0, 0, 0) see some (720 beams, no noise, 5.6 m). The map holds "
-    "scans from x = -1 to 1 m, y = 0. Hill climbing from (0.3, 0, 0) must end 0.2 m or more from "
-    "the truth, with a score that is at most 5 mm a beam worse than there",
-    _matching_fooled,
-    praise="Where the walls leave a motion free, or repeat along it, other places fit as well "
-    "as the truth, and no score of this scan on this map can tell them apart",
-)
 
 
 def _faded(walls: Array, places: Array) -> str:

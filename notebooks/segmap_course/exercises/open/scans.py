@@ -1,4 +1,4 @@
-"""Open exercises of parts 1 and 2: odometry, readers, polylines and the algebraic line."""
+"""Open exercises on beams, odometry and readers."""
 
 from __future__ import annotations
 
@@ -7,16 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from segmap.angles import axial_difference
 from segmap.arrays import Array
-from segmap.extraction import extract_clusters, extract_polylines
 from segmap.poses import compose
 from segmap.readers import read
-from segmap.scans import LaserScan
-from segmap.segments import angle, length, point_distance
-from segmap.simulation import cast_rays, circular_room
+from segmap.simulation import cast_rays
 
-from ._open import Challenge, Prediction, admit
+from ._open import Challenge, Prediction
 
 
 # ----------------------------------------------------------- beams, odometry and readers
@@ -81,52 +77,4 @@ break_reader = Challenge(
     _reader_fooled,
     praise="The reader guesses the measuring mode from the largest range of the log; a log that "
     "happens to end at 8.2 m looks like one of a sensor that sees no farther",
-)
-
-
-# ------------------------------------------------------------------------ lines and polylines
-def _pieces() -> float:
-    angles = np.radians(np.arange(-180, 180, 0.25))
-    ranges = cast_rays(circular_room(5.0, sides=4096), (5.7, 5.3, 0.0), angles)
-    scan = LaserScan(ranges, angles).points()
-    return float(len(extract_polylines(scan, tolerance=0.02, closed=True)))
-
-
-predict_pieces = Prediction(
-    "predict_pieces(guess): how many segments `extract_polylines` makes of a round room of 5 m "
-    "radius, seen whole and without noise from near its middle, at a tolerance of 0.02 m; within a "
-    "factor of 1.3",
-    _pieces,
-    "segments",
-    factor=1.3,
-    because="At least 2 pi sqrt(r / (8 tolerance)) = 35 are needed; splitting makes some more",
-)
-
-
-def _line_fooled(points: Array, most: float = 0.01, wanted: float = 10.0) -> str:
-    total = _one_wall(points, most)
-    found = extract_clusters(points, gap=np.inf, fit="algebraic")
-    if not len(found):
-        return "the algebraic fit has no solution, so it gives no wrong line: add some noise"
-    turn = abs(np.degrees(axial_difference(angle(found[0]), angle(total))))
-    return "" if turn >= wanted else f"it is turned by {turn:.1f} degrees, {wanted:g} are wanted"
-
-
-def _one_wall(points: Array, most: float) -> Array:
-    """The total least squares segment of points that are one straight wall."""
-    admit(points, "points", 20, 1000, of="the robot, which is at the origin")
-    total = extract_clusters(points, gap=np.inf)
-    off = point_distance(points, total[0]).max() if len(total) else np.inf
-    if not len(total) or length(total[0]) < 1 or off > most:
-        raise ValueError(f"a straight wall is wanted: 1 m long, no point {most:g} m off it")
-    return np.asarray(total[0])
-
-
-break_line = Challenge(
-    "break_line(points): 20 to 1000 points, (n, 2) in metres, of one straight wall, at least 1 m "
-    "long and within 20 m; no point is more than 0.01 m off its total least squares line; the "
-    "algebraic line is turned against that by at least 10 degrees",
-    _line_fooled,
-    praise="The slope of the algebraic line is wrong by m sigma^2 / (d v): that takes no large "
-    "noise, only a line that passes near the origin",
 )
