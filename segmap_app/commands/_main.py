@@ -79,14 +79,13 @@ def main(arguments: list[str] | None = None) -> int:
 
 def parser() -> Command:
     """The parser of all commands."""
-    found = Command(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
-    found.add_argument("--version", action="version", version=f"segmap {__version__}")
-    commands = found.add_subparsers(
+    program = Command(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
+    program.add_argument("--version", action="version", version=f"segmap {__version__}")
+    commands = program.add_subparsers(
         required=True, metavar="COMMAND", title="commands", parser_class=Command
     )
     for add in COMMANDS:
         add(commands)
-    said = {action.dest: str(action.help) for action in commands._choices_actions}
-    for name, each in commands.choices.items():
-        each.finish(said[name])
-    return found
+    for name, action in zip(commands.choices, commands._choices_actions, strict=True):
+        commands.choices[name].finish(str(action.help))
+    return program

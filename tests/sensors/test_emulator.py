@@ -138,17 +138,6 @@ def test_the_old_protocol():
     assert Bench(protocol="1.1 only").says("SCIP2.0") == b"SCIP2.0\nE\n\n"
 
 
-def test_a_long_line_is_forgotten():
-    """Catches a buffer that grows with what is never a request."""
-    bench = Bench()
-    for _ in range(100):
-        bench.unit.receive(b"x" * 1000)
-    kept = [held for held in vars(bench.unit).values() if isinstance(held, bytes | bytearray)]
-    assert max(map(len, kept)) <= 80
-    assert replies(bench.says(""))[0].status == "0E"
-    assert bench.status("VV") == "00"
-
-
 # ---------------------------------------------------------------------------- worlds
 def test_a_room_is_driven_through_there_and_back():
     path = [(1.0, 1.0, 0.0), (1.5, 1.0, 0.0), (2.0, 1.0, 0.0)]

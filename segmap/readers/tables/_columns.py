@@ -171,29 +171,29 @@ def places_of(names: Sequence[str], meant: Mapping[str, str] = {}) -> dict[str, 
 
     Of two of a kind the one with a unit counts; where both or neither has one, a ValueError.
     """
-    found: dict[str, tuple[int, Column]] = {}
+    columns: dict[str, tuple[int, Column]] = {}
     for place, name in enumerate(names):
         column = meaning(name)
         if column is None:
             continue
         column = column._replace(role=meant.get(column.role, column.role))
-        first = found.get(column.role)
+        first = columns.get(column.role)
         if first and first[1].is_whole == column.is_whole:
             raise ValueError(
                 f"{names[first[0]]!r} and {name!r} both say that they are the {column.role}"
             )
         if not first or column.is_whole:
-            found[column.role] = place, column
-    return found
+            columns[column.role] = place, column
+    return columns
 
 
 def missing_in(names: Sequence[str]) -> str:
     """What names do not say of a log; empty where they say all."""
     try:
-        found = places_of(names)
+        columns = places_of(names)
     except ValueError as fault:
         return str(fault)
-    roles = {*found}
+    roles = {*columns}
     if not {"range", "ranges"} & roles and ({"x", "y", "angle"} <= roles or {*QUATERNION} <= roles):
         return POSES_ALONE
     needed = next((kind for kind in BEAM_ROLES if {*kind} <= roles), None)
@@ -202,5 +202,7 @@ def missing_in(names: Sequence[str]) -> str:
         lacking = next((part[role] for role in part if role in roles), "angle, and which the range")
         return f"no name says which column is the {lacking}"
     poses = [role for role in POSE if role in roles]
-    open_ = [names[found[role][0]] for role in (*needed, *poses) if not found[role][1].is_whole]
-    return f"the unit of {' and '.join(map(repr, open_))} is not said" if open_ else ""
+    unsaid = [
+        names[columns[role][0]] for role in (*needed, *poses) if not columns[role][1].is_whole
+    ]
+    return f"the unit of {' and '.join(map(repr, unsaid))} is not said" if unsaid else ""

@@ -57,8 +57,8 @@ IN_ORDER = "scans in the order of the numbers in the files' names"
 def files_of(folder: Path) -> dict[str, Path]:
     """The files of a recording in a folder, by sensor."""
     files = (path for path in sorted(folder.iterdir()) if path.is_file())
-    found = ((PATTERN.search(path.name), path) for path in files)
-    return {match[1].upper(): path for match, path in found if match}
+    matches = ((PATTERN.search(path.name), path) for path in files)
+    return {match[1].upper(): path for match, path in matches if match}
 
 
 def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:

@@ -30,8 +30,6 @@ from ._worlds import MODELS, ModelName
 World = Callable[[int], NDArray[np.int64]]
 #: Beyond every distance, millimetres.
 FARTHEST_MM = 1 << 20
-#: No request is longer; what is, is forgotten.
-LONGEST_REQUEST = 80
 EMULATED_RATES = (19200, 38400, 57600, 115200, 250000, 500000, 750000)
 #: What it speaks after power-up, and how much faster its seconds go by.
 PowerUp = Literal["2.0", "1.1", "1.1 only"]
@@ -112,12 +110,9 @@ class Unit:
     def receive(self, data: bytes) -> None:
         """Take bytes of the host, and act on each whole line."""
         *lines, self._line = (self._line + data).replace(b"\r", b"\n").split(b"\n")
-        self._line = self._line[-LONGEST_REQUEST:]
         for line in lines:
-            text = line[-LONGEST_REQUEST:].decode("ascii", "replace")
-            if text:
+            if text := line.decode("ascii", "replace"):
                 self.received.append(text)
-                del self.received[:-1000]
                 self._out += self._answer(text)
 
     def transmit(self) -> bytes:
