@@ -16,12 +16,12 @@ from ..scans import Log
 def write_arrays(path: str | Path, log: Log) -> None:
     """Write a log as arrays by name, as `read` takes it in.
 
-    They are `ranges` and `angles`, `(k, n)`, so that all scans must have one number of beams;
-    `max_range`, `(k,)`; `sensor_pose`, `(k, 3)`, of the laser on the robot; and where the log has
-    them `times`, `(k,)`, `odometry` and `truth`, `(k, 3)`, of the robot, NaN where a scan has none,
-    `codes` and `delays`, `(k, n)`, with `order_known`, the odometry's `track`, `(m, 4)`, and what
-    is `assumed`. The name must end in `.npz`. Beams that met nothing are infinite, those with an
-    error NaN.
+    They are `ranges` and `angles`, `(k, n)`, where scans with fewer beams than the longest are
+    filled up, and then `beams`, `(k,)`, counts those of each; `max_range`, `(k,)`; `sensor_pose`,
+    `(k, 3)`, of the laser on the robot; and where the log has them `times`, `(k,)`, `odometry` and
+    `truth`, `(k, 3)`, of the robot, NaN where a scan has none, `codes` and `delays`, `(k, n)`, with
+    `order_known`, the odometry's `track`, `(m, 4)`, and what is `assumed`. The name must end in
+    `.npz`. Beams that met nothing are infinite, those with an error NaN.
 
     Examples
     --------
@@ -35,11 +35,6 @@ def write_arrays(path: str | Path, log: Log) -> None:
     place = arrays.file(path)
     if place.suffix != ".npz":
         raise ValueError(f"path: the name must end in .npz, got {place.name!r}")
-    counts = sorted({len(scan) for scan in arrays.instance(log, "log", Log)})
-    if len(counts) != 1:
-        raise ValueError(
-            f"log {log.name!r} must have scans of one number of beams, got {counts or 'no scan'}"
-        )
     write_npz(place, "log of segmap 1", log_arrays(log))
 
 

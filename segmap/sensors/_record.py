@@ -75,7 +75,9 @@ def record(
     written = 0
     if target.suffix.lower() in CARMEN:
         for scan in islice(scans, count):
-            _append_line(target, scan)
+            line = _rawlaser(scan)
+            with target.open("a", encoding="ascii", newline="\n") as file:
+                file.write(line + "\n")
             written += 1
         return written
     target.mkdir(exist_ok=True)
@@ -102,12 +104,6 @@ def check_target(path: str | Path, count: int | None = None) -> Path:
     else:
         writable(target / "scan" if target.is_dir() else target)
     return target
-
-
-def _append_line(path: Path, scan: LaserScan) -> None:
-    line = _rawlaser(scan)
-    with path.open("a", encoding="ascii", newline="\n") as file:
-        file.write(line + "\n")
 
 
 def _rawlaser(scan: LaserScan) -> str:
