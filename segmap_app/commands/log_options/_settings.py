@@ -22,36 +22,36 @@ PREPARE = ("no_deskew", "keep_body", "mask", "clockwise", "mount", "mount_auto")
 def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
     """The options given, above those of the file that --config names."""
     words = _written_out(words)
-    begun = argparse.Namespace(parser=parser, words=words, lent=set(), held=set())
-    found, left = parser.parse_known_args(words, begun)
-    if left:
-        found.command.refuse_unknown(left)
-    if path := getattr(found, "config", None):
+    begin = argparse.Namespace(parser=parser, words=words, lent=set(), held=set())
+    options, unknown = parser.parse_known_args(words, begin)
+    if unknown:
+        options.command.refuse_unknown(unknown)
+    if path := getattr(options, "config", None):
         try:
-            held = tomllib.loads(read_text(path))
+            stored = tomllib.loads(read_text(path))
         except LogError:
             raise
         except ValueError as error:  # no TOML, or no text
             raise ValueError(f"{shown(path)}: {error}") from error
-        found, left = applied(found, held)
-        if left:
-            near = meant(left[0].replace("_", "-"), flags(found))
-            found.refuse(f"{path} has {left[0]}, which is no option{near}")
-    return found
+        options, unknown = applied(options, stored)
+        if unknown:
+            near = meant(unknown[0].replace("_", "-"), flags(options))
+            options.refuse(f"{path} has {unknown[0]}, which is no option{near}")
+    return options
 
 
 def _written_out(words: Sequence[str]) -> list[str]:
     """The words with `--mount auto`, and `--strict` without a share, as options of their own."""
-    found: list[str] = []
+    written: list[str] = []
     for word, following in zip(words, [*words, ""][1:], strict=True):
-        if word == "auto" and found[-1:] == ["--mount-auto"]:
+        if word == "auto" and written[-1:] == ["--mount-auto"]:
             continue
         if word == "--mount=auto" or (word == "--mount" and following == "auto"):
             word = "--mount-auto"
         if word == "--strict" and not _is_number(following):
             word = "--strict-verdict"
-        found.append(word)
-    return found
+        written.append(word)
+    return written
 
 
 def _is_number(word: str) -> bool:
@@ -64,34 +64,34 @@ def _is_number(word: str) -> bool:
 
 
 def applied(
-    given: argparse.Namespace, held: Mapping[str, Any]
+    given: argparse.Namespace, stored: Mapping[str, Any]
 ) -> tuple[argparse.Namespace, list[str]]:
-    """The options given above those held, and the names of those that the command does not have.
+    """The options given above those stored, and the names of those that the command does not have.
 
-    Where another method is given than is held, its thresholds are lent to none.
+    Where another method is given than is stored, its thresholds are lent to none.
     """
-    words, left, known = [given.words[0]], [], flags(given)
-    for name, value in held.items():
+    words, unknown, actions = [given.words[0]], [], flags(given)
+    for name, value in stored.items():
         flag = name.replace("_", "-")
-        if flag not in known:
-            left.append(name)
+        if flag not in actions:
+            unknown.append(name)
         elif not (flag == "output" and given.output):
-            words += _written(flag, value, known[flag])
+            words += _written(flag, value, actions[flag])
     words += given.words[1:]
-    begun = argparse.Namespace(
-        parser=given.parser, words=words, lent=set(), held=given.held | {*held}
+    begin = argparse.Namespace(
+        parser=given.parser, words=words, lent=set(), held=given.held | {*stored}
     )
-    found = given.parser.parse_args(words, begun)
+    options = given.parser.parse_args(words, begin)
     for kind in ("method", "align"):
-        if kind in held and getattr(found, kind, held[kind]) != held[kind]:
-            found.lent = {name.replace("-", "_") for name in held}
-    return found, left
+        if kind in stored and getattr(options, kind, stored[kind]) != stored[kind]:
+            options.lent = {name.replace("-", "_") for name in stored}
+    return options, unknown
 
 
 def flags(given: argparse.Namespace) -> dict[str, argparse.Action]:
     """The options of a command, by their names without dashes in front."""
-    found = given.command._option_string_actions
-    return {flag[2:]: action for flag, action in found.items() if flag.startswith("--")}
+    actions = given.command._option_string_actions
+    return {flag[2:]: action for flag, action in actions.items() if flag.startswith("--")}
 
 
 def _written(flag: str, value: Any, action: argparse.Action) -> list[str]:
