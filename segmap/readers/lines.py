@@ -152,11 +152,6 @@ class Lines(Reading):
                 if text and not (comment or text.isspace()):
                     yield fields
 
-    def held(self, most: int) -> bytes:
-        """At most so many bytes of a file that may have no lines."""
-        with self.path.open("rb") as file:
-            return file.read(most)
-
 
 def stem(path: Path) -> str:
     """The name of a log: that of its file, without what tells its kind."""

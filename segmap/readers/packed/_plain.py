@@ -44,8 +44,6 @@ MARKS = {
 FRONT_BYTES = 1024
 #: Bytes that are copied at once.
 CHUNK_BYTES = 1 << 20
-#: No options, and no table of loops, are longer.
-MOST_TEXT_BYTES = 10_000_000
 
 
 @contextmanager
@@ -95,8 +93,7 @@ def read_text(path: str | Path) -> str:
     """
     with log_file(path) as place:
         try:
-            with place.open("rb") as file:
-                return file.read(MOST_TEXT_BYTES).decode("utf-8")
+            return place.read_text("utf-8")
         except UnicodeDecodeError as fault:
             raise LogError(place, f"expected text in UTF-8 ({fault})") from fault
 

@@ -43,8 +43,6 @@ from ._question import choices_of
 
 #: No scan has more beams.
 MOST_BEAMS_READ = 100_000
-#: No table has more bytes.
-MOST_BYTES = 1 << 30
 #: The largest number of two bytes, which sensors send where they measure nothing.
 FULL = 65535
 HALF_DAY_S = 43_200.0
@@ -71,7 +69,7 @@ class Rows:
         import pandas as pd
 
         self.lines, self.layout = lines, layout
-        text = lines.held(MOST_BYTES).decode("utf-8-sig", "replace")
+        text = lines.path.read_bytes().decode("utf-8-sig", "replace")
         is_quoted = '"' in text
         each = [row.strip(STRIPPED) for row in text.split("\n")]
         head = each[layout.line - 1] if layout.line else ""
