@@ -110,21 +110,15 @@ def matches(map: Array, scan: Array, rule: Rule) -> list[tuple[int, int]]:
 
 def chains(count: int, pairs: Sequence[tuple[int, int]]) -> list[list[int]]:
     """What is connected of the numbers 0 to count - 1, by lowest member, each ascending."""
-    beside: list[list[int]] = [[] for _ in range(count)]
-    for i, j in pairs:
-        beside[i].append(j)
-        beside[j].append(i)
-    found, seen = [], set[int]()
-    for i in range(count):
-        if i not in seen:
-            chain, todo = {i}, [i]
-            while todo:
-                new = set(beside[todo.pop()]) - chain
-                chain |= new
-                todo += new
-            seen |= chain
-            found.append(sorted(chain))
-    return found
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    links = np.ones(len(pairs)), tuple(np.reshape(pairs, (-1, 2)).T)
+    chain = connected_components(coo_array(links, shape=(count, count)), directed=False)[1]
+    members: list[list[int]] = [[] for _ in range(int(chain.max(initial=-1)) + 1)]
+    for i, k in enumerate(chain.tolist()):
+        members[k].append(i)
+    return members
 
 
 def distance_to_piece(u: Segment, v: Segment) -> float:

@@ -138,14 +138,13 @@ class Sums:
         return 0.5 * math.atan2(2 * self.xy, self.xx - self.yy)
 
 
-def sums_of(points: Sequence[Point], weights: Sequence[float] | None = None) -> Sums:
-    """Running sums of points, metres, each counted once or as often as its weight says."""
-    rows = list(zip([1.0] * len(points) if weights is None else weights, points, strict=True))
-    n = sum(w for w, _ in rows)
-    x, y = sum(w * p[0] for w, p in rows) / n, sum(w * p[1] for w, p in rows) / n
-    xx = sum(w * (p[0] - x) * (p[0] - x) for w, p in rows)
-    xy = sum(w * (p[0] - x) * (p[1] - y) for w, p in rows)
-    yy = sum(w * (p[1] - y) * (p[1] - y) for w, p in rows)
+def sums_of(points: Sequence[Point]) -> Sums:
+    """Running sums of points, metres."""
+    n = float(len(points))
+    x, y = sum(p[0] for p in points) / n, sum(p[1] for p in points) / n
+    xx = sum((p[0] - x) * (p[0] - x) for p in points)
+    xy = sum((p[0] - x) * (p[1] - y) for p in points)
+    yy = sum((p[1] - y) * (p[1] - y) for p in points)
     return Sums(n, x, y, xx, xy, yy)
 
 
