@@ -202,6 +202,7 @@ REFUSED = {
         "must",
     ),
     "clockwise": (log_of([shot(k, -HALF_TURN) for k in range(3)]), None, "counter-clockwise"),
+    "no beam": (Log("x", [LaserScan([], [])], [(0, 0, 0)]), None, "scan 0 has no beam"),
     "two that look ahead": (AHEAD_TWICE, None, "of which one looks back, got 2: "),
     "three places": (THREE_PLACES, None, "got 3: "),
     "one pose a laser": (log_of(SHOTS[:3]), None, "read as the laser's place on the robot"),

@@ -188,6 +188,8 @@ WRONG = {
     "another head": ("a,b\n1,2\n", 1, "expected the head x1,y1,x2,y2,scan, got 'a,b'"),
     "a field less": (HEAD + "1,2,3,4,5\n1,2,3,4\n", 3, "expected 5 fields"),
     "a word": (HEAD + "1,2,wall,4,5\n", 2, "expected numbers for x1,y1,x2,y2,scan, got 'wall'"),
+    "no number": (HEAD + "nan,2,3,4,5\n", 2, "expected metres for x1,y1,x2,y2"),
+    "no scan": (HEAD + "1,2,3,4,inf\n", 2, "expected a whole number for scan, got inf"),
     "too far": (HEAD + "1,2,3,1.1e7,5\n", 2, "expected metres for"),
     "half a scan": (HEAD + "1,2,3,4,0.5\n", 2, "expected a whole number for scan, got 0.5"),
 }
