@@ -1,4 +1,4 @@
-"""Hokuyo sensors on a serial port or Ethernet: their protocol SCIP, a driver, a recorder.
+"""Lasers on a serial port or Ethernet: Hokuyo's by their protocol SCIP, low-cost ones by `lds2d`.
 
 `segmap sensor list`, `info` and `record` do the same from a terminal.
 """
@@ -7,7 +7,9 @@ from ._host import Newest
 from ._protocol import SensorError, checksum, decode, encode, parse_scan
 from ._record import record
 from ._sensor import UrgSensor
+from ._spinning import SpinningLaser, spinning_models
 
 __all__ = [
-    "Newest", "SensorError", "UrgSensor", "checksum", "decode", "encode", "parse_scan", "record",
+    "Newest", "SensorError", "SpinningLaser", "UrgSensor", "checksum", "decode", "encode",
+    "parse_scan", "record", "spinning_models",
 ]  # fmt: skip

@@ -4,7 +4,8 @@
 """
 
 from ._emulator import Emulator
+from ._spinning import SpinningEmulator
 from ._unit import Unit
 from ._worlds import Room, furnished_room
 
-__all__ = ["Emulator", "Room", "Unit", "furnished_room"]
+__all__ = ["Emulator", "Room", "SpinningEmulator", "Unit", "furnished_room"]

@@ -9,12 +9,12 @@ import select
 import socket
 import threading
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from .._protocol import SensorError
-from ._unit import EMULATED_RATES, Unit
+from ._unit import EMULATED_RATES
 
 #: Faults of the wire, by name.
 WIRE_FAULTS = ("flip", "lose", "stale", "stop", "silence", "unplug")
@@ -24,6 +24,19 @@ STALE_BYTES = b"0AI0AI0AJ0AK\n\nGD00440\n00P\n"
 READ_PIECE_BYTES = 4096
 
 _LISTEN_ADDRESS = re.compile(r"(?:(?:\[(?P<six>[^]]+)]|(?P<host>[^:]*)):)?(?P<port>[0-9]{1,5})")
+
+
+class Speaker(Protocol):
+    """A sensor without its wire: bytes in, bytes out; behind USB any bit rate fits."""
+
+    rate: int
+    usb: bool
+
+    def receive(self, data: bytes) -> None:
+        """Take bytes of the host."""
+
+    def transmit(self) -> bytes:
+        """What it has to send by now."""
 
 
 class Fault(NamedTuple):
@@ -137,7 +150,7 @@ class Terminal:
         except BlockingIOError:
             return 0
 
-    def fits(self, unit: Unit) -> bool:
+    def fits(self, unit: Speaker) -> bool:
         """The terminal tells both its ends at what rate the host talks."""
         import termios
 
@@ -215,7 +228,7 @@ class Listener:
             self._drop()
             return len(data)
 
-    def fits(self, unit: Unit) -> bool:
+    def fits(self, unit: Speaker) -> bool:
         """A network has no bit rate to agree on."""
         return True
 

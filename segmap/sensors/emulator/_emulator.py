@@ -11,7 +11,7 @@ import numpy as np
 
 from ... import arrays
 from ...arrays import Count, Seconds, at_least, checked
-from ._device import WIRE_FAULTS, Fault, Listener, Terminal, Unplugged, Wire
+from ._device import WIRE_FAULTS, Fault, Listener, Speaker, Terminal, Unplugged, Wire
 from ._unit import Unit, World
 from ._worlds import ModelName, Room, furnished_room
 
@@ -22,7 +22,7 @@ TICK = 0.005
 class Device:
     """A line and the thread that serves it; it holds no reference to its Emulator."""
 
-    def __init__(self, unit: Unit, wire: Wire, end: Terminal | Listener) -> None:
+    def __init__(self, unit: Speaker, wire: Wire, end: Terminal | Listener) -> None:
         self.unit, self.wire, self.end = unit, wire, end
         self._thread: threading.Thread | None = None
         self._stopping = threading.Event()

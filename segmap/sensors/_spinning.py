@@ -1,0 +1,251 @@
+"""Lasers that turn without end, as RPLidar, LD19 and YDLidar do, read by the package `lds2d`."""
+
+from __future__ import annotations
+
+import contextlib
+import weakref
+from collections import deque
+from collections.abc import Callable, Iterator
+from os import PathLike
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .. import arrays
+from ..arrays import Seconds, checked
+from ..display import pip_install
+from ..poses.motions import wrap
+from ..scans import LaserScan
+from ._host import host_time
+from ._lines import PULLED_OUT_ERRORS, Port
+from ._port import checked_port, open_port
+from ._protocol import SensorError, SensorGone, Silent
+
+#: So many bytes without one measurement are of another laser, or of another bit rate.
+FRUITLESS_BYTES = 20_000
+#: Turns whose median lasts as long as a turn does.
+PERIOD_TURNS = 5
+#: Degrees that an angle may fall back between two measurements; more: a part of a turn was lost.
+MOST_BACK_DEG = 90.0
+
+
+class SpinningModel(NamedTuple):
+    """What its maker says: which way angles count, and whether DTR set lets the motor run."""
+
+    clockwise: bool = True
+    dtr: bool | None = None
+    tried: bool = False
+
+
+#: Models whose bytes were tried, on emulators of the makers' protocols. `lds2d` knows more.
+TRIED_MODELS = dict.fromkeys(
+    ("LD06", "LD19", "STL19P", "RPLIDAR-C1", "YDLIDAR-X2"), SpinningModel(tried=True)
+) | {
+    "RPLIDAR-A1": SpinningModel(dtr=False, tried=True),
+    "YDLIDAR-X4": SpinningModel(dtr=True, tried=True),
+}
+
+
+class SpinningLaser:
+    """A low-cost laser that turns without end: use it as a context manager.
+
+    Each scan is a whole turn, wherever it began, with its beams counter-clockwise, their own angles
+    and their delays. A range of 0 is no measurement; a beam of quality 0 is one like any other.
+    Tried on emulators of the makers' protocols, not on real lasers.
+
+    Parameters
+    ----------
+    model : str
+        As `spinning_models()` has them: LD19, RPLIDAR-A1, YDLIDAR-X4, ...
+    port : str or Path or Port
+        A device, as /dev/ttyUSB0, or an open port that does not wait for ever.
+    clockwise : bool or None
+        Which way its angles count, seen from above; None as the maker says, else it is assumed.
+    rate : int or None, bits a second
+        None for the model's own.
+    timeout : float, seconds
+        To wait for bytes.
+    sensor_pose : (3,) array, metres and radians
+        Pose of the sensor in the frame of the robot, passed on to the scans.
+    clock : callable
+        Seconds of the host, which only go on; the scans' times are on it.
+
+    Attributes
+    ----------
+    delivered : int
+        Scans handed over.
+    assumed : tuple of str
+        What neither the maker nor the caller says.
+
+    Raises
+    ------
+    SensorError
+        Where it cannot be opened or falls silent, with what to do.
+
+    Examples
+    --------
+    >>> with SpinningLaser("LD19", "/dev/ttyUSB0") as laser:  # doctest: +SKIP
+    ...     for scan in laser.scans():
+    ...         print(scan)
+    """
+
+    @checked
+    def __init__(
+        self,
+        model: str,
+        port: str | PathLike[str] | Port,
+        *,
+        clockwise: bool | None = None,
+        rate: int | None = None,
+        timeout: Seconds = 2.0,
+        sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
+        clock: Callable[[], float] = host_time,
+    ) -> None:
+        self.model = arrays.one_of(model.upper().replace("_", "-"), "model", spinning_models())
+        known = TRIED_MODELS.get(self.model, SpinningModel())
+        self.assumed: tuple[str, ...] = ("the beams of a turn follow each other evenly in time",)
+        if clockwise is None and not known.tried:
+            self.assumed += (f"the angles of the {self.model} count clockwise",)
+        self._turn = -1.0 if (known.clockwise if clockwise is None else clockwise) else 1.0
+        self._sensor_pose, self._clock = arrays.pose(sensor_pose, "sensor_pose"), clock
+        self.delivered = 0
+        driver = _lds2d().core.driver_for(self.model)
+        rate, port = rate or driver.DEFAULT_BAUD, checked_port(port)
+        opened = open_port(port, rate) if isinstance(port, str) else port
+        words = f"is it a {self.model}, at {rate} bit/s, and does it turn?"
+        self._transport = _Transport(opened, timeout, clock, words)
+        self._driver = driver(self._transport)
+        self._leave = weakref.finalize(self, _leave, self._driver, opened, known.dtr)
+        with contextlib.suppress(AttributeError, *PULLED_OUT_ERRORS):  # a pseudo-terminal has none
+            if known.dtr is not None:
+                opened.dtr = known.dtr  # type: ignore[attr-defined]
+            opened.reset_input_buffer()  # type: ignore[attr-defined]
+        with contextlib.suppress(_lds2d().NotSupportedError):
+            self._driver.start()
+
+    def scans(self) -> Iterator[LaserScan]:
+        """Turn after turn, until the loop is left: 360 degrees of motion, whichever way.
+
+        Raises
+        ------
+        SensorError
+            Where nothing comes, nothing that can be read, or the laser is unplugged or closed.
+        """
+        beams: list[tuple[float, float, float]] = []
+        self._transport.arrived, way, swept = self._clock(), 0.0, 0.0
+        ends = deque([self._transport.arrived], PERIOD_TURNS + 1)
+        for point in self._driver.points():
+            self._transport.fruitless = 0
+            swept += _step(point.angle_deg - beams[-1][0], way) if beams else 0.0
+            if not way and abs(swept) > MOST_BACK_DEG:
+                way = float(np.sign(swept))
+            if abs(swept) >= 360:
+                ends.append(self._transport.arrived)
+                self.delivered += 1
+                yield self._scan(np.array(beams), ends)
+                beams, swept = [], way * (abs(swept) % 360)
+            beams.append((point.angle_deg, point.dist_mm, abs(swept) / 360))
+
+    def _scan(self, beams: Any, ends: deque[float]) -> LaserScan:
+        """Beams `(n, 3)`, degrees, millimetres and the share of the turn, as a scan."""
+        period = float(np.median(np.diff(ends)))
+        angles, millimetres = wrap(self._turn * np.radians(beams[:, 0])), beams[:, 1]
+        ranges, order = np.where(millimetres > 0, millimetres / 1000, np.nan), np.argsort(angles)
+        return LaserScan(
+            ranges[order],
+            angles[order],
+            time=ends[-1] - period,
+            sensor_pose=self._sensor_pose,
+            delays=np.minimum(beams[order, 2], 1.0) * period,
+        )
+
+    def close(self) -> None:
+        """Stop the motor where the host can, and free the port; another thread may call it."""
+        self._transport.closed = True
+        self._leave()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        open_ = "open" if self._leave.alive else "closed"
+        return f"SpinningLaser({self.model}, {open_}, {self.delivered} scans)"
+
+
+def spinning_models() -> tuple[str, ...]:
+    """Names of the models, those that were tried first; a SensorError without `lds2d`."""
+    others = {name.replace("_", "-") for name in _lds2d().available_models()}
+    return (*TRIED_MODELS, *sorted(others - TRIED_MODELS.keys()))
+
+
+class _Transport:
+    """What a driver reads from and writes to; it raises where the port has nothing to say."""
+
+    def __init__(self, port: Port, seconds: float, clock: Callable[[], float], advice: str) -> None:
+        self._port, self._seconds, self._clock, self._advice = port, seconds, clock, advice
+        self.fruitless, self.arrived, self.closed = 0, clock(), False
+
+    def read(self, size: int) -> bytes:
+        """At most so many bytes, at least one."""
+        until = self._clock() + self._seconds
+        while self._clock() < until:
+            heard = self._asked(lambda: self._port.read(min(max(self._port.in_waiting, 1), size)))
+            if heard:
+                self.fruitless, self.arrived = self.fruitless + len(heard), self._clock()
+                if self.fruitless > FRUITLESS_BYTES:
+                    words = f"{self.fruitless} bytes and no measurement among them"
+                    raise SensorError(f"{words}: {self._advice}")
+                return heard
+        raise Silent(f"nothing came for {self._seconds:g} s: {self._advice}")
+
+    def write(self, data: bytes) -> int:
+        """Send bytes."""
+        return self._asked(lambda: self._port.write(data)) or 0
+
+    def close(self) -> None:
+        """Free the port."""
+        self._port.close()
+
+    def _asked(self, call: Callable[[], Any]) -> Any:
+        try:
+            return call()
+        except (*PULLED_OUT_ERRORS, TypeError) as error:  # a port that is closed meanwhile
+            if self.closed:
+                raise SensorError("the sensor is closed: make a new SpinningLaser") from None
+            raise SensorGone(f"the sensor is gone ({error}): plug it in, open it again") from error
+
+
+def _step(difference: float, way: float) -> float:
+    """Degrees from one measurement to the next, though a part of the turn may have been lost.
+
+    `way` is 1 where angles grow, -1 where they fall, and 0 where that is not known yet.
+    """
+    if not way:
+        return (difference + 180) % 360 - 180
+    return way * ((way * difference + MOST_BACK_DEG) % 360 - MOST_BACK_DEG)
+
+
+def _leave(driver: Any, port: Port, dtr: bool | None) -> None:
+    """Stop the motor and free the port; whatever happens, the port is closed."""
+    try:
+        with contextlib.suppress(SensorError, _lds2d().NotSupportedError):
+            driver.stop()
+        if dtr is not None:
+            port.dtr = not dtr  # type: ignore[attr-defined]
+    except (AttributeError, TypeError, *PULLED_OUT_ERRORS):
+        pass
+    finally:
+        with contextlib.suppress(*PULLED_OUT_ERRORS):
+            port.close()
+
+
+def _lds2d() -> Any:
+    try:
+        import lds2d  # type: ignore[import-untyped]
+    except ImportError as error:
+        raise SensorError(f"such lasers need lds2d: {pip_install('live')}") from error
+    return lds2d
