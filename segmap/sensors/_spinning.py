@@ -102,7 +102,10 @@ class SpinningLaser:
         sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
         clock: Callable[[], float] = host_time,
     ) -> None:
-        self.model = arrays.one_of(model.upper().replace("_", "-"), "model", spinning_models())
+        self.model = model.upper().replace("_", "-")
+        driver = _lds2d().core.driver_for(self.model)
+        if driver is None:
+            arrays.one_of(self.model, "model", spinning_models())
         known = TRIED_MODELS.get(self.model, SpinningModel())
         self.assumed: tuple[str, ...] = ("the beams of a turn follow each other evenly in time",)
         if clockwise is None and not known.tried:
@@ -110,7 +113,6 @@ class SpinningLaser:
         self._turn = -1.0 if (known.clockwise if clockwise is None else clockwise) else 1.0
         self._sensor_pose, self._clock = arrays.pose(sensor_pose, "sensor_pose"), clock
         self.delivered = 0
-        driver = _lds2d().core.driver_for(self.model)
         rate, port = rate or driver.DEFAULT_BAUD, checked_port(port)
         opened = open_port(port, rate) if isinstance(port, str) else port
         words = f"is it a {self.model}, at {rate} bit/s, and does it turn?"
@@ -177,9 +179,11 @@ class SpinningLaser:
 
 
 def spinning_models() -> tuple[str, ...]:
-    """Names of the models, those that were tried first; a SensorError without `lds2d`."""
-    others = {name.replace("_", "-") for name in _lds2d().available_models()}
-    return (*TRIED_MODELS, *sorted(others - TRIED_MODELS.keys()))
+    """A name of each model, those that were tried first; a SensorError without `lds2d`."""
+    models = _lds2d()
+    drivers = {models.core.driver_for(name): name for name in models.available_models()}
+    tried = {models.core.driver_for(name) for name in TRIED_MODELS}
+    return (*TRIED_MODELS, *(name for driver, name in drivers.items() if driver not in tried))
 
 
 class _Transport:
