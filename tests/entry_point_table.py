@@ -190,6 +190,12 @@ GOOD |= {
     "turn": 3,
     "index": 1,
     "Emulator.tcp": None,
+    "SpinningLaser.model": "LD19",
+    "SpinningLaser.clockwise": True,
+    "SpinningLaser.port": Newly,
+    "SpinningLaser.clock": lambda: Newly.last.now,
+    "SpinningEmulator.scans": LOG.scans,
+    "SpinningEmulator.model": "LD19",
 }
 GOOD |= {"localize_ekf.map": MAP, "localize_ekf.covariance": np.diag([0.1, 0.1, 0.05]) ** 2}
 #: Parameters that may be anything.
@@ -223,6 +229,7 @@ MEANT = {"LaserScan.ranges=masked", "LaserScan.time=nan", "measure.ranges=masked
          "encode_reply_1.echo=NUL", "encode_reply_1.status=NUL", "laser_scan.time=nan",
          "info_line.key=NUL", "info_line.text=NUL",
          "sweep.filters=objects", "UrgSensor.clock=of nothing", "Unit.clock=of nothing",
+         "SpinningLaser.clock=of nothing",
          "map_of_grid.cells=cut",  # a smaller grid is one
          "placed_at.place=with huge",  # of which `Earth` and `Grid` tell
          "default_thresholds.function=of nothing",

@@ -36,6 +36,7 @@ def write_plan(
     date: str = "",
     north: Direction | None = None,
     world: Frame = Frame(),
+    as_recorded: bool = False,
 ) -> None:
     """Write a floor plan in the format that the name asks for.
 
@@ -50,8 +51,8 @@ def write_plan(
 
     Parameters
     ----------
-    title, verdict, date, north
-        What a sheet says, as in `write_sheet`.
+    title, verdict, date, north, as_recorded
+        What a sheet says and how it stands, as in `write_sheet`.
     world
         As in `write_segments`, for GeoJSON.
 
@@ -75,7 +76,7 @@ def write_plan(
     end = place.suffix.lower()
     if end in ENDS:
         words: Any = {"title": title, "verdict": verdict, "date": date, "north": north}
-        write_sheet(place, plan.walls, plan=plan, **words)
+        write_sheet(place, plan.walls, plan=plan, as_recorded=as_recorded, **words)
     elif end in PLAN_WRITERS:
         write_bytes(place, "".join(PLAN_WRITERS[end](plan, world)).encode())
     else:

@@ -75,6 +75,7 @@ def write_sheet(
     date: str = "",
     north: Direction | None = None,
     plan: FloorPlan | None = None,
+    as_recorded: bool = False,
 ) -> None:
     """Write a sheet to print: the map at a round scale, its bar, north, title, date and verdict.
 
@@ -93,7 +94,9 @@ def write_sheet(
         Where north is in the map, counter-clockwise from x; by default the sheet shows y instead.
     plan
         Its rooms are tinted, with names, areas and sides, and its doors have their widths; what it
-        is in doubt about stands below the verdict. The sheet is square to the building.
+        is in doubt about stands below the verdict.
+    as_recorded
+        Whether a plan stands as the map does, and not square to the building.
 
     Examples
     --------
@@ -118,7 +121,7 @@ def write_sheet(
     with matplotlib.rc_context(rules), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a letter that no font here has
         turn = 0.0
-        if plan is not None and len(plan.axes):
+        if plan is not None and len(plan.axes) and not as_recorded:
             turn = -float((plan.axes[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4)
         figure = _draw_sheet(segments, words, north, plan, turn)
         kept, dated = io.BytesIO(), {".pdf": "CreationDate", ".svg": "Date"}

@@ -62,8 +62,6 @@ class SpinningLaser:
         A device, as /dev/ttyUSB0, or an open port that does not wait for ever.
     clockwise : bool or None
         Which way its angles count, seen from above; None as the maker says, else it is assumed.
-    rate : int or None, bits a second
-        None for the model's own.
     timeout : float, seconds
         To wait for bytes.
     sensor_pose : (3,) array, metres and radians
@@ -97,12 +95,11 @@ class SpinningLaser:
         port: str | PathLike[str] | Port,
         *,
         clockwise: bool | None = None,
-        rate: int | None = None,
         timeout: Seconds = 2.0,
         sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
         clock: Callable[[], float] = host_time,
     ) -> None:
-        self.model = model.upper().replace("_", "-")
+        self.model = arrays.instance(model, "model", str).upper().replace("_", "-")
         driver = _lds2d().core.driver_for(self.model)
         if driver is None:
             arrays.one_of(self.model, "model", spinning_models())
@@ -111,9 +108,11 @@ class SpinningLaser:
         if clockwise is None and not known.tried:
             self.assumed += (f"the angles of the {self.model} count clockwise",)
         self._turn = -1.0 if (known.clockwise if clockwise is None else clockwise) else 1.0
-        self._sensor_pose, self._clock = arrays.pose(sensor_pose, "sensor_pose"), clock
+        self._sensor_pose = arrays.pose(sensor_pose, "sensor_pose")
+        self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
+        arrays.number(arrays.call_given(clock, "clock"), "clock()", unit="seconds")
         self.delivered = 0
-        rate, port = rate or driver.DEFAULT_BAUD, checked_port(port)
+        rate, port = driver.DEFAULT_BAUD, checked_port(port)
         opened = open_port(port, rate) if isinstance(port, str) else port
         words = f"is it a {self.model}, at {rate} bit/s, and does it turn?"
         self._transport = _Transport(opened, timeout, clock, words)

@@ -267,6 +267,11 @@ def add_plan(commands: Any) -> None:
         help="walls that are turned by less than a degree from an axis become parallel to it",
     )
     command.add_argument(
+        "--as-recorded",
+        action="store_true",
+        help="the sheet stands as the log does, and not square to the building",
+    )
+    command.add_argument(
         "--door",
         type=float,
         nargs=2,
@@ -321,6 +326,6 @@ def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: 
         title, today = log.name, date.today().isoformat()
         world = world_of(log_options.edits_of(given))
         words: Any = {"title": title, "verdict": verdict.words, "date": today}
-        exports.write_plan(path, plan, **words, world=world)
+        exports.write_plan(path, plan, **words, world=world, as_recorded=given.as_recorded)
 
     return log_options.finished(given, verdict, paths, report, write)

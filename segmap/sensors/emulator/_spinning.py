@@ -12,6 +12,7 @@ import numpy as np
 from ... import arrays
 from ...arrays import Array, Count, Seconds, at_least, checked
 from ...scans import LaserScan
+from .._host import one_by_one
 from ._device import Fault, Terminal, Wire
 from ._emulator import Device
 from ._unit import Speed
@@ -52,7 +53,10 @@ class SpinningUnit:
         speed: float = 1.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._beams, self._period = _beams(tuple(scans))
+        measured = tuple(one_by_one(scans, "scans"))
+        if not measured:
+            raise ValueError("scans must hold at least one turn, got none")
+        self._beams, self._period = _beams(measured)
         self._model, self._speed, self._clock = model, speed, clock
         self._begun, self._sent, self._out, self._heard = clock(), 0, b"", b""
         self.running = model == "LD19"  # the other waits for its order

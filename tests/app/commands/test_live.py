@@ -1,0 +1,87 @@
+"""`segmap live`: what is recorded of a laser that is carried, how it ends, and the map after it."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from emulated import needs_terminals
+
+from segmap import load, read
+from segmap.scans import LaserScan
+from segmap.sensors.emulator import SpinningEmulator
+from segmap_app.commands import main
+
+pytest.importorskip("lds2d")
+
+
+def turns():
+    """A room seen all round, from places 2 cm apart, ten turns a second."""
+    angles = np.radians(0.8 * np.arange(450) - 180)
+    scans = []
+    for k in range(60):
+        x = 0.02 * k
+        across = np.where(np.cos(angles) > 0, 4 - x, 1 + x) / np.maximum(abs(np.cos(angles)), 1e-9)
+        up = np.where(np.sin(angles) > 0, 2.0, 1.5) / np.maximum(abs(np.sin(angles)), 1e-9)
+        scans.append(LaserScan(np.minimum(across, up), angles, 0.1 * k))
+    return scans
+
+
+@needs_terminals
+def test_a_laser_is_followed_recorded_and_mapped(tmp_path):
+    """Catches a log that its own reader refuses, a map of nothing, and no word while it runs."""
+    log, map = tmp_path / "drive.csv", tmp_path / "map.csv"
+    command = [sys.executable, "-m", "segmap", "live", "ld19"]
+    with SpinningEmulator(turns()) as emulator:
+        process = subprocess.Popen(
+            [*command, emulator.port, "--log", log, "-o", map], stdout=-1, stderr=-2, text=True
+        )
+        until = time.monotonic() + 120
+        while (not log.exists() or log.stat().st_size < 500_000) and time.monotonic() < until:
+            time.sleep(0.1)
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=240)[0]
+    assert process.returncode == 0, said
+    assert " sure" in said and "GOOD" in said and map.exists()
+    scans = read(log)
+    assert len(scans) > 20 and {len(scan) for scan in scans[1:]} <= {449, 450, 451}
+    assert np.median([scan.delays.max() for scan in scans]) < 0.3
+
+
+@needs_terminals
+def test_what_was_measured_stays_where_the_laser_falls_silent(tmp_path, capsys):
+    """Catches a log that is lost with the laser, and an end that is called a success."""
+    log = tmp_path / "drive.csv"
+    with SpinningEmulator(turns(), speed=3) as emulator:
+        emulator.inject("unplug", after=60_000)
+        assert main(["live", "LD19", emulator.port, "--log", str(log)]) == 1
+    said = capsys.readouterr()
+    assert "nothing came" in said.err or "gone" in said.err
+    assert "verdict" in said.out and len(read(log)) > 10
+
+
+def test_what_is_missing_is_listed_and_no_log_is_overwritten(tmp_path, capsys):
+    """Catches a command that asks for names that it could list, and one that empties a log."""
+    assert main(["live"]) == 2
+    said = capsys.readouterr()
+    assert "RPLIDAR-A1" in said.out and "segmap live LD19 /dev/ttyUSB0" in said.err
+    log = tmp_path / "drive.csv"
+    log.write_text("mine")
+    assert main(["live", "LD19", "/dev/none", "--log", str(log)]) == 2
+    assert log.read_text() == "mine" and "must be a new file" in capsys.readouterr().err
+    log.unlink()
+    assert main(["live", "LD19", "/dev/none", "--log", str(log)]) == 1
+    assert not log.exists() and "it is not there" in capsys.readouterr().err
+
+
+def test_a_log_that_comes_with_segmap_reads_as_it_was_written(tmp_path):
+    """Catches beams that change places or times on their way through the table."""
+    from segmap_app.commands._live import written
+
+    log = load("clinic")[:5]
+    with (tmp_path / "it.csv").open("w") as file:
+        list(written(log, file))
+    for ours, theirs in zip(read(tmp_path / "it.csv"), log, strict=True):
+        assert np.allclose(ours.points(), theirs.points(), atol=2e-4)
