@@ -4,6 +4,7 @@
 """
 
 from ._host import Newest
+from ._port import ports
 from ._protocol import SensorError, checksum, decode, encode, parse_scan
 from ._record import record
 from ._sensor import UrgSensor
@@ -11,5 +12,5 @@ from ._spinning import SpinningLaser, spinning_models
 
 __all__ = [
     "Newest", "SensorError", "SpinningLaser", "UrgSensor", "checksum", "decode", "encode",
-    "parse_scan", "record", "spinning_models",
+    "parse_scan", "ports", "record", "spinning_models",
 ]  # fmt: skip

@@ -16,9 +16,8 @@ from segmap.display import counted
 from segmap.files import shown
 from segmap.matching import LiveMap
 from segmap.scans import LaserScan
-from segmap.sensors import Newest, SensorError, SpinningLaser, UrgSensor, spinning_models
+from segmap.sensors import Newest, SensorError, SpinningLaser, UrgSensor, ports, spinning_models
 from segmap.sensors.__main__ import stop_on_signals
-from segmap.sensors._port import ports
 
 from . import _map
 from ._output import metres, print_error, reason

@@ -10,19 +10,7 @@ from typing import Any
 from segmap import __version__
 from segmap.files import speak
 
-from . import (  # fmt: skip
-    _app,
-    _compare,
-    _convert,
-    _info,
-    _live,
-    _locate,
-    _map,
-    _merge,
-    _notebooks,
-    _occupancy,
-    _warm,
-)
+from . import _app, _compare, _convert, _info, _live, _locate, _map, _merge, _occupancy, _setup
 from ._output import FAULTS, Usage, plain_warnings, print_error, progress_bars, reason
 from .log_options import Command, examples, parsed
 
@@ -64,7 +52,8 @@ def _add_sensor(commands: Any) -> None:
 #: In the order in which they are listed.
 COMMANDS = (
     *(_info.add, _map.add, _map.add_plan, _merge.add, _compare.add, _occupancy.add, _locate.add),
-    *(_convert.add, _app.add, _live.add, _add_sensor, _notebooks.add, _warm.add),
+    *(_convert.add, _app.add, _live.add, _add_sensor, _setup.add_notebooks),
+    _setup.add_warm,
 )
 
 

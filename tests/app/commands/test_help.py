@@ -24,7 +24,7 @@ FUNCTIONS = {
 }
 
 #: What a command that is run as its help shows it waits for: a browser, a sensor.
-WAITS = {"app", "sensor info", "sensor record"}
+WAITS = {"app", "live", "sensor info", "sensor record"}
 
 
 @cache

@@ -1,19 +1,26 @@
-"""`segmap notebooks DIR`: chapters to work in; the originals stay, and so does a student's work."""
+"""A machine made ready: `segmap notebooks` copies the chapters, `segmap warm` compiles the loops.
+
+The originals of chapters stay, and so does a student's work.
+"""
 
 from __future__ import annotations
 
 import argparse
+import importlib
 import json
 import re
-from collections.abc import Iterable
+import time
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from segmap import warm
 from segmap.display import counted, pip_install
 from segmap.files import chapters_folder, existing, write_bytes
+from segmap.threads import cores
 
-from ._output import print_line
+from ._output import print_line, progress
 from .log_options import examples
 
 #: The chapter that is opened first.
@@ -28,7 +35,7 @@ LINKED_FILE = re.compile(rb"\]\(([\w/-]+\.(?!ipynb)\w+)[^)\n]*\)")
 OWN_FUNCTIONS = "my_mapper.py"
 
 
-def add(commands: Any) -> None:
+def add_notebooks(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
         "notebooks",
@@ -38,10 +45,10 @@ def add(commands: Any) -> None:
         ),
     )
     command.add_argument("folder", metavar="DIR", type=Path, help="it is made if it is not there")
-    command.set_defaults(run=run)
+    command.set_defaults(run=copy_chapters)
 
 
-def run(given: argparse.Namespace) -> None:
+def copy_chapters(given: argparse.Namespace) -> None:
     """Copy what is not there; what is there stays, for it may be a student's work."""
     folder, source = given.folder, chapters_folder()
     folder.mkdir(parents=True, exist_ok=True)
@@ -107,3 +114,49 @@ def _sign(chapters: Iterable[bytes]) -> None:
     for content in chapters:
         with suppress(Exception):  # no home, or no notebook: it is looked at as any other
             notary.sign(reads(content.decode(), as_version=4))  # type: ignore[no-untyped-call]
+
+
+def add_warm(commands: Any) -> None:
+    """Name the command and its arguments."""
+    command = commands.add_parser(
+        "warm",
+        help="compile all loops now instead of at first use",
+        epilog=examples("warm", "warm --first", "warm         again, once segmap is newer"),
+    )
+    command.add_argument("--first", action="store_true", help="only what chapter 01 needs")
+    command.set_defaults(run=compile_loops)
+
+
+def compile_loops(given: argparse.Namespace) -> None:
+    """Compile, on all cores."""
+    names, start = list(warm.FIRST if given.first else warm.cases()), time.monotonic()
+    jobs = min(cores(), len(names))
+    where = "one core" if jobs == 1 else f"{jobs} cores"
+    what = "chapter 01" if given.first else "segmap"
+    print_line(f"Compiling the loops of {what} on {where}, once for this machine ...")
+    importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
+    known, done = warm.cases(), set[Any]()
+    with progress(len(warm.loops(known[name] for name in names)), "loop") as bar:
+        bar.bar_format = "compiling loop {n_fmt} of {total_fmt} |{bar}|"
+        for name in _run_all(names, jobs):
+            done |= warm.loops([known[name]])
+            bar.update(len(done) - bar.n)
+    print_line(f"Done in {time.monotonic() - start:.0f} s.")
+
+
+def _run_all(names: list[str], jobs: int) -> Iterator[str]:
+    """Run cases; each is named when it is done."""
+    if jobs == 1:
+        for name in names:
+            warm.run_case(name)
+            yield name
+        return
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    # Processes, not threads: numba compiles one function at a time.
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        running = {pool.submit(warm.run_case, name): name for name in names}
+        for done in as_completed(running):
+            done.result()
+            yield running[done]
