@@ -123,7 +123,9 @@ def _range_steps(ranges: Array) -> NDArray[np.int64]:
 def _at_one_range(log: Log) -> Log:
     """A log of which half of the beams have one range, told if no odometry says that it stands."""
     ranges = np.concatenate([scan.ranges[scan.valid] for scan in log])
-    number = float(np.median(ranges)) if len(ranges) else 0.0
+    if not len(ranges):
+        return log
+    number = float(np.median(ranges))
     many = np.mean(np.abs(_range_steps(ranges) - _range_steps(np.array(number))) < 2)
     if number < NEAR_M or many < 0.5 or np.isfinite(log.odometry).all(1).any():
         return log
