@@ -158,18 +158,6 @@ def test_one_per_wall_keeps_a_wall_of_10_cm_where_each_pose_is_off_by_1_cm(noise
         assert 0.09 < thickness(plan.segments, middle) < 0.12 and 0.009 < plan.noise < 0.02
 
 
-@pytest.mark.parametrize("sigma", [0.1, 0.2, 0.4])
-def test_mean_shift_makes_one_of_walls_nearer_than_028_sigma(sigma):
-    """Chapter 16 says so without noise: two heaps, two deviations of the thin kernel apart."""
-    rng = np.random.default_rng(16)
-    for size in (1, 2, 3, 5):
-        pose = (*rng.uniform(-5, 5, 2), rng.uniform(0, np.pi))
-        for apart, lines in ((0.27 * sigma, 1), (0.31 * sigma, 2)):
-            walls = np.array([[(0, 0), (size, 0)], [(0, apart), (size, apart)]])
-            turned = segmap.poses.transform(pose, walls)
-            assert len(segmap.reduction.mean_shift(turned, sigma=sigma)) == lines
-
-
 @pytest.mark.parametrize("times", [2, 4, 10, 40])
 @pytest.mark.parametrize("sigma", [0.1, 0.2, 0.3])
 def test_mean_shift_keeps_walls_from_043_sigma_on_however_often_one_was_seen(sigma, times):

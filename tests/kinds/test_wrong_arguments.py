@@ -139,7 +139,7 @@ BASICS = [
         ({"extract": lambda points: []}, "extract must be .*got '<lambda>'"),
     ),
     *each(extraction.build_map, [ZERO] * 2)(
-        (Log("far", [BEAM, OUT_OF_REACH]), r"points\[1\] is"),
+        (Log("far", [BEAM, OUT_OF_REACH]), "points must be within .* metres"),
     ),
     *refused(simulation.city, rng=RNG)(
         ({"rows": 201}, "rows must"),
