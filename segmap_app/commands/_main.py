@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from contextlib import suppress
 from typing import Any
 
 from segmap import __version__
@@ -60,8 +61,13 @@ COMMANDS = (
 def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
     speak()
+    commands = parser()
+    with suppress(ImportError):  # Tab, where it is installed
+        import argcomplete
+
+        argcomplete.autocomplete(commands)
     try:
-        given = parsed(parser(), sys.argv[1:] if arguments is None else arguments)
+        given = parsed(commands, sys.argv[1:] if arguments is None else arguments)
         with plain_warnings(), progress_bars(quiet=getattr(given, "quiet", False)):
             return int(given.run(given) or 0)
     except KeyboardInterrupt:

@@ -2,8 +2,11 @@
 
 import io
 import json
+import os
 import re
 import shlex
+import subprocess
+import sys
 from contextlib import redirect_stdout, suppress
 from functools import cache
 from itertools import pairwise
@@ -117,3 +120,15 @@ def test_info_holds_numbers_that_a_table_can_sort(run, tmp_path):
     assert malaga["odometry"]["metres"] == pytest.approx(76.4, abs=0.05)
     table = pd.read_csv("it.csv").sort_values("odometry.metres")
     assert list(table["log"]) == ["room", "malaga"]
+
+
+def test_tab_completes_commands_options_and_methods(tmp_path):
+    """Catches options that Tab does not know, and a parser that argcomplete cannot walk."""
+    pytest.importorskip("argcomplete")
+    for line, word in (("segmap ma", "map"), ("segmap map malaga --method fus", "fusion")):
+        told = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line))}
+        told["_ARGCOMPLETE_STDOUT_FILENAME"] = str(tmp_path / "told")
+        subprocess.run(
+            [sys.executable, "-m", "segmap"], env=os.environ | told, check=False, timeout=60
+        )
+        assert word in (tmp_path / "told").read_text().split("\x0b")[0].split()
