@@ -248,7 +248,7 @@ def _leave(driver: Any, port: Port, dtr: bool | None) -> None:
 
 def _lds2d() -> Any:
     try:
-        import lds2d  # type: ignore[import-untyped]
+        import lds2d
     except ImportError as error:
         raise SensorError(f"such lasers need lds2d: {pip_install('live')}") from error
     return lds2d
