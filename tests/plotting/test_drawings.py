@@ -143,7 +143,7 @@ DRAWINGS = {
     "points": (lambda ax: plotting.draw_points(POINTS, ax=ax), {RAW}),
     "plan": (
         lambda ax: plotting.draw_plan(plan_of_the_room(), ax=ax),
-        {RAW, MAP, ERROR, RESULT, *GROUPS[:2]},
+        {RAW, MAP, ERROR, *GROUPS[:3]},
     ),
     "poses": (lambda ax: plotting.draw_poses(POSES, ax=ax), {RESULT}),
     "position_errors": (

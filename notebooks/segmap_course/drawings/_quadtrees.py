@@ -251,10 +251,11 @@ def draw_ends_on_map(
     if nearest:
         ways = np.stack([at, centres[cKDTree(centres).query(at)[1]]], axis=1)
         ax.add_collection(LineCollection(list(ways), colors=ERROR, linewidths=0.8))
-    for some, color in ((at[hit], RESULT), (at[~hit], ERROR)):
-        ax.plot(*some.T, ".", color=color, markersize=3)
+    for some, color, words in ((at[hit], RESULT, "ends that hit"), (at[~hit], ERROR, "that miss")):
+        ax.plot(*some.T, ".", color=color, markersize=3, label=words)
     if window is not None:
         ax.set(xlim=(window[0], window[2]), ylim=(window[1], window[3]))
+    ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, markerscale=3)
     return ax
 
 
