@@ -42,7 +42,6 @@ def logs_in(folder, names):
         shutil.copy(data_file("room/room.log.gz"), folder / "logs" / f"{name}.log.gz")
 
 
-@pytest.mark.slow  # clocks of a cluster, which a loaded machine breaks
 def test_a_worker_that_dies_and_a_log_that_is_none_leave_the_others(tmp_path):
     """Catches a run that ends with its first fault, a table that is written at the end alone, and
     work that is done twice."""
