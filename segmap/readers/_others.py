@@ -34,7 +34,10 @@ JSON_WHOLE = "import json\nwith open({name!r}) as file:\n    records = json.load
 JSON_LINES = (
     "import json\nwith open({name!r}) as file:\n    records = [json.loads(line) for line in file]"
 )
-YAML = "import yaml\nwith open({name!r}) as file:\n    records = list(yaml.safe_load_all(file))"
+YAML = (
+    "import yaml\nwith open({name!r}) as file:\n"
+    "    records = [record for record in yaml.safe_load_all(file) if record]"
+)
 LISTS = (
     "import ast\nwith open({name!r}) as file:\n"
     "    scans = [ast.literal_eval(line[line.index('['):]) for line in file if '[(' in line]"

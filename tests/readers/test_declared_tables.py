@@ -370,3 +370,30 @@ def test_a_point_beside_decimal_commas_is_refused(tmp_path):
     (tmp_path / "it.csv").write_text("angle_deg;range_mm\n0,0;3.978\n30,0;978\n60,5;978\n")
     with pytest.raises(LogError, match=r"line 2: .* its decimal mark a comma, got '3\.978'"):
         readers.read(tmp_path / "it.csv")
+
+
+def test_numbers_in_names_of_columns_are_their_order(tmp_path):
+    """Catches beams that stand as a program sorted their names, as words: 0, 1, 10, 2."""
+    path = tmp_path / "it.csv"
+    names = sorted(f"/scan/ranges[{k}]" for k in range(12))
+    head = ",".join(("__time", "/scan/angle_increment", "/scan/angle_min", *names))
+    values = [name.split("[")[1].rstrip("]") + ".5" for name in names]
+    path.write_text("\n".join((head, *(f"{t},0.1,0.0,{','.join(values)}" for t in (1.5, 1.6)))))
+    assert segmap.read(path)[1].ranges.tolist() == [k + 0.5 for k in range(12)]
+    head = ",".join(("time_s", *(name.replace("/scan/ranges", "r_mm") for name in names)))
+    path.write_text("\n".join((head, *(f"{t},{','.join(values)}" for t in (1, 2)))))
+    with pytest.raises(ValueError, match="do not stand in the order of their numbers"):
+        segmap.read(path)
+
+
+def test_no_field_is_passed_over_in_silence_and_a_date_is_asked_for_as_one(tmp_path):
+    """Catches a scan on one line that is read as one beam, and a menu of names that all fail."""
+    path = tmp_path / "it.csv"
+    path.write_text("0,271.1,270.2,271.3\n0,271.1,270.2,271.3\n")
+    with pytest.raises(ValueError, match="2 are named, but its rows have 4 fields; - names one"):
+        read_csv(path, columns="angle_deg,range_cm")
+    assert len(read_csv(path, columns="angle_deg,range_cm,-*2")[0]) == 2
+    path.write_text(
+        "time,angle_deg,range\n2026-11-29 10:00:01,0,1500\n2026-11-29 10:00:02,9,1500\n"
+    )
+    assert column_choices(path).columns == "time,angle_deg,range_mm|range_cm|range_m"

@@ -147,6 +147,11 @@ def layout_of(path: Path) -> Layout:
         told = ("columns as the makers of RPLidar mean them",)
         return found._replace(names=named(columns), told=told)
     runs = runs_of(found.head)
+    for form, run in groupby(found.head, key=lambda name: COUNTED.sub("#", name)):
+        numbers = [float(n[-1]) for name in run if "#" in form and (n := COUNTED.findall(name))]
+        if numbers not in (sorted(numbers), sorted(numbers, key=abs)):
+            words = f"its columns {form} do not stand in the order of their numbers: put them so"
+            raise LogError(path, words)
     names = tuple(name for name, count in runs for _ in range(count if "#" in name else 1))
     return found if missing_in(names) else found._replace(names=names)
 
@@ -283,7 +288,11 @@ def declared_layout(
     names = named(columns)
     if fault := missing(names):
         raise ValueError(f"columns do not say enough: {fault}")
-    return layout_as_written(path)._replace(names=names, view=checked_view(view))
+    layout = layout_as_written(path)
+    if "ranges" not in places_of(names) and len(layout.kinds) > len(names):
+        words = f"{len(names)} are named, but its rows have {len(layout.kinds)} fields"
+        raise ValueError(f"columns: {words}; - names one that is left out, -*N several")
+    return layout._replace(names=names, view=checked_view(view))
 
 
 def checked_view(view: Any) -> tuple[float, float] | None:

@@ -72,7 +72,8 @@ def message_form_of(path: Path) -> MessageForm | None:
         separator = next((mark for mark in ";\t," if mark in text), ",")
         names = fields_of(text, separator)
         found = {m[1]: k for k, name in enumerate(names) if (m := NUMBERS.fullmatch(name))}
-        ranges = [k for k, name in enumerate(names) if RANGES.fullmatch(name)]
+        count = {k: m[1] for k, name in enumerate(names) if (m := RANGES.fullmatch(name))}
+        ranges = sorted(count, key=lambda k: int(count[k] or 0))  # some sort their names as words
         if ranges and {*found} >= NEEDED_NUMBERS:
             return MessageForm(number, separator, found, ranges, clock_of(names))
     row = fields_of(lines[0][1], ",") if lines else []
@@ -117,8 +118,8 @@ def read_messages(path: Path, name: str, on_error: str = "raise") -> Log:
             ranges = [row[k] for k in form.ranges if k < len(row)]
             if len(form.ranges) == 1:
                 ranges = re.findall(r"[^\s,()\[\]']+", ranges[0]) if ranges else []
-            if len(form.ranges) > 1 and len(row) <= form.ranges[-1]:
-                raise ValueError(f"expected {form.ranges[-1] + 1} fields, got {len(row)}")
+            if len(form.ranges) > 1 and len(row) <= max(form.ranges):
+                raise ValueError(f"expected {max(form.ranges) + 1} fields, got {len(row)}")
         else:
             if "..." in row:
                 what = "ROS shortened its ranges: `ros2 topic echo --full-length --csv`"

@@ -139,7 +139,8 @@ def _choices(
             names = _names_of(of_roles, unit) if is_number else ()
             found.append((*names, "-" if count == 1 else f"-*{count}"))
             continue
-        offered = _names_of([column.role], column.unit, column)
+        is_date = column.role == "time" and not (column.unit or is_number)
+        offered = ("time",) if is_date else _names_of([column.role], column.unit, column)
         twin = roles[column.role] > 1
         pose = OF_POSES.get(column.role)
         if column.role == "pose_theta" and "angle" in lacking:

@@ -108,6 +108,7 @@ def test_graphs_maps_and_options_are_read_in_any_encoding(tmp_path, encoding, ca
         (gzip.compress(lzma.compress(CARMEN.encode())), "is packed twice: unpack it once"),
         (zipped({"xl/workbook.xml": b"<a/>"}), "is a workbook: save its sheet as CSV"),
     ],
+    ids=["zip", "tar", "zstd", "twice", "workbook"],  # packed bytes hold the time
 )
 def test_what_is_not_unpacked_says_what_unpacks_it(tmp_path, data, told):
     """Catches two rooms in one map, a second log left out in silence, and lines of NULs."""
