@@ -59,47 +59,55 @@ def add(commands: Any) -> None:
 
 def live(given: argparse.Namespace) -> int:
     """Record until Control-C or until the laser falls silent; then map it as `segmap map` does."""
-    hokuyo = (given.model or "").upper() == HOKUYO
-    if given.model is None or not (given.port or hokuyo):
+    if given.model is None or not (given.port or is_hokuyo(given)):
         return tell_what_there_is()
     path = given.log or Path(f"live-{datetime.now():%Y%m%d-%H%M%S}.csv")
     if path.suffix.lower() != ".csv" or path.exists():
         given.refuse(f"--log {shown(path)} must be a new file whose name ends in .csv")
     stop_on_signals()
-    way = False if given.counter_clockwise else None
     ended, before = 0, time.monotonic()
-    with path.open("x", encoding="ascii", newline="") as file:
-        try:
-            laser: SpinningLaser | UrgSensor = (
-                UrgSensor(given.port or "auto")
-                if hokuyo
-                else SpinningLaser(given.model, given.port, clockwise=way)
-            )
-            with laser, Newest(written(laser.scans(), file)) as scans:
-                follow(scans)
-        except KeyboardInterrupt:
-            print()
-        except SensorError as error:  # what was measured stays
-            print_error(reason(error))
-            ended = 1
-    print(f"{shown(path)}: {time.monotonic() - before:.0f} s")
-    if path.stat().st_size <= len(",".join(COLUMNS)) + 2:
-        path.unlink()
+    try:
+        with opened(given) as laser, path.open("x", encoding="ascii", newline="") as file:
+            try:
+                with Newest(written(laser.scans(), file)) as scans:
+                    follow(scans)
+            except KeyboardInterrupt:
+                print()
+    except SensorError as error:  # what was measured stays
+        print_error(reason(error))
+        ended = 1
+    if not path.exists() or path.stat().st_size <= len(",".join(COLUMNS)) + 2:
+        path.unlink(missing_ok=True)
         return ended or 1
+    print(f"{shown(path)}: {time.monotonic() - before:.0f} s")
     from ._main import main
 
-    return (
-        main(["map", str(path), *(word for name in given.output for word in ("-o", name))]) or ended
-    )
+    outputs = [word for name in given.output for word in ("-o", name)]
+    return main(["map", str(path), *outputs]) or ended
+
+
+def is_hokuyo(given: argparse.Namespace) -> bool:
+    """Whether the model is a Hokuyo, which needs no port."""
+    return (given.model or "").upper() == HOKUYO
+
+
+def opened(given: argparse.Namespace) -> SpinningLaser | UrgSensor:
+    """The laser that the command names."""
+    if is_hokuyo(given):
+        return UrgSensor(given.port or "auto")
+    clockwise = False if given.counter_clockwise else None
+    return SpinningLaser(given.model, given.port, clockwise=clockwise)
 
 
 def tell_what_there_is() -> int:
     """Serial ports and models, a line each; what was not said is missing, so it is no success."""
-    for port in ports():
-        print(shown(f"{port.device}  {port.description}"))
-    if not ports():
-        print("no serial port: is the laser plugged in?")
-    print(f"models: {HOKUYO.lower()}, {', '.join(spinning_models())}")
+    try:
+        lines = [f"{port.device}  {port.description}" for port in ports()]
+        for line in lines or ["no serial port: is the laser plugged in?"]:
+            print(shown(line))
+        print(f"models: {HOKUYO.lower()}, {', '.join(spinning_models())}")
+    except SensorError as error:  # a package is missing
+        print_error(reason(error))
     print_error("name a model and a port: segmap live LD19 /dev/ttyUSB0 -o map.svg")
     return 2
 
