@@ -43,8 +43,8 @@ INDEXED := $(wildcard $(foreach name,warm entry_points returns quadtree_files re
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
 
-lab: $(STARTED) ## set up, copy the chapters to work/, open them in JupyterLab (PORT=8890 chooses the port)
-	@$(RUN) -m segmap notebooks work
+lab: .venv/segmap-for-lab ## set up, copy the chapters to work/, open them in JupyterLab (PORT=8890 chooses the port)
+	@$(RUN) -m segmap notebooks work & copying=$$!; $(MAKE) --no-print-directory $(STARTED) && wait $$copying
 	@$(LAB) $(BROWSER)
 
 app: .venv/segmap-for-app $(WARM) ## set up, then serve the workbench as a page of its own (PORT=8890 chooses the port)
