@@ -15,6 +15,7 @@ import sys
 import time
 import urllib.error
 import urllib.request
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from browsers import ROOT, SCREENSHOT, browser, free_port, running, wait
 from input_samples import text_samples
 from makefile import app_command
 from matplotlib.image import imread
+from shapely.geometry import shape
 
 from segmap import exports, readers, simulation
 
@@ -161,6 +163,15 @@ def app(tmp_path_factory) -> Iterator[str]:
     """One for all tests but one: its start costs seconds."""
     with served(tmp_path_factory.mktemp("app")) as address:
         yield address
+
+
+def text_of_pdf(data):
+    """What a PDF of matplotlib says: its letters have two bytes each, in packed streams."""
+    said = b""
+    for stream in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", data, re.S):
+        with contextlib.suppress(zlib.error):
+            said += b"".join(re.findall(rb"\(((?:\\.|[^()\\])*)\)", zlib.decompress(stream)))
+    return said.replace(b"\0", b"").decode("latin-1")
 
 
 def test_the_app_is_served_to_who_has_the_token(app):
@@ -334,14 +345,17 @@ def test_each_button_saves_the_floor_plan_while_it_is_seen(app, browser, tmp_pat
     assert "Save the floor plan" in browser.run(TEXT)
     browser.screenshot(SCREENSHOT.with_name("workbench_save_plan.png"))
     ends = {end: saved(name, f"room-plan{end}") for name, end in PLANS.items()}
-    rows = csv.DictReader(ends[".csv"].read_text().splitlines())
+    rows = [*csv.DictReader(ends[".csv"].read_text().splitlines())]
     assert [row["name"] for row in rows] == ["hall", "room 2", "room 3"]
     drawing = ezdxf.readfile(ends[".dxf"])
     layers = {each.dxf.layer for each in drawing.modelspace()}
     assert {"WALLS", "DOORS", "ROOMS"} <= layers and not drawing.audit().has_errors
-    for end in (".geojson", ".svg"):
-        assert "hall" in ends[end].read_text(), "what is in each is tried in tests/exports"
-    assert ends[".pdf"].read_bytes().startswith(b"%PDF") and imread(ends[".png"]).size
+    features = json.loads(ends[".geojson"].read_text())["features"]
+    shapes = {one["properties"].get("name"): shape(one["geometry"]) for one in features}
+    assert shapes["hall"].is_valid
+    assert shapes["hall"].area == pytest.approx(float(rows[0]["area_m2"]), abs=0.02)
+    assert "hall" in ends[".svg"].read_text() and imread(ends[".png"]).size
+    assert "hall" in text_of_pdf(ends[".pdf"].read_bytes())
 
     browser.click(BUTTON.format("plan"))
     wait("the map again", lambda: "Save the map" in browser.run(TEXT))
