@@ -7,7 +7,7 @@ import weakref
 from collections import deque
 from collections.abc import Callable, Iterator
 from os import PathLike
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,20 +30,11 @@ PERIOD_TURNS = 5
 MOST_BACK_DEG = 90.0
 
 
-class SpinningModel(NamedTuple):
-    """What its maker says: which way angles count, and whether DTR set lets the motor run."""
-
-    clockwise: bool = True
-    dtr: bool | None = None
-    tried: bool = False
-
-
-#: Models whose bytes were tried, on emulators of the makers' protocols. `lds2d` knows more.
-TRIED_MODELS = dict.fromkeys(
-    ("LD06", "LD19", "STL19P", "RPLIDAR-C1", "YDLIDAR-X2"), SpinningModel(tried=True)
-) | {
-    "RPLIDAR-A1": SpinningModel(dtr=False, tried=True),
-    "YDLIDAR-X4": SpinningModel(dtr=True, tried=True),
+#: Models of which the makers' manuals are known: all count clockwise, seen from above. The value is
+#: whether DTR must be set for the motor to run; None where it does not matter. `lds2d` has more.
+KNOWN_MODELS: dict[str, bool | None] = {
+    **dict.fromkeys(("LD06", "LD19", "STL19P")),
+    **{"RPLIDAR-A1": False, "RPLIDAR-C1": None, "YDLIDAR-X2": None, "YDLIDAR-X4": True},
 }
 
 
@@ -52,7 +43,8 @@ class SpinningLaser:
 
     Each scan is a whole turn, wherever it began, with its beams counter-clockwise, their own angles
     and their delays. A range of 0 is no measurement; a beam of quality 0 is one like any other.
-    Tried on emulators of the makers' protocols, not on real lasers.
+    Tried on emulated bytes of an LD19 and an RPLidar A1 and on single packets of the makers'
+    manuals, not on real lasers.
 
     Parameters
     ----------
@@ -103,11 +95,10 @@ class SpinningLaser:
         driver = _lds2d().core.driver_for(self.model)
         if driver is None:
             arrays.one_of(self.model, "model", spinning_models())
-        known = TRIED_MODELS.get(self.model, SpinningModel())
         self.assumed: tuple[str, ...] = ("the beams of a turn follow each other evenly in time",)
-        if clockwise is None and not known.tried:
+        if clockwise is None and self.model not in KNOWN_MODELS:
             self.assumed += (f"the angles of the {self.model} count clockwise",)
-        self._turn = -1.0 if (known.clockwise if clockwise is None else clockwise) else 1.0
+        self._turn = 1.0 if clockwise is False else -1.0
         self._sensor_pose = arrays.pose(sensor_pose, "sensor_pose")
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
         arrays.number(arrays.call_given(clock, "clock"), "clock()", unit="seconds")
@@ -117,10 +108,11 @@ class SpinningLaser:
         words = f"is it a {self.model}, at {rate} bit/s, and does it turn?"
         self._transport = _Transport(opened, timeout, clock, words)
         self._driver = driver(self._transport)
-        self._leave = weakref.finalize(self, _leave, self._driver, opened, known.dtr)
+        dtr = KNOWN_MODELS.get(self.model)
+        self._leave = weakref.finalize(self, _leave, self._driver, opened, dtr)
         with contextlib.suppress(AttributeError, *PULLED_OUT_ERRORS):  # a pseudo-terminal has none
-            if known.dtr is not None:
-                opened.dtr = known.dtr  # type: ignore[attr-defined]
+            if dtr is not None:
+                opened.dtr = dtr  # type: ignore[attr-defined]
             opened.reset_input_buffer()  # type: ignore[attr-defined]
         with contextlib.suppress(_lds2d().NotSupportedError):
             self._driver.start()
@@ -138,7 +130,7 @@ class SpinningLaser:
         ends = deque([self._transport.arrived], PERIOD_TURNS + 1)
         for point in self._driver.points():
             self._transport.fruitless = 0
-            swept += _step(point.angle_deg - beams[-1][0], way) if beams else 0.0
+            swept += _motion(point.angle_deg - beams[-1][0], way) if beams else 0.0
             if not way and abs(swept) > MOST_BACK_DEG:
                 way = float(np.sign(swept))
             if abs(swept) >= 360:
@@ -178,11 +170,11 @@ class SpinningLaser:
 
 
 def spinning_models() -> tuple[str, ...]:
-    """A name of each model, those that were tried first; a SensorError without `lds2d`."""
+    """A name of each model, those with known manuals first; a SensorError without `lds2d`."""
     models = _lds2d()
     drivers = {models.core.driver_for(name): name for name in models.available_models()}
-    tried = {models.core.driver_for(name) for name in TRIED_MODELS}
-    return (*TRIED_MODELS, *(name for driver, name in drivers.items() if driver not in tried))
+    known = {models.core.driver_for(name) for name in KNOWN_MODELS}
+    return (*KNOWN_MODELS, *(name for driver, name in drivers.items() if driver not in known))
 
 
 class _Transport:
@@ -222,7 +214,7 @@ class _Transport:
             raise SensorGone(f"the sensor is gone ({error}): plug it in, open it again") from error
 
 
-def _step(difference: float, way: float) -> float:
+def _motion(difference: float, way: float) -> float:
     """Degrees from one measurement to the next, though a part of the turn may have been lost.
 
     `way` is 1 where angles grow, -1 where they fall, and 0 where that is not known yet.

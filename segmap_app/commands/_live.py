@@ -68,6 +68,8 @@ def live(given: argparse.Namespace) -> int:
     ended, before = 0, time.monotonic()
     try:
         with opened(given) as laser, path.open("x", encoding="ascii", newline="") as file:
+            for words in getattr(laser, "assumed", ()):
+                print(f"assumed: {words}")
             try:
                 with Newest(written(laser.scans(), file)) as scans:
                     follow(scans)
@@ -127,11 +129,11 @@ def written(scans: Iterable[LaserScan], file: TextIO) -> Iterator[LaserScan]:
 
 def follow(scans: Iterable[LaserScan]) -> None:
     """Place the scans, and say each second how far the robot came, and whether it is lost."""
-    live, last, way, told = LiveMap(), np.zeros(2), 0.0, time.monotonic()
+    live, last, way, line = LiveMap(), np.zeros(2), 0.0, time.monotonic()
     for scan in scans:
         step = live.add(scan)
         way, last = way + float(np.hypot(*(step.pose[:2] - last))), step.pose[:2]
-        if time.monotonic() - told >= LINE_S:
-            told = time.monotonic()
+        if time.monotonic() - line >= LINE_S:
+            line = time.monotonic()
             words = "sure" if step.found else LOST
             print(f"{counted(len(live.graph), 'scan')}, {metres(way)}, {words}", flush=True)

@@ -66,8 +66,8 @@ def test_every_turn_is_whole_and_lies_where_it_was_measured(model):
         SpinningEmulator(said, model=model, speed=3) as emulator,
         SpinningLaser(model, emulator.port, sensor_pose=place) as laser,
     ):
-        scans = [scan for scan, _ in zip(laser.scans(), range(6), strict=False)]
-    assert laser.delivered >= 6 and repr(laser).startswith(f"SpinningLaser({model}, closed, ")
+        scans = [scan for scan, _ in zip(laser.scans(), range(14), strict=False)]
+    assert laser.delivered >= 14 and repr(laser).startswith(f"SpinningLaser({model}, closed, ")
     for scan in scans[1:]:
         assert 445 <= len(scan) <= 455 and scan.whole_turn and scan.sensor_pose[0] == 0.1
         turn, beam = np.divmod(np.rint(1000 * scan.ranges).astype(int) - 1000, 500)
@@ -77,7 +77,8 @@ def test_every_turn_is_whole_and_lies_where_it_was_measured(model):
         first = np.argsort(scan.delays, kind="stable")
         assert np.all(np.diff(np.unwrap(scan.angles[first])) < 0)  # clockwise, as it turns
         assert 0 < scan.delays.max() < 1
-    assert np.all(np.diff([scan.time for scan in scans]) > 0)
+    steps = np.diff([scan.time for scan in scans])
+    assert np.all(steps > 0) and 0.01 < np.median(steps) < 0.1  # a thirtieth of a second each
 
 
 def test_a_true_packet_and_what_no_measurement_is():
@@ -92,6 +93,21 @@ def test_a_true_packet_and_what_no_measurement_is():
     assert scan.ranges[scan.valid][[0, -1]].tolist() == [0.192, 0.224]
     assert np.degrees(scan.angles[scan.valid][[0, -1]]) == pytest.approx([25.3, 35.73], abs=0.01)
     assert np.isnan(scan.ranges[~scan.valid]).all() and len(scan) > 380
+
+
+def test_a_packet_of_the_manual_of_an_x4_and_the_turn_around_it():
+    """Catches ranges that are not mm / 4, angles that are not corrected, a turn that ends early."""
+    true = bytes.fromhex("aa5500050105010a9a5fa00fc80f000018104010")
+    said = [true]
+    for k in range(1, 40):
+        first, last = (2 * (64 * (10 + 12 * k + more) % 23040) + 1 for more in (0, 10))
+        words = np.array([first, last, 0, *np.frombuffer(true[10:], "<u2")], "<u2")
+        words[2] = np.bitwise_xor.reduce([0x55AA, *words[:2], *words[3:], 5 << 8])
+        said.append(true[:4] + words.tobytes())
+    scan = next(SpinningLaser("YDLIDAR-X4", Bytes(*said)).scans())
+    at = [np.argmin(np.abs(np.degrees(scan.angles) + angle)) for angle in (3.24, 5.73)]
+    assert np.degrees(scan.angles[at]) == pytest.approx([-3.24, -5.73], abs=0.02)
+    assert scan.ranges[at].tolist() == [1.0, 1.01] and 140 <= len(scan) <= 160
 
 
 def test_angles_that_fall_make_turns_too():
