@@ -74,7 +74,43 @@ class Device:
             waiting = waiting[self.end.write(waiting) :]
 
 
-class Emulator:
+class PluggedIn:
+    """A unit behind the end of a line that is served: `port` is what to open."""
+
+    def __init__(
+        self, unit: Speaker, end: Terminal | Listener, rng: np.random.Generator | None
+    ) -> None:
+        self.wire = Wire(time.monotonic, np.random.default_rng(1) if rng is None else rng)
+        self._end, self._device = end, Device(unit, self.wire, end)
+        self._finalizer = weakref.finalize(self, self._device.stop)
+        self._device.start()
+
+    @property
+    def port(self) -> str:
+        """The device to open, or the address where it is reached by TCP."""
+        return self._end.name
+
+    def unplug(self) -> None:
+        """Pull the sensor out: the device vanishes, the address refuses."""
+        self._device.stop()
+
+    def replug(self) -> None:
+        """Plug it in again; a device may have another name."""
+        self._device.stop()
+        self._device.start()
+
+    def stop(self) -> None:
+        """End the thread and free the device; raises what the world raised, once."""
+        self._finalizer()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+
+class Emulator(PluggedIn):
     """A sensor without hardware: `port` is the device or the address to open.
 
     A device needs Linux or macOS. A thread answers until `stop`, the end of `with`, or until it is
@@ -126,16 +162,8 @@ class Emulator:
             raise ValueError(f"model must be {world.model!r}, as the world's is, got {model!r}")
         seen = furnished_room(model) if world is None else world
         self.unit = Unit(seen, model=model, **settings)
-        self.wire = Wire(time.monotonic, np.random.default_rng(1) if rng is None else rng)
-        self._end = Terminal() if tcp is None else Listener(arrays.instance(tcp, "tcp", str))
-        self._device = Device(self.unit, self.wire, self._end)
-        self._finalizer = weakref.finalize(self, self._device.stop)
-        self._device.start()
-
-    @property
-    def port(self) -> str:
-        """The device to open, or the address where it is reached by TCP."""
-        return self._end.name
+        end = Terminal() if tcp is None else Listener(arrays.instance(tcp, "tcp", str))
+        super().__init__(self.unit, end, rng)
 
     @checked
     def inject(
@@ -162,22 +190,3 @@ class Emulator:
     def mend(self) -> None:
         """Repair the sensor: its scans are whole again."""
         self.unit.fail("")
-
-    def unplug(self) -> None:
-        """Pull the sensor out: the device vanishes, the address refuses."""
-        self._device.stop()
-
-    def replug(self) -> None:
-        """Plug it in again; a device may have another name."""
-        self._device.stop()
-        self._device.start()
-
-    def stop(self) -> None:
-        """End the thread and free the device; raises what the world raised, once."""
-        self._finalizer()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()

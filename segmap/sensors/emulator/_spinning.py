@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-import weakref
 from collections.abc import Callable, Iterable
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -13,8 +12,8 @@ from ... import arrays
 from ...arrays import Array, Count, Seconds, at_least, checked
 from ...scans import LaserScan
 from .._host import one_by_one
-from ._device import Fault, Terminal, Wire
-from ._emulator import Device
+from ._device import Fault, Terminal
+from ._emulator import PluggedIn
 from ._unit import Speed
 
 #: Measurements of a packet of an LD19, its bytes 0 and 1, and the polynomial of its check.
@@ -160,7 +159,7 @@ def node(beams: Array, since: float) -> bytes:
     return bytes([quality << 2 | start]) + np.array([angle, distance], "<u2").tobytes()
 
 
-class SpinningEmulator:
+class SpinningEmulator(PluggedIn):
     """A low-cost laser without hardware: `port` is the pseudo-terminal to open.
 
     Parameters
@@ -192,17 +191,7 @@ class SpinningEmulator:
         rng: np.random.Generator | None = None,
     ) -> None:
         arrays.one_of(model, "model", ("LD19", "RPLIDAR-A1"))
-        self.unit = SpinningUnit(scans, model, speed=speed)
-        self.wire = Wire(time.monotonic, np.random.default_rng(1) if rng is None else rng)
-        self._end = Terminal()
-        self._device = Device(self.unit, self.wire, self._end)
-        self._finalizer = weakref.finalize(self, self._device.stop)
-        self._device.start()
-
-    @property
-    def port(self) -> str:
-        """The device to open."""
-        return self._end.name
+        super().__init__(SpinningUnit(scans, model, speed=speed), Terminal(), rng)
 
     @checked
     def inject(
@@ -214,13 +203,3 @@ class SpinningEmulator:
     ) -> None:
         """Plan a fault of the wire: a bit, a byte, silence for some seconds, or unplugged."""
         self.wire.plan(Fault(kind, after, seconds))
-
-    def stop(self) -> None:
-        """End the thread and free the device."""
-        self._finalizer()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
