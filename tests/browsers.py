@@ -90,13 +90,15 @@ class Browser:
         return str(next(iter(self._call("POST", "/element", place).values())))
 
     def click(self, path: str) -> None:
+        """A click on what is greyed is lost, and no error tells so: wait until it is not."""
+        wait(path, lambda: self._call("GET", f"/element/{self.find(path)}/enabled"), 20)
         self._do(lambda: f"/element/{self.find(path)}/click", {})
 
     def type(self, element: str, keys: str) -> None:
         self._do(lambda: f"/element/{element}/value", {"text": keys})
 
     def _do(self, path: Callable[[], str], body: Any) -> None:
-        """As a person does: what is greyed or covered at this moment is tried again."""
+        """As a person does: what is covered at this moment is tried again."""
         end = time.monotonic() + 20
         while True:
             try:

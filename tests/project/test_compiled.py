@@ -182,9 +182,8 @@ import random, signal, sys, time
 import numpy as np
 from segmap.kernels import describe
 moments, came = random.Random({seed}), 0
-def interrupt(*_):
-    raise KeyboardInterrupt
-signal.signal(signal.SIGVTALRM, interrupt)
+signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGVTALRM, lambda *_: signal.raise_signal(signal.SIGINT))
 walls = np.array([[[0.0, 0.0], [2.0, 0.0]]])
 while came < {most}:
     signal.setitimer(signal.ITIMER_VIRTUAL, moments.uniform(0.001, {longest}))
