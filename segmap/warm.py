@@ -33,7 +33,7 @@ FIRST = (
     "metrics all",
     "simulation all",
     "alignment pose_graph",
-    "extraction all",
+    "extraction extract_polylines",
 )
 #: Cases that this process has run: what they need is loaded.
 _dispatched: set[str] = set()
@@ -57,7 +57,8 @@ def cases() -> dict[str, Callable[[], Found]]:
         "quadtree all": _trees,
         **ours,
         "alignment match_points": _matched_points,
-        "extraction all": _extract_scans,
+        "extraction extract_polylines": _polylines,
+        "extraction extract_clusters": _clusters,
         "metrics all": _measure_maps,
         "simulation all": _cast_rays,
     }
@@ -183,14 +184,19 @@ def _matched_points() -> Found:
     return [match.pose, match.covariance]
 
 
-def _extract_scans() -> Found:
+def _polylines() -> Found:
+    return [
+        extraction.extract_polylines(_room(), gap=0.5, closed=True),
+        extraction.build_map(_log(), np.zeros((4, 3))).segments,
+    ]
+
+
+def _clusters() -> Found:
     points = _room()
     return [
         extraction.extract_clusters(points, closed=True),
         extraction.extract_clusters(points, fit="algebraic"),
-        extraction.extract_polylines(points, gap=0.5, closed=True),
         extraction.fit_line(points[:9])[0],
-        extraction.build_map(_log(), np.zeros((4, 3))).segments,
     ]
 
 

@@ -177,7 +177,8 @@ class Pipeline:
 
     def dispatch(self) -> None:
         """Load, or compile, what all steps need, before one of them is timed."""
-        names = [f"alignment {self.recipe.align.name}", "alignment pose_graph", "extraction all"]
+        names = [f"alignment {self.recipe.align.name}", "alignment pose_graph"]
+        names += ["extraction extract_polylines", f"extraction {self.recipe.extract.name}"]
         names += [f"reduction {call.name}" for call in self.recipe.methods]
         names += ["metrics all"] + ["quadtree all"] * (self.recipe.seen_through is not None)
         warm.dispatch(names)

@@ -21,7 +21,7 @@ def plan_of(outcome: Pipeline, edits: Sequence[Edit] = (), **options: Any) -> Fl
 
     Edits are in the frame of the log.
     """
-    warm.dispatch(["extraction all", "quadtree all", "reduction one_per_wall"])
+    warm.dispatch(["extraction extract_polylines", "quadtree all", "reduction one_per_wall"])
     log, poses = outcome.log_without_passers, outcome.alignment.trusted
     seen = extraction.build_map(log, poses, keep_points=True)
     free = build_map(log, poses, resolution=CELL, free_resolution=CELL)
