@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any, Generic, TypeVar
 
 R = TypeVar("R")
@@ -52,6 +53,14 @@ class Method(Generic[R]):
     def __call__(self, data: object, **thresholds: Any) -> R:
         """Run it: `METHODS[name](map, ...)` is `reduction.<name>(map, ...)`."""
         return self.function(data, **thresholds)
+
+
+class Family(dict[str, Method[R]]):
+    """Methods by name: a name that none has is refused with the one that is near."""
+
+    def __missing__(self, name: str) -> Method[R]:
+        near = get_close_matches(str(name), self, 1) or [", ".join(self)]
+        raise KeyError(f"no method is called {name!r}: {near[0]}?")
 
 
 def bracket(

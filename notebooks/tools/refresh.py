@@ -22,7 +22,7 @@ from PIL import Image, ImageSequence
 from PIL.Image import Resampling
 
 VIEW = "application/vnd.jupyter.widget-view+json"
-KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
+KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 #: What a kernel says of itself: where a chapter lacks it JupyterLab writes it in when it is opened.
 LANGUAGE = {
     "codemirror_mode": {"name": "ipython", "version": 3},

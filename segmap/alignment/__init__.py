@@ -3,7 +3,7 @@
 Every method has one signature, `method(log, *, thresholds) -> Alignment`, and stands in `METHODS`.
 """
 
-from ..methods import Method
+from ..methods import Family, Method
 from ..scans.causes import Unmatched
 from ._baselines import align_to_truth, ground_truth, odometry, position_errors, usual_method
 from ._deskew import deskew
@@ -34,23 +34,23 @@ __all__ = [
 ]  # fmt: skip
 
 #: Name of each method -> the method, with what it needs.
-METHODS: dict[str, Method[Alignment]] = {
-    "odometry": Method(odometry, "the baseline", works="alone", needs_odometry=True),
-    "ground_truth": Method(ground_truth, "A 3.3.3", works="alone"),
-    "angle_correspondence": Method(
+METHODS = Family[Alignment](
+    odometry=Method(odometry, "the baseline", works="alone", needs_odometry=True),
+    ground_truth=Method(ground_truth, "A 3.3.3", works="alone"),
+    angle_correspondence=Method(
         angle_correspondence, "A 2.5.1, 3.3.1", "Amigoni, Gasparini, Gini 2006", works="pairs"
     ),
-    "backbone": Method(backbone, "A 3.3.2, 5.2", works="map", needs_odometry=True),
-    "segment_icp": Method(
+    backbone=Method(backbone, "A 3.3.2, 5.2", works="map", needs_odometry=True),
+    segment_icp=Method(
         segment_icp, "A 2.5.1", "Amigoni, Fontana, Garigiola 2006", works="map", needs_odometry=True
     ),
-    "point_icp": Method(point_icp, "A 2.5.1", "Lu, Milios 1997", works="map", needs_odometry=True),
-    "global_segments": Method(
+    point_icp=Method(point_icp, "A 2.5.1", "Lu, Milios 1997", works="map", needs_odometry=True),
+    global_segments=Method(
         global_segments,
         "A 2.5.1",
         "Elseberg, Creed, Lakaemper 2010",
         works="all",
         needs_odometry=True,
     ),
-    "pose_graph": Method(pose_graph, "beyond A", "Olson 2009, Grisetti et al. 2010", works="all"),
-}
+    pose_graph=Method(pose_graph, "beyond A", "Olson 2009, Grisetti et al. 2010", works="all"),
+)

@@ -266,6 +266,8 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     known: dict[str, Declared] = {}
     held = inspect.signature(function)
     names, free = list(held.parameters), -1  # so many in front may be anything
+    by_name = [n for n, p in held.parameters.items() if p.kind is p.KEYWORD_ONLY]
+    ahead = names.index(by_name[0]) if by_name else len(names)
 
     @functools.wraps(function)
     def call(*args: Any, **given: Any) -> R:
@@ -273,6 +275,11 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         if given and (listen := given.pop("progress", None)) is not None:
             with told(listen):
                 return call(*args, **given)
+        if ahead < min(len(args), len(names)):
+            word = f"{names[ahead]}={args[ahead]!r}"
+            raise TypeError(
+                f"{names[ahead]} is given by its name: {function.__name__}(..., {word})"
+            )
         if free < 0:
             known.update(declared(function))
             limited = (k for k, n in enumerate(names) if n in known and known[n].is_limited)

@@ -35,7 +35,7 @@ class HasPoses(Protocol):
 
 
 Segments = HasSegments | ArrayLike
-Poses = HasPoses | ArrayLike
+Poses = HasPoses | ArrayLike | None  # None, as of a log without truth, is refused in words
 
 
 def numbers(value: object, name: str, expected: str = "an array of real numbers") -> Array:

@@ -130,7 +130,8 @@ def quality(before: Segments, after: Segments, *, scale: Metres = 0.050) -> floa
 
     1 for an unchanged map, or where there was nothing to lose; 0 where nothing is left; NaN, with a
     warning, where both are empty. `scale` is the mean error at which it falls to 37 %: 50 mm in A.
-    A segment without length is no wall: every reduction drops it, and it does not count here.
+    A segment without length is no wall: every reduction drops it, and it does not count here. A
+    reduction in the place of `before`, with a larger map after it, is warned of: they are swapped.
 
     Examples
     --------
@@ -140,6 +141,8 @@ def quality(before: Segments, after: Segments, *, scale: Metres = 0.050) -> floa
     """
     given = arrays.segments(before, "before")
     found = errors(given[length(given) >= MIN_LENGTH], after)
+    if hasattr(before, "parents") and len(arrays.segments(after, "after")) > len(given):
+        unit_checks.warn("before is a reduction, and after a larger map: quality(before, after)")
     if len(found):
         return float(np.exp(-found.mean() / scale))
     if len(given) or len(arrays.segments(after, "after")):

@@ -33,7 +33,10 @@ def bundled(name: str) -> Iterator[Path]:
     logs = {path.parent.name: path for path in found if path.name == f"{path.parent.name}.log.gz"}
     if not isinstance(name, str) or name not in logs:
         known = ", ".join(repr(known) for known in sorted(logs)) or "none"
-        raise ValueError(f"name must be that of a bundled log ({known}), got {arrays.brief(name)}")
+        raise ValueError(
+            f"name must be that of a bundled log ({known}), got {arrays.brief(name)}: "
+            "segmap.read(path) reads a file of yours"
+        )
     yield logs[name]
 
 

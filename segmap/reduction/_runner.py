@@ -14,7 +14,7 @@ from .. import arrays
 from ..arrays import Array, Metres, Radians, Segments, at_least, at_most
 from ..compiled import work_time
 from ..display import Pictured
-from ..methods import Method
+from ..methods import Family
 from ..progress import announce
 from ..segments import MIN_LENGTH, SegmentMap, length
 
@@ -42,7 +42,7 @@ class Reduction(Pictured):
     parents : (n,) int array
         Index in `segments` of the output that each input went into, -1 where it was dropped.
     seconds
-        Time that the method took.
+        Time that the method took; NaN where nobody measured it.
     method
         Its name in `reduction.METHODS`.
     scan_seconds : (k,) array or None
@@ -57,7 +57,7 @@ class Reduction(Pictured):
 
     segments: Array
     parents: Indices
-    seconds: float
+    seconds: float = np.nan
     method: str = ""
     scan_seconds: Array | None = None
     scan_live: Indices | None = None
@@ -74,16 +74,18 @@ class Reduction(Pictured):
 
     def __repr__(self) -> str:
         doubt = f"; {self.doubt}" if self.doubt else ""
-        return f"Reduction({self.method}: {len(self.parents)} -> {len(self)} segments{doubt})"
+        method = f"{self.method}: " if self.method else ""
+        return f"Reduction({method}{len(self.parents)} -> {len(self)} segments{doubt})"
 
 
-class Methods(dict[str, Method[Reduction]]):
+class Methods(Family[Reduction]):
     """Reduction methods by name; a notebook shows them as A's table 2.16 does.
 
     Examples
     --------
+    >>> from segmap.methods import Method
     >>> def nothing(before):
-    ...     return Reduction(before.segments, np.arange(len(before)), 0.0)
+    ...     return Reduction(before.segments, np.arange(len(before)))
     >>> Methods(nothing=Method(nothing, "A 4", merges="2 -> 1", keeps="end points"))
               in  merges      runs     needs       keeps published by
     nothing  A 4  2 -> 1  off-line  segments  end points
