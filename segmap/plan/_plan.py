@@ -238,8 +238,16 @@ def floor_plan(
     if not NARROWEST_BUILDING_M <= across <= WIDEST_BUILDING_M:
         said = f"its walls of {LEAST_LINE_PIECE_M:g} m and more reach over {across:.6g} m"
         raise ValueError(f"map must be a building in metres, but {said}")
-    if not (free.leaves().vis > 0).any():
+    leaves = free.leaves()
+    if not (seen := leaves.vis > 0).any():
         raise ValueError("free must hold a scan, got a map in which nothing was seen")
+    low = np.stack([leaves.x, leaves.y], -1)[seen]
+    ends = np.concatenate([low, low + leaves.side[seen, None], segments.reshape(-1, 2)])
+    if (reach := float(np.ptp(ends, axis=0).max())) > WIDEST_BUILDING_M:
+        raise ValueError(
+            f"free must be of one building, but what the scans saw reaches over {reach:.6g} m, and "
+            f"its walls over {across:.6g} m: crop both to the building (map --crop, free.cropped)"
+        )
     announce(0.0, "plan: lines of the walls")
     axes = building_axes(long)
     grid = grid_along(free, float(axes[0]) if len(axes) else 0.0, segments, SQUARE_M)

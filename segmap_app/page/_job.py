@@ -13,6 +13,7 @@ import io
 import os
 import pickle
 import queue
+import signal
 import subprocess
 import sys
 import threading
@@ -37,6 +38,10 @@ START = (
 RUNS_HERE = "what only this notebook defines runs with workbench.run()"
 #: What both sides have, by the name of its type.
 Kept = dict[str, Any]
+#: The work reads files of strangers: it may have the machine's memory, or so much, bytes.
+LEAST_MEMORY_BYTES = 4 << 30
+#: And one call so much time, seconds.
+MOST_TIME_S = 3600
 #: A step may take so long before it is told, seconds.
 STEP_PATIENCE_S = 0.2
 #: It is told at most every so often, seconds.
@@ -109,7 +114,11 @@ class Worker:
                     (self.grown if kind == "grown" else announce)(*value)
         except (EOFError, OSError, ValueError, pickle.UnpicklingError):  # a pipe that was closed
             if self._process is process:
-                raise Failed("the work ended by itself: is there memory enough?") from None
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    process.wait(1)
+                late = process.returncode == -getattr(signal, "SIGALRM", 0)
+                why = f"it took {MOST_TIME_S // 60} minutes" if late else "is there memory enough?"
+                raise Failed(f"the work ended by itself: {why}") from None
             raise Stopped from None
 
     def start(self) -> subprocess.Popen[bytes]:
@@ -216,6 +225,12 @@ def serve() -> None:
 
     with contextlib.suppress(ImportError):
         import numba  # noqa: F401 -- while the user still reads the page
+    with contextlib.suppress(ImportError):  # Windows has neither limit
+        import resource
+
+        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+        resource.setrlimit(resource.RLIMIT_AS, (max(memory, LEAST_MEMORY_BYTES),) * 2)
+    alarm = getattr(signal, "alarm", lambda seconds: None)  # it kills: no handler is waited for
     kept: Kept = {}
     while True:
         work = calls.get()
@@ -226,6 +241,7 @@ def serve() -> None:
             except Exception as fault:
                 raise ValueError(f"{fault}; {RUNS_HERE}") from fault
             kept |= _kept(given)
+            alarm(MOST_TIME_S)
             with told(hand_on):
                 result = function(*given)
             _send(answers, ("done", result), kept)
@@ -234,6 +250,8 @@ def serve() -> None:
             _send(answers, ("stopped", None))
         except BaseException as fault:  # a method that calls sys.exit ends itself only
             _send(answers, ("failed", said(fault)))
+        finally:
+            alarm(0)
 
 
 def _listen(calls: queue.SimpleQueue[bytes], stop: threading.Event) -> None:

@@ -29,10 +29,11 @@ def office_seen(seed, **frame):
     return seen(office(rng=np.random.default_rng(seed), rooms=ROOMS), way, seed=seed, **frame)
 
 
-def seen_free():
-    """One ray of a metre."""
+def seen_free(stray=(0.0, 0.0)):
+    """A ray of a metre, and one from a stray place."""
     tree = quadtree.QuadtreeMap(resolution=0.05, free_resolution=0.05)
-    tree.insert_scan((0.0, 0.0), [(1.0, 0.0)])
+    for x, y in ((0.0, 0.0), stray):
+        tree.insert_scan((x, y), [(x + 1.0, y)])
     return tree
 
 
@@ -328,10 +329,11 @@ def test_a_plan_without_rooms_says_so():
         ({"scale": 0.001}, "metres"),
         ({"door": (2.0, 1.0)}, "door"),
         ({"free": quadtree.QuadtreeMap(resolution=0.05)}, "nothing was seen"),
+        ({"free": seen_free(stray=(700.0, 500.0))}, "reaches over 70.* crop"),
     ],
 )
 def test_what_cannot_be_a_building_is_refused(change, words):
-    """Catches millimetres that end as a full memory."""
+    """Catches millimetres, and a stray place, that end as a full memory."""
     walls, free = office_seen(1)
     segments = walls.segments * change.pop("scale", 1.0)
     free = change.pop("free", free)

@@ -422,8 +422,18 @@ def test_a_worker_that_dies_is_told_and_replaced(worker, monkeypatch):
     with pytest.raises(Failed, match="SystemExit: no room"):
         worker.do(sys.exit, "no room")
     assert worker.do(print) is None and worker.start() is kept
-    with pytest.raises(Failed, match="ended by itself"):
+    with pytest.raises(Failed, match="ended by itself: is there memory"):
         worker.do(os._exit, 3)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the limits are those of Linux")
+def test_what_reads_strangers_files_has_limits(worker):
+    """Catches a file that takes all the memory of the machine, or works for a night."""
+    with pytest.raises(Failed, match="MemoryError"):
+        worker.do(bytearray, 2 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    with pytest.raises(Failed, match="it took 60 minutes"):
+        worker.do(signal.raise_signal, signal.SIGALRM)
+    assert worker.do(signal.getitimer, signal.ITIMER_REAL)[0] > 3000
 
 
 @pytest.mark.slow
