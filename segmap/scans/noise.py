@@ -23,15 +23,16 @@ OTHER_FACTOR = 2.0
 #: So many scans are asked at least, or pairs of scans between which the robot stands; ...
 LEAST_SCANS = 20
 #: ... and of a long log one of so many.
-ONE_SCAN_OF = 40
+ONE_SCAN_OF = 10
 #: Neighbours that are farther apart lie on two things, metres.
 MOST_STEP_M = 0.3
 #: A robot whose wheels moved less stands, metres and radians.
 STILL = 0.0005, 0.0005, 0.0003
-#: Ends of classes of range, metres, and their middles; so many beams tell of one.
+#: Ends of classes of range, metres, and their middles.
 CLASSES_M = 2.0 ** np.arange(-2, 6.5, 0.5)
 MIDDLES_M = np.concatenate([[0.2], CLASSES_M * 2**0.25])
-LEAST_BEAMS = 30
+#: A standard deviation is at most so many of its standard errors above its estimate.
+SURE = 3.0
 #: Steps in which lasers tell their ranges, metres.
 STEPS_M = 0.05, 0.01, 0.005, 0.001
 
@@ -78,9 +79,10 @@ def sensor_noise(log: Log) -> SensorNoise:
 
     On a straight wall the inverse range of a beam follows from those of its two neighbours. And
     while the robot stands a beam measures the same again. All else, corners and leaves and people,
-    only adds, and no laser is better farther off: so of both ways, and of all classes of range that
-    lie farther, the least is the noise. A line of two figures, none negative, is fitted to it.
-    What is near to 1 cm, as that of most lasers, is told as 1 cm.
+    only adds, and no laser is better farther off: so the noise of a class of range is no more than
+    a farther one, or a robot at rest, has at most. (Of ten estimates the least is one of few beams,
+    and too small; at most is three standard errors above it.) A line of two figures, none negative,
+    is fitted to that. What is near to 1 cm, as that of most lasers, is told as 1 cm.
 
     Examples
     --------
@@ -92,17 +94,16 @@ def sensor_noise(log: Log) -> SensorNoise:
     count = max(min(len(log), LEAST_SCANS), len(log) // ONE_SCAN_OF)
     chosen = np.linspace(0, len(log) - 1, count).astype(int)
     ranges, errors = _errors_between_neighbours([log.scans[k] for k in chosen])
-    if len(ranges) < LEAST_BEAMS:
+    sigmas, most, counts = _sigmas(ranges, errors)
+    if np.isnan(sigmas).all():
         return SensorNoise()
-    sizes = _sigmas(ranges, errors)
-    if (sizes > USUAL_SIGMA_M).any():
-        sizes = np.fmin(sizes, _sigmas(*_errors_at_rest(log)))
-    least = np.fmin.accumulate(sizes[::-1])[::-1]
-    known = np.isfinite(least) & (least > 0)
+    if (sigmas > USUAL_SIGMA_M).any():
+        most = np.fmin(most, _sigmas(*_errors_at_rest(log))[1])
+    least = np.fmin(sigmas, np.fmin.accumulate(most[::-1])[::-1])
+    known = least > 0
     step = _range_step(ranges)
     if not known.any():
         return SensorNoise(step / float(np.sqrt(12)), 0.0, step)
-    counts = np.bincount(np.searchsorted(CLASSES_M, ranges), minlength=len(least))
     weight = np.sqrt(counts[known])
     rows = np.stack([0 * least + 1, MIDDLES_M], -1)[known] * (weight / least[known])[:, None]
     a, b = np.linalg.lstsq(rows, weight, rcond=None)[0]
@@ -180,11 +181,18 @@ def _errors_at_rest(log: Log) -> tuple[Array, Array]:
     return ranges, errors
 
 
-def _sigmas(ranges: Array, errors: Array) -> Array:
-    """Standard deviation of the errors of each class of range, metres; NaN where few tell."""
+def _sigmas(ranges: Array, errors: Array) -> tuple[Array, Array, Array]:
+    """Standard deviation of each class of range, and what it is at most, metres; number of beams.
+
+    NaN where few beams tell. Neighbours share beams: so a standard error is one of the root of n,
+    not of 2 n.
+    """
     of = np.searchsorted(CLASSES_M, ranges)
-    classes = (errors[of == k] for k in range(len(MIDDLES_M)))
-    return np.array([robust_sigma(own) if len(own) >= LEAST_BEAMS else np.nan for own in classes])
+    counts = np.bincount(of, minlength=len(MIDDLES_M)).astype(float)
+    sigmas = np.full(len(MIDDLES_M), np.nan)
+    for k in np.flatnonzero(counts > SURE**2):
+        sigmas[k] = robust_sigma(errors[of == k])
+    return sigmas, sigmas / (1 - SURE / np.sqrt(np.maximum(counts, 1))), counts
 
 
 def _range_step(ranges: Array) -> float:

@@ -12,10 +12,10 @@ from segmap.scans import Log, SensorNoise, sensor_noise
 WALLS = np.concatenate([simulation.box(12, 5), simulation.box(1.0, 0.6, (2, 1, 0.3))])
 
 
-def drive(range_m: float, share: float) -> Log:
+def drive(range_m: float, share: float, seed: int = 7) -> Log:
     """A drive through a hall, by a laser of 450 beams a turn."""
     sensor = replace(simulation.URG_04LX, beams=450, first=-np.pi, step=np.radians(0.8))
-    sensor, rng = replace(sensor.ideal(), max_range=12.0), np.random.default_rng(7)
+    sensor, rng = replace(sensor.ideal(), max_range=12.0), np.random.default_rng(seed)
     path = simulation.drive([(-5, -1), (5, -1)], step=0.25)
     log = simulation.simulate(WALLS, path, sensor=sensor, rng=rng)
     sigmas = SensorNoise(range_m, share).sigma
@@ -29,6 +29,12 @@ def test_the_noise_of_a_log_is_estimated(range_m, share):
     found = sensor_noise(drive(range_m, share))
     for metres in (1.0, 3.0, 6.0):
         assert found.sigma(metres) == pytest.approx(range_m + share * metres, rel=0.2)
+
+
+def test_few_beams_do_not_decide():
+    """Catches the least of many estimates, that of few beams: 1.5 cm was told as 1 cm."""
+    sigmas = [sensor_noise(drive(0.015, 0.0, seed)).sigma(1.0) for seed in range(20)]
+    assert sigmas == pytest.approx([0.015] * 20, rel=0.06)
 
 
 @pytest.mark.parametrize("name", ["malaga", "room", "corridor"])
