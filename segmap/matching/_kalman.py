@@ -7,7 +7,6 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import chi2
 
 from .. import arrays
 from ..alignment.pose_graph import Wheels
@@ -146,7 +145,8 @@ def localize_ekf(
     if not good or np.linalg.eigvalsh(known)[0] <= 0 or known.max() > MOST_VARIANCE_M2:
         said = "symmetric, positive in all directions, at most a square kilometre"
         raise ValueError(f"covariance must be (3, 3), {said}; got {arrays.brief(covariance)}")
-    walls, limit = map.filtered(BEHIND_M).segments, float(chi2.ppf(gate, 2))
+    walls = map.filtered(BEHIND_M).segments
+    limit = -2 * float(np.log(1 - gate))  # the quantile of chi squared, two degrees of freedom
 
     fit_on_map = Likelihoods(map).fits if len(walls) else None
 
