@@ -15,7 +15,7 @@ from ._found_lines import (
     precision_and_recall,
     visible_walls,
 )
-from ._judged import FOUR_WAYS
+from ._judged import four_ways
 from ._known_buildings import Known, equal_offices, known_building
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._matcher_trials import (
@@ -128,7 +128,7 @@ from .figures import *
 from .panels import *
 
 __all__ = [
-    "EXERCISES", "FOUR_WAYS", "LINE_FINDERS", "LINE_SENSORS", "OPEN_EXERCISES", "THESIS_FILTERS",
+    "EXERCISES", "LINE_FINDERS", "LINE_SENSORS", "OPEN_EXERCISES", "THESIS_FILTERS",
     "THESIS_GRIDS", "Answers", "Challenge", "Check", "Decision", "Exercise", "Explored", "Known",
     "Landscape", "Measured", "OwnLog", "Prediction", "Representation", "Taped", "Trial", "Unknown",
     "View", "break_cells", "break_icp",

@@ -21,7 +21,7 @@ from typing import Any
 
 from segmap.files import write_bytes
 
-from ._cases import TASK, own_case, with_own_case
+from ._cases import JUDGED, own_case, with_own_case
 from ._otter import otter_tests
 from ._solutions import solution
 from ._tasks import (
@@ -111,7 +111,7 @@ def source_notebook(
             name = column(asked[index], chapter)
             answer, check = parts(cell)
             cells += answer_cells(answer, name, tasks, seed) if index in written else []
-            check = check.replace(f"course.{TASK}(", f"course.{TASK}.noted(")
+            check = check.replace("(", ".noted(", 1) if name in JUDGED else check
             cells += [code(f"{name}-check", check), *test_cells(tasks.get(name), seed)]
             cells += hand_cells(tasks.get(f"{name}_by_hand"))
         elif index in written:
@@ -149,8 +149,8 @@ def answer_cells(source: str, name: str, tasks: Mapping[str, Task], seed: int) -
         if (task := tasks.get(own)) and task.points
     ]
     solved = solution(name, ", ".join(tasks[name].answers)) if name in tasks else "# your own log"
-    if name == TASK:
-        solved = f"{tasks[name].given} = {own_case(seed).solution}"
+    if name in JUDGED:
+        solved = f"{tasks[name].given} = {own_case(name, seed).solution}"
     text = f"{source}\n\n\n### BEGIN SOLUTION\n{solved}\n### END SOLUTION"
     answer = code(f"{name}-answer", text, nbgrader(f"{name}-answer", solution=True))
     return [markdown(f"{name}-points", f"`{name}`: {'; '.join(said)}"), answer]

@@ -7,6 +7,6 @@ INPUTS = {
     "break_cells": "([*([(x, 1), (x + 0.01, 1)] for x in np.arange(-2, 2, 0.05)), "
     "[(-8, 4), (8, 4)]], [(0, 0), (0.5, 0)])",
     "decide_map": '{"A": "keep", "B": "doubled", "C": "spread", "D": "tape"}',
-    "decide_way": '{"K": "wall", "L": "long", "M": "keep", "N": "unknown"}',
+    "decide_way": '{"K": "long", "L": "unknown", "M": "keep", "N": "wall"}',
     "break_icp": "[0.1, -0.57, -0.18]",
 }

@@ -20,7 +20,7 @@ from segmap.files import chapters_folder
 from .. import EXERCISES, OPEN_EXERCISES
 from ..exercises import Exercise
 from ..exercises.open import OwnLog
-from ._cases import TASK, own_case
+from ._cases import JUDGED, own_case
 
 Cell = dict[str, Any]
 Notebook = dict[str, Any]
@@ -177,9 +177,10 @@ class Task(NamedTuple):
 
     def calls(self, seed: int) -> list[str]:
         """The check that students see, and that on the hidden cases of a seed, if it has some."""
-        if self.name == TASK:
-            judged = f'course.{TASK}({self.given}, "{own_case(seed).seals}")'
-            return [f"course.{TASK}.noted({self.given})", judged]
+        if self.name in JUDGED:
+            seals = own_case(self.name, seed).seals
+            check = f"course.{self.name}"
+            return [f"{check}.noted({self.given})", f'{check}({self.given}, "{seals}")']
         if self.name not in EXERCISES:
             return [f"course.{self.name}({self.given})"]
         check = f"course.check_{self.name}"

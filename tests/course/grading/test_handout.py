@@ -13,7 +13,7 @@ from chapter_rules import CHAPTERS
 from programs import program
 from segmap_course import EXERCISES, OPEN_EXERCISES
 from segmap_course.grading import (
-    figures,
+    JUDGED,
     otter_tests,
     own_case,
     read_chapter,
@@ -99,40 +99,49 @@ def test_links_lead_to_a_file_of_the_handout():
 
 
 # ------------------------------------------------------------------- a case of its own
-def decided(seed):
-    """The cells of chapter 13 in the source of a seed, and what of them students get."""
-    (path,) = (path for path in CHAPTERS if path.name.startswith("13_"))
+#: Task of judgement -> its chapter, and what stands around the number of its case.
+DECIDED = {
+    "decide_map": ("13_", ["floor {} of", "unknown_building({})"]),
+    "decide_way": ("61_", ["`course.four_ways({})`", "in enumerate(course.four_ways({})"]),
+}
+
+
+def decided(task, seed):
+    """The cells of a chapter in the source of a seed, and what of them students get."""
+    (path,) = (path for path in CHAPTERS if path.name.startswith(DECIDED[task][0]))
     book = source_notebook(path.name, read_chapter(path), seed)
     hidden = re.compile(r"### BEGIN (HIDDEN TESTS|SOLUTION)\n(.*?)### END \1", re.DOTALL)
     sources = {cell["id"]: cell["source"] for cell in book["cells"]}
     return sources, {name: hidden.sub("", source) for name, source in sources.items()}
 
 
-def test_each_handout_decides_on_a_floor_of_its_own():
+@pytest.mark.parametrize("task", DECIDED)
+def test_each_handout_decides_on_a_case_of_its_own(task):
     """Catches a case that all years share, and an answer or a seal in what a student gets."""
-    floors = set()
+    numbers, shown = set(), JUDGED[task].shown
     for seed in (SEED, SEED + 1):
-        sources, given = decided(seed)
-        case, text = own_case(seed), "\n".join(given.values())
-        floors.add(case.floor)
-        assert f"floor {case.floor} of" in text and not re.search(r"\bfloor 4\b", text)
-        assert f"unknown_building({case.floor})" in text and "unknown_building(4)" not in text
+        sources, given = decided(task, seed)
+        case, text = own_case(task, seed), "\n".join(given.values())
+        numbers.add(case.number)
+        for place in DECIDED[task][1]:
+            assert place.format(case.number) in text and place.format(shown) not in text
         assert not any(word in text for word in case.seals.split())
-        assert str(case.solution) in sources["decide_map-answer"] and str(seed) not in text
-        assert str(case.solution) not in text and f"'{case.solution['A']}'" not in text
-        assert "course.decide_map.noted(my_decision)" in given["decide_map-check"]
-        assert "course.decide_map(" not in text
-    assert len(floors) == 2 and 4 not in floors
+        assert str(case.solution) in sources[f"{task}-answer"] and str(seed) not in text
+        assert str(case.solution) not in text
+        assert f"course.{task}.noted(my_decision)" in given[f"{task}-check"]
+        assert f"course.{task}(" not in text
+    assert len(numbers) == 2 and shown not in numbers
 
 
-def test_a_handed_out_decision_is_judged_by_its_own_case():
-    """Catches points for the answer of the chapter's floor, or for any answer that is whole."""
-    sources, given = decided(SEED)
-    case, asked = own_case(SEED), sources["decide_map-test"].split("\n")
+@pytest.mark.parametrize("task", DECIDED)
+def test_a_handed_out_decision_is_judged_by_its_own_case(task):
+    """Catches points for the answer of the chapter's case, or for any answer that is whole."""
+    sources, given = decided(task, SEED)
+    case, asked = own_case(task, SEED), sources[f"{task}-test"].split("\n")
     (hidden,) = (line for line in asked if "noted" in line and " and " in line)
-    others = [{**case.solution, "A": "doubled"}, {**case.solution, "D": "tape"}]
-    others += [dict(zip("ABCD", words, strict=True)) for words in permutations(
-        case.solution.values())]  # fmt: skip
+    names, words = case.decision.names, [*case.solution.values()]
+    others = [{**case.solution, name: word} for name in names for word in words]
+    others += [dict(zip(names, order, strict=True)) for order in permutations(words)]
     for answer in (case.solution, None, {}, *others):
         right = answer and all(
             word in (case.against[name] or ["keep"]) for name, word in answer.items()
@@ -140,15 +149,17 @@ def test_a_handed_out_decision_is_judged_by_its_own_case():
         won = eval(hidden.split("#")[0], {"course": course, "my_decision": answer})
         assert won == (2 if right else 0), answer
         if answer and [*answer.values()].count("keep") == 1:
-            assert course.decide_map.noted(answer) and case.floor and given
+            assert case.decision.noted(answer) and given
 
 
-def test_a_case_is_decided_by_the_text_of_its_chapter():
-    """Catches figures of handouts that are not those of the chapter's own floor."""
-    words = {name: {w for w, by in f.items() if by > 0} for name, f in figures(4).items()}
+@pytest.mark.parametrize("task", DECIDED)
+def test_a_case_is_decided_by_the_text_of_its_chapter(task):
+    """Catches figures of handouts that are not those of the chapter's own case."""
+    shown = JUDGED[task].figures(JUDGED[task].shown)
+    words = {name: {w for w, by in f.items() if by > 0} for name, f in shown.items()}
     answers = {name: words[name] or {"keep"} for name in words}
     right = [dict(zip(answers, a, strict=True)) for a in product(*answers.values())]
-    assert len(right) == 3 and all(course.decide_map(answer) for answer in right)
+    assert all(JUDGED[task].decision(answer) for answer in right)
 
 
 # --------------------------------------------------------------------------- the command

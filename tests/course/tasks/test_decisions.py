@@ -8,6 +8,7 @@ import pytest
 import segmap_course as course
 from chapter_rules import ROOT
 from segmap_course import OPEN_EXERCISES, Decision
+from segmap_course.grading import own_case, read_chapter
 
 from segmap.metrics import doubled_walls
 
@@ -36,9 +37,32 @@ def maps_of_floor_4():
     return against
 
 
+def ways_of_1676():
+    """By the text of chapter 61, on its map as its cells make it."""
+    cells = read_chapter(ROOT / "notebooks" / "61_where_to_go_next.ipynb")["cells"]
+    code = [cell["source"] for cell in cells if cell["cell_type"] == "code"]
+    names = {}
+    for source in code[:3]:
+        exec(source, names)
+    (source,) = (source for source in code if "def clearance" in source)
+    exec(source, names)
+    ways, clearance, tree = course.four_ways(1676), names["clearance"], names["tree"]
+    metres = {name: np.hypot(*np.diff(way, axis=0).T).sum() for name, way in ways.items()}
+    steps = {name: course.sample_points([*pairwise(way)], 0.01) for name, way in ways.items()}
+    told = {
+        name: {
+            "wall": clearance(way) < 0.25,
+            "unknown": (tree.occupancy(steps[name]) == 0.5).any(),
+            "long": metres[name] > 1.1 * metres["M"],
+        }
+        for name, way in ways.items()
+    }
+    return {name: {word for word in words if words[word]} for name, words in told.items()}
+
+
 @pytest.mark.parametrize(
     ("name", "figures"),
-    [("decide_map", maps_of_floor_4)],
+    [("decide_map", maps_of_floor_4), ("decide_way", ways_of_1676)],
 )
 def test_what_is_right_is_what_the_figures_say(name, figures):
     """Catches an answer that was right for the maps of another version."""
@@ -48,14 +72,10 @@ def test_what_is_right_is_what_the_figures_say(name, figures):
     assert sealed(decision, against) == {*decision.seals.split()}
 
 
-def test_the_way_that_is_kept_is_the_shortest_that_is_clear():
-    """Catches corners that were moved: lengths alone refuse L, and N is no shorter than M."""
-    metres = {
-        name: sum(np.hypot(*(b - a)) for a, b in pairwise(way))
-        for name, way in course.FOUR_WAYS.items()
-    }
-    assert metres["K"] < metres["M"] and metres["L"] > 1.1 * metres["M"] < metres["N"]
-    assert course.decide_way(dict(K="wall", L="long", M="keep", N="unknown"))
+def test_no_way_is_told_by_its_place():
+    """Catches ways whose parts, or whose letters, say which one is kept."""
+    kept = [own_case("decide_way", seed).against for seed in range(12)]
+    assert len({tuple(map(tuple, against.values())) for against in kept}) > 8
 
 
 @pytest.mark.parametrize("name", DECISIONS)

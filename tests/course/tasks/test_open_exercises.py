@@ -51,10 +51,10 @@ ANSWERS = {
     "predict_crowd": (0.63, [(0.82, "it is 0.631 parts of 1")]),
     "predict_survivors": (63, [(100, "it is 63.4 particles"), (50, "near enough is within 3")]),
     "decide_way": (
-        {"K": "wall", "L": "long", "M": "keep", "N": "unknown"},
+        {"K": "long", "L": "unknown", "M": "keep", "N": "wall"},
         [
-            ({"K": "keep", "L": "long", "M": "long", "N": "unknown"}, "K is not the one to keep"),
-            ({"K": "long", "L": "long", "M": "keep", "N": "wall"}, "K: 'long' does not speak"),
+            ({"K": "keep", "L": "long", "M": "long", "N": "wall"}, "K is not the one to keep"),
+            ({"K": "wall", "L": "unknown", "M": "keep", "N": "wall"}, "K: 'wall' does not speak"),
         ],
     ),
     "predict_sparse_icp": (0.1, [(2.0, "near enough is within 0.15 m")]),

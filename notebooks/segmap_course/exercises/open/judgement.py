@@ -33,6 +33,6 @@ decide_way = Decision(
     "robot of 0.25 m may drive, and for each other the reason that refuses it: 'wall', 'unknown' "
     "or 'long'",
     ("K", "L", "M", "N"),
-    "01b9e365 1d752459 d356522c e0024f91 ee0a7e74",
+    "20a60964 431926c2 920e7511 e0024f91",
     praise="The shortest was refused first: a length is worth nothing before the way is clear",
 )
