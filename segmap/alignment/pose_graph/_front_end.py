@@ -233,8 +233,10 @@ class FrontEnd(Undoable):
         row, new, measured = self.rows[-1], len(self.frames), self.measured()
         step, turn = self.rules.step_error, self.rules.turn_error
         covariance = match.covariance if match.matched else np.diag([step, step, turn]) ** 2
-        if self.lost >= LOST_IN_A_ROW and not measured:  # only a guess ties it to the map before
-            covariance, self.begins = np.diag(BREAK) ** 2, new
+        if self.lost >= LOST_IN_A_ROW:  # no match ties it to the map before
+            self.begins = new
+        if self.lost >= LOST_IN_A_ROW and not measured:  # only a guess does
+            covariance = np.diag(BREAK) ** 2
         elif match.matched and new and self._guessed(match):
             covariance = covariance + np.diag(BREAK) ** 2
         tied = match.matched and row.unmatched is not Unmatched.FREE_DIRECTION

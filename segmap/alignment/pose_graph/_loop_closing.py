@@ -288,7 +288,10 @@ class LoopCloser(Undoable):
         far = window.reach if window.reach > COVERED_WINDOW_M else 0.0
         place = path[window.old]
         first, end = np.searchsorted(path, [place - far, place + far + 1e-9])
-        around = window.old, int(min(first, near.start)), int(max(end, near.stop))
+        first, end = int(min(first, near.start)), int(max(end, near.stop))
+        if self.lost_since is not None and window.old < self.lost_since:
+            end = min(end, self.lost_since)  # what was seen since then lies anywhere
+        around = window.old, first, end
         if around not in self.maps:
             if len(self.maps) >= KEPT:
                 del self.maps[next(iter(self.maps))]

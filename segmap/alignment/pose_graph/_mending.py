@@ -23,7 +23,9 @@ def drop_torn(frames: KeyFrames, odometry: Array) -> bool:
     if not any(edge.loop for edge in frames.edges):
         return False
     bends = chain_bends(stacked(frames.edges), frames.poses)
-    torn = bends.size > MOST_BEND
+    # Steps that no match made are the wheels themselves: there they are no third witness
+    driven = np.cumsum([not row.tied for row in frames.rows])
+    torn = (bends.size > MOST_BEND) & (driven[bends.first] == driven[bends.last])
     if not torn.any():
         return False
     wheels = chain_bends(stacked(frames.edges), odometry).size[torn]
