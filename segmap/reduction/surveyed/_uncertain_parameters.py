@@ -34,7 +34,7 @@ LEAST_THETA_RAD = 1e-4
 def uncertain_parameters(
     map: Segments,
     *,
-    distance: Metres = 0.10,
+    distance: Metres = 0.05,
     angle: Turn = np.pi / 18,
     eps: Metres = 0.01,
     origin: Literal["map", "pair"] = "pair",
@@ -56,8 +56,9 @@ def uncertain_parameters(
     map : SegmentMap, Reduction or (n, 2, 2) array
         Scans come in ascending order.
     distance
-        Segments farther apart are two walls (A's T_D, without a value): 0.10 m is the noise of two
-        looks and of the poses between.
+        Segments farther apart are two walls (A's T_D, without a value). At 0.05 m the faces of a
+        wall of 0.10 m stay two in 16 of 18 simulated drives (poses within 2 cm), at 0.10 m in none,
+        and 3.1 % of the true walls of `walls.csv` are missed instead of 0.6 %.
     angle
         A's T_theta: segments that differ more in direction are two walls.
     eps

@@ -31,7 +31,7 @@ def test_a_wall_of_10_cm_stays_at_2_cm_of_cost_or_5_cm_of_distance(noise, buildi
         map = segmap.build_map(log, log.truth, keep_points=True)
         for kept in (
             segment_similarity(map, distance=0.02),
-            uncertain_parameters(map, distance=0.05),
+            uncertain_parameters(map),  # 0.05 m
         ):
             assert 0.08 < thickness(kept.segments, middle) < 0.13
         assert thickness(uncertain_parameters(map, distance=0.12).segments, middle) < 0.01
