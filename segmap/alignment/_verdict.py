@@ -19,11 +19,10 @@ if TYPE_CHECKING:
 
 #: Below this share of placed scans the log gives no map.
 LEAST_PLACED_SHARE = 0.25
-#: A good map holds this share of the scans: the real logs of the benchmarks have 0.99 and more.
+#: A good map holds this share of the scans: the real logs of the benchmarks have 0.99 and more. Of
+#: those it holds the same share is sure, in the whole map or relative to those near by: a large
+#: building may be right in each of its parts and bent as a whole.
 PLACED = 0.9
-#: Of the scans that are placed at least so many are sure, in the whole map or relative to those
-#: near by: a large building may be right in each of its parts and bent as a whole.
-SURE_SHARE = 0.5
 
 #: So many scans must count before a log can be called unsure as a whole.
 LEAST_COUNTED_SCANS = 10
@@ -49,8 +48,8 @@ class Verdict:
         "not a map" where fewer than two scans of several are placed, fewer than a quarter, no wall
         is there, what was matched leaves poses free, or none of ten scans and more is sure and half
         of them may be over 2 m off.
-        "doubtful" where less than nine tenths of the scans are placed, less than half of those are
-        sure relative to those within 20 m, nothing but the wheels places them, or a finding of the
+        "doubtful" where less than nine tenths of the scans are placed, or of those are sure
+        relative to those within 20 m, nothing but the wheels places them, or a finding of the
         alignment makes it so: the poses do not keep what the matches say, say.
         "not checked" where nothing speaks against the poses and nothing confirms them: one look,
         or poses of a file that no match was compared with.
@@ -145,7 +144,7 @@ def judge(
     if sure is not None:
         local = int(near.sum())
         more = f" ({local} relative to those within 20 m)" if local > sure else ""
-        unsure = local < SURE_SHARE * placed
+        unsure = local < PLACED * placed
         (against if unsure else rest).append(f"{counted(sure, 'scan')} sure{more}")
     # 3. What confirms it
     unchecked = [each.words for each in found.causes if each.cause is Cause.NOT_CHECKED]

@@ -77,8 +77,8 @@ def test_wheels_alone_are_doubtful_and_their_walls_are_doubled():
         ([True] * 5 + [False] * 16, None, "not a map"),
         ([True] * 9 + [False], None, "good"),
         ([True] * 8 + [False] * 2, None, "doubtful"),
-        ([True] * 4, [0.1, 0.1, 0.3, 0.3], "good"),
-        ([True] * 4, [0.1, 0.3, 0.3, 0.3], "doubtful"),
+        ([True] * 10, [0.1] * 9 + [0.3], "good"),
+        ([True] * 10, [0.1] * 8 + [0.3] * 2, "doubtful"),
     ],
 )
 def test_where_the_grades_begin(used, spread, grade):
@@ -104,17 +104,17 @@ def test_scans_without_a_wall_are_no_map():
 
 def test_a_large_building_may_be_sure_in_each_of_its_parts():
     """No scan is sure in 300 m of building, and each is relative to those within 20 m."""
-    whole = outcome([True] * 4, spread=np.full(4, 0.4))
-    found = replace(whole, local_spread=np.array([0.1, 0.1, 0.1, 0.4]))
+    whole = outcome([True] * 10, spread=np.full(10, 0.4))
+    found = replace(whole, local_spread=np.array([0.1] * 9 + [0.4]))
     assert found.verdict.grade == "good"
-    assert "0 scans sure (3 relative to those within 20 m)" in str(found.verdict)
+    assert "0 scans sure (9 relative to those within 20 m)" in str(found.verdict)
     assert whole.verdict.grade == "doubtful" and "relative" not in str(whole.verdict)
 
 
 def test_a_good_map_promises_half_a_metre_at_most():
     """Catches a good map that says 0.6 m, and one that promises what a scan does not hold."""
-    some = outcome([True] * 6, spread=np.array([0.1, 0.1, 0.1, 0.1, 0.3, 0.9]))
-    assert str(some.verdict) == "GOOD: 6 of 6 scans placed, 4 scans sure, all but 2 within 0.5 m"
+    some = outcome([True] * 10, spread=np.array([0.1] * 9 + [0.9]))
+    assert str(some.verdict) == "GOOD: 10 of 10 scans placed, 9 scans sure, all but 1 within 0.5 m"
     near = replace(outcome([True] * 6, spread=np.full(6, 0.4)), local_spread=np.full(6, 0.1))
     assert near.verdict.grade == "good" and "within 0" not in near.verdict.words
 

@@ -56,10 +56,10 @@ def figures_of_maps(floor: int) -> dict[str, dict[str, float]]:
     case, found = unknown_building(floor), {}
     for name, alignment in case.alignments.items():
         verdict = alignment.verdict_on(case.maps[name])
+        unsure = 0.5 if verdict.sure is None else 0.9 - float(alignment.locally_sure.mean())
         off = max(abs(case.measured(name, taped) - taped.metres) for taped in case.tape)
         found[name] = {
-            "verdict": (verdict.grade != "good") - 0.5,
-            "spread": -1.0 if verdict.sure is None else 0.9 - verdict.sure / verdict.scans,
+            "verdict": max(bool(verdict.causes) - 0.5, unsure),
             "doubled": doubled_walls(case.maps[name], alignment.poses[:, :2]) - 0.25,
             "tape": off - 3 * 0.03,
         }
@@ -136,8 +136,8 @@ JUDGED = {
             4,
             ((r"\bfloor ", r"\b"), (r"unknown_building\(", r"\)")),
             figures_of_maps,
-            {"verdict": 0.5, "spread": 0.03, "doubled": 0.03, "tape": 0.03},
-            ("spread", "tape"),
+            {"verdict": 0.03, "doubled": 0.03, "tape": 0.03},
+            ("tape", "verdict"),
         ),
         Judged(
             decide_way,

@@ -22,14 +22,13 @@ def sealed(decision, against):
 
 
 def maps_of_floor_4():
-    """By the text of chapter 13: three deviations, half a metre, a quarter of the walls."""
+    """By the text of chapter 13: three deviations, a quarter of the walls."""
     case, against = course.unknown_building(4), {}
     for name, alignment in case.alignments.items():
         verdict, path = alignment.verdict_on(case.maps[name]), alignment.poses[:, :2]
         off = [case.measured(name, taped) - taped.metres for taped in case.tape]
         told = {
             "verdict": verdict.grade != "good",
-            "spread": verdict.sure is not None and verdict.sure < 0.9 * verdict.scans,
             "doubled": doubled_walls(case.maps[name], path) > 0.25,
             "tape": max(np.abs(off)) > 3 * 0.03,
         }

@@ -39,11 +39,11 @@ ANSWERS = {
         ],
     ),
     "decide_map": (
-        {"A": "keep", "B": "doubled", "C": "spread", "D": "tape"},
+        {"A": "keep", "B": "doubled", "C": "verdict", "D": "tape"},
         [
-            ({"A": "tape", "B": "tape", "C": "spread", "D": "keep"}, "D is not the one to keep"),
+            ({"A": "tape", "B": "tape", "C": "verdict", "D": "keep"}, "D is not the one to keep"),
             ({"A": "keep", "B": "tape", "C": "tape", "D": "tape"}, "C: 'tape' does not speak"),
-            ({"A": "keep", "B": "keep", "C": "spread", "D": "keep"}, "keep one, and refuse"),
+            ({"A": "keep", "B": "keep", "C": "verdict", "D": "keep"}, "keep one, and refuse"),
             ({"D": "keep"}, "name each of A, B, C, D"),
             (["D"], "decide first"),
         ],

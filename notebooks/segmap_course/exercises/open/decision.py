@@ -91,9 +91,9 @@ def _words(decision: Any) -> dict[str, str]:
 decide_map = Decision(
     "decide_map(answer): a dictionary with each of the maps A to D of a floor: 'keep' for the one "
     "that you would hand over, and for each other the witness that refuses it: 'verdict', "
-    "'spread', 'doubled' or 'tape'",
+    "'doubled' or 'tape'",
     ("A", "B", "C", "D"),
-    "04abb1db 871a1686 89ca25c9 bd772afe c094b7d2 e6041970",
+    "04abb1db 871a1686 89ca25c9 bd772afe c094b7d2 e24521f4",
     praise="Each map was refused by another witness, and one by the tape alone, which no "
     "computation replaces: what is inside a log cannot know its unit",
 )
