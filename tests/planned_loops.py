@@ -33,6 +33,9 @@ class Planned(LiveGraph):
         self.count, self.bend = self.count + 1, self.bend / 2 if closed else self.bend
         return Placed(self.poses[-1], closed)
 
+    def scan(self, number):
+        return self.log[number]
+
     @property
     def poses(self):
         k = np.arange(self.count)

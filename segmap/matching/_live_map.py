@@ -129,7 +129,7 @@ class LiveMap(Locked):
         self._blank = deepcopy((self.map, walls))
         self._start, self._free = arrays.pose(start, "start"), free
         self._map_from_graph: Array | None = None
-        self._scans: list[tuple[int, LaserScan]] = []  # those that are drawn, by their number
+        self._drawn: list[int] = []  # which scans of the graph
         self._stale = False
         self._anew: Future[Anew] | None = None
         self._placed: list[Placed] = []  # what the new map holds, or will
@@ -141,10 +141,10 @@ class LiveMap(Locked):
         self._exchange()
         in_graph, closed = self.graph.add(scan)
         self._stale |= closed
-        pose = self._in_map(in_graph)
+        pose, scan = self._in_map(in_graph), self.graph.scan(number)
         overlap = overlap_of(self.map, scan.points(), pose)
         insert_placed(self.map, self.walls, scan, pose, free=self._free)
-        self._scans.append((number, scan))
+        self._drawn.append(number)
         self._placed.append((scan, pose))
         self._begin()
         matched = not any(self.graph.unmatched[-1:])
@@ -175,12 +175,12 @@ class LiveMap(Locked):
         """Poses of the scans in the map, `(k, 3)` array, metres and radians, as corrected."""
         if self._map_from_graph is None:
             return np.zeros((0, 3))
-        return compose(self._map_from_graph, self.graph.poses[[k for k, _ in self._scans]])
+        return compose(self._map_from_graph, self.graph.poses[self._drawn])
 
     def _begin(self) -> None:
         """Begin a new map where poses have moved; one that is being made ends first."""
         if self._stale and self._anew is None:
-            scans = [scan for _, scan in self._scans]
+            scans = [self.graph.scan(number) for number in self._drawn]
             self._placed = list(zip(scans, self.poses, strict=True))
             thread = ThreadPoolExecutor(1, "new map")
             blank = deepcopy(self._blank)

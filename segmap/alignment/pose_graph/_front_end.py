@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -27,6 +27,7 @@ from ..graph import (
 )
 from ..points import PointMap, in_range
 from ._doubt import appraisal
+from ._in_motion import at_mid_turn, even_motion, laid_in_motion
 from ._key_frames import KeyFrame, KeyFrames, Undoable
 from ._pauses import OTHER_PLACE_M, OTHER_PLACE_RAD
 from ._places import OVERLAP_GAIN
@@ -64,6 +65,8 @@ NEARLY_WHOLE_OVERLAP = 0.9
 MOST_SLIDE_M = 0.3
 #: Nor is one that turns by more, radians.
 MOST_SLIDE_RAD = 0.2
+#: So often the first scan of a map is carried by the motion to the second.
+FIRST_ROUNDS = 3
 #: At last each scan is laid on the map of so many key frames ...
 FINAL_NEIGHBOURS = 15
 #: ... within so many metres, of all passes, since the loops have brought these together.
@@ -87,6 +90,9 @@ class Tracking(Settings):
         Standard deviations that every match is supposed to have at least, whatever its own
         covariance says: what matches in real buildings err by. Walls that are as flat as simulated
         ones allow a tenth. `Alignment.spread` grows with them.
+    moving
+        Whether the robot moves while a scan is measured: the match finds how, where beams have
+        their times (`LaserScan.delays`), and the scan is carried to the middle of its turn.
     """
 
     frames: Count = 10
@@ -95,6 +101,7 @@ class Tracking(Settings):
     turn_error: Radians = np.pi / 9  # 20 degrees
     match_error: Metres = REAL_ERRORS[0]
     match_turn_error: Radians = REAL_ERRORS[1]
+    moving: bool = False
 
 
 @dataclass
@@ -111,6 +118,8 @@ class TrackedScan:
     overlap: float = np.nan  # share of it on the map before it; NaN where lost or blind
     along: float = 0.0  # standard deviation along the walls, metres; 0 where the match tells
     driven: bool = False  # whether the odometry outweighed its match
+    measured: LaserScan | None = None  # as it came, where `scan` is carried to its middle
+    motion: Array = field(default_factory=lambda: np.zeros(6))  # then, as `match_moving` has it
 
     @property
     def used(self) -> bool:
@@ -130,10 +139,12 @@ class FrontEnd(Undoable):
         self.begins = 0  # the key frame at which the map began, or began anew
         self.lost = 0  # scans in a row without odometry and match
         self.local: PointMap | None = None
+        self.redrawn = False  # whether the scan before the last has changed
 
     def track(self, scan: LaserScan) -> Match:
         """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
-        self.points = points = in_range(scan.points())
+        self.points, self.redrawn = in_range(scan.points()), False
+        points = self.points
         odometry = np.full(3, np.nan) if scan.odometry is None else scan.odometry
         start = odometry if np.isfinite(odometry).all() else np.zeros(3)
         row = TrackedScan(scan, odometry, len(self.frames) - 1, np.zeros(3), start)
@@ -154,6 +165,8 @@ class FrontEnd(Undoable):
             match = self.matcher(map, points, guess)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
                 match = self._regained(map, points, guess, match)
+            if self.rules.moving and match.matched and scan.delays is not None:
+                match, points, map = self._in_motion(map, match)
             match = self.wheels.along(match, guess)
             weighed = self.wheels.weighed(map, points, match)
             row.driven, match = weighed is not match, weighed
@@ -167,6 +180,34 @@ class FrontEnd(Undoable):
         row.pose = match.pose
         row.place = compose(before.place, between(before.pose, match.pose))
         return match
+
+    def _in_motion(self, map: PointMap, match: Match) -> tuple[Match, Array, PointMap]:
+        """The match of a scan as measured becomes one in the middle of its turn; points and map.
+
+        The first scan of a map would bend all that follow: it is carried to its middle too.
+        """
+        row, before = self.rows[-1], self.rows[-2]
+        assert row.scan.delays is not None
+        apart = row.scan.time - (before.measured or before.scan).time
+        seconds = apart if apart > 0 else float(row.scan.delays.max())
+        motion = even_motion(before.pose, match.pose, seconds)
+        if before.scan.delays is not None and self.frames.rows[-1].scan == len(self.rows) - 2:
+            for _ in range(FIRST_ROUNDS):
+                first = at_mid_turn(before.scan, motion)
+                points = in_range(first.points())
+                map = PointMap(points, np.zeros_like(points))
+                moved = laid_in_motion(map, row.scan, match.pose, motion, self.rules.overlap)
+                motion = even_motion(before.pose, moved.match.pose, seconds)
+            carried = replace(before, scan=first, measured=before.scan, motion=motion)
+            frame = self.frames.rows[-1]._replace(points=points)
+            self.rows = [*self.rows[:-2], carried, row]  # new lists: an error puts back the old
+            self.frames.rows = [*self.frames.rows[:-1], frame]
+            self.local, self.redrawn = map, True
+        moved = laid_in_motion(map, row.scan, match.pose, motion, self.rules.overlap)
+        if moved.match.matched:
+            row.measured, row.scan, row.motion = row.scan, moved.scan, moved.motion
+            match, self.points = moved.match, in_range(row.scan.points())
+        return match, self.points, map
 
     def step(self) -> Array:
         """Expected motion to the last scan, (3,) array, metres and radians: as `Trail.step`."""

@@ -181,7 +181,7 @@ class LiveGraph(Locked):
                 if closed:
                     front.frames.optimize(lazily=True)
         self.seconds += work_time() - begun
-        closed, self._moved_since_scan = closed or self._moved_since_scan, False
+        closed, self._moved_since_scan = closed or front.redrawn or self._moved_since_scan, False
         return Placed(front.pose(), closed)
 
     def extend(self, log: Log) -> None:
@@ -372,6 +372,11 @@ class LiveGraph(Locked):
     def poses(self) -> Array:
         """Poses of all scans, `(k, 3)` array, metres and radians, as the loops so far have them."""
         return self.front_end.poses()
+
+    @locked
+    def scan(self, number: int) -> LaserScan:
+        """A scan as it was laid: carried to the middle of its turn with `Tracking(moving=True)`."""
+        return self.front_end.rows[number].scan
 
     @property
     @locked

@@ -1,0 +1,67 @@
+"""A scan of a laser that turned while the robot moved: its pose and the robot's motion in one."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...arrays import Array
+from ...poses.motions import arc, transform
+from ._point_map import LAST, PointMap
+
+#: How far what is supposed of a moving robot may err: its pose, metres twice and radians, velocity,
+#: a second, and acceleration, a second squared. It counts along what the walls leave free.
+SUPPOSED_ERRORS = np.array([0.1, 0.1, 0.2, 1.0, 1.0, 8.0, 3.0, 3.0, 30.0])
+#: How far partners are sought at first, metres: a bent wall is a decimetre off.
+BENT_REACH_M = 0.4
+#: Partners are sought nearer after a step of less than this, metres, radians, radians a second, ...
+NEAR_STEP = 0.1
+#: ... and in the end it is the last.
+LAST_STEP = 0.01
+#: More steps are never made: most matches take 6.
+MOST_STEPS = 20
+#: A pose and a velocity are so many unknowns; with an acceleration they are nine.
+EVEN, UNEVEN = 6, 9
+
+
+def way(motion: Array, since: Array) -> Array:
+    """Where a motion `(6,)` leads in `(m,)` seconds: poses `(m, 3)`, metres and radians.
+
+    The motion is velocity and acceleration in the robot's frame, metres and radians, seconds.
+    """
+    return arc(since[:, None] * motion[:3] + since[:, None] ** 2 / 2 * motion[3:])
+
+
+def match_moving(
+    map: PointMap, points: Array, since: Array, start: Array, motion: Array, unknowns: int
+) -> tuple[Array, Array]:
+    """Pose `(3,)` and motion `(6,)` of a robot that moved while it measured, by point-to-line ICP.
+
+    Points `(m, 2)`, in the frame of the robot, were measured `since`, `(m,)`, seconds after the
+    pose; before it where negative. The offset of a point from its wall depends on the velocity as
+    it does on the pose, times these seconds, and on the acceleration, times half their square.
+    """
+    supposed, weight, reach = np.r_[start, motion], SUPPOSED_ERRORS**-2.0, BENT_REACH_M
+    state, free = supposed.copy(), slice(unknowns)
+    for _ in range(MOST_STEPS):
+        # 1. Each point carried to the moment of the pose, and its partner
+        carried = transform(way(state[3:], since), points[:, None])[:, 0]
+        descent = map.descend(carried, state[:3], reach, LAST, stride=1, rounds=1)
+        if len(descent.rows) < unknowns:
+            break
+        # 2. How its offset changes with pose, velocity and acceleration
+        by_pose, later = descent.rows[:, :3], since[descent.rows[:, 5].astype(np.int64), None]
+        c, s = math.cos(state[2]), math.sin(state[2])
+        by_motion = by_pose @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        change = np.hstack([by_pose, later * by_motion, later**2 / 2 * by_motion])[:, free]
+        # 3. A Gauss-Newton step
+        weighed = change.T * (descent.rows[:, 4] / descent.sigma**2)
+        slope = weighed @ descent.rows[:, 3] + (weight * (state - supposed))[free]
+        step = np.linalg.solve(weighed @ change + np.diag(weight[free]), slope)
+        state[free] -= step
+        largest = np.abs(step[[0, 1, 2, 5]]).max()
+        if largest < LAST_STEP and reach <= LAST:
+            break
+        reach = max(reach / 2, LAST) if largest < NEAR_STEP else reach
+    return state[:3], state[3:]

@@ -1,0 +1,143 @@
+"""Scans of a laser that turns in a moving hand: pose and motion come out of one match."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from segmap.alignment import LiveGraph, Tracking
+from segmap.matching import LiveMap
+from segmap.poses import between, compose, transform
+from segmap.poses.motions import arc, twist
+from segmap.simulation import OdometryNoise, Sensor, box, simulate
+
+#: A turn of 0.1 s, as an LD19 makes it.
+PERIOD_S = 0.1
+WALLS = np.concatenate(
+    [box(6, 4, (3, 2, 0)), box(1, 0.6, (2, 3, 0.3)), box(0.5, 0.5, (4.7, 1.2, 0.8))]
+)
+
+
+def hand(turns, way=0.06):
+    """Poses `(k, 3)` at the begin of scans: a hand that walks, and turns by so much a scan."""
+    heading = np.radians(np.r_[0.0, np.cumsum(turns)])
+    x = 1.2 + way * np.arange(len(heading))
+    return np.stack([x, 1.3 + 0.2 * np.sin(x), heading], -1)
+
+
+def recorded(path, *, clockwise=False, sensor_pose=(0.0, 0.0, 0.0), noise=0.01):
+    """The log without its odometry: nothing but beams and their times."""
+    step = 2 * np.pi / 450 * (-1 if clockwise else 1)
+    sensor = Sensor("LD19", 450, 0.0, step, max_range=12.0, sigma=noise, period=PERIOD_S)
+    log = simulate(
+        WALLS, path, sensor=sensor, rng=np.random.default_rng(5), moving=True,
+        sensor_pose=sensor_pose, odometry_noise=OdometryNoise().ideal(),
+    )  # fmt: skip
+    return replace(log, scans=tuple(replace(scan, odometry=None) for scan in log))
+
+
+def in_mid_turn(path):
+    """The true poses then."""
+    steps = twist(between(path[:-1], path[1:]))[[*range(len(path) - 1), -1]]
+    return compose(path, arc(steps / 2))
+
+
+def tracked(log, **rules):
+    graph = LiveGraph(tracking=Tracking(moving=True, **rules))
+    graph.extend(log)
+    return graph
+
+
+def motions(graph):
+    """Velocity and acceleration at each scan, `(k, 6)`."""
+    return np.array([row.motion for row in graph.front_end.rows])
+
+
+def off(graph, path):
+    """Errors of the poses in mid-turn, from the first on, metres and radians."""
+    truth = in_mid_turn(path)
+    return np.abs(between(between(truth[0], truth), between(graph.poses[0], graph.poses)))
+
+
+TURNS = np.r_[np.full(12, 20.0), np.full(12, -24.0), np.full(12, 8.0)]
+
+
+@pytest.mark.parametrize("clockwise", [False, True])
+@pytest.mark.parametrize("sensor_pose", [(0.0, 0.0, 0.0), (0.15, -0.1, 2.8)])
+def test_a_hand_that_turns_gets_poses_and_motion(clockwise, sensor_pose):
+    """Catches a velocity of the wrong sign, one in the frame of the map, and a laser that is taken
+    for the middle of the robot."""
+    path = hand(TURNS)
+    graph = tracked(recorded(path, clockwise=clockwise, sensor_pose=sensor_pose))
+    errors = off(graph, path)
+    assert np.hypot(errors[:, 0], errors[:, 1]).max() < 0.02 and errors[:, 2].max() < 0.01
+    found = np.degrees(motions(graph)[2:-1, 2] * PERIOD_S)
+    assert np.median(np.abs(found - TURNS[2:])) < 0.5
+    assert not any(graph.unmatched)
+
+
+def test_what_is_drawn_is_carried_and_the_first_scan_too():
+    """Catches a first scan that bends all walls, and a map of the scans as they came."""
+    path = hand(np.full(20, 22.0), way=0.02)
+    log = recorded(path, noise=0.0)
+    live = LiveMap(LiveGraph(tracking=Tracking(moving=True)))
+    for scan in log:
+        live.add(scan)
+    live.finish()
+    truth = in_mid_turn(path)
+    scans = [live.graph.scan(number) for number in range(len(log))]
+    for number in (0, 1, 10):
+        carried, came = (transform(truth[number], one[number].points()) for one in (scans, log))
+        assert distance_to_walls(carried).max() < 0.02 < 0.1 < distance_to_walls(came).max()
+    leaves = live.map.leaves()
+    ended = leaves.occ > 0
+    ends = np.stack([leaves.x, leaves.y], -1)[ended] + leaves.side[ended, None] / 2
+    assert np.mean(distance_to_walls(transform(truth[0], ends)) < 0.06) > 0.97
+
+
+def distance_to_walls(points):
+    a, b = WALLS[:, 0], WALLS[:, 1]
+    along = np.einsum("nwk,wk->nw", points[:, None] - a, b - a) / ((b - a) ** 2).sum(1)
+    nearest = a + np.clip(along, 0, 1)[..., None] * (b - a)
+    return np.hypot(*(points[:, None] - nearest).T).min(0)
+
+
+def test_a_scan_that_fails_leaves_the_graph_as_it_was(monkeypatch):
+    """Catches a first scan that stays carried though the second was not placed."""
+    path = hand(np.full(5, 15.0))
+    log = recorded(path)
+    graph = LiveGraph(tracking=Tracking(moving=True))
+    graph.add(log[0])
+    with monkeypatch.context() as patch, pytest.raises(ZeroDivisionError):
+        patch.setattr(graph.front_end, "needs_frame", lambda *given: 1 / 0)
+        graph.add(log[1])
+    assert len(graph) == 1 and graph.scan(0) is log[0]
+    assert np.array_equal(graph.front_end.frames.rows[0].points, log[0].points())
+    for scan in log[1:]:
+        graph.add(scan)
+    assert np.array_equal(graph.poses, tracked(log).poses)
+
+
+def test_after_a_break_a_map_begins_with_a_carried_scan():
+    """Catches a second map that is bent by the scan with which it begins."""
+    path = hand(np.r_[TURNS[:20], np.full(14, 20.0)])
+    log = recorded(path)
+    covered = [
+        replace(scan, ranges=np.full(len(scan), np.inf)) if 20 <= k < 24 else scan
+        for k, scan in enumerate(log)
+    ]
+    graph = tracked(replace(log, scans=covered))
+    apart = between(graph.poses[26], graph.poses[26:])
+    truth = in_mid_turn(path)
+    errors = np.abs(between(between(truth[26], truth[26:]), apart))
+    assert errors[:, :2].max() < 0.05 and errors[:, 2].max() < 0.02
+
+
+def test_without_times_of_beams_nothing_is_carried():
+    log = recorded(hand(TURNS[:6]))
+    untimed = replace(log, scans=tuple(replace(scan, delays=None) for scan in log))
+    plain = LiveGraph()
+    plain.extend(untimed)
+    assert np.array_equal(tracked(untimed).poses, plain.poses)
+    assert not motions(tracked(untimed)).any()
+    assert tracked(untimed).scan(3) is untimed[3]
