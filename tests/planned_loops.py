@@ -6,6 +6,7 @@ import numpy as np
 
 from segmap.alignment import LiveGraph
 from segmap.alignment.pose_graph import Placed
+from segmap.alignment.pose_graph._front_end import TrackedScan
 from segmap.matching import LiveMap
 from segmap.poses import compose
 from segmap.simulation import Sensor, drive, rectangular_room, simulate
@@ -33,8 +34,8 @@ class Planned(LiveGraph):
         self.count, self.bend = self.count + 1, self.bend / 2 if closed else self.bend
         return Placed(self.poses[-1], closed)
 
-    def scan(self, number):
-        return self.log[number]
+    def tracked(self, number):
+        return TrackedScan(self.log[number], np.full(3, np.nan), 0, np.zeros(3), np.zeros(3))
 
     @property
     def poses(self):

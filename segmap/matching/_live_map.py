@@ -35,6 +35,9 @@ class Step(NamedTuple):
     and what follows hangs on nothing. Along walls without any feature a robot is lost with a high
     overlap.
 
+    `motion`, (6,) array, is the velocity and the acceleration then, in the robot's frame, metres
+    and radians, seconds: where the graph has `Tracking(moving=True)`, else 0; None without a graph.
+
     Examples
     --------
     >>> from segmap.matching import map_scans
@@ -49,6 +52,7 @@ class Step(NamedTuple):
     closed: bool
     found: bool
     overlap: float
+    motion: Array | None = None
 
 
 #: A scan and its pose (3,) in the map.
@@ -141,7 +145,8 @@ class LiveMap(Locked):
         self._exchange()
         in_graph, closed = self.graph.add(scan)
         self._stale |= closed
-        pose, scan = self._in_map(in_graph), self.graph.scan(number)
+        tracked = self.graph.tracked(number)
+        pose, scan = self._in_map(in_graph), tracked.scan
         overlap = overlap_of(self.map, scan.points(), pose)
         insert_placed(self.map, self.walls, scan, pose, free=self._free)
         self._drawn.append(number)
@@ -149,7 +154,7 @@ class LiveMap(Locked):
         self._begin()
         matched = not any(self.graph.unmatched[-1:])
         seconds = work_time() - begun
-        return Step(pose, np.nan, seconds, closed, matched, overlap)
+        return Step(pose, np.nan, seconds, closed, matched, overlap, tracked.motion)
 
     def _in_map(self, pose: Array) -> Array:
         """A pose (3,) of the graph in the map, metres and radians; the first one lays the map."""
@@ -180,7 +185,7 @@ class LiveMap(Locked):
     def _begin(self) -> None:
         """Begin a new map where poses have moved; one that is being made ends first."""
         if self._stale and self._anew is None:
-            scans = [self.graph.scan(number) for number in self._drawn]
+            scans = [self.graph.tracked(number).scan for number in self._drawn]
             self._placed = list(zip(scans, self.poses, strict=True))
             thread = ThreadPoolExecutor(1, "new map")
             blank = deepcopy(self._blank)

@@ -12,6 +12,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from segmap.alignment import LiveGraph, Tracking
 from segmap.display import counted
 from segmap.files import shown
 from segmap.matching import LiveMap
@@ -29,6 +30,9 @@ HOKUYO = "HOKUYO"
 COLUMNS = ("scan", "time_s", "angle_rad", "range_m")
 #: Seconds from one line to the next.
 LINE_S = 1.0
+#: A scan that turns by more bends beyond what can be carried back, radians.
+FASTEST_TURN_RAD = np.radians(45)
+SLOWER = "SLOWER: turn the laser by less than an eighth of a turn a scan"
 LOST = "LOST: go back to where the map is, and turn slowly"
 
 
@@ -129,11 +133,15 @@ def written(scans: Iterable[LaserScan], file: TextIO) -> Iterator[LaserScan]:
 
 def follow(scans: Iterable[LaserScan]) -> None:
     """Place the scans, and say each second how far the robot came, and whether it is lost."""
-    live, last, way, line = LiveMap(), np.zeros(2), 0.0, time.monotonic()
+    live = LiveMap(LiveGraph(tracking=Tracking(moving=True)))
+    last, way, line, turn = np.zeros(2), 0.0, time.monotonic(), 0.0
     for scan in scans:
         step = live.add(scan)
+        if scan.delays is not None and step.motion is not None:
+            turn = max(turn, float(np.abs(step.motion[2]) * scan.delays.max(initial=0.0)))
         way, last = way + float(np.hypot(*(step.pose[:2] - last))), step.pose[:2]
         if time.monotonic() - line >= LINE_S:
             line = time.monotonic()
-            words = "sure" if step.found else LOST
+            words = SLOWER if turn > FASTEST_TURN_RAD else "sure" if step.found else LOST
+            turn = 0.0
             print(f"{counted(len(live.graph), 'scan')}, {metres(way)}, {words}", flush=True)

@@ -85,7 +85,7 @@ def test_what_is_drawn_is_carried_and_the_first_scan_too():
         live.add(scan)
     live.finish()
     truth = in_mid_turn(path)
-    scans = [live.graph.scan(number) for number in range(len(log))]
+    scans = [live.graph.tracked(number).scan for number in range(len(log))]
     for number in (0, 1, 10):
         carried, came = (transform(truth[number], one[number].points()) for one in (scans, log))
         assert distance_to_walls(carried).max() < 0.02 < 0.1 < distance_to_walls(came).max()
@@ -111,7 +111,7 @@ def test_a_scan_that_fails_leaves_the_graph_as_it_was(monkeypatch):
     with monkeypatch.context() as patch, pytest.raises(ZeroDivisionError):
         patch.setattr(graph.front_end, "needs_frame", lambda *given: 1 / 0)
         graph.add(log[1])
-    assert len(graph) == 1 and graph.scan(0) is log[0]
+    assert len(graph) == 1 and graph.tracked(0).scan is log[0]
     assert np.array_equal(graph.front_end.frames.rows[0].points, log[0].points())
     for scan in log[1:]:
         graph.add(scan)
@@ -140,4 +140,4 @@ def test_without_times_of_beams_nothing_is_carried():
     plain.extend(untimed)
     assert np.array_equal(tracked(untimed).poses, plain.poses)
     assert not motions(tracked(untimed)).any()
-    assert tracked(untimed).scan(3) is untimed[3]
+    assert tracked(untimed).tracked(3).scan is untimed[3]

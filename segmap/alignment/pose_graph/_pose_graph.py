@@ -25,7 +25,7 @@ from ...threads import Locked, locked
 from .._result import Alignment, Match, Outcome, alignment_method, checked_alignment, no_match
 from ..graph import REAL, Edge, Graph, loops_of
 from ..points import PointMap
-from ._front_end import MOST_SLIDE_M, MOST_SLIDE_RAD, SURE_OVERLAP, FrontEnd, Tracking
+from ._front_end import MOST_SLIDE_M, MOST_SLIDE_RAD, SURE_OVERLAP, FrontEnd, TrackedScan, Tracking
 from ._key_frames import loop_pairs, rollback_on_error
 from ._loop_closing import LOST_WINDOW_M, LoopCloser, LoopClosing, Window
 from ._mending import drop_torn
@@ -374,9 +374,9 @@ class LiveGraph(Locked):
         return self.front_end.poses()
 
     @locked
-    def scan(self, number: int) -> LaserScan:
-        """A scan as it was laid: carried to the middle of its turn with `Tracking(moving=True)`."""
-        return self.front_end.rows[number].scan
+    def tracked(self, number: int) -> TrackedScan:
+        """How a scan was laid; with `Tracking(moving=True)` its `scan` is carried to mid-turn."""
+        return self.front_end.rows[number]
 
     @property
     @locked
