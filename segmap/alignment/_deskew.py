@@ -5,7 +5,8 @@
 3. A part of the log is aligned twice, with its beams carried and as it is. If it is sharper as it
    is, the robot stood while it measured, or the times of its beams mean nothing.
 4. Odometry that comes more often than scans says it better, once its clock is found.
-5. Each beam moves by what the robot moved since the first one. A second graph finds the poses.
+5. Without these a second graph finds the motion in each scan, as its match has it. Each beam moves
+   by what the robot moved since the first one.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ from ..scans import LaserScan, Log
 from ..scans.causes import Cause, Finding
 from ..scans.motion import LONGEST_GAP_S, is_timed, motion_compensated, velocities
 from ..scans.pose_argument import checked_poses
-from .pose_graph import pose_graph
+from .points import way
+from .pose_graph import LiveGraph, Tracking, pose_graph
 
 #: Scans that turn by more than this, radians, show the order of the beams.
 TURNING_SCAN_RAD = np.radians(1)
@@ -63,7 +65,8 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     Parameters
     ----------
     poses
-        Of the scans as they are, by matching: they lie in mid-scan. None makes a `pose_graph`.
+        Of the scans as they are, by matching: they lie in mid-scan, and the robot moves evenly from
+        one to the next. None makes a `pose_graph`, and finds the motion in each scan.
     progress
         As in `pose_graph`.
 
@@ -114,14 +117,20 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     if abs(offset) > turn / 2:
         words = f"scans and odometry differ by {abs(offset):.2f} s"
         causes.append(Finding(Cause.DELAY, offset, words))
+    live = LiveGraph(tracking=Tracking(moving=True))
+    live.extend(log if given is None else log[:0])
     scans = []
-    for scan, motion in zip(log, motions, strict=True):
+    for k, (scan, motion) in enumerate(zip(log, motions, strict=True)):
         if scan.delays is not None:
             steps = arc(motion * scan.delays[:, None])
+            if given is None and live.tracked(k).motion.any():
+                half = scan.delays.max() / 2
+                on_the_way = way(live.tracked(k).motion, np.r_[0.0, scan.delays] - half)
+                steps = between(on_the_way[0], on_the_way[1:])
             if np.isfinite(offset) and log.track is not None:
                 at = scan.time + offset + np.r_[0.0, scan.delays]
-                way = interpolate(log.track[:, 0], log.track[:, 1:], at, max_gap=LONGEST_GAP_S)
-                steps = between(way[0], way[1:]) if np.isfinite(way).all() else steps
+                driven = interpolate(log.track[:, 0], log.track[:, 1:], at, max_gap=LONGEST_GAP_S)
+                steps = between(driven[0], driven[1:]) if np.isfinite(driven).all() else steps
             scan = motion_compensated(scan, steps)
         scans.append(scan)
     return replace(log, scans=tuple(scans), causes=tuple(causes))
