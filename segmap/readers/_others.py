@@ -29,19 +29,74 @@ OPENED_FILES = {
         "('beams', beam, 12), ('last', '<u2'), ('time_ms', '<u2'), ('sum', 'u1')])",
     ),
 }
-#: Kinds of text, and three lines that open them.
-JSON_WHOLE = "import json\nwith open({name!r}) as file:\n    records = json.load(file)"
+#: A line of words or numbers, then numbers in brackets.
+NUMBERS_LISTED = r"""\A[^\[\]{}"'\n]*\[(?:[^\[\]:,"'\n]+,){2,}[^\[\]"'\n]*\](?:\n|\Z)"""
+#: What a text has that is no table -> what it is, and what opens it; `measured` makes a log.
+OTHER_TEXTS = {
+    r"(?m)^\s*\(?'?\[\(|\A.*\[\(": (
+        "lists of Python, printed",
+        "import ast\nwith open({name!r}) as file:\n"
+        "    scans = [ast.literal_eval(line[line.index('['):]) for line in file if '[(' in line]",
+    ),
+    NUMBERS_LISTED: (
+        "lists of numbers, printed",
+        "import numpy, re\nwith open({name!r}) as file:\n"
+        "    rows = [re.findall(r'[-+.\\w]+', line.partition('[')[2]) for line in file]\n"
+        "records = [numpy.array(row, float) for row in rows if row]",
+    ),
+    r"(?m)^angle_increment:": (
+        "messages of ROS in YAML (whole ones: `ros2 topic echo --full-length`)",
+        "import numpy, yaml\nwith open({name!r}) as file:\n"
+        "    messages = [message for message in yaml.safe_load_all(file) if message]\n"
+        "count, one = len(messages[0]['ranges']), messages[0]\n"
+        "angles = one['angle_min'] + one['angle_increment'] * numpy.arange(count)\n"
+        "times = [numpy.dot(tuple(m['header']['stamp'].values()), (1, 1e-9)) for m in messages]\n"
+        "measured = [(t, numpy.array(m['ranges'], float)) for t, m in zip(times, messages)]",
+    ),
+    r"(?m)^angle_step:": (
+        "messages of Gazebo",
+        "import numpy, re\nwith open({name!r}) as file:\n"
+        "    messages = re.split(r'(?m)^header', file.read())[1:]\n"
+        "ends = map(float, re.findall(r'(?m)^angle_m\\w+: (\\S+)', messages[0]))\n"
+        "rows = [numpy.array(re.findall(r'(?m)^ranges: (\\S+)', m), float) for m in messages]\n"
+        "angles = numpy.linspace(*ends, len(rows[0]))\n"
+        "measured = [(numpy.nan, row) for row in rows]",
+    ),
+    r"(?m)^\[frontStep\]": (
+        "a log of UrgBenri",
+        "import numpy, re\nwith open({name!r}) as file:\n"
+        "    text = file.read()\n"
+        "said = {key: int(n) for key, n in re.findall(r'\\[(\\w+)\\]\\s+(\\d+)\\s', text)}\n"
+        "rows = [numpy.array(re.findall(r'(?:^|;)(\\d+)', row), float)\n"
+        "        for row in re.findall(r'\\[scan\\]\\s+(\\S+)', text)]\n"
+        "steps = numpy.arange(said['startStep'], said['startStep'] + len(rows[0]))\n"
+        "angles = 2 * numpy.pi * (steps - said['frontStep']) / said['totalSteps']\n"
+        "for row in rows:\n"
+        "    row[(row < said['minDistance']) | (row > said['maxDistance'])] = numpy.nan\n"
+        "measured = [(numpy.nan, row / 1000) for row in rows]",
+    ),
+    r"LMDscandata .*DIST1 ": (
+        "telegrams of a SICK (90 degrees are straight ahead, as an LMS1xx or TiM5xx has it)",
+        "import numpy, struct\nwith open({name!r}) as file:\n"
+        "    parts = [line.split('DIST1 ')[1].split() for line in file if 'DIST1 ' in line]\n"
+        "scale, = struct.unpack('>f', bytes.fromhex(parts[0][0].zfill(8)))\n"
+        "first, = struct.unpack('>i', bytes.fromhex(parts[0][2].zfill(8)))\n"
+        "step, count = (int(word, 16) for word in parts[0][3:5])\n"
+        "angles = numpy.radians((first + step * numpy.arange(count)) / 10000 - 90)\n"
+        "rows = [[int(word, 16) for word in part[5:5 + count]] for part in parts]\n"
+        "measured = [(numpy.nan, scale * numpy.array(row) / 1000) for row in rows]",
+    ),
+    r"(?m)\A(?:---|\w+: *|- \w+:.*)$": (
+        "YAML",
+        "import yaml\nwith open({name!r}) as file:\n"
+        "    records = [record for record in yaml.safe_load_all(file) if record]",
+    ),
+}
+#: The same of JSON, an object a line or one in all.
 JSON_LINES = (
     "import json\nwith open({name!r}) as file:\n    records = [json.loads(line) for line in file]"
 )
-YAML = (
-    "import yaml\nwith open({name!r}) as file:\n"
-    "    records = [record for record in yaml.safe_load_all(file) if record]"
-)
-LISTS = (
-    "import ast\nwith open({name!r}) as file:\n"
-    "    scans = [ast.literal_eval(line[line.index('['):]) for line in file if '[(' in line]"
-)
+JSON_WHOLE = "import json\nwith open({name!r}) as file:\n    records = json.load(file)"
 
 
 def other_file(path: Path) -> str:
@@ -55,14 +110,13 @@ def other_file(path: Path) -> str:
 
 def other_text(name: str, lines: Sequence[str]) -> str:
     """What a text is that is no table, and what opens it; empty of others."""
-    first = lines[0].strip()
-    if "[(" in first or (lines[1:] and "[(" in lines[1]):
-        return _opened("lists of Python, printed", LISTS, name)
+    text, first = "\n".join(lines), lines[0].strip()
+    for mark, (what, code) in OTHER_TEXTS.items():
+        if re.search(mark, text):
+            return _opened(what, code, name)
     if re.match(r'[\[{]\s*($|["\d\[{-])', first):
         is_lines = len(lines) > 1 and _is_json(first)
         return _opened("JSON", JSON_LINES if is_lines else JSON_WHOLE, name)
-    if re.fullmatch(r"---|\w+:|- \w+:.*", first):
-        return _opened("YAML", YAML, name)
     return ""
 
 

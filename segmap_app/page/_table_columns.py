@@ -10,14 +10,8 @@ import ipywidgets as W
 from segmap.files import as_html
 from segmap.readers import ColumnChoices
 
-#: What a column may be; "-" is left out.
-COLUMN_KINDS = (
-    *("-", "angle_deg", "angle_rad", "angle_deg_cw", "angle_rad_cw", "range_mm", "range_cm"),
-    *("range_m", "range_ft", "range_in", "time_s", "time_ms", "time_us", "time_ns", "scan", "new"),
-    *("x_m", "y_m", "x_mm", "y_mm", "pose_x_m", "pose_y_m", "pose_theta_rad", "pose_theta_deg"),
-)
-#: Shown where the table does not say what a column is.
-NOT_CHOSEN = "choose"
+#: Shown where the table does not say what a column is, until a name is chosen or written.
+NOT_CHOSEN = "choose, or write"
 #: Tables of more columns are none with a line a beam.
 MOST_SHOWN_COLUMNS = 12
 #: Width of a column.
@@ -57,14 +51,14 @@ class TableColumns:
         """The names that are chosen, and the view; a ValueError where it is no number."""
         is_wide = self.first.layout.display != "none"
         view = (float(self.first.value), float(self.last.value)) if is_wide else None
-        return [kind.value for kind in self.kinds], view
+        return ",".join(kind.value for kind in self.kinds).split(","), view
 
     def _changed(self, change: object = None) -> None:
         try:
             names, _ = self._named()
         except ValueError:
-            names = [NOT_CHOSEN]
-        self.read.disabled = NOT_CHOSEN in names
+            names = [""]
+        self.read.disabled = "" in names
 
     def show(self, found: ColumnChoices | None = None) -> None:
         """Show the first rows below what the columns may be; nothing where there are none."""
@@ -76,11 +70,15 @@ class TableColumns:
             return
         cell = W.Layout(width=COLUMN_WIDTH)
         for place, names in enumerate(found.choices, 1):
-            first = [NOT_CHOSEN] if names[1:] else []
-            options = [*dict.fromkeys((*first, *names, *COLUMN_KINDS))]
-            what = f"what column {place} is"
-            self.kinds.append(W.Dropdown(options=options, layout=cell, tooltip=what))
-            self.kinds[-1].observe(self._changed, names="value")
+            menu: Any = W.Combobox(
+                options=[*dict.fromkeys((*names, "-", *found.every_name))],
+                value="" if names[1:] else names[0],
+                placeholder=NOT_CHOSEN,
+                tooltip=f"what column {place} is",
+                layout=cell,
+            )
+            menu.observe(self._changed, names="value")
+            self.kinds.append(menu)
         count = len(self.kinds)
         cells = [
             W.HTML(as_html(field[:MOST_CHARACTERS]), layout=cell)
@@ -91,6 +89,7 @@ class TableColumns:
         grid = W.GridBox([*self.kinds, *cells], layout=W.Layout(grid_template_columns=columns))
         for end in (self.first, self.last):
             end.layout.display = "" if found.needs_view else "none"
-        told = W.HTML(as_html(found.missing or "what the table says of its columns"))
+        lines = found.missing or "what the table says of its columns", *found.words
+        told = W.HTML("<br>".join(map(as_html, lines)))
         self.view.children = (told, grid, W.HBox([self.first, self.last, self.read]))
         self._changed()

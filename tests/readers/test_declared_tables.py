@@ -311,28 +311,52 @@ def test_what_ros_shortened_is_told_with_the_option(tmp_path):
         readers.read(tmp_path / "it.csv")
 
 
-#: What is no table, and what its three lines give.
+#: Beams that met something, and one that did not, as UrgBenri, SICK and ROS write them.
+MET = [*FAR[:11].tolist(), np.inf]
+WHOLE = [round(1000 * r) if np.isfinite(r) else 65533 for r in MET]
+VIEW = "angle_min: 0.0\nangle_max: 5.7595865\n"
+STAMP = "header:\n  stamp:\n    secs: 1600000000\n    nsecs: 200000000\n"
+#: What is no table, and what the lines that open it give.
 OTHERS = {
     "JSON": (json.dumps([{"angle": a, "range": r} for _, a, r in BEAMS], indent=1), "records"),
     "JSON a line": (lines(lambda k, a, r: json.dumps({"angle": a, "range": r})), "records"),
     "lists of Python": (
         text(str([(15, float(a), float(r)) for _, a, r in BEAMS]) for _ in "123"), "scans"),
+    "lists of numbers": (text(f"{k}.5 {MET}" for k in range(3)), "records"),
     "YAML of many numbers": ("ranges:\n" + lines(lambda k, a, r: f"- {r}"), "records"),
+    "rostopic echo": (
+        3 * f"{STAMP}{VIEW}angle_increment: 0.5235988\nranges: {MET}\n---\n", "log"),
+    "ros2 topic echo": (
+        3 * (f"{STAMP}{VIEW}angle_increment: 0.5235988\nranges:\n"
+             + text(f"- {r}".replace("inf", ".inf") for r in MET) + "---\n"), "log"),
+    "gz topic": (
+        3 * ("header {\n}\n" + VIEW + "angle_step: 0.5235988\ncount: 12\n"
+             + text(f"ranges: {r}" for r in MET)), "log"),
+    "UrgBenri": (
+        "[model]\nUST-10LX\n[totalSteps]\n12\n[startStep]\n3\n[endStep]\n14\n[frontStep]\n3\n"
+        "[minDistance]\n60\n[maxDistance]\n10000\n"
+        + 3 * f"[timestamp]\n7\n[scan]\n{';'.join(f'{r}|812' for r in WHOLE)}\n", "log"),
+    "SICK": (
+        3 * ("sSN LMDscandata 1 1 89A27F 0 1 DIST1 40000000 00000000 DBBA0 493E0 C "
+             + " ".join(f"{round(r / 2) % 0x7FFE:X}" for r in WHOLE) + " 0 0 0\n"), "log"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_what_is_no_table_is_opened_by_three_lines(tmp_path, monkeypatch, name):
-    """Catches advice that nobody has run."""
+def test_what_is_no_table_is_opened_by_the_lines_that_are_told(tmp_path, monkeypatch, name):
+    """Catches advice that nobody has run, `inf` that stays a word, and beams that are turned."""
     monkeypatch.chdir(tmp_path)
     content, variable = OTHERS[name]
     (tmp_path / "it.txt").write_text(content)
     with pytest.raises(UnknownFormat, match="which these lines open") as caught:
         readers.read("it.txt")
-    code = [line[4:] for line in caught.value.reason.splitlines()[1:4]]
-    held: dict[str, object] = {}
-    exec("\n".join(code), held)
+    reason, held = caught.value.reason, dict[str, object]()
+    told = reason if variable == "log" else reason[: reason.index("Known formats")]
+    exec("\n".join(line[4:] for line in told.splitlines() if line.startswith("    ")), held)
     assert len(held[variable]) in (1, 3, 36)
+    for scan in held["log"] if variable == "log" else ():
+        assert np.degrees(scan.angles) == pytest.approx(TURN, abs=1e-4)
+        assert scan.ranges[:11] == pytest.approx(FAR[:11], abs=1e-3) and not scan.valid[11]
 
 
 def test_a_log_of_words_stays_one_whatever_its_head(tmp_path):
@@ -370,6 +394,38 @@ def test_a_point_beside_decimal_commas_is_refused(tmp_path):
     (tmp_path / "it.csv").write_text("angle_deg;range_mm\n0,0;3.978\n30,0;978\n60,5;978\n")
     with pytest.raises(LogError, match=r"line 2: .* its decimal mark a comma, got '3\.978'"):
         readers.read(tmp_path / "it.csv")
+
+
+@pytest.mark.parametrize(
+    ("mark", "long", "short"),
+    [
+        (";", "1.234,5", "978,5"), (",", '"1,234.5"', "978.5"), (";", "1\u202f234,5", "978,5"),
+        ("\t", "1'234.5", "978.5"),
+    ],
+)  # fmt: skip
+def test_thousands_that_are_parted_are_numbers(tmp_path, mark, long, short):
+    """Catches a wall at 1.2 mm, a table without numbers, and a point that says too little."""
+    rows = [f"0{mark}{long}", f"30{mark}{short}", f"60{mark}{long}"]
+    (tmp_path / "it.csv").write_text(text([f"angle_deg{mark}range_mm", *rows]), "utf-8")
+    (scan,) = readers.read(tmp_path / "it.csv")
+    assert scan.ranges == pytest.approx([1.2345, 0.9785, 1.2345])
+    (tmp_path / "it.csv").write_text("angle_deg;range_mm\n0;3.978\n30;1.234\n60;978\n")
+    assert "the point in 3.978 is a decimal mark" in readers.read(tmp_path / "it.csv").assumed
+
+
+def test_what_lines_of_words_say_is_asked_for_or_told(tmp_path):
+    """Catches a mirrored room, a count that is a damaged row, and a clock that nobody hears of."""
+    path, beams = tmp_path / "it.csv", lines(lambda k, a, r: f"{k} {a} {r}")
+    path.write_text(f"# Angles grow clockwise.\n# scan angle_deg range_m\n{beams}")
+    with pytest.raises(LogError, match="which way angles grow, as '# Angles grow clock") as caught:
+        readers.read(path)
+    assert "columns='scan,angle_deg|angle_deg_cw,range_m'" in caught.value.reason
+    for head in ("# scan angle_deg_cw range_m", "# scan angle_deg_ccw range_m"):
+        path.write_text(f"# clockwise?\n{head}\n36\n{beams}")
+        assert_same(log := readers.read(path), "_cw" in head)
+        assert "not read: '# clockwise?', '36'" in log.assumed
+    path.write_text("angle_deg,,range_m\n" + lines(lambda k, a, r: f"{a},12:34:0{k},{r}"))
+    assert "left out: 'column 2'" in readers.read(path).assumed
 
 
 def test_numbers_in_names_of_columns_are_their_order(tmp_path):

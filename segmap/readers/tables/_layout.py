@@ -22,12 +22,14 @@ from ... import arrays
 from ...arrays import brief
 from ..lines import NOT_MEASURED, Lines, LogError, is_number
 from ..packed import read_text
-from ._columns import UNIT_WORDS, meaning, missing_in, named, places_of
+from ._columns import TURNS, UNIT_WORDS, meaning, missing_in, named, places_of, words_of
 
 #: Separators of fields, the first that most first rows hold; else white space.
 SEPARATORS = ";\t|,"
 #: What begins a comment, and a line by which Excel names a separator.
 COMMENTS = ("#", "%", "//", "sep=", "----", "+--")
+#: A line that says something, not how the table is drawn or its fields are parted.
+IN_WORDS = re.compile(r"(?!sep=).*\w")
 #: So many lines tell how a file is written.
 SAMPLE_LINES = 60
 #: The number in a name that is one of many alike.
@@ -40,6 +42,10 @@ NUMBER = re.compile(
     r"(?<![\w.])-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"
     rf"(?:(?!\w)|(?=(?:{'|'.join(UNIT_WORDS)})\b))|\bTrue\b|\bFalse\b"
 )
+#: A number whose thousands are parted, by what, and its decimal mark where it has one.
+THOUSANDS = re.compile(r"-?[1-9]\d{0,2}(?:([.,'\u2019\xa0\u202f])\d{3})+(?:(?!\1)([.,])\d+)?")
+#: What says in a line of words which way angles grow.
+WAY_IN_WORDS = re.compile(r"(?i)clockwise|\bc?cw\b")
 #: What names of columns do not say, in words.
 Missing = Callable[[Sequence[str]], str]
 #: A beam points nowhere beyond two turns.
@@ -54,6 +60,7 @@ class Layout(NamedTuple):
     line: int = 0  #: of its head: rows are below it
     separator: str | None = ","
     decimal: str = "."
+    thousands: str = ""  #: what parts them
     view: tuple[float, float] | None = None  #: of a scan a row: its first and last beam, degrees
     pattern: str = ""  #: of a line with numbers between words, whose groups are the columns
     mark: str = ""  #: the pattern of what each of these lines holds; another is damaged
@@ -61,6 +68,7 @@ class Layout(NamedTuple):
     head: tuple[str, ...] = ()  #: what the file itself calls its columns
     kinds: tuple[bool, ...] = ()  #: whether a column holds numbers, and no words
     rows: tuple[str, ...] = ()  #: the first of its lines with numbers
+    words: tuple[str, ...] = ()  #: the first of the others, comments too, that are no head
 
     @property
     def is_headed(self) -> bool:
@@ -71,6 +79,18 @@ class Layout(NamedTuple):
     def is_whole(self) -> bool:
         """Whether it says all that a log needs."""
         return bool(self.names) and (self.view is not None or "ranges" not in places_of(self.names))
+
+    @property
+    def way_in_words(self) -> str:
+        """The line that says which way angles grow, where the head does not; empty without one."""
+        is_named = any(word in TURNS for name in self.head for word in words_of(name))
+        return "" if is_named else next(filter(WAY_IN_WORDS.search, self.words), "")
+
+    def plain(self, number: str) -> str:
+        """A number as Python writes it."""
+        if self.thousands:
+            number = re.sub(rf"(?<=\d){re.escape(self.thousands)}(?=\d{{3}}(?!\d))", "", number)
+        return number.replace(",", ".") if self.decimal == "," else number
 
     def fields(self, row: str) -> list[str]:
         """The fields of a row."""
@@ -153,7 +173,7 @@ def layout_of(path: Path) -> Layout:
             words = f"its columns {form} do not stand in the order of their numbers: put them so"
             raise LogError(path, words)
     names = tuple(name for name, count in runs for _ in range(count if "#" in name else 1))
-    return found if missing_in(names) else found._replace(names=names)
+    return found if missing_in(names) or found.way_in_words else found._replace(names=names)
 
 
 def layout_as_written(path: Path) -> Layout:
@@ -166,17 +186,25 @@ def layout_as_written(path: Path) -> Layout:
     mark = next((m for m in SEPARATORS if 2 * sum(m in row for row in body) > len(body)), None)
     if mark == "," and 2 * sum(bool(re.search(r"\d,\d+\s+-?\d+", row)) for row in body) > len(body):
         mark = None  # numbers with decimal commas between white space
-    comma = mark != "," and any(re.search(r"\d,\d", row) for row in body)
+    fields = [field for row in body for field in fields_of(row, mark)]
+    parted = [number for field in fields if (number := THOUSANDS.fullmatch(field))]
+    thousands, decimal = next(
+        ((n[1], n[2]) for n in parted if n[2] or n[1] not in ".,"), ("", None)
+    )
+    has_comma = mark != "," and any(re.search(r"\d,\d", row) for row in body)
+    found = Layout(separator=mark, decimal=decimal or ".,"[has_comma], thousands=thousands)
+    if parted and not thousands and len(parted) == sum("." in field for field in fields):
+        found = found._replace(told=(f"the point in {parted[0][0]} is a decimal mark",))
 
     def kind(row: str) -> tuple[bool, ...]:
-        fields = fields_of(row.replace(",", ".") if comma else row, mark)
-        return tuple(is_number(field) or field.lower() in NOT_MEASURED for field in fields)
+        plain = map(found.plain, fields_of(row, mark))
+        return tuple(is_number(field) or field.lower() in NOT_MEASURED for field in plain)
 
     kinds = Counter(map(kind, body))
     usual = max((k for k in kinds if sum(k) > 1), key=kinds.__getitem__, default=())
     is_table = usual and 2 * kinds[usual] >= len(body)
-    if (not is_table or (mark is None and not all(usual))) and (found := _of_one_form(body)):
-        return found
+    if (not is_table or (mark is None and not all(usual))) and (alike := _of_one_form(body)):
+        return alike
     if not is_table:
         return _head_alone(lines)
     are_rows = (not text.startswith(COMMENTS) and kind(text) == usual for _, text in lines)
@@ -184,17 +212,32 @@ def layout_as_written(path: Path) -> Layout:
     rows = tuple(text for _, text in lines[begin:] if not text.startswith(COMMENTS))
     heads = [(number, _head(text, mark, rows[0])) for number, text in lines[:begin]]
     heads = [(number, names) for number, names in heads if len(names) == len(usual)]
+    used = set[int]()
     if heads[1:] and (units := _units_in(heads[-1][1])):
+        used = {heads[-2][0]}
         names = (f"{name} {unit}".strip() for name, unit in zip(heads[-2][1], units, strict=True))
         heads = [(heads[-1][0], tuple(names))]
     line, head = max(reversed(heads), key=lambda each: _meanings(each[1]), default=(0, ()))
-    if not _meanings(head) and begin:
+    if _meanings(head):
+        used.add(line)
+    elif begin:
         line = lines[begin - 1][0]
-    return Layout((), line, mark, "," if comma else ".", head=head, kinds=usual, rows=rows)
+
+    def is_in_words(number: int, text: str) -> bool:
+        """Whether a line is none of the table, which a damaged row with all its fields is."""
+        if number in used or not IN_WORDS.match(text):
+            return False
+        is_above = number < lines[begin][0]
+        return text.startswith(COMMENTS) or (
+            is_above and (number <= line or len(fields_of(text, mark)) != len(usual))
+        )
+
+    words = tuple(text for number, text in lines if is_in_words(number, text))
+    return found._replace(line=line, head=head, kinds=usual, rows=rows, words=words)
 
 
 def _meanings(head: Sequence[str]) -> int:
-    return sum(meaning(name) is not None for name in head)
+    return len({column.role for column in map(meaning, head) if column})
 
 
 def _units_in(names: Sequence[str]) -> list[str]:

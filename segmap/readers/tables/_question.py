@@ -31,6 +31,8 @@ MOST_COLUMNS = 12
 SHOWN_ROWS = 6
 #: Of them a message shows the first, and so many characters of each.
 TOLD_ROWS = 3
+#: Of the lines of words above them it shows the last.
+TOLD_WORDS = 5
 TOLD_CHARACTERS = 70
 #: Units in the order in which they are offered; feet and inches are rare, and said.
 OFFERED = ("mm", "cm", "m", "deg", "rad", "s", "ms", "us", "ns")
@@ -55,6 +57,18 @@ class ColumnChoices(NamedTuple):
     rows: tuple[tuple[str, ...], ...]  #: the first ones, as texts
     needs_view: bool = False  #: whether a row is a scan, and nothing says where its beams point
     are_poses: bool = False
+    words: tuple[str, ...] = ()  #: lines that are no rows, in which the answer may stand
+
+    @property
+    def every_name(self) -> tuple[str, ...]:
+        """All names of columns, for who knows better than the file."""
+        return tuple(
+            Column(role, unit, is_clockwise).name
+            for role in UNITS
+            for unit in ("", *UNITS[role])
+            for is_clockwise in ((False, True) if role == "angle" else (False,))
+            if Column(role, unit).is_whole or role == "time"
+        )
 
     @property
     def columns(self) -> str:
@@ -66,7 +80,8 @@ class ColumnChoices(NamedTuple):
         """The question about a file of that name, with what to write."""
         if not self.choices:
             return self.missing
-        shown = "".join(f"    {','.join(row)[:TOLD_CHARACTERS]}\n" for row in self.rows[:TOLD_ROWS])
+        first = (*self.words[-TOLD_WORDS:], *map(",".join, self.rows[:TOLD_ROWS]))
+        shown = "".join(f"    {line[:TOLD_CHARACTERS]}\n" for line in first)
         option = " --view FIRST LAST" * self.needs_view
         argument = ", view=(FIRST, LAST)" * self.needs_view
         asked = f"{self.missing}; its first rows:\n{shown}"
@@ -98,7 +113,8 @@ def choices_of(layout: Layout, of_poses: str = "") -> ColumnChoices:
     ends = [sum(count for _, count in runs[: k + 1]) for k in range(len(runs))]
     columns = [(*run, layout.kinds[end - 1]) for run, end in zip(runs, ends, strict=True)]
     if of_poses:
-        return ColumnChoices(of_poses, _choices(columns, OF_A_POSE), rows, are_poses=True)
+        choices = _choices(columns, OF_A_POSE)
+        return ColumnChoices(of_poses, choices, rows, are_poses=True, words=layout.words)
     names = [name for name, _ in runs]
     missing = missing_in(names)
     if missing == POSES_ALONE:
@@ -107,13 +123,18 @@ def choices_of(layout: Layout, of_poses: str = "") -> ColumnChoices:
     is_wide = any(count > 1 and is_number for _, count, is_number in columns)
     if "ranges" not in roles and (not is_wide or {"angle", "range"} <= roles):
         points = sum(role in roles for role in "xy") > sum(r in roles for r in ("angle", "range"))
-        return ColumnChoices(missing, _choices(columns, BEAM_ROLES[3 if points else 2]), rows)
+        choices = _choices(columns, BEAM_ROLES[3 if points else 2])
+        if way := layout.way_in_words:
+            missing = missing or f"no name says which way angles grow, as {way!r} does"
+            whole = (("angle_deg",), ("angle_rad",))
+            choices = tuple((*c, f"{c[0]}_cw") if c in whole else c for c in choices)
+        return ColumnChoices(missing, choices, rows, words=layout.words)
     choices = _choices(columns, BEAM_ROLES[0])
     open_ = [name for name, choice in zip(names, choices, strict=True) if choice[1:]]
     missing = f"what {', '.join(map(repr, open_))} hold, and in which unit, is not said"
     missing = (missing if open_ else "") if layout.head else ALL_RANGES
     missing = " and ".join(filter(None, (missing, VIEW_UNSAID * (layout.view is None))))
-    return ColumnChoices(missing, choices, rows, layout.view is None)
+    return ColumnChoices(missing, choices, rows, layout.view is None, words=layout.words)
 
 
 def _choices(

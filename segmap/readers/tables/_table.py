@@ -46,6 +46,8 @@ MOST_BEAMS_READ = 100_000
 #: The largest number of two bytes, which sensors send where they measure nothing.
 FULL = 65535
 HALF_DAY_S = 43_200.0
+#: So much is told of the lines of words in a table.
+TOLD_CHARACTERS = 160
 CLOCK_TIME = r"\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?"
 ISO_DATE = r"\d{4}-\d{2}-\d{2}"
 #: Names of columns that say who measured.
@@ -72,11 +74,11 @@ class Rows:
         text = lines.path.read_bytes().decode("utf-8-sig", "replace")
         is_quoted = '"' in text
         each = [row.strip(STRIPPED) for row in text.split("\n")]
-        head = each[layout.line - 1] if layout.line else ""
+        passed = {each[layout.line - 1] if layout.line else "", *layout.words}
         numbered = [
             (place + 1, row)
             for place, row in enumerate(each)
-            if place >= layout.line and row and row != head and not row.startswith(COMMENTS)
+            if place >= layout.line and row and row not in passed and not row.startswith(COMMENTS)
         ]
         wide = len(layout.kinds) or len(layout.names)
         if wide < len(layout.names):
@@ -131,7 +133,8 @@ class Rows:
     def texts(self, place: int) -> Any:
         """A column as words in lower case."""
         texts = self.columns[place].astype(str).fillna("").str.strip().str.strip("'").str.lower()
-        return texts.str.replace(",", ".") if self.layout.decimal == "," else texts
+        is_plain = self.layout.decimal == "." and not self.layout.thousands
+        return texts if is_plain else texts.map(self.layout.plain)
 
     def is_words(self, place: int) -> bool:
         """Whether a column does not hold numbers alone."""
@@ -154,7 +157,8 @@ class Rows:
         if texts is not None:
             wrong |= np.isnan(values) & ~texts.isin(NOT_MEASURED).to_numpy()
             if self.layout.decimal == ",":  # a point would part thousands
-                wrong |= self.columns[place].astype(str).str.contains(r"\d\.\d").to_numpy()
+                point = r"\d\.(?!\d{3}\b)\d" if self.layout.thousands == "." else r"\d\.\d"
+                wrong |= self.columns[place].astype(str).str.contains(point).to_numpy()
         for row in np.flatnonzero(wrong & self.good).tolist():
             got = str(self.columns[place].iloc[row])[:40]
             expected = bounded if beyond[row] else plain
@@ -216,7 +220,13 @@ def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> 
         told.append(f"{FULL}, the largest number of two bytes, is no measurement")
     _refuse_several(path, rows, layout)
     used = {k for k, _ in places.values()} | {ranges_at}
-    unused = [n for k, n in enumerate(layout.names) if k not in used and n not in ("", "-")]
+    unused = [
+        name or f"column {k + 1}"
+        for k, name in enumerate(layout.names)
+        if k not in used and name != "-" and (name or rows.columns[k].notna().any())
+    ]
+    if layout.words:
+        told.append(f"not read: {', '.join(map(repr, layout.words[:3]))}"[:TOLD_CHARACTERS])
     if unused:
         told.append(f"left out: {', '.join(map(repr, unused))}")
     if {"time", "nanosec"} <= {*held}:

@@ -506,7 +506,8 @@ def test_an_uploaded_file_is_read(tmp_path, worker):
 
 
 def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
-    """Catches a table that Python alone can read, one that is read unchosen, and lost choices."""
+    """Catches a table that Python alone can read, one that is read unchosen, lost choices, and a
+    name of the question that no menu has."""
     rows = "".join(f"{0.1 * (k // 9):.1f};{20 * (k % 9)};{500 + k}\n" for k in range(27))
     made = bench()
     made._worker = worker
@@ -514,7 +515,7 @@ def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
     table = made._source.columns
     assert "the unit of &#x27;dist&#x27; is not said" in refused(made)
     assert table.view.layout.display == "" and table.read.disabled
-    assert [kind.value for kind in table.kinds] == ["choose", "angle_deg", "choose"]
+    assert [kind.value for kind in table.kinds] == ["", "angle_deg", ""]
     table.kinds[0].value, table.kinds[2].value = "time_s", "range_mm"
     assert not table.read.disabled and table.first.layout.display == "none"
     table.read.click()
@@ -526,13 +527,15 @@ def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
         made._source.expression == f"segmap.readers.read_csv('it.csv', {names}, on_error=\"skip\")"
     )
     upload(made, "wide.csv", "".join(f"{k},{'1.5,' * 180}2\n" for k in range(9)).encode())
-    assert [kind.value for kind in table.kinds] == ["choose"] and table.read.disabled
-    table.kinds[0].value, table.first.value, table.last.value = "ranges_m", "-91", "90"
+    assert [kind.value for kind in table.kinds] == [""] and table.read.disabled
+    table.kinds[0].value, table.first.value, table.last.value = "scan,ranges_m", "-90", "90"
     table.read.click()
     made.wait()
     assert len(made.log) == 9 and np.degrees(made.log[0].angles[[0, -1]]) == pytest.approx(
-        [-91, 90]
+        [-90, 90]
     )
+    assert len(made.log[0]) == 181, "names before the ranges are written in the same cell"
+    assert {"x_cm", "y_ft", "pose_x_mm", "urg_mm", "time"} <= {*table.kinds[0].options}
     made.bundled.value = "room"
     assert table.view.layout.display == "none"
 
