@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from segmap import extraction, reduction, warm
 from segmap.plan import FloorPlan, floor_plan
@@ -16,11 +15,8 @@ from .pipeline import Pipeline, cropped
 CELL = 0.05
 
 
-def plan_of(outcome: Pipeline, edits: Sequence[Edit] = (), **options: Any) -> FloorPlan:
-    """The floor plan of an outcome, of one line a wall, with options of `plan.floor_plan`.
-
-    Edits are in the frame of the log.
-    """
+def plan_of(outcome: Pipeline, edits: Sequence[Edit] = ()) -> FloorPlan:
+    """The floor plan of an outcome, of one line a wall; edits are in the frame of the log."""
     warm.dispatch(["extraction extract_polylines", "quadtree all", "reduction one_per_wall"])
     log, poses = outcome.log_without_passers, outcome.alignment.trusted
     seen = extraction.build_map(log, poses, keep_points=True)
@@ -28,4 +24,4 @@ def plan_of(outcome: Pipeline, edits: Sequence[Edit] = (), **options: Any) -> Fl
     crop = outcome.recipe.edits.get("crop")
     walls = reduction.one_per_wall(cropped(seen, crop).filtered())
     turned = [edit.turned(outcome.turn) for edit in edits]
-    return floor_plan(walls, cropped(free, crop), edits=turned, **options)
+    return floor_plan(walls, cropped(free, crop), edits=turned)

@@ -130,10 +130,3 @@ def folded(name: str, box: Any, tooltip: str = "") -> Any:
 
     button.observe(fold, names="value")
     return button
-
-
-def wrong() -> Any:
-    """A line for what was refused, in red."""
-    made = W.HTML()
-    made.add_class("segmap-wrong")
-    return made

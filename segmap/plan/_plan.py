@@ -170,7 +170,6 @@ def floor_plan(
     map: Segments,
     free: QuadtreeMap,
     *,
-    regular: bool = False,
     door: tuple[float, float] = (0.55, 2.5),
     kappa: Positive = 0.8,
     share: Share = 0.5,
@@ -192,8 +191,6 @@ def floor_plan(
         Best reduced, by `one_per_wall`.
     free : QuadtreeMap
         Of the same scans, with a `free_resolution` of 0.05 m.
-    regular : bool
-        Whether walls that are turned by less than a degree from an axis become parallel to it.
     door : two floats, metres
         The narrowest and the widest doorway.
     kappa
@@ -257,7 +254,7 @@ def floor_plan(
     labels, told = find_rooms(grid, cells, edges, kappa, share, opening, least_area)
     parts = connected(labels, labels >= 0, least_area / grid.side**2)
     reasons = [told[labels[parts == k][0]] for k in range(parts.max() + 1)]
-    walls = draw_walls(segments, axes, grid, parts, regular)
+    walls = draw_walls(segments, axes, grid, parts)
     off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
     base = Base(
         grid, lines, edges, parts, reasons, walls, axes, float(off), opening, least_area, {}

@@ -36,8 +36,6 @@ SHORTEST_WALL_M = 0.3
 SHORTEST_OBLIQUE_M = 0.5
 #: Other ends that are so near a wall, before it or behind, end there, metres.
 T_REACH_M = 0.15
-#: Walls that are turned by less from an axis are made regular, radians.
-REGULAR_TURN_RAD = np.radians(1)
 #: Points of a segment by whose squares those of all its points are known (Simpson's rule).
 SIMPSON = np.array([(1, 0), *[(0.5, 0.5)] * 4, (0, 1)])
 #: Ends so near the crossing of their lines meet there, metres.
@@ -52,16 +50,12 @@ THICKEST_WALL_M = 0.5
 
 
 def draw_walls(
-    segments: Array, axes: Array, grid: Grid, labels: Indices, regular: bool
+    segments: Array, axes: Array, grid: Grid, labels: Indices
 ) -> tuple[Reduction, Reduction, Array, Indices, Array]:
     """Walls with closed corners, and clutter; of walls thickness, free side, residual."""
     drawn, side, residual, face = straight_faces(segments, grid)
     off = quarter_turn(angle(drawn)[:, None] - axes)
     off = np.take_along_axis(off, abs(off).argmin(1)[:, None], 1) if len(axes) else off + np.inf
-    if regular:
-        turn = np.where(abs(off) <= REGULAR_TURN_RAD, -off, 0)[:, 0]
-        middle = midpoint(drawn)
-        drawn = transform(np.column_stack([middle, turn]), drawn - middle[:, None])
     away = np.arange(grid.side, THICKEST_WALL_M, grid.side)[:, None, None] * normals(drawn)
     beside = np.stack([grid.at(midpoint(drawn) + k * away, labels) for k in (1, -1)])
     room = np.take_along_axis(beside, (beside >= 0).argmax(1)[:, None], 1)[:, 0]

@@ -118,10 +118,3 @@ def as_far_ranges(
     nothing = (given == UTM_NOTHING_MET_CODE) | ((given > most) & (given <= NOTHING_FAR))
     ranges = np.where(is_range, given / 1000, np.where(nothing, np.inf, np.nan))
     return ranges, np.where(is_range, 0, given)
-
-
-def told_in_a_text(ranges: Array, codes: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Which beams have a code that a log of a URG-04LX would be read by as the sensor meant it."""
-    known = (codes >= 0) & (codes < LOWEST)
-    meant = _RANGES[np.where(known, codes, 0)]
-    return np.asarray(known & (np.isposinf(meant) == np.isposinf(ranges)))

@@ -88,7 +88,7 @@ def _parser(prog: str) -> argparse.ArgumentParser:
     _add_port(command)
     command = commands.add_parser("record", help="scans to a log, until Control-C")
     command.set_defaults(run=_record)
-    command.add_argument("path", type=Path, help="x.log for CARMEN, else a folder of Hokuyo texts")
+    command.add_argument("path", type=Path, help="for CARMEN, x.log; scans are added")
     _add_port(command)
     command.add_argument("--count", type=int, help="stop after so many scans")
     command.add_argument(

@@ -1,4 +1,4 @@
-"""Scans as they arrive: recorded, whole or not at all; or only the newest for a slow reader."""
+"""Scans as they arrive, recorded whole or not at all."""
 
 from __future__ import annotations
 
@@ -7,39 +7,31 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import arrays
-from ..arrays import Array, Count, checked
-from ..files import replacing, shown, writable
+from ..arrays import Count, checked
+from ..files import shown, writable
 from ..scans import LaserScan
-from ..scans.error_codes import LOWEST, NOT_MEASURED_CODE, NOTHING_MET_CODE, told_in_a_text
 from ._host import one_by_one
 from ._sensor import UrgSensor
 
-#: First line of a Hokuyo text, which names its columns.
-HOKUYO_HEAD = "# urg_mm angle_rad\n"
-#: Endings of CARMEN logs; any other path is a folder of Hokuyo texts.
+#: Endings of CARMEN logs.
 CARMEN = (".log", ".clf", ".carmen")
-#: The texts do not say which sensor they are of; readers take them for those of a URG-04LX, metres.
-TEXT_REACH = 5.6
 
 
 @checked
 def record(
     sensor: UrgSensor | Iterable[LaserScan], path: str | Path, *, count: Count | None = None
 ) -> int:
-    """Append scans to a log as they arrive; `segmap.read` takes it in again.
+    """Append scans to a CARMEN log as they arrive; `segmap.read` takes it in again.
 
-    A path that ends in .log, .clf or .carmen is a CARMEN log of RAWLASER1 lines, which keeps times,
-    ranges to the micrometre, and errors as 0. Any other is a folder of Hokuyo texts, a file a scan,
-    which keeps millimetres to 5.6 m and error codes, as of a URG-04LX, and no times. A scan is
-    written when it comes: a recorder that is killed loses the one that it was in.
+    Its RAWLASER1 lines keep times, ranges to the micrometre, and errors as 0. A scan is written
+    when it comes: a recorder that is killed loses the one that it was in.
 
     Parameters
     ----------
     path : str or Path
-        Scans are added to what is there.
+        Ends in .log, .clf or .carmen; scans are added to what is there.
     count : int or None
         Stop after so many; None goes on until the scans end, or an interrupt.
 
@@ -53,9 +45,8 @@ def record(
     SensorError
         As `UrgSensor.scans`; what came before is kept.
     ValueError
-        For a packed file, which cannot be added to, or what is neither a file nor a folder; for a
-        scan that `read` would refuse: without beams, or without a time or with beams not evenly
-        spaced in a CARMEN log; for ranges beyond 5.6 m in a folder.
+        For a file of another name, or what is no file; for a scan that `read` would refuse: without
+        beams or a time, or with beams that are not evenly spaced.
     OSError
         A folder that does not exist or may not be written to, before a scan is asked for; a full
         disk.
@@ -70,22 +61,13 @@ def record(
     1
     Log('one', 1 scan, no odometry, no truth)
     """
-    target = check_target(path)
+    target, written = check_target(path), 0
     scans = one_by_one(sensor.scans() if isinstance(sensor, UrgSensor) else sensor, "sensor")
-    written = 0
-    if target.suffix.lower() in CARMEN:
-        for scan in islice(scans, count):
-            line = _rawlaser(scan)
-            with target.open("a", encoding="ascii", newline="\n") as file:
-                file.write(line + "\n")
-            written += 1
-        return written
-    target.mkdir(exist_ok=True)
-    names = (file.stem.removeprefix("scan") for file in target.glob("scan*.txt"))
-    before = max((int(name) for name in names if name.isdigit()), default=0)
     for scan in islice(scans, count):
+        line = _rawlaser(scan)
+        with target.open("a", encoding="ascii", newline="\n") as file:
+            file.write(line + "\n")
         written += 1
-        _write_file(target, before + written, scan)
     return written
 
 
@@ -94,21 +76,16 @@ def check_target(path: str | Path, count: int | None = None) -> Path:
     target = arrays.file(path)
     if count is not None:
         arrays.whole(count, "count")
-    if target.suffix.lower() == ".gz":
-        raise ValueError(f"{shown(target.name)}: a packed file cannot be added to, leave .gz out")
-    if target.suffix.lower() in CARMEN:
-        writable(target)
-    elif target.exists() and not target.is_dir():
-        said = f"{path} is a file: name a folder, or a log that ends in {CARMEN[0]}"
-        raise ValueError(shown(said))
-    else:
-        writable(target / "scan" if target.is_dir() else target)
+    if target.suffix.lower() not in CARMEN:
+        raise ValueError(f"{shown(target.name)} must end in {', '.join(CARMEN)}")
+    writable(target)
     return target
 
 
 def _rawlaser(scan: LaserScan) -> str:
     """RAWLASER1 type start field step maximum accuracy mode n ranges 0 time host time."""
-    _check_recordable(scan)
+    if not len(arrays.instance(scan, "scan", LaserScan)):
+        raise ValueError("a scan must have at least one beam, got none")
     step = float(scan.angles[-1] - scan.angles[0]) / max(len(scan) - 1, 1)
     even = scan.angles[:1] + step * np.arange(len(scan))
     if step < 0:
@@ -123,32 +100,3 @@ def _rawlaser(scan: LaserScan) -> str:
     turn = f"{float(scan.angles[0])!r} {step * (len(scan) - 1)!r} {step!r} {limit:.6f}"
     stamp = f"{scan.time:.6f}"
     return f"RAWLASER1 0 {turn} 0.010 0 {len(scan)} {ranges} 0 {stamp} segmap {stamp}"
-
-
-def _check_recordable(scan: LaserScan) -> None:
-    if not len(arrays.instance(scan, "scan", LaserScan)):
-        raise ValueError("a scan must have at least one beam, got none")
-
-
-def _write_file(folder: Path, number: int, scan: LaserScan) -> None:
-    """Write a hidden file beside the place, then move it there."""
-    _check_recordable(scan)
-    if (far := scan.ranges[scan.valid].max(initial=0.0)) >= TEXT_REACH:
-        raise ValueError(
-            f"a folder of Hokuyo texts is read as a URG-04LX's, to {TEXT_REACH} m, but a range is "
-            f"{far:.3f} m: record to a path that ends in {CARMEN[0]}"
-        )
-    beams = zip(_millimetres(scan), scan.angles, strict=True)
-    with replacing(folder / f"scan{number:06}.txt", sync=False) as target:
-        lines = [HOKUYO_HEAD, *(f"{r} {a:.9f}\n" for r, a in beams)]
-        target.write("".join(lines).encode("ascii"))
-
-
-def _millimetres(scan: LaserScan) -> NDArray[np.int64]:
-    """Ranges in millimetres as the sensor gave them, and codes for beams without a range."""
-    codes = np.zeros(len(scan), np.int64) if scan.codes is None else scan.codes
-    met: Array = np.rint(1000 * np.where(np.isposinf(scan.ranges), 0.0, scan.ranges))
-    is_range = met >= LOWEST
-    instead = np.where(np.isposinf(scan.ranges), NOTHING_MET_CODE, NOT_MEASURED_CODE)
-    codes = np.where(told_in_a_text(scan.ranges, codes), codes, instead)
-    return np.where(is_range, met, codes).astype(np.int64)

@@ -18,7 +18,7 @@ from segmap.segments import SegmentMap
 
 from .. import files
 from ._output import Report, metres, percent
-from .log_options import NO_MAP, add_logs, each_log, examples, is_log, is_session
+from .log_options import NO_MAP, add_logs, each_log, examples
 
 #: Pictures that the YAML of a map for ROS names.
 PICTURES = (".pgm", ".png", ".bmp")
@@ -50,30 +50,15 @@ def add(commands: Any) -> None:
 
 
 def check(given: argparse.Namespace) -> None:
-    """Read the map; a log in its place is no map yet."""
+    """Read the map."""
     name = shown(given.map)
     if given.map.suffix.lower() in PICTURES:
         given.refuse(f"{name} is a picture: name the .yaml that belongs to it")
     try:
         given.known = read_map(given.map)
-    except ValueError:
-        if is_a_log(given.map):
-            given.refuse(
-                f"{name} is a log, and locate wants a map first: `segmap occupancy {name} -o "
-                f"map.npz` makes one, then `segmap locate map.npz LOG`"
-            )
-        raise
-
-
-def is_a_log(path: Path) -> bool:
-    """Whether a log is there, or one of that name comes with segmap."""
-    if path.exists():
-        return is_session(str(path)) or is_log(path)
-    try:
-        readers.load(str(path))
-    except ValueError:
-        return False
-    return True
+    except ValueError as error:
+        makes = "`segmap occupancy LOG -o map.npz` makes one, then `segmap locate map.npz LOG`"
+        given.refuse(f"{name} is no map, {makes}: {error}")
 
 
 def read_map(path: Path) -> quadtree.QuadtreeMap | SegmentMap:

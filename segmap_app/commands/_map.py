@@ -256,29 +256,15 @@ def add_plan(commands: Any) -> None:
         epilog=log_options.examples(
             "plan room -o room.pdf                 a sheet to print",
             "plan room -o room.dxf -o rooms.csv    layers for CAD, and a table of the rooms",
-            "plan room --regular -o room.geojson   nearly right angles become right",
+            "plan room --as-recorded -o room.pdf   a sheet that stands as the log does",
             "plan room --edit 'Name 1 2 hall'      the room at (1, 2) has this name",
         ),
     )
     log_options.add_poses(command)
     command.add_argument(
-        "--regular",
-        action="store_true",
-        help="walls that are turned by less than a degree from an axis become parallel to it",
-    )
-    command.add_argument(
         "--as-recorded",
         action="store_true",
         help="the sheet stands as the log does, and not square to the building",
-    )
-    command.add_argument(
-        "--door",
-        type=float,
-        nargs=2,
-        default=[0.55, 2.5],
-        metavar=("NARROWEST", "WIDEST"),
-        help="widths of a doorway, metres; default: 0.55 2.5. Where a plan has more rooms than the "
-        "building, 0.55 1.2 joins what no leaf closes",
     )
     command.add_argument(
         "--edit",
@@ -290,13 +276,11 @@ def add_plan(commands: Any) -> None:
     log_options.add_output(
         command, PLAN_SUFFIXES, "the plan: a sheet, layers, geometries, a table of rooms"
     )
-    command.set_defaults(run=partial(log_options.each_log, work=plan_of_log, check=check_doors))
+    command.set_defaults(run=partial(log_options.each_log, work=plan_of_log, check=check_edits))
 
 
-def check_doors(given: argparse.Namespace) -> None:
+def check_edits(given: argparse.Namespace) -> None:
     """Refuse options that do not go together."""
-    if not 0 < given.door[0] < given.door[1] < float("inf"):
-        given.refuse("--door wants the narrowest and the widest doorway, in metres")
     for text in given.edit:
         try:
             read(text)
@@ -309,7 +293,7 @@ def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: 
     """Map one log, draw its plan, and write what was asked for where there is a map."""
     made = log_options.placed_outcome(given, log, report)
     verdict, edits = made.verdict, [read(text) for text in given.edit]
-    plan = plan_of(made, edits, regular=given.regular, door=tuple(given.door))
+    plan = plan_of(made, edits)
     area = sum(room.area for room in plan.rooms)
     rooms, doors = counted(len(plan.rooms), "room"), counted(len(plan.doors), "door")
     hidden = sum(room.hidden for room in plan.rooms)

@@ -18,14 +18,16 @@ import json
 import math
 import re
 import warnings
+from importlib import import_module
 from pathlib import Path, PureWindowsPath
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from segmap import arrays
 from segmap.arrays import LIMIT, Array, Quantity, checked, file
+from segmap.display import pip_install
 from segmap.exports import ros_classes
 from segmap.files import replacing, shown
 from segmap.poses import transform
@@ -76,7 +78,7 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     Raises
     ------
     LogError
-        A YAML that says nonsense or leaves something out, and the line; a picture that is absent,
+        A YAML that says nonsense or leaves something out; a picture that is absent,
         damaged, or larger than 2^26 pixels.
 
     Warns
@@ -97,15 +99,17 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     array([0. , 1. , 0.5])
     """
     place = file(path)
-    said = _Said(place)
-    side = said.number("resolution", least=1e-9, most=LIMIT)
-    x, y, yaw = said.origin()
-    occupied, free = (said.number(f"{kind}_thresh", 0, 1) for kind in ("occupied", "free"))
+    said = _said(place)
+    side = _number(place, said, "resolution", least=1e-9, most=LIMIT)
+    x, y, yaw = (_number(place, said["origin"], k) for k in range(3))
+    occupied, free = (_number(place, said, f"{kind}_thresh", 0, 1) for kind in ("occupied", "free"))
     if free > occupied:
-        raise said.fault("free_thresh", f"must not be above occupied_thresh, {occupied:g}")
-    mode = said.word("mode", YAML_MODES, "trinary")
-    negate = said.word("negate", ("0", "1", "false", "true"), "0") in ("1", "true")
-    grey, opaque = _picture(said)
+        raise LogError(place, f"free_thresh must not be above occupied_thresh, {occupied:g}")
+    mode = str(said.get("mode", "trinary")).lower()
+    if mode not in YAML_MODES:
+        raise LogError(place, f"mode must be one of {', '.join(YAML_MODES)}, got {mode[:40]!r}")
+    negate = str(said.get("negate", "0")).lower() in ("1", "true")
+    grey, opaque = _picture(place, str(said["image"]))
     shade = grey if negate else 255 - grey
     if mode == "raw":  # there the pixel is the value
         value = 255 - grey if negate else grey
@@ -160,16 +164,16 @@ def _turned_grid(cells: Cells, side: float, origin: Array) -> tuple[Cells, Array
 
 
 # ------------------------------------------------------------------------------ the picture
-def _picture(said: _Said) -> tuple[Array, NDArray[np.bool_]]:
+def _picture(path: Path, named: str) -> tuple[Array, NDArray[np.bool_]]:
     """Mean of the colours of each pixel, 0 to 255, row 0 at the top; and whether it is opaque."""
     from PIL import Image  # matplotlib brings it
 
-    named = said.text("image")
-    place = said.path.parent / named
+    place = path.parent / named
     if not place.is_file():  # a whole path may be of the machine that made the map
-        beside = said.path.parent / PureWindowsPath(named).name
+        beside = path.parent / PureWindowsPath(named).name
         if not beside.is_file():
-            raise said.fault("image", f"is not there, neither {shown(place)} nor beside the YAML")
+            words = f"image is not there, neither {shown(place)} nor beside the YAML"
+            raise LogError(path, words)
         warnings.warn(f"{shown(place)} is not there: {beside.name} is", UserWarning, stacklevel=3)
         place = beside
     try:
@@ -189,73 +193,37 @@ def _picture(said: _Said) -> tuple[Array, NDArray[np.bool_]]:
 
 
 # --------------------------------------------------------------------------------- the YAML
-class _Said:
-    """What the YAML of a map says: `key: value` lines, and a list in brackets or a line each."""
+def _said(path: Path) -> dict[str, Any]:
+    """What the YAML of a map says, all of it as texts."""
+    try:
+        yaml: Any = import_module("yaml")
+    except ImportError as error:
+        raise ImportError(f"a map for ROS needs pyyaml: {pip_install('ros')}") from error
+    try:
+        said = yaml.load(read_text(path), yaml.BaseLoader)
+    except yaml.YAMLError as fault:
+        raise LogError(path, f"is no YAML ({shown(fault)})") from fault
+    for key in ("image", "resolution", "origin", "occupied_thresh", "free_thresh"):
+        if not isinstance(said, dict) or key not in said:
+            raise LogError(path, f"has no {key}, which the YAML of a map for ROS must say")
+    if not isinstance(said["origin"], list) or len(said["origin"]) != 3:
+        raise LogError(path, f"origin must be [x, y, yaw], got {str(said['origin'])[:40]}")
+    return dict(said)
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self._values: dict[str, str | list[str]] = {}
-        self._lines: dict[str, int] = {}
-        key = ""
-        for number, line in enumerate(read_text(path).splitlines(), 1):
-            text = re.sub(r"(^|\s)#(?=(?:[^'\"]|'[^']*'|\"[^\"]*\")*$).*", "", line).strip()
-            if item := re.fullmatch(r"-\s+(.+)", text):
-                if isinstance(rows := self._values.get(key), list):
-                    rows.append(item[1])
-            elif pair := re.fullmatch(r"(\w+)\s*:\s*(.*)", text):
-                key, value = pair.groups()
-                listed = re.fullmatch(r"\[(.*)\]", value)
-                self._values[key] = listed[1].split(",") if listed else value or []
-                self._lines[key] = number
 
-    def fault(self, key: str, reason: str) -> LogError:
-        """What is wrong with the value of a key."""
-        return LogError(self.path, f"{key} {reason}", self._lines[key])
-
-    def _value(self, key: str) -> str | list[str]:
-        if key not in self._values:
-            raise LogError(self.path, f"has no {key}, which the YAML of a map for ROS must say")
-        return self._values[key]
-
-    def text(self, key: str) -> str:
-        """A text, plain or in quotes."""
-        value = self._value(key)
-        if isinstance(value, list):
-            raise self.fault(key, "must be one value")
-        if value[0] == '"':
-            try:
-                return str(json.loads(value))
-            except ValueError:
-                raise self.fault(key, f"has quotes that do not end: {value[:40]}") from None
-        return value[1:-1].replace("''", "'") if value[0] == "'" else value
-
-    def number(self, key: str, least: float, most: float) -> float:
-        """A number between two bounds."""
-        return self._number(key, self.text(key), least, most)
-
-    def _number(self, key: str, text: str, least: float, most: float) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not least <= value <= most:
-            raise self.fault(key, f"must be a number from {least:g} to {most:g}, got {text[:40]!r}")
-        return value
-
-    def word(self, key: str, known: tuple[str, ...], usual: str) -> str:
-        """One word of several; the usual one where the key is absent."""
-        word = self.text(key).lower() if key in self._values else usual
-        if word not in known:
-            raise self.fault(key, f"must be one of {', '.join(known)}, got {word[:40]!r}")
-        return word
-
-    def origin(self) -> tuple[float, float, float]:
-        """Lower left corner, metres, and yaw, radians."""
-        value = self._value("origin")
-        if not isinstance(value, list) or len(value) != 3:
-            raise self.fault("origin", f"must be [x, y, yaw], got {str(value)[:40]}")
-        x, y, yaw = (self._number("origin", text.strip(), -LIMIT, LIMIT) for text in value)
-        return x, y, yaw
+def _number(
+    path: Path, said: Any, key: str | int, least: float = -LIMIT, most: float = LIMIT
+) -> float:
+    """A number between two bounds, by its key or by its place in the origin."""
+    try:
+        value = float(said[key])
+    except (TypeError, ValueError):
+        value = math.nan
+    if not least <= value <= most:
+        name = key if isinstance(key, str) else "each of origin"
+        got = f"got {str(said[key])[:40]!r}"
+        raise LogError(path, f"{name} must be a number from {least:g} to {most:g}, {got}")
+    return value
 
 
 @checked

@@ -14,9 +14,6 @@ from segmap.progress import FIRST_ESTIMATE_S, Compiling, Stopped, time_left, tol
 
 from ._job import Worker, said
 
-#: Said where the reason stands beside its cause: once on the page.
-REASON_ELSEWHERE = "refused: the reason stands in red beside its cause"
-
 
 class Bar:
     """What a listener of `segmap.progress` is told, in the browser.
@@ -99,12 +96,11 @@ class Work:
         function: Callable[..., Any],
         given: tuple[Any, ...],
         then: Callable[[Any], None],
-        failed: Callable[[str], bool] = lambda reason: False,
+        failed: Callable[[str], object] = str,
     ) -> None:
         """Call a function in the worker, and hand what it returns to another one here.
 
-        Why it did not is handed to `failed`, nothing where it was stopped, and said here unless
-        that has shown it beside its cause.
+        Why it did not is said here, and handed to `failed`, nothing where it was stopped.
         """
         if self._thread.is_alive():
             self._bar.wrong("something is running: wait for it, or press Stop, then try again")
@@ -121,14 +117,14 @@ class Work:
         function: Callable[..., Any],
         given: tuple[Any, ...],
         then: Callable[[Any], None],
-        failed: Callable[[str], bool],
+        failed: Callable[[str], object],
     ) -> None:
         try:
             with told(self._bar.tell):
                 then(self._worker.do(function, *given))
         except Exception as fault:
             kept, reason = self._failed(function), said(fault)
-            is_shown = failed("" if isinstance(fault, Stopped) else reason)
-            self._bar.wrong(f"{REASON_ELSEWHERE if is_shown else reason}{kept}", 0.0)
+            failed("" if isinstance(fault, Stopped) else reason)
+            self._bar.wrong(f"{reason}{kept}", 0.0)
         finally:
             self._settle(busy=False)

@@ -12,13 +12,13 @@ from traitlets import TraitError
 from segmap import alignment, extraction, reduction
 from segmap.arrays import described
 from segmap.files import as_html
-from segmap.panels.controls import ENTRY, control, folded, wrong
+from segmap.panels.controls import ENTRY, control, folded
 from segmap.scans import Log
 
 from ..call import Call, defaults, directions
 from ..files import Session
 from ..pipeline import BEGIN, MapChoices
-from ._edits import NUMBER_ENTRIES, Edits
+from ._edits import Edits
 
 #: A slider goes in so many steps a default ...
 SLIDER_STEPS = 20
@@ -62,9 +62,9 @@ class Choice:
         self.picker.layout.flex, self.picker.layout.min_width = "1 1 200px", "0"
         self._box = W.Box(layout=W.Layout(**WRAP))
         self.settings: Any = folded("settings", self._box, f"settings of {name}")
-        self.wrong, self.advice = wrong(), W.HTML()
+        self.advice = W.HTML()
         row = W.Box([self.picker, self.settings])
-        self.view = W.VBox([row, self.advice, self._box, self.wrong])
+        self.view = W.VBox([row, self.advice, self._box])
         self.picker.observe(self._chosen, names="value")
         self._chosen()
 
@@ -208,30 +208,6 @@ class Choices:
             self.mount.value = place
         except (TraitError, TypeError, KeyError, ArithmeticError) as fault:
             raise ValueError(f"the session cannot be chosen here: {fault}") from fault
-
-    def refused(self, text: str) -> bool:
-        """Say why there is no run beside the control that its first word names; "" is none.
-
-        Returned is whether there is such a control.
-        """
-        word, found = text.replace(":", " ").partition(" ")[0], False
-        for each in (self.align, self.extract, self.method, self.second):
-            own = word in each.controls
-            each.wrong.value = as_html(text) if own else ""
-            if own:
-                each.settings.value = found = True
-        own = word in (
-            "north",
-            "EPSG",
-            "name",
-            "latitude",
-            "longitude",
-            "tie",
-            "veto",
-            *NUMBER_ENTRIES,
-        )
-        self.edits.wrong.value = as_html(text) if own else ""
-        return found or own
 
     def prepare(self) -> dict[str, Any]:
         """What is chosen for `alignment.prepared`, by the options of `segmap map`."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import ipywidgets as W
 
-from segmap.panels.controls import ENTRY, folded, wrong
+from segmap.panels.controls import ENTRY, folded
 from segmap.plan import FloorPlan
 from segmap.plan.edits import Edit, read
 
@@ -58,7 +58,7 @@ class Edits:
         self.crop.layout.flex = "1 1 260px"
         cut = W.Box([self.crop, self.drag], layout=W.Layout(flex_flow="row wrap"))
         self.box = W.VBox([cut, self.place, self.north, self.crs])
-        self.open, self.wrong = folded("crop and place", self.box), wrong()
+        self.open = folded("crop and place", self.box)
 
     def value(self) -> dict[str, Any]:
         """What is edited, by the options of `segmap map`, as a session keeps it."""

@@ -30,10 +30,8 @@ SKETCHED_SCANS = 50
 FREE_OCCUPANCY = 0.25
 
 
-def write_outcome(
-    path: str | Path, outcome: Pipeline, which: int = 0, plan: FloorPlan | None = None
-) -> None:
-    """Write what a method leaves, or the floor plan, in the format that the name asks for."""
+def write_outcome(path: str | Path, outcome: Pipeline, plan: FloorPlan | None = None) -> None:
+    """Write what the first method leaves, or the floor plan, as the name asks for."""
     end, edits = Path(path).suffix.lower(), outcome.recipe.edits
     today, degrees = datetime.date.today().isoformat(), edits.get("north")
     words: Any = {"title": shown(outcome.given.name), "verdict": outcome.verdict.words}
@@ -43,9 +41,9 @@ def write_outcome(
     elif plan is not None:
         exports.write_plan(path, plan, world=world_of(edits), **words)
     elif end in (".pdf", ".png"):
-        exports.write_sheet(path, outcome.reductions[which], **words)
+        exports.write_sheet(path, outcome.reductions[0], **words)
     else:
-        exports.write_segments(path, outcome.reductions[which], world=world_of(edits))
+        exports.write_segments(path, outcome.reductions[0], world=world_of(edits))
 
 
 def written(outcome: Pipeline, name: str, plan: FloorPlan | None = None) -> dict[str, bytes]:

@@ -8,6 +8,7 @@ from typing import Any
 import ipywidgets as W
 
 from . import _shown
+from ._browser import Canvas
 from ._choices import WRAP
 from ._edits import Edits, Rooms
 from ._loops import Loops
@@ -105,14 +106,8 @@ class Page:
         for button in named:
             button.layout.width = "auto"
         self.files = W.Box(named, layout=W.Layout(**WRAP))
-        self.picture: Any = W.Image(format="png")
         self.shown, self.tool, self.layers = toggles()
-        try:
-            from ._browser import Canvas
-        except ImportError:  # anywidget is not installed: a picture instead
-            self.canvas: Any = None
-            return
-        self.canvas = Canvas(told)
+        self.canvas: Any = Canvas(told)
         self.canvas.add_class("segmap-view")
         linked = {"shown": self.shown, "tool": self.tool, "drawing": self.edits.drag}
         for name, each in linked.items():
@@ -131,26 +126,21 @@ class Page:
 
         sheet.observe(tell_saved, names="children")
         row = W.Box([self.loops.open, self.edits.open, self.undo], layout=W.Layout(**WRAP))
-        parts = [row, self.edits.square, self.loops.box, self.edits.box, self.edits.wrong]
+        parts = [row, self.edits.square, self.loops.box, self.edits.box]
         steps += headed("Mend the map", *parts)
-        steps += headed("Floor plan", self.rooms.switch)
-        if self.canvas is not None:
-            steps += [saved, self.files]
+        steps += [*headed("Floor plan", self.rooms.switch), saved, self.files]
         steps += [*headed("All runs", listed), *headed("In Python", self.listing)]
         bar = [self.start, self.stop, self.progress, self.state]
-        if self.canvas is None:
-            return laid_out(steps, bar, [self.picture, self.chosen, self.rooms.sheet])
         tools = W.Box([self.shown, self.tool, *self.layers.values()], layout=W.Layout(**WRAP))
         return laid_out(steps, bar, [tools, self.canvas, self.chosen, self.rooms.sheet])
 
     def _show_nothing(self) -> None:
         """Show no map, and nothing that is said of one."""
         self.rooms.switch.value = self.layers["free space"].value = self.loops.open.value = False
-        self.loops.open.layout.display, self.picture.value = "none", b""
+        self.loops.open.layout.display = "none"
         for each in (self.verdict, self.extracted, self.figures, self.listing, self.chosen):
             each.value = ""
-        if self.canvas is not None:
-            self.canvas.clear()
+        self.canvas.clear()
 
     def _grey(self, *, ready: bool, busy: bool, done: bool, edited: bool) -> None:
         """Grey what cannot be done: where no log is `ready`, while `busy`, before a run is done."""

@@ -14,14 +14,13 @@ from typing import Any
 import ipywidgets as W
 
 from segmap import arrays, readers
-from segmap.display import pip_install
-from segmap.files import as_html, shown
-from segmap.panels.controls import wrong
+from segmap.files import shown
 from segmap.scans import Log
 
 from ..files import Session, read_session
 from . import _shown
-from ._bar import REASON_ELSEWHERE, Bar
+from ._bar import Bar
+from ._browser import Upload
 from ._choices import LIST_NAME_STYLE, WRAP
 from ._job import said
 from ._table_columns import TableColumns
@@ -65,13 +64,13 @@ class Source:
         self.controls: Any = (
             W.Dropdown(options=[OWN, *self.names], description="bundled log", **named),
             W.Text(continuous_update=False, description="or its path", placeholder=hint, **named),
-            _upload("or upload it", self.take),
+            Upload("or upload it", MOST_UPLOAD_BYTES, self.take),
         )
         bundled, path, upload = self.controls
-        self.about, self.wrong = W.HTML(), wrong()
+        self.about = W.HTML()
         self.columns, self._given = TableColumns(self._read_columns), ("", "")
         sent = W.Box([upload, W.Label(LARGEST)], layout=W.Layout(**WRAP))
-        self.view = W.VBox([bundled, path, sent, self.wrong, self.columns.view, self.about])
+        self.view = W.VBox([bundled, path, sent, self.columns.view, self.about])
         self.open(first)
         bundled.observe(self._opened, names="value")
         path.observe(self._opened, names="value")
@@ -96,7 +95,7 @@ class Source:
             raise ValueError(f"{log.name} must hold one scan at least, got none")
         self._taken(log, session)
         self.log, self.expression, self.ready = log, expression, True
-        self.about.value, self.wrong.value = _shown.about_html(log), ""
+        self.about.value = _shown.about_html(log)
         self.controls[0].value = log.name if expression == f"segmap.load({log.name!r})" else OWN
 
     def _opened(self, change: Any) -> None:
@@ -129,12 +128,10 @@ class Source:
             self._refused,
         )
 
-    def _refused(self, text: str) -> bool:
-        """Say why a log that was asked for is not there, beside what asked; nothing is run now."""
-        self.ready, self.controls[0].value = False, OWN
-        self.about.value, self.wrong.value = NO_LOG, as_html(text)
-        self._bar.wrong(REASON_ELSEWHERE)
-        return bool(text)
+    def _refused(self, text: str) -> None:
+        """Say why a log that was asked for is not there; nothing is run now."""
+        self.ready, self.controls[0].value, self.about.value = False, OWN, NO_LOG
+        self._bar.wrong(text)
 
     def take(self, name: str, size: int, start: int, content: bytes) -> int:
         """Keep a piece of a file of the browser, and read it when it is whole; what comes next."""
@@ -203,15 +200,6 @@ def _table_in(folder: str, name: str) -> readers.ColumnChoices | None:
         except readers.UnknownFormat:
             pass
         return readers.column_choices(name)
-
-
-def _upload(description: str, take: Callable[[str, int, int, bytes], int]) -> Any:
-    """A button that takes a file of the browser."""
-    try:
-        from ._browser import Upload
-    except ImportError:  # anywidget is not installed
-        return W.Label(f"upload needs anywidget: {pip_install('lab')}")
-    return Upload(description, MOST_UPLOAD_BYTES, take)
 
 
 @contextlib.contextmanager

@@ -23,7 +23,7 @@ from segmap.segments import length
 from .. import files
 from ..pipeline import MapChoices, Pipeline, begin, follow
 from . import _edits, _files, _shown
-from ._bar import REASON_ELSEWHERE, Bar, Work
+from ._bar import Bar, Work
 from ._choices import Choices
 from ._job import Worker
 from ._loops import Loops
@@ -136,14 +136,14 @@ class Workbench(Page, Work):
 
     def _start(self, button: object = None) -> None:
         """Do it in the worker, and show it when it is done."""
-        with telling(self._wrong):
+        with telling(self._bar.wrong):
             work = self._work(anew=button is not None)
             self._worker.grown = partial(self._grown, work[1])
-            self._begin(begin, work, partial(self._reduce, *work[:2]), self._choices.refused)
+            self._begin(begin, work, partial(self._reduce, *work[:2]))
 
     def _grown(self, log: Log, way: arrays.Array, points: arrays.Array) -> None:
         """Show the scans that are placed so far."""
-        if self.canvas is not None and log is self.log:
+        if log is self.log:
             self.canvas.grow(way, points, f"scan {len(way)} of {len(log)}")
 
     def _reduce(self, recipe: MapChoices, log: Log, begun: Pipeline) -> None:
@@ -161,8 +161,7 @@ class Workbench(Page, Work):
 
     def _looked(self, way: arrays.Array, scans: Sequence[int]) -> None:
         """Show the way on the map, and two scans on it; or no longer."""
-        if self.canvas is not None:
-            self.canvas.looked_at = [*scans]
+        self.canvas.looked_at = [*scans]
 
     def _undo(self, button: object) -> None:
         """Take the last edit back."""
@@ -193,7 +192,7 @@ class Workbench(Page, Work):
         if run not in self._runs.made:
             raise ValueError(f"run {run}: only its figures are kept, choose it and press Run")
         outcome = self._runs.made[run]
-        if beside and self.canvas is not None:
+        if beside:
             left = outcome.reductions[0]
             title = f"run {run}, {shown(outcome.given.name)}: {len(left)}"
             self.canvas.beside(left.segments, title)
@@ -212,15 +211,11 @@ class Workbench(Page, Work):
             if self._known is not self.outcome:
                 self._show_map(self.outcome)
                 self._known = self.outcome
-        if self.canvas is not None and self.canvas.growing:
+        if self.canvas.growing:
             self.canvas.growing = False
             if self.outcome is not None:
                 self._show_map(self.outcome)
         return ". The last good run is kept." if self.outcome and function is begin else ""
-
-    def _wrong(self, text: str) -> None:
-        """What was refused, beside what caused it, or else in the line of the state."""
-        self._bar.wrong(REASON_ELSEWHERE if self._choices.refused(text) else text)
 
     def _stop(self, button: object = None) -> None:
         self._source.stop()
@@ -244,21 +239,18 @@ class Workbench(Page, Work):
     def _show_map(self, outcome: Pipeline) -> None:
         """Show a map, its way and loops, and what is left of it where that is known."""
         map, done, self.rooms.switch.value = outcome.map, outcome.is_reduced(), False
-        if self.canvas is not None:
-            found = [each.segments for each in outcome.reductions] if done else []
-            wait = [f"before: {len(map)} segments", "not reduced yet"]
-            poses, loops = outcome.alignment.poses, outcome.alignment.loops()
-            ends = loops[["x_first", "y_first", "x_second", "y_second"]].to_numpy(float)
-            layers = {"way": poses[:, :2], "sure": outcome.alignment.sure}
-            layers["loops"] = ends.reshape(-1, 2, 2)
-            titles = _shown.titles(outcome) if done else wait
-            self.canvas.show(map.segments, found, titles, layers)
-            self.canvas.unsaved, self._seen = True, outcome
-            self.layers["free space"].value = False  # that was of another map
-            self._layered()
-            self.canvas.summary = _shown.summary(outcome, self.canvas.size) if done else ""
-        elif done:
-            self.picture.value = _shown.still(outcome)
+        found = [each.segments for each in outcome.reductions] if done else []
+        wait = [f"before: {len(map)} segments", "not reduced yet"]
+        poses, loops = outcome.alignment.poses, outcome.alignment.loops()
+        ends = loops[["x_first", "y_first", "x_second", "y_second"]].to_numpy(float)
+        layers = {"way": poses[:, :2], "sure": outcome.alignment.sure}
+        layers["loops"] = ends.reshape(-1, 2, 2)
+        titles = _shown.titles(outcome) if done else wait
+        self.canvas.show(map.segments, found, titles, layers)
+        self.canvas.unsaved, self._seen = True, outcome
+        self.layers["free space"].value = False  # that was of another map
+        self._layered()
+        self.canvas.summary = _shown.summary(outcome, self.canvas.size) if done else ""
         self.verdict.value = _shown.verdict_html(outcome)
         self.extracted.value = f"{len(map)} segments of {len(np.unique(map.scan))} scans"
         if not self._is_shown(outcome):
@@ -267,7 +259,7 @@ class Workbench(Page, Work):
     def _is_shown(self, outcome: Pipeline) -> bool:
         """Whether its map is seen already: who looks at two scans is not disturbed then."""
         known = self._known
-        if known is None or (self.canvas is not None and self.canvas.growing):
+        if known is None or self.canvas.growing:
             return False
         mended = known.recipe.mends() != outcome.recipe.mends()
         return not mended and np.array_equal(known.map.segments, outcome.map.segments)
@@ -296,8 +288,7 @@ class Workbench(Page, Work):
         self.chosen.value = (
             f"segment {index}: {size:.2f} m, made of {len(rows)} segments of {scans} scans"
         )
-        if self.canvas is not None:
-            self.canvas.members, self.canvas.pointed = rows.tolist(), [which, int(index)]
+        self.canvas.members, self.canvas.pointed = rows.tolist(), [which, int(index)]
         return map.segments[rows]
 
     def _pointed(self, change: Any) -> None:
@@ -305,11 +296,11 @@ class Workbench(Page, Work):
         if which >= 0:
             with telling(self._bar.say):
                 self.point(index, which)
-        elif self.canvas is not None:
+        else:
             self.canvas.members, self.chosen.value = [], ""
 
-    def export(self, path: str | Path, which: int = 0) -> None:
-        """Write what a method leaves, as `exports.write_segments` does; 1 for the second.
+    def export(self, path: str | Path) -> None:
+        """Write what the first method leaves, as `exports.write_segments` does.
 
         A name that ends in `.segmap` keeps the log with all that is chosen, and the runs.
         """
@@ -318,8 +309,8 @@ class Workbench(Page, Work):
             log = held.given if held and held.stopped else self.log
             files.write_session(path, self._work()[0].session(log, self._runs.rows))
         else:
-            self._result(which)
-            _files.write_outcome(path, cast(Pipeline, self.outcome), which)
+            self._result()
+            _files.write_outcome(path, cast(Pipeline, self.outcome))
 
     def _download(self, button: Any) -> None:
         """Hand the floor plan that is shown, or else the first result, to the browser."""
@@ -360,15 +351,12 @@ class Workbench(Page, Work):
         for layer in self.layers.values():
             layer.observe(self._layered, names="value")
         self.about.observe(self._settle, names="value")
-        if self.canvas is not None:
-            self.canvas.observe(self._pointed, names="pointed")
+        self.canvas.observe(self._pointed, names="pointed")
 
     def _settle(self, change: Any = None, busy: bool | None = None) -> None:
         """Grey what cannot be done now."""
         busy, done = self._thread.is_alive() if busy is None else busy, self.outcome is not None
         edited = len(self._history) > 1
-        if busy:
-            self._choices.refused("")
         self._grey(ready=self._source.ready, busy=busy, done=done, edited=edited)
 
     def _layered(self, change: Any = None) -> None:

@@ -176,4 +176,4 @@ def test_a_folder_that_takes_no_file_is_told_before_the_work(words, tmp_path, mo
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no folder that takes no file")
 def test_a_recording_is_refused_before_the_sensor_is_asked():
     with pytest.raises(OSError, match="/proc"):
-        record([], "/proc")
+        record([], "/proc/it.log")

@@ -96,19 +96,6 @@ def test_thin_walls_have_a_thickness(offices):
     assert (abs(found.thickness[known] - 0.1) < 0.01).mean() > 0.9  # the others are cupboards
 
 
-def test_regular_walls_run_along_the_axes():
-    """Catches walls that are turned about the origin and not about themselves."""
-    walls, free = office_seen(1, turn=0.4)
-    plain, regular = (plan.floor_plan(walls, free, regular=each) for each in (False, True))
-    assert len(plain.walls) == pytest.approx(len(regular.walls), abs=3)
-    way = np.diff(regular.walls.segments, axis=1)[:, 0]
-    off = (np.arctan2(way[:, 1], way[:, 0]) - regular.axes[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4
-    assert not ((abs(off) > 1e-6) & (abs(off) < np.radians(0.9))).any()
-    assert np.ptp(regular.walls.segments, axis=(0, 1)) == pytest.approx(
-        np.ptp(plain.walls.segments, axis=(0, 1)), abs=0.05
-    )
-
-
 def test_the_graph_is_of_the_rooms_that_doors_join(offices):
     """Catches a graph of one way only."""
     found = offices[0.0]

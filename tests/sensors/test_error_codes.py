@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from emulated import Wired, connected
 
-from segmap import LaserScan, read
+from segmap import read
 from segmap.scans.error_codes import CODES, LOWEST, as_far_ranges, as_ranges
-from segmap.sensors import record
 
 #: Every code, and the distances about the border and below the reach.
 MET = np.r_[np.arange(25), 500, 4095, 4096, 5599]
@@ -44,12 +43,7 @@ def as_rawseeds(tmp_path):
     return read_text(tmp_path, "HOKUYO_FRONT.csv", ",".join(["0", *(f"{b:.3f}" for b in beams)]))
 
 
-def recorded(tmp_path):
-    record([driven()], tmp_path / "again")
-    return read(tmp_path / "again")[0]
-
-
-@pytest.mark.parametrize("way", [as_text, as_coreslam, as_rawseeds, recorded])
+@pytest.mark.parametrize("way", [as_text, as_coreslam, as_rawseeds])
 def test_a_log_says_what_the_driver_says(way, tmp_path):
     """Catches a code that clears the map in one and says nothing in the other, as 6 once did."""
     live, log, count = driven(), way(tmp_path), len(MET)
@@ -57,8 +51,8 @@ def test_a_log_says_what_the_driver_says(way, tmp_path):
     assert log.codes[:count].tolist() == live.codes.tolist()
     assert log.ranges[:count] == pytest.approx(live.ranges, abs=1e-12, nan_ok=True)
     assert log.valid[:count].tolist() == live.valid.tolist()
-    assert log.max_range == (np.inf if way in (as_text, recorded) else live.max_range)
-    if way in (as_text, recorded):
+    assert log.max_range == (np.inf if way is as_text else live.max_range)
+    if way is as_text:
         assert len(log) == count
         assert log.angles == pytest.approx(live.angles, abs=1e-9)
 
@@ -94,19 +88,3 @@ def test_codes_are_those_of_the_model():
             scan = sensor.scan()
         assert np.array_equal(scan.ranges, np.full(len(scan), meant), equal_nan=True)
         assert set(scan.codes) == {6}
-
-
-def test_a_folder_of_texts_keeps_what_it_can(tmp_path):
-    """Catches 65533 read again as a wall, an error that clears the map, and lost ranges.
-
-    7 mm, which a simulated sensor may meet, is not "the beams beside are bad".
-    """
-    beams = [np.inf, np.nan, np.inf, np.nan, 5.5, 0.007, 0.0004, 0.0], np.arange(8) / 10
-    codes = np.array([65533, 2, 1, 65535, 0, 0, 0, 0])
-    assert record([LaserScan(*beams, max_range=30.0, codes=codes)], tmp_path / "near") == 1
-    found = read(tmp_path / "near")[0]
-    expected = [np.inf, np.nan, np.inf, np.nan, 5.5, np.nan, np.nan, np.nan]
-    assert np.array_equal(found.ranges, expected, equal_nan=True)
-    assert found.codes.tolist() == [0, 2, 0, 19, 0, 19, 19, 19]
-    with pytest.raises(ValueError, match=r"to 5.6 m, but a range is 9.500 m: .*ends in .log"):
-        record([LaserScan([1.0, 9.5], [0.0, 0.1], max_range=30.0)], tmp_path / "far")

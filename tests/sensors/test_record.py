@@ -37,22 +37,18 @@ def numbers(path) -> list[int]:
     return found
 
 
-@pytest.mark.parametrize("name", ["some.log", "BENCH.LOG", "folder"])
+@pytest.mark.parametrize("name", ["some.log", "BENCH.LOG"])
 def test_there_and_back(name, tmp_path):
     path = tmp_path / name
     assert record(map(scan, range(3)), path) == 3
     assert record(map(scan, itertools.count(3)), path, count=2) == 2
     assert numbers(path) == [0, 1, 2, 3, 4]
-    assert path.is_dir() == (name == "folder")
     log = read(path)
     assert log[1].angles == pytest.approx(ANGLES, abs=1e-6)
     assert np.isinf(log[1].ranges[1])
     assert not log[1].valid[:3].any()
-    if name == "folder":
-        assert log[1].codes[:4].tolist() == [7, 0, 16, 0]
-    else:
-        assert log.times == pytest.approx(100 + 0.1 * np.arange(5), abs=1e-6)
-        assert log.truth is None
+    assert log.times == pytest.approx(100 + 0.1 * np.arange(5), abs=1e-6)
+    assert log.truth is None
 
 
 # ---------------------------------------------------------------- before the sensor is asked
@@ -65,25 +61,21 @@ class NotAsked:
 
 def cannot_be_recorded(folder: Path, name: str) -> Path:
     """A path that no recording can go to."""
-    (folder / "file").write_text("mine")
     (folder / "folder.log").mkdir()
     os.mkfifo(folder / "pipe.log")
-    os.mkfifo(folder / "pipe")
     (folder / "device.log").symlink_to("/dev/full")
     (folder / "circle.log").symlink_to(folder / "circle.log")
     return folder / name
 
 
 IMPOSSIBLE = {
-    "file": "is a file: name a folder, or a log that ends in .log",
+    "file": r"file must end in \.log, \.clf, \.carmen",
     "folder.log": "is a folder, no regular file",
     "pipe.log": "is a device or a pipe",
-    "pipe": "is a file: name a folder",
     "device.log": "is a device or a pipe",
     "circle.log": "circle.log",
     "none/it.log": "cannot write .*: the folder .*none does not exist",
-    "none/it": "cannot write .*: the folder .*none does not exist",
-    "packed.log.gz": "a packed file cannot be added to",
+    "packed.log.gz": r"packed\.log\.gz must end in",
 }
 
 
@@ -100,9 +92,9 @@ def test_what_cannot_be_recorded_is_told_before_a_sensor_is_asked(name, tmp_path
     assert sorted(tmp_path.iterdir()) == before
 
 
-@pytest.mark.parametrize("name", ["new.log", "new", "old.log", "old"])
+@pytest.mark.parametrize("name", ["new.log", "old.log"])
 def test_trying_out_leaves_nothing(name, tmp_path, capsys, monkeypatch):
-    """Catches an empty log, or folder, of a recording that never began.
+    """Catches an empty log of a recording that never began.
 
     Root, who may run the tests, is refused nothing by itself.
     """
@@ -110,7 +102,6 @@ def test_trying_out_leaves_nothing(name, tmp_path, capsys, monkeypatch):
     def refused(*arguments, **named):
         raise PermissionError(13, "Permission denied", name)
 
-    (tmp_path / "old").mkdir()
     (tmp_path / "old.log").write_text("mine")
     before = sorted(tmp_path.rglob("*"))
     command = ["record", str(tmp_path / name), "--port", "/no-port"]
@@ -121,7 +112,6 @@ def test_trying_out_leaves_nothing(name, tmp_path, capsys, monkeypatch):
     ):
         if said.startswith("Permission"):
             monkeypatch.setattr(os, "open", refused)
-            monkeypatch.setattr(Path, "mkdir", refused)
         assert recorder(command + more) == 1
         assert said in capsys.readouterr().err
     monkeypatch.undo()
@@ -129,26 +119,6 @@ def test_trying_out_leaves_nothing(name, tmp_path, capsys, monkeypatch):
     assert (tmp_path / "old.log").read_text() == "mine"
     with pytest.raises(ValueError, match="count must be"):
         record(NotAsked(), tmp_path / "it", count=-3)
-
-
-# ----------------------------------------------------------------------- nothing left behind
-@pytest.mark.parametrize("where", ["pathlib.Path.replace", "pathlib.Path.stat"])
-def test_an_interrupt_leaves_no_part(where, tmp_path, monkeypatch):
-    """Control-C, TERM and HUP reach the recorder as KeyboardInterrupt, at any of its steps."""
-    path = tmp_path / "folder"
-    record([scan(0)], path)
-
-    def scans():
-        def interrupt(*arguments, **named):
-            raise KeyboardInterrupt
-
-        monkeypatch.setattr(where, interrupt)
-        yield scan(1)
-
-    with pytest.raises(KeyboardInterrupt):
-        record(scans(), path)
-    monkeypatch.undo()
-    assert [p.name for p in path.iterdir()] == ["scan000001.txt"]
 
 
 # ------------------------------------------------------------- nothing that `read` refuses
@@ -163,10 +133,9 @@ ODD_SCANS = {
 
 
 @pytest.mark.parametrize("name", ODD_SCANS)
-@pytest.mark.parametrize("target", ["it.log", "it"])
-def test_what_is_recorded_can_be_read(name, target, tmp_path):
+def test_what_is_recorded_can_be_read(name, tmp_path):
     """Catches one odd scan that spoils the whole log for its reader."""
-    path = tmp_path / target
+    path = tmp_path / "it.log"
     record([scan(0)], path)
     try:
         record([ODD_SCANS[name]], path)

@@ -22,7 +22,6 @@ from ._poses import (
     check_options,
     edits_of,
     placed_outcome,
-    preparing_of,
     recipe_of,
     tell_alignment,
     tell_deskewing,
@@ -36,7 +35,7 @@ __all__ = [
     "LENGTH", "NO_MAP", "Command", "add_align", "add_logs", "add_output",
     "add_poses", "add_strict", "add_thresholds", "add_world", "allowed", "call",
     "check_options", "check_places", "concluded", "each_log", "edits_of", "examples",
-    "finished", "is_log", "is_session", "log_of", "parsed", "placed_outcome", "preparing_of",
+    "finished", "is_log", "is_session", "log_of", "parsed", "placed_outcome",
     "recipe_of", "refuse_others", "refuse_wrong", "tell_alignment", "tell_deskewing",
     "tell_poses", "thresholds",
 ]  # fmt: skip

@@ -32,7 +32,7 @@ from .._output import (
 from ._command import Command
 from ._reading import add_reading, read_log
 from ._settings import applied
-from ._table import NO_MAP, figures, write_table
+from ._table import NO_MAP, write_table
 from ._workers import on_workers
 
 #: Stands for the name of the log.
@@ -159,7 +159,7 @@ def each_log(
             report.end()
             bar.update()
     if given.table:
-        write_table(given.table, [dict(figures(report.found)) for report in reports])
+        write_table(given.table, [report.found for report in reports])
     for why in failed:
         print_error(why)
     if len(reports) > 1 and not (given.json or given.quiet):

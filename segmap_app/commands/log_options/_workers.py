@@ -22,7 +22,7 @@ from segmap.display import counted, pip_install
 from segmap.files import shown, write_bytes
 
 from .._output import Usage, print_error, print_line, progress, stoppable
-from ._table import NO_MAP, figures, read_table, write_table
+from ._table import NO_MAP, read_table, write_table
 
 #: Options of the command that a job does not have, each with its value.
 FOR_ALL = ("--workers", "--table")
@@ -57,7 +57,7 @@ def on_workers(given: argparse.Namespace, chosen: list[list[str]]) -> int:
             if "failed" in row:
                 failed.append(row["failed"])
             else:
-                rows.append(dict(figures(row)))
+                rows.append(row)
             if given.table:
                 write_table(given.table, rows)
             if given.json:

@@ -468,7 +468,7 @@ def test_a_map_for_ros_is_a_map_and_no_log(run):
     kept = QuadtreeMap.load("it.npz")
     assert np.array_equal(exports.ros_classes(kept).greys, exports.ros_classes(map).greys)
     for words, told in (
-        (("locate", "room", "room"), "room is a log, and locate wants a map first"),
+        (("locate", "room", "room"), "room is no map, `segmap occupancy LOG"),
         (("locate", "it.pgm", "room"), "it.pgm is a picture: name the .yaml"),
         (("convert", "it.yaml", "-o", "it.log"), "a map for ROS becomes one file"),
     ):
@@ -494,7 +494,6 @@ def test_a_map_for_ros_is_a_map_and_no_log(run):
         ("map --seen-through 1.5", "--seen-through must be"),
         ("occupancy --resolution 0", "--resolution must be"),
         ("map far.log -o it.svg", "2 logs would go to it.svg: write {name} in it"),
-        ("occupancy --score field", "--score field is for --matcher"),
         ("convert", "name the file to write: -o FILE"),
         ("convert -o it.g2o", "a .g2o holds a pose graph: add --align pose_graph"),
         ("compare --quality 100.5", "at most 100 per cent, got 100.5"),
@@ -507,9 +506,6 @@ def test_a_map_for_ros_is_a_map_and_no_log(run):
         ("map --place 45.46 9.19 --crs EPSG:25832 -o it.geojson", "looks like degrees"),
         ("map --place 139.7 35.7 -o it.geojson", "; the latitude comes first"),
         ("map --workers two", "must be a number, or like tcp://"),
-        ("plan --door 2 1", "narrowest"),
-        ("occupancy --square --matcher hill-climbing", "--square turns poses that --align finds"),
-        ("occupancy --align odometry --matcher hill-climbing", "name one"),
     ],
 )
 def test_what_is_not_understood_is_said_before_anything_is_done(run, near, words, said):
@@ -751,15 +747,6 @@ def test_occupancy_is_written_for_everybody(run, near):
     assert 'image: "it.pgm"' in Path("it.yaml").read_text()
     assert Path("it.pgm").read_bytes()[:2] == b"P5" and Path("it.png").read_bytes()[:4] == PNG
     assert np.ptp(plt.imread("it.png")[..., :3], axis=-1).max() == 0  # grey: no blue outlines
-
-
-def test_occupancy_by_matching_alone(run):
-    """Catches a matcher that is not asked, and a map in the frame of the odometry."""
-    words = ("--matcher", "hill-climbing", "--score", "nearest", "-o", "it.npz")
-    exports.write_carmen("room.log", segmap.load("room")[:6])
-    code, said, _ = run("occupancy", "room.log", *words)
-    assert code == 0 and "by hill-climbing, score nearest: 5 of 6 scans" in said
-    assert QuadtreeMap.load("it.npz").scans == 6
 
 
 # ------------------------------------------------------------------------------ where it lies

@@ -13,7 +13,7 @@ main = program("segmap")
 def test_a_plan_of_a_log_is_told_and_written(tmp_path, capsys):
     """Catches a plan that nobody writes, and rooms that are not told."""
     table, sheet = tmp_path / "rooms.csv", tmp_path / "room.svg"
-    assert main(["plan", "room", "--regular", "-o", str(table), "-o", str(sheet)]) == 0
+    assert main(["plan", "room", "-o", str(table), "-o", str(sheet)]) == 0
     said = capsys.readouterr().out
     assert "planned   3 rooms" in said and "2 doors" in said and "GOOD" in said
     assert len(table.read_text().splitlines()) == 4

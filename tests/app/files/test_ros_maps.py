@@ -1,4 +1,4 @@
-"""Maps for ROS read back by the rules of map_server: ours to the cell, nonsense by its line."""
+"""Maps for ROS read back by the rules of map_server: ours to the cell, nonsense by its name."""
 
 from pathlib import Path
 
@@ -151,17 +151,19 @@ def test_lists_quotes_comments_and_paths_are_those_of_yaml(tmp_path):
 @pytest.mark.parametrize(
     ("swap", "said"),
     [
-        (("resolution: 0.5", "resolution: nan"), "line 2: resolution must be a number from"),
+        (("resolution: 0.5", "resolution: nan"), "resolution must be a number from"),
         (("resolution: 0.5\n", ""), "has no resolution"),
-        (("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]"), "line 3: origin must be [x, y, yaw]"),
-        (("0.65", "65"), "line 5: occupied_thresh must be"),
-        (("0.196", "0.9"), "line 6: free_thresh must not be above"),
-        (("negate: 0", "negate: 0\nmode: dual"), "line 5: mode must be one of"),
-        (("it.png", "gone.png"), "line 1: image is not there"),
+        (("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]"), "origin must be [x, y, yaw]"),
+        (("0.65", "65"), "occupied_thresh must be"),
+        (("0.196", "0.9"), "free_thresh must not be above"),
+        (("negate: 0", "negate: 0\nmode: dual"), "mode must be one of"),
+        (("[-1.0, 2.0, 0.0]", "[-1.0, nan, 0.0]"), "each of origin must be a number"),
+        (("negate: 0", "negate: [0"), "is no YAML"),
+        (("it.png", "gone.png"), "image is not there"),
         (("it.png", "it.yaml"), "is no picture that can be read"),
     ],
 )
-def test_nonsense_is_told_by_its_line(swap, said):
+def test_nonsense_is_told(swap, said):
     """Catches a map of cells without a side, and a traceback of Pillow."""
     with pytest.raises(LogError) as told:
         read_ros_map(written(ROW, YAML, swap))
