@@ -38,6 +38,11 @@ OTHER_TEXTS = {
         "import ast\nwith open({name!r}) as file:\n"
         "    scans = [ast.literal_eval(line[line.index('['):]) for line in file if '[(' in line]",
     ),
+    r"\A[\[{]+'": (
+        "what Python prints",
+        "import ast\nwith open({name!r}) as file:\n"
+        "    records = [ast.literal_eval(line) for line in file if line.strip()]",
+    ),
     NUMBERS_LISTED: (
         "lists of numbers, printed",
         "import numpy, re\nwith open({name!r}) as file:\n"

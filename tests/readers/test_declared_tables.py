@@ -322,6 +322,8 @@ OTHERS = {
     "JSON a line": (lines(lambda k, a, r: json.dumps({"angle": a, "range": r})), "records"),
     "lists of Python": (
         text(str([(15, float(a), float(r)) for _, a, r in BEAMS]) for _ in "123"), "scans"),
+    "dictionaries of Python": (
+        lines(lambda k, a, r: str({"angle": float(a), "range": float(r)})), "records"),
     "lists of numbers": (text(f"{k}.5 {MET}" for k in range(3)), "records"),
     "YAML of many numbers": ("ranges:\n" + lines(lambda k, a, r: f"- {r}"), "records"),
     "rostopic echo": (
@@ -389,6 +391,18 @@ def test_arrays_that_are_not_known_are_told(tmp_path):
     assert "left out: poses" in segmap.read(tmp_path / "it.npz").assumed
 
 
+@pytest.mark.parametrize(
+    "head",
+    [
+        "room 3;;\n;;\nscan;angle_deg;range_m\n", "scan;angle;range\n-;deg;m\n",
+    ],
+)  # fmt: skip
+def test_a_head_is_found_below_a_title_and_above_its_units(tmp_path, head):
+    """Catches an empty line of a spreadsheet taken for a row, and units taken for a damaged one."""
+    (tmp_path / "it.csv").write_text(head + lines(lambda k, a, r: f"{k};{a};{r}"))
+    assert_same(readers.read(tmp_path / "it.csv"))
+
+
 def test_a_point_beside_decimal_commas_is_refused(tmp_path):
     """Catches 3.978 millimetres, which a spreadsheet means as 3978, read as 4 millimetres."""
     (tmp_path / "it.csv").write_text("angle_deg;range_mm\n0,0;3.978\n30,0;978\n60,5;978\n")
@@ -424,6 +438,9 @@ def test_what_lines_of_words_say_is_asked_for_or_told(tmp_path):
         path.write_text(f"# clockwise?\n{head}\n36\n{beams}")
         assert_same(log := readers.read(path), "_cw" in head)
         assert "not read: '# clockwise?', '36'" in log.assumed
+    path.write_text(f"scan angle_deg range_m\n{beams * 2}// counter-clockwise\n".replace(" ", ","))
+    with pytest.raises(LogError, match="which way angles grow, as '//,counter"):
+        readers.read(path)
     path.write_text("angle_deg,,range_m\n" + lines(lambda k, a, r: f"{a},12:34:0{k},{r}"))
     assert "left out: 'column 2'" in readers.read(path).assumed
 

@@ -27,7 +27,9 @@ from ._columns import TURNS, UNIT_WORDS, meaning, missing_in, named, places_of, 
 #: Separators of fields, the first that most first rows hold; else white space.
 SEPARATORS = ";\t|,"
 #: What begins a comment, and a line by which Excel names a separator.
-COMMENTS = ("#", "%", "//", "sep=", "----", "+--")
+COMMENTS = ("#", "%", "//", "sep=", "----", "+--", "|--", "| --")
+#: A line of words that begins as a comment does, wherever it stands.
+COMMENT = re.compile(rb"(?m)^[ \t]*(?:#|%|//).*")
 #: A line that says something, not how the table is drawn or its fields are parted.
 IN_WORDS = re.compile(r"(?!sep=).*\w")
 #: So many lines tell how a file is written.
@@ -197,7 +199,9 @@ def layout_as_written(path: Path) -> Layout:
         found = found._replace(told=(f"the point in {parted[0][0]} is a decimal mark",))
 
     def kind(row: str) -> tuple[bool, ...]:
-        plain = map(found.plain, fields_of(row, mark))
+        plain = [found.plain(field) for field in fields_of(row, mark)]
+        if not any(map(is_number, plain)):  # an empty line of a spreadsheet
+            return ()
         return tuple(is_number(field) or field.lower() in NOT_MEASURED for field in plain)
 
     kinds = Counter(map(kind, body))
@@ -222,18 +226,16 @@ def layout_as_written(path: Path) -> Layout:
         used.add(line)
     elif begin:
         line = lines[begin - 1][0]
-
-    def is_in_words(number: int, text: str) -> bool:
-        """Whether a line is none of the table, which a damaged row with all its fields is."""
-        if number in used or not IN_WORDS.match(text):
-            return False
-        is_above = number < lines[begin][0]
-        return text.startswith(COMMENTS) or (
-            is_above and (number <= line or len(fields_of(text, mark)) != len(usual))
-        )
-
-    words = tuple(text for number, text in lines if is_in_words(number, text))
-    return found._replace(line=line, head=head, kinds=usual, rows=rows, words=words)
+    above = [  # with all fields it may be a damaged row
+        text
+        for number, text in lines[:begin]
+        if number <= line or len(fields_of(text, mark)) != len(usual)
+    ]
+    comments = [each.decode("utf-8", "replace") for each in COMMENT.findall(path.read_bytes())]
+    heading = {text for number, text in lines if number in used}
+    words = dict.fromkeys(text.strip() for text in (*above, *comments))
+    words = {text: None for text in words if text not in heading and IN_WORDS.match(text)}
+    return found._replace(line=line, head=head, kinds=usual, rows=rows, words=tuple(words))
 
 
 def _meanings(head: Sequence[str]) -> int:
@@ -245,7 +247,9 @@ def _units_in(names: Sequence[str]) -> list[str]:
     words = [name.strip("[]() -") for name in names]
     units = [UNIT_WORDS.get(word.lower(), "") for word in words]
     return (
-        units if any(units) and all(u or not w for u, w in zip(units, words, strict=True)) else []
+        units
+        if any(units) and all(u or w in ("", "1") for u, w in zip(units, words, strict=True))
+        else []
     )
 
 
