@@ -30,10 +30,10 @@ class Step(NamedTuple):
     the whole step took; `closed` says whether the scan closed loops that moved earlier poses.
 
     `overlap` is the share of the scan's ends that lie on the map before it. `found` says whether
-    that is enough to believe the pose; with a graph, whether the graph has matched it. After one
-    that was lost the map holds it at a wrong place, where the next ones fit: overlap is high again,
-    and what follows hangs on nothing. Along walls without any feature a robot is lost with a high
-    overlap.
+    that is enough to believe the pose, and whether the walls of the scan fix it: in a corridor that
+    shows no end nobody knows how far along, though all of it lies on the map. With a graph, it says
+    whether the graph has matched the scan. After one that was lost the map holds it at a wrong
+    place, where the next ones fit: overlap is high again, and what follows hangs on nothing.
 
     `motion`, (6,) array, is the velocity and the acceleration then, in the robot's frame, metres
     and radians, seconds: where the graph has `Tracking(moving=True)`, else 0; None without a graph.

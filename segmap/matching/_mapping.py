@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from ..alignment import LiveGraph, LoopClosing
+from ..alignment import LiveGraph, LoopClosing, match_points
 from ..arrays import Array, Count, checked
 from ..compiled import work_time
 from ..quadtree import QuadtreeMap
@@ -87,8 +87,8 @@ def map_scans(
     Step
         After each scan. A scan gets the pose of the one before, and NaN for its score, if it is one
         of the first, has no return, or if the map holds nothing near it. `found` says whether it
-        lies on the map, or the robot is lost. With a graph, `closed`
-        says that earlier poses have moved: the graph, or `LiveMap`, has them.
+        lies on the map and its walls fix where, or the robot is lost. With a graph, `closed` says
+        that earlier poses have moved: the graph, or `LiveMap`, has them.
 
     Raises
     ------
@@ -120,16 +120,18 @@ def map_scans(
         _warm(score if score in SCORES.values() else field_score)
         inserted = 0
         for k, scan in enumerate(log):
-            begun, value = work_time(), np.nan
+            begun, value, fixed = work_time(), np.nan, True
             with naming_scan(scan, k):
                 points = scan.points()
                 if len(points) and inserted >= settle:
                     pose, value = _match_by_score(match, score, tree, points, pose)
+                    alone = match_points(points, points)
+                    fixed = alone.free is None and not alone.turns
                 overlap = overlap_of(tree, points, pose)
                 insert_placed(tree, None, scan, pose, free=free)
                 inserted += len(points) > 0
-            seconds = work_time() - begun
-            yield Step(pose.copy(), value, seconds, False, overlap >= FOUND, overlap)
+            found = fixed and overlap >= FOUND
+            yield Step(pose.copy(), value, work_time() - begun, False, found, overlap)
 
     return steps(pose)
 

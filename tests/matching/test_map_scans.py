@@ -189,3 +189,14 @@ def test_what_the_thesis_printed_loses_its_way(workloads, options, largest):
     best, lost = path_errors(workloads, 0), path_errors(workloads, 0, **options)
     assert lost[1] > largest > 0.05 > best[1]
     assert lost[2] > 1.3 * best[2]
+
+
+@pytest.mark.parametrize("half, found", [(50.0, False), (2.0, True)])
+def test_how_far_along_a_corridor_is_not_known(half, found):
+    """Catches a robot that is found, as its scan lies on the map, where no wall tells how far."""
+    walls = np.array([[(-half, y), (half, y)] for y in (-1, 1)] + [[(half, -1), (half, 1)]])
+    path = np.column_stack([np.arange(0, 1.0, 0.2), np.zeros((5, 2))])
+    log = simulate(walls, path, sensor=SENSOR, rng=np.random.default_rng(4))
+    steps = list(map_scans(log))
+    assert min(step.overlap for step in steps) > 0.7
+    assert [step.found for step in steps] == [True] + 4 * [found]
