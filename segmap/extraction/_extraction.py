@@ -272,11 +272,9 @@ def _polylines(
     min_length: float,
     sensor: SensorNoise | None,
 ) -> Runs:
-    least, noise = max(min_points, 2), (0.0, 0.0, tolerance)
-    if sensor is not None:
-        arrays.instance(sensor, "sensor", SensorNoise)
-        more = MORE_TOLERANCE * (sensor.range_m - USUAL_SIGMA_M)
-        noise = more, MORE_TOLERANCE * sensor.range_share, tolerance
+    one = SensorNoise() if sensor is None else arrays.instance(sensor, "sensor", SensorNoise)
+    more, share = one.range_m - USUAL_SIGMA_M, one.range_share
+    noise, least = (MORE_TOLERANCE * more, MORE_TOLERANCE * share, tolerance), max(min_points, 2)
     runs = _room_for(len(scans.points) // least + len(scans.closed), scans)
     kernels.polylines(scans, noise, gap, least, min_length, runs)
     return _used(runs)

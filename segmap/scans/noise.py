@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -33,6 +34,8 @@ CLASSES_M = 2.0 ** np.arange(-2, 6.5, 0.5)
 MIDDLES_M = np.concatenate([[0.2], CLASSES_M * 2**0.25])
 #: A standard deviation is at most so many of its standard errors above its estimate.
 SURE = 3.0
+#: Less is none, metres.
+LEAST_M = 1e-6
 #: Steps in which lasers tell their ranges, metres.
 STEPS_M = 0.05, 0.01, 0.005, 0.001
 
@@ -91,19 +94,16 @@ def sensor_noise(log: Log) -> SensorNoise:
     10.0 mm, in steps of 1 mm
     """
     arrays.instance(log, "log", Log)
-    count = max(min(len(log), LEAST_SCANS), len(log) // ONE_SCAN_OF)
-    chosen = np.linspace(0, len(log) - 1, count).astype(int)
-    ranges, errors = _errors_between_neighbours([log.scans[k] for k in chosen])
+    every = max(1, min(ONE_SCAN_OF, len(log) // LEAST_SCANS))
+    ranges, errors = _errors_between_neighbours(log.scans[::every])
     sigmas, most, counts = _sigmas(ranges, errors)
     if np.isnan(sigmas).all():
         return SensorNoise()
-    if (sigmas > USUAL_SIGMA_M).any():
-        most = np.fmin(most, _sigmas(*_errors_at_rest(log))[1])
-    least = np.fmin(sigmas, np.fmin.accumulate(most[::-1])[::-1])
-    known = least > 0
     step = _range_step(ranges)
-    if not known.any():
-        return SensorNoise(step / float(np.sqrt(12)), 0.0, step)
+    rounding = step / float(np.sqrt(12))
+    most = np.fmin(most, _sigmas(*_errors_at_rest(log))[1])
+    least = np.fmin(sigmas, np.fmin.accumulate(most[::-1])[::-1]).clip(max(rounding, LEAST_M))
+    known = np.isfinite(least)
     weight = np.sqrt(counts[known])
     rows = np.stack([0 * least + 1, MIDDLES_M], -1)[known] * (weight / least[known])[:, None]
     a, b = np.linalg.lstsq(rows, weight, rcond=None)[0]
@@ -112,8 +112,7 @@ def sensor_noise(log: Log) -> SensorNoise:
     far = float(a + b * np.quantile(ranges, 0.95))
     if far <= USUAL_FACTOR * USUAL_SIGMA_M:
         a, b = min(far, USUAL_SIGMA_M), 0.0
-    a = max(float(a), step / float(np.sqrt(12)))
-    return SensorNoise(round(a, 6), round(float(b), 6), step)
+    return SensorNoise(round(max(float(a), rounding), 6), round(float(b), 6), step)
 
 
 def warn_if_other_sensor(sensor: SensorNoise, measured: SensorNoise) -> None:
@@ -148,13 +147,12 @@ def robust_sigma(values: Array) -> float:
     return found
 
 
-def _errors_between_neighbours(scans: list[LaserScan]) -> tuple[Array, Array]:
+def _errors_between_neighbours(scans: Sequence[LaserScan]) -> tuple[Array, Array]:
     """Ranges of beams, and by how much neighbours differ, in standard deviations of one; metres."""
-    if not scans:
-        return np.empty(0), np.empty(0)
     gap = [np.nan]
-    r = np.concatenate([row for s in scans for row in (np.where(s.valid, s.ranges, np.nan), gap)])
-    a = np.concatenate([row for s in scans for row in (s.angles, gap)])
+    seen = (row for s in scans for row in (np.where(s.valid, s.ranges, np.nan), gap))
+    r = np.concatenate([gap, *seen])
+    a = np.concatenate([gap, *(row for s in scans for row in (s.angles, gap))])
     step = np.abs(np.diff(r))
     k = np.flatnonzero((step[:-1] < MOST_STEP_M) & (step[1:] < MOST_STEP_M)) + 1
     before, here, after = 1 / r[k - 1], 1 / r[k], 1 / r[k + 1]
@@ -166,19 +164,18 @@ def _errors_between_neighbours(scans: list[LaserScan]) -> tuple[Array, Array]:
     return r[k][good], (off / np.sqrt(np.where(good, size, 1.0)))[good]
 
 
-def _errors_at_rest(log: Log) -> tuple[Array, Array]:
-    """The same of each beam against itself, between scans from one place."""
+def _errors_at_rest(log: Log) -> Array:
+    """The same of each beam against itself, between scans from one place; a (2, n) array."""
     poses = log.odometry
     still = np.flatnonzero((np.abs(between(poses[:-1], poses[1:])) < STILL).all(1))
-    rows = [(np.empty(0), np.empty(0))]
+    rows = [np.empty((2, 0))]
     for k in still[:: max(1, len(still) // LEAST_SCANS)]:
         one, other = log[k], log[k + 1]
         if len(one) == len(other) and not np.array_equal(one.ranges, other.ranges, equal_nan=True):
             both = one.valid & other.valid
             apart = (one.ranges[both] - other.ranges[both]) / np.sqrt(2)
-            rows.append((one.ranges[both], apart))
-    ranges, errors = (np.concatenate(row) for row in zip(*rows, strict=True))
-    return ranges, errors
+            rows.append(np.stack([one.ranges[both], apart]))
+    return np.concatenate(rows, 1)
 
 
 def _sigmas(ranges: Array, errors: Array) -> tuple[Array, Array, Array]:
@@ -197,7 +194,6 @@ def _sigmas(ranges: Array, errors: Array) -> tuple[Array, Array, Array]:
 
 def _range_step(ranges: Array) -> float:
     """The largest of the usual steps of which nearly all ranges are multiples, metres, or 0."""
-    for step in STEPS_M:
-        if (np.abs(ranges / step - np.rint(ranges / step)) < 1e-4).mean() > 0.99:
-            return step
-    return 0.0
+    part = ranges[:, None] / STEPS_M
+    whole = (np.abs(part - np.rint(part)) < 1e-4).mean(0) > 0.99
+    return float((whole * STEPS_M).max())
