@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from ..alignment import LiveGraph, Tracking
 from ..arrays import Array, Metres, checked
 from ..compiled import work_time
 from ..display import counted
@@ -24,7 +25,7 @@ from ..poses import transform
 from ..quadtree import QuadtreeMap
 from ..reduction import LiveReduction
 from ..scans import LaserScan
-from ..sensors import Newest, SensorError, UrgSensor
+from ..sensors import Newest, SensorError, SpinningLaser, UrgSensor
 from ._base import Panel, slider, text
 from ._live_picture import LivePicture
 
@@ -36,16 +37,20 @@ LEAVE = 3.0
 COARSE = 16
 
 
+#: A sensor, or what gives scans.
+Source = UrgSensor | SpinningLaser | Iterable[LaserScan]
+
+
 class LivePanel(Panel):
     """The scan, the segments and the quadtree of a moving sensor, as they arrive.
 
     Start and stop are buttons. One thread reads scans, another maps and draws the newest; scans
     that arrive meanwhile are left out, never queued. Stop it before you use the sensor elsewhere.
 
-    With `loops` ticked a pose graph places the scans: where the robot comes back, the map is made
-    anew from corrected poses, in a third thread, and the old one is shown until then; the walls,
-    kept reduced by `LiveReduction`, are drawn as thin lines. A change begins a new map where the
-    robot now is.
+    While `loops` is ticked a pose graph places the scans: where the robot comes back, the map is
+    made anew from corrected poses, in a third thread, and the old one is shown until then; the
+    walls, kept reduced by `LiveReduction`, are drawn as thin lines. Scans of a `SpinningLaser` are
+    carried to the middle of their turns. A change begins a new map where the robot now is.
 
     *find me* looks for the robot on the map that stands: `localize` takes scans, and none is
     inserted, until it is found, by how well lines of the scan fit; then mapping goes on from there.
@@ -84,7 +89,7 @@ class LivePanel(Panel):
     @checked
     def __init__(
         self,
-        source: UrgSensor | Iterable[LaserScan],
+        source: Source,
         *,
         resolution: Metres = 0.02,
         start: ArrayLike = (0.0, 0.0, 0.0),
@@ -110,7 +115,7 @@ class LivePanel(Panel):
         self.find = W.Button(description="find me")
         self.find.on_click(self._find)
         self.tolerance = slider("tolerance", 0.03, 0.005, 0.10, 0.005)
-        self.loops = W.Checkbox(value=False, description="close loops", indent=False)
+        self.loops = W.Checkbox(value=True, description="close loops", indent=False)
         self.loops.observe(self._choose, names="value")
         self.count, self.leaves, self.rate, self.dropped = (text() for _ in range(4))
         self.graph, self.place, self.state = text(), text(), text()
@@ -226,9 +231,15 @@ class LivePanel(Panel):
             if not self._found(scan):
                 return
             if self.loops.value:
-                walls = LiveReduction()
-                self._live = self._live or LiveMap(map=self.map, start=self._begin, walls=walls)
-                self._step, self._scan = self._live.add(scan), scan
+                rules = Tracking(moving=isinstance(self.source, SpinningLaser))
+                self._live = self._live or LiveMap(
+                    LiveGraph(tracking=rules),
+                    map=self.map,
+                    start=self._begin,
+                    walls=LiveReduction(),
+                )
+                self._step = self._live.add(scan)
+                self._scan = self._live.graph.tracked(len(self._live.graph) - 1).scan
                 return
             self._steps = self._steps or self._begun()
             self._scan = scan
@@ -296,13 +307,13 @@ class LivePanel(Panel):
         return f"LivePanel({self.taken} scans{found})"
 
 
-def _scans_of(source: UrgSensor | Iterable[LaserScan]) -> Generator[LaserScan, None, None]:
-    yield from source.scans() if isinstance(source, UrgSensor) else source
+def _scans_of(source: Source) -> Generator[LaserScan, None, None]:
+    yield from source.scans() if isinstance(source, UrgSensor | SpinningLaser) else source
 
 
-def _checked_source(source: UrgSensor | Iterable[LaserScan]) -> UrgSensor | Iterable[LaserScan]:
+def _checked_source(source: Source) -> Source:
     """A sensor, or what gives scans; those of a list are looked at, others when they come."""
-    if isinstance(source, UrgSensor):
+    if isinstance(source, UrgSensor | SpinningLaser):
         return source
     listed = source if isinstance(source, Sized) and arrays.is_iterable(source) else ()
     if not arrays.is_iterable(source) or not all(isinstance(scan, LaserScan) for scan in listed):
@@ -313,8 +324,11 @@ def _checked_source(source: UrgSensor | Iterable[LaserScan]) -> UrgSensor | Iter
 
 def _warm_up() -> None:
     """Load what is compiled, and draw once, before the laser is on and scans wait for it."""
-    scan, map = LaserScan([1.0], [0.0]), QuadtreeMap(resolution=0.1)
-    segments, picture = extract_polylines(scan.points(), closed=scan.whole_turn), LivePicture()
-    for step in (*map_scans([scan, scan], map=map), *map_scans([scan], map=map, graph=True)):
-        picture.show(map, scan, step.pose, segments)
+    angles = np.radians(np.arange(0, 360, 5.0))
+    square = LaserScan(1 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles))), angles)
+    map, picture = QuadtreeMap(resolution=0.1), LivePicture()
+    segments = extract_polylines(square.points(), closed=square.whole_turn)
+    live = LiveMap(map=QuadtreeMap(resolution=0.1), walls=LiveReduction(every=1))
+    for step in (*map_scans([square, square], map=map), live.add(square), live.add(square)):
+        picture.show(map, square, step.pose, segments)
         picture.png()

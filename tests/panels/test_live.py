@@ -4,7 +4,6 @@ import json
 import re
 import threading
 import time
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,6 @@ from emulated import emulator_threads, needs_terminals, pattern, wait_for
 from planned_loops import LOG, Planned, held_back
 
 from segmap import LaserScan, load
-from segmap.matching import LiveMap
 from segmap.panels import LivePanel, _live
 from segmap.panels._live_picture import Greys
 from segmap.quadtree import build_map
@@ -50,6 +48,7 @@ def test_a_slow_reader_gets_the_newest():
 def test_the_panel_says_found_or_lost():
     """Catches a robot that is lost while the panel goes on as if all were well."""
     panel, scans = LivePanel(load("room")), list(load("room")[:6])
+    panel.loops.value = False
     for scan in scans[:3]:
         panel.take(scan)
     assert re.fullmatch(r"found: \d+% of the scan lies on the map", panel.place.value)
@@ -129,15 +128,14 @@ def test_the_panel_tells_of_a_lost_sensor():
 @pytest.fixture
 def planned(monkeypatch):
     """The panel's graph closes loops at two scans; the thread that draws anew waits for a sign."""
-    graph = partial(LiveMap, Planned((5, 9)))
-    monkeypatch.setattr(_live, "LiveMap", graph)
+    monkeypatch.setattr(_live, "LiveGraph", lambda **rules: Planned((5, 9)))
     return held_back(monkeypatch)
 
 
 def test_a_loop_draws_the_map_anew(planned):
     """The old map is shown until the new one is ready; then every cell is that of the new one."""
     panel, old = LivePanel(LOG, resolution=0.05), LivePanel(LOG, resolution=0.05)
-    panel.loops.value = True
+    old.loops.value = False
     for scan in LOG[:12]:
         panel.take(scan)
     before, tree = panel.picture.value, panel.map.tree
@@ -166,7 +164,6 @@ def test_stop_while_the_map_is_made_anew(planned):
         more.wait(20)
 
     panel = LivePanel(source(), resolution=0.05)
-    panel.loops.value = True
     panel.start.click()
     wait_for(lambda: panel.taken == 8)
     assert panel._live._anew is not None
@@ -185,6 +182,7 @@ def test_stop_while_the_map_is_made_anew(planned):
 def test_the_choice_begins_a_new_map_where_the_robot_is():
     log = load("room")[:6]
     panel = LivePanel(log, start=(1, 2, 0.5))
+    panel.loops.value = False
     for scan in log[:3]:
         panel.take(scan)
     pose = panel._step.pose
@@ -254,7 +252,7 @@ def broken_source():
 @pytest.mark.parametrize(
     ("source", "words"),
     [
-        (iter([1.0, 2.0]), "scan 0: wanted a LaserScan"),
+        (iter([1.0, 2.0]), "scan must be a LaserScan"),
         (broken_source(), "AttributeError: no such port"),
     ],
 )
