@@ -73,7 +73,6 @@ def add(commands: Any) -> None:
         action="store_true",
         help=f"every scan; else as many as give {MOST_COMPARED_SEGMENTS} segments",
     )
-    command.add_argument("--filter", type=float, metavar="METRES", help="leave shorter ones out")
     command.add_argument(
         "--walls",
         type=Path,
@@ -88,7 +87,6 @@ def add(commands: Any) -> None:
 def check(given: argparse.Namespace) -> None:
     """Refuse a quality that is none, and read the plan."""
     log_options.check_options(given)
-    log_options.refuse_wrong(given, "filter", log_options.LENGTH)
     if not 0 < given.quality <= 100:
         given.refuse(f"--quality must be above 0 and at most 100 per cent, got {given.quality:g}")
     try:
@@ -103,8 +101,6 @@ def compare_methods(given: argparse.Namespace, log: Log, paths: list[Path], repo
     made = log_options.placed_outcome(given, log, report)
     map = whole = extraction.build_map(made.log, made.alignment.trusted, keep_points=True)
     verdict = made.alignment.verdict_on(map)
-    if given.filter is not None:
-        map = whole = whole.filtered(given.filter)
     if not len(map):
         raise ValueError("there is nothing to compare: the map holds no segment")
     if not given.all:

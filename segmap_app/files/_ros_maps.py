@@ -6,7 +6,7 @@
     negate: 0                 1: white is occupied
     occupied_thresh: 0.65
     free_thresh: 0.196
-    mode: trinary             or scale, or raw
+    mode: trinary             or scale
 
 The darkness of a pixel, 0 white to 1 black, is its occupancy: above `occupied_thresh` it is
 occupied, below `free_thresh` free. https://wiki.ros.org/map_server
@@ -36,7 +36,7 @@ from segmap.readers import LogError, read_text
 
 #: So many pixels a map of 400 m by 400 m at 0.05 m has.
 MOST_MAP_PIXELS = 1 << 26
-YAML_MODES = ("trinary", "scale", "raw")
+YAML_MODES = ("trinary", "scale")
 #: What pictures map_server writes and people draw, by the names of Pillow.
 KINDS = ("PPM", "PNG", "BMP")
 #: A threshold that is checked together with another.
@@ -70,10 +70,9 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
 
     Of each cell it keeps whether it is free, occupied or unknown. How often a cell was seen is not
     in such a file: a map that `write_ros_map` wrote comes back with these three states alone. A
-    `scale` map has shades between the thresholds, and transparent pixels: both become unknown. Of a
-    `raw` map the value of a pixel is the occupancy in per cent, of which the thresholds make three
-    states, and what is above 100 unknown. A map with a yaw is turned into the frame of the world,
-    cell by cell; no wall gets a hole.
+    `scale` map has shades between the thresholds, and transparent pixels: both become unknown; mode
+    `raw`, whose pixels are no shades, is refused. A map with a yaw is turned into the frame of the
+    world, cell by cell; no wall gets a hole.
 
     Raises
     ------
@@ -111,11 +110,7 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     negate = str(said.get("negate", "0")).lower() in ("1", "true")
     grey, opaque = _picture(place, str(said["image"]))
     shade = grey if negate else 255 - grey
-    if mode == "raw":  # there the pixel is the value
-        value = 255 - grey if negate else grey
-        occupancy = np.where(value <= 100, value / 100, np.nan)
-    else:
-        occupancy = shade / 255
+    occupancy = shade / 255
     cells = np.select([occupancy > occupied, occupancy < free], [OCCUPIED, FREE], UNKNOWN)
     if mode == "scale":
         cells[~opaque] = UNKNOWN

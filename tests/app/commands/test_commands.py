@@ -490,7 +490,7 @@ def test_a_map_for_ros_is_a_map_and_no_log(run):
         ("map --angle 400", "--angle must be a number above 0 and of at most 90, in degr"),
         ("map --align-turn -4", "--align-turn must be"),
         ("map --extract-gap 0", "--extract-gap must be"),
-        ("compare --filter nan", "--filter must be"),
+        ("map --filter nan", "--filter must be"),
         ("map --seen-through 1.5", "--seen-through must be"),
         ("occupancy --resolution 0", "--resolution must be"),
         ("map far.log -o it.svg", "2 logs would go to it.svg: write {name} in it"),
