@@ -117,7 +117,7 @@ def write_geojson(
 
 
 @checked
-def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> None:
+def write_svg(path: str | Path, map: QuadtreeMap) -> None:
     """Write all leaves as squares of grey, black where occupied; y upwards, units are metres.
 
     The picture shows where beams ended, with a margin; the other leaves lie beyond its border.
@@ -135,14 +135,12 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
     map = deepcopy(arrays.instance(map, "map", QuadtreeMap))  # as it is now
     left, low, right, high = extent(map)
     wide, tall = right - left, high - low
-    thin = OUTLINE_PIXELS * wide / LEAVES_WIDTH_PIXELS if outlines else 0.0
-    stroke = f'stroke="{OUTLINE_COLOUR}" stroke-width="{thin:.6g}"'
-    look = stroke if outlines else 'shape-rendering="crispEdges"'
+    thin = OUTLINE_PIXELS * wide / LEAVES_WIDTH_PIXELS
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{LEAVES_WIDTH_PIXELS}" '
         f'height="{LEAVES_WIDTH_PIXELS * tall / wide:.0f}" '
         f'viewBox="{left:.9g} {-high:.9g} {wide:.9g} {tall:.9g}">\n'
-        f'<g transform="scale(1 -1)" {look}>\n'
+        f'<g transform="scale(1 -1)" stroke="{OUTLINE_COLOUR}" stroke-width="{thin:.6g}">\n'
     )
     text = head + "\n".join(_paths(map, thin / OUTLINE_PART)) + "\n</g>\n</svg>\n"
     write_bytes(arrays.file(path), text.encode("ascii"))

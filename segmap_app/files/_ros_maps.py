@@ -109,8 +109,7 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
         raise LogError(place, f"mode must be one of {', '.join(YAML_MODES)}, got {mode[:40]!r}")
     negate = str(said.get("negate", "0")).lower() in ("1", "true")
     grey, opaque = _picture(place, str(said["image"]))
-    shade = grey if negate else 255 - grey
-    occupancy = shade / 255
+    occupancy = (grey if negate else 255 - grey) / 255
     cells = np.select([occupancy > occupied, occupancy < free], [OCCUPIED, FREE], UNKNOWN)
     if mode == "scale":
         cells[~opaque] = UNKNOWN
