@@ -20,19 +20,17 @@ from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan, Log
-from ..scans.causes import Finding, Unmatched, doubt_of
+from ..scans.causes import Finding, Unmatched
 from ..scans.motion import skew_warning, stood
 from ..scans.odometry import contradictions, promised_under
 from ..segments import SegmentMap, length
-from ._verdict import Verdict, judge
+from ._verdict import SURE_M, Verdict, judge
 from .graph import Graph, loops_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
 P = ParamSpec("P")
-#: A scan is sure where its standard deviation is at most this, metres: a tenth of a room.
-SURE_M = 0.25
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -173,7 +171,7 @@ class Alignment(Pictured):
     @property
     def doubt(self) -> str:
         """The words of all `causes`; empty where all is as assumed."""
-        return doubt_of(self.causes)
+        return "; ".join(map(str, self.causes))
 
     @property
     def sure(self) -> NDArray[np.bool_]:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..arrays import Array
 from ..display import counted
 from ..metrics import doubled_walls
 from ..quadtree import QuadtreeMap, smeared_walls
@@ -29,8 +28,9 @@ LEAST_COUNTED_SCANS = 10
 #: Where none of them is sure, half must be known to this standard deviation, metres: a map whose
 #: rooms may lie anywhere is none.
 UNKNOWN_M = 1.0
-#: A good map promises no more than this, metres: half of a door.
-PROMISE_M = 0.5
+#: A scan is sure where its standard deviation is at most this, metres: a tenth of a room. A good
+#: map promises no more than twice as much, half of a door.
+SURE_M = 0.25
 
 #: Words of a map from one place.
 ONE_LOOK = "one look; nothing confirms it"
@@ -123,18 +123,17 @@ def judge(
     causes = tuple(str(each.cause) for each in costly)
     figures = placed, scans, sure, worst, doubled, causes, smeared
     # 1. No map
-    for finding in found.causes:
-        if finding.cause in (Cause.NOT_MERGED, Cause.LEFT_FREE):
-            return Verdict("not a map", f"NOT A MAP: {finding.words}", *figures)
+    none = [f.words for f in found.causes if f.cause in (Cause.NOT_MERGED, Cause.LEFT_FREE)]
     if placed < min(2, scans) or placed < LEAST_PLACED_SHARE * scans or not scans:
-        return Verdict("not a map", f"NOT A MAP: {told}", *figures)
+        none.append(told)
     if map is not None and not len(map) and smeared is None:
-        return Verdict("not a map", f"NOT A MAP: {told}, but no wall found", *figures)
-    if sure is not None and placed >= LEAST_COUNTED_SCANS and not (certain.any() or near.any()):
-        middle = float(np.median(off))
-        if not middle <= 2 * UNKNOWN_M:
-            words = f"NOT A MAP: no scan is sure, half of them may be {middle:.1f} m off and more"
-            return Verdict("not a map", f"{words}; {told}", *figures)
+        none.append(f"{told}, but no wall found")
+    unsure = sure is not None and not (certain.any() or near.any())
+    middle = float(np.median(off)) if unsure and placed >= LEAST_COUNTED_SCANS else 0.0
+    if not middle <= 2 * UNKNOWN_M:
+        none.append(f"no scan is sure, half of them may be {middle:.1f} m off and more; {told}")
+    if none:
+        return Verdict("not a map", f"NOT A MAP: {none[0]}", *figures)
     # 2. What speaks against the map, and what does not
     against = [told] if placed < PLACED * scans else []
     rest = [] if against else [told]
@@ -144,28 +143,16 @@ def judge(
     if sure is not None:
         local = int(near.sum())
         more = f" ({local} relative to those within 20 m)" if local > sure else ""
-        unsure = local < PLACED * placed
-        (against if unsure else rest).append(f"{counted(sure, 'scan')} sure{more}")
+        (against if local < PLACED * placed else rest).append(f"{counted(sure, 'scan')} sure{more}")
     # 3. What confirms it
     unchecked = [each.words for each in found.causes if each.cause is Cause.NOT_CHECKED]
     open_questions = [] if against else unchecked or [ONE_LOOK] * (placed == 1)
     grade: Grade = "doubtful" if against else "not checked" if open_questions else "good"
-    if worst and not causes and (within := _within(off, grade)):
-        rest.append(within + found.proviso)
+    if worst and not causes:  # what makes a map wrong is in no deviation
+        beyond = int((off > 2 * SURE_M).sum()) if grade == "good" else 0
+        most = f"all but {beyond} within {2 * SURE_M:g}" if beyond else f"all within {worst:.2f}"
+        rest += [f"{most} m{found.proviso}"] if beyond < placed else []
     walls = (doubled, "doubled"), (smeared, "smeared")
-    rest += [
-        f"{100 * share:.0f} % of the walls {word}" for share, word in walls if share is not None
-    ]
+    rest += [f"{100 * part:.0f} % of the walls {how}" for part, how in walls if part is not None]
     words = "; ".join(", ".join(texts) for texts in (against or open_questions, rest) if texts)
     return Verdict(grade, f"{grade.upper()}: {words}", *figures)
-
-
-def _within(off: Array, grade: Grade) -> str:
-    """How far scans are off at most, `off` metres each; a good map promises no more than 0.5 m.
-
-    That holds only for a map against which nothing speaks: what makes it wrong is in no deviation.
-    """
-    most, beyond = float(off.max()), int((off > PROMISE_M).sum())
-    if most <= PROMISE_M or grade != "good":
-        return f"all within {most:.2f} m"
-    return f"all but {beyond} within {PROMISE_M:g} m" if beyond < len(off) else ""

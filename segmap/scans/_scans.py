@@ -14,7 +14,7 @@ from .. import arrays
 from ..arrays import Array, unit_checks
 from ..display import Pictured
 from ..poses.motions import transform, wrap
-from .causes import Finding, doubt_of
+from .causes import Finding
 
 T = TypeVar("T")
 
@@ -221,7 +221,7 @@ class Log(Pictured, Sequence[LaserScan]):
     @property
     def doubt(self) -> str:
         """The words of all `causes`; empty where there is none."""
-        return doubt_of(self.causes)
+        return "; ".join(map(str, self.causes))
 
     @property
     def times(self) -> Array:

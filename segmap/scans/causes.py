@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -45,9 +44,7 @@ class Cause(StrEnum):
 
 
 #: Causes that always make a map doubtful.
-DECISIVE = {
-    Cause.SCALE, Cause.MIRRORED, Cause.LIFTED, Cause.BEND, Cause.NOT_MERGED, Cause.LOST,
-}  # fmt: skip
+DECISIVE = {Cause.SCALE, Cause.MIRRORED, Cause.LIFTED, Cause.BEND, Cause.NOT_MERGED, Cause.LOST}
 
 
 class Unmatched(StrEnum):
@@ -113,8 +110,3 @@ class Finding:
 
     def __str__(self) -> str:
         return f"{self.words}: {self.remedy}" if self.remedy else self.words
-
-
-def doubt_of(findings: Iterable[Finding]) -> str:
-    """All findings in one line; empty where there are none."""
-    return "; ".join(map(str, findings))

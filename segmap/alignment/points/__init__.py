@@ -3,9 +3,9 @@
 from ._match import PointStep, match_points, point_steps
 from ._moving import EVEN, UNEVEN, match_moving, way
 from ._point_kernels import place_clouds
-from ._point_map import FARTHEST_POINT_M, LAST, SEARCH_CELL_M, PointMap, in_range
+from ._point_map import FARTHEST_POINT_M, LAST, LEAST_POINTS, SEARCH_CELL_M, PointMap, in_range
 
 __all__ = [
-    "EVEN", "FARTHEST_POINT_M", "LAST", "SEARCH_CELL_M", "UNEVEN", "PointMap", "PointStep",
-    "in_range", "match_moving", "match_points", "place_clouds", "point_steps", "way",
+    "EVEN", "FARTHEST_POINT_M", "LAST", "LEAST_POINTS", "SEARCH_CELL_M", "UNEVEN", "PointMap",
+    "PointStep", "in_range", "match_moving", "match_points", "place_clouds", "point_steps", "way",
 ]  # fmt: skip

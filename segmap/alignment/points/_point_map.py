@@ -46,6 +46,8 @@ FACING_COSINE = 0.3
 MOST_DESCENT_STEPS = 60
 #: How far partners are sought in the end, metres: ten times the noise of a laser.
 LAST = 0.12
+#: A scan is placed by no fewer points.
+LEAST_POINTS = 6
 #: Points farther from the robot than this are left out, metres: no laser for buildings reaches so
 #: far, and one absurd range or pose would ask for a map of a million cells a side.
 FARTHEST_POINT_M = 100.0
@@ -105,11 +107,11 @@ class PointMap:
         Lays the points `(m, 2)` of a scan, in its own frame. Partners are sought within `reach`
         metres at first and `last` in the end; then a share `overlap` of the points must have one.
         """
-        if len(current) < 6:
+        if len(current) < LEAST_POINTS:
             words = f"the scan has only {len(current)} points"
             return no_match(start, Unmatched.TOO_LITTLE_SEEN, words)
         found = self.descend(current, start, reach, last, 1 + len(current) // SEARCH_POINTS)
-        if len(found.rows) < 6:
+        if len(found.rows) < LEAST_POINTS:
             words = f"only {len(found.rows)} points lie near walls"
             return no_match(start, Unmatched.LITTLE_OVERLAP, words, found.near)
         if found.near < overlap:

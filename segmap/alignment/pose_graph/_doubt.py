@@ -10,22 +10,14 @@ import numpy as np
 
 from ...arrays import Array
 from ...scans.causes import Cause, Finding, Unmatched
-from .._result import SURE_M, Appraisal
-from .._verdict import ONE_LOOK
+from .._result import Appraisal
+from .._verdict import ONE_LOOK, SURE_M
 from ..graph import NEARBY, chain_bends, place_deviations, stacked
 from ._pauses import unconfirmed
 
 if TYPE_CHECKING:
     from ._front_end import TrackedScan
     from ._key_frames import KeyFrames
-
-#: Causes that are told where scans are loose.
-LOOSE = {Unmatched.FREE_DIRECTION: Cause.NO_DISTANCE, Unmatched.UNTIED: Cause.UNTIED}
-#: Words of `Cause.LEFT_FREE`.
-LEFT_FREE = (
-    "the matches contradict each other so much that they leave poses free: are there scans of "
-    "two robots, or of corridors without odometry?"
-)
 
 
 def appraisal(rows: Sequence[TrackedScan], frames: KeyFrames) -> Appraisal:
@@ -50,7 +42,9 @@ def appraisal(rows: Sequence[TrackedScan], frames: KeyFrames) -> Appraisal:
     far, near = np.hypot(far, along), np.hypot(near, along)
     if not fixed:
         far = near = np.full(len(rows), np.inf)
-        causes.append(Finding(Cause.LEFT_FREE, len(frames), LEFT_FREE))
+        words = "the matches contradict each other so much that they leave poses free: "
+        words += "are there scans of two robots, or of corridors without odometry?"
+        causes.append(Finding(Cause.LEFT_FREE, len(frames), words))
     causes += _findings([row.unmatched for row in rows], far, near)
     return Appraisal(tuple(causes), far, near)
 
@@ -62,7 +56,8 @@ def _findings(unmatched: Sequence[Unmatched], far: Array, near: Array) -> list[F
     within 20 m.
     """
     count, counts, causes = len(unmatched), Counter(unmatched), []
-    for why, cause in LOOSE.items():
+    loose_causes = {Unmatched.FREE_DIRECTION: Cause.NO_DISTANCE, Unmatched.UNTIED: Cause.UNTIED}
+    for why, cause in loose_causes.items():
         if loose := counts[why]:
             causes.append(Finding(cause, loose, f"at {loose} of {count} scans {why}"))
     if np.isfinite(far).all() and (vague := int((far > SURE_M).sum())):

@@ -25,7 +25,7 @@ from ..graph import (
     groups,
     stacked,
 )
-from ..points import PointMap, in_range
+from ..points import LEAST_POINTS, PointMap, in_range
 from ._doubt import appraisal
 from ._in_motion import at_mid_turn, even_motion, laid_in_motion
 from ._key_frames import KeyFrame, KeyFrames, Undoable
@@ -159,7 +159,7 @@ class FrontEnd(Undoable):
         goes_on = Unmatched.NONE, Unmatched.FREE_DIRECTION, Unmatched.TOO_LITTLE_SEEN
         step = self.step() if measured or before.unmatched in goes_on else np.zeros(3)
         guess = compose(before.pose, step)
-        if map is None or len(points) < 6:
+        if map is None or len(points) < LEAST_POINTS:
             match = no_match(guess, Unmatched.TOO_LITTLE_SEEN)
         else:
             match = self.matcher(map, points, guess)
@@ -260,7 +260,7 @@ class FrontEnd(Undoable):
         What matches nothing ties nothing: with odometry it is none unless several in a row see and
         do not match. Without, the chain ends at a scan that sees and did not match, and has moved.
         """
-        sees, lost = len(self.points) >= 6, self.lost >= LOST_IN_A_ROW
+        sees, lost = len(self.points) >= LEAST_POINTS, self.lost >= LOST_IN_A_ROW
         if self.local is None:
             return not len(self.frames) or len(self.points) > 0
         x, y, heading = self.rows[-1].pose
@@ -310,7 +310,7 @@ class FrontEnd(Undoable):
             map = self.frames.map_of(around(frame), frame)
             for scan in scans:
                 points, offset = in_range(self.rows[scan].scan.points()), self.rows[scan].pose
-                if map is not None and len(points) >= 6:
+                if map is not None and len(points) >= LEAST_POINTS:
                     match = map.register(points, offset, overlap=self.rules.overlap)
                     if not self.rows[scan].used:
                         other = self.matcher(map, points, offset)

@@ -13,7 +13,7 @@ from ...poses.motions import between, compose
 from ...scans.causes import Unmatched
 from .._result import Match, no_match
 from ..graph import Edge, Rejected, deviations, information, residuals, stacked
-from ..points import PointMap
+from ..points import LEAST_POINTS, PointMap
 from ._key_frames import (
     VAGUE,
     KeyFrames,
@@ -267,7 +267,7 @@ class LoopCloser(Undoable):
         lost = self.lost_since or 0
         first = max(new - rules.new_frames, lost if lost <= new else 0)
         seen, _ = frames.points_around(range(first, new + 1), new)
-        if map is None or len(seen) < 6:
+        if map is None or len(seen) < LEAST_POINTS:
             return no_match(window.guess, Unmatched.TOO_LITTLE_SEEN)
         seen = seen[:: 1 + len(seen) // REGISTERED_POINTS]
         place = {"reach": window.reach, "turn": window.turn, "least": rules.likelihood}

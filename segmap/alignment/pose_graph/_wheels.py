@@ -14,7 +14,7 @@ import numpy as np
 from ...arrays import Array
 from ...poses.motions import between, compose, wrap
 from .._result import Match
-from ..points import LAST, SEARCH_CELL_M, PointMap
+from ..points import LAST, LEAST_POINTS, SEARCH_CELL_M, PointMap
 from ._key_frames import Undoable
 
 #: Ordinary wheels err in place by at least this, metres (a standard deviation, as all below), ...
@@ -44,8 +44,6 @@ MOST_WHEEL_FACTOR = 10.0
 #: A point on a wall lies within this distance of it, metres: a scan's noise, and what is left of
 #: the poses of the map.
 ON_WALL_M = 0.05
-#: A scan is placed by no fewer points.
-LEAST_POINTS = 6
 #: Points that lie on a wall by the odometry alone, times the standard deviations that it is off by,
 #: outweigh so many times the points that do by the match alone. Real logs: below 1.5 where the
 #: wheels are wrong; people about a robot: above 1.9.

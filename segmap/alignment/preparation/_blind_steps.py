@@ -12,7 +12,7 @@ from ...arrays import Array
 from ...scans import Log
 from ...scans.odometry import Steps
 from .._result import Match
-from ..points import LAST, PointMap, in_range
+from ..points import LAST, LEAST_POINTS, PointMap, in_range
 
 #: Scans from which steps are sought, spread evenly over the log, ...
 STARTS = 100
@@ -20,8 +20,6 @@ STARTS = 100
 STARTS_ALONE = 300
 #: Scans from the start to the end of a step, tried one after the other.
 STRIDES = (1, 2, 4, 8, 16)
-#: Scans of fewer points tell nothing.
-LEAST_STEP_POINTS = 6
 #: Half side of the search, metres.
 STEP_SEARCH_M = 0.8
 #: Half of the headings that are searched, radians.
@@ -52,14 +50,14 @@ def blind_steps(log: Log) -> Steps:
 def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
     """The scan up to which the robot has moved enough, and how; None where no match tells."""
     points, step = in_range(log[first].points()), None
-    if len(points) < LEAST_STEP_POINTS:
+    if len(points) < LEAST_POINTS:
         return None
     map = PointMap(points)
     for stride in STRIDES:
         if first + stride >= len(log):
             break
         current = in_range(log[first + stride].points())
-        if len(current) < LEAST_STEP_POINTS:
+        if len(current) < LEAST_POINTS:
             break
         match = _step_match(map, current)
         if match is None or match.free is not None or match.turns:
@@ -80,7 +78,7 @@ def _step_match(map: PointMap, current: Array) -> Match | None:
     if match is not None and _stands(match.pose):
         rides = map.near(current, match.pose, LAST)
         away = np.hypot(*current.T)
-        if (~rides).sum() >= LEAST_STEP_POINTS and np.median(away[~rides]) > np.median(away[rides]):
+        if (~rides).sum() >= LEAST_POINTS and np.median(away[~rides]) > np.median(away[rides]):
             rest = registered_near(map, current[~rides], np.zeros(3))
             if rest is not None and rest.overlap > LEAST_STEP_OVERLAP and not _stands(rest.pose):
                 return rest

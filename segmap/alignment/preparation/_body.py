@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Array
-from ...scans import LaserScan, Log
+from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import Steps
 from ._pairs import (
@@ -19,6 +15,7 @@ from ._pairs import (
     columns,
     compared,
     directions_of,
+    with_beams,
 )
 
 #: A range that changes by less is the same.
@@ -54,11 +51,4 @@ def without_body(log: Log, steps: Steps) -> Log:
     count = int((body & known).sum())
     words = f"{count} of {known.sum()} beams see the robot itself"
     told = Finding(Cause.BODY, count, words, "--keep-body keeps them")
-    scans = tuple(_without(scan, wide, directions) for scan in log)
-    return replace(log, scans=scans, causes=(*log.causes, told))
-
-
-def _without(scan: LaserScan, body: NDArray[np.bool_], directions: Array) -> LaserScan:
-    """A scan with NaN in the directions `(n,)` of the body."""
-    gone = body[columns(scan.angles, directions)]
-    return replace(scan, ranges=np.where(gone, np.nan, scan.ranges))
+    return with_beams(log, (wide[columns(s.angles, directions)] for s in log), np.nan, told)

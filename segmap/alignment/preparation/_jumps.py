@@ -12,8 +12,8 @@ from ...poses.motions import between, compose
 from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import odometry_jumps
-from ..points import PointMap, in_range
-from ._blind_steps import LEAST_STEP_OVERLAP, LEAST_STEP_POINTS, registered_near
+from ..points import LEAST_POINTS, PointMap, in_range
+from ._blind_steps import LEAST_STEP_OVERLAP, registered_near
 
 #: Scans before and after a step are compared where they lie so near by the odometry, metres: ...
 PAIR_ACROSS_M = 1.5
@@ -77,7 +77,7 @@ def _holds(log: Log, before: Array, after: Array) -> bool | None:
     for after_k in near[:: 1 + len(near) // PAIRS_ACROSS]:
         one, two = int(first[nearest[after_k]]), int(second[after_k])
         points, current = (in_range(log[k].points()) for k in (one, len(before) + two))
-        if min(len(points), len(current)) >= LEAST_STEP_POINTS:
+        if min(len(points), len(current)) >= LEAST_POINTS:
             match = registered_near(PointMap(points), current, between(before[one], after[two]))
             fit = match is not None and match.overlap > LEAST_STEP_OVERLAP
             if match is None or not fit or match.free is None:  # a corridor fits everywhere

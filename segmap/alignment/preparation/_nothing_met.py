@@ -8,10 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...scans import LaserScan, Log
+from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import Steps
-from ._pairs import LEAST_COMPARISONS, NEAR_M, SEEN_THROUGH_M, compared, directions_of
+from ._pairs import (
+    LEAST_COMPARISONS,
+    NEAR_M,
+    SEEN_THROUGH_M,
+    compared,
+    directions_of,
+    with_beams,
+)
 
 #: Scans that are looked at, spread over the log.
 NOTHING_MET_SCANS = 200
@@ -41,22 +48,17 @@ def without_nothing_met(log: Log) -> Log:
         return log
     some = log[:: 1 + len(log) // NOTHING_MET_SCANS]
     ranges = np.concatenate([np.where(s.valid, s.ranges, np.nan) for s in some])
-    causes, numbers = list(log.causes), []
+    causes: list[Finding] = []
     while (number := _number_among(ranges)) is not None:
         holds = np.abs(ranges - number) <= NUMBER_M
         words = f"a range of {number:.5g} m means nothing met: {100 * holds.mean():.2g} % of all"
         causes.append(Finding(Cause.NOTHING_MET, number, words))
-        numbers.append(number)
         ranges = np.where(holds, np.nan, ranges)
-    if not numbers:
+    if not causes:
         return log
-
-    def put_right(scan: LaserScan) -> LaserScan:
-        """The scan with `inf` for each number."""
-        holds = [np.abs(scan.ranges - number) <= NUMBER_M for number in numbers]
-        return replace(scan, ranges=np.where(np.any(holds, 0) & scan.valid, np.inf, scan.ranges))
-
-    return replace(log, scans=tuple(map(put_right, log)), causes=tuple(causes))
+    numbers = np.array([finding.value for finding in causes])
+    held = ((np.abs(s.ranges[:, None] - numbers) <= NUMBER_M).any(1) & s.valid for s in log)
+    return with_beams(log, held, np.inf, *causes)
 
 
 def _number_among(ranges: Array) -> float | None:
@@ -73,12 +75,16 @@ def _number_among(ranges: Array) -> float | None:
     about = (away <= max(0.1, 0.01 * number, 5 * grid)).sum()
     edge = np.diff((np.abs(ranges - number) <= NUMBER_M).astype(np.int8)) != 0
     step = np.abs(np.diff(ranges))[edge]
-    is_number = (
-        (away <= NUMBER_M / 2).sum() >= max(MET_BEAMS_SHARE * len(ranges), STANDS_OUT_SHARE * about)
-        and (others < number).sum() > NEARER * len(others)
-        and (step > DIFFERS * number).sum() > (step <= DIFFERS * number).sum()
+    return (
+        number
+        if (
+            (away <= NUMBER_M / 2).sum()
+            >= max(MET_BEAMS_SHARE * len(ranges), STANDS_OUT_SHARE * about)
+            and (others < number).sum() > NEARER * len(others)
+            and (step > DIFFERS * number).sum() > (step <= DIFFERS * number).sum()
+        )
+        else None
     )
-    return number if is_number else None
 
 
 def without_limit(log: Log, steps: Steps) -> Log:
@@ -106,11 +112,7 @@ def without_limit(log: Log, steps: Steps) -> Log:
         number, share = float(np.median(at_limit)), 100 * len(at_limit) / sum(map(len, log))
         words = f"a range about {number:.4g} m means nothing met: {share:.2g} % of all"
         told = Finding(Cause.NOTHING_MET, number, f"{words}, with no wall")
-        scans = (
-            replace(scan, ranges=np.where(end, np.inf, scan.ranges))
-            for scan, end in zip(log, ends, strict=True)
-        )
-        log = replace(log, scans=tuple(scans), causes=(*log.causes, told))
+        log = with_beams(log, ends, np.inf, told)
     return _at_one_range(log)
 
 

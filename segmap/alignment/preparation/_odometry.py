@@ -64,20 +64,14 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
     if abs(late) >= 1 and share_left < DELAY_LEFT_SHARE:
         rows = shifted(rows, np.arange(len(rows)) + late)
         causes.append(_delay(late, log.times))
-    rows, findings = _without_repeats(rows, steps)
-    causes += findings
-    rows, findings = without_jumps(log, rows)
-    causes += findings
-    rows, findings = _agreeing(rows, steps)
-    causes += findings
-    if not causes:
+    rows, repeats = _without_repeats(rows, steps)
+    rows, jumps = without_jumps(log, rows)
+    rows, others = _agreeing(rows, steps)
+    if not (causes := [*causes, *repeats, *jumps, *others]):
         return log
-    corrected = [row if np.isfinite(row).all() else None for row in rows]
-    scans = tuple(
-        replace(scan, odometry=row) if row is None or not np.array_equal(row, was) else scan
-        for scan, row, was in zip(log, corrected, log.odometry, strict=True)
-    )
-    return replace(log, scans=scans, causes=(*log.causes, *causes))
+    corrected = (row if np.isfinite(row).all() else None for row in rows)
+    scans = (replace(scan, odometry=row) for scan, row in zip(log, corrected, strict=True))
+    return replace(log, scans=tuple(scans), causes=(*log.causes, *causes))
 
 
 def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
@@ -180,7 +174,6 @@ def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     if not out.any():
         return rows, []
     rows[out] = np.nan
-    words = f"the odometry stands still in {counted(int(out.sum()), 'scan')} while the robot moves"
-    return rows, [
-        Finding(Cause.NO_ODOMETRY, int(out.sum()), f"{words}: there is no odometry there")
-    ]
+    count = int(out.sum())
+    words = f"the odometry stands still in {counted(count, 'scan')} while the robot moves"
+    return rows, [Finding(Cause.NO_ODOMETRY, count, f"{words}: there is no odometry there")]

@@ -20,6 +20,7 @@ from ._body import without_body
 from ._clock import with_clock_mended
 from ._nothing_met import without_limit, without_nothing_met
 from ._odometry import mounting_of, with_odometry_corrected
+from ._pairs import with_beams
 from ._range_unit import with_ranges_in_metres
 
 
@@ -104,8 +105,5 @@ def _masked(log: Log, mask: Array) -> Log:
     width = np.diff(mask, axis=1)[:, 0] % (2 * np.pi)
     if not (width > 0).all():
         raise ValueError(f"mask must hold directions from .. to that differ, got {mask.tolist()}")
-    scans = []
-    for scan in log:
-        inside = ((scan.angles[:, None] - mask[:, 0]) % (2 * np.pi) <= width).any(1)
-        scans.append(replace(scan, ranges=np.where(inside, np.nan, scan.ranges)))
-    return replace(log, scans=tuple(scans))
+    inside = (((s.angles[:, None] - mask[:, 0]) % (2 * np.pi) <= width).any(1) for s in log)
+    return with_beams(log, inside, np.nan)
