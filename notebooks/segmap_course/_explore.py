@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import ndimage
 
 from segmap import arrays
 from segmap.arrays import Array, Metres, Segments, checked
@@ -151,6 +151,6 @@ def floor_of(walls: Array, start: Array) -> Array:
     x, y = (np.arange(a + FLOOR / 2, b, FLOOR) for a, b in zip(low, high, strict=True))
     middles = np.stack(np.meshgrid(x, y), -1)
     apart = point_distance(middles[:, :, None], walls).min(-1)
-    part, _ = ndimage.label(apart > FLOOR * np.sqrt(0.5))
+    part, _ = scipy.ndimage.label(apart > FLOOR * np.sqrt(0.5))
     column, row = np.floor((start - low) / FLOOR).astype(np.int64)
     return middles[part == part[row, column]]

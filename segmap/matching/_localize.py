@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from typing import Annotated, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from .. import arrays
 from ..arrays import Array, Count, at_least, at_most, checked
@@ -186,7 +186,8 @@ def localize(
                 new = 1 - best / there.max(initial=best) if len(fresh) else 0.0
                 if new > BETTER_FIT_SHARE:
                     if not led:  # it may have turned on the spot
-                        near = cKDTree(poses[:, :2]).query(fresh[:, :2])[0] <= SAME_PLACE_M
+                        tree = scipy.spatial.cKDTree(poses[:, :2])
+                        near = tree.query(fresh[:, :2])[0] <= SAME_PLACE_M
                         if there[near].max(initial=0.0) > (1 - BETTER_FIT_SHARE) * there.max():
                             fresh, there = fresh[near], there[near]
                     weights = np.r_[(1 - new) * weights, np.full(len(fresh), new / len(fresh))]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from ..arrays import Array
 from ..poses import transform
@@ -88,10 +88,10 @@ def grid_along(free: QuadtreeMap, turn: float, segments: Array, side: float) -> 
     shape = np.ceil(np.ptp(points, axis=0) / side + 4).astype(int)[::-1]
     grid = Grid(np.full(shape, UNKNOWN), start @ [right, up], right, up, side)
     column, row = np.moveaxis((grid.places() - (left, low)) / cell - 0.5, -1, 0)
-    ndimage.map_coordinates(kind, [row, column], grid.kind, order=0, mode="grid-constant")
-    hidden = ndimage.label(grid.kind == UNKNOWN)[0]
+    scipy.ndimage.map_coordinates(kind, [row, column], grid.kind, order=0, mode="grid-constant")
+    hidden = scipy.ndimage.label(grid.kind == UNKNOWN)[0]
     small = np.bincount(hidden.ravel()) * side**2 < LEAST_HOLE_M2
-    small[hidden[ndimage.maximum_filter(grid.kind, 3) == OCCUPIED]] = False
+    small[hidden[scipy.ndimage.maximum_filter(grid.kind, 3) == OCCUPIED]] = False
     grid.kind[small[hidden]] = FREE
     return grid
 
@@ -151,9 +151,10 @@ def unseen_border(grid: Grid, labels: Indices, least: float) -> Array:
 
     Stretches below `least`, metres, do not count.
     """
-    beside = ndimage.minimum_filter(grid.kind, 3) == UNKNOWN
-    beside &= (labels >= 0) & (ndimage.maximum_filter(grid.kind, BESIDE_STEPS + 1) != OCCUPIED)
-    stretch = ndimage.label(beside, np.ones((3, 3)))[0]
+    beside = scipy.ndimage.minimum_filter(grid.kind, 3) == UNKNOWN
+    near_walls = scipy.ndimage.maximum_filter(grid.kind, BESIDE_STEPS + 1) == OCCUPIED
+    beside &= (labels >= 0) & ~near_walls
+    stretch = scipy.ndimage.label(beside, np.ones((3, 3)))[0]
     beside &= np.bincount(stretch.ravel())[stretch] * grid.side >= least
     return np.bincount(labels[beside], minlength=labels.max() + 1).astype(np.float64) * grid.side
 

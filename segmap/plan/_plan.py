@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from .. import arrays
 from ..arrays import Array, Metres, Positive, Segments, Share, checked
@@ -306,7 +306,7 @@ def _outlined(base: Base, parts: Indices, cuts: Array, doorways: Array) -> list[
     """The rooms of squares; those that no edit changed are known."""
     walls, side, rooms = base.walls[0].segments, base.walls[3], list[Room]()
     places = np.sort(np.stack(base.grid.squares(cuts), -1), axis=1)  # row and column
-    for k, box in enumerate(ndimage.find_objects(parts + 1)):
+    for k, box in enumerate(scipy.ndimage.find_objects(parts + 1)):
         low, high = np.array([(each.start, each.stop) for each in box]).T
         mine = cuts[((places[:, 0] <= high + 1) & (places[:, 1] >= low - 1)).all(1)]
         squares = np.where(parts[box] < 0, 0, 1 + (parts[box] == k)).astype(np.int8)

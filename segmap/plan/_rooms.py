@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ._cells import Edges, Grid
 from ._lines import Indices
@@ -31,7 +31,7 @@ class Partition:
 
     def __init__(self, grid: Grid, cells: Indices, edges: Edges) -> None:
         self.cells, self.edges, self.side = cells, edges, grid.side
-        self.boxes = ndimage.find_objects(cells + 1)
+        self.boxes = scipy.ndimage.find_objects(cells + 1)
         self.members = {cell: [cell] for cell in range(len(self.boxes))}
         self.area = np.bincount(cells[cells >= 0]) * grid.side**2
         self.near: dict[int, dict[int, Counter[int]]] = {cell: {} for cell in self.members}
@@ -72,7 +72,7 @@ class Partition:
             sides = zip(*(self.boxes[cell] for cell in self.members[room]), strict=True)
             box = tuple(slice(min(b.start for b in s), max(b.stop for b in s)) for s in sides)
             own = np.isin(self.cells[box], self.members[room])
-            away = ndimage.distance_transform_edt(np.pad(own, 1))
+            away = scipy.ndimage.distance_transform_edt(np.pad(own, 1))
             self.widths[room] = float(2 * away.max() - 1) * self.side
         return self.widths[room]
 

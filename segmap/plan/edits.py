@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import astuple, dataclass, fields, replace
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from .. import arrays
 from ..arrays import Array
@@ -73,11 +73,11 @@ class Join(Edit):
             return "no room at one of the places"
         if one == other:
             return "both places are in one room"
-        box = ndimage.find_objects(((parts == one) | (parts == other)).astype(int))[0]
+        box = scipy.ndimage.find_objects(((parts == one) | (parts == other)).astype(int))[0]
         own = parts[box]  # a view
         rooms, between = ((own == one), (own == other)), own < -1
         if not _touch(rooms[0] | rooms[1]):
-            across = sum(ndimage.distance_transform_edt(~room) for room in rooms)
+            across = sum(scipy.ndimage.distance_transform_edt(~room) for room in rooms)
             between = (own < 0) & (across * grid.side <= THICKEST_WALL_M)
             if not _touch(rooms[0] | rooms[1] | between):
                 return f"more than {THICKEST_WALL_M:g} m lie between the two rooms"
@@ -105,18 +105,18 @@ class Split(Edit):
         room, size = room_near(grid, parts, line.mean(0)), float(np.hypot(*(line[1] - line[0])))
         if room < 0:
             return "no room at its middle"
-        box = ndimage.find_objects((parts == room).astype(int))[0]
+        box = scipy.ndimage.find_objects((parts == room).astype(int))[0]
         own, way = parts[box] == room, (line[1] - line[0]) / max(size, MIN_LENGTH)
         to = grid.places(box) - line[0]
         along, across = to @ way, to @ (-way[1], way[0])
         # so wide that no way over sides of squares leads past
         cut = (along >= 0) & (along <= size) & (abs(across) <= grid.side * np.sqrt(0.5))
-        pieces = ndimage.label(own & ~cut)[0]
+        pieces = scipy.ndimage.label(own & ~cut)[0]
         areas = np.bincount(pieces.ravel())[1:] * grid.side**2
         large = 1 + np.flatnonzero(areas >= LEAST_HOLE_M2)
         if len(large) < 2:
             return f"no two rooms of {LEAST_HOLE_M2:g} m2 are left: draw it from wall to wall"
-        near = ndimage.distance_transform_edt(~np.isin(pieces, large), return_indices=True)[1]
+        near = scipy.ndimage.distance_transform_edt(~np.isin(pieces, large), return_indices=True)[1]
         parts[box][own] = (parts.max() + pieces[tuple(near)])[own]
         return ""
 
@@ -188,4 +188,4 @@ def room_near(grid: Grid, parts: Indices, place: Place | Array) -> int:
 
 def _touch(mask: Mask) -> bool:
     """Whether a mask is in one piece."""
-    return int(ndimage.label(mask)[1]) == 1
+    return int(scipy.ndimage.label(mask)[1]) == 1

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 import traitlets
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 
 from segmap import arrays
 from segmap.alignment.points import PointMap
@@ -73,7 +73,7 @@ class DragScan(DragFigure):
         """From each point that has a partner to where it is pulled, `(k, 2, 2)`, metres."""
         points = transform(np.array(self.pose, float), np.array(self.scan))
         reference, across = np.array(self.reference), np.array(self.across, float)
-        distance, nearest = map(np.asarray, cKDTree(reference).query(points))
+        distance, nearest = map(np.asarray, scipy.spatial.cKDTree(reference).query(points))
         near = (distance < self.reach) & ~np.isnan(across[nearest])
         points, partners, angle = points[near], reference[nearest[near]], across[nearest[near]]
         if not self.to_walls:

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from segmap.arrays import Array
 from segmap.segments import angle, length, midpoint
@@ -134,7 +134,7 @@ def widest_circle(squares: NDArray[np.bool_], side: float) -> float:
     >>> widest_circle(np.ones((4, 3), bool), 0.5)
     1.5
     """
-    return side * float(2 * ndimage.distance_transform_edt(np.pad(squares, 1)).max() - 1)
+    return side * float(2 * scipy.ndimage.distance_transform_edt(np.pad(squares, 1)).max() - 1)
 
 
 def join_narrow(

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from segmap.alignment import (
     Alignment,
@@ -110,7 +110,7 @@ def partnered(placed: Array, points: Array) -> NDArray[np.bool_]:
     found = np.zeros(len(placed), bool)
     if not len(points):
         return found
-    index = cKDTree(placed).query(points)[1]
+    index = scipy.spatial.cKDTree(placed).query(points)[1]
     found[index] = True
     apart = max(int(np.gcd.reduce(index)), 1)
     return found | (np.convolve(found, np.ones(2 * apart - 1), "same") > 1)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from segmap.arrays import Array
 from segmap.poses import transform
@@ -45,7 +45,7 @@ def thinned(points: Array, cell_of: Function, side: float = 0.05) -> Array:
 
 def on_walls(points: Array) -> Walls:
     """Those points whose neighbours lie on a line, and the unit normal of that line."""
-    around = points[np.asarray(cKDTree(points).query(points, 7)[1])]
+    around = points[np.asarray(scipy.spatial.cKDTree(points).query(points, 7)[1])]
     around -= around.mean(axis=1, keepdims=True)
     spread, axes = np.linalg.eigh(around.swapaxes(1, 2) @ around)
     flat = spread[:, 0] < 0.1 * spread[:, 1]
@@ -63,7 +63,7 @@ def laid_on(
     """Where a scan comes to rest on walls at their poses; the share of it that is near them."""
     points = np.concatenate([transform(poses[k], walls[k][0]) for k in chosen])
     normals = np.concatenate([transform((0, 0, poses[k][2]), walls[k][1]) for k in chosen])
-    tree: Any = cKDTree(points)
+    tree: Any = scipy.spatial.cKDTree(points)
     for reach in np.geomspace(0.6, 0.1, 10):
         turned = transform((0, 0, pose[2]), scan)
         far, k = tree.query(turned + pose[:2])
