@@ -17,7 +17,7 @@ from segmap.plotting import figure_png
 #: Frames of a film, and bytes of its file, at most.
 FEWEST_FRAMES, MOST_FRAMES, MOST_FILM_BYTES = 6, 12, 30_000
 #: Dots in a row for each dot on the page, and colours: the first with which the film is small.
-_SIZES = ((2.0, 32), (2.0, 16), (1.5, 16), (1.25, 16), (1.0, 16), (1.0, 8))
+_SIZES = ((2.0, 32), (1.5, 16), (1.25, 16), (1.0, 16), (1.0, 8))
 
 
 @dataclass(frozen=True)
