@@ -21,9 +21,11 @@ from segmap.plotting import (
     MAP,
     RAW,
     RESULT,
+    TRUTH,
     axes_or_new,
     axes_row,
     draw_segments,
+    map_axes,
 )
 from segmap.reduction import Reduction
 
@@ -144,18 +146,41 @@ def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:
     return list(axes)
 
 
+def draw_moved(looks: Segments, moved: Segments, window: ArrayLike) -> list[Axes]:
+    """Draw looks beside where they were moved to, blue, as `draw_closer` does.
+
+    In the last window lie below them, grey, the looks as they were seen.
+
+    Examples
+    --------
+    >>> wall = np.array([[(0, 0), (3, 0)]])
+    >>> len(draw_moved(wall, wall + 0.1, (1, -1, 2, 1))[-1].lines)
+    1
+    """
+    axes = draw_closer({"as seen": looks, "moved": moved}, window)
+    seen = axes[-1].plot(*arrays.segments(looks).T, color=RAW, linewidth=1.2, zorder=0)
+    lines, words = (seen[0], axes[-1].collections[0]), ("looks as seen", "the same looks, moved")
+    figure = axes[0].get_figure(root=True)
+    assert figure is not None
+    figure.legend(lines, words, loc="outside lower center", ncols=2)
+    return axes
+
+
 def merge_frames(states: Sequence[Segments]) -> Iterator[Figure]:
     """Figures of merges for a film: blue is as in the figure before, orange is new.
 
-    All have one view.
+    Dots are the ends of the first state, so that the last figure still tells what was merged. All
+    have one view.
     """
     arrays_of = [arrays.segments(state) for state in states]
     (x0, y0), (x1, y1) = (f(arrays_of[0].reshape(-1, 2), axis=0) for f in (np.min, np.max))
     for before, after in zip([arrays_of[0], *arrays_of], arrays_of, strict=False):
         same = (after[:, None] == before).all(axis=(2, 3)).any(axis=1)
         ax = axes_or_new(None, (5.0, 4.0))
-        draw_segments(after[same], ax=ax, color=RESULT, width=3.0)
-        draw_segments(after[~same], ax=ax, color=ERROR, width=4.0)
+        draw_segments(after[same], ax=ax, color=RESULT, width=3.0, label="as before")
+        draw_segments(after[~same], ax=ax, color=ERROR, width=4.0, label="merged just now")
+        ax.plot(*arrays_of[0].reshape(-1, 2).T, ".", color=MAP, label="ends of all pieces")
+        ax.legend(loc="upper right")
         ax.set(title=f"{len(after)} segments", xlim=(x0 - 0.4, x1 + 0.4), ylim=(y0 - 0.4, y1 + 0.4))
         figure = ax.get_figure(root=True)
         assert figure is not None
@@ -258,3 +283,36 @@ def draw_live(reductions: Mapping[str, Reduction], *, ax: Axes | None = None) ->
     ax.set(title="The map while the robot drives", xlabel="scan", ylabel="segments in the map")
     ax.legend()
     return ax
+
+
+def draw_pieces(
+    cases: Mapping[str, Sequence[Any]],
+    lines: Sequence[Any],
+    pieces_of: Callable[..., Sequence[tuple[float, float, int, float]]],
+) -> list[Axes]:
+    """Draw walls that lie along x, green with their numbers, and who owns each piece of a line.
+
+    A case is walls, by its title, and has one line; blue is a piece that shows a wall, orange one
+    that shows none. The figure is new, and scales of x and y differ.
+
+    Examples
+    --------
+    >>> wall, whole = ((0, 0), (2, 0)), lambda *given: [(0, 1, 0, 0)]
+    >>> (ax,) = draw_pieces({"a wall": [wall]}, [wall], whole)
+    >>> [text.get_text() for text in ax.texts]
+    ['wall 0', 'of wall 0']
+    """
+    row = axes_row(len(cases), (9.0, 3.5), shared="y")
+    for ax, (title, walls), line in zip(row, cases.items(), lines, strict=True):
+        draw_segments(walls, ax=ax, color=TRUTH, width=3)
+        for k, wall in enumerate(walls):
+            ax.annotate(f"wall {k}", wall[0], (2, -14), textcoords="offset points")
+        start, way = np.array(line[0], float), np.subtract(line[1], line[0])
+        for a, b, owner, _ in pieces_of(walls, line, 0.10, np.radians(5)):
+            piece = np.array([start + a * way, start + b * way])
+            ax.plot(*piece.T, color=ERROR if owner < 0 else RESULT, linewidth=2)
+            said = "of none" if owner < 0 else f"of wall {owner}"
+            ax.annotate(said, piece.mean(axis=0), (0, 5), textcoords="offset points", ha="center")
+        map_axes(ax).set(title=title, aspect="auto", ylim=(-0.1, 0.2))
+        ax.label_outer()
+    return row

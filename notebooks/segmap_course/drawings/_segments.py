@@ -25,6 +25,7 @@ from segmap.plotting import (
     axes_grid,
     axes_or_new,
     axes_row,
+    draw_maps,
     draw_robot,
     draw_segments,
     map_axes,
@@ -351,34 +352,23 @@ def draw_sector(
     return map_axes(ax)
 
 
-def draw_pieces(
-    cases: Mapping[str, Sequence[Any]],
-    lines: Sequence[Any],
-    pieces_of: Callable[..., Sequence[tuple[float, float, int, float]]],
-) -> list[Axes]:
-    """Draw walls that lie along x, green with their numbers, and who owns each piece of a line.
-
-    A case is walls, by its title, and has one line; blue is a piece that shows a wall, orange one
-    that shows none. The figure is new, and scales of x and y differ.
+def draw_splits(run: ArrayLike, splits: Mapping[float, Sequence[Any]]) -> list[Axes]:
+    """Draw what is left of a run of points with each tolerance, metres, which is drawn to scale.
 
     Examples
     --------
-    >>> wall, whole = ((0, 0), (2, 0)), lambda *given: [(0, 1, 0, 0)]
-    >>> (ax,) = draw_pieces({"a wall": [wall]}, [wall], whole)
-    >>> [text.get_text() for text in ax.texts]
-    ['wall 0', 'of wall 0']
+    >>> run = [(0, 0), (1, 0.2), (2, 0)]
+    >>> draw_splits(run, {0.3: [[(0, 0), (2, 0)]]})[0].texts[0].get_text()
+    'tolerance 0.3 m'
     """
-    row = axes_row(len(cases), (9.0, 3.5), shared="y")
-    for ax, (title, walls), line in zip(row, cases.items(), lines, strict=True):
-        draw_segments(walls, ax=ax, color=TRUTH, width=3)
-        for k, wall in enumerate(walls):
-            ax.annotate(f"wall {k}", wall[0], (2, -14), textcoords="offset points")
-        start, way = np.array(line[0], float), np.subtract(line[1], line[0])
-        for a, b, owner, _ in pieces_of(walls, line, 0.10, np.radians(5)):
-            piece = np.array([start + a * way, start + b * way])
-            ax.plot(*piece.T, color=ERROR if owner < 0 else RESULT, linewidth=2)
-            said = "of none" if owner < 0 else f"of wall {owner}"
-            ax.annotate(said, piece.mean(axis=0), (0, 5), textcoords="offset points", ha="center")
-        map_axes(ax).set(title=title, aspect="auto", ylim=(-0.1, 0.2))
-        ax.label_outer()
-    return row
+    points = np.asarray(run, float)
+    titled = {f"{tolerance:g} m: {len(s)} pieces": s for tolerance, s in splits.items()}
+    axes = draw_maps(titled, size=(3.3, 3.6))
+    (left, low), (_, high) = points.min(axis=0), points.max(axis=0)
+    y = low + 0.8 * (high - low)
+    for ax, tolerance in zip(axes, splits, strict=True):
+        ax.plot(*points.T, ".", color=RAW, markersize=4, zorder=0)
+        ax.plot((left, left + tolerance), (y, y), "|-", color=ERROR)
+        said = f"tolerance {tolerance:g} m"
+        ax.annotate(said, (left, y), (0, 6), textcoords="offset points", color=ERROR)
+    return axes
