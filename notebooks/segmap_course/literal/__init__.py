@@ -19,7 +19,7 @@ from segmap.reduction.surveyed import (
     weighted_line_fitting,
 )
 
-from .alignment.angle_correspondence import best_transform, match_value, transforms
+from .alignment.angle_correspondence import match_value, transforms, value_of
 from .alignment.backbone import least_translation, line_partner, mean_rotation
 from .alignment.correlative_search import correlative_search, likelihoods
 from .alignment.gauss_newton import (
@@ -92,7 +92,7 @@ from .reduction.segment_similarity import mean_segment, segment_similarity
 __all__ = [
     "MOVES", "Quadtree", "add_scan", "after", "against_walls", "angle_histogram",
     "axial_difference", "basic_offline", "basic_online", "best_move", "best_shift", "best_shifts",
-    "best_strip", "best_transform", "best_turns", "carry_beam", "cell_of", "chain", "climb_step",
+    "best_strip", "best_turns", "carry_beam", "cell_of", "chain", "climb_step",
     "correlative_search", "crossed_cells", "descent_score", "distance_score", "edge_jacobians",
     "edge_residual", "effective_number", "enough", "every_pose", "extract_clusters",
     "extract_polylines", "fit", "fit_algebraic", "fit_total", "fuse_longest", "fusion",
@@ -107,6 +107,6 @@ __all__ = [
     "places", "point_to_line_step", "point_to_segment", "polyline", "polyline_through", "quality",
     "quarters", "ray_cells", "sample_and_rank", "segment_cost", "segment_distance",
     "segment_length", "segment_similarity", "squares_above", "steady_twist", "systematic",
-    "transforms", "turn_and_shift", "uncertain_parameters", "viewing_sector", "weighed",
-    "weighted_line_fitting",
+    "transforms", "turn_and_shift", "uncertain_parameters", "value_of", "viewing_sector",
+    "weighed", "weighted_line_fitting",
 ]  # fmt: skip

@@ -101,11 +101,3 @@ def value_of(pose: Pose, first: Sequence[Segment], second: Sequence[Segment]) ->
     """Sum of the match values, metres, when a pose carries the second set (step 2)."""
     there = transform(pose, second).tolist()
     return sum(match_value(u, v) for u, v in itertools.product(first, there))
-
-
-def best_transform(
-    first: Sequence[Segment], second: Sequence[Segment], similar: float = math.radians(8)
-) -> tuple[float, Pose]:
-    """The transform with the largest sum of match values, metres, and that sum."""
-    guesses = transforms(first, second, similar)
-    return max((value_of(pose, first, second), pose) for pose in guesses)
