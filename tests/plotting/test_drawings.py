@@ -227,6 +227,7 @@ ROWS = {
     ),
     "phases": (lambda: course.draw_phases([(0, 0, 0)], WALLS, WALLS[:1], 0.2), True),
     "landscapes": (lambda: course.draw_landscapes({"a": LAND, "b": LAND}), True),
+    "splits": (lambda: course.draw_splits([(0, 0), (1, 1)], {1.0: WALLS, 0.3: WALLS[:1]}), True),
     "scan_poses": (
         lambda: course.draw_scan_poses(
             POINTS, POINTS, {"a": (0, 0, 0), "b": (1, 0, 0)}, (-1, -1, 3, 2)
@@ -245,6 +246,7 @@ OF_THEIR_OWN = {
     "closer": lambda: course.draw_closer({"a": WALLS, "b": WALLS[:1]}, (1, -1, 2, 1)),
     "costs": lambda: course.draw_costs(WALLS, WALLS, [0.1, np.inf, 0.2]),
     "leaning": lambda: course.draw_leaning([1.0, 2.0], 0.01),
+    "moved": lambda: course.draw_moved(WALLS, WALLS + 0.01, (1, -1, 2, 1)),
     "normals": lambda: course.draw_normals(WALLS, at=(1, 2), box=(0.2, 0.1)),
     "sweep": lambda: course.draw_sweep(WALLS[[0]], 0.04, [1, 2], 0.01),
 }
