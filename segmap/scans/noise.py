@@ -25,7 +25,7 @@ OTHER_FACTOR = 2.0
 LEAST_SCANS = 20
 #: ... and of a long log one of so many.
 ONE_SCAN_OF = 10
-#: Neighbours that are farther apart lie on two things, metres.
+#: Neighbours whose ends are farther apart lie on two things, metres.
 MOST_STEP_M = 0.3
 #: A robot whose wheels moved less stands, metres and radians.
 STILL = 0.0005, 0.0005, 0.0003
@@ -153,7 +153,8 @@ def _errors_between_neighbours(scans: Sequence[LaserScan]) -> tuple[Array, Array
     seen = (row for s in scans for row in (np.where(s.valid, s.ranges, np.nan), gap))
     r = np.concatenate([gap, *seen])
     a = np.concatenate([gap, *(row for s in scans for row in (s.angles, gap))])
-    step = np.abs(np.diff(r))
+    x, y = r * np.cos(a), r * np.sin(a)
+    step = np.hypot(np.diff(x), np.diff(y))
     k = np.flatnonzero((step[:-1] < MOST_STEP_M) & (step[1:] < MOST_STEP_M)) + 1
     before, here, after = 1 / r[k - 1], 1 / r[k], 1 / r[k + 1]
     left, right = np.sin(a[k] - a[k - 1]), np.sin(a[k + 1] - a[k])
