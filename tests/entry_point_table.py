@@ -147,7 +147,7 @@ GOOD |= {
     "ComparePanel.map": MAP, "ComparePanel.runs": RUNS, "source": LOG, "panels.poses": PATH,
     "actual": PATH, "expected": PATH, "assert_segments_equal.actual": WALLS,
     "assert_segments_equal.expected": WALLS, "draw_segments.error": None,
-    "executor": ThreadPoolExecutor(1), "LiveMap.graph": alignment.LiveGraph(),
+    "tracked.number": 0, "executor": ThreadPoolExecutor(1), "LiveMap.graph": alignment.LiveGraph(),
     "LiveMap.map": quadtree.QuadtreeMap(),
     "LiveMap.walls": reduction.LiveReduction(),
     "function": reduction.METHODS["fusion"].function, "digest.map": MAP, "front.points":

@@ -376,7 +376,7 @@ class LiveGraph(Locked):
     @locked
     def tracked(self, number: int) -> TrackedScan:
         """How a scan was laid; with `Tracking(moving=True)` its `scan` is carried to mid-turn."""
-        return self.front_end.rows[number]
+        return self.front_end.rows[arrays.whole(number, "number", least=0, most=len(self) - 1)]
 
     @property
     @locked
