@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..scans import LaserScan
 from ..scans.error_codes import as_far_ranges, as_ranges
-from ._protocol import Measurement, Reply, ScanRequest, SensorError, parse_info
+from ._protocol import CHARACTERS, Measurement, Reply, ScanRequest, SensorError, parse_info
 
 #: No number of a sensor's geometry is larger: steps, millimetres, turns a minute.
 LARGEST_GEOMETRY = 1 << 20
@@ -70,7 +70,9 @@ def check_limits(reply: Reply) -> None:
     parse_geometry(parse_info(reply.body, strict=True))
 
 
-def request_for(geometry: Geometry, kind: str, first: int | None, last: int | None) -> ScanRequest:
+def request_for(
+    geometry: Geometry, kind: str, first: int | None, last: int | None, cluster: int, skip: int = 0
+) -> ScanRequest:
     """A request for steps that the sensor has; None for the outermost that it measures."""
     begin = geometry.first if first is None else first
     end = geometry.last if last is None else last
@@ -78,7 +80,7 @@ def request_for(geometry: Geometry, kind: str, first: int | None, last: int | No
         raise ValueError(
             f"first and last must lie in order within 0 to {geometry.last}, got {begin} to {end}"
         )
-    return ScanRequest(kind, begin, end)
+    return ScanRequest(kind, begin, end, cluster, skip)
 
 
 def laser_scan(
@@ -89,7 +91,7 @@ def laser_scan(
     time: float,
     sensor_pose: Array | tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> LaserScan:
-    """The scan that a measurement of single steps means.
+    """The scan that a measurement means; the nearest of a cluster lies in the cluster's middle.
 
     Examples
     --------
@@ -101,10 +103,12 @@ def laser_scan(
         ranges, codes = as_far_ranges(met.millimetres, least=geometry.least, most=geometry.most)
     else:
         ranges, codes = as_ranges(met.millimetres)
-    steps = request.first - geometry.front + np.arange(len(ranges), dtype=float)
+    middle = request.first + (request.cluster - 1) / 2 - geometry.front
+    steps = middle + request.cluster * np.arange(len(ranges))
+    most = min(geometry.most, 64 ** CHARACTERS[request.kind] - 1)
     angles = steps * 2 * np.pi / geometry.steps
     # The stamp belongs to the rear of the sensor, from where its mirror turns to the left
     delays = (angles + np.pi) / (2 * np.pi) * geometry.turn
-    begin, limits = delays.min(initial=np.inf), (geometry.most / 1000.0, sensor_pose, codes)
+    begin, limits = delays.min(initial=np.inf), (most / 1000.0, sensor_pose, codes)
     time = time + begin if len(angles) else time
     return LaserScan(ranges, angles, time, None, *limits, delays - begin)

@@ -7,7 +7,7 @@ import time
 import weakref
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
-from math import inf
+from math import ceil, inf
 from os import PathLike
 from typing import Annotated, Self
 
@@ -48,6 +48,7 @@ PACE_SCANS = 11
 SLOW_PACE_RATIO = 1.5
 
 Step = Annotated[Count, at_least(0)]
+Cluster = Annotated[Count, at_most(99)]
 
 
 class UrgSensor:
@@ -129,13 +130,21 @@ class UrgSensor:
         self._open()
 
     @checked
-    def scan(self, *, first: Step | None = None, last: Step | None = None) -> LaserScan:
+    def scan(
+        self, *, first: Step | None = None, last: Step | None = None, cluster: Cluster = 1
+    ) -> LaserScan:
         """The latest turn, asked for as by `scans`; the laser goes on for it and stays on."""
-        return self._whole(request_for(self.geometry, "GD", first, last))
+        return self._whole(request_for(self.geometry, "GD", first, last, cluster))
 
     @checked
     def scans(
-        self, *, first: Step | None = None, last: Step | None = None
+        self,
+        *,
+        first: Step | None = None,
+        last: Step | None = None,
+        cluster: Cluster = 1,
+        skip: Annotated[Step, at_most(9)] = 0,
+        short: bool = False,
     ) -> Generator[LaserScan, None, None]:
         """Turn after turn, until the loop is left.
 
@@ -147,13 +156,20 @@ class UrgSensor:
         ----------
         first, last : int or None
             Steps; None for all that the sensor measures.
+        cluster : int
+            Only the nearest of so many neighbours is reported.
+        skip : int
+            Turns left out after each.
+        short : bool
+            Two characters a distance: a third less to send, and nothing beyond 4.095 m.
 
         Raises
         ------
         SensorError
             Where the sensor is gone or faulty, or nothing whole has come for some time.
         """
-        return self._turns(request_for(self.geometry, "MD", first, last))
+        kind = "MS" if short else "MD"
+        return self._turns(request_for(self.geometry, kind, first, last, cluster, skip))
 
     def state(self) -> dict[str, str]:
         """What the sensor says of its condition: LASR, SCSP, MESM, SBPS, TIME, STAT."""
@@ -166,7 +182,7 @@ class UrgSensor:
         """Why the last stream arrived slower than asked and what to do; empty where it did not."""
         if self._asked is None or len(self._stamps) <= PACE_SCANS // 2:
             return ""
-        wanted = self.geometry.turn
+        wanted = self._period(self._asked)
         found = float(np.median(np.diff(self._stamps) % CLOCK)) / 1000.0
         if found < SLOW_PACE_RATIO * wanted:
             return ""
@@ -257,7 +273,7 @@ class UrgSensor:
         It must come within its turn, one more, its transfer, and the timeout.
         """
         lines, streams = self._lines, request.streams
-        seconds = 2 * self.geometry.turn + self._transfer(request)
+        seconds = self._period(request) + self.geometry.turn + self._transfer(request)
         seconds += self._timeout
         try:
             found, strange = lines.reply(request.text.encode("ascii"), seconds)
@@ -293,7 +309,7 @@ class UrgSensor:
             raise (Refused if lasting else SensorError)(refusal(request.text, status))
         met = parse_scan(reply.body, CHARACTERS[request.kind])
         count = len(met.millimetres)
-        if count != request.beams:
+        if count not in (request.beams, request.steps // request.cluster):
             raise SensorError(f"{count} beams, asked for {request.beams}: bytes were lost")
         when, pose = self._sensor_clock.seconds(met.clock, arrived), self._sensor_pose
         return laser_scan(met, request, self.geometry, time=when, sensor_pose=pose), met.clock
@@ -302,6 +318,10 @@ class UrgSensor:
         self.dropped, self.why = self.dropped + 1, why
 
     # ------------------------------------------------------------------------- pace
+    def _period(self, request: ScanRequest) -> float:
+        """Seconds from scan to scan, as asked for."""
+        return (request.skip + 1) * self.geometry.turn
+
     def _transfer(self, request: ScanRequest) -> float:
         """Seconds that an answer takes on the line: ten bits a byte."""
         return 10 * request.size / self.rate
@@ -316,7 +336,7 @@ class UrgSensor:
         half = CLOCK // 2  # a clock that steps back is none that went almost once around
         passed = ((np.diff(self._stamps) + half) % CLOCK - half) / 1000.0
         if whole and self._asked and len(passed):
-            wanted = self.geometry.turn
+            wanted = self._period(self._asked)
             slowest = max(wanted, self._transfer(self._asked))
             pace = max(wanted, passed[:-1].min(initial=slowest))
             self.unsent += max(round(passed[-1] / pace) - 1, 0)
@@ -324,10 +344,13 @@ class UrgSensor:
     def _advice(self, request: ScanRequest) -> str:
         """What to do about a line that is too slow for a request; empty where it is not."""
         takes = self._transfer(request)
-        if takes <= self.geometry.turn:
+        if takes <= self._period(request):
             return ""
-        scan = f"a scan of {request.beams} beams takes {takes:.2f} s"
-        return f"; at {self.rate} bit/s {scan}: use 250000 bit/s or USB, or fewer steps"
+        skip = min(ceil(takes / self.geometry.turn) - 1, 9)
+        return (
+            f"; at {self.rate} bit/s a scan of {request.beams} beams takes {takes:.2f} s: use "
+            f"250000 bit/s or USB, short=True, a cluster, or skip={skip}"
+        )
 
     # ------------------------------------------------------------------- open, and open again
     def _open(self) -> None:

@@ -228,12 +228,13 @@ def test_a_geometry_that_cannot_be():
         met = Measurement(0, np.full(asked.beams, 500))
         return laser_scan(met, asked, geometry, time=0.0).angles
 
-    assert angles(384, 385).tolist() == [0.0, 2 * np.pi / 1024]
-    assert np.degrees(angles(None, None))[0] == pytest.approx(-119.53, abs=0.005)
-    asked = request_for(geometry, "GD", 128, 384)
-    scan = laser_scan(Measurement(0, np.full(257, 500)), asked, geometry, time=5.0)
-    assert scan.delays == pytest.approx(np.arange(257) * 0.1 / 1024)
-    assert scan.time == pytest.approx(5.0 + (128 - 384 + 512) / 1024 * 0.1)  # from the rear on
+    assert angles(384, 385, 1).tolist() == [0.0, 2 * np.pi / 1024]
+    assert np.degrees(angles(None, None, 1))[0] == pytest.approx(-119.53, abs=0.005)
+    assert angles(383, 384, 2).tolist() == [-np.pi / 1024]  # the middle of two steps
+    asked = request_for(geometry, "GD", 128, 384, 2)
+    scan = laser_scan(Measurement(0, np.full(129, 500)), asked, geometry, time=5.0)
+    assert scan.delays == pytest.approx(np.arange(129) * 2 * 0.1 / 1024)
+    assert scan.time == pytest.approx(5.0 + (128.5 - 384 + 512) / 1024 * 0.1)  # from the rear on
     for change in (*CANNOT_BE, *({key: "9" * 400} for key in ("SCAN", "AFRT", "DMAX"))):
         with pytest.raises(SensorError, match="PP told"):
             parse_geometry(TOLD | change)

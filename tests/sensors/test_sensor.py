@@ -150,13 +150,19 @@ def test_two_streams_by_turns():
         assert sensor.unsent == 0, "no stream was running meanwhile"
 
 
-def test_turn_after_turn_and_a_part_of_one():
+def test_skip_cluster_part_and_short():
     with sensor_of() as sensor:
         assert set(np.diff([turn_of(scan) for scan in first(sensor, 10)])) == {1}
         assert (sensor.delivered, sensor.dropped) == (10, 0)
+        assert set(np.diff([turn_of(scan) for scan in first(sensor, 3, skip=2)])) == {3}
         part = sensor.scan(first=384, last=400)
         assert (len(part), part.angles[0]) == (17, 0.0)
         turn_of(part, first=384)
+        (wide,) = first(sensor, 1, cluster=3)
+        assert (len(wide), len(wide.angles)) == (228, 228)
+        (short,) = first(sensor, 1, short=True)
+        assert short.max_range == 4.095
+        turn_of(short)
 
 
 @pytest.mark.parametrize(
@@ -164,6 +170,8 @@ def test_turn_after_turn_and_a_part_of_one():
     [
         ({"first": 700, "last": 44}, "first and last must lie in order"),
         ({"last": 9999}, "first and last must lie in order within 0 to 725"),
+        ({"cluster": 0}, "cluster must be a whole number of at least 1"),
+        ({"skip": 10}, r"skip must be .* at most 9"),
         ({"first": 100.5}, "first must be a whole number"),
     ],
 )
@@ -172,8 +180,9 @@ def test_steps_that_it_has_not(wrong, message):
     with sensor_of() as sensor:
         with pytest.raises(ValueError, match=message):
             next(sensor.scans(**wrong))
-        with pytest.raises(ValueError, match=message):
-            sensor.scan(**wrong)
+        if "skip" not in wrong:
+            with pytest.raises(ValueError, match=message):
+                sensor.scan(**wrong)
 
 
 @pytest.mark.parametrize(
@@ -222,7 +231,7 @@ def test_a_sensor_that_does_not_take_the_faster_rate_is_talked_to_at_its_own(mon
 
 
 def test_slow_lines_are_explained():
-    """At 19200 bit/s a scan takes 1.1 s: the text names the rate, and what is faster."""
+    """At 19200 bit/s a scan takes 1.1 s: the text names the rate and the skip that fits."""
     with connected(Wired(usb=False), rates=(19200,)) as sensor:
         assert sensor.slow == ""
         first(sensor, 5)
@@ -230,8 +239,8 @@ def test_slow_lines_are_explained():
         first(sensor, 8)
         asked = "asked for every 0.10 s; at 19200 bit/s a scan of 682 beams takes 1.11"
         assert sensor.unsent == 0, "the line is slow, and nobody late"
-        assert asked in sensor.slow and "250000 bit/s" in sensor.slow
-        first(sensor, 8, first=384, last=400)
+        assert asked in sensor.slow and "250000 bit/s" in sensor.slow and "skip=9" in sensor.slow
+        first(sensor, 8, cluster=50)
         assert sensor.slow == ""
 
 
@@ -257,9 +266,10 @@ def test_nothing_that_wedges_the_unit():
     with connected(port) as sensor:
         sensor.scan()
         first(sensor, 2)
+        first(sensor, 2, short=True)
         sensor.state()
         said = {text[:2] for text in port.unit.received}
-        assert said <= {"QT", "SC", "VV", "PP", "II", "BM", "GD", "MD", "SS", "TM"}
+        assert said <= {"QT", "SC", "VV", "PP", "II", "BM", "GD", "MD", "MS", "SS", "TM"}
 
 
 @pytest.mark.parametrize("left", [1 << 24, *range(250, 4250, 500)])
@@ -282,7 +292,8 @@ def test_turns_are_counted_over_the_end_of_the_sensors_clock(left):
         assert sensor.unsent == 0, "the line is slow, and nobody late"
 
 
-def test_a_laser_that_may_be_on_is_switched_off():
+@pytest.mark.parametrize("kind", ["MD", "MS"])
+def test_a_laser_that_may_be_on_is_switched_off(kind):
     """The sensor begins to stream, and nobody hears that it does.
 
     Catches a driver that learns of the laser from the answer alone.
@@ -291,7 +302,7 @@ def test_a_laser_that_may_be_on_is_switched_off():
     with connected(port) as sensor:
         heard, port.spoil = port.spoil, lambda data, at: b""
         with pytest.raises(SensorError, match="no answer to"):
-            next(sensor.scans())
+            next(sensor.scans(short=kind == "MS"))
         port.spoil = heard
-        assert not port.unit.laser and any(text.startswith("MD") for text in port.unit.received)
+        assert not port.unit.laser and any(text.startswith(kind) for text in port.unit.received)
         turn_of(sensor.scan())
