@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import replace
 
 import numpy as np
 
@@ -56,4 +55,6 @@ def without_far_points(log: Log, poses: Array, known: Rows, sensor: SensorNoise)
     ):
         thinned[k] = copy(thinned[k])  # its beams were checked
         object.__setattr__(thinned[k], "ranges", own)
-    return replace(log, scans=tuple(thinned))
+    part = copy(log)  # and so were its poses
+    object.__setattr__(part, "scans", tuple(thinned))
+    return part

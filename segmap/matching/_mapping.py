@@ -174,6 +174,9 @@ def _warm(score: Score) -> None:
         overlap_of(map, points, np.zeros(3))
         map.insert_scan((0.05, 0.05), points, -points)
         _match_by_score(hill_climb, score, map, points, np.zeros(3))
+    turns = np.arange(0.0, 6.0, 0.5)
+    ring = np.stack([np.cos(turns), np.sin(turns)], -1)
+    match_points(ring, ring)
 
 
 @lru_cache  # once in each process

@@ -12,6 +12,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from segmap import warm
 from segmap.alignment import LiveGraph, Tracking
 from segmap.display import counted
 from segmap.files import shown
@@ -27,7 +28,7 @@ from .log_options import add_output, examples
 #: What a Hokuyo is called, of any model.
 HOKUYO = "HOKUYO"
 #: Columns of the log, a row a beam.
-COLUMNS = ("scan", "time_s", "angle_rad", "range_m")
+COLUMNS = ("scan", "time_s", "angle_rad_ccw", "range_m")
 #: Seconds from one line to the next.
 LINE_S = 1.0
 #: A scan that turns by more bends beyond what can be carried back, radians.
@@ -68,6 +69,7 @@ def live(given: argparse.Namespace) -> int:
     path = given.log or Path(f"live-{datetime.now():%Y%m%d-%H%M%S}.csv")
     if path.suffix.lower() != ".csv" or path.exists():
         given.refuse(f"--log {shown(path)} must be a new file whose name ends in .csv")
+    warm.dispatch(["alignment pose_graph", "quadtree all", "matching all"])  # before scans wait
     stop_on_signals()
     ended, before = 0, time.monotonic()
     try:

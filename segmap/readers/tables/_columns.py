@@ -89,11 +89,14 @@ POSES_ALONE = (
 
 
 class Column(NamedTuple):
-    """What a column is, its unit where the name says one, and whether angles grow clockwise."""
+    """What a column is, its unit where the name says one, and whether angles grow clockwise.
+
+    None where the name does not say it.
+    """
 
     role: str
     unit: str = ""
-    clockwise: bool = False
+    clockwise: bool | None = None
     parts: float = 1.0  #: of the unit
 
     @property
@@ -110,7 +113,8 @@ class Column(NamedTuple):
     def name(self) -> str:
         """The name that declares it."""
         parts = f"/{self.parts:g}" if self.parts != 1 else ""
-        return f"{self.role}{'_' * bool(self.unit)}{self.unit}{'_cw' * self.clockwise}{parts}"
+        way = "" if self.clockwise is None else "_cw" if self.clockwise else "_ccw"
+        return f"{self.role}{'_' * bool(self.unit)}{self.unit}{way}{parts}"
 
 
 def words_of(name: str) -> list[str]:
@@ -130,7 +134,7 @@ def meaning(name: str) -> Column | None:
     divided = DIVIDED.fullmatch(name)
     words = words_of(divided[1] if divided else name)
     is_turned = any(word in TURNS for word in words)
-    is_clockwise = any(word in CLOCKWISE for word in words)
+    is_clockwise = any(word in CLOCKWISE for word in words) if is_turned else None
     words = [word for word in words if word not in TURNS]
     unit = UNIT_WORDS.get(words[-1], "") if len(words) > 1 else ""
     words = [word for word in (words[:-1] if unit else words) if word != "in"]

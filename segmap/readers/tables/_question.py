@@ -66,7 +66,7 @@ class ColumnChoices(NamedTuple):
             Column(role, unit, is_clockwise).name
             for role in UNITS
             for unit in ("", *UNITS[role])
-            for is_clockwise in ((False, True) if role == "angle" else (False,))
+            for is_clockwise in ((None, True) if role == "angle" else (None,))
             if Column(role, unit).is_whole or role == "time"
         )
 
@@ -181,7 +181,7 @@ def _names_of(roles: Sequence[str], unit: str, column: Column | None = None) -> 
     names = [
         Column(role, each, is_clockwise).name
         for role in roles
-        for is_clockwise in ((False, True) if role == "angle" else (False,))
+        for is_clockwise in ((None, True) if role == "angle" else (None,))
         for each in ((unit,) if unit else [u for u in OFFERED if u in UNITS[role]])
     ]
     clockwise = column is not None and column.clockwise

@@ -286,8 +286,9 @@ def _a_beam_a_row(
         held = {role: values[met] for role, values in held.items()}
         held["range"] = np.hypot(held["x"], held["y"])
         held["angle"] = _from_first(np.arctan2(held["y"], held["x"]))
-    is_clockwise = any(column.clockwise for _, column in places_of(layout.names).values())
-    if not is_clockwise:
+    ways = {column.clockwise for _, column in places_of(layout.names).values()}
+    is_clockwise = True in ways
+    if ways == {None}:
         told.append(COUNTERCLOCKWISE)
     if "error" in held:
         held["range"] = np.where(held["error"] > 0, np.nan, held["range"])

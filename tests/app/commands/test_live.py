@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from emulated import needs_terminals
 
-from segmap import load, read
+from segmap import load, read, warm
 from segmap.scans import LaserScan
 from segmap.sensors.emulator import SpinningEmulator
 from segmap_app.commands import main
@@ -54,6 +54,7 @@ def test_a_laser_is_followed_recorded_and_mapped(tmp_path):
 def test_what_was_measured_stays_where_the_laser_falls_silent(tmp_path, capsys):
     """Catches a log that is lost with the laser, and an end that is called a success."""
     log = tmp_path / "drive.csv"
+    warm.dispatch(["alignment pose_graph", "quadtree all", "matching all"])  # it sends meanwhile
     with SpinningEmulator(turns(), speed=3) as emulator:
         emulator.inject("unplug", after=60_000)
         assert main(["live", "LD19", emulator.port, "--log", str(log)]) == 1
