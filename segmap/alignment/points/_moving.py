@@ -10,9 +10,8 @@ from ...arrays import Array
 from ...poses.motions import arc, transform
 from ._point_map import LAST, PointMap
 
-#: How far what is supposed of a moving robot may err: its pose, metres twice and radians, velocity,
-#: a second, and acceleration, a second squared. It counts along what the walls leave free.
-SUPPOSED_ERRORS = np.array([0.1, 0.1, 0.2, 1.0, 1.0, 8.0, 3.0, 3.0, 30.0])
+#: How far the pose that is supposed may err, metres and radians: it counts where it is free.
+POSE_ERRORS = 0.1, 0.1, 0.2
 #: How far partners are sought at first, metres: a bent wall is a decimetre off.
 BENT_REACH_M = 0.4
 #: Partners are sought nearer after a step of less than this, metres, radians, radians a second, ...
@@ -34,15 +33,23 @@ def way(motion: Array, since: Array) -> Array:
 
 
 def match_moving(
-    map: PointMap, points: Array, since: Array, start: Array, motion: Array, unknowns: int
+    map: PointMap,
+    points: Array,
+    since: Array,
+    start: Array,
+    motion: Array,
+    errors: Array,
+    unknowns: int,
 ) -> tuple[Array, Array]:
     """Pose `(3,)` and motion `(6,)` of a robot that moved while it measured, by point-to-line ICP.
 
     Points `(m, 2)`, in the frame of the robot, were measured `since`, `(m,)`, seconds after the
     pose; before it where negative. The offset of a point from its wall depends on the velocity as
-    it does on the pose, times these seconds, and on the acceleration, times half their square.
+    it does on the pose, times these seconds, and on the acceleration, times half their square. The
+    motion that is supposed errs by `errors`, `(6,)`: that counts where the walls tell little.
     """
-    supposed, weight, reach = np.r_[start, motion], SUPPOSED_ERRORS**-2.0, BENT_REACH_M
+    weight = np.r_[POSE_ERRORS, errors] ** -2.0
+    supposed, reach = np.r_[start, motion], BENT_REACH_M
     state, free = supposed.copy(), slice(unknowns)
     for _ in range(MOST_STEPS):
         # 1. Each point carried to the moment of the pose, and its partner

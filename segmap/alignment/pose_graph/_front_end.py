@@ -190,20 +190,22 @@ class FrontEnd(Undoable):
         assert row.scan.delays is not None
         apart = row.scan.time - (before.measured or before.scan).time
         seconds = apart if apart > 0 else float(row.scan.delays.max())
-        motion = even_motion(before.pose, match.pose, seconds)
+        motion, earlier = even_motion(before.pose, match.pose, seconds), before.motion[:3]
         if before.scan.delays is not None and self.frames.rows[-1].scan == len(self.rows) - 2:
             for _ in range(FIRST_ROUNDS):
                 first = at_mid_turn(before.scan, motion)
                 points = in_range(first.points())
                 map = PointMap(points, np.zeros_like(points))
-                moved = laid_in_motion(map, row.scan, match.pose, motion, self.rules.overlap)
+                moved = laid_in_motion(
+                    map, row.scan, match.pose, motion, earlier, self.rules.overlap
+                )
                 motion = even_motion(before.pose, moved.match.pose, seconds)
             carried = replace(before, scan=first, measured=before.scan, motion=motion)
             frame = self.frames.rows[-1]._replace(points=points)
             self.rows = [*self.rows[:-2], carried, row]  # new lists: an error puts back the old
             self.frames.rows = [*self.frames.rows[:-1], frame]
             self.local, self.redrawn = map, True
-        moved = laid_in_motion(map, row.scan, match.pose, motion, self.rules.overlap)
+        moved = laid_in_motion(map, row.scan, match.pose, motion, earlier, self.rules.overlap)
         if moved.match.matched:
             row.measured, row.scan, row.motion = row.scan, moved.scan, moved.motion
             match, self.points = moved.match, in_range(row.scan.points())

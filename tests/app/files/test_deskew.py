@@ -15,7 +15,7 @@ from segmap.poses import between, compose, inverse, transform
 from segmap.poses.motions import arc, twist
 from segmap.reduction import least_cost
 from segmap.scans import LaserScan, Log
-from segmap.scans.causes import Cause, doubt_of
+from segmap.scans.causes import Cause
 from segmap.scans.motion import motion_compensated, skew_warning, velocities
 from segmap.simulation import OdometryNoise, Sensor, drifting_odometry, drive, simulate
 
@@ -196,7 +196,7 @@ def test_walls_are_as_sharp_as_if_the_robot_had_stopped(still, skewed):
     assert before[0] > 2 * still[0] and after[0] < 1.2 * still[0]
     assert before[1] > 1.5 * still[1] and after[1] <= 1.4 * still[1]
     assert after[2] == "" and "in 355 of 355" in before[2]
-    turns = doubt_of(skew_warning(skewed, skewed.truth))
+    turns = "; ".join(map(str, skew_warning(skewed, skewed.truth)))
     assert "in 355 of 355" in turns and "up to 10." in turns
     said = "scans the robot moved by more than the spacing of the beams, up to "
     turned = float(before[2].partition(said)[2].split()[0])  # degrees; PATH turns by 10.3 at most,
