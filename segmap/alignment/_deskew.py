@@ -5,8 +5,8 @@
 3. A part of the log is aligned twice, with its beams carried and as it is. If it is sharper as it
    is, the robot stood while it measured, or the times of its beams mean nothing.
 4. Odometry that comes more often than scans says it better, once its clock is found.
-5. Without these a second graph finds the motion in each scan, as its match has it. Each beam moves
-   by what the robot moved since the first one.
+5. Without these a second graph finds the motion in each scan, as its match has it; the sharper of
+   both ways is taken. Each beam moves by what the robot moved since the first one.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import arrays
 from ..arrays import Array, Poses, checked
@@ -25,7 +26,7 @@ from ..scans.causes import Cause, Finding
 from ..scans.motion import LONGEST_GAP_S, is_timed, motion_compensated, velocities
 from ..scans.pose_argument import checked_poses
 from .points import way
-from .pose_graph import LiveGraph, Tracking, pose_graph
+from .pose_graph import LiveGraph, TrackedScan, Tracking, pose_graph
 
 #: Scans that turn by more than this, radians, show the order of the beams.
 TURNING_SCAN_RAD = np.radians(1)
@@ -117,23 +118,49 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     if abs(offset) > turn / 2:
         words = f"scans and odometry differ by {abs(offset):.2f} s"
         causes.append(Finding(Cause.DELAY, offset, words))
-    live = LiveGraph(tracking=Tracking(moving=True))
-    live.extend(log if given is None else log[:0])
-    scans = []
-    for k, (scan, motion) in enumerate(zip(log, motions, strict=True)):
-        if scan.delays is not None:
-            steps = arc(motion * scan.delays[:, None])
-            if given is None and live.tracked(k).motion.any():
-                half = scan.delays.max() / 2
-                on_the_way = way(live.tracked(k).motion, np.r_[0.0, scan.delays] - half)
-                steps = between(on_the_way[0], on_the_way[1:])
-            if np.isfinite(offset) and log.track is not None:
-                at = scan.time + offset + np.r_[0.0, scan.delays]
-                driven = interpolate(log.track[:, 0], log.track[:, 1:], at, max_gap=LONGEST_GAP_S)
-                steps = between(driven[0], driven[1:]) if np.isfinite(driven).all() else steps
-            scan = motion_compensated(scan, steps)
-        scans.append(scan)
-    return replace(log, scans=tuple(scans), causes=tuple(causes))
+    even = [arc(motion * _delays(scan)) for scan, motion in zip(log, motions, strict=True)]
+    if np.isfinite(offset) and log.track is not None:
+        even = [
+            _driven(log.track, scan, offset, steps) for scan, steps in zip(log, even, strict=True)
+        ]
+    carried = _carried(log, even)
+    if given is None and not np.isfinite(offset):
+        live = LiveGraph(tracking=Tracking(moving=True))
+        live.extend(log)
+        uneven = [_within(live.tracked(k), steps) for k, steps in enumerate(even)]
+        part = _turning_part(log, motions)
+        ways = (carried, _carried(log, uneven))
+        carried = min(ways, key=lambda scans: _unsharp(Log(log.name, [scans[k] for k in part])))
+    return replace(log, scans=tuple(carried), causes=tuple(causes))
+
+
+def _delays(scan: LaserScan) -> Array:
+    """Seconds from the first beam of a scan to each, `(n, 1)`; 0 where it has none."""
+    return np.zeros((len(scan), 1)) if scan.delays is None else scan.delays[:, None]
+
+
+def _driven(track: Array, scan: LaserScan, offset: float, steps: Array) -> Array:
+    """Where odometry that comes more often says that the robot was at each beam; else `steps`."""
+    at = scan.time + offset + np.r_[0.0, _delays(scan)[:, 0]]
+    driven = interpolate(track[:, 0], track[:, 1:], at, max_gap=LONGEST_GAP_S)
+    return between(driven[0], driven[1:]) if np.isfinite(driven).all() else steps
+
+
+def _within(tracked: TrackedScan, steps: Array) -> Array:
+    """The same by the motion that the match of a scan has found; else `steps`."""
+    scan = tracked.measured
+    if scan is None or scan.delays is None:
+        return steps
+    on_the_way = way(tracked.motion, np.r_[0.0, scan.delays] - scan.delays.max() / 2)
+    return between(on_the_way[0], on_the_way[1:])
+
+
+def _carried(log: Log, steps: list[Array]) -> list[LaserScan]:
+    """The scans, each beam moved by what the robot moved since the first one."""
+    return [
+        scan if scan.delays is None else motion_compensated(scan, since)
+        for scan, since in zip(log, steps, strict=True)
+    ]
 
 
 def _whole_turn(log: Log) -> float:
@@ -153,25 +180,28 @@ def _left_as_measured(log: Log, value: float, why: str) -> Log:
     return replace(log, scans=scans, order_known=True, causes=(*log.causes, told))
 
 
+def _turning_part(log: Log, motions: Array) -> NDArray[np.int64]:
+    """The so many scans in a row that turn most, by their index."""
+    turns = np.array([_delays(scan).max(initial=0.0) for scan in log]) * np.abs(motions[:, 2])
+    ends = np.r_[0.0, np.cumsum(turns)]
+    size = min(PART_SCANS, len(log))
+    first = int(np.argmax(ends[size:] - ends[: len(ends) - size]))
+    return np.arange(first, first + size)
+
+
 def _blurred(log: Log, motions: Array) -> float:
     """How much less sharp a part of the log is with its beams carried, nats; NaN for too few turns.
 
     Poses that were fitted to scans as they are would favour them, so both are aligned anew.
     """
-    turns = np.array([0.0 if s.delays is None else s.delays.max(initial=0.0) for s in log])
-    turns *= np.abs(motions[:, 2])
-    ends = np.r_[0.0, np.cumsum(turns)]
-    size = min(PART_SCANS, len(log))
-    first = int(np.argmax(ends[size:] - ends[: len(ends) - size]))
-    part = np.arange(first, first + size)
-    if (turns[part] > TURNING_SCAN_RAD).sum() < LEAST_TURNING_IN_PART:
+    part = _turning_part(log, motions)
+    turns = [abs(motions[k, 2]) * _delays(log[k]).max(initial=0.0) for k in part.tolist()]
+    if (np.array(turns) > TURNING_SCAN_RAD).sum() < LEAST_TURNING_IN_PART:
         return float("nan")
-    carried_back = [
-        s if s.delays is None else motion_compensated(s, arc(motions[k] * s.delays[:, None]))
-        for k, s in zip(part.tolist(), log[part], strict=True)
-    ]
+    even = [arc(motions[k] * _delays(log[k])) for k in part.tolist()]
     as_measured = [replace(scan, delays=None) for scan in log[part]]
-    new, old = (_unsharp(Log(log.name, scans)) for scans in (carried_back, as_measured))
+    ways = (_carried(log[part], even), as_measured)
+    new, old = (_unsharp(Log(log.name, scans)) for scans in ways)
     return new - old
 
 

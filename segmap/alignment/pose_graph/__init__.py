@@ -1,6 +1,6 @@
 """Pose graph: each scan on a map of the last key frames, loops closed, all poses solved."""
 
-from ._front_end import FrontEnd, Tracking
+from ._front_end import FrontEnd, TrackedScan, Tracking
 from ._given_poses import poses_compared
 from ._loop_closing import LoopClosing
 from ._merge import merge_graphs
@@ -8,6 +8,6 @@ from ._pose_graph import LiveGraph, Placed, pose_graph
 from ._wheels import Wheels
 
 __all__ = [
-    "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "Tracking", "Wheels", "merge_graphs",
-    "pose_graph", "poses_compared",
+    "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "TrackedScan", "Tracking", "Wheels",
+    "merge_graphs", "pose_graph", "poses_compared",
 ]  # fmt: skip
