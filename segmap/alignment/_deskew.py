@@ -148,7 +148,7 @@ def _driven(track: Array, scan: LaserScan, offset: float, steps: Array) -> Array
 
 def _within(tracked: TrackedScan, steps: Array) -> Array:
     """The same by the motion that the match of a scan has found; else `steps`."""
-    scan = tracked.measured
+    scan = tracked.as_measured
     if scan is None or scan.delays is None:
         return steps
     on_the_way = way(tracked.motion, np.r_[0.0, scan.delays] - scan.delays.max() / 2)

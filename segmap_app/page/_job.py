@@ -225,7 +225,7 @@ def serve() -> None:
 
     with contextlib.suppress(ImportError):
         import numba  # noqa: F401 -- while the user still reads the page
-    with contextlib.suppress(ImportError):  # Windows has neither limit
+    with contextlib.suppress(ImportError, OSError, ValueError):  # Windows; a lower limit that holds
         import resource
 
         memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

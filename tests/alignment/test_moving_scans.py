@@ -9,7 +9,7 @@ from segmap.alignment import LiveGraph, Tracking, deskew
 from segmap.matching import LiveMap
 from segmap.poses import between, compose, transform
 from segmap.poses.motions import arc, twist
-from segmap.simulation import OdometryNoise, Sensor, box, simulate
+from segmap.simulation import URG_04LX, OdometryNoise, Sensor, box, drive, simulate
 
 #: A turn of 0.1 s, as an LD19 makes it.
 PERIOD_S = 0.1
@@ -145,9 +145,30 @@ def test_after_a_break_a_map_begins_with_a_carried_scan():
     assert errors[:, :2].max() < 0.05 and errors[:, 2].max() < 0.02
 
 
-def test_without_times_of_beams_nothing_is_carried():
+def test_a_hall_of_which_little_is_seen_sets_no_motion_free():
+    """Catches a match that slides along what no wall fixes, scan after scan: metres off."""
+    hall, path = box(12, 9, (6, 4.5, 0)), drive([(2, 2), (10, 2), (10, 7)], step=0.1)
+    for seed in (1, 2):
+        rng = np.random.default_rng(seed)
+        log = simulate(hall, path, sensor=URG_04LX, rng=rng, moving=True)
+        assert off(tracked(log), path)[:, :2].max() < 0.12
+
+
+def test_stamps_that_jitter_are_no_speed():
+    """Catches a speed that is that of the stamps of a computer, which come late."""
+    path, rng = hand(TURNS), np.random.default_rng(0)
+    log = recorded(path)
+    late = [replace(scan, time=scan.time + rng.uniform(0, 0.02)) for scan in log]
+    errors = off(tracked(replace(log, scans=late)), path)
+    assert errors[:, :2].max() < 0.03 and errors[:, 2].max() < 0.01
+
+
+@pytest.mark.parametrize("delays", [None, 0.0])
+def test_without_times_of_beams_nothing_is_carried(delays):
+    """Catches a division by a turn that takes no time."""
     log = recorded(hand(TURNS[:6]))
-    untimed = replace(log, scans=tuple(replace(scan, delays=None) for scan in log))
+    times = None if delays is None else np.zeros(450)
+    untimed = replace(log, scans=tuple(replace(scan, delays=times) for scan in log))
     plain = LiveGraph()
     plain.extend(untimed)
     assert np.array_equal(tracked(untimed).poses, plain.poses)

@@ -1,11 +1,12 @@
 """Points of walls to match scans with: by search in a window, and by point-to-line ICP."""
 
 from ._match import PointStep, match_points, point_steps
-from ._moving import EVEN, UNEVEN, match_moving, way
+from ._moving import AND_ACCELERATION, POSE_AND_VELOCITY, match_moving, way
 from ._point_kernels import place_clouds
 from ._point_map import FARTHEST_POINT_M, LAST, LEAST_POINTS, SEARCH_CELL_M, PointMap, in_range
 
 __all__ = [
-    "EVEN", "FARTHEST_POINT_M", "LAST", "LEAST_POINTS", "SEARCH_CELL_M", "UNEVEN", "PointMap",
-    "PointStep", "in_range", "match_moving", "match_points", "place_clouds", "point_steps", "way",
+    "AND_ACCELERATION", "FARTHEST_POINT_M", "LAST", "LEAST_POINTS", "POSE_AND_VELOCITY",
+    "SEARCH_CELL_M", "PointMap", "PointStep", "in_range", "match_moving", "match_points",
+    "place_clouds", "point_steps", "way",
 ]  # fmt: skip

@@ -14,14 +14,16 @@ from ._point_map import LAST, PointMap
 POSE_ERRORS = 0.1, 0.1, 0.2
 #: How far partners are sought at first, metres: a bent wall is a decimetre off.
 BENT_REACH_M = 0.4
-#: Partners are sought nearer after a step of less than this, metres, radians, radians a second, ...
+#: Partners are sought nearer after a step of less than this, metres, radians, radians a second.
 NEAR_STEP = 0.1
-#: ... and in the end it is the last.
+#: A step of less than this is the last, in the same units.
 LAST_STEP = 0.01
 #: More steps are never made: most matches take 6.
 MOST_STEPS = 20
-#: A pose and a velocity are so many unknowns; with an acceleration they are nine.
-EVEN, UNEVEN = 6, 9
+#: So many unknowns have a pose and a velocity,
+POSE_AND_VELOCITY = 6
+#: and with them an acceleration.
+AND_ACCELERATION = 9
 
 
 def way(motion: Array, since: Array) -> Array:

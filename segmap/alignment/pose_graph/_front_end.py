@@ -27,7 +27,7 @@ from ..graph import (
 )
 from ..points import LEAST_POINTS, PointMap, in_range
 from ._doubt import appraisal
-from ._in_motion import at_mid_turn, even_motion, laid_in_motion
+from ._in_motion import at_mid_turn, even_motion, laid_in_motion, turn_of
 from ._key_frames import KeyFrame, KeyFrames, Undoable
 from ._pauses import OTHER_PLACE_M, OTHER_PLACE_RAD
 from ._places import OVERLAP_GAIN
@@ -92,7 +92,8 @@ class Tracking(Settings):
         ones allow a tenth. `Alignment.spread` grows with them.
     moving
         Whether the robot moves while a scan is measured: the match finds how, where beams have
-        their times (`LaserScan.delays`), and the scan is carried to the middle of its turn.
+        their times (`LaserScan.delays`), and the scan is carried to the middle of its turn. Not for
+        a robot that stands for each scan: poses err by 2 cm then, where it turns by 10 degrees.
     """
 
     frames: Count = 10
@@ -118,7 +119,7 @@ class TrackedScan:
     overlap: float = np.nan  # share of it on the map before it; NaN where lost or blind
     along: float = 0.0  # standard deviation along the walls, metres; 0 where the match tells
     driven: bool = False  # whether the odometry outweighed its match
-    measured: LaserScan | None = None  # as it came, where `scan` is carried to its middle
+    as_measured: LaserScan | None = None  # where `scan` is carried to the middle of its turn
     motion: Array = field(default_factory=lambda: np.zeros(6))  # then, as `match_moving` has it
 
     @property
@@ -165,7 +166,7 @@ class FrontEnd(Undoable):
             match = self.matcher(map, points, guess)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
                 match = self._regained(map, points, guess, match)
-            if self.rules.moving and match.matched and scan.delays is not None:
+            if self.rules.moving and match.matched and turn_of(scan) > 0:
                 match, points, map = self._in_motion(map, match)
             match = self.wheels.along(match, guess)
             weighed = self.wheels.weighed(map, points, match)
@@ -187,11 +188,10 @@ class FrontEnd(Undoable):
         The first scan of a map would bend all that follow: it is carried to its middle too.
         """
         row, before = self.rows[-1], self.rows[-2]
-        assert row.scan.delays is not None
-        apart = row.scan.time - (before.measured or before.scan).time
-        seconds = apart if apart > 0 else float(row.scan.delays.max())
+        apart = row.scan.time - (before.as_measured or before.scan).time
+        seconds = max(turn_of(row.scan), apart)  # stamps may jitter: no turn is shorter
         motion, earlier = even_motion(before.pose, match.pose, seconds), before.motion[:3]
-        if before.scan.delays is not None and self.frames.rows[-1].scan == len(self.rows) - 2:
+        if turn_of(before.scan) > 0 and self.frames.rows[-1].scan == len(self.rows) - 2:
             for _ in range(FIRST_ROUNDS):
                 first = at_mid_turn(before.scan, motion)
                 points = in_range(first.points())
@@ -200,14 +200,14 @@ class FrontEnd(Undoable):
                     map, row.scan, match.pose, motion, earlier, self.rules.overlap
                 )
                 motion = even_motion(before.pose, moved.match.pose, seconds)
-            carried = replace(before, scan=first, measured=before.scan, motion=motion)
+            carried = replace(before, scan=first, as_measured=before.scan, motion=motion)
             frame = self.frames.rows[-1]._replace(points=points)
             self.rows = [*self.rows[:-2], carried, row]  # new lists: an error puts back the old
             self.frames.rows = [*self.frames.rows[:-1], frame]
             self.local, self.redrawn = map, True
         moved = laid_in_motion(map, row.scan, match.pose, motion, earlier, self.rules.overlap)
         if moved.match.matched:
-            row.measured, row.scan, row.motion = row.scan, moved.scan, moved.motion
+            row.as_measured, row.scan, row.motion = row.scan, moved.scan, moved.motion
             match, self.points = moved.match, in_range(row.scan.points())
         return match, self.points, map
 

@@ -75,16 +75,12 @@ def _number_among(ranges: Array) -> float | None:
     about = (away <= max(0.1, 0.01 * number, 5 * grid)).sum()
     edge = np.diff((np.abs(ranges - number) <= NUMBER_M).astype(np.int8)) != 0
     step = np.abs(np.diff(ranges))[edge]
-    return (
-        number
-        if (
-            (away <= NUMBER_M / 2).sum()
-            >= max(MET_BEAMS_SHARE * len(ranges), STANDS_OUT_SHARE * about)
-            and (others < number).sum() > NEARER * len(others)
-            and (step > DIFFERS * number).sum() > (step <= DIFFERS * number).sum()
-        )
-        else None
+    is_number = (
+        (away <= NUMBER_M / 2).sum() >= max(MET_BEAMS_SHARE * len(ranges), STANDS_OUT_SHARE * about)
+        and (others < number).sum() > NEARER * len(others)
+        and (step > DIFFERS * number).sum() > (step <= DIFFERS * number).sum()
     )
+    return number if is_number else None
 
 
 def without_limit(log: Log, steps: Steps) -> Log:
