@@ -5,8 +5,8 @@
 3. A part of the log is aligned twice, with its beams carried and as it is. If it is sharper as it
    is, the robot stood while it measured, or the times of its beams mean nothing.
 4. Odometry that comes more often than scans says it better, once its clock is found.
-5. Without these a second graph finds the motion in each scan, as its match has it; the sharper of
-   both ways is taken. Each beam moves by what the robot moved since the first one.
+5. Without these the match of each scan finds the motion within it, where that makes a part of the
+   log sharper. Each beam moves by what the robot moved since the first one.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ..scans.causes import Cause, Finding
 from ..scans.motion import LONGEST_GAP_S, is_timed, motion_compensated, velocities
 from ..scans.pose_argument import checked_poses
 from .points import way
-from .pose_graph import LiveGraph, TrackedScan, Tracking, pose_graph
+from .pose_graph import LiveGraph, Tracking, pose_graph
 
 #: Scans that turn by more than this, radians, show the order of the beams.
 TURNING_SCAN_RAD = np.radians(1)
@@ -67,7 +67,7 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     ----------
     poses
         Of the scans as they are, by matching: they lie in mid-scan, and the robot moves evenly from
-        one to the next. None makes a `pose_graph`, and finds the motion in each scan.
+        one to the next. None makes a `pose_graph`, and tries the motion within each scan too.
     progress
         As in `pose_graph`.
 
@@ -125,12 +125,12 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
         ]
     carried = _carried(log, even)
     if given is None and not np.isfinite(offset):
-        live = LiveGraph(tracking=Tracking(moving=True))
-        live.extend(log)
-        uneven = [_within(live.tracked(k), steps) for k, steps in enumerate(even)]
-        part = _turning_part(log, motions)
-        ways = (carried, _carried(log, uneven))
-        carried = min(ways, key=lambda scans: _unsharp(Log(log.name, [scans[k] for k in part])))
+        part = _turning_part(log, motions).tolist()
+        own = _carried_by_own_motion(log[part], [even[k] for k in part])
+        ways = (own, [carried[k] for k in part])
+        by_own, by_neighbours = (_unsharp(Log(log.name, scans)) for scans in ways)
+        if by_own < by_neighbours:
+            carried = _carried_by_own_motion(log, even)
     return replace(log, scans=tuple(carried), causes=tuple(causes))
 
 
@@ -146,13 +146,19 @@ def _driven(track: Array, scan: LaserScan, offset: float, steps: Array) -> Array
     return between(driven[0], driven[1:]) if np.isfinite(driven).all() else steps
 
 
-def _within(tracked: TrackedScan, steps: Array) -> Array:
-    """The same by the motion that the match of a scan has found; else `steps`."""
-    scan = tracked.as_measured
-    if scan is None or scan.delays is None:
-        return steps
-    on_the_way = way(tracked.motion, np.r_[0.0, scan.delays] - scan.delays.max() / 2)
-    return between(on_the_way[0], on_the_way[1:])
+def _carried_by_own_motion(log: Log, steps: list[Array]) -> list[LaserScan]:
+    """The scans, carried by the motion that the match of each has found; else by `steps`."""
+    live = LiveGraph(tracking=Tracking(moving=True))
+    live.extend(log)
+    own = []
+    for k, by_neighbours in enumerate(steps):
+        motion, scan = live.tracked(k).motion, live.tracked(k).as_measured
+        if scan is None or scan.delays is None:
+            own.append(by_neighbours)
+        else:
+            on_the_way = way(motion, np.r_[0.0, scan.delays] - scan.delays.max() / 2)
+            own.append(between(on_the_way[0], on_the_way[1:]))
+    return _carried(log, own)
 
 
 def _carried(log: Log, steps: list[Array]) -> list[LaserScan]:

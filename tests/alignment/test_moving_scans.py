@@ -9,7 +9,16 @@ from segmap.alignment import LiveGraph, Tracking, deskew
 from segmap.matching import LiveMap
 from segmap.poses import between, compose, transform
 from segmap.poses.motions import arc, twist
-from segmap.simulation import URG_04LX, OdometryNoise, Sensor, box, drive, simulate
+from segmap.scans import LaserScan, Log
+from segmap.simulation import (
+    URG_04LX,
+    OdometryNoise,
+    Sensor,
+    box,
+    cast_rays,
+    drive,
+    simulate,
+)
 
 #: A turn of 0.1 s, as an LD19 makes it.
 PERIOD_S = 0.1
@@ -81,11 +90,13 @@ def test_what_is_drawn_is_carried_and_the_first_scan_too():
     path = hand(np.full(20, 22.0), way=0.02)
     log = recorded(path, noise=0.0)
     live = LiveMap(LiveGraph(tracking=Tracking(moving=True)))
-    for scan in log:
-        live.add(scan)
+    steps = [live.add(scan) for scan in log]
     live.finish()
+    assert np.degrees(steps[9].motion[2] * PERIOD_S) == pytest.approx(22.0, abs=0.5)
     truth = in_mid_turn(path)
     scans = [live.graph.tracked(number).scan for number in range(len(log))]
+    half = log[1].delays.max() / 2
+    assert scans[1].time == pytest.approx(log[1].time + half) and scans[1].delays is None
     for number in (0, 1, 10):
         carried, came = (transform(truth[number], one[number].points()) for one in (scans, log))
         assert distance_to_walls(carried).max() < 0.02 < 0.1 < distance_to_walls(came).max()
@@ -143,6 +154,23 @@ def test_after_a_break_a_map_begins_with_a_carried_scan():
     truth = in_mid_turn(path)
     errors = np.abs(between(between(truth[26], truth[26:]), apart))
     assert errors[:, :2].max() < 0.05 and errors[:, 2].max() < 0.02
+
+
+def test_a_turn_that_begins_within_a_scan_is_found():
+    """Catches a match that knows an even motion alone, and half of an acceleration."""
+    since = np.arange(450) / 450 * PERIOD_S
+    acceleration = np.radians(12) / PERIOD_S**2 * 2  # 12 degrees by the end of the fifth scan
+    headings = np.r_[np.zeros(4 * 450), acceleration * since**2 / 2]
+    beams = np.arange(450) * 2 * np.pi / 450
+    scans = []
+    for k, turned in enumerate(headings.reshape(-1, 450)):
+        aims = zip(turned, beams, strict=True)
+        ranges = [cast_rays(WALLS, (1.2, 1.3, heading), [beam])[0] for heading, beam in aims]
+        scans.append(LaserScan(ranges, beams, k * PERIOD_S, delays=since))
+    last = tracked(Log("begins", scans)).tracked(4)
+    middle = (1.2, 1.3, acceleration * (since[-1] / 2) ** 2 / 2)
+    assert distance_to_walls(transform(middle, last.scan.points())).max() < 0.02
+    assert last.motion[5] == pytest.approx(acceleration, rel=0.2)
 
 
 def test_a_hall_of_which_little_is_seen_sets_no_motion_free():

@@ -4,6 +4,7 @@ import json
 import re
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -151,6 +152,19 @@ def test_a_loop_draws_the_map_anew(planned):
     assert 0 < len(drawn) == 3 * len(panel._live.walls.segments)
     old.run(2)
     assert panel.graph.value.startswith("LiveGraph(") and old.graph.value == ""
+
+
+def test_scans_of_a_laser_that_turns_are_carried(monkeypatch):
+    """Catches a panel that takes scans of a moving hand as they came."""
+
+    class Spinning:
+        def scans(self):
+            yield from (replace(scan, delays=0.001 * np.arange(len(scan))) for scan in LOG)
+
+    monkeypatch.setattr(_live, "SpinningLaser", Spinning)
+    panel = LivePanel(Spinning())
+    panel.run(4)
+    assert panel._live.graph.tracked(3).as_measured is not None and panel._scan.delays is None
 
 
 def test_stop_while_the_map_is_made_anew(planned):
