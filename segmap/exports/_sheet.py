@@ -16,7 +16,8 @@ from ..arrays import Array, Segments, checked
 from ..files import shown, write_bytes
 from ..plan import FloorPlan, Room, shapely_or_hint
 from ..poses import transform
-from ..segments import length, point_distance
+from ..segments import length
+from ._labels import POINTS_PER_MM, Labels, text_size
 from ._world import Direction
 
 if TYPE_CHECKING:
@@ -52,8 +53,14 @@ DOUBT_LETTERS_PER_LINE = 120
 MOST_DOUBT_LINES = 5
 #: Dots an inch of a picture.
 SHEET_DPI = 200
-#: Letters of the words on rooms, points: in small rooms, and in large ones.
-LETTERS_POINTS = (3.5, 8.0)
+#: Letters of the list of rooms, points.
+LIST_POINTS = 6.0
+#: From one row of that list to the next, millimetres.
+LIST_ROW_MM = 3.2
+#: Space beside a column of that list, millimetres.
+LIST_MARGIN_MM = 4.0
+#: Words stand so far from their door at most, millimetres.
+WORDS_REACH_MM = 15.0
 #: Bodies of walls that are nearer to each other than twice this meet in a corner, metres.
 BODIES_MEET_M = 0.06
 #: What walls are filled with.
@@ -91,10 +98,10 @@ def write_sheet(
     title, verdict, date : str
         What the sheet says: `alignment.verdict_on(map).words` tells how far it can be trusted.
     north : float, radians
-        Where north is in the map, counter-clockwise from x; by default the sheet shows y instead.
+        Where north is in the map, counter-clockwise from x; no arrow where it is not known.
     plan
-        Its rooms are tinted, with names, areas and sides, and its doors have their widths; what it
-        is in doubt about stands below the verdict.
+        Its rooms are tinted, with names and areas, and stand in a list with their sides and the
+        sum; its doors have their widths; what it is in doubt about stands below the verdict.
     as_recorded
         Whether a plan stands as the map does, and not square to the building.
 
@@ -162,56 +169,93 @@ def _draw_sheet(
     low, high = ends.min(0), ends.max(0)
     wide, tall = high - low
     page = np.array([A4_LONG_MM, A4_SHORT_MM] if wide > tall else [A4_SHORT_MM, A4_LONG_MM])
-    room = page - [2 * SHEET_MARGIN_MM, 2 * SHEET_MARGIN_MM + WORDS_BAND_MM]
-    scale = rounded_up(max(SMALLEST_SCALE, 1000 * wide / room[0], 1000 * tall / room[1]))
+    corner = np.array([SHEET_MARGIN_MM, SHEET_MARGIN_MM + WORDS_BAND_MM])
+    far = page - SHEET_MARGIN_MM  # what lies between both is the map and the list of rooms
     figure = Figure(tuple(page / INCH_MM))
     ax = figure.add_axes((0, 0, 1, 1))  # millimetres of the paper
     ax.set(xlim=(0, page[0]), ylim=(0, page[1]))
     ax.set_axis_off()
-    middle = np.array([page[0] / 2, SHEET_MARGIN_MM + WORDS_BAND_MM + room[1] / 2])
+    if plan is not None and plan.rooms:
+        corner, far = _draw_list(ax, plan, corner, far, beside=bool(wide > tall))
+    space = far - corner
+    scale = rounded_up(max(SMALLEST_SCALE, *(1000 * (high - low) / space)))
 
     def on_paper(points: Array) -> Array:
         turned = transform((0.0, 0.0, turn), points)
-        return np.asarray((turned - (low + high) / 2) * 1000 / scale + middle)
+        return np.asarray((turned - (low + high) / 2) * 1000 / scale + (corner + far) / 2)
 
     placed = on_paper(segments)
-    dot = 72 / INCH_MM  # points a millimetre
+    width = WALL_MM * POINTS_PER_MM
+    ax.add_collection(LineCollection(list(placed), colors="black", linewidths=width))
     if plan is not None:
-        _draw_rooms(ax, plan, on_paper, scale)
-    ax.add_collection(LineCollection(list(placed), colors="black", linewidths=WALL_MM * dot))
+        _draw_rooms(ax, plan, on_paper, shapely_or_hint().box(*corner, *far))
+    right = page[0] - SHEET_MARGIN_MM
+    _write_words(ax, words, "" if plan is None else plan.doubt, f"1 : {scale:g}", right)
+    _draw_scale_bar(ax, right, SHEET_MARGIN_MM + 4, scale)
+    if north is not None:
+        tip = 9 * np.array([np.cos(turn + north), np.sin(turn + north)])
+        foot = far - [10, 18]
+        arrow = {"arrowstyle": "-|>", "color": "black"}
+        ax.annotate("", tuple(foot + tip), tuple(foot), arrowprops=arrow)
+        x, y = foot + 1.4 * tip
+        ax.text(x, y, "N", fontsize=11, ha="center", va="center")
+    return figure
+
+
+def _write_words(ax: Any, words: list[str], doubt: str, scale: str, right: float) -> None:
+    """The band below the map: title, verdict, what is in doubt, scale and date."""
     title, verdict, date = words
     plain: dict[str, Any] = {"parse_math": False, "va": "top"}
-    ax.text(
-        SHEET_MARGIN_MM,
-        SHEET_MARGIN_MM + WORDS_BAND_MM - 6,
-        title,
-        fontsize=14,
-        weight="bold",
-        **plain,
-    )
-    lines, top = textwrap.wrap(verdict, LETTERS_PER_LINE)[:3], SHEET_MARGIN_MM + WORDS_BAND_MM - 14
-    ax.text(SHEET_MARGIN_MM, top, "\n".join(lines), fontsize=9, **plain)
-    doubts = "" if plan is None or not plan.doubt else f"in doubt: {shown(plan.doubt)}"
-    doubts = "\n".join(
-        textwrap.wrap(
-            doubts, DOUBT_LETTERS_PER_LINE, max_lines=MOST_DOUBT_LINES, placeholder=" ..."
+    left, top = SHEET_MARGIN_MM, SHEET_MARGIN_MM + WORDS_BAND_MM
+    ax.text(left, top - 6, title, fontsize=14, weight="bold", **plain)
+    lines = textwrap.wrap(verdict, LETTERS_PER_LINE)[:3]
+    ax.text(left, top - 14, "\n".join(lines), fontsize=9, **plain)
+    doubts = textwrap.wrap(
+        f"in doubt: {shown(doubt)}" if doubt else "", DOUBT_LETTERS_PER_LINE,
+        max_lines=MOST_DOUBT_LINES, placeholder=" ...",
+    )  # fmt: skip
+    below = top - 14 - LINE_MM * len(lines)
+    ax.text(left, below, "\n".join(doubts), fontsize=DOUBT_POINTS, **plain)
+    scale_and_date = "  ".join(filter(None, [scale, date]))
+    ax.text(right, top - 6, scale_and_date, fontsize=11, ha="right", **plain)
+
+
+def _draw_list(
+    ax: Any, plan: FloorPlan, corner: Array, far: Array, *, beside: bool
+) -> tuple[Array, Array]:
+    """Rooms with their areas and sides, and the sum: what of the space is left beside or below."""
+    rows = [
+        (
+            shown(room.name),
+            f"{room.area:.1f} m2",
+            "{:.2f} x {:.2f} m".format(*room_sides(plan, room)),
         )
-    )
-    top -= LINE_MM * len(lines)
-    ax.text(SHEET_MARGIN_MM, top, doubts, fontsize=DOUBT_POINTS, **plain)
-    right = page[0] - SHEET_MARGIN_MM
-    told = "  ".join(filter(None, [f"1 : {scale:g}", date]))
-    ax.text(right, SHEET_MARGIN_MM + WORDS_BAND_MM - 6, told, fontsize=11, ha="right", **plain)
-    _draw_scale_bar(ax, right, SHEET_MARGIN_MM + 4, scale)
-    angle = turn + (np.pi / 2 if north is None else north)
-    tip = 9 * np.array([np.cos(angle), np.sin(angle)])
-    foot = np.array([right - 10, SHEET_MARGIN_MM + WORDS_BAND_MM + room[1] - 18])
-    ax.annotate(
-        "", tuple(foot + tip), tuple(foot), arrowprops={"arrowstyle": "-|>", "color": "black"}
-    )
-    x, y = foot + 1.4 * tip
-    ax.text(x, y, "y" if north is None else "N", fontsize=11, ha="center", va="center")
-    return figure
+        for room in plan.rooms
+    ]
+    rows.append(("in all", f"{sum(room.area for room in plan.rooms):.1f} m2", ""))
+    entries = ["\n".join(column) for column in zip(*rows, strict=True)]
+    widths = [text_size(entry, LIST_POINTS)[0] + LIST_MARGIN_MM / 2 for entry in entries]
+    column_mm, (wide, tall) = sum(widths) + LIST_MARGIN_MM, far - corner
+    if beside:
+        per_column = max(1, int(tall / LIST_ROW_MM))
+    else:
+        per_column = -(-len(rows) // max(1, int(wide / column_mm)))
+    columns = [rows[start : start + per_column] for start in range(0, len(rows), per_column)]
+    if beside:
+        strip = np.array([column_mm * len(columns), 0.0])
+        left, top = far[0] - strip[0] + LIST_MARGIN_MM, far[1]
+    else:
+        strip = np.array([0.0, LIST_ROW_MM * per_column + LIST_MARGIN_MM])
+        left, top = corner[0], corner[1] + strip[1] - LIST_MARGIN_MM
+    for column in columns:
+        for row, (name, area, sides) in enumerate(column):
+            y = top - row * LIST_ROW_MM
+            words: dict[str, Any] = {"fontsize": LIST_POINTS, "va": "top", "parse_math": False}
+            ax.text(left, y, name, **words)
+            ax.text(left + widths[0] + widths[1] - LIST_MARGIN_MM / 2, y, area, ha="right", **words)
+            ax.text(left + sum(widths[:2]), y, sides, **words)
+        left += column_mm
+    return (corner, far - strip) if beside else (corner + strip, far)
 
 
 def room_sides(plan: FloorPlan, room: Room) -> tuple[float, float]:
@@ -246,29 +290,37 @@ def _filled(ax: Any, rings: Iterable[Array], color: str) -> None:
     ax.add_patch(PathPatch(around, facecolor=color, edgecolor="none"))
 
 
-def _draw_rooms(ax: Any, plan: FloorPlan, on_paper: Callable[[Array], Array], scale: float) -> None:
+def _draw_rooms(ax: Any, plan: FloorPlan, on_paper: Callable[[Array], Array], page: Any) -> None:
     """Rooms with their words, clutter, doors with their widths."""
     from matplotlib.collections import LineCollection
 
-    for rings in wall_bodies(plan)[0]:
-        _filled(ax, map(on_paper, rings), WALL_COLOR)
-    for room in plan.rooms:
-        rings = [room.outline, *room.holes]
-        _filled(ax, map(on_paper, rings), ROOM_TINT)
-        sides = "{:.2f} x {:.2f} m".format(*room_sides(plan, room))
-        lines = [shown(room.name), f"{room.area:.1f} m2", sides]
-        border = [np.stack([ring, np.roll(ring, -1, axis=0)], 1) for ring in rings]
-        circle = 2 * point_distance(room.place, np.concatenate(border)).min()
-        size = np.clip(1000 * circle / scale / 4, *LETTERS_POINTS)
-        ax.text(*on_paper(room.place), "\n".join(lines), fontsize=size, ha="center", va="center",
-                parse_math=False)  # fmt: skip
+    shapely = shapely_or_hint()
+    bodies = [list(map(on_paper, rings)) for rings in wall_bodies(plan)[0]]
+    for rings in bodies:
+        _filled(ax, rings, WALL_COLOR)
     clutter = list(on_paper(plan.clutter.segments))
     ax.add_collection(LineCollection(clutter, colors="0.6", linewidths=WALL_MM))
-    for door in plan.doors:
-        ax.plot(*on_paper(door.ends).T, color=DOOR_COLOR, linewidth=4 * WALL_MM)
-        size = np.clip(1000 * door.width / scale / 2.5, *LETTERS_POINTS)
-        ax.text(*on_paper(door.place), f"{door.width:.2f} m", fontsize=size, color=DOOR_COLOR,
-                ha="center", va="bottom")  # fmt: skip
+    doors = on_paper(np.reshape([door.ends for door in plan.doors], (-1, 2, 2)))
+    for ends in doors:
+        ax.plot(*ends.T, color=DOOR_COLOR, linewidth=4 * WALL_MM)
+    walls = [*shapely.linestrings(np.concatenate([on_paper(plan.walls.segments), doors]))]
+    walls += [shapely.Polygon(rings[0], rings[1:]).buffer(0) for rings in bodies]
+    labels = Labels(ax, shapely.union_all(walls), page)
+    areas, outside = list[Any](), list[tuple[str, Array]]()
+    for room in plan.rooms:
+        rings = [on_paper(ring) for ring in (room.outline, *room.holes)]
+        _filled(ax, rings, ROOM_TINT)
+        areas.append(shapely.Polygon(rings[0], rings[1:]).buffer(0))
+        words = f"{shown(room.name)}\n{room.area:.1f} m2"
+        if not labels.write_inside(words, areas[-1]):
+            outside.append((words, on_paper(room.place)))
+    for door, ends in zip(plan.doors, doors, strict=True):
+        place = ends.mean(0)
+        around = shapely.Point(place).buffer(WORDS_REACH_MM)
+        labels.write_near(f"{door.width:.2f} m", place, around, DOOR_COLOR)
+    beyond = page.difference(shapely.union_all(areas))
+    for words, place in outside:
+        labels.write_near(words, place, beyond)
 
 
 def _draw_scale_bar(ax: Any, right: float, low: float, scale: float) -> None:

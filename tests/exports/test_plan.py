@@ -57,7 +57,7 @@ def test_a_drawing_has_its_layers(two_rooms, tmp_path):
 
 @pytest.mark.parametrize("as_recorded", [False, True])
 def test_a_sheet_is_square_to_its_building(tmp_path, as_recorded):
-    """Catches a sheet that is turned twice or the wrong way round, and one whose arrow stays."""
+    """Catches a sheet that is turned twice or the wrong way round."""
     turn = np.radians(20)
     walls = transform((0, 0, turn), polyline([(0, 0), (8, 0), (8, 3), (0, 3)], closed=True))
     tree = QuadtreeMap(resolution=0.05, free_resolution=0.05)
@@ -146,3 +146,32 @@ def test_a_sheet_holds_rooms_that_reach_beyond_their_walls(tmp_path):
     assert np.ptp(found.rooms[0].outline[:, 0]) == pytest.approx(20, abs=0.2)
     exports.write_plan(tmp_path / "it.svg", found)
     assert "1 : 100" in (tmp_path / "it.svg").read_text(encoding="utf-8")
+
+
+def test_words_of_a_sheet_stand_on_no_wall_and_on_no_others(tmp_path):
+    """Catches words across a wall or other words, a room without any, and a sum of other rooms."""
+    kinds = np.full((280, 760), UNKNOWN)
+    kinds[10:170, 10:750] = FREE  # a hall of 37 m by 8 m, and behind it closets of 1.25 m by 2 m
+    corners = [[(0.5, 0.5), (37.5, 0.5)], [(37.5, 0.5), (37.5, 8.5)], [(0.5, 8.5), (0.5, 0.5)]]
+    walls = [*corners, [(0.5, 8.5), (37.5, 8.5)]]
+    for x in (4.0, 5.4, 6.8, 20.0):
+        left, right = round(x / 0.05), round((x + 1.25) / 0.05)
+        kinds[172:212, left:right] = kinds[170:172, left + 5 : right - 5] = FREE
+        walls += list(polyline([(x, 8.6), (x, 10.6), (x + 1.25, 10.6), (x + 1.25, 8.6)]))
+    drawn = plan.floor_plan(np.array(walls), map_of_grid(kinds, resolution=0.05))
+    exports.write_plan(tmp_path / "it.svg", drawn, verdict="GOOD")
+    text = (tmp_path / "it.svg").read_text(encoding="utf-8")
+    pattern = r'font-size: (\d+)px[^>]*translate\(([\d.]+) ([\d.]+)\)">([^<]+)<'
+    size, x, y, words = np.array(re.findall(pattern, text)).T
+    (size, x, y), wide = np.array([size, x, y], float), np.array([0.55 * len(one) for one in words])
+    boxes = shapely.box(x, y - 0.7 * size, x + wide * size, y)
+    line = r'<path d="M ([\d.]+) ([\d.]+) \nL ([\d.]+) ([\d.]+) \n"[^>]*stroke-width: (0\.4|0\.99)'
+    lines = np.array(re.findall(line, text), float)
+    faces = shapely.linestrings(lines[:, :4].reshape(-1, 2, 2))
+    leaders = lines[:, 4] < 0.5
+    assert len(drawn.rooms) == 5 == sum(one.startswith("room") for one in words)
+    assert leaders.sum() == 4  # a closet is 6.25 mm wide
+    assert not shapely.intersects(boxes, shapely.union_all(faces)).any()
+    meeting = shapely.STRtree(boxes).query(boxes, "intersects")
+    assert (meeting[0] == meeting[1]).all()
+    assert f">{sum(room.area for room in drawn.rooms):.1f} m2</text>" in text
