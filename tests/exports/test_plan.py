@@ -154,7 +154,8 @@ def test_words_of_a_sheet_stand_on_no_wall_and_on_no_others(tmp_path):
     kinds[10:170, 10:750] = FREE  # a hall of 37 m by 8 m, and behind it closets of 1.25 m by 2 m
     corners = [[(0.5, 0.5), (37.5, 0.5)], [(37.5, 0.5), (37.5, 8.5)], [(0.5, 8.5), (0.5, 0.5)]]
     walls = [*corners, [(0.5, 8.5), (37.5, 8.5)]]
-    for x in (4.0, 5.4, 6.8, 20.0):
+    walls += [[(x, 8.7), (x, 10.6)] for x in (19.2, 25.1)]  # no words can stand here
+    for x in (4.0, 5.4, 6.8, 20.0, 23.05):  # and between the last two only those of one
         left, right = round(x / 0.05), round((x + 1.25) / 0.05)
         kinds[172:212, left:right] = kinds[170:172, left + 5 : right - 5] = FREE
         walls += list(polyline([(x, 8.6), (x, 10.6), (x + 1.25, 10.6), (x + 1.25, 8.6)]))
@@ -169,8 +170,8 @@ def test_words_of_a_sheet_stand_on_no_wall_and_on_no_others(tmp_path):
     lines = np.array(re.findall(line, text), float)
     faces = shapely.linestrings(lines[:, :4].reshape(-1, 2, 2))
     leaders = lines[:, 4] < 0.5
-    assert len(drawn.rooms) == 5 == sum(one.startswith("room") for one in words)
-    assert leaders.sum() == 4  # a closet is 6.25 mm wide
+    assert len(drawn.rooms) == 6 == sum(one.startswith("room") for one in words)
+    assert leaders.sum() == 5  # a closet is 6.25 mm wide
     assert not shapely.intersects(boxes, shapely.union_all(faces)).any()
     meeting = shapely.STRtree(boxes).query(boxes, "intersects")
     assert (meeting[0] == meeting[1]).all()
