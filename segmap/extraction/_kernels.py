@@ -206,57 +206,13 @@ def _split_cluster(
 
 
 @compiled
-def _sum_up(p: Array, ease: Array, start: int, begin: int, end: int, sums: Array, k: int) -> None:
-    """Into column k: sums of x, y, xx, yy, xy, 1 of a piece without its first point, metres.
-
-    About the first point of the cluster; the sums of two pieces that are joined add up.
-    """
-    n = x = y = xx = yy = xy = 0.0
-    for i in range(begin + 1, end + 1):
-        w, u, v = ease[i] * ease[i], p[i, 0] - p[start, 0], p[i, 1] - p[start, 1]
-        n, x, y = n + w, x + w * u, y + w * v
-        xx, yy, xy = xx + w * u * u, yy + w * v * v, xy + w * u * v
-    sums[0, k], sums[1, k], sums[2, k], sums[3, k], sums[4, k], sums[5, k] = x, y, xx, yy, xy, n
-
-
-@compiled
-def _fit_sums(p: Array, ease: Array, start: int, begin: int, sums: Array, k: int) -> Line:
-    """Line of `fit_total` through the pieces k and k + 1, from their sums; metres."""
-    w, u, v = ease[begin] * ease[begin], p[begin, 0] - p[start, 0], p[begin, 1] - p[start, 1]
-    n = w + sums[5, k] + sums[5, k + 1]
-    x, y = w * u + sums[0, k] + sums[0, k + 1], w * v + sums[1, k] + sums[1, k + 1]
-    xx = w * u * u + sums[2, k] + sums[2, k + 1] - x * x / n
-    yy = w * v * v + sums[3, k] + sums[3, k + 1] - y * y / n
-    xy = w * u * v + sums[4, k] + sums[4, k + 1] - x * y / n
-    a, b = xx - yy, 2 * xy
-    h = np.hypot(a, b)
-    if h == 0.0:
-        dx, dy = 1.0, 0.0
-    elif a >= 0:
-        dx = np.sqrt((h + a) / (2 * h))
-        dy = b / (2 * h * dx)
-    else:
-        dy = np.sqrt((h - a) / (2 * h))
-        dx = b / (2 * h * dy)
-    return p[start, 0] + x / n, p[start, 1] + y / n, dx, dy
-
-
-@compiled
-def _exact_error(p: Array, ease: Array, start: int, ends: Indices, k: int) -> float:
-    """Largest distance from one line through the pieces k and k + 1 of a cluster, metres."""
-    begin = ends[k - 1] if k else start
-    line = fit_total(p, ease, begin, ends[k + 1] + 1)
-    return farthest(p, ease, begin, ends[k + 1] + 1, line)[1]
-
-
-@compiled
 def _joint_error(
-    p: Array, ease: Array, start: int, ends: Indices, k: int, tolerance: float, sums: Array
+    p: Array, ease: Array, start: int, ends: Indices, k: int, tolerance: float
 ) -> float:
-    """The same from sums, to their rounding; infinite where it is above the tolerance.
+    """Largest distance from one line through the pieces k and k + 1 of a cluster, metres.
 
-    Three points are within it of one line only where the least height of their triangle is at most
-    twice as much.
+    Infinite where it is above the tolerance. Three points are within it of one line only where the
+    least height of their triangle is at most twice as much.
     """
     begin, corner, end = ends[k - 1] if k else start, ends[k], ends[k + 1]
     ax, ay = p[corner, 0] - p[begin, 0], p[corner, 1] - p[begin, 1]
@@ -267,54 +223,32 @@ def _joint_error(
     own = tolerance / min(ease[begin], ease[corner], ease[end])
     if twice_area * twice_area > 4.0001 * own * own * longest:
         return np.inf
-    line = _fit_sums(p, ease, start, begin, sums, k)
-    error = farthest(p, ease, begin, end + 1, line)[1]
-    if abs(error - tolerance) < SUM_ROUNDING_M:
-        error = _exact_error(p, ease, start, ends, k)
+    error = farthest(p, ease, begin, end + 1, fit_total(p, ease, begin, end + 1))[1]
     return error if error <= tolerance else np.inf
 
 
 @compiled
 def _merge_runs(
-    p: Array,
-    ease: Array,
-    start: int,
-    tolerance: float,
-    ends: Indices,
-    count: int,
-    errors: Array,
-    sums: Array,
+    p: Array, ease: Array, start: int, tolerance: float, ends: Indices, count: int, errors: Array
 ) -> int:
     """Join the two neighbours that one line fits best, while it fits within tolerance, metres.
 
-    Of a cluster cut into `count` pieces: the last point of each changes in place. `errors` and
-    `sums` are room to work.
+    Of a cluster cut into `count` pieces: the last point of each changes in place. `errors` is room
+    to work.
     """
-    for k in range(count):
-        _sum_up(p, ease, start, ends[k - 1] if k else start, ends[k], sums, k)
     for k in range(count - 1):
-        errors[k] = _joint_error(p, ease, start, ends, k, tolerance, sums)
+        errors[k] = _joint_error(p, ease, start, ends, k, tolerance)
     while count > 1:
         best = 0
         for k in range(1, count - 1):
-            if (
-                errors[k] < errors[best] + SUM_ROUNDING_M
-                and errors[best] < errors[k] + SUM_ROUNDING_M
-            ):
-                errors[k] = _exact_error(p, ease, start, ends, k)
-                errors[best] = _exact_error(p, ease, start, ends, best)
             best = k if errors[k] < errors[best] else best
         if errors[best] == np.inf:
             break
         count -= 1
-        for row in range(6):
-            sums[row, best] += sums[row, best + 1]
-            for k in range(best + 1, count):
-                sums[row, k] = sums[row, k + 1]
         for k in range(best, count):
             ends[k], errors[k] = ends[k + 1], errors[k + 1]
         for k in range(max(best - 1, 0), min(best + 1, count - 1)):
-            errors[k] = _joint_error(p, ease, start, ends, k, tolerance, sums)
+            errors[k] = _joint_error(p, ease, start, ends, k, tolerance)
     return count
 
 
@@ -366,7 +300,7 @@ def polylines(
     most, (ease, gaps) = 0, np.empty((2, len(p)))
     for scan in range(len(runs.counts)):
         most = max(most, scans.first[scan + 1] - scans.first[scan])
-    (ends, todo), sums, errors = np.empty((2, most), np.int64), np.empty((6, most)), np.empty(most)
+    (ends, todo), errors = np.empty((2, most), np.int64), np.empty(most)
     for scan in range(len(runs.counts)):
         begin, last, before = scans.first[scan], scans.first[scan + 1], found
         own, place = p[begin:last], scans.places[scan]
@@ -377,7 +311,7 @@ def polylines(
         while begin < last:
             stop = _end_of_cluster(p[:last], gaps, begin)
             count = _split_cluster(p, ease, begin, stop, tolerance, ends, todo)
-            count = _merge_runs(p, ease, begin, tolerance, ends, count, errors, sums)
+            count = _merge_runs(p, ease, begin, tolerance, ends, count, errors)
             start = corner = begin
             for k in range(count):
                 end = ends[k] + 1
