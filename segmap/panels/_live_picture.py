@@ -104,7 +104,7 @@ def as_broken_line(segments: Array) -> Array:
 
 
 class Greys:
-    """Occupancy of a map where it is drawn; only what the newest scan can change is asked again.
+    """Occupancy of a map where it is drawn; in one view only what a scan can change is asked again.
 
     `view` is left, low, right and high edge of what is drawn: multiples of some cells, so that it
     changes only when the map has grown by as much. `side` is that of a cell of `grid`, lowest row
@@ -121,58 +121,41 @@ class Greys:
         cells = map.corner + map.resolution * np.floor((seen - map.corner) / map.resolution)
         around = *cells.min(0), *(cells.max(0) + map.resolution)
         before = self.view, self.side
-        if map.tree is not self.tree:  # another map, or one that was made anew
-            self.tree, self.hit, self.side = map.tree, extent(map, margin=0), 0.0
+        if anew := map.tree is not self.tree:  # another map, or one that was made again
+            self.tree, self.hit = map.tree, extent(map, margin=0)
         elif len(seen) > 1:
             low, high = np.minimum(self.hit[:2], around[:2]), np.maximum(self.hit[2:], around[2:])
             self.hit = *low.tolist(), *high.tolist()
-        self._look(map)
-        self._part(map, around)
-        return (self.view, self.side) != before
+        self.view, self.side = _view_of(self.hit, map.resolution)
+        if changed := (self.view, self.side) != before:
+            left, low, right, high = self.view
+            self.grid = np.empty(
+                (round((high - low) / self.side), round((right - left) / self.side))
+            )
+        self._ask(map, self.view if changed or anew else around)
+        return changed
 
-    def _look(self, map: QuadtreeMap) -> None:
-        """Make room for what was hit."""
-        left, low, right, high = self.hit
-        space = MARGIN * max(right - left, high - low)
-        left, low, right, high = left - space, low - space, right + space, high + space
-        pixel = max(
-            (right - left) / (AXES[2] * PANEL_WIDTH), (high - low) / (AXES[3] * PANEL_HEIGHT)
-        )
-        side = map.resolution * 2 ** max(ceil(log2(PIXEL * pixel / map.resolution)), 0)
-        first = [VIEW_STEP_CELLS * floor(edge / (VIEW_STEP_CELLS * side)) for edge in (low, left)]
-        last = [VIEW_STEP_CELLS * ceil(edge / (VIEW_STEP_CELLS * side)) for edge in (high, right)]
-        view = first[1] * side, first[0] * side, last[1] * side, last[0] * side
-        if (view, side) == (self.view, self.side):
-            return
-        kept, row, column = self.grid[:0, :0], 0, 0
-        if side == self.side:  # a view of the same tree only grows
-            kept = self.grid
-            row, column = (round(self.view[1 - k] / side) - first[k] for k in (0, 1))
-        self.view, self.side = view, side
-        self.grid = np.empty((last[0] - first[0], last[1] - first[1]))
-        self._grow(map, kept, row, column)
-
-    def _grow(self, map: QuadtreeMap, kept: Array, row: int, column: int) -> None:
-        """Keep the cells of a grid, from a row and column on, and ask for those around it."""
-        (rows, columns), (top, right) = self.grid.shape, np.add(kept.shape, (row, column)).tolist()
-        self.grid[row:top, column:right] = kept
-        self._ask(map, slice(0, row), slice(0, columns))
-        self._ask(map, slice(top, rows), slice(0, columns))
-        self._ask(map, slice(row, top), slice(0, column))
-        self._ask(map, slice(row, top), slice(right, columns))
-
-    def _part(self, map: QuadtreeMap, around: Bounds) -> None:
+    def _ask(self, map: QuadtreeMap, around: Bounds) -> None:
         """Ask again where rays went: leaves that they split are at most as large as this margin."""
         margin = map.free_resolution or map.side
         reach = (around[0] - margin, around[1] - margin, around[2] + margin, around[3] + margin)
         first = [max(floor((reach[k] - self.view[k]) / self.side), 0) for k in (1, 0)]
         last = [ceil((reach[k + 2] - self.view[k]) / self.side) for k in (1, 0)]
-        self._ask(map, slice(first[0], last[0]), slice(first[1], last[1]))
-
-    def _ask(self, map: QuadtreeMap, rows: slice, columns: slice) -> None:
-        part = self.grid[rows, columns]
-        corner = self.view[0] + columns.start * self.side, self.view[1] + rows.start * self.side
+        part = self.grid[first[0] : last[0], first[1] : last[1]]
+        corner = self.view[0] + first[1] * self.side, self.view[1] + first[0] * self.side
         part[:] = occupancy(map, corner, part.shape, self.side)
+
+
+def _view_of(hit: Bounds, resolution: float) -> tuple[Bounds, float]:
+    """What is drawn of a map, by what was hit, and the side of a cell that is drawn, metres."""
+    left, low, right, high = hit
+    space = MARGIN * max(right - left, high - low)
+    left, low, right, high = left - space, low - space, right + space, high + space
+    pixel = max((right - left) / (AXES[2] * PANEL_WIDTH), (high - low) / (AXES[3] * PANEL_HEIGHT))
+    side = resolution * 2 ** max(ceil(log2(PIXEL * pixel / resolution)), 0)
+    step = VIEW_STEP_CELLS * side
+    left, low = step * floor(left / step), step * floor(low / step)
+    return (left, low, step * ceil(right / step), step * ceil(high / step)), side
 
 
 def occupancy(
