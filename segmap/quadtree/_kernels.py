@@ -34,8 +34,6 @@ DEPTH = 32
 MOST_COUNT = 2**31 - 1
 #: No cell is further away than this, so that whole numbers hold it.
 FARTHEST_CELL = 2.0**60
-#: Longer rays share no way: their slopes may differ by less than numbers hold.
-LONGEST_SHARED_RAY_CELLS = 2**22
 
 
 class Blocks(NamedTuple):
@@ -63,12 +61,11 @@ class Frame(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Room to work in: for the cells of a scan, the path, and the way of a ray."""
+    """Room to work in: for the cells of a scan, the path, and where on its way a ray goes on."""
 
     cells: Cells
     path: Cells
-    way: Cells
-    slopes: Array
+    at: Cells
 
 
 # ------------------------------------------------------------------------ single leaves
@@ -175,16 +172,6 @@ def _insert_ends(
 
 
 @compiled
-def _close(vis: Counts, way: Cells, tip: int) -> int:
-    """Leave the last leaf of a way: its rays count there, and they crossed the leaf before too."""
-    node, count = way[tip, 0], way[tip, 4]
-    vis[node] = min(vis[node] + count, MOST_COUNT)
-    if tip > 0:
-        way[tip - 1, 4] += count
-    return tip - 1
-
-
-@compiled
 def _walk_rays(
     blocks: Blocks, used: int, ends: int, done: int, least: int, room: Room
 ) -> tuple[int, int]:
@@ -196,13 +183,10 @@ def _walk_rays(
     `least` are split first. Returns as `_insert_ends`.
 
     With `u` along the longer axis and `v` along the shorter, from the sensor's cell, a ray has come
-    to `v = (u short + rest) // long` after `u` steps: its way depends on its slope alone, and its
-    length only cuts it. `way`, `(m, 5)`, holds the leaves of the ray before, each its node, first
-    `u` and `v`, side, and how many rays ended there; `slopes`, `(m, 2)`, above which slope and up
-    to which one a ray comes to that leaf by this way.
+    to `v = (u short + rest) // long` after `u` steps.
     """
-    vis, (cells, path, way, slopes) = blocks.vis, room
-    top, tip, octant = len(path) - 1, whole(-1), whole(-1)
+    vis, (cells, path, at) = blocks.vis, room
+    top = len(path) - 1
     level, x, y = top, cells[0, 0], cells[0, 1]
     for k in range(done, len(cells)):
         dx, dy = cells[k, 0] - cells[0, 0], cells[k, 1] - cells[0, 1]
@@ -216,63 +200,32 @@ def _walk_rays(
         # Bresenham's loop always runs in increasing order, and of two cells as near takes the first
         forward = (sign_y if steep else sign_x) > 0
         rest = (long - 1) // 2 if forward else long // 2
-        reach, slope = last * short + rest, short / long
-        # back to the leaf where the ways part; bounds give way to ties, and slopes lie 2^-45 apart
-        nudge, before = 1 + 2.0**-46 if forward else 1 - 2.0**-46, octant
-        octant = 3 * sign_x + sign_y + 10 * steep if long <= LONGEST_SHARED_RAY_CELLS else k + 20
-        while tip >= 0 and not (octant == before and slopes[tip, 0] < slope <= slopes[tip, 1]):
-            tip = _close(vis, way, tip)
-        at = tip
-        while at >= 0 and (last < way[at, 1] or reach < way[at, 2] * long):
-            at -= 1
-        while at == tip:
-            low, high, beyond_u, beyond_v, u, v = -1.0, 2.0, whole(0), whole(0), whole(0), whole(0)
-            right = True
-            if tip >= 0:
-                low, high = slopes[tip, 0], slopes[tip, 1]
-                beyond_u, beyond_v = way[tip, 1] + way[tip, 3], way[tip, 2] + way[tip, 3]
-                at_u, at_v = beyond_u * short + rest, beyond_v * long
-                right = at_u < at_v
-                if beyond_u > last if right else at_v > reach:
-                    break
-                if right:
-                    u, v = beyond_u, at_u // long
-                else:
-                    u, v = (at_v - rest + short - 1) // short, beyond_v
+        reach, u, v = last * short + rest, at[0], at[1]
+        while u <= last and v * long <= reach:
             new_x = cells[0, 0] + sign_x * (v if steep else u)
             new_y = cells[0, 1] + sign_y * (u if steep else v)
             node, level = _find_leaf(vis, path, level, new_x, new_y, x, y)
             x, y = new_x, new_y
-            if tip + 1 == len(way) or (level > least and 4 * (used + top) > len(vis)):
-                while tip >= 0:
-                    tip = _close(vis, way, tip)
+            if level > least and 4 * (used + top) > len(vis):
+                at[0], at[1] = u, v
                 return used, k
             if level > least:
                 first = whole(vis[node])
                 node, used = _split_leaf(blocks, path, node, used, (level, least), x, y, first)
                 level = least
+            if vis[node] < MOST_COUNT:
+                vis[node] += 1
             side = whole(1) << level
             back_x = x & (side - 1) if sign_x > 0 else side - 1 - (x & (side - 1))
             back_y = y & (side - 1) if sign_y > 0 else side - 1 - (y & (side - 1))
             left, lower = (u - back_y, v - back_x) if steep else (u - back_x, v - back_y)
-            if tip >= 0 and right:
-                unit = nudge / (2 * u)
-                low = max(low, unit * (2 * lower - 1))
-                high = min(high, unit * (2 * min(lower + side, beyond_v) - 1))
-            elif tip >= 0:
-                unit = nudge * (2 * v - 1)
-                low = max(low, unit / (2 * min(left + side - 1, beyond_u)))
-                if left > 1:
-                    high = min(high, unit / (2 * (left - 1)))
-            tip += 1
-            at = tip
-            way[tip, 0], way[tip, 1], way[tip, 2] = node, left, lower
-            way[tip, 3], way[tip, 4] = side, 0
-            slopes[tip, 0], slopes[tip, 1] = low, high
+            at_u, at_v = (left + side) * short + rest, (lower + side) * long
+            if at_u < at_v:
+                u, v = left + side, at_u // long
+            else:
+                u, v = (at_v - rest + short - 1) // short, lower + side
             level += 1
-        way[at, 4] += 1
-    while tip >= 0:
-        tip = _close(vis, way, tip)
+        at[0] = at[1] = 0
     return used, len(cells)
 
 

@@ -104,14 +104,12 @@ class Tree(Locked):
         """
         ends, count = len(scan.points), sum(map(len, scan))
         cells, level = np.empty((count, 2), np.int64), -1 if finest is None else finest
-        done, room = 0, 64
+        done, on_the_way = 0, np.zeros(2, np.int64)
         while done < ends + count:
-            room *= 1 if self._make_room(self.level) else 2
+            self._make_room(self.level)
             blocks, frame = self._blocks(), kernels.Frame(*at, self.corner, 1 << self.level)
-            ways = kernels.Room(
-                cells, self._path(), np.empty((room, 5), np.int64), np.empty((room, 2))
-            )
-            self.used, done = kernels.insert(blocks, self.used, scan, frame, done, level, ways)
+            room = kernels.Room(cells, self._path(), on_the_way)
+            self.used, done = kernels.insert(blocks, self.used, scan, frame, done, level, room)
             if done < 0:
                 return False
             self.version += 1
@@ -199,14 +197,12 @@ class Tree(Locked):
         path[-1] = self.block
         return path
 
-    def _make_room(self, blocks: int) -> bool:
-        """Make sure that so many blocks can be added; whether that took larger arrays."""
+    def _make_room(self, blocks: int) -> None:
+        """Make sure that so many blocks can be added."""
         wanted = 4 * (self.used + blocks)
-        if wanted <= len(self.vis):
-            return False
-        room = 3 * wanted // 2
-        self.vis, self.occ = np.resize(self.vis, room), np.resize(self.occ, room)
-        return True
+        if wanted > len(self.vis):
+            room = 3 * wanted // 2
+            self.vis, self.occ = np.resize(self.vis, room), np.resize(self.occ, room)
 
 
 def level_of(name: str, length: float, resolution: float, *, least: int = 0) -> int:
