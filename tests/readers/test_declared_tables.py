@@ -4,6 +4,7 @@ import json
 import os
 import re
 import textwrap
+from pathlib import Path
 
 import numpy as np
 import pandas
@@ -423,8 +424,28 @@ def test_thousands_that_are_parted_are_numbers(tmp_path, mark, long, short):
     (tmp_path / "it.csv").write_text(text([f"angle_deg{mark}range_mm", *rows]), "utf-8")
     (scan,) = readers.read(tmp_path / "it.csv")
     assert scan.ranges == pytest.approx([1.2345, 0.9785, 1.2345])
-    (tmp_path / "it.csv").write_text("angle_deg;range_mm\n0;3.978\n30;1.234\n60;978\n")
-    assert "the point in 3.978 is a decimal mark" in readers.read(tmp_path / "it.csv").assumed
+
+
+@pytest.mark.parametrize(
+    ("head", "rows"),
+    [
+        ("angle_deg;range_{}", "0;3.978 30;1.234 60;2.978"),
+        ("angle_deg;range_{}", "0;3,978 30;1,234 60;2,978"),
+        ("angle_deg\trange_{}", "0\t3,978 30\t1,234 60\t2,978"),
+        ("time_s;angle_deg;range_{}", "1,000;0;3,978 1,007;30;1,234 1,008;60;2,978"),
+    ],
+)
+@pytest.mark.parametrize("unit", ["mm", "m"])
+def test_a_mark_that_may_part_thousands_is_asked_about(tmp_path, monkeypatch, head, rows, unit):
+    """Catches 3,978 mm read as 4 mm, 3,978 m as 4 km, and advice that does not open the file."""
+    monkeypatch.chdir(tmp_path)
+    Path("it.csv").write_text(text([head.format(unit), *rows.split(" ")]))
+    with pytest.raises(LogError, match=r"parts thousands in .*, or is its decimal mark") as raised:
+        readers.read("it.csv")
+    first, thousands, decimal, last = str(raised.value).splitlines()[1:]
+    exec(textwrap.dedent(f"{first}\n{thousands if unit == 'mm' else decimal}\n{last}"))
+    (scan,) = readers.read("it_numbers.csv")
+    assert scan.ranges == pytest.approx([3.978, 1.234, 2.978])
 
 
 def test_what_lines_of_words_say_is_asked_for_or_told(tmp_path):

@@ -46,12 +46,22 @@ NUMBER = re.compile(
 )
 #: A number whose thousands are parted, by what, and its decimal mark where it has one.
 THOUSANDS = re.compile(r"-?[1-9]\d{0,2}(?:([.,'\u2019\xa0\u202f])\d{3})+(?:(?!\1)([.,])\d+)?")
+#: A number with a comma in it, and another, with white space between them.
+COMMA_IN_NUMBER = re.compile(r"\d,\d+\s+-?\d|\d\s+-?\d+,\d+(?:\s|$)")
 #: What says in a line of words which way angles grow.
-WAY_IN_WORDS = re.compile(r"(?i)clockwise|\bc?cw\b")
+WAY_IN_WORDS = re.compile(r"(?i)clock[- ]?wise|uhrzeiger|(?<![a-z])c?cw(?![a-z])")
 #: What names of columns do not say, in words.
 Missing = Callable[[Sequence[str]], str]
 #: A beam points nowhere beyond two turns.
 MOST_VIEW_DEG = 720.0
+NUMBERS_UNSAID = (
+    "whether {1!r} parts thousands in {0}, or is its decimal mark, is not said: one of the two "
+    "lines in the middle writes it so that all programs read it\n"
+    "    from pathlib import Path\n"
+    "    text = Path({2!r}).read_text().replace({1!r}, '')  # thousands\n"
+    "    text = Path({2!r}).read_text().replace({1!r}, '.').replace(';', ',')  # decimal mark\n"
+    "    Path('{3}_numbers.csv').write_text(text)"
+)
 SAID_BESIDE = "expected columns = 'angle_deg,range_mm', and of a scan a row view = [-90, 90]"
 
 
@@ -67,6 +77,7 @@ class Layout(NamedTuple):
     pattern: str = ""  #: of a line with numbers between words, whose groups are the columns
     mark: str = ""  #: the pattern of what each of these lines holds; another is damaged
     told: tuple[str, ...] = ()
+    unsaid: str = ""  #: what it does not say of its numbers, whatever its columns are
     head: tuple[str, ...] = ()  #: what the file itself calls its columns
     kinds: tuple[bool, ...] = ()  #: whether a column holds numbers, and no words
     rows: tuple[str, ...] = ()  #: the first of its lines with numbers
@@ -80,7 +91,8 @@ class Layout(NamedTuple):
     @property
     def is_whole(self) -> bool:
         """Whether it says all that a log needs."""
-        return bool(self.names) and (self.view is not None or "ranges" not in places_of(self.names))
+        has_view = self.view is not None or "ranges" not in places_of(self.names)
+        return bool(self.names) and has_view and not self.unsaid
 
     @property
     def way_in_words(self) -> str:
@@ -186,17 +198,20 @@ def layout_as_written(path: Path) -> Layout:
     lines = first_lines(path)
     body = [text for _, text in lines if not text.startswith(COMMENTS)]
     mark = next((m for m in SEPARATORS if 2 * sum(m in row for row in body) > len(body)), None)
-    if mark == "," and 2 * sum(bool(re.search(r"\d,\d+\s+-?\d+", row)) for row in body) > len(body):
-        mark = None  # numbers with decimal commas between white space
+    if mark == "," and 2 * sum(bool(COMMA_IN_NUMBER.search(row)) for row in body) > len(body):
+        mark = None  # between numbers is white space
     fields = [field for row in body for field in fields_of(row, mark)]
     parted = [number for field in fields if (number := THOUSANDS.fullmatch(field))]
     thousands, decimal = next(
         ((n[1], n[2]) for n in parted if n[2] or n[1] not in ".,"), ("", None)
     )
     has_comma = mark != "," and any(re.search(r"\d,\d", row) for row in body)
-    found = Layout(separator=mark, decimal=decimal or ".,"[has_comma], thousands=thousands)
-    if parted and not thousands and len(parted) == sum("." in field for field in fields):
-        found = found._replace(told=(f"the point in {parted[0][0]} is a decimal mark",))
+    own = "," if has_comma else "." if mark == ";" else ""  # who writes ; may part by points
+    unsaid = ""
+    if own and parted and not thousands and len(parted) == sum(own in field for field in fields):
+        unsaid = NUMBERS_UNSAID.format(parted[0][0], own, path.name, path.stem)
+    decimal = decimal or ".,"[has_comma]
+    found = Layout(separator=mark, decimal=decimal, thousands=thousands, unsaid=unsaid)
 
     def kind(row: str) -> tuple[bool, ...]:
         plain = [found.plain(field) for field in fields_of(row, mark)]

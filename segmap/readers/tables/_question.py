@@ -102,6 +102,8 @@ class ColumnChoices(NamedTuple):
 
 def choices_of(layout: Layout, of_poses: str = "") -> ColumnChoices:
     """What is asked of a table, or of a file of poses of which so much is not said."""
+    if layout.unsaid:
+        return ColumnChoices(layout.unsaid, (), ())
     rows = tuple(tuple(layout.fields(row)) for row in layout.rows[:SHOWN_ROWS])
     kinds = [(is_number, len(list(run))) for is_number, run in groupby(layout.kinds)]
     if layout.head:
