@@ -200,7 +200,7 @@ def test_points_on_one_spot_form_no_wall():
     """A division by the extent of a cloud that has none."""
     found = match_points(np.zeros((9, 2)), np.zeros((9, 2)))
     assert not found.matched
-    assert found.reason == "only 0 points lie near walls"
+    assert found.reason == "the scan has only 9 points, or they lie in one place"
 
 
 def test_the_scans_are_left_as_they_were():

@@ -3,10 +3,18 @@
 from ._match import PointStep, match_points, point_steps
 from ._moving import AND_ACCELERATION, POSE_AND_VELOCITY, match_moving, way
 from ._point_kernels import place_clouds
-from ._point_map import FARTHEST_POINT_M, LAST, LEAST_POINTS, SEARCH_CELL_M, PointMap, in_range
+from ._point_map import (
+    FARTHEST_POINT_M,
+    LAST,
+    LEAST_POINTS,
+    SEARCH_CELL_M,
+    PointMap,
+    in_range,
+    little,
+)
 
 __all__ = [
     "AND_ACCELERATION", "FARTHEST_POINT_M", "LAST", "LEAST_POINTS", "POSE_AND_VELOCITY",
-    "SEARCH_CELL_M", "PointMap", "PointStep", "in_range", "match_moving", "match_points",
+    "SEARCH_CELL_M", "PointMap", "PointStep", "in_range", "little", "match_moving", "match_points",
     "place_clouds", "point_steps", "way",
 ]  # fmt: skip

@@ -44,6 +44,8 @@ ALONG_FREE_SHARE = 0.7
 FACING_COSINE = 0.3
 #: More steps are never made: most descents take 10 to 20.
 MOST_DESCENT_STEPS = 60
+#: How far partners are sought at first, metres: more than the search may be wrong by.
+FIRST = 0.3
 #: How far partners are sought in the end, metres: ten times the noise of a laser.
 LAST = 0.12
 #: A scan is placed by no fewer points.
@@ -97,7 +99,7 @@ class PointMap:
         current: Array,
         start: ArrayLike,
         *,
-        reach: float = 0.3,
+        reach: float = FIRST,
         last: float = LAST,
         overlap: float = 0.0,
         inflation: float = MAP_VARIANCE_INFLATION,
@@ -107,14 +109,15 @@ class PointMap:
         Lays the points `(m, 2)` of a scan, in its own frame. Partners are sought within `reach`
         metres at first and `last` in the end; then a share `overlap` of the points must have one.
         """
-        if len(current) < LEAST_POINTS:
-            words = f"the scan has only {len(current)} points"
+        if little(current):
+            words = f"the scan has only {len(current)} points, or they lie in one place"
             return no_match(start, Unmatched.TOO_LITTLE_SEEN, words)
         found = self.descend(current, start, reach, last, 1 + len(current) // SEARCH_POINTS)
         if len(found.rows) < LEAST_POINTS:
             words = f"only {len(found.rows)} points lie near walls"
             return no_match(start, Unmatched.LITTLE_OVERLAP, words, found.near)
-        if found.near < overlap:
+        extent = _extent(current[found.rows[:, 5].astype(np.int64)])
+        if found.near < overlap or found.sigma**2 > kernels.FREE_EIGENVALUE_RATIO * extent**2:
             return no_match(start, Unmatched.LITTLE_OVERLAP, overlap=found.near)
         # Along a direction that the walls do not fix, the match says nothing: one metre. In a round
         # room it is the heading that they do not fix: that is no direction
@@ -239,6 +242,19 @@ def in_range(points: Array) -> Array:
     """Those points of `(n, 2)`, metres, that a laser can have seen from near the origin."""
     near = np.abs(points) < FARTHEST_POINT_M
     return points if near.all() else points[near.all(1)]
+
+
+def little(points: Array) -> bool:
+    """Whether points `(m, 2)`, metres, fix no place: too few, or no farther apart than partners.
+
+    A hand before the laser, say: as a whole it lies near any wall.
+    """
+    return len(points) < LEAST_POINTS or _extent(points) < FIRST
+
+
+def _extent(points: Array) -> float:
+    """Root mean square distance of points `(m, 2)` from their middle, metres."""
+    return math.sqrt(float(points.var(0).sum()))
 
 
 def _rms_range(current: Array) -> float:

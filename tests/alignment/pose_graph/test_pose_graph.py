@@ -453,7 +453,7 @@ def test_a_step_along_a_wall_is_known_as_well_as_the_odometry(wheels):
 def test_a_scan_of_six_points_is_laid_and_refined(count, monkeypatch):
     """Catches a scan that says nothing and is matched, or is matched at first only."""
     first, second = logs.office_log()[:2]
-    seen = np.cumsum(second.valid) <= count
+    seen = np.isin(np.cumsum(second.valid), 1 + 20 * np.arange(count))
     few = replace(second, ranges=np.where(seen, second.ranges, np.nan))
     laid, refined = (Match(np.array([x, 0, 0]), REAL, True, "", 1.0) for x in (0.1, 0.2))
     front = FrontEnd(lambda *given: laid, Tracking())
