@@ -83,8 +83,7 @@ class Labels:
         half = size / 2 + WORDS_MARGIN_MM
         boxes = shapely.box(*(middles - half).T, *(middles + half).T)
         taken = shapely.union_all(self.boxes)
-        for each in (area, self.walls, taken):
-            shapely.prepare(each)
+        shapely.prepare([area, self.walls, taken])
         free = shapely.contains(area, boxes)
         free[free] = ~shapely.intersects(self.walls, boxes[free])
         free[free] = ~shapely.intersects(taken, boxes[free])
@@ -105,5 +104,5 @@ def text_size(text: str, size: float) -> Array:
 
     lines, font = text.split("\n"), FontProperties(size=size)
     sizes = [text_to_path.get_text_width_height_descent(line, font, False) for line in lines]
-    wide = max(float(each[0]) for each in sizes)
+    wide = max(wide for wide, _, _ in sizes)
     return np.array([wide, len(lines) * LINE_SPACING * size]) / POINTS_PER_MM

@@ -216,8 +216,7 @@ def _write_words(ax: Any, words: list[str], doubt: str, scale: str, right: float
     )  # fmt: skip
     below = top - 14 - LINE_MM * len(lines)
     ax.text(left, below, "\n".join(doubts), fontsize=DOUBT_POINTS, **plain)
-    scale_and_date = "  ".join(filter(None, [scale, date]))
-    ax.text(right, top - 6, scale_and_date, fontsize=11, ha="right", **plain)
+    ax.text(right, top - 6, f"{scale}  {date}".strip(), fontsize=11, ha="right", **plain)
 
 
 def _draw_list(
@@ -249,11 +248,11 @@ def _draw_list(
         left, top = corner[0], corner[1] + strip[1] - LIST_MARGIN_MM
     for column in columns:
         for row, (name, area, sides) in enumerate(column):
-            y = top - row * LIST_ROW_MM
-            words: dict[str, Any] = {"fontsize": LIST_POINTS, "va": "top", "parse_math": False}
-            ax.text(left, y, name, **words)
-            ax.text(left + widths[0] + widths[1] - LIST_MARGIN_MM / 2, y, area, ha="right", **words)
-            ax.text(left + sum(widths[:2]), y, sides, **words)
+            words: dict[str, Any] = {"y": top - row * LIST_ROW_MM, "va": "top", "parse_math": False}
+            ax.text(left, s=name, fontsize=LIST_POINTS, **words)
+            end = left + widths[0] + widths[1] - LIST_MARGIN_MM / 2
+            ax.text(end, s=area, fontsize=LIST_POINTS, ha="right", **words)
+            ax.text(left + sum(widths[:2]), s=sides, fontsize=LIST_POINTS, **words)
         left += column_mm
     return (corner, far - strip) if beside else (corner + strip, far)
 

@@ -195,7 +195,7 @@ def between(sides: Array, steps: int) -> Array:
     else:
         start = lines_meeting(sides[-1], one)[-1]
         end = lines_meeting(other, sides[(steps + 1) % len(sides)])[0]
-        if (tip[0] - start) @ way <= 0 or (end - tip[0]) @ to <= 0:
+        if (tip[0] - start) @ way <= MIN_LENGTH or (end - tip[0]) @ to <= MIN_LENGTH:
             return tip[:0]
     return np.concatenate([*(lines_meeting(sides[k], sides[k + 1]) for k in range(steps)), tip])
 

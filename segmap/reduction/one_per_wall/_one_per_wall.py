@@ -32,13 +32,13 @@ STEP_SHARE = 0.8
 def one_per_wall(map: Segments, *, factor: Positive = 1.0) -> Reduction:
     """Estimate the noise of the poses, take it out, and draw one segment for each wall; ours.
 
-    Two looks at one stretch of a wall, from two scans, differ by the noise of both poses. So all
-    pairs of looks tell its size. Then each scan moves, as a whole, to where its looks agree best
-    with those of the others. What is left is a tenth of the noise, and walls that lie as near as
-    0.10 m come apart. The longest look gathers those that lie on its line; gaps up to 0.3 m are
-    bridged, and up to 1 m where something that stood before it hid the wall and no beam passed.
-    Its line is fitted anew until nothing changes. At last a weak wall that lies beside a stronger
-    one goes into it.
+    Two looks at one stretch of a wall, from two scans, differ by the noise of both poses. So pairs
+    of looks tell its size; of many looks at one wall each is paired with a few dozen. Then each
+    scan moves, as a whole, to where its looks agree best with those of the others. What is left is
+    a tenth of the noise, and walls that lie as near as 0.10 m come apart. The longest look gathers
+    those that lie on its line; gaps up to 0.3 m are bridged, and up to 1 m where something that
+    stood before it hid the wall and no beam passed. Its line is fitted anew until nothing changes.
+    At last a weak wall that lies beside a stronger one goes into it.
 
     The result lies where most scans say that the building is, not where each drew it: by quality,
     which asks how near the result is to the map with its noise, `least_cost` is better.

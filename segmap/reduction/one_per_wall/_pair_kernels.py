@@ -21,6 +21,8 @@ PAIR_OFFSET_M = 0.25
 PAIR_TURN_SINE = 0.174
 #: Looks overlap by at least this share of the shorter one.
 OVERLAP = 0.5
+#: A look that meets more earlier ones is paired with so many to twice as many of them, evenly.
+MOST_PARTNERS = 16
 
 
 class Looks(NamedTuple):
@@ -59,9 +61,9 @@ def _side(looks: Looks, i: int, j: int) -> float:
 @compiled
 def find_pairs(looks: Looks, part: Indices) -> Indices:
     """Pairs `(p, 2)` of some looks and earlier ones, of other scans, at one wall, from one side."""
-    s, pairs = looks.s, [(0, 0)]
-    pairs.pop()
+    s, pairs, partners = looks.s, [(0, 0)], [(0, 0, 0)]
     for i in part:
+        partners.clear()
         size = length_of(s[i])
         if size < LEAST_LOOK_M:
             continue
@@ -77,12 +79,11 @@ def find_pairs(looks: Looks, part: Indices) -> Indices:
             if high - low < OVERLAP * min(size, other) - SAME or abs(one + two) / 2 > PAIR_OFFSET_M:
                 continue
             if not _side(looks, i, i) * _side(looks, i, j) < 0:
-                pairs.append((a, b))
+                partners.append((j, a, b))
+        partners.sort()
+        pairs += [each[1:] for each in partners[:: max(1, len(partners) // MOST_PARTNERS)]]
         enter(looks.places, i, s[i], 0.0)
-    rows = np.empty((len(pairs), 2), np.int64)
-    for p in range(len(pairs)):
-        rows[p, 0], rows[p, 1] = pairs[p]
-    return rows
+    return np.array(pairs, np.int64)[1:]  # behind what tells the compiler the type
 
 
 @compiled
