@@ -404,53 +404,64 @@ def test_a_head_is_found_below_a_title_and_above_its_units(tmp_path, head):
     assert_same(readers.read(tmp_path / "it.csv"))
 
 
-def test_a_point_beside_decimal_commas_is_refused(tmp_path):
-    """Catches 3.978 millimetres, which a spreadsheet means as 3978, read as 4 millimetres."""
-    (tmp_path / "it.csv").write_text("angle_deg;range_mm\n0,0;3.978\n30,0;978\n60,5;978\n")
-    with pytest.raises(LogError, match=r"line 2: .* its decimal mark a comma, got '3\.978'"):
-        readers.read(tmp_path / "it.csv")
+#: Numbers whose thousands a mark may part: rows, and the line that is told for those where it does.
+PARTED = [
+    (";", "0;3.978 30;1.234 60;2.978", 1),
+    (";", "0;3,978 30;1,234 60;2,978", 0),
+    ("\t", "0\t3,978 30\t1,234 60\t2,978", 0),
+    (";", "0;3.978 30,0;1.234 60;2.978", 1),
+    (";", "0;3.978,0 30,0;1.234,0 60;2.978", 1),
+    ("|", "0|3,978 30|1,234 60.0|2,978", 0),
+    ("\t", "0\t3'978 30\t1'234.0 60\t2'978", 0),
+    (";", "0;3\u202f978,0 30;1\u202f234,0 60;2\u202f978", 1),
+]
 
 
-@pytest.mark.parametrize(
-    ("mark", "long", "short"),
-    [
-        (";", "1.234,5", "978,5"), (",", '"1,234.5"', "978.5"), (";", "1\u202f234,5", "978,5"),
-        ("\t", "1'234.5", "978.5"),
-    ],
-)  # fmt: skip
-def test_thousands_that_are_parted_are_numbers(tmp_path, mark, long, short):
-    """Catches a wall at 1.2 mm, a table without numbers, and a point that says too little."""
-    rows = [f"0{mark}{long}", f"30{mark}{short}", f"60{mark}{long}"]
-    (tmp_path / "it.csv").write_text(text([f"angle_deg{mark}range_mm", *rows]), "utf-8")
-    (scan,) = readers.read(tmp_path / "it.csv")
-    assert scan.ranges == pytest.approx([1.2345, 0.9785, 1.2345])
-
-
-@pytest.mark.parametrize(
-    ("head", "rows"),
-    [
-        ("angle_deg;range_{}", "0;3.978 30;1.234 60;2.978"),
-        ("angle_deg;range_{}", "0;3,978 30;1,234 60;2,978"),
-        ("angle_deg\trange_{}", "0\t3,978 30\t1,234 60\t2,978"),
-        ("time_s;angle_deg;range_{}", "1,000;0;3,978 1,007;30;1,234 1,008;60;2,978"),
-    ],
-)
+@pytest.mark.parametrize(("mark", "rows", "line"), PARTED)
 @pytest.mark.parametrize("unit", ["mm", "m"])
-def test_a_mark_that_may_part_thousands_is_asked_about(tmp_path, monkeypatch, head, rows, unit):
+def test_a_mark_that_may_part_thousands_is_asked_about(
+    tmp_path, monkeypatch, mark, rows, line, unit
+):
     """Catches 3,978 mm read as 4 mm, 3,978 m as 4 km, and advice that does not open the file."""
     monkeypatch.chdir(tmp_path)
-    Path("it.csv").write_text(text([head.format(unit), *rows.split(" ")]))
+    Path("it.csv").write_text(text([f"angle_deg{mark}range_{unit}", *rows.split(" ")]), "utf-8")
     with pytest.raises(LogError, match=r"parts thousands in .*, or is its decimal mark") as raised:
         readers.read("it.csv")
-    first, thousands, decimal, last = str(raised.value).splitlines()[1:]
-    exec(textwrap.dedent(f"{first}\n{thousands if unit == 'mm' else decimal}\n{last}"))
-    (scan,) = readers.read("it_numbers.csv")
-    assert scan.ranges == pytest.approx([3.978, 1.234, 2.978])
+    first, *ways, last = str(raised.value).splitlines()[1:]
+    if unit == "mm" or len(re.findall("[.,]", rows)) == 3:
+        exec(textwrap.dedent(f"{first}\n{ways[line if unit == 'mm' else 1 - line]}\n{last}"))
+        (scan,) = readers.read("it_numbers.csv")
+        assert scan.ranges == pytest.approx([3.978, 1.234, 2.978])
+
+
+def test_thousands_that_begin_late_or_stand_between_quotes_are_no_numbers(tmp_path):
+    """Catches a mark that the first lines do not have, and a quoted number that is passed over."""
+    (path := tmp_path / "it.csv").write_text(
+        "angle_deg;range_mm\n" + text(f"{a};978" for a in range(99)) + "99;1.234\n"
+    )
+    with pytest.raises(LogError, match=r"parts thousands in 1\.234,"):
+        readers.read(path)
+    path.write_text(path.read_text() + "99,5;978\n")
+    with pytest.raises(LogError, match=r"line 101: .* its decimal mark a comma, got '1\.234'"):
+        readers.read(path)
+    path.write_text('angle_deg,range_mm\n0,"1,234.5"\n30,978\n')
+    with pytest.raises(LogError, match=r"line 2: expected a number for the range, got '1,234\.5'"):
+        readers.read(path)
+    path.write_text("angle_deg,range_m\n" + text(f"{a},5,4,2{a:02}" for a in range(60)))
+    with pytest.raises(LogError, match="head names 2 columns, and its rows have 4 fields"):
+        readers.read(path)
 
 
 def test_what_lines_of_words_say_is_asked_for_or_told(tmp_path):
     """Catches a mirrored room, a count that is a damaged row, and a clock that nobody hears of."""
     path, beams = tmp_path / "it.csv", lines(lambda k, a, r: f"{k} {a} {r}")
+    for way in ("im Uhrzeigersinn", "sens horaire", "angle_cw", "positive to the right"):
+        path.write_text(f"# {way}\nscan angle_deg range_m\n{beams}")
+        with pytest.raises(LogError, match=f"which way angles grow, as '# {way}"):
+            readers.read(path)
+    path.write_text("angle_cw,angle_deg,range_m\n" + lines(lambda k, a, r: f"{-a},{a},{r}"))
+    with pytest.raises(LogError, match="which way angles grow, as 'angle_cw'"):
+        readers.read(path)
     path.write_text(f"# Angles grow clockwise.\n# scan angle_deg range_m\n{beams}")
     with pytest.raises(LogError, match="which way angles grow, as '# Angles grow clock") as caught:
         readers.read(path)

@@ -29,6 +29,9 @@ FILES = {
     "degrees": (
         "time_s;x [m];y [m];yaw_deg\n"
         + rows(lambda t, x, y, h: f"{t:.3f};{x};{y};{np.degrees(h):.6f}"), ""),
+    "clockwise": (
+        "time_s,x_m,y_m,yaw_deg_cw\n"
+        + rows(lambda t, x, y, h: f"{t:.3f},{x},{y},{-np.degrees(h):.6f}"), ""),
     "other units": (
         "pose_theta_rad,y [ft],pose x (cm),time_ms\n"
         + rows(lambda t, x, y, h: f"{h},{y / 0.3048:.6f},{100 * x},{1000 * t:.0f}"), ""),

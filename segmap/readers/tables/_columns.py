@@ -101,8 +101,9 @@ class Column(NamedTuple):
 
     @property
     def factor(self) -> float:
-        """What makes metres, radians or seconds of it."""
-        return 1e-9 if self.role == "nanosec" else UNITS[self.role].get(self.unit, 1.0) / self.parts
+        """What makes metres, counter-clockwise radians or seconds of it."""
+        unit = 1e-9 if self.role == "nanosec" else UNITS[self.role].get(self.unit, 1.0)
+        return (-unit if self.clockwise else unit) / self.parts
 
     @property
     def is_whole(self) -> bool:
@@ -147,7 +148,7 @@ def meaning(name: str) -> Column | None:
     numbered = any(word in NUMBER_WORDS for word in words)
     if (unit and unit not in UNITS[role]) or (numbered and role != "scan"):
         return None
-    if (is_turned and role != "angle") or (divided and not unit):
+    if (is_turned and role not in ("angle", "pose_theta")) or (divided and not unit):
         return None
     return Column(role, unit, is_clockwise, float(divided[2]) if divided else 1.0)
 

@@ -44,23 +44,26 @@ NUMBER = re.compile(
     r"(?<![\w.])-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"
     rf"(?:(?!\w)|(?=(?:{'|'.join(UNIT_WORDS)})\b))|\bTrue\b|\bFalse\b"
 )
-#: A number whose thousands are parted, by what, and its decimal mark where it has one.
-THOUSANDS = re.compile(r"-?[1-9]\d{0,2}(?:([.,'\u2019\xa0\u202f])\d{3})+(?:(?!\1)([.,])\d+)?")
+#: A number whose thousands a mark may part.
+THOUSANDS = r"[-+]?[1-9]\d{0,2}(?:[.,'\u2019\xa0\u202f]\d{3})+(?:[.,]\d+)?"
 #: A number with a comma in it, and another, with white space between them.
 COMMA_IN_NUMBER = re.compile(r"\d,\d+\s+-?\d|\d\s+-?\d+,\d+(?:\s|$)")
 #: What says in a line of words which way angles grow.
-WAY_IN_WORDS = re.compile(r"(?i)clock[- ]?wise|uhrzeiger|(?<![a-z])c?cw(?![a-z])")
+WAY_IN_WORDS = re.compile(
+    r"(?i)clock[- ]?wise|uhrzeiger|orari|horaire|mirror|flipped|(?<![a-z])c?cw(?![a-z])|"
+    r"\b(?:left|right|links|rechts)\b"
+)
 #: What names of columns do not say, in words.
 Missing = Callable[[Sequence[str]], str]
 #: A beam points nowhere beyond two turns.
 MOST_VIEW_DEG = 720.0
 NUMBERS_UNSAID = (
-    "whether {1!r} parts thousands in {0}, or is its decimal mark, is not said: one of the two "
+    "whether a mark parts thousands in {0}, or is its decimal mark, is not said: one of the two "
     "lines in the middle writes it so that all programs read it\n"
     "    from pathlib import Path\n"
-    "    text = Path({2!r}).read_text().replace({1!r}, '')  # thousands\n"
-    "    text = Path({2!r}).read_text().replace({1!r}, '.').replace(';', ',')  # decimal mark\n"
-    "    Path('{3}_numbers.csv').write_text(text)"
+    "    text = Path({1!r}).read_text('utf-8').replace(',', '')  # as 1,234.5 has it\n"
+    "    text = Path({1!r}).read_text('utf-8').replace('.', '').replace(',', '.')  # as 1.234,5\n"
+    "    Path('{2}_numbers.csv').write_text(text.replace(';', ','){3})"
 )
 SAID_BESIDE = "expected columns = 'angle_deg,range_mm', and of a scan a row view = [-90, 90]"
 
@@ -72,7 +75,6 @@ class Layout(NamedTuple):
     line: int = 0  #: of its head: rows are below it
     separator: str | None = ","
     decimal: str = "."
-    thousands: str = ""  #: what parts them
     view: tuple[float, float] | None = None  #: of a scan a row: its first and last beam, degrees
     pattern: str = ""  #: of a line with numbers between words, whose groups are the columns
     mark: str = ""  #: the pattern of what each of these lines holds; another is damaged
@@ -96,15 +98,15 @@ class Layout(NamedTuple):
 
     @property
     def way_in_words(self) -> str:
-        """The line that says which way angles grow, where the head does not; empty without one."""
-        is_named = any(word in TURNS for name in self.head for word in words_of(name))
-        return "" if is_named else next(filter(WAY_IN_WORDS.search, self.words), "")
+        """The line or column that says which way angles grow, where the angle's name does not."""
+        turned = [name for name in self.head if TURNS & {*words_of(name)}]
+        if any(column and column.is_whole for column in map(meaning, turned)):
+            return ""
+        return next(iter((*turned, *filter(WAY_IN_WORDS.search, self.words))), "")
 
     def plain(self, number: str) -> str:
         """A number as Python writes it."""
-        if self.thousands:
-            number = re.sub(rf"(?<=\d){re.escape(self.thousands)}(?=\d{{3}}(?!\d))", "", number)
-        return number.replace(",", ".") if self.decimal == "," else number
+        return number.translate(str.maketrans(",.", ".,")) if self.decimal == "," else number
 
     def fields(self, row: str) -> list[str]:
         """The fields of a row."""
@@ -190,6 +192,22 @@ def layout_of(path: Path) -> Layout:
     return found if missing_in(names) or found.way_in_words else found._replace(names=names)
 
 
+def decimal_mark(content: bytes, separator: str | None) -> tuple[str, str]:
+    """The decimal mark of the numbers of a table; and one of them, where all may be thousands.
+
+    It is the point that Python reads, or a comma, where a comma does not separate fields.
+    """
+    cell = rb"(?m)(?:^|[\s%s\"])[ ]*([-+]?%s\d+\%s\d+)(?=[\s%s\"]|$)"
+    about, thousands = (separator or " ").encode(), rb"(?![1-9]\d{0,2}[.,]\d{3}(?!\d))"
+    for mark in {None: b",", "\t": b",", "|": b",", ";": b",."}.get(separator, b"").decode():
+        marked = re.search(cell % (about, b"", mark.encode(), about), content)
+        if marked and not re.search(cell % (about, thousands, mark.encode(), about), content):
+            return mark, marked[1].decode()
+        if marked:
+            return mark, ""
+    return ".", ""
+
+
 def layout_as_written(path: Path) -> Layout:
     """Separator, decimal mark, first row and head of a table.
 
@@ -201,23 +219,21 @@ def layout_as_written(path: Path) -> Layout:
     if mark == "," and 2 * sum(bool(COMMA_IN_NUMBER.search(row)) for row in body) > len(body):
         mark = None  # between numbers is white space
     fields = [field for row in body for field in fields_of(row, mark)]
-    parted = [number for field in fields if (number := THOUSANDS.fullmatch(field))]
-    thousands, decimal = next(
-        ((n[1], n[2]) for n in parted if n[2] or n[1] not in ".,"), ("", None)
-    )
-    has_comma = mark != "," and any(re.search(r"\d,\d", row) for row in body)
-    own = "," if has_comma else "." if mark == ";" else ""  # who writes ; may part by points
-    unsaid = ""
-    if own and parted and not thousands and len(parted) == sum(own in field for field in fields):
-        unsaid = NUMBERS_UNSAID.format(parted[0][0], own, path.name, path.stem)
-    decimal = decimal or ".,"[has_comma]
-    found = Layout(separator=mark, decimal=decimal, thousands=thousands, unsaid=unsaid)
+    content = path.read_bytes()
+    comments = [each.decode("utf-8", "replace") for each in COMMENT.findall(content)]
+    decimal, parted = decimal_mark(COMMENT.sub(b"", content) if comments else content, mark)
+    found = Layout(separator=mark, decimal=decimal)
+    two_marks = [f for f in fields if re.fullmatch(THOUSANDS, f) and not is_number(found.plain(f))]
+    if mark != "," and (parted := parted or "".join(two_marks[:1])):
+        odd = "".join(f".replace({each!r}, '')" for each in {*parted} - {*"+-0123456789,."})
+        found = found._replace(unsaid=NUMBERS_UNSAID.format(parted, path.name, path.stem, odd))
 
     def kind(row: str) -> tuple[bool, ...]:
-        plain = [found.plain(field) for field in fields_of(row, mark)]
-        if not any(map(is_number, plain)):  # an empty line of a spreadsheet
+        fields = fields_of(row, mark)
+        numbers = [is_number(found.plain(f)) or is_number(f) or f in two_marks for f in fields]
+        if not any(numbers):  # an empty line of a spreadsheet
             return ()
-        return tuple(is_number(field) or field.lower() in NOT_MEASURED for field in plain)
+        return tuple(n or f.lower() in NOT_MEASURED for n, f in zip(numbers, fields, strict=True))
 
     kinds = Counter(map(kind, body))
     usual = max((k for k in kinds if sum(k) > 1), key=kinds.__getitem__, default=())
@@ -246,7 +262,6 @@ def layout_as_written(path: Path) -> Layout:
         for number, text in lines[:begin]
         if number <= line or len(fields_of(text, mark)) != len(usual)
     ]
-    comments = [each.decode("utf-8", "replace") for each in COMMENT.findall(path.read_bytes())]
     heading = {text for number, text in lines if number in used}
     words = dict.fromkeys(text.strip() for text in (*above, *comments))
     words = {text: None for text in words if text not in heading and IN_WORDS.match(text)}

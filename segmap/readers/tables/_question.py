@@ -21,7 +21,7 @@ from ._columns import (
     missing_in,
     words_of,
 )
-from ._layout import Layout, layout_of, runs_of
+from ._layout import Layout, fields_of, layout_of, runs_of
 
 #: What a column of words may be.
 OF_WORDS = ("time", "new", "error", "scan")
@@ -44,8 +44,12 @@ ALL_RANGES = (
     "how many numbers N of a row stand before its ranges, and the unit of these, is not said (N is "
     "0, or names for -*N, as in time_s,-*3,ranges_m; a # goes before a first row that is a head)"
 )
-OTHER_NAMES = (
-    "(cw is clockwise; help(segmap.readers.read_csv) has other names: time_s, x_m, angle_deg/10)"
+#: All roles with their units, as `every_name` has them.
+OTHER_NAMES = " (cw is clockwise, - left out, angle_deg/10 tenths; there are {})".format(
+    "; ".join(
+        ", ".join(roles) + (f" with _{', _'.join(units)}" if units else "")
+        for units, roles in groupby(UNITS, key=lambda role: UNITS[role])
+    )
 )
 
 
@@ -93,7 +97,7 @@ class ColumnChoices(NamedTuple):
         reads = "read_trajectory" if self.are_poses else "read_csv"
         words = "" if self.are_poses else f"    --columns '{columns}'{option}\n"
         return (
-            f"{asked}Where a | stands choose one {OTHER_NAMES * (not self.are_poses)}:\n{words}"
+            f"{asked}Where a | stands choose one{OTHER_NAMES * (not self.are_poses)}:\n{words}"
             f"    segmap.readers.{reads}({name!r}, columns='{columns}'{argument})\n"
             f"or keep them beside the file in {name}.toml, as columns = '...'"
             f"{' and view = [FIRST, LAST]' * self.needs_view}"
@@ -126,6 +130,10 @@ def choices_of(layout: Layout, of_poses: str = "") -> ColumnChoices:
     if "ranges" not in roles and (not is_wide or {"angle", "range"} <= roles):
         points = sum(role in roles for role in "xy") > sum(r in roles for r in ("angle", "range"))
         choices = _choices(columns, BEAM_ROLES[3 if points else 2])
+        heads = (fields_of(line, layout.separator) for line in layout.words)
+        if not layout.head and (head := next((h for h in heads if not missing_in(h)), None)):
+            missing = f"its head names {len(head)} columns, and its rows have {len(names)} fields"
+            missing += " (is its decimal mark the one that separates them, too?)"
         if way := layout.way_in_words:
             missing = missing or f"no name says which way angles grow, as {way!r} does"
             whole = (("angle_deg",), ("angle_rad",))

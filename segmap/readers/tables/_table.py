@@ -133,8 +133,7 @@ class Rows:
     def texts(self, place: int) -> Any:
         """A column as words in lower case."""
         texts = self.columns[place].astype(str).fillna("").str.strip().str.strip("'").str.lower()
-        is_plain = self.layout.decimal == "." and not self.layout.thousands
-        return texts if is_plain else texts.map(self.layout.plain)
+        return texts if self.layout.decimal == "." else texts.map(self.layout.plain)
 
     def is_words(self, place: int) -> bool:
         """Whether a column does not hold numbers alone."""
@@ -156,9 +155,6 @@ class Rows:
         wrong = beyond | (np.isnan(values) & (column.role in ("angle", "scan")))
         if texts is not None:
             wrong |= np.isnan(values) & ~texts.isin(NOT_MEASURED).to_numpy()
-            if self.layout.decimal == ",":  # a point would part thousands
-                point = r"\d\.(?!\d{3}\b)\d" if self.layout.thousands == "." else r"\d\.\d"
-                wrong |= self.columns[place].astype(str).str.contains(point).to_numpy()
         for row in np.flatnonzero(wrong & self.good).tolist():
             got = str(self.columns[place].iloc[row])[:40]
             expected = bounded if beyond[row] else plain
@@ -318,10 +314,9 @@ def _a_beam_a_row(
         angles, ranges, when = (held.get(role, times)[way] for role in ("angle", "range", "time"))
         first = float(np.min(when))
         delays = when - first if np.ptp(when) > 0 else None
-        turned = -angles if is_clockwise else angles
         errors = held["codes"][way].astype(np.int64) if "codes" in held else None
         pose = _pose(held, begin)
-        scans.append(LaserScan(ranges, turned, first, pose, codes=errors, delays=delays))
+        scans.append(LaserScan(ranges, angles, first, pose, codes=errors, delays=delays))
     return scans
 
 
