@@ -14,6 +14,7 @@ from .. import arrays
 from ..alignment import LiveGraph, LoopClosing, match_points
 from ..arrays import Array, Count, checked
 from ..compiled import work_time
+from ..poses.motions import between
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ._field import NothingNear
@@ -87,8 +88,9 @@ def map_scans(
     Step
         After each scan. A scan gets the pose of the one before, and NaN for its score, if it is one
         of the first, has no return, or if the map holds nothing near it. `found` says whether it
-        lies on the map and its walls fix where, or the robot is lost. With a graph, `closed` says
-        that earlier poses have moved: the graph, or `LiveMap`, has them.
+        lies on the map, where the walls that the scan before saw too fix it, or the robot is lost.
+        With a graph, `closed` says that earlier poses have moved: the graph, or `LiveMap`, has
+        them.
 
     Raises
     ------
@@ -118,15 +120,18 @@ def map_scans(
 
     def steps(pose: Array) -> Iterator[Step]:
         _warm(score if score in SCORES.values() else field_score)
-        inserted = 0
+        inserted, before = 0, np.zeros((0, 2))  # the scan before
         for k, scan in enumerate(log):
             begun, value, fixed = work_time(), np.nan, True
             with naming_scan(scan, k):
                 points = scan.points()
                 if len(points) and inserted >= settle:
-                    pose, value = _match_by_score(match, score, tree, points, pose)
-                    alone = match_points(points, points)
-                    fixed = alone.free is None and not alone.turns
+                    last = pose
+                    pose, value = _match_by_score(match, score, tree, points, last)
+                    # Walls that come into view now have fixed nothing
+                    shared = match_points(before, points, between(last, pose))
+                    fixed = shared.free is None and not shared.turns
+                before = points if len(points) else before
                 overlap = overlap_of(tree, points, pose)
                 insert_placed(tree, None, scan, pose, free=free)
                 inserted += len(points) > 0
