@@ -184,9 +184,8 @@ def _draw_sheet(
         turned = transform((0.0, 0.0, turn), points)
         return np.asarray((turned - (low + high) / 2) * 1000 / scale + (corner + far) / 2)
 
-    placed = on_paper(segments)
     width = WALL_MM * POINTS_PER_MM
-    ax.add_collection(LineCollection(list(placed), colors="black", linewidths=width))
+    ax.add_collection(LineCollection(list(on_paper(segments)), colors="black", linewidths=width))
     if plan is not None:
         _draw_rooms(ax, plan, on_paper, shapely_or_hint().box(*corner, *far))
     right = page[0] - SHEET_MARGIN_MM
@@ -242,17 +241,17 @@ def _draw_list(
     columns = [rows[start : start + per_column] for start in range(0, len(rows), per_column)]
     if beside:
         strip = np.array([column_mm * len(columns), 0.0])
-        left, top = far[0] - strip[0] + LIST_MARGIN_MM, far[1]
+        left, top = far - strip + [LIST_MARGIN_MM, 0.0]
     else:
         strip = np.array([0.0, LIST_ROW_MM * per_column + LIST_MARGIN_MM])
         left, top = corner[0], corner[1] + strip[1] - LIST_MARGIN_MM
     for column in columns:
         for row, (name, area, sides) in enumerate(column):
-            words: dict[str, Any] = {"y": top - row * LIST_ROW_MM, "va": "top", "parse_math": False}
-            ax.text(left, s=name, fontsize=LIST_POINTS, **words)
-            end = left + widths[0] + widths[1] - LIST_MARGIN_MM / 2
-            ax.text(end, s=area, fontsize=LIST_POINTS, ha="right", **words)
-            ax.text(left + sum(widths[:2]), s=sides, fontsize=LIST_POINTS, **words)
+            words: dict[str, Any] = {"y": top - row * LIST_ROW_MM, "fontsize": LIST_POINTS}
+            words |= {"va": "top", "parse_math": False}
+            ax.text(left, s=name, **words)
+            ax.text(left + sum(widths[:2]) - LIST_MARGIN_MM / 2, s=area, ha="right", **words)
+            ax.text(left + sum(widths[:2]), s=sides, **words)
         left += column_mm
     return (corner, far - strip) if beside else (corner + strip, far)
 

@@ -70,11 +70,9 @@ def one_per_wall(map: Segments, *, factor: Positive = 1.0) -> Reduction:
 
     def reduce(rows: Rows) -> Found:
         nonlocal noise
-        n = len(rows.source_row)
-        s, sensors = rows.segments, np.full((n, 2), np.nan)
+        s, n = rows.segments, len(rows.source_row)
         of = scan[rows.source_row] if several else np.arange(n)
-        if places is not None:
-            sensors = places[scan[rows.source_row]]
+        sensors = np.full((n, 2), np.nan) if places is None else places[scan[rows.source_row]]
         unit, left = float(max(length(s).mean() if n else 0.0, 2 * PAIR_OFFSET_M)), 0.0
         looks = Looks(s, of, sensors, empty_index(n, unit), np.empty(n + 1, np.int64))
         words = "one per wall: pairing segment"
