@@ -8,7 +8,6 @@ from segmap_course import FIGURE_MIME
 
 sources, citations, api = later("book.sources"), later("book.citations"), later("book.api")
 extension, commands = later("book.extension"), later("book.commands")
-code_map = later("book.code_map")
 
 
 @pytest.mark.parametrize(
@@ -155,19 +154,3 @@ def prose(path):
         return path.read_text(encoding="utf-8")
     cells = nbformat.read(path, as_version=4).cells
     return "\n\n".join(cell.source for cell in cells if cell.cell_type == "markdown")
-
-
-def test_the_map_of_the_code_has_every_folder_and_no_import_that_climbs():
-    """Catches a map that is older than the code."""
-    layer = {n: k for k, (_, _, names) in enumerate(code_map.LAYERS) for n in names.split()}
-    tops = {p.name.removesuffix(".py") for p in (ROOT / "segmap").iterdir()}
-    tops |= {f"segmap_app/{p.name.removesuffix('.py')}" for p in (ROOT / "segmap_app").iterdir()}
-    none = {"__init__", "__pycache__", "segmap_app/__init__", "segmap_app/__pycache__"}
-    assert set(layer) == {name for name in tops if "." not in name} - none
-    used = {package: code_map.imports_of(package) for package in layer}
-    assert [(a, b) for a in used for b in used[a] if layer[b] > layer[a]] == []
-    assert {"arrays", "scans", "reduction"} & used["metrics"] == {"arrays"}
-    assert {"points", "quadtree", "scans"} & used["matching"] == {"quadtree", "scans"}
-    assert all((ROOT / path).is_file() for path, _ in code_map.FIRST)
-    page = code_map.code_map()
-    assert page.count("<rect ") == len(layer) and "| `reduction` | Reduction: one segment" in page

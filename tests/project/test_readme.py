@@ -1,10 +1,6 @@
 """What README.md, environment.md and the Makefile tell a newcomer is true."""
 
-import json
-import os
 import re
-import subprocess
-import sys
 from dataclasses import replace
 
 import pandas as pd
@@ -42,25 +38,6 @@ def test_the_ten_lines_run_and_mean_what_they_say(names):
     assert walls.shape[1:] == (2, 2) and len(small) < len(map)
     assert 0 < names["rate"] < 1 and 0 < names["quality"] < 1 and names["errors"].max() < 1
     assert (small.parents[names["members"]] == 0).all() and len(names["members"]) > 0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("checker", ["mypy", "basedpyright"])
-def test_the_listings_are_no_errors_in_an_editor(checker, tmp_path):
-    """Catches a name that a room does not export, and a type that a call does not take."""
-    pytest.importorskip(checker)
-    for text in (README, FILES):
-        block = re.search(r"```python\n(import segmap\n|from iter)(.*?)```", text, re.DOTALL)
-        (tmp_path / f"listing_{len(text)}.py").write_text("".join(block.groups()))
-    (tmp_path / "pyrightconfig.json").write_text(json.dumps({"extraPaths": [str(ROOT)]}))
-    options = {
-        "mypy": ["--strict", "--config-file=", "--follow-imports=silent", "."],
-        "basedpyright": ["--level", "error", "--pythonpath", sys.executable],
-    }
-    run = [sys.executable, "-m", checker, *options[checker]]
-    env = {**os.environ, "MYPYPATH": str(ROOT)}
-    done = subprocess.run(run, cwd=tmp_path, env=env, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_the_errors_on_the_first_screen_are_those_of_the_records():

@@ -41,24 +41,6 @@ def test_every_chapter_is_in_the_table_and_in_the_semester():
     assert sorted(minutes.files(semester)) == names
 
 
-def path(number):
-    """Rows of a path, and their minutes counted now."""
-    text = TEXT.split(f"## Path {number}")[1].split("\n## ")[0]
-    return [(row, minutes.minutes_of(row, KNOWN)) for row, _ in minutes.stated(text)]
-
-
-def test_paths_take_the_time_that_they_promise():
-    """Catches labs of two hours that take longer, counted anew; each has a quarter hour to spare
-    for who reads more slowly."""
-    ((_, lab),) = path(1)
-    assert 75 <= lab <= 90
-    labs, weeks, seminar, occupancy = (path(number) for number in (2, 3, 4, 5))
-    assert len(labs) == 6 and max(now for _, now in labs) <= 100
-    assert len(weeks) == 12 and max(now for _, now in weeks) <= 300
-    assert len(seminar) == 10 and max(now for _, now in seminar) <= 120
-    assert len(occupancy) == 7 and max(now for _, now in occupancy) <= 115
-
-
 def test_the_commands_of_the_pages_are_understood():
     """Catches a page that names an option which is gone."""
     found = re.findall(r"^ +python -m segmap_course (.+)$", TEXT + INSTRUCTOR, re.MULTILINE)
