@@ -58,15 +58,6 @@ OTHER_TEXTS = {
         "times = [numpy.dot(tuple(m['header']['stamp'].values()), (1, 1e-9)) for m in messages]\n"
         "measured = [(t, numpy.array(m['ranges'], float)) for t, m in zip(times, messages)]",
     ),
-    r"(?m)^angle_step:": (
-        "messages of Gazebo",
-        "import numpy, re\nwith open({name!r}) as file:\n"
-        "    messages = re.split(r'(?m)^header', file.read())[1:]\n"
-        "ends = map(float, re.findall(r'(?m)^angle_m\\w+: (\\S+)', messages[0]))\n"
-        "rows = [numpy.array(re.findall(r'(?m)^ranges: (\\S+)', m), float) for m in messages]\n"
-        "angles = numpy.linspace(*ends, len(rows[0]))\n"
-        "measured = [(numpy.nan, row) for row in rows]",
-    ),
     r"(?m)^\[frontStep\]": (
         "a log of UrgBenri",
         "import numpy, re\nwith open({name!r}) as file:\n"

@@ -332,9 +332,6 @@ OTHERS = {
     "ros2 topic echo": (
         3 * (f"{STAMP}{VIEW}angle_increment: 0.5235988\nranges:\n"
              + text(f"- {r}".replace("inf", ".inf") for r in MET) + "---\n"), "log"),
-    "gz topic": (
-        3 * ("header {\n}\n" + VIEW + "angle_step: 0.5235988\ncount: 12\n"
-             + text(f"ranges: {r}" for r in MET)), "log"),
     "UrgBenri": (
         "[model]\nUST-10LX\n[totalSteps]\n12\n[startStep]\n3\n[endStep]\n14\n[frontStep]\n3\n"
         "[minDistance]\n60\n[maxDistance]\n10000\n"
