@@ -11,12 +11,10 @@ from conftest import SHARED
 
 from segmap import SegmentMap, load, quadtree, readers
 from segmap.alignment import METHODS as ALIGNMENTS
-from segmap.alignment import LoopClosing, Tracking
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.extraction import build_map, extract_polylines
 from segmap.reduction import METHODS
 from segmap.scans import LaserScan, Log
-from segmap.simulation import SICK_LMS200
 
 WALLS = SegmentMap([[(0, 0), (2, 0)], [(1.5, 0.03), (3, 0.03)], [(5, 0), (6, 0)]])
 POINTS = np.column_stack([np.linspace(0, 1, 21), np.ones(21)])
@@ -174,16 +172,3 @@ def test_help_shows_an_angle_in_degrees_and_the_value_stays_a_float():
     assert bent() == (np.radians(10), 1.0, 0.2)
     sent = pickle.loads(pickle.dumps(known["angle"].default))
     assert type(sent) is float and sent == np.radians(10) == known["angle"].default
-
-
-def test_settings_and_their_help_show_an_angle_in_degrees_and_their_values_stay_floats():
-    """Catches 0.349 where 20 degrees are meant, and settings that are no numbers any more."""
-    one = LoopClosing(reach=2), Tracking(turn_error=np.radians(15)), SICK_LMS200
-    assert "reach=2.0, " in repr(one[0])
-    assert "step_error=0.5, turn_error=15 degrees, match_error=0.02, " in repr(one[1])
-    assert "name='SICK LMS 200', beams=181, first=-90 degrees, " in repr(one[2])
-    said = pydoc.render_doc(Tracking, renderer=pydoc.plaintext)
-    assert said.count("turn_error: 'Radians' = 20 degrees, ") == 2 and "0.349" not in said
-    assert "turn_error=20 degrees" in str(inspect.signature(ALIGNMENTS["pose_graph"].function))
-    assert type(Tracking().turn_error) is type(one[1].turn_error) is float
-    assert pickle.loads(pickle.dumps(one)) == one and Tracking() == Tracking(turn_error=np.pi / 9)
