@@ -51,9 +51,8 @@ class Compiled(Generic[P, R]):
 
     Kernels may call other kernels, of other files too: a change there is seen. For its callers in
     Python a kernel gets a wrapper that unpacks arrays, which costs a sixth of the compiling; for
-    other kernels it is compiled without. Never `fastmath`: it breaks `isfinite`. What is annotated
-    `float`, or as a unit of one, is handed over as one: numba would compile everything once more
-    for `tolerance=1`. Other threads of Python run on beside a kernel.
+    other kernels it is compiled without. Never `fastmath`: it breaks `isfinite`. Other threads of
+    Python run on beside a kernel.
     """
 
     def __init__(self, plain: Callable[P, R]) -> None:
@@ -61,21 +60,13 @@ class Compiled(Generic[P, R]):
         self.__doc__ = plain.__doc__
         self._fast: Callable[P, R] | None = None
         self._inner: Callable[P, R] | None = None
-        self._floats: list[int] = []
         self._code = cast(types.FunctionType, plain).__code__
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         """Run the machine code."""
         if self._fast is None:
-            hints, names = get_type_hints(self.plain), self._code.co_varnames
-            self._floats = [k for k, name in enumerate(names) if hints.get(name) is float]
             self._fast = self.plain if runs_plain() else undisturbed(self._build)()
-        if not self._floats:
-            return self._fast(*args, **kwargs)
-        numbers: list[Any] = list(args)
-        for k in self._floats:
-            numbers[k] = float(numbers[k])
-        return self._fast(*numbers, **kwargs)
+        return self._fast(*args, **kwargs)
 
     def _build(self) -> Callable[P, R]:
         try:

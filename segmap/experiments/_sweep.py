@@ -6,8 +6,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor, as_completed
-from contextlib import suppress
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
@@ -16,18 +15,12 @@ from .. import arrays
 from ..arrays import Segments
 from ..metrics import invented, missed, quality, reduction_rate
 from ..reduction import METHODS
-from ..segments import SegmentMap
 from ._files import Row, add_row, as_frame, resumed
 from ._plan import Function, Grid, Job, planned
 from ._records import number_text
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: Two walls and a piece of one, in two scans: enough to load what a method has compiled.
-TINY = SegmentMap(
-    [[(0, 0), (2, 0)], [(1, 0), (3, 0)], [(0, 0), (0, 2)]], [0, 1, 1], sensors=[(1, 1), (1, 1)]
-)
 
 
 def sweep(
@@ -133,7 +126,6 @@ def run_job(job: Job) -> Row:
     """One run, in whatever process: what an executor is given."""
     thresholds, map = job.row["thresholds"], job.segments
     try:
-        _load(job.function, tuple(thresholds.items()))
         runs = [job.function(map, **thresholds) for _ in range(job.repeat)]
         found, seconds = runs[-1], median(each.seconds for each in runs)
         return job.row | {
@@ -149,13 +141,6 @@ def run_job(job: Job) -> Row:
         kinds = (kind for kind in (ValueError, TypeError) if isinstance(error, kind))
         kind = next(kinds, RuntimeError)
         raise kind(f"{_job_text(job.row)}: {type(error).__name__}: {error}") from error
-
-
-@lru_cache(maxsize=256)  # once in each process: what is loaded stays loaded
-def _load(function: Function, thresholds: tuple[tuple[str, Any], ...]) -> None:
-    """Call a method once, so that no run is timed that compiles; the run itself tells of errors."""
-    with suppress(Exception):
-        function(TINY, **dict(thresholds))
 
 
 def _stored(jobs: list[Job], rows: list[Row], path: Path) -> dict[int, Row]:
