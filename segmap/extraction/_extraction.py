@@ -232,18 +232,12 @@ def _alone(points: ArrayLike, closed: bool) -> Beams:
 
 
 def _beams_of(scans: Sequence[LaserScan], closed: bool) -> Beams:
-    """`LaserScan.points` of all scans at once."""
-    angles, poses = (
-        np.concatenate([s.angles for s in scans]),
-        np.array([s.sensor_pose for s in scans]),
-    )
-    beams = np.array([np.concatenate([s.ranges for s in scans]), np.cos(angles), np.sin(angles)])
-    turns, far = poses[:, 2], [scan.max_range for scan in scans]
-    lasers = np.column_stack([poses[:, :2], np.cos(turns), np.sin(turns), far])
-    points, first = np.empty((len(angles), 2)), np.cumsum([0, *map(len, scans)])
-    used = kernels.write_points(beams, first, lasers, points)
+    """The points of several scans."""
+    points = [scan.points() for scan in scans]
     rounds = np.array([closed or scan.whole_turn for scan in scans])
-    return Beams(arrays.points(points[:used]), first, rounds, np.ascontiguousarray(poses[:, :2]))
+    places = np.array([scan.sensor_pose[:2] for scan in scans])
+    first = np.cumsum([0, *map(len, points)])
+    return Beams(arrays.points(np.concatenate(points)), first, rounds, places)
 
 
 def _room_for(most: int, scans: Beams) -> Runs:

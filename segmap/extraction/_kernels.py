@@ -114,27 +114,6 @@ def _end_of_cluster(p: Array, gaps: Array, start: int) -> int:
 
 
 @compiled
-def write_points(beams: Array, first: Indices, lasers: Array, points: Array) -> int:
-    """`LaserScan.points` of many scans, metres; how many, and where those of each begin.
-
-    `beams`, (3, n), are ranges, cosines and sines, those of scan i from `first[i]`; `lasers`,
-    (m, 5), x, y, cosine and sine of each sensor's pose, and its largest range.
-    """
-    used, begin = 0, first[0]
-    for scan in range(len(lasers)):
-        x, y, far = lasers[scan, 0], lasers[scan, 1], lasers[scan, 4]
-        c, s = lasers[scan, 2], lasers[scan, 3]
-        for b in range(begin, first[scan + 1]):
-            r = beams[0, b]
-            if 0.0 < r < far and r < np.inf:
-                u, v = r * beams[1, b], r * beams[2, b]
-                points[used, 0], points[used, 1] = x + c * u - s * v, y + s * u + c * v
-                used += 1
-        begin, first[scan + 1] = first[scan + 1], used
-    return used
-
-
-@compiled
 def _begin_round(p: Array, gaps: Array) -> None:
     """Turn the points of a scan all round to where a round best begins."""
     start = _start_of_round(p, gaps) if len(p) > 2 else 0

@@ -287,16 +287,20 @@ def compact(blocks: Blocks, root: int, join: bool, order: Cells, above: Cells, n
 
 
 @compiled
-def occupied_blocks(vis: Counts, occ: Counts, order: Cells, holds: Holds) -> None:
+def occupied_blocks(vis: Counts, occ: Counts, holds: Holds) -> None:
     """Mark in `holds`, `(b,)`, the blocks with an occupied cell, themselves or below.
 
-    `order`, `(b,)`, has each block after those below it.
+    Most blocks come before those below them; roots that were doubled do not, and take another turn.
     """
-    for block in order:
-        for node in range(4 * block, 4 * block + 4):
-            child = ~whole(vis[node])
-            if holds[child] if child >= 0 else 2 * whole(occ[node]) > vis[node]:
-                holds[block] = True
+    changed = True
+    while changed:
+        changed = False
+        for block in range(len(holds) - 1, -1, -1):
+            for node in range(4 * block, 4 * block + 4):
+                child = ~whole(vis[node])
+                full = holds[child] if child >= 0 else 2 * whole(occ[node]) > vis[node]
+                if full and not holds[block]:
+                    holds[block] = changed = True
 
 
 @compiled

@@ -178,15 +178,9 @@ class Tree(Locked):
     def occupied_blocks(self) -> kernels.Holds:
         """Which blocks hold an occupied cell (occupancy above 0.5), `(b,)`; kept until a change."""
         if self._occupied[0] != self.version:
-            version, holds = self.version, np.zeros(self.used, np.bool_)
-            doubled, block = [], self.block  # roots: other blocks come before those below
-            while block >= 0:
-                doubled.append(block)
-                below = ~self.vis[4 * block : 4 * block + 4]
-                block = int(below.max(where=below < block, initial=-1))
-            order = np.append(np.arange(self.used)[::-1], doubled[::-1])
-            kernels.occupied_blocks(self.vis, self.occ, order, holds)
-            self._occupied = version, holds
+            holds = np.zeros(self.used, np.bool_)
+            kernels.occupied_blocks(self.vis, self.occ, holds)
+            self._occupied = self.version, holds
         return self._occupied[1]
 
     def _blocks(self) -> kernels.Blocks:
