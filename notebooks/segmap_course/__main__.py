@@ -19,15 +19,15 @@ Exit codes: 0 done, 1 something failed, 2 the command was not understood.
 def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
     speak()
-    given = parser().parse_args(arguments)
-    lab: Path = given.folder
+    request = parser().parse_args(arguments)
+    lab: Path = request.folder
     try:
-        tasks = handout(lab, wanted=given.chapters, seed=given.seed, otter=given.otter)
+        tasks = handout(lab, wanted=request.chapters, seed=request.seed, otter=request.otter)
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         return 130
     except (ValueError, OSError) as error:
-        print(shown(f"{given.command}: {error}"), file=sys.stderr)
+        print(shown(f"{request.command}: {error}"), file=sys.stderr)
         return 1
     points = sum(task.points for task in tasks)
     chapters = len({task.chapter for task in tasks})
@@ -40,10 +40,10 @@ def main(arguments: list[str] | None = None) -> int:
 
 def parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    found = argparse.ArgumentParser(
+    program = argparse.ArgumentParser(
         prog="python -m segmap_course", description=__doc__, epilog=EPILOG, allow_abbrev=False
     )
-    commands = found.add_subparsers(required=True, metavar="COMMAND", dest="command")
+    commands = program.add_subparsers(required=True, metavar="COMMAND", dest="command")
     words = "chapters as an assignment of nbgrader, with solutions and hidden cases"
     handed = commands.add_parser("handout", help=words)
     words = "a name for the assignment, in a course folder of nbgrader: robotics/lab1"
@@ -54,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
     )
     words = "write tests for otter-grader, too: COURSE/otter/LAB, for you alone"
     handed.add_argument("--otter", action="store_true", help=words)
-    return found
+    return program
 
 
 def whole(word: str) -> int:

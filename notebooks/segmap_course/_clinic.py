@@ -77,8 +77,8 @@ class Answers:
     @property
     def of_wall(self) -> str:
         """How thick the wall is, in words."""
-        known, size = self.wall.sure and self.wall.metres > 0, _centimetres(self.wall)
-        return size if known else f"cannot be told ({size})"
+        seen, size = self.wall.sure and self.wall.metres > 0, _centimetres(self.wall)
+        return size if seen else f"cannot be told ({size})"
 
     @property
     def of_building(self) -> str:

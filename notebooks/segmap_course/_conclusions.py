@@ -69,15 +69,15 @@ def conclusions(frame: pd.DataFrame) -> pd.DataFrame:
 
     maps = {name: _runs(select(frame, map=name)) for name in dict.fromkeys(frame["map"])}
     each = [list(_answers(runs)) for runs in maps.values()]
-    found = [(row[0][0], row[0][1], [a for _, _, a in row]) for row in zip(*each, strict=True)]
-    found = sorted([*found, *_by_density(maps)], key=lambda row: row[0])
+    claims = [(row[0][0], row[0][1], [a for _, _, a in row]) for row in zip(*each, strict=True)]
+    claims = sorted([*claims, *_by_density(maps)], key=lambda row: row[0])
     rows = []
-    for _, claim, answers in found:
+    for _, claim, answers in claims:
         holds, of = sum(answer.holds for answer in answers), len(answers)
         verdict = {0: "does not hold", of: "holds"}.get(holds, f"holds on {holds} of {of}")
         words = [f"{answer.words}: {'yes' if answer.holds else 'no'}" for answer in answers]
         rows.append((claim, verdict, *words))
-    return pd.DataFrame(rows, [letter for letter, *_ in found], ["claim", "verdict", *maps])
+    return pd.DataFrame(rows, [letter for letter, *_ in claims], ["claim", "verdict", *maps])
 
 
 def density(frame: pd.DataFrame) -> float:
@@ -172,10 +172,10 @@ def _by_density(maps: dict[str, Runs]) -> Iterator[tuple[str, str, list[Answer]]
         ("g", "mean shift is good on sparse maps only", "mean_shift", {"sigma": 0.10}, 0.80),
     ]
     for letter, claim, method, thresholds, least in asked:
-        found = {name: runs.quality(method, **thresholds) for name, runs in maps.items()}
-        worst = min(found[name] for name in sparse)
+        qualities = {name: runs.quality(method, **thresholds) for name, runs in maps.items()}
+        worst = min(qualities[name] for name in sparse)
         answers = []
-        for name, value in found.items():
+        for name, value in qualities.items():
             holds = value >= least if name in sparse else value < worst
             answers.append(Answer(f"{value:.0%} at {copies[name]:.1f} copies", holds))
         yield letter, claim, answers
@@ -187,10 +187,10 @@ def _times(ratio: float) -> str:
 
 def _rankings(runs: Runs) -> list[list[str]]:
     """A's methods that reach a quality, best first; at each that any reaches, each filter."""
-    found = [equal_quality(runs.all, quality)[list(THESIS_GRIDS)] for quality in QUALITIES]
+    tables = [equal_quality(runs.all, quality)[list(THESIS_GRIDS)] for quality in QUALITIES]
     orders = [
         list(row.dropna().sort_values(ascending=False, kind="stable").index)
-        for table in found
+        for table in tables
         for _, row in table.iterrows()
     ]
     return [order for order in orders if order]

@@ -73,7 +73,7 @@ def explore(
     map = QuadtreeMap(resolution=0.05, free_resolution=0.1)
     floor = floor_of(walls, here)
     poses: list[Array] = []
-    known: list[float] = []
+    shares: list[float] = []
 
     def look(pose: Array) -> Array:
         """Scan from a pose into the map; the ends of its beams."""
@@ -81,12 +81,12 @@ def explore(
         ends = transform(pose, scan.points())
         map.insert_scan(pose[:2], ends)
         poses.append(pose)
-        known.append(float((map.occupancy(floor) != 0.5).mean()))
+        shares.append(float((map.occupancy(floor) != 0.5).mean()))
         return ends
 
     goals = drive_to_frontiers(map, here, look, radius)
     driven = np.r_[0, np.cumsum(np.hypot(*np.diff(np.array(poses)[:, :2], axis=0).T))]
-    return Explored(map, np.array(poses), driven, np.array(known), np.array(goals[1:]))
+    return Explored(map, np.array(poses), driven, np.array(shares), np.array(goals[1:]))
 
 
 def drive_to_frontiers(
@@ -128,7 +128,7 @@ def drive_to_frontiers(
 
 def next_way(map: QuadtreeMap, here: Array, been: list[Array], radius: float) -> Array | None:
     """The way to the frontier that is nearest to drive to; None where none can be reached."""
-    places = np.concatenate([np.empty((0, 2)), *(found.places for found in frontiers(map))])
+    places = np.concatenate([np.empty((0, 2)), *(frontier.places for frontier in frontiers(map))])
     fresh = places[np.hypot(*(places[:, None] - been).T).min(0) > BEEN]
     for part in CLOSER:
         if len(fresh) and (way := _way(map, here, fresh, part * radius)) is not None:

@@ -92,8 +92,8 @@ def visible_walls(walls: Array, exact: LaserScan, pose: Array) -> Array:
     ends = transform(pose, exact.points())
     own = point_distance(ends[:, None], walls).argmin(axis=1)
     hit = [k for k in range(len(walls)) if (own == k).sum() >= SEEN_BEAMS]
-    found = [extreme_projections(ends[own == k], walls[k, 0], angle(walls[k])) for k in hit]
-    seen = np.reshape(found, (-1, 2, 2))
+    segments = [extreme_projections(ends[own == k], walls[k, 0], angle(walls[k])) for k in hit]
+    seen = np.reshape(segments, (-1, 2, 2))
     return seen[length(seen) > SEEN_METRES]
 
 
@@ -118,7 +118,7 @@ def precision_and_recall(finder: Finder, views: tuple[View, ...], **options: flo
     """
     sums = np.zeros(4)
     for scan, pose, walls, visible in views:
-        found = transform(pose, finder(scan.points(), **options))
-        right, seen = near_metres(found, walls), near_metres(visible, found)
-        sums += right, length(found).sum(), seen, length(visible).sum()
+        lines = transform(pose, finder(scan.points(), **options))
+        right, seen = near_metres(lines, walls), near_metres(visible, lines)
+        sums += right, length(lines).sum(), seen, length(visible).sum()
     return np.array([sums[0] / (sums[1] or 1.0), sums[2] / (sums[3] or 1.0)])

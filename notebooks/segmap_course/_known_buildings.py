@@ -56,7 +56,7 @@ def known_building(
     log = driven(name, seed, sensor)
     assert log.truth is not None
     poses = noisy(log.truth, noise, np.random.default_rng(1000 + seed))
-    maps = [build_map(log, found, keep_points=True) for found in (log.truth, poses)]
+    maps = [build_map(log, path, keep_points=True) for path in (log.truth, poses)]
     return Known(walls, *(map.filtered(0.10) for map in maps))
 
 

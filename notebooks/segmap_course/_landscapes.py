@@ -125,6 +125,6 @@ def profile_peaks(turn: ArrayLike, values: ArrayLike) -> NDArray[np.int64]:
     if not np.isclose(angles[-1] - angles[0], 2 * np.pi):
         return peaks(heights)[:, 0]
     count = len(heights) - 1
-    found = peaks(np.tile(heights[:-1], 3))[:, 0] - count  # in the middle one of three turns
-    inside = found[(found >= 0) & (found < count)]
+    tops = peaks(np.tile(heights[:-1], 3))[:, 0] - count  # in the middle one of three turns
+    inside = tops[(tops >= 0) & (tops < count)]
     return inside if len(inside) else np.zeros(1, np.int64)

@@ -116,9 +116,9 @@ def try_pair(log: Log, matcher: str, score: str, *, seed: int = 0) -> Trial:
     >>> trial.largest < 0.03
     True
     """
-    for name, known in ((matcher, MATCHERS), (score, SCORES)):
-        if name not in known:
-            raise ValueError(f"{name!r} is none of {', '.join(known)}")
+    for name, choices in ((matcher, MATCHERS), (score, SCORES)):
+        if name not in choices:
+            raise ValueError(f"{name!r} is none of {', '.join(choices)}")
     truth = log.truth
     if truth is None or not len(log) or not np.isfinite(truth).all():
         raise ValueError(f"{log.name} must have scans, and a true pose for every scan")

@@ -131,10 +131,10 @@ def wall_errors(points: Array, walls: Segments) -> Array:
     >>> wall_errors(np.array([(0.5, 0.2), (2, 0)]), [[(0, 0), (1, 0)]])
     array([0.2, 1. ])
     """
-    known = arrays.segments(walls, "walls")
-    if not len(known):
+    lines = arrays.segments(walls, "walls")
+    if not len(lines):
         raise ValueError("walls must hold at least one: without, there is no distance to them")
-    return np.min([point_distance(points, wall) for wall in known], axis=0)
+    return np.min([point_distance(points, wall) for wall in lines], axis=0)
 
 
 def _of_segments(segments: Array) -> Representation:

@@ -75,15 +75,15 @@ def thesis_grid(frame: pd.DataFrame) -> pd.DataFrame:
     >>> len(thesis_grid(thesis_results()))
     264
     """
-    kept = _near(frame["filtered"], [least or 0.0 for least in THESIS_FILTERS])
-    kept &= frame["method"].isin(list(THESIS_GRIDS)).to_numpy()
+    inside = _near(frame["filtered"], [least or 0.0 for least in THESIS_FILTERS])
+    inside &= frame["method"].isin(list(THESIS_GRIDS)).to_numpy()
     for method, grid in THESIS_GRIDS.items():
         here = (frame["method"] == method).to_numpy()
         defaults = default_thresholds(METHODS[method].function) or {}
         for name, default in defaults.items():
             if name in frame:
-                kept &= ~here | _near(frame[name], grid.get(name, [default]))
-    return frame[kept]
+                inside &= ~here | _near(frame[name], grid.get(name, [default]))
+    return frame[inside]
 
 
 def within_thesis(frame: pd.DataFrame, *, margin: float = 0.05) -> pd.DataFrame:
@@ -123,6 +123,6 @@ def within_thesis(frame: pd.DataFrame, *, margin: float = 0.05) -> pd.DataFrame:
 
 def _near(column: pd.Series[Any], values: list[Any]) -> np.ndarray:
     """Which values of a column are one of some; without a threshold: where the default is None."""
-    known = np.array([np.nan if value is None else value for value in values], float)
-    found = column.to_numpy(float, na_value=np.nan)
-    return np.isclose(found[:, None], known, rtol=1e-9, atol=0, equal_nan=True).any(1)
+    wanted = np.array([np.nan if value is None else value for value in values], float)
+    numbers = column.to_numpy(float, na_value=np.nan)
+    return np.isclose(numbers[:, None], wanted, rtol=1e-9, atol=0, equal_nan=True).any(1)

@@ -93,16 +93,16 @@ def unknown_building(floor: int = 0) -> Unknown:
 'across the corridor'])
     """
     walls = office(rng=np.random.default_rng(7 + floor))
-    known = simulate(
+    drive_log = simulate(
         walls,
         drive(STOPS, step=0.3, turn=0.35),
         sensor=replace(SICK_LMS200, max_range=4.0),
         odometry_noise=OdometryNoise(turn_bias=0.05, turn_noise=0.05, heading_noise=0.02),
         rng=np.random.default_rng(floor),
     )
-    truth = known.truth
+    truth = drive_log.truth
     assert truth is not None
-    log = Log("unknown", known.scans)
+    log = Log("unknown", drive_log.scans)
     ways = [
         (odometry, log),
         (point_icp, log),
@@ -110,10 +110,10 @@ def unknown_building(floor: int = 0) -> Unknown:
         (pose_graph, log),
     ]
     order = np.random.default_rng(floor).permutation(4) if floor else range(4)
-    made = dict(zip("ABCD", (ways[k] for k in order), strict=True))
-    alignments = {name: method(given) for name, (method, given) in made.items()}
+    pairs = dict(zip("ABCD", (ways[k] for k in order), strict=True))
+    alignments = {name: method(scans) for name, (method, scans) in pairs.items()}
     maps = {
-        name: build_map(given, alignments[name]).filtered(0.3) for name, (_, given) in made.items()
+        name: build_map(scans, alignments[name]).filtered(0.3) for name, (_, scans) in pairs.items()
     }
     rng = np.random.default_rng(1)
     tape = tuple(

@@ -101,8 +101,8 @@ def draw_method_errors(
     'log'
     """
     ax = axes_or_new(ax, (7.2, 3.6))
-    for (name, found), mark, color in zip(errors.items(), "so^D", GROUPS, strict=False):
-        row = dict(found)
+    for (name, error_of), mark, color in zip(errors.items(), "so^D", GROUPS, strict=False):
+        row = dict(error_of)
         ax.semilogx(list(row.values()), list(row), mark, color=color, label=name)
     ax.set(xlabel="mean error [m]", ylabel="method")
     ax.legend(loc="center left", bbox_to_anchor=(1, 0.5), frameon=False)

@@ -166,8 +166,8 @@ def draw_equal_squares(ends: ArrayLike, side: float, **options: Any) -> Axes:
     full = set(map(tuple, cells.tolist()))
     columns, rows = range(left, right + 1), range(low, high + 1)
     squares = {(x, y, 1): int((x, y) in full) for x in columns for y in rows}
-    said = f"{len(squares)} equal squares; something ended in {len(full)}"
-    ax = draw_leaves(squares, resolution=side, **{"title": said} | options)
+    title = f"{len(squares)} equal squares; something ended in {len(full)}"
+    ax = draw_leaves(squares, resolution=side, **{"title": title} | options)
     if "corner" in options:
         ax.plot(*corner, "+", color=RESULT, markersize=18, markeredgewidth=4)
         x, y = corner.tolist()
@@ -321,7 +321,7 @@ def draw_profile(
     degrees = np.degrees(np.asarray(turn, float))
     ax.plot(degrees, scores, color=RESULT)
     if tops:
-        found = profile_peaks(np.radians(degrees), scores)
-        ax.plot(degrees[found], scores[found], "o", color=ERROR)
+        peak = profile_peaks(np.radians(degrees), scores)
+        ax.plot(degrees[peak], scores[peak], "o", color=ERROR)
     ax.set(xlabel="heading off by [degrees]", ylabel="score")
     return ax

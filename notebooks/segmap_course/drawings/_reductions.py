@@ -311,8 +311,8 @@ def draw_pieces(
         for a, b, owner, _ in pieces_of(walls, line, 0.10, np.radians(5)):
             piece = np.array([start + a * way, start + b * way])
             ax.plot(*piece.T, color=ERROR if owner < 0 else RESULT, linewidth=2)
-            said = "of none" if owner < 0 else f"of wall {owner}"
-            ax.annotate(said, piece.mean(axis=0), (0, 5), textcoords="offset points", ha="center")
+            label = "of none" if owner < 0 else f"of wall {owner}"
+            ax.annotate(label, piece.mean(axis=0), (0, 5), textcoords="offset points", ha="center")
         map_axes(ax).set(title=title, aspect="auto", ylim=(-0.1, 0.2))
         ax.label_outer()
     return row

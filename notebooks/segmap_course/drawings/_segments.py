@@ -369,6 +369,6 @@ def draw_splits(run: ArrayLike, splits: Mapping[float, Sequence[Any]]) -> list[A
     for ax, tolerance in zip(axes, splits, strict=True):
         ax.plot(*points.T, ".", color=RAW, markersize=4, zorder=0)
         ax.plot((left, left + tolerance), (y, y), "|-", color=ERROR)
-        said = f"tolerance {tolerance:g} m"
-        ax.annotate(said, (left, y), (0, 6), textcoords="offset points", color=ERROR)
+        label = f"tolerance {tolerance:g} m"
+        ax.annotate(label, (left, y), (0, 6), textcoords="offset points", color=ERROR)
     return axes

@@ -71,8 +71,8 @@ def plain(answer: Any) -> Any:
 
 def numbers(answer: Any) -> Array | None:
     """The numbers of an answer, as an array of its shape; None where it holds none."""
-    found = plain(answer)
-    return found.astype(float) if isinstance(found, np.ndarray) else None
+    array = plain(answer)
+    return array.astype(float) if isinstance(array, np.ndarray) else None
 
 
 def agree(found: Any, expected: Any, same: Callable[[Any, Any], bool]) -> bool:
@@ -195,7 +195,7 @@ def common_mistake(
         changed = [np.asarray(change(value)) for value in values if value is not None]
         if _alike(found, changed, same) and not _alike(right, changed, same):
             return hint
-    if all(len(given) > 1 for given in cases.values()):
+    if all(len(inputs) > 1 for inputs in cases.values()):
         other = answered(lambda a, b, *rest: solution(b, a, *rest), cases)
         if _alike(found, other, same) and not _alike(right, other, same):
             return SWAPPED
@@ -229,10 +229,10 @@ def first_difference(got: Any, right: Any, given: Sequence[Any]) -> str:
         for array in map(numbers, given)
         if array is not None and array.ndim and len(array) == len(b)
     ]
-    said = f", for {', '.join(text(array[place[0]]) for array in arrays)}" if arrays else ""
-    told = f"{text(b[place])} is expected, got {text(a[place])}"
+    inputs = f", for {', '.join(text(array[place[0]]) for array in arrays)}" if arrays else ""
+    difference = f"{text(b[place])} is expected, got {text(a[place])}"
     where = ", ".join(map(str, place))
-    return f"; they differ first at [{where}]: {told}{said}"
+    return f"; they differ first at [{where}]: {difference}{inputs}"
 
 
 Three = tuple[float, float, float]

@@ -59,8 +59,8 @@ class Check:
         return self.passed
 
     def __repr__(self) -> str:
-        said = "passed" if self.passed else "not yet"
-        return f"{said}: {self.hint}" if self.hint else said
+        state = "passed" if self.passed else "not yet"
+        return f"{state}: {self.hint}" if self.hint else state
 
     def _repr_html_(self) -> str:
         color, sign = (TRUTH, "&#10003;") if self.passed else (ERROR, "&#10007;")
@@ -122,12 +122,12 @@ class Exercise:
     def _drawn(self, rng: Rng) -> dict[str, tuple[Any, ...]]:
         for _ in range(MOST_DRAWS):
             cases = dict(self.draw(rng))
-            known = {hint: answered(f, cases) for hint, f in self._known().items()}
+            wrong = {hint: answered(f, cases) for hint, f in self._known().items()}
             first = {
-                hint: next((other for other, a in known.items() if self._agree(found, a)), None)
-                for hint, found in known.items()
+                hint: next((other for other, a in wrong.items() if self._agree(answers, a)), None)
+                for hint, answers in wrong.items()
             }
-            alike = [hint for hint in known if first[hint] != hint]
+            alike = [hint for hint in wrong if first[hint] != hint]
             if not alike:
                 return cases
         raise ValueError(f"{self.name}: no draw tells {alike} from the library and from each other")
@@ -138,8 +138,8 @@ class Exercise:
     def __call__(self, function: Callable[..., Any], cases: Cases | None = None) -> Check:
         """Check a student's function on these cases, by default the open ones. Raises nothing."""
         if not callable(function):
-            said = f"give the function itself, check_{self.name}(my_{self.name}), without a call"
-            return Check(self.name, False, said)
+            advice = f"give the function itself, check_{self.name}(my_{self.name}), without a call"
+            return Check(self.name, False, advice)
         if unwrap(function) is unwrap(self.solution):
             return Check(self.name, False, "this is the library's; write your own")
         asked = self.cases if cases is None else cases
@@ -163,11 +163,11 @@ class Exercise:
         """The first case that has another answer, in full."""
         pairs = zip(cases, found, answered(self.solution, cases), strict=True)
         words, got, right = next(pair for pair in pairs if not agree(*pair[1:], self.same))
-        said = f"but it raised {text(got)}" if isinstance(got, Raised) else f"got {text(got)}"
+        hint = f"but it raised {text(got)}" if isinstance(got, Raised) else f"got {text(got)}"
         if text(got) == text(right):
-            said += f", which is off by {np.abs(np.subtract(got, right, dtype=float)).max():.1g}"
-        said += first_difference(got, right, cases[words])
-        return f"for {words} expected {text(right)}, {said}{self._call(cases[words])}"
+            hint += f", which is off by {np.abs(np.subtract(got, right, dtype=float)).max():.1g}"
+        hint += first_difference(got, right, cases[words])
+        return f"for {words} expected {text(right)}, {hint}{self._call(cases[words])}"
 
     def _call(self, given: Sequence[Any]) -> str:
         """The call with these arguments, where they are few numbers."""

@@ -107,9 +107,9 @@ def _lines_off(rng: Rng) -> Cases:
     def askew() -> tuple[Array, Array, Array]:
         """A corridor that rounding leaves a little width across: no number is divided by that."""
         while True:
-            found = normals, _, weights = lines(*[rng.uniform(10, 80)] * 3)
+            corridor = normals, _, weights = lines(*[rng.uniform(10, 80)] * 3)
             if np.linalg.eigvalsh(normals.T @ (normals * weights[:, None]))[0] > 0:
-                return found
+                return corridor
 
     turn = rng.uniform(10, 80)
     return {

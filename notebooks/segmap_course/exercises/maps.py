@@ -167,12 +167,12 @@ def _runs_of_three(rng: Rng) -> Cases:
 
 
 def _front(runs: Array, sign: int = -1) -> list[tuple[float, ...]]:
-    kept = []
+    front = []
     for run in runs * (1, 1, sign):
         others = runs * (1, 1, sign)
         beaten = (others >= run).all(axis=1) & (others > run).any(axis=1)
-        kept += [] if beaten.any() else [tuple(map(float, run * (1, 1, sign)))]
-    return sorted(set(kept))
+        front += [] if beaten.any() else [tuple(map(float, run * (1, 1, sign)))]
+    return sorted(set(front))
 
 
 check_front = Exercise(
@@ -195,7 +195,7 @@ check_front = Exercise(
             edited(_front, ("(others >= run).all", "(others >= run).any"))
         ),
         "each run once: equal ones are one row of the answer": (
-            edited(_front, ("sorted(set(kept))", "sorted(kept)"))
+            edited(_front, ("sorted(set(front))", "sorted(front)"))
         ),
         "equal runs do not beat each other": (
             edited(
@@ -205,7 +205,7 @@ check_front = Exercise(
                 ("* (1, 1, sign):", "* (1, 1, sign)):"),
             )
         ),
-        "sort the rows": edited(_front, ("sorted(set(kept))", "list(dict.fromkeys(kept))")),
+        "sort the rows": edited(_front, ("sorted(set(front))", "list(dict.fromkeys(front))")),
     },
 )
 

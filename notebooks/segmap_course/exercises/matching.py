@@ -195,8 +195,8 @@ def _combs(rng: Rng) -> Cases:
 
 
 def _toothed(weights: Array, teeth: Array) -> Array:
-    found = np.searchsorted(np.cumsum(weights), teeth, side="right")
-    return np.minimum(found, len(weights) - 1)
+    index = np.searchsorted(np.cumsum(weights), teeth, side="right")
+    return np.minimum(index, len(weights) - 1)
 
 
 def _teeth(weights: Array) -> Array:

@@ -99,15 +99,15 @@ def _small_leaves(leaves: Leaves, root: Square, cells: list[Cell], side: int = _
 
 def _crossings(rng: Rng) -> Cases:
     """A tree that is not cut yet, and one that ends have cut, with a long ray in each."""
-    found = {}
+    cases = {}
     for words, ends in (("a tree without ends", 0), ("a tree that three ends cut", 3)):
         root: Square = (0, 0, 32)
         leaves: Leaves = dict.fromkeys(quarters(root), (0, 0))
         for x, y in rng.integers(0, 32, (ends, 2)).tolist():
             split(leaves, root, (x, y))
         (x0, y0), (x1, y1) = rng.integers(0, 10, 2).tolist(), rng.integers(20, 32, 2).tolist()
-        found[words] = leaves, root, crossed_cells((x0, y0), (x1, y1))
-    return found
+        cases[words] = leaves, root, crossed_cells((x0, y0), (x1, y1))
+    return cases
 
 
 check_crossed_leaves = Exercise(

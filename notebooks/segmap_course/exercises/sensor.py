@@ -91,8 +91,8 @@ def _cast_ray(wall: Array, pose: Array, angle: float) -> float:
 
 def _square_to_the_wall(wall: Array, pose: Array, angle: float) -> float:
     (x, y), (dx, dy) = pose[:2] - wall[0], wall[1] - wall[0]
-    found = _cast_ray(wall, pose, angle)
-    return float(min(found, abs(dx * y - dy * x) / np.hypot(dx, dy)) if found < np.inf else np.inf)
+    along = _cast_ray(wall, pose, angle)
+    return float(min(along, abs(dx * y - dy * x) / np.hypot(dx, dy)) if along < np.inf else np.inf)
 
 
 check_cast_ray = Exercise(

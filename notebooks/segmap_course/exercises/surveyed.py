@@ -115,8 +115,8 @@ def _surely_kept(
             gone.append((gone.pop()[0] if gone and gone[-1][1] == a else a, b))
     gone = [(a, b) for a, b in gone if forget and b - a >= min_length]
     edges = [0.0, *(u for piece in gone for u in piece), size]
-    kept = list(zip(edges[::2], edges[1::2], strict=True))
-    return [(a, b) for a, b in kept if not gone or b - a >= min_length]
+    pieces = list(zip(edges[::2], edges[1::2], strict=True))
+    return [(a, b) for a, b in pieces if not gone or b - a >= min_length]
 
 
 check_surely_kept = Exercise(
@@ -147,7 +147,7 @@ check_surely_kept = Exercise(
             _surely_kept, ("if forget and", "if")
         ),
         "return what stays, not what is gone": edited(
-            _surely_kept, ("for a, b in kept if not gone or b", "for a, b in gone if b")
+            _surely_kept, ("for a, b in pieces if not gone or b", "for a, b in gone if b")
         ),
     },
 )

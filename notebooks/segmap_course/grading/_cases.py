@@ -53,17 +53,17 @@ class OwnCase(NamedTuple):
 
 def figures_of_maps(floor: int) -> dict[str, dict[str, float]]:
     """By how much each witness is beyond its limit in each map, by the text of chapter 13."""
-    case, found = unknown_building(floor), {}
+    case, figures = unknown_building(floor), {}
     for name, alignment in case.alignments.items():
         verdict = alignment.verdict_on(case.maps[name])
         unsure = 0.5 if verdict.sure is None else 0.9 - float(alignment.locally_sure.mean())
         off = max(abs(case.measured(name, taped) - taped.metres) for taped in case.tape)
-        found[name] = {
+        figures[name] = {
             "verdict": max(bool(verdict.causes) - 0.5, unsure),
             "doubled": doubled_walls(case.maps[name], alignment.poses[:, :2]) - 0.25,
             "tape": off - 3 * 0.03,
         }
-    return found
+    return figures
 
 
 def figures_of_ways(number: int) -> dict[str, dict[str, float]]:
@@ -113,9 +113,9 @@ class Judged(NamedTuple):
 
     def case(self, number: int) -> OwnCase | None:
         """A case, if it can be decided."""
-        found = self.figures(number)
-        against = {name: [w for w, by in f.items() if by > 0] for name, f in found.items()}
-        clear = all(abs(by) >= self.margins[w] for f in found.values() for w, by in f.items())
+        figures = self.figures(number)
+        against = {name: [w for w, by in f.items() if by > 0] for name, f in figures.items()}
+        clear = all(abs(by) >= self.margins[w] for f in figures.values() for w, by in f.items())
         alone = sorted(words for words in against.values() if len(words) < 2)
         right = clear and alone == [[], *([word] for word in self.alone)]
         return OwnCase(self.decision, number, against) if right else None

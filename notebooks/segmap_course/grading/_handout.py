@@ -84,7 +84,7 @@ def handout(
         (course / file).parent.mkdir(parents=True, exist_ok=True)
         write_bytes(course / file, text.encode())
     beside = Path(sys.executable).parent  # nbgrader calls alembic by its name
-    made = subprocess.run(
+    run = subprocess.run(
         [sys.executable, "-m", "nbgrader", "generate_assignment", name],
         env=os.environ | {"PATH": f"{beside}{os.pathsep}{os.environ.get('PATH', '')}"},
         cwd=course,
@@ -92,8 +92,8 @@ def handout(
         text=True,
         check=False,
     )
-    if made.returncode:
-        raise ValueError(f"nbgrader made no release of {name}:\n{made.stderr}")
+    if run.returncode:
+        raise ValueError(f"nbgrader made no release of {name}:\n{run.stderr}")
     return tasks
 
 
@@ -143,7 +143,7 @@ def name_cell(tasks: list[Task]) -> Cell:
 
 def answer_cells(source: str, name: str, tasks: Mapping[str, Task], seed: int) -> list[Cell]:
     """What an answer is worth, and the cell for it, with the solution that nbgrader takes out."""
-    said = [
+    worth = [
         f"**{task.points} points** {'by hand' if task.by_hand else 'by the program'}"
         for own in (name, f"{name}_by_hand")
         if (task := tasks.get(own)) and task.points
@@ -153,7 +153,7 @@ def answer_cells(source: str, name: str, tasks: Mapping[str, Task], seed: int) -
         solved = f"{tasks[name].given} = {own_case(name, seed).solution}"
     text = f"{source}\n\n\n### BEGIN SOLUTION\n{solved}\n### END SOLUTION"
     answer = code(f"{name}-answer", text, nbgrader(f"{name}-answer", solution=True))
-    return [markdown(f"{name}-points", f"`{name}`: {'; '.join(said)}"), answer]
+    return [markdown(f"{name}-points", f"`{name}`: {'; '.join(worth)}"), answer]
 
 
 def test_cells(task: Task | None, seed: int) -> list[Cell]:
@@ -186,9 +186,9 @@ def nbgrader(
     solution: bool = False,
 ) -> dict[str, Any]:
     """Metadata of a cell in nbgrader's schema 3."""
-    found = {"grade": grade, "grade_id": name, "locked": locked, "schema_version": 3}
+    grading = {"grade": grade, "grade_id": name, "locked": locked, "schema_version": 3}
     worth = {} if points is None else {"points": points}
-    return {"nbgrader": {**found, **worth, "solution": solution, "task": False}}
+    return {"nbgrader": {**grading, **worth, "solution": solution, "task": False}}
 
 
 def markdown(name: str, source: str) -> Cell:
@@ -198,8 +198,8 @@ def markdown(name: str, source: str) -> Cell:
 
 def code(name: str, source: str, metadata: dict[str, Any] | None = None) -> Cell:
     """A cell of code that was not run."""
-    kept = {"metadata": metadata or {}, "source": source}
-    return {"cell_type": "code", "execution_count": None, "id": name, **kept, "outputs": []}
+    body = {"metadata": metadata or {}, "source": source}
+    return {"cell_type": "code", "execution_count": None, "id": name, **body, "outputs": []}
 
 
 def with_links(source: str, handed: set[str]) -> str:

@@ -27,14 +27,14 @@ def solution(task: str, names: str) -> str:
 def written_out(exercise: Exercise, name: str) -> str:
     """The library's function under another name; what it calls is imported from beside it."""
     module = sys.modules[exercise.draw.__module__]
-    (made,) = (
+    (exercise_call,) = (
         node.value
         for node in ast.parse(getsource(module)).body
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == f"check_{exercise.name}"
     )
-    assert isinstance(made, ast.Call)
-    source = f"{name} = {ast.unparse(made.args[1])}"
-    if isinstance(made.args[1], ast.Name):
+    assert isinstance(exercise_call, ast.Call)
+    source = f"{name} = {ast.unparse(exercise_call.args[1])}"
+    if isinstance(exercise_call.args[1], ast.Name):
         function = unwrap(exercise.solution)
         module = getmodule(function) or module
         source = re.sub(rf"(?<![\w.]){function.__name__}\b", name, getsource(function))

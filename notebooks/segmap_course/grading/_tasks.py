@@ -60,14 +60,14 @@ def chapters(wanted: str = "") -> dict[str, Path]:
         Where no chapters came with the package.
     """
     files = sorted(chapters_folder().glob("[0-9]*_*.ipynb"))
-    found = {number_of(path.name): path for path in files}
+    paths = {number_of(path.name): path for path in files}
     numbers = [word for word in re.split(r"[,\s]+", wanted) if word]
-    unknown = [word for word in numbers if word not in found]
+    unknown = [word for word in numbers if word not in paths]
     if unknown:
         raise ValueError(
-            f"no chapter has the number {', '.join(unknown)}; there are {', '.join(found)}"
+            f"no chapter has the number {', '.join(unknown)}; there are {', '.join(paths)}"
         )
-    return {number: found[number] for number in found if not numbers or number in numbers}
+    return {number: paths[number] for number in paths if not numbers or number in numbers}
 
 
 def number_of(file: str) -> str:
@@ -93,11 +93,11 @@ def places(cells: list[Cell], checks: Iterable[str] = CHECKS) -> list[Place]:
     >>> places(cells, ["check_f"])
     [Place(check='check_f', answers=('my_f',), given='my_f', written=0, checked=1)]
     """
-    known, found = set(checks), []
+    check_names, rows = set(checks), []
     for index, tree in _trees(cells):
-        for call in _calls(tree, known):
-            given = call.args[0] if len(call.args) == 1 else ast.Tuple(call.args, ast.Load())
-            used = [part.id for part in ast.walk(given) if isinstance(part, ast.Name)]
+        for call in _calls(tree, check_names):
+            answer = call.args[0] if len(call.args) == 1 else ast.Tuple(call.args, ast.Load())
+            used = [part.id for part in ast.walk(answer) if isinstance(part, ast.Name)]
             names = tuple(
                 name for name in dict.fromkeys(used) if _cells_of(cells[: index + 1], name)
             )
@@ -105,8 +105,8 @@ def places(cells: list[Cell], checks: Iterable[str] = CHECKS) -> list[Place]:
                 raise ValueError(f"cell {index} checks what no cell before it defines")
             check = ast.unparse(call.func).removeprefix("course.")
             written = _cells_of(cells[: index + 1], names[0])[-1]
-            found.append(Place(check, names, ast.unparse(given), written, index))
-    return found
+            rows.append(Place(check, names, ast.unparse(answer), written, index))
+    return rows
 
 
 def _trees(cells: list[Cell]) -> Iterator[tuple[int, ast.Module]]:
@@ -153,8 +153,8 @@ def parts(cell: Cell) -> tuple[str, str]:
         for call in _calls(ast.parse(cell["source"]), set(CHECKS))
     ]
     checked = {line for first, last in calls for line in range(first, last)}
-    kept = "\n".join(line for k, line in enumerate(lines) if k not in checked).strip("\n")
-    return kept, "\n".join(lines[k] for k in sorted(checked))
+    unchecked = "\n".join(line for k, line in enumerate(lines) if k not in checked).strip("\n")
+    return unchecked, "\n".join(lines[k] for k in sorted(checked))
 
 
 # ------------------------------------------------------------------------- what that is worth
@@ -189,18 +189,18 @@ class Task(NamedTuple):
 
 def tasks_of(name: str, notebook: Notebook) -> list[Task]:
     """The tasks of a chapter, in their order: what is checked, and what is graded by hand."""
-    cells, found = notebook["cells"], []
+    cells, tasks = notebook["cells"], []
     for place in places(cells):
         exercise, own = CHECKS[place.check], column(place, name)
         program, hand = worth(exercise, text_above(cells, place.written))
         if not isinstance(exercise, OwnLog):
-            found.append((place.checked, Task(own, name, program, place.answers, place.given)))
+            tasks.append((place.checked, Task(own, name, program, place.answers, place.given)))
         if hand:
-            found.append((place.checked, Task(f"{own}_by_hand", name, hand)))
+            tasks.append((place.checked, Task(f"{own}_by_hand", name, hand)))
     for index, cell in enumerate(cells):
         if points := by_hand(cell):
-            found.append((index, Task(f"by_hand_{number_of(name)}_{index}", name, points)))
-    return [task for _, task in sorted(found, key=lambda pair: pair[0])]
+            tasks.append((index, Task(f"by_hand_{number_of(name)}_{index}", name, points)))
+    return [task for _, task in sorted(tasks, key=lambda pair: pair[0])]
 
 
 def column(place: Place, chapter: str) -> str:

@@ -65,8 +65,8 @@ class GroundTruthPanel(LessonPanel):
         self._begin(**first)
 
     def _draw(self, figure: Figure) -> None:
-        given = self._known[:: self.every.value]
-        times, poses = self.log.times[given] + self.late.value, self._truth[given]
+        entries = self._known[:: self.every.value]
+        times, poses = self.log.times[entries] + self.late.value, self._truth[entries]
         self.alignment = ground_truth(
             self.log, times=times, poses=poses, missing="drop", **self.chosen()
         )
@@ -118,13 +118,13 @@ class AnglePanel(LessonPanel):
         self.match = match_angles(walls, others, rng=np.random.default_rng(0), **chosen)
         ax = draw_segments(walls, ax=figure.subplots(), color=MAP)
         ax.set_title(f"scan {second} on scan {first}")
-        found = self.match.matched
-        self.verdict.value = f"match, overlap {self.match.overlap:.2f}" if found else "no match"
+        match = self.match.matched
+        self.verdict.value = f"match, overlap {self.match.overlap:.2f}" if match else "no match"
         self.found.value = "no candidate"
         if self.candidates:
             rank = min(self.rank.value, len(self.candidates))
             best = self.candidates[rank - 1]
-            color = RESULT if found and rank == 1 else ERROR
+            color = RESULT if match and rank == 1 else ERROR
             draw_segments(transform(best.pose, others), ax=ax, color=color)
             metres = f"{best.value:.2f} m match, {best.hidden:.2f} m hidden"
             self.found.value = f"{rank} of {len(self.candidates)}: {metres}"
@@ -174,18 +174,18 @@ class SegmentIcpPanel(LessonPanel):
         later = min(k + self.apart, len(self.log) - 1)
         walls, others = (extract_polylines(self.log[i].points()) for i in (k, later))
         true = np.isfinite(self._truth[[k, later]]).all()
-        known = self._truth if true else self.log.odometry
-        real = between(known[k], known[later])
+        real_poses = self._truth if true else self.log.odometry
+        real = between(real_poses[k], real_poses[later])
         start = real + [self.x.value, self.y.value, self.turn.meant()]
-        self.match = found = match_segments(walls, others, start, **self.chosen())
-        x, y, turn = between(real, found.pose)
-        said = f"match, overlap {found.overlap:.2f}" if found.matched else f"none: {found.reason}"
-        self.verdict.value = said
+        self.match = match = match_segments(walls, others, start, **self.chosen())
+        x, y, turn = between(real, match.pose)
+        text = f"match, overlap {match.overlap:.2f}" if match.matched else f"none: {match.reason}"
+        self.verdict.value = text
         self.error.value = f"{100 * np.hypot(x, y):.1f} cm, {abs(np.degrees(turn)):.1f} degrees off"
         ax = draw_segments(walls, ax=figure.subplots(), color=MAP)
         draw_segments(transform(start, others), ax=ax, color=ERROR, width=0.8)
-        if found.matched:
-            draw_segments(transform(found.pose, others), ax=ax, color=RESULT)
+        if match.matched:
+            draw_segments(transform(match.pose, others), ax=ax, color=RESULT)
         ax.set_title(f"scan {later} on scan {k}")
 
 
@@ -212,13 +212,13 @@ class GlobalPanel(LessonPanel):
         self._begin(**first)
 
     def _draw(self, figure: Figure) -> None:
-        self.alignment = found = global_segments(self.log, **self.chosen())
-        self.count.value = f"{found.used.sum()} of {len(self.log)} scans used"
-        off = np.hypot(*(found.poses - self.truth)[:, :2].T)
+        self.alignment = match = global_segments(self.log, **self.chosen())
+        self.count.value = f"{match.used.sum()} of {len(self.log)} scans used"
+        off = np.hypot(*(match.poses - self.truth)[:, :2].T)
         self.error.value = f"{off[-1]:.2f} m off at the end, {off.max():.2f} m at most"
         ax = figure.subplots()
         ax.plot(*self.truth[:, :2].T, color=TRUTH, linewidth=1, zorder=3, label="truth")
-        draw_alignment(self.log, found, ax=ax)
+        draw_alignment(self.log, match, ax=ax)
 
 
 class BackbonePanel(LessonPanel):

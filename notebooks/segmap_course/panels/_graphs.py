@@ -107,13 +107,13 @@ def partnered(placed: Array, points: Array) -> NDArray[np.bool_]:
 
     In large scans ICP seeks partners of every second or third point only.
     """
-    found = np.zeros(len(placed), bool)
+    partner = np.zeros(len(placed), bool)
     if not len(points):
-        return found
+        return partner
     index = scipy.spatial.cKDTree(placed).query(points)[1]
-    found[index] = True
+    partner[index] = True
     apart = max(int(np.gcd.reduce(index)), 1)
-    return found | (np.convolve(found, np.ones(2 * apart - 1), "same") > 1)
+    return partner | (np.convolve(partner, np.ones(2 * apart - 1), "same") > 1)
 
 
 #: Inverse covariances: 5 cm and 2 degrees from one key frame to the next by odometry, 2 cm and
@@ -145,24 +145,24 @@ class PoseGraphPanel(LessonPanel):
     pixels = {"height": 400}  # noqa: RUF012
 
     def __init__(self, log: Log, alignment: Alignment | None = None) -> None:
-        found = pose_graph(log) if alignment is None else alignment
-        if not len(log) or found.graph is None or len(found) != len(log):
-            got = f"{len(log)} scans and {found!r}"
+        aligned = pose_graph(log) if alignment is None else alignment
+        if not len(log) or aligned.graph is None or len(aligned) != len(log):
+            got = f"{len(log)} scans and {aligned!r}"
             raise ValueError(f"log and alignment must share a graph, got {got}")
-        self.log, self.alignment, self.graph = log, found, found.graph
-        known = bool(np.isfinite(log.odometry).all())
-        ways = [found.poses[:, :2], *([log.odometry[:, :2]] if known else [])]
+        self.log, self.alignment, self.graph = log, aligned, aligned.graph
+        has_wheels = bool(np.isfinite(log.odometry).all())
+        ways = [aligned.poses[:, :2], *([log.odometry[:, :2]] if has_wheels else [])]
         low, high = (f([f(way, axis=0) for way in ways], axis=0) for f in (np.min, np.max))
         self._limits = np.array([low - _MARGIN, high + _MARGIN])
         self._begin()
-        self.odometry.disabled = not known
+        self.odometry.disabled = not has_wheels
 
     def _draw(self, figure: Figure) -> None:
         k, graph = self.scan.value + 1, self.graph
-        known = graph.edges.max(axis=1) < k
-        counted = known & (self.loops.value | ~graph.loop)
+        past = graph.edges.max(axis=1) < k
+        counted = past & (self.loops.value | ~graph.loop)
         self.poses = self._solved(k, counted)
-        frames, closed = len(np.unique(graph.edges[known])) or 1, known & graph.loop
+        frames, closed = len(np.unique(graph.edges[past])) or 1, past & graph.loop
         unused = "" if self.loops.value or not closed.any() else " not used"
         self.count.value = f"{frames} key frames, {closed.sum()} loops{unused}"
         self.gap.value = f"loops stay open by up to {self._gap(closed):.2f} m"
@@ -194,6 +194,6 @@ class PoseGraphPanel(LessonPanel):
     def _gap(self, closed: NDArray[np.bool_]) -> float:
         """How far the poses leave the worst loop open, metres."""
         first, second = self.graph.edges[closed].T
-        found = between(self.poses[first], self.poses[second])
-        rest = between(self.graph.relative[closed], found)
+        relative = between(self.poses[first], self.poses[second])
+        rest = between(self.graph.relative[closed], relative)
         return float(np.hypot(rest[:, 0], rest[:, 1]).max(initial=0.0))

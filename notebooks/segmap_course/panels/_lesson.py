@@ -53,8 +53,8 @@ class LessonPanel(Panel):
         """Make all parts and draw; `first` are keywords of the method, in its units, and `by`."""
         bodies = [vars(kind).items() for kind in reversed(type(self).__mro__)]
         self._parts = {n: part for body in bodies for n, part in body if isinstance(part, Part)}
-        given = {k for k, part in self._parts.items() if part.of is not None or k == "by"}
-        if unknown := first.keys() - given:
+        keywords = {k for k, part in self._parts.items() if part.of is not None or k == "by"}
+        if unknown := first.keys() - keywords:
             raise TypeError(f"{type(self).__name__} has no keyword {', '.join(sorted(unknown))}")
         for name, part in self._parts.items():
             setattr(self, name, part.make(self, name, first.get(name)))
@@ -73,14 +73,14 @@ class LessonPanel(Panel):
     def chosen(self) -> dict[str, Any]:
         """The keywords of the method as the controls stand, in its units."""
         parts = {n: part for n, part in self._parts.items() if part.of is not None}
-        said = {name: getattr(self, name) for name in parts}
+        controls = {name: getattr(self, name) for name in parts}
         counts = {n: p for n, p in parts.items() if not p.only or self.by.value in p.only}
-        return {part.of or name: said[name].meant() for name, part in counts.items()}
+        return {part.of or name: controls[name].meant() for name, part in counts.items()}
 
     def __repr__(self) -> str:
-        said = {name: getattr(self, name).value for name in self._parts}
-        said |= {n: part.says[said[n]] for n, part in self._parts.items() if part.says}
-        return f"{type(self).__name__}({self.words.format_map(said)})"
+        states = {name: getattr(self, name).value for name in self._parts}
+        states |= {n: part.says[states[n]] for n, part in self._parts.items() if part.says}
+        return f"{type(self).__name__}({self.words.format_map(states)})"
 
 
 def keyword(
@@ -100,9 +100,9 @@ def keyword(
     """
 
     def make(panel: LessonPanel, name: str, first: Any) -> Any:
-        given = more if first is None else more | {"value": first}
+        options = more if first is None else more | {"value": first}
         function = by[0] if by else panel.method
-        return control(function, of or name, least=least, most=most, step=step, **given)
+        return control(function, of or name, least=least, most=most, step=step, **options)
 
     return Part(make, of, only=tuple(function.__name__ for function in by))
 
@@ -125,9 +125,9 @@ def slide(
 
     def make(panel: LessonPanel, name: str, _: Any) -> Any:
         value, low, high = (b(panel) if callable(b) else b for b in (first, least, most))
-        made = slider(label or name, value, low, high, step, unit)
-        made.meant = lambda: MEANT.get(unit, float)(made.value)
-        return made
+        handle = slider(label or name, value, low, high, step, unit)
+        handle.meant = lambda: MEANT.get(unit, float)(handle.value)
+        return handle
 
     return Part(make, only=only)
 

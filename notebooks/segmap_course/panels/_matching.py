@@ -84,9 +84,9 @@ class LandscapePanel(LessonPanel):
         scan = self._maps[k], self.log[k].points()
         pose = self.truth[k] + (0, 0, self.turn.meant())
         self.land = landscape(*scan, pose, score=score, step=0.015)
-        found = peaks(self.land.values)
-        self.peaks.value = f"{len(found)} peak{'s' * (len(found) != 1)} within 30 cm"
-        y, x = self.land.offsets[found[0]]
+        tops = peaks(self.land.values)
+        self.peaks.value = f"{len(tops)} peak{'s' * (len(tops) != 1)} within 30 cm"
+        y, x = self.land.offsets[tops[0]]
         self.best.value = f"the highest {100 * np.hypot(x, y):.1f} cm off"
         left, right = figure.subplots(1, 2)
         draw_landscape(self.land, ax=left)
@@ -179,7 +179,7 @@ class MatcherPanel(LessonPanel):
 
         For "field" one distance field serves all calls.
         """
-        best, found = (-np.inf, start), [start[None]]
+        best, visits = (-np.inf, start), [start[None]]
         score, fast = SCORES[self.score.value], self.score.value == "field"
         field = DistanceField.around(self.map, self.points, start) if fast else None
 
@@ -192,7 +192,7 @@ class MatcherPanel(LessonPanel):
             if better:
                 best = float(values.max()), tried[int(values.argmax())]
             if better or not climbs:
-                found.append(best[1][None] if climbs else np.concatenate([tried, best[1][None]]))
+                visits.append(best[1][None] if climbs else np.concatenate([tried, best[1][None]]))
             return values
 
         rng = np.random.default_rng(0 if climbs else 64)
@@ -200,7 +200,7 @@ class MatcherPanel(LessonPanel):
         if not self.shift.disabled:
             options = {"sigma": (self.shift.meant(), float(self.rotation.meant()))}
         MATCHERS[self.matcher.value](rng)(self.map, self.points, start, score=watched, **options)
-        return found[1:] if climbs else found
+        return visits[1:] if climbs else visits
 
 
 class ParticlePanel(LessonPanel):

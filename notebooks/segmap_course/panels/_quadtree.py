@@ -162,8 +162,8 @@ class RayPanel(LessonPanel):
             insert_variant(self.map, pose[:2], transform(pose, scan.points()), **ways)
         leaves, value = self.map.leaves(), self.map.leaf_occupancy()
         hit = leaves.occ > 0
-        kept = (value[hit] > 0.5).mean()
-        self.walls_kept.value = f"{100 * kept:.0f} % of {hit.sum()} hit cells above 0.5"
+        share = (value[hit] > 0.5).mean()
+        self.walls_kept.value = f"{100 * share:.0f} % of {hit.sum()} hit cells above 0.5"
         self.outside.value = f"{self.free_outside():.2f} m² free outside"
         draw_quadtree(self.map, ax=figure.subplots(), robot=self.poses[-1])
 
@@ -201,17 +201,17 @@ class ClassesPanel(LessonPanel):
         self._begin()
 
     def _draw(self, figure: Figure) -> None:
-        found = self.classes = ros_classes(
+        cells = self.classes = ros_classes(
             self.map,
             resolution=self.map.resolution * 2.0**self.doublings.value,
             occupied=self.occupied.value,
             free=self.free.value,
         )
-        rows, columns = found.greys.shape
-        free, unknown, occupied = ((found.greys == grey).sum() for grey in (254, 205, 0))
+        rows, columns = cells.greys.shape
+        free, unknown, occupied = ((cells.greys == grey).sum() for grey in (254, 205, 0))
         self.counts.value = f"{free} free, {unknown} unknown, {occupied} occupied"
-        self.size.value = f"{columns} x {rows} pixels of {found.side:.3g} m"
-        draw_classes(found, ax=figure.subplots())
+        self.size.value = f"{columns} x {rows} pixels of {cells.side:.3g} m"
+        draw_classes(cells, ax=figure.subplots())
 
 
 class StoragePanel(LessonPanel):
@@ -243,8 +243,8 @@ class StoragePanel(LessonPanel):
 
     def _draw(self, figure: Figure) -> None:
         sizes = {"resolution": self.resolution.meant(), "tolerance": self.tolerance.meant()}
-        found = represent(self.log, self.poses, **sizes)
-        self.compared = compare_with_walls(found, self.walls)
+        forms = represent(self.log, self.poses, **sizes)
+        self.compared = compare_with_walls(forms, self.walls)
         texts = (
             (self.segments, "reduced segments", "segments"),
             (self.squares, "quadtree", "leaves"),
@@ -255,9 +255,9 @@ class StoragePanel(LessonPanel):
             text.value = f"{taken}, {1e3 * row['error']:.1f} mm off"
         ax = figure.subplots()
         if self.tree.value:
-            draw_quadtree(found["quadtree"].map, ax=ax)
+            draw_quadtree(forms["quadtree"].map, ax=ax)
         else:
-            draw_segments(found["reduced segments"].map, ax=ax, color=RESULT, width=2.5)
+            draw_segments(forms["reduced segments"].map, ax=ax, color=RESULT, width=2.5)
         draw_segments(self.walls, ax=ax, color=TRUTH, width=0.8)
 
 
@@ -301,5 +301,5 @@ class RoutePanel(LessonPanel):
             self.way, self.told.value = None, str(why)
         ax.add_patch(Circle(goal, radius, fill=False, color=ERROR))
         ax.add_patch(Circle(tuple(self.start), radius, fill=False, color=RESULT))
-        metres = sum(found.size for found in self.frontiers)
+        metres = sum(border.size for border in self.frontiers)
         self.open.value = f"{len(self.frontiers)} frontiers, {metres:.1f} m (dark yellow)"

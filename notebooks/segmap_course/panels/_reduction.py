@@ -73,8 +73,8 @@ class ReductionPanel(LessonPanel):
         self.rate.value = f"reduction {rate:.1%}: {grade_reduction(rate)}"
         self.quality.value = "no quality: the map is empty"
         if len(self.map):
-            kept = quality(self.map, found)
-            self.quality.value = f"quality {kept:.1%}: {grade_quality(kept)}"
+            score = quality(self.map, found)
+            self.quality.value = f"quality {score:.1%}: {grade_quality(score)}"
 
 
 class BasicPanel(ReductionPanel):
@@ -123,8 +123,8 @@ class HybridPanel(ReductionPanel):
     def _draw(self, figure: Figure) -> None:
         x = self.origin.value
         moved = SegmentMap(self.map.segments - (x, 0), self.map.scan)
-        found = hybrid(moved, **self.chosen())
-        self._tell(replace(found, segments=found.segments + (x, 0)))
+        reduced = hybrid(moved, **self.chosen())
+        self._tell(replace(reduced, segments=reduced.segments + (x, 0)))
         gone = np.count_nonzero(self.reduction.parents < 0)
         self.dropped.value = f"{gone} dropped as too short"
         left, right = figure.subplots(1, 2)
@@ -133,7 +133,7 @@ class HybridPanel(ReductionPanel):
         left.set_title(f"the map, origin at x = {x} m")
         left.plot(x, 0, "+", color=MAP, markersize=14, markeredgewidth=2)
         box = [self.angle.value, self.distance.value]
-        _draw_hough(moved.segments, found, box, right)
+        _draw_hough(moved.segments, reduced, box, right)
 
 
 def _draw_hough(segments: Array, reduction: Reduction, box: list[float], ax: Axes) -> None:
@@ -170,16 +170,16 @@ class MeanShiftPanel(ReductionPanel):
     def _draw(self, figure: Figure) -> None:
         scales = {**self.chosen(), "bandwidth": float(self.angle.meant()) / 0.20}
         self._tell(mean_shift(self.map, **scales))
-        found = self.directions = common_directions(self.map, **scales)
-        clusters = f"{len(found.theta)} cluster{'s' * (len(found.theta) != 1)}"
-        self.pieces.value = f"{len(found.pieces)} pieces, {clusters}"
+        reduced = self.directions = common_directions(self.map, **scales)
+        clusters = f"{len(reduced.theta)} cluster{'s' * (len(reduced.theta) != 1)}"
+        self.pieces.value = f"{len(reduced.pieces)} pieces, {clusters}"
         left, right = figure.subplots(1, 2, sharex=True, sharey=True)
         draw_provenance(self.map, self.reduction, ax=left).set_title("the map, reduced")
-        begin, end = midpoint(found.pieces), found.centres[:, :2]
+        begin, end = midpoint(reduced.pieces), reduced.centres[:, :2]
         ways = list(np.stack([begin, end], axis=1))
         right.add_collection(LineCollection(ways, colors=RAW, linewidths=0.6))
         right.scatter(begin[:, 0], begin[:, 1], s=3, color=RAW, linewidths=0)
-        right.scatter(*end.T, s=20, c=group_colors(found.cluster), linewidths=0, zorder=3)
+        right.scatter(*end.T, s=20, c=group_colors(reduced.cluster), linewidths=0, zorder=3)
         right.set_aspect("equal")
         right.set(title="its pieces, and where they climb to", xlabel="x [m]")
 
@@ -239,8 +239,8 @@ class LeastCostPanel(ReductionPanel):
 
     def _tell(self, found: Reduction) -> None:
         super()._tell(found)
-        given = (found.parents >= 0).sum()
-        spent = self.penalty.value * (given - len(found)) / max(given, 1)
+        members = (found.parents >= 0).sum()
+        spent = self.penalty.value * (members - len(found)) / max(members, 1)
         self.promised.value = f"quality promised {np.exp(-spent / SCALE):.1%}"
         metres = [measure(self.map, found) for measure in (invented, missed)]
         self.unseen.value = f"invented {metres[0]:.2f} m, missed {metres[1]:.2f} m"

@@ -52,8 +52,8 @@ class TapePanel(LessonPanel):
         else:
             self.metres.value = "no wall at an end"
         spread = alignment.spread
-        said = "its method does not tell" if spread is None else f"{2 * spread[k]:.2f} m"
-        self.sure.value = f"twice the deviation of the scan: {said}"
+        spread_text = "its method does not tell" if spread is None else f"{2 * spread[k]:.2f} m"
+        self.sure.value = f"twice the deviation of the scan: {spread_text}"
         long = walls[length(walls) > SHOWN_M]
         ax = draw_segments(long, ax=figure.subplots(), color=MAP, width=0.8)
         ends = np.minimum(far, 20.0)[:, None] * np.stack([np.cos(both), np.sin(both)], -1)

@@ -69,11 +69,11 @@ class Prediction(Open):
         if guess is None:
             return self._check(f"write your number first, in {self.unit}")
         true = float(self.measure())
-        told = f"you wrote {guess:.4g} {self.unit}, it is {true:.4g} {self.unit}"
+        hint = f"you wrote {guess:.4g} {self.unit}, it is {true:.4g} {self.unit}"
         if not self._near(guess, true):
-            told += f"; near enough is {self._limit()}"
-        told += f". {self.because}" if self.because else ""
-        return Check(self.name, self._near(guess, true), told)
+            hint += f"; near enough is {self._limit()}"
+        hint += f". {self.because}" if self.because else ""
+        return Check(self.name, self._near(guess, true), hint)
 
     def _near(self, guess: float, true: float) -> bool:
         if abs(guess - true) <= self.within + 1e-9:
@@ -89,9 +89,9 @@ class Prediction(Open):
 
 def _single(guess: Any) -> float | None:
     """The one finite number of an answer, else None."""
-    found = numbers(guess)
-    finite = found is not None and found.size == 1 and np.isfinite(found).all()
-    return float(found.ravel()[0]) if found is not None and finite else None
+    array = numbers(guess)
+    finite = array is not None and array.size == 1 and np.isfinite(array).all()
+    return float(array.ravel()[0]) if array is not None and finite else None
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -131,12 +131,12 @@ class Challenge(Open):
 
 
 def _finite(answer: Any) -> Array:
-    found = numbers(answer)
-    if found is None:
+    array = numbers(answer)
+    if array is None:
         raise ValueError(f"numbers are wanted, got {type_name(answer)}")
-    if not np.isfinite(found).all():
+    if not np.isfinite(array).all():
         raise ValueError("finite numbers are wanted: there are nan or inf among them")
-    return found
+    return array
 
 
 # ------------------------------------------------------------------------ what is admitted

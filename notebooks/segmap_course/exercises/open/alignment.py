@@ -40,13 +40,13 @@ def _icp_fooled(*parts: Array, far: float = 1.0, sure: float = 0.1) -> str:
     log = load("corridor")
     assert log.truth is not None
     true = between(log.truth[20], log.truth[22])
-    found = match_points(log[20].points(), log[22].points(), true + offset)
-    if not found.matched:
-        return f"it says so: {found.reason}"
-    spread = float(np.sqrt(np.trace(found.covariance[:2, :2])))
-    if found.free is not None or spread > sure:
+    match = match_points(log[20].points(), log[22].points(), true + offset)
+    if not match.matched:
+        return f"it says so: {match.reason}"
+    spread = float(np.sqrt(np.trace(match.covariance[:2, :2])))
+    if match.free is not None or spread > sure:
         return f"it is not sure: it may be {spread:.2f} m off, {sure:g} m is wanted"
-    off = float(np.hypot(*between(true, found.pose)[:2]))
+    off = float(np.hypot(*between(true, match.pose)[:2]))
     return "" if off >= far else f"it is {off:.3f} m off, {far:g} m are wanted"
 
 

@@ -46,10 +46,10 @@ def check_my_mapper(folder: str | Path = ".") -> Functions:
     for chapter, check in CHECKS.items():
         function, why = own.get(check.name), problem
         if function is not None:
-            found = check(function, check.cases)  # on given cases: nothing is kept again
-            why = "" if found else f"yours does not pass: {found.hint}"
-        said = f"the library's, since {why}" if why else "yours"
-        print(f"{check.name:18} (chapter {chapter}): {said}")
+            verdict = check(function, check.cases)  # on given cases: nothing is kept again
+            why = "" if verdict else f"yours does not pass: {verdict.hint}"
+        report = f"the library's, since {why}" if why else "yours"
+        print(f"{check.name:18} (chapter {chapter}): {report}")
         functions[check.name] = _in_arrays(check.solution if function is None or why else function)
     return Functions(**functions)
 
@@ -58,8 +58,8 @@ def _in_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
     """The same, with an array where the answer is a list of numbers."""
 
     def answer(*given: Any) -> Any:
-        found = function(*given)
-        return np.array(found, float) if isinstance(found, list | tuple) else found
+        numbers = function(*given)
+        return np.array(numbers, float) if isinstance(numbers, list | tuple) else numbers
 
     return answer
 

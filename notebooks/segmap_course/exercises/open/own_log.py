@@ -41,16 +41,16 @@ class OwnLog(Open):
     def __call__(self, log: Any, poses: Any = None) -> Check:
         """Check a log, with its poses `(k, 3)` or an `Alignment`. Raises nothing."""
         try:
-            found = facts(log, poses)
+            sizes = facts(log, poses)
         except Exception as error:  # whatever a student gives, the check says what is wrong with it
             return Check(self.name, False, str(error) or type(error).__name__)
-        told = (
-            f"{found['scans']:d} scans, {found['seconds']:.0f} s, {found['metres']:.1f} m driven, "
-            f"{found['walls']:d} walls of 1 m or more, {found['wall metres']:.0f} m together"
+        words = (
+            f"{sizes['scans']:d} scans, {sizes['seconds']:.0f} s, {sizes['metres']:.1f} m driven, "
+            f"{sizes['walls']:d} walls of 1 m or more, {sizes['wall metres']:.0f} m together"
         )
-        short = [key for key, least in WANTED.items() if not found[key] >= least]
+        short = [key for key, least in WANTED.items() if not sizes[key] >= least]
         lacking = [f"at least {WANTED[key]:g} {key} are wanted" for key in short]
-        return Check(self.name, not lacking, "; ".join([told, *lacking]))
+        return Check(self.name, not lacking, "; ".join([words, *lacking]))
 
 
 def facts(log: Any, poses: Any) -> dict[str, Any]:
@@ -63,21 +63,21 @@ def facts(log: Any, poses: Any) -> dict[str, Any]:
     """
     if not isinstance(log, Log):
         raise ValueError("give your log first, as segmap.readers.read(path) returns it")
-    if known := bundled(log):
-        raise ValueError(f"this is the bundled log {known!r}: take one of your own")
+    if name := bundled(log):
+        raise ValueError(f"this is the bundled log {name!r}: take one of your own")
     if poses is None:
         raise ValueError("give the poses too: an Alignment, or (k, 3) in metres and radians")
     poses = np.asarray(poses.poses if isinstance(poses, Alignment) else poses, float)
     if poses.shape != (len(log), 3):
         raise ValueError(f"poses must be ({len(log)}, 3), one a scan, got {poses.shape}")
-    known = poses[np.isfinite(poses).all(axis=1)]
+    path = poses[np.isfinite(poses).all(axis=1)]
     chosen = np.unique(np.linspace(0, len(log) - 1, MOST_SCANS).round().astype(int))
     lengths = length(build_map(log[chosen], poses[chosen]).segments)
     long = lengths[lengths >= 1.0]
     return {
         "scans": len(log),
         "seconds": float(log.times[-1] - log.times[0]),
-        "metres": float(np.hypot(*between(known[:-1], known[1:])[:, :2].T).sum()),
+        "metres": float(np.hypot(*between(path[:-1], path[1:])[:, :2].T).sum()),
         "walls": len(long),
         "wall metres": float(long.sum()),
     }

@@ -37,8 +37,8 @@ def _faded(walls: Array, places: Array) -> str:
     lost = int((map.leaf_occupancy()[hit] <= 0.5).sum())
     if lost >= 20 and lost >= 0.1 * hit.sum():
         return ""
-    told = f"{lost} of {int(hit.sum())} cells that were hit are not occupied"
-    return f"{told}, 20 are wanted and a tenth of all"
+    words = f"{lost} of {int(hit.sum())} cells that were hit are not occupied"
+    return f"{words}, 20 are wanted and a tenth of all"
 
 
 break_cells = Challenge(
