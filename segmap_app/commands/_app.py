@@ -10,9 +10,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from segmap.arrays import Declared, Quantity
 from segmap.display import pip_install
 
-from .log_options import examples
+from .log_options import examples, quantity, switch
 
 #: Icons and fonts that Voila's page asks other hosts for: the policy below would refuse them.
 STRANGE = re.compile(rb'<link[^>]*href="https?://[^>]*>')
@@ -56,17 +57,14 @@ def add(commands: Any) -> None:
         help="open the workbench in the browser: no code needed",
         epilog=examples("app", "app --no-browser", "app --port 8890 --no-browser"),
     )
-    command.add_argument("--port", type=int, metavar="N", help="default: one that is free")
-    command.add_argument(
-        "--no-browser", action="store_true", help="print the address only, as without a display"
-    )
+    port = quantity(Declared(int, Quantity(None, least=1, most=65535), (), False))
+    command.add_argument("--port", type=port, metavar="N", help="default: one that is free")
+    switch(command, "--no-browser", help="print the address only, as without a display")
     command.set_defaults(run=run)
 
 
 def run(given: argparse.Namespace) -> None:
     """Serve the page until Control-C; who has the address with its token sees it, nobody else."""
-    if given.port is not None and not 0 < given.port < 1 << 16:
-        given.refuse(f"--port must be from 1 to 65535, got {given.port}")
     try:
         from tornado.routing import HostMatches
         from tornado.web import OutputTransform

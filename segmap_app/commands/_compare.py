@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from segmap import extraction, metrics, warm
+from segmap.arrays import Declared, Quantity
 from segmap.display import counted
 from segmap.methods import bracket, halved
 from segmap.readers import LogError, read_segments
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
 #: What -o may end in.
 SUFFIXES = (".png", ".csv")
+#: What --quality may be.
+PERCENT = Declared(float, Quantity("per cent", above=0, most=100), (), False)
 #: The threshold that a method varies is doubled or halved so often at most, to reach a quality.
 MOST_DOUBLINGS = 5
 #: So many runs then lie between the two beside that quality.
@@ -63,16 +66,13 @@ def add(commands: Any) -> None:
     log_options.add_poses(command)
     command.add_argument(
         "--quality",
-        type=float,
+        type=log_options.quantity(PERCENT),
         default=85.0,
         metavar="PERCENT",
         help="at which the methods are compared; default: 85",
     )
-    command.add_argument(
-        "--all",
-        action="store_true",
-        help=f"every scan; else as many as give {MOST_COMPARED_SEGMENTS} segments",
-    )
+    words = f"every scan; else as many as give {MOST_COMPARED_SEGMENTS} segments"
+    log_options.switch(command, "--all", help=words)
     command.add_argument(
         "--walls",
         type=Path,
@@ -85,10 +85,7 @@ def add(commands: Any) -> None:
 
 
 def check(given: argparse.Namespace) -> None:
-    """Refuse a quality that is none, and read the plan."""
-    log_options.check_options(given)
-    if not 0 < given.quality <= 100:
-        given.refuse(f"--quality must be above 0 and at most 100 per cent, got {given.quality:g}")
+    """Read the plan."""
     try:
         given.plan = None if given.walls is None else read_segments(given.walls)
     except LogError as error:  # of a plan --skip leaves nothing out
@@ -248,9 +245,7 @@ def print_table(runs: pd.DataFrame, quality: float, report: Report) -> dict[str,
         left = "-" if np.isnan(gone) else f"{(1 - gone) * total:.0f}"
         share, varies = "not reached" if np.isnan(gone) else percent(gone), METHODS[name].varies
         words = f"quality {percent(near['quality'])}, {near['n_after']} left"
-        run = (
-            f"--{varies.replace('_', '-')} {near[varies]:.3g}: {words}, {seconds(near['seconds'])}"
-        )
+        run = f"{name}:{varies}={near[varies]:.3g}: {words}, {seconds(near['seconds'])}"
         report.say(f"  {name:<22} {share:>11} {left:>6}  {run}")
         figures = {"gone": None if np.isnan(gone) else gone, "nearest": run}
         report.found.setdefault("methods", {})[name] = figures

@@ -19,7 +19,7 @@ from .. import files
 from ..pipeline import Pipeline
 from . import log_options
 from ._locate import states
-from ._output import Report
+from ._output import Report, Usage
 
 #: What -o may end in.
 SUFFIXES = (".log", ".log.gz", ".npz", ".tum", ".g2o")
@@ -55,7 +55,7 @@ def run(given: argparse.Namespace) -> int:
     if not files.is_ros_map(given.logs[0]):
         return log_options.each_log(given, convert, check=check)
     if len(given.logs) > 1 or len(given.output) != 1 or not given.output[0].endswith(".npz"):
-        given.refuse("a map for ROS becomes one file: `segmap convert map.yaml -o map.npz`")
+        raise Usage("a map for ROS becomes one file: `segmap convert map.yaml -o map.npz`")
     (source,), (target,) = given.logs, given.output
     report = Report(source, json=given.json, quiet=given.quiet)
     log_options.check_places([Path(target)])
@@ -70,11 +70,11 @@ def run(given: argparse.Namespace) -> int:
 
 def check(given: argparse.Namespace) -> None:
     """Refuse files that nothing would be written to."""
-    log_options.check_options(given)
     if not given.output:
-        given.refuse("name the file to write: -o FILE")
-    if given.align != "pose_graph" and any(name.endswith(".g2o") for name in given.output):
-        given.refuse("a .g2o holds a pose graph: add --align pose_graph")
+        raise Usage("name the file to write: -o FILE")
+    wants_graph = any(name.endswith(".g2o") for name in given.output)
+    if wants_graph and not (given.align or "").startswith("pose_graph"):
+        raise Usage("a .g2o holds a pose graph: add --align pose_graph")
 
 
 def convert(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:

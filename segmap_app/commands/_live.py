@@ -22,8 +22,8 @@ from segmap.sensors import Newest, SensorError, SpinningLaser, UrgSensor, ports,
 from segmap.sensors.__main__ import stop_on_signals
 
 from . import _map
-from ._output import metres, print_error, reason
-from .log_options import add_output, examples
+from ._output import Usage, metres, print_error, reason
+from .log_options import add_output, examples, switch
 
 #: What a Hokuyo is called, of any model.
 HOKUYO = "HOKUYO"
@@ -53,11 +53,8 @@ def add(commands: Any) -> None:
     command.add_argument(
         "--log", type=Path, metavar="FILE", help="the log, .csv; default: live-DATE-TIME.csv"
     )
-    command.add_argument(
-        "--counter-clockwise",
-        action="store_true",
-        help="the angles grow counter-clockwise, seen from above; default: as the maker says",
-    )
+    words = "the angles grow counter-clockwise, seen from above; default: as the maker says"
+    switch(command, "--counter-clockwise", help=words)
     add_output(command, _map.SUFFIXES, _map.WRITTEN)
     command.set_defaults(run=live)
 
@@ -68,7 +65,7 @@ def live(given: argparse.Namespace) -> int:
         return tell_what_there_is()
     path = given.log or Path(f"live-{datetime.now():%Y%m%d-%H%M%S}.csv")
     if path.suffix.lower() != ".csv" or path.exists():
-        given.refuse(f"--log {shown(path)} must be a new file whose name ends in .csv")
+        raise Usage(f"--log {shown(path)} must be a new file whose name ends in .csv")
     warm.dispatch(["alignment pose_graph", "quadtree all", "matching all"])  # before scans wait
     stop_on_signals()
     ended, before = 0, time.monotonic()

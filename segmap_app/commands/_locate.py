@@ -17,8 +17,8 @@ from segmap.scans import Log
 from segmap.segments import SegmentMap
 
 from .. import files
-from ._output import Report, metres, percent
-from .log_options import NO_MAP, add_logs, each_log, examples
+from ._output import NO_MAP, Report, Usage, metres, percent
+from .log_options import add_logs, each_log, examples
 
 #: Pictures that the YAML of a map for ROS names.
 PICTURES = (".pgm", ".png", ".bmp")
@@ -53,12 +53,12 @@ def check(given: argparse.Namespace) -> None:
     """Read the map."""
     name = shown(given.map)
     if given.map.suffix.lower() in PICTURES:
-        given.refuse(f"{name} is a picture: name the .yaml that belongs to it")
+        raise Usage(f"{name} is a picture: name the .yaml that belongs to it")
     try:
         given.known = read_map(given.map)
     except ValueError as error:
         makes = "`segmap occupancy LOG -o map.npz` makes one, then `segmap locate map.npz LOG`"
-        given.refuse(f"{name} is no map, {makes}: {error}")
+        raise Usage(f"{name} is no map, {makes}: {error}") from error
 
 
 def read_map(path: Path) -> quadtree.QuadtreeMap | SegmentMap:

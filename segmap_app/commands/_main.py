@@ -9,11 +9,20 @@ from contextlib import suppress
 from typing import Any
 
 from segmap import __version__
+from segmap.arrays import described
 from segmap.files import speak
 
 from . import _app, _compare, _convert, _info, _live, _locate, _map, _merge, _occupancy, _setup
-from ._output import FAULTS, Usage, plain_warnings, print_error, progress_bars, reason
-from .log_options import Command, examples, parsed
+from ._output import (
+    FAULTS,
+    Usage,
+    plain_warnings,
+    print_error,
+    print_line,
+    progress_bars,
+    reason,
+)
+from .log_options import FAMILIES, Command, call_of, examples, parsed, thresholds
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
 EPILOG = """\
@@ -50,11 +59,32 @@ def _add_sensor(commands: Any) -> None:
     command.set_defaults(run=run)
 
 
+def _add_methods(commands: Any) -> None:
+    """`segmap methods [METHOD]`: all methods, or one and its thresholds."""
+    command = commands.add_parser(
+        "methods",
+        help="all methods, or the thresholds of one, as `--method fusion:tolerance=0.05` sets them",
+        epilog=examples("methods", "methods fusion", "methods pose_graph"),
+    )
+    command.add_argument("method", nargs="?", metavar="METHOD", help="one of them")
+    command.set_defaults(run=_tell_methods)
+
+
+def _tell_methods(given: argparse.Namespace) -> None:
+    known = {name: method for family in FAMILIES.values() for name, method in family.items()}
+    for name in [given.method] if given.method else known:
+        function = call_of(name, known).function
+        words = described(function)
+        print_line(f"{name}: {words['']}")
+        for key, threshold in thresholds(function).items() if given.method else ():
+            print_line(f"  {key}: {words[key]} Default: {threshold.shown()}.")
+
+
 #: In the order in which they are listed.
 COMMANDS = (
     *(_info.add, _map.add, _map.add_plan, _merge.add, _compare.add, _occupancy.add, _locate.add),
     *(_convert.add, _app.add, _live.add, _add_sensor, _setup.add_notebooks),
-    _setup.add_warm,
+    *(_setup.add_warm, _add_methods),
 )
 
 
@@ -89,10 +119,8 @@ def parser() -> Command:
     program = Command(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
     program.add_argument("--version", action="version", version=f"segmap {__version__}")
     commands = program.add_subparsers(
-        required=True, metavar="COMMAND", title="commands", parser_class=Command
+        required=True, metavar="COMMAND", title="commands", prog="segmap", parser_class=Command
     )
     for add in COMMANDS:
         add(commands)
-    for name, action in zip(commands.choices, commands._choices_actions, strict=True):
-        commands.choices[name].finish(str(action.help))
     return program

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from segmap import exports, extraction, metrics, reduction
-from segmap.arrays import declared
+from segmap.arrays import Declared, Quantity, declared
 from segmap.display import counted
 from segmap.files import write_bytes
 from segmap.plan.edits import FORMS, read
@@ -28,7 +28,7 @@ from .. import files
 from ..pipeline import MapChoices, Pipeline, world_of
 from ..plans import plan_of
 from . import log_options
-from ._output import Report, metres, percent, seconds
+from ._output import Report, Usage, metres, percent, seconds
 
 MAP_DESCRIPTION = """\
 Aligns the scans of each log, draws a segment for each wall that a scan saw, merges the segments of
@@ -37,7 +37,7 @@ one wall, and says how good the map is, or that it is none.
 EXAMPLES = log_options.examples(
     "map room -o room.svg                   a log that comes with segmap, as a drawing",
     "map room corridor -o '{name}.dxf'      a file for each log, for CAD",
-    "map malaga --method fusion --tolerance 0.05 -o it.png -o it.segmap",
+    "map malaga --method fusion:tolerance=0.05 -o it.png -o it.segmap",
 )
 #: What -o may end in.
 SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt", ".segmap")
@@ -45,8 +45,8 @@ WRITTEN = (
     "the map after the reduction; a .png shows it before and after, a .segmap keeps the log with "
     "these options and figures"
 )
-#: The thresholds of the extraction begin so.
-EXTRACT = "extract_"
+#: What reads a length that may be 0.
+LENGTH = log_options.quantity(Declared(float, Quantity("metres", least=0), (), False))
 #: What -o of a plan may end in.
 PLAN_SUFFIXES = (".svg", ".pdf", ".png", ".dxf", ".geojson", ".csv")
 
@@ -60,11 +60,11 @@ def add(commands: Any) -> None:
         epilog=EXAMPLES,
     )
     log_options.add_poses(command)
-    group = command.few_need("loops to mend, of pose_graph")
+    group = add_making(command)
     group.add_argument(
         "--veto",
         action="extend",
-        type=pairs,
+        type=log_options.told(pairs),
         default=[],
         metavar="FILE",
         help="align by pose_graph without these loops: the rows of --loops that are false, or one "
@@ -73,74 +73,61 @@ def add(commands: Any) -> None:
     group.add_argument(
         "--tie",
         action="extend",
-        type=pairs,
+        type=log_options.told(pairs),
         default=[],
         metavar="FIRST-SECOND",
         help="align by pose_graph, with a loop between two scans that see one place; or a FILE",
     )
-    add_making(command)
     command.set_defaults(run=partial(log_options.each_log, work=draw_walls_of_log, check=check))
 
 
-def add_making(command: log_options.Command) -> None:
-    """All that leads from poses to a map and its files."""
+def add_making(command: log_options.Command) -> Any:
+    """All that leads from poses to a map and its files; the group of what is said of loops."""
     names = (*METHODS, "none")
     command.add_argument(
         "--method",
-        choices=names,
+        type=log_options.word_of(METHODS, "none"),
         default=reduction.USUAL_METHOD,
         metavar="METHOD",
-        help=f"{', '.join(names)}; default: {reduction.USUAL_METHOD}",
+        help=f"{', '.join(names)}; default: {reduction.USUAL_METHOD}; METHOD:NAME=VALUE,... sets "
+        "thresholds, which `segmap methods METHOD` tells",
     )
     command.add_argument(
         "--extract",
-        choices=extraction.METHODS,
+        type=log_options.word_of(extraction.METHODS),
         default="extract_polylines",
         metavar="METHOD",
         help=f"{', '.join(extraction.METHODS)}; default: extract_polylines",
     )
-    command.add_argument(
-        "--filter", type=float, metavar="METRES", help="leave shorter segments out before reducing"
-    )
+    words = "leave shorter segments out before reducing"
+    command.add_argument("--filter", type=LENGTH, metavar="METRES", help=words)
     command.add_argument(
         "--seen-through",
-        type=float,
+        type=log_options.quantity(declared(without_passers)["seen_through"]),
         metavar="SHARE",
         help="leave people out who walked through: beams that end where at most this share of all "
         "beams ended while the others went on, 0.2 say",
     )
-    group = command.few_need("loops, as pose_graph closed them")
+    log_options.add_world(command)
+    log_options.add_output(command, SUFFIXES, WRITTEN)
+    group = command.add_argument_group("loops of pose_graph")
     group.add_argument(
         "--loops",
         type=Path,
         metavar="FILE",
         help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
     )
-    log_options.add_world(command)
-    log_options.add_output(command, SUFFIXES, WRITTEN)
-    functions = {name: method.function for name, method in METHODS.items()}
-    log_options.add_thresholds(command, "thresholds of the reduction methods", functions)
-    log_options.add_thresholds(command, "thresholds of the extraction", extraction.METHODS, EXTRACT)
-
-
-def check_making(given: argparse.Namespace) -> None:
-    """Refuse options that do not go together."""
-    log_options.refuse_others(given, given.method, METHODS)
-    log_options.refuse_others(given, given.extract, extraction.METHODS, EXTRACT)
-    log_options.refuse_wrong(given, "filter", log_options.LENGTH)
-    log_options.refuse_wrong(given, "seen_through", declared(without_passers)["seen_through"])
-    log_options.check_options(given)
+    return group
 
 
 def check(given: argparse.Namespace) -> None:
     """Refuse loops that are of no pose graph, or of several."""
-    check_making(given)
+    log_options.check_world(given)
     if given.veto or given.tie or given.loops:
-        if given.align not in (None, "pose_graph"):
-            given.refuse(f"--loops, --veto and --tie: {given.align} closes no loops")
+        if not (given.align or "pose_graph").startswith("pose_graph"):
+            raise Usage(f"--loops, --veto and --tie: {given.align} closes no loops")
         if len(given.logs) > 1:
-            given.refuse("--loops, --veto and --tie are for one log")
-        given.align = "pose_graph"
+            raise Usage("--loops, --veto and --tie are for one log")
 
 
 def pairs(text: str) -> list[str]:
@@ -152,8 +139,7 @@ def pairs(text: str) -> list[str]:
         rows = csv.DictReader(lines, delimiter=";" if ";" in "".join(lines[:1]) else ",")
         return [f"{int(row['first'])}-{int(row['second'])}" for row in rows]
     except (KeyError, TypeError, ValueError) as error:
-        words = f"{text} must be a table with columns first and second"
-        raise argparse.ArgumentTypeError(words) from error
+        raise ValueError(f"{text} must be a table with columns first and second") from error
 
 
 def draw_walls_of_log(
@@ -170,13 +156,12 @@ def draw_walls_of_log(
 
 def map_recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
     """All that the options say of a map."""
-    extract = log_options.call(given, given.extract, extraction.METHODS[given.extract], EXTRACT)
     chosen = [given.method] if given.method != "none" else []
     return replace(
         log_options.recipe_of(given, log),
-        extract=extract,
+        extract=log_options.call_of(given.extract, extraction.METHODS),
         least=given.filter or 0.0,
-        methods=[log_options.call(given, name, METHODS[name].function) for name in chosen],
+        methods=[log_options.call_of(name, METHODS) for name in chosen],
         seen_through=given.seen_through,
     )
 
@@ -261,14 +246,12 @@ def add_plan(commands: Any) -> None:
         ),
     )
     log_options.add_poses(command)
-    command.add_argument(
-        "--as-recorded",
-        action="store_true",
-        help="the sheet stands as the log does, and not square to the building",
-    )
+    words = "the sheet stands as the log does, and not square to the building"
+    log_options.switch(command, "--as-recorded", help=words)
     command.add_argument(
         "--edit",
         action="append",
+        type=log_options.checked(read),
         default=[],
         help=f"what a person changes, by places in metres of the log, once for each: {FORMS}",
     )
@@ -276,17 +259,8 @@ def add_plan(commands: Any) -> None:
     log_options.add_output(
         command, PLAN_SUFFIXES, "the plan: a sheet, layers, geometries, a table of rooms"
     )
-    command.set_defaults(run=partial(log_options.each_log, work=plan_of_log, check=check_edits))
-
-
-def check_edits(given: argparse.Namespace) -> None:
-    """Refuse options that do not go together."""
-    for text in given.edit:
-        try:
-            read(text)
-        except ValueError as fault:
-            given.refuse(f"--{fault}")
-    log_options.check_options(given)
+    check = log_options.check_world
+    command.set_defaults(run=partial(log_options.each_log, work=plan_of_log, check=check))
 
 
 def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:

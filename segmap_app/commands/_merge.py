@@ -14,7 +14,7 @@ from segmap.scans import Log
 from ..call import Call
 from ..pipeline import Pipeline
 from . import log_options
-from ._map import add_making, check_making, map_recipe_of, mapped
+from ._map import add_making, map_recipe_of, mapped
 from ._output import Report
 
 
@@ -36,7 +36,8 @@ def add(commands: Any) -> None:
     )
     log_options.add_poses(command, align=False)
     add_making(command)
-    command.set_defaults(run=partial(log_options.each_log, work=merge_logs, check=check_making))
+    check = log_options.check_world
+    command.set_defaults(run=partial(log_options.each_log, work=merge_logs, check=check))
 
 
 def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
@@ -44,7 +45,7 @@ def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: R
     if Path(given.first).resolve() in [path.resolve() for path in paths]:
         raise ValueError(f"cannot write {given.first}: it is the first log itself")
     first, given, _ = log_options.log_of([given.first], given)
-    check_making(given)
+    log_options.check_world(given)
     logs = []
     for each in (first, log):
         made = Pipeline(map_recipe_of(given, each), each)

@@ -33,21 +33,15 @@ def add(commands: Any) -> None:
         ),
     )
     log_options.add_poses(command)
-    command.add_argument(
-        "--resolution", type=float, default=0.05, metavar="METRES", help="of a cell; default: 0.05"
-    )
+    side = log_options.quantity(declared(quadtree.QuadtreeMap.__init__)["resolution"])
+    words = "of a cell; default: 0.05"
+    command.add_argument("--resolution", type=side, default=0.05, metavar="METRES", help=words)
     log_options.add_world(command)
     log_options.add_output(
         command, SUFFIXES, "the map: .yaml for ROS, with its .pgm; .npz to load it again"
     )
+    check = log_options.check_world
     command.set_defaults(run=partial(log_options.each_log, work=draw_tree_of_log, check=check))
-
-
-def check(given: argparse.Namespace) -> None:
-    """Refuse options that do not go together."""
-    resolution = declared(quadtree.QuadtreeMap.__init__)["resolution"]
-    log_options.refuse_wrong(given, "resolution", resolution)
-    log_options.check_options(given)
 
 
 def draw_tree_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:

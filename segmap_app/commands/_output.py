@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: What a user can mend: a damaged log, a wrong argument, a full disk, a missing package.
 FAULTS = (ValueError, OSError, ImportError, MemoryError)
+#: Exit code where a log gave no map.
+NO_MAP = 3
 #: So many seconds after Control-C the program ends in the middle of a compiled loop.
 STOP_PATIENCE_S = 0.5
 

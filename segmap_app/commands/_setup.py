@@ -21,7 +21,7 @@ from segmap.files import chapters_folder, existing, write_bytes
 from segmap.threads import cores
 
 from ._output import print_line, progress
-from .log_options import examples
+from .log_options import examples, switch
 
 #: The chapter that is opened first.
 FIRST_CHAPTER = "01_start_here.ipynb"
@@ -123,7 +123,7 @@ def add_warm(commands: Any) -> None:
         help="compile all loops now instead of at first use",
         epilog=examples("warm", "warm --first", "warm         again, once segmap is newer"),
     )
-    command.add_argument("--first", action="store_true", help="only what chapter 01 needs")
+    switch(command, "--first", help="only what chapter 01 needs")
     command.set_defaults(run=compile_loops)
 
 

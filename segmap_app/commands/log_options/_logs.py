@@ -20,6 +20,7 @@ from segmap.scans import Log
 from ...files import is_ros_map, read_session
 from .._output import (
     FAULTS,
+    NO_MAP,
     Report,
     Usage,
     percent,
@@ -29,11 +30,10 @@ from .._output import (
     reason,
     stoppable,
 )
-from ._command import Command
+from ._command import Command, switch, told
 from ._reading import add_reading, read_log
 from ._settings import applied
-from ._table import NO_MAP, write_table
-from ._workers import on_workers
+from ._workers import on_workers, write_table
 
 #: Stands for the name of the log.
 LOG_NAME = "{name}"
@@ -54,26 +54,19 @@ def add_logs(command: Command) -> None:
         help="a file, a folder, a session (.segmap) with its options, or malaga, clinic, corridor, "
         "room",
     )
-    group = command.add_argument_group("damage, and what is printed")
-    group.add_argument(
-        "--skip", action="store_true", help="leave damaged lines out, and say how many"
-    )
-    group.add_argument(
-        "--json", action="store_true", help="print all that is said as JSON, one object a log"
-    )
-    group.add_argument(
-        "-q", "--quiet", action="store_true", help="print no result: only what fails or is doubtful"
-    )
-    group = command.few_need("tables, options from a file, bags of ROS")
+    group = command.add_argument_group("reading and printing")
+    switch(group, "--skip", help="leave damaged lines out, and say how many")
+    switch(group, "--json", help="print all that is said as JSON, one object a log")
+    switch(group, "-q", "--quiet", help="print no result: only what fails or is doubtful")
     group.add_argument(
         "--table",
-        type=_csv,
+        type=told(_csv),
         metavar="FILE",
         help="write the figures as .csv too, a row for each log",
     )
     group.add_argument(
         "--workers",
-        type=_workers,
+        type=told(_workers),
         metavar="N|ADDRESS",
         help="one log a process, N at a time, or on the Dask cluster at tcp://HOST:PORT; logs that "
         "--table holds already are not done again",
@@ -82,20 +75,18 @@ def add_logs(command: Command) -> None:
         "--config",
         type=Path,
         metavar="FILE",
-        help="a .toml with options by their names, `tolerance = 0.05`; those given here win",
+        help="a .toml with options by their names, `filter = 0.5`; those given here win",
     )
     add_reading(group)
 
 
 def _csv(text: str) -> Path:
-    if not text.lower().endswith(".csv"):
-        raise argparse.ArgumentTypeError(f"{text!r} must end in .csv")
-    return Path(text)
+    return Path(_with_known_suffix([".csv"], text))
 
 
 def _workers(text: str) -> str:
     if not (text.isdecimal() and int(text)) and "://" not in text:
-        raise argparse.ArgumentTypeError(f"{text!r} must be a number, or like tcp://HOST:8786")
+        raise ValueError(f"{text!r} must be a number, or like tcp://HOST:8786")
     return text
 
 
@@ -119,14 +110,14 @@ def each_log(
     each = [source for text in given.logs for source in sources(text)]
     chosen = [[file] for file in each] if given.columns or given.view else together(each)
     for name in filter(is_ros_map, [*each, getattr(given, "first", each[0])]):
-        given.refuse(
+        raise Usage(
             f"{shown(name)} is a map for ROS and no log: `segmap locate {shown(name)} LOG` finds a "
             "robot on it, `segmap convert` keeps it as .npz"
         )
     patterns = getattr(given, "output", [])
     alike = [pattern for pattern in patterns if LOG_NAME not in pattern]
     if len(chosen) > 1 and alike:
-        given.refuse(f"{counted(len(chosen), 'log')} would go to {alike[0]}: write {{name}} in it")
+        raise Usage(f"{counted(len(chosen), 'log')} would go to {alike[0]}: write {{name}} in it")
     fixed = [Path(pattern) for pattern in patterns if LOG_NAME not in str(Path(pattern).parent)]
     check_places([given.table, getattr(given, "loops", None), *fixed])
     if not all(map(is_session, each)):
@@ -264,25 +255,23 @@ def log_of(
 
 def add_strict(command: Command) -> None:
     """The options that say what counts as a map, and what happens where there is none."""
-    group = command.few_need("what counts as a map")
+    group = command.add_argument_group("what counts as a map")
     group.add_argument(
         "--strict",
-        type=_share,
+        type=told(_share),
         default=0.0,
         metavar="SHARE",
         help=f"end with {NO_MAP} too where a smaller share of the scans is placed, 0.9 say; alone, "
         "where the map is not good",
     )
-    group.add_argument("--strict-verdict", action="store_true", help=argparse.SUPPRESS)
-    group.add_argument(
-        "--force", action="store_true", help=f"write the files even where that ends with {NO_MAP}"
-    )
+    switch(group, "--strict-verdict", help=argparse.SUPPRESS)
+    switch(group, "--force", help=f"write the files even where that ends with {NO_MAP}")
 
 
 def _share(text: str) -> float:
     share = float(text)
     if not 0 <= share <= 1:
-        raise argparse.ArgumentTypeError(f"{text} must be from 0 to 1")
+        raise ValueError(f"{text} must be from 0 to 1")
     return share
 
 
@@ -344,7 +333,7 @@ def add_output(command: Command, suffixes: Sequence[str], what: str) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        type=partial(_with_known_suffix, suffixes),
+        type=told(partial(_with_known_suffix, suffixes)),
         help=f"write {what}; the name ends in {', '.join(suffixes)}; may be given more than once; "
         f"{LOG_NAME} in it stands for the name of the log, for several logs: 'maps/{LOG_NAME}.svg'",
     )
@@ -352,5 +341,5 @@ def add_output(command: Command, suffixes: Sequence[str], what: str) -> None:
 
 def _with_known_suffix(suffixes: Sequence[str], text: str) -> str:
     if not text.lower().endswith(tuple(suffixes)) or text.startswith(tuple(suffixes)):
-        raise argparse.ArgumentTypeError(f"{text!r} must end in one of {', '.join(suffixes)}")
+        raise ValueError(f"{text!r} must end in one of {', '.join(suffixes)}")
     return text

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -17,13 +16,13 @@ from segmap.scans.causes import Cause
 from segmap.scans.motion import is_timed
 from segmap.segments import SegmentMap
 
-from ...call import Call, directions
+from ...call import directions
 from ...pipeline import MapChoices, Pipeline, world_of
-from .._output import Report, seconds
-from ._command import Command
+from .._output import Report, Usage, seconds
+from ._command import Command, checked, switch
 from ._logs import add_logs, add_strict
+from ._methods import call_of, word_of
 from ._settings import EDITS, PREPARE
-from ._thresholds import add_thresholds, chosen_thresholds, refuse_others, refuse_wrong, thresholds
 
 #: So many reasons for scans that were not matched are told.
 MOST_REASONS = 3
@@ -42,27 +41,20 @@ def add_poses(command: Command, *, align: bool = True) -> None:
 
 def add_preparing(command: Command) -> None:
     """The options for `alignment.prepared`."""
-    group = command.few_need("the laser and its log")
-    group.add_argument(
-        "--no-deskew",
-        action="store_true",
-        help="take all beams of a scan to be measured at once, even where the log has their times",
-    )
-    group.add_argument(
-        "--keep-body", action="store_true", help="keep beams that see the robot itself"
-    )
+    group = command.add_argument_group("the laser and its log")
+    words = "take all beams of a scan to be measured at once, even where the log has their times"
+    switch(group, "--no-deskew", help=words)
+    switch(group, "--keep-body", help="keep beams that see the robot itself")
     group.add_argument(
         "--mask",
         action="append",
+        type=checked(lambda text: directions([text])),
         metavar="FROM:TO",
         help="leave out what the laser sees from one direction to another, degrees "
         "counter-clockwise from where it looks: the robot's own posts; -170:-150,150:170 are two",
     )
-    group.add_argument(
-        "--clockwise",
-        action="store_true",
-        help="the laser counts its beams clockwise, or hangs upside down, and the log does not say",
-    )
+    words = "the laser counts its beams clockwise, or hangs upside down, and the log does not say"
+    switch(group, "--clockwise", help=words)
     group.add_argument(
         "--mount",
         nargs=3,
@@ -71,22 +63,16 @@ def add_preparing(command: Command) -> None:
         help="where the laser sits on the robot, metres ahead and to the left, and where it looks, "
         "counter-clockwise from ahead; `--mount auto` takes what turns and ways tell",
     )
-    group.add_argument("--mount-auto", action="store_true", help=argparse.SUPPRESS)
-
-
-def preparing_of(given: argparse.Namespace) -> dict[str, Any]:
-    """The options for `alignment.prepared` that are given, as a session keeps them."""
-    return {name: value for name in PREPARE if (value := getattr(given, name, None))}
+    switch(group, "--mount-auto", help=argparse.SUPPRESS)
 
 
 def recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
     """What the options say of the way to poses, by default a pose graph, and of edits on a map."""
-    name = getattr(given, "align", None) or "pose_graph"
-    refuse_others(given, name, METHODS, "align_")
-    align = call(given, name, METHODS[name].function, "align_")
-    if name == "ground_truth" != usual_method(log):  # some scans have none
+    align = call_of(getattr(given, "align", None) or "pose_graph", METHODS)
+    if align.name == "ground_truth" != usual_method(log):  # some scans have none
         align = replace(align, thresholds={"missing": "drop", **align.thresholds})
-    prepare = preparing_of(given) if hasattr(given, "no_deskew") else {"no_deskew": True}
+    unprepared = {} if hasattr(given, "no_deskew") else {"no_deskew": True}
+    prepare = unprepared | {name: v for name in PREPARE if (v := getattr(given, name, None))}
     return MapChoices(align, prepare=prepare, edits=edits_of(given))
 
 
@@ -95,28 +81,18 @@ def edits_of(given: argparse.Namespace) -> dict[str, Any]:
     return {name: value for name in EDITS if (value := getattr(given, name, None))}
 
 
-def call(
-    given: argparse.Namespace, name: str, function: Callable[..., Any], prefix: str = ""
-) -> Call:
-    """A function with the thresholds that are given for it."""
-    return Call(name, function, chosen_thresholds(given, function, prefix))
-
-
 def placed_outcome(given: argparse.Namespace, log: Log, report: Report) -> Pipeline:
     """The log with its beams carried to the start of each scan, and a pose for each scan."""
     return tell_poses(Pipeline(recipe_of(given, log), log), report)
 
 
 def add_align(command: Command, without: str = ALIGN) -> None:
-    """The option --align, and the thresholds of what it names.
+    """The option --align.
 
     `without` says what happens where it is not given.
     """
-    command.add_argument(
-        "--align", choices=METHODS, metavar="METHOD", help=f"{', '.join(METHODS)}; {without}"
-    )
-    functions = {name: method.function for name, method in METHODS.items()}
-    add_thresholds(command, "thresholds of the alignment methods", functions, "align_")
+    words = f"{', '.join(METHODS)}; {without}"
+    command.add_argument("--align", type=word_of(METHODS), metavar="METHOD", help=words)
 
 
 def tell_poses(made: Pipeline, report: Report) -> Pipeline:
@@ -159,7 +135,7 @@ def tell_alignment(found: Alignment, report: Report) -> None:
 
 def add_world(command: Command) -> None:
     """The options that say how a map is turned and cropped, and where on the earth it lies."""
-    group = command.few_need("where the map lies")
+    group = command.add_argument_group("where the map lies")
     group.add_argument(
         "--crop",
         nargs=4,
@@ -167,9 +143,9 @@ def add_world(command: Command) -> None:
         metavar=("LEFT", "LOW", "RIGHT", "HIGH"),
         help="keep what lies in this rectangle, metres, of the map that is written",
     )
-    group.add_argument(
+    switch(
+        group,
         "--square",
-        action="store_true",
         help="turn the map about its origin, by the smallest angle, until most walls run along x "
         "and y; all files then have this frame",
     )
@@ -197,25 +173,12 @@ def add_world(command: Command) -> None:
     )
 
 
-def check_options(given: argparse.Namespace) -> None:
+def check_world(given: argparse.Namespace) -> None:
     """End with an error of usage, before any work, where these options do not go together."""
-    if align := getattr(given, "align", None):
-        refuse_others(given, align, METHODS, "align_")
-    else:
-        for threshold, of in thresholds(METHODS["pose_graph"].function).items():
-            refuse_wrong(given, f"align_{threshold}", of.said)
+    option = "--place"
     try:
-        directions(getattr(given, "mask", None) or ["0:1"])
+        world_of(edits_of(given))
+        option = "--crop"
+        SegmentMap([]).cropped(*given.crop or (0, 0, 1, 1))
     except ValueError as error:
-        given.refuse(f"--mask: {error}")
-    if hasattr(given, "crop"):
-        useful = any(name.lower().endswith((".geojson", ".segmap")) for name in given.output)
-        if given.place and not useful and "place" not in given.held:
-            given.refuse("--place is for a .geojson, the other files have none: name one with -o")
-        option = "--place"
-        try:
-            world_of(edits_of(given))
-            option = "--crop"
-            SegmentMap([]).cropped(*given.crop or (0, 0, 1, 1))
-        except ValueError as error:
-            given.refuse(f"{option}: {error}")
+        raise Usage(f"{option}: {error}") from error

@@ -3,29 +3,42 @@
 from __future__ import annotations
 
 import argparse
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from segmap import alignment, extraction, reduction
 from segmap.files import shown
 from segmap.readers import LogError, read_text
 
-from ._command import meant
+from ...pipeline import BEGIN
+from .._output import Usage
+from ._methods import function_of, thresholds
 
 #: Options that change the map and not the way to it.
 EDITS = {"veto", "tie", "crop", "square", "place", "north", "crs"}
-
 #: Options that say how a log is prepared.
 PREPARE = ("no_deskew", "keep_body", "mask", "clockwise", "mount", "mount_auto")
+#: The methods that an option names.
+FAMILIES: Mapping[str, Mapping[str, Any]] = {
+    "align": alignment.METHODS,
+    "extract": extraction.METHODS,
+    "method": reduction.METHODS,
+}
+#: The methods where none is named.
+USUAL = {"align": "pose_graph", "extract": "extract_polylines", "method": reduction.USUAL_METHOD}
 
 
 def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
     """The options given, above those of the file that --config names."""
-    words = _written_out(words)
-    begin = argparse.Namespace(parser=parser, words=words, lent=set(), held=set())
-    options, unknown = parser.parse_known_args(words, begin)
+    text = re.sub("--mount[\0=]auto", "--mount-auto", "\0".join(words))
+    text = re.sub(r"--strict(?=\0(?![\d.]|nan)|$)", "--strict-verdict", text)
+    begin = argparse.Namespace(parser=parser, words=text.split("\0") if text else [])
+    options, unknown = parser.parse_known_args(begin.words, begin)
     if unknown:
-        options.command.refuse_unknown(unknown)
+        words = f"unrecognized arguments: {' '.join(unknown)}"
+        raise Usage(f"{words}\n`segmap {begin.words[0]} --help` tells what there is")
     if path := getattr(options, "config", None):
         try:
             stored = tomllib.loads(read_text(path))
@@ -35,73 +48,42 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
             raise ValueError(f"{shown(path)}: {error}") from error
         options, unknown = applied(options, stored)
         if unknown:
-            near = meant(unknown[0].replace("_", "-"), flags(options))
-            options.refuse(f"{path} has {unknown[0]}, which is no option{near}")
+            raise Usage(f"{path} has {unknown[0]}, which is no option")
     return options
-
-
-def _written_out(words: Sequence[str]) -> list[str]:
-    """The words with `--mount auto`, and `--strict` without a share, as options of their own."""
-    written: list[str] = []
-    for word, following in zip(words, [*words, ""][1:], strict=True):
-        if word == "auto" and written[-1:] == ["--mount-auto"]:
-            continue
-        if word == "--mount=auto" or (word == "--mount" and following == "auto"):
-            word = "--mount-auto"
-        if word == "--strict" and not _is_number(following):
-            word = "--strict-verdict"
-        written.append(word)
-    return written
-
-
-def _is_number(word: str) -> bool:
-    """Whether a word is a number; NaN is one."""
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
 
 
 def applied(
     given: argparse.Namespace, stored: Mapping[str, Any]
 ) -> tuple[argparse.Namespace, list[str]]:
-    """The options given above those stored, and the names of those that the command does not have.
-
-    Where another method is given than is stored, its thresholds are lent to none.
-    """
-    words, unknown, actions = [given.words[0]], [], flags(given)
-    for name, value in stored.items():
-        flag = name.replace("_", "-")
-        if flag not in actions:
+    """The options given above those stored, and the names of those that the command has not."""
+    words, unknown = [given.words[0]], []
+    for name, value in with_calls(stored).items():
+        if not hasattr(given, name):
             unknown.append(name)
-        elif not (flag == "output" and given.output):
-            words += _written(flag, value, actions[flag])
+        elif not (name == "output" and given.output):
+            words += _written(f"--{name.replace('_', '-')}", value)
     words += given.words[1:]
-    begin = argparse.Namespace(
-        parser=given.parser, words=words, lent=set(), held=given.held | {*stored}
-    )
-    options = given.parser.parse_args(words, begin)
-    for kind in ("method", "align"):
-        if kind in stored and getattr(options, kind, stored[kind]) != stored[kind]:
-            options.lent = {name.replace("-", "_") for name in stored}
-    return options, unknown
+    begin = argparse.Namespace(parser=given.parser, words=words)
+    return given.parser.parse_args(words, begin), unknown
 
 
-def flags(given: argparse.Namespace) -> dict[str, argparse.Action]:
-    """The options of a command, by their names without dashes in front."""
-    actions = given.command._option_string_actions
-    return {flag[2:]: action for flag, action in actions.items() if flag.startswith("--")}
-
-
-def _written(flag: str, value: Any, action: argparse.Action) -> list[str]:
+def _written(flag: str, value: Any) -> list[str]:
     """A value as one writes it on the command line."""
-    if value is True or value is False:
-        wanted = f"--{flag}" if value else f"--no-{flag}"
-        return [wanted] if value or wanted in action.option_strings else []
-    values = value if isinstance(value, list) else [value]
-    if not values or isinstance(values[0], list):  # an option that is given several times
-        return [word for one in values for word in _written(flag, one, action)]
-    if isinstance(action.nargs, int) and action.nargs:
-        return [f"--{flag}", *map(str, values)]
-    return [f"--{flag}={each}" for each in values]
+    if isinstance(value, bool):
+        return [flag] * value
+    if not isinstance(value, list):
+        return [f"{flag}={value}"]
+    if all(isinstance(each, str) for each in value):  # an option that is given several times
+        return [f"{flag}={each}" for each in value]
+    return [flag, *map(str, value)]
+
+
+def with_calls(stored: Mapping[str, Any]) -> dict[str, Any]:
+    """The options with each threshold at its method: sessions, and files, keep it for itself."""
+    options = {name.replace("-", "_"): value for name, value in stored.items()}
+    for option, family in FAMILIES.items():
+        if (name := str(options.get(option, USUAL[option]))) in family:
+            keys = {BEGIN[option] + key: key for key in thresholds(function_of(family[name]))}
+            own = [f"{keys[key]}={options.pop(key)}" for key in [*options] if key in keys]
+            options |= {option: f"{name}:{','.join(own)}"} if own else {}
+    return options

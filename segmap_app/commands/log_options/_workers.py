@@ -11,9 +11,9 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -21,8 +21,7 @@ from typing import Any
 from segmap.display import counted, pip_install
 from segmap.files import shown, write_bytes
 
-from .._output import Usage, print_error, print_line, progress, stoppable
-from ._table import NO_MAP, read_table, write_table
+from .._output import NO_MAP, Usage, print_error, print_line, progress, stoppable
 
 #: Options of the command that a job does not have, each with its value.
 FOR_ALL = ("--workers", "--table")
@@ -165,3 +164,22 @@ def _sees(names: list[str]) -> bool:
 def _all_files(path: Path) -> list[Path]:
     """A file, or those below a folder."""
     return [each for each in (path, *sorted(path.rglob("*"))) if each.is_file()]
+
+
+def write_table(path: Path, rows: Sequence[dict[str, Any]]) -> None:
+    """A row for each log, a column for each figure: `aligned.matched` and so on."""
+    import pandas as pd
+
+    text = pd.json_normalize(list(rows)).convert_dtypes().to_csv(index=False)
+    write_bytes(path, text.encode("utf-8", "backslashreplace"))
+
+
+def read_table(path: Path | None) -> list[dict[str, Any]]:
+    """The rows of a table that is there already, none where it is not."""
+    import pandas as pd
+
+    with suppress(FileNotFoundError, pd.errors.EmptyDataError):
+        if path is not None:
+            table: Any = pd.read_csv(path, dtype=str, keep_default_na=False)
+            return [row for row in table.to_dict("records") if row.get("source")]
+    return []

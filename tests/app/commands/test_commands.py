@@ -159,7 +159,7 @@ def test_a_map_is_what_the_library_makes_in_every_format(run, near):
     figures = plt.get_fignums()
     names = [f"it.{suffix}" for suffix in ("csv", "npz", "svg", "dxf", "geojson", "wkt", "png")]
     outputs = [word for name in names for word in ("-o", name)]
-    code, said, _ = run("map", near, *TRUE, "--method", "fusion", "--tolerance", "0.06", *outputs)
+    code, said, _ = run("map", near, *TRUE, "--method", "fusion:tolerance=0.06", *outputs)
     wanted = expected(near, "fusion", tolerance=0.06)
     assert code == 0 and f"by fusion: {len(wanted)} segments left" in said
     assert "by ground_truth: 12 of 12 scans" in said
@@ -249,27 +249,26 @@ def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
         return replace(reduction.fusion(map), doubt="it is strange")
 
     monkeypatch.setitem(reduction.METHODS, "strange", Method(strange, "here", varies="angle"))
-    words = ("--skew", 20, "--angle", 0.3, "--bend", 30)
-    code, said, _ = run("map", near, "--method", "strange", *words)
+    code, said, _ = run("map", near, "--method", "strange:skew=20,angle=0.3,bend=30")
     assert code == 0 and "            doubt: it is strange" in said.splitlines()
     assert given == [0.3, np.radians(20), np.radians(30)]
-    said = " ".join(run("map", "--help", "strange")[1].split())
-    assert "--skew DEGREES How askew. Default: 10 degrees." in said
-    assert "--angle METRES Its width. Default: 0.2 metres." in said and "--bend DEGREES/M" in said
+    said = run("methods", "strange")[1]
+    assert "skew: How askew. Default: 10 degrees.\n" in said
+    assert "angle: Its width. Default: 0.2 metres.\n" in said and "57.3 degrees/m" in said
 
 
 def test_switches_filters_and_thresholds_of_the_extraction(run, near):
-    """Catches --tolerance of the extraction and of the method that are one, and a lost --no-."""
+    """Catches a tolerance of the extraction and of the method that are one, and a lost switch."""
     log = segmap.read(near)
     for words, made, told in (
         (
-            ("--extract-tolerance", "0.1"),
+            ("--extract", "extract_polylines:tolerance=0.1"),
             segmap.build_map(log, log.truth, tolerance=0.1),
             "extract",
         ),
         (("--filter", "0.5"), segmap.build_map(log, log.truth).filtered(0.5), "of 0.5 m or more"),
         (
-            ("--method", "viewing_sector", "--no-forget"),
+            ("--method", "viewing_sector:forget=no"),
             expected(near, "viewing_sector", forget=False),
             "",
         ),
@@ -480,29 +479,29 @@ def test_a_map_for_ros_is_a_map_and_no_log(run):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("map --method fusion --sigma 1", "fusion has no --sigma; it has --toleranc"),
-        ("map --align odometry --align-angle 1", "odometry has no --align-angle"),
+        ("map --method fusion:sigma=1", "fusion has no sigma; it has tolerance"),
+        ("map --align odometry:angle=1", "odometry has no angle; it has no threshold"),
         ("map -o it.pdf", "'it.pdf' must end in one of .svg, .csv"),
-        ("map --align magic", "invalid choice: 'magic'; one of odometry, ground_truth"),
-        ("map --method fusio", "invalid choice: 'fusio' (did you mean fusion?)"),
-        ("map --penlty 1", "unrecognized arguments: --penlty 1 (did you mean --penalty?)"),
-        ("map --help fusio", "no such method (did you mean fusion?)"),
-        ("map --angle 400", "--angle must be a number above 0 and of at most 90, in degr"),
-        ("map --align-turn -4", "--align-turn must be"),
-        ("map --extract-gap 0", "--extract-gap must be"),
-        ("map --filter nan", "--filter must be"),
-        ("map --seen-through 1.5", "--seen-through must be"),
-        ("occupancy --resolution 0", "--resolution must be"),
+        ("map --align magic", "--align: 'magic' is none of odometry, ground_truth"),
+        ("map --penlty 1", "unrecognized arguments: --penlty 1"),
+        (
+            "map --method hybrid:angle=400",
+            "angle must be a number above 0 and of at most 90",
+        ),
+        ("map --align pose_graph:turn=-4", "--align: turn must be"),
+        ("map --extract extract_polylines:gap=x", "--extract: gap must be"),
+        ("map --filter nan", "--filter: it must be"),
+        ("map --seen-through 1.5", "--seen-through: it must be"),
+        ("occupancy --resolution 0", "--resolution: it must be"),
         ("map far.log -o it.svg", "2 logs would go to it.svg: write {name} in it"),
         ("convert", "name the file to write: -o FILE"),
         ("convert -o it.g2o", "a .g2o holds a pose graph: add --align pose_graph"),
-        ("compare --quality 100.5", "at most 100 per cent, got 100.5"),
-        ("info --table it.txt", "'it.txt' must end in .csv"),
+        ("compare --quality 100.5", "at most 100, in per cent, got 100.5"),
+        ("info --table it.txt", "'it.txt' must end in one of .csv"),
         ("map --strict 90", "90 must be from 0 to 1"),
         ("map --crop 0 0 -1 2", "--crop: wanted left < right and low < high"),
         ("map --mask 30", "--mask"),
         ("map --north 30", "--place: north and a grid need a place"),
-        ("map --place 52 13 -o it.dxf", "--place is for a .geojson"),
         ("map --place 45.46 9.19 --crs EPSG:25832 -o it.geojson", "looks like degrees"),
         ("map --place 139.7 35.7 -o it.geojson", "; the latitude comes first"),
         ("map --workers two", "must be a number, or like tcp://"),
@@ -513,7 +512,7 @@ def test_what_is_not_understood_is_said_before_anything_is_done(run, near, words
     command, *options = words.split()
     code, out, beside = run(command, near, *options)
     assert code == 2 and out == "" and said in " ".join(beside.split())
-    assert beside.count("\n") == 2 and beside.endswith(" --help` tells what there is\n")
+    assert beside.startswith("segmap: ") and "usage" not in beside and beside.count("\n") <= 2
 
 
 @pytest.mark.parametrize(
@@ -538,8 +537,8 @@ def test_faults_are_one_line_and_1_or_2(run, near, tmp_path, words, said):
 
 
 # ------------------------------------------------------------------------------ kept options
-CHOICE = "--method", "hybrid", "--angle", "20", "--extract-gap", "0.2", "--square", "--crop"
-CROP = "-2", "-30", "20.5", "30"
+CHOICE = "--method", "hybrid:angle=20", "--extract", "extract_polylines:gap=0.2"
+CROP = "--square", "--crop", "-2", "-30", "20.5", "30"
 
 
 def test_a_session_repeats_its_map(run, near):
@@ -565,10 +564,10 @@ def test_a_session_repeats_its_map(run, near):
     told = json.loads(said)
     assert code == 0 and told["reduced"]["method"] == "fusion"
     assert told["aligned"]["method"] == "pose_graph"
-    code, said, _ = run("map", "it.segmap", "--angle", "3", "--json")
+    code, said, _ = run("map", "it.segmap", "--method", "hybrid:angle=3", "--json")
     assert code == 0 and json.loads(said)["reduced"]["segments"] != before["reduced"]["segments"]
     code, said, _ = run("occupancy", "it.segmap")
-    assert code == 0 and "its method, extract_gap, angle left out: no option" in said
+    assert code == 0 and "its method, extract left out: no option" in said
     assert "turned " in said and "cropped " in said
 
 
@@ -580,13 +579,13 @@ def test_a_session_of_many_sizes_and_with_times(run):
     files.write_session("bad.segmap", files.Session(logs.moving_log(), {"filter": "wide"}))
     code, said, beside = run("map", "bad.segmap", "it.segmap", "--align", "pose_graph")
     assert code == 1 and "1 of 2 logs done" in said
-    assert "bad.segmap: argument --filter: invalid float value: 'wide'" in beside
+    assert "bad.segmap: argument --filter: could not convert string to float: 'wide'" in beside
 
 
 def test_options_in_a_file_are_those_of_the_command(run, near):
     """Catches another unit than the option's, a file that wins, and an output in two places."""
     Path("map.toml").write_text(
-        'method = "hybrid"\nangle = 20\nextract-gap = 0.2\nsquare = true\n'
+        'method = "hybrid:angle=20"\nextract = "extract_polylines:gap=0.2"\nsquare = true\n'
         'crop = [-2, -30.0, 20.5, 30]\noutput = ["a.csv"]\njson = true\nskip = false\n'
     )
     run("map", near, *CHOICE, *CROP, "-o", "it.csv")
@@ -594,7 +593,7 @@ def test_options_in_a_file_are_those_of_the_command(run, near):
     assert code == 0 and json.loads(said)["written"]["files"] == ["a.csv"]
     assert Path("a.csv").read_bytes() == Path("it.csv").read_bytes()
     Path("a.csv").unlink()
-    code, said, _ = run("map", near, "--config", "map.toml", "--angle", "3", "-o", "b.csv")
+    code, said, _ = run("map", near, "--config", "map.toml", "--method", "fusion", "-o", "b.csv")
     assert json.loads(said)["reduced"]["segments"] != len(readers.read_segments("it.csv"))
     assert not Path("a.csv").exists() and Path("b.csv").exists()
 
@@ -602,8 +601,8 @@ def test_options_in_a_file_are_those_of_the_command(run, near):
 @pytest.mark.parametrize(
     ("text", "code", "said"),
     [
-        ("tolerence = 0.05", 2, "which is no option (did you mean tolerance?)"),
-        ('filter = "wide"', 2, "argument --filter: invalid float value: 'wide'"),
+        ("tolerence = 0.05", 2, "map.toml has tolerence, which is no option"),
+        ('filter = "wide"', 2, "argument --filter: could not convert string to float: 'wide'"),
         ("crop = [1, 2]", 2, "argument --crop: expected 4 arguments"),
         ("method = fusion", 1, "map.toml: Invalid value (at line 1, column 10)"),
         (None, 1, "map.toml: does not exist, expected a file"),
@@ -614,7 +613,7 @@ def test_a_file_of_options_that_is_not_understood(run, near, text, code, said):
     if text is not None:
         Path("map.toml").write_text(text)
     found, out, beside = run("map", near, "--config", "map.toml")
-    assert found == code and out == "" and said in beside and beside.count("\n") == code
+    assert found == code and out == "" and said in beside and beside.count("\n") <= 2
 
 
 # ------------------------------------------------------------------------------ several logs
@@ -908,8 +907,6 @@ def test_sessions_of_one_building_are_merged_and_the_next_comes_to_them(run, nea
     code, said, _ = run("merge", "one.npz", near, "--method", "none", "-o", "no.csv", "--force")
     assert code == 3 and not Path("no.csv").exists()
     assert "  verdict   NOT A MAP: the sessions are not merged: only 0 places" in said
-    code, _, beside = run("merge", "it.segmap", near, "--penalty", "1")
-    assert code == 1 and "none has no --penalty" in beside
     for first, words in (
         ("none.npz", "none.npz: does not exist"),
         ("it.segmap", "cannot write it.segmap: it is the first log itself"),
@@ -995,7 +992,7 @@ def test_a_plan_judges_the_run_that_is_shown(run, plan):
     for name, said in [*found["methods"].items(), ("none", found["plan"])]:
         after = before
         if name != "none":
-            varies, value = re.match(r"--(\w+) ([\d.]+):", said["nearest"]).groups()
+            varies, value = re.match(r"\w+:(\w+)=([\d.]+):", said["nearest"]).groups()
             after = reduction.METHODS[name](before, **{varies: float(value)})
             assert f", {len(after)} left" in said["nearest"]
         wanted = metrics.against_walls(plan, after, seen=before)
@@ -1042,7 +1039,7 @@ def test_what_is_compared_of_a_long_log_is_said(run, only):
     scans, every = (len(np.unique(each.scan)) for each in (part, map))
     assert step > 1
     told = f"{len(map)} segments; compared on {len(part)} of them, from {scans} of {every} scans (-"
-    assert told in run("compare", "malaga", "--align", "ground_truth", "--align-missing", "drop")[1]
+    assert told in run("compare", "malaga", "--align", "ground_truth:missing=drop")[1]
 
 
 # ------------------------------------------------------------------------------ convert

@@ -35,7 +35,7 @@ def test_a_plan_is_edited_as_typed_or_as_a_session_keeps_it(tmp_path, capsys):
         assert "may go on: hall <1> (11.7 m)" in said and "room 1" not in said
         assert [row.split(",")[0] for row in table.read_text().splitlines()].count("hall <1>") == 1
     assert main(["plan", "room", "--edit", "Name 1 hall"]) == 2
-    assert "--edit must be like" in capsys.readouterr().err
+    assert "--edit: edit must be like" in capsys.readouterr().err
 
 
 def test_names_of_an_earlier_session_are_edits(tmp_path):
