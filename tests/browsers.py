@@ -3,10 +3,13 @@
 import base64
 import json
 import os
+import re
+import shlex
 import shutil
 import signal
 import socket
 import subprocess
+import sys
 import time
 import urllib.error
 import urllib.request
@@ -16,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from makefile import app_command
 
 ROOT = Path(__file__).resolve().parents[1]
 SCREENSHOT = ROOT / "build" / "browser" / "chapter_01.png"
@@ -24,6 +28,40 @@ FLAGS = [
     *("--disable-sync", "--disable-background-networking", "--disable-component-update"),
     *("--disable-dev-shm-usage", "--window-size=1200,1600"),
 ]
+
+TEXT = "return document.body.innerText"
+STATE = "return (document.querySelector('.segmap-state') || {}).innerText"
+#: Whether the page fits its window, where only its steps scroll.
+FITS = (
+    "const e = document.getElementById('rendered_cells'); return e.scrollHeight <= e.clientHeight"
+)
+WIDE = "return document.documentElement.scrollWidth <= window.innerWidth"
+#: Letters with a contrast below 4.5 to 1 against what is behind them (WCAG 2, AA).
+PALE = """
+const light = color => {
+  const [r, g, b] = color.match(/[\\d.]+/g).map(v => v / 255)
+    .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+};
+const clear = e => /^rgba\\(.*, 0\\)$/.test(getComputedStyle(e).backgroundColor);
+const pale = [], walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+while (walk.nextNode()) {
+  const text = walk.currentNode, own = text.parentElement;
+  if (!text.data.trim() || !own.getClientRects().length) continue;
+  let behind = own;
+  while (behind.parentElement && clear(behind)) behind = behind.parentElement;
+  const ground = clear(behind) ? 1 : light(getComputedStyle(behind).backgroundColor);
+  const [low, high] = [light(getComputedStyle(own).color), ground].sort((a, b) => a - b);
+  if ((high + 0.05) / (low + 0.05) < 4.5) pale.push(text.data.trim());
+}
+return pale"""
+#: Whether a button of this name can be pressed.
+READY = """
+return [...document.querySelectorAll('button')].some(
+  e => e.innerText.trim() === arguments[0] && !e.disabled)"""
+BUTTON = "//button[normalize-space()='{}']"
+ENTRY = "//label[normalize-space()='{}']/following-sibling::input"
+PICKED = "//label[normalize-space()='{}']/following-sibling::select"
 
 
 def free_port() -> int:
@@ -144,3 +182,19 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
             yield opened
         finally:
             opened.close()
+
+
+@contextmanager
+def served(folder: Path, **environment: str) -> Iterator[str]:
+    """The address with its token, as the page's own server prints it."""
+    port = free_port()
+    command = app_command(port).replace(".venv/bin/python", shlex.quote(sys.executable))
+    assert shlex.quote(sys.executable) in command
+
+    def printed():
+        found = re.search(rb"http://\S+token=\w+", (folder / "log").read_bytes())
+        return found and found.group().decode()
+
+    environ = os.environ | environment
+    with running(["sh", "-c", command], folder / "log", cwd=ROOT, env=environ):
+        yield wait("voila", printed, 90)

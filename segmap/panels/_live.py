@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from ..alignment import LiveGraph, Tracking
 from ..arrays import Array, Metres, checked
+from ..carried import CarriedMap
 from ..compiled import work_time
 from ..display import counted
 from ..extraction import extract_polylines
@@ -102,7 +102,7 @@ class LivePanel(Panel):
         self._scan: LaserScan | None = None
         self._step: Step | None = None
         self._steps: Iterator[Step] | None = self._begun()
-        self._live: LiveMap | None = None
+        self._live: CarriedMap | None = None
         self._beliefs: Iterator[Belief] | None = None
         self._belief: Belief | None = None
         self._newest: Newest | None = None
@@ -231,12 +231,9 @@ class LivePanel(Panel):
             if not self._found(scan):
                 return
             if self.loops.value:
-                rules = Tracking(moving=isinstance(self.source, SpinningLaser))
-                self._live = self._live or LiveMap(
-                    LiveGraph(tracking=rules),
-                    map=self.map,
-                    start=self._begin,
-                    walls=LiveReduction(),
+                moving = isinstance(self.source, SpinningLaser)
+                self._live = self._live or CarriedMap(
+                    moving=moving, map=self.map, start=self._begin
                 )
                 self._step = self._live.add(scan)
                 self._scan = self._live.graph.tracked(len(self._live.graph) - 1).scan
@@ -282,13 +279,14 @@ class LivePanel(Panel):
             self.picture.value = self._picture.png()
 
     def _tell_place(self, now: Step | Belief) -> None:
-        self.place.style.text_color = None if now.found else ERROR
+        advice = "" if self._live is None else self._live.advice
+        self.place.style.text_color = ERROR if advice or not now.found else None
         if isinstance(now, Belief):
             self.place.value = f"looking: {now.reason}"
             return
         lies = f"{now.overlap:.0%} of the scan lies on the map"
         before = f"; {counted(self.lost, 'scan')} lost on this map" if self.lost else ""
-        self.place.value = f"{'found' if now.found else 'LOST'}: {lies}{before}"
+        self.place.value = f"{advice or ('found' if now.found else 'LOST')}: {lies}{before}"
 
     def _tell(self, segments: int) -> None:
         self.count.value = f"{segments} segments"

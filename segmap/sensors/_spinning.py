@@ -186,8 +186,9 @@ class _Transport:
 
     def read(self, size: int) -> bytes:
         """At most so many bytes, at least one."""
-        until = self._clock() + self._seconds
-        while self._clock() < until:
+        until, late = self._clock() + self._seconds, False
+        while not late:
+            late = self._clock() >= until  # before it is read: this program may have been slow
             heard = self._asked(lambda: self._port.read(min(max(self._port.in_waiting, 1), size)))
             if heard:
                 self.fruitless, self.arrived = self.fruitless + len(heard), self._clock()

@@ -52,10 +52,10 @@ class Canvas(anywidget.AnyWidget):
     what is seen at first; `middle` is the place of the map in its middle. `shown` is one of
     `SHOWN`, `layers` are drawn with it, `tool` is what a click does. `summary` says what is seen.
     `other` is what another run left. `way` are places of scans, `looked_at` two rows of it. While
-    `growing`, way and points alone are drawn. `told` is called with what the page says: a place of
-    the way that was clicked as `scan`, a `rectangle` that was drawn (left, low, right, high), what
-    was `measured` and its `size`, the `run` of the table that is to be shown. `unsaved` maps are
-    asked about before they are left.
+    `growing`, walls, points, way and robot alone are drawn. `told` is called with what the page
+    says: a place of the way that was clicked as `scan`, a `rectangle` that was drawn (left, low,
+    right, high), what was `measured` and its `size`, the `run` of the table that is to be shown.
+    `unsaved` maps are asked about before they are left.
     """
 
     _esm = "".join((SCRIPTS_FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS)
@@ -117,12 +117,13 @@ class Canvas(anywidget.AnyWidget):
             self.titles = [*self.titles, "", ""][:3] + [title]
             self.other = self.packed(segments)
 
-    def grow(self, way: Array, points: Array, words: str) -> None:
-        """Show what was placed so far: places `(k, 2)` and points `(n, 2)`, metres."""
+    def grow(self, way: Array, points: Array, walls: Array, words: str) -> None:
+        """Show what is placed, metres: places `(k, 2)`, points `(n, 2)`, walls `(m, 2, 2)`."""
         with self.hold_sync():
             self.clear()
-            self._frame(*(f(np.vstack([way, points]), axis=0) for f in (np.min, np.max)))
-            self.way, self.points = self.packed(way), self.packed(points)
+            seen = np.vstack([way, points, walls.reshape(-1, 2)])
+            self._frame(seen.min(0), seen.max(0))
+            self.way, self.points, self.before = map(self.packed, (way, points, walls))
             self.titles, self.growing = [words], True
 
     def clear(self) -> None:

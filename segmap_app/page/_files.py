@@ -19,13 +19,16 @@ from segmap.quadtree import QuadtreeMap, build_map
 from segmap.scans import Log
 
 from .. import files
-from ..pipeline import Pipeline, cropped, world_of
+from ..drives import Driving
+from ..pipeline import Pipeline, Placing, cropped, world_of
 from ..plans import CELL
 
 #: Points of so many scans are drawn at most.
 MOST_DRAWN_SCANS = 400
 #: Points of so many scans are drawn while a map grows.
 SKETCHED_SCANS = 50
+#: Places of a drive that goes on.
+MOST_DRAWN_PLACES = 2000
 #: Leaves of at most this occupancy are free, as in `files.write_ros_map`.
 FREE_OCCUPANCY = 0.25
 
@@ -73,3 +76,18 @@ def drawn_points(log: Log, poses: Array, *, sketched: bool = False) -> Array:
     scans = known[:: 1 + len(known) // (SKETCHED_SCANS if sketched else MOST_DRAWN_SCANS)]
     found = [transform(poses[k], log[int(k)].points()[:: 1 + sketched]) for k in scans]
     return np.concatenate([np.zeros((0, 2)), *found])
+
+
+def sketch(words: Placing | Driving) -> tuple[Array, Array, Array, str, str]:
+    """What `Canvas.grow` shows of work that goes on, and what to do with the laser."""
+    walls = np.zeros((0, 2, 2))
+    if isinstance(words, Placing):
+        poses = words.graph.poses
+        points = drawn_points(words.log, poses, sketched=True)
+        return poses[:, :2], points, walls, str(words), ""
+    scan = words.map.graph.tracked(len(words.map.graph) - 1).scan
+    if (reduced := words.map.walls) is not None:
+        walls = reduced.segments
+    way = words.map.poses[:, :2]
+    way = np.vstack([way[:: 1 + len(way) // MOST_DRAWN_PLACES], words.pose[:2]])
+    return way, transform(words.pose, scan.points()), walls, str(words), words.advice

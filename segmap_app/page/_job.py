@@ -21,12 +21,12 @@ import time
 from collections.abc import Callable, Sequence
 from typing import IO, Any
 
-from segmap.arrays import Array
 from segmap.progress import Stopped, announce, told
 from segmap.scans import Log
 
+from ..drives import Driving, driven
 from ..pipeline import Pipeline, Placing
-from ._files import drawn_points
+from ._files import sketch
 
 #: What the worker begins with: Control-C is for the kernel, and it finds the package that this
 #: Python has imported.
@@ -44,12 +44,14 @@ LEAST_MEMORY_BYTES = 4 << 30
 MOST_TIME_S = 3600
 #: A step may take so long before it is told, seconds.
 STEP_PATIENCE_S = 0.2
+#: And longer in a function that waits for a laser.
+PATIENCE_S: dict[Callable[..., Any], float] = {driven: 5.0}
 #: It is told at most every so often, seconds.
 STEP_NEWS_S = 0.1
 #: What is placed so far is shown so often, seconds, ...
-SKETCH_NEWS_S = 0.5
+SKETCH_NEWS_S = 0.09
 #: ... and for at most this share of the time.
-SKETCH_TIME_SHARE = 0.02
+SKETCH_TIME_SHARE = 0.05
 
 
 class Failed(Exception):
@@ -65,7 +67,8 @@ class Worker:
         self._lock, self._idle, self._stopped = threading.Lock(), threading.Event(), False
         self._idle.set()
         self._heard = threading.Event()
-        self.grown: Callable[[Array, Array], object] = lambda way, points: None
+        self.grown: Callable[..., object] = lambda *seen: None
+        self._patience = STEP_PATIENCE_S
 
     def do(self, function: Callable[..., Any], *given: Any) -> Any:
         """Call `function(*given)` there, and tell here how far it says it is.
@@ -77,7 +80,7 @@ class Worker:
         Failed
             With what the function raised, or where the process ended by itself.
         """
-        self._stopped = False
+        self._stopped, self._patience = False, PATIENCE_S.get(function, STEP_PATIENCE_S)
         self._idle.clear()
         try:
             process, work = self.start(), io.BytesIO()
@@ -143,7 +146,7 @@ class Worker:
             with contextlib.suppress(OSError, ValueError):
                 _send(process.stdin, None)  # type: ignore[arg-type]
             self._lock.release()
-        if not (self._heard.wait(STEP_PATIENCE_S) or self._idle.is_set()):
+        if not (self._heard.wait(self._patience) or self._idle.is_set()):
             self.end()
 
     def end(self) -> None:
@@ -216,9 +219,8 @@ def serve() -> None:
         if share == 0 or now - told_at > STEP_NEWS_S:
             told_at = now
             _send(answers, ("told", (share, str(words))))
-        if isinstance(words, Placing) and share > 0 and now > seen_at:
-            poses = words.graph.poses
-            _send(answers, ("grown", (poses[:, :2], drawn_points(words.log, poses, sketched=True))))
+        if isinstance(words, Placing | Driving) and share > 0 and now > seen_at:
+            _send(answers, ("grown", sketch(words)))
             seen_at = time.monotonic() + max(
                 SKETCH_NEWS_S, (time.monotonic() - now) / SKETCH_TIME_SHARE
             )

@@ -12,6 +12,7 @@ from ._browser import Canvas
 from ._choices import WRAP
 from ._edits import Edits, Rooms
 from ._loops import Loops
+from ._source import Laser
 
 #: Names for people of what is written of a result, and the ends of their files.
 SAVES = {
@@ -101,6 +102,8 @@ class Page:
         self.start.style.button_color, self.start.style.text_color = "#0072b2", "white"
         self.verdict, self.extracted, self.figures, self.chosen = (W.HTML() for _ in range(4))
         self.chosen.add_class("segmap-state")
+        self.advice, self._laser = W.HTML(), Laser()
+        self.advice.add_class("segmap-advice")
         self.listing = W.HTML(layout=W.Layout(width="100%", overflow="auto"))
         named = [W.Button(description=name, tooltip=f"save as {SAVES[name]}") for name in SAVES]
         for button in named:
@@ -119,6 +122,7 @@ class Page:
         steps: list[Any] = []
         for k, ((name, view), told_of) in enumerate(zip(views.items(), found, strict=True), 1):
             steps += headed(f"{k}  {name}", view, *filter(None, [told_of]))
+            steps += headed("or Live", self._laser.view) if name == "Log" else []
         saved, sheet = W.HTML(_shown.heading(SAVED[0])), self.rooms.sheet
 
         def tell_saved(change: Any) -> None:
@@ -132,7 +136,9 @@ class Page:
         steps += [*headed("All runs", listed), *headed("In Python", self.listing)]
         bar = [self.start, self.stop, self.progress, self.state]
         tools = W.Box([self.shown, self.tool, *self.layers.values()], layout=W.Layout(**WRAP))
-        return laid_out(steps, bar, [tools, self.canvas, self.chosen, self.rooms.sheet])
+        return laid_out(
+            steps, bar, [tools, self.advice, self.canvas, self.chosen, self.rooms.sheet]
+        )
 
     def _show_nothing(self) -> None:
         """Show no map, and nothing that is said of one."""
@@ -145,6 +151,8 @@ class Page:
     def _grey(self, *, ready: bool, busy: bool, done: bool, edited: bool) -> None:
         """Grey what cannot be done: where no log is `ready`, while `busy`, before a run is done."""
         self.stop.disabled, self.undo.disabled = not busy, busy or not edited
+        self._laser.start.disabled = busy
+        self.advice.value = self.advice.value * busy
         for each in (self.loops.mend, self.loops.tie, *self.edits.controls):
             each.disabled = busy
         for each in (*self.files.children, self.edits.drag, self.rooms.switch):

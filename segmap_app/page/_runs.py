@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import ipywidgets as W
 
 from ..pipeline import Pipeline
 from . import _shown
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 #: What is kept of a run.
 COLUMNS = (
@@ -41,6 +44,12 @@ class Runs:
             self.made[self.rows.index(row)] = outcome
         self.made = dict(sorted(self.made.items())[-_shown.LATEST :])
         self._show()
+
+    def frame(self) -> DataFrame:
+        """The rows, as pandas has them."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows, columns=COLUMNS)
 
     def _show(self) -> None:
         self.listed.value = _shown.runs_table(self.rows, self.made)

@@ -46,6 +46,11 @@ def heading(text: str) -> str:
     return f'<h2 style="font-size: 15px; margin: 6px 0 2px">{as_html(text)}</h2>'
 
 
+def advice(words: str) -> str:
+    """What to do with the laser, large, as HTML."""
+    return f'<div role="alert">{as_html(words)}</div>' * bool(words)
+
+
 def about_html(log: Log) -> str:
     """What a log is, in one paragraph of HTML."""
     named = [(log.name if word == "scans" else word, text) for word, text in facts(log)]

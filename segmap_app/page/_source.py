@@ -16,7 +16,9 @@ import ipywidgets as W
 from segmap import arrays, readers
 from segmap.files import shown
 from segmap.scans import Log
+from segmap.sensors import SensorError, ports, spinning_models
 
+from ..drives import HOKUYO, new_path
 from ..files import Session, read_session
 from . import _shown
 from ._bar import Bar
@@ -34,6 +36,40 @@ LARGEST = "a file up to 100 MB; larger ones by their path"
 Begin = Callable[..., None]
 #: What is said of a log while there is none: the next run would map another one.
 NO_LOG = "no log: choose one"
+
+
+class Laser:
+    """The laser that is carried, as the page's step *Live* names it."""
+
+    def __init__(self) -> None:
+        wide: Any = {"style": LIST_NAME_STYLE, "layout": W.Layout(width="auto")}
+        models = [HOKUYO]
+        with contextlib.suppress(SensorError):  # lds2d is missing: opening says so
+            models = [*spinning_models(), HOKUYO]
+        self.model: Any = W.Dropdown(options=models, description="laser", **wide)
+        hint = "/dev/ttyUSB0; a Hokuyo needs none"
+        self.port: Any = W.Combobox(description="port", placeholder=hint, **wide)
+        self.mirrored: Any = W.Checkbox(description="the map is mirrored: turn it", indent=False)
+        self.mirrored.tooltip = "the angles of this laser count the other way"
+        self.start: Any = W.Button(description="Start", tooltip="follow the laser until Stop")
+        self.mirrored.layout.width, self.start.layout.width = "auto", "80px"
+        row = W.Box([self.start, self.mirrored], layout=W.Layout(**WRAP))
+        self.view = W.VBox([self.model, self.port, row])
+        with contextlib.suppress(SensorError):
+            self.list_ports()
+
+    def list_ports(self) -> list[str]:
+        """The serial ports that there are now."""
+        self.port.options = [port.device for port in ports()]
+        return list(self.port.options)
+
+    def named(self) -> tuple[str, str, Path, bool | None]:
+        """What `driven` takes, the log in the home folder; a ValueError without a port."""
+        model, port = str(self.model.value), str(self.port.value).strip()
+        if not port and model != HOKUYO:
+            there = ", ".join(self.list_ports()) or "none: plug the laser in"
+            raise ValueError(f"choose the port of the {model}, then press Start: {there}")
+        return model, port, Path.home() / new_path(), False if self.mirrored.value else None
 
 
 class Source:
@@ -138,6 +174,11 @@ class Source:
         with telling(self._refused):
             return self._taken_in(shown(Path(name.replace("\0", "")).name), size, start, content)
         return -1
+
+    def take_drive(self, log: Log, path: Path) -> None:
+        """Take the log of a drive, as one that is read from its file."""
+        self.columns.show()
+        self._take(log, f'segmap.read({str(path)!r}, on_error="skip")')
 
     def _taken_in(self, name: str, size: int, start: int, content: bytes) -> int:
         """The same."""

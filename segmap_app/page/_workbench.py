@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from segmap.scans import Log
 from segmap.segments import length
 
 from .. import files
+from ..drives import driven
 from ..pipeline import MapChoices, Pipeline, begin, follow
 from . import _edits, _files, _shown
 from ._bar import Bar, Work
@@ -28,11 +29,8 @@ from ._choices import Choices
 from ._job import Worker
 from ._loops import Loops
 from ._page import NO_PLANS, SAVES, Page
-from ._runs import COLUMNS, Runs
+from ._runs import Runs
 from ._source import Source, telling
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 class Workbench(Page, Work):
@@ -85,12 +83,12 @@ class Workbench(Page, Work):
         self.progress, self.state = self._bar.bar, self._bar.state
         self._choices = chosen = Choices()
         self.align, self.extract, self.least = chosen.align, chosen.extract, chosen.least
-        self.people = chosen.people
-        self.method, self.second, self.deskew = chosen.method, chosen.second, chosen.deskew
+        self.people, self.deskew = chosen.people, chosen.deskew
+        self.method, self.second = chosen.method, chosen.second
         self.edits, self.loops = chosen.edits, Loops(chosen.edits, self._looked, self._edited)
         self.rooms = _edits.Rooms(chosen.edits, self._begin, self._bar.say, lambda: self.outcome)
         self._make_outputs(self._told)
-        first: str | Log = "malaga" if log is None else log
+        first = "malaga" if log is None else log
         self._source = Source(first, self._taken, self._bar, self._begin)
         self.bundled, self.path, self.upload = self._source.controls
         self.about = self._source.about
@@ -141,10 +139,26 @@ class Workbench(Page, Work):
             self._worker.grown = partial(self._grown, work[1])
             self._begin(begin, work, partial(self._reduce, *work[:2]))
 
-    def _grown(self, log: Log, way: arrays.Array, points: arrays.Array) -> None:
-        """Show the scans that are placed so far."""
+    def _grown(self, log: Log, *seen: Any) -> None:
+        """Show the scans that are placed so far, and what to do with the laser."""
         if log is self.log:
-            self.canvas.grow(way, points, f"scan {len(way)} of {len(log)}")
+            self.advice.value = _shown.advice(seen[-1])
+            self.canvas.grow(*seen[:-1])
+
+    def _drive(self, button: object) -> None:
+        """Follow a laser in the worker, until Stop; then map its log."""
+        with telling(self._bar.wrong):
+            self._worker.grown = partial(self._grown, self.log)
+            self._begin(driven, laser := self._laser.named(), partial(self._driven, laser[2]))
+
+    def _driven(self, path: Path, drive: tuple[Log, str]) -> None:
+        """Map the log of a drive, and say why it ended by itself."""
+        self._source.take_drive(drive[0], path)
+        work = self._work(anew=True)
+        self._worker.grown = partial(self._grown, work[1])
+        self._reduce(*work[:2], self._worker.do(begin, *work))
+        if drive[1]:
+            self._bar.wrong(f"{shown(path)} is mapped, but its end was not asked for: {drive[1]}")
 
     def _reduce(self, recipe: MapChoices, log: Log, begun: Pipeline) -> None:
         """Show a new map while it is reduced, and then what is left of it."""
@@ -271,11 +285,9 @@ class Workbench(Page, Work):
         return self.outcome.code() if self.outcome else ""
 
     @property
-    def runs(self) -> pd.DataFrame:
-        """A row for each method of each run."""
-        import pandas as pd
-
-        return pd.DataFrame(self._runs.rows, columns=COLUMNS)
+    def runs(self) -> Any:
+        """A row for each method of each run, a DataFrame."""
+        return self._runs.frame()
 
     def point(self, index: int, which: int = 0) -> arrays.Array:
         """Point at a segment that a method left, as the mouse does: its members, `(k, 2, 2)`.
@@ -344,6 +356,7 @@ class Workbench(Page, Work):
     def _connect(self) -> None:
         """What is done where a control is touched."""
         pressed = {self.start: self._start, self.stop: self._stop, self.undo: self._undo}
+        self._laser.start.on_click(self._drive)
         for button, done in (pressed | dict.fromkeys(self.files.children, self._download)).items():
             button.on_click(done)
         for control in self.edits.controls:
@@ -356,8 +369,7 @@ class Workbench(Page, Work):
     def _settle(self, change: Any = None, busy: bool | None = None) -> None:
         """Grey what cannot be done now."""
         busy, done = self._thread.is_alive() if busy is None else busy, self.outcome is not None
-        edited = len(self._history) > 1
-        self._grey(ready=self._source.ready, busy=busy, done=done, edited=edited)
+        self._grey(ready=self._source.ready, busy=busy, done=done, edited=len(self._history) > 1)
 
     def _layered(self, change: Any = None) -> None:
         """What is drawn with the maps; what takes time is made when it is first asked for."""
@@ -378,9 +390,9 @@ class Workbench(Page, Work):
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         """The live panel, and for readers without a kernel its picture and its text."""
         self._worker.start()  # so that the first run need not wait for it
-        bundle: dict[str, Any] = dict(self._view._repr_mimebundle_())
         picture = _shown.still(self.outcome) if self.outcome else thumbnail(self.log)
-        return bundle | {"image/png": picture, "text/plain": repr(self)}
+        still = {"image/png": picture, "text/plain": repr(self)}
+        return dict(self._view._repr_mimebundle_()) | still
 
     def __repr__(self) -> str:
         if self.outcome is None:

@@ -126,6 +126,13 @@ function render({ model, el }) {
     }
   }
 
+  function robot(pane) {  // where it is now
+    pen.beginPath();
+    pen.arc(...place(pane, ...way.slice(-2)), 6, 0, 2 * Math.PI);
+    pen.fillStyle = ink.member;
+    pen.fill();
+  }
+
   function marked(pane) {  // two scans of the way, the rectangle that is drawn, what is measured
     const ends = model.get("looked_at").filter(k => 2 * k < way.length)
       .map(k => place(pane, way[2 * k], way[2 * k + 1]));
@@ -211,6 +218,7 @@ function render({ model, el }) {
         if (k > 0 && 4 * index < results[which].length) stroke(pane, results[which], ink.chosen, 4, [index]);
       }
       if (growing || on.includes("path") || model.get("looked_at").length) path(pane);
+      if (growing && way.length) robot(pane);
       if (on.includes("loops")) stroke(pane, loops, ink.chosen, 1.5);
       marked(pane);
       write(titles[k] || "", pane.x + 8, pane.y + 16, true);

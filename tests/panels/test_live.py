@@ -12,7 +12,7 @@ import pytest
 from emulated import emulator_threads, needs_terminals, pattern, wait_for
 from planned_loops import LOG, Planned, held_back
 
-from segmap import LaserScan, load
+from segmap import LaserScan, carried, load
 from segmap.panels import LivePanel, _live
 from segmap.panels._live_picture import Greys
 from segmap.quadtree import build_map
@@ -62,7 +62,8 @@ def test_the_panel_says_found_or_lost():
     panel.take(scans[5])
     assert panel.place.value == "found: 100% of the scan lies on the map"
     panel.take(LaserScan([np.inf], [0.0]))
-    assert panel.place.value == "LOST: 0% of the scan lies on the map; 1 scan lost on this map"
+    assert panel.place.value.startswith("LOST: go back to where the map is, and turn slowly: 0% of")
+    assert panel.place.value.endswith("; 1 scan lost on this map")
 
 
 def test_errors_reach_the_reader():
@@ -129,7 +130,7 @@ def test_the_panel_tells_of_a_lost_sensor():
 @pytest.fixture
 def planned(monkeypatch):
     """The panel's graph closes loops at two scans; the thread that draws anew waits for a sign."""
-    monkeypatch.setattr(_live, "LiveGraph", lambda **rules: Planned((5, 9)))
+    monkeypatch.setattr(carried, "LiveGraph", lambda **rules: Planned((5, 9)))
     return held_back(monkeypatch)
 
 

@@ -15,7 +15,7 @@ LAYERS = {
         "alignment angles arrays compiled display extraction files kernels matching methods "
         "metrics plan poses progress quadtree reduction scans segments simulation testing threads"
     ),
-    "edges": "experiments exports plotting readers sensors",
+    "edges": "carried experiments exports plotting readers sensors",
     "entry points": "__init__ __main__ panels warm",
 }
 #: Lines of code of the core, at most: a commit that raises this says which issue grants it.

@@ -29,12 +29,13 @@ LAYERS = (
     (
         "Around the methods",
         "experiments, files that go out, drawings, panels of the chapters",
-        "experiments exports testing warm plotting panels",
+        "experiments exports testing warm carried plotting panels",
     ),
     (
         "The app",
         "for people with a log: files of other programs, from log to map, the page, the command",
         "segmap_app/files segmap_app/call segmap_app/pipeline segmap_app/plans "
+        "segmap_app/drives "
         "segmap_app/page segmap_app/commands __main__",
     ),
 )

@@ -11,10 +11,12 @@ import pytest
 from emulated import needs_terminals
 
 from segmap import load, read, warm
+from segmap.progress import told
 from segmap.scans import LaserScan
 from segmap.sensors.emulator import SpinningEmulator
 from segmap.simulation import Sensor, rectangular_room, simulate
-from segmap_app.commands import _live, main
+from segmap_app import drives
+from segmap_app.commands import main
 
 pytest.importorskip("lds2d")
 
@@ -58,7 +60,7 @@ def test_what_was_measured_stays_where_the_laser_falls_silent(tmp_path, capsys):
     log = tmp_path / "drive.csv"
     warm.dispatch(["alignment pose_graph", "quadtree all", "matching all"])  # it sends meanwhile
     with SpinningEmulator(turns(), speed=3) as emulator:
-        emulator.inject("unplug", after=60_000)
+        emulator.inject("unplug", after=120_000)
         assert main(["live", "LD19", emulator.port, "--log", str(log)]) == 1
     said = capsys.readouterr()
     assert "nothing came" in said.err or "gone" in said.err
@@ -82,22 +84,21 @@ def test_what_is_missing_is_listed_and_no_log_is_overwritten(tmp_path, capsys):
 def test_a_log_that_comes_with_segmap_reads_as_it_was_written(tmp_path):
     """Catches beams that change places or times on their way through the table."""
     log = load("clinic")[:5]
-    with (tmp_path / "it.csv").open("w") as file:
-        list(_live.written(log, file))
+    assert len(list(drives.written(log, tmp_path / "it.csv"))) == 5
     for ours, theirs in zip(read(tmp_path / "it.csv"), log, strict=True):
         assert np.allclose(ours.points(), theirs.points(), atol=2e-4)
 
 
 @pytest.mark.parametrize(("turn", "words"), [(20, "sure"), (60, "SLOWER")])
-def test_a_hand_that_turns_too_fast_is_told(turn, words, monkeypatch, capsys):
+def test_a_hand_that_turns_too_fast_is_told(turn, words):
     """Catches scans that are taken as they come, bent, and a word that waits until all is lost."""
-    monkeypatch.setattr(_live, "LINE_S", 0.0)
     turns = np.radians(np.r_[np.linspace(0, turn, 12), np.full(8, turn)])
     path = np.column_stack([np.full(20, 2.0), np.full(20, 1.5), np.cumsum(turns)])
     sensor = Sensor("it", 450, 0.0, 2 * np.pi / 450, max_range=12.0, sigma=0.005)
     rng, walls = np.random.default_rng(0), rectangular_room(5, 4)
     log = simulate(walls, path, sensor=sensor, rng=rng, moving=True)
-    _live.follow(replace(scan, odometry=None) for scan in log)
-    lines = capsys.readouterr().out.splitlines()
+    lines = []
+    with told(lambda share, words: lines.append(words)):
+        drives.follow(replace(scan, odometry=None) for scan in log)
     assert words in lines[-1]
     assert ("SLOWER" in "".join(lines)) == (turn > 45)

@@ -9,7 +9,6 @@ import http.client
 import json
 import os
 import re
-import shlex
 import signal
 import sys
 import time
@@ -22,9 +21,22 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
-from browsers import ROOT, SCREENSHOT, browser, free_port, running, wait
+from browsers import (
+    BUTTON,
+    ENTRY,
+    FITS,
+    PALE,
+    PICKED,
+    READY,
+    SCREENSHOT,
+    STATE,
+    TEXT,
+    WIDE,
+    browser,
+    served,
+    wait,
+)
 from input_samples import text_samples
-from makefile import app_command
 from matplotlib.image import imread
 from shapely.geometry import shape
 
@@ -39,33 +51,7 @@ PLANS = {
     **{"Drawing (DXF)": ".dxf", "GIS (GeoJSON)": ".geojson", "Sheet to print (PDF)": ".pdf"},
     **{"Picture (SVG)": ".svg", "Picture (PNG)": ".png", "Table (CSV)": ".csv"},
 }
-TEXT = "return document.body.innerText"
-STATE = "return (document.querySelector('.segmap-state') || {}).innerText"
 LABEL = "return document.querySelector('.segmap-canvas').getAttribute('aria-label')"
-#: Whether the page fits its window, where only its steps scroll.
-FITS = (
-    "const e = document.getElementById('rendered_cells'); return e.scrollHeight <= e.clientHeight"
-)
-WIDE = "return document.documentElement.scrollWidth <= window.innerWidth"
-#: Letters with a contrast below 4.5 to 1 against what is behind them (WCAG 2, AA).
-PALE = """
-const light = color => {
-  const [r, g, b] = color.match(/[\\d.]+/g).map(v => v / 255)
-    .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
-  return 0.2126 * r + 0.7152 * g + 0.0722 * b;
-};
-const clear = e => /^rgba\\(.*, 0\\)$/.test(getComputedStyle(e).backgroundColor);
-const pale = [], walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-while (walk.nextNode()) {
-  const text = walk.currentNode, own = text.parentElement;
-  if (!text.data.trim() || !own.getClientRects().length) continue;
-  let behind = own;
-  while (behind.parentElement && clear(behind)) behind = behind.parentElement;
-  const ground = clear(behind) ? 1 : light(getComputedStyle(behind).backgroundColor);
-  const [low, high] = [light(getComputedStyle(own).color), ground].sort((a, b) => a - b);
-  if ((high + 0.05) / (low + 0.05) < 4.5) pale.push(text.data.trim());
-}
-return pale"""
 #: Digests of the panes of the canvas, halves or thirds of its width, and the view that they share.
 PANES = """
 const c = document.querySelector('.segmap-canvas'), w = Math.floor(c.width / arguments[0]);
@@ -130,32 +116,9 @@ for (let i = 0; i < d.length; i += 4) if (d[i] < 30 && d[i + 1] > 140 && d[i + 2
 return [found[0], found[found.length - 1]]"""
 #: The two scans that are looked at.
 SCANS = "return [...document.querySelectorAll('input[type=number]')].slice(-2).map(e => +e.value)"
-#: Whether a button of this name can be pressed.
-READY = """
-return [...document.querySelectorAll('button')].some(
-  e => e.innerText.trim() === arguments[0] && !e.disabled)"""
 ENTER, SPACE = "\ue007", "\ue00d"
 #: Voila's page asks the net for a font of icons, which its policy refuses: an error of its own.
 ICONS = "fontawesome"
-BUTTON = "//button[normalize-space()='{}']"
-ENTRY = "//label[normalize-space()='{}']/following-sibling::input"
-PICKED = "//label[normalize-space()='{}']/following-sibling::select"
-
-
-@contextlib.contextmanager
-def served(folder: Path, **environment: str) -> Iterator[str]:
-    """The address with its token, as the page's own server prints it."""
-    port = free_port()
-    command = app_command(port).replace(".venv/bin/python", shlex.quote(sys.executable))
-    assert shlex.quote(sys.executable) in command
-
-    def printed():
-        found = re.search(rb"http://\S+token=\w+", (folder / "log").read_bytes())
-        return found and found.group().decode()
-
-    environ = os.environ | environment
-    with running(["sh", "-c", command], folder / "log", cwd=ROOT, env=environ):
-        yield wait("voila", printed, 90)
 
 
 @pytest.fixture(scope="module")
