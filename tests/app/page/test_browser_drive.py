@@ -3,6 +3,7 @@
 Pictures of what it showed are left at build/browser/live_*.png.
 """
 
+import contextlib
 import re
 import time
 from dataclasses import replace
@@ -62,22 +63,21 @@ def carried():
         for scan in log
     ]  # fmt: skip
     covered = replace(seen[-1], ranges=np.full(450, 0.05))
-    dark = [replace(covered, time=0.1 * (len(seen) + k)) for k in range(20)]
-    return [*seen, *dark, *[replace(seen[-1], time=0.1 * (len(seen) + 20 + k)) for k in range(600)]]
+    dark = [replace(covered, time=0.1 * (len(seen) + k)) for k in range(60)]
+    return [*seen, *dark, *[replace(seen[-1], time=0.1 * (len(seen) + 60 + k)) for k in range(600)]]
 
 
 @pytest.mark.slow
 @needs_terminals
 def test_a_laser_is_followed_until_its_floor_plan_is_seen(browser, tmp_path):
     """Catches a page that shows nothing until the end, hides *lost*, or loses the log with Stop."""
-    with (
-        served(tmp_path, HOME=str(tmp_path)) as address,
-        SpinningEmulator(carried()) as emulator,
-    ):
+    with contextlib.ExitStack() as stack:
+        address = stack.enter_context(served(tmp_path, HOME=str(tmp_path)))
         browser.errors()
         browser.size(1366, 768)
         browser.open(address)
         wait("the page", lambda: browser.run(READY, "Start"))
+        emulator = stack.enter_context(SpinningEmulator(carried()))  # it sends from now on
         browser.click(BUTTON.format("Start"))
         wait("what is missing", lambda: "choose the port of the LD" in browser.run(STATE))
         browser.click(f"{PICKED.format('laser')}/option[normalize-space()='LD19']")
