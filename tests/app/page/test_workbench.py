@@ -732,9 +732,9 @@ def test_a_plan_is_mended_and_a_session_keeps_it(worker, tmp_path, monkeypatch):
         made.files.children[[*SAVES].index("Table (CSV)")].click()
         assert sent[-1][0] == name
         assert (
-            (b"hall <b>$x" in sent[-1][1]) == shown == (headings(made)[6] == "Save the floor plan")
+            (b"hall <b>$x" in sent[-1][1]) == shown == (headings(made)[7] == "Save the floor plan")
         )
-    assert headings(made)[6] == "Save the map"
+    assert headings(made)[7] == "Save the map"
     made.export(tmp_path / "it.segmap")
     first, second = files.read_session(tmp_path / "it.segmap").edits["edit"]
     assert first == f"Name {place[0]:g} {place[1]:g} the hall <b>$x" and second[:6] == "NoDoor"
