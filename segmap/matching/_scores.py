@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from ..arrays import Array
 from ..compiled import compiled
-from ..kernels import Nodes
+from ..kernels import Nodes, leaves_in
 from ..poses.motions import transform
 from ..quadtree import QuadtreeMap
 
@@ -19,6 +19,10 @@ Cells = NDArray[np.int64]
 Holds = NDArray[np.bool_]
 #: Ends of beams and poses may lie so far away, metres: they count as on the edge of the map.
 FARTHEST_END_M = 1e300
+#: Poses whose ends are looked for together.
+POSES_TOGETHER = 16
+#: Where cells farther than this may be nearest, in cells, each end is looked for by itself.
+FARTHEST_CANDIDATE = 60
 #: Makes 64 bits of a number.
 whole: Any = np.int64
 
@@ -92,10 +96,13 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     array([-0.3])
     """
     with arrays.instance(map, "map", QuadtreeMap).lock:
-        nodes, places = _searched(map, points, poses)
-        distances, todo = np.zeros(len(places)), np.empty((3 * map.tree.level + 4, 4), np.int64)
-        nearest_distances(nodes, map.tree.block, map.tree.level, places, todo, distances)
-    return -map.resolution * distances
+        nodes, places, order = _searched(map, points, poses)
+        levels, found = map.tree.level, np.zeros(len(order))
+        path, todo = np.empty(levels + 1, np.int64), np.empty((3 * levels + 4, 4), np.int64)
+        path[-1], squares = map.tree.block, np.empty(POSES_TOGETHER)
+        near = np.empty(((2 * FARTHEST_CANDIDATE + 6) ** 2, 4), np.int64)
+        nearest_distances(nodes, places, path, todo, near, squares, found)
+    return -map.resolution * found[order]
 
 
 def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -112,18 +119,25 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     array([-0.3])
     """
     with arrays.instance(map, "map", QuadtreeMap).lock:
-        nodes, places = _searched(map, points, poses)
-        distances = np.zeros(len(places))
-        descent_distances(nodes, map.tree.block, map.tree.level, places, distances)
-    return -map.resolution * distances
+        nodes, places, order = _searched(map, points, poses)
+        found = np.zeros(len(order))
+        descent_distances(nodes, map.tree.block, map.tree.level, places, found)
+    return -map.resolution * found[order]
 
 
-def _searched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> tuple[Nodes, Array]:
-    """What a search needs: nodes, and the ends at each pose, `(k, n, 2)`, in cells of the root."""
+def _searched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> tuple[Nodes, Array, Cells]:
+    """What a search needs: nodes, ends `(n, 2, k)` in cells of the root, and the place of each pose
+    among the k, which are in the order of their headings: neighbours are alike."""
     nodes = Nodes(map.tree.vis, map.tree.occ, blocks_of(map))
     ends, at = scan_and_poses(points, poses)
-    corner = np.array([*(map.corner + map.tree.corner * map.resolution), 0.0])
-    return nodes, transform(at - corner, ends) / map.resolution
+    order = np.argsort(at[:, 2], kind="stable")
+    x, y, turn = at[order].T
+    left, low = map.corner + map.tree.corner * map.resolution
+    places = np.empty((len(ends), 2, len(at)))
+    c, s, across, up = np.cos(turn), np.sin(turn), ends[:, :1], ends[:, 1:]
+    places[:, 0] = (c * across - s * up + (x - left)) / map.resolution
+    places[:, 1] = (s * across + c * up + (y - low)) / map.resolution
+    return nodes, places, np.argsort(order)
 
 
 def blocks_of(map: QuadtreeMap) -> Holds:
@@ -147,28 +161,81 @@ def scan_and_poses(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
 # Callers bring all arrays, since each that a loop makes for itself takes long to compile.
 @compiled
 def nearest_distances(
-    nodes: Nodes, root: int, top: int, places: Array, todo: Cells, distances: Array
+    nodes: Nodes, places: Array, path: Cells, todo: Cells, near: Cells, squares: Array, found: Array
 ) -> None:
-    """Add up the distances of places `(k, n, 2)` from the nearest occupied cell's centre, `(k,)`.
+    """Add the sum over places `(n, 2, k)` of the distance to the nearest occupied cell's centre.
 
-    In cells of the root. `todo` is room to work in.
+    In cells of the root. An end has places close together at poses that are alike: what is nearest
+    to one of them is no farther from the middle one than its own nearest and twice the way between
+    the two, so all cells there are tried at once. The last of `path`, `(top + 1,)`, is the root's
+    block; the rest of it, `todo`, `near` and `squares`, for poses together, are room.
     """
-    for k in range(len(places)):
-        for m in range(places.shape[1]):
-            x, y = places[k, m, 0], places[k, m, 1]
-            distances[k] += np.sqrt(nearest_square(nodes, root, top, todo, x, y))
+    for m in range(len(places)):
+        for begin in range(0, places.shape[2], len(squares)):
+            x, y = places[m, 0, begin:], places[m, 1, begin:]
+            sums, count, wide, reach = found[begin:], min(len(x), len(squares)), 0.0, np.inf
+            i, j = x[count // 2], y[count // 2]
+            for k in range(count):
+                wide = max(wide, (x[k] - i) * (x[k] - i) + (y[k] - j) * (y[k] - j))
+            if count > 1 and wide < FARTHEST_CANDIDATE**2:
+                reach = np.sqrt(nearest_square(nodes, path, todo, i, j)) + 2 * np.sqrt(wide)
+            if reach > FARTHEST_CANDIDATE:
+                for k in range(count):
+                    sums[k] += np.sqrt(nearest_square(nodes, path, todo, x[k], y[k]))
+                continue
+            todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3] = path[-1], 0, 0, len(path) - 1
+            left, low = whole(i - reach) - 2, whole(j - reach) - 2
+            window = left, low, whole(i + reach) + 2, whole(j + reach) + 2
+            for k in range(count):
+                squares[k] = np.inf
+            for one in range(leaves_in(nodes, window, todo, near)):
+                a, b = near[one, 1] & 1, near[one, 2] & 1
+                east, north = near[one, 1] - a + 0.5, near[one, 2] - b + 0.5
+                for k in range(count):
+                    dx, dy = east - x[k] + a, north - y[k] + b
+                    squares[k] = min(squares[k], dx * dx + dy * dy)
+            for k in range(count):
+                sums[k] += np.sqrt(squares[k])
 
 
 @compiled
-def nearest_square(nodes: Nodes, root: int, top: int, todo: Cells, x: float, y: float) -> float:
+def nearest_square(nodes: Nodes, path: Cells, todo: Cells, x: float, y: float) -> float:
     """Square of the distance from a place to the nearest occupied cell's centre, in cells.
 
-    Squares wait in `todo`, as block, x, y and level, the one to look into first as the last; those
-    beyond the best so far are not entered.
+    From the leaf that holds it the search goes upwards, until nothing nearer lies outside. Squares
+    wait in `todo`, as block, x, y and level, the one to look into first as the last; those beyond
+    the best so far are not entered.
     """
-    vis, occ, holds, best, count = nodes.vis, nodes.occ, nodes.holds, np.inf, 1
-    todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3] = root, 0, 0, top
-    while count > 0:
+    vis, occ, holds = nodes.vis, nodes.occ, nodes.holds
+    top = len(path) - 1
+    most = (1 << top) - 1.0
+    i, j = whole(min(max(x, 0.0), most)), whole(min(max(y, 0.0), most))
+
+    level, child = top, path[top]
+    while child >= 0:  # down to the leaf
+        path[level] = child
+        level -= 1
+        child = ~whole(vis[4 * child + ((i >> level) & 1) + 2 * ((j >> level) & 1)])
+    best, count = np.inf, 0
+    if level == 0:  # a cell: first its block of four
+        todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3] = path[1], i & -2, j & -2, 1
+        level, count = 1, 1
+    while count > 0 or level < top:
+        if count == 0:  # up: the three sisters of the square
+            width, quarter = 1 << level, ((i >> level) & 1) + 2 * ((j >> level) & 1)
+            left, low = i & -width, j & -width
+            border = min(min(x - left, left + width - x), min(y - low, low + width - y)) + 0.5
+            if border > 0 and border * border >= best:
+                break
+            level += 1
+            for turn in range(3, 0, -1):
+                child = ~whole(vis[4 * path[level] + (quarter ^ turn)])
+                if child >= 0 and holds[child]:
+                    todo[count, 0], todo[count, 3] = child, level - 1
+                    todo[count, 1] = left ^ (width * (turn & 1))
+                    todo[count, 2] = low ^ (width * (turn >> 1))
+                    count += 1
+            continue
         count -= 1
         block, left, low = todo[count, 0], todo[count, 1], todo[count, 2]
         below = todo[count, 3] - 1
@@ -197,12 +264,12 @@ def nearest_square(nodes: Nodes, root: int, top: int, todo: Cells, x: float, y: 
 
 
 @compiled
-def descent_distances(nodes: Nodes, root: int, top: int, places: Array, distances: Array) -> None:
+def descent_distances(nodes: Nodes, root: int, top: int, places: Array, found: Array) -> None:
     """The same by B's descent: always into the occupied child whose centre is nearest (B 4.3)."""
     vis, occ, holds = nodes.vis, nodes.occ, nodes.holds
-    for k in range(len(places)):
-        for m in range(places.shape[1]):
-            x, y = places[k, m, 0], places[k, m, 1]
+    for k in range(len(found)):
+        for m in range(len(places)):
+            x, y = places[m, 0, k], places[m, 1, k]
             best, left, low, block = np.inf, 0.0, 0.0, root
             for level in range(top - 1, -1, -1):
                 half, chosen, best = 0.5 * (1 << level), -1, np.inf
@@ -216,4 +283,4 @@ def descent_distances(nodes: Nodes, root: int, top: int, places: Array, distance
                         best, chosen = far, q
                 left, low = left + 2 * half * (chosen & 1), low + 2 * half * (chosen >> 1)
                 block = ~whole(vis[4 * block + chosen])
-            distances[k] += np.sqrt(best)
+            found[k] += np.sqrt(best)
