@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from segmap import LaserScan, Log, load
 from segmap.alignment import pose_graph
-from segmap.alignment.graph import SCALE, Edge, deviations, residuals, solve
+from segmap.alignment.graph import SCALE, Edge, Solver, deviations, residuals, solve
 from segmap.poses import between, compose
 from segmap.poses.information import rotated
 from segmap.simulation import OdometryNoise, drifting_odometry
@@ -183,30 +183,33 @@ def growth() -> Iterator[Row]:
 
 
 def drive(count: int) -> Row:
-    """A drive whose loops are closed as they come, and solved anew each time."""
+    """A drive whose loops are closed as they come, solved anew each time or kept."""
     made = world(count, int(0.6 * count**0.5), int(0.3 * count), SPREAD / 10)
-    took = driven(made)
+    (anew, fresh), (kept, lazy) = driven(made, lazily=False), driven(made, lazily=True)
+    took, back = 1e3 * np.median(lazy[-20:]), 1e3 * np.median(fresh[-20:])
     return Row(
-        f"drive of {count} poses, {len(took)} loops solved at once",
-        f"{sum(took):.2f} s; the last {1e3 * np.median(took[-20:]):.1f} ms",
+        f"drive of {count} poses, {len(lazy)} loops solved at once",
+        f"kept {sum(lazy):.2f} s, anew {sum(fresh):.2f} s; the last {took:.1f} and {back:.1f} ms; "
+        f"columns {kept / anew:.2f}",
     )
 
 
-def driven(made: World) -> list[float]:
-    """CPU seconds of each solution while driving."""
-    poses, took = made.start[:1], []
+def driven(made: World, *, lazily: bool) -> tuple[int, list[float]]:
+    """Columns that were computed, and CPU seconds of each solution while driving."""
+    solver, poses, took = Solver(SCALE), made.start[:1], []
     last = np.maximum(made.edges.first, made.edges.second)
-    order = np.argsort(last, kind="stable")
+    order, since = np.argsort(last, kind="stable"), 0
     until = np.searchsorted(last[order], np.arange(len(made.start)), side="right")
     for k in range(1, len(made.start)):
         poses = np.vstack([poses, compose(poses[-1], made.edges.relative[k - 1])])
         new = part(made.edges, order[until[k - 1] : until[k]])
         if (np.abs(residuals(poses, new)) > STRAIN).any():
-            step, known = poses, part(made.edges, order[: until[k]])
-            seconds, found = cpu(lambda p=step, e=known: solve(p, e))
+            solver.add(part(made.edges, order[since : until[k]]))
+            since, step = until[k], poses
+            seconds, found = cpu(lambda p=step: solver.solve(p, lazily=lazily))
             took.append(seconds)
             poses = found.poses
-    return took
+    return solver.columns, took
 
 
 def part(edges: Edge, chosen: NDArray[np.int64]) -> Edge:

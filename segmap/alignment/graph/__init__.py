@@ -15,11 +15,11 @@ from ._graph import (
     residuals,
     solve_graph,
 )
-from ._solver import SCALE, solve
+from ._solver import SCALE, Solver, solve
 from ._solver_kernels import Edge, stacked
 
 __all__ = [
     "MOST_BEND", "NEARBY", "REAL", "REAL_ERRORS", "SCALE", "Bends", "Edge", "Graph", "Rejected",
-    "bends", "chain_bends", "deviations", "groups", "information", "loops_of",
+    "Solver", "bends", "chain_bends", "deviations", "groups", "information", "loops_of",
     "place_deviations", "residuals", "solve", "solve_graph", "stacked",
 ]  # fmt: skip

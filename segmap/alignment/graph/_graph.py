@@ -15,7 +15,7 @@ from ... import arrays
 from ...arrays import Array, Positive, at_least, at_most
 from ...poses.information import checked_information
 from ...poses.motions import between, compose, wrap
-from ._solver import SCALE, moved, solve
+from ._solver import SCALE, Solver, solve
 from ._solver_kernels import Edge, Indices
 
 if TYPE_CHECKING:
@@ -220,13 +220,15 @@ def place_deviations(
     draws = np.random.default_rng(0).normal(size=(m, 3, DRAWS))
     pull = (np.linalg.cholesky(known) @ draws).reshape(3 * m, DRAWS)
     pulls = (jacobian.T @ pull).T.reshape(DRAWS, -1, 3)
-    drawn = np.ascontiguousarray(moved(poses, edges, pulls)[:, :, :2].transpose(1, 2, 0))
+    solver = Solver()
+    solver.add(edges)
+    moved = np.ascontiguousarray(solver.moved(poses, pulls)[:, :, :2].transpose(1, 2, 0))
     places = poses[:, :2]
     tree, near_by = cKDTree(places), np.empty(len(places))
     for k, place in enumerate(places):
         near = np.sort(tree.query_ball_point(place, reach))
-        near_by[k] = _left(places[near], drawn[near], weight[near], near == k)[0]
-    return _left(places, drawn, weight, slice(None)), near_by
+        near_by[k] = _left(places[near], moved[near], weight[near], near == k)[0]
+    return _left(places, moved, weight, slice(None)), near_by
 
 
 def _left(places: Array, moved: Array, weight: Array, asked: NDArray[np.bool_] | slice) -> Array:

@@ -1,11 +1,13 @@
-"""Sparse least squares over poses, with Cauchy weights.
+"""Sparse least squares over poses, with Cauchy weights, that keeps what it has computed.
 
-Gauss-Newton (Grisetti et al. 2010) on a block Cholesky factor in an order of minimum degree.
+Gauss-Newton (Grisetti et al. 2010) on a block Cholesky factor in an order of minimum degree. Edges
+may be added: then only the columns that they change are computed again, as in iSAM2 (Kaess et al.
+2012), but with the exact gradient at each step, so that the minimum is that of all edges together.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +19,7 @@ from ._solver_kernels import (
     Indices,
     advance,
     factorise,
+    find_structure,
     linearise,
     link_slots,
     substitute,
@@ -36,8 +39,14 @@ NEAR_MINIMUM = 0.03
 #: The bend takes at most so large a part of an edge's weight: all of it would leave a pose free
 #: that only this edge ties.
 MOST_BENT_SHARE = 0.9
+#: Equations that are kept until they change by so many metres, radians, parts. At 0.01 what was
+#: solved lazily lay so far from the minimum that Intel without odometry slid along a corridor.
+STALE_CHANGE = 0.003
 #: A loss that rises by no more than this part, and by this much an edge, is rounding.
 LOSS_ROUNDING = 1e-9
+#: New poses are eliminated last. The order is made anew after so many times the cube root of all:
+#: an order costs their number, and what is added to late ones the square of how many these are.
+LATE_POSES_FACTOR = 7.0
 
 
 class Solution(NamedTuple):
@@ -48,99 +57,199 @@ class Solution(NamedTuple):
     rounds: int
 
 
+#: Every equation is stale, even one that has not changed.
+ALL = -1.0
+
+
+class Step(NamedTuple):
+    """How the next step is made."""
+
+    stale: float  # equations are kept until they change by so much
+    curved: bool = False  # whether the bend of the loss is used
+    # The bend is used where the last step was smaller than this, metres and radians.
+    near: float = NEAR_MINIMUM
+    size: float = np.inf  # of the last step
+
+
+class Solver:
+    """Solves for poses `(n, 3)` again and again as edges come in; the first pose stays.
+
+    Edges left open by `scale` standard deviations have half the weight, but for those that are
+    forced; `inf`: all the same.
+    """
+
+    def __init__(self, scale: float = SCALE) -> None:
+        self.scale, self.columns = scale, 0  # columns of the factor that were computed so far
+        self._count, self._used, self._ordered = 0, 0, 0
+        self._edges = Edges(
+            np.empty((0, 2), np.int64),
+            *(np.empty((0, *shape)) for shape in ((3,), (3, 3), (), (3, 9), (4,))),
+        )
+        self._factor: Factor | None = None
+        self._changed = np.empty(0, np.bool_)  # poses whose equations the factor does not hold yet
+
+    def __len__(self) -> int:
+        """Number of edges."""
+        return self._count
+
+    def add(self, more: Edge) -> None:
+        """Add m edges; the poses that they name are given to the next `solve`."""
+        old, new = self._count, self._count + len(more.first)
+        if new > len(self._edges.ends):
+            longer: Any = (_enlarged(field, max(new, 2 * old)) for field in self._edges)
+            self._edges = Edges(*longer)
+        e = self._edges
+        e.ends[old:new] = np.stack([more.first, more.second], -1)
+        e.relative[old:new] = more.relative
+        e.information[old:new] = (more.information + more.information.swapaxes(1, 2)) / 2
+        e.scale[old:new] = np.where(more.forced, np.inf, self.scale)
+        e.made[old:new] = np.inf
+        self._count = new
+
+    def solve(
+        self, poses: Array, *, rounds: int = MOST_SOLVER_ROUNDS, lazily: bool = False
+    ) -> Solution:
+        """Poses that fit all edges best, from some to begin with; the first stays where it is.
+
+        Minimises the sum of Cauchy losses of the residuals by at most so many rounds; every pose
+        must be tied to the first through edges. `lazily` keeps equations that have changed by less
+        than `STALE_CHANGE`: the minimum is the same, the way to it may take a round more, and costs
+        only what the new edges change. The newest pose is held then: stale equations would turn the
+        map to and fro about the first. Where rounding leaves no factor, the bend of the loss is
+        left out; raises LinAlgError where the information leaves a pose free even so.
+        """
+        poses = before = poses.copy()
+        n, edges = len(poses), self._known()
+        factor = self._prepared(n, n - 1 if lazily else 0)
+        keep = STALE_CHANGE if lazily else ALL
+        step, loss = Step(keep), np.inf
+        for count in range(1, rounds + 1):
+            # 1. Half the loss and its gradient; equations that are stale are made anew
+            gradient, bent = np.zeros((n, 3)), MOST_BENT_SHARE if step.curved else 0.0
+            room = np.empty((6, 3))
+            now = linearise(poses, edges, bent, step.stale, gradient, self._changed, room)
+            gradient[factor.pose[0]] = 0.0
+            if step.curved and now > loss * (1 + LOSS_ROUNDING) + LOSS_ROUNDING * len(self):
+                poses, step = before, Step(ALL, near=step.size / 4)
+                continue
+            # 2. The columns of the factor that these change; kept equations may hold a bend too
+            try:
+                self._factorise(factor, edges)
+            except np.linalg.LinAlgError:
+                if step.stale == ALL and not step.curved:
+                    raise
+                step = Step(ALL, near=0.0)
+                continue
+            # 3. The step
+            move = -gradient[factor.pose]
+            substitute(factor, move)
+            before, loss, poses = poses, now, np.empty_like(poses)
+            size = advance(before, move, factor.column, poses)
+            if size < SOLVER_CONVERGED:
+                return Solution(poses, True, count)
+            step = Step(keep, size < step.near, step.near, size)
+        return Solution(poses, False, rounds)
+
+    def moved(self, poses: Array, pulls: Array) -> Array:
+        """How far each pose moves, `(d, n, 3)`, by pulls `(d, n, 3)` at them: all is linear there.
+
+        The edges have the weights that the poses give them.
+        """
+        factor, edges, moves = self._prepared(len(poses), 0), self._known(), np.empty_like(pulls)
+        gradient, room = np.zeros(poses.shape), np.empty((6, 3))
+        linearise(poses, edges, 0.0, ALL, gradient, self._changed, room)
+        self._factorise(factor, edges)
+        for pull, move in zip(pulls.take(factor.pose, 1), moves, strict=True):
+            pull[0] = 0.0  # the pose that is held
+            substitute(factor, pull)
+            move[:] = pull[factor.column]
+        return moves
+
+    def _known(self) -> Edges:
+        """The edges, without the room for more."""
+        known: Any = (field[: self._count] for field in self._edges)
+        return Edges(*known)
+
+    def _factorise(self, factor: Factor, edges: Edges) -> None:
+        """Compute the columns of the factor that poses have changed."""
+        marked, n = self._changed[factor.pose], len(factor.pose)
+        free = factorise(factor, edges, marked, np.zeros((n, 9)), np.empty((4, n), np.int64))
+        if free >= 0:
+            raise np.linalg.LinAlgError(f"the information leaves pose {free} free")
+        self.columns += int(marked.sum())
+        self._changed[:] = False
+
+    def _prepared(self, n: int, held: int) -> Factor:
+        """The factor with n columns, and the rows that all edges need."""
+        f, ends = self._factor, self._edges.ends[: self._count]
+        if f is not None and len(f.pose) == n and len(f.link) == 2 * len(ends):
+            return f
+        if f is None or n - self._ordered > LATE_POSES_FACTOR * n ** (1 / 3):
+            f, used, changed = _minimum_degree_factor(n, ends, held), 0, np.ones(n, np.bool_)
+            self._ordered = n
+        else:
+            changed = np.arange(n) >= len(f.pose)
+            changed[: len(f.pose)] |= self._changed[: len(f.pose)]
+            changed[ends[len(f.link) // 2 :].ravel()] = True
+            f, used = _widened(f, n, ends), self._used
+        marked, lists = changed[f.pose], np.empty((4, n), np.int64)
+        while (found := find_structure(f, ends, marked, used, lists)) < 0:
+            room, used = 2 * len(f.rows), -1 - found
+            f = f._replace(rows=_enlarged(f.rows, room), values=_enlarged(f.values, 9 * room))
+        self._changed, self._used = changed, found
+        self._factor = f  # last: until then an interrupt leaves the one before in use
+        return f
+
+
 def solve(
     poses: Array, edges: Edge, *, rounds: int = MOST_SOLVER_ROUNDS, scale: float = SCALE
 ) -> Solution:
-    """Poses `(n, 3)` that fit m edges best, from some to begin with; the first stays where it is.
-
-    Minimises the sum of Cauchy losses of the residuals by at most so many rounds; every pose must
-    be tied to the first through edges. Edges left open by `scale` standard deviations have half the
-    weight, but for those that are forced; `inf`: all the same. Where rounding leaves no factor, the
-    bend of the loss is left out; raises LinAlgError where the information leaves a pose free even
-    so.
-    """
-    poses = before = poses.copy()
-    equations, factor = _prepared(len(poses), edges, scale)
-    curved, near, size, loss = False, NEAR_MINIMUM, np.inf, np.inf
-    for count in range(1, rounds + 1):
-        # 1. Half the loss and its gradient
-        gradient = np.zeros(poses.shape)
-        now = linearise(poses, equations, MOST_BENT_SHARE * curved, gradient, np.empty((6, 3)))
-        gradient[0] = 0.0
-        if curved and now > loss * (1 + LOSS_ROUNDING) + LOSS_ROUNDING * len(edges.relative):
-            poses, curved, near = before, False, size / 4
-            continue
-        # 2. The factor
-        try:
-            _factorise(factor, equations)
-        except np.linalg.LinAlgError:
-            if not curved:
-                raise
-            curved, near = False, 0.0
-            continue
-        # 3. The step
-        move = -gradient[factor.pose]
-        substitute(factor, move)
-        before, loss, poses = poses, now, np.empty_like(poses)
-        size = advance(before, move, factor.column, poses)
-        if size < SOLVER_CONVERGED:
-            return Solution(poses, True, count)
-        curved = size < near
-    return Solution(poses, False, rounds)
+    """Poses `(n, 3)` that fit m edges best, and `converged`, as `Solver.solve` has them."""
+    solver = Solver(scale)
+    solver.add(edges)
+    return solver.solve(poses, rounds=rounds)
 
 
-def moved(poses: Array, edges: Edge, pulls: Array) -> Array:
-    """How far each pose moves, `(d, n, 3)`, by pulls `(d, n, 3)` at them: all is linear there.
-
-    The edges have the weights that the poses give them.
-    """
-    (equations, factor), moves = _prepared(len(poses), edges, SCALE), np.empty_like(pulls)
-    linearise(poses, equations, 0.0, np.zeros(poses.shape), np.empty((6, 3)))
-    _factorise(factor, equations)
-    for pull, move in zip(pulls.take(factor.pose, 1), moves, strict=True):
-        pull[0] = 0.0  # the pose that is held
-        substitute(factor, pull)
-        move[:] = pull[factor.column]
-    return moves
+def _enlarged(array: Any, count: int) -> Any:
+    """A copy with room for so many rows."""
+    longer = np.zeros((count, *array.shape[1:]), array.dtype)
+    longer[: len(array)] = array
+    return longer
 
 
-def _factorise(factor: Factor, equations: Edges) -> None:
-    """Compute the factor of the equations."""
-    n = len(factor.pose)
-    free = factorise(factor, equations, np.zeros((n, 9)), np.empty((4, n), np.int64))
-    if free >= 0:
-        raise np.linalg.LinAlgError(f"the information leaves pose {free} free")
-
-
-def _prepared(n: int, edges: Edge, scale: float) -> tuple[Edges, Factor]:
-    """Room for the equations of all edges, and for their factor: the first of n poses is held."""
-    ends = np.stack([edges.first, edges.second], -1).astype(np.int64)
-    symmetric = (edges.information + edges.information.swapaxes(1, 2)) / 2
-    scales = np.where(edges.forced, np.inf, np.full(len(ends), scale))
-    equations = Edges(ends, edges.relative, symmetric, scales, np.empty((len(ends), 3, 9)))
-    return equations, _minimum_degree_factor(n, ends)
-
-
-def _minimum_degree_factor(n: int, ends: Indices) -> Factor:
-    """An empty factor of n poses, in an order of minimum degree; the first pose has column 0.
-
-    SuperLU, given a matrix with an entry for each block, tells the order and which blocks it fills.
-    """
-    from scipy.sparse import coo_array, diags_array, tril
+def _minimum_degree_factor(n: int, ends: Indices, held: int) -> Factor:
+    """An empty factor of n poses, in an order of minimum degree; the pose held comes first."""
+    from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import splu
 
-    first, second = ends[(ends > 0).all(1) & (ends[:, 0] != ends[:, 1])].T - 1
+    joins = (ends != held).all(1) & (ends[:, 0] != ends[:, 1])  # two poses that are free
+    first, second = ends[joins].T
+    first, second = first - (first > held), second - (second > held)
     joined = coo_array((np.full(len(first), -1.0), (first, second)), shape=(n - 1, n - 1))
     degree = np.bincount(np.r_[first, second], minlength=n - 1)
     matrix = (joined + joined.T + diags_array(degree + 1.0)).tocsc()
     symmetric = {"SymmetricMode": True}
     factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
-    filled = tril(factors.L, -1, format="csc")
-    filled.sort_indices()
-    column = np.insert(factors.perm_c.astype(np.int64) + 1, 0, 0)
-    start, rows = np.insert(filled.indptr, 0, 0).astype(np.int64), filled.indices.astype(np.int64)
-    values, pivots = np.zeros(9 * len(rows)), np.zeros((n, 9))
+    column = np.insert(factors.perm_c.astype(np.int64) + 1, held, 0)
+    start, length, rows = (np.zeros(m, np.int64) for m in (n, n, 8 * n))
+    values, pivots = np.zeros(72 * n), np.zeros((n, 9))
     head, link = np.full(n, -1), np.full(2 * len(ends), -1)
-    link_slots(head, link, ends)
-    length = np.diff(start)
-    return Factor(column, np.argsort(column), head, link, start, length, rows + 1, values, pivots)
+    link_slots(head, link, ends, 0, held)
+    return Factor(column, np.argsort(column), head, link, start, length, rows, values, pivots)
+
+
+def _widened(f: Factor, n: int, ends: Indices) -> Factor:
+    """The factor with columns for new poses at its end, and slots for new edges."""
+    late, known = np.arange(len(f.pose), n), len(f.link) // 2
+    head, link = np.r_[f.head, np.full(len(late), -1)], _enlarged(f.link, 2 * len(ends))
+    link[2 * known :] = -1
+    link_slots(head, link, ends, known, int(f.pose[0]))
+    return f._replace(
+        column=np.r_[f.column, late],
+        pose=np.r_[f.pose, late],
+        head=head,
+        link=link,
+        start=_enlarged(f.start, n),
+        length=_enlarged(f.length, n),
+        pivots=_enlarged(f.pivots, n),
+    )

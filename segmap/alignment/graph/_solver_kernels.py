@@ -1,8 +1,9 @@
 """Kernels of the pose-graph solver: the equations of all edges, and their factor.
 
 The equations are those of Grisetti et al. (2010). Their matrix has a block of 3 x 3 for each pair
-of poses that an edge joins, and is factorised by Cholesky, column by column (Davis 2006, "Direct
-Methods for Sparse Linear Systems").
+of poses that an edge joins, and is factorised by Cholesky, column by column. What changes in one
+column changes only its ancestors in the elimination tree (Davis 2006, "Direct Methods for Sparse
+Linear Systems"), so that only those are computed again.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from ...arrays import Array
 from ...compiled import compiled
 
 Indices = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 #: A pivot that is left with less than this part of its entry is rounding: the pose is free.
 PIVOT_ROUNDING = 1e-15
@@ -39,21 +41,31 @@ def stacked(edges: Sequence[Edge]) -> Edge:
 
 
 class Edges(NamedTuple):
-    """m edges, and the equations that are made of them."""
+    """m edges, and the equations that were made of them last."""
 
     ends: Indices  # (m, 2)
     relative: Array
     information: Array
     scale: Array  # (m,): left open by so many standard deviations it has half the weight
     blocks: Array  # (m, 3, 9): first and first, second and second, first and second
+    made: Array  # (m, 4), from what: motion, metres, heading of the first, radians, and weight
 
 
 @compiled
-def linearise(poses: Array, edges: Edges, bent: float, gradient: Array, room: Array) -> float:
-    """Half the loss at some poses; adds up its gradient (n, 3), and makes the blocks of all edges.
+def linearise(
+    poses: Array,
+    edges: Edges,
+    bent: float,
+    stale: float,
+    gradient: Array,
+    changed: Flags,
+    room: Array,
+) -> float:
+    """Half the loss at some poses; adds up its gradient (n, 3), and makes stale blocks anew.
 
-    `bent` is the part of a weight that the bend of the loss takes at most: 0 for plain weights.
-    `room` is a (6, 3) array for the work.
+    Stale is an edge whose motion, heading or weight has changed by more than so many metres,
+    radians, parts; its poses are marked as changed. `bent` is the part of a weight that the bend of
+    the loss takes at most: 0 for plain weights. `room` is a (6, 3) array for the work.
     """
     loss = 0.0
     for e in range(len(edges.ends)):
@@ -83,12 +95,18 @@ def linearise(poses: Array, edges: Edges, bent: float, gradient: Array, room: Ar
         gradient[b, 0] += u
         gradient[b, 1] += v
         gradient[b, 2] += w
-        bend = min(2.0 * weight * part, bent) * weight / square if square > 0.0 else 0.0
-        for p in range(3):
-            for q in range(3):
-                room[3 + p, q] = weight * edges.information[e, p, q]
-                room[3 + p, q] -= bend * room[1, p] * room[1, q]
-        _make(edges.blocks, e, c, s, x, y, room)
+        off = max(abs(x - edges.made[e, 0]), abs(y - edges.made[e, 1]))
+        off = max(off, abs(poses[a, 2] - edges.made[e, 2]), abs(weight / edges.made[e, 3] - 1.0))
+        if off > stale:
+            edges.made[e, 0], edges.made[e, 1] = x, y
+            edges.made[e, 2], edges.made[e, 3] = poses[a, 2], weight
+            bend = min(2.0 * weight * part, bent) * weight / square if square > 0.0 else 0.0
+            for p in range(3):
+                for q in range(3):
+                    room[3 + p, q] = weight * edges.information[e, p, q]
+                    room[3 + p, q] -= bend * room[1, p] * room[1, q]
+            _make(edges.blocks, e, c, s, x, y, room)
+            changed[a] = changed[b] = True
     return loss
 
 
@@ -141,7 +159,7 @@ def advance(poses: Array, move: Array, column: Indices, ahead: Array) -> float:
 class Factor(NamedTuple):
     """The factor of the matrix: `length[j]` blocks from `start[j]` on are column j."""
 
-    column: Indices  # of each pose; the first, which is held, has column 0
+    column: Indices  # of each pose; the pose that is held has column 0
     pose: Indices  # of each column
     head: Indices  # first slot of each pose, -1: none; slots 2 e and 2 e + 1 are the ends of edge e
     link: Indices  # (2 m,): next slot of the same pose, -1: none
@@ -153,20 +171,68 @@ class Factor(NamedTuple):
 
 
 @compiled
-def link_slots(head: Indices, link: Indices, ends: Indices) -> None:
-    """Give each pose the slots of its edges, see `Factor`; the last comes first.
+def link_slots(head: Indices, link: Indices, ends: Indices, begin: int, held: int) -> None:
+    """Give each pose the slots of the edges from `begin` on, see `Factor`; the last comes first.
 
     An edge from a pose to itself says nothing and has no slot, nor has the pose that is held.
     """
-    for s in range(2 * len(ends)):
+    for s in range(2 * begin, 2 * len(ends)):
         owner = ends[s // 2, s % 2]
-        if owner != 0 and owner != ends[s // 2, 1 - s % 2]:
+        if owner != held and owner != ends[s // 2, 1 - s % 2]:
             link[s], head[owner] = head[owner], s
 
 
 @compiled
-def factorise(f: Factor, edges: Edges, work: Array, lists: Indices) -> int:
-    """Compute all columns; -1, or a pose that is left free.
+def find_structure(f: Factor, ends: Indices, marked: Flags, used: int, lists: Indices) -> int:
+    """Rows of the marked columns and of their ancestors, which get marked.
+
+    Returns how many rows are used, or, where there is no room for more, -1 - used. The four lists
+    (4, n) are for the work: first child, next child of the same, what was seen by which, and rows.
+    """
+    for j in range(len(f.pose)):
+        lists[0, j] = lists[2, j] = -1
+    for j in range(len(f.pose)):
+        if marked[j]:
+            k, c, s = 0, lists[0, j], f.head[f.pose[j]]
+            while c >= 0:
+                for q in range(f.start[c], f.start[c] + f.length[c]):
+                    k = _insert(lists, k, f.rows[q], j)
+                c = lists[1, c]
+            while s >= 0:
+                k = _insert(lists, k, f.column[ends[s // 2, 1 - s % 2]], j)
+                s = f.link[s]
+            if k > f.length[j]:
+                if used + k > len(f.rows):
+                    return -1 - used
+                f.start[j] = used
+                used += k
+            f.length[j] = k
+            for q in range(k):
+                f.rows[f.start[j] + q] = lists[3, q]
+        if f.length[j] > 0:
+            parent = f.rows[f.start[j]]
+            lists[1, j], lists[0, parent] = lists[0, parent], j
+            marked[parent] |= marked[j]
+    return used
+
+
+@compiled
+def _insert(lists: Indices, k: int, row: int, j: int) -> int:
+    """Put a row of column j into the k ascending ones, unless it is there; how many there are."""
+    if row <= j or lists[2, row] == j:
+        return k
+    lists[2, row] = j
+    place = k
+    while place > 0 and lists[3, place - 1] > row:
+        lists[3, place] = lists[3, place - 1]
+        place -= 1
+    lists[3, place] = row
+    return k + 1
+
+
+@compiled
+def factorise(f: Factor, edges: Edges, marked: Flags, work: Array, lists: Indices) -> int:
+    """Compute the marked columns and their ancestors anew; -1, or a pose that is left free.
 
     Each column gathers what the columns before it take from it. Those that follow each other with
     the same rows below them are one supernode (Ng and Peyton 1993), which waits as one and is a
@@ -178,19 +244,26 @@ def factorise(f: Factor, edges: Edges, work: Array, lists: Indices) -> int:
         lists[0, j], lists[2, j] = j, -1
         if j > 0 and f.length[j - 1] == f.length[j] + 1 and f.rows[f.start[j - 1]] == j:
             lists[0, j] = lists[0, j - 1]
+        if marked[j] and f.length[j] > 0:
+            marked[f.rows[f.start[j]]] = True
     for j in range(len(f.pose)):
         left = f.length[j]
-        _assemble_column(f, edges, j, work)
-        if lists[0, j] < j:
-            _subtract(f, lists[0, j], j - 1, left + 1, work, sums)
-        k = lists[2, j]
-        while k >= 0:
-            following = lists[3, k]
-            _subtract(f, lists[0, k], k, lists[1, k], work, sums)
-            _wait(f, k, lists[1, k] - 1, lists)
-            k = following
-        if not _divide(f, j, work):
-            return int(f.pose[j])
+        if marked[j]:
+            _assemble_column(f, edges, j, work)
+            if lists[0, j] < j:
+                _subtract(f, lists[0, j], j - 1, left + 1, work, sums)
+            k = lists[2, j]
+            while k >= 0:
+                following = lists[3, k]
+                _subtract(f, lists[0, k], k, lists[1, k], work, sums)
+                _wait(f, k, lists[1, k] - 1, lists)
+                k = following
+            if not _divide(f, j, work):
+                return int(f.pose[j])
+        else:
+            left = 0
+            while left < f.length[j] and marked[f.rows[f.start[j] + f.length[j] - left - 1]]:
+                left += 1
         if j + 1 == len(f.pose) or lists[0, j + 1] > j:
             _wait(f, j, left, lists)
     return -1

@@ -43,7 +43,7 @@ def poses_compared(log: Log, poses: Array, used: NDArray[np.bool_]) -> Appraisal
         if front.needs_frame(graph.step, graph.turn):
             front.add_frame(match)
             if closer.close(confirmed=match.matched):
-                front.frames.optimize()
+                front.frames.optimize(lazily=True)
     closer.finish_pending()
     frames = front.frames
     if not frames.edges:

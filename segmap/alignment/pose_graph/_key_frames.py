@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ... import arrays
 from ...arrays import Array
 from ...poses.motions import between, compose
-from ..graph import REAL, Edge, information, solve, stacked
+from ..graph import REAL, Edge, Solver, information, stacked
 from ..points import FARTHEST_POINT_M, PointMap, place_clouds
 
 Members = Sequence[int] | NDArray[np.int64]
@@ -60,6 +60,8 @@ class KeyFrames(Undoable):
         self.edges: list[Edge] = []
         self.fixed = True  # whether the edges fixed all poses then; else it moved none
         self.least = least  # covariance that every match has at least
+        self._solver = Solver()
+        self._last: Edge | None = None  # of the edges that the solver has
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -100,18 +102,29 @@ class KeyFrames(Undoable):
         self.rows += [row._replace(scan=scan + row.scan) for row in later.rows[1:]]
         self.edges += [e._replace(first=new + e.first, second=new + e.second) for e in later.edges]
 
-    def optimize(self) -> None:
+    def optimize(self, *, lazily: bool = False) -> None:
         """Move the poses to where all edges fit best.
 
-        Where the edges leave a pose free but for rounding, all stay where they are.
+        `lazily`, while the robot drives: only what new edges change is computed again. Where the
+        edges leave a pose free but for rounding, all stay where they are.
         """
         if not self.edges:
             return
+        known = len(self._solver)
+        if known and (known > len(self.edges) or self.edges[known - 1] is not self._last):
+            self._solver, known = Solver(), 0  # some were undone: all anew
+        if known < len(self.edges):
+            self._solver.add(stacked(self.edges[known:]))
+            self._last = self.edges[-1]
         try:
-            self.poses = solve(self.poses, stacked(self.edges)).poses
+            self.poses = self._solver.solve(self.poses, lazily=lazily).poses
             self.fixed = True
         except np.linalg.LinAlgError:
             self.fixed = False
+
+    def exchange(self, edges: list[Edge]) -> None:
+        """Put other edges in the place of all: the next `optimize` begins anew."""
+        self.edges, self._solver, self._last = edges, Solver(), None
 
     def neighbourhoods(self, most: int, reach: float) -> Callable[[int], NDArray[np.int64]]:
         """From a key frame to those that are nearest, at most so many, within a reach in metres."""

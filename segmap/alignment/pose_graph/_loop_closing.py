@@ -355,7 +355,7 @@ class LoopCloser(Undoable):
         left = deviations(frames.poses, stacked(frames.edges))
         open_by = zip(frames.edges, left, strict=True)
         out = [e for e, d in open_by if e.loop and not e.forced and d > CONTRADICTED]
-        frames.edges = edges_but(frames.edges, out)
+        frames.exchange(edges_but(frames.edges, out))
         return bool(out)
 
     def veto(self, loops: list[Edge], reason: str = VETOED_LOOP) -> None:
@@ -363,7 +363,7 @@ class LoopCloser(Undoable):
         self.accepted = edges_but(self.accepted, loops)
         self.ways = ways_of(self.accepted)
         steps = [edge for edge in self.frames.edges if not edge.loop]
-        self.frames.edges = steps + self.accepted
+        self.frames.exchange(steps + self.accepted)
         for loop in loops:
             self._reject(loop.first, loop.second, reason)
 

@@ -42,7 +42,7 @@ def drop_torn(frames: KeyFrames, odometry: Array) -> bool:
         gone = clusters.pop(int(np.argmin(sizes)))
         rest = edges_but(rest, gone)
     mended = worst <= MOST_BEND
-    frames.edges = rest if mended else edges
+    frames.exchange(rest if mended else edges)
     frames.poses = poses
     frames.optimize()
     return mended
@@ -70,7 +70,7 @@ def _spans(cluster: list[Edge], first: NDArray[np.int64], last: NDArray[np.int64
 def _worst_without(frames: KeyFrames, edges: list[Edge], gone: list[Edge]) -> float:
     """The largest bend that is left where the poses are solved without some loops."""
     poses = frames.poses
-    frames.edges = edges_but(edges, gone)
+    frames.exchange(edges_but(edges, gone))
     frames.optimize()
     worst = chain_bends(stacked(frames.edges), frames.poses).size.max()
     frames.poses = poses

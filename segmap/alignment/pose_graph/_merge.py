@@ -87,7 +87,7 @@ def merge_graphs(
         order = (begin + np.argsort(away, kind="stable")).tolist()
         for new in each(order, "closing loops of place"):
             if closer.seek(new, begin, confirmed=True):
-                frames.optimize()
+                frames.optimize(lazily=True)
         frames.optimize()
         # 4. Whether the places that both passed are tied
         across = [edge for edge in closer.accepted if edge.first < begin <= edge.second]

@@ -179,7 +179,7 @@ class LiveGraph(Locked):
                 closed = self.loop_closer.close(confirmed=match.matched or not sees)
                 # 3. All key frames anew where loops have moved them
                 if closed:
-                    front.frames.optimize()
+                    front.frames.optimize(lazily=True)
         self.seconds += work_time() - begun
         closed, self._moved_since_scan = closed or front.redrawn or self._moved_since_scan, False
         return Placed(front.pose(), closed)
