@@ -67,6 +67,17 @@ def place_clouds(
 
 
 @compiled
+def bounding_box(points: Array) -> tuple[float, float, float, float]:
+    """Least x and y, largest x and y of points `(n, 2)`, at least one."""
+    left = right = points[0, 0]
+    low = top = points[0, 1]
+    for k in range(1, len(points)):
+        left, right = min(left, points[k, 0]), max(right, points[k, 0])
+        low, top = min(low, points[k, 1]), max(top, points[k, 1])
+    return left, low, right, top
+
+
+@compiled
 def sort_points(grid: PointGrid, points: Array, viewpoints: Array) -> None:
     """Write points and viewpoints `(n, 2)`, metres, cell by cell; `first` is zero before.
 

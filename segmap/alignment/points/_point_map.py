@@ -77,7 +77,7 @@ class PointMap:
     """
 
     def __init__(self, points: Array, viewpoints: Array | None = None) -> None:
-        (left, low), (right, top) = points.min(0).tolist(), points.max(0).tolist()
+        left, low, right, top = kernels.bounding_box(points)
         size = max(PARTNER_CELL_M, max(right - left, top - low) / 2000)
         columns, rows = int((right - left) / size) + 1, int((top - low) / size) + 1
         sided = viewpoints is not None
@@ -190,7 +190,8 @@ class PointMap:
         away = np.arange(-r, r + 1) ** 2 * SEARCH_CELL_M**2
         stamp = (255 * np.exp(-(away[:, None] + away) / (2 * SEARCH_BAND_M**2))).astype(np.uint8)
         points, corner = self._grid.points, self.corner
-        columns, rows = ((points.max(0) - corner) / SEARCH_CELL_M).astype(int) + r + 2
+        last = np.array(kernels.bounding_box(points)[2:])
+        columns, rows = ((last - corner) / SEARCH_CELL_M).astype(int) + r + 2
         levels = np.zeros((LEVELS, rows, columns), np.uint8)
         correlation.stamp_points(levels[0], points, corner, SEARCH_CELL_M, stamp)
         correlation.fill_maxima(levels.reshape(LEVELS, -1), columns)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import NamedTuple
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ... import arrays
 from ...arrays import Array
+from ...compiled import compiled
 from ...poses.motions import between, compose
 from ..graph import REAL, Edge, Solver, information, stacked
 from ..points import FARTHEST_POINT_M, PointMap, place_clouds
@@ -203,17 +205,51 @@ def rollback_on_error(*parts: Undoable) -> Iterator[None]:
         raise
 
 
-def path_lengths(along: Array, ways: NDArray[np.int64], begin: int, most: float) -> Array:
-    """Metres of the shortest ways, up to `most`, from one key frame to all, `(n,)`; else infinite.
+@compiled
+def key_frames_in_square(poses: Array, new: int, half: float, near: NDArray[np.int64]) -> int:
+    """Write which poses lie in a square about the new one, half a side in metres; their number."""
+    count = 0
+    for k in range(len(near)):
+        off = max(abs(poses[k, 0] - poses[new, 0]), abs(poses[k, 1] - poses[new, 1]))
+        near[count], count = k, count + (off < half)
+    return count
 
-    `along`, (n,), is the path driven; `ways`, (w, 2), join old key frames and new ones.
+
+@compiled
+def path_lengths(
+    along: Array,
+    ways: NDArray[np.int64],
+    begin: int,
+    wanted: NDArray[np.int64],
+    most: float,
+    metres: Array,
+) -> None:
+    """Write the metres of the shortest ways, up to `most`, to wanted key frames (Dijkstra 1959).
+
+    Before that they are infinite. `along`, (n,), is the path driven; `ways`, (w, 2), join old key
+    frames and new ones. Ends when all that are wanted are reached: most often near.
     """
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import dijkstra
-
-    n, jumps = len(along), ways[np.abs(ways[:, 0] - ways[:, 1]) > 1]
-    low, high = np.divmod(np.unique(n * jumps.min(1) + jumps.max(1)), n)
-    step, metres = np.arange(n - 1), np.r_[np.diff(along), np.full(len(low), LOOP_PATH)]
-    ends = np.r_[step, low].astype(np.int32), np.r_[step + 1, high].astype(np.int32)
-    links = csr_array((metres, ends), shape=(n, n))
-    return np.asarray(dijkstra(links, False, [begin], limit=most)[0])
+    head, link, left = np.full(len(along), -1), np.empty(2 * len(ways), np.int64), len(wanted)
+    asked = np.zeros(len(along), np.bool_)
+    for slot in range(2 * len(ways)):
+        end = ways[slot // 2, slot % 2]
+        if abs(end - ways[slot // 2, 1 - slot % 2]) > 1:
+            link[slot], head[end] = head[end], slot
+    for k in wanted:
+        asked[k] = True
+    heap, metres[begin] = [(0.0, begin)], 0.0
+    while left and len(heap):
+        far, k = heapq.heappop(heap)
+        if far > metres[k]:
+            continue
+        left -= asked[k]
+        slot, side = head[k], -1
+        while slot >= 0 or side < 2:
+            if side < 2:  # the key frames before and after it, then those at ways
+                j = min(max(k + side, 0), len(along) - 1)
+                step, side = abs(along[j] - along[k]), side + 2
+            else:
+                j, step, slot = ways[slot // 2, 1 - slot % 2], LOOP_PATH, link[slot]
+            if far + step <= most and far + step < metres[j]:
+                metres[j] = far + step
+                heapq.heappush(heap, (metres[j], j))

@@ -20,6 +20,7 @@ from ._key_frames import (
     Undoable,
     edges_but,
     firm,
+    key_frames_in_square,
     path_lengths,
     ways_of,
 )
@@ -196,7 +197,8 @@ class LoopCloser(Undoable):
         """Around the nearest old key frame of each pass, as far as the map may have drifted."""
         poses, along = self.frames.poses, self.frames.distance
         widest = self.rules.max_reach + BEYOND_WINDOW_M
-        near = np.flatnonzero((np.abs(poses[:before] - poses[new])[:, :2] < widest).all(1))
+        near = np.empty(before, np.int64)
+        near = near[: key_frames_in_square(poses, new, widest, near)]
         path, distance = along[new] - along[near], np.hypot(*(poses[near] - poses[new])[:, :2].T)
         far = (distance >= self._reach(path) + BEYOND_WINDOW_M) | (path <= self.rules.min_path)
         near, path, distance = near[~far], path[~far], distance[~far]
@@ -218,7 +220,9 @@ class LoopCloser(Undoable):
         Infinite where it is so long that the widest window is searched.
         """
         most = max((self.rules.max_reach - self.rules.reach) / self.drift, 0.0)
-        return path_lengths(self.frames.distance, self.ways, new, most)[old]
+        metres = np.full(len(self.frames), np.inf)
+        path_lengths(self.frames.distance, self.ways, new, old, most, metres)
+        return metres[old]
 
     def _by_descriptor(self, new: int, before: int) -> list[Window]:
         """Where the robot is lost: on what looks most like the place, at any heading."""
