@@ -20,6 +20,8 @@ from ._methods import function_of, thresholds
 EDITS = {"veto", "tie", "crop", "square", "place", "north", "crs"}
 #: Options that say how a log is prepared.
 PREPARE = ("no_deskew", "keep_body", "mask", "clockwise", "mount", "mount_auto")
+#: Files that say where on Earth the map lies.
+OF_A_PLACE = (".geojson", ".segmap")
 #: The methods that an option names.
 FAMILIES: Mapping[str, Mapping[str, Any]] = {
     "align": alignment.METHODS,
@@ -49,6 +51,9 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
         options, unknown = applied(options, stored)
         if unknown:
             raise Usage(f"{path} has {unknown[0]}, which is no option")
+    names = tuple(name.lower() for name in getattr(options, "output", None) or ())
+    if getattr(options, "place", None) and not any(name.endswith(OF_A_PLACE) for name in names):
+        raise Usage("--place is for a .geojson, the other files have none: name one with -o")
     return options
 
 

@@ -499,6 +499,7 @@ def test_a_map_for_ros_is_a_map_and_no_log(run):
         ("compare --quality 100.5", "at most 100, in per cent, got 100.5"),
         ("info --table it.txt", "'it.txt' must end in one of .csv"),
         ("map --strict 90", "90 must be from 0 to 1"),
+        ("map --place 52 13 -o it.dxf", "--place is for a .geojson"),
         ("map --crop 0 0 -1 2", "--crop: wanted left < right and low < high"),
         ("map --mask 30", "--mask"),
         ("map --north 30", "--place: north and a grid need a place"),
