@@ -499,3 +499,31 @@ def test_no_field_is_passed_over_in_silence_and_a_date_is_asked_for_as_one(tmp_p
         "time,angle_deg,range\n2026-11-29 10:00:01,0,1500\n2026-11-29 10:00:02,9,1500\n"
     )
     assert column_choices(path).columns == "time,angle_deg,range_mm|range_cm|range_m"
+
+
+@pytest.mark.parametrize("beams", [[45, 46, 47, 48], [0, 2, 4, 6], [0, 1, 3, 4]])
+def test_a_message_whose_ranges_are_not_those_of_all_beams_is_refused(tmp_path, beams):
+    """Catches a beam at 45 steps that is read as the first one, and one that was left out."""
+    names = ",".join(f"/scan/ranges[{beam}]" for beam in beams)
+    row = f"0.0,0.03,-1.5,{','.join('2.5' for _ in beams)}"
+    (tmp_path / "it.csv").write_text(
+        f"__time,/scan/angle_increment,/scan/angle_min,{names}\n{row}\n"
+    )
+    with pytest.raises(LogError, match="expected a column of each beam, from 0"):
+        readers.read(tmp_path / "it.csv")
+
+
+@pytest.mark.parametrize("head", [True, False])
+def test_messages_of_two_sensors_are_refused(tmp_path, head):
+    """Catches the scans of a front and a rear laser read as those of one."""
+    names = (
+        "sec,nanosec,header.frame_id,angle_min,angle_max,angle_increment,time_increment,scan_time"
+    )
+    names += ",range_min,range_max,ranges_0,ranges_1,ranges_2\n"
+    rows = [f"{k},0,{who},-0.1,0.1,0.1,0,0.1,0.1,10,2,2,2" for k, who in enumerate("ababa")]
+    (tmp_path / "it.csv").write_text(text([names.strip(), *rows] if head else rows))
+    with pytest.raises(LogError, match="of several sensors, 'a', 'b': expected one a log"):
+        readers.read(tmp_path / "it.csv")
+    one = [row for row in rows if ",a," in row]
+    (tmp_path / "it.csv").write_text(text([names.strip(), *one] if head else one))
+    assert len(readers.read(tmp_path / "it.csv")) == 3

@@ -41,7 +41,7 @@ TIME_OF_DAY = r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?"
 #: A number, or what Python prints of truth, in a line of words.
 NUMBER = re.compile(
     rf"{TIME_OF_DAY}|"
-    r"(?<![\w.])-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"
+    r"(?<![\w.\u2212\u2013])-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"
     rf"(?:(?!\w)|(?=(?:{'|'.join(UNIT_WORDS)})\b))|\bTrue\b|\bFalse\b"
 )
 #: A number whose thousands a mark may part.
@@ -197,7 +197,7 @@ def decimal_mark(content: bytes, separator: str | None) -> tuple[str, str]:
 
     It is the point that Python reads, or a comma, where a comma does not separate fields.
     """
-    cell = rb"(?m)(?:^|[\s%s\"])[ ]*([-+]?%s\d+\%s\d+)(?=[\s%s\"]|$)"
+    cell = rb"(?m)(?:^|[\s%s\"])[ ]*([-+]?%s\d+\%s\d+(?:[eE][-+]?\d+)?)(?=[\s%s\"]|$)"
     about, thousands = (separator or " ").encode(), rb"(?![1-9]\d{0,2}[.,]\d{3}(?!\d))"
     for mark in {None: b",", "\t": b",", "|": b",", ";": b",."}.get(separator, b"").decode():
         marked = re.search(cell % (about, b"", mark.encode(), about), content)

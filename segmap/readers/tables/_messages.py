@@ -27,7 +27,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...scans import LaserScan, Log
-from ..lines import Lines, LogError, float_fields, is_number, pose_fields, time
+from ..lines import HeadError, Lines, LogError, float_fields, is_number, pose_fields, time
 from ..raw_scans import beams_of_message, known, known_truth, place_of
 from ._columns import meaning
 from ._layout import fields_of, first_lines
@@ -63,6 +63,7 @@ class MessageForm(NamedTuple):
     numbers: Mapping[str, int]
     ranges: Sequence[int]  #: one, where a cell holds them all
     clock: Sequence[tuple[int, float]]  #: the parts of its time, and how many of each are a second
+    frame: int | None  #: of the sensor that measured
 
 
 def message_form_of(path: Path) -> MessageForm | None:
@@ -75,12 +76,19 @@ def message_form_of(path: Path) -> MessageForm | None:
         count = {k: m[1] for k, name in enumerate(names) if (m := RANGES.fullmatch(name))}
         ranges = sorted(count, key=lambda k: int(count[k] or 0))  # some sort their names as words
         if ranges and {*found} >= NEEDED_NUMBERS:
-            return MessageForm(number, separator, found, ranges, clock_of(names))
+            beams = [int(count[k] or 0) for k in ranges]
+            if beams != [*range(beams[0], beams[0] + len(beams))] or beams[0] > 1:
+                what = (
+                    f"its ranges are those of {len(beams)} beams between {beams[0]} and {beams[-1]}"
+                )
+                raise HeadError(path, f"{what}: expected a column of each beam, from 0", number)
+            frame = next((k for k, name in enumerate(names) if name.endswith("frame_id")), None)
+            return MessageForm(number, separator, found, ranges, clock_of(names), frame)
     row = fields_of(lines[0][1], ",") if lines else []
     if len(row) <= ROS2_BEFORE or is_number(row[2]) or not all(map(is_number, row[:2] + row[3:10])):
         return None
     numbers = {name: 3 + k for k, name in enumerate(ROS2_NUMBERS)}
-    return MessageForm(0, ",", numbers, (), ((0, 1.0), (1, 1e-9)))
+    return MessageForm(0, ",", numbers, (), ((0, 1.0), (1, 1e-9)), 2)
 
 
 def clock_of(names: Sequence[str]) -> Sequence[tuple[int, float]]:
@@ -106,7 +114,7 @@ def read_messages(path: Path, name: str, on_error: str = "raise") -> Log:
     """Read a LaserScan a line; lines without ranges are of other topics."""
     form, lines = message_form_of(path), Lines(path, on_error, "\n", comments="")
     assert form is not None
-    beyond = 0
+    beyond, frames = 0, dict[str, int]()
 
     def scan_of(line: list[str]) -> LaserScan | None:
         nonlocal beyond
@@ -133,6 +141,7 @@ def read_messages(path: Path, name: str, on_error: str = "raise") -> Log:
             ranges = ranges[: round(steps) + 1]
         if not any(ranges):
             return None
+        frames[row[form.frame] if form.frame is not None else ""] = lines.number
         far = float_fields([field or "nan" for field in ranges], "ranges")
         rest = dict(range_min=0.0, range_max=np.inf, time_increment=0.0) | numbers
         beams = beams_of_message(SimpleNamespace(**rest, ranges=far))
@@ -145,6 +154,9 @@ def read_messages(path: Path, name: str, on_error: str = "raise") -> Log:
     scans = [scan for scan in lines.each(scan_of) if scan is not None]
     if not scans:
         raise lines.no_scan("lines with ranges")
+    if len(frames) > 1:
+        what = f"its lines are of several sensors, {', '.join(map(repr, frames))}"
+        raise LogError(path, f"{what}: expected one a log, so keep the lines of one of them")
     if beyond == len(scans):
         raise LogError(
             path, "all its ranges lie beyond range_max: expected metres, as ROS has them"
