@@ -351,11 +351,11 @@ def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(app, brow
     wait("the scans", lambda: " of 225" in browser.run(STATE))
     ways = "[...document.querySelectorAll('h2, canvas')].map(e => e.getBoundingClientRect().x)"
     log, *_ = found = browser.run(f"return {ways}")
-    assert found[:9] == [log] * 9 and found[9] > log + 300  # the map stands beside the steps
+    assert found[:10] == [log] * 10 and found[10] > log + 300  # the map stands beside the steps
     browser.open(app)
     wait("the page", lambda: browser.run(STATE) == "malaga: ready to run")
     assert browser.run("return [...document.querySelectorAll('h1, h2')].map(e => e.innerText)") == [
-        "From a log of a laser to a map", *("1 Log", "2 Poses", "3 Segments", "4 Map"),
+        "From a log of a laser to a map", *("1 Log", "or Live", "2 Poses", "3 Segments", "4 Map"),
         *("Mend the map", "Floor plan", "Save the map", "All runs", "In Python"),
     ]  # fmt: skip
     html_runs_nothing(browser)
