@@ -527,3 +527,12 @@ def test_messages_of_two_sensors_are_refused(tmp_path, head):
     one = [row for row in rows if ",a," in row]
     (tmp_path / "it.csv").write_text(text([names.strip(), *one] if head else one))
     assert len(readers.read(tmp_path / "it.csv")) == 3
+
+
+def test_a_column_that_says_which_way_each_beam_turned_is_asked_about(tmp_path):
+    """Catches a mirrored room whose direction is told as left out."""
+    path = tmp_path / "it.csv"
+    path.write_text("angle_deg,range_m,direction\n" + lines(lambda k, a, r: f"{a},{r},CW"))
+    with pytest.raises(LogError, match=r"which way angles grow, as '[^']*CW' does"):
+        readers.read(path)
+    assert_same(read_csv(path, columns="angle_deg_cw,range_m,-"), clockwise=True)

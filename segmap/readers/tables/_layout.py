@@ -102,7 +102,8 @@ class Layout(NamedTuple):
         turned = [name for name in self.head if TURNS & {*words_of(name)}]
         if any(column and column.is_whole for column in map(meaning, turned)):
             return ""
-        return next(iter((*turned, *filter(WAY_IN_WORDS.search, self.words))), "")
+        lines = (*self.words, *self.rows[:1])  # a column may say it for each beam
+        return next(iter((*turned, *filter(WAY_IN_WORDS.search, lines))), "")
 
     def plain(self, number: str) -> str:
         """A number as Python writes it."""
