@@ -1,4 +1,4 @@
-"""What a person changes in a floor plan: records of places, in metres of the map as recorded.
+"""What a person changes in a floor plan, and how: records of places, in metres as recorded.
 
 They hold no numbers of rooms, which another run would change. `floor_plan` and `FloorPlan.edited`
 do one after the other what they say.

@@ -1,4 +1,4 @@
-"""Maps of ROS' map_server: a YAML and the picture that it names.
+"""Maps of ROS' map_server, read and written: a YAML and the picture that it names.
 
     image: it.pgm             beside the YAML, or a whole path
     resolution: 0.05          side of a pixel, metres

@@ -1,4 +1,4 @@
-"""Where the workbench's log comes from: the bundled ones, a path, or a file of the browser."""
+"""Where the workbench's log comes from: bundled, a path, a file of the browser, a laser (Live)."""
 
 from __future__ import annotations
 
