@@ -43,8 +43,8 @@ class Labels:
     page: Any
     boxes: list[Any] = field(default_factory=list)
 
-    def write_inside(self, text: str, area: Any, color: str = "black") -> bool:
-        """Write in the widest free place of an area, in the largest letters that fit there."""
+    def write_inside(self, text: str, area: Any) -> bool:
+        """Write in the widest free place of an area, as large as fits; whether anything did."""
         shapely = shapely_or_hint()
         for size in LETTER_SIZES_POINTS:
             boxes, middles = self._free_boxes(area, text_size(text, size))
@@ -52,12 +52,12 @@ class Labels:
                 margins = shapely.distance(shapely.union(area.boundary, self.walls), boxes)
                 aside = shapely.distance(area.centroid, boxes)  # of places as wide: in the middle
                 best = int(np.argmax(margins - 0.01 * aside))
-                self._write(text, size, boxes[best], middles[best], color)
+                self._write(text, size, boxes[best], middles[best], "black")
                 return True
         return False
 
     def write_near(self, text: str, place: Array, around: Any, color: str = "black") -> None:
-        """Write as near to a place as there is room around it, with a line from it to the words."""
+        """Write as near to a place as there is room, with a line to the words; or nothing."""
         shapely, size = shapely_or_hint(), LETTER_SIZES_POINTS[-1]
         boxes, middles = self._free_boxes(around, text_size(text, size))
         leaders = shapely.shortest_line(shapely.Point(place), boxes)

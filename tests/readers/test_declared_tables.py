@@ -536,3 +536,11 @@ def test_a_column_that_says_which_way_each_beam_turned_is_asked_about(tmp_path):
     with pytest.raises(LogError, match=r"which way angles grow, as '[^']*CW' does"):
         readers.read(path)
     assert_same(read_csv(path, columns="angle_deg_cw,range_m,-"), clockwise=True)
+
+
+def test_a_message_that_ends_before_its_frame_is_no_crash(tmp_path):
+    """Catches a line cut short that ends the reading with an error of lists."""
+    path = tmp_path / "it.csv"
+    row = '0.0,-0.1,0.1,0.1,"(2.0, 2.0, 2.0)"'
+    path.write_text(f"time_s,angle_min,angle_max,angle_increment,ranges,frame_id\n{row},a\n{row}\n")
+    assert len(readers.read(path)) == 2

@@ -10,11 +10,11 @@ from ._point_map import (
     SEARCH_CELL_M,
     PointMap,
     in_range,
-    little,
+    shows_no_place,
 )
 
 __all__ = [
     "AND_ACCELERATION", "FARTHEST_POINT_M", "LAST", "LEAST_POINTS", "POSE_AND_VELOCITY",
-    "SEARCH_CELL_M", "PointMap", "PointStep", "in_range", "little", "match_moving", "match_points",
-    "place_clouds", "point_steps", "way",
+    "SEARCH_CELL_M", "PointMap", "PointStep", "in_range", "match_moving", "match_points",
+    "place_clouds", "point_steps", "shows_no_place", "way",
 ]  # fmt: skip

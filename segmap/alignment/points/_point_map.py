@@ -45,7 +45,7 @@ FACING_COSINE = 0.3
 #: More steps are never made: most descents take 10 to 20.
 MOST_DESCENT_STEPS = 60
 #: How far partners are sought at first, metres: more than the search may be wrong by.
-FIRST = 0.3
+FIRST_REACH_M = 0.3
 #: How far partners are sought in the end, metres: ten times the noise of a laser.
 LAST = 0.12
 #: A scan is placed by no fewer points.
@@ -99,7 +99,7 @@ class PointMap:
         current: Array,
         start: ArrayLike,
         *,
-        reach: float = FIRST,
+        reach: float = FIRST_REACH_M,
         last: float = LAST,
         overlap: float = 0.0,
         inflation: float = MAP_VARIANCE_INFLATION,
@@ -109,13 +109,14 @@ class PointMap:
         Lays the points `(m, 2)` of a scan, in its own frame. Partners are sought within `reach`
         metres at first and `last` in the end; then a share `overlap` of the points must have one.
         """
-        if little(current):
+        if shows_no_place(current):
             words = f"the scan has only {len(current)} points, or they lie in one place"
             return no_match(start, Unmatched.TOO_LITTLE_SEEN, words)
         found = self.descend(current, start, reach, last, 1 + len(current) // SEARCH_POINTS)
         if len(found.rows) < LEAST_POINTS:
             words = f"only {len(found.rows)} points lie near walls"
             return no_match(start, Unmatched.LITTLE_OVERLAP, words, found.near)
+        # points that miss their walls by a tenth of their own extent fix nothing
         extent = _extent(current[found.rows[:, 5].astype(np.int64)])
         if found.near < overlap or found.sigma**2 > kernels.FREE_EIGENVALUE_RATIO * extent**2:
             return no_match(start, Unmatched.LITTLE_OVERLAP, overlap=found.near)
@@ -244,12 +245,12 @@ def in_range(points: Array) -> Array:
     return points if near.all() else points[near.all(1)]
 
 
-def little(points: Array) -> bool:
+def shows_no_place(points: Array) -> bool:
     """Whether points `(m, 2)`, metres, fix no place: too few, or no farther apart than partners.
 
     A hand before the laser, say: as a whole it lies near any wall.
     """
-    return len(points) < LEAST_POINTS or _extent(points) < FIRST
+    return len(points) < LEAST_POINTS or _extent(points) < FIRST_REACH_M
 
 
 def _extent(points: Array) -> float:

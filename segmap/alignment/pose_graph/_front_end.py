@@ -25,7 +25,7 @@ from ..graph import (
     groups,
     stacked,
 )
-from ..points import LEAST_POINTS, PointMap, in_range, little
+from ..points import LEAST_POINTS, PointMap, in_range, shows_no_place
 from ._doubt import appraisal
 from ._in_motion import at_mid_turn, even_motion, laid_in_motion, turn_of
 from ._key_frames import KeyFrame, KeyFrames, Undoable
@@ -145,7 +145,7 @@ class FrontEnd(Undoable):
     def track(self, scan: LaserScan) -> Match:
         """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
         points, self.redrawn = in_range(scan.points()), False
-        points = self.points = points[:0] if little(points) else points
+        points = self.points = points[:0] if shows_no_place(points) else points
         odometry = np.full(3, np.nan) if scan.odometry is None else scan.odometry
         start = odometry if np.isfinite(odometry).all() else np.zeros(3)
         row = TrackedScan(scan, odometry, len(self.frames) - 1, np.zeros(3), start)

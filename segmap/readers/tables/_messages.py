@@ -114,7 +114,7 @@ def read_messages(path: Path, name: str, on_error: str = "raise") -> Log:
     """Read a LaserScan a line; lines without ranges are of other topics."""
     form, lines = message_form_of(path), Lines(path, on_error, "\n", comments="")
     assert form is not None
-    beyond, frames = 0, dict[str, int]()
+    beyond, frames = 0, dict[str, None]()
 
     def scan_of(line: list[str]) -> LaserScan | None:
         nonlocal beyond
@@ -141,7 +141,8 @@ def read_messages(path: Path, name: str, on_error: str = "raise") -> Log:
             ranges = ranges[: round(steps) + 1]
         if not any(ranges):
             return None
-        frames[row[form.frame] if form.frame is not None else ""] = lines.number
+        if form.frame is not None:
+            frames.update(dict.fromkeys(row[form.frame : form.frame + 1]))
         far = float_fields([field or "nan" for field in ranges], "ranges")
         rest = dict(range_min=0.0, range_max=np.inf, time_increment=0.0) | numbers
         beams = beams_of_message(SimpleNamespace(**rest, ranges=far))
