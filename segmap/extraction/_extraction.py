@@ -177,17 +177,17 @@ def build_map(
     """
     arrays.function(extract, "extract", "of points")
     rows = checked_poses(log, poses)
-    known = np.flatnonzero(np.isfinite(rows).all(1) & ~standing(log, rows))
+    scan_numbers = np.flatnonzero(np.isfinite(rows).all(1) & ~standing(log, rows))
     if extract is extract_polylines and "tolerance" not in thresholds:
         measured = sensor_noise(log)
         if thresholds.get("sensor") is None:
             thresholds["sensor"] = measured
         warn_if_other_sensor(arrays.instance(thresholds["sensor"], "sensor", SensorNoise), measured)
     if isinstance(sensor := thresholds.get("sensor"), SensorNoise):
-        log = without_far_points(log, rows, known, sensor)
+        log = without_far_points(log, rows, scan_numbers, sensor)
     keep = arrays.switch(keep_points, "keep_points")
     if extract in list(_TELLING):  # one of the caller's own may have no hash
-        map = _map_of_runs(log, rows, known, extract, thresholds, keep)
+        map = _map_of_runs(log, rows, scan_numbers, extract, thresholds, keep)
     elif keep:
         name = getattr(extract, "__name__", extract)
         raise ValueError(
@@ -195,13 +195,13 @@ def build_map(
             f"got {name!r}: it does not tell its points"
         )
     else:
-        told = each(known.tolist(), "extracting segments of scan")
-        seen = (log[k].points() for k in told)
+        progress = each(scan_numbers.tolist(), "extracting segments of scan")
+        seen = (log[k].points() for k in progress)
         own = [arrays.call_given(extract, "extract", points, **thresholds) for points in seen]
         own = [arrays.segments(part, "extract(points)") for part in own]
-        found = [transform(rows[k], part) for k, part in zip(known, own, strict=True)]
-        scan = np.repeat(known, [len(segments) for segments in found])
-        map = SegmentMap(np.concatenate([np.empty((0, 2, 2)), *found]), scan)
+        per_scan = [transform(rows[k], part) for k, part in zip(scan_numbers, own, strict=True)]
+        scan = np.repeat(scan_numbers, [len(segments) for segments in per_scan])
+        map = SegmentMap(np.concatenate([np.empty((0, 2, 2)), *per_scan]), scan)
     warn_if_empty_map(not len(map), log, rows, "without a segment (too few points, or too short)")
     return map
 
@@ -284,7 +284,7 @@ _TELLING: dict[Callable[..., Array], Callable[..., Runs]] = {
 def _map_of_runs(
     log: Log,
     poses: Array,
-    known: Rows,
+    numbers: Rows,
     extract: Callable[..., Array],
     thresholds: dict[str, Any],
     keep: bool,
@@ -304,10 +304,10 @@ def _map_of_runs(
             points = transform(poses[np.repeat(at, size)], scans.points[rows, None])[:, 0]
         return transform(poses[at], segments), at, points, size
 
-    blocks = [known[k : k + SCANS_PER_BLOCK] for k in range(0, len(known), SCANS_PER_BLOCK)]
+    blocks = [numbers[k : k + SCANS_PER_BLOCK] for k in range(0, len(numbers), SCANS_PER_BLOCK)]
     none = np.empty((0, 2, 2)), np.empty(0, np.int64), np.empty((0, 2)), np.empty(0, np.int64)
-    found = [none, *in_threads(placed, blocks, "extracting segments of each scan")]
-    segments, at, points, size = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    per_block = [none, *in_threads(placed, blocks, "extracting segments of each scan")]
+    segments, at, points, size = (np.concatenate(parts) for parts in zip(*per_block, strict=True))
     if not keep:
         return SegmentMap(segments, at)
     places = [transform(pose, scan.sensor_pose[:2]) for pose, scan in zip(poses, log, strict=True)]

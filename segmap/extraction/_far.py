@@ -23,9 +23,9 @@ SEEN_SQUARE_M = 0.1
 SQUARES_A_ROW = 1 << 28
 
 
-def without_far_points(log: Log, poses: Array, known: Rows, sensor: SensorNoise) -> Log:
+def without_far_points(log: Log, poses: Array, scan_numbers: Rows, sensor: SensorNoise) -> Log:
     """The log without points from afar of what its scans, of known poses, saw from near."""
-    scans = [log.scans[k] for k in known]
+    scans = [log.scans[k] for k in scan_numbers]
     if sensor.range_share == 0.0 or not scans:
         return log
     sizes = [len(scan) for scan in scans]
@@ -34,7 +34,7 @@ def without_far_points(log: Log, poses: Array, known: Rows, sensor: SensorNoise)
         for rows in zip(*((scan.ranges, scan.angles, scan.valid) for scan in scans), strict=True)
     )
     sigma, measured = sensor.sigma(ranges), np.where(valid, ranges, 0.0)
-    places = compose(poses[known], np.array([scan.sensor_pose for scan in scans]))
+    places = compose(poses[scan_numbers], np.array([scan.sensor_pose for scan in scans]))
     x, y, turn = np.repeat(places, sizes, axis=0).T
     squares, of = np.unique(
         np.rint((x + measured * np.cos(angles + turn)) / SEEN_SQUARE_M) * SQUARES_A_ROW
@@ -51,7 +51,7 @@ def without_far_points(log: Log, poses: Array, known: Rows, sensor: SensorNoise)
     far = valid & (sigma > np.maximum(FAR_SIGMA_M, FAR_FACTOR * around[of]))
     thinned = list(log.scans)
     for k, own in zip(
-        known, np.split(np.where(far, np.nan, ranges), np.cumsum(sizes)[:-1]), strict=True
+        scan_numbers, np.split(np.where(far, np.nan, ranges), np.cumsum(sizes)[:-1]), strict=True
     ):
         thinned[k] = copy(thinned[k])  # its beams were checked
         object.__setattr__(thinned[k], "ranges", own)

@@ -129,20 +129,20 @@ def clusters(scans: Beams, gap: float, total: bool, runs: Runs) -> None:
 
     The points of one that looks all round are turned to where a round best begins.
     """
-    p, found = scans.points, 0
+    p, row = scans.points, 0
     ease, gaps = np.full(len(p), 1.0), np.full(len(p), gap)
     for scan in range(len(runs.counts)):
-        start, end, before = scans.first[scan], scans.first[scan + 1], found
+        start, end, before = scans.first[scan], scans.first[scan + 1], row
         if scans.closed[scan]:
             _begin_round(p[start:end], gaps)
         while start < end:
             stop = _end_of_cluster(p[:end], gaps, start)
             if stop - start > 1:
                 line = fit_total(p, ease, start, stop) if total else fit_algebraic(p, start, stop)
-                runs.ends[0, found], runs.ends[1, found] = start, stop
-                found += write_chord(p, start, stop, line, runs.segments, found) > MIN_LENGTH
+                runs.ends[0, row], runs.ends[1, row] = start, stop
+                row += write_chord(p, start, stop, line, runs.segments, row) > MIN_LENGTH
             start = stop
-        runs.counts[scan] = found - before
+        runs.counts[scan] = row - before
 
 
 @compiled
@@ -232,9 +232,9 @@ def _merge_runs(
 
 
 @compiled
-def _is_nearer(p: Array, k: int, left: Line, right: Line) -> bool:
-    """Whether a point is nearer to the left line, by more than rounding."""
-    return off(p, k, left) < off(p, k, right) - SUM_ROUNDING_M
+def _is_nearer(p: Array, k: int, line: Line, other: Line) -> bool:
+    """Whether a point is nearer to a line than to the other, by more than rounding."""
+    return off(p, k, line) < off(p, k, other) - SUM_ROUNDING_M
 
 
 @compiled
@@ -247,15 +247,15 @@ def _border(p: Array, ease: Array, first: int, corner: int, last: int) -> int:
     """
     if min(corner - first, last - corner) < 3:
         return corner + (last - corner < corner - first)
-    left = fit_total(p, ease, first, corner)
-    right = fit_total(p, ease, corner + 1, last + 1)
-    if _is_nearer(p, corner, left, right):
+    before = fit_total(p, ease, first, corner)
+    after = fit_total(p, ease, corner + 1, last + 1)
+    if _is_nearer(p, corner, before, after):
         border = corner + 1
-        while 2 * border < corner + last and _is_nearer(p, border, left, right):
+        while 2 * border < corner + last and _is_nearer(p, border, before, after):
             border += 1
         return border
     border = corner
-    while 2 * (border - 1) > first + corner and not _is_nearer(p, border - 1, left, right):
+    while 2 * (border - 1) > first + corner and not _is_nearer(p, border - 1, before, after):
         border -= 1
     return border
 
@@ -275,13 +275,13 @@ def polylines(
     scans: Beams, noise: Noise, gap: float, min_points: int, min_length: float, runs: Runs
 ) -> None:
     """Write the segments of all clusters of each scan, split and merged, as `clusters` does."""
-    p, found, tolerance, least = scans.points, 0, noise[2], LEAST_SPREAD * min_length * min_length
+    p, row, tolerance, least = scans.points, 0, noise[2], LEAST_SPREAD * min_length * min_length
     most, (ease, gaps) = 0, np.empty((2, len(p)))
     for scan in range(len(runs.counts)):
         most = max(most, scans.first[scan + 1] - scans.first[scan])
     (ends, todo), errors = np.empty((2, most), np.int64), np.empty(most)
     for scan in range(len(runs.counts)):
-        begin, last, before = scans.first[scan], scans.first[scan + 1], found
+        begin, last, before = scans.first[scan], scans.first[scan + 1], row
         own, place = p[begin:last], scans.places[scan]
         _set_tolerances(own, place, noise, gap, ease[begin:last], gaps[begin:last])
         if scans.closed[scan]:
@@ -298,11 +298,11 @@ def polylines(
                     end = _border(p, ease, corner, ends[k], ends[k + 1])
                     corner = ends[k]
                 if end - start >= min_points:
-                    runs.ends[0, found], runs.ends[1, found] = start, end
+                    runs.ends[0, row], runs.ends[1, row] = start, end
                     line = fit_total(p, ease, start, end)
-                    size = write_chord(p, start, end, line, runs.segments, found)
+                    size = write_chord(p, start, end, line, runs.segments, row)
                     spread = _spread_along(p, ease, start, end, line)
-                    found += size >= min_length and spread >= least
+                    row += size >= min_length and spread >= least
                 start = end
             begin = stop
-        runs.counts[scan] = found - before
+        runs.counts[scan] = row - before

@@ -125,23 +125,23 @@ def against_walls(
     segments = segments[length(segments) >= MIN_LENGTH]
     size = length(whole)
     limits = distance, float(np.sin(angle))
-    known = [[(0.0, end)] for end in size]
+    spans = [[(0.0, end)] for end in size]
     if seen is not None:
         looks = arrays.segments(seen, "seen")
-        known = _owned(whole, looks[length(looks) >= MIN_LENGTH], *limits).spans(len(whole))
+        spans = _owned(whole, looks[length(looks) >= MIN_LENGTH], *limits).spans(len(whole))
     mine = _owned(whole, segments, *limits)
-    could, kept, doubled = np.zeros((3, len(whole)))
+    could, mapped, doubled = np.zeros((3, len(whole)))
     lost: list[Array] = []
     twice: list[Array] = []
-    for k, (theirs, own) in enumerate(zip(known, mine.spans(len(whole)), strict=True)):
+    for k, (theirs, own) in enumerate(zip(spans, mine.spans(len(whole)), strict=True)):
         at = np.unique([0.0, *np.ravel(theirs), *np.ravel(own)])
         seen_there, times, step = _cover(at, theirs) > 0, _cover(at, own), np.diff(at)
         could[k] = step[seen_there].sum()
-        kept[k] = step[seen_there & (times > 0)].sum()
+        mapped[k] = step[seen_there & (times > 0)].sum()
         doubled[k] = (step * np.maximum(times - 1, 0)).sum()
-        for which, found in ((seen_there & (times == 0), lost), (times > 1, twice)):
+        for which, pieces in ((seen_there & (times == 0), lost), (times > 1, twice)):
             ends = at[np.diff(which.astype(int), prepend=0, append=0) != 0] / size[k]
-            found.append(whole[k, 0] + np.outer(ends, whole[k, 1] - whole[k, 0]).reshape(-1, 2, 2))
+            pieces.append(whole[k, 0] + np.outer(ends, whole[k, 1] - whole[k, 0]).reshape(-1, 2, 2))
     counts = could >= np.minimum(least, size) - MIN_LENGTH
     metres = np.zeros((len(segments), len(whole) + 1))  # the last column: beside no wall
     np.add.at(metres, (mine.of, mine.owner), mine.metres)
@@ -152,7 +152,7 @@ def against_walls(
     return AgainstWalls(
         walls=whole,
         seen=could,
-        kept=kept,
+        kept=mapped,
         doubled=doubled,
         invented=float(metres[:, -1].sum()),
         per_wall=len(segments) / walls_left if walls_left else np.nan,
@@ -168,25 +168,25 @@ def against_walls(
 
 def joined_walls(walls: Array) -> Array:
     """Walls with those that lie on one line and touch made one, longest first; others stay."""
-    left = walls[np.argsort(-length(walls), kind="stable")]
-    left = left[length(left) >= MIN_LENGTH]
-    found = []
-    while len(left):
-        wall, left = left[0], left[1:]
+    remaining = walls[np.argsort(-length(walls), kind="stable")]
+    remaining = remaining[length(remaining) >= MIN_LENGTH]
+    joined = []
+    while len(remaining):
+        wall, remaining = remaining[0], remaining[1:]
         while True:
             size = float(length(wall))
             way = (wall[1] - wall[0]) / size
-            along = (left - wall[0]) @ way
-            off = abs((left - wall[0]) @ (-way[1], way[0])).max(axis=1)
+            along = (remaining - wall[0]) @ way
+            off = abs((remaining - wall[0]) @ (-way[1], way[0])).max(axis=1)
             touches = (along.min(axis=1) <= size + ONE_LINE) & (along.max(axis=1) >= -ONE_LINE)
             grows = np.flatnonzero(touches & (off <= ONE_LINE))
             if not len(grows):
                 break
             ends = min(0.0, along[grows[0]].min()), max(size, along[grows[0]].max())
             wall = wall[0] + np.outer(ends, way)
-            left = np.delete(left, grows[0], axis=0)
-        found.append(wall)
-    return np.reshape(found, (-1, 2, 2))
+            remaining = np.delete(remaining, grows[0], axis=0)
+        joined.append(wall)
+    return np.reshape(joined, (-1, 2, 2))
 
 
 class _Owned(NamedTuple):
@@ -203,11 +203,11 @@ class _Owned(NamedTuple):
 
     def spans(self, walls: int) -> list[list[tuple[float, float]]]:
         """Where on each wall its pieces lie."""
-        found: list[list[tuple[float, float]]] = [[] for _ in range(walls)]
+        spans: list[list[tuple[float, float]]] = [[] for _ in range(walls)]
         for k, low, high in zip(self.owner, self.low, self.high, strict=True):
             if k >= 0:
-                found[k].append((low, high))
-        return found
+                spans[k].append((low, high))
+        return spans
 
 
 def _owned(walls: Array, segments: Array, distance: float, sine: float) -> _Owned:
@@ -242,8 +242,8 @@ def _owned(walls: Array, segments: Array, distance: float, sine: float) -> _Owne
     cuts = np.concatenate([np.zeros(len(whole)), np.ones(len(whole)), start, end])
     order = np.lexsort([cuts, of])
     of, cuts = of[order], cuts[order]
-    kept = (np.diff(of, prepend=-1) > 0) | (np.diff(cuts, prepend=0.0) * metres[of] > MIN_LENGTH)
-    of, cuts = of[kept], cuts[kept]
+    apart = (np.diff(of, prepend=-1) > 0) | (np.diff(cuts, prepend=0.0) * metres[of] > MIN_LENGTH)
+    of, cuts = of[apart], cuts[apart]
     last = np.diff(of, append=len(segments)) > 0
     cuts[last] = 1.0
     a, b, of = cuts[~last], cuts[1:][~last[:-1]], of[~last]

@@ -111,5 +111,5 @@ def _seen_often(map: SegmentMap, stood: Array, angle: float, looks: int) -> tupl
     )
     _, once = np.unique(cells, axis=0, return_index=True)  # a scan that shows it in two segments
     _, first, count = np.unique(cells[once, :3], axis=0, return_index=True, return_counts=True)
-    kept = once[first[count >= looks]]
-    return places[kept], facing[row[kept]]
+    often = once[first[count >= looks]]
+    return places[often], facing[row[often]]

@@ -115,13 +115,13 @@ def errors(before: Segments, after: Segments) -> Array:
     a = np.array(a, order="C")  # a map's own is read-only: all would be compiled once more for it
     near, far = describe(a), describe(b)
     first = np.searchsorted(far[:, 0], near[:, 0])
-    found, longest = np.empty(len(a)), far[:, 4].max()
+    distances, longest = np.empty(len(a)), far[:, 4].max()
 
     def measure(part: Rows) -> None:
-        found[part] = _nearest_distances(a[part], b, near[part], far, first[part], longest)
+        distances[part] = _nearest_distances(a[part], b, near[part], far, first[part], longest)
 
     in_threads(measure, shares(np.arange(len(a)), 4000))
-    return found
+    return distances
 
 
 @checked
@@ -139,13 +139,13 @@ def quality(before: Segments, after: Segments, *, scale: Metres = 0.050) -> floa
     >>> quality(wall, wall), round(quality(wall, wall + 0.1), 3)
     (1.0, 0.554)
     """
-    given = arrays.segments(before, "before")
-    found = errors(given[length(given) >= MIN_LENGTH], after)
-    if hasattr(before, "parents") and len(arrays.segments(after, "after")) > len(given):
+    old = arrays.segments(before, "before")
+    distances = errors(old[length(old) >= MIN_LENGTH], after)
+    if hasattr(before, "parents") and len(arrays.segments(after, "after")) > len(old):
         unit_checks.warn("before is a reduction, and after a larger map: quality(before, after)")
-    if len(found):
-        return float(np.exp(-found.mean() / scale))
-    if len(given) or len(arrays.segments(after, "after")):
+    if len(distances):
+        return float(np.exp(-distances.mean() / scale))
+    if len(old) or len(arrays.segments(after, "after")):
         return 1.0
     text = "quality is NaN: neither map holds a segment, before or after"
     unit_checks.warn(text)
@@ -160,8 +160,8 @@ def reduction_rate(before: Segments, after: Segments) -> float:
     >>> reduction_rate(np.zeros((4, 2, 2)), np.zeros((1, 2, 2)))
     0.75
     """
-    n, left = len(arrays.segments(before, "before")), len(arrays.segments(after, "after"))
-    return (n - left) / n if n else 0.0
+    n, n_after = len(arrays.segments(before, "before")), len(arrays.segments(after, "after"))
+    return (n - n_after) / n if n else 0.0
 
 
 def grade_reduction(rate: float) -> str:
@@ -228,17 +228,17 @@ def relation_errors(
         unit="seconds, metres and radians",
         limit=arrays.LARGEST_COORDINATE,
     )
-    known = np.isfinite(p).all(1)
-    order = np.argsort(t[known], kind="stable")
-    t, p = t[known][order], p[known][order]
+    placed = np.isfinite(p).all(1)
+    order = np.argsort(t[placed], kind="stable")
+    t, p = t[placed][order], p[placed][order]
     if not len(t):
         return np.empty(0), np.empty(0)
     after = np.minimum(np.searchsorted(t, wanted[:, :2]), len(t) - 1)
     before = np.maximum(after - 1, 0)
     ends = np.where(wanted[:, :2] - t[before] <= t[after] - wanted[:, :2], before, after)
     near = (np.abs(t[ends] - wanted[:, :2]) <= tolerance).all(1)
-    found = between(p[ends[near, 0]], p[ends[near, 1]])
-    d = between(wanted[near][:, [2, 3, 7]], found)
+    relative = between(p[ends[near, 0]], p[ends[near, 1]])
+    d = between(wanted[near][:, [2, 3, 7]], relative)
     return np.hypot(d[:, 0], d[:, 1]), np.abs(wrap(d[:, 2]))
 
 
@@ -280,17 +280,17 @@ def _nearest_distances(
     without trigonometry, and passes over every pair whose lower bound exceeds the best pair found
     so far; so the minimum is exact.
     """
-    found = np.empty(len(before))
+    distances = np.empty(len(before))
     for i in range(len(before)):
         best = np.inf
-        left, right = first[i] - 1, first[i]
+        lower, upper = first[i] - 1, first[i]
         reach = a[i, 4] + longest
-        while left >= 0 or right < len(b):  # outwards from the middle of segment i
-            go_left = right >= len(b) or (
-                left >= 0 and a[i, 0] - b[left, 0] < b[right, 0] - a[i, 0]
+        while lower >= 0 or upper < len(b):  # outwards from the middle of segment i
+            go_down = upper >= len(b) or (
+                lower >= 0 and a[i, 0] - b[lower, 0] < b[upper, 0] - a[i, 0]
             )
-            j = left if go_left else right
-            left, right = (left - 1, right) if go_left else (left, right + 1)
+            j = lower if go_down else upper
+            lower, upper = (lower - 1, upper) if go_down else (lower, upper + 1)
             dx, dy = abs(b[j, 0] - a[i, 0]), b[j, 1] - a[i, 1]
             if APART_WEIGHT * (dx - reach) >= best:
                 break
@@ -301,5 +301,5 @@ def _nearest_distances(
             so_far = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * most
             if so_far + APART_WEIGHT * max(bound, 0.0) < best:
                 best = min(best, so_far + APART_WEIGHT * apart(before[i], after[j]))
-        found[i] = best
-    return found
+        distances[i] = best
+    return distances

@@ -108,7 +108,7 @@ def interpolate(
     part = np.where(span > 0, (at - t[before]) / np.where(span > 0, span, 1), 0)
     step = p[after] - p[before]
     step[:, 2] = wrap(step[:, 2])
-    found = p[before] + part[:, None] * step
-    found[:, 2] = wrap(found[:, 2])
-    known = (at >= t[0]) & (at <= t[-1]) & (span <= max_gap)
-    return np.where(known[:, None], found, np.nan)
+    poses_at = p[before] + part[:, None] * step
+    poses_at[:, 2] = wrap(poses_at[:, 2])
+    covered = (at >= t[0]) & (at <= t[-1]) & (span <= max_gap)
+    return np.where(covered[:, None], poses_at, np.nan)

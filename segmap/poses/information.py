@@ -50,5 +50,5 @@ def rotated(information: Array, angle: Array) -> Array:
     turn[:, 1, 0] = np.sin(angle)
     turn[:, 0, 1] = -turn[:, 1, 0]
     turn[:, 2, 2] = 1.0
-    found: Array = turn.swapaxes(1, 2) @ information @ turn
-    return found
+    in_frames: Array = turn.swapaxes(1, 2) @ information @ turn
+    return in_frames

@@ -140,6 +140,6 @@ def extent(
     if not hit.any():
         return bounds
     x, y, side = leaves.x[hit], leaves.y[hit], leaves.side[hit]
-    left, low, right, high = x.min(), y.min(), (x + side).max(), (y + side).max()
-    space = margin * max(right - left, high - low)
-    return float(left - space), float(low - space), float(right + space), float(high + space)
+    x_min, y_min, x_max, y_max = x.min(), y.min(), (x + side).max(), (y + side).max()
+    space = margin * max(x_max - x_min, y_max - y_min)
+    return float(x_min - space), float(y_min - space), float(x_max + space), float(y_max + space)

@@ -76,18 +76,18 @@ def cells_of(points: Array, frame: Frame, cells: Cells) -> int:
     By one division and the floor: `//` and multiplying by the inverse give others. Returns 0 where
     all lie inside the root, 1 where one lies outside, 2 where one is not finite.
     """
-    found, corner, root = 0, frame.corner, frame.root
+    fault, corner, root = 0, frame.corner, frame.root
     for k in range(len(points)):
         for i in range(2):
             at = np.floor((points[k, i] - corner[i]) / frame.resolution)
             if not abs(at) < FARTHEST_CELL:
                 if not abs(points[k, i]) < np.inf:
-                    found = 2
+                    fault = 2
                 at = FARTHEST_CELL if at > 0 else -FARTHEST_CELL
             cells[k, i] = whole(at) - root[i]
-            if found == 0 and not 0 <= cells[k, i] < frame.side:
-                found = 1
-    return found
+            if fault == 0 and not 0 <= cells[k, i] < frame.side:
+                fault = 1
+    return fault
 
 
 @compiled
@@ -112,14 +112,14 @@ def _find_leaf(
 
 
 @compiled
-def leaves_at(vis: Counts, cells: Cells, path: Cells, found: Cells) -> None:
+def leaves_at(vis: Counts, cells: Cells, path: Cells, leaves: Cells) -> None:
     """Write the leaf of each cell `(n, 2)` into `found`, `(n,)`; -1 outside the root."""
     level, x, y = len(path) - 1, whole(0), whole(0)
     side = 1 << level
     for k in range(len(cells)):
-        found[k] = -1
+        leaves[k] = -1
         if 0 <= cells[k, 0] < side and 0 <= cells[k, 1] < side:
-            found[k], level = _find_leaf(vis, path, level, cells[k, 0], cells[k, 1], x, y)
+            leaves[k], level = _find_leaf(vis, path, level, cells[k, 0], cells[k, 1], x, y)
             x, y, level = cells[k, 0], cells[k, 1], level + 1
 
 
@@ -218,12 +218,12 @@ def _walk_rays(
             side = whole(1) << level
             back_x = x & (side - 1) if sign_x > 0 else side - 1 - (x & (side - 1))
             back_y = y & (side - 1) if sign_y > 0 else side - 1 - (y & (side - 1))
-            left, lower = (u - back_y, v - back_x) if steep else (u - back_x, v - back_y)
-            at_u, at_v = (left + side) * short + rest, (lower + side) * long
+            u_min, v_min = (u - back_y, v - back_x) if steep else (u - back_x, v - back_y)
+            at_u, at_v = (u_min + side) * short + rest, (v_min + side) * long
             if at_u < at_v:
-                u, v = left + side, at_u // long
+                u, v = u_min + side, at_u // long
             else:
-                u, v = (at_v - rest + short - 1) // short, lower + side
+                u, v = (at_v - rest + short - 1) // short, v_min + side
             level += 1
         at[0] = at[1] = 0
     return used, len(cells)

@@ -108,13 +108,13 @@ class QuadtreeMap(Pictured, Locked):
             sensor = np.array(arrays.point(sensor, "sensor_xy", limit=np.inf))
         free = NO_POINTS if free_points is None else point_pairs("free_points", free_points)
         scan = kernels.Scan(sensor[None], point_pairs("points", points), free)
-        given = scan, (self.corner, self.resolution), self._finest
+        arguments = scan, (self.corner, self.resolution), self._finest
         try:
-            if not self.tree.insert(*given):
+            if not self.tree.insert(*arguments):
                 arrays.point(sensor, "sensor_xy", limit=np.inf)
                 cells = self._cells(sensor_xy=scan.sensor, points=scan.points, free_points=free)
                 self.tree.grow(cells, self.resolution)
-                self.tree.insert(*given)
+                self.tree.insert(*arguments)
             self.scans += 1
         except ValueError:  # refused, and the map is as it was
             raise
@@ -136,9 +136,9 @@ class QuadtreeMap(Pictured, Locked):
     def leaves(self) -> Leaves:
         """All leaves: lower left corners and sides, metres, both counts (B 4.1)."""
         node, cell, level = self.tree.leaves()
-        left, low = (self.corner + (cell + self.tree.corner) * self.resolution).T
+        x, y = (self.corner + (cell + self.tree.corner) * self.resolution).T
         side = np.ldexp(self.resolution, level)
-        return Leaves(left, low, side, self.tree.vis[node], self.tree.occ[node])
+        return Leaves(x, y, side, self.tree.vis[node], self.tree.occ[node])
 
     @locked
     def leaf_occupancy(self) -> Array:
@@ -177,11 +177,11 @@ class QuadtreeMap(Pictured, Locked):
         for below in range(k):  # the four of a square come one after the other
             low = level == below
             four, spread = mean[low].reshape(-1, 4), variance[low].reshape(-1, 4)
-            above, kept = four.reshape(-1, 2, 2).mean(2).mean(1), ~low
-            kept[np.flatnonzero(low)[::4]] = True
+            above, stay = four.reshape(-1, 2, 2).mean(2).mean(1), ~low
+            stay[np.flatnonzero(low)[::4]] = True
             level[low], mean[low] = below + 1, np.repeat(above, 4)
             variance[low] = np.repeat((spread + (four - above[:, None]) ** 2).mean(1), 4)
-            cell, level, mean, variance = cell[kept], level[kept], mean[kept], variance[kept]
+            cell, level, mean, variance = cell[stay], level[stay], mean[stay], variance[stay]
         first = cell >> k
         last, grid = first + (1 << level - k)[:, None], np.zeros((1 << self.tree.level - k,) * 2)
         kernels.paint(first, last, mean if value == "mean" else variance, grid)
@@ -249,8 +249,8 @@ class QuadtreeMap(Pictured, Locked):
     @locked
     def bounds(self) -> tuple[float, float, float, float]:
         """Left, low, right and high edge of the root now, metres."""
-        left, low = (self.corner + self.tree.corner * self.resolution).tolist()
-        return left, low, left + self.side, low + self.side
+        x_min, y_min = (self.corner + self.tree.corner * self.resolution).tolist()
+        return x_min, y_min, x_min + self.side, y_min + self.side
 
     @locked
     def save(self, path: str | Path) -> None:

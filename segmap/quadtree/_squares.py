@@ -42,15 +42,15 @@ class Squares:
 
         Where a side touches no square, the second is -1.
         """
-        found = []
+        borders = []
         for k, (step, *ends) in enumerate(SIDES):
             side = (1 << self.level)[:, None]
             other = self.at(self.cell + np.where(np.array(step) > 0, side, step))
             larger = np.where(other < 0, 64, self.level[other]) - self.level
             one = np.flatnonzero((larger > 0) | ((larger == 0) & (k % 2 == 1)))
             along = self.cell[one, None] + side[one, None] * np.array(ends)
-            found.append((one, other[one], along.astype(float)))
-        first, second, edges = map(np.concatenate, zip(*found, strict=True))
+            borders.append((one, other[one], along.astype(float)))
+        first, second, edges = map(np.concatenate, zip(*borders, strict=True))
         return first, second, edges
 
 

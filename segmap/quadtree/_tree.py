@@ -78,9 +78,9 @@ class Tree(Locked):
                         f"with cell {(self.corner + (cell_x, cell_y)).tolist()} of "
                         f"{resolution:.6g} m: the map is as it was"
                     )
-                left, down = cell_x < x, cell_y < y
-                steps.append(left + 2 * down)
-                x, y, level = x - left * (1 << level), y - down * (1 << level), level + 1
+                west, south = cell_x < x, cell_y < y
+                steps.append(west + 2 * south)
+                x, y, level = x - west * (1 << level), y - south * (1 << level), level + 1
         for quarter in steps:
             self._double(quarter)
 
@@ -153,15 +153,15 @@ class Tree(Locked):
     @locked
     def leaves_at(self, cells: kernels.Cells) -> kernels.Cells:
         """Leaf of each cell `(n, 2)`; -1 outside the root."""
-        found = np.empty(len(cells), np.int64)
-        kernels.leaves_at(self.vis, cells, self._path(), found)
-        return found
+        leaves = np.empty(len(cells), np.int64)
+        kernels.leaves_at(self.vis, cells, self._path(), leaves)
+        return leaves
 
     @locked
     def leaves(self) -> tuple[kernels.Cells, kernels.Cells, kernels.Cells]:
         """Nodes `(n,)`, lower left cells `(n, 2)` and levels `(n,)` of all leaves."""
-        found = self._leaves_in(np.array([0, 0, 1, 1]) << self.level, np.zeros(0, np.bool_))
-        return found[:, 0], found[:, 1:3], found[:, 3]
+        leaves = self._leaves_in(np.array([0, 0, 1, 1]) << self.level, np.zeros(0, np.bool_))
+        return leaves[:, 0], leaves[:, 1:3], leaves[:, 3]
 
     @locked
     def occupied_cells(self, window: kernels.Cells) -> kernels.Cells:
@@ -169,10 +169,10 @@ class Tree(Locked):
         return self._leaves_in(window, self.occupied_blocks())[:, 1:3]
 
     def _leaves_in(self, window: kernels.Cells, holds: kernels.Holds) -> kernels.Cells:
-        found = np.empty((3 * self.used + 1, 4), np.int64)
+        leaves = np.empty((3 * self.used + 1, 4), np.int64)
         todo = np.empty((4 * kernels.DEPTH, 4), np.int64)
         todo[0] = self.block, 0, 0, self.level
-        return found[: leaves_in(Nodes(self.vis, self.occ, holds), window, todo, found)]
+        return leaves[: leaves_in(Nodes(self.vis, self.occ, holds), window, todo, leaves)]
 
     @locked
     def occupied_blocks(self) -> kernels.Holds:

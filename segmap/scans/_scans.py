@@ -258,9 +258,9 @@ class Log(Pictured, Sequence[LaserScan]):
     def __repr__(self) -> str:
         count = f"{len(self)} scan" + "s" * (len(self) != 1)
         moved = sum(scan.odometry is not None for scan in self.scans)
-        known = 0 if self.truth is None else int(np.isfinite(self.truth).all(1).sum())
-        told = _share_text(moved, len(self), "odometry"), _share_text(known, len(self), "truth")
-        return f"Log({self.name!r}, {', '.join((count, *told))})"
+        true = 0 if self.truth is None else int(np.isfinite(self.truth).all(1).sum())
+        shares = _share_text(moved, len(self), "odometry"), _share_text(true, len(self), "truth")
+        return f"Log({self.name!r}, {', '.join((count, *shares))})"
 
 
 def _share_text(count: int, of: int, what: str) -> str:
@@ -273,12 +273,12 @@ def _all(values: Iterable[T], name: str, kind: type[T]) -> tuple[T, ...]:
     """Values that are all of one kind."""
     if not arrays.is_iterable(values) or isinstance(values, str):
         raise ValueError(f"{name} must be a list of {kind.__name__}, got {type(values).__name__}")
-    found = tuple(values)
-    for k, value in enumerate(found):
+    members = tuple(values)
+    for k, value in enumerate(members):
         if not isinstance(value, kind):
             got = type(value).__name__
             raise ValueError(f"{name}[{k}] must be a {kind.__name__}, got {got}")
-    return found
+    return members
 
 
 def _frozen_row(values: ArrayLike, name: str, count: int | None = None, dtype: type = float) -> Any:

@@ -70,11 +70,11 @@ def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
     >>> as_ranges([392, 0, 7])
     (array([0.392,   inf,   nan]), array([0, 0, 7]))
     """
-    given = arrays.numbers(millimetres, "millimetres")
-    whole = np.rint(given)
-    coded = (given >= 0) & (whole < LOWEST)
+    readings = arrays.numbers(millimetres, "millimetres")
+    whole = np.rint(readings)
+    coded = (readings >= 0) & (whole < LOWEST)
     codes = np.where(coded, whole, 0).astype(np.int64)
-    return np.where(coded, _RANGES[codes], np.where(given > 0, given / 1000, np.nan)), codes
+    return np.where(coded, _RANGES[codes], np.where(readings > 0, readings / 1000, np.nan)), codes
 
 
 # ------------------------------------------------------------------------- of longer reach
@@ -113,8 +113,8 @@ def as_far_ranges(
     >>> as_far_ranges([9392, 1, 3, 65533], least=23, most=30000)
     (array([9.392,   inf,   nan,   inf]), array([    0,     1,     3, 65533]))
     """
-    given = np.rint(arrays.numbers(millimetres, "millimetres")).astype(np.int64)
-    is_range = (given >= least) & (given <= most)
-    nothing = (given == UTM_NOTHING_MET_CODE) | ((given > most) & (given <= NOTHING_FAR))
-    ranges = np.where(is_range, given / 1000, np.where(nothing, np.inf, np.nan))
-    return ranges, np.where(is_range, 0, given)
+    readings = np.rint(arrays.numbers(millimetres, "millimetres")).astype(np.int64)
+    is_range = (readings >= least) & (readings <= most)
+    nothing = (readings == UTM_NOTHING_MET_CODE) | ((readings > most) & (readings <= NOTHING_FAR))
+    ranges = np.where(is_range, readings / 1000, np.where(nothing, np.inf, np.nan))
+    return ranges, np.where(is_range, 0, readings)

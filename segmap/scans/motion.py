@@ -37,15 +37,15 @@ def velocities(times: Array, poses: Array) -> Array:
     that from the scan before to the one after; at the ends, and beside a gap, it is one-sided.
     A laser turns evenly where the stamps of a computer do not: scans lie whole turns apart.
     """
-    known, steps = np.isfinite(poses).all(1) & np.isfinite(times), np.diff(times)
-    close = known[:-1] & known[1:] & (steps > 0) & (steps <= LONGEST_GAP_S)
+    usable, steps = np.isfinite(poses).all(1) & np.isfinite(times), np.diff(times)
+    close = usable[:-1] & usable[1:] & (steps > 0) & (steps <= LONGEST_GAP_S)
     turn = np.median(steps[close]) if close.any() else 1.0
     turns = np.where(close, np.maximum(np.rint(np.where(close, steps, 0.0) / turn), 1), 0)
     clock, here = np.r_[0.0, np.cumsum(turns * turn)], np.arange(len(times))
     before, after = here - np.r_[False, close], here + np.r_[close, False]
     apart = clock[after] - clock[before]
-    found = twist(between(poses[before], poses[after]))
-    return np.where(apart[:, None] > 0, found / np.where(apart > 0, apart, 1.0)[:, None], 0.0)
+    motion = twist(between(poses[before], poses[after]))
+    return np.where(apart[:, None] > 0, motion / np.where(apart > 0, apart, 1.0)[:, None], 0.0)
 
 
 def motion_compensated(scan: LaserScan, motions: Array) -> LaserScan:
@@ -60,10 +60,10 @@ def motion_compensated(scan: LaserScan, motions: Array) -> LaserScan:
     aim = angles + moved[..., 2]
     x, y = moved[..., 0] + seen * np.cos(aim), moved[..., 1] + seen * np.sin(aim)
     far = np.isfinite(ranges) & (ranges >= scan.max_range)
-    found = np.where(valid, np.hypot(x, y), np.where(far, np.inf, ranges))
+    corrected = np.where(valid, np.hypot(x, y), np.where(far, np.inf, ranges))
     turned = np.where(valid, aim + wrap(np.arctan2(y, x) - aim), aim)
-    limit = max(scan.max_range, float(np.nextafter(found[valid].max(initial=0.0), np.inf)))
-    return replace(scan, ranges=found, angles=turned, max_range=limit, delays=None)
+    limit = max(scan.max_range, float(np.nextafter(corrected[valid].max(initial=0.0), np.inf)))
+    return replace(scan, ranges=corrected, angles=turned, max_range=limit, delays=None)
 
 
 def standing(scans: Sequence[LaserScan], poses: Array) -> NDArray[np.bool_]:
@@ -72,7 +72,7 @@ def standing(scans: Sequence[LaserScan], poses: Array) -> NDArray[np.bool_]:
     They are those behind the first 20 of a stay, and equal ones. Poses `(k, 3)`, metres and
     radians. A robot that creeps does not stand: it is compared with the first scan of the stay.
     """
-    found, first, looks = np.zeros(len(poses), bool), 0, 1
+    stands, first, looks = np.zeros(len(poses), bool), 0, 1
     step = np.abs(between(poses[:-1], poses[1:]))
     near = (np.hypot(step[:, 0], step[:, 1]) < ROBOT_STANDS_M) & (step[:, 2] < ROBOT_STANDS_RAD)
     for k in (np.flatnonzero(near) + 1).tolist():
@@ -87,9 +87,9 @@ def standing(scans: Sequence[LaserScan], poses: Array) -> NDArray[np.bool_]:
             first, looks = k, 1
             continue
         twice = np.array_equal(scans[k - 1].ranges, scans[k].ranges, equal_nan=True)
-        found[k] = twice or looks >= MOST_LOOKS_FROM_ONE_PLACE
+        stands[k] = twice or looks >= MOST_LOOKS_FROM_ONE_PLACE
         looks += not twice
-    return found
+    return stands
 
 
 def _measure_the_same(a: LaserScan, b: LaserScan) -> bool:

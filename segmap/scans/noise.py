@@ -103,9 +103,9 @@ def sensor_noise(log: Log) -> SensorNoise:
     rounding = step / float(np.sqrt(12))
     most = np.fmin(most, _sigmas(*_errors_at_rest(log))[1])
     least = np.fmin(sigmas, np.fmin.accumulate(most[::-1])[::-1]).clip(max(rounding, LEAST_M))
-    known = np.isfinite(least)
-    weight = np.sqrt(counts[known])
-    rows = np.stack([0 * least + 1, MIDDLES_M], -1)[known] * (weight / least[known])[:, None]
+    valid = np.isfinite(least)
+    weight = np.sqrt(counts[valid])
+    rows = np.stack([0 * least + 1, MIDDLES_M], -1)[valid] * (weight / least[valid])[:, None]
     a, b = np.linalg.lstsq(rows, weight, rcond=None)[0]
     if min(a, b) < 0:  # the other one alone
         a, b = (rows.T @ weight / (rows**2).sum(0)) * ([1, 0] if b < 0 else [0, 1])
@@ -118,11 +118,11 @@ def sensor_noise(log: Log) -> SensorNoise:
 def warn_if_other_sensor(sensor: SensorNoise, measured: SensorNoise) -> None:
     """Warn where a sensor that was given is not the one that measured a log, near or far."""
     for metres in (1.0, 4.0):
-        stated, found = (max(float(s.sigma(metres)), USUAL_SIGMA_M) for s in (sensor, measured))
-        if not 1 / OTHER_FACTOR <= stated / found <= OTHER_FACTOR:
+        stated, actual = (max(float(s.sigma(metres)), USUAL_SIGMA_M) for s in (sensor, measured))
+        if not 1 / OTHER_FACTOR <= stated / actual <= OTHER_FACTOR:
             warnings.warn(
                 f"sensor has {1000 * stated:.0f} mm of noise at {metres:g} m, and this log has "
-                f"{1000 * found:.0f}: leave sensor out to take what the log says",
+                f"{1000 * actual:.0f}: leave sensor out to take what the log says",
                 stacklevel=3,
             )
             return
@@ -138,13 +138,13 @@ def robust_sigma(values: Array) -> float:
     2
     """
     sizes, count = abs(values), 0
-    found = 1.4826 * float(np.median(sizes))
+    sigma = 1.4826 * float(np.median(sizes))
     for _ in range(10):  # what the cut at 2.5 takes away is given back
-        kept = sizes[sizes <= 2.5 * found]
-        if len(kept) == count:
+        inliers = sizes[sizes <= 2.5 * sigma]
+        if len(inliers) == count:
             break
-        found, count = float(np.sqrt((kept**2).mean() / 0.9113)), len(kept)
-    return found
+        sigma, count = float(np.sqrt((inliers**2).mean() / 0.9113)), len(inliers)
+    return sigma
 
 
 def _errors_between_neighbours(scans: Sequence[LaserScan]) -> tuple[Array, Array]:
@@ -157,10 +157,10 @@ def _errors_between_neighbours(scans: Sequence[LaserScan]) -> tuple[Array, Array
     step = np.hypot(np.diff(x), np.diff(y))
     k = np.flatnonzero((step[:-1] < MOST_STEP_M) & (step[1:] < MOST_STEP_M)) + 1
     before, here, after = 1 / r[k - 1], 1 / r[k], 1 / r[k + 1]
-    left, right = np.sin(a[k] - a[k - 1]), np.sin(a[k + 1] - a[k])
+    turn_before, turn_after = np.sin(a[k] - a[k - 1]), np.sin(a[k + 1] - a[k])
     across = np.sin(a[k + 1] - a[k - 1])
-    off = before * right + after * left - here * across
-    size = (before**2 * right) ** 2 + (after**2 * left) ** 2 + (here**2 * across) ** 2
+    off = before * turn_after + after * turn_before - here * across
+    size = (before**2 * turn_after) ** 2 + (after**2 * turn_before) ** 2 + (here**2 * across) ** 2
     good = size > 0
     return r[k][good], (off / np.sqrt(np.where(good, size, 1.0)))[good]
 

@@ -107,9 +107,9 @@ class OdometryComparison:
 def odometry_against_steps(odometry: Array, steps: Steps) -> OdometryComparison:
     """Odometry `(k, 3)`, metres and radians, against matched steps."""
     wheels = between(odometry[steps.first], odometry[steps.second])
-    known = np.isfinite(wheels).all(1)
-    steps = Steps(steps.first[known], steps.second[known], steps.motion[known])
-    wheels = wheels[known]
+    usable = np.isfinite(wheels).all(1)
+    steps = Steps(steps.first[usable], steps.second[usable], steps.motion[usable])
+    wheels = wheels[usable]
     way, moved = (m[:, 0] + 1j * m[:, 1] for m in (wheels, steps.motion))
     turned = np.abs(steps.motion[:, 2])
     straight = (np.abs(moved) > COMPARED_STRAIGHT_M) & (turned < COMPARED_TURN_RAD)
@@ -128,10 +128,10 @@ def odometry_against_steps(odometry: Array, steps: Steps) -> OdometryComparison:
     )
 
 
-def _slope(given: Array, matched: Array) -> float:
-    """Of the axis through turns `(given, matched)`, radians: both err, so none is the base."""
-    turns = np.stack([given, matched])[
-        :, np.maximum(np.abs(given), np.abs(matched)) > COMPARED_TURN_RAD
+def _slope(wheels: Array, matched: Array) -> float:
+    """Of the axis through turns `(wheels, matched)`, radians: both err, so none is the base."""
+    turns = np.stack([wheels, matched])[
+        :, np.maximum(np.abs(wheels), np.abs(matched)) > COMPARED_TURN_RAD
     ]
     if turns.shape[1] < LEAST_COMPARED_STEPS:
         return float("nan")
@@ -155,11 +155,11 @@ def _lever(way: NDArray[np.complex128], moved: NDArray[np.complex128], turn: Arr
         columns, target = np.stack([way, np.exp(1j * turn) - 1], -1)[part], moved[part]
         weight = np.ones(len(target))
         for _ in range(ROBUST_FIT_ROUNDS):
-            found = np.linalg.lstsq(columns * weight[:, None], target * weight, rcond=None)[0]
-            off = np.abs(columns @ found - target)
+            solution = np.linalg.lstsq(columns * weight[:, None], target * weight, rcond=None)[0]
+            off = np.abs(columns @ solution - target)
             sigma = max(1.4826 * float(np.median(off)), LEAST_ERROR_M)
             weight = np.sqrt(1 / (1 + (off / (2 * sigma)) ** 2))
-        return complex(found[1] / found[0]) if found[0] else complex(np.nan)
+        return complex(solution[1] / solution[0]) if solution[0] else complex(np.nan)
 
     if (np.abs(turn) > COMPARED_TURN_RAD).sum() < 2 * LEAST_COMPARED_STEPS:
         return np.full(2, np.nan)
@@ -186,15 +186,15 @@ def delay_of(odometry: Array, steps: Steps, most: int = 150) -> tuple[float, flo
     shifts = np.unique(np.r_[np.arange(-10, 10.5, 0.5), np.arange(-most, most + 1)])
     first, second = (shifted(odometry, scans + shifts[:, None]) for scans in steps[:2])
     wheels = between(first, second)
-    known = np.isfinite(wheels).all(-1)
+    covered = np.isfinite(wheels).all(-1)
     turns, ways = np.abs(wheels[..., 2]), np.hypot(wheels[..., 0], wheels[..., 1])
     unit = float(np.nanmedian(ways[shifts == 0])) / max(float(np.median(moved)), 1e-9)
     if unit == 0:
         return 0.0, 1.0
     off = np.minimum(np.abs(turns - turned) + 0.5 * np.abs(ways / unit - moved), MOST_OFF)
-    off = np.where(known, off, 0.0).sum(1)
-    enough = known.sum(1) >= max(known.shape[1] / 2, LEAST_COMPARED_STEPS)
-    costs = np.where(enough, off / np.maximum(known.sum(1), 1), np.inf)
+    off = np.where(covered, off, 0.0).sum(1)
+    enough = covered.sum(1) >= max(covered.shape[1] / 2, LEAST_COMPARED_STEPS)
+    costs = np.where(enough, off / np.maximum(covered.sum(1), 1), np.inf)
     best, now = int(np.argmin(costs)), float(costs[shifts == 0][0])
     return float(shifts[best]), float(costs[best] / now) if now > 0 else 1.0
 
@@ -227,11 +227,11 @@ def odometry_jumps(rows: Array, times: Array) -> NDArray[np.int64]:
     allowed = JUMP_STEPS * np.quantile(moved, USUAL_STEPS_SHARE) * np.fmax(took / usual, 1.0)
     far = np.r_[False, way > allowed, False]
     alone = far[1:-1] & ~(far[:-2] & far[2:])  # not between two others
-    found: list[int] = []
+    jumps: list[int] = []
     for scan in np.flatnonzero(alone) + 1:
-        if scan - 1 not in found:  # one wild row: the way back is no second jump
-            found.append(int(scan))
-    return np.array(found, np.int64)
+        if scan - 1 not in jumps:  # one wild row: the way back is no second jump
+            jumps.append(int(scan))
+    return np.array(jumps, np.int64)
 
 
 def contradictions(
@@ -244,11 +244,11 @@ def contradictions(
     rows, jumps, against = _against_poses(scans, poses, used)
     if not np.isfinite(rows).all(-1).any():
         return []
-    told, causes = {each.cause for each in getattr(scans, "causes", ())}, []
+    reported, causes = {each.cause for each in getattr(scans, "causes", ())}, []
 
     def tell(cause: Cause, value: float, words: str) -> None:
         """One more cause."""
-        if cause not in told:
+        if cause not in reported:
             remedy = "begin with alignment.prepared(log)"
             causes.append(Finding(cause, value, words, remedy, doubtful=True))
 
@@ -278,11 +278,11 @@ def promised_under(scans: Sequence[LaserScan], poses: Array, used: NDArray[np.bo
     Without odometry for most steps places that repeat would be one. Where wheels and ranges differ,
     the log does not say which of both has the scale.
     """
-    rows, _, found = _against_poses(scans, poses, used)
-    known: Array = np.isfinite(between(rows[:-1], rows[1:])).all(1).astype(float)
-    if len(known) and np.median(known) < 1:
+    rows, _, comparison = _against_poses(scans, poses, used)
+    usable: Array = np.isfinite(between(rows[:-1], rows[1:])).all(1).astype(float)
+    if len(usable) and np.median(usable) < 1:
         return " if no place repeats"
-    percent = round(100 * abs(found.way - 1)) if np.isfinite(found.way) else 0
+    percent = round(100 * abs(comparison.way - 1)) if np.isfinite(comparison.way) else 0
     return f" and {percent} % of every distance, by which wheels and ranges differ" * bool(percent)
 
 
@@ -290,8 +290,8 @@ def _against_poses(
     scans: Sequence[LaserScan], poses: Array, used: NDArray[np.bool_]
 ) -> tuple[Array, NDArray[np.int64], OdometryComparison]:
     """The odometry `(k, 3)` of scans, where it jumps, and how it compares with poses elsewhere."""
-    known: list[Any] = [s.odometry if s.odometry is not None else (np.nan,) * 3 for s in scans]
-    rows: Array = np.reshape(known, (-1, 3)).astype(float)
+    odometry: list[Any] = [s.odometry if s.odometry is not None else (np.nan,) * 3 for s in scans]
+    rows: Array = np.reshape(odometry, (-1, 3)).astype(float)
     jumps = odometry_jumps(rows, np.array([scan.time for scan in scans]))
     steps = _steps_between(poses, used)
     before = [np.searchsorted(jumps, ends, "right") for ends in steps[:2]]

@@ -21,7 +21,7 @@ def checked_poses(log: Log, poses: Poses) -> Array:
         )
     rows = arrays.poses(poses, count=len(log), missing=True)
     own = [log.odometry] if log.truth is None else [log.odometry, log.truth]
-    if not any(np.array_equal(rows, known, equal_nan=True) for known in own):
+    if not any(np.array_equal(rows, own_rows, equal_nan=True) for own_rows in own):
         unit_checks.check_headings(rows, "the poses")
     return rows
 

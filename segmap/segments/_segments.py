@@ -51,8 +51,8 @@ def angle(segments: ArrayLike) -> Array:
     array([ 45., 135.,   0.])
     """
     d = _vector(segments)
-    found = np.arctan2(d[..., 1], d[..., 0]) % np.pi
-    return np.where(found == np.pi, 0.0, found)  # -1e-20 % pi rounds up to pi
+    angles = np.arctan2(d[..., 1], d[..., 0]) % np.pi
+    return np.where(angles == np.pi, 0.0, angles)  # -1e-20 % pi rounds up to pi
 
 
 def midpoint(segments: ArrayLike) -> Array:
@@ -80,8 +80,8 @@ def main_direction(segments: Segments) -> float:
     >>> float(np.degrees(main_direction(walls)).round(6))
     36.869898
     """
-    found = arrays.segments(segments, "segments")
-    weight, turn = length(found), angle(found) % (np.pi / 2)
+    walls = arrays.segments(segments, "segments")
+    weight, turn = length(walls), angle(walls) % (np.pi / 2)
     degree = np.degrees(turn).astype(np.int64) % 90
     counts = np.bincount(degree, weight, minlength=90)
     best = np.argmax(sum(np.roll(counts, k) for k in range(-2, 3)))
@@ -193,14 +193,14 @@ SegmentMap(1 segment of 1 scan))
         [[[1.0, 1.0], [4.0, 1.0]]]
         """
         corner, end = arrays.rectangle(left, low, right, high)
-        segments, kept = clipped(self.segments, corner, end)
+        segments, inside = clipped(self.segments, corner, end)
         points, first = self.points, self.first
         if points is not None and first is not None:
             within = ((points >= corner) & (points <= end)).all(1)
             starts = np.append(0, np.cumsum(within))[first]
-            kept &= np.diff(starts) >= 2
-            points, first = take_points(points[within], starts, np.flatnonzero(kept))
-        cut, scan = segments[kept], self.scan[kept]
+            inside &= np.diff(starts) >= 2
+            points, first = take_points(points[within], starts, np.flatnonzero(inside))
+        cut, scan = segments[inside], self.scan[inside]
         return SegmentMap(cut, scan, points=points, first=first, sensors=self.sensors)
 
     def __getitem__(self, rows: slice | ArrayLike) -> SegmentMap:
@@ -212,8 +212,8 @@ SegmentMap(1 segment of 1 scan))
         points, first = self.points, self.first
         if points is not None and first is not None:
             points, first = take_points(points, first, index)
-        kept, scan = self.segments[index], self.scan[index]
-        return SegmentMap(kept, scan, points=points, first=first, sensors=self.sensors)
+        segments, scan = self.segments[index], self.scan[index]
+        return SegmentMap(segments, scan, points=points, first=first, sensors=self.sensors)
 
     def by_scan(self) -> Iterator[Array]:
         """Segments `(m, 2, 2)`, metres, of each scan that has some, ascending, input order kept."""
@@ -232,9 +232,9 @@ SegmentMap(1 segment of 1 scan))
         ...     SegmentMap.load(f"{folder}/it.npz").scan
         array([3])
         """
-        held = {field.name: getattr(self, field.name) for field in fields(self)}
-        held = {name: value for name, value in held.items() if value is not None}
-        write_npz(arrays.file(path), STORED, held)
+        contents = {field.name: getattr(self, field.name) for field in fields(self)}
+        contents = {name: value for name, value in contents.items() if value is not None}
+        write_npz(arrays.file(path), STORED, contents)
 
     @classmethod
     def load(cls, path: str | Path) -> SegmentMap:
@@ -243,11 +243,11 @@ SegmentMap(1 segment of 1 scan))
         A file that is damaged, foreign, or unpacks to more than 1 MB and 50 times its size is a
         ValueError.
         """
-        found = read_npz(arrays.file(path), STORED)
-        if not {"segments", "scan"} <= set(found) <= {field.name for field in fields(cls)}:
-            raise ValueError(f"{shown(path)}: damaged, it holds {sorted(found)}")
+        contents = read_npz(arrays.file(path), STORED)
+        if not {"segments", "scan"} <= set(contents) <= {field.name for field in fields(cls)}:
+            raise ValueError(f"{shown(path)}: damaged, it holds {sorted(contents)}")
         try:
-            return cls(**found)
+            return cls(**contents)
         except ValueError as fault:
             raise ValueError(f"{shown(path)}: damaged, {fault}") from None
 

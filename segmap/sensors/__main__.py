@@ -19,9 +19,9 @@ _PORT = "device, or tcp://host[:10940] on Ethernet (default: the Hokuyo on USB)"
 def main(arguments: list[str] | None = None, *, prog: str = "python -m segmap.sensors") -> int:
     """Run a command and return its exit code: 0, or 1 after a line that says what went wrong."""
     speak()
-    given = _parser(prog).parse_args(arguments)
+    options = _parser(prog).parse_args(arguments)
     try:
-        given.run(given)
+        options.run(options)
     except KeyboardInterrupt:
         return 130
     except (SensorError, OSError, ValueError) as error:
@@ -48,32 +48,32 @@ def stop_on_signals() -> None:
         signal.signal(number, interrupt)
 
 
-def _list(given: argparse.Namespace) -> None:
-    found = ports()
-    for port in found:
+def _list(options: argparse.Namespace) -> None:
+    available = ports()
+    for port in available:
         kind = "Hokuyo" if port.is_hokuyo else "other "
         print(shown(f"{port.device}  {kind}  {port.description}"))
-    if not found:
+    if not available:
         print("no serial port: is the sensor plugged in?")
 
 
-def _info(given: argparse.Namespace) -> None:
-    with UrgSensor(given.port) as sensor:
+def _info(options: argparse.Namespace) -> None:
+    with UrgSensor(options.port) as sensor:
         for key, text in (sensor.info | sensor.state()).items():
             print(shown(f"{key}  {text}"))
         print(f"RATE  {sensor.rate} bit/s")
         print(f"SCAN  {sensor.scan()}")
 
 
-def _record(given: argparse.Namespace) -> None:
-    check_target(given.path, given.count)  # before the sensor is asked for anything
-    with UrgSensor(given.port, reconnect=given.reconnect) as sensor:
+def _record(options: argparse.Namespace) -> None:
+    check_target(options.path, options.count)  # before the sensor is asked for anything
+    with UrgSensor(options.port, reconnect=options.reconnect) as sensor:
         try:
-            record(sensor, given.path, count=given.count)
+            record(sensor, options.path, count=options.count)
         except KeyboardInterrupt:
             pass
         finally:
-            print(f"{sensor.delivered} scans, {sensor.dropped} dropped; {shown(given.path)}")
+            print(f"{sensor.delivered} scans, {sensor.dropped} dropped; {shown(options.path)}")
             if sensor.slow:
                 print(sensor.slow)
 

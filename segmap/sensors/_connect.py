@@ -112,10 +112,10 @@ def ask(lines: Lines, command: str, check: Callable[[Reply], object] = lambda re
 def _send_command(lines: Lines, command: str, seconds: float) -> Reply:
     """The reply to a command; a SensorError where none comes in this time, or a damaged one."""
     lines.write(command.encode("ascii") + b"\n")
-    found = lines.reply(command.encode("ascii"), seconds).lines
-    if found is None:
+    reply = lines.reply(command.encode("ascii"), seconds).lines
+    if reply is None:
         raise Silent(f"no answer to {command} within {seconds:.2g} s: is the sensor busy?")
-    return parse_reply(found)
+    return parse_reply(reply)
 
 
 def switch_off(lines: Lines) -> None:

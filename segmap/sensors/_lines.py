@@ -110,15 +110,15 @@ class Lines:
             if heard != echo:
                 strange += 1
                 continue
-            found = [heard]
+            reply = [heard]
             while line := self.line(max(until - self.clock(), 0.05)):
-                found.append(line)
-                if len(found) > MOST_LINES:
+                reply.append(line)
+                if len(reply) > MOST_LINES:
                     raise SensorError(f"a reply of more than {MOST_LINES} lines: its end was lost")
             if line is None:
-                told = echo[:20].decode("ascii", "replace")
-                raise SensorError(f"the reply to {told} stopped before its end")
-            return Heard(found, strange)
+                command = echo[:20].decode("ascii", "replace")
+                raise SensorError(f"the reply to {command} stopped before its end")
+            return Heard(reply, strange)
         return Heard(None, strange)
 
     def until(self, deadline: float, quiet: float) -> Iterator[bytes]:
@@ -128,10 +128,10 @@ class Lines:
         """
         late = 0
         while late < MOST_LINES:
-            left = max(deadline - self.clock(), 0.0)
-            late += left == 0.0
+            remaining = max(deadline - self.clock(), 0.0)
+            late += remaining == 0.0
             try:
-                line = self.line(min(quiet, left))
+                line = self.line(min(quiet, remaining))
             except SensorGone:
                 raise
             except SensorError:

@@ -42,8 +42,8 @@ class PortInfo(NamedTuple):
 def ports() -> list[PortInfo]:
     """Serial ports of this computer, Hokuyo's first; a SensorError without pyserial."""
     listed = _pyserial("serial.tools.list_ports").comports()
-    found = [PortInfo(p.device, str(p.description), p.vid == VENDOR) for p in listed]
-    return sorted(found, key=lambda port: (not port.is_hokuyo, port.device))
+    available = [PortInfo(p.device, str(p.description), p.vid == VENDOR) for p in listed]
+    return sorted(available, key=lambda port: (not port.is_hokuyo, port.device))
 
 
 def find_port() -> str:

@@ -175,10 +175,10 @@ def parse_request(text: str) -> ScanRequest:
     >>> parse_request("GD0044072501").last
     725
     """
-    found = _SCAN.fullmatch(text)
-    if found is None:
+    match = _SCAN.fullmatch(text)
+    if match is None:
         raise SensorError(f"{text[:20]!r} is no request for scans, as GD0044072501 is")
-    single, stream, *numbers = found.groups()
+    single, stream, *numbers = match.groups()
     return ScanRequest(single or stream, *(int(number or 0) for number in numbers))
 
 
@@ -206,8 +206,8 @@ def encode_reply(echo: str, status: str, body: Iterable[bytes] = (), *, old: boo
     >>> encode_reply("BM", "02"), encode_reply("L1", "0", old=True)
     (b'BM\n02R\n\n', b'L1\n0\n\n')
     """
-    told = status.encode("ascii")
-    return b"\n".join([echo.encode(), told if old else told + checksum(told), *body, b"", b""])
+    code = status.encode("ascii")
+    return b"\n".join([echo.encode(), code if old else code + checksum(code), *body, b"", b""])
 
 
 def parse_reply(lines: Sequence[bytes]) -> Reply:
@@ -233,7 +233,7 @@ def refusal(command: str, status: str) -> str:
     return f"status {status} to {command}: {meant}"
 
 
-def encode_info(told: dict[str, str]) -> list[bytes]:
+def encode_info(info: dict[str, str]) -> list[bytes]:
     """Lines of information with their sums, which leave the semicolon out.
 
     Examples
@@ -241,7 +241,7 @@ def encode_info(told: dict[str, str]) -> list[bytes]:
     >>> encode_info({"DMIN": "20"})
     [b'DMIN:20;4']
     """
-    lines = [f"{key}:{text}".encode("ascii") for key, text in told.items()]
+    lines = [f"{key}:{text}".encode("ascii") for key, text in info.items()]
     return [line + b";" + checksum(line) for line in lines]
 
 
@@ -255,7 +255,7 @@ def parse_info(body: Sequence[bytes], *, strict: bool = False) -> dict[str, str]
     >>> parse_info([b"DMIN:20;4", b"SERI:H0706400;F"])
     {'DMIN': '20', 'SERI': 'H0706400'}
     """
-    found = {}
+    info = {}
     for line in body:
         text, end, total = line.rpartition(b";")
         key, colon, value = text.partition(b":") if end else line.partition(b":")
@@ -266,8 +266,8 @@ def parse_info(body: Sequence[bytes], *, strict: bool = False) -> dict[str, str]
                 f"{line[:40]!r} is no line of information with its sum, KEY:text;sum: ask again"
             )
         if colon:
-            found[key.decode("ascii", "replace")] = value.decode("ascii", "replace")
-    return found
+            info[key.decode("ascii", "replace")] = value.decode("ascii", "replace")
+    return info
 
 
 def encode_scan(clock: int, millimetres: ArrayLike, characters: int) -> list[bytes]:

@@ -183,10 +183,10 @@ class UrgSensor:
         if self._asked is None or len(self._stamps) <= PACE_SCANS // 2:
             return ""
         wanted = self._period(self._asked)
-        found = float(np.median(np.diff(self._stamps) % CLOCK)) / 1000.0
-        if found < SLOW_PACE_RATIO * wanted:
+        interval = float(np.median(np.diff(self._stamps) % CLOCK)) / 1000.0
+        if interval < SLOW_PACE_RATIO * wanted:
             return ""
-        text = f"scans arrive every {found:.2f} s, asked for every {wanted:.2f} s"
+        text = f"scans arrive every {interval:.2f} s, asked for every {wanted:.2f} s"
         return text + self._advice(self._asked)
 
     def stop(self) -> None:
@@ -276,13 +276,13 @@ class UrgSensor:
         seconds = self._period(request) + self.geometry.turn + self._transfer(request)
         seconds += self._timeout
         try:
-            found, strange = lines.reply(request.text.encode("ascii"), seconds)
+            answer, strange = lines.reply(request.text.encode("ascii"), seconds)
             arrived = lines.clock()
             if strange and streams:
                 self._drop(f"{strange} lines that belong to no scan")
-            if found is None:
+            if answer is None:
                 raise Silent(f"nothing came for {seconds:.2g} s")
-            reply = parse_reply(found)
+            reply = parse_reply(answer)
             if streams and reply.status == "00":  # the stream was acknowledged again, and late
                 return None, 0
             if not streams:
@@ -385,8 +385,8 @@ class UrgSensor:
             raise gone
         self._leave()
         until, wait = self._clock() + self._reconnect, BACK_OFF[0]
-        while (left := until - self._clock()) > 0:
-            time.sleep(min(wait, left))
+        while (remaining := until - self._clock()) > 0:
+            time.sleep(min(wait, remaining))
             wait = min(2 * wait, BACK_OFF[1])
             try:
                 self._open()

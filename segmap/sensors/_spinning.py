@@ -173,8 +173,8 @@ def spinning_models() -> tuple[str, ...]:
     """A name of each model, those with known manuals first; a SensorError without `lds2d`."""
     models = _lds2d()
     drivers = {models.core.driver_for(name): name for name in models.available_models()}
-    known = {models.core.driver_for(name) for name in KNOWN_MODELS}
-    return (*KNOWN_MODELS, *(name for driver, name in drivers.items() if driver not in known))
+    documented = {models.core.driver_for(name) for name in KNOWN_MODELS}
+    return (*KNOWN_MODELS, *(name for driver, name in drivers.items() if driver not in documented))
 
 
 class _Transport:

@@ -46,11 +46,11 @@ def parse_address(address: str) -> tuple[str, int]:
     """
 
     try:
-        found = urlsplit(address)
-        host, port = found.hostname, SENSOR_PORT if found.port is None else found.port
+        url = urlsplit(address)
+        host, port = url.hostname, SENSOR_PORT if url.port is None else url.port
     except ValueError:  # a port that is no number, brackets that do not end
         host, port = None, 0
-    if not host or not port > 0 or found.netloc != address[len("tcp://") :]:
+    if not host or not port > 0 or url.netloc != address[len("tcp://") :]:
         raise ValueError(f"port {address[:60]!r} is no address of a sensor: write it as {_EXAMPLE}")
     return host, port
 

@@ -63,12 +63,12 @@ def city(
     rows = arrays.whole(rows, "rows", most=200)
     pitch = block + street
     around = rectangular_room(columns * pitch + street, rows * pitch + street)
-    found = [_facade(wall, rng) for wall in around]
+    walls = [_facade(wall, rng) for wall in around]
     for corner in np.ndindex(columns, rows):
         middle = street + block / 2 + pitch * np.array(corner)
         for wall in box(block, block, (*middle, 0.0))[:, ::-1]:
-            found += [_facade(wall, rng), _pillar(wall, rng)]
-    return np.asarray(np.round(np.concatenate(found), 6))
+            walls += [_facade(wall, rng), _pillar(wall, rng)]
+    return np.asarray(np.round(np.concatenate(walls), 6))
 
 
 def _facade(wall: Array, rng: np.random.Generator) -> Array:

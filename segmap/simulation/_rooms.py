@@ -215,14 +215,14 @@ def office(
 
 def _furnished(width: float, depth: float, rng: np.random.Generator) -> Array:
     """A room above its stretch of corridor wall, which runs from (0, 0) to (width, 0)."""
-    left, right = (width - DOOR) / 2, (width + DOOR) / 2
+    door_start, door_end = (width - DOOR) / 2, (width + DOOR) / 2
     near, far = THICKNESS / 2, width - THICKNESS / 2
-    inner = [(left, THICKNESS), (near, THICKNESS), (near, depth), (far, depth)]
-    outline = [(0, 0), (left, 0), *inner, (far, THICKNESS), (right, THICKNESS)]
+    inner = [(door_start, THICKNESS), (near, THICKNESS), (near, depth), (far, depth)]
+    outline = [(0, 0), (door_start, 0), *inner, (far, THICKNESS), (door_end, THICKNESS)]
     opening = rng.uniform(np.radians(70), np.radians(110))
     leaf = DOOR * np.array([np.cos(opening), np.sin(opening)])
-    hinge = np.array([left, THICKNESS])
-    walls = [polyline([*outline, (right, 0), (width, 0)]), polyline([hinge, hinge + leaf])]
+    hinge = np.array([door_start, THICKNESS])
+    walls = [polyline([*outline, (door_end, 0), (width, 0)]), polyline([hinge, hinge + leaf])]
     return np.concatenate([*walls, *_furniture(near, far, depth, rng)])
 
 

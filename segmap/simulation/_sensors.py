@@ -137,13 +137,13 @@ def measure(
     if true.ndim != 1 or angle.shape != true.shape:
         raise ValueError(f"ranges and incidence must both be (n,), got {true.shape}, {angle.shape}")
     sigma = sensor.sigma + sensor.range_share * np.where(np.isfinite(true), true, 0.0)
-    found = true + sigma * rng.standard_normal(true.shape)
+    noisy = true + sigma * rng.standard_normal(true.shape)
     if sensor.resolution > 0:
         with np.errstate(over="ignore"):  # infinite is beyond every sensor's range
-            found = np.round(found / sensor.resolution) * sensor.resolution
+            noisy = np.round(noisy / sensor.resolution) * sensor.resolution
     lost = (rng.random(true.shape) < sensor.dropout) | (angle < sensor.grazing)
-    found = np.where(found < sensor.min_range, np.nan, found)
-    return np.where(lost | (found >= sensor.max_range), np.inf, found)
+    noisy = np.where(noisy < sensor.min_range, np.nan, noisy)
+    return np.where(lost | (noisy >= sensor.max_range), np.inf, noisy)
 
 
 @dataclass(frozen=True)

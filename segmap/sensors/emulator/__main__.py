@@ -16,22 +16,22 @@ from . import Emulator
 def main(arguments: list[str] | None = None) -> int:
     """Run it and return its exit code: 0, or 1 after a line that says what went wrong."""
     speak()
-    given = _emulator_parser().parse_args(arguments)
+    options = _emulator_parser().parse_args(arguments)
     try:
-        _run(given)
+        _run(options)
     except (SensorError, OSError, ValueError) as error:
         print(shown(f"{type(error).__name__}: {error}"), file=sys.stderr)
         return 1
     return 0
 
 
-def _run(given: argparse.Namespace) -> None:
+def _run(options: argparse.Namespace) -> None:
     stopping = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stopping.set())
-    protocol = "1.1" if given.model == "URG-04LX" else "2.0"  # as they come from the factory
+    protocol = "1.1" if options.model == "URG-04LX" else "2.0"  # as they come from the factory
     with Emulator(
-        model=given.model, tcp=given.tcp, speed=given.speed, protocol=protocol
+        model=options.model, tcp=options.tcp, speed=options.speed, protocol=protocol
     ) as emulator:
         print(emulator.port, flush=True)
         with contextlib.suppress(KeyboardInterrupt):

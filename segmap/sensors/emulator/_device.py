@@ -156,13 +156,13 @@ class Terminal:
 
         if unit.usb:
             return True
-        known: dict[Any, int] = {
+        rates: dict[Any, int] = {
             getattr(termios, f"B{rate}"): rate
             for rate in EMULATED_RATES
             if hasattr(termios, f"B{rate}")
         }
         speed = termios.tcgetattr(self._ends[0])[5]
-        return known.get(speed) == (unit.rate if unit.rate in known.values() else None)
+        return rates.get(speed) == (unit.rate if unit.rate in rates.values() else None)
 
 
 class Listener:
@@ -172,10 +172,10 @@ class Listener:
     """
 
     def __init__(self, address: str) -> None:
-        found = _LISTEN_ADDRESS.fullmatch(address)
-        if found is None or int(found["port"]) > 65535:
+        match = _LISTEN_ADDRESS.fullmatch(address)
+        if match is None or int(match["port"]) > 65535:
             raise ValueError(f"tcp must be [host:]port, such as '10940' or '0', got {address!r}")
-        self._host, self._port = found["six"] or found["host"] or "127.0.0.1", int(found["port"])
+        self._host, self._port = match["six"] or match["host"] or "127.0.0.1", int(match["port"])
         self._server: socket.socket | None = None
         self._client: socket.socket | None = None
 
@@ -206,12 +206,12 @@ class Listener:
         if self._client is not None:
             try:
                 heard = self._client.recv(READ_PIECE_BYTES)
-                left = not heard
+                is_gone = not heard
             except BlockingIOError:
-                left = False
+                is_gone = False
             except OSError:
-                left = True
-            if left:
+                is_gone = True
+            if is_gone:
                 self._drop()
         if not heard:  # the last word of one who leaves is heard before the next one comes
             self._accept()

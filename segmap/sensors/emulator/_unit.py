@@ -160,7 +160,7 @@ class Unit:
         return encode_reply(text, "00", encode_info(self.model.limits))
 
     def _do_ii(self, text: str) -> bytes:
-        told = {
+        info = {
             "MODL": self.model.limits["MODL"],
             "LASR": "ON" if self.laser else "OFF",
             "SCSP": f"Initial({self.model.limits['SCAN']}[rpm])<-Default setting by user",
@@ -169,7 +169,7 @@ class Unit:
             "TIME": f"{self._stamp(max(self.turn(), 0)):06X}",
             "STAT": self.trouble or "Sensor works well.",
         }
-        return encode_reply(text, "00", encode_info(told))
+        return encode_reply(text, "00", encode_info(info))
 
     def _do_bm(self, text: str) -> bytes:
         status = "02" if self.laser else "00"
@@ -218,10 +218,10 @@ class Unit:
 
     def _streamed(self, request: ScanRequest) -> bytes:
         self._next_turn = self.turn() + 1 + request.skip
-        left = request._replace(scans=max(request.scans - 1, 0))
-        self.stream = left if request.scans != 1 and not self.trouble else None
+        remaining = request._replace(scans=max(request.scans - 1, 0))
+        self.stream = remaining if request.scans != 1 and not self.trouble else None
         self.laser = self.stream is not None
-        return self._scan(left, "99")
+        return self._scan(remaining, "99")
 
     def _scan(self, request: ScanRequest, status: str) -> bytes:
         """The reply with the turn that was finished last; status 50 of a sensor in trouble."""

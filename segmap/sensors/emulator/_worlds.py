@@ -165,10 +165,10 @@ class Room:
         pose, still = self.pose(turn)[None], OdometryNoise().ideal()
         (scan,) = simulate(self.walls, pose, sensor=self.sensor, rng=self.rng, odometry_noise=still)
         met = np.rint(1000 * scan.ranges)
-        found = np.where(met >= LOWEST, met, self._made.near)
+        ranges = np.where(met >= LOWEST, met, self._made.near)
         steps = np.full(self._made.steps, self._made.unmeasured)
         measured = slice(self._made.first, self._made.first + len(met))
-        steps[measured] = np.where(np.isposinf(met), self._made.nothing, found)
+        steps[measured] = np.where(np.isposinf(met), self._made.nothing, ranges)
         return steps
 
 
