@@ -29,12 +29,12 @@ def bundled(name: str) -> Iterator[Path]:
         with zipfile.ZipFile(archive) as packed, tempfile.TemporaryDirectory() as folder:
             yield Path(packed.extract("killian.g2o", folder))
         return
-    found = [path for place in reversed(DATA_FOLDERS) for path in place.glob("*/*.log.gz")]
-    logs = {path.parent.name: path for path in found if path.name == f"{path.parent.name}.log.gz"}
+    paths = [path for place in reversed(DATA_FOLDERS) for path in place.glob("*/*.log.gz")]
+    logs = {path.parent.name: path for path in paths if path.name == f"{path.parent.name}.log.gz"}
     if not isinstance(name, str) or name not in logs:
-        known = ", ".join(repr(known) for known in sorted(logs)) or "none"
+        names = ", ".join(map(repr, sorted(logs))) or "none"
         raise ValueError(
-            f"name must be that of a bundled log ({known}), got {arrays.brief(name)}: "
+            f"name must be that of a bundled log ({names}), got {arrays.brief(name)}: "
             "segmap.read(path) reads a file of yours"
         )
     yield logs[name]

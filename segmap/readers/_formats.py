@@ -20,13 +20,13 @@ FOLDER_FORMATS: tuple[Binary, ...] = tables.TABLE_FOLDERS
 TEXT_FORMATS: tuple[type[TextFormat], ...] = (*CARMEN_FORMATS, *TABLE_FORMATS)
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
 LOOKED_AT_LINES = 200
-#: Lines with words of one format are so many of them at least, where a head names columns; ...
+#: Least share of lines with the words of a format, where a head names columns.
 WORDS_SHARE = 0.1
-#: ... and those that are told by their shape alone.
+#: Least share of lines of a format that has no words of its own.
 SHAPE_SHARE = 0.5
 
 
-def registered() -> list[Binary | type[TextFormat]]:
+def registered_formats() -> list[Binary | type[TextFormat]]:
     """The formats that other packages add by the entry point `segmap.formats`."""
     try:
         return [form for point in entry_points(group="segmap.formats") for form in point.load()]
@@ -36,7 +36,7 @@ def registered() -> list[Binary | type[TextFormat]]:
 
 def names_of_formats() -> list[str]:
     """Names of all formats of single files."""
-    forms = (*TEXT_FORMATS, *BINARY_FORMATS, *tables.STATED_FILES, *registered())
+    forms = (*TEXT_FORMATS, *BINARY_FORMATS, *tables.STATED_FILES, *registered_formats())
     return [form.name for form in forms]
 
 
@@ -54,7 +54,7 @@ Measurements in arrays (metres, radians, seconds) become a log by three lines:
 
 def in_parts() -> list[tuple[Binary, Parts]]:
     """The formats whose logs may lie in several files."""
-    forms = [form for form in registered() if isinstance(form, Binary)]
+    forms = [form for form in registered_formats() if isinstance(form, Binary)]
     return [(form, form.parts) for form in forms if form.parts]
 
 
@@ -70,7 +70,7 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
             return form
     stated = other_file(path) if path.is_file() else ""
     if path.is_dir() or stated:
-        for other in registered():
+        for other in registered_formats():
             if isinstance(other, Binary) and other.claims(path):
                 return other
     if stated:
@@ -95,7 +95,7 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
 
     votes = {form: vote(form) for form in TEXT_FORMATS}
     if max(votes.values()) < len(sample):  # none of ours says all of it
-        votes |= {form: vote(form) for form in registered() if not isinstance(form, Binary)}
+        votes |= {form: vote(form) for form in registered_formats() if not isinstance(form, Binary)}
     words = other_text(path.name, sample) if sample else ""
     for share, by_shape in ((WORDS_SHARE, False), (SHAPE_SHARE, True)):
         least = max(share * len(sample), 1)

@@ -15,7 +15,7 @@ from ._bundled import bundled
 from ._formats import in_parts, recognise
 from .lines import OnError, stem
 from .packed import log_file
-from .tables import one_scan_each, read_declared_rows, read_in_order, said_beside
+from .tables import layout_in_toml, one_scan_each, read_declared_rows, read_in_order
 
 
 @checked
@@ -82,7 +82,7 @@ def read(
             return read_in_order(groups[0], places[0].parent.resolve().name, on_error)
         (place,) = places
         name = place.resolve().name if place.is_dir() else stem(place)
-        if layout := said_beside(Path(paths[0])):
+        if layout := layout_in_toml(Path(paths[0])):
             return read_declared_rows(place, name, on_error, layout)
         return recognise(place).read(place, name, on_error)
 
@@ -118,7 +118,7 @@ def format_of(path: str | Path) -> str:
     'CARMEN'
     """
     with log_file(path, folders=True) as place:
-        return "table" if said_beside(Path(path)) else recognise(place).name
+        return "table" if layout_in_toml(Path(path)) else recognise(place).name
 
 
 def load(name: str) -> Log:

@@ -79,11 +79,11 @@ def _table(path: Path) -> SegmentMap:
 
 def _segment_row(fields: list[str]) -> Array:
     """Two end points, metres, and a scan: (5,) array."""
-    found = float_fields(fields, "x1,y1,x2,y2,scan")
-    if len(found) != 5:
-        raise ValueError(f"expected 5 fields x1,y1,x2,y2,scan, got {len(found)}")
-    if not (np.abs(found[:4]) <= LIMIT).all():
+    row = float_fields(fields, "x1,y1,x2,y2,scan")
+    if len(row) != 5:
+        raise ValueError(f"expected 5 fields x1,y1,x2,y2,scan, got {len(row)}")
+    if not (np.abs(row[:4]) <= LIMIT).all():
         raise ValueError(f"expected metres for x1,y1,x2,y2, got {','.join(fields[:4])[:80]}")
-    if not (abs(found[4]) < 2**53 and found[4] % 1 == 0):
+    if not (abs(row[4]) < 2**53 and row[4] % 1 == 0):
         raise ValueError(f"expected a whole number for scan, got {fields[4][:40]}")
-    return found
+    return row

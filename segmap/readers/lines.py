@@ -53,8 +53,8 @@ class LogError(ValueError):
     def __init__(self, path: Path, reason: str, line: int | None = None) -> None:
         place = f"{shown(path)}, line {line}" if line else shown(path)
         lines = reason.split("\n") if isinstance(self, UnknownFormat | HeadError) else [reason]
-        told = "\n".join(map(shown, lines))  # what to do takes several
-        super().__init__(f"{place}: {told}")
+        message = "\n".join(map(shown, lines))  # what to do takes several
+        super().__init__(f"{place}: {message}")
         self.path, self.line, self.reason = path, line, reason
 
     def __reduce__(self) -> tuple[type[LogError], tuple[Path, str, int | None]]:
@@ -116,8 +116,8 @@ class Lines(Reading):
         """An error about a file that was read to its end and holds no scan."""
         if self.number == 0:
             return LogError(self.path, f"is empty, expected {expected}")
-        found = f"; damaged line {self.first.line}: {self.first.reason}" if self.first else ""
-        return LogError(self.path, f"holds no scan, expected {expected}{found}")
+        damage = f"; damaged line {self.first.line}: {self.first.reason}" if self.first else ""
+        return LogError(self.path, f"holds no scan, expected {expected}{damage}")
 
     def each(self, parse: Callable[[list[str]], T]) -> Iterator[T]:
         """The fields of each line, parsed; a ValueError of `parse` marks the line as damaged.
@@ -130,11 +130,11 @@ class Lines(Reading):
             except LogError:
                 raise
             except ValueError as fault:
-                found = self.error(str(fault))
+                error = self.error(str(fault))
             else:
                 yield parsed
                 continue
-            self.damaged(found)
+            self.damaged(error)
 
     def __iter__(self) -> Iterator[list[str]]:
         self.number = 0
@@ -167,13 +167,13 @@ def merged_skipped(first: Skipped, second: Skipped) -> Skipped:
 def float_fields(fields: Sequence[str], what: str) -> Array:
     """Fields as floats, `(n,)` array, in the unit of the file."""
     try:
-        found = np.array(fields, float)
+        numbers = np.array(fields, float)
     except (ValueError, OverflowError):
-        found = None
-    if found is None or any("_" in field for field in fields):
+        numbers = None
+    if numbers is None or any("_" in field for field in fields):
         bad = next((f for f in fields if not is_number(f)), "")
         raise ValueError(f"expected numbers for {what}, got {bad[:40]!r}")
-    return found
+    return numbers
 
 
 def is_number(field: str) -> bool:
@@ -192,20 +192,20 @@ def is_count(field: str) -> bool:
 
 def pose_fields(fields: Sequence[str], what: str) -> Array:
     """Three fields as a (3,) array, metres and radians; three times `nan` where there is none."""
-    found = float_fields(fields, what)
-    if len(found) != 3:
-        raise ValueError(f"expected x, y, heading for {what}, got {len(found)} fields")
-    if not (np.isnan(found).all() or (np.abs(found) <= LIMIT).all()):
+    pose = float_fields(fields, what)
+    if len(pose) != 3:
+        raise ValueError(f"expected x, y, heading for {what}, got {len(pose)} fields")
+    if not (np.isnan(pose).all() or (np.abs(pose) <= LIMIT).all()):
         raise ValueError(f"expected metres and radians for {what}, got {' '.join(fields)[:80]}")
-    return found
+    return pose
 
 
 def time(field: str, what: str = "the time", unit: float = 1.0) -> float:
     """A field in units of `unit` seconds as seconds."""
-    found = float(float_fields([field], what)[0]) * unit
-    if not abs(found) <= LATEST_TIME_S:
+    seconds = float(float_fields([field], what)[0]) * unit
+    if not abs(seconds) <= LATEST_TIME_S:
         raise ValueError(f"expected seconds for {what}, got {field[:40]!r}")
-    return found
+    return seconds
 
 
 def counted_fields(

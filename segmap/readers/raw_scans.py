@@ -111,10 +111,10 @@ def beams_of_message(message: Any) -> LaserScan:
         raise ValueError(f"expected angles in radians, got {first:.6g} and steps of {step:.6g}")
     least, most = float(message.range_min), float(message.range_max)
     most = most if most > 0 else np.inf
-    known = clean(np.where(ranges < least, np.nan, ranges), most)
+    clean_ranges = clean(np.where(ranges < least, np.nan, ranges), most)
     count, apart = np.arange(len(ranges)), abs(float(message.time_increment))
     delays = count * apart if 0 < apart <= MOST_APART else None
-    return LaserScan(known, first + step * count, max_range=most, delays=delays)
+    return LaserScan(clean_ranges, first + step * count, max_range=most, delays=delays)
 
 
 def centred(count: int, step: float) -> Array:
@@ -146,21 +146,21 @@ class Track:
             self.poses.append(pose)
             self.after += [] if after is None else [after]
 
-    def met(self, times: ArrayLike) -> Met:
+    def synchronise(self, times: ArrayLike) -> Synchronised:
         """The poses at the times of scans, `(k,)`; a clock that was set back goes on in both."""
         when, noted = np.asarray(times, float), np.array(self.times)
         if not (len(noted) and len(when)):
-            return Met(when, np.full((len(when), 3), NO_POSE), np.empty((0, 4)), ())
+            return Synchronised(when, np.full((len(when), 3), NO_POSE), np.empty((0, 4)), ())
         after = np.array(self.after, int) if self.after else None
         if after is not None and stands(when) | stands(noted):
             last = np.searchsorted(after, np.arange(len(when)), side="right")
             words = "a clock stands still: the order in the file counts"
             poses = np.array([NO_POSE, *self.poses])[last]
             when = np.full(len(when), np.nan) if stands(when) else when
-            return Met(when, poses, np.empty((0, 4)), [Finding(Cause.CLOCK, 0.0, words)])
+            return Synchronised(when, poses, np.empty((0, 4)), [Finding(Cause.CLOCK, 0.0, words)])
         when, noted, causes = on_one_clock(when, noted, after)
         rows = _in_order_of_time(noted, self.poses)
-        return Met(when, interpolate(rows[:, 0], rows[:, 1:], when), rows, causes)
+        return Synchronised(when, interpolate(rows[:, 0], rows[:, 1:], when), rows, causes)
 
     def ordered(self) -> tuple[Array, Array]:
         """Times `(k,)`, ascending, and poses `(k, 3)`."""
@@ -174,8 +174,8 @@ def _in_order_of_time(times: ArrayLike, poses: ArrayLike) -> Array:
     return rows[np.argsort(rows[:, 0], kind="stable")]
 
 
-class Met(NamedTuple):
-    """Scans and odometry that met on one clock."""
+class Synchronised(NamedTuple):
+    """Times of scans and poses on one clock."""
 
     times: Array  #: (k,), of the scans
     poses: Array  #: (k, 3), at these times; NaN outside of the track
@@ -189,15 +189,17 @@ def with_odometry(
     """The scans, those without odometry with what the track says at their time; and its causes."""
     if not any(np.isnan(scan.odometry).any() for scan in scans):
         return scans, ()
-    met = track.met([np.nan if scan.time is None else scan.time for scan in scans])
-    found = [
+    times, poses, _, causes = track.synchronise(
+        [np.nan if scan.time is None else scan.time for scan in scans]
+    )
+    posed_scans = [
         scan._replace(
             time=None if scan.time is None else when,
             odometry=pose if np.isnan(scan.odometry).any() else scan.odometry,
         )
-        for scan, when, pose in zip(scans, met.times.tolist(), met.poses, strict=True)
+        for scan, when, pose in zip(scans, times.tolist(), poses, strict=True)
     ]
-    return found, met.causes
+    return posed_scans, causes
 
 
 def same_poses(a: Array, b: Array) -> bool:
@@ -231,10 +233,10 @@ def extrinsic_by_poses(
     """
     poses = np.array([scan.pose for scan in scans])
     relative = between(np.array([scan.odometry for scan in scans]), poses)
-    known = relative[np.isfinite(relative).all(1)]
-    if not len(known) or not same_poses(known, known[:1]):
+    places = relative[np.isfinite(relative).all(1)]
+    if not len(places) or not same_poses(places, places[:1]):
         return extrinsic_by_offset(scans, offset, is_stated)
-    return uncorrected(scans, np.round(known[0], 6) + 0.0, is_stated=True)
+    return uncorrected(scans, np.round(places[0], 6) + 0.0, is_stated=True)
 
 
 # ---------------------------------------------------------------------------- assumed
@@ -277,13 +279,13 @@ def assemble(
         assumed.append(f"ranges from {usual:g} m on met nothing, as those of a SICK")
     for place, scan in zip(places, raw, strict=True):
         limit, when = min(scan.limit, usual), np.nan if scan.time is None else scan.time
-        odometry, ranges = known(scan.odometry), clean(scan.ranges, limit)
+        odometry, ranges = or_none(scan.odometry), clean(scan.ranges, limit)
         limits = limit, place, scan.codes, scan.delays
         scans.append(LaserScan(ranges, scan.angles, when, odometry, *limits))
     return scans, known_truth(truth), assumed
 
 
-def known(pose: Array) -> Array | None:
+def or_none(pose: Array) -> Array | None:
     """A pose, or None where it is not known."""
     return None if np.isnan(pose).any() else pose
 

@@ -1,7 +1,7 @@
 """What all formats of text share: a file is walked by lines, and its format says what each means.
 
 A format is one class: its name, the words that its lines begin with, what a line says (`_take`),
-and what all of them together say of odometry (`_finished`) and of the laser's place (`_extrinsic`).
+and what all of them together say of odometry (`_finish`) and of the laser's place (`_extrinsic`).
 Where fields stand in a fixed order a line is `Declared`: "odometry*3 n ranges*n time" are three
 fields, then a number and so many ranges, then one of the time.
 """
@@ -73,9 +73,9 @@ class TextFormat:
     @classmethod
     def read(cls, path: Path, name: str, on_error: str = "raise") -> Log:
         """Read a log of this format."""
-        return cls(Lines(path, on_error, cls.separator)).walked()._log(name)
+        return cls(Lines(path, on_error, cls.separator)).walk()._log(name)
 
-    def walked(self) -> Self:
+    def walk(self) -> Self:
         """All lines of the file taken in; a ValueError marks a line as damaged."""
         for _ in self.lines.each(self._take):
             pass
@@ -86,19 +86,19 @@ class TextFormat:
     def _take(self, fields: list[str]) -> None:
         raise NotImplementedError
 
-    def _finished(self) -> Sequence[RawScan]:
+    def _finish(self) -> Sequence[RawScan]:
         """The scans with their odometry."""
-        found, self.causes = with_odometry(self.scans, self.track)
-        return found
+        scans, self.causes = with_odometry(self.scans, self.track)
+        return scans
 
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         """Where a laser sits on the robot, and the robot's corrected poses."""
         return uncorrected(scans, np.zeros(3))
 
     def _log(self, name: str) -> Log:
-        scans, truth, assumed = assemble(self._finished(), self._extrinsic)
-        left = merged_skipped(self.lines.skipped, self.unknown)
-        return Log(name, scans, truth, left, causes=self.causes, assumed=assumed)
+        scans, truth, assumed = assemble(self._finish(), self._extrinsic)
+        skipped = merged_skipped(self.lines.skipped, self.unknown)
+        return Log(name, scans, truth, skipped, causes=self.causes, assumed=assumed)
 
 
 class Declared(TextFormat):
@@ -115,51 +115,51 @@ class Declared(TextFormat):
             wanted = " or ".join(self.forms)
             raise ValueError(f"expected a line of {self.name}, such as {wanted}, got {word[:40]!r}")
         if word in self.forms:
-            self._said(word, by_names(self.forms[word], rest))
+            self._take_fields(word, fields_by_name(self.forms[word], rest))
         else:
             self._other(fields)
 
     def _other(self, fields: list[str]) -> None:
         """What a line says that is no declared one."""
 
-    def _said(self, word: str, said: Mapping[str, Sequence[str]]) -> None:
+    def _take_fields(self, word: str, by_name: Mapping[str, Sequence[str]]) -> None:
         """What a declared line says."""
-        found = float_fields(said["ranges"], "ranges") / self.per_metre
+        ranges = float_fields(by_name["ranges"], "ranges") / self.per_metre
         unit = np.array([1 / self.per_metre, 1 / self.per_metre, 1])
         odometry, pose = (
-            pose_fields(said[name], f"the {name}") * unit if name in said else NOWHERE
+            pose_fields(by_name[name], f"the {name}") * unit if name in by_name else NOWHERE
             for name in ("odometry", "laser")
         )
-        angles = self._directions(len(found))
-        when = time(said["time"][0]) if "time" in said else None
+        angles = self._directions(len(ranges))
+        when = time(by_name["time"][0]) if "time" in by_name else None
         view = (view_of(angles),)
-        self.scans.append(RawScan(word, found, angles, when, odometry, pose, assumed=view))
+        self.scans.append(RawScan(word, ranges, angles, when, odometry, pose, assumed=view))
 
     def _directions(self, count: int) -> Array:
         """Where so many beams point, radians."""
         return half_turn(count)
 
 
-def by_names(form: str, fields: Sequence[str]) -> dict[str, Sequence[str]]:
+def fields_by_name(form: str, fields: Sequence[str]) -> dict[str, Sequence[str]]:
     """The fields of a line by the names that a declaration has for them, `-` for others.
 
     Examples
     --------
-    >>> by_names("n ranges*n time", ["2", "1.5", "2.5", "7"])
+    >>> fields_by_name("n ranges*n time", ["2", "1.5", "2.5", "7"])
     {'n': ['2'], 'ranges': ['1.5', '2.5'], 'time': ['7']}
     """
-    said: dict[str, Sequence[str]] = {}
+    by_name: dict[str, Sequence[str]] = {}
     rest, wanted = fields, {"fields": 0, "ranges": 0}
     for word in form.split():
         name, _, count = word.partition("*")
-        if count in said:
-            said[name], rest = counted_fields([*said[count], *rest], name)
+        if count in by_name:
+            by_name[name], rest = counted_fields([*by_name[count], *rest], name)
         else:
-            said[name], rest = rest[: int(count or 1)], rest[int(count or 1) :]
+            by_name[name], rest = rest[: int(count or 1)], rest[int(count or 1) :]
         wanted["ranges" if name == "ranges" else "fields"] += (
-            len(said[name]) if count in said else int(count or 1)
+            len(by_name[name]) if count in by_name else int(count or 1)
         )
     if rest or sum(wanted.values()) != len(fields):
-        told = " and ".join(f"{count} {name}" for name, count in wanted.items() if count)
-        raise ValueError(f"expected {told}, got {len(fields)} in all: fields are {form}")
-    return said
+        counts = " and ".join(f"{count} {name}" for name, count in wanted.items() if count)
+        raise ValueError(f"expected {counts}, got {len(fields)} in all: fields are {form}")
+    return by_name

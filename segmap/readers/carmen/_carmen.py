@@ -110,30 +110,30 @@ class Carmen(TextFormat):
                     time(rest[6]), pose_fields(rest[:3], "the odometry"), len(self.scans)
                 )
         elif _is_strange(fields):
-            said = f"lines of no known meaning, {keyword[:40]} first"
-            self.unknown = merged_skipped(self.unknown, Skipped(1, said))
+            reason = f"lines of no known meaning, {keyword[:40]} first"
+            self.unknown = merged_skipped(self.unknown, Skipped(1, reason))
         else:
             raise ValueError(f"expected a line of a CARMEN log, got {keyword[:40]!r}")
 
-    def _finished(self) -> Sequence[RawScan]:
+    def _finish(self) -> Sequence[RawScan]:
         """The scans; those of a mapper with the odometry of ODOM lines, where that is raw."""
         if self._repeats():
             return [scan._replace(odometry=NOWHERE) for scan in self.scans]
         if not self.mapped:
-            return super()._finished()
-        noted = {_rounded(pose) for pose in self.track.poses}
-        repeated = 2 * sum(_rounded(scan.pose) in noted for scan in self.scans) > len(self.scans)
+            return super()._finish()
+        noted = {_round_pose(pose) for pose in self.track.poses}
+        repeated = 2 * sum(_round_pose(scan.pose) in noted for scan in self.scans) > len(self.scans)
         self.scans = [scan._replace(odometry=NOWHERE) for scan in self.scans]
-        return self.scans if repeated else super()._finished()
+        return self.scans if repeated else super()._finish()
 
-    def _corrected(self, scans: Sequence[RawScan]) -> bool:
+    def _is_corrected(self, scans: Sequence[RawScan]) -> bool:
         """Whether the poses of laser lines went through a mapper, by the rule above."""
         return self.mapped or (all(s.time is not None for s in scans) and not self.recorded)
 
     def _repeats(self) -> bool:
         """Whether a mapper, not GMapping, wrote its poses into the fields of the odometry too."""
         old = bool(self.scans) and all(scan.laser in OLD for scan in self.scans)
-        if not old or self.mapped or not self._corrected(self.scans):
+        if not old or self.mapped or not self._is_corrected(self.scans):
             return False
         poses = np.array([scan.pose for scan in self.scans])
         odometry = np.array([scan.odometry for scan in self.scans])
@@ -144,7 +144,7 @@ class Carmen(TextFormat):
         offset, is_stated = self._offset(laser)
         if laser in NEW:
             return extrinsic_by_poses(scans, offset, is_stated)
-        if not self._corrected(scans):
+        if not self._is_corrected(scans):
             poses = np.array([scan.pose for scan in scans])
             odometry = np.array([scan.odometry for scan in scans])
             if any(same_poses(poses, at) for at in (compose(odometry, offset), odometry)):
@@ -164,26 +164,26 @@ class Carmen(TextFormat):
 
 
 def _parse_old(fields: list[str]) -> RawScan:
-    ranges, rest = counted_fields(fields[1:], "ranges")
+    words, rest = counted_fields(fields[1:], "ranges")
     if len(rest) not in (0, 6, 9):
         raise ValueError(
-            f"announces {len(ranges)} ranges and {len(rest)} fields follow them, expected 0, 6 or 9"
+            f"announces {len(words)} ranges and {len(rest)} fields follow them, expected 0, 6 or 9"
         )
     laser = pose_fields(rest[:3], "the laser") if rest else NOWHERE
     odometry = pose_fields(rest[3:6], "the odometry") if rest else NOWHERE
-    found = float_fields(ranges, "ranges")
+    ranges = float_fields(words, "ranges")
     when = time(rest[6]) if len(rest) == 9 else None
-    angles = half_turn(len(found))
-    return RawScan(fields[0], found, angles, when, odometry, laser, assumed=(view_of(angles),))
+    angles = half_turn(len(ranges))
+    return RawScan(fields[0], ranges, angles, when, odometry, laser, assumed=(view_of(angles),))
 
 
 def _is_strange(fields: list[str]) -> bool:
     """Whether a line is a word and at most one field, and not the torn beginning of a known one."""
-    whole = not any(known.startswith(fields[0]) for known in CARMEN_KEYWORDS)
+    whole = not any(keyword.startswith(fields[0]) for keyword in CARMEN_KEYWORDS)
     return len(fields) <= 2 and re.fullmatch("[A-Z_]{2,}", fields[0]) is not None and whole
 
 
-def _rounded(pose: Array) -> tuple[float, ...]:
+def _round_pose(pose: Array) -> tuple[float, ...]:
     """A pose, (3,) array, to a millimetre and a milliradian."""
     return tuple(np.round(pose, 3).tolist())
 
@@ -195,7 +195,7 @@ def parse_robotlaser(fields: list[str]) -> RawScan:
         raise ValueError(
             f"expected {ROBOTLASER_SETTINGS} finite settings of the sensor after {fields[0]}"
         )
-    ranges, rest = counted_fields(fields[ROBOTLASER_SETTINGS + 1 :], "ranges")
+    words, rest = counted_fields(fields[ROBOTLASER_SETTINGS + 1 :], "ranges")
     _, rest = counted_fields(rest, "remissions", least=0)
     posed = fields[0].startswith("ROBOT")
     wanted = 14 if posed else 3
@@ -203,14 +203,14 @@ def parse_robotlaser(fields: list[str]) -> RawScan:
         raise ValueError(f"expected {wanted} fields after the remissions, got {len(rest)}")
     laser = pose_fields(rest[:3], "the laser") if posed else NOWHERE
     odometry = pose_fields(rest[3:6], "the robot") if posed else NOWHERE
-    found, when = float_fields(ranges, "ranges"), time(rest[-3])
+    ranges, when = float_fields(words, "ranges"), time(rest[-3])
     start, view, resolution, limit = head[1:5]
     if view < 0 or resolution < 0:
         raise ValueError(f"expected angles that count up, got a step of {min(view, resolution):g}")
     if not (abs(start) < 10 and view < 10 and resolution < 10):
         raise ValueError(f"expected the beams' angles in radians, got {head[1:4].tolist()}")
-    angles = start + (resolution or view / max(len(found) - 1, 1)) * np.arange(len(found))
+    angles = start + (resolution or view / max(len(ranges) - 1, 1)) * np.arange(len(ranges))
     unit_checks.check_angles(angles, "angles")
     limit = limit if limit > 0 else np.inf
     spread = () if resolution else (f"beams are spread evenly over {np.degrees(view):.4g} degrees",)
-    return RawScan(fields[0], found, angles, when, odometry, laser, limit, assumed=spread)
+    return RawScan(fields[0], ranges, angles, when, odometry, laser, limit, assumed=spread)

@@ -83,7 +83,7 @@ class GMapping(Declared):
         step = WIDE_LASER_STEPS_RAD.get(count)
         return centred(count, step) if step else half_turn(count)
 
-    def _finished(self) -> list[RawScan]:
+    def _finish(self) -> list[RawScan]:
         return [scan._replace(limit=self.reach) for scan in self.scans]
 
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
@@ -110,11 +110,11 @@ class DpSlam(Declared):
     keywords = tuple(forms)
     odometry = NOWHERE
 
-    def _said(self, word: str, said: Mapping[str, Sequence[str]]) -> None:
+    def _take_fields(self, word: str, by_name: Mapping[str, Sequence[str]]) -> None:
         if word == "Odometry":
-            self.odometry = pose_fields(said["odometry"], "the odometry")
+            self.odometry = pose_fields(by_name["odometry"], "the odometry")
         else:
-            super()._said(word, said)
+            super()._take_fields(word, by_name)
             self.scans[-1] = self.scans[-1]._replace(odometry=self.odometry)
             self.odometry = NOWHERE
 

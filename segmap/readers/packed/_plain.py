@@ -63,7 +63,7 @@ def log_file(path: str | Path, *, folders: bool = False) -> Iterator[Path]:
             what = "a log file or a folder of one" if folders else "a file"
             raise LogError(place, f"{reason}, expected {what}")
         with tempfile.TemporaryDirectory(prefix="segmap-") as folder:
-            plain = place if place.is_dir() else _unpacked(place, Path(folder))
+            plain = place if place.is_dir() else _unpack(place, Path(folder))
             try:
                 yield plain
             except LogError as fault:
@@ -98,14 +98,14 @@ def read_text(path: str | Path) -> str:
             raise LogError(place, f"expected text in UTF-8 ({fault})") from fault
 
 
-def _unpacked(path: Path, folder: Path) -> Path:
+def _unpack(path: Path, folder: Path) -> Path:
     """The plain file, below `folder`; `path` itself where it is plain."""
     front = _front(path)
     unpack = next((open_ for magic, open_ in PACKINGS.items() if front.startswith(magic)), None)
     if unpack is not None:
         try:
             plain = folder / path.stem
-            plain = _copied(unpack(path), plain, path)
+            plain = _copy(unpack(path), plain, path)
             front = _front(plain)
         except LogError:
             raise
@@ -119,7 +119,7 @@ def _unpacked(path: Path, folder: Path) -> Path:
         text = folder / "text"
         text.mkdir()
         source = plain.open(encoding=encoding, errors="replace", newline=None)
-        return _copied(source, text / plain.name, plain)
+        return _copy(source, text / plain.name, plain)
     return plain
 
 
@@ -146,7 +146,7 @@ def _front(path: Path) -> bytes:
         return file.read(FRONT_BYTES)
 
 
-def _copied(source: IO[Any], target: Path, path: Path) -> Path:
+def _copy(source: IO[Any], target: Path, path: Path) -> Path:
     """All that a file holds, as bytes in UTF-8 where it is text, in proportion to its size."""
     most = rest = most_unpacked(path.stat().st_size)
     with source, target.open("wb") as file:

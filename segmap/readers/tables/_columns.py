@@ -153,22 +153,22 @@ def meaning(name: str) -> Column | None:
     return Column(role, unit, is_clockwise, float(divided[2]) if divided else 1.0)
 
 
-def named(columns: str | Sequence[str]) -> tuple[str, ...]:
+def column_names(columns: str | Sequence[str]) -> tuple[str, ...]:
     """Names as a caller gives them, with `-*3` written out; a ValueError where one is unknown."""
-    names = columns.split(",") if isinstance(columns, str) else columns
-    if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
+    words = columns.split(",") if isinstance(columns, str) else columns
+    if not isinstance(words, list | tuple) or not all(isinstance(word, str) for word in words):
         raise ValueError(f"columns must be names such as angle_deg,range_mm, got {brief(columns)}")
-    found: list[str] = []
-    for name in map(str.strip, names):
+    names: list[str] = []
+    for name in map(str.strip, words):
         if "|" in name:
             raise ValueError(f"columns must say one thing of each: choose one of {name}")
         if left_out := LEFT_OUT_COLUMNS.fullmatch(name):
-            found += ["-"] * int(left_out[1] or 1)
+            names += ["-"] * int(left_out[1] or 1)
         elif meaning(name):
-            found.append(name)
+            names.append(name)
         else:
             raise ValueError(f"columns must be names such as angle_deg or range_mm, got {name!r}")
-    return tuple(found)
+    return tuple(names)
 
 
 def places_of(names: Sequence[str], meant: Mapping[str, str] = {}) -> dict[str, tuple[int, Column]]:

@@ -43,7 +43,7 @@ from ..raw_scans import (
     uncorrected,
     urg_delays,
 )
-from ..text import TextFormat, by_names
+from ..text import TextFormat, fields_by_name
 
 #: Lines of CoreSLAM by the number of their fields, and the sign of the right wheel.
 CORESLAM_LINES = {
@@ -89,15 +89,15 @@ class CoreSlam(TextFormat):
         return len(fields) in CORESLAM_LINES and fields[0].isdecimal() and is_number(fields[-1])
 
     def _take(self, fields: list[str]) -> None:
-        said = by_names(self.form, fields)
-        wheels = float_fields([*said["left"], *said["right"]], "the ticks of the wheels")
+        by_name = fields_by_name(self.form, fields)
+        wheels = float_fields([*by_name["left"], *by_name["right"]], "the ticks of the wheels")
         if not (np.abs(wheels) <= MOST_TICKS).all():
             raise ValueError(f"expected the ticks of the wheels, got {wheels.tolist()}")
-        found = float_fields(said["ranges"], "ranges")
-        self.scans.append(urg_scan("hokuyo", found, time(said["time"][0], unit=1e-6)))
+        ranges = float_fields(by_name["ranges"], "ranges")
+        self.scans.append(urg_scan("hokuyo", ranges, time(by_name["time"][0], unit=1e-6)))
         self.ticks.append(wheels * (1, self.sign))
 
-    def _finished(self) -> Sequence[RawScan]:
+    def _finish(self) -> Sequence[RawScan]:
         ticks, scans = np.array(self.ticks), list[RawScan](self.scans)
         if not np.ptp(ticks, axis=0).any() and not ticks.all():
             return scans
@@ -119,9 +119,9 @@ def integrate(driven: Array) -> Array:
     array([[0.    , 0.    , 0.    ],
            [0.165 , 0.165 , 1.5708]])
     """
-    left, right = driven.T
-    turn = (right - left) / WHEEL_SEPARATION
-    chord = (left + right) / 2 * np.sinc(turn / (2 * np.pi))
+    left_m, right_m = driven.T
+    turn = (right_m - left_m) / WHEEL_SEPARATION
+    chord = (left_m + right_m) / 2 * np.sinc(turn / (2 * np.pi))
     steps = np.stack([chord * np.cos(turn / 2), chord * np.sin(turn / 2), turn], -1)
     poses = [np.zeros(3)]
     for step in steps:
@@ -150,13 +150,13 @@ class Rawseeds(TextFormat):
             metres = np.clip(float_fields(fields[1:], "ranges"), -LIMIT, LIMIT)
             self.scans.append(urg_scan("hokuyo", 1000 * metres, when))
             return
-        said = by_names("time n offset ranges*n", fields)
-        (quarters,) = float_fields(said["offset"], "the offset")
+        by_name = fields_by_name("time n offset ranges*n", fields)
+        (quarters,) = float_fields(by_name["offset"], "the offset")
         if not abs(quarters) <= 720:
             raise ValueError(f"expected an offset in quarter degrees, got {fields[2][:40]}")
-        found = float_fields(said["ranges"], "ranges")
-        angles = half_turn(len(found)) + np.radians(quarters / 4)
-        self.scans.append(RawScan("sick", found, angles, when))
+        ranges = float_fields(by_name["ranges"], "ranges")
+        angles = half_turn(len(ranges)) + np.radians(quarters / 4)
+        self.scans.append(RawScan("sick", ranges, angles, when))
 
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         backwards = np.pi if "REAR" in self.lines.path.name.upper() else 0.0

@@ -29,7 +29,7 @@ from ..lines import Lines, LogError, Reading, merged_skipped
 from ..raw_scans import known_truth
 from ..text import Binary
 from ._fixed import Rawseeds
-from ._layout import Layout, layout_as_written, layout_of, said_beside
+from ._layout import Layout, layout_as_written, layout_in_toml, layout_of
 from ._npz import ARRAYS, claims
 from ._table import read_declared_rows
 from ._trajectories import RAWSEEDS_POSES, track_in
@@ -68,19 +68,19 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     if not lasers:
         wanted = " or ".join(f"{laser}.csv" for laser in RAWSEEDS_LASERS[:2])
         raise LogError(folder, f"holds no scans, expected {wanted}")
-    found = Rawseeds(Lines(files[lasers[0]], on_error, ",")).walked()
+    recording = Rawseeds(Lines(files[lasers[0]], on_error, ",")).walk()
     truth = None
     for sensor in ("ODOMETRY_XYT", "GROUNDTRUTH"):
         if sensor in files:
             columns = layout_as_written(files[sensor])._replace(names=RAWSEEDS_POSES[sensor])
             track, reading = track_in(files[sensor], on_error, columns)
-            found.unknown = merged_skipped(found.unknown, reading.skipped)
+            recording.unknown = merged_skipped(recording.unknown, reading.skipped)
             if sensor == "GROUNDTRUTH":
-                times = np.array([scan.time for scan in found.scans])
+                times = np.array([scan.time for scan in recording.scans])
                 truth = known_truth(interpolate(*track.ordered(), times, max_gap=TRUTH_GAP))
             else:
-                found.track = track
-    return replace(found._log(name), truth=truth)
+                recording.track = track
+    return replace(recording._log(name), truth=truth)
 
 
 def one_scan_each(
@@ -122,7 +122,7 @@ def form_as_stated(path: Path) -> Form | None:
     """How a file that may hold a scan is read; None of another."""
     if claims(path):
         return ARRAYS
-    layout = said_beside(path) or layout_of(path)
+    layout = layout_in_toml(path) or layout_of(path)
     return layout if layout.is_whole else None
 
 
@@ -145,16 +145,16 @@ def _names_of_one(path: Path, form_of: FormOf) -> tuple[str, ...]:
         form = form_of(path)
         if form is None:
             return ()
-        found = _read_by(form, path, "", "skip")
+        log = _read_by(form, path, "", "skip")
     except (LogError, OSError):
         return ()
-    if found.skipped.lines >= len(found[0]):
+    if log.skipped.lines >= len(log[0]):
         return ()
     names = form.names if isinstance(form, Layout) else (form.name,)
-    return names if len(found) == 1 else (str(path), "")
+    return names if len(log) == 1 else (str(path), "")
 
 
-def numbered(
+def numbered_files(
     folder: Path, form_of: FormOf = form_as_stated, least: int = LEAST_FILES
 ) -> list[Path]:
     """The files of a folder that are a scan each, and have one name but for its numbers."""
@@ -167,7 +167,7 @@ def numbered(
 
 def read_numbered(folder: Path, name: str, on_error: str = "raise") -> Log:
     """Read a folder with a scan a file; "skip" leaves out, and counts, files without."""
-    return read_in_order(numbered(folder), name, on_error)
+    return read_in_order(numbered_files(folder), name, on_error)
 
 
 def read_in_order(
@@ -180,12 +180,12 @@ def read_in_order(
     scans, assumed = list[LaserScan](), tuple[str, ...]()
     for path in files:
         try:
-            found = _read_by(form_of(path) or first, path, name, on_error)
+            log = _read_by(form_of(path) or first, path, name, on_error)
         except LogError as fault:
             reading.damaged(fault)
         else:
-            scans, assumed = [*scans, *found], found.assumed
-            reading.skipped = merged_skipped(reading.skipped, found.skipped)
+            scans, assumed = [*scans, *log], log.assumed
+            reading.skipped = merged_skipped(reading.skipped, log.skipped)
     if not scans:
         raise LogError(files[0].parent, f"holds no scan; {reading.skipped.reason}")
     times = np.array([scan.time for scan in scans])

@@ -12,8 +12,8 @@ from ..packed import log_file
 from ..text import Binary
 from ._columns import POSES_ALONE
 from ._fixed import CoreSlam, Rawseeds
-from ._folders import files_of, numbered, read_folder, read_in_order, read_numbered
-from ._layout import Layout, checked_view, declared_layout, layout_of, said_beside
+from ._folders import files_of, numbered_files, read_folder, read_in_order, read_numbered
+from ._layout import Layout, checked_view, declared_layout, layout_in_toml, layout_of
 from ._messages import is_csm, message_form_of, read_csm, read_messages
 from ._question import choices_of
 from ._table import read_declared_rows
@@ -42,7 +42,7 @@ STATED_FILES = (
 )
 TABLE_FOLDERS = (
     Binary("Rawseeds", files_of, read_folder),
-    Binary("numbered scans", numbered, read_numbered),
+    Binary("numbered scans", numbered_files, read_numbered),
 )
 TABLE_FORMATS = (CoreSlam, Rawseeds)
 
@@ -92,15 +92,15 @@ def read_csv(
     (Log('mine', 2 scans, no odometry, no truth), array([1.51, 2.01, 0.9 ]))
     """
 
-    def layout(place: Path) -> Layout:
+    def layout_for(place: Path) -> Layout:
         if columns is not None:
             return declared_layout(place, columns, view)
-        found = said_beside(Path(path)) or layout_of(place)
-        return found._replace(view=checked_view(view) or found.view)
+        layout = layout_in_toml(Path(path)) or layout_of(place)
+        return layout._replace(view=checked_view(view) or layout.view)
 
     with log_file(path, folders=columns is not None) as place:
         if not place.is_dir():
-            return read_declared_rows(place, stem(place), on_error, layout(place))
-        if not (files := numbered(place, layout, least=1)):
+            return read_declared_rows(place, stem(place), on_error, layout_for(place))
+        if not (files := numbered_files(place, layout_for, least=1)):
             raise UnknownFormat(place, f"holds no numbered files of {columns} with a scan each")
-        return read_in_order(files, place.resolve().name, on_error, layout)
+        return read_in_order(files, place.resolve().name, on_error, layout_for)

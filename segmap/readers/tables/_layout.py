@@ -22,7 +22,7 @@ from ... import arrays
 from ...arrays import brief
 from ..lines import NOT_MEASURED, Lines, LogError, is_number
 from ..packed import read_text
-from ._columns import TURNS, UNIT_WORDS, meaning, missing_in, named, places_of, words_of
+from ._columns import TURNS, UNIT_WORDS, column_names, meaning, missing_in, places_of, words_of
 
 #: Separators of fields, the first that most first rows hold; else white space.
 SEPARATORS = ";\t|,"
@@ -78,7 +78,7 @@ class Layout(NamedTuple):
     view: tuple[float, float] | None = None  #: of a scan a row: its first and last beam, degrees
     pattern: str = ""  #: of a line with numbers between words, whose groups are the columns
     mark: str = ""  #: the pattern of what each of these lines holds; another is damaged
-    told: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     unsaid: str = ""  #: what it does not say of its numbers, whatever its columns are
     head: tuple[str, ...] = ()  #: what the file itself calls its columns
     kinds: tuple[bool, ...] = ()  #: whether a column holds numbers, and no words
@@ -176,21 +176,21 @@ def layout_of(path: Path) -> Layout:
     rows = [text for _, text in first_lines(path)]
     for program in PROGRAMS:
         if any(re.search(program.word, row) for row in rows):
-            told = (f"a text of {program.name}",)
-            names = named(program.columns)
-            return Layout(names, pattern=program.beam, mark=program.mark, told=told)
-    found = layout_as_written(path)
-    if columns := HEADS.get(" ".join(found.head).lower()):
-        told = ("columns as the makers of RPLidar mean them",)
-        return found._replace(names=named(columns), told=told)
-    runs = runs_of(found.head)
-    for form, run in groupby(found.head, key=lambda name: COUNTED.sub("#", name)):
+            notes = (f"a text of {program.name}",)
+            names = column_names(program.columns)
+            return Layout(names, pattern=program.beam, mark=program.mark, notes=notes)
+    layout = layout_as_written(path)
+    if columns := HEADS.get(" ".join(layout.head).lower()):
+        notes = ("columns as the makers of RPLidar mean them",)
+        return layout._replace(names=column_names(columns), notes=notes)
+    runs = runs_of(layout.head)
+    for form, run in groupby(layout.head, key=lambda name: COUNTED.sub("#", name)):
         numbers = [float(n[-1]) for name in run if "#" in form and (n := COUNTED.findall(name))]
         if numbers not in (sorted(numbers), sorted(numbers, key=abs)):
             words = f"its columns {form} do not stand in the order of their numbers: put them so"
             raise LogError(path, words)
     names = tuple(name for name, count in runs for _ in range(count if "#" in name else 1))
-    return found if missing_in(names) or found.way_in_words else found._replace(names=names)
+    return layout if missing_in(names) or layout.way_in_words else layout._replace(names=names)
 
 
 def decimal_mark(content: bytes, separator: str | None) -> tuple[str, str]:
@@ -223,15 +223,15 @@ def layout_as_written(path: Path) -> Layout:
     content = path.read_bytes()
     comments = [each.decode("utf-8", "replace") for each in COMMENT.findall(content)]
     decimal, parted = decimal_mark(COMMENT.sub(b"", content) if comments else content, mark)
-    found = Layout(separator=mark, decimal=decimal)
-    two_marks = [f for f in fields if re.fullmatch(THOUSANDS, f) and not is_number(found.plain(f))]
+    layout = Layout(separator=mark, decimal=decimal)
+    two_marks = [f for f in fields if re.fullmatch(THOUSANDS, f) and not is_number(layout.plain(f))]
     if mark != "," and (parted := parted or "".join(two_marks[:1])):
         odd = "".join(f".replace({each!r}, '')" for each in {*parted} - {*"+-0123456789,."})
-        found = found._replace(unsaid=NUMBERS_UNSAID.format(parted, path.name, path.stem, odd))
+        layout = layout._replace(unsaid=NUMBERS_UNSAID.format(parted, path.name, path.stem, odd))
 
     def kind(row: str) -> tuple[bool, ...]:
         fields = fields_of(row, mark)
-        numbers = [is_number(found.plain(f)) or is_number(f) or f in two_marks for f in fields]
+        numbers = [is_number(layout.plain(f)) or is_number(f) or f in two_marks for f in fields]
         if not any(numbers):  # an empty line of a spreadsheet
             return ()
         return tuple(n or f.lower() in NOT_MEASURED for n, f in zip(numbers, fields, strict=True))
@@ -266,7 +266,7 @@ def layout_as_written(path: Path) -> Layout:
     heading = {text for number, text in lines if number in used}
     words = dict.fromkeys(text.strip() for text in (*above, *comments))
     words = {text: None for text in words if text not in heading and IN_WORDS.match(text)}
-    return found._replace(line=line, head=head, kinds=usual, rows=rows, words=tuple(words))
+    return layout._replace(line=line, head=head, kinds=usual, rows=rows, words=tuple(words))
 
 
 def _meanings(head: Sequence[str]) -> int:
@@ -296,10 +296,10 @@ def _of_one_form(rows: Sequence[str]) -> Layout | None:
     labels[-1].append("")
     names = [f"{a[-1]} {b[0] * bool(b[1:])}" for a, b in pairwise(labels)]
     head = tuple(" ".join(re.findall(r"[^\W\d]+|°", name)) for name in names)
-    found = Layout(pattern=f"^{pattern}$", head=head)
-    alike = tuple(row for row in rows if found.fields(row))
-    kinds = tuple(map(is_number, found.fields(alike[0]))) if alike else ()
-    return found._replace(rows=alike, kinds=kinds) if alike else None
+    layout = Layout(pattern=f"^{pattern}$", head=head)
+    alike = tuple(row for row in rows if layout.fields(row))
+    kinds = tuple(map(is_number, layout.fields(alike[0]))) if alike else ()
+    return layout._replace(rows=alike, kinds=kinds) if alike else None
 
 
 def _head_alone(lines: Sequence[tuple[int, str]]) -> Layout:
@@ -329,23 +329,23 @@ def runs_of(head: Sequence[str]) -> list[tuple[str, int]]:
     >>> runs_of(["time_s", "r0_mm", "r1_mm", "q0", "q1", "Angles"])
     [('time_s', 1), ('ranges_mm', 2), ('q#', 2), ('Angles', 1)]
     """
-    found: list[tuple[str, int]] = []
+    runs: list[tuple[str, int]] = []
     for form, run in groupby(head, key=lambda name: COUNTED.sub("#", name)):
         names = list(run)
         if "#" in form and names[1:]:
             column = meaning(form.replace("#", " "))
             is_range = column is not None and column.role in ("range", "ranges")
             name = column._replace(role="ranges").name if column and is_range else form
-            found.append((name, len(names)))
+            runs.append((name, len(names)))
             continue
         for name in names:
             column = meaning(name)
             is_plural = column is not None and column.role == "ranges"
-            found.append((column._replace(role="range").name if column and is_plural else name, 1))
-    return found
+            runs.append((column._replace(role="range").name if column and is_plural else name, 1))
+    return runs
 
 
-def said_beside(path: Path, missing: Missing = missing_in) -> Layout | None:
+def layout_in_toml(path: Path, missing: Missing = missing_in) -> Layout | None:
     """What the file NAME.toml beside a table says; None without one."""
     beside = path.parent / f"{path.name}.toml"
     try:
@@ -363,7 +363,7 @@ def declared_layout(
     path: Path, columns: str | Sequence[str], view: Any = None, *, missing: Missing = missing_in
 ) -> Layout:
     """A layout whose columns, and whose view where a row is a scan, somebody names."""
-    names = named(columns)
+    names = column_names(columns)
     if fault := missing(names):
         raise ValueError(f"columns do not say enough: {fault}")
     layout = layout_as_written(path)

@@ -28,7 +28,7 @@ import numpy as np
 from ...arrays import Array
 from ...scans import LaserScan, Log
 from ..lines import HeadError, Lines, LogError, float_fields, is_number, pose_fields, time
-from ..raw_scans import beams_of_message, known, known_truth, place_of
+from ..raw_scans import beams_of_message, known_truth, or_none, place_of
 from ._columns import meaning
 from ._layout import fields_of, first_lines
 
@@ -72,10 +72,10 @@ def message_form_of(path: Path) -> MessageForm | None:
     for number, text in lines:
         separator = next((mark for mark in ";\t," if mark in text), ",")
         names = fields_of(text, separator)
-        found = {m[1]: k for k, name in enumerate(names) if (m := NUMBERS.fullmatch(name))}
+        numbers = {m[1]: k for k, name in enumerate(names) if (m := NUMBERS.fullmatch(name))}
         count = {k: m[1] for k, name in enumerate(names) if (m := RANGES.fullmatch(name))}
         ranges = sorted(count, key=lambda k: int(count[k] or 0))  # some sort their names as words
-        if ranges and {*found} >= NEEDED_NUMBERS:
+        if ranges and {*numbers} >= NEEDED_NUMBERS:
             beams = [int(count[k] or 0) for k in ranges]
             if beams != [*range(beams[0], beams[0] + len(beams))] or beams[0] > 1:
                 what = (
@@ -83,7 +83,7 @@ def message_form_of(path: Path) -> MessageForm | None:
                 )
                 raise HeadError(path, f"{what}: expected a column of each beam, from 0", number)
             frame = next((k for k, name in enumerate(names) if name.endswith("frame_id")), None)
-            return MessageForm(number, separator, found, ranges, clock_of(names), frame)
+            return MessageForm(number, separator, numbers, ranges, clock_of(names), frame)
     row = fields_of(lines[0][1], ",") if lines else []
     if len(row) <= ROS2_BEFORE or is_number(row[2]) or not all(map(is_number, row[:2] + row[3:10])):
         return None
@@ -187,18 +187,18 @@ def read_csm(path: Path, name: str, on_error: str = "raise") -> Log:
 
     def scan_of(line: list[str]) -> LaserScan:
         try:
-            said = json.loads(line[0])
-            ranges, angles = (np.array(said[key], float) for key in ("readings", "theta"))
-            valid = np.array(said.get("valid", np.ones(len(ranges))), float)
-            seconds = [*(said.get("timestamp") or ["nan"]), 0]
+            fields = json.loads(line[0])
+            ranges, angles = (np.array(fields[key], float) for key in ("readings", "theta"))
+            valid = np.array(fields.get("valid", np.ones(len(ranges))), float)
+            seconds = [*(fields.get("timestamp") or ["nan"]), 0]
             when = time(str(seconds[0])) + 1e-6 * float(seconds[1])
             odometry, true = (
                 pose_fields(
-                    [str("nan" if v is None else v) for v in said.get(key) or [None] * 3], key
+                    [str("nan" if v is None else v) for v in fields.get(key) or [None] * 3], key
                 )
                 for key in ("odometry", "true_pose")
             )
-            scan = LaserScan(np.where(valid > 0, ranges, np.nan), angles, when, known(odometry))
+            scan = LaserScan(np.where(valid > 0, ranges, np.nan), angles, when, or_none(odometry))
         except (KeyError, TypeError, IndexError, AttributeError, RecursionError) as fault:
             raise ValueError(f"expected a scan of CSM ({type(fault).__name__}: {fault})") from fault
         truth.append(true)

@@ -30,7 +30,7 @@ from ...files import members, read_arrays, shown
 from ...progress import each
 from ...scans import NOTHING_SKIPPED, LaserScan, Log
 from ..lines import LATEST_TIME_S, LogError
-from ..raw_scans import known, known_truth, place_of
+from ..raw_scans import known_truth, or_none, place_of
 from ..text import Binary
 
 NEEDED = ("ranges", "angles")
@@ -48,14 +48,14 @@ def claims(path: Path) -> bool:
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
     """Read arrays: whole or not at all, whatever `on_error`."""
     try:
-        held = read_arrays(path)
+        by_name = read_arrays(path)
     except ValueError as fault:
         raise LogError(path, str(fault).removeprefix(f"{shown(path)}: ")) from fault
-    if missing := [needed for needed in NEEDED if needed not in held]:
-        got = f"got {', '.join(sorted(held))[:80]}; no {missing[0]}"
+    if missing := [needed for needed in NEEDED if needed not in by_name]:
+        got = f"got {', '.join(sorted(by_name))[:80]}; no {missing[0]}"
         raise LogError(path, f"expected arrays {' and '.join(NEEDED)}, {got}")
     try:
-        return log_from_arrays(name, held)
+        return log_from_arrays(name, by_name)
     except ValueError as fault:
         raise LogError(path, str(fault)) from fault
 
@@ -63,61 +63,61 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
 ARRAYS = Binary("NPZ", claims, read)
 
 
-def log_from_arrays(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
+def log_from_arrays(name: str, by_name: Mapping[str, NDArray[Any]]) -> Log:
     """A log of arrays by their names."""
-    ranges = np.atleast_2d(arrays.numbers(held["ranges"], "ranges"))
+    ranges = np.atleast_2d(arrays.numbers(by_name["ranges"], "ranges"))
     if ranges.ndim != 2 or not len(ranges):
         raise ValueError(f"ranges must have shape (k, n), got {ranges.shape}")
     shape, count = ranges.shape, len(ranges)
-    angles = _each(held, "angles", np.empty(0), *shape)
-    times = np.atleast_1d(arrays.numbers(held.get("times", np.full(count, np.nan)), "times"))
+    angles = _each(by_name, "angles", np.empty(0), *shape)
+    times = np.atleast_1d(arrays.numbers(by_name.get("times", np.full(count, np.nan)), "times"))
     is_seconds = np.isnan(times) | (np.abs(times) <= LATEST_TIME_S)
     if (
         times.shape != (count,)
         or not is_seconds.all()
-        or ("times" in held and np.isnan(times).all())
+        or ("times" in by_name and np.isnan(times).all())
     ):
         raise ValueError(f"times must be ({count},) finite seconds, NaN where a scan has none")
     odometry, truth = (
-        arrays.poses(np.atleast_2d(held[kind]), kind, count=count, missing=True)
-        if kind in held
+        arrays.poses(np.atleast_2d(by_name[kind]), kind, count=count, missing=True)
+        if kind in by_name
         else np.full((count, 3), np.nan)
         for kind in ("odometry", "truth")
     )
-    places = _each(held, "sensor_pose", np.zeros(3), count, 3)
-    most = _each(held, "max_range", np.array(np.inf), count)
-    codes = _each(held, "codes", np.empty(0), *shape) if "codes" in held else [None] * count
-    delays = _each(held, "delays", np.full(shape[1], np.nan), *shape)
+    places = _each(by_name, "sensor_pose", np.zeros(3), count, 3)
+    most = _each(by_name, "max_range", np.array(np.inf), count)
+    codes = _each(by_name, "codes", np.empty(0), *shape) if "codes" in by_name else [None] * count
+    delays = _each(by_name, "delays", np.full(shape[1], np.nan), *shape)
     beams = np.where(ranges > 0, ranges, np.nan), angles
-    counts = _counts(held.get("beams", np.full(count, shape[1])), shape)
+    counts = _counts(by_name.get("beams", np.full(count, shape[1])), shape)
     rows = zip(counts, *beams, codes, delays, times, odometry, most, places, strict=True)
     scans = []
     for n, r, a, c, d, t, o, m, p in each(list(rows), "reading scan"):
         c = c if c is None else c[:n]
-        scans.append(LaserScan(r[:n], a[:n], t, known(o), m, p, c, known(d[:n])))
-    ordered = arrays.switch(held.get("order_known", np.array(True)).tolist(), "order_known")
-    assumed = list(map(str, np.ravel(held.get("assumed", ())).tolist()))
-    if "sensor_pose" not in held and {"odometry", "truth"} & set(held):
+        scans.append(LaserScan(r[:n], a[:n], t, or_none(o), m, p, c, or_none(d[:n])))
+    ordered = arrays.switch(by_name.get("order_known", np.array(True)).tolist(), "order_known")
+    assumed = list(map(str, np.ravel(by_name.get("assumed", ())).tolist()))
+    if "sensor_pose" not in by_name and {"odometry", "truth"} & set(by_name):
         assumed.append(place_of(np.zeros(3)))
-    if others := sorted({*held} - KNOWN):
+    if others := sorted({*by_name} - KNOWN):
         assumed.append(f"left out: {', '.join(map(shown, others))[:80]}")
-    said = held.get("track"), ordered, (), assumed
-    return Log(name, scans, known_truth(truth), NOTHING_SKIPPED, *said)
+    track, right = by_name.get("track"), known_truth(truth)
+    return Log(name, scans, right, NOTHING_SKIPPED, track, ordered, (), assumed)
 
 
 def _counts(value: object, shape: tuple[int, int]) -> list[int]:
     """How many beams each scan has, of those of the longest."""
-    found = arrays.indices(value, "beams")
-    if found.shape != shape[:1] or not ((found >= 0) & (found <= shape[1])).all():
+    counts = arrays.indices(value, "beams")
+    if counts.shape != shape[:1] or not ((counts >= 0) & (counts <= shape[1])).all():
         raise ValueError(f"beams must be {shape[0]} numbers from 0 to {shape[1]}")
-    return found.tolist()
+    return counts.tolist()
 
 
 def _each(
-    held: Mapping[str, NDArray[Any]], name: str, default: Array, count: int, *row: int
+    by_name: Mapping[str, NDArray[Any]], name: str, default: Array, count: int, *row: int
 ) -> Array:
     """An array that stands once for all scans, of shape `row`, or once for each of `count`."""
-    found = arrays.numbers(held.get(name, default), name)
-    if found.shape not in (row, (count, *row)):
-        raise ValueError(f"{name} must have shape {row} or {(count, *row)}, got {found.shape}")
-    return np.broadcast_to(found, (count, *row))
+    rows = arrays.numbers(by_name.get(name, default), name)
+    if rows.shape not in (row, (count, *row)):
+        raise ValueError(f"{name} must have shape {row} or {(count, *row)}, got {rows.shape}")
+    return np.broadcast_to(rows, (count, *row))

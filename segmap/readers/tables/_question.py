@@ -157,7 +157,7 @@ def _choices(
     ]
     roles = Counter(column.role for column in meanings if column)
     lacking = [role for role in needed if role not in roles]
-    found = list[tuple[str, ...]]()
+    choices = list[tuple[str, ...]]()
     for column, (name, count, is_number) in zip(meanings, columns, strict=True):
         if column is None:
             of_roles = lacking if count > 1 or "ranges" not in lacking else []
@@ -168,7 +168,7 @@ def _choices(
             if unit:  # that the name says
                 of_roles = [r for r in (*of_roles, *"xy" * (len(lacking) > 1)) if unit in UNITS[r]]
             names = _names_of(of_roles, unit) if is_number else ()
-            found.append((*names, "-" if count == 1 else f"-*{count}"))
+            choices.append((*names, "-" if count == 1 else f"-*{count}"))
             continue
         is_date = column.role == "time" and not (column.unit or is_number)
         offered = ("time",) if is_date else _names_of([column.role], column.unit, column)
@@ -180,8 +180,8 @@ def _choices(
             offered = (*(offered if twin else ()), *_names_of([pose], column.unit), "-")
         elif twin or (column.role == "time" and not column.unit and is_number):
             offered = (*offered, "-")
-        found.append(offered)
-    return tuple(found)
+        choices.append(offered)
+    return tuple(choices)
 
 
 def _names_of(roles: Sequence[str], unit: str, column: Column | None = None) -> tuple[str, ...]:

@@ -32,7 +32,7 @@ from ..lines import (
     Lines,
     LogError,
 )
-from ..raw_scans import COUNTERCLOCKWISE, known, place_of
+from ..raw_scans import COUNTERCLOCKWISE, or_none, place_of
 from ._columns import BEAM_ROLES, POSE, Column, places_of
 from ._layout import (
     COMMENTS,
@@ -84,7 +84,7 @@ class Rows:
         if wide < len(layout.names):
             what = f"{len(layout.names)} columns are named, but its rows have {wide} fields"
             raise HeadError(lines.path, what)
-        parts = self._matched(numbered) if layout.pattern else self._counted(numbered, is_quoted)
+        parts = self._beams(numbered) if layout.pattern else self._rows(numbered, is_quoted)
         if not parts:
             raise lines.no_scan(f"rows of {','.join(layout.names)}")
         self.numbers = np.array([number for number, _ in parts], int)
@@ -96,36 +96,34 @@ class Rows:
         )  # fmt: skip
         self.good, self.has_full = np.ones(len(parts), bool), False
 
-    def _matched(self, numbered: Sequence[tuple[int, str]]) -> list[tuple[int, str]]:
+    def _beams(self, numbered: Sequence[tuple[int, str]]) -> list[tuple[int, str]]:
         """The parts of lines that hold a beam, between commas."""
-        layout, found = self.layout, []
+        layout, beams = self.layout, []
         mark, wanted = re.compile(layout.mark), ",".join(layout.names)
         pattern = re.compile(layout.pattern)
         for number, row in numbered:
             if match := pattern.search(row):
-                found.append((number, ",".join(part or "" for part in match.groups())))
+                beams.append((number, ",".join(part or "" for part in match.groups())))
             elif not layout.mark:
                 fault = f"no line as most are, {layout.rows[0][:40]!r}: {row[:40]!r}"
                 self.lines.leave_out(LogError(self.lines.path, fault, number))
             elif mark.search(row):
                 self._damaged(number, f"expected a beam, {wanted}, got {row[:40]!r}")
-        return found
+        return beams
 
-    def _counted(
-        self, numbered: Sequence[tuple[int, str]], is_quoted: bool
-    ) -> list[tuple[int, str]]:
+    def _rows(self, numbered: Sequence[tuple[int, str]], is_quoted: bool) -> list[tuple[int, str]]:
         """The rows with as many fields as most of the first have."""
-        mark, wide, found = self.layout.separator, len(self.layout.kinds), []
+        mark, wide, rows = self.layout.separator, len(self.layout.kinds), []
         for number, row in numbered:
             if mark and not is_quoted:
                 count = row.count(mark) + 1
             else:  # a quote that does not end holds no field
                 count = len(fields_of(row, mark)) * (row.count('"') % 2 == 0)
             if count == wide:
-                found.append((number, row))
+                rows.append((number, row))
             else:
                 self._damaged(number, f"expected {wide} fields, got {count}")
-        return found
+        return rows
 
     def _damaged(self, number: int, fault: str) -> None:
         self.lines.damaged(LogError(self.lines.path, fault, number))
@@ -144,8 +142,8 @@ class Rows:
         import pandas as pd
 
         texts = self.texts(place) if self.is_words(place) else None
-        held = self.columns[place] if texts is None else pd.to_numeric(texts, errors="coerce")
-        values = held.to_numpy(float, na_value=np.nan) * column.factor
+        numbers = self.columns[place] if texts is None else pd.to_numeric(texts, errors="coerce")
+        values = numbers.to_numpy(float, na_value=np.nan) * column.factor
         comma = ", its decimal mark a comma" if self.layout.decimal == "," else ""
         plain = f"a number for the {column.role}{comma}"
         most, bounded = MOST.get(column.role, (LIMIT, plain))
@@ -160,7 +158,7 @@ class Rows:
             expected = bounded if beyond[row] else plain
             self._damaged(int(self.numbers[row]), f"expected {expected}, got {got!r}")
         self.good &= ~wrong
-        if column.role in ("range", "ranges") and (full := (held == FULL).to_numpy()).any():
+        if column.role in ("range", "ranges") and (full := (numbers == FULL).to_numpy()).any():
             self.has_full, values = True, np.where(full, np.nan, values)
         return values
 
@@ -171,8 +169,8 @@ class Rows:
         if column.role in ("new", "error"):
             texts = self.texts(place)
             is_new = column.role == "new"
-            held = texts.isin(YES) if is_new else ~texts.isin(NO_ERROR)
-            return np.asarray(held, float)
+            flags = texts.isin(YES) if is_new else ~texts.isin(NO_ERROR)
+            return np.asarray(flags, float)
         if column.role != "time" or column.unit:
             return self.numbers_of(place, column)
         if not self.is_words(place):
@@ -194,26 +192,26 @@ def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> 
     if not layout.is_whole:
         raise HeadError(path, choices_of(layout).told(path.name), layout.line or None)
     lines = Lines(path, on_error)
-    rows, places, told = Rows(lines, layout), places_of(layout.names), list(layout.told)
+    rows, places, notes = Rows(lines, layout), places_of(layout.names), list(layout.notes)
     beam = next(kind for kind in BEAM_ROLES if {*kind} <= {*places})
     others = {role for kind in BEAM_ROLES for role in kind} - {*beam}
     others |= set() if {*POSE} <= {*places} else {*POSE}
     places = {role: at for role, at in places.items() if role not in others}
     ranges_at, ranges = places.pop("ranges", (len(layout.names), None))
     behind = rows.columns.shape[1] - len(layout.names)  # so many more fields than names
-    held: dict[str, Array] = {}
+    table: dict[str, Array] = {}
     for role, (k, column) in places.items():
         place = k if k < ranges_at else k + behind
         values = rows.values(place, column)
         if values is None:
-            told.append(f"{layout.names[k]!r} says no unit of time and is left out")
+            notes.append(f"{layout.names[k]!r} says no unit of time and is left out")
         else:
-            held[role] = values
+            table[role] = values
     if ranges:
         fields = range(ranges_at, ranges_at + behind + 1)
-        held["ranges"] = np.stack([rows.numbers_of(place, ranges) for place in fields], axis=1)
+        table["ranges"] = np.stack([rows.numbers_of(place, ranges) for place in fields], axis=1)
     if rows.has_full:
-        told.append(f"{FULL}, the largest number of two bytes, is no measurement")
+        notes.append(f"{FULL}, the largest number of two bytes, is no measurement")
     _refuse_several(path, rows, layout)
     used = {k for k, _ in places.values()} | {ranges_at}
     unused = [
@@ -222,36 +220,39 @@ def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> 
         if k not in used and name != "-" and (name or rows.columns[k].notna().any())
     ]
     if layout.words:
-        told.append(f"not read: {', '.join(map(repr, layout.words[:3]))}"[:TOLD_CHARACTERS])
+        notes.append(f"not read: {', '.join(map(repr, layout.words[:3]))}"[:TOLD_CHARACTERS])
     if unused:
-        told.append(f"left out: {', '.join(map(repr, unused))}")
-    if {"time", "nanosec"} <= {*held}:
-        held["time"] = held["time"] + held["nanosec"]
+        notes.append(f"left out: {', '.join(map(repr, unused))}")
+    if {"time", "nanosec"} <= {*table}:
+        table["time"] = table["time"] + table["nanosec"]
     wrong = int((~rows.good).sum())
     if wrong > len(rows.good) - wrong:
         what = f"{wrong} of {len(rows.good)} lines are no {','.join(layout.names)}"
         raise LogError(path, f"{what}: {lines.first.reason if lines.first else ''}")
-    held = {role: values[rows.good] for role, values in held.items()}
-    scans = _a_scan_a_row(path, held, layout) if ranges else _a_beam_a_row(path, held, layout, told)
+    table = {role: values[rows.good] for role, values in table.items()}
+    if ranges:
+        scans = _a_scan_a_row(path, table, layout)
+    else:
+        scans = _a_beam_a_row(path, table, layout, notes)
     if any(scan.odometry is not None for scan in scans):
-        told.append(place_of(np.zeros(3)))
-    return Log(name, scans, None, lines.skipped, assumed=told)
+        notes.append(place_of(np.zeros(3)))
+    return Log(name, scans, None, lines.skipped, assumed=notes)
 
 
 def _refuse_several(path: Path, rows: Rows, layout: Layout) -> None:
     """A column of the file itself that says that several sensors measured ends the reading."""
     for place, name in enumerate(layout.names):
         if WHO.fullmatch(name) and (values := [*dict.fromkeys(rows.columns[place])])[1:]:
-            held = f"{name!r} holds {', '.join(map(str, values[:3]))}: expected one sensor a log"
+            what = f"{name!r} holds {', '.join(map(str, values[:3]))}: expected one sensor a log"
             table = f"pandas.read_csv({path.name!r}, sep={layout.separator!r})"
             code = f"for who, part in {table}.groupby({name!r}):"
             written = f"part.to_csv(f'{name}_{{who}}.csv', index=False)"
-            raise HeadError(path, f"{held}, which these lines part:\n    {code}\n        {written}")
+            raise HeadError(path, f"{what}, which these lines part:\n    {code}\n        {written}")
 
 
-def _a_scan_a_row(path: Path, held: Mapping[str, Array], layout: Layout) -> list[LaserScan]:
+def _a_scan_a_row(path: Path, table: Mapping[str, Array], layout: Layout) -> list[LaserScan]:
     assert layout.view is not None
-    ranges = held["ranges"]
+    ranges = table["ranges"]
     angles = np.radians(np.linspace(*layout.view, ranges.shape[1]))
     factor = places_of(layout.names)["ranges"][1].factor
     if len(angles) > 2 and np.allclose(ranges[0] / factor, np.degrees(angles), atol=1e-6):
@@ -259,45 +260,45 @@ def _a_scan_a_row(path: Path, held: Mapping[str, Array], layout: Layout) -> list
         raise HeadError(path, what)
     if angles[0] > angles[-1]:
         angles, ranges = angles[::-1], ranges[:, ::-1]
-    times = held.get("time", np.full(len(ranges), np.nan))
+    times = table.get("time", np.full(len(ranges), np.nan))
     return [
-        LaserScan(np.where(far > 0, far, np.nan), angles, when, _pose(held, k))
+        LaserScan(np.where(far > 0, far, np.nan), angles, when, _pose(table, k))
         for k, (far, when) in enumerate(zip(ranges, times, strict=True))
     ]
 
 
-def _pose(held: Mapping[str, Array], row: int) -> Array | None:
-    pose = [held[role][row] for role in POSE if role in held]
-    return known(np.array(pose)) if len(pose) == len(POSE) else None
+def _pose(table: Mapping[str, Array], row: int) -> Array | None:
+    pose = [table[role][row] for role in POSE if role in table]
+    return or_none(np.array(pose)) if len(pose) == len(POSE) else None
 
 
 def _a_beam_a_row(
-    path: Path, held: dict[str, Array], layout: Layout, told: list[str]
+    path: Path, table: dict[str, Array], layout: Layout, notes: list[str]
 ) -> list[LaserScan]:
-    if "urg" in held:
-        held["range"], codes = as_ranges(held["urg"])
-        held["codes"] = codes.astype(float)
-    elif "range" not in held:
-        met = np.hypot(held["x"], held["y"]) > 0  # others ended nowhere
-        held = {role: values[met] for role, values in held.items()}
-        held["range"] = np.hypot(held["x"], held["y"])
-        held["angle"] = _from_first(np.arctan2(held["y"], held["x"]))
+    if "urg" in table:
+        table["range"], codes = as_ranges(table["urg"])
+        table["codes"] = codes.astype(float)
+    elif "range" not in table:
+        met = np.hypot(table["x"], table["y"]) > 0  # others ended nowhere
+        table = {role: values[met] for role, values in table.items()}
+        table["range"] = np.hypot(table["x"], table["y"])
+        table["angle"] = _from_first(np.arctan2(table["y"], table["x"]))
     ways = {column.clockwise for _, column in places_of(layout.names).values()}
     is_clockwise = True in ways
     if ways == {None}:
-        told.append(COUNTERCLOCKWISE)
-    if "error" in held:
-        held["range"] = np.where(held["error"] > 0, np.nan, held["range"])
-    held["range"] = np.where(held["range"] > 0, held["range"], np.nan)
+        notes.append(COUNTERCLOCKWISE)
+    if "error" in table:
+        table["range"] = np.where(table["error"] > 0, np.nan, table["range"])
+    table["range"] = np.where(table["range"] > 0, table["range"], np.nan)
     ends: NDArray[np.int64] = np.empty(0, np.int64)  # a text of a Hokuyo is one scan
-    if "scan" in held:
-        held, ends = _by_number(path, held)
-    elif held.get("new", np.zeros(1)).any():
-        ends = np.flatnonzero(held["new"][1:])
-    elif "urg" not in held:
-        ends, how = ends_of_turns(held["angle"])
-        told += [f"a scan ends where the angle {how}"] * bool(len(ends))
-    times = held.get("time", np.full(len(held["angle"]), np.nan))
+    if "scan" in table:
+        table, ends = _by_number(path, table)
+    elif table.get("new", np.zeros(1)).any():
+        ends = np.flatnonzero(table["new"][1:])
+    elif "urg" not in table:
+        ends, how = ends_of_turns(table["angle"])
+        notes += [f"a scan ends where the angle {how}"] * bool(len(ends))
+    times = table.get("time", np.full(len(table["angle"]), np.nan))
     back = np.flatnonzero(np.diff(times) < 0)
     if len(back) > max(len(ends), 1):
         raise LogError(
@@ -311,28 +312,30 @@ def _a_beam_a_row(
         way = (
             slice(end - 1, begin - 1 if begin else None, -1) if is_clockwise else slice(begin, end)
         )
-        angles, ranges, when = (held.get(role, times)[way] for role in ("angle", "range", "time"))
+        angles, ranges, when = (table.get(role, times)[way] for role in ("angle", "range", "time"))
         first = float(np.min(when))
         delays = when - first if np.ptp(when) > 0 else None
-        errors = held["codes"][way].astype(np.int64) if "codes" in held else None
-        pose = _pose(held, begin)
+        errors = table["codes"][way].astype(np.int64) if "codes" in table else None
+        pose = _pose(table, begin)
         scans.append(LaserScan(ranges, angles, first, pose, codes=errors, delays=delays))
     return scans
 
 
-def _by_number(path: Path, held: Mapping[str, Array]) -> tuple[dict[str, Array], NDArray[np.int64]]:
+def _by_number(
+    path: Path, table: Mapping[str, Array]
+) -> tuple[dict[str, Array], NDArray[np.int64]]:
     """The beams with those of one scan together, in the order of the file, and where scans end."""
-    number = held["scan"]
+    number = table["scan"]
     steps = np.flatnonzero(np.diff(number))
     if len(steps) + 1 == len(np.unique(number)):
-        return dict(held), steps
+        return dict(table), steps
     order = np.argsort(number, kind="stable")
-    beams = np.unique(np.stack([number, held["angle"]]), axis=1)
+    beams = np.unique(np.stack([number, table["angle"]]), axis=1)
     if beams.shape[1] < len(number):
         what = "scan numbers come back, with directions that their scans have already"
         raise LogError(path, f"{what}: expected the rows of one recording")
-    found = {role: values[order] for role, values in held.items()}
-    return found, np.flatnonzero(np.diff(found["scan"]))
+    sorted_table = {role: values[order] for role, values in table.items()}
+    return sorted_table, np.flatnonzero(np.diff(sorted_table["scan"]))
 
 
 def _from_first(angles: Array) -> Array:

@@ -30,9 +30,9 @@ from ...scans import Log
 from ..lines import HeadError, Lines, LogError, OnError
 from ..mounting import in_space, level
 from ..packed import log_file
-from ..raw_scans import Track, known, known_truth
+from ..raw_scans import Track, known_truth, or_none
 from ._columns import OF_POSES, QUATERNION, places_of
-from ._layout import Layout, declared_layout, layout_as_written, said_beside
+from ._layout import Layout, declared_layout, layout_as_written, layout_in_toml
 from ._messages import clock_of
 from ._question import choices_of
 from ._table import Rows
@@ -53,14 +53,14 @@ LONGEST_TRUTH_GAP_S = 1.0
 def missing_of_poses(names: Sequence[str]) -> str:
     """What names do not say of poses; empty where they say all."""
     try:
-        found = places_of(names, OF_POSES)
+        places = places_of(names, OF_POSES)
     except ValueError as fault:
         return str(fault)
-    turn = ("pose_theta",) if "pose_theta" in found or "qw" not in found else QUATERNION
+    turn = ("pose_theta",) if "pose_theta" in places or "qw" not in places else QUATERNION
     roles = ("time", "pose_x", "pose_y", *turn)
-    if absent := [role for role in roles if role not in found]:
+    if absent := [role for role in roles if role not in places]:
         return f"no name says which column is {absent[0]}"
-    open_ = [names[found[role][0]] for role in roles[1:] if not found[role][1].is_whole]
+    open_ = [names[places[role][0]] for role in roles[1:] if not places[role][1].is_whole]
     return f"the unit of {' and '.join(map(repr, open_))} is not said" if open_ else ""
 
 
@@ -100,20 +100,20 @@ def track_in(
     layout, lines, track = layout or pose_layout_of(path), Lines(path, on_error), Track()
     if not layout.names:
         raise HeadError(path, choices_of(layout, missing_of_poses(layout.head)).told(path.name))
-    rows, held = Rows(lines, layout), dict[str, Array]()
+    rows, columns = Rows(lines, layout), dict[str, Array]()
     for role, (place, column) in places_of(layout.names, OF_POSES).items():
         values = rows.values(place, column)
         if values is None:
             missing = f"the unit of {layout.names[place]!r} is not said"
             raise HeadError(path, choices_of(layout, missing).told(path.name))
-        held[role] = values
-    times = held["time"] + held.get("nanosec", 0.0)
+        columns[role] = values
+    times = columns["time"] + columns.get("nanosec", 0.0)
     for row in np.flatnonzero(rows.good & np.isfinite(times)).tolist():
-        x, y = float(held["pose_x"][row]), float(held["pose_y"][row])
-        if "pose_theta" in held:
-            track.add(float(times[row]), np.array([x, y, held["pose_theta"][row]]))
+        x, y = float(columns["pose_x"][row]), float(columns["pose_y"][row])
+        if "pose_theta" in columns:
+            track.add(float(times[row]), np.array([x, y, columns["pose_theta"][row]]))
             continue
-        qx, qy, qz, qw = (float(held[part][row]) for part in QUATERNION)
+        qx, qy, qz, qw = (float(columns[part][row]) for part in QUATERNION)
         if not np.isfinite([x, y, qx, qy, qz, qw]).all():
             continue
         try:
@@ -132,7 +132,7 @@ def _layout_beside(
 ) -> Layout | None:
     """What the caller, or a file NAME.toml beside a file of poses, says of its columns."""
     if columns is None:
-        return said_beside(Path(path), missing_of_poses)
+        return layout_in_toml(Path(path), missing_of_poses)
     return declared_layout(place, columns, missing=missing_of_poses)
 
 
@@ -190,17 +190,16 @@ def with_trajectories(
     array([[1., 0., 0.]])
     """
     arrays.instance(log, "log", Log)
-    given = {"odometry": odometry, "truth": truth}
-    files = {word: arrays.file(path, word) for word, path in given.items() if path is not None}
+    paths = {"odometry": odometry, "truth": truth}
+    files = {word: arrays.file(path, word) for word, path in paths.items() if path is not None}
     scans, right, assumed = list(log), log.truth, list(log.assumed)
     track, causes, times = log.track, list(log.causes), log.times
     if "odometry" in files:
-        met = _track_of(files["odometry"], log).met(times)
-        pairs = zip(log, met.times.tolist(), met.poses, strict=True)
-        scans = [replace(scan, time=when, odometry=known(pose)) for scan, when, pose in pairs]
-        dense = len(met.track) > len(scans) or np.isnan(met.poses).any()
-        track, times = met.track if dense else None, met.times
-        causes += met.causes
+        times, poses, driven, clock_causes = _track_of(files["odometry"], log).synchronise(times)
+        pairs = zip(log, times.tolist(), poses, strict=True)
+        scans = [replace(scan, time=when, odometry=or_none(pose)) for scan, when, pose in pairs]
+        track = driven if len(driven) > len(scans) or np.isnan(poses).any() else None
+        causes += clock_causes
     if "truth" in files:
         known_times, poses = _track_of(files["truth"], log).ordered()
         usual = float(np.median(np.diff(known_times))) if len(known_times) > 1 else 0.0
@@ -213,15 +212,15 @@ def with_trajectories(
 def _track_of(path: Path, log: Log) -> Track:
     """The poses of a file, some of which lie within the time of the scans."""
     with log_file(path) as place:
-        found, _ = track_in(place, layout=_layout_beside(path, place, None))
+        track, _ = track_in(place, layout=_layout_beside(path, place, None))
         scans = log.times[np.isfinite(log.times)]
         if not len(scans):
             raise LogError(place, "cannot be used: the scans of the log have no times")
-        first, last = min(found.times), max(found.times)
+        first, last = min(track.times), max(track.times)
         if not ((first <= scans) & (scans <= last)).any():
             raise LogError(
                 place,
                 f"its poses are from {first:.3f} to {last:.3f} s, and the scans from "
                 f"{scans.min():.3f} to {scans.max():.3f} s: it has another clock",
             )
-        return found
+        return track

@@ -42,7 +42,7 @@ from segmap.progress import announce
 from segmap.readers.lines import LATEST_TIME_S, LogError, OnError, Reading, UnknownFormat, stem
 from segmap.readers.mounting import flat, in_space, level
 from segmap.readers.packed import log_file
-from segmap.readers.raw_scans import Track, known, known_truth, place_of
+from segmap.readers.raw_scans import Track, known_truth, or_none, place_of
 from segmap.scans import LaserScan, Log
 
 from ._files import PART, kind_of, parts_of, recordings
@@ -298,23 +298,22 @@ class _Recording:
         rows.sort(key=lambda row: row[0])
         firsts, track = [row[0] for row in rows], self.odometry.track
         track.after = np.searchsorted(firsts, track.after).tolist()
-        met = track.met([row[1] for row in rows])
-        poses = met.poses
+        times, poses, driven, causes = track.synchronise([row[1] for row in rows])
         if track.times and np.isnan(poses).all():
             warn_of_bag(f"{self.path}: no scan lies within the time of the odometry")
         poses[:, 2] = wrap(poses[:, 2])
         scans = []
-        for (*_, beams, place, mirrored), time, pose in zip(rows, met.times, poses, strict=True):
+        for (*_, beams, place, mirrored), time, pose in zip(rows, times, poses, strict=True):
             angles = -beams.angles if mirrored else beams.angles
             sensor = beams.max_range, place, None, beams.delays
-            scans.append(LaserScan(beams.ranges, angles, time, known(pose), *sensor))
-        is_whole = len(met.track) <= len(scans) and np.isfinite(poses).all()
-        dense = None if is_whole or not len(met.track) else met.track
+            scans.append(LaserScan(beams.ranges, angles, time, or_none(pose), *sensor))
+        is_whole = len(driven) <= len(scans) and np.isfinite(poses).all()
+        dense = None if is_whole or not len(driven) else driven
         right = None
         if truth:
-            right = known_truth(interpolate(*self.ways[truth].track.ordered(), met.times))
+            right = known_truth(interpolate(*self.ways[truth].track.ordered(), times))
         assumed, skipped = self.assumed, self.reading.skipped
-        return Log(name, scans, right, skipped, dense, ordered, met.causes, assumed)
+        return Log(name, scans, right, skipped, dense, ordered, causes, assumed)
 
     def _mounted(self, laser: str, *, alone: bool) -> tuple[Array, bool]:
         """Where a laser sits on the robot, and whether it hangs upside down."""

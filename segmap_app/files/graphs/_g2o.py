@@ -61,7 +61,7 @@ class G2o(TextFormat):
         elif fields[0] not in G2O_OTHERS and not LEFT_OUT.fullmatch(fields[0]):
             raise ValueError(f"expected a line of a g2o graph, got {fields[0][:40]!r}")
 
-    def _finished(self) -> list[RawScan]:
+    def _finish(self) -> list[RawScan]:
         """The scans, without odometry where it is 0 0 0 in all of them."""
         if any(scan.odometry.any() for scan in self.scans):
             return self.scans
@@ -72,6 +72,6 @@ class G2o(TextFormat):
         return extrinsic_by_poses(scans, np.array([0.0, 0.0, backwards]))
 
     def _log(self, name: str) -> Log:
-        scans, _, assumed = assemble(self._finished(), self._extrinsic)
+        scans, _, assumed = assemble(self._finish(), self._extrinsic)
         truth = known_truth(np.array(self.truth))
         return Log(name, scans, truth, self.lines.skipped, assumed=assumed)
