@@ -140,12 +140,12 @@ def _enter(state: State, i: int) -> None:
 @compiled
 def _matching_segments(state: State, a: int, distance: float, angle: float) -> int:
     """Write the live segments that match a (A 4.1), some twice; how many; metres and radians."""
-    s, near, found, count = state.s, state.near, 0, 0
+    s, near, stop, count = state.s, state.near, 0, 0
     least = max(distance - SAME, 0.0) ** 2
     for k in range(2):
         x, y = s[a, k, 0], s[a, k, 1]
-        found = count + meeting(state.ends, s[a, k : k + 1], distance, near[count:])
-        for m in range(count, found):
+        stop = count + meeting(state.ends, s[a, k : k + 1], distance, near[count:])
+        for m in range(count, stop):
             b, end = near[m] // 2, near[m] % 2
             dx, dy = x - s[b, end, 0], y - s[b, end, 1]
             if b == a or dx * dx + dy * dy >= least:

@@ -116,7 +116,7 @@ def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:
 
 
 class State(NamedTuple):
-    """The map, and room to work in for the candidates of one strip; lengths are in metres."""
+    """The map, and scratch arrays for the candidates of one strip; lengths are in metres."""
 
     s: Array  # (n, 2, 2)
     lengths: Array
@@ -243,7 +243,7 @@ def _best_strip(
     for k in range(tries):
         if shifts[k, 1] >= most - FUSION_ROUNDING_M:
             least = min(least, abs(shifts[k, 0]))
-    best, low, high, found = 0.0, 0.0, 0.0, False
+    best, low, high, has_best = 0.0, 0.0, 0.0, False
     for k in range(tries):
         shift = shifts[k, 0]
         if shifts[k, 1] < most - FUSION_ROUNDING_M or abs(shift) > least + FUSION_ROUNDING_M:
@@ -260,8 +260,8 @@ def _best_strip(
             ):
                 tried[i] = True
                 begin, end = min(begin, measured[i, 0]), max(end, measured[i, 1])
-        if not found or _comes_first(tried, chosen, near):
-            best, low, high, found = shift, begin, end, True
+        if not has_best or _comes_first(tried, chosen, near):
+            best, low, high, has_best = shift, begin, end, True
             for j in range(count):
                 chosen[j] = tried[j]
     return best, low, high

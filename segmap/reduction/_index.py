@@ -136,10 +136,10 @@ def meeting(index: Index, points: Array, reach: float, out: Indices) -> int:
     """
     box, link, head, levels, count = index.box, index.link, index.head, index.levels, 0
     x0, y0, x1, y1 = _around(points, reach + 1e-9 + 1e-15 * (abs(points[0, 0]) + abs(points[0, 1])))
-    side, level, left = index.unit, 0, levels[-1, 0]
-    while left > 0:
+    side, level, unvisited = index.unit, 0, levels[-1, 0]
+    while unvisited > 0:
         if levels[level, 0] > 0:
-            left -= levels[level, 0]
+            unvisited -= levels[level, 0]
             half = levels[level, 1]
             first, last = np.floor((x0 - half) / side), np.floor((x1 + half) / side)
             low, high = np.floor((y0 - half) / side), np.floor((y1 + half) / side)

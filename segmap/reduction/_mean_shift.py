@@ -85,19 +85,19 @@ def mean_shift(
     """
 
     def reduce(rows: Rows) -> Found:
-        found = _shifted_directions(rows.segments, sigma, bandwidth, np.inf)
-        if not len(found.pieces):
-            return found.pieces, found.owner
-        out, into = _shifted_lines(found.pieces, found.cluster, found.theta, sigma)
+        directions = _shift_directions(rows.segments, sigma, bandwidth, np.inf)
+        if not len(directions.pieces):
+            return directions.pieces, directions.owner
+        out, into = _shift_lines(directions.pieces, directions.cluster, directions.theta, sigma)
         lowest = np.argsort(np.unique(into, return_index=True)[1])  # outputs by their first piece
         into = np.argsort(lowest)[into]
-        return out[lowest], longest_share(len(rows.segments), found.owner, into)
+        return out[lowest], longest_share(len(rows.segments), directions.owner, into)
 
-    found = run_offline("mean_shift", map, reduce, splits=True)
-    if len(found) > len(found.parents) > SKETCH:
-        text = f"mean_shift makes {len(found)} segments of {len(found.parents)}"
+    reduction = run_offline("mean_shift", map, reduce, splits=True)
+    if len(reduction) > len(reduction.parents) > SKETCH:
+        text = f"mean_shift makes {len(reduction)} segments of {len(reduction.parents)}"
         unit_checks.warn(f"{text}: nothing repeats in this map, or sigma is too small to see it")
-    return found
+    return reduction
 
 
 class Directions(NamedTuple):
@@ -131,13 +131,11 @@ def common_directions(
     (array([0, 0, 1, 1]), array([0, 0, 1, 1]), array([ 0., 90.]))
     """
     rows, _ = rows_of(map)
-    found = _shifted_directions(rows.segments, sigma, bandwidth, steps)
-    return found._replace(owner=rows.source_row[found.owner])
+    directions = _shift_directions(rows.segments, sigma, bandwidth, steps)
+    return directions._replace(owner=rows.source_row[directions.owner])
 
 
-def _shifted_directions(
-    segments: Array, sigma: float, bandwidth: float, steps: float
-) -> Directions:
+def _shift_directions(segments: Array, sigma: float, bandwidth: float, steps: float) -> Directions:
     """Phase 1 of segments `(n, 2, 2)` that all have a length (A 4.3.3)."""
     unit_checks.check_bandwidth(sigma, bandwidth)
     if sigma * bandwidth < 1e-9:
@@ -184,7 +182,7 @@ def pieces_of(segments: Array, sigma: float) -> tuple[Array, Indices]:
     return np.stack([begin + nth[:, None] * step, begin + (nth + 1)[:, None] * step], 1), owner
 
 
-def _shifted_lines(
+def _shift_lines(
     pieces: Array, cluster: Indices, theta: Array, sigma: float
 ) -> tuple[Array, Indices]:
     """Phase 2 (A 4.3.4, 4.3.5): outputs `(m, 2, 2)`, metres, and that of each piece, `(p,)`.

@@ -95,9 +95,9 @@ def climb(
     cannot rest, and the others follow to its step, where one may move again. One that a step leaves
     where it was stays there.
     """
-    n, found, period = len(points), points / DEVIATIONS_PER_UNIT, period / DEVIATIONS_PER_UNIT
+    n, places, period = len(points), points / DEVIATIONS_PER_UNIT, period / DEVIATIONS_PER_UNIT
     rest = (stop / DEVIATIONS_PER_UNIT) ** 2
-    strips, steps = _in_strips(found, PULL_REACH, group), np.zeros(group.max() + 1, np.int64)
+    strips, steps = _in_strips(places, PULL_REACH, group), np.zeros(group.max() + 1, np.int64)
     moving = np.arange(n if most > 0 else 0)
     with team() as each:
 
@@ -107,7 +107,7 @@ def climb(
             each(lambda k: _move(strips, runs, k, bound, period), parts, words)
 
         while len(moving):
-            at = _in_strips(found[moving], PULL_REACH, group[moving]) if steps.any() else strips
+            at = _in_strips(places[moving], PULL_REACH, group[moving]) if steps.any() else strips
             moving, begin = moving[at.order], _side_by_side(at)
             of, sizes = group[moving[begin[:-1]]], np.diff(begin)
             may = np.ceil(np.minimum(2 * steps + STEPS_PER_RUN, most - steps)).astype(np.int64)
@@ -119,11 +119,11 @@ def climb(
             todo -= spare[of]
             advance(runs, 0.0)
             steps += may - spare
-            found[moving] = centres.T
+            places[moving] = centres.T
             restless = np.bincount(of, moves > rest, len(steps)) > 0
             live = (restless & (steps < most))[of] & (moves > 0)
             moving = moving[np.repeat(live, sizes)]
-    return found * DEVIATIONS_PER_UNIT, int(steps.max())
+    return places * DEVIATIONS_PER_UNIT, int(steps.max())
 
 
 def link(points: Array, group: Indices, period: float, reach: float) -> Indices:
@@ -186,21 +186,21 @@ def _gather_points(
 
     They are turned to the box's side, unless it is too wide to have one: the second answer.
     """
-    left, right = box[0, 0] - BOX_REACH, box[0, 1] + BOX_REACH
-    bottom, top = box[1, 0] - BOX_REACH, box[1, 1] + BOX_REACH
+    x_min, x_max = box[0, 0] - BOX_REACH, box[0, 1] + BOX_REACH
+    y_min, y_max = box[1, 0] - BOX_REACH, box[1, 1] + BOX_REACH
     middle, reach = (box[2, 0] + box[2, 1]) / 2, (box[2, 1] - box[2, 0]) / 2 + BOX_REACH
     wide, half = reach >= period / 2, period / 2
     if wide:
         reach = half = np.inf
     count, end = 0, strips.begins[g + 1]
-    r = _bisect(strips.rows, strips.begins[g], end, np.floor(bottom / PULL_REACH))
-    while r < end and strips.rows[r] <= np.floor(top / PULL_REACH):
-        i = _bisect(strips.x, strips.first[r], strips.first[r + 1], left)
-        for k in range(i, _bisect(strips.x, i, strips.first[r + 1], right)):
+    r = _bisect(strips.rows, strips.begins[g], end, np.floor(y_min / PULL_REACH))
+    while r < end and strips.rows[r] <= np.floor(y_max / PULL_REACH):
+        i = _bisect(strips.x, strips.first[r], strips.first[r + 1], x_min)
+        for k in range(i, _bisect(strips.x, i, strips.first[r + 1], x_max)):
             x, y, a = strips.x[k], strips.y[k], strips.a[k]
             turn = -period if a - middle > half else period if a - middle < -half else 0.0
             near[0, count], near[1, count], near[2, count], near[3, count] = x, y, a, turn
-            count += (y >= bottom) & (y <= top) & (abs(a - middle + turn) <= reach)  # no branch
+            count += (y >= y_min) & (y <= y_max) & (abs(a - middle + turn) <= reach)  # no branch
         r += 1
     return count, wide
 

@@ -21,9 +21,9 @@ from .surveyed import (
     weighted_line_fitting,
 )
 
-#: The method where nothing else is chosen ...
+#: The method where nothing else is chosen.
 USUAL_METHOD = "least_cost"
-#: ... and its thresholds. By each of five lasers it leaves at
+#: Thresholds of the usual method. By each of five lasers it leaves at
 #: most 1.2 segments a wall of random buildings, with 10 % invented and 2 % missed; at 0.28 a wall
 #: has more, and 1.6 misses more (docs/which_method.md).
 USUAL_THRESHOLDS = {"penalty": 1.0}

@@ -13,9 +13,9 @@ from ..methods import bracket, halved
 from ._methods import METHODS
 from ._runner import Reduction
 
-#: A threshold is doubled at most so often, as far as metres of a room go, ...
+#: A threshold is doubled at most so often, as far as metres of a room go.
 DOUBLINGS = 5
-#: ... or halved: from 5 cm to 0.1 mm.
+#: A threshold is halved at most so often: from 5 cm to 0.1 mm.
 HALVINGS = 9
 #: Then the bracket is cut in half so often: 0.3 % of the threshold are left open.
 CUTS = 8
@@ -62,17 +62,17 @@ def reduce_to(
         """Whether a value of the threshold keeps the quality."""
         with warnings.catch_warnings():  # those of a value that is only tried tell nobody anything
             warnings.simplefilter("ignore")
-            found = METHODS[method](map, **{varies: value})
-        tried.append((metrics.quality(map, found), found))
+            reduction = METHODS[method](map, **{varies: value})
+        tried.append((metrics.quality(map, reduction), reduction))
         return tried[-1][0] >= quality
 
     usual = inspect.signature(METHODS[method].function).parameters[varies].default
     ends = bracket(keeps, float(usual), DOUBLINGS, HALVINGS)
     for _ in range(CUTS if ends else 0):
         ends = halved(keeps, ends)
-    enough = [found for kept, found in tried if kept >= quality]
+    enough = [reduction for reached, reduction in tried if reached >= quality]
     if enough:
         return min(enough, key=len)
-    best, found = max(tried, key=lambda each: each[0])
+    best, reduction = max(tried, key=lambda each: each[0])
     words = f"no {varies} that was tried keeps a quality of {quality:g}: {best:.3g} is the best"
-    return replace(found, doubt="; ".join(filter(None, (found.doubt, words))))
+    return replace(reduction, doubt="; ".join(filter(None, (reduction.doubt, words))))

@@ -142,9 +142,9 @@ def run_offline(
     """
     start = work_time()
     rows, count = rows_of(map)
-    found = method(rows)
-    parents = _checked_parents(name, count, rows, found, splits)
-    return Reduction(found[0], parents, work_time() - start, name)
+    outputs, into = method(rows)
+    parents = _checked_parents(name, count, rows, outputs, into, splits)
+    return Reduction(outputs, parents, work_time() - start, name)
 
 
 def run_online(
@@ -174,17 +174,17 @@ def run_online(
             )
             live.append(next(steps))
         except StopIteration as last:
-            found: Found = last.value
+            outputs, into = last.value
             break
         ended.append(work_time())
-    parents = _checked_parents(name, count, rows, found, splits)
-    if len(live) != len(rows.cuts) - 1 or (live and live[-1] != len(found[0])):
+    parents = _checked_parents(name, count, rows, outputs, into, splits)
+    if len(live) != len(rows.cuts) - 1 or (live and live[-1] != len(outputs)):
         raise RuntimeError(
             f"{name}: {live[-1:]} segments after {len(live)} scans is not its result"
         )
     seconds = work_time() - start
-    each, left = np.diff(ended), np.array(live, np.int64)
-    return Reduction(found[0], parents, seconds, name, each, left)
+    each, live_counts = np.diff(ended), np.array(live, np.int64)
+    return Reduction(outputs, parents, seconds, name, each, live_counts)
 
 
 def rows_of(map: Segments, *, by_scan: bool = False) -> tuple[Rows, int]:
@@ -231,17 +231,18 @@ def ordered_by_first_input(into: Indices, row: Indices, count: int) -> tuple[Ind
     return order, place[into]
 
 
-def _checked_parents(name: str, count: int, rows: Rows, found: Found, splits: bool) -> Indices:
+def _checked_parents(
+    name: str, count: int, rows: Rows, outputs: Array, into: Indices, splits: bool
+) -> Indices:
     """Parents of all `count` segments of the map, `(n,)`, once the method's result is sound."""
-    out, into = found[0], np.asarray(found[1])
-    wrong = ""
-    if out.shape != (len(out), 2, 2) or not np.isfinite(out).all():
+    into, wrong = np.asarray(into), ""
+    if outputs.shape != (len(outputs), 2, 2) or not np.isfinite(outputs).all():
         wrong = "outputs are not finite segments (m, 2, 2)"
     elif into.shape != rows.source_row.shape or into.dtype.kind != "i":
         wrong = f"parents are not {len(rows.source_row)} whole numbers"
-    elif len(into) and not (into.min() >= -1 and into.max() < len(out)):
-        wrong = f"parents are not within -1 to {len(out) - 1}"
-    elif not splits and len(out) != len(np.unique(into[into >= 0])):
+    elif len(into) and not (into.min() >= -1 and into.max() < len(outputs)):
+        wrong = f"parents are not within -1 to {len(outputs) - 1}"
+    elif not splits and len(outputs) != len(np.unique(into[into >= 0])):
         wrong = "an output has no input"
     if wrong:
         raise RuntimeError(f"{name}: {wrong}; this is a mistake in the method")

@@ -21,9 +21,9 @@ from ._fit_kernels import (
     EQUAL,
     HARD,
     Limits,
-    Room,
+    Workspace,
     assignment_cost,
-    empty_room,
+    empty_workspace,
     fit_cheapest_line,
     insert_ranked,
     load_member,
@@ -61,7 +61,7 @@ class State(NamedTuple):
     ring: Indices  # (n + m + 1, 2) next and previous member of an output, which is n + f itself
     inputs: Index
     outputs: Index
-    lists: Indices  # (4, n + 2) room for what an index finds
+    lists: Indices  # (4, n + 2) what an index finds
     offer: Array  # (n,) what each costs at a line that is tried, inf elsewhere
     seen: Indices  # (m + 1,) whether an output stands beside that line
     now: Indices  # (1,) tries so far
@@ -98,13 +98,13 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
     )
     limits = limits._replace(missed=max(MISSED, limits.penalty / limits.distance / 40))
     enter_all(state.inputs, s)
-    free, room = m, empty_room(n)
+    free, work = m, empty_workspace(n)
     for part in parts(np.arange(m), "least cost: finding the segments of output", size=64):
         _switch_all(state, part, limits)
     for _ in range(MOST_EXCHANGE_ROUNDS):
         before = state.total[0]
         for part in parts(_by_size(state), "least cost: drawing anew output", size=64):
-            free = _refit(state, room, part, free, limits)
+            free = _refit(state, work, part, free, limits)
         _close_all(state, limits)
         for part in parts(_by_output(state, rank), "least cost: trying as an output segment"):
             free = _exchange_all(state, part, free, limits)
@@ -206,7 +206,7 @@ def _copy(state: State, line: Array, f: int) -> None:
 
 
 @compiled
-def _refit(state: State, room: Room, part: Indices, free: int, limits: Limits) -> int:
+def _refit(state: State, work: Workspace, part: Indices, free: int, limits: Limits) -> int:
     """Draw some outputs anew for their members, as the free one; the number that is free then."""
     n = len(state.s)
     for f in part:
@@ -214,18 +214,18 @@ def _refit(state: State, room: Room, part: Indices, free: int, limits: Limits) -
         if state.when[f] < state.tried[n + f]:
             continue
         while i < n:
-            load_member(room, count, i, state.s, state.d)
-            room.caps[count] = state.cost[i, 1]
+            load_member(work, count, i, state.s, state.d)
+            work.caps[count] = state.cost[i, 1]
             if count == 0:
                 for j in range(6):
-                    room.sums[j] = state.sums[i, j]
+                    work.sums[j] = state.sums[i, j]
             else:
-                join_sums(room.sums, state.sums[i], room.sums)
+                join_sums(work.sums, state.sums[i], work.sums)
             count, before, i = count + 1, before + state.cost[i, 0], state.ring[i, 0]
         guess, most = state.line[f], before - LEAST_GAIN_SHARE * limits.penalty
         state.now[0] += 1
-        if count and fit_cheapest_line(state.s, room, count, limits, guess, most) < np.inf:
-            _copy(state, room.line, free)
+        if count and fit_cheapest_line(state.s, work, count, limits, guess, most) < np.inf:
+            _copy(state, work.line, free)
             _switch(state, free, limits)
             _switch(state, f, limits)
             free = f

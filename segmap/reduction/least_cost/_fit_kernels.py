@@ -53,8 +53,8 @@ class Limits(NamedTuple):
     gap: float
 
 
-class Room(NamedTuple):
-    """The inputs for which a segment is drawn, side by side, and room to work in."""
+class Workspace(NamedTuple):
+    """The inputs for which a segment is drawn, side by side, and scratch arrays."""
 
     who: Indices  # (n,) index of the input
     order: Indices  # (n,) spans by where they begin
@@ -67,12 +67,12 @@ class Room(NamedTuple):
     sums: Array  # (6,) weight, centre and scatter of both clusters
 
 
-def empty_room(n: int) -> Room:
-    """Room for n inputs, which cost any price elsewhere."""
+def empty_workspace(n: int) -> Workspace:
+    """Scratch arrays for n inputs, which cost any price elsewhere."""
     shapes = (n, 4), (n, 5), n, (n, 2), (2, 2), 5, 6
-    room = Room(*np.empty((2, n), np.int64), *(np.empty(shape) for shape in shapes))
-    room.caps[:] = np.inf
-    return room
+    work = Workspace(*np.empty((2, n), np.int64), *(np.empty(shape) for shape in shapes))
+    work.caps[:] = np.inf
+    return work
 
 
 def segment_sums(d: Array) -> Array:
@@ -83,13 +83,13 @@ def segment_sums(d: Array) -> Array:
 
 
 @compiled
-def load_member(room: Room, k: int, i: int, s: Array, d: Array) -> None:
+def load_member(work: Workspace, k: int, i: int, s: Array, d: Array) -> None:
     """Let input i be member k."""
-    room.who[k] = i
+    work.who[k] = i
     for j in range(4):
-        room.ends[k, j] = s[i, j // 2, j % 2]
+        work.ends[k, j] = s[i, j // 2, j % 2]
     for j in range(5):
-        room.about[k, j] = d[i, j]
+        work.about[k, j] = d[i, j]
 
 
 @compiled
@@ -148,32 +148,32 @@ def assignment_cost(
 
 
 @compiled
-def _reach(room: Room, count: int, line: Line) -> tuple[float, float]:
+def _reach(work: Workspace, count: int, line: Line) -> tuple[float, float]:
     """From where to where all members reach along a line, metres."""
     (x, y, dx, dy), low, high = line, np.inf, -np.inf
     for k in range(count):
-        one = (room.ends[k, 0] - x) * dx + (room.ends[k, 1] - y) * dy
-        other = (room.ends[k, 2] - x) * dx + (room.ends[k, 3] - y) * dy
+        one = (work.ends[k, 0] - x) * dx + (work.ends[k, 1] - y) * dy
+        other = (work.ends[k, 2] - x) * dx + (work.ends[k, 3] - y) * dy
         low, high = min(low, one, other), max(high, one, other)
     return low, high
 
 
 @compiled
 def _assignment_line_cost(
-    s: Array, room: Room, count: int, limits: Limits, line: Line, most: float
+    s: Array, work: Workspace, count: int, limits: Limits, line: Line, most: float
 ) -> float:
     """Cost of the segment on a line that spans all members; `inf` from `most` on."""
-    (x, y, dx, dy), frame = line, room.frame
-    first, last = _reach(room, count, line)
+    (x, y, dx, dy), frame = line, work.frame
+    first, last = _reach(work, count, line)
     x, y, whole = x + first * dx, y + first * dy, last - first
     if whole < 1e-9:
         return np.inf
     frame[0], frame[1], frame[4] = x + whole / 2.0 * dx, y + whole / 2.0 * dy, whole / 2.0
     frame[2], frame[3] = dx, dy
-    total, kept, covered = 0.0, 0, False
+    total, span_count, covered = 0.0, 0, False
     for k in range(count):
-        px, py = room.ends[k, 0] - x, room.ends[k, 1] - y
-        qx, qy = room.ends[k, 2] - x, room.ends[k, 3] - y
+        px, py = work.ends[k, 0] - x, work.ends[k, 1] - y
+        qx, qy = work.ends[k, 2] - x, work.ends[k, 3] - y
         one, other = px * dy - py * dx, qx * dy - qy * dx
         off, near = max(abs(one), abs(other)), min(abs(one), abs(other))
         if off > HARD * limits.distance:
@@ -181,72 +181,72 @@ def _assignment_line_cost(
         u, v = px * dx + py * dy, qx * dx + qy * dy
         low, high = min(u, v), max(u, v)
         if one * other < 0.0 and (low < near or whole - high < near):  # an end of it is nearer
-            i = room.who[k]
+            i = work.who[k]
             near = min(near, off_segment(x, y, s[i]))
             near = min(near, off_segment(x + whole * dx, y + whole * dy, s[i]))
-        angular, across = mean_line_terms(room.about[k], frame)
+        angular, across = mean_line_terms(work.about[k], frame)
         cost = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across + APART_WEIGHT * near
         if (
             off > limits.distance
-            or abs(dx * room.about[k, 3] - dy * room.about[k, 2]) > limits.sine
+            or abs(dx * work.about[k, 3] - dy * work.about[k, 2]) > limits.sine
         ):
-            cost += limits.missed * 2.0 * room.about[k, 4]
+            cost += limits.missed * 2.0 * work.about[k, 4]
         elif not covered:
-            room.spans[kept, 0], room.spans[kept, 1] = low, high
+            work.spans[span_count, 0], work.spans[span_count, 1] = low, high
             covered = low <= limits.gap and high >= whole - limits.gap
-            kept += 1
-        total += min(cost, room.caps[k])
+            span_count += 1
+        total += min(cost, work.caps[k])
         if total >= most:
             return np.inf
     if not covered:  # metres in longer gaps between the spans of those that are kept
-        order_by_first(room.order[:kept], room.spans)
+        order_by_first(work.order[:span_count], work.spans)
         reached, metres = 0.0, 0.0
-        for k in range(kept + 1):
-            begin = room.spans[room.order[k], 0] if k < kept else whole
-            metres += begin - reached if begin - reached > limits.gap or kept == 0 else 0.0
-            reached = max(reached, room.spans[room.order[k], 1]) if k < kept else whole
+        for k in range(span_count + 1):
+            begin = work.spans[work.order[k], 0] if k < span_count else whole
+            metres += begin - reached if begin - reached > limits.gap or span_count == 0 else 0.0
+            reached = max(reached, work.spans[work.order[k], 1]) if k < span_count else whole
         total += limits.invented * metres
     return total if total < most else np.inf
 
 
 @compiled
 def fit_cheapest_line(
-    s: Array, room: Room, count: int, limits: Limits, guess: Array, most: float
+    s: Array, work: Workspace, count: int, limits: Limits, guess: Array, most: float
 ) -> float:
-    """Leave the segment of least cost for the members in `room.line`; its cost, `inf`: too dear.
+    """Leave the segment of least cost for the members in `work.line`; its cost, `inf`: too dear.
 
-    From the line of total least squares, `room.sums`, or that of a guess, whichever costs less, to
+    From the line of total least squares, `work.sums`, or that of a guess, whichever costs less, to
     the best of four moves, or of half of each, again and again.
     """
-    theta = np.arctan2(2.0 * room.sums[4], room.sums[3] - room.sums[5]) / 2.0
-    line = room.sums[1], room.sums[2], np.cos(theta), np.sin(theta)
-    best = _assignment_line_cost(s, room, count, limits, line, most)
+    theta = np.arctan2(2.0 * work.sums[4], work.sums[3] - work.sums[5]) / 2.0
+    line = work.sums[1], work.sums[2], np.cos(theta), np.sin(theta)
+    best = _assignment_line_cost(s, work, count, limits, line, most)
     mx, my = (guess[0, 0] + guess[1, 0]) / 2.0, (guess[0, 1] + guess[1, 1]) / 2.0
     along = np.arctan2(guess[1, 1] - guess[0, 1], guess[1, 0] - guess[0, 0])
     other = mx, my, np.cos(along), np.sin(along)
-    found = _assignment_line_cost(s, room, count, limits, other, min(best - EQUAL, most))
-    if found < best:
-        best, line, theta = found, other, along
+    cost = _assignment_line_cost(s, work, count, limits, other, min(best - EQUAL, most))
+    if cost < best:
+        best, line, theta = cost, other, along
     if best == np.inf:
         return np.inf
-    low, high = _reach(room, count, line)
+    low, high = _reach(work, count, line)
     (x, y, _, _), shift, offset = line, 0.2 * limits.distance, 0.0
     turn, was = min(0.1, 4.0 * shift / max(high - low, 2.0 * shift)), (np.inf, np.inf)
     for _ in range(LINE_FIT_ROUNDS):
-        now, then, held = (theta, offset), was, line
+        now, then, base = (theta, offset), was, line
         for k in range(4):
             t = now[0] + (turn if k == 0 else -turn if k == 1 else 0.0)
             o = now[1] + (shift if k == 2 else -shift if k == 3 else 0.0)
             if t == then[0] and o == then[1]:  # back again: that cost more
                 continue
-            dx, dy = (np.cos(t), np.sin(t)) if k < 2 else (held[2], held[3])
+            dx, dy = (np.cos(t), np.sin(t)) if k < 2 else (base[2], base[3])
             at = x - o * dy, y + o * dx, dx, dy
-            found = _assignment_line_cost(s, room, count, limits, at, best - EQUAL)
-            if found < best:
-                best, line, theta, offset = found, at, t, o
+            cost = _assignment_line_cost(s, work, count, limits, at, best - EQUAL)
+            if cost < best:
+                best, line, theta, offset = cost, at, t, o
         was = now
         if (theta, offset) == now:
             turn, shift = turn / 2.0, shift / 2.0
-    low, high = _reach(room, count, line)
-    place_on_line(room.line, line[0], line[1], line[2], line[3], low, high)
+    low, high = _reach(work, count, line)
+    place_on_line(work.line, line[0], line[1], line[2], line[3], low, high)
     return best

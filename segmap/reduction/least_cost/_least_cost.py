@@ -11,7 +11,7 @@ from ...segments import length
 from .._index import by_cell, empty_index
 from .._runner import Length, Reduction, Rows, Turn, run_offline
 from ._exchange import exchanged
-from ._fit_kernels import Limits, empty_room, segment_sums
+from ._fit_kernels import Limits, empty_workspace, segment_sums
 from ._merge_kernels import State, estimate_all, merge_some, nearest_neighbours
 
 #: Neighbours of each input that may merge with it.
@@ -129,7 +129,7 @@ def merged_greedily(rows: Rows, limits: Limits) -> Array:
         winners=np.full(4 * np.diff(first).max(initial=0) + 2, n),
         tree=np.zeros(2, np.int64),
     )
-    fitting, group = empty_room(n), -1
+    fitting, group = empty_workspace(n), -1
     for part in parts(np.arange(len(low)), "least cost: estimating merges of pair"):
         estimate_all(state, fitting, part, limits)
     while group < len(first) - 1:

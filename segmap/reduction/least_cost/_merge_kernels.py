@@ -27,7 +27,7 @@ from ._fit_kernels import (
     ESTIMATE_PENALTIES,
     ESTIMATE_RATIO,
     Limits,
-    Room,
+    Workspace,
     distance_between,
     fit_cheapest_line,
     insert_ranked,
@@ -138,12 +138,12 @@ def _find_cheapest(state: State, a: int) -> None:
 
 
 @compiled
-def _estimate(state: State, room: Room, entry: int, limits: Limits) -> None:
+def _estimate(state: State, work: Workspace, entry: int, limits: Limits) -> None:
     """Estimate the cost of a pair, `inf` where that is far too dear.
 
     It is what it costs to draw the larger cluster's segment out over the smaller one's.
     """
-    drawn, link, line, pair = state.drawn, state.link, room.frame, entry // 2
+    drawn, link, line, pair = state.drawn, state.link, work.frame, entry // 2
     a, b = state.near[entry, 0], state.near[entry ^ 1, 0]
     a, b = min(a, b), max(a, b)
     state.key[pair], state.exact[pair] = np.inf, 0
@@ -158,34 +158,34 @@ def _estimate(state: State, room: Room, entry: int, limits: Limits) -> None:
     low_a, high_a = span(drawn[a], line[0], line[1], line[2], line[3])
     low_b, high_b = span(drawn[b], line[0], line[1], line[2], line[3])
     low, high = min(low_a, low_b), max(high_a, high_b)
-    place_on_line(room.line, line[0], line[1], line[2], line[3], low, high)
-    describe_one(room.line, line)
+    place_on_line(work.line, line[0], line[1], line[2], line[3], low, high)
+    describe_one(work.line, line)
     total, i = -state.sums[small, 6], link[small, 2]
     while i >= 0 and total <= ESTIMATE_PENALTIES * limits.penalty:
-        total += distance_between(state.s[i], room.line, state.d[i], line)
+        total += distance_between(state.s[i], work.line, state.d[i], line)
         i = state.after[i]
     if total <= ESTIMATE_PENALTIES * limits.penalty:
         state.key[pair] = rounded(max(total, 0.0) / ESTIMATE_RATIO)
 
 
 @compiled
-def _fit_pair(state: State, room: Room, a: int, b: int, pair: int, limits: Limits) -> float:
+def _fit_pair(state: State, work: Workspace, a: int, b: int, pair: int, limits: Limits) -> float:
     """Cost of the best segment for two clusters; it stays in `fits` until the next fit of a."""
     link, fits, count = state.link, state.fits, 0
     if state.exact[pair] and state.fitted[a] == pair:
         return fits[a, 4]
     most = state.sums[a, 6] + state.sums[b, 6] + ESTIMATE_PENALTIES * limits.penalty
-    join_sums(state.sums[a], state.sums[b], room.sums)
+    join_sums(state.sums[a], state.sums[b], work.sums)
     for c in (a, b):
         i = link[c, 2]
         while i >= 0:
-            load_member(room, count, i, state.s, state.d)
+            load_member(work, count, i, state.s, state.d)
             i, count = state.after[i], count + 1
     long = state.drawn[b if _second_is_longer(state, a, b) else a]
     state.fitted[a], state.exact[pair] = pair, 1
-    fits[a, 4] = fit_cheapest_line(state.s, room, count, limits, long, most)
+    fits[a, 4] = fit_cheapest_line(state.s, work, count, limits, long, most)
     for k in range(4):
-        fits[a, k] = room.line[k // 2, k % 2]
+        fits[a, k] = work.line[k // 2, k % 2]
     return fits[a, 4]
 
 
@@ -216,14 +216,14 @@ def _merge_clusters(state: State, a: int, b: int) -> None:
 
 
 @compiled
-def estimate_all(state: State, room: Room, part: Indices, limits: Limits) -> None:
+def estimate_all(state: State, work: Workspace, part: Indices, limits: Limits) -> None:
     """Enter some pairs in the lists of neighbours, and estimate what each would cost."""
     link, near = state.link, state.near
     for pair in part:
         for entry in (2 * pair, 2 * pair + 1):
             a = near[entry ^ 1, 0]
             near[entry, 1], link[a, 4] = link[a, 4], entry
-        _estimate(state, room, 2 * pair, limits)
+        _estimate(state, work, 2 * pair, limits)
 
 
 @compiled
@@ -240,23 +240,23 @@ def _plant_tree(state: State, group: int) -> None:
 
 
 @compiled
-def merge_some(state: State, room: Room, group: int, limits: Limits) -> int:
+def merge_some(state: State, work: Workspace, group: int, limits: Limits) -> int:
     """Merge clusters, the cheapest pair of a group first, until each merge costs the penalty.
 
     Group after group, until there were `WORK` pairs and members; the group that is next.
     """
-    link, near, cost, winners, work = state.link, state.near, state.cost, state.winners, 0
-    while group < len(state.first) - 1 and work < WORK:
+    link, near, cost, winners, effort = state.link, state.near, state.cost, state.winners, 0
+    while group < len(state.first) - 1 and effort < WORK:
         if cost[winners[1]] == np.inf:
-            group, work = group + 1, work + 1
+            group, effort = group + 1, effort + 1
             if group < len(state.first) - 1:
                 _plant_tree(state, group)
             continue
         a = winners[1]
         b, pair = near[state.cheapest[a], 0], state.cheapest[a] // 2
-        work += 1 + link[a, 1] + link[b, 1]
+        effort += 1 + link[a, 1] + link[b, 1]
         exact, cost_of_both = state.exact[pair], state.sums[a, 6] + state.sums[b, 6]
-        delta = rounded(_fit_pair(state, room, a, b, pair, limits) - cost_of_both)
+        delta = rounded(_fit_pair(state, work, a, b, pair, limits) - cost_of_both)
         if not exact:
             state.key[pair] = delta if delta <= limits.penalty else np.inf
             _find_cheapest(state, a)
@@ -266,7 +266,7 @@ def merge_some(state: State, room: Room, group: int, limits: Limits) -> int:
         _find_cheapest(state, b)
         entry = link[a, 4]
         while entry >= 0:
-            _estimate(state, room, entry, limits)
+            _estimate(state, work, entry, limits)
             c = near[entry, 0]
             cheapest = near[state.cheapest[c], 0]
             if cheapest < 0 or cheapest == a or (c < a and state.key[entry // 2] <= cost[c]):

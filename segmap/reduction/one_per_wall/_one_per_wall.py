@@ -73,30 +73,30 @@ def one_per_wall(map: Segments, *, factor: Positive = 1.0) -> Reduction:
         s, n = rows.segments, len(rows.source_row)
         of = scan[rows.source_row] if several else np.arange(n)
         sensors = np.full((n, 2), np.nan) if places is None else places[scan[rows.source_row]]
-        unit, left = float(max(length(s).mean() if n else 0.0, 2 * PAIR_OFFSET_M)), 0.0
+        unit, sigma = float(max(length(s).mean() if n else 0.0, 2 * PAIR_OFFSET_M)), 0.0
         looks = Looks(s, of, sensors, empty_index(n, unit), np.empty(n + 1, np.int64))
         words = "one per wall: pairing segment"
         some = [find_pairs(looks, part) for part in parts(np.arange(n), words)]
         pairs = np.concatenate([np.empty((0, 2), np.int64), *some])
         if len(pairs) >= LEAST_NOISE_PAIRS:
-            noise = left = robust_sigma(offsets(s, pairs)) / np.sqrt(2)
+            noise = sigma = robust_sigma(offsets(s, pairs)) / np.sqrt(2)
             if several and noise > 0:
-                s, sensors, left = _scans_aligned(s, sensors, of, pairs, noise)
-        tolerance = 3 * factor * float(np.hypot(left, LOOK_SIGMA_M))
+                s, sensors, sigma = _align_scans(s, sensors, of, pairs, noise)
+        tolerance = 3 * factor * float(np.hypot(sigma, LOOK_SIGMA_M))
         if tolerance < SMALLEST_THRESHOLD_M:  # no wall is drawn so finely
             raise ValueError(
                 f"factor must make {SMALLEST_THRESHOLD_M:.0e} m of the noise at least, got {factor}"
             )
-        return _walls_drawn(rows, s, sensors, tolerance)
+        return _draw_walls(rows, s, sensors, tolerance)
 
-    found = run_offline("one_per_wall", map, reduce)
+    reduction = run_offline("one_per_wall", map, reduce)
     lost = [] if several else ["which scan saw what, so that none was moved"]
     lost += [] if places is not None else ["where its sensor was, so that no hidden gap is bridged"]
     doubt = f"the map does not tell {', or '.join(lost)}" if lost else ""
-    return replace(found, noise=noise, doubt=doubt)
+    return replace(reduction, noise=noise, doubt=doubt)
 
 
-def _scans_aligned(
+def _align_scans(
     s: Array, sensors: Array, scan: Indices, pairs: Indices, noise: float
 ) -> tuple[Array, Array, float]:
     """Segments and sensors where the scans agree best, and the noise that is left.
@@ -109,11 +109,11 @@ def _scans_aligned(
     lever = ((midpoint(s) - centre[of]) ** 2).sum(axis=1)
     first = np.ones((len(scans), 3)) / noise**2  # a turn moves the looks by this noise too
     first[:, 2] *= np.bincount(of, lever) / count
-    moved, left = np.zeros((len(scans), 3)), noise
+    moved, sigma = np.zeros((len(scans), 3)), noise
     for _ in each(range(NOISE_ROUNDS), "one per wall: moving scans, round"):
         for _ in range(ALIGNING_STEPS):
             normal, right = first[:, :, None] * np.eye(3), -first * moved
-            pull(s, pairs, of, centre, max(left, noise / 10), normal, right)
+            pull(s, pairs, of, centre, max(sigma, noise / 10), normal, right)
             normal[:, 2, 2] += first[:, 0] * 1e-9  # a scan of one look turns about its middle
             step = np.linalg.solve(normal, right[..., None])[..., 0] * STEP_SHARE
             moved += step
@@ -123,11 +123,11 @@ def _scans_aligned(
             s = np.einsum("nij,nkj->nki", turn, s - centre[of, None]) + to[:, None]
             sensors = np.einsum("nij,nj->ni", turn, sensors - centre[of]) + to
             centre = centre + step[:, :2]
-        left = robust_sigma(offsets(s, pairs)) / np.sqrt(2)
-    return s, sensors, left
+        sigma = robust_sigma(offsets(s, pairs)) / np.sqrt(2)
+    return s, sensors, sigma
 
 
-def _walls_drawn(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Found:
+def _draw_walls(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Found:
     """One segment for each wall, and the wall of each look."""
     n, sizes = len(s), length(s)
     unit = float(max(sizes.mean() if n else 0.0, 1.0))
@@ -150,6 +150,6 @@ def _walls_drawn(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Foun
     absorb_weaker(drawn, metres, weakest, places, ABSORBED_TOLERANCES * tolerance, into)
     while (into[into] != into).any():
         into = into[into]
-    left, label = np.unique(into[walls.label], return_inverse=True)
-    order, parents = ordered_by_first_input(label, rows.source_row, len(left))
-    return drawn[left][order], parents
+    wall_rows, label = np.unique(into[walls.label], return_inverse=True)
+    order, parents = ordered_by_first_input(label, rows.source_row, len(wall_rows))
+    return drawn[wall_rows][order], parents

@@ -15,9 +15,9 @@ from .._index import Index, enter, meeting
 Indices = NDArray[np.int64]
 #: Shorter looks have no pairs, metres: their direction is mostly noise of the range.
 LEAST_LOOK_M = 0.3
-#: Looks at one wall lie no farther apart, metres, ...
+#: Looks at one wall lie no farther apart, metres.
 PAIR_OFFSET_M = 0.25
-#: ... and turn no more: sine of 10 degrees.
+#: Looks at one wall differ by no larger angle: sine of 10 degrees.
 PAIR_TURN_SINE = 0.174
 #: Looks overlap by at least this share of the shorter one.
 OVERLAP = 0.5
@@ -54,8 +54,8 @@ def _side(looks: Looks, i: int, j: int) -> float:
     """How far the sensor that saw look j is to the left of look i; NaN where nobody knows."""
     s, sensors = looks.s, looks.sensors
     x, y = s[i, 0, 0], s[i, 0, 1]
-    left = (s[i, 1, 0] - x) * (sensors[j, 1] - y) - (s[i, 1, 1] - y) * (sensors[j, 0] - x)
-    return left / length_of(s[i])
+    area = (s[i, 1, 0] - x) * (sensors[j, 1] - y) - (s[i, 1, 1] - y) * (sensors[j, 0] - x)
+    return area / length_of(s[i])
 
 
 @compiled
@@ -89,11 +89,11 @@ def find_pairs(looks: Looks, part: Indices) -> Indices:
 @compiled
 def offsets(s: Array, pairs: Indices) -> Array:
     """How far the looks of each pair are apart in the middle of what they share, `(p,)`, metres."""
-    found = np.empty(len(pairs))
+    apart = np.empty(len(pairs))
     for p in range(len(pairs)):
         _, _, one, two = _overlap_of(s, pairs[p, 0], pairs[p, 1])
-        found[p] = (one + two) / 2
-    return found
+        apart[p] = (one + two) / 2
+    return apart
 
 
 @compiled

@@ -32,16 +32,16 @@ LOOK_TURN_SINE = 0.5
 MOST_MEMBER_CHANGES = 12
 #: Least weight of a member in the fit of a line.
 WEIGHT = 0.01
-#: A wall absorbs one with so many times less metres, ...
+#: A wall absorbs one with so many times less metres.
 LONGER_RATIO = 1.5
-#: ... at most so many tolerances off, ...
+#: An absorbed wall is at most so many tolerances off.
 ABSORBED_TOLERANCES = 1.5
-#: ... and with this share of it beside the wall.
+#: At least this share of an absorbed wall lies beside the other.
 ABSORBED_OVERLAP = 0.8
 
 
 class Walls(NamedTuple):
-    """Looks, the walls that they become, and room to work in."""
+    """Looks, the walls that they become, and scratch arrays."""
 
     s: Array  # (n, 2, 2) looks, metres
     sensors: Array  # (n, 2) where the sensor was, NaN where nobody knows

@@ -15,7 +15,7 @@ from ... import arrays
 from ...arrays import Array, Count, Metres, Segments, at_least, checked
 from .._points import MOST_SPACED_POINTS, points_behind
 from .._runner import Length, Reduction, Rows, Steps, Turn, run_online
-from ._prototypes import Prototype, chosen, settled
+from ._prototypes import Prototype, pick_prototypes, settle
 from .lines import (
     SAME,
     Point,
@@ -128,7 +128,7 @@ def fuzzy_clustering(
                     own.setdefault(tuple(spots[k]), []).append((i, k))
             starts = {at: list[Prototype]() for at in sorted(own) if len(own[at]) >= least[0]}
             for i in range(begin, stop):
-                for place, start in clipped_to_cells(s[i], cell, origin.tolist()):
+                for place, start in clip_to_cells(s[i], cell, origin.tolist()):
                     starts.get(place, []).append(start)
             for place in (place for place in starts if starts[place]):
                 if len(own[place]) * len(starts[place]) > MOST_SPACED_POINTS:
@@ -138,9 +138,9 @@ def fuzzy_clustering(
                     )
                 owner = [i for i, _ in own[place]]
                 behind = points[[k for _, k in own[place]]]
-                found = clusters_of(owner, behind, starts[place], noise, least)
-                if found:
-                    cells.setdefault(place, []).extend(found)
+                clusters = clusters_of(owner, behind, starts[place], noise, least)
+                if clusters:
+                    cells.setdefault(place, []).extend(clusters)
                     group(cells[place], limits)
                     updated.add(place)
             if done % every == 0 or done == scans:
@@ -187,20 +187,20 @@ class Cluster:
             self.counts[i] = self.counts.get(i, 0) + count
 
 
-def clipped_to_cells(s: Segment, cell: float, corner: Point) -> list[tuple[Cell, Prototype]]:
+def clip_to_cells(s: Segment, cell: float, corner: Point) -> list[tuple[Cell, Prototype]]:
     """Step 1: a prototype for each piece of a segment, in the cells that it passes through."""
     (ax, ay), (bx, by) = s
     size, cuts = segment_length(s), {0.0, 1.0}
     for a, b, c in ((ax, bx, corner[0]), (ay, by, corner[1])):
         low, high = math.floor((min(a, b) - c) / cell), math.floor((max(a, b) - c) / cell)
         cuts |= {((c + k * cell) - a) / (b - a) for k in range(low + 1, high + 1)}
-    found = []
+    pieces = []
     for t0, t1 in pairwise(sorted(min(max(t, 0.0), 1.0) for t in cuts)):
         if (t1 - t0) * size > SAME:
             x, y = ax + (t0 + t1) / 2 * (bx - ax), ay + (t0 + t1) / 2 * (by - ay)
             place = math.floor((y - corner[1]) / cell), math.floor((x - corner[0]) / cell)
-            found.append((place, Prototype(x, y, (bx - ax) / size, (by - ay) / size)))
-    return found
+            pieces.append((place, Prototype(x, y, (bx - ax) / size, (by - ay) / size)))
+    return pieces
 
 
 def on_line(sums: Sums, points: Sequence[Point]) -> Segment:
@@ -216,8 +216,8 @@ def clusters_of(
     least: tuple[int, float],
 ) -> list[Cluster]:
     """Steps 2 and 3: what the points of a scan in one cell, each with its segment, become."""
-    prototypes, made = settled(points, np.array(starts, float), noise), list[Cluster]()
-    picks = chosen(points, prototypes, noise)
+    prototypes, clusters = settle(points, np.array(starts, float), noise), list[Cluster]()
+    picks = pick_prototypes(points, prototypes, noise)
     for k in range(len(prototypes)):
         mine = np.flatnonzero(picks == k)
         if len(mine) < least[0]:
@@ -229,8 +229,8 @@ def clusters_of(
             cluster = Cluster(sums, ends, {})
             for n in mine.tolist():
                 cluster.counts[owner[n]] = cluster.counts.get(owner[n], 0) + 1
-            made.append(cluster)
-    return made
+            clusters.append(cluster)
+    return clusters
 
 
 def alike(a: Cluster, b: Cluster, limits: Limits) -> bool:

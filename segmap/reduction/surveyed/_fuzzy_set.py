@@ -99,18 +99,18 @@ def fuzzy_set(
         share = float(sizes[~laid].sum() / sizes.sum()) if n else 0.0
         if share > SLANTED:
             doubt = f"not orthogonal: {share:.0%} of the length is along no axis"
-        kept, slanted = np.flatnonzero(laid), np.flatnonzero(~laid)
-        errors = error + sizes[kept] / 2 * np.sin(off[kept])
-        walls, first = np.empty((2 * len(kept), 5)), np.tile(rows.source_row[kept], 2)
-        walls[: len(kept)] = _laid(map, rows, kept, upright[kept], axis, errors, error)
-        members = merge_all(walls, first, len(kept), limits)
+        straight, slanted = np.flatnonzero(laid), np.flatnonzero(~laid)
+        errors = error + sizes[straight] / 2 * np.sin(off[straight])
+        walls, first = np.empty((2 * len(straight), 5)), np.tile(rows.source_row[straight], 2)
+        walls[: len(straight)] = _laid(map, rows, straight, upright[straight], axis, errors, error)
+        members = merge_all(walls, first, len(straight), limits)
         alive, ends = resolve_merges(members)
         across, low, high, _, up = walls[: len(members)][alive].T
         flat = np.stack([np.stack([low, across], -1), np.stack([high, across], -1)], 1)
         standing = up[:, None, None] == 1
         out = _about_origin(np.where(standing, flat[..., ::-1], flat), axis)
         into = np.empty(n, np.int64)  # outputs: those of the rectangles, then each slanted one
-        into[kept], into[slanted] = ends[: len(kept)], len(out) + np.arange(len(slanted))
+        into[straight], into[slanted] = ends[: len(straight)], len(out) + np.arange(len(slanted))
         out = np.concatenate([out, s[slanted]])
         order, into = ordered_by_first_input(into, rows.source_row, len(out))
         return out[order], into

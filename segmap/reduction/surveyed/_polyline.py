@@ -86,9 +86,9 @@ def polyline(
                 corners = polyline_through(members, tolerance) if len(chain) > 1 else members[0]
                 owned = [nearest_piece(s, corners)[1] for s in members]
                 pieces = pieces_between(corners)
-                kept = [k for k, s in enumerate(pieces) if k in owned or math.dist(*s) <= bridge]
-                into[chain] = [len(map) + kept.index(k) for k in owned]
-                map += [pieces[k] for k in kept]
+                used = [k for k, s in enumerate(pieces) if k in owned or math.dist(*s) <= bridge]
+                into[chain] = [len(map) + used.index(k) for k in owned]
+                map += [pieces[k] for k in used]
             parents[:begin] = into[parents[:begin]]
             parents[begin:stop] = into[old:]
             yield len(map)
@@ -100,12 +100,12 @@ def polyline(
 @compiled
 def matches(map: Array, scan: Array, rule: Rule) -> list[tuple[int, int]]:
     """Which segments of the map and of a scan match, `(n, 2, 2)` and `(m, 2, 2)`, metres."""
-    found, a, b = [], describe(map), describe(scan)
+    pairs, a, b = [], describe(map), describe(scan)
     for i in range(len(map)):
         for j in range(len(scan)):
             if match_value(map, a, i, scan, b, j, rule) > SAME:
-                found.append((i, j))
-    return found
+                pairs.append((i, j))
+    return pairs
 
 
 def chains(count: int, pairs: Sequence[tuple[int, int]]) -> list[list[int]]:
@@ -142,11 +142,11 @@ def nearest_piece(s: Segment, corners: Sequence[Point]) -> tuple[float, int]:
 
 def farthest_ends(members: Sequence[Segment]) -> list[Point]:
     """The two end points that lie farthest apart; ties: the first pair."""
-    most, found = 0.0, [members[0][0], members[0][1]]
+    most, ends = 0.0, [members[0][0], members[0][1]]
     for a, b in itertools.combinations([p for s in members for p in s], 2):
         if math.dist(a, b) > most + SAME:
-            most, found = math.dist(a, b), [a, b]
-    return found
+            most, ends = math.dist(a, b), [a, b]
+    return ends
 
 
 def put_in(corners: list[Point], k: int, s: Segment) -> list[Point]:
@@ -159,26 +159,26 @@ def put_in(corners: list[Point], k: int, s: Segment) -> list[Point]:
     return corners[: k + 1] + new + corners[k + 1 :]
 
 
-def pruned(corners: list[Point], members: Sequence[Segment], tolerance: float) -> list[Point]:
+def prune(corners: list[Point], members: Sequence[Segment], tolerance: float) -> list[Point]:
     """Leave out inner corners, the first that can go each time, while all members stay near."""
     for k in range(1, len(corners) - 1):
         fewer = corners[:k] + corners[k + 1 :]
         long = math.dist(corners[k - 1], corners[k + 1]) >= SAME
         if long and all(nearest_piece(s, fewer)[0] < tolerance for s in members):
-            return pruned(fewer, members, tolerance)
+            return prune(fewer, members, tolerance)
     return corners
 
 
 def polyline_through(members: Sequence[Segment], tolerance: float) -> list[Point]:
     """Corners of a polyline that has each member within the tolerance, metres, of a piece."""
-    corners, left = farthest_ends(members), list(members)
-    while left:
+    corners, outside = farthest_ends(members), list(members)
+    while outside:
         most, worst, at = -1.0, 0, 0
-        for i, s in enumerate(left):
+        for i, s in enumerate(outside):
             far, k = nearest_piece(s, corners)
             if far > most + SAME:
                 most, worst, at = far, i, k
         if most < tolerance:
             break
-        corners = put_in(corners, at, left.pop(worst))
-    return pruned(corners, members, tolerance)
+        corners = put_in(corners, at, outside.pop(worst))
+    return prune(corners, members, tolerance)

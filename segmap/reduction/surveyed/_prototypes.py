@@ -70,14 +70,14 @@ def move(q: Array, points: Array, shares: Array, total: float) -> None:
 
 
 @compiled
-def settled(points: Array, starts: Array, noise: float) -> Array:
+def settle(points: Array, starts: Array, noise: float) -> Array:
     """Step 2: move prototypes until no membership changes; drop those that are left with little."""
-    found, k, known = starts.copy(), len(starts), False
+    prototypes, k, has_before = starts.copy(), len(starts), False
     shares, before = np.zeros((len(points), k)), np.zeros((len(points), k))
     for _ in range(MOST_MOVES):
-        change, totals, kept = 0.0, np.zeros(k), 0
+        change, totals, survivors = 0.0, np.zeros(k), 0
         for i in range(len(points)):
-            share_out(points[i], found[:k], noise, shares[i])
+            share_out(points[i], prototypes[:k], noise, shares[i])
             for j in range(k):
                 change = max(change, abs(shares[i, j] - before[i, j]))
                 before[i, j] = shares[i, j]
@@ -85,21 +85,21 @@ def settled(points: Array, starts: Array, noise: float) -> Array:
         for j in range(k):
             if totals[j] >= 2.0:
                 for d in range(5):
-                    found[kept, d] = found[j, d]
-                kept += 1
-        if kept < k:
-            k, known = kept, False
+                    prototypes[survivors, d] = prototypes[j, d]
+                survivors += 1
+        if survivors < k:
+            k, has_before = survivors, False
             continue
-        if k == 0 or (known and change < MEMBERSHIP_REST):
+        if k == 0 or (has_before and change < MEMBERSHIP_REST):
             break
-        known = True
+        has_before = True
         for j in range(k):
-            move(found[j], points, shares[:, j], totals[j])
-    return found[:k]
+            move(prototypes[j], points, shares[:, j], totals[j])
+    return prototypes[:k]
 
 
 @compiled
-def chosen(points: Array, prototypes: Array, noise: float) -> Indices:
+def pick_prototypes(points: Array, prototypes: Array, noise: float) -> Indices:
     """Step 3: the prototype of the largest share of each point, the first of equals; -1: noise."""
     picks, shares = np.full(len(points), -1), np.zeros(len(prototypes))
     for i in range(len(points)):
@@ -117,8 +117,8 @@ def clustered(
     points: Sequence[Point], starts: Sequence[Prototype], noise: float
 ) -> list[Prototype]:
     """What the points of one cell make of prototypes; noise is so many metres from every point."""
-    found = settled(np.array(points, float), np.array(starts, float), noise)
-    return [Prototype(*row) for row in found.tolist()]
+    rows = settle(np.array(points, float), np.array(starts, float), noise)
+    return [Prototype(*row) for row in rows.tolist()]
 
 
 def memberships(p: Point, prototypes: Sequence[Prototype], noise: float) -> list[float]:

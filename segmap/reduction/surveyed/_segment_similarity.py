@@ -121,9 +121,9 @@ def _turn(s: Array, lines: Array, i: int, j: int, share: float) -> float:
     turn = turn_between(lines[i, 0], lines[j, 0])
     if abs(abs(turn) - np.pi / 2) > PERPENDICULAR:
         return turn
-    left = _direction_cost(s, lines, i, j, share, np.pi / 2)
-    right = _direction_cost(s, lines, i, j, share, -np.pi / 2)
-    return -np.pi / 2 if right < left - COST_STEP_M else np.pi / 2
+    left_cost = _direction_cost(s, lines, i, j, share, np.pi / 2)
+    right_cost = _direction_cost(s, lines, i, j, share, -np.pi / 2)
+    return -np.pi / 2 if right_cost < left_cost - COST_STEP_M else np.pi / 2
 
 
 @compiled
@@ -189,9 +189,9 @@ def _cluster(state: State, distance: float) -> None:
         _, i, j, then = heapq.heappop(pairs)
         if parents[i] != i or changed[i] > then:
             continue
-        known = parents[j] == j and changed[j] <= then
-        if known:
+        is_current = parents[j] == j and changed[j] <= then
+        if is_current:
             merges += 1
             _merge_to_mean(state, i, j)
             changed[i] = merges
-        _offer(state, i, distance, merges, known, pairs)
+        _offer(state, i, distance, merges, is_current, pairs)

@@ -24,9 +24,9 @@ from .lines import (
     spanning,
 )
 
-#: No fused line is known better than this, metres, ...
+#: The uncertainty of a fused line across itself is at least this, metres.
 LEAST_RHO_M = 0.001
-#: ... and radians.
+#: The uncertainty of the angle of a fused line is at least this, radians.
 LEAST_THETA_RAD = 1e-4
 
 
@@ -114,7 +114,7 @@ def uncertain_parameters(
 @compiled
 def looks_at_it(s: Array, walls: Array, distance: float, angle: float) -> Indices:
     """Which walls of the map, `(n, 2, 2)`, a segment may be a look at, ascending."""
-    found, count = np.empty(len(walls), np.int64), 0
+    hits, count = np.empty(len(walls), np.int64), 0
     at = np.arctan2(s[1, 1] - s[0, 1], s[1, 0] - s[0, 0])
     for k in range(len(walls)):
         wall = walls[k]
@@ -122,9 +122,9 @@ def looks_at_it(s: Array, walls: Array, distance: float, angle: float) -> Indice
         if abs(turn) < angle - SAME and apart(s, wall) < distance - SAME:
             bisector = at + turn / 2
             if gap_along(s, wall, np.cos(bisector), np.sin(bisector)) <= SAME:
-                found[count] = k
+                hits[count] = k
                 count += 1
-    return found[:count]
+    return hits[:count]
 
 
 class UncertainWall(NamedTuple):

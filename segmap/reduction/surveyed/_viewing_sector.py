@@ -99,7 +99,7 @@ def viewing_sector(
     limits = distance, max(min_length, 10 * SAME)
 
     def steps(rows: Rows) -> Steps:
-        points, first, sensors, kept = points_behind(map, rows, None)
+        points, first, sensors, has_points = points_behind(map, rows, None)
         if np.isnan(sensors).any():
             raise ValueError(
                 "map must tell where its sensor was: build_map(log, poses, keep_points=True) does, "
@@ -112,8 +112,8 @@ def viewing_sector(
                 s = rows.segments[i].tolist()
                 s = s if cross.plain(p, s[0], s[1]) <= 0 else s[::-1]
                 size = segment_length(s)
-                behind = points[first[i] : first[i + 1]].tolist() if kept else []
-                sums = sums_of(behind) if kept else sums_along(s, size / spacing)
+                behind = points[first[i] : first[i + 1]].tolist() if has_points else []
+                sums = sums_of(behind) if has_points else sums_along(s, size / spacing)
                 scan.append(Wall(s, sums, {i: size}))
             walls = take_scan(walls, scan, p, limits, forget, rejoin)
             yield len(walls)
@@ -149,18 +149,18 @@ def kept_pieces(
             gone.append((start, b))
     gone = [(a, b) for a, b in gone if forget and b - a >= min_length - SAME]
     edges = [0.0, *(u for piece in gone for u in piece), size]
-    kept = list(zip(edges[::2], edges[1::2], strict=True))
-    return [(a, b) for a, b in kept if not gone or b - a >= min_length - SAME]
+    pieces = list(zip(edges[::2], edges[1::2], strict=True))
+    return [(a, b) for a, b in pieces if not gone or b - a >= min_length - SAME]
 
 
-def cut_pieces(kept: list[Interval], seen: Sequence[View], min_length: float) -> list[Interval]:
+def cut_pieces(pieces: list[Interval], seen: Sequence[View], min_length: float) -> list[Interval]:
     """What stays of a wall, cut at the ends of what matches, as A has it."""
     for cut in sorted(u for v in seen if v.says == "matches" for u in (v.u0, v.u1)):
-        for k, (a, b) in enumerate(kept):
+        for k, (a, b) in enumerate(pieces):
             if min(cut - a, b - cut) >= min_length - SAME:
-                kept = [*kept[:k], (a, cut), (cut, b), *kept[k + 1 :]]
+                pieces = [*pieces[:k], (a, cut), (cut, b), *pieces[k + 1 :]]
                 break
-    return kept
+    return pieces
 
 
 def part(wall: Wall, t0: float, t1: float) -> Wall:
@@ -174,19 +174,19 @@ def part(wall: Wall, t0: float, t1: float) -> Wall:
     across = f * (s.xx * dy * dy - 2 * s.xy * dx * dy + s.yy * dx * dx)
     xx, yy = along * dx * dx + across * dy * dy, along * dy * dy + across * dx * dx
     sums = Sums(s.n * f, s.x + shift * dx, s.y + shift * dy, xx, (along - across) * dx * dy, yy)
-    shares = {i: f * held for i, held in wall.shares.items()}
+    shares = {i: f * metres for i, metres in wall.shares.items()}
     return Wall((at(wall.ends, t0), at(wall.ends, t1)), sums, shares)
 
 
-def joined(wall: Wall, parts: Sequence[Wall]) -> Wall:
+def join(wall: Wall, parts: Sequence[Wall]) -> Wall:
     """Step 6: sums add, the line is that of the sums, and it spans all end points."""
     if not parts:
         return wall
     sums, shares = wall.sums, dict(wall.shares)
     for other in parts:
         sums = sums + other.sums
-        for i, held in other.shares.items():
-            shares[i] = shares.get(i, 0.0) + held
+        for i, metres in other.shares.items():
+            shares[i] = shares.get(i, 0.0) + metres
     theta, own = sums.direction(), line_angle(wall.ends)
     if math.hypot(2 * sums.xy, sums.xx - sums.yy) <= SAME * (sums.xx + sums.yy):
         theta = own  # they are as wide as long
@@ -200,7 +200,7 @@ def joined(wall: Wall, parts: Sequence[Wall]) -> Wall:
 def stretches(claims: Sequence[View], size: float) -> list[tuple[float, float, int]]:
     """Step 4: each stretch of a scan segment and the claim that gets it, -1 for none."""
     cuts = sorted({0.0, 1.0, *(t for v in claims for t in (v.t0, v.t1))})
-    found: list[tuple[float, float, int]] = []
+    pieces: list[tuple[float, float, int]] = []
     for begin, end in pairwise(cuts):
         if (end - begin) * size <= SAME:
             continue
@@ -208,11 +208,11 @@ def stretches(claims: Sequence[View], size: float) -> list[tuple[float, float, i
         near = [(v.off, c) for c, v in enumerate(claims) if v.t0 <= middle <= v.t1]
         least = min(near, default=(0.0, -1))[0]
         best = next((c for off, c in near if off <= least + 1e-12), -1)
-        if found and found[-1][2] == best:
-            found[-1] = found[-1][0], end, best
+        if pieces and pieces[-1][2] == best:
+            pieces[-1] = pieces[-1][0], end, best
         else:
-            found.append((begin, end, best))
-    return found
+            pieces.append((begin, end, best))
+    return pieces
 
 
 def take_scan(
@@ -234,9 +234,9 @@ def take_scan(
     pieces = {}
     for k, row in seen.items():
         if any(view.says != "hides" for view in row):  # what is hidden alone stays as it is
-            said = [(view.says, view.u0, view.u1) for view in row]
-            kept = kept_pieces(segment_length(walls[k].ends), said, min_length, forget)
-            pieces[k] = kept if rejoin else cut_pieces(kept, row, min_length)
+            words = [(view.says, view.u0, view.u1) for view in row]
+            stay = kept_pieces(segment_length(walls[k].ends), words, min_length, forget)
+            pieces[k] = stay if rejoin else cut_pieces(stay, row, min_length)
     parts: dict[int, list[list[Wall]]] = {k: [[] for _ in row] for k, row in pieces.items()}
     new = []
     for s, its in zip(scan, claims, strict=True):
@@ -257,12 +257,12 @@ def take_scan(
             continue
         size = segment_length(wall.ends)
         for (a, b), got in zip(pieces[k], parts[k], strict=True):
-            after.append(joined(part(wall, a / size, b / size), got))
+            after.append(join(part(wall, a / size, b / size), got))
     return after + new
 
 
 def middle_on(wall: Segment, stretch: Segment, p: Point) -> float:
     """Middle, metres along a wall, of where a stretch falls on it along the rays from p."""
     area = cross.plain
-    found = [share.plain(area(p, wall[0], q), area(p, q, wall[1])) for q in stretch]
-    return segment_length(wall) * sum(found) / 2
+    shares = [share.plain(area(p, wall[0], q), area(p, q, wall[1])) for q in stretch]
+    return segment_length(wall) * sum(shares) / 2

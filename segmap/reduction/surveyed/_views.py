@@ -115,14 +115,14 @@ def stretches_of(
     r0, r1 = sign * cross(p, s[0], b), sign * cross(p, s[1], b)
     h0, h1 = sign * cross(a, b, s[0]) / size, sign * cross(a, b, s[1]) / size
     t0, t1 = in_sector(l0, l1, r0, r1)
-    cuts, found = cuts_at(h0, h1, t0, t1, distance), []
+    cuts, stretches = cuts_at(h0, h1, t0, t1, distance), []
     for n in range(1, len(cuts) if t0 < t1 else 0):
         t, end = cuts[n - 1], cuts[n]
         u = size * share(mix(l0, l1, t), mix(r0, r1, t))
         v = size * share(mix(l0, l1, end), mix(r0, r1, end))
         says = says_at(mix(h0, h1, (t + end) / 2), distance)
-        found.append((says, t, end, min(u, v), max(u, v), mix(h0, h1, t), mix(h0, h1, end)))
-    return found
+        stretches.append((says, t, end, min(u, v), max(u, v), mix(h0, h1, t), mix(h0, h1, end)))
+    return stretches
 
 
 @compiled
@@ -130,23 +130,23 @@ def stretches_seen(
     walls: Array, scan: Array, p: Array, distance: float
 ) -> list[tuple[int, int, int, float, float, float, float, float]]:
     """The stretches of a scan in the sectors of walls: rows of a `View`, its word as a number."""
-    found = []
+    stretches = []
     for k in range(len(walls)):
         for j in range(len(scan) if facing(p, walls[k], 1e-6) != 0 else 0):
             if facing(p, scan[j], 0.0) == 0:
                 continue
             for says, t0, t1, u0, u1, h0, h1 in stretches_of(walls[k], scan[j], p, distance):
                 if (t1 - t0) * length_of(scan[j]) > SAME:
-                    found.append((k, j, says, t0, t1, u0, u1, mean_off(h0, h1)))
-    return found
+                    stretches.append((k, j, says, t0, t1, u0, u1, mean_off(h0, h1)))
+    return stretches
 
 
 def views(
     walls: Sequence[Segment], scan: Sequence[Segment], p: Point, distance: float
 ) -> list[View]:
     """What the segments of a scan, taken from p, say of walls: wall after wall."""
-    found = stretches_seen(as_rows(walls), as_rows(scan), np.array(p, float), distance)
-    return [View(k, j, SAYS[says], *where) for k, j, says, *where in found]
+    stretches = stretches_seen(as_rows(walls), as_rows(scan), np.array(p, float), distance)
+    return [View(k, j, SAYS[says], *where) for k, j, says, *where in stretches]
 
 
 def as_rows(segments: ArrayLike) -> Array:

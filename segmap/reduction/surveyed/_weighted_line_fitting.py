@@ -89,7 +89,7 @@ def weighted_line_fitting(
     limits = np.array([chi2, gap, turn])
 
     def steps(rows: Rows) -> Steps:
-        points, first, sensors, kept = points_behind(map, rows, spacing)
+        points, first, sensors, has_points = points_behind(map, rows, spacing)
         walls, lines = list[Wall](), np.empty((len(rows.segments), 6))
         ends = np.empty((len(rows.segments), 2, 2))
         for begin, stop in rows.scans():
@@ -97,9 +97,9 @@ def weighted_line_fitting(
                 behind, s = points[first[i] : first[i + 1]], sensors[i].tolist()
                 line = fit(behind, s, sigma_range, sigma_bearing)
                 line = add_pose(line, s, sigma_place, sigma_heading)
-                wall = wall_of(line, behind if kept else rows.segments[i], [i])
+                wall = wall_of(line, behind if has_points else rows.segments[i], [i])
                 count = len(walls)
-                while (k := agreeing(wall.line, wall.ends, lines[:count], ends, limits)) >= 0:
+                while (k := agreeing_line(wall.line, wall.ends, lines[:count], ends, limits)) >= 0:
                     other, count = walls.pop(k), count - 1
                     lines[k:-1], ends[k:-1] = lines[k + 1 :], ends[k + 1 :]
                     merged = compare(wall.line, other.line)[1]
@@ -246,7 +246,7 @@ def compare(a: Line, b: Line) -> tuple[float, Line]:
 
 
 @compiled
-def agreeing(a: Line, own: Array, lines: Array, ends: Array, limits: Array) -> int:
+def agreeing_line(a: Line, own: Array, lines: Array, ends: Array, limits: Array) -> int:
     """The line with the smallest chi below the limit, of those near; ties: the first; -1: none.
 
     Lines of the map are rows of a `Line`; the limits are of chi, of the gap and of the turn.

@@ -96,15 +96,15 @@ def holds_most(shares: Sequence[Mapping[int, float]], count: int) -> Indices:
 
     Each output tells what it holds of its inputs: metres, or points.
     """
-    most, found = [0.0] * count, np.full(count, -1)
-    for held in shares:
-        for i, share in held.items():
+    most, owner = [0.0] * count, np.full(count, -1)
+    for amounts in shares:
+        for i, share in amounts.items():
             most[i] = max(most[i], share)
     for k in range(len(shares) - 1, -1, -1):
         for i, share in shares[k].items():
             if most[i] > 0 and share >= most[i] - SAME:
-                found[i] = k
-    return found
+                owner[i] = k
+    return owner
 
 
 @dataclass
