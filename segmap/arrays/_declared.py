@@ -45,11 +45,11 @@ class Quantity:
 
     def narrowed(self, by: Quantity) -> Quantity:
         """With what another says: its lower bound in place of ours, its upper one likewise."""
-        said = {f.name: v for f in fields(by) if (v := getattr(by, f.name)) is not None}
+        changes = {f.name: v for f in fields(by) if (v := getattr(by, f.name)) is not None}
         for pair in (("above", "least"), ("below", "most")):
-            if any(bound in said for bound in pair):
-                said = dict.fromkeys(pair) | said
-        return replace(self, **said)
+            if any(bound in changes for bound in pair):
+                changes = dict.fromkeys(pair) | changes
+        return replace(self, **changes)
 
 
 def at_least(least: float) -> Quantity:
@@ -134,8 +134,8 @@ class Declared(typing.NamedTuple):
     @property
     def is_limited(self) -> bool:
         """Whether `check` refuses anything."""
-        known = self.words or self.kind in (bool, int, np.random.Generator)
-        return bool(known) or (self.kind is float and self.quantity.unit is not None)
+        has_check = self.words or self.kind in (bool, int, np.random.Generator)
+        return bool(has_check) or (self.kind is float and self.quantity.unit is not None)
 
     def check(self, value: Any, name: str) -> Any:
         """The value as its kind, or a ValueError that names it."""
@@ -184,28 +184,28 @@ def described(of: Callable[..., Any]) -> dict[str, str]:
     'Half width of the strip'
     """
     text = inspect.getdoc(of) or ""
-    found = {"": " ".join(text.partition("\n\n")[0].split())}
+    sentences = {"": " ".join(text.partition("\n\n")[0].split())}
     section = re.search(
         r"^Parameters\n-+\n(.*?)(?:\n\n\w+\n-+\n|\Z)", text, re.DOTALL | re.MULTILINE
     )
     entries = re.findall(r"^(\S.*)((?:\n+    .*)*)", section[1] if section else "", re.MULTILINE)
     for names, words in entries:
-        said = " ".join(words.split())
-        other = re.fullmatch(r"As in `([\w.]+)`\.", said)
+        sentence = " ".join(words.split())
+        other = re.fullmatch(r"As in `([\w.]+)`\.", sentence)
         for name in names.partition(" : ")[0].split(", "):
-            found[name] = described(_near(of, other[1]))[name] if other else said
-    return found
+            sentences[name] = described(_near(of, other[1]))[name] if other else sentence
+    return sentences
 
 
 def _near(of: Callable[..., Any], path: str) -> Any:
     """What a docstring names, `alignment.match_values`: of its module, or of a room above."""
     home = of.__module__
     while home:
-        found: Any = sys.modules[home]
+        target: Any = sys.modules[home]
         for part in path.split("."):
-            found = getattr(found, part, None)
-        if callable(found):
-            return getattr(found, "function", found)
+            target = getattr(target, part, None)
+        if callable(target):
+            return getattr(target, "function", target)
         home = home.rpartition(".")[0]
     raise LookupError(f"{of.__qualname__} names {path}, which is nowhere above {of.__module__}")
 
@@ -227,17 +227,17 @@ class _Default(float):
     """A default, or a setting: help and the book show an angle in degrees; it is a float."""
 
     def __new__(cls, value: float, function: Callable[..., Any], name: str) -> _Default:
-        made = super().__new__(cls, value)
-        made.function, made.name = function, name
-        return made
+        default = super().__new__(cls, value)
+        default.function, default.name = function, name
+        return default
 
     function: Callable[..., Any]
     name: str
 
     def __repr__(self) -> str:
-        if (said := declared(self.function)[self.name]).unit == said.read_unit:
+        if (rule := declared(self.function)[self.name]).unit == rule.read_unit:
             return float.__repr__(self)
-        return f"{said.read(self):.6g} {said.read_unit}"
+        return f"{rule.read(self):.6g} {rule.read_unit}"
 
     def __reduce__(self) -> tuple[type[float], tuple[float]]:
         return float, (float(self),)
@@ -263,10 +263,11 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     Traceback (most recent call last):
     ValueError: distance must be a number above 0, in metres, got -1
     """
-    known: dict[str, Declared] = {}
-    held = inspect.signature(function)
-    names, free = list(held.parameters), -1  # so many in front may be anything
-    by_name = [n for n, p in held.parameters.items() if p.kind is p.KEYWORD_ONLY]
+    rules: dict[str, Declared] = {}
+    signature = inspect.signature(function)
+    parameters = signature.parameters
+    names, free = list(parameters), -1  # so many in front may be anything
+    by_name = [n for n, p in parameters.items() if p.kind is p.KEYWORD_ONLY]
     ahead = names.index(by_name[0]) if by_name else len(names)
 
     @functools.wraps(function)
@@ -281,27 +282,27 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
                 f"{names[ahead]} is given by its name: {function.__name__}(..., {word})"
             )
         if free < 0:
-            known.update(declared(function))
-            limited = (k for k, n in enumerate(names) if n in known and known[n].is_limited)
+            rules.update(declared(function))
+            limited = (k for k, n in enumerate(names) if n in rules and rules[n].is_limited)
             free = next(limited, len(names))
         if not given and len(args) <= free:
             return cast(Callable[..., R], function)(*args)
         named = dict(zip(names, args, strict=False)) | given
-        kept = {n: known[n].check(v, n) if n in known else v for n, v in named.items()}
-        for name in kept.keys() & known.keys():
-            q = known[name].quantity
-            if q.usual and kept[name] is not None and kept[name] > q.usual:
+        arguments = {n: rules[n].check(v, n) if n in rules else v for n, v in named.items()}
+        for name in arguments.keys() & rules.keys():
+            q, argument = rules[name].quantity, arguments[name]
+            if q.usual and argument is not None and argument > q.usual:
                 data = args[0] if args else None  # a map or points; else a log, or self
                 is_map = isinstance(data, np.ndarray | list | tuple) or hasattr(data, "segments")
                 data = data if is_map and not hasattr(data, "scans") else None
                 share = q.share or unit_checks.LONG_THRESHOLD_SHARE
-                unit_checks.check_lengths(data, most=q.usual, share=share, **{name: kept[name]})
-        first = [kept[name] for name in names[: len(args)]]
-        rest = {name: kept[name] for name in given}
+                unit_checks.check_lengths(data, most=q.usual, share=share, **{name: argument})
+        first = [arguments[name] for name in names[: len(args)]]
+        rest = {name: arguments[name] for name in given}
         return cast(Callable[..., R], function)(*first, *args[len(names) :], **rest)
 
-    given = (p.replace(default=_shown(p.default, function, n)) for n, p in held.parameters.items())
-    call.__signature__ = held.replace(parameters=[*given])  # type: ignore[attr-defined]
+    shown = (p.replace(default=_shown(p.default, function, n)) for n, p in parameters.items())
+    call.__signature__ = signature.replace(parameters=[*shown])  # type: ignore[attr-defined]
     return cast(Callable[P, R], call)
 
 
@@ -318,15 +319,15 @@ class Settings:
         cls.__repr__ = Settings.__repr__  # type: ignore[method-assign]  # else @dataclass makes one
 
     def __repr__(self) -> str:
-        held = {k: _shown(getattr(self, k), type(self), k) for k in declared(type(self))}
-        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in held.items())})"
+        settings = {k: _shown(getattr(self, k), type(self), k) for k in declared(type(self))}
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in settings.items())})"
 
     def __post_init__(self) -> None:
-        for name, said in declared(type(self)).items():
-            given, many = getattr(self, name), said.kind is tuple
-            if many or (said.kind is float and said.quantity.unit is None):
-                listed = given if isinstance(given, tuple) else (given,)
-                found = tuple(number(value, name, above=0) for value in listed)
-                object.__setattr__(self, name, found if many else found[0])
+        for name, rule in declared(type(self)).items():
+            setting, many = getattr(self, name), rule.kind is tuple
+            if many or (rule.kind is float and rule.quantity.unit is None):
+                listed = setting if isinstance(setting, tuple) else (setting,)
+                numbers = tuple(number(value, name, above=0) for value in listed)
+                object.__setattr__(self, name, numbers if many else numbers[0])
             else:
-                object.__setattr__(self, name, said.check(given, name))
+                object.__setattr__(self, name, rule.check(setting, name))

@@ -103,8 +103,8 @@ def one_of(value: object, name: str, choices: Collection[str]) -> str:
     ValueError: fit must be one of 'total', 'algebraic', got 'best'
     """
     if not (isinstance(value, str) and value in choices):
-        known = ", ".join(repr(choice) for choice in choices)
-        raise ValueError(f"{name} must be one of {known}, got {brief(value)}")
+        words = ", ".join(repr(choice) for choice in choices)
+        raise ValueError(f"{name} must be one of {words}, got {brief(value)}")
     return value
 
 

@@ -112,10 +112,10 @@ def indices(value: object, name: str) -> NDArray[np.int64]:
     Traceback (most recent call last):
     ValueError: scan must be whole numbers, got [0, 0.5]
     """
-    given = numbers(value, name)
-    if not (np.abs(given) < 2**53).all() or (given % 1 != 0).any():
+    array = numbers(value, name)
+    if not (np.abs(array) < 2**53).all() or (array % 1 != 0).any():
         raise ValueError(f"{name} must be whole numbers, got {brief(value)}")
-    return given.astype(np.int64)
+    return array.astype(np.int64)
 
 
 def row(value: object, name: str, count: int | None = None) -> Array:
@@ -220,8 +220,8 @@ def poses(
     Traceback (most recent call last):
     ValueError: poses must have shape (2, 3), got (1, 3)
     """
-    given = getattr(value, "poses", value)
-    return table(given, name, 3, unit="metres and radians", count=count, missing=missing)
+    rows = getattr(value, "poses", value)
+    return table(rows, name, 3, unit="metres and radians", count=count, missing=missing)
 
 
 def pose(value: object, name: str = "pose", *, missing: bool = False) -> Array:
@@ -244,18 +244,17 @@ def point(value: object, name: str = "point", *, limit: float = LIMIT) -> Array:
 
 def rectangle(left: float, low: float, right: float, high: float) -> Array:
     """Lower left and upper right corner, `(2, 2)`, metres, of a rectangle that holds something."""
-    found = np.stack([point((left, low), "left, low"), point((right, high), "right, high")])
-    if not (found[0] < found[1]).all():
+    corners = np.stack([point((left, low), "left, low"), point((right, high), "right, high")])
+    if not (corners[0] < corners[1]).all():
         raise ValueError(
             f"wanted left < right and low < high, got {left}, {low}, {right} and {high}"
         )
-    return found
+    return corners
 
 
 def segments(value: Segments, name: str = "segments") -> Array:
     """Segments of a map, a reduction or an array, `(n, 2, 2)`, metres."""
-    given = getattr(value, "segments", value)
-    array = numbers(given, name, "a map or an (n, 2, 2) array")
+    array = numbers(getattr(value, "segments", value), name, "a map or an (n, 2, 2) array")
     if array.size == 0 and array.ndim in (1, 3):
         return np.empty((0, 2, 2))
     if array.ndim != 3 or array.shape[1:] != (2, 2):

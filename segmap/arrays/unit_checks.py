@@ -56,16 +56,16 @@ def check_ranges(ranges: Array, max_range: float) -> None:
     """
     if not (ranges > HALF_RANGE_M).any():
         return
-    known = ranges[np.isfinite(ranges) & (ranges > 0)]
-    words = (known >= NOTHING_MET_NUMBERS[0]) & (known <= NOTHING_MET_NUMBERS[1])
-    if (words & (known < max_range)).sum() >= LEAST_TURNS_BEYOND_PI:
-        least = f"{known[words].min():.6g}"
+    readings = ranges[np.isfinite(ranges) & (ranges > 0)]
+    words = (readings >= NOTHING_MET_NUMBERS[0]) & (readings <= NOTHING_MET_NUMBERS[1])
+    if (words & (readings < max_range)).sum() >= LEAST_TURNS_BEYOND_PI:
+        least = f"{readings[words].min():.6g}"
         warn(f"ranges of {least} m mean that nothing was met: write np.inf, or a max_range below")
-    known = known[~words]
-    known = known[(known < max_range) | (known < known.max(initial=0.0))]
-    if len(known) < LEAST_TURNS_BEYOND_PI:
+    readings = readings[~words]
+    readings = readings[(readings < max_range) | (readings < readings.max(initial=0.0))]
+    if len(readings) < LEAST_TURNS_BEYOND_PI:
         return
-    half = float(np.median(known))
+    half = float(np.median(readings))
     if half > FARTHEST_RANGE_M:
         warn("half of the ranges are above 1000 m: these look like millimetres, ranges / 1000")
     elif half > HALF_RANGE_M and half >= max_range:
@@ -125,8 +125,8 @@ def check_lengths(
 
 def _extent(data: object) -> float:
     """Larger side of the box around a map, segments or points, metres; 0 around nothing."""
-    given = getattr(data, "segments", data)
-    xy = np.empty((0, 2)) if given is None else numbers(given, "map").reshape(-1, 2)
+    points = getattr(data, "segments", data)
+    xy = np.empty((0, 2)) if points is None else numbers(points, "map").reshape(-1, 2)
     return float(np.ptp(xy, axis=0).max()) if len(xy) else 0.0
 
 

@@ -81,11 +81,11 @@ def pareto(frame: pd.DataFrame, *, each_method: bool = False) -> pd.DataFrame:
     """
     by = [*SETTING, "method"] if arrays.switch(each_method, "each_method") else SETTING
     arrays.frame(frame, by, COMPARED_COLUMNS)
-    points, kept = _points(frame), np.zeros(len(frame), bool)
+    points, on_front = _points(frame), np.zeros(len(frame), bool)
     groups = frame.groupby(by, sort=False)
     for places in groups.indices.values():
-        kept[places] = ~_beaten(points[places])
-    return frame[kept]
+        on_front[places] = ~_beaten(points[places])
+    return frame[on_front]
 
 
 def good_maps(frame: pd.DataFrame) -> pd.DataFrame:
@@ -112,14 +112,14 @@ def good_maps(frame: pd.DataFrame) -> pd.DataFrame:
     setting, of = ["method", "group", "sensor", "noise"], ["method", "thresholds"]
     arrays.frame(frame, [*setting, "thresholds", "all_four"], ["maps"])
     good = frame["all_four"].map(lambda flags: str(flags).count("1"))
-    found = frame.assign(good=good).pivot_table(
+    table = frame.assign(good=good).pivot_table(
         "good", of, "noise", aggfunc="sum", sort=False, fill_value=0
     )
-    found = found.rename_axis(columns=None).assign(all=lambda each: each.sum(axis=1))
-    found = found.loc[found["all"].groupby("method").idxmax()].reset_index("thresholds")
+    table = table.rename_axis(columns=None).assign(all=lambda each: each.sum(axis=1))
+    table = table.loc[table["all"].groupby("method").idxmax()].reset_index("thresholds")
     maps = frame.groupby(setting).agg({"all_four": _ever, "maps": "max"}).groupby("method").sum()
-    found[["each_its_own", "maps"]] = maps
-    return found.sort_values(["all", "each_its_own"], ascending=False, kind="stable")
+    table[["each_its_own", "maps"]] = maps
+    return table.sort_values(["all", "each_its_own"], ascending=False, kind="stable")
 
 
 def _ever(flags: pd.Series) -> int:
@@ -153,8 +153,8 @@ def reduction_at(points: ArrayLike, quality: float) -> float:
     0.5
     """
     ends, quality = front(points), arrays.number(quality, "quality")
-    found = np.interp(quality, ends[:, 0], ends[:, 1], right=np.nan) if len(ends) else np.nan
-    return round(float(found), 12)
+    reduction = np.interp(quality, ends[:, 0], ends[:, 1], right=np.nan) if len(ends) else np.nan
+    return round(float(reduction), 12)
 
 
 def _points(frame: pd.DataFrame) -> Array:

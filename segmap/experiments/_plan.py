@@ -45,11 +45,11 @@ def digest(map: SegmentMap) -> str:
     [True, False]
     """
     grid = np.round(map.segments * 1e9).astype("<i8")
-    found = hashlib.sha256(grid.tobytes() + map.scan.astype("<i8").tobytes())
+    sha = hashlib.sha256(grid.tobytes() + map.scan.astype("<i8").tobytes())
     for behind in (map.points, map.first, map.sensors):
         if behind is not None:
-            found.update(np.round(np.nan_to_num(behind) * 1e9).astype("<i8").tobytes())
-    return found.hexdigest()[:12]
+            sha.update(np.round(np.nan_to_num(behind) * 1e9).astype("<i8").tobytes())
+    return sha.hexdigest()[:12]
 
 
 def default_thresholds(function: Function) -> Thresholds | None:
@@ -128,17 +128,17 @@ def _combinations(name: str, function: Function, grid: Grid) -> list[Thresholds]
         grid = [dict(zip(grid, values, strict=True)) for values in product(*lists)]
     defaults, words = default_thresholds(function), f"grids[{name!r}]"
     numbers = {k: v for k, v in (defaults or {}).items() if isinstance(v, int | float)}
-    found = []
+    combinations = []
     for row in _listed(grid, words):
         arrays.instance(row, words, Mapping)
         if defaults is not None and (strange := set(row) - set(defaults)):
-            known = ", ".join(defaults)
-            raise ValueError(f"{words} must be of {known}, got {', '.join(map(str, strange))}")
+            names = ", ".join(defaults)
+            raise ValueError(f"{words} must be of {names}, got {', '.join(map(str, strange))}")
         if taken := NO_THRESHOLDS & set(row):
             raise ValueError(f"{name} must not call a threshold {taken.pop()!r}: a column is")
         plain = {k: _plain(v) for k, v in (numbers | dict(row)).items()}
-        found.append({k: v for k, v in plain.items() if v is not None or defaults is None})
-    return found
+        combinations.append({k: v for k, v in plain.items() if v is not None or defaults is None})
+    return combinations
 
 
 def _plain(value: Any) -> Threshold:

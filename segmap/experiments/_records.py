@@ -114,9 +114,9 @@ def load_walls(group: str = "") -> pd.DataFrame:
     0     0  basic_offline  distance 0.02  000000000000
     1     0  basic_offline  distance 0.05  000000000000
     """
-    found = _beginning(_stored_table("walls"), "group", group)
-    words = [thresholds_text(thresholds_in(text)) for text in found["thresholds"]]
-    return found.assign(thresholds=words, maps=found["all_four"].str.len())
+    runs = _beginning(_stored_table("walls"), "group", group)
+    words = [thresholds_text(thresholds_in(text)) for text in runs["thresholds"]]
+    return runs.assign(thresholds=words, maps=runs["all_four"].str.len())
 
 
 def _stored_table(name: str) -> pd.DataFrame:
@@ -129,11 +129,11 @@ def _stored_table(name: str) -> pd.DataFrame:
 
 def _beginning(frame: pd.DataFrame, column: str, start: str) -> pd.DataFrame:
     """Rows in which the text of a column begins with some letters."""
-    found = frame[frame[column].str.startswith(arrays.instance(start, column, str))]
-    if found.empty:
+    rows = frame[frame[column].str.startswith(arrays.instance(start, column, str))]
+    if rows.empty:
         names = ", ".join(dict.fromkeys(frame[column]))
         raise ValueError(f"{column} must be the beginning of one of {names}, got {start!r}")
-    return found.reset_index(drop=True)
+    return rows.reset_index(drop=True)
 
 
 def select(
@@ -157,18 +157,18 @@ def select(
        method  tolerance
     1  fusion        0.3
     """
-    kept = np.ones(len(arrays.frame(frame)), bool)
+    is_match = np.ones(len(arrays.frame(frame)), bool)
     for name, word in (("map", map), ("method", method)):
         if word is not None:
-            kept &= arrays.frame(frame, [name])[name] == arrays.instance(word, name, str)
+            is_match &= arrays.frame(frame, [name])[name] == arrays.instance(word, name, str)
     if isinstance(filtered, bool):
-        kept &= (arrays.frame(frame, numbers=["filtered"])["filtered"] > 0) == filtered
+        is_match &= (arrays.frame(frame, numbers=["filtered"])["filtered"] > 0) == filtered
     elif filtered is not None:
         thresholds["filtered"] = filtered
     for name, value in thresholds.items():
         column = arrays.frame(frame, numbers=[name])[name].astype(float)
-        kept &= np.isclose(column, arrays.number(value, name), rtol=1e-9, atol=0)
-    return frame[kept]
+        is_match &= np.isclose(column, arrays.number(value, name), rtol=1e-9, atol=0)
+    return frame[is_match]
 
 
 def thresholds_of(run: Mapping[str, Any] | pd.Series) -> dict[str, Threshold]:

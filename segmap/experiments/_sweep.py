@@ -127,15 +127,15 @@ def run_job(job: Job) -> Row:
     thresholds, map = job.row["thresholds"], job.segments
     try:
         runs = [job.function(map, **thresholds) for _ in range(job.repeat)]
-        found, seconds = runs[-1], median(each.seconds for each in runs)
+        reduction, seconds = runs[-1], median(each.seconds for each in runs)
         return job.row | {
             "n_before": len(map),
-            "n_after": len(found),
-            "reduction": round(reduction_rate(map, found), 9),
-            "quality": round(quality(map, found), 9) if len(map) else math.nan,
+            "n_after": len(reduction),
+            "reduction": round(reduction_rate(map, reduction), 9),
+            "quality": round(quality(map, reduction), 9) if len(map) else math.nan,
             "seconds": round(seconds, 6),
-            "invented": round(invented(map, found), 4),
-            "missed": round(missed(map, found), 4),
+            "invented": round(invented(map, reduction), 4),
+            "missed": round(missed(map, reduction), 4),
         }
     except Exception as error:
         kinds = (kind for kind in (ValueError, TypeError) if isinstance(error, kind))

@@ -46,33 +46,33 @@ def log_arrays(log: Log) -> dict[str, NDArray[Any]]:
     there = np.arange(counts.max()) < counts[:, None]
 
     def table(rows: list[Any], fill: float) -> NDArray[Any]:
-        found = np.full(there.shape, fill)
-        found[there] = np.concatenate(rows)
-        return found
+        array = np.full(there.shape, fill)
+        array[there] = np.concatenate(rows)
+        return array
 
     far = [s.ranges >= s.max_range for s in log]  # beyond the sensor's reach: no measurement
     beams = [np.where(s.valid | ~f, s.ranges, np.inf) for s, f in zip(log, far, strict=True)]
-    held: dict[str, NDArray[Any]] = {
+    by_name: dict[str, NDArray[Any]] = {
         "ranges": table(beams, np.nan),
         "angles": table([scan.angles for scan in log], 0.0),
         "max_range": np.array([scan.max_range for scan in log]),
         "sensor_pose": np.array([scan.sensor_pose for scan in log]),
     }
     if not there.all():
-        held["beams"] = counts
+        by_name["beams"] = counts
     for name, poses in (("odometry", log.odometry), ("truth", log.truth)):
         if poses is not None and np.isfinite(poses).all(1).any():
-            held[name] = poses
+            by_name[name] = poses
     if all(scan.codes is not None for scan in log):
-        held["codes"] = table([scan.codes for scan in log], 0)
+        by_name["codes"] = table([scan.codes for scan in log], 0)
     if any(scan.delays is not None for scan in log):
         rows = [np.full(len(s), np.nan) if s.delays is None else s.delays for s in log]
-        held["delays"] = table(rows, np.nan)
-        held["order_known"] = np.array(log.order_known)
+        by_name["delays"] = table(rows, np.nan)
+        by_name["order_known"] = np.array(log.order_known)
     if log.track is not None:
-        held["track"] = log.track
+        by_name["track"] = log.track
     if np.isfinite(log.times).any():
-        held["times"] = log.times
+        by_name["times"] = log.times
     if log.assumed:
-        held["assumed"] = np.array(log.assumed)
-    return held
+        by_name["assumed"] = np.array(log.assumed)
+    return by_name

@@ -61,20 +61,20 @@ def write_graph(path: str | Path, graph: Alignment | PoseGraph) -> None:
     ...     print((Path(folder) / "it.g2o").read_text().splitlines()[0])
     VERTEX_SE2 0 0.0 0.0 0.0
     """
-    place, found = arrays.file(path), _checked_graph(graph)
-    if not (count := len(found.poses)):
+    place, graph = arrays.file(path), _checked_graph(graph)
+    if not (count := len(graph.poses)):
         raise ValueError("graph must hold at least one pose, got none")
-    ids = np.arange(count) if found.ids is None else arrays.indices(found.ids, "graph.ids")
+    ids = np.arange(count) if graph.ids is None else arrays.indices(graph.ids, "graph.ids")
     if ids.shape != (count,) or ids.min() < 0 or len(np.unique(ids)) < count:
         raise ValueError(f"graph.ids must be {count} different numbers from 0, got {ids}")
     names = ids.tolist()
     lines = [
         f"VERTEX_SE2 {name} {_graph_row(pose)}"
-        for name, pose in zip(names, found.poses, strict=True)
+        for name, pose in zip(names, graph.poses, strict=True)
     ]
-    turned = information.rotated(found.information, found.relative[:, 2])
+    turned = information.rotated(graph.information, graph.relative[:, 2])
     upper = turned.reshape(-1, 9)[:, [0, 1, 2, 4, 5, 8]]
-    for (i, j), motion, six in zip(found.edges.tolist(), found.relative, upper, strict=True):
+    for (i, j), motion, six in zip(graph.edges.tolist(), graph.relative, upper, strict=True):
         lines.append(f"EDGE_SE2 {names[i]} {names[j]} {_graph_row(motion)} {_graph_row(six)}")
     write_lines(place, lines)
 
@@ -82,13 +82,13 @@ def write_graph(path: str | Path, graph: Alignment | PoseGraph) -> None:
 def _checked_graph(graph: Alignment | PoseGraph) -> PoseGraph:
     """The arrays of a graph, each as it must be."""
     if isinstance(graph, Alignment):
-        known = graph.graph
-        if known is None or known.information is None:
+        inner = graph.graph
+        if inner is None or inner.information is None:
             raise ValueError(
                 f"graph must be an alignment with a graph that weighs its edges, as "
                 f"alignment.pose_graph gives it, got {graph!r}"
             )
-        graph = PoseGraph(graph.poses, known.edges, known.relative, known.information)
+        graph = PoseGraph(graph.poses, inner.edges, inner.relative, inner.information)
     if not isinstance(graph, PoseGraph):
         raise ValueError(f"graph must be an Alignment or a PoseGraph, got {arrays.brief(graph)}")
     poses = arrays.poses(graph.poses, "graph.poses")

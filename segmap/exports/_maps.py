@@ -66,9 +66,9 @@ def ros_classes(
     with map.lock:
         value = map.leaf_occupancy()
         kind = np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)
-        known = kind != 1 if (kind != 1).any() else None
-        grid, left, low, side = map.rasterize(kind, shown=known, resolution=resolution)
-    return Classes(GREYS[grid.astype(np.int64)], left, low, side)
+        is_known = kind != 1 if (kind != 1).any() else None
+        grid, x_min, y_min, side = map.rasterize(kind, shown=is_known, resolution=resolution)
+    return Classes(GREYS[grid.astype(np.int64)], x_min, y_min, side)
 
 
 # ------------------------------------------------------------------------- drawings
@@ -103,8 +103,8 @@ def write_geojson(
     digits, features = _digits(map.resolution), []
     table = np.stack([*leaves, value], -1)[value > occupied]
     for x, y, side, vis, occ, occupancy in table.tolist():
-        left, low, right, high = (round(v, digits) for v in (x, y, x + side, y + side))
-        ring = [(left, low), (right, low), (right, high), (left, high), (left, low)]
+        x_min, y_min, x_max, y_max = (round(v, digits) for v in (x, y, x + side, y + side))
+        ring = [(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max), (x_min, y_min)]
         corners = world.coordinates(ring).tolist()
         features.append(
             {
@@ -133,13 +133,13 @@ def write_svg(path: str | Path, map: QuadtreeMap) -> None:
     1
     """
     map = deepcopy(arrays.instance(map, "map", QuadtreeMap))  # as it is now
-    left, low, right, high = extent(map)
-    wide, tall = right - left, high - low
+    x_min, y_min, x_max, y_max = extent(map)
+    wide, tall = x_max - x_min, y_max - y_min
     thin = OUTLINE_PIXELS * wide / LEAVES_WIDTH_PIXELS
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{LEAVES_WIDTH_PIXELS}" '
         f'height="{LEAVES_WIDTH_PIXELS * tall / wide:.0f}" '
-        f'viewBox="{left:.9g} {-high:.9g} {wide:.9g} {tall:.9g}">\n'
+        f'viewBox="{x_min:.9g} {-y_max:.9g} {wide:.9g} {tall:.9g}">\n'
         f'<g transform="scale(1 -1)" stroke="{OUTLINE_COLOUR}" stroke-width="{thin:.6g}">\n'
     )
     text = head + "\n".join(_paths(map, thin / OUTLINE_PART)) + "\n</g>\n</svg>\n"

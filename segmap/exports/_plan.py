@@ -80,20 +80,20 @@ def write_plan(
     elif end in PLAN_WRITERS:
         write_bytes(place, "".join(PLAN_WRITERS[end](plan, world)).encode())
     else:
-        known = ", ".join([*ENDS, *PLAN_WRITERS])
-        raise ValueError(f"path: the name must end in {known}, got {place.name!r}")
+        endings = ", ".join([*ENDS, *PLAN_WRITERS])
+        raise ValueError(f"path: the name must end in {endings}, got {place.name!r}")
 
 
 def _csv_rooms(plan: FloorPlan, world: Frame) -> Iterator[str]:
-    kept = io.StringIO()
-    rows = csv.writer(kept, lineterminator="\n")
+    stream = io.StringIO()
+    rows = csv.writer(stream, lineterminator="\n")
     names = ("area_m2", "hidden_m2", "perimeter_m", "length_m", "width_m")
     rows.writerow(["name", *names, "doors"])
     for k, room in enumerate(plan.rooms):
         sizes = room.area, room.hidden, room.perimeter, *room_sides(plan, room)
         doors = sum(k in door.rooms for door in plan.doors)
         rows.writerow([room.name, *(f"{size:.2f}" for size in sizes), doors])
-    yield kept.getvalue()
+    yield stream.getvalue()
 
 
 def _geojson_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
@@ -124,7 +124,7 @@ def _geojson_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
 
 def _dxf_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
     """Closed outlines of walls and rooms, doors as blocks of a unit width, words."""
-    ezdxf, kept = ezdxf_or_hint(), io.StringIO()
+    ezdxf, stream = ezdxf_or_hint(), io.StringIO()
     drawing = ezdxf.new("R2010", units=METRES)
     for layer, (color, weight) in LAYERS.items():
         drawing.layers.add(layer, color=color, lineweight=weight)
@@ -147,8 +147,8 @@ def _dxf_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
         words = " ".join(f"{room.name}, {room.area:.1f} m2".split())
         text = space.add_text(words, height=LETTER_M, dxfattribs={"layer": "TEXT"})
         text.set_placement(room.place.tolist(), align=ezdxf.enums.TextEntityAlignment.MIDDLE_CENTER)
-    drawing.write(kept)
-    yield kept.getvalue()
+    drawing.write(stream)
+    yield stream.getvalue()
 
 
 def ezdxf_or_hint() -> Any:

@@ -57,22 +57,22 @@ def write_segments(path: str | Path, map: Segments, *, world: Frame = Frame()) -
     place = arrays.file(path)
     name = place.name.removesuffix(".gz")
     end = Path(name).suffix.lower()
-    held = map if isinstance(map, SegmentMap) else SegmentMap(arrays.segments(map, "map"))
+    segment_map = map if isinstance(map, SegmentMap) else SegmentMap(arrays.segments(map, "map"))
     arrays.instance(world, "world", Frame)
     if end == ".npz" and name == place.name:
-        held.save(place)
+        segment_map.save(place)
     elif end in TEXT_WRITERS:
-        write_bytes(place, "".join(TEXT_WRITERS[end](held, world)).encode("ascii"))
+        write_bytes(place, "".join(TEXT_WRITERS[end](segment_map, world)).encode("ascii"))
     else:
-        known = ", ".join([*TEXT_WRITERS, *(f"{each}.gz" for each in TEXT_WRITERS)])
-        raise ValueError(f"path: the name must end in .npz, {known}, got {place.name!r}")
+        endings = ", ".join([*TEXT_WRITERS, *(f"{each}.gz" for each in TEXT_WRITERS)])
+        raise ValueError(f"path: the name must end in .npz, {endings}, got {place.name!r}")
 
 
 # ------------------------------------------------------------------------------ formats
 def _rows(map: SegmentMap) -> list[list[float]]:
     """x and y of both ends of each segment, metres."""
-    found: list[list[float]] = map.segments.reshape(-1, 4).tolist()
-    return found
+    rows: list[list[float]] = map.segments.reshape(-1, 4).tolist()
+    return rows
 
 
 def _csv_lines(map: SegmentMap, world: Frame) -> Iterator[str]:
@@ -115,11 +115,11 @@ def dxf_tags(*pairs: tuple[int, str | int | float]) -> str:
 
 
 def _svg(map: SegmentMap, world: Frame) -> Iterator[str]:
-    (left, low), (wide, tall) = _drawing_frame(map.segments)
+    (x_min, y_min), (wide, tall) = _drawing_frame(map.segments)
     scale = DRAWING_PIXELS / max(wide, tall)
     yield (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{scale * wide:.0f}" '
-        f'height="{scale * tall:.0f}" viewBox="{left!r} {-low - tall!r} {wide!r} {tall!r}">\n'
+        f'height="{scale * tall:.0f}" viewBox="{x_min!r} {-y_min - tall!r} {wide!r} {tall!r}">\n'
         f'<g transform="scale(1 -1)" stroke="#000000" stroke-width="{WALL_PIXELS / scale:.6g}" '
         'stroke-linecap="round">\n'
     )

@@ -131,10 +131,10 @@ def write_sheet(
         if plan is not None and len(plan.axes) and not as_recorded:
             turn = -float((plan.axes[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4)
         figure = _draw_sheet(segments, words, north, plan, turn)
-        kept, dated = io.BytesIO(), {".pdf": "CreationDate", ".svg": "Date"}
+        stream, dated = io.BytesIO(), {".pdf": "CreationDate", ".svg": "Date"}
         metadata = {dated[end]: None} if end in dated else {}
-        figure.savefig(kept, format=end[1:], dpi=SHEET_DPI, metadata=metadata)
-    write_bytes(place, kept.getvalue())
+        figure.savefig(stream, format=end[1:], dpi=SHEET_DPI, metadata=metadata)
+    write_bytes(place, stream.getvalue())
 
 
 def checked_words(title: str, verdict: str, date: str) -> list[str]:
@@ -205,17 +205,17 @@ def _write_words(ax: Any, words: list[str], doubt: str, scale: str, right: float
     """The band below the map: title, verdict, what is in doubt, scale and date."""
     title, verdict, date = words
     plain: dict[str, Any] = {"parse_math": False, "va": "top"}
-    left, top = SHEET_MARGIN_MM, SHEET_MARGIN_MM + WORDS_BAND_MM
-    ax.text(left, top - 6, title, fontsize=14, weight="bold", **plain)
+    left_mm, top_mm = SHEET_MARGIN_MM, SHEET_MARGIN_MM + WORDS_BAND_MM
+    ax.text(left_mm, top_mm - 6, title, fontsize=14, weight="bold", **plain)
     lines = textwrap.wrap(verdict, LETTERS_PER_LINE)[:3]
-    ax.text(left, top - 14, "\n".join(lines), fontsize=9, **plain)
+    ax.text(left_mm, top_mm - 14, "\n".join(lines), fontsize=9, **plain)
     doubts = textwrap.wrap(
         f"in doubt: {shown(doubt)}" if doubt else "", DOUBT_LETTERS_PER_LINE,
         max_lines=MOST_DOUBT_LINES, placeholder=" ...",
     )  # fmt: skip
-    below = top - 14 - LINE_MM * len(lines)
-    ax.text(left, below, "\n".join(doubts), fontsize=DOUBT_POINTS, **plain)
-    ax.text(right, top - 6, f"{scale}  {date}".strip(), fontsize=11, ha="right", **plain)
+    below_mm = top_mm - 14 - LINE_MM * len(lines)
+    ax.text(left_mm, below_mm, "\n".join(doubts), fontsize=DOUBT_POINTS, **plain)
+    ax.text(right, top_mm - 6, f"{scale}  {date}".strip(), fontsize=11, ha="right", **plain)
 
 
 def _draw_list(
@@ -241,18 +241,18 @@ def _draw_list(
     columns = [rows[start : start + per_column] for start in range(0, len(rows), per_column)]
     if beside:
         strip = np.array([column_mm * len(columns), 0.0])
-        left, top = far - strip + [LIST_MARGIN_MM, 0.0]
+        left_mm, top_mm = far - strip + [LIST_MARGIN_MM, 0.0]
     else:
         strip = np.array([0.0, LIST_ROW_MM * per_column + LIST_MARGIN_MM])
-        left, top = corner[0], corner[1] + strip[1] - LIST_MARGIN_MM
+        left_mm, top_mm = corner[0], corner[1] + strip[1] - LIST_MARGIN_MM
     for column in columns:
         for row, (name, area, sides) in enumerate(column):
-            words: dict[str, Any] = {"y": top - row * LIST_ROW_MM, "fontsize": LIST_POINTS}
+            words: dict[str, Any] = {"y": top_mm - row * LIST_ROW_MM, "fontsize": LIST_POINTS}
             words |= {"va": "top", "parse_math": False}
-            ax.text(left, s=name, **words)
-            ax.text(left + sum(widths[:2]) - LIST_MARGIN_MM / 2, s=area, ha="right", **words)
-            ax.text(left + sum(widths[:2]), s=sides, **words)
-        left += column_mm
+            ax.text(left_mm, s=name, **words)
+            ax.text(left_mm + sum(widths[:2]) - LIST_MARGIN_MM / 2, s=area, ha="right", **words)
+            ax.text(left_mm + sum(widths[:2]), s=sides, **words)
+        left_mm += column_mm
     return (corner, far - strip) if beside else (corner + strip, far)
 
 
@@ -266,10 +266,10 @@ def room_sides(plan: FloorPlan, room: Room) -> tuple[float, float]:
 
 def wall_bodies(plan: FloorPlan) -> tuple[list[list[Array]], Array]:
     """Walls whose other face was seen, as rings of corners, and the faces of all others."""
-    shapely, known = shapely_or_hint(), np.isfinite(plan.thickness)
-    faces, others = plan.walls.segments[known], plan.walls.segments[~known]
+    shapely, has_body = shapely_or_hint(), np.isfinite(plan.thickness)
+    faces, others = plan.walls.segments[has_body], plan.walls.segments[~has_body]
     way = (faces[:, 1] - faces[:, 0]) / length(faces)[:, None]
-    behind = (plan.side * plan.thickness)[known, None] * np.stack([way[:, 1], -way[:, 0]], -1)
+    behind = (plan.side * plan.thickness)[has_body, None] * np.stack([way[:, 1], -way[:, 0]], -1)
     corners = np.concatenate([faces, (faces + behind[:, None])[:, ::-1]], axis=1)
     whole = shapely.union_all(shapely.polygons(corners))
     for by in (BODIES_MEET_M, -BODIES_MEET_M):  # outer corners are square

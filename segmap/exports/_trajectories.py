@@ -46,9 +46,9 @@ def write_tum(path: str | Path, log: Log, poses: Alignment | ArrayLike) -> None:
     if poses is None:
         raise ValueError("poses must be one a scan, or an alignment, got None")
     rows = _poses_to_write(log, poses)
-    known = np.flatnonzero(np.isfinite(rows).all(1))
+    scans = np.flatnonzero(np.isfinite(rows).all(1))
     times, remarks = _times(log)
-    lines = (_tum(time, pose) for time, pose in zip(times[known], rows[known], strict=True))
+    lines = (_tum(time, pose) for time, pose in zip(times[scans], rows[scans], strict=True))
     write_lines(arrays.file(path), [*remarks, "# time x y z qx qy qz qw", *lines])
 
 
@@ -107,11 +107,11 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
     for scan, pose, time in zip(log, rows, times, strict=True):
         number = 1 if np.array_equal(scan.sensor_pose, places[0]) else 2
         odometry = np.array(NO_POSE if scan.odometry is None else scan.odometry)
-        known = odometry if np.isfinite(odometry).all() else np.array(NO_POSE)
-        said = np.concatenate([compose(pose, scan.sensor_pose), known])
+        robot = odometry if np.isfinite(odometry).all() else np.array(NO_POSE)
+        both_poses = np.concatenate([compose(pose, scan.sensor_pose), robot])
         timed = f"{time:.6f} segmap {time - times[0]:.6f}"
         head, tail = _old(scan, number) if old else _new(scan, number)
-        lines.append(f"{head} {_numbers(said)}{tail} {timed}")
+        lines.append(f"{head} {_numbers(both_poses)}{tail} {timed}")
     place = arrays.file(path)
     with replacing(place) as target:
         data = "".join(f"{line}\n" for line in lines).encode("ascii")
@@ -123,13 +123,13 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
 def _check_readable(written: Path, log: Log, name: str) -> None:
     """Refuse a log that `read` would take in as another one, before it is moved to its place."""
     try:
-        found = read(written)
+        copy = read(written)
     except LogError as fault:
         where = f"line {fault.line}" if fault.line else "the file"
         raise ValueError(f"{name} cannot hold this log, {where}: {fault.reason}") from None
-    if len(found) != len(log):
-        raise ValueError(f"{name} cannot hold this log: {len(found)} of {len(log)} scans come back")
-    for read_back, scan in zip(found, log, strict=True):
+    if len(copy) != len(log):
+        raise ValueError(f"{name} cannot hold this log: {len(copy)} of {len(log)} scans come back")
+    for read_back, scan in zip(copy, log, strict=True):
         off = read_back.sensor_pose - scan.sensor_pose
         if np.abs([*off[:2], wrap(off[2])]).max() > SENSOR_MOVED:
             raise ValueError(
@@ -172,8 +172,9 @@ def _numbers(values: Iterable[float]) -> str:
 # ---------------------------------------------------------------------------- the log
 def _poses_to_write(log: Log, poses: Alignment | ArrayLike | None) -> Array:
     """Poses to write, `(k, 3)`: finite, or NaN where a scan has none."""
-    given = np.full((len(log), 3), np.nan) if poses is None else poses
-    rows = arrays.poses(given, "poses", count=len(log), missing=True)
+    if poses is None:
+        return np.full((len(log), 3), np.nan)
+    rows = arrays.poses(poses, "poses", count=len(log), missing=True)
     return np.where(np.isnan(rows).any(axis=1, keepdims=True), np.nan, rows)
 
 
@@ -182,11 +183,11 @@ def _times(log: Log) -> tuple[Array, list[str]]:
 
     Some scans with a time and others without are a ValueError.
     """
-    known = np.isfinite(log.times)
-    if len(log) and not known.any():
+    has_time = np.isfinite(log.times)
+    if len(log) and not has_time.any():
         return np.arange(float(len(log))), ["# times are the numbers of the scans: none is known"]
-    if not known.all():
-        bad = int(np.argmin(known))
+    if not has_time.all():
+        bad = int(np.argmin(has_time))
         raise ValueError(f"the time of scan {bad} must be finite, got {log.times[bad]}")
     return log.times, []
 

@@ -36,6 +36,6 @@ class Frame(Settings):
 
 def collection(features: Sequence[object], world: Frame) -> str:
     """The text of a GeoJSON file, which names the reference system of its coordinates."""
-    named = {"crs": {"type": "name", "properties": {"name": world.crs}}} if world.crs else {}
-    held = {"type": "FeatureCollection"} | named | {"features": features}
-    return json.dumps(held, separators=(",", ":"))
+    crs = {"crs": {"type": "name", "properties": {"name": world.crs}}} if world.crs else {}
+    document = {"type": "FeatureCollection"} | crs | {"features": features}
+    return json.dumps(document, separators=(",", ":"))

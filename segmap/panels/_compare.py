@@ -67,8 +67,8 @@ class ComparePanel(Panel):
         self.run = run = (good if len(good) else runs).iloc[best]
         self.reduction = METHODS[run["method"]].function(self.map, **thresholds_of(run))
         self.thresholds.value = thresholds_text(run)
-        left = f"{len(self.reduction)} of {len(self.map)} left"
-        self.rate.value = f"reduction {run['reduction']:.1%}: {left}"
+        counts = f"{len(self.reduction)} of {len(self.map)} left"
+        self.rate.value = f"reduction {run['reduction']:.1%}: {counts}"
         self.kept.value = f"quality {run['quality']:.1%}"
         curves, walls = figure.subplots(1, 2)
         draw_curves(self.runs, ax=curves, quality=self.wanted.value / 100)

@@ -301,8 +301,8 @@ class LivePanel(Panel):
         self.dropped.value = f"{lost} dropped, {left_out} left out"
 
     def __repr__(self) -> str:
-        found = f": {self.count.value}" if self.taken else ""
-        return f"LivePanel({self.taken} scans{found})"
+        counts = f": {self.count.value}" if self.taken else ""
+        return f"LivePanel({self.taken} scans{counts})"
 
 
 def _scans_of(source: Source) -> Generator[LaserScan, None, None]:
@@ -315,8 +315,8 @@ def _checked_source(source: Source) -> Source:
         return source
     listed = source if isinstance(source, Sized) and arrays.is_iterable(source) else ()
     if not arrays.is_iterable(source) or not all(isinstance(scan, LaserScan) for scan in listed):
-        said = arrays.brief(source)
-        raise ValueError(f"source must be a sensor, or give scans (LaserScan), got {said}")
+        got = arrays.brief(source)
+        raise ValueError(f"source must be a sensor, or give scans (LaserScan), got {got}")
     return source
 
 

@@ -61,8 +61,8 @@ class LivePicture:
         """Map grey, scan grey dots, segments blue, the reduced map thin and blue, sensor orange."""
         ends, sensor = transform(pose, scan.points()), compose(pose, scan.sensor_pose)[:2]
         if self.greys.update(map, np.vstack([sensor, ends])):
-            left, low, right, high = self.greys.view
-            self.axes.set(xlim=(left, right), ylim=(low, high))
+            x_min, y_min, x_max, y_max = self.greys.view
+            self.axes.set(xlim=(x_min, x_max), ylim=(y_min, y_max))
             self.moved = True
         self.points.set_data(*ends.T)
         self.walls.set_data(*as_broken_line(segments))
@@ -128,9 +128,9 @@ class Greys:
             self.hit = *low.tolist(), *high.tolist()
         self.view, self.side = _view_of(self.hit, map.resolution)
         if changed := (self.view, self.side) != before:
-            left, low, right, high = self.view
+            x_min, y_min, x_max, y_max = self.view
             self.grid = np.empty(
-                (round((high - low) / self.side), round((right - left) / self.side))
+                (round((y_max - y_min) / self.side), round((x_max - x_min) / self.side))
             )
         self._ask(map, self.view if changed or anew else around)
         return changed
@@ -148,14 +148,15 @@ class Greys:
 
 def _view_of(hit: Bounds, resolution: float) -> tuple[Bounds, float]:
     """What is drawn of a map, by what was hit, and the side of a cell that is drawn, metres."""
-    left, low, right, high = hit
-    space = MARGIN * max(right - left, high - low)
-    left, low, right, high = left - space, low - space, right + space, high + space
-    pixel = max((right - left) / (AXES[2] * PANEL_WIDTH), (high - low) / (AXES[3] * PANEL_HEIGHT))
+    x_min, y_min, x_max, y_max = hit
+    space = MARGIN * max(x_max - x_min, y_max - y_min)
+    x_min, y_min, x_max, y_max = x_min - space, y_min - space, x_max + space, y_max + space
+    wide, tall = x_max - x_min, y_max - y_min
+    pixel = max(wide / (AXES[2] * PANEL_WIDTH), tall / (AXES[3] * PANEL_HEIGHT))
     side = resolution * 2 ** max(ceil(log2(PIXEL * pixel / resolution)), 0)
     step = VIEW_STEP_CELLS * side
-    left, low = step * floor(left / step), step * floor(low / step)
-    return (left, low, step * ceil(right / step), step * ceil(high / step)), side
+    x_min, y_min = step * floor(x_min / step), step * floor(y_min / step)
+    return (x_min, y_min, step * ceil(x_max / step), step * ceil(y_max / step)), side
 
 
 def occupancy(

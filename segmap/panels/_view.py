@@ -48,10 +48,10 @@ class View:
         for label, tip in BUTTONS.items():
             width = W.Layout(width="64px" if label.isalpha() else "36px")
             self.buttons.append(W.Button(description=label, tooltip=tip, layout=width))
-        near, far, left, right, up, down, first = self.buttons
+        near, far, *arrows, first = self.buttons
         near.on_click(lambda _: self.enlarge(ZOOM_STEP))
         far.on_click(lambda _: self.enlarge(1 / ZOOM_STEP))
-        for button, way in ((left, (-1, 0)), (right, (1, 0)), (up, (0, 1)), (down, (0, -1))):
+        for button, way in zip(arrows, ((-1, 0), (1, 0), (0, 1), (0, -1)), strict=True):
             button.on_click(lambda _, way=way: self.move(*way))
         first.on_click(lambda _: reset())
 

@@ -62,62 +62,62 @@ def control(
     '0.349 radians'
     """
     first = inspect.signature(function).parameters[name].default
-    said = declared(function).get(name) or Declared(type(first), Quantity(), (), False)
-    first = first if value is None else said.check(value, name)
-    unit = {"metres": "m", "seconds": "s"}.get(said.unit, said.read_unit)
+    rule = declared(function).get(name) or Declared(type(first), Quantity(), (), False)
+    first = first if value is None else rule.check(value, name)
+    unit = {"metres": "m", "seconds": "s"}.get(rule.unit, rule.read_unit)
     label = label or name.replace("_", " ")
     if least is not None and most is not None and step is not None:
-        read = _as_read(said, first)
-        made = slider(
+        read = _as_read(rule, first)
+        field = slider(
             label, round(read) if isinstance(step, int) else read, least, most, step, unit
         )
     else:
-        made = _entry(said, first, f"{label} [{unit}]" if unit else label)
-    if made is not None:
-        made.meant = partial(_meant, made, said, first)
-        made.tooltip = f"{name}: {described(function).get(name, '')}".replace("`", "").rstrip(": ")
-    return made
+        field = _entry(rule, first, f"{label} [{unit}]" if unit else label)
+    if field is not None:
+        field.meant = partial(_meant, field, rule, first)
+        field.tooltip = f"{name}: {described(function).get(name, '')}".replace("`", "").rstrip(": ")
+    return field
 
 
-def _entry(said: Declared, first: Any, label: str) -> Any:
+def _entry(rule: Declared, first: Any, label: str) -> Any:
     named: Any = {"description": label, "style": ENTRY, "layout": W.Layout(width="270px")}
-    if said.words:
-        options = [*([None] if said.optional else []), *said.words]
+    if rule.words:
+        options = [*([None] if rule.optional else []), *rule.words]
         return W.Dropdown(options=options, value=first, **named)
-    if said.kind is bool:
+    if rule.kind is bool:
         return W.Checkbox(first, indent=False, description=label)
-    if said.kind is int:
+    if rule.kind is int:
         return W.BoundedIntText(first, max=max(LEAST_COUNT_LIMIT, MOST_DEFAULTS * first), **named)
-    if said.kind is not float:
+    if rule.kind is not float:
         return None
     if first is None or first == math.inf:
         return W.Text("" if first is None else str(first), placeholder="none", **named)
-    read = _as_read(said, first)
+    read = _as_read(rule, first)
     return W.BoundedFloatText(read, min=0, max=max(1.0, MOST_DEFAULTS * read), step=None, **named)
 
 
-def _as_read(said: Declared, value: float) -> float:
+def _as_read(rule: Declared, value: float) -> float:
     """As it is read, without the digits that a conversion adds."""
-    return float(f"{said.read(value):.6g}")
+    return float(f"{rule.read(value):.6g}")
 
 
-def _meant(made: Any, said: Declared, first: Any) -> Any:
+def _meant(field: Any, rule: Declared, first: Any) -> Any:
     """What a control says, in the unit of the function; what was not touched is exact."""
-    read = made.value
-    if isinstance(made, W.Text):
+    read = field.value
+    if isinstance(field, W.Text):
         if not read.strip():
             return None
         try:
             read = float(read)
         except ValueError:
             raise ValueError(
-                f"{made.description} must be a number or nothing, got {read!r}"
+                f"{field.description} must be a number or nothing, got {read!r}"
             ) from None
-    if said.kind is not float or said.words:
+    if rule.kind is not float or rule.words:
         return read
-    if first is not None and read == _as_read(said, first):
+    if first is not None and read == _as_read(rule, first):
         return first
-    return said.meant(float(f"{read:.12g}"))  # a slider adds digits
+    return rule.meant(float(f"{read:.12g}"))  # a slider adds digits
 
 
 def folded(name: str, box: Any, tooltip: str = "") -> Any:

@@ -83,11 +83,11 @@ def draw_alignments(
     (True, 'Truth')
     """
     arrays.instance(log, "log", Log)
-    found = titled(alignments, "alignments")
-    paths = {title: _one_pose_a_scan(each, title, log) for title, each in found.items()}
+    by_title = titled(alignments, "alignments")
+    paths = {title: _one_pose_a_scan(each, title, log) for title, each in by_title.items()}
     row = axes_grid(list(paths), len(paths), size)
     for ax, (title, poses) in zip(row, paths.items(), strict=True):
-        if isinstance(each := found[title], Alignment):
+        if isinstance(each := by_title[title], Alignment):
             draw_alignment(log, each, ax=ax)
         else:
             raw = np.array_equal(poses, log.odometry)
@@ -121,10 +121,10 @@ def draw_position_errors(
     if log.truth is None:
         raise ValueError(f"log must have truth, got {log!r}")
     titled(alignments, "alignments")
-    ax, known = axes_or_new(ax), np.isfinite(log.truth).all(1)
-    for rest, (label, found) in enumerate(alignments.items(), 1 - len(alignments)):
-        poses = _one_pose_a_scan(found, label, log)
-        scans = np.flatnonzero(known & np.isfinite(poses).all(1))
+    ax, has_truth = axes_or_new(ax), np.isfinite(log.truth).all(1)
+    for rest, (label, alignment) in enumerate(alignments.items(), 1 - len(alignments)):
+        poses = _one_pose_a_scan(alignment, label, log)
+        scans = np.flatnonzero(has_truth & np.isfinite(poses).all(1))
         color, style = ((RESULT, "-"), (ERROR, "--"), (RAW, ":"))[min(-rest, 2)]
         ax.plot(scans, position_errors(poses, log.truth), style, color=color, label=label)
     ax.set(xlabel="scan", ylabel="away from the truth [m]")

@@ -54,8 +54,8 @@ def draw_curves(
     """
     arrays.frame(frame, ["map", "method"], ["filtered", "quality", "reduction"])
     if len(settings := frame[["map", "filtered"]].drop_duplicates()) > 1:
-        found = settings.to_numpy().tolist()
-        raise ValueError(f"frame must hold runs on one map, with one filter, got {found}")
+        rows = settings.to_numpy().tolist()
+        raise ValueError(f"frame must hold runs on one map, with one filter, got {rows}")
     ax = axes_or_new(ax)
     if quality is not None:
         at = arrays.number(quality, "quality", least=0, most=1)

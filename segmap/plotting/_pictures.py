@@ -39,8 +39,8 @@ def thumbnail(value: Any) -> bytes:
     if isinstance(value, LaserScan):
         draw_scan(value, ax=ax)
     elif isinstance(value, Log):
-        known = value.odometry if value.truth is None else value.truth
-        if len(value) and not np.isfinite(known).all(1).any():
+        poses = value.odometry if value.truth is None else value.truth
+        if len(value) and not np.isfinite(poses).all(1).any():
             draw_scan(value[0], ax=ax)
         else:
             draw_log(value, ax=ax)

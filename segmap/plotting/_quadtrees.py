@@ -58,14 +58,14 @@ def draw_quadtree(
     grey.set_array(1 - map.leaf_occupancy())
     grey.set_clim(0, 1)
     ax.add_collection(grey, autolim=False)
-    left, low, right, high = map.bounds if whole else extent(map)
+    x_min, y_min, x_max, y_max = map.bounds if whole else extent(map)
     if outlines:
-        seen = leaves.side >= SMALLEST_LEAF_PART * max(right - left, high - low)
+        seen = leaves.side >= SMALLEST_LEAF_PART * max(x_max - x_min, y_max - y_min)
         lines = PolyCollection(squares[seen], edgecolor=RESULT, facecolor="none", linewidth=0.4)
         ax.add_collection(lines, autolim=False)
     if place is not None:
         ax.plot(*arrays.point(place, "robot"), "s", color=ERROR, markersize=5)
-    map_axes(ax).set(xlim=(left, right), ylim=(low, high))
+    map_axes(ax).set(xlim=(x_min, x_max), ylim=(y_min, y_max))
     return ax
 
 

@@ -147,8 +147,8 @@ def draw_poses(
 
 def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
     """Draw the end points of all scans that have a pose, thinned evenly."""
-    known = np.flatnonzero(np.isfinite(poses).all(1))
-    clouds = [transform(poses[k], log.scans[k].points()) for k in known]
+    scans = np.flatnonzero(np.isfinite(poses).all(1))
+    clouds = [transform(poses[k], log.scans[k].points()) for k in scans]
     points = np.concatenate([np.empty((0, 2)), *clouds])
     thinned = points[:: max(1, -(-len(points) // MOST_DRAWN_POINTS))]
     draw_points(thinned, ax=ax, color=color, size=1.5)

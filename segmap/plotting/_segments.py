@@ -83,10 +83,10 @@ def draw_segments(
     """
     array = arrays.segments(segments)
     ways = {"scan": scan, "group": group, "error": error}
-    given = {name: values for name, values in ways.items() if values is not None}
-    if len(given) > 1:
-        raise ValueError(f"expected only one of {', '.join(ways)}, got {' and '.join(given)}")
-    column = {name: _column(name, values, len(array)) for name, values in given.items()}
+    color_by = {name: values for name, values in ways.items() if values is not None}
+    if len(color_by) > 1:
+        raise ValueError(f"expected only one of {', '.join(ways)}, got {' and '.join(color_by)}")
+    column = {name: _column(name, values, len(array)) for name, values in color_by.items()}
     if error is not None:  # the largest on top
         order = np.argsort(column["error"], kind="stable")
         array, column["error"] = array[order], column["error"][order]
@@ -94,7 +94,7 @@ def draw_segments(
     ax = axes_or_new(ax)
     lines = LineCollection(list(array), linewidths=width, label=label)
     ax.add_collection(lines)
-    if not given:
+    if not color_by:
         lines.set_color(color)
     elif group is not None:
         lines.set(color=group_colors(arrays.indices(column["group"], "group")))
@@ -124,10 +124,10 @@ def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = No
     ['after: 1 segment', 'before: 1 segment']
     """
     before, after = arrays.segments(before, "before"), arrays.segments(after, "after")
-    left, made_of = (counted(len(each), "segment") for each in (after, before))
-    ax = draw_segments(after, ax=ax, color=RESULT, width=1.8, label=f"after: {left}")
+    after_count, before_count = (counted(len(each), "segment") for each in (after, before))
+    ax = draw_segments(after, ax=ax, color=RESULT, width=1.8, label=f"after: {after_count}")
     ax.collections[-1].set_zorder(ABOVE)
-    draw_segments(before, ax=ax, width=0.7, label=f"before: {made_of}")
+    draw_segments(before, ax=ax, width=0.7, label=f"before: {before_count}")
     legend_below(ax)
     return ax
 
@@ -173,8 +173,7 @@ def draw_provenance(before: Segments, reduction: Any, *, ax: Axes | None = None)
     [1, 2]
     """
     inputs, outputs = arrays.segments(before, "before"), arrays.segments(reduction, "reduction")
-    given = getattr(reduction, "parents", None)
-    parents = _column("reduction.parents", given, len(inputs))
+    parents = _column("reduction.parents", getattr(reduction, "parents", None), len(inputs))
     ax = draw_segments(outputs, ax=ax, group=np.arange(len(outputs)), width=4.0)
     ax.collections[-1].set(alpha=0.6, zorder=ABOVE)
     return draw_segments(inputs, ax=ax, group=parents, width=0.8)

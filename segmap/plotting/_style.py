@@ -77,8 +77,8 @@ def axes_or_new(ax: Axes | None, size: tuple[float, float] = FIGURE_INCHES) -> A
 def shade(color: Any, name: str = "color") -> Any:
     """One colour that matplotlib knows, called by the name of an argument."""
     if color is None or not is_color_like(color):
-        said = f"must be a colour, '{RESULT}' or 'red' say, got {arrays.brief(color)}"
-        raise ValueError(f"{name} {said}")
+        expected = f"must be a colour, '{RESULT}' or 'red' say, got {arrays.brief(color)}"
+        raise ValueError(f"{name} {expected}")
     return color
 
 
