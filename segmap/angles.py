@@ -51,8 +51,8 @@ def axial_mean(angles: ArrayLike, weights: ArrayLike = 1.0) -> Array:
         raise ValueError("angles must be (..., n), got one number")
     y = np.sum(weights * np.sin(doubled), axis=-1)
     x = np.sum(weights * np.cos(doubled), axis=-1)
-    found = np.arctan2(y, x) / 2 % np.pi
-    return np.where(found == np.pi, 0.0, found)  # -1e-20 % pi rounds up to pi
+    mean = np.arctan2(y, x) / 2 % np.pi
+    return np.where(mean == np.pi, 0.0, mean)  # -1e-20 % pi rounds up to pi
 
 
 def axial_mean_of_two(

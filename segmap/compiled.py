@@ -74,7 +74,7 @@ class Compiled(Generic[P, R]):
         except ImportError:
             return self.plain
         njit: Callable[..., Any] = numba.njit
-        linked, options = self._linked(njit), self._options()
+        linked, options = self._link(njit), self._options()
         try:
             machine = njit(cache=True, nogil=True, **options)(linked)
         except RuntimeError:  # no folder that a cache could be written to
@@ -92,10 +92,10 @@ class Compiled(Generic[P, R]):
         Elsewhere it would cost up to half of the time of a kernel that hands on tuples of arrays.
         """
         kernels = [one for one in self._used().values() if isinstance(one, Compiled)]
-        given = [get_type_hints(one.plain).get("return", "ndarray") for one in (self, *kernels)]
-        return not MAKERS.isdisjoint(self._code.co_names) or "ndarray" in str(given)
+        hints = [get_type_hints(one.plain).get("return", "ndarray") for one in (self, *kernels)]
+        return not MAKERS.isdisjoint(self._code.co_names) or "ndarray" in str(hints)
 
-    def _linked(self, njit: Callable[..., Any]) -> types.FunctionType:
+    def _link(self, njit: Callable[..., Any]) -> types.FunctionType:
         """The source, with the kernels that it calls replaced by their compiled forms.
 
         Those are not kept on disk: the machine code of what calls them holds theirs.
@@ -105,8 +105,8 @@ class Compiled(Generic[P, R]):
         for name, kernel in self._used().items():
             if isinstance(kernel, Compiled):
                 if kernel._inner is None:  # one that Python has called already serves kernels too
-                    made = njit(no_cpython_wrapper=True, **kernel._options())
-                    kernel._inner = _for_any_number(kernel._fast or made(kernel._linked(njit)))
+                    jit = njit(no_cpython_wrapper=True, **kernel._options())
+                    kernel._inner = _for_any_number(kernel._fast or jit(kernel._link(njit)))
                 scope[name] = kernel._inner
         linked = types.FunctionType(function.__code__, scope, function.__name__)
         linked.__defaults__, linked.__module__ = function.__defaults__, function.__module__
@@ -132,15 +132,15 @@ class Compiled(Generic[P, R]):
 
     def _parts(self) -> set[tuple[str, str]]:
         """Names and files of this kernel, of those it calls and of its named tuples; constants."""
-        found = {(self.plain.__module__, self._code.co_filename)}
+        parts = {(self.plain.__module__, self._code.co_filename)}
         for name, value in self._used().items():
             if isinstance(value, Compiled):
-                found |= value._parts()
+                parts |= value._parts()
             elif isinstance(value, (int, float, str, tuple)):
-                found.add((f"{name} = {value!r}", ""))
+                parts.add((f"{name} = {value!r}", ""))
             else:
-                found |= _tuple_files(value)
-        return found.union(*map(_tuple_files, get_type_hints(self.plain).values()))
+                parts |= _tuple_files(value)
+        return parts.union(*map(_tuple_files, get_type_hints(self.plain).values()))
 
 
 def _tuple_files(kind: Any) -> set[tuple[str, str]]:
@@ -160,18 +160,18 @@ def _cached_code(source: types.FunctionType, own: Any) -> Callable[..., Any]:
     """
     from numba.core import caching, config
 
-    given = vars(config)["CACHE_DIR"]
-    folder = caching.UserProvidedCacheLocator if given else caching.InTreeCacheLocator
+    cache_dir = vars(config)["CACHE_DIR"]
+    folder = caching.UserProvidedCacheLocator if cache_dir else caching.InTreeCacheLocator
     locator = type("First", (folder,), {"ensure_cache_path": lambda self: None})
     files = type("Files", (caching.CompileResultCacheImpl,), {"_locator_classes": [locator]})
     shared = type("Shared", (caching.FunctionCache,), {"_impl_class": files})
-    known, words = own.load_overload, COMPILING if own.cache_path else KEPT_NOWHERE
+    load_own, words = own.load_overload, COMPILING if own.cache_path else KEPT_NOWHERE
 
     def load(*asked: Any) -> Any:
         code = None
         with suppress(OSError, RuntimeError):  # it may not be read; a cell has no file
             code = shared(source).load_overload(*asked)
-        code = known(*asked) if code is None else code
+        code = load_own(*asked) if code is None else code
         if code is None and source.__module__.startswith("segmap"):
             missing.append(source.__qualname__)
             if not announce(0.0, Compiling(f"{words}: {len(missing)} loops so far")):

@@ -82,22 +82,22 @@ def facts(log: Any) -> list[tuple[str, str]]:
     assumed 361 beams look over 180 degrees, counter-clockwise; ranges from 50 m on
     met nothing, as those of a SICK
     """
-    known = figures(log)
-    told = [("scans", counted(len(log), "scan") + _duration(log))]
+    numbers = figures(log)
+    rows = [("scans", counted(len(log), "scan") + _duration(log))]
     if len(log):
-        told += [("beams", _beams_text(**known["beams"])), ("view", _view_text(log))]
-        told += [("ranges", _ranges_text(log, **known.get("ranges", {})))]
+        rows += [("beams", _beams_text(**numbers["beams"])), ("view", _view_text(log))]
+        rows += [("ranges", _ranges_text(log, **numbers.get("ranges", {})))]
     if spans := [np.ptp(scan.delays) for scan in log if scan.delays is not None and len(scan)]:
         order = "" if log.order_known else ", in an order that is not known"
-        told.append(("delays", f"the beams take {np.median(spans):.3g} s{order}"))
-    told += [
-        (word, _path_text(getattr(log, word), **known[word])) for word in ("odometry", "truth")
+        rows.append(("delays", f"the beams take {np.median(spans):.3g} s{order}"))
+    rows += [
+        (word, _path_text(getattr(log, word), **numbers[word])) for word in ("odometry", "truth")
     ]
     if log.assumed:
-        told.append(("assumed", "; ".join(log.assumed)))
+        rows.append(("assumed", "; ".join(log.assumed)))
     if damage := log.skipped:
-        told.append(("damaged", f"{counted(damage.lines, 'line')} left out; {damage.reason}"))
-    return told
+        rows.append(("damaged", f"{counted(damage.lines, 'line')} left out; {damage.reason}"))
+    return rows
 
 
 def figures(log: Any) -> dict[str, dict[str, float]]:
@@ -111,30 +111,30 @@ def figures(log: Any) -> dict[str, dict[str, float]]:
     >>> figures(load("malaga"))["view"]
     {'degrees': 180.0, 'step_degrees': 0.5}
     """
-    found: dict[str, dict[str, float]] = {"scans": {"scans": len(log)}}
+    numbers: dict[str, dict[str, float]] = {"scans": {"scans": len(log)}}
     times = log.times[np.isfinite(log.times)]
     if len(times) > 1 and np.ptp(times):
-        found["scans"]["seconds"] = float(np.ptp(times))
+        numbers["scans"]["seconds"] = float(np.ptp(times))
     for word, poses in (("odometry", log.odometry), ("truth", log.truth)):
-        known = np.zeros((0, 3)) if poses is None else poses[np.isfinite(poses).all(1)]
-        way = float(np.hypot(*np.diff(known[:, :2], axis=0).T).sum())
-        found[word] = {"poses": len(known), "metres": way}
+        path = np.zeros((0, 3)) if poses is None else poses[np.isfinite(poses).all(1)]
+        way = float(np.hypot(*np.diff(path[:, :2], axis=0).T).sum())
+        numbers[word] = {"poses": len(path), "metres": way}
     if log.skipped:
-        found["damaged"] = {"lines": log.skipped.lines}
+        numbers["damaged"] = {"lines": log.skipped.lines}
     if not len(log):
-        return found
+        return numbers
     counts = [len(scan) for scan in log]
     valid = np.concatenate([scan.ranges[scan.valid] for scan in log])
     share = len(valid) / max(sum(counts), 1)
-    found["beams"] = {"least": min(counts), "most": max(counts), "valid": share}
+    numbers["beams"] = {"least": min(counts), "most": max(counts), "valid": share}
     if len(valid):
         near, half, far = np.quantile(valid, [0, 0.5, 1]).tolist()
-        found["ranges"] = {"nearest": near, "median": half, "farthest": far}
+        numbers["ranges"] = {"nearest": near, "median": half, "farthest": far}
     angles = max(log, key=len).angles
     if len(angles) > 1:
         wide, step = np.degrees([np.ptp(angles), np.median(np.abs(np.diff(angles)))]).tolist()
-        found["view"] = {"degrees": round(wide, 9), "step_degrees": round(step, 9)}
-    return found
+        numbers["view"] = {"degrees": round(wide, 9), "step_degrees": round(step, 9)}
+    return numbers
 
 
 def _duration(log: Any) -> str:

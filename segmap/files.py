@@ -79,8 +79,8 @@ def file_name(name: str) -> str:
     >>> file_name("../../home/me"), file_name("run 1"), file_name("..")
     ('.._.._home_me', 'run 1', '__')
     """
-    found = re.sub(r"[/\\:]", "_", shown(name))
-    return found if found.strip(".") else "_" * len(found)
+    plain = re.sub(r"[/\\:]", "_", shown(name))
+    return plain if plain.strip(".") else "_" * len(plain)
 
 
 def existing(path: Path) -> os.stat_result | None:
@@ -94,13 +94,13 @@ def existing(path: Path) -> os.stat_result | None:
         Where the path cannot be asked for, links in a circle for instance.
     """
     try:
-        found = path.stat()
+        status = path.stat()
     except FileNotFoundError:
         return None
-    if not stat.S_ISREG(found.st_mode):
-        kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device or a pipe"
+    if not stat.S_ISREG(status.st_mode):
+        kind = "a folder" if stat.S_ISDIR(status.st_mode) else "a device or a pipe"
         raise ValueError(f"{shown(path)} is {kind}, no regular file: name a file")
-    return found
+    return status
 
 
 def writable(path: Path) -> Path:
@@ -113,13 +113,13 @@ def writable(path: Path) -> Path:
     """
     existing(path)
     place = Path(os.path.realpath(path))
-    said = f"cannot write {shown(path)}: the folder {shown(place.parent)}"
+    reason = f"cannot write {shown(path)}: the folder {shown(place.parent)}"
     if not place.parent.is_dir():
-        raise FileNotFoundError(f"{said} does not exist")
+        raise FileNotFoundError(f"{reason} does not exist")
     try:  # os.access says to root that `/proc` is open
         tempfile.TemporaryFile(dir=place.parent).close()
     except OSError as error:
-        raise type(error)(f"{said} takes no file: {error.strerror}") from error
+        raise type(error)(f"{reason} takes no file: {error.strerror}") from error
     return place
 
 
@@ -162,26 +162,26 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 def packed(data: bytes) -> bytes:
     """Bytes as gzip, never so small that a reader takes them for a bomb."""
-    found = gzip.compress(data, mtime=0)
-    return gzip.compress(data, 0, mtime=0) if len(data) > most_unpacked(len(found)) else found
+    gzipped = gzip.compress(data, mtime=0)
+    return gzip.compress(data, 0, mtime=0) if len(data) > most_unpacked(len(gzipped)) else gzipped
 
 
 # ------------------------------------------------------------------------------ arrays
-def write_npz(path: Path, kind: str, held: Mapping[str, NDArray[Any] | str]) -> None:
+def write_npz(path: Path, kind: str, by_name: Mapping[str, NDArray[Any] | str]) -> None:
     """Write arrays by name; `kind` says what they are, with the version of their layout.
 
     A text among them is a file of its own in the archive; its name ends in `.json`.
     """
-    named: dict[str, Any] = {"format": np.array(kind), **held}
+    named: dict[str, Any] = {"format": np.array(kind), **by_name}
     texts = {name: value for name, value in named.items() if isinstance(value, str)}
-    found = {name: value for name, value in named.items() if name not in texts}
-    large = sum(len(text) for text in texts.values()) + sum(v.nbytes + HEAD for v in found.values())
+    arrays = {name: value for name, value in named.items() if name not in texts}
+    large = sum(map(len, texts.values())) + sum(v.nbytes + HEAD for v in arrays.values())
     with replacing(path) as target:
-        np.savez_compressed(target, **found)
+        np.savez_compressed(target, **arrays)
         if large > most_unpacked(target.tell()):  # a reader would take it for a bomb
             target.seek(0)
             target.truncate()
-            np.savez(target, **found)
+            np.savez(target, **arrays)
         with zipfile.ZipFile(target, "a") as packed:
             for name, text in texts.items():
                 packed.writestr(zipfile.ZipInfo(name), text, zipfile.ZIP_DEFLATED)
@@ -195,13 +195,13 @@ def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
     ValueError
         Naming the file: damaged, of another kind or version, out of proportion to its size.
     """
-    found = read_arrays(path)
-    (name, version), said = kind.rsplit(" ", 1), str(found.pop("format", ""))
-    if not said.startswith(name):
-        raise ValueError(f"{shown(path)}: not a {name.split()[1]} of segmap, holds {sorted(found)}")
-    if said != kind:
-        raise ValueError(f"{shown(path)}: written as {said!r}, this version reads {version}")
-    return found
+    arrays, place = read_arrays(path), shown(path)
+    (name, version), layout = kind.rsplit(" ", 1), str(arrays.pop("format", ""))
+    if not layout.startswith(name):
+        raise ValueError(f"{place}: not a {name.split()[1]} of segmap, holds {sorted(arrays)}")
+    if layout != kind:
+        raise ValueError(f"{place}: written as {layout!r}, this version reads {version}")
+    return arrays
 
 
 def members(path: Path) -> set[str]:
@@ -227,9 +227,9 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
                 raise ValueError(f"it unpacks to more than {most} bytes")
             names = [n for n in packed.namelist() if n.endswith(".json")]
             texts = {name: np.array(packed.read(name).decode("ascii")) for name in names}
-        with np.load(path, allow_pickle=False) as held:
-            names = [name for name in held.files if name not in texts]
-            return texts | {name: held[name] for name in each(names, "reading array")}
+        with np.load(path, allow_pickle=False) as archive:
+            names = [name for name in archive.files if name not in texts]
+            return texts | {name: archive[name] for name in each(names, "reading array")}
     except Exception as error:  # zipfile, zlib and numpy raise a dozen
         words = shown(error) or type(error).__name__
         raise ValueError(f"{shown(path)}: not a readable NPZ file ({words})") from None

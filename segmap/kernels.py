@@ -126,8 +126,8 @@ def distance_below(u: Array, v: Array, a: Array, b: Array, most: float) -> float
     so_far = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across
     if so_far >= most:
         return np.inf
-    found = so_far + APART_WEIGHT * apart(u, v)
-    return found if found < most else np.inf
+    distance = so_far + APART_WEIGHT * apart(u, v)
+    return distance if distance < most else np.inf
 
 
 @compiled

@@ -96,8 +96,8 @@ def time_left(taken: float, share: float) -> str:
     """
     if taken < FIRST_ESTIMATE_S or share < FIRST_ESTIMATE_SHARE:
         return ""
-    left = taken * (1 - share) / share
-    return f"{left:.0f} s left" if left < 100 else f"{left / 60:.0f} min left"
+    seconds = taken * (1 - share) / share
+    return f"{seconds:.0f} s left" if seconds < 100 else f"{seconds / 60:.0f} min left"
 
 
 def each(things: Sequence[Thing], words: str) -> Iterator[Thing]:

@@ -44,10 +44,10 @@ def threads() -> int:
 
     if threading.current_thread() is not threading.main_thread() or parent_process() is not None:
         return 1
-    given = os.environ.get(THREADS, str(cores()))
-    if not given.isdecimal() or int(given) < 1:
-        raise ValueError(f"{THREADS} must be a whole number of at least 1, got {given!r}")
-    return int(given)
+    count = os.environ.get(THREADS, str(cores()))
+    if not count.isdecimal() or int(count) < 1:
+        raise ValueError(f"{THREADS} must be a whole number of at least 1, got {count!r}")
+    return int(count)
 
 
 @contextmanager
@@ -63,12 +63,12 @@ def team() -> Iterator[Each]:
     pool = ThreadPoolExecutor(workers) if workers > 1 else None
 
     def each(work: Callable[[Any], Any], things: Sequence[Any], words: str = "") -> list[Any]:
-        found: list[Any] = []
+        outcomes: list[Any] = []
         for one in (pool.map if pool and len(things) > 1 else map)(work, things):
-            found.append(one)
+            outcomes.append(one)
             if words:
-                announce(len(found) / len(things), words)
-        return found
+                announce(len(outcomes) / len(things), words)
+        return outcomes
 
     try:
         yield each
@@ -115,14 +115,14 @@ class Locked:
 
     def __new__(cls, *args: Any, **options: Any) -> Self:
         """A new one, or a copy to be filled, with a lock of its own."""
-        made = super().__new__(cls)
-        made.lock = threading.RLock()
-        return made
+        instance = super().__new__(cls)
+        instance.lock = threading.RLock()
+        return instance
 
     def __getstate__(self) -> dict[str, Any]:
         with self.lock:
-            held = {name: value for name, value in vars(self).items() if name != "lock"}
-            return deepcopy(held, {id(self): self})  # what leads back to it still does
+            state = {name: value for name, value in vars(self).items() if name != "lock"}
+            return deepcopy(state, {id(self): self})  # what leads back to it still does
 
     def __copy__(self) -> Self:
         return deepcopy(self)

@@ -77,9 +77,9 @@ def dispatch(names: Iterable[str]) -> None:
     """
     if runs_plain():
         return
-    known = cases()
-    new = [name for name in dict.fromkeys(names) if name in known and name not in _dispatched]
-    before, needed = len(missing), cache(lambda: loops(known[name] for name in new))
+    case_of = cases()
+    new = [name for name in dict.fromkeys(names) if name in case_of and name not in _dispatched]
+    before, needed = len(missing), cache(lambda: loops(case_of[name] for name in new))
 
     def state() -> tuple[float, str]:
         """Which loop of how many; of one alone nobody knows how far it is."""
@@ -90,22 +90,22 @@ def dispatch(names: Iterable[str]) -> None:
         if len(missing) == before:  # else the share would go back
             announce(k / len(new), "loading compiled loops")
         with compiling_only(state):
-            known[name]()
+            case_of[name]()
         _dispatched.add(name)
 
 
 def loops(functions: Iterable[Any]) -> set[Any]:
     """The compiled loops that functions may call: those that they name, and what is named there."""
-    left, seen = list(functions), dict[int, Any]()
-    while left:
-        if id(one := left.pop()) in seen:
+    to_visit, seen = list(functions), dict[int, Any]()
+    while to_visit:
+        if id(one := to_visit.pop()) in seen:
             continue
         seen[id(one)] = one
-        left += [getattr(one, held, None) for held in HELD]
+        to_visit += [getattr(one, name, None) for name in HELD]
         if isinstance(one, partial):
-            left += one.args
+            to_visit += one.args
         if getattr(one, "__module__", "").startswith("segmap"):
-            left += vars(one).values() if isinstance(one, type) else _named(one)
+            to_visit += vars(one).values() if isinstance(one, type) else _named(one)
     return {one for one in seen.values() if isinstance(one, Compiled)}
 
 
@@ -119,10 +119,10 @@ def _named(function: Any) -> list[Any]:
         names |= {*code.co_names}
         codes += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
     scope = function.__globals__
-    found = [scope[name] for name in names & scope.keys()]
-    found += [cell.cell_contents for cell in function.__closure__ or ()]
-    packages = [vars(one) for one in found if getattr(one, "__name__", "").startswith("segmap.")]
-    return found + [each[name] for each in packages for name in names & each.keys()]
+    objects = [scope[name] for name in names & scope.keys()]
+    objects += [cell.cell_contents for cell in function.__closure__ or ()]
+    packages = [vars(one) for one in objects if getattr(one, "__name__", "").startswith("segmap.")]
+    return objects + [each[name] for each in packages for name in names & each.keys()]
 
 
 def _room() -> Array:
@@ -202,8 +202,8 @@ def _clusters() -> Found:
 
 def _measure_maps() -> Found:
     walls, seen = _walls()
-    found = [metrics.errors(seen, walls), metrics.errors(SegmentMap(seen), SegmentMap(walls))]
-    return [*found, metrics.missed(seen, walls)]
+    errors = [metrics.errors(seen, walls), metrics.errors(SegmentMap(seen), SegmentMap(walls))]
+    return [*errors, metrics.missed(seen, walls)]
 
 
 def _cast_rays() -> Found:
@@ -213,12 +213,12 @@ def _cast_rays() -> Found:
 
 def _trees() -> Found:
     points = _room()
-    found: Found = []
+    outcomes: Found = []
     for free in (None, 0.2):
         map = quadtree.QuadtreeMap(resolution=0.1, size=1.6, free_resolution=free)
         map.insert_scan((0.1, 0.0), points, points[:5] * 1.5)
-        found += [*map.leaves(), map.to_grid(0.2), map.occupancy(points)]
-    return found
+        outcomes += [*map.leaves(), map.to_grid(0.2), map.occupancy(points)]
+    return outcomes
 
 
 def _match() -> Found:
@@ -227,12 +227,12 @@ def _match() -> Found:
     map.insert_scan((0.1, 0.0), points)
     poses = rng.normal(0, 0.2, (3, 3))
     names = ("occupancy_score", "distance_score", "nearest_score", "descent_score")
-    found: Found = [getattr(matching, name)(map, points, poses) for name in names]
-    found.append(matching.hill_climb(map, points, poses[0]))
+    outcomes: Found = [getattr(matching, name)(map, points, poses) for name in names]
+    outcomes.append(matching.hill_climb(map, points, poses[0]))
     room = SegmentMap(simulation.box(4, 3))
     scan = LaserScan(np.hypot(*points.T), np.arctan2(*points.T[::-1]))
     for places in (matching.search(each, scan, beams=12) for each in (map, room)):
-        found += [places.poses, places.scores, places.covariances]
+        outcomes += [places.poses, places.scores, places.covariances]
     beliefs = matching.localize(map, [scan, scan], rng=rng, particles=300, beams=12)
-    found += [belief.poses for belief in beliefs]
-    return [*found, matching.DistanceField(room).distance]
+    outcomes += [belief.poses for belief in beliefs]
+    return [*outcomes, matching.DistanceField(room).distance]
