@@ -26,12 +26,12 @@ class Call:
 
     def arguments(self) -> str:
         """The thresholds as Python writes them, each behind a comma; angles by their degrees."""
-        said, written = declared(self.function), ""
+        rules, written = declared(self.function), ""
         for name, value in self.thresholds.items():
             text = short(value) if isinstance(value, float) else repr(value)
-            if isinstance(value, float) and said[name].read_unit != said[name].unit:
-                read = as_read(said[name], value)
-                exact = said[name].meant(read) == value
+            if isinstance(value, float) and rules[name].read_unit != rules[name].unit:
+                read = as_read(rules[name], value)
+                exact = rules[name].meant(read) == value
                 text = f"np.radians({short(read)})" if exact else repr(float(value))
             written += f", {name}={text}"
         return written
@@ -77,16 +77,16 @@ def preparing(options: Mapping[str, Any]) -> dict[str, Any]:
     >>> preparing({"no_deskew": True, "mount": [0.2, 0.0, 180.0]})
     {'deskew': False, 'mount': (0.2, 0.0, 3.141592653589793)}
     """
-    found: dict[str, Any] = {"deskew": False} if options.get("no_deskew") else {}
-    found |= {name: True for name in ("keep_body", "clockwise") if options.get(name)}
+    keywords: dict[str, Any] = {"deskew": False} if options.get("no_deskew") else {}
+    keywords |= {name: True for name in ("keep_body", "clockwise") if options.get(name)}
     if options.get("mask"):
-        found["mask"] = directions(options["mask"])
+        keywords["mask"] = directions(options["mask"])
     if options.get("mount_auto"):
-        found["mount"] = "auto"
+        keywords["mount"] = "auto"
     elif "mount" in options:
         x, y, degrees = options["mount"]
-        found["mount"] = (float(x), float(y), math.radians(degrees))
-    return found
+        keywords["mount"] = (float(x), float(y), math.radians(degrees))
+    return keywords
 
 
 def directions(words: Iterable[str]) -> tuple[tuple[float, float], ...]:
@@ -102,7 +102,7 @@ def directions(words: Iterable[str]) -> tuple[tuple[float, float], ...]:
     >>> directions(["0:180"])
     ((0.0, 3.141592653589793),)
     """
-    found = []
+    intervals = []
     for text in ",".join(words).split(","):
         try:
             begin, end = map(float, text.split(":"))
@@ -110,8 +110,8 @@ def directions(words: Iterable[str]) -> tuple[tuple[float, float], ...]:
             begin = end = math.nan
         if not (max(abs(begin), abs(end)) <= 360 and (end - begin) % 360):
             raise ValueError(f"a mask must be FROM:TO in degrees, like -170:-150, got {text!r}")
-        found.append((math.radians(begin), math.radians(end)))
-    return tuple(found)
+        intervals.append((math.radians(begin), math.radians(end)))
+    return tuple(intervals)
 
 
 def called(room: Any, name: str, call: Call, data: str) -> str:

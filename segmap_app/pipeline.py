@@ -62,8 +62,8 @@ class MapChoices:
 
     def keeps_points(self) -> bool:
         """Whether a method needs the points behind the segments, or the places of the sensor."""
-        known = [reduction.METHODS[call.name] for call in self.methods]
-        return any(method.needs_points or method.needs_sensors for method in known)
+        methods = [reduction.METHODS[call.name] for call in self.methods]
+        return any(method.needs_points or method.needs_sensors for method in methods)
 
     def mends(self) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
         """Loops that are left out and loops that are forced, by their scans."""
@@ -81,12 +81,12 @@ class MapChoices:
         for (kind, begin), call in zip(BEGIN.items(), calls, strict=False):
             if call.name != usual.get(kind):
                 settings[kind] = call.name
-            said, usual_values = declared(call.function), defaults(call.function)
+            rules, usual_values = declared(call.function), defaults(call.function)
             for name, value in call.thresholds.items():
                 if value != usual_values[name]:
-                    settings[begin + name] = as_read(said[name], value)
-        held = {"filter": self.least, "seen_through": self.seen_through}
-        settings |= {name: value for name, value in held.items() if value}
+                    settings[begin + name] = as_read(rules[name], value)
+        numbers = {"filter": self.least, "seen_through": self.seen_through}
+        settings |= {name: value for name, value in numbers.items() if value}
         settings |= self.prepare or {}
         return Session(log, settings, runs, self.edits)
 
@@ -95,9 +95,9 @@ class MapChoices:
         extract, thresholds = self.extract, self.extract.arguments()
         if extract.name != "extract_polylines":
             thresholds = f", extract=segmap.extraction.{extract.name}{thresholds}"
-        kept = f".filtered({short(self.least)})" if self.least else ""
+        suffix = f".filtered({short(self.least)})" if self.least else ""
         if "crop" in self.edits:
-            kept = f".cropped({', '.join(map(short, self.edits['crop']))}){kept}"
+            suffix = f".cropped({', '.join(map(short, self.edits['crop']))}){suffix}"
         lines = [f"log = {self.log}"]
         if self.prepare is not None:
             options = "".join(f", {k}={v!r}" for k, v in preparing(self.prepare).items())
@@ -116,7 +116,7 @@ class MapChoices:
             seen = f"segmap.quadtree.without_passers(log, alignment.trusted, {seen_through=})"
             lines.append(f"log = {seen}")
         thresholds += ", keep_points=True" * self.keeps_points()
-        lines.append(f"full = segmap.build_map(log, alignment.trusted{thresholds}){kept}")
+        lines.append(f"full = segmap.build_map(log, alignment.trusted{thresholds}){suffix}")
         for name, call in zip(("reduced", "other"), self.methods, strict=False):
             lines.append(f"{name} = {called(reduction, 'reduction', call, 'full')}")
         lines.append("segmap.reduction_rate(full, reduced), segmap.quality(full, reduced)")
@@ -138,12 +138,12 @@ STEPS: list[tuple[computed[Any], Choice]] = []
 def step(choice: Choice) -> Callable[[Callable[[Pipeline], Found]], computed[Found]]:
     """The next step: it is done once, and anew where this choice, or one before it, is another."""
 
-    def made(work: Callable[[Pipeline], Found]) -> computed[Found]:
-        found = computed(work)
-        STEPS.append((found, choice))
-        return found
+    def add_step(work: Callable[[Pipeline], Found]) -> computed[Found]:
+        attribute = computed(work)
+        STEPS.append((attribute, choice))
+        return attribute
 
-    return made
+    return add_step
 
 
 class Pipeline:
@@ -160,10 +160,10 @@ class Pipeline:
         self._known: list[tuple[Call, Reduction, float]] = []
         if before is not None and recipe.prepare == before.recipe.prepare:
             self.given, self.stopped = before.given, before.stopped
-            for found, choice in STEPS:
+            for attribute, choice in STEPS:
                 if choice(recipe) != choice(before.recipe):
                     return
-                if (name := found.func.__name__) in vars(before):
+                if (name := attribute.func.__name__) in vars(before):
                     setattr(self, name, getattr(before, name))
             self._known = before.results() if before.is_reduced() else before._known
 
@@ -210,14 +210,14 @@ class Pipeline:
                     raise
                 self._cut(k)
                 break
-        return graph, self._told(graph.refine())
+        return graph, self._with_causes(graph.refine())
 
     def _cut(self, count: int) -> None:
         """Be the outcome of so many scans, and say so wherever its map is seen."""
         self.stopped = f"stopped at scan {count} of {len(self.log)}"
-        known = Finding(Cause.OTHER, count, self.stopped, doubtful=True)
+        finding = Finding(Cause.OTHER, count, self.stopped, doubtful=True)
         both = (self.given, self.log)
-        cut = (replace(each[:count], causes=(*each.causes, known)) for each in both)
+        cut = (replace(each[:count], causes=(*each.causes, finding)) for each in both)
         self.given, self.log = cut
 
     @step(MapChoices.mends)
@@ -228,11 +228,11 @@ class Pipeline:
         if not any(self.recipe.mends()):
             return self.live_graph[1]
         announce(0.0, "mending the graph")
-        return self._told(copy.deepcopy(self.live_graph[0]).with_loops(*self.recipe.mends()))
+        return self._with_causes(copy.deepcopy(self.live_graph[0]).with_loops(*self.recipe.mends()))
 
-    def _told(self, found: Alignment) -> Alignment:
+    def _with_causes(self, alignment: Alignment) -> Alignment:
         """With what was found in the log: a graph that grows scan by scan knows no log."""
-        return replace(found, causes=(*self.log.causes, *found.causes))
+        return replace(alignment, causes=(*self.log.causes, *alignment.causes))
 
     @step(lambda recipe: recipe.edits.get("square"))
     def turn(self) -> float:
@@ -244,8 +244,8 @@ class Pipeline:
     @step(lambda recipe: recipe.edits.get("square"))
     def alignment(self) -> Alignment:
         """The poses in the frame of the map."""
-        found = self.alignment_in_log_frame
-        return found.turned(self.turn) if self.turn else found
+        unturned = self.alignment_in_log_frame
+        return unturned.turned(self.turn) if self.turn else unturned
 
     @step(lambda recipe: recipe.seen_through)
     def log_without_passers(self) -> Log:
@@ -279,15 +279,15 @@ class Pipeline:
     @computed
     def reductions(self) -> list[Reduction]:
         """By each method."""
-        found = []
+        reductions = []
         self.dispatch()  # of an outcome before this one the steps before may be known
         for call in self.recipe.methods:
-            known = [reduced for was, reduced, _ in self._known if was == call]
-            if not known:
+            earlier = [reduced for was, reduced, _ in self._known if was == call]
+            if not earlier:
                 announce(0.0, f"reducing {len(self.map)} segments by {call.name}")
-                known = [arrays.instance(call.run(self.map), call.name, Reduction)]
-            found.append(known[0])
-        return found
+                earlier = [arrays.instance(call.run(self.map), call.name, Reduction)]
+            reductions.append(earlier[0])
+        return reductions
 
     @computed
     def qualities(self) -> list[float]:
@@ -309,8 +309,8 @@ class Pipeline:
     def summary(self) -> str:
         """What each method leaves, and its quality."""
         return ", ".join(
-            f"{call.name} leaves {len(reduced)} of {len(self.map)} segments, quality {kept:.1%}"
-            for call, reduced, kept in self.results()
+            f"{call.name} leaves {len(reduced)} of {len(self.map)} segments, quality {quality:.1%}"
+            for call, reduced, quality in self.results()
         )
 
     def rows(self, name: str) -> list[dict[str, Any]]:
@@ -342,10 +342,10 @@ class Pipeline:
                 "thresholds": call.words(),
                 "n_after": len(reduced),
                 "reduction": round(metrics.reduction_rate(self.map, reduced), 9),
-                "quality": round(kept, 9),
+                "quality": round(quality, 9),
                 "seconds": round(reduced.seconds, 6),
             }
-            for call, reduced, kept in self.results()
+            for call, reduced, quality in self.results()
         ]
 
 
@@ -358,36 +358,36 @@ def begin(recipe: MapChoices, log: Log, before: Pipeline | None = None) -> Pipel
         Where a function refuses its thresholds or the log, or no segment is left.
     """
     world_of(recipe.edits)  # a wrong place is refused now, and not where the map is written
-    made = Pipeline(recipe, log, before)
-    verdict = made.verdict  # before the map, of which it may say why nothing is left
-    if not len(made.map):
+    outcome = Pipeline(recipe, log, before)
+    verdict = outcome.verdict  # before the map, of which it may say why nothing is left
+    if not len(outcome.map):
         raise ValueError(f"{verdict}; no segment is left: loosen extraction, filter or crop")
-    return made
+    return outcome
 
 
 def follow(recipe: MapChoices, log: Log, before: Pipeline | None = None) -> Pipeline:
     """All that follows, as `begin`."""
-    (made := begin(recipe, log, before)).results()
-    return made
+    (outcome := begin(recipe, log, before)).results()
+    return outcome
 
 
 def cropped(map: Map, corners: Sequence[float] | None) -> Map:
     """What of a map lies in a rectangle, left, low, right, high; all of it where there is none."""
     if corners is None:
         return map
-    found = map.cropped(*corners)
-    if isinstance(found, QuadtreeMap):
+    part = map.cropped(*corners)
+    if isinstance(part, QuadtreeMap):
         assert isinstance(map, QuadtreeMap)
-        what, count = "square", int((found.leaves().occ > 0).sum())
-        left, low, right, high = extent(map, margin=0)
+        what, count = "square", int((part.leaves().occ > 0).sum())
+        x_min, y_min, x_max, y_max = extent(map, margin=0)
     else:
-        what, count = "segment", len(found)
+        what, count = "segment", len(part)
         ends: arrays.Array = map.segments.reshape(-1, 2)
-        left, low, right, high = (*ends.min(0), *ends.max(0)) if len(map) else (0.0,) * 4
-    if not count and (left, low) != (right, high):  # of an empty map nothing was cut off
-        reach = f"x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m"
+        x_min, y_min, x_max, y_max = (*ends.min(0), *ends.max(0)) if len(map) else (0.0,) * 4
+    if not count and (x_min, y_min) != (x_max, y_max):  # of an empty map nothing was cut off
+        reach = f"x {x_min:.2f} to {x_max:.2f} m, y {y_min:.2f} to {y_max:.2f} m"
         raise ValueError(f"crop: no {what} lies in that rectangle; the map reaches from {reach}")
-    return found
+    return part
 
 
 def world_of(edits: Mapping[str, Any]) -> Frame:

@@ -95,22 +95,22 @@ def check(given: argparse.Namespace) -> None:
 def compare_methods(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Run all methods on the map of one log, and print what each leaves."""
     warm.dispatch(f"reduction {name}" for name in METHODS)
-    made = log_options.placed_outcome(given, log, report)
-    map = whole = extraction.build_map(made.log, made.alignment.trusted, keep_points=True)
-    verdict = made.alignment.verdict_on(map)
+    outcome = log_options.placed_outcome(given, log, report)
+    map = whole = extraction.build_map(outcome.log, outcome.alignment.trusted, keep_points=True)
+    verdict = outcome.alignment.verdict_on(map)
     if not len(map):
         raise ValueError("there is nothing to compare: the map holds no segment")
     if not given.all:
-        map = thinned(map)
+        map = thin(map)
     part = ""
     if len(map) < len(whole):
-        kept, every = (len(np.unique(m.scan)) for m in (map, whole))
-        part = f"; compared on {len(map)} of them, from {kept} of {every} scans (--all takes all)"
+        used, every = (len(np.unique(m.scan)) for m in (map, whole))
+        part = f"; compared on {len(map)} of them, from {used} of {every} scans (--all takes all)"
     report.line("extracted", f"{counted(len(whole), 'segment')}{part}", segments=len(whole))
     if given.plan is not None:
         check_plan(given, map, report)
     quality = given.quality / 100
-    runs = compared(log.name, map, quality)
+    runs = runs_of_all(log.name, map, quality)
     taken = float(runs["seconds"].sum())
     report.line("compared", f"{counted(len(runs), 'run')}, {seconds(taken)}", seconds=taken)
     nearest = print_table(runs, quality, report)
@@ -131,34 +131,34 @@ def compare_methods(given: argparse.Namespace, log: Log, paths: list[Path], repo
     return log_options.finished(given, verdict, paths, report, write)
 
 
-def compared(name: str, map: SegmentMap, quality: float) -> pd.DataFrame:
+def runs_of_all(name: str, map: SegmentMap, quality: float) -> pd.DataFrame:
     """Runs of all methods on a map, more of them near a quality."""
     import pandas as pd
 
-    found = []
+    runs = []
     with progress(len(METHODS), "method") as bar:
         for method in METHODS:
             bar.set_postfix_str(method)
-            found.append(searched({name: map}, method, quality))
+            runs.append(runs_near({name: map}, method, quality))
             bar.update()
-    return pd.concat(found, ignore_index=True)
+    return pd.concat(runs, ignore_index=True)
 
 
-def searched(map: dict[str, SegmentMap], method: str, quality: float) -> pd.DataFrame:
+def runs_near(map: dict[str, SegmentMap], method: str, quality: float) -> pd.DataFrame:
     """Runs of a method from its default on: beyond the wanted quality, and then closer to it."""
     import pandas as pd
 
     from segmap.experiments import sweep
 
     varies = METHODS[method].varies
-    found: list[pd.DataFrame] = []
+    runs: list[pd.DataFrame] = []
 
     def good(value: float) -> bool:
         """Run with a threshold, and tell whether its quality is that good."""
-        if found and found[-1]["seconds"].item() > SLOW_RUN_S:
+        if runs and runs[-1]["seconds"].item() > SLOW_RUN_S:
             raise _TooSlow
-        found.append(sweep(map, [method], {method: {varies: [value]}}))
-        return bool(found[-1]["quality"].item() >= quality)
+        runs.append(sweep(map, [method], {method: {varies: [value]}}))
+        return bool(runs[-1]["quality"].item() >= quality)
 
     with suppress(_TooSlow):
         ends = bracket(
@@ -169,10 +169,10 @@ def searched(map: dict[str, SegmentMap], method: str, quality: float) -> pd.Data
         )
         for _ in range(RUNS_BETWEEN if ends else 0):
             ends = halved(good, ends)
-    return pd.concat(found)
+    return pd.concat(runs)
 
 
-def thinned(map: SegmentMap) -> SegmentMap:
+def thin(map: SegmentMap) -> SegmentMap:
     """Every second scan, every third, ...: the first part of a map that is not too long."""
     every, part, step = np.unique(map.scan), map, 1
     while len(part) > MOST_COMPARED_SEGMENTS and step < len(every):
@@ -183,8 +183,8 @@ def thinned(map: SegmentMap) -> SegmentMap:
 
 def check_plan(given: argparse.Namespace, map: SegmentMap, report: Report) -> None:
     """Say how much of a map lies beside the walls of a plan; refuse a plan of another place."""
-    found = metrics.against_walls(given.plan, map)
-    share = 1 - found.invented / length(map.segments).sum()
+    comparison = metrics.against_walls(given.plan, map)
+    share = 1 - comparison.invented / length(map.segments).sum()
     ends = [each.segments.reshape(-1, 2) for each in (map, given.plan)]
     small, large = (np.ptp(each, axis=0).max() for each in ends)
     if share < LEAST_BESIDE_SHARE or large > LARGER_PLAN_RATIO * small:
@@ -195,8 +195,8 @@ def check_plan(given: argparse.Namespace, map: SegmentMap, report: Report) -> No
             "the frame of the map: `segmap map LOG --method none -o map.dxf` writes the map, to "
             "lay the plan on it"
         )
-    words = f"{counted(len(found.walls), 'wall')} of {given.walls}; beside them lies"
-    figures = {"walls": len(found.walls), "beside": share}
+    words = f"{counted(len(comparison.walls), 'wall')} of {given.walls}; beside them lies"
+    figures = {"walls": len(comparison.walls), "beside": share}
     report.line("plan", f"{words} {percent(share)} of the map", **figures)
 
 
@@ -212,20 +212,20 @@ def print_walls(
     )
     for name, run in {"the map before": None, **runs}.items():
         after = map if run is None else METHODS[name](map, **thresholds_of(run))
-        found = metrics.against_walls(given.plan, after, seen=map)
-        seen = float(found.seen.sum())
+        comparison = metrics.against_walls(given.plan, after, seen=map)
+        seen = float(comparison.seen.sum())
         shares = {
-            "found": found.found,
-            "missed": found.missed / seen,
-            "invented": found.invented / seen,
-            "double": float(found.doubled.sum()) / seen,
+            "found": comparison.found,
+            "missed": comparison.missed / seen,
+            "invented": comparison.invented / seen,
+            "double": float(comparison.doubled.sum()) / seen,
         }
         columns = " ".join(f"{percent(share):>8}" for share in shares.values())
-        off = f"{1000 * found.offset:.0f} mm"
-        report.say(f"  {name:<22} {found.per_wall:>11.2f} {columns} {off:>8}")
-        figures = {"per_wall": found.per_wall, **shares, "offset": found.offset}
-        said = report.found["plan"] if run is None else report.found["methods"][name]
-        said["against_walls"] = {word: finite(figure) for word, figure in figures.items()}
+        off = f"{1000 * comparison.offset:.0f} mm"
+        report.say(f"  {name:<22} {comparison.per_wall:>11.2f} {columns} {off:>8}")
+        figures = {"per_wall": comparison.per_wall, **shares, "offset": comparison.offset}
+        entry = report.found["plan"] if run is None else report.found["methods"][name]
+        entry["against_walls"] = {word: finite(figure) for word, figure in figures.items()}
     report.say()
 
 
@@ -242,11 +242,11 @@ def print_table(runs: pd.DataFrame, quality: float, report: Report) -> dict[str,
     for name in names:
         gone, own = float(at[name]), select(runs, method=name)
         nearest[name] = near = own.iloc[int((own["quality"].fillna(0.0) - quality).abs().argmin())]
-        left = "-" if np.isnan(gone) else f"{(1 - gone) * total:.0f}"
+        remaining = "-" if np.isnan(gone) else f"{(1 - gone) * total:.0f}"
         share, varies = "not reached" if np.isnan(gone) else percent(gone), METHODS[name].varies
         words = f"quality {percent(near['quality'])}, {near['n_after']} left"
         run = f"{name}:{varies}={near[varies]:.3g}: {words}, {seconds(near['seconds'])}"
-        report.say(f"  {name:<22} {share:>11} {left:>6}  {run}")
+        report.say(f"  {name:<22} {share:>11} {remaining:>6}  {run}")
         figures = {"gone": None if np.isnan(gone) else gone, "nearest": run}
         report.found.setdefault("methods", {})[name] = figures
     report.say()

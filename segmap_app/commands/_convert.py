@@ -79,18 +79,18 @@ def check(given: argparse.Namespace) -> None:
 
 def convert(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Write one log to all its files; where its poses were sought, only if they make a map."""
-    made = Pipeline(log_options.recipe_of(given, log), log) if given.align else None
+    outcome = Pipeline(log_options.recipe_of(given, log), log) if given.align else None
     poses, written = None, paths
-    if made is not None:
-        poses = made.alignment_in_log_frame
+    if outcome is not None:
+        poses = outcome.alignment_in_log_frame
         log_options.tell_alignment(poses, report)
-        written = log_options.allowed(given, made.verdict, paths, report)
+        written = log_options.allowed(given, outcome.verdict, paths, report)
     if written:
         texts = [_write_log(path, log, poses) for path in written]
         report.line("written", texts[0], files=[str(path) for path in written])
         for text in texts[1:]:
             report.line("", text)
-    return 0 if made is None else log_options.concluded(given, made.verdict, report)
+    return 0 if outcome is None else log_options.concluded(given, outcome.verdict, report)
 
 
 def _write_log(path: Path, log: Log, poses: Alignment | None) -> str:
@@ -109,10 +109,10 @@ def _write_log(path: Path, log: Log, poses: Alignment | None) -> str:
         words = f"{path}: {counted(len(log), 'pose')}, {counted(len(edges), 'edge')}"
         loose = len(log) - len(np.unique(edges))
         return f"{words}; {loose} without an edge: only key scans have some" if loose else words
-    known = log.truth if poses is None else poses.poses
+    corrected = log.truth if poses is None else poses.poses
     if path.suffix == ".npz":
-        exports.write_arrays(path, replace(log, truth=known))
+        exports.write_arrays(path, replace(log, truth=corrected))
     else:
         exports.write_carmen(path, log, poses)
-    placed = 0 if known is None else int(np.isfinite(known).all(1).sum())
+    placed = 0 if corrected is None else int(np.isfinite(corrected).all(1).sum())
     return f"{path}: {counted(len(log), 'scan')}, {placed} with a corrected pose"

@@ -60,8 +60,8 @@ def describe_log(given: argparse.Namespace, log: Log, paths: list[Path], report:
     if is_session(source := report.found["source"]):
         session = read_session(source)
         for word in ("settings", "edits"):
-            held = getattr(session, word)
-            text = ", ".join(f"{name} {value}" for name, value in held.items())
-            report.line(word, text or "none", options=held)
+            options = getattr(session, word)
+            text = ", ".join(f"{name} {value}" for name, value in options.items())
+            report.line(word, text or "none", options=options)
         report.line("runs", counted(len(session.runs), "run"), runs=len(session.runs))
     return 0

@@ -90,11 +90,11 @@ def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: R
     warm.dispatch(["quadtree all", "matching all"])
     scans = each(log, "placing scan")
     beliefs = list(localize(given.known, scans, rng=np.random.default_rng(0)))
-    found = np.array([belief.found for belief in beliefs], bool)
-    times = f"{int(found.sum())} of {len(log)} scans"
-    first = f", the first is scan {int(found.argmax())}" if found.any() else ""
+    is_found = np.array([belief.found for belief in beliefs], bool)
+    times = f"{int(is_found.sum())} of {len(log)} scans"
+    first = f", the first is scan {int(is_found.argmax())}" if is_found.any() else ""
     lost = sum(belief.uncertainty in LOST_KINDS for belief in beliefs)
-    report.line("found", f"{times}{first}; lost at {lost}", found=int(found.sum()), lost=lost,
+    report.line("found", f"{times}{first}; lost at {lost}", found=int(is_found.sum()), lost=lost,
                 scans=len(log))  # fmt: skip
     if not beliefs:
         return NO_MAP

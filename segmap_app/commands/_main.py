@@ -71,9 +71,9 @@ def _add_methods(commands: Any) -> None:
 
 
 def _tell_methods(given: argparse.Namespace) -> None:
-    known = {name: method for family in FAMILIES.values() for name, method in family.items()}
-    for name in [given.method] if given.method else known:
-        function = call_of(name, known).function
+    methods = {name: method for family in FAMILIES.values() for name, method in family.items()}
+    for name in [given.method] if given.method else methods:
+        function = call_of(name, methods).function
         words = described(function)
         print_line(f"{name}: {words['']}")
         for key, threshold in thresholds(function).items() if given.method else ():
@@ -97,9 +97,9 @@ def main(arguments: list[str] | None = None) -> int:
 
         argcomplete.autocomplete(commands)
     try:
-        given = parsed(commands, sys.argv[1:] if arguments is None else arguments)
-        with plain_warnings(), progress_bars(quiet=getattr(given, "quiet", False)):
-            return int(given.run(given) or 0)
+        options = parsed(commands, sys.argv[1:] if arguments is None else arguments)
+        with plain_warnings(), progress_bars(quiet=getattr(options, "quiet", False)):
+            return int(options.run(options) or 0)
     except KeyboardInterrupt:
         print_error("stopped")
         return 130

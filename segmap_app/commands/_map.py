@@ -150,8 +150,8 @@ def draw_walls_of_log(
         for loop in getattr(given, name):
             if max(map(int, loop.split("-"))) >= len(log):
                 raise ValueError(f"--{name} {loop}: the log has scans 0 to {len(log) - 1}")
-    made = log_options.tell_poses(Pipeline(map_recipe_of(given, log), log), report)
-    return mapped(given, made, made.recipe, paths, report)
+    outcome = log_options.tell_poses(Pipeline(map_recipe_of(given, log), log), report)
+    return write_map(given, outcome, outcome.recipe, paths, report)
 
 
 def map_recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
@@ -166,68 +166,72 @@ def map_recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
     )
 
 
-def mapped(
-    given: argparse.Namespace, made: Pipeline, kept: MapChoices, paths: list[Path], report: Report
+def write_map(
+    given: argparse.Namespace,
+    outcome: Pipeline,
+    own_recipe: MapChoices,
+    paths: list[Path],
+    report: Report,
 ) -> int:
-    """Say how a map comes out, and write it; a session has what is `kept`, and these figures."""
+    """Say how a map comes out, and write it; a session has `own_recipe` and these figures."""
     if given.seen_through is not None:
-        pairs = zip(made.log, made.log_without_passers, strict=True)
+        pairs = zip(outcome.log, outcome.log_without_passers, strict=True)
         gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in pairs)
         words = f"{counted(gone, 'beam')} left out that others saw through"
         report.line("passers", words, beams=gone)
-    count = len(made.extracted)
+    count = len(outcome.extracted)
     report.line("extracted", counted(count, "segment"), segments=count)
     if given.loops is not None:
-        write_bytes(given.loops, made.alignment.loops().to_csv().encode())
+        write_bytes(given.loops, outcome.alignment.loops().to_csv().encode())
         report.line("loops", f"written to {given.loops}", file=str(given.loops))
     if given.crop is not None:
-        count = len(made.cropped)
+        count = len(outcome.cropped)
         report.line("cropped", f"to {counted(count, 'segment')}", segments=count)
     if given.filter is not None:
-        words = f"{counted(len(made.map), 'segment')} of {given.filter:g} m or more"
-        report.line("filtered", words, segments=len(made.map), least=given.filter)
-    for found in made.reductions:
-        tell_reduction(made, found, report)
-    after = made.reductions[0] if made.reductions else made.map
+        words = f"{counted(len(outcome.map), 'segment')} of {given.filter:g} m or more"
+        report.line("filtered", words, segments=len(outcome.map), least=given.filter)
+    for each in outcome.reductions:
+        tell_reduction(outcome, each, report)
+    after = outcome.reductions[0] if outcome.reductions else outcome.map
 
     def write(path: Path) -> None:
         """In the format that the name asks for."""
         if path.suffix.lower() == ".png":
             from ._pictures import write_map_picture
 
-            write_map_picture(path, made.map, after)
+            write_map_picture(path, outcome.map, after)
         elif path.suffix.lower() == ".segmap":
-            files.write_session(path, kept.session(made.given, [report.kept()]))
+            files.write_session(path, own_recipe.session(outcome.given, [report.for_session()]))
         else:
-            exports.write_segments(path, after, world=world_of(made.recipe.edits))
+            exports.write_segments(path, after, world=world_of(outcome.recipe.edits))
 
-    return log_options.finished(given, made.verdict, paths, report, write)
+    return log_options.finished(given, outcome.verdict, paths, report, write)
 
 
-def tell_reduction(made: Pipeline, found: Reduction, report: Report) -> None:
+def tell_reduction(outcome: Pipeline, reduction: Reduction, report: Report) -> None:
     """Say what a reduction leaves, and how good it is."""
-    method, rate = made.recipe.methods[0].name, metrics.reduction_rate(made.map, found)
+    method, rate = outcome.recipe.methods[0].name, metrics.reduction_rate(outcome.map, reduction)
     gone = f"{percent(rate)} gone ({metrics.grade_reduction(rate)})"
-    left = counted(len(found), "segment")
+    segments = counted(len(reduction), "segment")
     report.line(
         "reduced",
-        f"by {method}: {left} left, {gone}, {seconds(found.seconds)}",
+        f"by {method}: {segments} left, {gone}, {seconds(reduction.seconds)}",
         method=method,
-        segments=len(found),
+        segments=len(reduction),
         rate=rate,
         grade=metrics.grade_reduction(rate),
-        seconds=found.seconds,
+        seconds=reduction.seconds,
     )
-    if found.doubt:
-        report.line("", f"doubt: {found.doubt}")
-    if len(made.map):
-        kept, errors = made.qualities[0], metrics.errors(made.map, found)
+    if reduction.doubt:
+        report.line("", f"doubt: {reduction.doubt}")
+    if len(outcome.map):
+        quality, errors = outcome.qualities[0], metrics.errors(outcome.map, reduction)
         off = f"segments lie {metres(errors.mean())} off on average, {metres(errors.max())} at most"
         report.line(
             "quality",
-            f"{percent(kept)} ({metrics.grade_quality(kept)} reduction): {off}",
-            quality=kept,
-            grade=metrics.grade_quality(kept),
+            f"{percent(quality)} ({metrics.grade_quality(quality)} reduction): {off}",
+            quality=quality,
+            grade=metrics.grade_quality(quality),
             mean_error=float(errors.mean()),
             largest_error=float(errors.max()),
         )
@@ -265,9 +269,9 @@ def add_plan(commands: Any) -> None:
 
 def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, draw its plan, and write what was asked for where there is a map."""
-    made = log_options.placed_outcome(given, log, report)
-    verdict, edits = made.verdict, [read(text) for text in given.edit]
-    plan = plan_of(made, edits)
+    outcome = log_options.placed_outcome(given, log, report)
+    verdict, edits = outcome.verdict, [read(text) for text in given.edit]
+    plan = plan_of(outcome, edits)
     area = sum(room.area for room in plan.rooms)
     rooms, doors = counted(len(plan.rooms), "room"), counted(len(plan.doors), "door")
     hidden = sum(room.hidden for room in plan.rooms)

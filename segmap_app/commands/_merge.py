@@ -14,7 +14,7 @@ from segmap.scans import Log
 from ..call import Call
 from ..pipeline import Pipeline
 from . import log_options
-from ._map import add_making, map_recipe_of, mapped
+from ._map import add_making, map_recipe_of, write_map
 from ._output import Report
 
 
@@ -44,24 +44,24 @@ def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: R
     """Merge one log with the first, and write what was asked for where both are of one building."""
     if Path(given.first).resolve() in [path.resolve() for path in paths]:
         raise ValueError(f"cannot write {given.first}: it is the first log itself")
-    first, given, _ = log_options.log_of([given.first], given)
-    log_options.check_world(given)
+    first, options, _ = log_options.log_of([given.first], given)
+    log_options.check_world(options)
     logs = []
     for each in (first, log):
-        made = Pipeline(map_recipe_of(given, each), each)
-        log_options.tell_deskewing(made, report)
-        logs.append(made.log)
-    found = merge(*logs)
-    found = replace(found, causes=(*found.causes, *logs[0].causes, *logs[1].causes))
-    if not (found.used[: len(first)].any() and found.used[len(first) :].any()):
-        log_options.tell_alignment(found, report)
-        return log_options.concluded(given, found.verdict, report)
+        outcome = Pipeline(map_recipe_of(options, each), each)
+        log_options.tell_deskewing(outcome, report)
+        logs.append(outcome.log)
+    alignment = merge(*logs)
+    alignment = replace(alignment, causes=(*alignment.causes, *logs[0].causes, *logs[1].causes))
+    if not (alignment.used[: len(first)].any() and alignment.used[len(first) :].any()):
+        log_options.tell_alignment(alignment, report)
+        return log_options.concluded(options, alignment.verdict, report)
     scans = [scan for each in logs for scan in each]
-    scans = [replace(s, odometry=pose) for s, pose in zip(scans, found.poses, strict=True)]
+    scans = [replace(s, odometry=pose) for s, pose in zip(scans, alignment.poses, strict=True)]
     assumed = (*first.assumed, *log.assumed)
-    both = Log(f"{first.name} and {log.name}", scans, found.trusted, assumed=assumed)
-    given.align = "ground_truth"  # as one log that is aligned: the next may be merged with it
-    kept = replace(map_recipe_of(given, both), prepare=None)
-    recipe = replace(kept, align=Call("merge", lambda _: found))
-    made = log_options.tell_poses(Pipeline(recipe, both), report)
-    return mapped(given, made, kept, paths, report)
+    both = Log(f"{first.name} and {log.name}", scans, alignment.trusted, assumed=assumed)
+    options.align = "ground_truth"  # as one log that is aligned: the next may be merged with it
+    own_recipe = replace(map_recipe_of(options, both), prepare=None)
+    recipe = replace(own_recipe, align=Call("merge", lambda _: alignment))
+    outcome = log_options.tell_poses(Pipeline(recipe, both), report)
+    return write_map(options, outcome, own_recipe, paths, report)

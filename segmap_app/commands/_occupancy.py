@@ -47,21 +47,22 @@ def add(commands: Any) -> None:
 def draw_tree_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
     warm.dispatch(["quadtree all"])
-    made = log_options.placed_outcome(given, log, report)
-    found, log = made.alignment, made.log
-    map = quadtree.build_map(log, found.trusted, resolution=given.resolution)
-    verdict = found.verdict_on(extraction.build_map(log, found.trusted), map)
+    outcome = log_options.placed_outcome(given, log, report)
+    alignment, log = outcome.alignment, outcome.log
+    map = quadtree.build_map(log, alignment.trusted, resolution=given.resolution)
+    verdict = alignment.verdict_on(extraction.build_map(log, alignment.trusted), map)
     if given.crop is not None:
         map = cropped(map, given.crop)
         count = int((map.leaves().occ > 0).sum())
         report.line("cropped", f"to {counted(count, 'square')}", squares=count)
-    left, low, right, high = quadtree.extent(map, margin=0)
-    size = f"{right - left:.1f} m by {high - low:.1f} m at {given.resolution:g} m"
+    x_min, y_min, x_max, y_max = quadtree.extent(map, margin=0)
+    width, height = x_max - x_min, y_max - y_min
+    size = f"{width:.1f} m by {height:.1f} m at {given.resolution:g} m"
     leaves = map.leaves()
     full = map.leaf_occupancy() > 0.5
     area = float((leaves.side[full] ** 2).sum())
     words = f"{size}: {area:.2f} m2 occupied, {len(full)} leaves in {map.nbytes / 1024:.0f} KB"
-    figures = {"width": right - left, "height": high - low, "occupied": area, "leaves": len(full)}
+    figures = {"width": width, "height": height, "occupied": area, "leaves": len(full)}
     report.line("mapped", words, **figures, resolution=given.resolution, bytes=map.nbytes)
     world = world_of(log_options.edits_of(given))
     return log_options.finished(

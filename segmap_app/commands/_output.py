@@ -94,11 +94,11 @@ class Report:
         if self._assumed:
             self.line("assumed", "; ".join(self._assumed), facts=list(self._assumed))
 
-    def kept(self) -> dict[str, Any]:
+    def for_session(self) -> dict[str, Any]:
         """All of it as a session holds it: halves of letters in a name are written out."""
         text = json.dumps(self.found, ensure_ascii=False)
-        said = re.sub(r"[\ud800-\udfff]", lambda half: rf"\\u{ord(half[0]):x}", text)
-        return dict(json.loads(said))
+        escaped = re.sub(r"[\ud800-\udfff]", lambda half: rf"\\u{ord(half[0]):x}", text)
+        return dict(json.loads(escaped))
 
     def end(self) -> None:
         """Print the object, where JSON was asked for."""
@@ -181,8 +181,8 @@ def progress_bars(*, quiet: bool = False) -> Iterator[None]:
         (bar,) = bars
         if share < bar.n or words.split()[0] != bar.desc.split(" ")[0]:
             bar.reset()
-        said = "" if isinstance(words, Compiling) else time_left(time.time() - bar.start_t, share)
-        bar.bar_format = f"{shape} {said}"
+        rest = "" if isinstance(words, Compiling) else time_left(time.time() - bar.start_t, share)
+        bar.bar_format = f"{shape} {rest}"
         bar.set_description_str(shown(words), refresh=False)
         bar.update(share - bar.n)
 

@@ -46,9 +46,9 @@ def write_map_picture(path: Path, before: SegmentMap, after: SegmentMap | Reduct
 
 def write_quadtree_picture(path: Path, map: QuadtreeMap) -> None:
     """A quadtree: black is occupied, white is free, half grey unknown."""
-    left, low, right, high = extent(map)
+    x_min, y_min, x_max, y_max = extent(map)
     figure = Figure(
-        _inches(np.array([(left, low), (right, high)])), dpi=PICTURE_DPI, layout="constrained"
+        _inches(np.array([(x_min, y_min), (x_max, y_max)])), dpi=PICTURE_DPI, layout="constrained"
     )
     draw_quadtree(map, ax=figure.subplots(), outlines=False)
     write_bytes(path, figure_png(figure))

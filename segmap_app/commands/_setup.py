@@ -135,11 +135,11 @@ def compile_loops(given: argparse.Namespace) -> None:
     what = "chapter 01" if given.first else "segmap"
     print_line(f"Compiling the loops of {what} on {where}, once for this machine ...")
     importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
-    known, done = warm.cases(), set[Any]()
-    with progress(len(warm.loops(known[name] for name in names)), "loop") as bar:
+    case_of, done = warm.cases(), set[Any]()
+    with progress(len(warm.loops(case_of[name] for name in names)), "loop") as bar:
         bar.bar_format = "compiling loop {n_fmt} of {total_fmt} |{bar}|"
         for name in _run_all(names, jobs):
-            done |= warm.loops([known[name]])
+            done |= warm.loops([case_of[name]])
             bar.update(len(done) - bar.n)
     print_line(f"Done in {time.monotonic() - start:.0f} s.")
 

@@ -73,8 +73,8 @@ class Earth(Frame):
         reduced = np.arctan2(z, flat * off)
         up = z + WGS84_ECCENTRICITY2 / flat * WGS84_AXIS_M * np.sin(reduced) ** 3
         latitude = np.arctan2(up, off - WGS84_ECCENTRICITY2 * WGS84_AXIS_M * np.cos(reduced) ** 3)
-        found = np.degrees(np.stack([np.arctan2(y, x), latitude], -1))
-        return found.round(DEGREES_DIGITS)
+        degrees = np.degrees(np.stack([np.arctan2(y, x), latitude], -1))
+        return degrees.round(DEGREES_DIGITS)
 
 
 @dataclass(frozen=True)

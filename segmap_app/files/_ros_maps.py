@@ -98,17 +98,17 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     array([0. , 1. , 0.5])
     """
     place = file(path)
-    said = _said(place)
-    side = _number(place, said, "resolution", least=1e-9, most=LIMIT)
-    x, y, yaw = (_number(place, said["origin"], k) for k in range(3))
-    occupied, free = (_number(place, said, f"{kind}_thresh", 0, 1) for kind in ("occupied", "free"))
+    yaml = _read_yaml(place)
+    side = _number(place, yaml, "resolution", least=1e-9, most=LIMIT)
+    x, y, yaw = (_number(place, yaml["origin"], k) for k in range(3))
+    occupied, free = (_number(place, yaml, f"{kind}_thresh", 0, 1) for kind in ("occupied", "free"))
     if free > occupied:
         raise LogError(place, f"free_thresh must not be above occupied_thresh, {occupied:g}")
-    mode = str(said.get("mode", "trinary")).lower()
+    mode = str(yaml.get("mode", "trinary")).lower()
     if mode not in YAML_MODES:
         raise LogError(place, f"mode must be one of {', '.join(YAML_MODES)}, got {mode[:40]!r}")
-    negate = str(said.get("negate", "0")).lower() in ("1", "true")
-    grey, opaque = _picture(place, str(said["image"]))
+    negate = str(yaml.get("negate", "0")).lower() in ("1", "true")
+    grey, opaque = _picture(place, str(yaml["image"]))
     occupancy = (grey if negate else 255 - grey) / 255
     cells = np.select([occupancy > occupied, occupancy < free], [OCCUPIED, FREE], UNKNOWN)
     if mode == "scale":
@@ -141,7 +141,7 @@ def _turned_grid(cells: Cells, side: float, origin: Array) -> tuple[Cells, Array
     wide, tall = np.ceil(np.ptp(around, axis=0) / side - 1e-6).astype(int)
     if wide * tall > 2 * MOST_MAP_PIXELS:
         raise ValueError(f"its yaw makes it {wide} by {tall} cells, more than can be read")
-    found = np.zeros((tall, wide), np.int8)
+    grid = np.zeros((tall, wide), np.int8)
     back = np.array((math.cos(origin[2]), math.sin(origin[2])))
     across = (np.arange(wide) + 0.5) * side + corner[0] - origin[0]
     for row in range(tall):  # a row at a time: the places of all cells take sixteen times as much
@@ -149,12 +149,12 @@ def _turned_grid(cells: Cells, side: float, origin: Array) -> tuple[Cells, Array
         i = np.floor((across * back[0] + up * back[1]) / side).astype(int)
         j = np.floor((up * back[0] - across * back[1]) / side).astype(int)
         within = (i >= 0) & (i < columns) & (j >= 0) & (j < rows)
-        found[row, within] = cells[j[within], i[within]]
+        grid[row, within] = cells[j[within], i[within]]
     j, i = np.nonzero(cells == OCCUPIED)
     centres = transform(origin, (np.stack([i, j], -1) + 0.5) * side)
     i, j = np.floor((centres - corner) / side).astype(int).T
-    found[np.clip(j, 0, tall - 1), np.clip(i, 0, wide - 1)] = OCCUPIED
-    return found, corner
+    grid[np.clip(j, 0, tall - 1), np.clip(i, 0, wide - 1)] = OCCUPIED
+    return grid, corner
 
 
 # ------------------------------------------------------------------------------ the picture
@@ -187,22 +187,22 @@ def _picture(path: Path, named: str) -> tuple[Array, NDArray[np.bool_]]:
 
 
 # --------------------------------------------------------------------------------- the YAML
-def _said(path: Path) -> dict[str, Any]:
+def _read_yaml(path: Path) -> dict[str, Any]:
     """What the YAML of a map says, all of it as texts."""
     try:
         yaml: Any = import_module("yaml")
     except ImportError as error:
         raise ImportError(f"a map for ROS needs pyyaml: {pip_install('ros')}") from error
     try:
-        said = yaml.load(read_text(path), yaml.BaseLoader)
+        fields = yaml.load(read_text(path), yaml.BaseLoader)
     except yaml.YAMLError as fault:
         raise LogError(path, f"is no YAML ({shown(fault)})") from fault
     for key in ("image", "resolution", "origin", "occupied_thresh", "free_thresh"):
-        if not isinstance(said, dict) or key not in said:
+        if not isinstance(fields, dict) or key not in fields:
             raise LogError(path, f"has no {key}, which the YAML of a map for ROS must say")
-    if not isinstance(said["origin"], list) or len(said["origin"]) != 3:
-        raise LogError(path, f"origin must be [x, y, yaw], got {str(said['origin'])[:40]}")
-    return dict(said)
+    if not isinstance(fields["origin"], list) or len(fields["origin"]) != 3:
+        raise LogError(path, f"origin must be [x, y, yaw], got {str(fields['origin'])[:40]}")
+    return dict(fields)
 
 
 def _number(
@@ -264,14 +264,14 @@ def write_ros_map(
     place = arrays.file(path)
     if place.suffix != ".yaml":
         raise ValueError(f"path: the name must end in .yaml, got {place.name!r}")
-    found = ros_classes(map, resolution=resolution, occupied=occupied, free=free)
-    rows, columns = found.greys.shape
-    picture, pixels = place.with_suffix(".pgm"), np.flipud(found.greys).tobytes()
+    classes = ros_classes(map, resolution=resolution, occupied=occupied, free=free)
+    rows, columns = classes.greys.shape
+    picture, pixels = place.with_suffix(".pgm"), np.flipud(classes.greys).tobytes()
     thresholds = f"free: occupancy <= {free:g}, occupied: occupancy > {occupied:g}"
     lines = [
         f"image: {json.dumps(picture.name, ensure_ascii=False)}",
-        f"resolution: {_yaml_number(found.side)}",
-        f"origin: [{_yaml_number(found.left)}, {_yaml_number(found.low)}, 0.0]",
+        f"resolution: {_yaml_number(classes.side)}",
+        f"origin: [{_yaml_number(classes.left)}, {_yaml_number(classes.low)}, 0.0]",
         "negate: 0",
         f"occupied_thresh: {OCCUPIED_THRESH}",
         f"free_thresh: {FREE_THRESH}",

@@ -54,13 +54,13 @@ class Session:
             try:  # what JSON does not hold is refused; NaN becomes null
                 text = json.dumps(getattr(self, name), ensure_ascii=False)
                 text.encode("utf-8")  # half of a letter, which no browser can be sent
-                found = json.loads(text, parse_constant=lambda word: None)
+                content = json.loads(text, parse_constant=lambda word: None)
             except (TypeError, ValueError, RecursionError) as fault:
                 raise ValueError(f"{name} must be what JSON holds: {fault}") from fault
-            rows = found if name == "runs" else [found]
+            rows = content if name == "runs" else [content]
             if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
                 raise ValueError(f"{name} must have a name for each value, got {text[:80]}")
-            object.__setattr__(self, name, found)
+            object.__setattr__(self, name, content)
 
 
 def write_session(path: str | Path, session: Session) -> None:
@@ -83,10 +83,10 @@ def write_session(path: str | Path, session: Session) -> None:
     if place.suffix.lower() != ".segmap":
         raise ValueError(f"path: the name must end in .segmap, got {place.name!r}")
     log = arrays.instance(session, "session", Session).log
-    said = {name: getattr(session, name) for name in ("settings", "runs", "edits")}
+    content = {name: getattr(session, name) for name in ("settings", "runs", "edits")}
     causes = [astuple(cause) for cause in log.causes]
-    said |= {"name": log.name, "skipped": log.skipped, "causes": causes}
-    write_npz(place, Session.FORMAT, {**log_arrays(log), "session.json": json.dumps(said)})
+    content |= {"name": log.name, "skipped": log.skipped, "causes": causes}
+    write_npz(place, Session.FORMAT, {**log_arrays(log), "session.json": json.dumps(content)})
 
 
 def read_session(path: str | Path) -> Session:
@@ -99,17 +99,17 @@ def read_session(path: str | Path) -> Session:
     """
     with log_file(path) as place:
         try:
-            held = read_npz(place, Session.FORMAT)
-            said = json.loads(str(held.pop("session.json")))
-            log = log_from_arrays(str(said.pop("name")), held)
-            skipped = Skipped(*said.pop("skipped"))
-            doubt = said.pop("doubt", "")  # earlier versions held words alone
+            by_name = read_npz(place, Session.FORMAT)
+            parts = json.loads(str(by_name.pop("session.json")))
+            log = log_from_arrays(str(parts.pop("name")), by_name)
+            skipped = Skipped(*parts.pop("skipped"))
+            doubt = parts.pop("doubt", "")  # earlier versions held words alone
             causes = [Finding(Cause.OTHER, 1, str(doubt))] if doubt else []
-            causes += [Finding(Cause(cause), *rest) for cause, *rest in said.pop("causes", [])]
-            names = said.get("edits", {}).pop("rooms", [])  # earlier versions held no other edits
+            causes += [Finding(Cause(cause), *rest) for cause, *rest in parts.pop("causes", [])]
+            names = parts.get("edits", {}).pop("rooms", [])  # earlier versions held no other edits
             if names:
-                said["edits"]["edit"] = [f"Name {x} {y} {name}" for x, y, name in names]
-            return Session(replace(log, skipped=skipped, causes=tuple(causes)), **said)
+                parts["edits"]["edit"] = [f"Name {x} {y} {name}" for x, y, name in names]
+            return Session(replace(log, skipped=skipped, causes=tuple(causes)), **parts)
         except (TypeError, LookupError, AttributeError, RecursionError) as fault:
             raise LogError(place, f"its session.json is damaged ({fault})") from fault
         except ValueError as fault:

@@ -58,8 +58,8 @@ class Bar:
                 spent = f", {taken:.0f} s so far" if taken >= FIRST_ESTIMATE_S else " ..."
                 if isinstance(self._words, Compiling):
                     spent = " ..."
-                elif left := time_left(taken, share):
-                    spent = f", {left}"
+                elif estimate := time_left(taken, share):
+                    spent = f", {estimate}"
                 self._show(f"{self._words}{spent}", share)
 
     def _show(self, text: str, share: float | None) -> None:
@@ -123,8 +123,8 @@ class Work:
             with told(self._bar.tell):
                 then(self._worker.do(function, *given))
         except Exception as fault:
-            kept, reason = self._failed(function), said(fault)
+            consequence, reason = self._failed(function), said(fault)
             failed("" if isinstance(fault, Stopped) else reason)
-            self._bar.wrong(f"{reason}{kept}", 0.0)
+            self._bar.wrong(f"{reason}{consequence}", 0.0)
         finally:
             self._settle(busy=False)

@@ -116,19 +116,19 @@ class Choice:
 
 def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
     """Controls of the keywords that are plain values, the one that varies first, as a slider."""
-    found = {}
+    controls = {}
     for name, parameter in inspect.signature(function).parameters.items():
-        if parameter.kind is parameter.KEYWORD_ONLY and (made := control(function, name)):
-            found[name] = made
+        if parameter.kind is parameter.KEYWORD_ONLY and (widget := control(function, name)):
+            controls[name] = widget
     if varies:
-        found.pop(varies)
+        controls.pop(varies)
         first = defaults(function)[varies]
         usual = control(function, varies, first).value
         step, most = usual / SLIDER_STEPS, SLIDER_DEFAULTS * usual
         moved = control(function, varies, first, least=step, most=most, step=step)
         moved.style.description_width = ENTRY["description_width"]
-        found = {varies: moved, **found}
-    return found
+        controls = {varies: moved, **controls}
+    return controls
 
 
 class Choices:
@@ -187,42 +187,43 @@ class Choices:
         ValueError
             Where it says what cannot be chosen here.
         """
-        held = {**self.usual, **session.settings}
+        settings = {**self.usual, **session.settings}
         try:
             for kind, begin in BEGIN.items():
                 choice = getattr(self, kind)
-                choice.begin(held[kind])
-                for name, made in choice.controls.items():
-                    value = held.get(begin + name, made.value)
-                    if hasattr(made, "max"):  # of a slider, which may end below
-                        made.max = max(made.max, value)
-                    made.value = str(value) if isinstance(made, W.Text) else value
+                choice.begin(settings[kind])
+                for name, widget in choice.controls.items():
+                    value = settings.get(begin + name, widget.value)
+                    if hasattr(widget, "max"):  # of a slider, which may end below
+                        widget.max = max(widget.max, value)
+                    widget.value = str(value) if isinstance(widget, W.Text) else value
             self.edits.restore(session.edits)
-            self.people.value = held.get("seen_through", 0.0)
-            self.least.value = held.get("filter", 0.0)
-            self.deskew.value = not held.get("no_deskew", False)
-            self.keep_body.value = held.get("keep_body", False)
-            self.clockwise.value = held.get("clockwise", False)
-            self.mask.value = ",".join(held.get("mask", []))
-            place = "auto" if held.get("mount_auto") else " ".join(map(str, held.get("mount", [])))
+            self.people.value = settings.get("seen_through", 0.0)
+            self.least.value = settings.get("filter", 0.0)
+            self.deskew.value = not settings.get("no_deskew", False)
+            self.keep_body.value = settings.get("keep_body", False)
+            self.clockwise.value = settings.get("clockwise", False)
+            self.mask.value = ",".join(settings.get("mask", []))
+            mount = " ".join(map(str, settings.get("mount", [])))
+            place = "auto" if settings.get("mount_auto") else mount
             self.mount.value = place
         except (TraitError, TypeError, KeyError, ArithmeticError) as fault:
             raise ValueError(f"the session cannot be chosen here: {fault}") from fault
 
     def prepare(self) -> dict[str, Any]:
         """What is chosen for `alignment.prepared`, by the options of `segmap map`."""
-        found: dict[str, Any] = {"no_deskew": not self.deskew.value}
-        found |= {"keep_body": self.keep_body.value, "clockwise": self.clockwise.value}
+        picks: dict[str, Any] = {"no_deskew": not self.deskew.value}
+        picks |= {"keep_body": self.keep_body.value, "clockwise": self.clockwise.value}
         if mask := self.mask.value.replace(" ", ""):
-            directions(found.setdefault("mask", [mask]))
+            directions(picks.setdefault("mask", [mask]))
         text = self.mount.value.strip()
-        found["mount_auto"] = text == "auto"
+        picks["mount_auto"] = text == "auto"
         try:
-            found["mount"] = [] if text in ("", "auto") else [float(word) for word in text.split()]
-            assert len(found["mount"]) in (0, 3)
+            picks["mount"] = [] if text in ("", "auto") else [float(word) for word in text.split()]
+            assert len(picks["mount"]) in (0, 3)
         except (ValueError, AssertionError):
             raise ValueError(f"laser must be like '0.2 0 180', or auto, got {text!r}") from None
-        return {name: value for name, value in found.items() if value}
+        return {name: value for name, value in picks.items() if value}
 
     def recipe(self, log: str) -> MapChoices:
         """All that is chosen, for the log that an expression gives."""

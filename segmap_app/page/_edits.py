@@ -62,17 +62,17 @@ class Edits:
 
     def value(self) -> dict[str, Any]:
         """What is edited, by the options of `segmap map`, as a session keeps it."""
-        found: dict[str, Any] = {"veto": [*self.veto], "tie": [*self.tie]}
-        found["square"] = self.square.value
+        options: dict[str, Any] = {"veto": [*self.veto], "tie": [*self.tie]}
+        options["square"] = self.square.value
         for name, (count, label, hint) in NUMBER_ENTRIES.items():
             text = getattr(self, name).value
             try:
-                found[name] = [float(word) for word in text.replace(",", " ").split()]
-                assert len(found[name]) in (0, count)
+                options[name] = [float(word) for word in text.replace(",", " ").split()]
+                assert len(options[name]) in (0, count)
             except (ValueError, AssertionError):
                 raise ValueError(f"{label} must be like '{hint}', got {text!r}") from None
-        found["crs"], found["edit"] = self.crs.value.strip(), [*map(str, self.plan)]
-        return {name: value for name, value in found.items() if value}
+        options["crs"], options["edit"] = self.crs.value.strip(), [*map(str, self.plan)]
+        return {name: value for name, value in options.items() if value}
 
     def take_loops(self, held: Mapping[str, Any]) -> None:
         """Leave out and force the loops that these edits name, and no others."""

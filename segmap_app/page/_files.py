@@ -72,10 +72,10 @@ def free_space(outcome: Pipeline) -> Array:
 
 def drawn_points(log: Log, poses: Array, *, sketched: bool = False) -> Array:
     """Where beams of scans ended, `(n, 2)`, metres: all that can be drawn, or a sketch of them."""
-    known = np.flatnonzero(np.isfinite(poses).all(1))
-    scans = known[:: 1 + len(known) // (SKETCHED_SCANS if sketched else MOST_DRAWN_SCANS)]
-    found = [transform(poses[k], log[int(k)].points()[:: 1 + sketched]) for k in scans]
-    return np.concatenate([np.zeros((0, 2)), *found])
+    placed = np.flatnonzero(np.isfinite(poses).all(1))
+    scans = placed[:: 1 + len(placed) // (SKETCHED_SCANS if sketched else MOST_DRAWN_SCANS)]
+    clouds = [transform(poses[k], log[int(k)].points()[:: 1 + sketched]) for k in scans]
+    return np.concatenate([np.zeros((0, 2)), *clouds])
 
 
 def sketch(words: Placing | Driving) -> tuple[Array, Array, Array, str, str]:

@@ -233,21 +233,21 @@ def serve() -> None:
         memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
         resource.setrlimit(resource.RLIMIT_AS, (max(memory, LEAST_MEMORY_BYTES),) * 2)
     alarm = getattr(signal, "alarm", lambda seconds: None)  # it kills: no handler is waited for
-    kept: Kept = {}
+    cache: Kept = {}
     while True:
         work = calls.get()
         stop.clear()
         try:
             try:
-                function, given = _Reader(io.BytesIO(work), kept).load()
+                function, arguments = _Reader(io.BytesIO(work), cache).load()
             except Exception as fault:
                 raise ValueError(f"{fault}; {RUNS_HERE}") from fault
-            kept |= _kept(given)
+            cache |= _kept(arguments)
             alarm(MOST_TIME_S)
             with told(hand_on):
-                result = function(*given)
-            _send(answers, ("done", result), kept)
-            kept |= _kept([result])
+                result = function(*arguments)
+            _send(answers, ("done", result), cache)
+            cache |= _kept([result])
         except Stopped:
             _send(answers, ("stopped", None))
         except BaseException as fault:  # a method that calls sys.exit ends itself only

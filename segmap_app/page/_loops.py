@@ -61,8 +61,8 @@ class Loops:
         hint = W.HTML(f"{LINES}{MISSING}</div>")
         pair = W.Box([self.first, self.second, self.tie], layout=W.Layout(**WRAP))
         parts = [W.HTML(f"{LINES}{LISTED}</div>"), self.listed, self.mend, hint, pair]
-        left = W.VBox(parts, layout=W.Layout(flex="1 1 300px", min_width="0"))
-        self.box = W.Box([left, self.picture], layout=W.Layout(flex_flow="row wrap"))
+        column = W.VBox(parts, layout=W.Layout(flex="1 1 300px", min_width="0"))
+        self.box = W.Box([column, self.picture], layout=W.Layout(flex_flow="row wrap"))
         self.open = folded("loops", self.box)
         self.open.layout.display = "none"
         for each in (self.open, self.listed):
@@ -130,8 +130,8 @@ class Loops:
         edits, loop = self._edits, self.listed.value
         if loop is None:
             return
-        kept = edits.tie if loop in edits.tie else edits.veto
-        kept.remove(loop) if loop in kept else kept.append(loop)
+        loops = edits.tie if loop in edits.tie else edits.veto
+        loops.remove(loop) if loop in loops else loops.append(loop)
         self._changed()
 
     def _tie(self, button: object) -> None:
@@ -142,7 +142,7 @@ class Loops:
             int(frames[np.abs(frames - each.value).argmin()]) for each in (self.first, self.second)
         )
         loop = "{}-{}".format(*ends)
-        if loop not in [known for _, known in self.listed.options]:
+        if loop not in [option for _, option in self.listed.options]:
             self._edits.tie.append(loop)
             self._changed()
 

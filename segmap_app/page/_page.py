@@ -118,9 +118,9 @@ class Page:
 
     def _laid_out(self, views: Mapping[str, Any], listed: Any) -> Any:
         """The steps by their names, and the table of all runs."""
-        found = (None, self.verdict, self.extracted, self.figures)
+        reports = (None, self.verdict, self.extracted, self.figures)
         steps: list[Any] = []
-        for k, ((name, view), told_of) in enumerate(zip(views.items(), found, strict=True), 1):
+        for k, ((name, view), told_of) in enumerate(zip(views.items(), reports, strict=True), 1):
             steps += headed(f"{k}  {name}", view, *filter(None, [told_of]))
             steps += headed("or Live", self._laser.view) if name == "Log" else []
         saved, sheet = W.HTML(_shown.heading(SAVED[0])), self.rooms.sheet

@@ -82,18 +82,18 @@ def verdict_html(outcome: Pipeline) -> str:
     return verdict_line(outcome.verdict) + _lines([outcome.alignment.doubt, way])
 
 
-def left(outcome: Pipeline) -> str:
+def by_method(outcome: Pipeline) -> str:
     """What each method leaves, in A's words for reduction and quality, as HTML."""
-    said = []
-    for call, reduced, kept in outcome.results():
+    lines = []
+    for call, reduced, quality in outcome.results():
         rate = reduction_rate(outcome.map, reduced)
-        said += [
+        lines += [
             f"{call.name} ({call.words()}): {len(reduced)} of {len(outcome.map)} segments left, "
             f"reduction {rate:.1%}, {grade_reduction(rate)}; "
-            f"quality {kept:.1%}, {grade_quality(kept)}; {reduced.seconds:.3f} s",
+            f"quality {quality:.1%}, {grade_quality(quality)}; {reduced.seconds:.3f} s",
             reduced.doubt,
         ]
-    return _lines(said)
+    return _lines(lines)
 
 
 def _lines(said: Iterable[str]) -> str:

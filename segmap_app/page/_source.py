@@ -114,8 +114,8 @@ class Source:
     def open(self, source: str | Path | Log, expression: str = "") -> None:
         """Take the log of a bundled name, of a path, or this one; `ValueError` keeps the other."""
         if isinstance(source, Log):
-            given = f"log  # {source.name!r}, the one given to Workbench"
-            self._take(source, expression or given)
+            words = f"log  # {source.name!r}, the one given to Workbench"
+            self._take(source, expression or words)
         elif source in self.names:
             self._take(readers.load(str(source)), f"segmap.load({source!r})")
         else:
@@ -137,8 +137,8 @@ class Source:
     def _opened(self, change: Any) -> None:
         """A bundled log or a path was chosen; the log there is may have set its own name."""
         name = change["new"]
-        known = self.expression == f"segmap.load({name!r})" and self.ready
-        if name in self.names and not known:
+        is_open = self.expression == f"segmap.load({name!r})" and self.ready
+        if name in self.names and not is_open:
             self.columns.show()
             with telling(self._refused):
                 self.open(name)
@@ -147,10 +147,10 @@ class Source:
 
     def _read(self, folder: str | Path, name: str) -> None:
         expression = f'segmap.read({name!r}, on_error="skip")'
-        self._given = given = (str(folder), name)
+        self._given = place = (str(folder), name)
         with contextlib.suppress(ValueError, OSError):
-            self.columns.show(_table_in(*given))
-        self._begin(_read_in_folder, given, lambda log: self._take(log, expression), self._refused)
+            self.columns.show(_table_in(*place))
+        self._begin(_read_in_folder, place, lambda log: self._take(log, expression), self._refused)
 
     def _read_columns(self, columns: list[str], view: tuple[float, float] | None) -> None:
         """Read the table again by what its columns are now."""

@@ -62,10 +62,10 @@ class TableColumns:
 
     def show(self, found: ColumnChoices | None = None) -> None:
         """Show the first rows below what the columns may be; nothing where there are none."""
-        known = found is not None and bool(found.rows) and len(found.choices) <= MOST_SHOWN_COLUMNS
-        self.view.layout.display = "" if known else "none"
+        fits = found is not None and bool(found.rows) and len(found.choices) <= MOST_SHOWN_COLUMNS
+        self.view.layout.display = "" if fits else "none"
         self.kinds = []
-        if found is None or not known:
+        if found is None or not fits:
             self.view.children = ()
             return
         cell = W.Layout(width=COLUMN_WIDTH)
@@ -90,6 +90,6 @@ class TableColumns:
         for end in (self.first, self.last):
             end.layout.display = "" if found.needs_view else "none"
         lines = found.missing or "what the table says of its columns", *found.words
-        told = W.HTML("<br>".join(map(as_html, lines)))
-        self.view.children = (told, grid, W.HBox([self.first, self.last, self.read]))
+        head = W.HTML("<br>".join(map(as_html, lines)))
+        self.view.children = (head, grid, W.HBox([self.first, self.last, self.read]))
         self._changed()

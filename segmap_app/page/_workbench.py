@@ -129,8 +129,8 @@ class Workbench(Page, Work):
 
     def _work(self, *, anew: bool = False) -> tuple[MapChoices, Log, Pipeline | None]:
         """What is to be done, on what is known; of a run that was stopped nothing, if anew."""
-        known = None if anew and self._known is not None and self._known.stopped else self._known
-        return self._choices.recipe(self._source.expression), self.log, known
+        before = None if anew and self._known is not None and self._known.stopped else self._known
+        return self._choices.recipe(self._source.expression), self.log, before
 
     def _start(self, button: object = None) -> None:
         """Do it in the worker, and show it when it is done."""
@@ -181,9 +181,9 @@ class Workbench(Page, Work):
         """Take the last edit back."""
         if len(self._history) > 1:
             self._history.pop()
-            known, self._known = self._known, None  # nothing is run while they are set
+            outcome, self._known = self._known, None  # nothing is run while they are set
             self.edits.restore(self._history[-1])
-            self._known = known
+            self._known = outcome
             self._start()
 
     def _told(self, said: Mapping[str, Any]) -> None:
@@ -207,9 +207,9 @@ class Workbench(Page, Work):
             raise ValueError(f"run {run}: only its figures are kept, choose it and press Run")
         outcome = self._runs.made[run]
         if beside:
-            left = outcome.reductions[0]
-            title = f"run {run}, {shown(outcome.given.name)}: {len(left)}"
-            self.canvas.beside(left.segments, title)
+            reduction = outcome.reductions[0]
+            title = f"run {run}, {shown(outcome.given.name)}: {len(reduction)}"
+            self.canvas.beside(reduction.segments, title)
         elif self._thread.is_alive():
             raise ValueError("something is running: wait for it, or press Stop, then try again")
         else:
@@ -244,7 +244,7 @@ class Workbench(Page, Work):
         self.outcome = self._known = outcome
         if self._history[-1:] != [outcome.recipe.edits]:
             self._history.append(outcome.recipe.edits)
-        self.figures.value = _shown.left(outcome)
+        self.figures.value = _shown.by_method(outcome)
         self.listing.value = _shown.code(outcome.code())
         words = f"{outcome.stopped}; Run maps all of it" if outcome.stopped else "done"
         self._bar.say(f"{outcome.given.name}: {words}", 1.0)
@@ -253,14 +253,14 @@ class Workbench(Page, Work):
     def _show_map(self, outcome: Pipeline) -> None:
         """Show a map, its way and loops, and what is left of it where that is known."""
         map, done, self.rooms.switch.value = outcome.map, outcome.is_reduced(), False
-        found = [each.segments for each in outcome.reductions] if done else []
+        reduced_segments = [each.segments for each in outcome.reductions] if done else []
         wait = [f"before: {len(map)} segments", "not reduced yet"]
         poses, loops = outcome.alignment.poses, outcome.alignment.loops()
         ends = loops[["x_first", "y_first", "x_second", "y_second"]].to_numpy(float)
         layers = {"way": poses[:, :2], "sure": outcome.alignment.sure}
         layers["loops"] = ends.reshape(-1, 2, 2)
         titles = _shown.titles(outcome) if done else wait
-        self.canvas.show(map.segments, found, titles, layers)
+        self.canvas.show(map.segments, reduced_segments, titles, layers)
         self.canvas.unsaved, self._seen = True, outcome
         self.layers["free space"].value = False  # that was of another map
         self._layered()
@@ -272,11 +272,11 @@ class Workbench(Page, Work):
 
     def _is_shown(self, outcome: Pipeline) -> bool:
         """Whether its map is seen already: who looks at two scans is not disturbed then."""
-        known = self._known
-        if known is None or self.canvas.growing:
+        before = self._known
+        if before is None or self.canvas.growing:
             return False
-        mended = known.recipe.mends() != outcome.recipe.mends()
-        return not mended and np.array_equal(known.map.segments, outcome.map.segments)
+        mended = before.recipe.mends() != outcome.recipe.mends()
+        return not mended and np.array_equal(before.map.segments, outcome.map.segments)
 
     # --------------------------------------------------------------------- what came out
     @property
@@ -317,8 +317,8 @@ class Workbench(Page, Work):
         A name that ends in `.segmap` keeps the log with all that is chosen, and the runs.
         """
         if arrays.file(path).suffix.lower() == ".segmap":
-            held = self.outcome if self._known is self.outcome else None
-            log = held.given if held and held.stopped else self.log
+            outcome = self.outcome if self._known is self.outcome else None
+            log = outcome.given if outcome and outcome.stopped else self.log
             files.write_session(path, self._work()[0].session(log, self._runs.rows))
         else:
             self._result()
@@ -349,8 +349,8 @@ class Workbench(Page, Work):
     def _result(self, which: int = 0) -> Reduction:
         if self.outcome is None:
             raise ValueError("there is no map yet: press Run (or call run()) first")
-        found = self.outcome.reductions
-        return found[arrays.whole(which, "which", least=0, most=len(found) - 1)]
+        reductions = self.outcome.reductions
+        return reductions[arrays.whole(which, "which", least=0, most=len(reductions) - 1)]
 
     # --------------------------------------------------------------------- how it looks
     def _connect(self) -> None:
@@ -375,12 +375,12 @@ class Workbench(Page, Work):
         """What is drawn with the maps; what takes time is made when it is first asked for."""
         on, canvas = [name for name, each in self.layers.items() if each.value], self.canvas
         canvas.layers = on
-        if (made := self._seen) is None:
+        if (seen := self._seen) is None:
             return
         if "points" in on and not canvas.points:
-            canvas.points = canvas.packed(_files.drawn_points(made.log, made.alignment.trusted))
+            canvas.points = canvas.packed(_files.drawn_points(seen.log, seen.alignment.trusted))
         if "free space" in on and not canvas.free and not self._thread.is_alive():
-            self._begin(_files.free_space, (made,), self._freed)
+            self._begin(_files.free_space, (seen,), self._freed)
 
     def _freed(self, squares: arrays.Array) -> None:
         squares[:, :2] -= self.canvas.middle

@@ -230,8 +230,8 @@ def is_log(path: Path) -> bool:
 
     A map of `segmap map` or `segmap occupancy` is an NPZ too, of other arrays.
     """
-    held = members(path)
-    if path.suffix in DOCUMENTS or ("format.npy" in held and "ranges.npy" not in held):
+    names = members(path)
+    if path.suffix in DOCUMENTS or ("format.npy" in names and "ranges.npy" not in names):
         return False
     try:
         format_of(path)

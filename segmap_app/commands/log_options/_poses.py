@@ -95,24 +95,24 @@ def add_align(command: Command, without: str = ALIGN) -> None:
     command.add_argument("--align", type=word_of(METHODS), metavar="METHOD", help=words)
 
 
-def tell_poses(made: Pipeline, report: Report) -> Pipeline:
+def tell_poses(outcome: Pipeline, report: Report) -> Pipeline:
     """Say how a log was de-skewed, aligned and turned, each as soon as it is."""
-    tell_deskewing(made, report)
-    tell_alignment(made.alignment_in_log_frame, report)
-    if made.recipe.edits.get("square"):
-        degrees = float(np.degrees(made.turn))
+    tell_deskewing(outcome, report)
+    tell_alignment(outcome.alignment_in_log_frame, report)
+    if outcome.recipe.edits.get("square"):
+        degrees = float(np.degrees(outcome.turn))
         words = f"by {degrees:.2f} degrees about the origin: most walls along x and y"
         report.line("turned", words, degrees=degrees)
-    return made
+    return outcome
 
 
-def tell_deskewing(made: Pipeline, report: Report) -> None:
+def tell_deskewing(outcome: Pipeline, report: Report) -> None:
     """Say of how many scans the beams were carried to their start, where they have their times."""
-    if any(found.cause is Cause.SKEW for found in made.log.causes):
+    if any(finding.cause is Cause.SKEW for finding in outcome.log.causes):
         return  # no beam is carried, and the doubt of the alignment says why
-    if is_timed(made.given) and not is_timed(made.log):
-        count = sum(new is not old for new, old in zip(made.log, made.given, strict=True))
-        words = f"{count} of {counted(len(made.log), 'scan')}, by how the robot moved meanwhile"
+    if is_timed(outcome.given) and not is_timed(outcome.log):
+        count = sum(new is not old for new, old in zip(outcome.log, outcome.given, strict=True))
+        words = f"{count} of {counted(len(outcome.log), 'scan')}, by how the robot moved meanwhile"
         report.line("de-skewed", words, scans=count)
 
 

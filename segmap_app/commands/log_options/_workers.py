@@ -89,11 +89,11 @@ def _executor(workers: str) -> Iterator[tuple[Executor, Any]]:
 def _answer(future: Any, source: str) -> tuple[int, dict[str, Any], dict[str, bytes]]:
     """Exit code of a job, what it says of the log, or why it failed, and the files that it sent."""
     try:
-        code, said, errors, written = future.result()
+        code, printed, errors, written = future.result()
     except Exception as error:  # of the worker, whatever it is: the others go on
-        code, said, written = 1, "", {}
+        code, printed, written = 1, "", {}
         errors = f"its worker ended ({type(error).__name__})"
-    row: dict[str, Any] = json.loads(said.splitlines()[-1]) if said.strip() else {}
+    row: dict[str, Any] = json.loads(printed.splitlines()[-1]) if printed.strip() else {}
     row["source"] = source
     if code not in (0, NO_MAP):
         last = [f"ended with {code}", *errors.strip().splitlines()][-1].removeprefix("segmap: ")
@@ -137,8 +137,8 @@ def _jobs(given: argparse.Namespace, waiting: list[list[str]], client: Any) -> I
     words.append("--json")
     here = str(Path.cwd())
     paths = [[Path(name) for name in files if Path(name).exists()] for files in waiting]
-    known = [str(path.absolute()) for each in paths for path in each]
-    if client is None or all(client.run(_sees, [here, *known]).values()):
+    log_paths = [str(path.absolute()) for each in paths for path in each]
+    if client is None or all(client.run(_sees, [here, *log_paths]).values()):
         yield from (([*words, *files], here, None) for files in waiting)
         return
     if any(Path(name).parent.name for name in getattr(given, "output", [])):

@@ -286,12 +286,12 @@ class _Recording:
                 reason = f"{topic} holds the scans of several lasers, {lasers}: write one of them"
                 raise LogError(self.path, f"{reason} to a topic of its own, and name it")
             place, mirrored = self._mounted(mine[0].frame, alone=len(topics) == 1)
-            found = turns(mine)
-            usual = time_between(found)
+            groups = turns(mine)
+            usual = time_between(groups)
             if usual:
                 count = f"{counted(len(mine), 'message')} of {topic}"
-                self.assumed.append(f"{count} are parts of {counted(len(found), 'turn')}")
-            for parts in found:
+                self.assumed.append(f"{count} are parts of {counted(len(groups), 'turn')}")
+            for parts in groups:
                 beams = turn_of_parts(parts, usual)
                 ordered &= bool(usual) or beams.delays is None
                 rows.append((parts[0].number, parts[0].time, beams, place, mirrored))

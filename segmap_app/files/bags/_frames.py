@@ -50,11 +50,11 @@ class Frames:
     def chain(self, frame: str) -> dict[str, Array]:
         """The frame itself and all above it, each with the pose of the frame in it."""
         pose = np.eye(4)
-        found = {frame: pose}
-        while self.above.get(frame, frame) not in found:
+        poses = {frame: pose}
+        while self.above.get(frame, frame) not in poses:
             pose, frame = self.poses[frame] @ pose, self.above[frame]
-            found[frame] = pose
-        return found
+            poses[frame] = pose
+        return poses
 
     def place(self, laser: str, base: str) -> Array | None:
         """The laser's pose in the frame of the robot; None where nothing links the two.
@@ -94,9 +94,9 @@ class Frames:
         anywhere = [child for child, above in self.tracks if ODOMETRY_FRAME in above]
         for frame in up[base:] if len(up) > 1 else anywhere:
             links = [link for link in self.tracks if link[0] == frame]
-            told = [link for link in links if ODOMETRY_FRAME in link[1]] or links
-            if told and (frame in self.moving or ODOMETRY_FRAME in told[0][1]):
-                link = max(told, key=lambda each: len(self.tracks[each].times))
+            candidates = [link for link in links if ODOMETRY_FRAME in link[1]] or links
+            if candidates and (frame in self.moving or ODOMETRY_FRAME in candidates[0][1]):
+                link = max(candidates, key=lambda each: len(self.tracks[each].times))
                 return *link, self.tracks[link]
         return "", "", Track()
 

@@ -59,13 +59,13 @@ def turns(messages: Sequence[ScanMessage]) -> list[list[ScanMessage]]:
     goes_on = sum(_goes_on(a, b) for a, b in pairs)
     if not pairs or goes_on < PARTS_SHARE * len(pairs):
         return [[each] for each in messages]
-    found = [[messages[0]]]
+    groups = [[messages[0]]]
     for a, b in pairs:
         if _ahead(a, b) > 0 and 0 <= b.time - a.time <= MOST_APART:
-            found[-1].append(b)
+            groups[-1].append(b)
         else:
-            found.append([b])
-    return found
+            groups.append([b])
+    return groups
 
 
 def turn_of_parts(parts: Sequence[ScanMessage], usual: float) -> LaserScan:
@@ -119,11 +119,11 @@ def scan_topics(bag: Bag, named: Sequence[str] | None) -> list[str]:
 
 def named_topic(bag: Bag, kinds: Sequence[str], named: str, argument: str) -> str:
     """The topic that is named."""
-    topics = [topic for topic, count in bag.topics(*kinds).items() if count > 0]
-    if (found := next((t for t in topics if t.strip("/") == named.strip("/")), None)) is None:
+    names = [name for name, count in bag.topics(*kinds).items() if count > 0]
+    if (topic := next((n for n in names if n.strip("/") == named.strip("/")), None)) is None:
         reason = f"{argument} must be a topic of {kinds[0].replace('/msg', '')} in the bag"
         raise LogError(bag.path, f"{reason}, got {named!r}, but {topics_text(bag)}")
-    return found
+    return topic
 
 
 def how_to_read(argument: str, topic: str) -> str:
@@ -134,8 +134,8 @@ def how_to_read(argument: str, topic: str) -> str:
 
 
 def topics_text(bag: Bag) -> str:
-    found = dict.fromkeys(f"{c.topic} ({c.msgtype.replace('/msg', '')})" for c in bag.connections)
-    return f"the bag holds {', '.join(found)[:1000] or 'nothing'}"
+    topics = dict.fromkeys(f"{c.topic} ({c.msgtype.replace('/msg', '')})" for c in bag.connections)
+    return f"the bag holds {', '.join(topics)[:1000] or 'nothing'}"
 
 
 def warn_of_bag(text: str) -> None:

@@ -624,7 +624,7 @@ def test_a_row_of_all_runs_brings_that_run_back(tmp_path):
     made.canvas._handle_custom_msg({"run": 0, "beside": False}, [])
     assert made.outcome is first and made.log is LOG and made.canvas.other == b""
     assert (made.align.value, made.method.value) == ("ground_truth", "fusion")
-    assert made.state.value == f"{LOG.name}: done" and made.figures.value == _shown.left(first)
+    assert made.state.value == f"{LOG.name}: done" and made.figures.value == _shown.by_method(first)
     made.bring_back(1)
     assert (made.log.name, made.method["angle"].value, len(made.runs)) == ("room", 7, 2)
     made.export(tmp_path / "it.segmap")

@@ -130,7 +130,7 @@ def test_what_is_said_of_a_run(outcome):
     assert "#c47f00" in verdict and "<b>HALF &lt;a&gt; map</b>" in verdict
     assert "a &amp; b<br>by &lt;hand&gt;, 1.2 s" in verdict
     many = [len(each) for each in outcome.reductions]
-    first, second, last = _shown.left(outcome).split("<br>")
+    first, second, last = _shown.by_method(outcome).split("<br>")
     assert f"fusion (tolerance &lt;2&gt;): {many[0]} of 5 segments left, reduction" in first
     assert "quality 50.0%, " in second and "2.000 s" in second and last.startswith("a &lt; b")
     row = {"map": "m", "method": "f", "thresholds": "<t>", "alignment": "a", "quality": 1.0}
