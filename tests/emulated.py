@@ -65,10 +65,10 @@ class Wired:
     Where the rates of both ends differ each gets noise, as on RS-232.
     """
 
-    def __init__(self, spoil=lambda data, at: data, *, world=pattern, seed=1, **state):
+    def __init__(self, spoil=lambda data, at: data, *, world=pattern, unit=Unit, seed=1, **state):
         self.now, self.kept, self.sent, self.spoil = 0.0, b"", 0, spoil
         self.wire = Wire(lambda: self.now, np.random.default_rng(seed))
-        self.unit = Unit(world, clock=lambda: self.now, **state)
+        self.unit = unit(world, clock=lambda: self.now, **state)
         self.baudrate, self.open, self.gone = 19200, True, False
 
     @property

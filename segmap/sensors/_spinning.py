@@ -22,13 +22,20 @@ from ._lines import PULLED_OUT_ERRORS, Port
 from ._port import checked_port, open_port
 from ._protocol import SensorError, SensorGone, Silent
 
-#: So many bytes without one measurement are of another laser, or of another bit rate.
+#: So many bytes without a whole turn are of another laser, of another bit rate, or it stands.
 FRUITLESS_BYTES = 20_000
 #: Turns whose median lasts as long as a turn does.
 PERIOD_TURNS = 5
+#: A turn is supposed to last so long until one has come, seconds.
+FIRST_PERIOD_S = 0.2
 #: Degrees that an angle may fall back between two measurements; more: a part of a turn was lost.
-MOST_BACK_DEG = 90.0
-
+MOST_BACK_DEG = 20.0
+#: Degrees from a measurement to the next: a YDLidar corrects its angles by 8 where it meets a wall.
+MOST_STEP_DEG = 10.0
+#: So many measurements in a row follow each other; fewer were read out of step.
+LEAST_RUN = 4
+#: A laser has a way once it has swept so many degrees.
+SURE_WAY_DEG = 90.0
 
 #: Models of which the makers' manuals are known: all count clockwise, seen from above. The value is
 #: whether DTR must be set for the motor to run; None where it does not matter. `lds2d` has more.
@@ -105,7 +112,8 @@ class SpinningLaser:
         self.delivered = 0
         rate, port = driver.DEFAULT_BAUD, checked_port(port)
         opened = open_port(port, rate) if isinstance(port, str) else port
-        words = f"is it a {self.model}, at {rate} bit/s, and does it turn?"
+        name = getattr(opened, "port", None) or "the port"
+        words = f"is there a {self.model} at {name}, at {rate} bit/s, and does it turn?"
         self._transport = _Transport(opened, timeout, clock, words)
         self._driver = driver(self._transport)
         dtr = KNOWN_MODELS.get(self.model)
@@ -126,29 +134,32 @@ class SpinningLaser:
             Where nothing comes, nothing that can be read, or the laser is unplugged or closed.
         """
         beams: list[tuple[float, float, float]] = []
-        self._transport.arrived, way, swept = self._clock(), 0.0, 0.0
-        ends = deque([self._transport.arrived], PERIOD_TURNS + 1)
-        for point in self._driver.points():
-            self._transport.fruitless = 0
+        line, way, swept, period = self._transport, 0.0, 0.0, FIRST_PERIOD_S
+        line.arrived, line.waited = self._clock(), 0.0
+        ends = deque([line.arrived], PERIOD_TURNS + 1)
+        for point in _in_step(self._driver.points()):
+            if line.waited > period:  # nobody knows how many turns were lost
+                beams, swept, line.waited = [], 0.0, 0.0
+                ends = deque([line.arrived], PERIOD_TURNS + 1)
             swept += _motion(point.angle_deg - beams[-1][0], way) if beams else 0.0
-            if not way and abs(swept) > MOST_BACK_DEG:
+            if not way and abs(swept) > SURE_WAY_DEG:
                 way = float(np.sign(swept))
             if abs(swept) >= 360:
-                ends.append(self._transport.arrived)
-                self.delivered += 1
-                yield self._scan(np.array(beams), ends)
+                ends.append(line.arrived)
+                period = float(np.median(np.diff(ends)))
+                line.fruitless, self.delivered = 0, self.delivered + 1
+                yield self._scan(np.array(beams), ends[-1], period)
                 beams, swept = [], way * (abs(swept) % 360)
             beams.append((point.angle_deg, point.dist_mm, abs(swept) / 360))
 
-    def _scan(self, beams: Any, ends: deque[float]) -> LaserScan:
+    def _scan(self, beams: Any, end: float, period: float) -> LaserScan:
         """Beams `(n, 3)`, degrees, millimetres and the share of the turn, as a scan."""
-        period = float(np.median(np.diff(ends)))
         angles, millimetres = wrap(self._turn * np.radians(beams[:, 0])), beams[:, 1]
         ranges, order = np.where(millimetres > 0, millimetres / 1000, np.nan), np.argsort(angles)
         return LaserScan(
             ranges[order],
             angles[order],
-            time=ends[-1] - period,
+            time=end - period,
             sensor_pose=self._sensor_pose,
             delays=np.minimum(beams[order, 2], 1.0) * period,
         )
@@ -182,18 +193,20 @@ class _Transport:
 
     def __init__(self, port: Port, seconds: float, clock: Callable[[], float], advice: str) -> None:
         self._port, self._seconds, self._clock, self._advice = port, seconds, clock, advice
-        self.fruitless, self.arrived, self.closed = 0, clock(), False
+        self.fruitless, self.arrived, self.waited, self.closed = 0, clock(), 0.0, False
 
     def read(self, size: int) -> bytes:
         """At most so many bytes, at least one."""
-        until, late = self._clock() + self._seconds, False
+        begun, late = self._clock(), False
         while not late:
-            late = self._clock() >= until  # before it is read: this program may have been slow
+            waited = self._clock() - begun  # before it is read: this program may have been slow
+            late = waited >= self._seconds
             heard = self._asked(lambda: self._port.read(min(max(self._port.in_waiting, 1), size)))
             if heard:
                 self.fruitless, self.arrived = self.fruitless + len(heard), self._clock()
+                self.waited = max(self.waited, waited)
                 if self.fruitless > FRUITLESS_BYTES:
-                    words = f"{self.fruitless} bytes and no measurement among them"
+                    words = f"{self.fruitless} bytes and no whole turn in them"
                     raise SensorError(f"{words}: {self._advice}")
                 return heard
         raise Silent(f"nothing came for {self._seconds:g} s: {self._advice}")
@@ -212,7 +225,24 @@ class _Transport:
         except (*PULLED_OUT_ERRORS, TypeError) as error:  # a port that is closed meanwhile
             if self.closed:
                 raise SensorError("the sensor is closed: make a new SpinningLaser") from None
-            raise SensorGone(f"the sensor is gone ({error}): plug it in, open it again") from error
+            words = f"the sensor is gone ({error}): plug it in, open it again"
+            raise SensorGone(f"{words}; {self._advice}") from error
+
+
+def _in_step(points: Iterator[Any]) -> Iterator[Any]:
+    """Measurements that follow each other: bytes that are read out of step make angles that jump.
+
+    An RPLidar has two check bits in five bytes, so one in four of such readings looks right.
+    """
+    run: list[Any] = []
+    angle, count = 0.0, 0
+    for point in points:
+        is_near = abs((point.angle_deg - angle + 180) % 360 - 180) <= MOST_STEP_DEG
+        angle, count = point.angle_deg, count + 1 if is_near else 1
+        run = [*run, point] if is_near else [point]
+        if count >= LEAST_RUN:
+            yield from run
+            run = []
 
 
 def _motion(difference: float, way: float) -> float:

@@ -143,7 +143,7 @@ def test_motors_run_as_their_makers_say():
 def test_silence_and_noise_are_told(said):
     """Catches a program that waits for ever for a laser of another model or bit rate."""
     laser = SpinningLaser("LD19", Bytes(*said), timeout=0.1)
-    with pytest.raises(SensorError, match="is it a LD19, at 230400 bit/s"):
+    with pytest.raises(SensorError, match="is there a LD19 at the port, at 230400 bit/s"):
         next(laser.scans())
 
 
