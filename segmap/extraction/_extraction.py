@@ -246,7 +246,7 @@ def _room_for(most: int, scans: Beams) -> Runs:
     return Runs(np.empty((most, 2, 2)), np.empty((2, most), np.int64), counts)
 
 
-def _used(runs: Runs) -> Runs:
+def _rows_in_use(runs: Runs) -> Runs:
     """What of the room is used."""
     count = runs.counts.sum()
     return Runs(runs.segments[:count], runs.ends[:, :count], runs.counts)
@@ -255,7 +255,7 @@ def _used(runs: Runs) -> Runs:
 def _clusters(scans: Beams, gap: float, fit: Literal["total", "algebraic"]) -> Runs:
     runs = _room_for(len(scans.points) // 2 + 1, scans)
     kernels.clusters(scans, gap, fit == "total", runs)
-    return _used(runs)
+    return _rows_in_use(runs)
 
 
 def _polylines(
@@ -271,7 +271,7 @@ def _polylines(
     noise, least = (MORE_TOLERANCE * more, MORE_TOLERANCE * share, tolerance), max(min_points, 2)
     runs = _room_for(len(scans.points) // least + len(scans.closed), scans)
     kernels.polylines(scans, noise, gap, least, min_length, runs)
-    return _used(runs)
+    return _rows_in_use(runs)
 
 
 #: The extractions that tell the points of each segment.

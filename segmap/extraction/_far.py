@@ -15,7 +15,7 @@ from ..threads import Rows
 #: Points with no more noise are not from afar, metres: at 0.03 an RPLidar A2 rounds jogs off, and
 #: at 0.015 no wall is seen from near.
 FAR_SIGMA_M = 0.02
-#: Nor is a point with no more than so many times the least noise in its square, and beside it.
+#: A point with no more than so many times the least noise in and beside its square is near too.
 FAR_FACTOR = 1.5
 #: Side of the squares, metres.
 SEEN_SQUARE_M = 0.1

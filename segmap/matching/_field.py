@@ -108,11 +108,11 @@ class DistanceField:
         """The field of the occupied cells in the window, whose first cell is given."""
         rows, columns = self.cells.shape
         with map.lock:
-            left, low = (first - map.tree.corner).tolist()
-            x, y = map.tree.occupied_cells(np.array([left, low, left + columns, low + rows])).T
+            x0, y0 = (first - map.tree.corner).tolist()
+            x, y = map.tree.occupied_cells(np.array([x0, y0, x0 + columns, y0 + rows])).T
         if not len(x):
             raise NothingNear("the window holds no occupied cell, so no pose in it has a score")
-        self.cells[y - low, x - left] = 0
+        self.cells[y - y0, x - x0] = 0
         transform_cells(self.cells, self.unit)
 
     def _measure(self, walls: Array, corner: Array) -> None:
@@ -157,8 +157,8 @@ class DistanceField:
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """Left, low, right and high edge of the window, metres: whole cells."""
-        left, low, side, columns, rows, _ = self._frame.tolist()
-        return left, low, left + columns * side, low + rows * side
+        x_min, y_min, side, columns, rows, _ = self._frame.tolist()
+        return x_min, y_min, x_min + columns * side, y_min + rows * side
 
     def score(self, points: ArrayLike, poses: ArrayLike) -> Array:
         """Minus the sum of the distances at each pose, `(k,)`, metres, as of `occupancy_score`."""
@@ -184,9 +184,9 @@ class DistanceField:
 
         def score(poses: Array) -> Array:
             """The score at each pose."""
-            cells, found = np.empty(len(near), np.uint32), np.empty(len(poses))
-            look_up(flat, self._frame, ends, poses, cells, found)
-            return found
+            cells, scores = np.empty(len(near), np.uint32), np.empty(len(poses))
+            look_up(flat, self._frame, ends, poses, cells, scores)
+            return scores
 
         return score
 
@@ -278,12 +278,12 @@ def wall_distances(
         if at == 0:
             grid[j, i] = whole(least * unit + 0.5)
             continue
-        kept = last
+        end = last
         for k in range(first, last):
             if away[k - first] <= least + 2 * np.sqrt(2.0) * half:
-                near[kept] = near[k]
-                kept += 1
-        begin[at - 1], width = kept, 1 << (at - 1)
+                near[end] = near[k]
+                end += 1
+        begin[at - 1], width = end, 1 << (at - 1)
         for q in range(4):
             a, b = i + width * (q & 1), j + width * (q >> 1)
             if a < columns and b < rows:
@@ -331,7 +331,7 @@ def distance_transform(grid: Counts, unit: int, room: Cells, share: Array) -> No
 
 @compiled
 def look_up(
-    field: Counts, frame: Array, points: Singles, poses: Array, cells: Unsigned, found: Array
+    field: Counts, frame: Array, points: Singles, poses: Array, cells: Unsigned, scores: Array
 ) -> None:
     """Write the sum of the field under points `(2, n)` at each pose `(k, 3)`.
 
@@ -340,11 +340,11 @@ def look_up(
     `cells`, `(n,)`, is room to work in. Single precision and whole numbers let the compiler take
     eight beams at a time.
     """
-    left, low, side, columns = frame[0], frame[1], frame[2], np.int32(frame[3])
+    x0, y0, side, columns = frame[0], frame[1], frame[2], np.int32(frame[3])
     zero, most_x, most_y = np.float32(0.0), np.float32(frame[3] - 1.0), np.float32(frame[4] - 1.0)
     for k in range(len(poses)):
         c, s = np.float32(np.cos(poses[k, 2]) / side), np.float32(np.sin(poses[k, 2]) / side)
-        dx, dy = np.float32((poses[k, 0] - left) / side), np.float32((poses[k, 1] - low) / side)
+        dx, dy = np.float32((poses[k, 0] - x0) / side), np.float32((poses[k, 1] - y0) / side)
         for m in range(points.shape[1]):
             x = c * points[0, m] - s * points[1, m] + dx
             y = s * points[0, m] + c * points[1, m] + dy
@@ -353,4 +353,4 @@ def look_up(
         total = whole(0)
         for m in range(points.shape[1]):
             total += field[cells[m]]
-        found[k] = total * frame[5]
+        scores[k] = total * frame[5]

@@ -140,17 +140,17 @@ def localize_ekf(
         arrays.instance(odometry_noise, "odometry_noise", OdometryNoise)
     if not arrays.is_iterable(scans):
         raise ValueError(f"scans must be a Log, or give scans, got {arrays.brief(scans)}")
-    first, known = arrays.pose(start, "start"), arrays.values(covariance, "covariance")
-    good = known.shape == (3, 3) and np.isfinite(known).all() and np.allclose(known, known.T)
-    if not good or np.linalg.eigvalsh(known)[0] <= 0 or known.max() > MOST_VARIANCE_M2:
-        said = "symmetric, positive in all directions, at most a square kilometre"
-        raise ValueError(f"covariance must be (3, 3), {said}; got {arrays.brief(covariance)}")
+    first, spread = arrays.pose(start, "start"), arrays.values(covariance, "covariance")
+    good = spread.shape == (3, 3) and np.isfinite(spread).all() and np.allclose(spread, spread.T)
+    if not good or np.linalg.eigvalsh(spread)[0] <= 0 or spread.max() > MOST_VARIANCE_M2:
+        wanted = "symmetric, positive in all directions, at most a square kilometre"
+        raise ValueError(f"covariance must be (3, 3), {wanted}; got {arrays.brief(covariance)}")
     walls = map.filtered(BEHIND_M).segments
     limit = -2 * float(np.log(1 - gate))  # the quantile of chi squared, two degrees of freedom
 
     fit_on_map = Likelihoods(map).fits if len(walls) else None
 
-    def filtered(pose: Array, covariance: Array) -> Iterator[KalmanState]:
+    def states(pose: Array, covariance: Array) -> Iterator[KalmanState]:
         odometry_before: Array | None = None
         wheels, fit = Wheels(), np.nan
         for k, scan in enumerate(scans):
@@ -177,7 +177,7 @@ def localize_ekf(
             odometry_before, pose, covariance = scan.odometry, state.pose, state.covariance
             yield state._replace(fit=float(fit))
 
-    return filtered(first, known)
+    return states(first, spread)
 
 
 def simulated_noise(motion: Array, noise: OdometryNoise) -> Array:

@@ -97,7 +97,7 @@ def _distances(map: Map) -> tuple[Array, Array, float]:
 # ---------------------------------------------------------------------------------- loops
 @compiled
 def weigh_poses(
-    level: Levels, frame: Array, points: Array, placed: Array, cells: Counts, found: Array
+    level: Levels, frame: Array, points: Array, placed: Array, cells: Counts, sums: Array
 ) -> None:
     """Write the sum of the logarithms under points `(2, n)` at each pose `(k, 4)`.
 
@@ -105,16 +105,16 @@ def weigh_poses(
     `frame` holds left and low edge of the map, cell side, cells of the border, columns and rows
     with it; `cells`, `(n,)`, is room to work in: so the compiler takes several beams at a time.
     """
-    left, low, side, border, columns = frame[0], frame[1], frame[2], frame[3], np.int32(frame[4])
+    west, south, side, border, columns = frame[0], frame[1], frame[2], frame[3], np.int32(frame[4])
     last_x, last_y = frame[4] - 1.0, frame[5] - 1.0
     for k in range(len(placed)):
         x0, y0, c, s = placed[k, 0], placed[k, 1], placed[k, 2], placed[k, 3]
         for m in range(points.shape[1]):
-            x = (x0 + c * points[0, m] - s * points[1, m] - left) / side + border
-            y = (y0 + s * points[0, m] + c * points[1, m] - low) / side + border
+            x = (x0 + c * points[0, m] - s * points[1, m] - west) / side + border
+            y = (y0 + s * points[0, m] + c * points[1, m] - south) / side + border
             x, y = min(last_x, max(0.0, x)), min(last_y, max(0.0, y))
             cells[m] = np.int32(y) * columns + np.int32(x)
         total = 0.0
         for m in range(points.shape[1]):
             total += LOGARITHMS[level[cells[m]]]
-        found[k] = total
+        sums[k] = total

@@ -189,7 +189,7 @@ class LiveMap(Locked):
             self._placed = list(zip(scans, self.poses, strict=True))
             thread = ThreadPoolExecutor(1, "new map")
             blank = deepcopy(self._blank)
-            self._anew = thread.submit(_all_inserted, *blank, self._placed, free=self._free)
+            self._anew = thread.submit(_insert_all, *blank, self._placed, free=self._free)
             thread.shutdown(wait=False)
             self._stale = False
 
@@ -209,7 +209,7 @@ class LiveMap(Locked):
         return f"LiveMap({self.graph!r})"
 
 
-def _all_inserted(
+def _insert_all(
     map: QuadtreeMap, walls: LiveReduction | None, placed: list[Placed], *, free: bool
 ) -> Anew:
     """The map, and the reduced one, of scans at their poses; more may come in meanwhile."""
@@ -234,5 +234,5 @@ def insert_placed(
         unseen = free_ends(scan, sensor) if free else None
         map.insert_scan(sensor[:2], transform(pose, points), unseen)
     if walls is not None:
-        found = extract_polylines(points, closed=scan.whole_turn)
-        walls.add(transform(pose, found.reshape(-1, 2)).reshape(-1, 2, 2))
+        segments = extract_polylines(points, closed=scan.whole_turn)
+        walls.add(transform(pose, segments.reshape(-1, 2)).reshape(-1, 2, 2))

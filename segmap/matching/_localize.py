@@ -28,9 +28,9 @@ DOUBTFUL_FIT = 0.8
 #: It counts as found once the fit reaches this, and until the fit falls below `DOUBTFUL_FIT`: what
 #: has moved makes wrong rooms fit to .92.
 FOUND_FIT = 0.93
-#: A place with less than this share of the weight is dead, and found is the robot where all other
-#: places are: the fits of a single scan must differ by 16 %, or those of a drive by 3.5 % each.
-DEAD = 0.03
+#: Places with less than this share of the weight are dropped; the robot is found where one remains.
+#: For that the fits of a single scan must differ by 16 %, or those of a drive by 3.5 % each.
+MIN_PLACE_WEIGHT = 0.03
 #: Ends so near to a line of their own scan are asked, metres: five deviations of a good laser.
 NEAR_LINE_M = 0.05
 #: Where fewer lie on any line, all are asked.
@@ -41,9 +41,9 @@ LEAST_LINES = 6
 #: one of two equal places (by 1 % of the fit where its walls err by 4 cm): with 1, a long drive
 #: would make sure of it.
 MEMORY = 0.8
-#: Particles so near to the best one, metres, ...
+#: Particles farther from the best one, metres, are at another place.
 SAME_PLACE_M = 0.5
-#: ... and turned by less, radians, are at its place.
+#: Particles turned by more from the best one, radians, are at another place.
 SAME_PLACE_RAD = 0.5
 #: Error of odometry at rest: metres, radians.
 ERROR_AT_REST = np.array([0.02, 0.01])
@@ -61,9 +61,9 @@ KLD_ERROR = 0.05
 KLD_QUANTILE = 2.326
 #: Never fewer particles.
 LEAST_PARTICLES = 300
-#: Fresh particles come to all places that score so much less than the best, ...
+#: Fresh particles come to all places that score at most so much less than the best.
 PLACE_SCORE_MARGIN = 0.1
-#: ... and at most to so many.
+#: Fresh particles come to at most so many places.
 MOST_FRESH_PLACES = 100
 #: A place that fits better by less than this share is no reason to go there.
 BETTER_FIT_SHARE = 0.05
@@ -124,9 +124,9 @@ def localize(
     first scan that fits to less than 0.93. Does it fit better elsewhere, so many fresh particles
     come there, as augmented filters draw anywhere.
 
-    Found is the robot where all other places are dead by what the scans say: drawing anew leaves
-    each place its weight, so in a hall that maps onto itself by half a turn both stay. Where the
-    walls of such a map err by some centimetres, the map itself can prefer the wrong place.
+    The robot is found where the scans leave one place only: drawing anew leaves each place its
+    weight, so in a hall that maps onto itself by half a turn both stay. Where the walls of such a
+    map err by some centimetres, the map itself can prefer the wrong place.
 
     Parameters
     ----------
@@ -230,13 +230,13 @@ def on_lines(ends: Array, least: int) -> Array:
 
 
 def fit_of_best(
-    map: Likelihoods, ends: Array, beams: int, poses: Array, fits: Array, found: bool
+    map: Likelihoods, ends: Array, beams: int, poses: Array, fits: Array, is_found: bool
 ) -> float:
     """How well a scan fits at the pose `(n, 3)` that fits best: all ends, or those on its lines."""
     best = float(fits.max(initial=0.0))
     if not len(poses) or best >= FOUND_FIT:
         return best
-    asked = on_lines(ends, 1 if found else LEAST_LINES)
+    asked = on_lines(ends, 1 if is_found else LEAST_LINES)
     return float(map.fits(sample_beams(asked, beams), poses[[np.argmax(fits)]])[0])
 
 
@@ -263,14 +263,14 @@ def kld_sample_size(poses: Array) -> int:
 
 
 def at_places(poses: Array, weights: Array) -> list[NDArray[np.int64]]:
-    """Which particles are at each place, that of the heaviest first; places that are dead not."""
-    left, places = np.arange(len(poses)), []
-    while len(left):
-        heaviest = poses[left[np.argmax(weights[left])]]
-        near = at_one_place(poses[left], heaviest, SAME_PLACE_M, SAME_PLACE_RAD)
-        places.append(left[near])
-        left = left[~near]
-    return [place for place in places if weights[place].sum() >= DEAD]
+    """Which particles are at each place, that of the heaviest first, without dropped places."""
+    rest, places = np.arange(len(poses)), []
+    while len(rest):
+        heaviest = poses[rest[np.argmax(weights[rest])]]
+        near = at_one_place(poses[rest], heaviest, SAME_PLACE_M, SAME_PLACE_RAD)
+        places.append(rest[near])
+        rest = rest[~near]
+    return [place for place in places if weights[place].sum() >= MIN_PLACE_WEIGHT]
 
 
 def redrawn(
@@ -303,7 +303,7 @@ def redrawn(
 def estimate(
     poses: Array, weights: Array, places: list[NDArray[np.int64]], fit: float, least: float
 ) -> Belief:
-    """The likeliest of the places, and what is known of it; it must fit so well."""
+    """The likeliest place with its covariance; found only where its fit reaches `least`."""
     if not places:
         unknown = np.full(3, np.nan), np.full((3, 3), np.nan)
         words, kind = "lost: no place explains the scan", Uncertainty.NO_PLACE

@@ -111,8 +111,8 @@ def map_scans(
     if not arrays.is_iterable(log):
         raise ValueError(f"log must be a Log, or give scans one by one, got {type(log).__name__}")
     if graph is not False:
-        given = LiveGraph() if graph is True else arrays.instance(graph, "graph", LiveGraph)
-        return _graph_steps(log, LiveMap(given, map=tree, start=pose, free=free))
+        live_graph = LiveGraph() if graph is True else arrays.instance(graph, "graph", LiveGraph)
+        return _graph_steps(log, LiveMap(live_graph, map=tree, start=pose, free=free))
     arrays.function(matcher, "matcher", "of map, points and start, hill_climb say")
     if matcher is sample_and_rank and rng is None:
         raise ValueError("sample_and_rank draws poses: give rng, numpy.random.default_rng(1) say")
@@ -135,8 +135,8 @@ def map_scans(
                 overlap = overlap_of(tree, points, pose)
                 insert_placed(tree, None, scan, pose, free=free)
                 inserted += len(points) > 0
-            found = fixed and overlap >= FOUND
-            yield Step(pose.copy(), value, work_time() - begun, False, found, overlap)
+            on_map = fixed and overlap >= FOUND
+            yield Step(pose.copy(), value, work_time() - begun, False, on_map, overlap)
 
     return steps(pose)
 
@@ -206,13 +206,13 @@ def _match_by_score(
         values = prepared_score(score, map, points, start)
     except NothingNear:
         return start, np.nan
-    pose = found_by(matcher, map, points, start, Prepared(values, points, score))
+    pose = ask_matcher(matcher, map, points, start, Prepared(values, points, score))
     return pose, float(values(pose[None])[0])
 
 
-def found_by(
+def ask_matcher(
     matcher: Matcher, map: QuadtreeMap, points: Array, start: Array, score: Score
 ) -> Array:
     """What a matcher answers, checked: it may be the user's own."""
-    found = arrays.call_given(matcher, "matcher", map, points, start, score=score)
-    return arrays.pose(found, "matcher(map, points, start)")
+    answer = arrays.call_given(matcher, "matcher", map, points, start, score=score)
+    return arrays.pose(answer, "matcher(map, points, start)")

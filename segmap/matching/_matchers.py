@@ -95,10 +95,10 @@ def hill_climb(
     best = values(pose[None])[0]
     while moves and rounds:
         tried = pose + moves[0]
-        found = values(tried)
-        top = int(found.argmax())
-        if found[top] > best:
-            pose, best, rounds = tried[top], found[top], rounds - 1
+        scores = values(tried)
+        top = int(scores.argmax())
+        if scores[top] > best:
+            pose, best, rounds = tried[top], scores[top], rounds - 1
         else:
             moves.pop(0)
     return wrapped(pose)
@@ -148,13 +148,13 @@ def sample_and_rank(
     ends, pose = arrays.points(points), arrays.pose(start, "start")
     values = prepared_score(score, map, ends, pose)
     poses = np.concatenate([pose[None], pose + rng.normal(0, 2 * spread, (99, 3))])
-    found = values(poses)
+    scores = values(poses)
     for step in (1, 2, 3):
-        stay = np.argsort(-found, kind="stable")[:20]
+        stay = np.argsort(-scores, kind="stable")[:20]
         drawn = np.repeat(poses[stay], 4, axis=0) + rng.normal(0, spread / step, (80, 3))
         poses = np.concatenate([poses[stay], drawn])
-        found = np.concatenate([found[stay], values(drawn)])
-    return wrapped(poses[int(np.argmax(found))])
+        scores = np.concatenate([scores[stay], values(drawn)])
+    return wrapped(poses[int(np.argmax(scores))])
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,9 +192,9 @@ def prepared_score(
     if score is field_score and len(points):
         return DistanceField.around(map, points, start).scorer(points)
 
-    def asked(poses: Array) -> Array:
+    def call_score(poses: Array) -> Array:
         """What the score says of poses, `(k,)`."""
-        found = arrays.call_given(score, "score", map, points, poses)
-        return arrays.row(found, "score(map, points, poses)", len(poses))
+        scores = arrays.call_given(score, "score", map, points, poses)
+        return arrays.row(scores, "score(map, points, poses)", len(poses))
 
-    return asked
+    return call_score

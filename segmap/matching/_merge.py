@@ -38,7 +38,7 @@ def merge(first: Log, second: Log, **thresholds: Any) -> Alignment:
     map = build_map(first, graphs[0].refine(), resolution=MERGE_CELL_M)
 
     def places(scan: LaserScan) -> Array:
-        found = search(map, scan, least=LEAST_MERGE_FIT)
-        return found.poses[: int(found.found)]
+        candidates = search(map, scan, least=LEAST_MERGE_FIT)
+        return candidates.poses[: int(candidates.found)]
 
     return alignment.merge_graphs(*graphs, places)

@@ -19,7 +19,7 @@ from ..simulation import OdometryNoise
 from ._field import DistanceField, NothingNear
 from ._likelihoods import ANYTHING
 from ._live_map import FOUND, insert_placed, overlap_of
-from ._mapping import Matcher, _warm, drawing, found_by, naming_scan
+from ._mapping import Matcher, _warm, ask_matcher, drawing, naming_scan
 from ._matchers import Prepared, field_score, hill_climb
 from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 
@@ -42,9 +42,9 @@ NO_ODOMETRY_STEP = np.array([0.1, 0.1, 0.05])
 #: While a robot turns fast its odometry may be late. Turns from scan to scan above this, radians,
 #: are fast: a start is good to 0.3.
 FAST_TURN_RAD = 0.3
-#: Then, or where less than this share of a scan lies on the map, ...
+#: The matcher tries more headings where less than this share of a scan lies on the map.
 GOOD_OVERLAP = 0.75
-#: ... the matcher also starts from the predicted heading plus each of these turns, radians.
+#: It then also starts from the predicted heading plus each of these turns, radians.
 LATE_TURNS = np.outer([0, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9], [0, 0, 1])
 #: More particles would fill the memory: each has a map.
 MOST_PARTICLES = 10_000
@@ -201,15 +201,15 @@ def _steps(
             best = int(np.argmax(likely))
             if len(points) and settled:
                 own = zip(maps, poses, strict=True)
-                found = [_climbed(matcher, *each, points, _turns_tried(step)) for each in own]
-                poses = np.array([peak for peak, _ in found])
+                peaks = [_climb(matcher, *each, points, _turns_to_try(step)) for each in own]
+                poses = np.array([peak for peak, _ in peaks])
                 x, y, turn = np.abs(between(drawn[best], poses[best]))
                 if np.hypot(x, y) > WEIGHING_STEP[0] or turn > WEIGHING_STEP[1]:
                     # 3. Weigh each particle by its likelihood about the peak, and draw its pose
                     wide = NO_ODOMETRY_STEP
                     if odometry is not None and wheels is not None and wheels_drawn is not None:
                         wide = odometry_deviation(between(wheels_drawn, wheels), odometry)
-                    poses, weight = _drawn_about(found, points, wide, noise, rng)
+                    poses, weight = _draw_about(peaks, points, wide, noise, rng)
                     recent, likely = recent + weight, likely + weight
                     drawn, wheels_drawn, best = poses.copy(), wheels, int(np.argmax(likely))
             # 4. Map
@@ -223,7 +223,7 @@ def _steps(
         yield Particles(poses.copy(), _weights(recent), parents, best, overlap, seconds)
 
 
-def _drawn_about(
+def _draw_about(
     peaks: Sequence[Peak], points: Array, wide: Array, noise: float, rng: np.random.Generator
 ) -> tuple[Array, Array]:
     """A pose about each peak, `(n, 3)`, and the logarithm of the weight that each one gains."""
@@ -239,14 +239,14 @@ def _drawn_about(
     return np.array(poses), np.array(gained)
 
 
-def _turns_tried(step: Array | None) -> list[Array]:
+def _turns_to_try(step: Array | None) -> list[Array]:
     """Turns from which the matcher begins, and those where it finds nothing then, `(t, 3)` each."""
     if step is None:
         return [LATE_TURNS[:1]]
     return [LATE_TURNS] if abs(step[2]) > FAST_TURN_RAD else [LATE_TURNS[:1], LATE_TURNS]
 
 
-def _climbed(
+def _climb(
     matcher: Matcher, map: QuadtreeMap, start: Array, points: Array, tries: Sequence[Array]
 ) -> Peak:
     """The pose that the matcher finds from a start, and the field; the start with nothing near.
@@ -262,8 +262,8 @@ def _climbed(
             return start, None
         values = field.scorer(points)
         score = Prepared(values, points, field_score)
-        found = np.array([found_by(matcher, map, points, each, score) for each in starts])
-        answers.append((found[np.argmax(values(found))], field))
+        poses = np.array([ask_matcher(matcher, map, points, each, score) for each in starts])
+        answers.append((poses[np.argmax(values(poses))], field))
         if len(tries) == 1 or overlap_of(map, points, answers[-1][0]) >= GOOD_OVERLAP:
             return answers[-1]
     return answers[0]
@@ -328,8 +328,8 @@ def particle_paths(steps: Sequence[Particles]) -> Array:
     listed = isinstance(steps, list | tuple) and len(steps) > 0
     if not listed or not all(isinstance(step, Particles) for step in steps):
         raise ValueError("steps must be a list of what particle_mapping yields, not empty")
-    at, found = np.arange(len(steps[-1].poses)), []
+    at, paths = np.arange(len(steps[-1].poses)), []
     for step in reversed(steps):
-        found.append(step.poses[at])
+        paths.append(step.poses[at])
         at = step.parents[at]
-    return np.stack(found[::-1], 1)
+    return np.stack(paths[::-1], 1)

@@ -65,19 +65,19 @@ def route(map: QuadtreeMap, start: ArrayLike, goal: ArrayLike, *, radius: Metres
     corner = map.corner + map.tree.corner * map.resolution
     places = (np.concatenate([first[None], goals]) - corner) / map.resolution
     clear = _clear(map, radius)
-    held = clear.at(np.floor(places).astype(np.int64))
-    if held[0] < 0 or (held[1:] < 0).all():
-        raise NoRoute(_refused(map, "goal" if held[0] >= 0 else "start", first, goals[0], radius))
-    corners = _shortest(clear, places, held)
+    square = clear.at(np.floor(places).astype(np.int64))
+    if square[0] < 0 or (square[1:] < 0).all():
+        raise NoRoute(_reason(map, "goal" if square[0] >= 0 else "start", first, goals[0], radius))
+    corners = _shortest(clear, places, square)
     if corners is None:
         least = _clear(map, 0.0)
-        held = least.at(np.floor(places).astype(np.int64))
-        closed = _shortest(least, places, held) is None
+        square = least.at(np.floor(places).astype(np.int64))
+        closed = _shortest(least, places, square) is None
         why = "walls or unknown space close it" if closed else "it is too narrow somewhere"
         raise NoRoute(
             f"no way from start {_place_text(first)} to a goal keeps {radius:g} m from walls: {why}"
         )
-    return corner + _straightened(clear, corners) * map.resolution
+    return corner + _straighten(clear, corners) * map.resolution
 
 
 def _clear(map: QuadtreeMap, radius: float) -> Squares:
@@ -86,7 +86,7 @@ def _clear(map: QuadtreeMap, radius: float) -> Squares:
 
     _, cell, level = map.tree.leaves()
     free = map.leaf_occupancy() < 0.5
-    cell, level, kept = cell[free], level[free], []
+    cell, level, clear = cell[free], level[free], []
     walls = map.tree.occupied_cells(np.array([0, 0, 1, 1]) << map.tree.level)
     # From the side of a cell to that of another it is as far as from the middle of the one to the
     # middle of the nearest of the other's nine.
@@ -97,26 +97,26 @@ def _clear(map: QuadtreeMap, radius: float) -> Squares:
         away = near.query(cell + half[:, None])[0] if len(walls) else np.full(len(cell), np.inf)
         reach = half * np.sqrt(2)  # to the middles of its own outermost cells
         all_of_it = away - reach >= wanted
-        kept.append((cell[all_of_it], level[all_of_it]))
+        clear.append((cell[all_of_it], level[all_of_it]))
         some = ~all_of_it & (away + reach >= wanted)  # never of a cell: its reach is 0
         level = level[some, None] - 1
         cell = (cell[some, None] + (QUARTERS << level[:, None])).reshape(-1, 2)
         level = np.repeat(level, 4)
-    parts = [np.concatenate(part) for part in zip(*kept, strict=True)]
+    parts = [np.concatenate(part) for part in zip(*clear, strict=True)]
     return Squares(*parts) if parts else Squares(np.zeros((0, 2), np.int64), np.zeros(0, np.int64))
 
 
-def _shortest(clear: Squares, places: Array, held: Cells) -> Array | None:
+def _shortest(clear: Squares, places: Array, squares: Cells) -> Array | None:
     """Corners of the shortest way from the first place to one of the others; None where none is."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra
 
     one, other, edges = clear.borders()
-    inner, known = other >= 0, np.flatnonzero(held >= 0)
+    inner, inside = other >= 0, np.flatnonzero(squares >= 0)
     corners = np.concatenate([places, edges[inner].mean(1)])
     number = len(places) + np.arange(inner.sum())
-    square = np.concatenate([held[known], one[inner], other[inner]])
-    corner = np.concatenate([known, number, number])
+    square = np.concatenate([squares[inside], one[inner], other[inner]])
+    corner = np.concatenate([inside, number, number])
     order = np.argsort(square, kind="stable")
     square, corner = square[order], corner[order]
 
@@ -137,13 +137,13 @@ def _shortest(clear: Squares, places: Array, held: Cells) -> Array | None:
     return corners[way[::-1]]
 
 
-def _straightened(clear: Squares, corners: Array) -> Array:
+def _straighten(clear: Squares, corners: Array) -> Array:
     """The same way without the corners between two that see each other."""
-    kept = [corners[0]]
+    way = [corners[0]]
     for here, after in pairwise(corners[1:]):
-        if not _sees(clear, kept[-1], after):
-            kept.append(here)
-    return np.array([*kept, corners[-1]])
+        if not _sees(clear, way[-1], after):
+            way.append(here)
+    return np.array([*way, corners[-1]])
 
 
 def _sees(clear: Squares, start: Array, end: Array) -> bool:
@@ -158,14 +158,14 @@ def _sees(clear: Squares, start: Array, end: Array) -> bool:
     return bool((clear.at(crossed.astype(np.int64)) >= 0).all())
 
 
-def _refused(map: QuadtreeMap, name: str, start: Array, goal: Array, radius: float) -> str:
+def _reason(map: QuadtreeMap, name: str, start: Array, goal: Array, radius: float) -> str:
     """Why a robot cannot stand somewhere."""
     place = start if name == "start" else goal
     value = map.occupancy(place[None])[0]
-    said = f"{name} {_place_text(place)} lies"
+    where = f"{name} {_place_text(place)} lies"
     if value == 0.5:
-        return f"{said} where nothing has been seen"
-    return f"{said} in a wall" if value > 0.5 else f"{said} nearer than {radius:g} m to a wall"
+        return f"{where} where nothing has been seen"
+    return f"{where} in a wall" if value > 0.5 else f"{where} nearer than {radius:g} m to a wall"
 
 
 def _place_text(place: Array) -> str:

@@ -96,13 +96,13 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     array([-0.3])
     """
     with arrays.instance(map, "map", QuadtreeMap).lock:
-        nodes, places, order = _searched(map, points, poses)
-        levels, found = map.tree.level, np.zeros(len(order))
+        nodes, places, order = _prepare(map, points, poses)
+        levels, sums = map.tree.level, np.zeros(len(order))
         path, todo = np.empty(levels + 1, np.int64), np.empty((3 * levels + 4, 4), np.int64)
         path[-1], squares = map.tree.block, np.empty(POSES_TOGETHER)
         near = np.empty(((2 * FARTHEST_CANDIDATE + 6) ** 2, 4), np.int64)
-        nearest_distances(nodes, places, path, todo, near, squares, found)
-    return -map.resolution * found[order]
+        nearest_distances(nodes, places, path, todo, near, squares, sums)
+    return -map.resolution * sums[order]
 
 
 def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -119,24 +119,24 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     array([-0.3])
     """
     with arrays.instance(map, "map", QuadtreeMap).lock:
-        nodes, places, order = _searched(map, points, poses)
-        found = np.zeros(len(order))
-        descent_distances(nodes, map.tree.block, map.tree.level, places, found)
-    return -map.resolution * found[order]
+        nodes, places, order = _prepare(map, points, poses)
+        sums = np.zeros(len(order))
+        descent_distances(nodes, map.tree.block, map.tree.level, places, sums)
+    return -map.resolution * sums[order]
 
 
-def _searched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> tuple[Nodes, Array, Cells]:
+def _prepare(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> tuple[Nodes, Array, Cells]:
     """What a search needs: nodes, ends `(n, 2, k)` in cells of the root, and the place of each pose
     among the k, which are in the order of their headings: neighbours are alike."""
     nodes = Nodes(map.tree.vis, map.tree.occ, blocks_of(map))
     ends, at = scan_and_poses(points, poses)
     order = np.argsort(at[:, 2], kind="stable")
     x, y, turn = at[order].T
-    left, low = map.corner + map.tree.corner * map.resolution
+    x_min, y_min = map.corner + map.tree.corner * map.resolution
     places = np.empty((len(ends), 2, len(at)))
     c, s, across, up = np.cos(turn), np.sin(turn), ends[:, :1], ends[:, 1:]
-    places[:, 0] = (c * across - s * up + (x - left)) / map.resolution
-    places[:, 1] = (s * across + c * up + (y - low)) / map.resolution
+    places[:, 0] = (c * across - s * up + (x - x_min)) / map.resolution
+    places[:, 1] = (s * across + c * up + (y - y_min)) / map.resolution
     return nodes, places, np.argsort(order)
 
 
@@ -161,7 +161,7 @@ def scan_and_poses(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
 # Callers bring all arrays, since each that a loop makes for itself takes long to compile.
 @compiled
 def nearest_distances(
-    nodes: Nodes, places: Array, path: Cells, todo: Cells, near: Cells, squares: Array, found: Array
+    nodes: Nodes, places: Array, path: Cells, todo: Cells, near: Cells, squares: Array, sums: Array
 ) -> None:
     """Add the sum over places `(n, 2, k)` of the distance to the nearest occupied cell's centre.
 
@@ -173,7 +173,7 @@ def nearest_distances(
     for m in range(len(places)):
         for begin in range(0, places.shape[2], len(squares)):
             x, y = places[m, 0, begin:], places[m, 1, begin:]
-            sums, count, wide, reach = found[begin:], min(len(x), len(squares)), 0.0, np.inf
+            part, count, wide, reach = sums[begin:], min(len(x), len(squares)), 0.0, np.inf
             i, j = x[count // 2], y[count // 2]
             for k in range(count):
                 wide = max(wide, (x[k] - i) * (x[k] - i) + (y[k] - j) * (y[k] - j))
@@ -181,11 +181,11 @@ def nearest_distances(
                 reach = np.sqrt(nearest_square(nodes, path, todo, i, j)) + 2 * np.sqrt(wide)
             if reach > FARTHEST_CANDIDATE:
                 for k in range(count):
-                    sums[k] += np.sqrt(nearest_square(nodes, path, todo, x[k], y[k]))
+                    part[k] += np.sqrt(nearest_square(nodes, path, todo, x[k], y[k]))
                 continue
             todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3] = path[-1], 0, 0, len(path) - 1
-            left, low = whole(i - reach) - 2, whole(j - reach) - 2
-            window = left, low, whole(i + reach) + 2, whole(j + reach) + 2
+            x_min, y_min = whole(i - reach) - 2, whole(j - reach) - 2
+            window = x_min, y_min, whole(i + reach) + 2, whole(j + reach) + 2
             for k in range(count):
                 squares[k] = np.inf
             for one in range(leaves_in(nodes, window, todo, near)):
@@ -195,7 +195,7 @@ def nearest_distances(
                     dx, dy = east - x[k] + a, north - y[k] + b
                     squares[k] = min(squares[k], dx * dx + dy * dy)
             for k in range(count):
-                sums[k] += np.sqrt(squares[k])
+                part[k] += np.sqrt(squares[k])
 
 
 @compiled
@@ -223,8 +223,8 @@ def nearest_square(nodes: Nodes, path: Cells, todo: Cells, x: float, y: float) -
     while count > 0 or level < top:
         if count == 0:  # up: the three sisters of the square
             width, quarter = 1 << level, ((i >> level) & 1) + 2 * ((j >> level) & 1)
-            left, low = i & -width, j & -width
-            border = min(min(x - left, left + width - x), min(y - low, low + width - y)) + 0.5
+            x_min, y_min = i & -width, j & -width
+            border = min(min(x - x_min, x_min + width - x), min(y - y_min, y_min + width - y)) + 0.5
             if border > 0 and border * border >= best:
                 break
             level += 1
@@ -232,19 +232,19 @@ def nearest_square(nodes: Nodes, path: Cells, todo: Cells, x: float, y: float) -
                 child = ~whole(vis[4 * path[level] + (quarter ^ turn)])
                 if child >= 0 and holds[child]:
                     todo[count, 0], todo[count, 3] = child, level - 1
-                    todo[count, 1] = left ^ (width * (turn & 1))
-                    todo[count, 2] = low ^ (width * (turn >> 1))
+                    todo[count, 1] = x_min ^ (width * (turn & 1))
+                    todo[count, 2] = y_min ^ (width * (turn >> 1))
                     count += 1
             continue
         count -= 1
-        block, left, low = todo[count, 0], todo[count, 1], todo[count, 2]
+        block, x_min, y_min = todo[count, 0], todo[count, 1], todo[count, 2]
         below = todo[count, 3] - 1
         half = 1 << below
-        dx = max(max(left + 0.5 - x, x - (left + 2 * half - 0.5)), 0.0)
-        dy = max(max(low + 0.5 - y, y - (low + 2 * half - 0.5)), 0.0)
+        dx = max(max(x_min + 0.5 - x, x - (x_min + 2 * half - 0.5)), 0.0)
+        dy = max(max(y_min + 0.5 - y, y - (y_min + 2 * half - 0.5)), 0.0)
         if dx * dx + dy * dy >= best:
             continue
-        dx, dy = left + half - x, low + half - y
+        dx, dy = x_min + half - x, y_min + half - y
         nearest = (dx <= 0) + 2 * (dy <= 0)
         flip = 1 if abs(dx) > abs(dy) else 2
         for turn in (3, flip, 3 - flip, 0):  # the nearest quarter last
@@ -253,34 +253,34 @@ def nearest_square(nodes: Nodes, path: Cells, todo: Cells, x: float, y: float) -
             if child >= 0 and holds[child]:
                 todo[count, 0], todo[count, 3] = child, below
                 todo[count, 1], todo[count, 2] = (
-                    left + half * (q & 1),
-                    low + half * (q >> 1),
+                    x_min + half * (q & 1),
+                    y_min + half * (q >> 1),
                 )
                 count += 1
             elif below == 0 and 2 * whole(occ[4 * block + q]) > vis[4 * block + q]:
-                dx, dy = left + 0.5 - x + (q & 1), low + 0.5 - y + (q >> 1)
+                dx, dy = x_min + 0.5 - x + (q & 1), y_min + 0.5 - y + (q >> 1)
                 best = min(best, dx * dx + dy * dy)
     return best
 
 
 @compiled
-def descent_distances(nodes: Nodes, root: int, top: int, places: Array, found: Array) -> None:
+def descent_distances(nodes: Nodes, root: int, top: int, places: Array, sums: Array) -> None:
     """The same by B's descent: always into the occupied child whose centre is nearest (B 4.3)."""
     vis, occ, holds = nodes.vis, nodes.occ, nodes.holds
-    for k in range(len(found)):
+    for k in range(len(sums)):
         for m in range(len(places)):
             x, y = places[m, 0, k], places[m, 1, k]
-            best, left, low, block = np.inf, 0.0, 0.0, root
+            best, x_min, y_min, block = np.inf, 0.0, 0.0, root
             for level in range(top - 1, -1, -1):
                 half, chosen, best = 0.5 * (1 << level), -1, np.inf
                 for q in range(4):
                     child = ~whole(vis[4 * block + q])
-                    dx = left + half + 2 * half * (q & 1) - x
-                    dy = low + half + 2 * half * (q >> 1) - y
+                    dx = x_min + half + 2 * half * (q & 1) - x
+                    dy = y_min + half + 2 * half * (q >> 1) - y
                     cell = 2 * whole(occ[4 * block + q]) > vis[4 * block + q]
                     far = dx * dx + dy * dy
                     if (holds[child] if child >= 0 else cell) and (chosen < 0 or far < best):
                         best, chosen = far, q
-                left, low = left + 2 * half * (chosen & 1), low + 2 * half * (chosen >> 1)
+                x_min, y_min = x_min + 2 * half * (chosen & 1), y_min + 2 * half * (chosen >> 1)
                 block = ~whole(vis[4 * block + chosen])
-            found[k] += np.sqrt(best)
+            sums[k] += np.sqrt(best)

@@ -21,9 +21,9 @@ from ._likelihoods import TOP, Likelihoods
 #: A pose that fits worse is not believed (our choice): right ones have .94, those in a wrong
 #: building .5 to .77.
 SURE_FIT = 0.85
-#: A pose so near to a better one, metres, ...
+#: A pose farther from each better one, metres, is a place of its own.
 OTHER_PEAK_M = 0.3
-#: ... and turned by less, radians, is no place of its own.
+#: A pose turned by more from each better one, radians, is a place of its own.
 OTHER_PEAK_RAD = 0.3
 #: The mean beam is taken to be so many cells long at least: no headings coarser than 3 degrees.
 SHORTEST = 20
@@ -167,8 +167,8 @@ def distinct_places(
     tried = lattice(map.levels, used, first, step, size, columns, rows, headings)
     full = 255 * len(used)
     asked = int(np.ceil(least * full - 1e-9)), int(margin * full + 1e-9)
-    found = best_poses(tried, *asked, MOST_LEAVES)
-    leaves = found.rows[np.lexsort((*found.rows.T[:0:-1], -found.rows[:, 0]))]
+    matches = best_poses(tried, *asked, MOST_LEAVES)
+    leaves = matches.rows[np.lexsort((*matches.rows.T[:0:-1], -matches.rows[:, 0]))]
     poses = np.empty((len(leaves), 3))
     poses[:, :2] = map.corner + (leaves[:, 2:] + 0.5) * map.size
     poses[:, 2] = wrap(step * leaves[:, 1])
@@ -176,7 +176,7 @@ def distinct_places(
     many, chosen = len(chosen), chosen[:most_places]
     fits = map.fits(used, poses[chosen])
     kind, reason = Uncertainty.NONE, ""
-    if found.overflow:
+    if matches.overflow:
         kind, reason = Uncertainty.TOO_MANY_PLACES, f"it fits at more than {MOST_LEAVES} poses"
     elif not many:
         kind, reason = Uncertainty.NO_PLACE, f"no pose scores {least:.6g}"
@@ -188,7 +188,7 @@ def distinct_places(
         kind, reason = Uncertainty.POOR_FIT, f"the best place fits it to {fits[0]:.2f} only"
     spreads = [_leaf_covariance(map, used, poses[k], step) for k in chosen]
     scores, covariances = leaves[chosen, 0] / full, np.reshape(spreads, (-1, 3, 3))
-    return Places(poses[chosen], scores, fits, covariances, reason, found.looked, kind)
+    return Places(poses[chosen], scores, fits, covariances, reason, matches.looked, kind)
 
 
 def _heading_step(map: Likelihoods, points: Array) -> float:
@@ -229,8 +229,8 @@ def at_one_place(poses: Array, pose: Array, metres: float, turn: float) -> NDArr
 
 def first_distinct(poses: Array, most: int) -> NDArray[np.int64]:
     """Indices of the first pose, `(n, 3)`, and of each that lies apart from all taken before it."""
-    left, chosen = np.arange(len(poses)), np.zeros(0, np.int64)
-    while len(left) and len(chosen) < most:
-        chosen = np.append(chosen, left[0])
-        left = left[~at_one_place(poses[left], poses[left[0]], OTHER_PEAK_M, OTHER_PEAK_RAD)]
+    rest, chosen = np.arange(len(poses)), np.zeros(0, np.int64)
+    while len(rest) and len(chosen) < most:
+        chosen = np.append(chosen, rest[0])
+        rest = rest[~at_one_place(poses[rest], poses[rest[0]], OTHER_PEAK_M, OTHER_PEAK_RAD)]
     return chosen

@@ -49,5 +49,5 @@ def systematic(weights: ArrayLike, offset: float, count: int | None = None) -> N
     share = _shares(weights)
     n = len(share) if count is None else arrays.whole(count, "count")
     teeth = (np.arange(n) + arrays.number(offset, "offset", least=0, most=1)) / n
-    found = np.searchsorted(np.cumsum(share), teeth, side="right")
-    return np.minimum(found, len(share) - 1)
+    particles = np.searchsorted(np.cumsum(share), teeth, side="right")
+    return np.minimum(particles, len(share) - 1)

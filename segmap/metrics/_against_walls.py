@@ -128,8 +128,8 @@ def against_walls(
     spans = [[(0.0, end)] for end in size]
     if seen is not None:
         looks = arrays.segments(seen, "seen")
-        spans = _owned(whole, looks[length(looks) >= MIN_LENGTH], *limits).spans(len(whole))
-    mine = _owned(whole, segments, *limits)
+        spans = _assign_owners(whole, looks[length(looks) >= MIN_LENGTH], *limits).spans(len(whole))
+    mine = _assign_owners(whole, segments, *limits)
     could, mapped, doubled = np.zeros((3, len(whole)))
     lost: list[Array] = []
     twice: list[Array] = []
@@ -189,7 +189,7 @@ def joined_walls(walls: Array) -> Array:
     return np.reshape(joined, (-1, 2, 2))
 
 
-class _Owned(NamedTuple):
+class _Pieces(NamedTuple):
     """Segments cut where their owner changes, `(p,)` each; lengths in metres."""
 
     pieces: Array  # (p, 2, 2)
@@ -210,7 +210,7 @@ class _Owned(NamedTuple):
         return spans
 
 
-def _owned(walls: Array, segments: Array, distance: float, sine: float) -> _Owned:
+def _assign_owners(walls: Array, segments: Array, distance: float, sine: float) -> _Pieces:
     """Cut each segment at the ends of what lies beside a wall, and give each piece its owner."""
     size, step = length(walls), segments[:, 1] - segments[:, 0]
     way = (walls[:, 1] - walls[:, 0]) / size[:, None]
@@ -268,7 +268,7 @@ def _owned(walls: Array, segments: Array, distance: float, sine: float) -> _Owne
     owner = np.full(len(of), -1)
     owner[piece] = wall[near]
     pieces = segments[of, :1] + np.stack([a, b], -1)[..., None] * step[of, None]
-    return _Owned(pieces, of, owner, (b - a) * metres[of], *owned)
+    return _Pieces(pieces, of, owner, (b - a) * metres[of], *owned)
 
 
 def _cover(at: Array, spans: list[tuple[float, float]]) -> NDArray[np.int64]:

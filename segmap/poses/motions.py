@@ -23,7 +23,7 @@ def compose(a_from_b: Array, b_from_c: Array) -> Array:
     """The pose of c in a; `(..., 3)` arrays, metres and radians, that broadcast."""
     a, b = a_from_b, b_from_c
     if a.ndim == b.ndim == 1:
-        return np.array(_composed(*a.tolist(), *b.tolist()))
+        return np.array(_compose_one(*a.tolist(), *b.tolist()))
     c, s = np.cos(a[..., 2]), np.sin(a[..., 2])
     x = a[..., 0] + c * b[..., 0] - s * b[..., 1]
     y = a[..., 1] + s * b[..., 0] + c * b[..., 1]
@@ -34,7 +34,7 @@ def inverse(a_from_b: Array) -> Array:
     """The pose of a in b; `(..., 3)` array, metres and radians."""
     p = a_from_b
     if p.ndim == 1:
-        return np.array(_inverted(*p.tolist()))
+        return np.array(_inverse_of_one(*p.tolist()))
     c, s = np.cos(p[..., 2]), np.sin(p[..., 2])
     x = -c * p[..., 0] - s * p[..., 1]
     y = s * p[..., 0] - c * p[..., 1]
@@ -44,7 +44,7 @@ def inverse(a_from_b: Array) -> Array:
 def between(a: Array, b: Array) -> Array:
     """Pose of b in the frame of a; `(..., 3)` arrays, metres and radians, that broadcast."""
     if a.ndim == b.ndim == 1:
-        return np.array(_composed(*_inverted(*a.tolist()), *b.tolist()))
+        return np.array(_compose_one(*_inverse_of_one(*a.tolist()), *b.tolist()))
     return compose(inverse(a), b)
 
 
@@ -72,7 +72,7 @@ def twist(motion: Array) -> Array:
     return np.stack([c * x + s * y, c * y - s * x, motion[..., 2]], -1)
 
 
-def _composed(
+def _compose_one(
     x: float, y: float, heading: float, ahead: float, aside: float, turn: float
 ) -> tuple[float, float, float]:
     """One pose after the other: a number costs a twentieth of an array of one."""
@@ -81,7 +81,7 @@ def _composed(
     return x + c * ahead - s * aside, y + s * ahead + c * aside, wrapped
 
 
-def _inverted(x: float, y: float, heading: float) -> tuple[float, float, float]:
+def _inverse_of_one(x: float, y: float, heading: float) -> tuple[float, float, float]:
     """The motion back."""
     c, s = math.cos(heading), math.sin(heading)
     return -c * x - s * y, s * x - c * y, (math.pi - heading) % FULL_TURN_RAD - math.pi

@@ -56,7 +56,7 @@ def map_of_grid(
     )
     layers = [grid.astype(np.int8)]
     while len(layers) < level:
-        layers.append(_halved(layers[-1]))
+        layers.append(_halve(layers[-1]))
     vis, used, squares = [], 1, np.zeros((1, 2), np.int64)
     quarters = np.array([(0, 0), (1, 0), (0, 1), (1, 1)])
     kinds = []
@@ -79,7 +79,7 @@ def map_of_grid(
     return map
 
 
-def _halved(layer: NDArray[np.int8]) -> NDArray[np.int8]:
+def _halve(layer: NDArray[np.int8]) -> NDArray[np.int8]:
     """What squares of four are: unknown or free where all four are, else mixed."""
     rows, columns = layer.shape
     even = np.pad(layer, ((0, rows % 2), (0, columns % 2)))

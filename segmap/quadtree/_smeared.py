@@ -11,9 +11,9 @@ from ._map import QuadtreeMap
 SMEARED_CELL_M = 0.05
 #: So many occupied cells a side are no wall: of one a laser sees the front.
 SMEARED_WIDTH_CELLS = 5
-#: A cell is occupied where so many rays ended, ...
+#: A cell is occupied only where at least so many rays ended.
 LEAST_ENDED_RAYS = 2
-#: ... and this share of those that came: fewer end on people who pass.
+#: It is occupied only where this share of its rays ended: fewer end on people who pass.
 LEAST_ENDED_SHARE = 0.1
 
 

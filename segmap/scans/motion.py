@@ -13,11 +13,11 @@ from ..poses.motions import between, compose, inverse, twist, wrap
 from ._scans import LaserScan
 from .causes import Cause, Finding
 
-#: A robot that has moved by less than this since a scan, metres, ...
+#: A robot stands where it has moved by less since a scan, metres: poses of matches err by as much.
 ROBOT_STANDS_M = 0.01
-#: ... and radians, stands: poses of matches err by as much.
+#: A robot stands where it has turned by less since a scan, radians: matches err by as much.
 ROBOT_STANDS_RAD = np.radians(0.2)
-#: And it sees the same: half of the beams differ by less, metres.
+#: Two scans show the same where half of the beams differ by less, metres.
 SAME_BEAM_M = 0.1
 #: So many looks from one place are drawn: more add noise and no wall.
 MOST_LOOKS_FROM_ONE_PLACE = 20

@@ -15,15 +15,15 @@ from ..arrays import Array, Quantity, Settings, Share
 from ..poses.motions import between
 from ._scans import LaserScan, Log
 
-#: Standard deviation of a range of the lasers that thresholds were chosen for, metres ...
+#: Standard deviation of a range of the lasers that thresholds were chosen for, metres.
 USUAL_SIGMA_M = 0.01
-#: ... and such a laser is one that comes so near to it, times: an estimate is not better.
+#: A laser with up to so many times that deviation is such a one: an estimate is not better.
 USUAL_FACTOR = 1.35
 #: A sensor that is so many times noisier than its log, or less, is another; below 1 cm all is one.
 OTHER_FACTOR = 2.0
-#: So many scans are asked at least, or pairs of scans between which the robot stands; ...
+#: At least so many scans are used, or pairs of scans between which the robot stands.
 LEAST_SCANS = 20
-#: ... and of a long log one of so many.
+#: Of a long log one scan of so many is used.
 ONE_SCAN_OF = 10
 #: Neighbours whose ends are farther apart lie on two things, metres.
 MOST_STEP_M = 0.3

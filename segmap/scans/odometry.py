@@ -26,9 +26,9 @@ COMPARED_STRAIGHT_M = 0.1
 LEAST_COMPARED_STEPS = 12
 #: Turns that fit worse than this count for less (Cauchy).
 TURN_ERROR_RAD = np.radians(10)
-#: A match that moves by less, metres, ...
+#: A match that moves by less is one of a robot that stands, metres: the noise of a match.
 STEP_STANDS_M = 0.03
-#: ... and radians, stands: the noise of a match.
+#: A match that turns by less is one of a robot that stands, radians: the noise of a match.
 STEP_STANDS_RAD = np.radians(0.6)
 #: Rounds of a robust fit: it rests after five to ten.
 ROBUST_FIT_ROUNDS = 15
@@ -36,9 +36,9 @@ ROBUST_FIT_ROUNDS = 15
 ONE_WAY = 0.6
 #: What one step counts at most for a delay: radians, or half of the metres.
 MOST_OFF = 0.5
-#: Poses are compared after so much way, metres, ...
+#: Poses are compared after so much way, metres.
 LONG_STEP_M = 0.3
-#: ... or after so much turn, radians.
+#: Poses are also compared after so much turn, radians.
 LONG_STEP_RAD = np.radians(10)
 #: Shares of the way that say nothing against wheels.
 RIGHT_WAY_RATIOS = (0.93, 1.07)
@@ -48,11 +48,11 @@ RIGHT_TURN_RATIOS = (0.7, 1.4)
 CONTRADICTING_COSINE = 0.6
 #: A step so many times as long as nearly all others is one that no robot drives.
 JUMP_STEPS = 4.0
-#: Nearly all steps: this share of them.
+#: This share of the steps counts as nearly all of them.
 USUAL_STEPS_SHARE = 0.95
-#: Rows that move by less than this, metres, ...
+#: Rows of odometry repeat each other where they move by less, metres.
 REPEATS_M = 1e-4
-#: ... and radians, repeat each other.
+#: Rows of odometry repeat each other where they turn by less, radians.
 REPEATS_RAD = 1e-5
 #: Residuals of the lever arm that a match has at least.
 LEAST_ERROR_M = 0.003
@@ -150,7 +150,7 @@ def _lever(way: NDArray[np.complex128], moved: NDArray[np.complex128], turn: Arr
     c (way + (exp(i turn) - 1) x). Both halves of the steps must agree.
     """
 
-    def fitted(part: slice) -> complex:
+    def fit(part: slice) -> complex:
         """x by weighted least squares."""
         columns, target = np.stack([way, np.exp(1j * turn) - 1], -1)[part], moved[part]
         weight = np.ones(len(target))
@@ -163,9 +163,7 @@ def _lever(way: NDArray[np.complex128], moved: NDArray[np.complex128], turn: Arr
 
     if (np.abs(turn) > COMPARED_TURN_RAD).sum() < 2 * LEAST_COMPARED_STEPS:
         return np.full(2, np.nan)
-    whole, one, other = (
-        fitted(part) for part in (slice(None), slice(0, None, 2), slice(1, None, 2))
-    )
+    whole, one, other = (fit(part) for part in (slice(None), slice(0, None, 2), slice(1, None, 2)))
     agree = abs(one - other) <= max(0.05, 0.25 * abs(whole))
     one_way = abs(turn.sum()) > ONE_WAY * np.abs(turn).sum()
     return np.array(

@@ -201,7 +201,7 @@ class _Transport:
         while not late:
             waited = self._clock() - begun  # before it is read: this program may have been slow
             late = waited >= self._seconds
-            heard = self._asked(lambda: self._port.read(min(max(self._port.in_waiting, 1), size)))
+            heard = self._ask(lambda: self._port.read(min(max(self._port.in_waiting, 1), size)))
             if heard:
                 self.fruitless, self.arrived = self.fruitless + len(heard), self._clock()
                 self.waited = max(self.waited, waited)
@@ -213,13 +213,13 @@ class _Transport:
 
     def write(self, data: bytes) -> int:
         """Send bytes."""
-        return self._asked(lambda: self._port.write(data)) or 0
+        return self._ask(lambda: self._port.write(data)) or 0
 
     def close(self) -> None:
         """Free the port."""
         self._port.close()
 
-    def _asked(self, call: Callable[[], Any]) -> Any:
+    def _ask(self, call: Callable[[], Any]) -> Any:
         try:
             return call()
         except (*PULLED_OUT_ERRORS, TypeError) as error:  # a port that is closed meanwhile

@@ -208,12 +208,12 @@ def office(
     top = depth + corridor
     above = [(width * i, top, 0.0) for i in range(rooms)]
     below = [(width * (i + 1), depth, np.pi) for i in range(rooms)]
-    walls = [transform(pose, _furnished(width, depth, rng)) for pose in above + below]
+    walls = [transform(pose, _furnish(width, depth, rng)) for pose in above + below]
     ends = [polyline([(x, depth), (x, top)]) for x in (0.0, width * rooms)]
     return np.round(np.concatenate([*walls, *ends]), 6)
 
 
-def _furnished(width: float, depth: float, rng: np.random.Generator) -> Array:
+def _furnish(width: float, depth: float, rng: np.random.Generator) -> Array:
     """A room above its stretch of corridor wall, which runs from (0, 0) to (width, 0)."""
     door_start, door_end = (width - DOOR) / 2, (width + DOOR) / 2
     near, far = THICKNESS / 2, width - THICKNESS / 2

@@ -121,7 +121,7 @@ class Unit:
         while self._late and self._late[0][0] <= now:
             self._out += self._late.popleft()[1]()
         if self.stream and not self._out and self.turn() >= self._next_turn:
-            self._out += self._streamed(self.stream)
+            self._out += self._stream_scan(self.stream)
         allowed = len(self._out) if self.usb else int((now - self._sent_at) * self.rate / 10)
         data, self._out = self._out[:allowed], self._out[allowed:]
         if data or not self._out:
@@ -216,7 +216,7 @@ class Unit:
 
     _do_ms = _do_md
 
-    def _streamed(self, request: ScanRequest) -> bytes:
+    def _stream_scan(self, request: ScanRequest) -> bytes:
         self._next_turn = self.turn() + 1 + request.skip
         remaining = request._replace(scans=max(request.scans - 1, 0))
         self.stream = remaining if request.scans != 1 and not self.trouble else None
@@ -228,11 +228,11 @@ class Unit:
         if self.trouble:
             return encode_reply(request.text, "50")
         turn = self.turn()
-        met = cluster_coded(self._met(turn)[request.first : request.last + 1], request.cluster)
+        met = cluster_coded(self._ranges(turn)[request.first : request.last + 1], request.cluster)
         body = encode_scan(self._stamp(turn), met, CHARACTERS[request.kind])
         return encode_reply(request.text, status, body)
 
-    def _met(self, turn: int) -> NDArray[np.int64]:
+    def _ranges(self, turn: int) -> NDArray[np.int64]:
         """Millimetres of all steps in a turn."""
         return arrays.row(self.world(turn), "world", self.model.steps).astype(np.int64)
 
