@@ -168,9 +168,9 @@ def measure_clinic(map: Segments, poses: ArrayLike | None = None) -> Answers:
         lengths = between_stands + ahead + back[::-1]
         tapes[name] = _middle(-lengths if name == "wall" else lengths)  # seen from both its sides
         ends[name] = np.array([_end(first, back), _end(second, ahead)])
-    left, upper = tapes["left corridor"], tapes["upper corridor"]
-    room, turn = clearance(left.metres, upper.metres)
-    deviation = np.hypot(np.cos(turn) * left.deviation, np.sin(turn) * upper.deviation)
+    left_tape, upper_tape = tapes["left corridor"], tapes["upper corridor"]
+    room, turn = clearance(left_tape.metres, upper_tape.metres)
+    deviation = np.hypot(np.cos(turn) * left_tape.deviation, np.sin(turn) * upper_tape.deviation)
     answer = Measured(float(room), float(deviation))
     return Answers(answer, tapes["wall"], tapes["building"], float(turn), tapes, ends)
 

@@ -107,16 +107,16 @@ def buildings() -> dict[str, tuple[Array, Array]]:
 
 def hall() -> tuple[Array, Array]:
     """A hall with four pillars and six niches, 12 to 40 cm deep."""
-    bottom = [(0, 0), (1.5, 0), (1.5, -0.25), (2.5, -0.25), (2.5, 0)]
-    bottom += [(6, 0), (6, -0.12), (7.2, -0.12), (7.2, 0), (10, 0)]
-    right = [(10, 2.5), (10.4, 2.5), (10.4, 3.7), (10, 3.7), (10, 7)]
-    top = [(8, 7), (8, 7.25), (7, 7.25), (7, 7), (4, 7), (4, 7.12), (3, 7.12), (3, 7), (0, 7)]
-    left = [(0, 5.5), (-0.3, 5.5), (-0.3, 4.5), (0, 4.5)]
+    bottom_side = [(0, 0), (1.5, 0), (1.5, -0.25), (2.5, -0.25), (2.5, 0)]
+    bottom_side += [(6, 0), (6, -0.12), (7.2, -0.12), (7.2, 0), (10, 0)]
+    right_side = [(10, 2.5), (10.4, 2.5), (10.4, 3.7), (10, 3.7), (10, 7)]
+    top_side = [(8, 7), (8, 7.25), (7, 7.25), (7, 7), (4, 7), (4, 7.12), (3, 7.12), (3, 7), (0, 7)]
+    left_side = [(0, 5.5), (-0.3, 5.5), (-0.3, 4.5), (0, 4.5)]
     places = [(3, 2.2, 0), (3, 4.8, 0), (7, 2.2, np.pi / 4), (7, 4.8, 0.35)]
     pillars = [box(0.4, 0.4, place) for place in places]
     way = [(1.2, 1.2), (5, 1.1), (8.7, 1.2), (8.8, 3.5), (8.7, 5.8), (5, 5.9), (1.2, 5.8)]
     way += [(1.2, 3.5), (5, 3.5), (8.7, 3.4)]
-    outline = polyline([*bottom, *right, *top, *left], closed=True)
+    outline = polyline([*bottom_side, *right_side, *top_side, *left_side], closed=True)
     return np.concatenate([outline, *pillars]), drive(way, step=0.6, turn=np.radians(30))
 
 

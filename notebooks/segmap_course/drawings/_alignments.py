@@ -131,8 +131,8 @@ def draw_scans(
     ax.plot([x], [y], "o", color=RESULT, markersize=7)
     map_axes(ax).set_title(title)
     if view is not None:
-        left, low, right, top = np.asarray(view, float)
-        ax.set(xlim=(left, right), ylim=(low, top))
+        x_min, y_min, x_max, y_max = np.asarray(view, float)
+        ax.set(xlim=(x_min, x_max), ylim=(y_min, y_max))
     return ax
 
 

@@ -44,22 +44,22 @@ def wardrobe(map: Segments, poses: ArrayLike | None = None) -> Answers:
     wardrobe goes round: 16.7 ± 0.1 cm to spare; wall 10.0 ± 0.1 cm; building 9.00 ± 0.00 m
     """
     answers = measure_clinic(map, poses)
-    left, right = axes_row(2, (8.6, 4.2))
-    draw_segments(map, ax=left, color=MAP, width=0.8)
+    map_ax, corner_ax = axes_row(2, (8.6, 4.2))
+    draw_segments(map, ax=map_ax, color=MAP, width=0.8)
     for ends in answers.ends.values():
-        left.plot(*ends.T, "|-", color=ERROR, markersize=5)
-    left.set_title(
+        map_ax.plot(*ends.T, "|-", color=ERROR, markersize=5)
+    map_ax.set_title(
         f"Wall of rooms 2 and 3: {answers.of_wall}\nBuilding: {answers.of_building}",
         fontsize="medium",
     )
     first, second = (answers.tapes[f"{name} corridor"].metres for name in ("left", "upper"))
     if np.isfinite([first, second]).all():
-        draw_corner(first, second, answers.turn, ax=right)
+        draw_corner(first, second, answers.turn, ax=corner_ax)
     else:
-        right.text(0, 0, "a wall was not seen")
-    right.set_title(f"Wardrobe {answers.of_wardrobe}", fontsize="medium")
-    map_axes(left)
-    map_axes(right)
+        corner_ax.text(0, 0, "a wall was not seen")
+    corner_ax.set_title(f"Wardrobe {answers.of_wardrobe}", fontsize="medium")
+    map_axes(map_ax)
+    map_axes(corner_ax)
     return answers
 
 

@@ -33,9 +33,9 @@ def draw_scan_poses(
 
     A view is left, low, right and top, metres. The figure is new.
     """
-    left, low, right, top = np.asarray(view, float)
+    x_min, y_min, x_max, y_max = np.asarray(view, float)
     width = 9.6 / len(poses)
-    height = max(3.5, (width - 0.6) * (top - low) / (right - left) + 0.9)
+    height = max(3.5, (width - 0.6) * (y_max - y_min) / (x_max - x_min) + 0.9)
     row = axes_row(len(poses), (9.6, height), shared="xy")
     for ax, (title, pose) in zip(row, poses.items(), strict=True):
         draw_scans(first, second, pose, ax=ax, view=view, title=title)

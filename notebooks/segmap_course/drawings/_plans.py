@@ -34,11 +34,11 @@ def draw_labels(
     >>> [text.get_text() for text in ax.texts]
     ['0', '2']
     """
-    left, low = np.asarray(corner, float)
+    x_min, y_min = np.asarray(corner, float)
     ax = draw_segments(walls, ax=axes_or_new(ax, (6.0, 5.0)), color=MAP, width=1.2)
     numbers, rank = np.unique(labels, return_inverse=True)
     shown = np.ma.masked_array(rank.reshape(labels.shape) % 12, labels < 0)
-    box = (left, left + side * labels.shape[1], low, low + side * labels.shape[0])
+    box = (x_min, x_min + side * labels.shape[1], y_min, y_min + side * labels.shape[0])
     limits = ax.axis()
     ax.imshow(shown, extent=box, origin="lower", cmap="Set3", vmin=0, vmax=11)
     map_axes(ax).axis(limits)
@@ -49,6 +49,6 @@ def draw_labels(
         places = np.argwhere(labels == number)
         if len(places) * side**2 >= 1:
             near = abs(places - np.median(places, axis=0)).sum(1).argmin()
-            y, x = (low, left) + side * (places[near] + 0.5)
+            y, x = (y_min, x_min) + side * (places[near] + 0.5)
             ax.text(x, y, str(number), ha="center", va="center", fontsize="small")
     return ax

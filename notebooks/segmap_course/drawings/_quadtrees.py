@@ -62,8 +62,8 @@ def draw_leaves(
 
     edges = squares(leaves)
     low, high = edges.min((0, 1)), edges.max((0, 1))
-    left, right, bottom, top = limits or (low[0], high[0], low[1], high[1])
-    seen = [s for s in leaves if s[2] * unit >= _LEAST_PART * (right - left)]
+    x_min, x_max, y_min, y_max = limits or (low[0], high[0], low[1], high[1])
+    seen = [s for s in leaves if s[2] * unit >= _LEAST_PART * (x_max - x_min)]
     full = squares(square for square, ends in leaves.items() if ends)
     shade = "0.85" if len(points) else MAP
     ax.add_collection(PolyCollection(full, facecolor=shade, antialiased=False, linewidth=0))
@@ -71,7 +71,7 @@ def draw_leaves(
         lines = PolyCollection(squares(chosen), facecolor="none", edgecolor=color, linewidth=width)
         ax.add_collection(lines)
     ax.plot(*np.reshape(points, (-1, 2)).T, ".", color=ERROR, markersize=3)
-    map_axes(ax).set(xlim=(left, right), ylim=(bottom, top))
+    map_axes(ax).set(xlim=(x_min, x_max), ylim=(y_min, y_max))
     if resolution is None:
         ax.set(xlabel="column", ylabel="row")
     ax.set_title(title, fontsize=10)
@@ -80,12 +80,12 @@ def draw_leaves(
 
 def draw_ends(map: QuadtreeMap, *, ax: Axes | None = None) -> Axes:
     """Draw the leaves of a map that counts ends: black where beams ended, and all outlines."""
-    leaf, (left, low, right, high) = map.leaves(), extent(map)
+    leaf, (x_min, y_min, x_max, y_max) = map.leaves(), extent(map)
     corner, side = map.bounds[:2], map.resolution
     squares = np.stack([leaf.x - corner[0], leaf.y - corner[1], leaf.side], axis=1) / side
     keys = np.round(squares).astype(int).tolist()
     leaves = {(x, y, cells): n for (x, y, cells), n in zip(keys, leaf.occ.tolist(), strict=True)}
-    limits = left, right, low, high
+    limits = x_min, x_max, y_min, y_max
     return draw_leaves(leaves, corner=corner, resolution=side, limits=limits, ax=ax)
 
 
@@ -114,11 +114,11 @@ def draw_counts(
     pairs = np.reshape(np.asarray(beams, float), (-1, 2, 2))
     ax.add_collection(LineCollection(list(pairs), colors=ERROR, linewidths=0.8))
     ax.plot(*pairs[:1, 0].T, "o", color=ERROR, markersize=7)
-    for left, low, size, (rays, ends) in zip(x, y, side, leaves.values(), strict=True):
+    for x_min, y_min, size, (rays, ends) in zip(x, y, side, leaves.values(), strict=True):
         if numbers:
             color = "white" if ends else MAP
             middle: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 8, "color": color}
-            ax.text(left + size / 2, low + size / 2, f"{rays}", **middle)
+            ax.text(x_min + size / 2, y_min + size / 2, f"{rays}", **middle)
     low, high = (x.min(), y.min()), ((x + side).max(), (y + side).max())
     map_axes(ax).set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     if resolution is None:
@@ -162,9 +162,9 @@ def draw_equal_squares(ends: ArrayLike, side: float, **options: Any) -> Axes:
     """
     corner = np.asarray(options.get("corner", (0.0, 0.0)), float)
     cells = np.floor((np.asarray(ends) - corner) / side).astype(int)
-    (left, low), (right, high) = cells.min(0).tolist(), cells.max(0).tolist()
+    (x_min, y_min), (x_max, y_max) = cells.min(0).tolist(), cells.max(0).tolist()
     full = set(map(tuple, cells.tolist()))
-    columns, rows = range(left, right + 1), range(low, high + 1)
+    columns, rows = range(x_min, x_max + 1), range(y_min, y_max + 1)
     squares = {(x, y, 1): int((x, y) in full) for x in columns for y in rows}
     title = f"{len(squares)} equal squares; something ended in {len(full)}"
     ax = draw_leaves(squares, resolution=side, **{"title": title} | options)
@@ -183,10 +183,10 @@ def draw_cells(map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None) ->
     chosen = np.asarray(cells, bool)
     if chosen.ndim != 2 or chosen.shape[0] != chosen.shape[1]:
         raise ValueError(f"cells must be those of a square grid, got shape {chosen.shape}")
-    ax, (left, low, _, _) = axes_or_new(ax), map.bounds
+    ax, (x_min, y_min, _, _) = axes_or_new(ax), map.bounds
     side = map.side / max(len(chosen), 1)
     rows, columns = np.nonzero(chosen)
-    squares = square_corners(left + columns * side, low + rows * side, np.full(len(rows), side))
+    squares = square_corners(x_min + columns * side, y_min + rows * side, np.full(len(rows), side))
     ax.add_collection(PolyCollection(squares, facecolor=ERROR, antialiased=False, linewidth=0))
     return map_axes(ax)
 
@@ -212,9 +212,9 @@ def draw_ray(start: ArrayLike, end: ArrayLike, *, ax: Axes | None = None) -> Axe
         squares = square_corners(x, y, np.ones(len(x)))
         ax.add_collection(PolyCollection(squares, facecolor=color, linewidth=0))
     ax.plot(*(ends + 0.5).T, color=ERROR)
-    (left, low), (right, high) = ends.min(0) - 1, ends.max(0) + 2
-    ax.set(xlim=(left, right), ylim=(low, high), xlabel="column", ylabel="row", aspect="equal")
-    ax.set(xticks=range(left, right + 1), yticks=range(low, high + 1))
+    (x_min, y_min), (x_max, y_max) = ends.min(0) - 1, ends.max(0) + 2
+    ax.set(xlim=(x_min, x_max), ylim=(y_min, y_max), xlabel="column", ylabel="row", aspect="equal")
+    ax.set(xticks=range(x_min, x_max + 1), yticks=range(y_min, y_max + 1))
     ax.grid(alpha=0.5)
     return ax
 

@@ -78,8 +78,8 @@ def say_stretch(*axes: Axes) -> None:
     if figure is not None:
         figure.draw_without_rendering()
     for ax, note in zip(axes, notes, strict=True):
-        box, (left, right), (low, high) = ax.bbox, ax.get_xlim(), ax.get_ylim()
-        times = box.width / (right - left) / (box.height / (high - low))
+        box, (x_min, x_max), (y_min, y_max) = ax.bbox, ax.get_xlim(), ax.get_ylim()
+        times = box.width / (x_max - x_min) / (box.height / (y_max - y_min))
         larger, other, times = ("x", "y", times) if times > 1 else ("y", "x", 1 / times)
         note.set_text(f"{larger} drawn {float(f'{times:.2g}'):g} times\nlarger than {other}")
 
@@ -120,11 +120,11 @@ def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:
     >>> [ax.get_title() for ax in draw_closer({"before": twice, "after": twice[:1]}, (1, -1, 2, 1))]
     ['before', 'closer', 'after', 'closer']
     """
-    left, low, right, top = np.asarray(window, float)
+    x_min, y_min, x_max, y_max = np.asarray(window, float)
     ends = np.concatenate([arrays.segments(map).reshape(-1, 2) for map in maps.values()])
     (x0, y0), (x1, y1) = ends.min(axis=0) - 0.2, ends.max(axis=0) + 0.2
     wide = (x1 - x0) / (y1 - y0)
-    thin = 0.45 if right - left < top - low else 0.8
+    thin = 0.45 if x_max - x_min < y_max - y_min else 0.8
     height = min(4.5, 8.4 / (wide + thin) / len(maps))
     size = (wide + thin) * height * len(maps) + 0.8, max(3.5, height + 0.6)
     figure = plt.figure(figsize=size, dpi=DPI, layout="constrained")
@@ -134,10 +134,10 @@ def draw_closer(maps: Mapping[str, Segments], window: ArrayLike) -> list[Axes]:
         for ax, width in ((whole, 0.8), (closer, 1.2)):
             draw_segments(map, ax=ax, color=RESULT if k else MAP, width=width)
             ax.set_ylabel("")
-        outline = [(left, low), (right, low), (right, top), (left, top), (left, low)]
+        outline = [(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max), (x_min, y_min)]
         whole.plot(*np.transpose(outline), color=ERROR, linewidth=1.2)
         whole.set(title=title, xlim=(x0, x1), ylim=(y0, y1))
-        closer.set(title="closer", xlim=(left, right), ylim=(low, top), aspect="auto")
+        closer.set(title="closer", xlim=(x_min, x_max), ylim=(y_min, y_max), aspect="auto")
         closer.tick_params(colors=ERROR)
         closer.locator_params(axis="x", nbins=3)
         closer.spines[:].set_color(ERROR)

@@ -230,8 +230,8 @@ def draw_fits(points: ArrayLike, lines: Mapping[str, ArrayLike], *, ax: Axes | N
     ax.plot(*middle, "+", color=MAP, markersize=14, label="mean")
     ax.legend(loc="upper left")
     around = reach * np.array((0.7, 0.3))
-    (left, low), (right, top) = middle - around, middle + around
-    map_axes(ax).set(xlim=(left, right), ylim=(low, top))
+    (x_min, y_min), (x_max, y_max) = middle - around, middle + around
+    map_axes(ax).set(xlim=(x_min, x_max), ylim=(y_min, y_max))
     return ax
 
 
@@ -305,23 +305,23 @@ def draw_normals(
     array, point = arrays.segments(walls), np.asarray(at, float)
     near = hough(array[0] - point)[1]
     rho, theta = hough(array - point, np.full(len(array), near)).T
-    left, right = axes_row(2, (9.0, 3.8))
+    walls_ax, hough_ax = axes_row(2, (9.0, 3.8))
     for k, wall in enumerate(array):
         color = GROUPS[(3, 0, 2, 5, 6)[k % 5]]
         foot = point + rho[k] * np.array([np.cos(theta[k]), np.sin(theta[k])])
-        left.plot(*np.stack([point, foot]).T, "--", color=color)
-        left.plot(*np.stack([foot, wall.mean(axis=0)]).T, ":", color=color, linewidth=1.5)
-        draw_segments([wall], ax=left, color=color, width=3.0)
-        right.plot(np.degrees(theta[k]), rho[k], "o", color=color)
-    left.plot(*point, "+", color=MAP, markersize=14)
-    left.set_title("Walls, and normals of their lines")
-    right.set(title="Hough space", xlabel="theta [degrees]", ylabel="rho [m]")
-    right.margins(0.2)
+        walls_ax.plot(*np.stack([point, foot]).T, "--", color=color)
+        walls_ax.plot(*np.stack([foot, wall.mean(axis=0)]).T, ":", color=color, linewidth=1.5)
+        draw_segments([wall], ax=walls_ax, color=color, width=3.0)
+        hough_ax.plot(np.degrees(theta[k]), rho[k], "o", color=color)
+    walls_ax.plot(*point, "+", color=MAP, markersize=14)
+    walls_ax.set_title("Walls, and normals of their lines")
+    hough_ax.set(title="Hough space", xlabel="theta [degrees]", ylabel="rho [m]")
+    hough_ax.margins(0.2)
     if box is not None:
         distance, turn = box[0], np.degrees(box[1])
         corner = np.degrees(near) - turn, rho[0] - distance
-        right.add_patch(Rectangle(corner, 2 * turn, 2 * distance, fill=False))
-    return [left, right]
+        hough_ax.add_patch(Rectangle(corner, 2 * turn, 2 * distance, fill=False))
+    return [walls_ax, hough_ax]
 
 
 def draw_sector(
@@ -364,11 +364,11 @@ def draw_splits(run: ArrayLike, splits: Mapping[float, Sequence[Any]]) -> list[A
     points = np.asarray(run, float)
     titled = {f"{tolerance:g} m: {len(s)} pieces": s for tolerance, s in splits.items()}
     axes = draw_maps(titled, size=(3.3, 3.6))
-    (left, low), (_, high) = points.min(axis=0), points.max(axis=0)
-    y = low + 0.8 * (high - low)
+    (x_min, y_min), (_, y_max) = points.min(axis=0), points.max(axis=0)
+    y = y_min + 0.8 * (y_max - y_min)
     for ax, tolerance in zip(axes, splits, strict=True):
         ax.plot(*points.T, ".", color=RAW, markersize=4, zorder=0)
-        ax.plot((left, left + tolerance), (y, y), "|-", color=ERROR)
+        ax.plot((x_min, x_min + tolerance), (y, y), "|-", color=ERROR)
         label = f"tolerance {tolerance:g} m"
-        ax.annotate(label, (left, y), (0, 6), textcoords="offset points", color=ERROR)
+        ax.annotate(label, (x_min, y), (0, 6), textcoords="offset points", color=ERROR)
     return axes

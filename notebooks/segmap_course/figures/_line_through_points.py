@@ -75,6 +75,6 @@ class DragLine(DragFigure):
             to = x + np.cos(angle), y + np.sin(angle)
             ax.axline((x, y), to, color=colors[k], label=names[k], linewidth=(5, 2)[k])
         ax.plot(*np.transpose(self.points), "o", color=MAP, markerfacecolor="white", markersize=8)
-        left, low, right, top = self.view
-        map_axes(ax).set(xlim=(left, right), ylim=(low, top))
+        x_min, y_min, x_max, y_max = self.view
+        map_axes(ax).set(xlim=(x_min, x_max), ylim=(y_min, y_max))
         ax.legend()

@@ -98,6 +98,6 @@ class DragStrip(DragFigure):
         """Draw the strip with its dot, the segments of the chain, black, and others, orange."""
         segments = np.reshape(self.segments, (-1, 2, 2))
         draw_strip(segments, self.shift, self.tolerance, chain=self.measure().members, ax=ax)
-        left, low, right, top = self.view
-        ax.plot(left + 0.03 * (right - left), self.shift, "o", color=RESULT, markersize=9)
-        ax.set(xlim=(left, right), ylim=(low, top), title=repr(self)[len("DragStrip(") : -1])
+        x_min, y_min, x_max, y_max = self.view
+        ax.plot(x_min + 0.03 * (x_max - x_min), self.shift, "o", color=RESULT, markersize=9)
+        ax.set(xlim=(x_min, x_max), ylim=(y_min, y_max), title=repr(self)[len("DragStrip(") : -1])

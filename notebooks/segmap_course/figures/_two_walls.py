@@ -65,6 +65,6 @@ class DragWalls(DragFigure):
         for wall, color in zip(self.walls(), (MAP, RESULT), strict=True):
             draw_segments([wall], ax=ax, color=color, width=2.5)
             ax.plot(*wall.T, "o", color=color, markerfacecolor="white", markersize=9)
-        left, low, right, top = self.view
+        x_min, y_min, x_max, y_max = self.view
         title = repr(self)[len("DragWalls(") : -1]
-        map_axes(ax).set(xlim=(left, right), ylim=(low, top), title=title)
+        map_axes(ax).set(xlim=(x_min, x_max), ylim=(y_min, y_max), title=title)

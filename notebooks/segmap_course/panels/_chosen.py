@@ -59,11 +59,11 @@ class CloserPanel(ReductionPanel):
         if "by" in self._parts:
             self.method = METHODS[self.by.value].function
         self._tell(self.method(self.map, **self.chosen()))
-        left, low, right, top = np.asarray(self.window, float)
+        x_min, y_min, x_max, y_max = np.asarray(self.window, float)
         axes = figure.subplots(1, 2)
         for ax in axes:
             draw_before_after(self.map, self.reduction, ax=ax)
-        axes[1].set(xlim=(left, right), ylim=(low, top), title="closer", aspect="auto")
+        axes[1].set(xlim=(x_min, x_max), ylim=(y_min, y_max), title="closer", aspect="auto")
 
 
 class FusionPanel(CloserPanel):

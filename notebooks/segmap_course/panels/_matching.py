@@ -88,10 +88,10 @@ class LandscapePanel(LessonPanel):
         self.peaks.value = f"{len(tops)} peak{'s' * (len(tops) != 1)} within 30 cm"
         y, x = self.land.offsets[tops[0]]
         self.best.value = f"the highest {100 * np.hypot(x, y):.1f} cm off"
-        left, right = figure.subplots(1, 2)
-        draw_landscape(self.land, ax=left)
+        landscape_ax, profile_ax = figure.subplots(1, 2)
+        draw_landscape(self.land, ax=landscape_ax)
         turn, values = heading_profile(*scan, self.truth[k], score=score)
-        draw_profile(turn, values, ax=right, tops=False).set_xticks((-180, -90, 0, 90, 180))
+        draw_profile(turn, values, ax=profile_ax, tops=False).set_xticks((-180, -90, 0, 90, 180))
 
 
 class MatcherPanel(LessonPanel):
@@ -358,16 +358,16 @@ class KalmanPanel(LessonPanel):
         claimed = 2 * np.array([np.sqrt(np.trace(s.covariance[:2, :2])) for s in self.states])
         self.place.value = f"{error[k]:.2f} m off"
         self.claim.value = f"twice the deviation {claimed[k]:.2f} m"
-        left, right = figure.subplots(1, 2)
-        draw_segments(self.map, ax=left, color=RAW)
+        map_ax, error_ax = figure.subplots(1, 2)
+        draw_segments(self.map, ax=map_ax, color=RAW)
         seen = transform(self.states[k].pose, extract_polylines(self.log[k].points()))
         paired = np.isin(np.arange(len(seen)), self.states[k].pairs[:, 0])
         for some, color in ((seen[paired], RESULT), (seen[~paired], ERROR)):
             if len(some):
-                draw_segments(some, ax=left, color=color)
-        left.plot(*self.truth[k, :2], "o", color=TRUTH)
-        left.plot(*self.states[k].pose[:2], "o", color=ERROR, markersize=4)
-        right.semilogy(np.maximum(error, 1e-4), color=ERROR, label="off")
-        right.semilogy(claimed, color=RESULT, label="twice the deviation")
-        right.axvline(k, color=RAW, linewidth=0.8)
-        label_axes(right, f"{len(seen[paired])} of {len(seen)} paired", "scan", "m")
+                draw_segments(some, ax=map_ax, color=color)
+        map_ax.plot(*self.truth[k, :2], "o", color=TRUTH)
+        map_ax.plot(*self.states[k].pose[:2], "o", color=ERROR, markersize=4)
+        error_ax.semilogy(np.maximum(error, 1e-4), color=ERROR, label="off")
+        error_ax.semilogy(claimed, color=RESULT, label="twice the deviation")
+        error_ax.axvline(k, color=RAW, linewidth=0.8)
+        label_axes(error_ax, f"{len(seen[paired])} of {len(seen)} paired", "scan", "m")

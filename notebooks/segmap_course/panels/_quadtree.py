@@ -70,8 +70,8 @@ def insert_variant(
 
 def _cell(map: QuadtreeMap, point: ArrayLike) -> Cell:
     x, y = np.asarray(point, float).tolist()
-    left, low = map.corner.tolist()
-    return cell_of(x, left, map.resolution), cell_of(y, low, map.resolution)
+    x_min, y_min = map.corner.tolist()
+    return cell_of(x, x_min, map.resolution), cell_of(y, y_min, map.resolution)
 
 
 def _leaves_crossed(map: QuadtreeMap, start: Cell, end: Cell, touched: bool, mask: bool) -> Array:

@@ -127,13 +127,13 @@ class HybridPanel(ReductionPanel):
         self._tell(replace(reduced, segments=reduced.segments + (x, 0)))
         gone = np.count_nonzero(self.reduction.parents < 0)
         self.dropped.value = f"{gone} dropped as too short"
-        left, right = figure.subplots(1, 2)
-        draw_provenance(self.map, self.reduction, ax=left)
-        left.set(xlim=left.get_xlim(), ylim=left.get_ylim())  # else a far origin counts
-        left.set_title(f"the map, origin at x = {x} m")
-        left.plot(x, 0, "+", color=MAP, markersize=14, markeredgewidth=2)
+        map_ax, hough_ax = figure.subplots(1, 2)
+        draw_provenance(self.map, self.reduction, ax=map_ax)
+        map_ax.set(xlim=map_ax.get_xlim(), ylim=map_ax.get_ylim())  # else a far origin counts
+        map_ax.set_title(f"the map, origin at x = {x} m")
+        map_ax.plot(x, 0, "+", color=MAP, markersize=14, markeredgewidth=2)
         box = [self.angle.value, self.distance.value]
-        _draw_hough(moved.segments, reduced, box, right)
+        _draw_hough(moved.segments, reduced, box, hough_ax)
 
 
 def _draw_hough(segments: Array, reduction: Reduction, box: list[float], ax: Axes) -> None:
@@ -173,15 +173,15 @@ class MeanShiftPanel(ReductionPanel):
         reduced = self.directions = common_directions(self.map, **scales)
         clusters = f"{len(reduced.theta)} cluster{'s' * (len(reduced.theta) != 1)}"
         self.pieces.value = f"{len(reduced.pieces)} pieces, {clusters}"
-        left, right = figure.subplots(1, 2, sharex=True, sharey=True)
-        draw_provenance(self.map, self.reduction, ax=left).set_title("the map, reduced")
+        map_ax, pieces_ax = figure.subplots(1, 2, sharex=True, sharey=True)
+        draw_provenance(self.map, self.reduction, ax=map_ax).set_title("the map, reduced")
         begin, end = midpoint(reduced.pieces), reduced.centres[:, :2]
         ways = list(np.stack([begin, end], axis=1))
-        right.add_collection(LineCollection(ways, colors=RAW, linewidths=0.6))
-        right.scatter(begin[:, 0], begin[:, 1], s=3, color=RAW, linewidths=0)
-        right.scatter(*end.T, s=20, c=group_colors(reduced.cluster), linewidths=0, zorder=3)
-        right.set_aspect("equal")
-        right.set(title="its pieces, and where they climb to", xlabel="x [m]")
+        pieces_ax.add_collection(LineCollection(ways, colors=RAW, linewidths=0.6))
+        pieces_ax.scatter(begin[:, 0], begin[:, 1], s=3, color=RAW, linewidths=0)
+        pieces_ax.scatter(*end.T, s=20, c=group_colors(reduced.cluster), linewidths=0, zorder=3)
+        pieces_ax.set_aspect("equal")
+        pieces_ax.set(title="its pieces, and where they climb to", xlabel="x [m]")
 
 
 class SectorPanel(ReductionPanel):
