@@ -51,7 +51,7 @@ ERROR_AT_REST = np.array([0.02, 0.01])
 ERROR_PER_M = np.array([0.1, 0.05])
 #: Error of odometry for a radian: metres, radians.
 ERROR_PER_RAD = np.array([0.0, 0.1])
-#: How far a robot without odometry may go between two scans, metres and radians.
+#: How far a robot without odometry may get off its last motion, metres and radians.
 UNKNOWN_MOTION = np.array([0.1, 0.1])
 #: Sides of the cells in which particles are counted: metres, metres, radians.
 KLD_CELL = np.array([0.25, 0.25, 0.2])
@@ -133,7 +133,8 @@ def localize(
     map
         As for `search`.
     scans
-        A Log, or scans one by one; without odometry the robot may go 0.1 m between two.
+        A Log, or scans one by one; without odometry the robot goes on as it went, from a stop to
+        twice as fast, give or take 0.1 m.
     particles
         At most.
     beams
@@ -167,10 +168,11 @@ def localize(
     def beliefs() -> Iterator[Belief]:
         poses, weights = np.zeros((0, 3)), np.zeros(0)
         before: LaserScan | None = None
+        way, last = np.zeros(3), np.full(3, np.nan)
         fit, anew, wait, patience, least = 0.0, True, 0, 1, FOUND_FIT
         for k, scan in enumerate(scans):
             arrays.instance(scan, f"scan {k}", LaserScan)
-            poses = predict(poses, before, scan, rng)
+            poses = predict(poses, before, scan, way, rng)
             before, ends, led = scan, scan.points(), scan.odometry is not None
             if not len(ends):
                 yield estimate(poses, weights, at_places(poses, weights), fit, least)
@@ -202,6 +204,8 @@ def localize(
             places = at_places(poses, weights)
             belief = estimate(poses, weights, places, fit, least)
             least = DOUBTFUL_FIT if belief.found else FOUND_FIT
+            here = belief.pose if belief.found else np.full(3, np.nan)
+            way, last = np.nan_to_num(between(last, here)) * (not anew), here
             yield belief
             if places:
                 poses, weights = redrawn(poses, weights, places, particles, rng)
@@ -210,13 +214,18 @@ def localize(
 
 
 def predict(
-    poses: Array, before: LaserScan | None, scan: LaserScan, rng: np.random.Generator
+    poses: Array, before: LaserScan | None, scan: LaserScan, way: Array, rng: np.random.Generator
 ) -> Array:
-    """Particles `(n, 3)`, metres and radians, after the way from one scan to the next."""
+    """Particles `(n, 3)`, metres and radians, after the way from one scan to the next.
+
+    Without odometry each goes on by a share of the last `way`: the robot may stop, or go twice as
+    fast.
+    """
     if before is None or not len(poses):
         return poses
-    way, error = np.zeros(3), UNKNOWN_MOTION
-    if before.odometry is not None and scan.odometry is not None:
+    if before.odometry is None or scan.odometry is None:
+        way, error = way * rng.uniform(0, 2, (len(poses), 1)), UNKNOWN_MOTION
+    else:
         way = between(before.odometry, scan.odometry)
         error = ERROR_AT_REST + ERROR_PER_M * np.hypot(*way[:2]) + ERROR_PER_RAD * abs(way[2])
     return compose(poses, way + rng.standard_normal(poses.shape) * error[[0, 0, 1]])
@@ -254,8 +263,7 @@ def fresh_poses(map: Likelihoods, ends: Array, count: int, rng: np.random.Genera
 def kld_sample_size(poses: Array) -> int:
     """How many of the first particles are enough for the cells in which these lie (Fox 2003)."""
     cells = np.floor(poses / KLD_CELL).astype(np.int64)
-    new = np.zeros(len(cells), bool)
-    new[np.unique(cells, axis=0, return_index=True)[1]] = True
+    new = np.isin(np.arange(len(cells)), np.unique(cells, axis=0, return_index=True)[1])
     a = 2 / (9 * np.maximum(np.cumsum(new) - 1, 1))
     needed = (1 - a + np.sqrt(a) * KLD_QUANTILE) ** 3 / (9 * a * KLD_ERROR)
     enough = np.arange(1, len(cells) + 1) >= np.maximum(needed, LEAST_PARTICLES)

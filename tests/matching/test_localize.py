@@ -288,10 +288,24 @@ def test_particles_move_by_the_odometry_with_its_errors(way, errors):
     first = LaserScan([], [], odometry=None if way is None else STILL)
     second = LaserScan([], [], odometry=way)
     poses, random = np.zeros((20_000, 3)), rng(1)
-    found = inner.predict(poses, first, second, random)
-    np.testing.assert_allclose(found.std(0), errors, rtol=0.03)
-    np.testing.assert_allclose(found.mean(0), STILL if way is None else way, atol=0.02)
-    assert inner.predict(poses, None, second, random) is poses
+    moved = inner.predict(poses, first, second, np.zeros(3), random)
+    np.testing.assert_allclose(moved.std(0), errors, rtol=0.03)
+    np.testing.assert_allclose(moved.mean(0), STILL if way is None else way, atol=0.02)
+    assert inner.predict(poses, None, second, np.zeros(3), random) is poses
+
+
+def test_a_robot_without_odometry_goes_on_as_it_went():
+    """0.4 m a scan: particles that begin where it was lag behind, 2 cm in the mean."""
+    walls = office(rng=rng(2))
+    log = simulate(walls, drive(ROUTE, step=0.2), sensor=URG_04LX, rng=rng(3))
+    scans = simulate(walls, drive(ROUTE, step=0.4)[:60], sensor=URG_04LX, rng=rng(4))
+    unled = [replace(scan, odometry=None) for scan in scans]
+    beliefs = list(localize(build_map(log, log.truth), unled, rng=rng(5)))[1:]
+    poses, found = np.array([b.pose for b in beliefs]), np.array([b.found for b in beliefs])
+    steps, errors = np.diff(scans.truth[:, :2], axis=0), (poses - scans.truth[1:])[:, :2]
+    ways = np.hypot(*steps.T)
+    ahead = (errors * steps).sum(1)[found].sum() / ways[found].sum()
+    assert found.mean() > 0.9 and abs(ahead) < 0.01
 
 
 def test_the_places_of_a_belief():
