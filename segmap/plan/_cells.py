@@ -75,19 +75,19 @@ def grid_along(free: QuadtreeMap, turn: float, segments: Array, side: float) -> 
     """Squares along an axis of the building, about all segments and all free space."""
     both, finest = free.leaves(), free.resolution
     cell = float(np.ldexp(finest, max(0, round(np.log2(side / finest)))))
-    vis, left, low, _ = free.rasterize(both.vis, shown=both.vis > 0, resolution=cell)
+    vis, x_min, y_min, _ = free.rasterize(both.vis, shown=both.vis > 0, resolution=cell)
     occ = free.rasterize(both.occ, shown=both.vis > 0, resolution=cell)[0]
     least = min(LEAST_RAYS, max(1, free.scans))  # a map of a grid has one ray a square
     kind = np.full(vis.shape, UNKNOWN)
     kind[(occ <= FREE_ENDED_SHARE * vis) & (vis >= least)] = FREE
     kind[(occ >= least) & (occ > OCCUPIED_ENDED_SHARE * vis)] = OCCUPIED
     right, up = transform((0, 0, turn), np.eye(2))
-    known = np.argwhere(kind == FREE)[:, ::-1] * cell + (left + cell / 2, low + cell / 2)
-    points = np.concatenate([known, segments.reshape(-1, 2)]) @ np.stack([right, up], -1)
+    free_points = np.argwhere(kind == FREE)[:, ::-1] * cell + (x_min + cell / 2, y_min + cell / 2)
+    points = np.concatenate([free_points, segments.reshape(-1, 2)]) @ np.stack([right, up], -1)
     start = points.min(0) - 2 * side
     shape = np.ceil(np.ptp(points, axis=0) / side + 4).astype(int)[::-1]
     grid = Grid(np.full(shape, UNKNOWN), start @ [right, up], right, up, side)
-    column, row = np.moveaxis((grid.places() - (left, low)) / cell - 0.5, -1, 0)
+    column, row = np.moveaxis((grid.places() - (x_min, y_min)) / cell - 0.5, -1, 0)
     scipy.ndimage.map_coordinates(kind, [row, column], grid.kind, order=0, mode="grid-constant")
     hidden = scipy.ndimage.label(grid.kind == UNKNOWN)[0]
     small = np.bincount(hidden.ravel()) * side**2 < LEAST_HOLE_M2
@@ -141,9 +141,9 @@ def connected(key: Indices, mask: Mask, least: float) -> Indices:
     links = coo_array((np.ones(len(i), np.int8), (i, j)), shape=(mask.sum(),) * 2)
     group = connected_components(links, directed=False)[1]
     large = np.bincount(group) >= least
-    found = np.full(mask.shape, -1)
-    found[mask] = np.where(large, np.cumsum(large) - 1, -1)[group]
-    return found
+    numbers = np.full(mask.shape, -1)
+    numbers[mask] = np.where(large, np.cumsum(large) - 1, -1)[group]
+    return numbers
 
 
 def unseen_border(grid: Grid, labels: Indices, least: float) -> Array:

@@ -52,7 +52,7 @@ class Door:
 
 def find_doors(edges: Edges, lines: list[Line], grid: Grid, labels: Indices) -> list[Door]:
     """Doorways with two rooms, or a room and none: of two faces of a wall the narrower."""
-    found, kept = list[Door](), list[Door]()
+    candidates, doors = list[Door](), list[Door]()
     steps = np.arange(grid.side / 2, ROOM_REACH_M, grid.side)[:, None]
     for run in [one for one in edges.runs if one.door]:
         line, rooms = lines[run.line], list[int]()
@@ -64,9 +64,9 @@ def find_doors(edges: Edges, lines: list[Line], grid: Grid, labels: Indices) -> 
             rooms.append(int(next((k for k in labels[row, column][before] if k >= 0), -1)))
         if rooms[0] != rooms[1]:
             words = f"open for {length(ends):.2f} m between {run.door}"
-            found.append(Door(ends, (min(rooms), max(rooms)), words))
-    for door in sorted(found, key=lambda one: one.width):
-        same = [one.place for one in kept if one.rooms == door.rooms]
+            candidates.append(Door(ends, (min(rooms), max(rooms)), words))
+    for door in sorted(candidates, key=lambda one: one.width):
+        same = [one.place for one in doors if one.rooms == door.rooms]
         if all(np.hypot(*(place - door.place)) > ONE_DOOR_M for place in same):
-            kept.append(door)
-    return kept
+            doors.append(door)
+    return doors

@@ -48,24 +48,24 @@ class Line(NamedTuple):
 
 def building_axes(segments: Array) -> Array:
     """Directions along or across which walls run, radians in [0, pi/2), the strongest first."""
-    turn, weight, found = angle(segments) % QUARTER, length(segments), list[float]()
+    turn, weight, axes = angle(segments) % QUARTER, length(segments), list[float]()
     places, least = np.arange(0, QUARTER, AXIS_STEP_RAD), LEAST_AXIS_SHARE * (weight**2).sum()
-    while (weight**2).sum() > least and len(found) < MOST_AXES:
+    while (weight**2).sum() > least and len(axes) < MOST_AXES:
         apart = abs(quarter_turn(places[:, None] - turn))
         best = float(places[(np.clip(1 - apart / AXIS_KERNEL_RAD, 0, None) @ weight).argmax()])
         for _ in range(5):
             off = quarter_turn(turn - best)
             near = abs(off) <= AXIS_MEAN_RAD
             best += float(np.average(off[near], weights=weight[near]))
-        left = abs(quarter_turn(turn - best)) > AXIS_BAND_RAD
-        found += [best % QUARTER] if (weight[~left] ** 2).sum() >= least else []
-        turn, weight = turn[left], weight[left]
-    return np.array(found)
+        others = abs(quarter_turn(turn - best)) > AXIS_BAND_RAD
+        axes += [best % QUARTER] if (weight[~others] ** 2).sum() >= least else []
+        turn, weight = turn[others], weight[others]
+    return np.array(axes)
 
 
 def wall_lines(segments: Array, axes: Array, band: float) -> list[Line]:
     """Lines of each axis and across it, each the mean of the densest offsets within a band."""
-    found, sizes, middles = list[Line](), length(segments), midpoint(segments)
+    lines, sizes, middles = list[Line](), length(segments), midpoint(segments)
     apart = abs(quarter_turn(angle(segments)[:, None] - axes))
     nearest = np.column_stack([apart, np.full(len(apart), np.inf)]).argmin(1)
     for axis, turn in enumerate(np.concatenate([axes, axes + QUARTER])):
@@ -83,9 +83,9 @@ def wall_lines(segments: Array, axes: Array, band: float) -> list[Line]:
                 break
             offset = float(np.average(middles[chosen] @ normal, weights=sizes[chosen]))
             spans = np.sort(segments[chosen] @ way, axis=1)
-            found.append(Line(axis, way, normal, offset, chosen, merged_spans(spans)))
+            lines.append(Line(axis, way, normal, offset, chosen, merged_spans(spans)))
             rows = np.delete(rows, np.s_[first : last[first]])
-    return found
+    return lines
 
 
 def merged_spans(spans: Array, gap: float = 0.0) -> Array:

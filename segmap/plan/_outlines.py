@@ -52,8 +52,8 @@ def room_of(
         return grid.origin + (at + start) * grid.side @ [grid.right, grid.up]
 
     edge = np.diff(own.astype(np.int8), axis=1, prepend=0, append=0)
-    (row, left), right = np.nonzero(edge == 1), np.nonzero(edge == -1)[1]
-    squares = shapely.union_all(shapely.box(left, row, right, row + 1))
+    (row, x_min), x_max = np.nonzero(edge == 1), np.nonzero(edge == -1)[1]
+    squares = shapely.union_all(shapely.box(x_min, row, x_max, row + 1))
     whole, slit = squares, SLIT_M / grid.side / 2
     for by in (slit, -2 * slit, slit + GROWN_SQUARES):
         whole = shapely.buffer(whole, by, join_style="mitre")
@@ -97,8 +97,8 @@ def outline_of(
     sides, wall = sides_on_walls(ring, walls, side)
     while steps <= min(MOST_BETWEEN + 1, len(sides) - 2):
         apart = np.hypot(*(np.roll(sides[:, 0], -steps, axis=0) - sides[:, 1]).T)
-        left = normals(sides)
-        turn = (left * np.roll(left, -steps, axis=0)).sum(1)  # its cosine
+        normal = normals(sides)
+        turn = (normal * np.roll(normal, -steps, axis=0)).sum(1)  # its cosine
         fits = (abs(turn) < np.sin(FACE_TURN_RAD)) | (turn > np.cos(FACE_TURN_RAD))
         fits &= (np.minimum(wall, np.roll(wall, -steps)) > 0) & (apart <= WIDEST_NICHE_M)
         for first in np.flatnonzero(fits):
@@ -161,21 +161,21 @@ def sides_on_walls(ring: Array, walls: Array, side: Indices) -> tuple[Array, Arr
 
     A side goes onto the wall that covers most of it and whose free side is the inside.
     """
-    left, sides = normals(walls), np.stack([ring, np.roll(ring, -1, axis=0)], 1)
+    normal, sides = normals(walls), np.stack([ring, np.roll(ring, -1, axis=0)], 1)
     on = np.zeros(len(ring))
     for k, (start, end) in enumerate(sides.copy()):
         size = np.hypot(*(end - start))
         way = (end - start) / max(size, MIN_LENGTH)
         spans = np.sort((walls - start) @ way, -1).clip(0, size)
         common = spans[:, 1] - spans[:, 0]
-        off = ((start + spans.mean(1)[:, None] * way - walls[:, 0]) * left).sum(-1)
-        facing = left @ (-way[1], way[0])
+        off = ((start + spans.mean(1)[:, None] * way - walls[:, 0]) * normal).sum(-1)
+        facing = normal @ (-way[1], way[0])
         facing = np.where(side == 0, abs(facing), side * facing)
         common[(abs(off) > SNAP_M) | (facing < np.cos(FACE_TURN_RAD))] = 0
         if common.max(initial=0) > 0:
             best = common.argmax()
             on[k] = length(walls[best])
-            sides[k] -= ((sides[k] - walls[best, 0]) @ left[best])[:, None] * left[best]
+            sides[k] -= ((sides[k] - walls[best, 0]) @ normal[best])[:, None] * normal[best]
     return sides, on
 
 

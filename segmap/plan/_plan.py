@@ -122,7 +122,7 @@ class FloorPlan:
         >>> plan.edited([Name((1, 1), "hall")]).rooms
         [Room('hall', 12.0 m2, 4 corners)]
         """
-        return _formed(self.base, edits)
+        return _form_plan(self.base, edits)
 
     @property
     def doubt(self) -> str:
@@ -145,19 +145,19 @@ class FloorPlan:
     @property
     def graph(self) -> NDArray[np.bool_]:
         """Which rooms a door joins, `(r, r)`: the topological map of A 2.1."""
-        found = np.zeros((len(self.rooms),) * 2, bool)
+        is_joined = np.zeros((len(self.rooms),) * 2, bool)
         for door in self.doors:
-            found[door.rooms] = found[door.rooms[::-1]] = True
-        return found
+            is_joined[door.rooms] = is_joined[door.rooms[::-1]] = True
+        return is_joined
 
     def room_at(self, points: ArrayLike) -> Indices:
         """The room of points `(n, 2)`, metres: `(n,)` int array, -1 for none."""
         shapely = shapely_or_hint()
-        places, found = arrays.points(points), np.full(len(arrays.points(points)), -1)
+        places, numbers = arrays.points(points), np.full(len(arrays.points(points)), -1)
         for k, room in reversed([*enumerate(self.rooms)]):
             inside = shapely.contains_xy(shapely.Polygon(room.outline, room.holes), *places.T)
-            found[inside] = k
-        return found
+            numbers[inside] = k
+        return numbers
 
     def __repr__(self) -> str:
         rooms = f"{len(self.rooms)} rooms of {sum(room.area for room in self.rooms):.1f} m2"
@@ -233,8 +233,8 @@ def floor_plan(
     long = segments[length(segments) >= LEAST_LINE_PIECE_M]
     across = float(np.ptp(long.reshape(-1, 2), axis=0).max()) if len(long) else 0.0
     if not NARROWEST_BUILDING_M <= across <= WIDEST_BUILDING_M:
-        said = f"its walls of {LEAST_LINE_PIECE_M:g} m and more reach over {across:.6g} m"
-        raise ValueError(f"map must be a building in metres, but {said}")
+        extent = f"its walls of {LEAST_LINE_PIECE_M:g} m and more reach over {across:.6g} m"
+        raise ValueError(f"map must be a building in metres, but {extent}")
     leaves = free.leaves()
     if not (seen := leaves.vis > 0).any():
         raise ValueError("free must hold a scan, got a map in which nothing was seen")
@@ -251,33 +251,33 @@ def floor_plan(
     lines = wall_lines(long, axes, band)
     cells = connected(cell_keys(grid.places(), lines), grid.kind == FREE, 1)
     edges = edges_between(lines, grid, cells, (float(widths[0]), float(widths[1])), band)
-    labels, told = find_rooms(grid, cells, edges, kappa, share, opening, least_area)
+    labels, words = find_rooms(grid, cells, edges, kappa, share, opening, least_area)
     parts = connected(labels, labels >= 0, least_area / grid.side**2)
-    reasons = [told[labels[parts == k][0]] for k in range(parts.max() + 1)]
+    reasons = [words[labels[parts == k][0]] for k in range(parts.max() + 1)]
     walls = draw_walls(segments, axes, grid, parts)
     off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
     base = Base(
         grid, lines, edges, parts, reasons, walls, axes, float(off), opening, least_area, {}
     )
-    return _formed(base, edits)
+    return _form_plan(base, edits)
 
 
-def _formed(base: Base, edits: Sequence[Edit]) -> FloorPlan:
+def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     """Rooms and doors of a plan, after what a person changed."""
     if not isinstance(edits, list | tuple) or not all(isinstance(each, Edit) for each in edits):
         raise ValueError(f"edits must be a list of edits, got {arrays.brief(edits)}")
     grid, parts = base.grid, base.parts.copy()
     unplaced = [f"{edit} ({why})" for edit in edits if (why := edit.on_squares(grid, parts))]
-    kept, numbers = np.unique(parts[parts >= 0], return_inverse=True)
+    old, numbers = np.unique(parts[parts >= 0], return_inverse=True)
     parts[parts >= 0] = numbers
     openings = find_doors(base.edges, base.lines, grid, parts)
     cuts = np.reshape([edit.line for edit in edits if isinstance(edit, Split)], (-1, 2, 2))
-    rooms = _outlined(base, parts, cuts, np.reshape([one.place for one in openings], (-1, 2)))
+    rooms = _outline_rooms(base, parts, cuts, np.reshape([one.place for one in openings], (-1, 2)))
     order = np.argsort([-room.area for room in rooms], kind="stable")
     number = np.append(np.argsort(order), -1)
-    told = dict(enumerate(base.reasons))
+    reasons = dict(enumerate(base.reasons))
     rooms = [
-        replace(rooms[k], name=f"room {n}", reason=told.get(kept[k], "joined or split by hand"))
+        replace(rooms[k], name=f"room {n}", reason=reasons.get(old[k], "joined or split by hand"))
         for n, k in enumerate(order, 1)
     ]
     doors = [
@@ -302,7 +302,7 @@ def _formed(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     return plan
 
 
-def _outlined(base: Base, parts: Indices, cuts: Array, doorways: Array) -> list[Room]:
+def _outline_rooms(base: Base, parts: Indices, cuts: Array, doorways: Array) -> list[Room]:
     """The rooms of squares; those that no edit changed are known."""
     walls, side, rooms = base.walls[0].segments, base.walls[3], list[Room]()
     places = np.sort(np.stack(base.grid.squares(cuts), -1), axis=1)  # row and column
@@ -313,7 +313,7 @@ def _outlined(base: Base, parts: Indices, cuts: Array, doorways: Array) -> list[
         key = low.tobytes() + high.tobytes() + mine.tobytes() + squares.tobytes()
         if key not in base.outlined:
             faces = np.concatenate([walls, mine]), np.append(side, np.zeros(len(mine), np.int64))
-            made = room_of(parts, k, box, base.grid, *faces, doorways, base.least_area)
-            base.outlined[key] = made
+            room = room_of(parts, k, box, base.grid, *faces, doorways, base.least_area)
+            base.outlined[key] = room
         rooms.append(base.outlined[key])
     return rooms

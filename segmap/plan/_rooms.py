@@ -45,17 +45,17 @@ class Partition:
 
     def join(self, a: int, b: int) -> list[tuple[int, int]]:
         """Two rooms become one, that with more neighbours: its borders that have changed."""
-        kept, gone = (a, b) if len(self.near[a]) >= len(self.near[b]) else (b, a)
+        host, gone = (a, b) if len(self.near[a]) >= len(self.near[b]) else (b, a)
         changed = self.near.pop(gone)
-        del self.near[kept][gone], changed[kept]
+        del self.near[host][gone], changed[host]
         for other, border in changed.items():
             del self.near[other][gone]
-            self.near[kept].setdefault(other, Counter()).update(border)
-            self.near[other][kept] = self.near[kept][other]
-        self.members[kept] += self.members.pop(gone)
-        self.area[kept] += self.area[gone]
-        self.widths = {room: self.widths[room] for room in self.widths.keys() - {kept, gone}}
-        return [(min(kept, other), max(kept, other)) for other in changed]
+            self.near[host].setdefault(other, Counter()).update(border)
+            self.near[other][host] = self.near[host][other]
+        self.members[host] += self.members.pop(gone)
+        self.area[host] += self.area[gone]
+        self.widths = {room: self.widths[room] for room in self.widths.keys() - {host, gone}}
+        return [(min(host, other), max(host, other)) for other in changed]
 
     def opening(self, a: int, b: int, *, doors: bool) -> dict[int, float]:
         """Metres of the border in each open run, doorways or others."""
@@ -94,17 +94,17 @@ def find_rooms(
     part = Partition(grid, cells, edges)
 
     def openness(a: int, b: int) -> tuple[float, float]:
-        found = part.opening(a, b, doors=False)
-        metres = sum(found.values())
+        openings = part.opening(a, b, doors=False)
+        metres = sum(openings.values())
         shared = metres / (part.near[a][b][WHOLE] * grid.side)
-        joins = bool(found) and (shared >= share or max(found.values()) >= run)
+        joins = bool(openings) and (shared >= share or max(openings.values()) >= run)
         return (-metres, -shared) if joins else (np.inf, 0.0)
 
     def narrowness(a: int, b: int) -> tuple[float, float]:
-        found = part.opening(a, b, doors=True)
-        if not found:
+        openings = part.opening(a, b, doors=True)
+        if not openings:
             return (np.inf, 0.0)
-        door = edges.runs[max(found, key=lambda run: found[run])]
+        door = edges.runs[max(openings, key=lambda run: openings[run])]
         wide, (low, high) = door.high - door.low, sorted((part.width(a), part.width(b)))
         if door.mouth:
             length = min(part.area[a], part.area[b]) / wide
@@ -121,9 +121,9 @@ def find_rooms(
     part.merge(openness)
     part.merge(narrowness)
     part.merge(smallness)
-    number, told = np.full(len(part.boxes) + 1, -1), list[str]()
+    number, notes = np.full(len(part.boxes) + 1, -1), list[str]()
     for room in [room for room in part.near if part.area[room] >= least]:
-        number[part.members[room]] = len(told)
-        words = "cells between lines of walls, joined where open or by a doorway too wide for both"
-        told.append(f"{len(part.members[room])} {words}; a circle of {part.width(room):.2f} m fits")
-    return number[cells], told
+        number[part.members[room]] = len(notes)
+        what = "cells between lines of walls, joined where open or by a doorway too wide for both"
+        notes.append(f"{len(part.members[room])} {what}; a circle of {part.width(room):.2f} m fits")
+    return number[cells], notes

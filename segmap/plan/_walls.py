@@ -85,9 +85,9 @@ def free_sides(segments: Array, grid: Grid) -> Indices:
     share = np.linspace(0.1, 0.9, 9)[:, None, None]
     points = segments[:, 0] + share * (segments[:, 1] - segments[:, 0])
     off = np.array(FREE_SIDE_M)[:, None, None, None] * normals(segments)
-    left, right = ((grid.at(points + k * off) == FREE).mean((0, 1)) for k in (1, -1))
-    clear = abs(left - right) >= FREE_SIDE_SHARE
-    return np.where(clear, np.sign(left - right), 0).astype(np.int64)
+    left_share, right_share = ((grid.at(points + k * off) == FREE).mean((0, 1)) for k in (1, -1))
+    clear = abs(left_share - right_share) >= FREE_SIDE_SHARE
+    return np.where(clear, np.sign(left_share - right_share), 0).astype(np.int64)
 
 
 def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, Indices]:
@@ -96,17 +96,17 @@ def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, 
     Returned are faces, their free sides, residuals, and of each segment its face.
     """
     side, turn, sizes = free_sides(segments, grid), angle(segments), length(segments)
-    left, face = np.argsort(-sizes, kind="stable"), np.full(len(segments), -1)
+    loose, face = np.argsort(-sizes, kind="stable"), np.full(len(segments), -1)
     drawn, sides, residual = list[Array](), list[int](), list[float]()
-    while len(left):
-        mine, close, band = segments[left], np.arange(1), FACE_BAND_M
+    while len(loose):
+        mine, close, band = segments[loose], np.arange(1), FACE_BAND_M
         for _ in range(4):
-            weight = np.ceil(sizes[left[close]] / grid.side).astype(int)
+            weight = np.ceil(sizes[loose[close]] / grid.side).astype(int)
             points = np.repeat(SIMPSON @ mine[close], weight, axis=0)
             centre, direction = fit_line(points.reshape(-1, 2))
             (way, normal), to = transform((0, 0, direction), np.eye(2)), mine - centre
-            turned = abs(axial_difference(turn[left], direction))
-            facing = side[left] * np.where((mine[:, 1] - mine[:, 0]) @ way > 0, 1, -1)
+            turned = abs(axial_difference(turn[loose], direction))
+            facing = side[loose] * np.where((mine[:, 1] - mine[:, 0]) @ way > 0, 1, -1)
             spans = np.sort(to @ way, 1)
             off = abs(to @ normal).max(1)
             near = (off <= FACE_BAND_M) & (turned <= FACE_TURN_RAD) & (facing * facing[0] >= 0)
@@ -123,37 +123,37 @@ def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, 
                 break
             away = abs(to[chosen] @ normal).mean(1)
             order = np.argsort(away, kind="stable")
-            share = np.cumsum(sizes[left[chosen]][order])
+            share = np.cumsum(sizes[loose[chosen]][order])
             half = away[order][np.searchsorted(share, share[-1] / 2)]
             close = chosen[away <= FACE_SPREAD * half + 1e-9]
             band = min(max(FACE_SPREAD * half, LEAST_FACE_BAND_M), FACE_BAND_M)
-        front = int(np.sign(facing[chosen] @ sizes[left[chosen]]))
-        for low, high in _bridged(merged_spans(spans[chosen]), centre, way, front * normal, grid):
+        front = int(np.sign(facing[chosen] @ sizes[loose[chosen]]))
+        for low, high in _bridge(merged_spans(spans[chosen]), centre, way, front * normal, grid):
             own = chosen[(spans[chosen, 0] >= low) & (spans[chosen, 1] <= high)]
-            face[left[own]] = len(drawn)
+            face[loose[own]] = len(drawn)
             drawn.append(centre + np.array([[low], [high]]) * way)
             sides.append(front)
             squares = ((to[own] @ normal) ** 2).mean(1)
-            residual.append(float(np.sqrt(np.average(squares, weights=sizes[left[own]]))))
-        left = np.delete(left, chosen)
+            residual.append(float(np.sqrt(np.average(squares, weights=sizes[loose[own]]))))
+        loose = np.delete(loose, chosen)
     return np.reshape(drawn, (-1, 2, 2)), np.array(sides, np.int64), np.array(residual), face
 
 
-def _bridged(spans: Array, centre: Array, way: Array, front: Array, grid: Grid) -> Array:
+def _bridge(spans: Array, centre: Array, way: Array, front: Array, grid: Grid) -> Array:
     """Intervals with those made one that leave a small gap, or one that no ray passed.
 
     Where free space lies before the gap, it is the same wall: a cross wall reaches farther.
     """
-    kept = [spans[0].tolist()]
+    runs = [spans[0].tolist()]
     for low, high in spans[1:].tolist():
-        gap = low - kept[-1][1]
-        points = centre + np.linspace(kept[-1][1], low, 3 + int(gap / grid.side))[1:-1, None] * way
+        gap = low - runs[-1][1]
+        points = centre + np.linspace(runs[-1][1], low, 3 + int(gap / grid.side))[1:-1, None] * way
         before, passed = ((grid.at(points + k * front) == FREE).mean() for k in (BEFORE_M, 0.0))
         hidden = gap <= BRIDGED_M or (gap <= HIDDEN_M and passed == 0)
         if not (hidden and before > 0.5):
-            kept.append([low, high])
-        kept[-1][1] = high
-    return np.array(kept)
+            runs.append([low, high])
+        runs[-1][1] = high
+    return np.array(runs)
 
 
 def _crossings(segments: Array) -> tuple[Array, Array, Array]:
@@ -162,13 +162,13 @@ def _crossings(segments: Array) -> tuple[Array, Array, Array]:
     And metres along these from each end to the crossing, `(2 n, n)`, and from the start of the
     other segment; NaN where both are nearly parallel. End `2 i` is the start of segment i.
     """
-    ends, left = segments.reshape(-1, 2), normals(segments)
-    way = np.stack([left[:, 1], -left[:, 0]], -1)
+    ends, normal = segments.reshape(-1, 2), normals(segments)
+    way = np.stack([normal[:, 1], -normal[:, 0]], -1)
     inward = np.stack([way, -way], 1).reshape(-1, 2)
-    across = inward @ left.T
+    across = inward @ normal.T
     across[abs(across) < np.sin(CORNER_TURN_RAD)] = np.nan
     to = segments[:, 0] - ends[:, None]
-    ahead = (to * left).sum(-1) / across
+    ahead = (to * normal).sum(-1) / across
     return inward, ahead, ahead * (inward @ way.T) - (to * way).sum(-1)
 
 
@@ -213,5 +213,5 @@ def thicknesses(walls: Array, side: Indices) -> Array:
     low, high = np.moveaxis(along[np.arange(len(walls)), np.arange(len(walls))], -1, 0)[..., None]
     common = np.minimum(along[..., 1], high) - np.maximum(along[..., 0], low)
     faces = (back @ back.T < -np.cos(FACE_TURN_RAD)) & (common > SHORTEST_WALL_M)
-    found = np.where(faces & (behind > 0), behind, np.inf).min(1, initial=np.inf)
-    return np.where(found <= THICKEST_WALL_M, found, np.nan)
+    thickness = np.where(faces & (behind > 0), behind, np.inf).min(1, initial=np.inf)
+    return np.where(thickness <= THICKEST_WALL_M, thickness, np.nan)
