@@ -61,8 +61,8 @@ def segments_at_gaps(
 ) -> list[list[tuple[float, float]]]:
     """One segment for each run of more than one place (A 3.2)."""
     lines = [(run, fit(run)) for run in cut_at_gaps(points, gap)]
-    found = [extreme_projections(run, line) for run, line in lines if line]
-    return [ends for ends in found if math.dist(*ends) > SAME]
+    segments = [extreme_projections(run, line) for run, line in lines if line]
+    return [ends for ends in segments if math.dist(*ends) > SAME]
 
 
 def extract_clusters(
@@ -115,8 +115,8 @@ def border(points: Points, first: int, corner: int, last: int) -> int:
     """
     if min(corner - first, last - corner) < 3:
         return corner + (last - corner < corner - first)
-    left, right = fit_total(points[first:corner]), fit_total(points[corner + 1 : last + 1])
-    is_left = [off_line(p, left) < off_line(p, right) - SAME for p in points]
+    before, after = fit_total(points[first:corner]), fit_total(points[corner + 1 : last + 1])
+    is_left = [off_line(p, before) < off_line(p, after) - SAME for p in points]
     if is_left[corner]:
         middle = (corner + last) / 2
         return next(k for k in range(corner + 1, last + 1) if k >= middle or not is_left[k])
@@ -134,7 +134,7 @@ def extract_polylines(
     closed: bool = False,
 ) -> list[list[tuple[float, float]]]:
     """Split each run, merge its pieces, fit a line to each that is large enough."""
-    found = []
+    segments = []
     for run in cut_at_gaps(from_a_gap(points, gap) if closed else points, gap):
         ends, start = merge(run, tolerance, split(run, tolerance, 0, len(run) - 1)), 0
         for k, end in enumerate(ends):
@@ -142,5 +142,5 @@ def extract_polylines(
             stop = end + 1 if last else border(run, first, end, ends[k + 1])
             piece, start = run[start:stop], stop
             if len(piece) >= max(min_points, 2):
-                found.append(extreme_projections(piece, fit_total(piece)))
-    return [s for s in found if math.dist(*s) >= min_length]
+                segments.append(extreme_projections(piece, fit_total(piece)))
+    return [s for s in segments if math.dist(*s) >= min_length]

@@ -29,8 +29,8 @@ Found = list[list[tuple[float, float]]]
 def kept(runs: Sequence[Sequence[Point]]) -> Found:
     """A segment for each run of points that is large enough."""
     large = [run for run in runs if len(run) >= LEAST_POINTS]
-    found = [extreme_projections(run, fit_total(run)) for run in large]
-    return [s for s in found if segment_length(s) >= LEAST_LENGTH_M]
+    segments = [extreme_projections(run, fit_total(run)) for run in large]
+    return [s for s in segments if segment_length(s) >= LEAST_LENGTH_M]
 
 
 def cut_along(points: Array, line: Line, gap: float) -> list[list[Point]]:

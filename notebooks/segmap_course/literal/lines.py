@@ -62,18 +62,18 @@ def parents_of(groups: Iterable[Iterable[int]], count: int) -> list[int]:
 
 def chains(count: int, near: Callable[[int, int], bool]) -> list[list[int]]:
     """Connected sets of the numbers 0 to count - 1, by lowest member, each ascending."""
-    left, found = set(range(count)), []
-    while left:
-        chain, todo = [], [min(left)]
-        left.discard(todo[0])
+    unvisited, sets = set(range(count)), []
+    while unvisited:
+        chain, todo = [], [min(unvisited)]
+        unvisited.discard(todo[0])
         while todo:
             i = todo.pop()
             chain.append(i)
-            new = {j for j in left if near(i, j)}
-            left -= new
+            new = {j for j in unvisited if near(i, j)}
+            unvisited -= new
             todo += new
-        found.append(sorted(chain))
-    return found
+        sets.append(sorted(chain))
+    return sets
 
 
 def line_at(x: float, y: float, theta: float, offset: float, ends: Sequence[Point]) -> Segment:

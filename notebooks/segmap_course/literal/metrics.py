@@ -92,23 +92,23 @@ def quality(before: Sequence[Segment], after: Sequence[Segment], *, scale: float
 
 def joined_walls(walls: Sequence[Segment]) -> list[Segment]:
     """Longest first: walls whose ends lie within 1 mm of its line, and that touch it, join it."""
-    left = sorted((w for w in walls if segment_length(w) >= SAME), key=segment_length, reverse=True)
-    found: list[Segment] = []
-    while left:
-        wall: Segment = left.pop(0)
+    rest = sorted((w for w in walls if segment_length(w) >= SAME), key=segment_length, reverse=True)
+    joined: list[Segment] = []
+    while rest:
+        wall: Segment = rest.pop(0)
         while True:
             line, size = line_of(wall), segment_length(wall)
-            for other in left:
+            for other in rest:
                 seen = [seen_from(line, p) for p in other]
                 low, high = min(a for a, _ in seen), max(a for a, _ in seen)
                 if max(abs(o) for _, o in seen) <= 1e-3 and low <= size + 1e-3 and high >= -1e-3:
                     wall = extreme_projections((*wall, *other), line)
-                    left.remove(other)
+                    rest.remove(other)
                     break
             else:
                 break
-        found.append((wall[0], wall[1]))
-    return found
+        joined.append((wall[0], wall[1]))
+    return joined
 
 
 def beside(wall: Segment, s: Segment, distance: float, angle: float) -> tuple[float, float] | None:
@@ -190,10 +190,10 @@ def against_walls(
     """What a map keeps of the true walls, misses, invents and has twice, in metres."""
     whole = joined_walls(walls)
     looks, drawn = ([s for s in m if segment_length(s) >= SAME] for m in (seen or [], map))
-    known, _ = spans_along(whole, looks, distance, angle)
+    views, _ = spans_along(whole, looks, distance, angle)
     spans, invented = spans_along(whole, drawn, distance, angle)
     squares = turns = metres = 0.0
-    found = set()
+    wall_numbers = set()
     for s in drawn:
         length, mine = segment_length(s), [0.0] * len(whole)
         for a, b, k, square in owned_pieces(whole, s, distance, angle):
@@ -204,21 +204,21 @@ def against_walls(
                 squares += (b - a) * length * square
                 turns += (b - a) * length * math.asin((p - o) / length) ** 2
         if max(mine) > 0:
-            found.add(mine.index(max(mine)))
+            wall_numbers.add(mine.index(max(mine)))
     if seen is None:
-        known = [[(0.0, segment_length(w))] for w in whole]
+        views = [[(0.0, segment_length(w))] for w in whole]
     counts = [
         covered(each) >= min(least, segment_length(w)) - SAME
-        for w, each in zip(whole, known, strict=True)
+        for w, each in zip(whole, views, strict=True)
     ]
-    both = [covered(a) + covered(b) - covered([*a, *b]) for a, b in zip(known, spans, strict=True)]
+    both = [covered(a) + covered(b) - covered([*a, *b]) for a, b in zip(views, spans, strict=True)]
     return {
-        "missed": sum(covered(a) for a in known) - sum(both),
+        "missed": sum(covered(a) for a in views) - sum(both),
         "invented": invented,
         "doubled": sum(b - a for each in spans for a, b in each)
         - sum(covered(each) for each in spans),
         "per_wall": sum(segment_length(s) >= SAME for s in map) / sum(counts),
-        "found": sum(counts[k] for k in found) / sum(counts),
+        "found": sum(counts[k] for k in wall_numbers) / sum(counts),
         "offset": math.sqrt(squares / metres) if metres else math.nan,
         "angle": math.sqrt(turns / metres) if metres else math.nan,
     }

@@ -20,13 +20,13 @@ def line_partner(s: Segment, lines: Sequence[Line] | Array, distance: float, ang
 
     -1 where there is none.
     """
-    found = []
+    candidates = []
     for k, line in enumerate(lines):
         off = max(abs(seen_from(line, p)[1]) for p in s)
         turn = axial_difference(math.atan2(line[3], line[2]), line_angle(s))
         if off < distance and abs(turn) < angle:
-            found.append((off, k))
-    return min(found)[1] if found else -1
+            candidates.append((off, k))
+    return min(candidates)[1] if candidates else -1
 
 
 def mean_rotation(differences: Sequence[float] | Array, weights: Sequence[float] | Array) -> float:

@@ -20,15 +20,15 @@ def likelihoods(points: Sequence[Point], corner: Point) -> dict[Cell, int]:
     >>> likelihoods([(0.0, 0.0)], (0.0, 0.0))[1, 0]
     180
     """
-    found: dict[Cell, int] = {}
+    likelihood: dict[Cell, int] = {}
     for x, y in points:
         i, j = math.floor((x - corner[0]) / 0.05), math.floor((y - corner[1]) / 0.05)
         for a in range(-3, 4):
             for b in range(-3, 4):
                 away = (a * a + b * b) * 0.05**2
                 value = int(255 * math.exp(-away / (2 * 0.06**2)))
-                found[i + a, j + b] = max(found.get((i + a, j + b), 0), value)
-    return found
+                likelihood[i + a, j + b] = max(likelihood.get((i + a, j + b), 0), value)
+    return likelihood
 
 
 def correlative_search(

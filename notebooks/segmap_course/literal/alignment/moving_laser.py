@@ -64,9 +64,9 @@ def carry_beam(
     )
     # 3. Seen from the laser at the start of the scan
     x, y = x - sensor[0], y - sensor[1]
-    found = math.atan2(y, x) - sensor[2]
-    while found < angle + turned - math.pi:  # the direction may be beyond half a turn
-        found += 2 * math.pi
-    while found > angle + turned + math.pi:
-        found -= 2 * math.pi
-    return math.hypot(x, y), found
+    direction = math.atan2(y, x) - sensor[2]
+    while direction < angle + turned - math.pi:  # the direction may be beyond half a turn
+        direction += 2 * math.pi
+    while direction > angle + turned + math.pi:
+        direction -= 2 * math.pi
+    return math.hypot(x, y), direction

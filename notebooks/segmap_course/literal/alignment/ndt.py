@@ -47,16 +47,16 @@ def normals_of(points: Array, side: float = 1.0) -> Normals:
     keys = cell_indices(points, side)
     cells, own = np.unique(keys.reshape(-1, 3), axis=0, return_inverse=True)
     repeated, own = np.tile(points, (4, 1)), own.ravel()
-    kept, means, inverses = [], [], []
+    rows, means, inverses = [], [], []
     for k in np.flatnonzero(np.bincount(own) >= LEAST_CELL_POINTS):
         inside = repeated[own == k]
         size, axes = np.linalg.eigh(np.cov(inside.T))
         size = np.maximum(size, max(LEAST_THICKNESS**2 * size[1], 1e-6))
-        kept.append(k)
+        rows.append(k)
         means.append(inside.mean(0))
         inverses.append(axes / size @ axes.T)
-    found = np.reshape(means, (-1, 2)), np.reshape(inverses, (-1, 2, 2))
-    return Normals(cells[kept], *found, side)
+    moments = np.reshape(means, (-1, 2)), np.reshape(inverses, (-1, 2, 2))
+    return Normals(cells[rows], *moments, side)
 
 
 def ndt_step(normals: Normals, points: Array, pose: Array) -> tuple[Array, float]:
@@ -65,9 +65,9 @@ def ndt_step(normals: Normals, points: Array, pose: Array) -> tuple[Array, float
     A point q from the mean of its cell scores exp(-q' S^-1 q / 2); the same number is its weight.
     """
     placed = transform(pose, points)
-    known = {tuple(cell): k for k, cell in enumerate(normals.cells.tolist())}
+    row_of = {tuple(cell): k for k, cell in enumerate(normals.cells.tolist())}
     keys = cell_indices(placed, normals.side).reshape(-1, 3).tolist()
-    own = np.array([known.get(tuple(key), -1) for key in keys])
+    own = np.array([row_of.get(tuple(key), -1) for key in keys])
     p, own = np.tile(placed, (4, 1))[own >= 0], own[own >= 0]
     q, inverse = p - normals.means[own], normals.inverses[own]
     weight = np.exp(-(q[:, None] @ inverse @ q[..., None])[:, 0, 0] / 2)

@@ -139,16 +139,16 @@ def point_to_line_step(
 
 def least_solution(matrix: list[list[float]], right: list[float]) -> list[float]:
     """Smallest solution of a symmetric system without negative eigenvalues: conjugate gradients."""
-    found, rest, way = [0.0] * len(right), right[:], right[:]
+    solution, rest, way = [0.0] * len(right), right[:], right[:]
     first = size = sum(r * r for r in rest)
     while size > 1e-24 * first:
         image = [sum(a * w for a, w in zip(row, way, strict=True)) for row in matrix]
         part = size / sum(a * w for a, w in zip(image, way, strict=True))
-        found = [f + part * w for f, w in zip(found, way, strict=True)]
+        solution = [f + part * w for f, w in zip(solution, way, strict=True)]
         rest = [r - part * a for r, a in zip(rest, image, strict=True)]
         before, size = size, sum(r * r for r in rest)
         way = [r + size / before * w for r, w in zip(rest, way, strict=True)]
-    return found
+    return solution
 
 
 def rows_of(points: Array, normals: Array) -> Array:

@@ -21,11 +21,11 @@ def angle_histogram(points: Sequence[Point], bins: int = 180, gap: float = 0.3) 
     >>> angle_histogram([(0.0, 0.0), (0.2, 0.0), (0.2, 0.2), (0.2, 0.4)], bins=4)
     [0.2, 0.0, 0.4, 0.0]
     """
-    found = [0.0] * bins
+    lengths = [0.0] * bins
     for step in pairwise(points):
         if dist(*step) < gap:
-            found[round(line_angle(step) % pi / pi * bins) % bins] += dist(*step)
-    return found
+            lengths[round(line_angle(step) % pi / pi * bins) % bins] += dist(*step)
+    return lengths
 
 
 def histogram(values: Sequence[float], size: float, first: float, count: int) -> list[float]:
@@ -36,12 +36,12 @@ def histogram(values: Sequence[float], size: float, first: float, count: int) ->
     >>> histogram([0.1, 0.3, 0.35], 0.2, 0.0, 3)
     [1.0, 2.0, 0.0]
     """
-    found = [0.0] * count
+    counts = [0.0] * count
     for value in values:
         k = floor((value - first) / size)
         if 0 <= k < count:
-            found[k] += 1
-    return found
+            counts[k] += 1
+    return counts
 
 
 def best_shift(a: Sequence[float], b: Sequence[float], around: bool = False) -> tuple[float, int]:
@@ -74,7 +74,7 @@ def match_histograms(map: Sequence[Point], scan: Sequence[Point], size: float = 
     [1.0, 0.0, 0.0]
     """
     _, turn = best_shift(angle_histogram(map), angle_histogram(scan), around=True)
-    found = []
+    scored = []
     for heading in (turn * pi / 180, turn * pi / 180 + pi):
         turned = [placed(point, (0.0, 0.0, heading)) for point in scan]
         total, shifts = 1.0, []
@@ -85,8 +85,8 @@ def match_histograms(map: Sequence[Point], scan: Sequence[Point], size: float = 
             same, shift = best_shift(bins[0], bins[1])
             total *= same
             shifts.append(shift * size + min(a) - min(b))
-        found.append((total, (shifts[0], shifts[1], heading)))
-    return max(found)[1]
+        scored.append((total, (shifts[0], shifts[1], heading)))
+    return max(scored)[1]
 
 
 def hough_lines(
@@ -128,7 +128,7 @@ def match_hough(
     _, turn = best_shift(spectra[0], spectra[1], around=True)
     strong = spectra[0].index(max(spectra[0]))
     c, s = cos(strong * pi / angles), sin(strong * pi / angles)
-    found = []
+    scored = []
     for heading in (turn * pi / angles, turn * pi / angles + pi):
         turned = hough_lines(
             [placed(point, (0.0, 0.0, heading)) for point in scan], size, reach, angles
@@ -140,5 +140,5 @@ def match_hough(
             along.append(shift * size)
         across = -1 if strong >= angles // 2 else 1
         u, v = along[0], across * along[1]
-        found.append((total, (c * u - s * v, s * u + c * v, heading)))
-    return max(found)[1]
+        scored.append((total, (c * u - s * v, s * u + c * v, heading)))
+    return max(scored)[1]

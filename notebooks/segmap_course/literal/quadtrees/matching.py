@@ -81,11 +81,11 @@ def sample_and_rank(
         spread = sigma[0] / part, sigma[0] / part, sigma[1] / part
         return tuple(at + rng.normal(0.0, away) for at, away in zip(pose, spread, strict=True))
 
-    kept: list[Pose] = [tuple(start), *(near(start, 0.5) for _ in range(99))]
-    rounds = [list(kept)]
+    poses: list[Pose] = [tuple(start), *(near(start, 0.5) for _ in range(99))]
+    rounds = [list(poses)]
     for k in (1, 2, 3):
-        kept = sorted(kept, key=value, reverse=True)[:20]
-        drawn = [near(pose, k) for pose in kept for _ in range(4)]
-        kept += drawn
+        poses = sorted(poses, key=value, reverse=True)[:20]
+        drawn = [near(pose, k) for pose in poses for _ in range(4)]
+        poses += drawn
         rounds.append(drawn)
     return rounds

@@ -140,13 +140,13 @@ def at_places(poses: Sequence[Pose], weights: Sequence[float]) -> list[list[int]
     >>> at_places([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0), (0.1, 0.0, 0.0)], [0.4, 0.5, 0.1])
     [[1], [0, 2]]
     """
-    left, places = set(range(len(poses))), []
-    while left:
-        top = poses[max(sorted(left), key=lambda k: weights[k])]
-        near = [k for k in sorted(left) if dist(poses[k][:2], top[:2]) <= 0.5 and
+    unplaced, places = set(range(len(poses))), []
+    while unplaced:
+        top = poses[max(sorted(unplaced), key=lambda k: weights[k])]
+        near = [k for k in sorted(unplaced) if dist(poses[k][:2], top[:2]) <= 0.5 and
                 abs((poses[k][2] - top[2] + pi) % (2 * pi) - pi) <= 0.5]  # fmt: skip
         places.append(near)
-        left -= set(near)
+        unplaced -= set(near)
     return [place for place in places if sum(weights[k] for k in place) >= 0.03]
 
 
@@ -164,10 +164,10 @@ def redrawn(
     >>> redrawn([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0)], [0.5, 0.5], [[0], [1]], 300, None)
     ([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0)], [0.5, 0.5])
     """
-    held = [sum(weights[k] for k in place) ** 0.8 for place in places]  # what is known fades
+    faded = [sum(weights[k] for k in place) ** 0.8 for place in places]  # what is known fades
     drawn, new = [], []
-    for place, part in zip(places, held, strict=True):
-        share, total = part / sum(held), sum(weights[k] for k in place)
+    for place, part in zip(places, faded, strict=True):
+        share, total = part / sum(faded), sum(weights[k] for k in place)
         own = [weights[k] / total for k in place]
         count = max(int(particles * (share + 1 / len(places)) / 2), 1)
         chosen = [poses[k] for k in place]

@@ -22,15 +22,15 @@ def cell_of(x: float, corner: float, resolution: float) -> int:
 
 def quarters(square: Square) -> list[Square]:
     """The four squares of half the side."""
-    left, low, side = square
+    x_min, y_min, side = square
     half = side // 2
-    return [(x, y, half) for x in (left, left + half) for y in (low, low + half)]
+    return [(x, y, half) for x in (x_min, x_min + half) for y in (y_min, y_min + half)]
 
 
 def holds(square: Square, cell: Cell) -> bool:
     """Whether a cell lies in a square."""
-    (left, low, side), (x, y) = square, cell
-    return left <= x < left + side and low <= y < low + side
+    (x_min, y_min, side), (x, y) = square, cell
+    return x_min <= x < x_min + side and y_min <= y < y_min + side
 
 
 def leaf_of(leaves: dict[Square, Counts], root: Square, cell: Cell) -> Square:
@@ -192,8 +192,8 @@ class Quadtree:
 
     def cell(self, point: Point) -> Cell:
         """Cell that holds a point, metres."""
-        (x, y), (left, low) = point, self.corner
-        return cell_of(x, left, self.resolution), cell_of(y, low, self.resolution)
+        (x, y), (x_min, y_min) = point, self.corner
+        return cell_of(x, x_min, self.resolution), cell_of(y, y_min, self.resolution)
 
     def grow(self, cell: Cell) -> None:
         """Double the root until it holds a cell."""
@@ -229,9 +229,9 @@ class Quadtree:
 
     def occupied(self) -> list[Point]:
         """Centres of the cells that are occupied, above one half, metres."""
-        (left, low), size = self.corner, self.resolution
+        (x_min, y_min), size = self.corner, self.resolution
         return [
-            (left + (x + 0.5) * size, low + (y + 0.5) * size)
+            (x_min + (x + 0.5) * size, y_min + (y + 0.5) * size)
             for (x, y, side), (vis, occ) in self.leaves.items()
             if side == 1 and occupancy(vis, occ) > 0.5
         ]

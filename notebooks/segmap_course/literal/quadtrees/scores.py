@@ -32,9 +32,9 @@ def occupancy_score(
 
 def distance_score(points: Iterable[Point], pose: Pose, centres: Iterable[Point]) -> float:
     """Minus the sum of distances from the ends to the nearest of the centres, metres (B 4.3)."""
-    known = list(centres)
+    centres = list(centres)
     ends = [placed(point, pose) for point in points]
-    return -sum(min(dist(end, centre) for centre in known) for end in ends)
+    return -sum(min(dist(end, centre) for centre in centres) for end in ends)
 
 
 def squares_above(cells: Iterable[Cell], root: Square) -> set[Square]:
@@ -45,14 +45,14 @@ def squares_above(cells: Iterable[Cell], root: Square) -> set[Square]:
     >>> sorted(squares_above([(3, 0)], (0, 0, 4)))
     [(0, 0, 4), (2, 0, 2), (3, 0, 1)]
     """
-    left, low, size = root
-    found = {root}
+    x_min, y_min, size = root
+    squares = {root}
     for x, y in cells:
         side = 1
         while side < size:
-            found.add((x - (x - left) % side, y - (y - low) % side, side))
+            squares.add((x - (x - x_min) % side, y - (y - y_min) % side, side))
             side *= 2
-    return found
+    return squares
 
 
 def square_gap(square: Square, end: Point) -> float:
@@ -63,9 +63,9 @@ def square_gap(square: Square, end: Point) -> float:
     >>> square_gap((0, 0, 4), (5.5, 2.0)), square_gap((0, 0, 4), (1.0, 1.0))
     (2.0, 0.0)
     """
-    left, low, side = square
-    dx = max(left + 0.5 - end[0], 0.0, end[0] - (left + side - 0.5))
-    dy = max(low + 0.5 - end[1], 0.0, end[1] - (low + side - 0.5))
+    x_min, y_min, side = square
+    dx = max(x_min + 0.5 - end[0], 0.0, end[0] - (x_min + side - 0.5))
+    dy = max(y_min + 0.5 - end[1], 0.0, end[1] - (y_min + side - 0.5))
     return hypot(dx, dy)
 
 
@@ -85,12 +85,12 @@ def nearest_cell(
     todo = [(0.0, root)]
     while todo:
         away, square = heappop(todo)
-        left, low, side = square
+        x_min, y_min, side = square
         if side == 1:
             return away, opened
         opened.append(square)
         half = side // 2
-        for quarter in product((left, left + half), (low, low + half), (half,)):
+        for quarter in product((x_min, x_min + half), (y_min, y_min + half), (half,)):
             if quarter in squares:
                 heappush(todo, (square_gap(quarter, end), quarter))
     return inf, opened
@@ -107,11 +107,11 @@ def descent_score(tree: Quadtree, points: Iterable[Point], pose: Pose) -> float:
     >>> round(descent_score(tree, [(3.9, 0.5)], (0.0, 0.0, 0.0)), 3)
     -4.534
     """
-    centres, (left, low), size = tree.occupied(), tree.corner, tree.resolution
+    centres, (x_min, y_min), size = tree.occupied(), tree.corner, tree.resolution
 
     def centre(square: Square) -> Point:
         x, y, side = square
-        return left + (x + side / 2) * size, low + (y + side / 2) * size
+        return x_min + (x + side / 2) * size, y_min + (y + side / 2) * size
 
     def is_occupied(square: Square) -> bool:
         (x, y), half = centre(square), square[2] / 2 * size

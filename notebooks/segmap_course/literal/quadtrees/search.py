@@ -71,13 +71,13 @@ def places(
     [(9, (0, 0, 0)), (8, (0, 5, 0))]
     """
     ranked = sorted(scored, key=lambda pose: (-pose[0], pose[1]))
-    found: list[Scored] = []
+    apart_places: list[Scored] = []
     for total, (h, i, j) in ranked:
         if total < max(ranked[0][0] - margin, least):
             break
-        turns = [abs(h - there) for _, (there, _, _) in found]
+        turns = [abs(h - there) for _, (there, _, _) in apart_places]
         turned = [min(turn, count - turn) * 2 * pi / count for turn in turns]
-        moved = [size * dist((i, j), (a, b)) for _, (_, a, b) in found]
+        moved = [size * dist((i, j), (a, b)) for _, (_, a, b) in apart_places]
         if all(m > 0.3 or t > 0.3 for m, t in zip(moved, turned, strict=True)):
-            found.append((total, (h, i, j)))
-    return found
+            apart_places.append((total, (h, i, j)))
+    return apart_places

@@ -90,8 +90,8 @@ def merged(segments: Sequence[Segment], penalty: float, limits: Limits) -> list[
             continue
         before = cost[a] + cost[b]
         both = [segments[i] for i in members[a] + members[b]]
-        segment, found = fit(both, drawn[a], drawn[b], before + WIDE * penalty, limits)
-        delta = round(found - before, DECIMALS) if found < math.inf else math.inf
+        segment, both_cost = fit(both, drawn[a], drawn[b], before + WIDE * penalty, limits)
+        delta = round(both_cost - before, DECIMALS) if both_cost < math.inf else math.inf
         if not exact:
             if delta > penalty:
                 continue
@@ -101,7 +101,7 @@ def merged(segments: Sequence[Segment], penalty: float, limits: Limits) -> list[
                 heapq.heappush(heap, (delta, a, b, of_a, of_b, True))
                 continue
         members[a] += members.pop(b)
-        drawn[a], cost[a], version[a] = segment, found, of_a + 1
+        drawn[a], cost[a], version[a] = segment, both_cost, of_a + 1
         del version[b], drawn[b], cost[b]
         near[a] = (near[a] | near.pop(b)) - {a, b}
         for c in near[a]:
@@ -167,9 +167,9 @@ def fit(
     best, at = most, None
     middle = [(longer[0][k] + longer[1][k]) / 2 for k in (0, 1)]
     for x, y, theta in (total_least_squares(members), (*middle, line_angle(longer))):
-        found = cost_of(members, spanning(x, y, theta, ends), limits, best, caps, bridged)
-        if found < best - (EQUAL if at else 0.0):
-            best, at = found, (x, y, theta)
+        cost = cost_of(members, spanning(x, y, theta, ends), limits, best, caps, bridged)
+        if cost < best - (EQUAL if at else 0.0):
+            best, at = cost, (x, y, theta)
     if at is None:
         return of_a, math.inf
     (x, y, theta), offset = at, 0.0
@@ -181,9 +181,9 @@ def fit(
         better = None
         for d_theta, d_offset in moves:
             line = line_at(x, y, theta + d_theta, offset + d_offset, ends)
-            found = cost_of(members, line, limits, math.inf, caps, bridged)
-            if found < best - EQUAL:
-                best, better = found, (theta + d_theta, offset + d_offset)
+            cost = cost_of(members, line, limits, math.inf, caps, bridged)
+            if cost < best - EQUAL:
+                best, better = cost, (theta + d_theta, offset + d_offset)
         if better:
             theta, offset = better
         else:
@@ -206,7 +206,7 @@ def cost_of(
     """
     price, distance, sine, gap = limits
     x, y, dx, dy = line_of(line)
-    costs, kept = [], []
+    costs, spans = [], []
     for s in members:
         off = max(abs((px - x) * dy - (py - y) * dx) for px, py in s)
         if off > HARD * distance:
@@ -216,11 +216,11 @@ def cost_of(
         if off > distance or abs(dx * ey - dy * ex) > sine:
             cost += price * segment_length(s)
         else:
-            kept.append(span_on(line, s))
+            spans.append(span_on(line, s))
         costs.append(cost)
     total = sum(map(min, costs, caps or costs))
     price = price if bridged is None else bridged
-    total += price * invented(kept, segment_length(line), gap)
+    total += price * invented(spans, segment_length(line), gap)
     return total if total < most else math.inf
 
 
@@ -339,8 +339,8 @@ def refitted(
         return None
     most = sum(ranked[i][0][0] for i in members) - LEAST * penalty
     caps = [ranked[i][1][0] for i in members]
-    found, cost = fit([inputs[i] for i in members], line, line, most, limits, caps, bridged)
-    return found if cost < math.inf else None
+    segment, cost = fit([inputs[i] for i in members], line, line, most, limits, caps, bridged)
+    return segment if cost < math.inf else None
 
 
 def close_all(outputs: Outputs, penalty: float) -> None:

@@ -71,12 +71,12 @@ def lines_of(pieces: Array, theta: float, sigma: float) -> list[tuple[Indices, A
     turn = np.array([(np.cos(theta), -np.sin(theta)), (np.sin(theta), np.cos(theta))])
     uv = pieces @ turn  # along theta, across it
     scale = np.sqrt(2) * np.array([2 * sigma, sigma / 10])
-    centres, found = climb(uv.mean(axis=1), scale, 1 / 200 / np.sqrt(2)), []
+    centres, lines = climb(uv.mean(axis=1), scale, 1 / 200 / np.sqrt(2)), []
     for chain in linked(centres, scale, np.sqrt(1 / 2)):
         (low, high), v = np.sort(uv[chain, :, 0]).T, centres[chain, 1].mean()
         for k in chains((low <= high[:, None] + SAME) & (low[:, None] <= high + SAME)):  # A 4.3.5
-            found.append((chain[k], np.array([(low[k].min(), v), (high[k].max(), v)]) @ turn.T))
-    return found
+            lines.append((chain[k], np.array([(low[k].min(), v), (high[k].max(), v)]) @ turn.T))
+    return lines
 
 
 def mean_shift(
@@ -84,14 +84,14 @@ def mean_shift(
 ) -> tuple[list[Array], list[int]]:
     """Outputs by their lowest piece, and the output with the longest share of each input."""
     pieces, owner = cut(np.reshape(segments, (-1, 2, 2)), sigma)
-    scale, found = np.array([sigma, sigma, sigma * bandwidth]), []
+    scale, outputs = np.array([sigma, sigma, sigma * bandwidth]), []
     centres = climb(np.column_stack([pieces.mean(axis=1), angle(pieces)]), scale, 1 / 200)
     for cluster in linked(centres, scale, 2.0):
         theta = float(np.angle(np.exp(2j * centres[cluster, 2]).sum()) / 2)
-        found += [(cluster[k], ends) for k, ends in lines_of(pieces[cluster], theta, sigma)]
-    found.sort(key=lambda entry: min(entry[0]))
+        outputs += [(cluster[k], ends) for k, ends in lines_of(pieces[cluster], theta, sigma)]
+    outputs.sort(key=lambda entry: min(entry[0]))
     into = np.empty(len(owner), int)
-    for k, (members, _) in enumerate(found):
+    for k, (members, _) in enumerate(outputs):
         into[members] = k
     shares = [np.bincount(into[owner == i], minlength=1) for i in range(len(segments))]
-    return [ends for _, ends in found], [int(s.argmax()) if s.any() else -1 for s in shares]
+    return [ends for _, ends in outputs], [int(s.argmax()) if s.any() else -1 for s in shares]

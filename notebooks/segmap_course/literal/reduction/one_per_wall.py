@@ -54,12 +54,12 @@ def one_per_wall(
     scan = {i: scans[i] if several and scans else i for i in looks}
     sensor = {i: sensors[scans[i]] for i in looks} if sensors and scans else {}
     pairs = pairs_of(looks, scan, sensor)
-    left = 0.0
+    sigma = 0.0
     if len(pairs) >= FEWEST:
-        left = noise_of(looks, pairs)
-        if several and left > 0:
-            looks, sensor, left = agreed(looks, sensor, scan, pairs, left)
-    tolerance = 3 * factor * math.hypot(left, BEND)
+        sigma = noise_of(looks, pairs)
+        if several and sigma > 0:
+            looks, sensor, sigma = agreed(looks, sensor, scan, pairs, sigma)
+    tolerance = 3 * factor * math.hypot(sigma, BEND)
     free, walls = sorted(looks, key=lambda i: (-round(size[i], 9), i)), []
     while free:
         wall, members = grown({i: looks[i] for i in free}, looks, sensor, tolerance)
@@ -164,15 +164,15 @@ def agreed(
     noise: float,
 ) -> tuple[dict[int, Segment], dict[int, Point], float]:
     """Looks and sensors where the scans agree best, and the noise that is left."""
-    moved, left = {k: np.zeros(3) for k in scan.values()}, noise
+    moved, sigma = {k: np.zeros(3) for k in scan.values()}, noise
     for count in range(1, ROUNDS * STEPS + 1):
-        steps = {k: step_of(k, looks, scan, pairs, moved[k], noise, left) for k in moved}
+        steps = {k: step_of(k, looks, scan, pairs, moved[k], noise, sigma) for k in moved}
         moved = {k: moved[k] + step for k, (_, step) in steps.items()}
         looks = {i: turned(s, *steps[scan[i]]) for i, s in looks.items()}
         sensor = {i: turned(p, *steps[scan[i]]) for i, p in sensor.items()}
         if count % STEPS == 0:
-            left = noise_of(looks, pairs)
-    return looks, sensor, left
+            sigma = noise_of(looks, pairs)
+    return looks, sensor, sigma
 
 
 def grown(
@@ -277,20 +277,20 @@ def taken_in(
     walls: Sequence[tuple[Segment, list[int]]], size: dict[int, float], tolerance: float
 ) -> list[tuple[Segment, list[int]]]:
     """The walls that are left when weak ones, the weakest first, went into stronger ones beside."""
-    left = {k: (wall, list(members)) for k, (wall, members) in enumerate(walls)}
-    metres = {k: sum(size[i] for i in members) for k, (_, members) in left.items()}
-    for a in sorted(left, key=lambda k: (round(metres[k], 9), k)):
+    remaining = {k: (wall, list(members)) for k, (wall, members) in enumerate(walls)}
+    metres = {k: sum(size[i] for i in members) for k, (_, members) in remaining.items()}
+    for a in sorted(remaining, key=lambda k: (round(metres[k], 9), k)):
         best, least = None, WIDE * tolerance
-        for b in left:
+        for b in remaining:
             if a == b or metres[b] < MORE * metres[a] - SAME:
                 continue
-            seen = [seen_from(line_of(left[b][0]), p) for p in left[a][0]]
+            seen = [seen_from(line_of(remaining[b][0]), p) for p in remaining[a][0]]
             low, high = sorted(u for u, _ in seen)
-            off, whole = max(abs(v) for _, v in seen), segment_length(left[b][0])
+            off, whole = max(abs(v) for _, v in seen), segment_length(remaining[b][0])
             over = min(high, whole) - max(low, 0.0)
-            if over >= BESIDE * segment_length(left[a][0]) - SAME and off < least - SAME:
+            if over >= BESIDE * segment_length(remaining[a][0]) - SAME and off < least - SAME:
                 best, least = b, off
         if best is not None:
-            left[best][1].extend(left.pop(a)[1])
+            remaining[best][1].extend(remaining.pop(a)[1])
             metres[best] += metres.pop(a)
-    return list(left.values())
+    return list(remaining.values())
