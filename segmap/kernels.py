@@ -91,6 +91,16 @@ def apart(u: Array, v: Array) -> float:
 
 
 @compiled
+def boxes_apart(s: Array, i: int, t: Array, j: int) -> float:
+    """Metres along x or y between the boxes of segments i of s and j of t: they are no nearer."""
+    most = -np.inf
+    for axis in range(2):
+        a, b, c, d = s[i, 0, axis], s[i, 1, axis], t[j, 0, axis], t[j, 1, axis]
+        most = max(most, min(a, b) - max(c, d), min(c, d) - max(a, b))
+    return most
+
+
+@compiled
 def mean_line_terms(a: Array, b: Array) -> tuple[float, float]:
     """D_ang and D_uva, metres, of two segments with equal weights, described by (5,) arrays.
 

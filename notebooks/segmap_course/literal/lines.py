@@ -16,14 +16,32 @@ from segmap.reduction.surveyed.lines import axial_difference as axial_difference
 from segmap.reduction.surveyed.lines import extreme_projections as extreme_projections
 from segmap.reduction.surveyed.lines import gap_along as gap_along
 from segmap.reduction.surveyed.lines import line_angle as line_angle
-from segmap.reduction.surveyed.lines import line_of as line_of
-from segmap.reduction.surveyed.lines import point_to_segment as point_to_segment
 from segmap.reduction.surveyed.lines import seen_from as seen_from
 from segmap.reduction.surveyed.lines import segment_length as segment_length
 from segmap.reduction.surveyed.lines import spanning as spanning
 
 #: What a reduction returns: its outputs, and of each input the output that it went into, or -1.
 Found = tuple[list[Segment], list[int]]
+
+
+def line_of(s: Segment) -> Line:
+    """First end point of a segment, and its unit direction."""
+    (x0, y0), (x1, y1) = s
+    n = segment_length(s)
+    return x0, y0, (x1 - x0) / n, (y1 - y0) / n
+
+
+def point_to_segment(p: Point, s: Segment) -> float:
+    """Distance of a point from a segment, metres: from its line, or beyond an end from that end."""
+    length = segment_length(s)
+    if length == 0:
+        return math.dist(p, s[0])
+    along, across = seen_from(line_of(s), p)
+    if along < 0:
+        return math.dist(p, s[0])
+    if along > length:
+        return math.dist(p, s[1])
+    return abs(across)
 
 
 def span_on(line: Segment, s: Segment) -> tuple[float, float]:

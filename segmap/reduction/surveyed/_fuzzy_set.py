@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 from dataclasses import replace
 from typing import Annotated
 
@@ -13,6 +14,7 @@ from ...compiled import compiled
 from ...kernels import SAME
 from ...segments import SegmentMap, length, take_points
 from ...segments import angle as angle_of
+from .._index import Index, empty_index, enter, meeting, take_out
 from .._runner import (
     Found,
     Indices,
@@ -103,7 +105,9 @@ def fuzzy_set(
         errors = error + sizes[straight] / 2 * np.sin(off[straight])
         walls, first = np.empty((2 * len(straight), 5)), np.tile(rows.source_row[straight], 2)
         walls[: len(straight)] = _laid(map, rows, straight, upright[straight], axis, errors, error)
-        members = merge_all(walls, first, len(straight), limits)
+        step = max(float(limits.max()), float(sizes.mean()) if n else 0.0)
+        places = empty_index(len(walls), step)
+        members = merge_all(walls, first, len(straight), limits, places)
         alive, ends = resolve_merges(members)
         across, low, high, _, up = walls[: len(members)][alive].T
         flat = np.stack([np.stack([low, across], -1), np.stack([high, across], -1)], 1)
@@ -156,13 +160,6 @@ def nanometres(value: float) -> int:
 
 
 @compiled
-def before(walls: Array, first: Indices, f: int, g: int) -> bool:
-    """Step 4: the precise one comes first, then the one with the first input."""
-    e, other = nanometres(walls[f, 3]), nanometres(walls[g, 3])
-    return e < other or (e == other and first[f] < first[g])
-
-
-@compiled
 def rectangles_apart(walls: Array, f: int, g: int, limits: Array) -> float:
     """How far two rectangles are apart, metres; infinite beyond a limit or for another axis."""
     across = abs(walls[f, 0] - walls[g, 0])
@@ -172,20 +169,24 @@ def rectangles_apart(walls: Array, f: int, g: int, limits: Array) -> float:
 
 
 @compiled
-def partner(walls: Array, first: Indices, into: Indices, count: int, f: int, limits: Array) -> int:
-    """The nearest of the rectangles that are left, to a nanometre; ties: by `before`; or -1."""
-    best = -1
-    for g in range(count):
-        far = rectangles_apart(walls, f, g, limits) if into[g] == g else np.inf
+def partner(walls: Array, first: Indices, near: Indices, f: int, limits: Array) -> int:
+    """The nearest of those near, to a nanometre; ties: the precise one, the first; -1: none."""
+    best, least = -1, (0, 0, 0)
+    for g in near:
+        far = rectangles_apart(walls, f, g, limits)
         if far < np.inf:
-            closer = (
-                -1
-                if best < 0
-                else nanometres(far) - nanometres(rectangles_apart(walls, f, best, limits))
-            )
-            if closer < 0 or (closer == 0 and before(walls, first, g, best)):
-                best = g
+            rank = nanometres(far), nanometres(walls[g, 3]), first[g]
+            if best < 0 or rank < least:
+                best, least = g, rank
     return best
+
+
+@compiled
+def write_corners(wall: Array, out: Array) -> None:
+    """Two corners, `(2, 2)`, of a rectangle, along the axes."""
+    up = int(wall[4])
+    out[0, up], out[1, up] = wall[1], wall[2]
+    out[0, 1 - up] = out[1, 1 - up] = wall[0]
 
 
 @compiled
@@ -198,29 +199,40 @@ def merge_rectangles(f: Array, g: Array, out: Array) -> None:
 
 
 @compiled
-def merge_all(walls: Array, first: Indices, count: int, limits: Array) -> Indices:
+def merge_all(walls: Array, first: Indices, count: int, limits: Array, places: Index) -> Indices:
     """Steps 4 and 5: the most precise that has a partner merges, until none has one.
 
     Merges are written behind the first `count` rectangles, and the first input of each. Returned is
     what took in each of those that there ever were: itself for what is left. One without a partner
-    is alone until a merge brings a rectangle near to it.
+    waits no more, until a merge brings a rectangle near to it. `places` is an empty index.
     """
-    into, alone = np.arange(len(walls)), np.full(len(walls), False)
-    while True:
-        f = -1
-        for g in range(count):
-            if into[g] == g and not alone[g] and (f < 0 or before(walls, first, g, f)):
-                f = g
-        if f < 0:
-            return into[:count]
-        g = partner(walls, first, into, count, f, limits)
+    into, waits, reach = np.arange(len(walls)), np.full(len(walls), True), limits.max()
+    box, near = np.empty((2, 2)), np.empty(len(walls) + 1, np.int64)
+    waiting = [(nanometres(walls[f, 3]), first[f], f) for f in range(count)]
+    heapq.heapify(waiting)
+    for f in range(count):
+        write_corners(walls[f], box)
+        enter(places, f, box, 0.0)
+    while len(waiting):
+        f = heapq.heappop(waiting)[2]
+        if into[f] != f:
+            continue
+        write_corners(walls[f], box)
+        g = partner(walls, first, near[: meeting(places, box, reach, near)], f, limits)
         if g < 0:
-            alone[f] = True
+            waits[f] = False
             continue
         merge_rectangles(walls[f], walls[g], walls[count])
         first[count] = min(first[f], first[g])
         into[f] = into[g] = count
-        for h in range(count):
-            if rectangles_apart(walls, count, h, limits) < np.inf:
-                alone[h] = False
+        take_out(places, f)
+        take_out(places, g)
+        write_corners(walls[count], box)
+        enter(places, count, box, 0.0)
+        waits[count] = False
+        for h in near[: meeting(places, box, reach, near)]:
+            if not waits[h] and (h == count or rectangles_apart(walls, count, h, limits) < np.inf):
+                waits[h] = True
+                heapq.heappush(waiting, (nanometres(walls[h, 3]), first[h], h))
         count += 1
+    return into[:count]

@@ -11,9 +11,10 @@ import numpy as np
 
 from ...arrays import Array, Metres, Segments, at_least, at_most, checked
 from ...compiled import compiled
-from ...kernels import Rule, describe, match_value
-from .._runner import Reduction, Rows, Steps, run_online
-from .lines import SAME, Point, Segment, point_to_segment
+from ...kernels import SAME, Rule, boxes_apart, describe, hausdorff, match_value
+from ...segments import length
+from .._runner import Indices, Reduction, Rows, Steps, run_online
+from .lines import Point, Segment
 
 
 @checked
@@ -75,69 +76,66 @@ def polyline(
     rule = distance, far, long, False
 
     def steps(rows: Rows) -> Steps:
-        map: list[Segment] = []
-        parents = np.full(len(rows.segments), -1)
+        map, parents = np.empty((0, 2, 2)), np.full(len(rows.segments), -1)
         for begin, stop in rows.scans():
-            old, new = len(map), rows.segments[begin:stop]
-            every, map, into = [*map, *new.tolist()], [], np.empty(old + len(new), np.int64)
-            pairs = matches(np.array(every[:old]).reshape(-1, 2, 2), new, rule)
-            for chain in chains(len(every), [(i, old + j) for i, j in pairs]):
-                members = [every[i] for i in chain]
-                corners = polyline_through(members, tolerance) if len(chain) > 1 else members[0]
-                owned = [nearest_piece(s, corners)[1] for s in members]
-                pieces = pieces_between(corners)
-                used = [k for k, s in enumerate(pieces) if k in owned or math.dist(*s) <= bridge]
-                into[chain] = [len(map) + used.index(k) for k in owned]
-                map += [pieces[k] for k in used]
-            parents[:begin] = into[parents[:begin]]
-            parents[begin:stop] = into[old:]
+            old, every = len(map), np.concatenate([map, rows.segments[begin:stop]])
+            count, piece = np.ones(len(every), np.int64), np.zeros(len(every), np.int64)
+            bent = list[tuple[list[int], Array]]()
+            for chain in chains(matches(every, old, rule)):
+                corners = np.array(polyline_through(every[chain].tolist(), tolerance), float)
+                pieces = np.stack([corners[:-1], corners[1:]], 1)
+                _, owned = nearest_pieces(every[chain], corners)
+                stays = length(pieces) <= bridge
+                stays[owned] = True
+                piece[chain], count[chain] = np.cumsum(stays)[owned] - 1, 0
+                count[chain[0]] = stays.sum()
+                bent.append((chain, pieces[stays]))
+            first = np.cumsum(count) - count  # where the pieces of each stand in the new map
+            map = np.repeat(every, count, axis=0)
+            for chain, pieces in bent:
+                first[chain] = first[chain[0]]
+                map[first[chain[0]] :][: len(pieces)] = pieces
+            parents[begin:stop] = np.arange(old, len(every))
+            parents[:stop] = (first + piece)[parents[:stop]]
             yield len(map)
-        return np.array(map).reshape(-1, 2, 2), parents
+        return map, parents
 
     return run_online("polyline", map, steps, splits=True)
 
 
 @compiled
-def matches(map: Array, scan: Array, rule: Rule) -> list[tuple[int, int]]:
-    """Which segments of the map and of a scan match, `(n, 2, 2)` and `(m, 2, 2)`, metres."""
-    pairs, a, b = [], describe(map), describe(scan)
-    for i in range(len(map)):
-        for j in range(len(scan)):
-            if match_value(map, a, i, scan, b, j, rule) > SAME:
+def matches(every: Array, old: int, rule: Rule) -> list[tuple[int, int]]:
+    """Which of the first `old` segments, `(n, 2, 2)`, metres, match which of those behind them."""
+    pairs, a = [], describe(every)
+    for i in range(old):
+        for j in range(old, len(every)):
+            near = boxes_apart(every, i, every, j) <= rule[1] + SAME
+            if near and match_value(every, a, i, every, a, j, rule) > SAME:
                 pairs.append((i, j))
     return pairs
 
 
-def chains(count: int, pairs: Sequence[tuple[int, int]]) -> list[list[int]]:
-    """What is connected of the numbers 0 to count - 1, by lowest member, each ascending."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    links = np.ones(len(pairs)), tuple(np.reshape(pairs, (-1, 2)).T)
-    chain = connected_components(coo_array(links, shape=(count, count)), directed=False)[1]
-    members: list[list[int]] = [[] for _ in range(int(chain.max(initial=-1)) + 1)]
-    for i, k in enumerate(chain.tolist()):
-        members[k].append(i)
-    return members
+def chains(pairs: Sequence[tuple[int, int]]) -> list[list[int]]:
+    """What pairs connect, by lowest member, each ascending."""
+    chain_of: dict[int, list[int]] = {}
+    for i, j in pairs:
+        one, other = chain_of.setdefault(i, [i]), chain_of.setdefault(j, [j])
+        if one is not other:
+            one += other
+            chain_of.update(dict.fromkeys(other, one))
+    return sorted(sorted(chain) for chain in {id(c): c for c in chain_of.values()}.values())
 
 
-def distance_to_piece(u: Segment, v: Segment) -> float:
-    """A 2.39: the smaller of the two directed Hausdorff distances, metres."""
-    return min(max(point_to_segment(p, s) for p in t) for s, t in ((u, v), (v, u)))
-
-
-def pieces_between(corners: Sequence[Point]) -> list[Segment]:
-    """The segments from corner to corner."""
-    return [[a, b] for a, b in itertools.pairwise(corners)]
-
-
-def nearest_piece(s: Segment, corners: Sequence[Point]) -> tuple[float, int]:
-    """Distance of the nearest piece, metres, and which it is; ties: the first."""
-    best, at = math.inf, 0
-    for k, piece in enumerate(pieces_between(corners)):
-        if (far := distance_to_piece(s, piece)) < best - SAME:
-            best, at = far, k
-    return best, at
+@compiled
+def nearest_pieces(members: Array, corners: Array) -> tuple[Array, Indices]:
+    """How far the nearest piece is from each (A 2.39), metres, and which it is; ties: the first."""
+    least, at = np.full(len(members), np.inf), np.zeros(len(members), np.int64)
+    for i in range(len(members)):
+        for k in range(len(corners) - 1):
+            off = hausdorff(members[i], corners[k : k + 2])
+            if off < least[i] - SAME:
+                least[i], at[i] = off, k
+    return least, at
 
 
 def farthest_ends(members: Sequence[Segment]) -> list[Point]:
@@ -164,7 +162,8 @@ def prune(corners: list[Point], members: Sequence[Segment], tolerance: float) ->
     for k in range(1, len(corners) - 1):
         fewer = corners[:k] + corners[k + 1 :]
         long = math.dist(corners[k - 1], corners[k + 1]) >= SAME
-        if long and all(nearest_piece(s, fewer)[0] < tolerance for s in members):
+        off, _ = nearest_pieces(np.array(members, float), np.array(fewer, float))
+        if long and (off < tolerance).all():
             return prune(fewer, members, tolerance)
     return corners
 
@@ -173,12 +172,12 @@ def polyline_through(members: Sequence[Segment], tolerance: float) -> list[Point
     """Corners of a polyline that has each member within the tolerance, metres, of a piece."""
     corners, outside = farthest_ends(members), list(members)
     while outside:
-        most, worst, at = -1.0, 0, 0
-        for i, s in enumerate(outside):
-            far, k = nearest_piece(s, corners)
-            if far > most + SAME:
-                most, worst, at = far, i, k
-        if most < tolerance:
+        far, at = nearest_pieces(np.array(outside, float), np.array(corners, float))
+        worst = 0
+        for i in range(len(outside)):
+            if far[i] > far[worst] + SAME:
+                worst = i
+        if far[worst] < tolerance:
             break
-        corners = put_in(corners, at, outside.pop(worst))
+        corners = put_in(corners, at[worst], outside.pop(worst))
     return prune(corners, members, tolerance)

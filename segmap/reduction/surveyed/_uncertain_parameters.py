@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import Array, Metres, Segments, checked
 from ...compiled import compiled
-from ...kernels import apart, gap_along, turn_between
+from ...kernels import apart, boxes_apart, gap_along, turn_between
 from ...segments import SegmentMap, point_distance, take_points
 from .._runner import Indices, Reduction, Rows, Steps, Turn, run_online
 from .lines import (
@@ -91,22 +91,22 @@ def uncertain_parameters(
             points, first = take_points(map.points, map.first, rows.source_row)
             beside = point_distance(points, np.repeat(s, np.diff(first), axis=0))
             off = np.maximum.reduceat(beside, first[:-1]).clip(LEAST_RHO_M) if len(s) else off
-        walls, ends = list[UncertainWall](), np.empty((0, 2, 2))
+        walls, ends = list[UncertainWall](), np.empty_like(s)
         for begin, stop in rows.scans():
             for i in range(begin, stop):
                 new = uncertain(s[i].tolist(), float(off[i]), i)
-                same = looks_at_it(s[i], ends, distance, angle)
+                same = looks_at_it(s[i], ends[: len(walls)], distance, angle)
                 if len(same):
                     walls[same[0]] = fused([*(walls[k] for k in same), new], origin)
                     ends[same[0]] = walls[same[0]].ends
-                    ends = np.delete(ends, same[1:], axis=0)
                     for k in same[:0:-1]:
+                        ends[k : len(walls) - 1] = ends[k + 1 : len(walls)]
                         del walls[k]
                 else:
+                    ends[len(walls)] = s[i]
                     walls.append(new)
-                    ends = np.concatenate([ends, s[i : i + 1]])
             yield len(walls)
-        return ends, parents_of((wall.members for wall in walls), len(s))
+        return ends[: len(walls)], parents_of((wall.members for wall in walls), len(s))
 
     return run_online("uncertain_parameters", map, steps)
 
@@ -114,9 +114,11 @@ def uncertain_parameters(
 @compiled
 def looks_at_it(s: Array, walls: Array, distance: float, angle: float) -> Indices:
     """Which walls of the map, `(n, 2, 2)`, a segment may be a look at, ascending."""
-    hits, count = np.empty(len(walls), np.int64), 0
+    hits, count, one = np.empty(len(walls), np.int64), 0, s.reshape(1, 2, 2)
     at = np.arctan2(s[1, 1] - s[0, 1], s[1, 0] - s[0, 0])
     for k in range(len(walls)):
+        if boxes_apart(one, 0, walls, k) > distance:
+            continue
         wall = walls[k]
         turn = turn_between(at, np.arctan2(wall[1, 1] - wall[0, 1], wall[1, 0] - wall[0, 0]))
         if abs(turn) < angle - SAME and apart(s, wall) < distance - SAME:

@@ -101,7 +101,8 @@ def weighted_line_fitting(
                 count = len(walls)
                 while (k := agreeing_line(wall.line, wall.ends, lines[:count], ends, limits)) >= 0:
                     other, count = walls.pop(k), count - 1
-                    lines[k:-1], ends[k:-1] = lines[k + 1 :], ends[k + 1 :]
+                    for array in (lines, ends):
+                        array[k:count] = array[k + 1 : count + 1]
                     merged = compare(wall.line, other.line)[1]
                     both = np.concatenate([wall.points, other.points])
                     wall = wall_of(merged, both, wall.members + other.members)

@@ -35,30 +35,10 @@ def axial_difference(a: float, b: float) -> float:
     return (a - b + math.pi / 2) % math.pi - math.pi / 2
 
 
-def line_of(s: Segment) -> Line:
-    """First end point of a segment, and its unit direction."""
-    (x0, y0), (x1, y1) = s
-    n = segment_length(s)
-    return x0, y0, (x1 - x0) / n, (y1 - y0) / n
-
-
 def seen_from(line: Line, p: Point) -> tuple[float, float]:
     """How far a point lies along a line and to the left of it, metres."""
     x, y, dx, dy = line
     return (p[0] - x) * dx + (p[1] - y) * dy, (p[1] - y) * dx - (p[0] - x) * dy
-
-
-def point_to_segment(p: Point, s: Segment) -> float:
-    """Distance of a point from a segment, metres: from its line, or beyond an end from that end."""
-    length = segment_length(s)
-    if length == 0:
-        return math.dist(p, s[0])
-    along, across = seen_from(line_of(s), p)
-    if along < 0:
-        return math.dist(p, s[0])
-    if along > length:
-        return math.dist(p, s[1])
-    return abs(across)
 
 
 def gap_along(u: Segment, v: Segment, angle: float) -> float:
