@@ -95,50 +95,50 @@ def ground_truth(
         raise ValueError("times and poses belong together: give both, or neither")
     if times is not None and poses is not None:
         t, track = arrays.numbers(times, "times"), arrays.poses(poses)
-        found = interpolate(t, track, log.times, max_gap=max_gap)
+        truth = interpolate(t, track, log.times, max_gap=max_gap)
         source = f"that goes from {t[0]:.6f} to {t[-1]:.6f} s"
     elif log.truth is None or not np.isfinite(log.truth).all(1).any():
         raise ValueError(f"log {log.name!r} holds no ground truth: give times and poses")
     else:
-        found = _with_gaps_filled(log.truth, log.times, max_gap)
+        truth = _fill_gaps(log.truth, log.times, max_gap)
         source = "the scans before and after it with one must have times around its own"
-    known = np.asarray(np.isfinite(found).all(1))
-    if missing == "raise" and not known.all():
-        scan = int(np.argmin(known))
+    has_truth = np.asarray(np.isfinite(truth).all(1))
+    if missing == "raise" and not has_truth.all():
+        scan = int(np.argmin(has_truth))
         raise ValueError(
             f"scan {scan} of log {log.name!r}, at {log.times[scan]:.6f} s, has no ground truth: "
             f"{source}, with gaps of at most {max_gap:.6g} s allowed; "
             'missing="drop" leaves such scans out'
         )
-    if known.any() and not known[0]:  # from the first known pose back, by the odometry
-        first = int(np.argmax(known))
+    if has_truth.any() and not has_truth[0]:  # from the first known pose back, by the odometry
+        first = int(np.argmax(has_truth))
         back = between(log.odometry[first], log.odometry[0])
-        found[0] = compose(found[first], back) if np.isfinite(back).all() else found[first]
-    laid = _known_poses(log, found, known, Unmatched.NO_TRUTH).laid
-    return Outcome(laid, appraise=partial(poses_compared, log, found, known))
+        truth[0] = compose(truth[first], back) if np.isfinite(back).all() else truth[first]
+    laid = _known_poses(log, truth, has_truth, Unmatched.NO_TRUTH).laid
+    return Outcome(laid, appraise=partial(poses_compared, log, truth, has_truth))
 
 
-def _known_poses(log: Log, poses: Array, known: NDArray[np.bool_], missing: Unmatched) -> Outcome:
+def _known_poses(log: Log, poses: Array, placed: NDArray[np.bool_], missing: Unmatched) -> Outcome:
     """Poses `(k, 3)`, metres and radians, where they are known; elsewhere the odometry goes on."""
     first = poses[0] if len(log) and np.isfinite(poses[0]).all() else None
-    trail = Trail(log, first, Unmatched.NONE if known.all() or known[0] else missing)
-    for pose, is_known in zip(poses[1:], known[1:], strict=True):
+    trail = Trail(log, first, Unmatched.NONE if placed.all() or placed[0] else missing)
+    for pose, is_known in zip(poses[1:], placed[1:], strict=True):
         trail.place(pose) if is_known else trail.carry(missing)
     return Outcome(trail.laid)
 
 
-def _with_gaps_filled(truth: Array, times: Array, max_gap: float) -> Array:
+def _fill_gaps(truth: Array, times: Array, max_gap: float) -> Array:
     """The rows of a truth; those of NaN between the rows before and after, in the order of scans.
 
     Only where its time, in seconds, lies between theirs, which are at most `max_gap` apart.
     """
-    found, known = truth.copy(), np.flatnonzero(np.isfinite(truth).all(1))
-    found[~np.isfinite(truth).all(1)] = np.nan
-    for k in np.setdiff1d(np.arange(known[0], known[-1]), known):
-        around = known[np.searchsorted(known, k) + np.array([-1, 0])]
+    filled, rows = truth.copy(), np.flatnonzero(np.isfinite(truth).all(1))
+    filled[~np.isfinite(truth).all(1)] = np.nan
+    for k in np.setdiff1d(np.arange(rows[0], rows[-1]), rows):
+        around = rows[np.searchsorted(rows, k) + np.array([-1, 0])]
         if times[around[0]] <= times[k] <= times[around[1]]:
-            found[k] = interpolate(times[around], truth[around], times[[k]], max_gap=max_gap)[0]
-    return found
+            filled[k] = interpolate(times[around], truth[around], times[[k]], max_gap=max_gap)[0]
+    return filled
 
 
 @checked
@@ -172,14 +172,14 @@ def align_to_truth(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) ->
     """
     p = arrays.poses(poses, missing=True)
     q = arrays.poses(truth, "truth", count=len(p), missing=True)
-    known = np.isfinite(p).all(1) & np.isfinite(q).all(1)
-    if not known.any():
+    both = np.isfinite(p).all(1) & np.isfinite(q).all(1)
+    if not both.any():
         raise ValueError("poses and truth must share a scan where both are known, got none")
-    first = np.flatnonzero(known)[0]
+    first = np.flatnonzero(both)[0]
     if not best:
         return compose(compose(q[first], inverse(p[first])), p)
-    p_middle, q_middle = p[known, :2].mean(0), q[known, :2].mean(0)
-    a, b = p[known, :2] - p_middle, q[known, :2] - q_middle
+    p_middle, q_middle = p[both, :2].mean(0), q[both, :2].mean(0)
+    a, b = p[both, :2] - p_middle, q[both, :2] - q_middle
     turn = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum())
     return compose((*(q_middle - transform((0.0, 0.0, turn), p_middle)), turn), p)
 
@@ -199,7 +199,7 @@ def position_errors(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) -
     >>> position_errors([(2, 2, 0), (3, 2, 0), (4, 2, 0), (5, 2.1, 0)], truth).round(6)
     array([0. , 0. , 0.1])
     """
-    known = arrays.poses(truth, "truth", missing=True)
-    away = (align_to_truth(poses, known, best=best) - known)[:, :2]
+    true = arrays.poses(truth, "truth", missing=True)
+    away = (align_to_truth(poses, true, best=best) - true)[:, :2]
     far: Array = np.hypot(away[:, 0], away[:, 1])
     return far[np.isfinite(far)]

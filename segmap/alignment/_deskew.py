@@ -36,9 +36,9 @@ LEAST_TURNING_SCANS = 20
 ENTROPY_CELL_M = 0.05
 #: One order of the beams is better than the other if it lowers the entropy by more, nats.
 ENTROPY_MARGIN_NATS = 0.05
-#: The so many scans in a row that turn most tell whether the robot stood ...
+#: Whether the robot stood is told by so many scans in a row, those that turn most.
 PART_SCANS = 100
-#: ... if so many of them turn.
+#: At least so many of them must turn.
 LEAST_TURNING_IN_PART = 10
 #: Scans lie so many turns apart at most: else the times of the beams are wrong, or scans are left
 #: out, and nobody knows how the robot moved meanwhile.
@@ -86,25 +86,25 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     (np.float64(0.067), None)
     """
     arrays.instance(log, "log", Log)
-    given = None if poses is None else checked_poses(log, poses)
+    user_poses = None if poses is None else checked_poses(log, poses)
     if not is_timed(log):
         return log
     apart = np.diff(log.times)
     if len(log) > 1 and not (apart > 0).any():
-        return _left_as_measured(
+        return _keep_as_measured(
             log, 0.0, "the scans have no times, which tell how the robot moved meanwhile"
         )
     usual = float(np.median(apart[apart > 0])) if len(log) > 1 else 0.0
     if (whole := _whole_turn(log)) * MOST_TURNS_A_SCAN < usual:
         words = f"a turn takes {whole:.2g} s by the times of its beams, and scans lie {usual:.2g} s"
-        return _left_as_measured(log, whole, f"{words} apart: these times are not believed")
-    rows = pose_graph(log).poses if given is None else given
+        return _keep_as_measured(log, whole, f"{words} apart: these times are not believed")
+    rows = pose_graph(log).poses if user_poses is None else user_poses
     motions, causes = velocities(log.times, rows), list(log.causes)
     margin = -np.inf if log.order_known else _margin(log, rows, motions)
-    ordered = replace(log, scans=tuple(map(_reversed, log.scans))) if margin > 0 else log
-    if (blurred := _blurred(ordered, motions)) >= ENTROPY_MARGIN_NATS:
+    ordered = replace(log, scans=tuple(map(_reverse, log.scans))) if margin > 0 else log
+    if (blurred := _blur(ordered, motions)) >= ENTROPY_MARGIN_NATS:
         words = "the robot stood while each scan was measured, or the times of beams are not right"
-        return _left_as_measured(log, blurred, words)
+        return _keep_as_measured(log, blurred, words)
     if not abs(margin) >= ENTROPY_MARGIN_NATS:
         words = "nothing tells in which order the beams were measured"
         return replace(log, causes=(*causes, Finding(Cause.BEAM_ORDER, margin, words)))
@@ -121,16 +121,16 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     even = [arc(motion * _delays(scan)) for scan, motion in zip(log, motions, strict=True)]
     if np.isfinite(offset) and log.track is not None:
         even = [
-            _driven(log.track, scan, offset, steps) for scan, steps in zip(log, even, strict=True)
+            _follow(log.track, scan, offset, steps) for scan, steps in zip(log, even, strict=True)
         ]
-    carried = _carried(log, even)
-    if given is None and not np.isfinite(offset):
+    carried = _carry(log, even)
+    if user_poses is None and not np.isfinite(offset):
         part = _turning_part(log, motions).tolist()
-        own = _carried_by_own_motion(log[part], [even[k] for k in part])
+        own = _carry_by_own_motion(log[part], [even[k] for k in part])
         ways = (own, [carried[k] for k in part])
         by_own, by_neighbours = (_unsharp(Log(log.name, scans)) for scans in ways)
         if by_own < by_neighbours:
-            carried = _carried_by_own_motion(log, even)
+            carried = _carry_by_own_motion(log, even)
     return replace(log, scans=tuple(carried), causes=tuple(causes))
 
 
@@ -139,14 +139,14 @@ def _delays(scan: LaserScan) -> Array:
     return np.zeros((len(scan), 1)) if scan.delays is None else scan.delays[:, None]
 
 
-def _driven(track: Array, scan: LaserScan, offset: float, steps: Array) -> Array:
+def _follow(track: Array, scan: LaserScan, offset: float, steps: Array) -> Array:
     """Where odometry that comes more often says that the robot was at each beam; else `steps`."""
     at = scan.time + offset + np.r_[0.0, _delays(scan)[:, 0]]
     driven = interpolate(track[:, 0], track[:, 1:], at, max_gap=LONGEST_GAP_S)
     return between(driven[0], driven[1:]) if np.isfinite(driven).all() else steps
 
 
-def _carried_by_own_motion(log: Log, steps: list[Array]) -> list[LaserScan]:
+def _carry_by_own_motion(log: Log, steps: list[Array]) -> list[LaserScan]:
     """The scans, carried by the motion that the match of each has found; else by `steps`."""
     live = LiveGraph(tracking=Tracking(moving=True))
     live.extend(log)
@@ -158,10 +158,10 @@ def _carried_by_own_motion(log: Log, steps: list[Array]) -> list[LaserScan]:
         else:
             on_the_way = way(motion, np.r_[0.0, scan.delays] - scan.delays.max() / 2)
             own.append(between(on_the_way[0], on_the_way[1:]))
-    return _carried(log, own)
+    return _carry(log, own)
 
 
-def _carried(log: Log, steps: list[Array]) -> list[LaserScan]:
+def _carry(log: Log, steps: list[Array]) -> list[LaserScan]:
     """The scans, each beam moved by what the robot moved since the first one."""
     return [
         scan if scan.delays is None else motion_compensated(scan, since)
@@ -179,11 +179,11 @@ def _whole_turn(log: Log) -> float:
     return float(np.median(turns)) if turns else float("inf")
 
 
-def _left_as_measured(log: Log, value: float, why: str) -> Log:
+def _keep_as_measured(log: Log, value: float, why: str) -> Log:
     """The log with its scans as they were measured, and why."""
     scans = tuple(replace(scan, delays=None) for scan in log)
-    told = Finding(Cause.SKEW, value, f"{why}: no beam is carried")
-    return replace(log, scans=scans, order_known=True, causes=(*log.causes, told))
+    finding = Finding(Cause.SKEW, value, f"{why}: no beam is carried")
+    return replace(log, scans=scans, order_known=True, causes=(*log.causes, finding))
 
 
 def _turning_part(log: Log, motions: Array) -> NDArray[np.int64]:
@@ -195,7 +195,7 @@ def _turning_part(log: Log, motions: Array) -> NDArray[np.int64]:
     return np.arange(first, first + size)
 
 
-def _blurred(log: Log, motions: Array) -> float:
+def _blur(log: Log, motions: Array) -> float:
     """How much less sharp a part of the log is with its beams carried, nats; NaN for too few turns.
 
     Poses that were fitted to scans as they are would favour them, so both are aligned anew.
@@ -206,7 +206,7 @@ def _blurred(log: Log, motions: Array) -> float:
         return float("nan")
     even = [arc(motions[k] * _delays(log[k])) for k in part.tolist()]
     as_measured = [replace(scan, delays=None) for scan in log[part]]
-    ways = (_carried(log[part], even), as_measured)
+    ways = (_carry(log[part], even), as_measured)
     new, old = (_unsharp(Log(log.name, scans)) for scans in ways)
     return new - old
 
@@ -221,7 +221,7 @@ def _unsharp(log: Log) -> float:
     return float(np.mean([_entropy(points) for points in turned]))
 
 
-def _reversed(scan: LaserScan) -> LaserScan:
+def _reverse(scan: LaserScan) -> LaserScan:
     """The scan with its beams measured in the other order."""
     delays = scan.delays
     return scan if delays is None else replace(scan, delays=delays.max(initial=0.0) - delays)
@@ -232,18 +232,18 @@ def _margin(log: Log, poses: Array, motions: Array) -> float:
 
     Poses `(k, 3)` lie in mid-scan, so both orders are carried there: either errs as much.
     """
-    found: tuple[list[Array], list[Array]] = ([], [])
+    clouds: tuple[list[Array], list[Array]] = ([], [])
     for scan, pose, motion in zip(log, poses, motions, strict=True):
         if scan.delays is None or not len(scan) or not np.isfinite(pose).all():
             continue
         middle = scan.delays - scan.delays.max() / 2
         if 2 * abs(motion[2]) * middle.max() > TURNING_SCAN_RAD:
-            for points, since in zip(found, (middle, -middle), strict=True):
+            for points, since in zip(clouds, (middle, -middle), strict=True):
                 steps = arc(motion * since[:, None])
                 points.append(transform(pose, motion_compensated(scan, steps).points()))
-    if len(found[0]) < LEAST_TURNING_SCANS:
+    if len(clouds[0]) < LEAST_TURNING_SCANS:
         return float("nan")
-    stated, other = (_entropy(np.concatenate(points)) for points in found)
+    stated, other = (_entropy(np.concatenate(points)) for points in clouds)
     return stated - other
 
 
@@ -267,8 +267,8 @@ def _clock(log: Log, poses: Array) -> float:
     at = log.times + shifts[:, None]
     seen = np.diff(np.interp(at, times, heading, left=np.nan, right=np.nan), axis=1)
     errors = wrap(seen - np.diff(poses[:, 2])) ** 2
-    known = np.isfinite(errors).all(0)  # at any shift
-    errors = errors[:, known & (np.diff(log.times) > 0) & (np.diff(log.times) <= LONGEST_GAP_S)]
+    valid = np.isfinite(errors).all(0)  # at any shift
+    errors = errors[:, valid & (np.diff(log.times) > 0) & (np.diff(log.times) <= LONGEST_GAP_S)]
     half = errors.shape[1] // 2
     if not half:
         return float("nan")

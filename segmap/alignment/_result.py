@@ -67,11 +67,11 @@ class Match:
 
     def __repr__(self) -> str:
         x, y, heading = self.pose.round(4) + 0.0
-        found = f"{x:.6g} m, {y:.6g} m, {np.degrees(heading):.4g} deg"
+        place = f"{x:.6g} m, {y:.6g} m, {np.degrees(heading):.4g} deg"
         loose = "" if self.free is None else ", free along one direction"
         if not self.matched:
             return f"Match(none: {self.reason})"
-        return f"Match({found}, overlap {self.overlap:.2f}{loose})"
+        return f"Match({place}, overlap {self.overlap:.2f}{loose})"
 
 
 def no_match(start: ArrayLike, why: Unmatched, reason: str = "", overlap: float = 0.0) -> Match:
@@ -165,8 +165,8 @@ class Alignment(Pictured):
 
     def __getstate__(self) -> dict[str, Any]:
         """A copy, also by pickle, is told all, so that it needs neither log nor graph for it."""
-        known = {each.name: getattr(self, each.name) for each in fields(self)}
-        return known | {"appraise": Appraisal}
+        state = {each.name: getattr(self, each.name) for each in fields(self)}
+        return state | {"appraise": Appraisal}
 
     @property
     def doubt(self) -> str:
@@ -276,9 +276,9 @@ def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
         if not isinstance(log, Log):
             raise ValueError(f"log must be a Log, got {type(log).__name__}")
         begun = work_time()
-        found = method(*args, **kwargs)
+        outcome = method(*args, **kwargs)
         seconds = work_time() - begun
-        return checked_alignment(name, log, found, seconds)
+        return checked_alignment(name, log, outcome, seconds)
 
     signature = inspect.signature(method).replace(return_annotation="Alignment")
     run.__signature__ = signature  # type: ignore[attr-defined]
@@ -286,22 +286,22 @@ def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
 
 
 def checked_alignment(
-    name: str, scans: Sequence[LaserScan], found: Outcome, seconds: float
+    name: str, scans: Sequence[LaserScan], outcome: Outcome, seconds: float
 ) -> Alignment:
     """The alignment of scans by a method of that name, checked."""
-    poses = np.reshape([row.pose for row in found.laid], (-1, 3)).astype(float)
+    poses = np.reshape([row.pose for row in outcome.laid], (-1, 3)).astype(float)
     if len(poses) != len(scans) or not np.isfinite(poses).all():
         raise RuntimeError(f"{name} must give a finite pose for each scan")
-    unmatched = tuple(row.unmatched for row in found.laid)
-    reasons = tuple(row.reason or str(row.unmatched) for row in found.laid)
+    unmatched = tuple(row.unmatched for row in outcome.laid)
+    reasons = tuple(row.reason or str(row.unmatched) for row in outcome.laid)
     used = np.array([why is Unmatched.NONE for why in unmatched], bool)
 
     def appraise() -> Appraisal:
         """What the method says, behind what is known of the log and seen in it."""
-        own, known = found.appraise(), getattr(scans, "causes", ())
+        own, of_log = outcome.appraise(), getattr(scans, "causes", ())
         seen = skew_warning(scans, poses) + stood(scans, poses) + contradictions(scans, poses, used)
         proviso = promised_under(scans, poses, used)
-        return own._replace(causes=(*known, *seen, *own.causes), proviso=proviso)
+        return own._replace(causes=(*of_log, *seen, *own.causes), proviso=proviso)
 
     evidence = (
         poses.copy(),
@@ -309,7 +309,7 @@ def checked_alignment(
         seconds,
         name,
         reasons,
-        found.graph,
+        outcome.graph,
     )  # a user may edit these
     return Alignment(*evidence, unmatched=unmatched, appraise=appraise)
 
@@ -366,5 +366,5 @@ class Trail:
 
 def long_segments(scan: LaserScan, min_length: float) -> Array:
     """Segments of a scan that are at least `min_length` metres long, `(n, 2, 2)`, robot frame."""
-    found = extract_polylines(scan.points(), closed=scan.whole_turn)
-    return found[length(found) >= min_length]
+    segments = extract_polylines(scan.points(), closed=scan.whole_turn)
+    return segments[length(segments) >= min_length]

@@ -118,25 +118,25 @@ def judge(
         doubled = share if np.isfinite(share) else None
     blurred = np.nan if tree is None else smeared_walls(tree)
     smeared = float(blurred) if np.isfinite(blurred) else None
-    told = f"{placed} of {counted(scans, 'scan')} placed"
+    summary = f"{placed} of {counted(scans, 'scan')} placed"
     costly = [finding for finding in found.causes if finding.doubtful]
     causes = tuple(str(each.cause) for each in costly)
     figures = placed, scans, sure, worst, doubled, causes, smeared
     # 1. No map
     none = [f.words for f in found.causes if f.cause in (Cause.NOT_MERGED, Cause.LEFT_FREE)]
     if placed < min(2, scans) or placed < LEAST_PLACED_SHARE * scans or not scans:
-        none.append(told)
+        none.append(summary)
     if map is not None and not len(map) and smeared is None:
-        none.append(f"{told}, but no wall found")
+        none.append(f"{summary}, but no wall found")
     unsure = sure is not None and not (certain.any() or near.any())
     middle = float(np.median(off)) if unsure and placed >= LEAST_COUNTED_SCANS else 0.0
     if not middle <= 2 * UNKNOWN_M:
-        none.append(f"no scan is sure, half of them may be {middle:.1f} m off and more; {told}")
+        none.append(f"no scan is sure, half of them may be {middle:.1f} m off and more; {summary}")
     if none:
         return Verdict("not a map", f"NOT A MAP: {none[0]}", *figures)
     # 2. What speaks against the map, and what does not
-    against = [told] if placed < PLACED * scans else []
-    rest = [] if against else [told]
+    against = [summary] if placed < PLACED * scans else []
+    rest = [] if against else [summary]
     against += [finding.words for finding in costly]
     if found.method == "odometry":
         against.append("nothing but the wheels places them")

@@ -78,12 +78,12 @@ def wall_covariance(rows: Array, pull: Array, share: Array) -> Array:
     share : (p,) array
         Part of each pair in its wall of the scan, where that has several partners.
     """
-    kept = rows[::2, 4] >= CORNER_OVERLAP_M
-    first, second, metres = rows[::2, :4][kept], rows[1::2, :4][kept], rows[::2, 4][kept]
-    middle, half, pull, share = (first + second) / 2, (second - first) / 2, pull[kept], share[kept]
-    left = share * metres @ (middle[:, 3] ** 2 + half[:, 3] ** 2 / 3)
+    long = rows[::2, 4] >= CORNER_OVERLAP_M
+    first, second, metres = rows[::2, :4][long], rows[1::2, :4][long], rows[::2, 4][long]
+    middle, half, pull, share = (first + second) / 2, (second - first) / 2, pull[long], share[long]
+    residual = share * metres @ (middle[:, 3] ** 2 + half[:, 3] ** 2 / 3)
     free = max(2 * share.sum() - 3, 0.0)  # offsets that the three numbers of the pose leave open
-    variance = WALL_VARIANCE_INFLATION * (PRIOR_OFFSETS * PRIOR_DEVIATION_M**2 + left)
+    variance = WALL_VARIANCE_INFLATION * (PRIOR_OFFSETS * PRIOR_DEVIATION_M**2 + residual)
     variance /= PRIOR_OFFSETS + free  # of a metre of wall
     middle, half = middle[:, :3], half[:, :3]
     noise, faint = variance * share * pull**2 / metres, FAINT_INFORMATION * np.eye(3)

@@ -17,7 +17,7 @@ from ..threads import Rows
 FAR_SIGMA_M = 0.02
 #: A point with no more than so many times the least noise in and beside its square is near too.
 FAR_FACTOR = 1.5
-#: Side of the squares, metres.
+#: Side of the squares in which the least noise is kept, metres.
 SEEN_SQUARE_M = 0.1
 #: Squares of one row at most: no coordinate is beyond 1e7 m.
 SQUARES_A_ROW = 1 << 28

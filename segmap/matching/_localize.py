@@ -25,15 +25,15 @@ from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 LOST_FIT = 0.7
 #: Below this the map is searched: right places have .94, and .87 where much has moved.
 DOUBTFUL_FIT = 0.8
-#: It counts as found once the fit reaches this, and until the fit falls below `DOUBTFUL_FIT`: what
-#: has moved makes wrong rooms fit to .92.
+#: A robot counts as found once the fit reaches this, and until the fit falls below `DOUBTFUL_FIT`:
+#: what has moved makes wrong rooms fit to .92.
 FOUND_FIT = 0.93
 #: Places with less than this share of the weight are dropped; the robot is found where one remains.
 #: For that the fits of a single scan must differ by 16 %, or those of a drive by 3.5 % each.
 MIN_PLACE_WEIGHT = 0.03
 #: Ends so near to a line of their own scan are asked, metres: five deviations of a good laser.
 NEAR_LINE_M = 0.05
-#: Where fewer lie on any line, all are asked.
+#: Where fewer ends lie on any line of their scan, all ends are asked.
 LEAST_ON_LINES = 20
 #: Until the robot is found a scan with fewer lines is asked as a whole: many corridors fit these.
 LEAST_LINES = 6
@@ -59,7 +59,7 @@ KLD_CELL = np.array([0.25, 0.25, 0.2])
 KLD_ERROR = 0.05
 #: Quantile of the normal distribution that goes with it (99 %).
 KLD_QUANTILE = 2.326
-#: Never fewer particles.
+#: There are never fewer particles than this.
 LEAST_PARTICLES = 300
 #: Fresh particles come to all places that score at most so much less than the best.
 PLACE_SCORE_MARGIN = 0.1
@@ -67,7 +67,7 @@ PLACE_SCORE_MARGIN = 0.1
 MOST_FRESH_PLACES = 100
 #: A place that fits better by less than this share is no reason to go there.
 BETTER_FIT_SHARE = 0.05
-#: Where a search brings nothing better, the next waits twice as many scans as this one; at most:
+#: Each search that brings nothing better doubles the scans to wait for the next, up to this.
 LONGEST_WAIT_SCANS = 16
 
 
@@ -208,7 +208,7 @@ def localize(
             way, last = np.nan_to_num(between(last, here)) * (not anew), here
             yield belief
             if places:
-                poses, weights = redrawn(poses, weights, places, particles, rng)
+                poses, weights = redraw(poses, weights, places, particles, rng)
 
     return beliefs()
 
@@ -281,7 +281,7 @@ def at_places(poses: Array, weights: Array) -> list[NDArray[np.int64]]:
     return [place for place in places if weights[place].sum() >= MIN_PLACE_WEIGHT]
 
 
-def redrawn(
+def redraw(
     poses: Array,
     weights: Array,
     places: list[NDArray[np.int64]],

@@ -101,7 +101,7 @@ def hill_climb(
             pose, best, rounds = tried[top], scores[top], rounds - 1
         else:
             moves.pop(0)
-    return wrapped(pose)
+    return wrap_heading(pose)
 
 
 @checked
@@ -154,7 +154,7 @@ def sample_and_rank(
         drawn = np.repeat(poses[stay], 4, axis=0) + rng.normal(0, spread / step, (80, 3))
         poses = np.concatenate([poses[stay], drawn])
         scores = np.concatenate([scores[stay], values(drawn)])
-    return wrapped(poses[int(np.argmax(scores))])
+    return wrap_heading(poses[int(np.argmax(scores))])
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +172,7 @@ class Prepared:
         return self.score(map, points, poses)
 
 
-def wrapped(pose: Array) -> Array:
+def wrap_heading(pose: Array) -> Array:
     """The pose with its heading in [-pi, pi); one that is there already keeps every bit."""
     turned = pose if -np.pi <= pose[2] < np.pi else (pose[0], pose[1], wrap(pose[2]))
     return np.array(turned)

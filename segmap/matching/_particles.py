@@ -37,16 +37,16 @@ PEAK_STEP = np.array([0.05, 0.05, 0.01])
 LATTICE = np.array([(x, y, turn) for x in (-1, 0, 1) for y in (-1, 0, 1) for turn in (-1, 0, 1)])
 #: A wheel errs by so much however short the way, metres and radians.
 SLIP = np.array([0.002, 0.002, 0.001])
-#: The same where there is no odometry, metres and radians.
+#: A robot without odometry moves by so much from scan to scan, metres and radians.
 NO_ODOMETRY_STEP = np.array([0.1, 0.1, 0.05])
 #: While a robot turns fast its odometry may be late. Turns from scan to scan above this, radians,
 #: are fast: a start is good to 0.3.
 FAST_TURN_RAD = 0.3
 #: The matcher tries more headings where less than this share of a scan lies on the map.
 GOOD_OVERLAP = 0.75
-#: It then also starts from the predicted heading plus each of these turns, radians.
+#: Turns that are added to the predicted heading for more starts of the matcher, radians.
 LATE_TURNS = np.outer([0, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9], [0, 0, 1])
-#: More particles would fill the memory: each has a map.
+#: At most so many particles, since each has a map of its own in memory.
 MOST_PARTICLES = 10_000
 
 #: A pose that the matcher has found, and the field; None where nothing is near.

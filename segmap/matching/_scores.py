@@ -54,8 +54,8 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
     """
     blocks_of(map)
     ends, at = scan_and_poses(points, poses)
-    value = map.occupancy(transform(at, ends).reshape(-1, 2)).reshape(len(at), len(ends))
-    return np.where(value > 0.5, value, 0.0).sum(1)
+    occupancy = map.occupancy(transform(at, ends).reshape(-1, 2)).reshape(len(at), len(ends))
+    return np.where(occupancy > 0.5, occupancy, 0.0).sum(1)
 
 
 def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:

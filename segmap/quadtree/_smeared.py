@@ -13,7 +13,7 @@ SMEARED_CELL_M = 0.05
 SMEARED_WIDTH_CELLS = 5
 #: A cell is occupied only where at least so many rays ended.
 LEAST_ENDED_RAYS = 2
-#: It is occupied only where this share of its rays ended: fewer end on people who pass.
+#: A cell is occupied only where this share of its rays ended: fewer end on people who pass.
 LEAST_ENDED_SHARE = 0.1
 
 

@@ -81,9 +81,9 @@ def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
 #: Code of the UTM-30LX (SCIP 2.0, Hokuyo C-42-03320B, table 4) where nothing was met; 3 to 5 are
 #: other errors.
 UTM_NOTHING_MET_CODE = 1
-#: Its code for what is too near.
+#: Code of the UTM-30LX for what is too near.
 UTM_TOO_NEAR_CODE = 2
-#: What its successors UST-10LX and UTM-30LX-EW are reported to send where nothing is met; values
+#: What the successors UST-10LX and UTM-30LX-EW are reported to send where nothing is met; values
 #: above are errors.
 NOTHING_FAR = 65533
 

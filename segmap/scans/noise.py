@@ -34,7 +34,7 @@ CLASSES_M = 2.0 ** np.arange(-2, 6.5, 0.5)
 MIDDLES_M = np.concatenate([[0.2], CLASSES_M * 2**0.25])
 #: A standard deviation is at most so many of its standard errors above its estimate.
 SURE = 3.0
-#: Less is none, metres.
+#: Smallest standard deviation that an estimate may have, metres.
 LEAST_M = 1e-6
 #: Steps in which lasers tell their ranges, metres.
 STEPS_M = 0.05, 0.01, 0.005, 0.001

@@ -10,7 +10,7 @@ from conftest import slow
 from segmap import load
 from segmap.alignment import global_segments
 from segmap.alignment.global_segments import _equations as equations
-from segmap.alignment.global_segments._global_segments import hung_between, kept_scans
+from segmap.alignment.global_segments._global_segments import hang_between, kept_scans
 from segmap.alignment.graph import groups
 from segmap.angles import axial_difference, wrap
 from segmap.metrics import segment_distance
@@ -45,7 +45,7 @@ def test_what_is_held_stays_and_every_group_is_held_once():
     """A singular system where scans share nothing with the first one."""
     i, j = np.array([0, 3, 5]), np.array([1, 4, 3])
     assert groups(i, j, 7).tolist() == [0, 0, 1, 2, 2, 2, 3]
-    fixed = equations.with_one_held(i, j, np.arange(7) == 1)
+    fixed = equations.with_one_fixed(i, j, np.arange(7) == 1)
     assert np.flatnonzero(fixed).tolist() == [1, 2, 3, 6]
     found = equations.solve_differences(
         i, j, np.ones(3), np.array([[1.0], [2.0], [4.0]]), fixed
@@ -119,7 +119,7 @@ def test_scans_between_hang_on_both_neighbours():
     """A misfit that is left to one step, or spread by index where the way is uneven."""
     guess = np.array([(0, 0, 0), (1, 0, 0), (3, 0, 0), (4, 0, 0), (5, 0, 0)], float)
     kept, poses = np.array([0, 3]), np.array([(0, 0, 0), (4, 0.4, 0.1)])
-    found = hung_between(kept, poses, guess, guess[:, 0])
+    found = hang_between(kept, poses, guess, guess[:, 0])
     np.testing.assert_allclose(found[kept], poses)
     np.testing.assert_allclose(found[1, 2], 0.025, atol=1e-6)
     np.testing.assert_allclose(found[4], compose(poses[1], (1, 0, 0)))

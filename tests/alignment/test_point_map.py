@@ -282,7 +282,7 @@ def test_a_round_room_fixes_no_turn_about_its_middle(centre):
     map = PointMap(points)
     match = map.register(points, (0.0, 0.0, 0.0))
     assert match.matched and (match.turns or match.free is not None)
-    (motion,) = map.unfixed(points, match.pose)
+    (motion,) = map.free_motions(points, match.pose)
     span = np.sqrt((points**2).sum(1).mean())
     turn = motion[2] / span
     middle = np.array([-motion[1], motion[0]]) / turn  # which the motion leaves where it is
@@ -294,15 +294,15 @@ def test_a_round_room_fixes_no_turn_about_its_middle(centre):
         moved = map.nearest(points, match.pose, guess + (0, 0, 2 * np.pi * turns))
         np.testing.assert_allclose(moved, guess, atol=0.05)
     pillar = np.vstack([points, ring(0.3, (2.0, -2.0))[::4] * (1, 1.4)])
-    assert len(PointMap(pillar).unfixed(pillar, np.zeros(3))) == 0
+    assert len(PointMap(pillar).free_motions(pillar, np.zeros(3))) == 0
 
 
 def test_a_corridor_leaves_its_own_direction_free_until_a_wall_faces_it():
     """Catches a turn in the place of a shift, and an end that is overlooked."""
     along = np.arange(-6.0, 6.0, 0.05)
     walls = np.vstack([np.column_stack([along, np.full_like(along, y)]) for y in (-1.0, 1.0)])
-    (motion,) = PointMap(walls).unfixed(walls, np.zeros(3))
+    (motion,) = PointMap(walls).free_motions(walls, np.zeros(3))
     np.testing.assert_allclose(np.abs(motion), [1, 0, 0], atol=0.02)
     end = np.column_stack([np.full(5, 6.0), np.linspace(-0.2, 0.2, 5)])
     closed = np.vstack([walls, end])
-    assert len(PointMap(closed).unfixed(closed, np.zeros(3))) == 0
+    assert len(PointMap(closed).free_motions(closed, np.zeros(3))) == 0

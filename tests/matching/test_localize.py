@@ -335,7 +335,7 @@ def test_chance_takes_no_place_away():
         heaps = [uneven * (poses[:, 0] < 1), uneven * (poses[:, 0] > 1)]
         uneven = sum(heap / heap.sum() / 2 for heap in heaps)
         places = inner.at_places(poses, uneven)
-        poses, weights = inner.redrawn(poses, uneven, places, 400, rng(seed))
+        poses, weights = inner.redraw(poses, uneven, places, 400, rng(seed))
         assert weights[poses[:, 0] < 1].sum() == pytest.approx(0.5), seed
         poses, weights = np.tile([(0.0, 0, 0), (5, 0, 0)], (200, 1)), np.full(400, 1 / 400)
 

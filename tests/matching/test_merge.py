@@ -13,7 +13,7 @@ from conftest import shared_file
 from segmap import alignment, read
 from segmap.alignment import LiveGraph, pose_graph, position_errors
 from segmap.alignment.pose_graph import _merge
-from segmap.alignment.pose_graph._merge import _passed_by_both
+from segmap.alignment.pose_graph._merge import _places_of_both
 from segmap.matching import merge
 from segmap.metrics import relation_errors
 from segmap.poses import between, compose
@@ -105,7 +105,7 @@ def test_places_that_both_passed_lie_near_and_are_seen_the_same_way():
     old = [(0, 0, 3.1), (5, 0, 0)]
     new = [(0.9, 0, -3.1), (0.5, 0, 0), (5, 1.1, 0), (5, 0.9, 0), (5, 0.5, 3)]
     poses = np.array([*old, *new])
-    assert _passed_by_both(poses, 2) == {2, 5}
+    assert _places_of_both(poses, 2) == {2, 5}
 
 
 @pytest.mark.parametrize("shift", [2, 3])

@@ -31,9 +31,9 @@ SCORED_GUESSES = 150
 #: At most so many of them, the most valuable ones, are refined.
 REFINED_GUESSES = 10
 #: Of guesses within this distance and turn, metres and radians, the one with the longest walls is
-#: scored; ...
+#: scored.
 ALIKE_GUESSES = 0.1, np.radians(3)
-#: ... candidates within this distance and turn, metres and radians, are one.
+#: Candidates within this distance and turn, metres and radians, are one.
 ONE_CANDIDATE = 0.3, np.radians(10)
 #: Share of the walls that is enough to believe a match.
 LEAST_MATCHED_SHARE = 0.40
@@ -101,10 +101,10 @@ def angle_candidates(
             f"viewpoints must be two, each a place or None, got {arrays.brief(viewpoints)}"
         )
     rule = float(distance), float(far), float(long), whole
-    given = {"reference_segments": reference_segments, "current_segments": current_segments}
+    both = {"reference_segments": reference_segments, "current_segments": current_segments}
     s, t = (
         scene(segments, name, stood, heuristic, most_pairs, min_length, rng)
-        for (name, segments), stood in zip(given.items(), viewpoints, strict=True)
+        for (name, segments), stood in zip(both.items(), viewpoints, strict=True)
     )
     poses = _refined_poses(s, t, rule)
     value, hidden = np.empty(len(poses)), _hidden_lengths(poses, s, t)
@@ -149,7 +149,7 @@ def best_distinct(
 
 def _hidden_lengths(poses: Array, s: Scene, t: Scene) -> Array:
     """Length of wall, (k,) array, metres, that one scene has seen through a wall of the other."""
-    found, stood = np.zeros(len(poses)), transform(poses, t.places)
+    lengths, stood = np.zeros(len(poses)), transform(poses, t.places)
     for k, pose in enumerate(poses):
         there = transform(pose, t.segments)
         looks = ((s.places, s.segments, there), (stood[k], there, s.segments))
@@ -157,13 +157,13 @@ def _hidden_lengths(poses: Array, s: Scene, t: Scene) -> Array:
             least = np.inf  # from the best of the places
             for x, y in places:
                 least = min(least, kernels.hidden(x, y, segments, walls, least))
-            found[k] += least
-    return found
+            lengths[k] += least
+    return lengths
 
 
 def _wall_constraints(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tuple[int, Array]]:
     """For each pose how many walls match, and the constraints about where the current frame is."""
-    found, described = [], describe(s.segments)
+    per_pose, described = [], describe(s.segments)
     value = np.empty((len(s.segments), len(t.segments)))
     for pose, (x, y) in zip(poses, transform(poses, -t.middle[None])[:, 0], strict=True):
         there = transform(pose, t.segments)
@@ -172,8 +172,8 @@ def _wall_constraints(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tupl
         rows = np.empty((2 * np.count_nonzero(some), 5))
         constraints(s.segments, described, there, value, rows)
         rows[:, 2] -= rows[:, 1] * x - rows[:, 0] * y
-        found.append((int(min(some.any(0).sum(), some.any(1).sum())), rows))
-    return found
+        per_pose.append((int(min(some.any(0).sum(), some.any(1).sum())), rows))
+    return per_pose
 
 
 @checked
@@ -219,13 +219,13 @@ def match_angles(
     >>> match_angles(square, square, rng=np.random.default_rng(1))
     Match(none: another place fits nearly as well)
     """
-    given = (reference_segments, current_segments)
-    found = angle_candidates(*given, rng=rng, **options)
-    sizes = [float(length(arrays.segments(segments)).sum()) for segments in given]
-    if not found:
+    both = (reference_segments, current_segments)
+    candidates = angle_candidates(*both, rng=rng, **options)
+    sizes = [float(length(arrays.segments(segments)).sum()) for segments in both]
+    if not candidates:
         words = "no two walls of one stand at an angle that the other has too"
         return no_match(np.zeros(3), Unmatched.NO_PLACE, words)
-    best, second = found[0], found[1].score if len(found) > 1 else -np.inf
+    best, second = candidates[0], candidates[1].score if len(candidates) > 1 else -np.inf
     if best.score < least_share * min(sizes) * 3 / min(max(best.walls, 1), ENOUGH_WALLS):
         words = "too little of the walls matches"
         return no_match(np.zeros(3), Unmatched.LITTLE_OVERLAP, words)
@@ -278,25 +278,25 @@ def angle_correspondence(
     map = transform(trail.pose(0), seen[0][0]) if grow and seen else None
     reference = 0
     for k in range(1, len(log)):
-        found, kept = Laid(trail.guess()), False
-        for known in dict.fromkeys((reference, k - 1)):
-            sets, stood = zip(seen[known], seen[k], strict=True)
+        row, stays = Laid(trail.guess()), False
+        for earlier in dict.fromkeys((reference, k - 1)):
+            sets, stood = zip(seen[earlier], seen[k], strict=True)
             match = match_angles(*sets, rng=chance, viewpoints=stood, **thresholds)
-            if match.matched and (known == k - 1 or match.overlap >= new_reference):
-                found = Laid(compose(trail.pose(known), match.pose))
-                kept, reference = known == reference, known
+            if match.matched and (earlier == k - 1 or match.overlap >= new_reference):
+                row = Laid(compose(trail.pose(earlier), match.pose))
+                stays, reference = earlier == reference, earlier
                 break
             if not match.matched:
-                found = Laid(found.pose, match.unmatched, match.reason)
+                row = Laid(row.pose, match.unmatched, match.reason)
         if map is not None:
             walls = seen[k][0]
-            if not kept:
-                sure = found.unmatched is Unmatched.NONE
-                place = _on_map(map, walls, found.pose, chance, thresholds, known=sure)
-                found = found if place is None else Laid(place)
-            if found.unmatched is Unmatched.NONE:
-                map = _grown(map, transform(found.pose, walls), thresholds)
-        trail.place(*found)
+            if not stays:
+                sure = row.unmatched is Unmatched.NONE
+                place = _on_map(map, walls, row.pose, chance, thresholds, sure=sure)
+                row = row if place is None else Laid(place)
+            if row.unmatched is Unmatched.NONE:
+                map = _grow_map(map, transform(row.pose, walls), thresholds)
+        trail.place(*row)
     return Outcome(trail.laid)
 
 
@@ -307,7 +307,7 @@ def _on_map(
     rng: np.random.Generator,
     thresholds: dict[str, Any],
     *,
-    known: bool,
+    sure: bool,
 ) -> Array | None:
     """The best place of a scan on the map near a pose, (3,) array, metres and radians, or None.
 
@@ -324,16 +324,16 @@ def _on_map(
     rules.pop("rival", None)
     reach = 1.5 * np.hypot(*walls.reshape(-1, 2).T).max(initial=0.0)  # the scan's, and some
     near = map[point_distance(pose[:2], map) <= reach]
-    for found in angle_candidates(near, walls, rng=rng, **rules):
-        x, y, turn = between(pose, found.pose)
-        distance, angle = ALIKE_GUESSES if known else ONE_CANDIDATE
-        believed = known or (found.value >= share * size and found.wall_across() >= across)
+    for candidate in angle_candidates(near, walls, rng=rng, **rules):
+        x, y, turn = between(pose, candidate.pose)
+        distance, angle = ALIKE_GUESSES if sure else ONE_CANDIDATE
+        believed = sure or (candidate.value >= share * size and candidate.wall_across() >= across)
         if np.hypot(x, y) < distance and abs(turn) < angle and believed:
-            return found.pose
+            return candidate.pose
     return None
 
 
-def _grown(map: Array, walls: Array, thresholds: dict[str, Any]) -> Array:
+def _grow_map(map: Array, walls: Array, thresholds: dict[str, Any]) -> Array:
     """The map with the walls of one more scan: chains that match become polylines (A 3.3.1)."""
     rule = {name: thresholds[name] for name in ("distance", "far", "long") if name in thresholds}
     both = np.concatenate([map, walls])

@@ -30,8 +30,8 @@ SINGULAR = 1e-9
 
 
 @compiled
-def superpose(first: Array, second: Array, found: Array) -> int:
-    """Poses that superpose similar corners, and by how many metres of wall: rows of `found`.
+def superpose(first: Array, second: Array, poses: Array) -> int:
+    """Poses that superpose similar corners, and by how many metres of wall: rows of `poses`.
 
     The longer walls decide the turn (A 3.3.1). Returns how many there are; those beyond the last
     row are not written.
@@ -53,13 +53,13 @@ def superpose(first: Array, second: Array, found: Array) -> int:
                     on_j = min(a[7], -b[6]) - max(a[6], -b[7])
                 if on_i < LEAST_COVERED_SHARE * at_i or on_j < LEAST_COVERED_SHARE * at_j:
                     continue
-                if count < len(found):
+                if count < len(poses):
                     heading = a[2] - b[2] + turn + way * np.pi
                     c, s = np.cos(heading), np.sin(heading)
-                    found[count, 0] = a[0] - c * b[0] + s * b[1]
-                    found[count, 1] = a[1] - s * b[0] - c * b[1]
-                    found[count, 2] = heading
-                    found[count, 3] = on_i + on_j
+                    poses[count, 0] = a[0] - c * b[0] + s * b[1]
+                    poses[count, 1] = a[1] - s * b[0] - c * b[1]
+                    poses[count, 2] = heading
+                    poses[count, 3] = on_i + on_j
                 count += 1
     return count
 
@@ -89,23 +89,23 @@ def choose_distinct_poses(
 
 
 @compiled
-def fill_values(s: Array, a: Array, t: Array, rule: Rule, found: Array) -> float:
-    """Write the match value of every pair, metres, to `found`, (n, m) array; return their sum."""
+def fill_values(s: Array, a: Array, t: Array, rule: Rule, values: Array) -> float:
+    """Write the match value of every pair, metres, to `values`, (n, m) array; return their sum."""
     b, total = describe(t), 0.0
     for i in range(len(s)):
         for j in range(len(t)):
-            found[i, j] = match_value(s, a, i, t, b, j, rule)
-            total += found[i, j]
+            values[i, j] = match_value(s, a, i, t, b, j, rule)
+            total += values[i, j]
     return total
 
 
 @compiled
-def pose_values(s: Array, t: Array, poses: Array, rule: Rule, found: Array) -> None:
+def pose_values(s: Array, t: Array, poses: Array, rule: Rule, values: Array) -> None:
     """Value of each pose `(k, 3)` of t in the frame of s, metres: the sum of match values."""
     a, pairs = describe(s), np.empty((len(s), len(t)))
     for k in range(len(poses)):
         there = moved_segments(t, poses[k, 0], poses[k, 1], poses[k, 2], 0.0, 0.0)
-        found[k] = fill_values(s, a, there, rule, pairs)
+        values[k] = fill_values(s, a, there, rule, pairs)
 
 
 @compiled

@@ -103,12 +103,12 @@ def scene(
     viewpoint, (2,) or (k, 2) array in the frame of the value, is its origin where none is given and
     it looks like one scan seen from there; else places from which none of them hides another.
     """
-    given = arrays.segments(value, name)
-    kept = given[length(given) >= max(least, MIN_LENGTH)]
-    middle = kept.mean(axis=(0, 1)) if len(kept) else np.zeros(2)
-    segments = np.ascontiguousarray(kept - middle)
+    every = arrays.segments(value, name)
+    walls = every[length(every) >= max(least, MIN_LENGTH)]
+    middle = walls.mean(axis=(0, 1)) if len(walls) else np.zeros(2)
+    segments = np.ascontiguousarray(walls - middle)
     pairs = wall_pairs(segments, heuristic, most=most, rng=rng)
-    if viewpoint is None and not is_seen_from_origin(kept):
+    if viewpoint is None and not is_seen_from_origin(walls):
         return Scene(middle, segments, pairs, viewpoints(segments))
     stood = f"viewpoints of {name}"
     places = np.atleast_2d(arrays.numbers((0, 0) if viewpoint is None else viewpoint, stood))
@@ -244,8 +244,8 @@ def match_values(
     rule = float(distance), float(far), float(long), whole
     s, t = arrays.segments(first, "first"), arrays.segments(second, "second")
     has = [np.flatnonzero(length(v) >= MIN_LENGTH) for v in (s, t)]
-    found, some = np.zeros((len(s), len(t))), np.zeros([len(rows) for rows in has])
+    values, some = np.zeros((len(s), len(t))), np.zeros([len(rows) for rows in has])
     u, v = s[has[0]], t[has[1]]
     kernels.fill_values(u, describe(u), v, rule, some)
-    found[np.ix_(*has)] = some
-    return found
+    values[np.ix_(*has)] = some
+    return values

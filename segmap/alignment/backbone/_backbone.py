@@ -168,10 +168,10 @@ class _Backbone:
     def step(self, k: int, scan: LaserScan) -> BackboneStep:
         """Lay one scan."""
         t, guess = self.t, self.trail.guess() if k else self.trail.pose()
-        skipped = self._skipped(k, guess)
+        skipped = self._reason_to_skip(k, guess)
         seen = extract_polylines(scan.points(), closed=scan.whole_turn)
         seen = seen[length(seen) > t.min_length]  # A 3.3.2, step 3
-        rebuilt = not skipped and self._rebuilt(guess)  # step 4
+        rebuilt = not skipped and self._rebuild(guess)  # step 4
         there = transform(guess, seen)  # step 5
         partner = geometry.partners(there, self.lines, t.distance, t.angle)
         why, reason = skipped or (Unmatched.NONE, "")
@@ -194,11 +194,11 @@ class _Backbone:
             self.last, self.lost = pose, not used and len(seen) > 0
             laid = transform(pose, seen)  # step 8; A merges them before they are moved
             self.walls = geometry.merged_into_walls(self.walls, laid, t.distance / 2, t.parallel)
-        known = (guess, pose, seen, partner, self.lines, self.known)
-        said = (why, reason) if k else (Unmatched.NONE, "")
-        return BackboneStep(*known, skipped is not None, rebuilt, *said)
+        evidence = (guess, pose, seen, partner, self.lines, self.known)
+        cause = (why, reason) if k else (Unmatched.NONE, "")
+        return BackboneStep(*evidence, skipped is not None, rebuilt, *cause)
 
-    def _skipped(self, k: int, guess: Array) -> tuple[Unmatched, str] | None:
+    def _reason_to_skip(self, k: int, guess: Array) -> tuple[Unmatched, str] | None:
         """Why a scan is left out; None where it is not (A 3.3.2, step 2)."""
         if k and not self.trail.measured(k):
             return Unmatched.NO_ODOMETRY, "no odometry from the scan before"
@@ -208,7 +208,7 @@ class _Backbone:
             return Unmatched.TOO_NEAR, f"less than {self.t.step:g} m from the last scan used"
         return None
 
-    def _rebuilt(self, guess: Array) -> bool:
+    def _rebuild(self, guess: Array) -> bool:
         """Build the backbone where there is none yet or a relevant rotation has just ended."""
         turned = abs(wrap(guess[2] - self.built)) > self.t.rotation
         due = turned or not len(self.lines.angle) or (self.lost and self.t.follow)

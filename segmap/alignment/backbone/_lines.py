@@ -232,15 +232,15 @@ def merged_into_walls(walls: Walls, segments: Array, distance: float, parallel: 
         both = np.stack([walls.segments[nearest], segment])
         direction = axial_mean_of_two(angle(both[0]), angle(both[1]), old, new)
         middle = np.average(midpoint(both), axis=0, weights=[old, new])
-        kept, weight = walls.segments.copy(), walls.weight.copy()
-        kept[nearest] = extreme_projections(both.reshape(4, 2), middle, direction)
+        merged, weight = walls.segments.copy(), walls.weight.copy()
+        merged[nearest] = extreme_projections(both.reshape(4, 2), middle, direction)
         weight[nearest] += new
-        walls = Walls(kept, weight)
+        walls = Walls(merged, weight)
     return walls
 
 
 def support_lines(
-    walls: Walls, known: Array, distance: float, parallel: float, least: float = 0.0
+    walls: Walls, directions: Array, distance: float, parallel: float, least: float = 0.0
 ) -> tuple[Lines, Array]:
     """The backbone of the significant segments, and all its directions (A 3.3.2, step 4).
 
@@ -251,32 +251,32 @@ def support_lines(
     """
     lines, angles = NO_LINES, angle(walls.segments)
     for i in np.argsort(-walls.weight, kind="stable"):
-        square = np.concatenate([known, (known + np.pi / 2) % np.pi])
+        square = np.concatenate([directions, (directions + np.pi / 2) % np.pi])
         apart: Array = np.abs(axial_difference(square, angles[i]))
         if apart.min(initial=np.inf) < parallel:
             direction = square[apart.argmin()]
         else:
             family = np.abs(axial_difference(angles, angles[i])) < parallel
-            if len(known) and walls.weight[family].sum() < least:
+            if len(directions) and walls.weight[family].sum() < least:
                 continue
             direction = float(axial_mean(angles[family], walls.weight[family]))
-            known = np.append(known, direction)
+            directions = np.append(directions, direction)
         middle = midpoint(walls.segments[i])
         near = np.abs(lines.offsets(middle)) < distance
         if not (near & (lines.angle == direction)).any():
             through = np.concatenate([lines.through, middle[None]])
             lines = Lines(through, np.append(lines.angle, direction))
-    return lines, known
+    return lines, directions
 
 
 def spread_left(steps: Sequence[BackboneStep]) -> float:
     """Median over scans of the weighted root mean square angle left between walls and lines."""
-    left = []
+    spreads = []
     for s in steps:
         on = s.partner >= 0
         if s.unmatched is Unmatched.NONE and on.sum() > 1:
             weight, laid = length(s.segments[on]) ** 3, transform(s.pose, s.segments[on])
             off = axial_difference(s.lines.angle[s.partner[on]], angle(laid))
             off = axial_difference(off, mean_rotation(off, weight))
-            left.append(float(np.sqrt(weight @ off**2 / weight.sum())))
-    return float(np.median(left)) if left else 0.0
+            spreads.append(float(np.sqrt(weight @ off**2 / weight.sum())))
+    return float(np.median(spreads)) if spreads else 0.0

@@ -2,7 +2,7 @@
 
 Both are the same problem, A's 2.3: the x that make `sum w |x_i - x_j + c|^2` least. Setting its
 derivatives to zero gives `B x = A` with a graph Laplacian B, which leaves one x of each connected
-group of scans free: that one is held. *Slips:* A's 2.6 lacks a minus before its first sum, the
+group of scans free: that one is fixed. *Slips:* A's 2.6 lacks a minus before its first sum, the
 right sides of 2.11 and 2.15 have the wrong sign, and 2.13-2.14 lack a factor 2 and half of what
 stands off the diagonal. Here all of them come from `solve_differences`.
 """
@@ -67,7 +67,7 @@ class Scans(NamedTuple):
 
 def stacked_scans(segments: list[Array]) -> Scans:
     """Segments of scans, one `(n, 2, 2)` array a scan, metres, in the frame of its robot."""
-    first = np.cumsum([0, *(len(found) for found in segments)])
+    first = np.cumsum([0, *(len(part) for part in segments)])
     return Scans(np.concatenate([np.empty((0, 2, 2)), *segments]), first)
 
 
@@ -121,9 +121,9 @@ def similar_pairs(
         for u in range(first[i], first[i + 1]):
             for v in range(first[j], first[j + 1]):
                 if abs(d[u, 2] * d[v, 3] - d[u, 3] * d[v, 2]) < sine:
-                    found = _similar(s, d, u, v, most)
-                    if found < most:
-                        edge[n], pairs[n, 0], pairs[n, 1], away[n] = k, u, v, found
+                    distance = _similar(s, d, u, v, most)
+                    if distance < most:
+                        edge[n], pairs[n, 0], pairs[n, 1], away[n] = k, u, v, distance
                         n += 1
         unlike = False
         for a in range(start, n):
@@ -148,14 +148,14 @@ def shared_pairs(
     """
     sine, room = np.sin(rules.angle), np.prod(first[edges + 1] - first[edges], axis=1)
     size = max(16 * len(edges), int(room.max(initial=0)))
-    found, k = [(np.empty(0, np.int64), np.empty((0, 2), np.int64), np.empty(0))], 0
+    blocks, k = [(np.empty(0, np.int64), np.empty((0, 2), np.int64), np.empty(0))], 0
     while k < len(edges):
         edge, pairs, away = np.empty(size, np.int64), np.empty((size, 2), np.int64), np.empty(size)
         n, k = similar_pairs(
             segments, described, first, edges, rules.similar, sine, k, edge, pairs, away
         )
-        found.append((edge[:n], pairs[:n], away[:n]))
-    edge, pairs, away = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        blocks.append((edge[:n], pairs[:n], away[:n]))
+    edge, pairs, away = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
     return edge, pairs, away
 
 
@@ -174,11 +174,11 @@ def corresponding(
 
 
 def solve_differences(
-    i: Indices, j: Indices, weight: Array, gap: Array, held: NDArray[np.bool_]
+    i: Indices, j: Indices, weight: Array, gap: Array, fixed: NDArray[np.bool_]
 ) -> Array:
-    """The x, `(n, c)`, with the least `sum w |x_i - x_j + gap|^2`, zero where held (2.3-2.6).
+    """The x, `(n, c)`, with the least `sum w |x_i - x_j + gap|^2`, zero where fixed (2.3-2.6).
 
-    Of p pairs, gaps `(p, c)`. Every group of connected scans must have one that is held.
+    Of p pairs, gaps `(p, c)`. Every group of connected scans must have one that is fixed.
 
     Examples
     --------
@@ -190,37 +190,37 @@ def solve_differences(
     from scipy.sparse import coo_array
     from scipy.sparse.linalg import splu
 
-    n, free = len(held), np.flatnonzero(~held)
-    found, right = np.zeros((2, n, gap.shape[1]))
+    n, free = len(fixed), np.flatnonzero(~fixed)
+    solution, right = np.zeros((2, n, gap.shape[1]))
     if not len(free):
-        return found
+        return solution
     entries = np.r_[weight, weight, -weight, -weight]
     laplacian = coo_array((entries, (np.r_[i, j, i, j], np.r_[i, j, j, i])), shape=(n, n)).tocsr()
     np.add.at(right, i, -weight[:, None] * gap)
     np.add.at(right, j, weight[:, None] * gap)
-    found[free] = splu(laplacian[free][:, free].tocsc()).solve(right[free])
-    return found
+    solution[free] = splu(laplacian[free][:, free].tocsc()).solve(right[free])
+    return solution
 
 
-def with_one_held(i: Indices, j: Indices, held: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Held scans, and the first of each group that has none: (n,) bool array, as `held` is."""
-    group = groups(i, j, len(held))
+def with_one_fixed(i: Indices, j: Indices, fixed: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Fixed scans, and the first of each group that has none: (n,) bool array, as `fixed` is."""
+    group = groups(i, j, len(fixed))
     first = np.unique(group, return_index=True)[1]
-    out = held.copy()
-    out[first[~np.isin(group[first], group[held])]] = True
-    return out
+    anchors = fixed.copy()
+    anchors[first[~np.isin(group[first], group[fixed])]] = True
+    return anchors
 
 
-def best_turns(segments: Array, pairs: Pairs, held: NDArray[np.bool_]) -> Array:
+def best_turns(segments: Array, pairs: Pairs, fixed: NDArray[np.bool_]) -> Array:
     """Turns of all scans, `(n,)` radians, that make corresponding segments most parallel (2.8)."""
     gap = axial_difference(angle(segments[pairs.u]), angle(segments[pairs.v]))
-    return solve_differences(pairs.i, pairs.j, pairs.weight, gap[:, None], held)[:, 0]
+    return solve_differences(pairs.i, pairs.j, pairs.weight, gap[:, None], fixed)[:, 0]
 
 
-def best_shifts(segments: Array, pairs: Pairs, held: NDArray[np.bool_]) -> Array:
+def best_shifts(segments: Array, pairs: Pairs, fixed: NDArray[np.bool_]) -> Array:
     """Shifts of all scans, `(n, 2)` metres, that bring end points to their feet (2.12)."""
     gap, i, j = feet(segments, pairs)
-    return solve_differences(i, j, np.tile(pairs.weight, 4), gap, held)
+    return solve_differences(i, j, np.tile(pairs.weight, 4), gap, fixed)
 
 
 def feet(segments: Array, pairs: Pairs) -> tuple[Array, Indices, Indices]:
@@ -241,17 +241,17 @@ def feet(segments: Array, pairs: Pairs) -> tuple[Array, Indices, Indices]:
 
 
 def settled_poses(
-    scans: Scans, poses: Array, edges: Indices, held: NDArray[np.bool_], rules: Rules
+    scans: Scans, poses: Array, edges: Indices, fixed: NDArray[np.bool_], rules: Rules
 ) -> Array:
     """Poses `(k, 3)` after turning all, then shifting all, until nothing moves; metres, radians."""
     poses = poses.copy()
     for _ in range(rules.rounds):
         world = scans.world(poses)
         pairs, _ = corresponding(world, scans.first, edges, rules)
-        fixed = with_one_held(pairs.i, pairs.j, held)
-        turns = best_turns(world, pairs, fixed)
+        anchors = with_one_fixed(pairs.i, pairs.j, fixed)
+        turns = best_turns(world, pairs, anchors)
         poses[:, 2] = wrap(poses[:, 2] + turns)
-        shifts = best_shifts(scans.world(poses), pairs, fixed)
+        shifts = best_shifts(scans.world(poses), pairs, anchors)
         poses[:, :2] += shifts
         if max(np.abs(turns).max(), np.abs(shifts).max()) < ROUNDS_CONVERGED:
             break

@@ -62,7 +62,7 @@ def global_segments(
        feet, by sparse least squares with the first pose fixed; again with new pairs until nothing
        moves. First scans up to 2 `reach` of way apart are joined, then twice as far, at last all:
        so only the drift round a loop, and not the whole drift, must be small.
-    4. The scans between two kept ones hang on these two: the same equations, the kept ones held.
+    4. The scans between two kept ones hang on these two: the same equations, the kept ones fixed.
        One that shares too little is carried by odometry, its misfit spread along the way.
 
     Needs small odometry errors: about 15 degrees and 0.7 m from one kept scan to the next, and
@@ -104,35 +104,35 @@ def global_segments(
     rules = Rules(similar, angle, spread, rounds)
     if start is not None:
         guess = arrays.poses(start, "start", count=len(log))
-    elif (known := np.flatnonzero(np.isfinite(log.odometry).all(1))).size:
-        at = np.clip(np.arange(len(log)), known[0], known[-1])
-        guess = interpolate(known, log.odometry[known], at)
-        guess = guess if known[0] == 0 else between(guess[0], guess)  # from the origin on
+    elif (rows := np.flatnonzero(np.isfinite(log.odometry).all(1))).size:
+        at = np.clip(np.arange(len(log)), rows[0], rows[-1])
+        guess = interpolate(rows, log.odometry[rows], at)
+        guess = guess if rows[0] == 0 else between(guess[0], guess)  # from the origin on
     else:
         lost = [Unmatched.NONE, *[Unmatched.NO_ODOMETRY] * len(log)][: len(log)]
         return _outcome(np.zeros((len(log), 3)), lost)
     # 1. The scans that are kept
     scans = equations.stacked_scans([long_segments(scan, min_length) for scan in log])
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(guess[:, :2], axis=0).T))])
-    kept = kept_scans(scans.world(guess), scans.first, way, reach, rules)
+    chosen = kept_scans(scans.world(guess), scans.first, way, reach, rules)
     # 2. and 3. These, joined and aligned
-    poses, graph, why = _align_kept(scans.only(kept), guess[kept], way[kept], reach, rules)
-    graph = replace(graph, edges=kept[graph.edges])
+    poses, graph, why = _align_kept(scans.only(chosen), guess[chosen], way[chosen], reach, rules)
+    graph = replace(graph, edges=chosen[graph.edges])
     # 4. Those between hang on the two around them
-    poses = hung_between(kept, poses, guess, way)
-    held = np.isin(np.arange(len(poses)), kept)
-    rest = np.flatnonzero(~held)
-    place = np.searchsorted(kept, rest)
-    ends = np.column_stack([place - 1, np.minimum(place, len(kept) - 1)])
-    edges = np.unique(np.column_stack([np.repeat(rest, 2), kept[ends].ravel()]), axis=0)
+    poses = hang_between(chosen, poses, guess, way)
+    fixed = np.isin(np.arange(len(poses)), chosen)
+    rest = np.flatnonzero(~fixed)
+    place = np.searchsorted(chosen, rest)
+    ends = np.column_stack([place - 1, np.minimum(place, len(chosen) - 1)])
+    edges = np.unique(np.column_stack([np.repeat(rest, 2), chosen[ends].ravel()]), axis=0)
     for stage in rules.finer():
-        poses = equations.settled_poses(scans, poses, edges, held, stage)
+        poses = equations.settled_poses(scans, poses, edges, fixed, stage)
     pairs, _ = equations.corresponding(scans.world(poses), scans.first, edges, stage)
     whole = _doubts(scans, poses, pairs)
     broken = Unmatched.UNTIED, Unmatched.TORN, Unmatched.LITTLE_OVERLAP
     for k, before in zip(rest, place - 1, strict=True):
         whole[k] = whole[k] or (Unmatched.UNTIED if why[before] in broken else Unmatched.NONE)
-    for k, own in zip(kept, why, strict=True):
+    for k, own in zip(chosen, why, strict=True):
         whole[k] = own
     return _outcome(poses, whole, graph)
 
@@ -151,7 +151,7 @@ def kept_scans(segments: Array, first: Indices, way: Array, reach: float, rules:
     scan; edges between others may join them. Segments `(n, 2, 2)`, metres, where the poses put
     them; the way to each scan, `(k,)`, metres.
     """
-    described, kept, start = describe(segments), {0}, 0
+    described, chosen, start = describe(segments), {0}, 0
     while start < len(way):
         before, queue = {start: start}, [start]
         for i in queue:
@@ -163,45 +163,45 @@ def kept_scans(segments: Array, first: Indices, way: Array, reach: float, rules:
                 queue.append(new[k])
         k = end = max(queue)
         while k != start:
-            kept |= {k, before[k]}
+            chosen |= {k, before[k]}
             k = before[k]
         start = end + 1
-    return np.array(sorted(kept))
+    return np.array(sorted(chosen))
 
 
-def hung_between(kept: Indices, poses: Array, guess: Array, way: Array) -> Array:
-    """Poses of all scans `(k, 3)`, given those of the kept ones; metres and radians.
+def hang_between(chosen: Indices, poses: Array, guess: Array, way: Array) -> Array:
+    """Poses of all scans `(k, 3)`, given those of the chosen ones; metres and radians.
 
     Odometry from the kept scan before and from the one after, mixed by the way to each; after the
     last one, from that alone.
     """
     every = np.arange(len(guess))
-    before = np.searchsorted(kept, every, side="right") - 1
-    after = np.minimum(before + 1, len(kept) - 1)
-    a, b = kept[before], kept[after]
+    before = np.searchsorted(chosen, every, side="right") - 1
+    after = np.minimum(before + 1, len(chosen) - 1)
+    a, b = chosen[before], chosen[after]
     forth = compose(poses[before], between(guess[a], guess))
     back = compose(poses[after], between(guess[b], guess))
     span, done = way[b] - way[a] + 1e-6 * (b - a), way - way[a] + 1e-6 * (every - a)
     part = np.where(b > a, done / np.where(b > a, span, 1.0), 0.0)
     step = back - forth
     step[:, 2] = wrap(step[:, 2])
-    found = forth + part[:, None] * step
-    found[:, 2] = wrap(found[:, 2])
-    return found
+    blend = forth + part[:, None] * step
+    blend[:, 2] = wrap(blend[:, 2])
+    return blend
 
 
 def _align_kept(
     scans: Scans, guess: Array, way: Array, reach: float, rules: Rules
 ) -> tuple[Array, Graph, list[Unmatched]]:
     """Poses of the kept scans, the edges between them, and what speaks against each pose."""
-    poses, held = guess.copy(), np.arange(len(guess)) == 0
+    poses, fixed = guess.copy(), np.arange(len(guess)) == 0
     windows = [2 * reach]
     while windows[-1] < way[-1]:
         windows.append(2 * windows[-1])
     stages = [(window, rules) for window in windows[:-1]]
     for window, stage in [*stages, *((np.inf, finer) for finer in rules.finer())]:
         edges = _overlapping(scans, poses, way, window, stage)
-        poses = equations.settled_poses(scans, poses, edges, held, stage)
+        poses = equations.settled_poses(scans, poses, edges, fixed, stage)
         pairs, edge = equations.corresponding(scans.world(poses), scans.first, edges, stage)
         # Each group but the first moves whole: its first scan hangs on the one before it
         group = groups(pairs.i, pairs.j, len(poses))

@@ -78,11 +78,11 @@ def loops_of(graph: Graph | None, poses: Array) -> pd.DataFrame:
     import pandas as pd
 
     chosen = slice(0) if graph is None else graph.loop
-    ends, left = (np.zeros((0, 2), np.int64), np.zeros(0)) if graph is None else (
+    ends, residual = (np.zeros((0, 2), np.int64), np.zeros(0)) if graph is None else (
         graph.edges, graph.residuals)  # fmt: skip
     first, second = ends[chosen].T
     way = np.r_[0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))]
-    table = {"first": first, "second": second, "residual": left[chosen]}
+    table = {"first": first, "second": second, "residual": residual[chosen]}
     table |= {"scans": abs(second - first), "metres": abs(way[second] - way[first])}
     for name, scan in (("first", first), ("second", second)):
         table |= {f"{axis}_{name}": poses[scan, k] for k, axis in enumerate("xy")}
@@ -98,7 +98,7 @@ def solve_graph(
     information: ArrayLike | None = None,
     scale: Annotated[Positive, at_least(arrays.SMALLEST_THRESHOLD_M), at_most(np.inf)] = SCALE,
 ) -> Array:
-    """Poses that fit measured motions best, the first scan held (Grisetti et al. 2010).
+    """Poses that fit measured motions best, the first scan fixed (Grisetti et al. 2010).
 
     Scans that no edge names stay where they are beside the last one before them that has an edge.
 
@@ -178,9 +178,9 @@ def information(covariance: Array, least: Array = REAL, free: Array | None = Non
 
 def residuals(poses: Array, edges: Edge) -> Array:
     """What poses leave of each edge, `(m, 3)`, metres and radians, in the frame of `first`."""
-    left = between(poses[edges.first], poses[edges.second]) - edges.relative
-    left[..., 2] = wrap(left[..., 2])
-    return left
+    residual = between(poses[edges.first], poses[edges.second]) - edges.relative
+    residual[..., 2] = wrap(residual[..., 2])
+    return residual
 
 
 def deviations(poses: Array, edges: Edge) -> Array:
@@ -204,21 +204,21 @@ def place_deviations(
     from scipy.spatial import cKDTree
 
     # Derivatives of the residuals by the first and by the second pose of each edge
-    m, found = len(edges.relative), between(poses[edges.first], poses[edges.second])
+    m, motion = len(edges.relative), between(poses[edges.first], poses[edges.second])
     heading, blocks = poses[edges.first, 2], np.zeros((m, 2, 3, 3))
     blocks[:, 1, 0, 0] = blocks[:, 1, 1, 1] = np.cos(heading)
     blocks[:, 1, 0, 1] = np.sin(heading)
     blocks[:, 1, 1, 0] = -blocks[:, 1, 0, 1]
     blocks[:, 1, 2, 2] = 1.0
     blocks[:, 0] = -blocks[:, 1]
-    blocks[:, 0, 0, 2], blocks[:, 0, 1, 2] = found[:, 1], -found[:, 0]
+    blocks[:, 0, 0, 2], blocks[:, 0, 1, 2] = motion[:, 1], -motion[:, 0]
     weight_of = 1.0 / (1.0 + (deviations(poses, edges) / SCALE) ** 2)
-    known = edges.information * np.where(edges.forced, 1.0, weight_of)[:, None, None]
+    information = edges.information * np.where(edges.forced, 1.0, weight_of)[:, None, None]
     ends, rows = np.stack([edges.first, edges.second], -1).ravel(), np.arange(0, 2 * m + 1, 2)
     shape = 3 * m, 3 * len(poses)
     jacobian = bsr_array((blocks.reshape(-1, 3, 3), ends, rows), shape=shape)
     draws = np.random.default_rng(0).normal(size=(m, 3, DRAWS))
-    pull = (np.linalg.cholesky(known) @ draws).reshape(3 * m, DRAWS)
+    pull = (np.linalg.cholesky(information) @ draws).reshape(3 * m, DRAWS)
     pulls = (jacobian.T @ pull).T.reshape(DRAWS, -1, 3)
     solver = Solver()
     solver.add(edges)
@@ -227,11 +227,11 @@ def place_deviations(
     tree, near_by = cKDTree(places), np.empty(len(places))
     for k, place in enumerate(places):
         near = np.sort(tree.query_ball_point(place, reach))
-        near_by[k] = _left(places[near], moved[near], weight[near], near == k)[0]
-    return _left(places, moved, weight, slice(None)), near_by
+        near_by[k] = _spread(places[near], moved[near], weight[near], near == k)[0]
+    return _spread(places, moved, weight, slice(None)), near_by
 
 
-def _left(places: Array, moved: Array, weight: Array, asked: NDArray[np.bool_] | slice) -> Array:
+def _spread(places: Array, moved: Array, weight: Array, asked: NDArray[np.bool_] | slice) -> Array:
     """How far those asked of places `(n, 2)` move in draws `(n, 2, d)` beside the rigid motion that
     fits all best."""
     share = weight / weight.sum()
@@ -239,5 +239,5 @@ def _left(places: Array, moved: Array, weight: Array, asked: NDArray[np.bool_] |
     moved = moved - np.tensordot(share, moved, 1)
     across = np.stack([-arm[:, 1], arm[:, 0]], -1)
     turn = np.einsum("n,ni,nid->d", share, across, moved) / max(share @ (arm**2).sum(1), 1e-9)
-    left = moved[asked] - across[asked, :, None] * turn
-    return np.asarray(np.sqrt((left**2).sum(1).mean(-1)))
+    offsets = moved[asked] - across[asked, :, None] * turn
+    return np.asarray(np.sqrt((offsets**2).sum(1).mean(-1)))

@@ -96,7 +96,7 @@ class Solver:
         """Add m edges; the poses that they name are given to the next `solve`."""
         old, new = self._count, self._count + len(more.first)
         if new > len(self._edges.ends):
-            longer: Any = (_enlarged(field, max(new, 2 * old)) for field in self._edges)
+            longer: Any = (_enlarge(field, max(new, 2 * old)) for field in self._edges)
             self._edges = Edges(*longer)
         e = self._edges
         e.ends[old:new] = np.stack([more.first, more.second], -1)
@@ -114,13 +114,13 @@ class Solver:
         Minimises the sum of Cauchy losses of the residuals by at most so many rounds; every pose
         must be tied to the first through edges. `lazily` keeps equations that have changed by less
         than `STALE_CHANGE`: the minimum is the same, the way to it may take a round more, and costs
-        only what the new edges change. The newest pose is held then: stale equations would turn the
-        map to and fro about the first. Where rounding leaves no factor, the bend of the loss is
+        only what the new edges change. The newest pose is fixed then: stale equations would turn
+        the map to and fro about the first. Where rounding leaves no factor, the bend of the loss is
         left out; raises LinAlgError where the information leaves a pose free even so.
         """
         poses = before = poses.copy()
-        n, edges = len(poses), self._known()
-        factor = self._prepared(n, n - 1 if lazily else 0)
+        n, edges = len(poses), self._all_edges()
+        factor = self._prepare(n, n - 1 if lazily else 0)
         keep = STALE_CHANGE if lazily else ALL
         step, loss = Step(keep), np.inf
         for count in range(1, rounds + 1):
@@ -155,20 +155,20 @@ class Solver:
 
         The edges have the weights that the poses give them.
         """
-        factor, edges, moves = self._prepared(len(poses), 0), self._known(), np.empty_like(pulls)
+        factor, edges, moves = self._prepare(len(poses), 0), self._all_edges(), np.empty_like(pulls)
         gradient, room = np.zeros(poses.shape), np.empty((6, 3))
         linearise(poses, edges, 0.0, ALL, gradient, self._changed, room)
         self._factorise(factor, edges)
         for pull, move in zip(pulls.take(factor.pose, 1), moves, strict=True):
-            pull[0] = 0.0  # the pose that is held
+            pull[0] = 0.0  # the pose that is fixed
             substitute(factor, pull)
             move[:] = pull[factor.column]
         return moves
 
-    def _known(self) -> Edges:
+    def _all_edges(self) -> Edges:
         """The edges, without the room for more."""
-        known: Any = (field[: self._count] for field in self._edges)
-        return Edges(*known)
+        parts: Any = (field[: self._count] for field in self._edges)
+        return Edges(*parts)
 
     def _factorise(self, factor: Factor, edges: Edges) -> None:
         """Compute the columns of the factor that poses have changed."""
@@ -179,24 +179,24 @@ class Solver:
         self.columns += int(marked.sum())
         self._changed[:] = False
 
-    def _prepared(self, n: int, held: int) -> Factor:
+    def _prepare(self, n: int, fixed: int) -> Factor:
         """The factor with n columns, and the rows that all edges need."""
         f, ends = self._factor, self._edges.ends[: self._count]
         if f is not None and len(f.pose) == n and len(f.link) == 2 * len(ends):
             return f
         if f is None or n - self._ordered > LATE_POSES_FACTOR * n ** (1 / 3):
-            f, used, changed = _minimum_degree_factor(n, ends, held), 0, np.ones(n, np.bool_)
+            f, used, changed = _minimum_degree_factor(n, ends, fixed), 0, np.ones(n, np.bool_)
             self._ordered = n
         else:
             changed = np.arange(n) >= len(f.pose)
             changed[: len(f.pose)] |= self._changed[: len(f.pose)]
             changed[ends[len(f.link) // 2 :].ravel()] = True
-            f, used = _widened(f, n, ends), self._used
+            f, used = _widen(f, n, ends), self._used
         marked, lists = changed[f.pose], np.empty((4, n), np.int64)
-        while (found := find_structure(f, ends, marked, used, lists)) < 0:
-            room, used = 2 * len(f.rows), -1 - found
-            f = f._replace(rows=_enlarged(f.rows, room), values=_enlarged(f.values, 9 * room))
-        self._changed, self._used = changed, found
+        while (end := find_structure(f, ends, marked, used, lists)) < 0:
+            room, used = 2 * len(f.rows), -1 - end
+            f = f._replace(rows=_enlarge(f.rows, room), values=_enlarge(f.values, 9 * room))
+        self._changed, self._used = changed, end
         self._factor = f  # last: until then an interrupt leaves the one before in use
         return f
 
@@ -210,46 +210,46 @@ def solve(
     return solver.solve(poses, rounds=rounds)
 
 
-def _enlarged(array: Any, count: int) -> Any:
+def _enlarge(array: Any, count: int) -> Any:
     """A copy with room for so many rows."""
     longer = np.zeros((count, *array.shape[1:]), array.dtype)
     longer[: len(array)] = array
     return longer
 
 
-def _minimum_degree_factor(n: int, ends: Indices, held: int) -> Factor:
-    """An empty factor of n poses, in an order of minimum degree; the pose held comes first."""
+def _minimum_degree_factor(n: int, ends: Indices, fixed: int) -> Factor:
+    """An empty factor of n poses, in an order of minimum degree; the fixed pose comes first."""
     from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import splu
 
-    joins = (ends != held).all(1) & (ends[:, 0] != ends[:, 1])  # two poses that are free
+    joins = (ends != fixed).all(1) & (ends[:, 0] != ends[:, 1])  # two poses that are free
     first, second = ends[joins].T
-    first, second = first - (first > held), second - (second > held)
+    first, second = first - (first > fixed), second - (second > fixed)
     joined = coo_array((np.full(len(first), -1.0), (first, second)), shape=(n - 1, n - 1))
     degree = np.bincount(np.r_[first, second], minlength=n - 1)
     matrix = (joined + joined.T + diags_array(degree + 1.0)).tocsc()
     symmetric = {"SymmetricMode": True}
     factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
-    column = np.insert(factors.perm_c.astype(np.int64) + 1, held, 0)
+    column = np.insert(factors.perm_c.astype(np.int64) + 1, fixed, 0)
     start, length, rows = (np.zeros(m, np.int64) for m in (n, n, 8 * n))
     values, pivots = np.zeros(72 * n), np.zeros((n, 9))
     head, link = np.full(n, -1), np.full(2 * len(ends), -1)
-    link_slots(head, link, ends, 0, held)
+    link_slots(head, link, ends, 0, fixed)
     return Factor(column, np.argsort(column), head, link, start, length, rows, values, pivots)
 
 
-def _widened(f: Factor, n: int, ends: Indices) -> Factor:
+def _widen(f: Factor, n: int, ends: Indices) -> Factor:
     """The factor with columns for new poses at its end, and slots for new edges."""
-    late, known = np.arange(len(f.pose), n), len(f.link) // 2
-    head, link = np.r_[f.head, np.full(len(late), -1)], _enlarged(f.link, 2 * len(ends))
-    link[2 * known :] = -1
-    link_slots(head, link, ends, known, int(f.pose[0]))
+    late, edge_count = np.arange(len(f.pose), n), len(f.link) // 2
+    head, link = np.r_[f.head, np.full(len(late), -1)], _enlarge(f.link, 2 * len(ends))
+    link[2 * edge_count :] = -1
+    link_slots(head, link, ends, edge_count, int(f.pose[0]))
     return f._replace(
         column=np.r_[f.column, late],
         pose=np.r_[f.pose, late],
         head=head,
         link=link,
-        start=_enlarged(f.start, n),
-        length=_enlarged(f.length, n),
-        pivots=_enlarged(f.pivots, n),
+        start=_enlarge(f.start, n),
+        length=_enlarge(f.length, n),
+        pivots=_enlarge(f.pivots, n),
     )

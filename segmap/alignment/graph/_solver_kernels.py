@@ -159,7 +159,7 @@ def advance(poses: Array, move: Array, column: Indices, ahead: Array) -> float:
 class Factor(NamedTuple):
     """The factor of the matrix: `length[j]` blocks from `start[j]` on are column j."""
 
-    column: Indices  # of each pose; the pose that is held has column 0
+    column: Indices  # of each pose; the fixed one has column 0
     pose: Indices  # of each column
     head: Indices  # first slot of each pose, -1: none; slots 2 e and 2 e + 1 are the ends of edge e
     link: Indices  # (2 m,): next slot of the same pose, -1: none
@@ -171,14 +171,14 @@ class Factor(NamedTuple):
 
 
 @compiled
-def link_slots(head: Indices, link: Indices, ends: Indices, begin: int, held: int) -> None:
+def link_slots(head: Indices, link: Indices, ends: Indices, begin: int, fixed: int) -> None:
     """Give each pose the slots of the edges from `begin` on, see `Factor`; the last comes first.
 
-    An edge from a pose to itself says nothing and has no slot, nor has the pose that is held.
+    An edge from a pose to itself says nothing and has no slot, nor has the fixed pose.
     """
     for s in range(2 * begin, 2 * len(ends)):
         owner = ends[s // 2, s % 2]
-        if owner != held and owner != ends[s // 2, 1 - s % 2]:
+        if owner != fixed and owner != ends[s // 2, 1 - s % 2]:
             link[s], head[owner] = head[owner], s
 
 
@@ -247,11 +247,11 @@ def factorise(f: Factor, edges: Edges, marked: Flags, work: Array, lists: Indice
         if marked[j] and f.length[j] > 0:
             marked[f.rows[f.start[j]]] = True
     for j in range(len(f.pose)):
-        left = f.length[j]
+        rest = f.length[j]
         if marked[j]:
             _assemble_column(f, edges, j, work)
             if lists[0, j] < j:
-                _subtract(f, lists[0, j], j - 1, left + 1, work, sums)
+                _subtract(f, lists[0, j], j - 1, rest + 1, work, sums)
             k = lists[2, j]
             while k >= 0:
                 following = lists[3, k]
@@ -261,20 +261,20 @@ def factorise(f: Factor, edges: Edges, marked: Flags, work: Array, lists: Indice
             if not _divide(f, j, work):
                 return int(f.pose[j])
         else:
-            left = 0
-            while left < f.length[j] and marked[f.rows[f.start[j] + f.length[j] - left - 1]]:
-                left += 1
+            rest = 0
+            while rest < f.length[j] and marked[f.rows[f.start[j] + f.length[j] - rest - 1]]:
+                rest += 1
         if j + 1 == len(f.pose) or lists[0, j + 1] > j:
-            _wait(f, j, left, lists)
+            _wait(f, j, rest, lists)
     return -1
 
 
 @compiled
-def _wait(f: Factor, k: int, left: int, lists: Indices) -> None:
+def _wait(f: Factor, k: int, rest: int, lists: Indices) -> None:
     """Let the supernode that ends with column k wait for the first of its rows that are left."""
-    if left > 0:
-        row = f.rows[f.start[k] + f.length[k] - left]
-        lists[1, k], lists[3, k], lists[2, row] = left, lists[2, row], k
+    if rest > 0:
+        row = f.rows[f.start[k] + f.length[k] - rest]
+        lists[1, k], lists[3, k], lists[2, row] = rest, lists[2, row], k
 
 
 @compiled
@@ -297,9 +297,9 @@ def _assemble_column(f: Factor, edges: Edges, j: int, work: Array) -> None:
 
 
 @compiled
-def _subtract(f: Factor, begin: int, last: int, left: int, work: Array, sums: Array) -> None:
+def _subtract(f: Factor, begin: int, last: int, rest: int, work: Array, sums: Array) -> None:
     """Take from a column what a supernode before it eliminates, by the rows that it has left."""
-    many = 3 * left
+    many = 3 * rest
     s, t, u = sums[0, :many], sums[1, :many], sums[2, :many]
     for r in range(many):
         s[r] = t[r] = u[r] = 0.0
@@ -315,8 +315,8 @@ def _subtract(f: Factor, begin: int, last: int, left: int, work: Array, sums: Ar
             s[r] += x[r] * a + y[r] * d + z[r] * h
             t[r] += x[r] * b + y[r] * e + z[r] * i
             u[r] += x[r] * c + y[r] * g + z[r] * m
-    below = f.start[last] + f.length[last] - left
-    for q in range(left):
+    below = f.start[last] + f.length[last] - rest
+    for q in range(rest):
         row = f.rows[below + q]
         for k in range(3):
             work[row, k] -= s[3 * q + k]

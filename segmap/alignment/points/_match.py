@@ -66,7 +66,7 @@ def match_points(
     >>> match_points(corner, corner - (0.05, 0.02))
     Match(0.05 m, 0.02 m, 0 deg, overlap 1.00)
     """
-    before, now, begin = _given(reference, current, start)
+    before, now, begin = _check_inputs(reference, current, start)
     if min(len(before), len(now)) < 6:
         words = f"too few points: {len(before)} and {len(now)}"
         return no_match(begin, Unmatched.TOO_LITTLE_SEEN, words)
@@ -133,25 +133,25 @@ def point_steps(
     >>> steps[-1]
     PointStep(0.05 m, 0.02 m, 0 deg, 56 points within 0.12 m)
     """
-    before, now, pose = _given(reference, current, start)
+    before, now, pose = _check_inputs(reference, current, start)
     if min(len(before), len(now)) < 6:
         return []
     map, steps = PointMap(before), []
     stride, converged = 1 + len(now) // SEARCH_POINTS, False
     for _ in range(MOST_DESCENT_STEPS + 1):
-        found = map.descend(now, pose, reach, LAST, stride, rounds=1)
-        index = found.rows[:, 5].astype(np.int64)
-        points, offsets = transform(pose, now[index]), found.rows[:, 3:4]
-        feet = points - offsets * found.rows[:, :2]
-        weights = found.rows[:, 4].copy() if len(points) >= 6 else np.ones(len(points))
+        step = map.descend(now, pose, reach, LAST, stride, rounds=1)
+        index = step.rows[:, 5].astype(np.int64)
+        points, offsets = transform(pose, now[index]), step.rows[:, 3:4]
+        feet = points - offsets * step.rows[:, :2]
+        weights = step.rows[:, 4].copy() if len(points) >= 6 else np.ones(len(points))
         steps.append(PointStep(pose, reach, points, feet, weights))
         if converged or len(points) < 6:
             break
-        pose, reach, stride, converged = found.pose, found.reach, found.stride, found.converged
+        pose, reach, stride, converged = step.pose, step.reach, step.stride, step.converged
     return steps
 
 
-def _given(reference: ArrayLike, current: ArrayLike, start: ArrayLike) -> tuple[Array, ...]:
+def _check_inputs(reference: ArrayLike, current: ArrayLike, start: ArrayLike) -> tuple[Array, ...]:
     """Both clouds of points and the start, as the matcher takes them."""
     now = arrays.points(current, "current")
     before, begin = arrays.points(reference, "reference"), arrays.pose(start, "start")

@@ -18,11 +18,11 @@ BENT_REACH_M = 0.4
 NEAR_STEP = 0.1
 #: A step of less than this is the last, in the same units.
 LAST_STEP = 0.01
-#: More steps are never made: most matches take 6.
+#: At most so many steps are made: most matches take 6.
 MOST_STEPS = 20
-#: So many unknowns have a pose and a velocity,
+#: Unknowns of a pose and a velocity.
 POSE_AND_VELOCITY = 6
-#: and with them an acceleration.
+#: Unknowns of a pose, a velocity and an acceleration.
 AND_ACCELERATION = 9
 
 

@@ -69,12 +69,12 @@ def place_clouds(
 @compiled
 def bounding_box(points: Array) -> tuple[float, float, float, float]:
     """Least x and y, largest x and y of points `(n, 2)`, at least one."""
-    left = right = points[0, 0]
-    low = top = points[0, 1]
+    x_min = x_max = points[0, 0]
+    y_min = y_max = points[0, 1]
     for k in range(1, len(points)):
-        left, right = min(left, points[k, 0]), max(right, points[k, 0])
-        low, top = min(low, points[k, 1]), max(top, points[k, 1])
-    return left, low, right, top
+        x_min, x_max = min(x_min, points[k, 0]), max(x_max, points[k, 0])
+        y_min, y_max = min(y_min, points[k, 1]), max(y_max, points[k, 1])
+    return x_min, y_min, x_max, y_max
 
 
 @compiled
@@ -157,7 +157,7 @@ def wall_residuals(
     cells so far are looked through.
     """
     points, normals, first = grid.points, grid.normals, grid.first
-    left, bottom, size = grid.x, grid.y, grid.size
+    x_min, y_min, size = grid.x, grid.y, grid.size
     columns, height, sided = grid.columns, grid.rows, grid.sided
     c, s = math.cos(pose[2]), math.sin(pose[2])
     used = near = 0
@@ -166,18 +166,18 @@ def wall_residuals(
         turned_x = c * current[k, 0] - s * current[k, 1]
         turned_y = s * current[k, 0] + c * current[k, 1]
         x, y = turned_x + pose[0], turned_y + pose[1]
-        best, radius, known = reach * reach, reach, partner[k] if partner[k] >= 0 else p
-        if known >= 0:
-            dx, dy = points[known, 0] - x, points[known, 1] - y
+        best, radius, guess = reach * reach, reach, partner[k] if partner[k] >= 0 else p
+        if guess >= 0:
+            dx, dy = points[guess, 0] - x, points[guess, 1] - y
             far = dx * dx + dy * dy
             if far < best:
                 best, radius = far * (1 + 1e-15) + 1e-300, math.sqrt(far) + 1e-9
         p = -1
-        low = max(int((y - radius - bottom) / size), 0)
-        high = min(int((y + radius - bottom) / size), height - 1)
+        low = max(int((y - radius - y_min) / size), 0)
+        high = min(int((y + radius - y_min) / size), height - 1)
         for i in range(
-            max(int((x - radius - left) / size), 0),
-            min(int((x + radius - left) / size), columns - 1) + 1 if low <= high else 0,
+            max(int((x - radius - x_min) / size), 0),
+            min(int((x + radius - x_min) / size), columns - 1) + 1 if low <= high else 0,
         ):
             for q in range(first[i * height + low], first[i * height + high + 1]):
                 dx, dy = points[q, 0] - x, points[q, 1] - y
@@ -246,7 +246,7 @@ def point_to_line(
 
 
 @compiled
-def _ranked(values: Array, count: int, rank: int) -> float:
+def _value_of_rank(values: Array, count: int, rank: int) -> float:
     """The value of that rank among the first `count`, which are put in another order (Hoare)."""
     low, high = 0, count - 1
     while low < high:
@@ -278,7 +278,7 @@ def normal_equations(rows: Array, used: int, floor: float, system: Array) -> flo
     size = rows[:, 4]
     for k in range(used):
         size[k] = abs(rows[k, 3])
-    middle = below = _ranked(size, used, used // 2)
+    middle = below = _value_of_rank(size, used, used // 2)
     if used % 2 == 0:  # the largest of those before it
         below = size[0]
         for k in range(1, used // 2):

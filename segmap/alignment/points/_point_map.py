@@ -23,7 +23,8 @@ PARTNER_CELL_M = 0.15
 FLOOR = 0.01
 #: Side of the cells of the search, metres: half the reach of the descent that follows.
 SEARCH_CELL_M = 0.05
-#: Standard deviation of a wall in them, metres: a wall between two cells must not escape.
+#: Standard deviation of a wall in the cells of the search, metres: a wall between two cells must
+#: not escape.
 SEARCH_BAND_M = 0.06
 #: Maxima over 1, 2, 4, 8 and 16 cells: wider ones bound nothing in a window of half a metre.
 LEVELS = 5
@@ -34,7 +35,7 @@ LEAST_GAIN = 1e-6
 #: Offsets of points from their walls are not independent: on a scan the variance of measured errors
 #: is this many times the Hessian's (tests/alignment/test_covariances.py).
 SCAN_VARIANCE_INFLATION = 1.7
-#: On a map, where the poses of its scans err as well, it is this many times the Hessian's.
+#: On a map, where the poses of its scans err too, the variance is this many times the Hessian's.
 MAP_VARIANCE_INFLATION = 2.0
 #: A motion that the walls leave free is one along a direction where its shift is at least this
 #: share of it, the turn counted as the length by which it moves the scan's points.
@@ -42,7 +43,7 @@ ALONG_FREE_SHARE = 0.7
 #: A wall faces a motion that moves points on it across it by more than this share (a cosine):
 #: normals of a straight wall err by a tenth of a radian.
 FACING_COSINE = 0.3
-#: More steps are never made: most descents take 10 to 20.
+#: At most so many steps are made: most descents take 10 to 20.
 MOST_DESCENT_STEPS = 60
 #: How far partners are sought at first, metres: more than the search may be wrong by.
 FIRST_REACH_M = 0.3
@@ -77,14 +78,14 @@ class PointMap:
     """
 
     def __init__(self, points: Array, viewpoints: Array | None = None) -> None:
-        left, low, right, top = kernels.bounding_box(points)
-        size = max(PARTNER_CELL_M, max(right - left, top - low) / 2000)
-        columns, rows = int((right - left) / size) + 1, int((top - low) / size) + 1
+        x_min, y_min, x_max, y_max = kernels.bounding_box(points)
+        size = max(PARTNER_CELL_M, max(x_max - x_min, y_max - y_min) / 2000)
+        columns, rows = int((x_max - x_min) / size) + 1, int((y_max - y_min) / size) + 1
         sided = viewpoints is not None
         seen_from = points if viewpoints is None else viewpoints
         first = np.zeros(columns * rows + 2, np.int32)
         room = (np.empty((len(points), 2)), np.empty((len(points), 2)), np.empty_like(seen_from))
-        self._grid = kernels.PointGrid(*room, left, low, size, columns, rows, first, sided)
+        self._grid = kernels.PointGrid(*room, x_min, y_min, size, columns, rows, first, sided)
         kernels.sort_points(self._grid, points, seen_from)
 
     @property
@@ -112,24 +113,24 @@ class PointMap:
         if shows_no_place(current):
             words = f"the scan has only {len(current)} points, or they lie in one place"
             return no_match(start, Unmatched.TOO_LITTLE_SEEN, words)
-        found = self.descend(current, start, reach, last, 1 + len(current) // SEARCH_POINTS)
-        if len(found.rows) < LEAST_POINTS:
-            words = f"only {len(found.rows)} points lie near walls"
-            return no_match(start, Unmatched.LITTLE_OVERLAP, words, found.near)
+        descent = self.descend(current, start, reach, last, 1 + len(current) // SEARCH_POINTS)
+        if len(descent.rows) < LEAST_POINTS:
+            words = f"only {len(descent.rows)} points lie near walls"
+            return no_match(start, Unmatched.LITTLE_OVERLAP, words, descent.near)
         # points that miss their walls by a tenth of their own extent fix nothing
-        extent = _extent(current[found.rows[:, 5].astype(np.int64)])
-        if found.near < overlap or found.sigma**2 > kernels.FREE_EIGENVALUE_RATIO * extent**2:
-            return no_match(start, Unmatched.LITTLE_OVERLAP, overlap=found.near)
+        extent = _extent(current[descent.rows[:, 5].astype(np.int64)])
+        if descent.near < overlap or descent.sigma**2 > kernels.FREE_EIGENVALUE_RATIO * extent**2:
+            return no_match(start, Unmatched.LITTLE_OVERLAP, overlap=descent.near)
         # Along a direction that the walls do not fix, the match says nothing: one metre. In a round
         # room it is the heading that they do not fix: that is no direction
         covariance, scratch = np.empty((3, 3)), np.empty((2, 3, 3))
-        variance, span = inflation * found.sigma**2, _rms_range(current)
+        variance, span = inflation * descent.sigma**2, _rms_range(current)
         x, y, shift = kernels.uncertainty(
-            found.system, variance, span, scratch[0], scratch[1], covariance
+            descent.system, variance, span, scratch[0], scratch[1], covariance
         )
         free = None if shift < ALONG_FREE_SHARE else np.array([x, y])
         turns = 0 <= shift < ALONG_FREE_SHARE
-        return Match(found.pose, covariance, True, "", found.near, free, turns)
+        return Match(descent.pose, covariance, True, "", descent.near, free, turns)
 
     def descend(
         self,
@@ -155,18 +156,18 @@ class PointMap:
         pose[2] = wrap(pose[2])
         return Descent(pose, rows[:used], system, sigma, near, reach, stride, converged, partner)
 
-    def unfixed(self, current: Array, pose: Array) -> Array:
+    def free_motions(self, current: Array, pose: Array) -> Array:
         """Motions `(n, 3)` of a scan's points `(m, 2)` at a pose `(3,)` that no wall faces.
 
         Along a corridor, or round the middle of a round room: x, y and the turn, metres, that of a
         point at the root mean square distance; unit vectors. A wall faces a motion that moves the
         points on it across it; walls are sought within the reach of the last steps.
         """
-        found = self.descend(current, pose, LAST, LAST, stride=1, rounds=1)
+        descent = self.descend(current, pose, LAST, LAST, stride=1, rounds=1)
         scale = np.array([1.0, 1.0, 1.0 / _rms_range(current)])
-        values, motions = np.linalg.eigh(found.system[:, :3] * scale * scale[:, None])
+        values, motions = np.linalg.eigh(descent.system[:, :3] * scale * scale[:, None])
         loose = motions.T[values <= kernels.FREE_EIGENVALUE_RATIO * values[-1]]
-        across = np.abs((found.rows[:, :3] * scale) @ loose.T)
+        across = np.abs((descent.rows[:, :3] * scale) @ loose.T)
         return loose[~(across > FACING_COSINE).any(0)]
 
     def nearest(self, current: Array, pose: Array, guess: Array) -> Array:
@@ -174,7 +175,7 @@ class PointMap:
         scale = np.array([1.0, 1.0, _rms_range(current)])
         away = (guess - pose) * scale
         away[2] = wrap(guess[2] - pose[2]) * scale[2]
-        loose = self.unfixed(current, pose)
+        loose = self.free_motions(current, pose)
         return pose + (loose.T @ (loose @ away)) / scale
 
     def near(self, current: Array, pose: Array, reach: float) -> NDArray[np.bool_]:
@@ -231,10 +232,10 @@ class PointMap:
         window = correlation.lattice(
             self.levels, points, first, step, SEARCH_CELL_M, side, side, *cost
         )
-        found = correlation.best_poses(window, full * least, -LEAST_GAIN, 1).rows
-        if not len(found):
+        rows = correlation.best_poses(window, full * least, -LEAST_GAIN, 1).rows
+        if not len(rows):
             return None, least
-        score, h, i, j = found[0]
+        score, h, i, j = rows[0]
         shift = (i - radius) * SEARCH_CELL_M, (j - radius) * SEARCH_CELL_M, (h - half) * step
         return begin + shift, score / full
 

@@ -72,9 +72,9 @@ def lattice(
     shape, (_, rows, columns) = (len(heading_cost), len(points)), levels.shape
     room = np.empty(shape, np.uint32), np.empty((*shape, 2), np.int32), np.empty((shape[0], 2), int)
     flat = levels.reshape(len(levels), -1)
-    made = Lattice(flat, columns, rows, *room, east, north, heading_cost, shift_cost)
-    lay_out(made, np.ascontiguousarray(points.T), start, step, size)
-    return made
+    lattice = Lattice(flat, columns, rows, *room, east, north, heading_cost, shift_cost)
+    lay_out(lattice, np.ascontiguousarray(points.T), start, step, size)
+    return lattice
 
 
 def best_poses(lattice: Lattice, least: float, slack: float, room: int) -> BestPoses:
@@ -85,17 +85,17 @@ def best_poses(lattice: Lattice, least: float, slack: float, room: int) -> BestP
     """
     headings, top = np.arange(len(lattice.counts)), len(lattice.levels) - 1
     across, up = -(-lattice.east >> top), -(-lattice.north >> top)
-    state, found, middle = np.array([least, 0, 0, 0]), np.empty((room, 4)), len(headings) // 2
+    state, poses, middle = np.array([least, 0, 0, 0]), np.empty((room, 4)), len(headings) // 2
     for part in (headings[middle : middle + 1], np.delete(headings, middle)):
         bound = np.empty((len(part) * across * up, 4))
         count = bound_first_blocks(lattice, part, across, up, max(state[0] - slack, least), bound)
         first = bound[np.argsort(-bound[:count, 0], kind="stable")]
         state[2], state[3] = 0, state[3] + len(bound)
         while state[2] < len(first) and state[1] <= room:
-            branch_and_bound(lattice, first, least, slack, state, found)
-    kept = found[: int(state[1])]
-    kept = kept[kept[:, 0] >= state[0] - max(slack, 0)]
-    return BestPoses(kept, int(state[3]), state[1] > room)
+            branch_and_bound(lattice, first, least, slack, state, poses)
+    best = poses[: int(state[1])]
+    best = best[best[:, 0] >= state[0] - max(slack, 0)]
+    return BestPoses(best, int(state[3]), state[1] > room)
 
 
 # ---------------------------------------------------------------------------------- loops
@@ -176,26 +176,26 @@ def bound_blocks(
     last_x, last_y = lattice.columns - 1, lattice.rows - 1
     for block in range(across * up):
         a, b = i + (block % across << level), j + (block // across << level)
-        here, total, begin, left = values[b * lattice.columns + a :], 0, 0, 255 * (count + beside)
-        while begin + POINTS_PER_CHUNK <= count and total + left >= need + cost:
+        here, total, begin, rest = values[b * lattice.columns + a :], 0, 0, 255 * (count + beside)
+        while begin + POINTS_PER_CHUNK <= count and total + rest >= need + cost:
             for k in range(POINTS_PER_CHUNK):
                 total += int(here[cells[begin + k]])
-            begin, left = begin + POINTS_PER_CHUNK, left - 255 * POINTS_PER_CHUNK
-        if total + left >= need + cost:
+            begin, rest = begin + POINTS_PER_CHUNK, rest - 255 * POINTS_PER_CHUNK
+        if total + rest >= need + cost:
             for k in range(begin, count):
                 total += int(here[cells[k]])
-            begin, left = 0, 255 * beside
-        while begin < beside and total + left >= need + cost:
+            begin, rest = 0, 255 * beside
+        while begin < beside and total + rest >= need + cost:
             for k in range(begin, min(begin + POINTS_PER_CHUNK, beside)):
                 x, y = min(max(edge[k, 0] + a, 0), last_x), min(max(edge[k, 1] + b, 0), last_y)
                 total += int(values[np.uint64(y * lattice.columns + x)])
-            begin, left = begin + POINTS_PER_CHUNK, left - 255 * POINTS_PER_CHUNK
+            begin, rest = begin + POINTS_PER_CHUNK, rest - 255 * POINTS_PER_CHUNK
         most[block] = total - cost if total >= need + cost else -np.inf
 
 
 @compiled
 def bound_first_blocks(
-    lattice: Lattice, headings: Indices, across: int, up: int, need: float, found: Array
+    lattice: Lattice, headings: Indices, across: int, up: int, need: float, blocks: Array
 ) -> int:
     """Write the most that each of the first blocks scores, if not below `need`; how many these are.
 
@@ -206,8 +206,8 @@ def bound_first_blocks(
         bound_blocks(lattice, top, h, 0, 0, across, up, need, most)
         for block in range(across * up):
             if most[block] >= need:
-                found[count, 0], found[count, 1] = most[block], h
-                found[count, 2], found[count, 3] = block % across << top, block // across << top
+                blocks[count, 0], blocks[count, 1] = most[block], h
+                blocks[count, 2], blocks[count, 3] = block % across << top, block // across << top
                 count += 1
     return count
 
@@ -219,7 +219,7 @@ def branch_and_bound(
     least: float,
     slack: float,
     state: Array,
-    found: Array,
+    poses: Array,
 ) -> None:
     """Write the poses of the first blocks, the best first, that score near the best.
 
@@ -231,7 +231,7 @@ def branch_and_bound(
     top, looked, most = len(lattice.levels) - 1, 0, np.empty(4)
     todo, value = np.empty((3 * top + 4, 3), np.int64), np.empty(3 * top + 4)
     best, count, at = state[0], int(state[1]), int(state[2])
-    while at < len(blocks) and looked < BLOCKS_PER_CALL and count <= len(found):
+    while at < len(blocks) and looked < BLOCKS_PER_CALL and count <= len(poses):
         need = max(best - slack, least)
         if blocks[at, 0] < need:
             at = len(blocks)
@@ -248,12 +248,12 @@ def branch_and_bound(
             if value[used] < need:
                 continue
             if level == 0:
-                count = drop_below(found, count, need) if count == len(found) else count
-                if count == len(found):
+                count = drop_below(poses, count, need) if count == len(poses) else count
+                if count == len(poses):
                     count += 1
                     break
-                found[count, 0], found[count, 1] = value[used], h
-                found[count, 2], found[count, 3] = i, j
+                poses[count, 0], poses[count, 1] = value[used], h
+                poses[count, 2], poses[count, 3] = i, j
                 best, count = max(best, value[used]), count + 1
                 need = max(best - slack, least)
                 continue
@@ -276,12 +276,12 @@ def branch_and_bound(
 
 
 @compiled
-def drop_below(found: Array, count: int, need: float) -> int:
+def drop_below(poses: Array, count: int, need: float) -> int:
     """Move the poses that score enough to the front; how many these are."""
-    kept = 0
+    end = 0
     for k in range(count):
-        if found[k, 0] >= need:
+        if poses[k, 0] >= need:
             for m in range(4):
-                found[kept, m] = found[k, m]
-            kept += 1
-    return kept
+                poses[end, m] = poses[k, m]
+            end += 1
+    return end

@@ -13,7 +13,7 @@ from ...scans.causes import Cause, Finding, Unmatched
 from .._result import Appraisal
 from .._verdict import ONE_LOOK, SURE_M
 from ..graph import NEARBY, chain_bends, place_deviations, stacked
-from ._pauses import unconfirmed
+from ._pauses import doubtful_gaps
 
 if TYPE_CHECKING:
     from ._front_end import TrackedScan
@@ -27,7 +27,7 @@ def appraisal(rows: Sequence[TrackedScan], frames: KeyFrames) -> Appraisal:
     """
     frame = np.array([row.frame for row in rows], np.int64)
     far = near = np.zeros(len(rows))
-    causes, fixed = unconfirmed(rows, frames), frames.fixed
+    causes, fixed = doubtful_gaps(rows, frames), frames.fixed
     if not frames.edges:
         causes.append(Finding(Cause.NOT_CHECKED, 1, ONE_LOOK))
     else:
@@ -38,7 +38,7 @@ def appraisal(rows: Sequence[TrackedScan], frames: KeyFrames) -> Appraisal:
             far, near = (spread[frame] for spread in deviation)
         except np.linalg.LinAlgError:
             fixed = False
-    along = np.array([row.along for row in rows])
+    along = np.array([row.corridor_sigma_m for row in rows])
     far, near = np.hypot(far, along), np.hypot(near, along)
     if not fixed:
         far = near = np.full(len(rows), np.inf)

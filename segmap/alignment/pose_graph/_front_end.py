@@ -40,9 +40,9 @@ Matcher = Callable[[PointMap, Array, Array], Match]
 SURE_OVERLAP = 0.7
 #: The search for a lost scan reaches at least so far about the last place, metres.
 LEAST_SEARCH_M = 1.5
-#: It reaches so many times the last step, for each scan that was lost before ...
+#: The search reaches so many times the last step, for each scan that was lost before.
 SEARCH_STEPS = 1.5
-#: ... and no farther than this, metres.
+#: The search for a lost scan reaches no farther than this, metres.
 FARTHEST_SEARCH_M = 6.0
 #: Two places that are not the same are equally likely where their scores differ by less.
 ALIKE_SCORES = 0.05
@@ -50,26 +50,26 @@ ALIKE_SCORES = 0.05
 CORRIDOR_TURN_RAD = np.radians(60)
 #: After so many lost scans in a row a map begins anew.
 LOST_IN_A_ROW = 2
-#: Standard deviations of the step to it: metres, metres and radians.
+#: Standard deviations of the step to a map that begins anew: metres, metres and radians.
 BREAK = (1.5, 1.5, np.radians(60))
-#: Without odometry a match is a guess where no more than this share of the scan lies on the map:
-#: in drives through plans of buildings such matches are wrong by metres one time in fifteen and
+#: Without odometry a match with no more than this share of the scan on the map is not trusted: in
+#: drives through plans of buildings such matches are wrong by metres one time in fifteen and
 #: more, others one in six hundred.
 GUESSED_OVERLAP = 0.5
-#: It is a guess too where it has turned by more than this, radians, ...
+#: Without odometry a match that turned by more than this, radians, needs more overlap.
 GUESSED_TURN_RAD = np.radians(45)
-#: ... and less than this share of the scan lies on the map.
+#: A match that turned so far is not trusted with less than this share of the scan on the map.
 NEARLY_WHOLE_OVERLAP = 0.9
 #: A descent that goes farther from where the search began, metres, is no match: it slides along
 #: walls.
 MOST_SLIDE_M = 0.3
-#: Nor is one that turns by more, radians.
+#: A descent that turns by more, radians, is no match either.
 MOST_SLIDE_RAD = 0.2
-#: So often the first scan of a map is carried by the motion to the second.
+#: The first scan of a map is carried so often by the motion to the second.
 FIRST_ROUNDS = 3
-#: At last each scan is laid on the map of so many key frames ...
+#: At last each scan is laid on the map of so many key frames.
 FINAL_NEIGHBOURS = 15
-#: ... within so many metres, of all passes, since the loops have brought these together.
+#: Those key frames lie within so many metres, on any pass: the loops have brought passes together.
 FINAL_NEIGHBOURHOOD_M = 4.0
 
 
@@ -111,16 +111,16 @@ class TrackedScan:
 
     scan: LaserScan
     odometry: Array  # NaN where it has none
-    frame: int  # its key frame,
-    pose: Array  # and its pose there
+    frame: int  # its key frame
+    pose: Array  # its pose in the key frame
     place: Array  # where it was laid when it came: loops do not move this one
     unmatched: Unmatched = Unmatched.NONE
     reason: str = ""
     overlap: float = np.nan  # share of it on the map before it; NaN where lost or blind
-    along: float = 0.0  # standard deviation along the walls, metres; 0 where the match tells
-    driven: bool = False  # whether the odometry outweighed its match
+    corridor_sigma_m: float = 0.0  # standard deviation along the walls; 0 where the match tells
+    odometry_wins: bool = False  # whether the odometry outweighed its match
     as_measured: LaserScan | None = None  # where `scan` is carried to the middle of its turn
-    motion: Array = field(default_factory=lambda: np.zeros(6))  # then, as `match_moving` has it
+    motion: Array = field(default_factory=lambda: np.zeros(6))  # of such a scan: `match_moving`
 
     @property
     def used(self) -> bool:
@@ -137,8 +137,8 @@ class FrontEnd(Undoable):
         self.matcher, self.rules = matcher, rules
         least = np.diag([rules.match_error, rules.match_error, rules.match_turn_error]) ** 2
         self.frames, self.wheels = KeyFrames(least), Wheels()
-        self.begins = 0  # the key frame at which the map began, or began anew
-        self.lost = 0  # scans in a row without odometry and match
+        self.first_frame_of_map = 0  # the key frame at which the map began, or began anew
+        self.lost_in_a_row = 0  # scans in a row without odometry and match
         self.local: PointMap | None = None
         self.redrawn = False  # whether the scan before the last has changed
 
@@ -165,19 +165,19 @@ class FrontEnd(Undoable):
         else:
             match = self.matcher(map, points, guess)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
-                match = self._regained(map, points, guess, match)
+                match = self._regain(map, points, guess, match)
             if self.rules.moving and match.matched and turn_of(scan) > 0:
                 match, points, map = self._in_motion(map, match)
             match = self.wheels.along(match, guess)
-            weighed = self.wheels.weighed(map, points, match)
-            row.driven, match = weighed is not match, weighed
+            winner = self.wheels.weigh(map, points, match)
+            row.odometry_wins, match = winner is not match, winner
             row.overlap = match.overlap if match.matched or measured else np.nan
         row.unmatched, row.reason = match.unmatched, match.reason
         if map is not None and (match.free is not None or match.turns) and not measured:
-            if len(map.unfixed(points, match.pose)):
+            if len(map.free_motions(points, match.pose)):
                 row.unmatched = Unmatched.FREE_DIRECTION
-            row.along = float(np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]))
-        self.lost = 0 if match.matched else self.lost + 1
+            row.corridor_sigma_m = float(np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]))
+        self.lost_in_a_row = 0 if match.matched else self.lost_in_a_row + 1
         row.pose = match.pose
         row.place = compose(before.place, between(before.pose, match.pose))
         return match
@@ -223,25 +223,25 @@ class FrontEnd(Undoable):
         """Whether odometry says how the robot came to the last scan."""
         return bool(np.isfinite([row.odometry for row in self.rows[-2:]]).all())
 
-    def _regained(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
+    def _regain(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
         """Without odometry: the match, or a better one at any heading about the last place."""
         last = self.rows[-2].pose
         reach = max(LEAST_SEARCH_M, SEARCH_STEPS * float(np.hypot(*self.step()[:2])))
-        found: list[tuple[float, Match]] = []
+        candidates: list[tuple[float, Match]] = []
         for quarter in range(4):
             about = last + (0.0, 0.0, quarter * np.pi / 2)
-            far = min(reach * (1 + self.lost), FARTHEST_SEARCH_M)
+            far = min(reach * (1 + self.lost_in_a_row), FARTHEST_SEARCH_M)
             start, score = map.search(points, about, reach=far, turn=np.pi / 4, least=0.45)
             if start is None:
                 continue
             other = map.register(points, start, overlap=SURE_OVERLAP)
             x, y, heading = np.abs(between(start, other.pose))
             if other.matched and np.hypot(x, y) <= MOST_SLIDE_M and heading <= MOST_SLIDE_RAD:
-                found.append((score, other))
-        if not found:
+                candidates.append((score, other))
+        if not candidates:
             return match
-        best, chosen = max(found, key=lambda each: each[0])
-        for score, other in found:
+        best, chosen = max(candidates, key=lambda each: each[0])
+        for score, other in candidates:
             x, y, heading = np.abs(between(chosen.pose, other.pose))
             if score > best - ALIKE_SCORES and (
                 np.hypot(x, y) > OTHER_PLACE_M or heading > OTHER_PLACE_RAD
@@ -262,13 +262,13 @@ class FrontEnd(Undoable):
         What matches nothing ties nothing: with odometry it is none unless several in a row see and
         do not match. Without, the chain ends at a scan that sees and did not match, and has moved.
         """
-        sees, lost = len(self.points) >= LEAST_POINTS, self.lost >= LOST_IN_A_ROW
+        sees, lost = len(self.points) >= LEAST_POINTS, self.lost_in_a_row >= LOST_IN_A_ROW
         if self.local is None:
             return not len(self.frames) or len(self.points) > 0
         x, y, heading = self.rows[-1].pose
         moved = np.hypot(x, y) > step or abs(heading) > turn
         if self.measured():
-            return bool(sees and moved and (lost or not self.lost))
+            return bool(sees and moved and (lost or not self.lost_in_a_row))
         return bool(sees and (moved or lost))
 
     def add_frame(self, match: Match) -> None:
@@ -276,39 +276,39 @@ class FrontEnd(Undoable):
         row, new, measured = self.rows[-1], len(self.frames), self.measured()
         step, turn = self.rules.step_error, self.rules.turn_error
         covariance = match.covariance if match.matched else np.diag([step, step, turn]) ** 2
-        if self.lost >= LOST_IN_A_ROW:  # no match ties it to the map before
-            self.begins = new
-        if self.lost >= LOST_IN_A_ROW and not measured:  # only a guess does
+        if self.lost_in_a_row >= LOST_IN_A_ROW:  # no match ties it to the map before
+            self.first_frame_of_map = new
+        if self.lost_in_a_row >= LOST_IN_A_ROW and not measured:  # only a guess does
             covariance = np.diag(BREAK) ** 2
-        elif match.matched and new and self._guessed(match):
+        elif match.matched and new and self._is_guess(match):
             covariance = covariance + np.diag(BREAK) ** 2
         tied = match.matched and row.unmatched is not Unmatched.FREE_DIRECTION
         frame = KeyFrame(len(self.rows) - 1, self.points, tied, measured)
         self.frames.add(frame, match.pose, covariance)
-        row.frame, row.pose, self.lost = new, np.zeros(3), 0
+        row.frame, row.pose, self.lost_in_a_row = new, np.zeros(3), 0
         self.wheels.begin()
-        first = max(new + 1 - self.rules.frames, self.begins)
+        first = max(new + 1 - self.rules.frames, self.first_frame_of_map)
         self.local = self.frames.map_of(range(first, new + 1), new)
 
-    def _guessed(self, match: Match) -> bool:
+    def _is_guess(self, match: Match) -> bool:
         """Whether the match of the last scan may be any: no odometry nor wall led to it."""
         if self.measured():
             return False
         turned = abs(between(self.rows[-2].pose, match.pose)[2])
         if match.overlap < (NEARLY_WHOLE_OVERLAP if turned > GUESSED_TURN_RAD else GUESSED_OVERLAP):
             return True
-        return any(row.along for row in self.rows[self.frames.rows[-1].scan : -1])
+        return any(row.corridor_sigma_m for row in self.rows[self.frames.rows[-1].scan : -1])
 
     def register_again(self) -> None:
         """Lay each scan between key frames on the map of all that are near, whenever those were."""
         keys, own = self.frames.scans, self._key_frames()
-        driven = np.array([row.driven for row in self.rows])
+        driven = np.array([row.odometry_wins for row in self.rows])
         others = np.flatnonzero((keys[own] != np.arange(len(own))) & ~driven)
         around = self.frames.neighbourhoods(FINAL_NEIGHBOURS, FINAL_NEIGHBOURHOOD_M)
 
-        def refined(scans: NDArray[np.int64]) -> list[Array]:
+        def refine(scans: NDArray[np.int64]) -> list[Array]:
             """Poses of scans of one key frame in it, by the map of those around it."""
-            frame, found = self.rows[scans[0]].frame if len(scans) else 0, []
+            frame, offsets = self.rows[scans[0]].frame if len(scans) else 0, []
             map = self.frames.map_of(around(frame), frame)
             for scan in scans:
                 points, offset = in_range(self.rows[scan].scan.points()), self.rows[scan].pose
@@ -318,13 +318,13 @@ class FrontEnd(Undoable):
                         other = self.matcher(map, points, offset)
                         match = max(match, other, key=lambda each: each.matched * each.overlap)
                     offset = match.pose if match.matched else offset
-                found.append(offset)
-            return found
+                offsets.append(offset)
+            return offsets
 
         by_frame = np.split(others, np.flatnonzero(np.diff(own[others])) + 1)
-        laid = in_threads(refined, by_frame, "laying each scan once more")
-        for scans, found in zip(by_frame, laid, strict=True):
-            for scan, offset in zip(scans, found, strict=True):
+        laid = in_threads(refine, by_frame, "laying each scan once more")
+        for scans, offsets in zip(by_frame, laid, strict=True):
+            for scan, offset in zip(scans, offsets, strict=True):
                 self.rows[scan].pose = offset
 
     def poses(self) -> Array:
@@ -351,8 +351,8 @@ class FrontEnd(Undoable):
             return None
         edges = stacked(frames.edges)
         ends = frames.scans[np.stack([edges.first, edges.second], -1)]
-        left, motion = deviations(frames.poses, edges), edges.relative
-        return Graph(ends, motion, edges.loop, left, tuple(rejected), edges.information)
+        residual, motion = deviations(frames.poses, edges), edges.relative
+        return Graph(ends, motion, edges.loop, residual, tuple(rejected), edges.information)
 
     def outcome(self, rejected: Sequence[Rejected] = ()) -> Outcome:
         """Poses and reasons of all scans, the graph, and how both are appraised."""

@@ -112,11 +112,11 @@ class KeyFrames(Undoable):
         """
         if not self.edges:
             return
-        known = len(self._solver)
-        if known and (known > len(self.edges) or self.edges[known - 1] is not self._last):
-            self._solver, known = Solver(), 0  # some were undone: all anew
-        if known < len(self.edges):
-            self._solver.add(stacked(self.edges[known:]))
+        count = len(self._solver)
+        if count and (count > len(self.edges) or self.edges[count - 1] is not self._last):
+            self._solver, count = Solver(), 0  # some were undone: all anew
+        if count < len(self.edges):
+            self._solver.add(stacked(self.edges[count:]))
             self._last = self.edges[-1]
         try:
             self.poses = self._solver.solve(self.poses, lazily=lazily).poses
@@ -166,10 +166,10 @@ class KeyFrames(Undoable):
 
 def loop_pairs(loops: ArrayLike, name: str) -> list[list[int]]:
     """Both scans of each loop."""
-    found = arrays.indices(loops, name)
-    if found.size and found.shape[1:] != (2,):
+    pairs = arrays.indices(loops, name)
+    if pairs.size and pairs.shape[1:] != (2,):
         raise ValueError(f"{name} must be pairs of scans, (n, 2), got {arrays.brief(loops)}")
-    return list(found.reshape(-1, 2).tolist())
+    return list(pairs.reshape(-1, 2).tolist())
 
 
 def edges_but(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
@@ -180,8 +180,8 @@ def edges_but(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
 
 def firm(loops: list[Edge]) -> list[Edge]:
     """Those loops that fix the place in all directions."""
-    known = [np.linalg.inv(loop.information)[:2, :2] for loop in loops]
-    wide = np.linalg.eigvalsh(np.reshape(known, (-1, 2, 2)))[:, -1]
+    covariances = [np.linalg.inv(loop.information)[:2, :2] for loop in loops]
+    wide = np.linalg.eigvalsh(np.reshape(covariances, (-1, 2, 2)))[:, -1]
     return [loops[i] for i in np.flatnonzero(np.sqrt(wide) < VAGUE)]
 
 
@@ -229,7 +229,7 @@ def path_lengths(
     Before that they are infinite. `along`, (n,), is the path driven; `ways`, (w, 2), join old key
     frames and new ones. Ends when all that are wanted are reached: most often near.
     """
-    head, link, left = np.full(len(along), -1), np.empty(2 * len(ways), np.int64), len(wanted)
+    head, link, remaining = np.full(len(along), -1), np.empty(2 * len(ways), np.int64), len(wanted)
     asked = np.zeros(len(along), np.bool_)
     for slot in range(2 * len(ways)):
         end = ways[slot // 2, slot % 2]
@@ -238,11 +238,11 @@ def path_lengths(
     for k in wanted:
         asked[k] = True
     heap, metres[begin] = [(0.0, begin)], 0.0
-    while left and len(heap):
+    while remaining and len(heap):
         far, k = heapq.heappop(heap)
         if far > metres[k]:
             continue
-        left -= asked[k]
+        remaining -= asked[k]
         slot, side = head[k], -1
         while slot >= 0 or side < 2:
             if side < 2:  # the key frames before and after it, then those at ways

@@ -34,9 +34,9 @@ WINDOW_HALF_RAD = np.radians(20)
 #: What a place looks like is told by so many key frames before and after it.
 DESCRIPTOR_FRAMES = 3
 #: After a step that no match confirms the robot may be anywhere. The places that look most alike
-#: are then searched in a window of this half side, metres, at every heading, ...
+#: are then searched in a window of this half side, metres, at every heading.
 LOST_WINDOW_M = 2.0
-#: ... over a path of at most this length, metres.
+#: A lost robot is sought only while its path since then is at most this long, metres.
 LOST_PATH_M = 15.0
 #: Half sides of windows that the neighbours of an old key frame cover, metres. In larger ones the
 #: old map is made of those along as long a way: else the true place may lie where it has ended.
@@ -46,9 +46,9 @@ REGISTERED_POINTS = 750
 #: Maps of old places that are kept ready, for memory's sake.
 KEPT = 40
 # Which loops are believed:
-#: Two loops agree where going round both leaves less than this turn, radians, ...
+#: Two loops agree where going round both leaves less than this turn, radians.
 AGREED_ANGLE = np.radians(4)
-#: ... and are compared only where their ends lie within this path of each other, metres: beyond it
+#: Loops are compared only where their ends lie within this path of each other, metres: beyond it
 #: the error of the path itself would count.
 COMPARED_PATH_M = 8.0
 #: Accepted loops that a new one is compared with: older ones lie farther back than
@@ -173,24 +173,24 @@ class LoopCloser(Undoable):
         for window, match in zip(windows, matches, strict=True):
             if match.matched:
                 free = match.free if self.frames.rows[new].measured else None
-                known = information(match.covariance, self.frames.least, free)
-                fresh.append((Edge(window.old, new, match.pose, known, True), window.reach))
+                weight = information(match.covariance, self.frames.least, free)
+                fresh.append((Edge(window.old, new, match.pose, weight, True), window.reach))
             else:
                 self._reject(window.old, new, match.reason)
         # 3. Loops that others confirm are believed; those that wait too long are given up
         self.pending += [loop for loop, _ in fresh]
-        found = self._confirmed_by_others(fresh)
+        loops = self._confirm_by_others(fresh)
         if ahead and ahead[0].turn < np.pi:  # odometry over the gap is a witness
-            found += edges_but([e for e, _ in fresh if e.first == ahead[0].old], found)
-        self.believe(found)
-        if found:
+            loops += edges_but([e for e, _ in fresh if e.first == ahead[0].old], loops)
+        self.believe(loops)
+        if loops:
             self.lost_since = self.last_sure = None
         path = self.frames.distance
         self._give_up([e for e in self.pending if path[new] - path[e.second] > COMPARED_PATH_M])
         # 4. Whether the poses leave one open so far that the graph has to be solved at once
-        left = [residuals(self.frames.poses, loop) for loop in found]
+        gaps = [residuals(self.frames.poses, loop) for loop in loops]
         return any(
-            np.hypot(x, y) > self.rules.strain or abs(turn) > STRAIN_ANGLE for x, y, turn in left
+            np.hypot(x, y) > self.rules.strain or abs(turn) > STRAIN_ANGLE for x, y, turn in gaps
         )
 
     def _by_place(self, new: int, before: int) -> list[Window]:
@@ -205,9 +205,9 @@ class LoopCloser(Undoable):
         if not len(near):
             return []
         reach = self._reach(np.minimum(path, self._way(new, near)))
-        kept = distance < reach + BEYOND_WINDOW_M
-        reaches = dict(zip(near[kept].tolist(), reach[kept].tolist(), strict=True))
-        best = best_of_passes(near[kept], distance[kept])
+        close = distance < reach + BEYOND_WINDOW_M
+        reaches = dict(zip(near[close].tolist(), reach[close].tolist(), strict=True))
+        best = best_of_passes(near[close], distance[close])
         return [Window(k, between(poses[k], poses[new]), reaches[k], WINDOW_HALF_RAD) for k in best]
 
     def _reach(self, way: Array) -> Array:
@@ -302,34 +302,34 @@ class LoopCloser(Undoable):
         """A key frame and up to `half` before and after it, in time."""
         return range(max(frame - half, 0), min(frame + half + 1, len(self.frames)))
 
-    def _confirmed_by_others(self, fresh: list[tuple[Edge, float]]) -> list[Edge]:
+    def _confirm_by_others(self, fresh: list[tuple[Edge, float]]) -> list[Edge]:
         """Loops of the newest key frame that enough others agree with, and these others."""
-        found: list[Edge] = []
+        loops: list[Edge] = []
         lost = self.lost_since is not None
         enough = LOST_WITNESSES if lost else self.rules.witnesses
-        known = self.pending + self.accepted[-COMPARED_LOOPS:]
+        candidates = self.pending + self.accepted[-COMPARED_LOOPS:]
         for loop, reach in fresh:
-            others = self.agreeing(loop, known)
+            others = self.agreeing(loop, candidates)
             agree = self._witnesses([loop, *others])
             way = [self.frames.distance[k] for k in {each.second for each in agree}]
             if len(way) > enough and (lost or max(way) - min(way) >= min(reach, self.rules.span)):
-                found += edges_but([loop, *others], found + self.accepted[-COMPARED_LOOPS:])
-        return found
+                loops += edges_but([loop, *others], loops + self.accepted[-COMPARED_LOOPS:])
+        return loops
 
     def _witnesses(self, loops: list[Edge]) -> list[Edge]:
         """Those that may confirm others: without odometry what slides along a corridor may not."""
         measured = all(self.frames.rows[loop.second].measured for loop in loops)
         return loops if measured else firm(loops)
 
-    def agreeing(self, loop: Edge, known: list[Edge], *, apart: bool = False) -> list[Edge]:
+    def agreeing(self, loop: Edge, candidates: list[Edge], *, apart: bool = False) -> list[Edge]:
         """Loops for which going round them and this one leads back to where it began.
 
         Of other scans, near at both ends and by firm steps; or, `apart`, of the same scan to passes
         far apart.
         """
-        if not known:
+        if not candidates:
             return []
-        frames, a, b = self.frames, loop, stacked(known)
+        frames, a, b = self.frames, loop, stacked(candidates)
         ends = [(a.first, b.first), (a.second, b.second)]
         old, new = (np.abs(frames.distance[i] - frames.distance[j]) for i, j in ends)
         vague = sum(np.abs(frames.spread[i] - frames.spread[j]) for i, j in ends)
@@ -339,28 +339,28 @@ class LoopCloser(Undoable):
         two = compose(between(frames.poses[a.first], frames.poses[b.first]), b.relative)
         x, y, heading = between(one, two).T
         agree = (np.hypot(x, y) < self.rules.tolerance) & (np.abs(heading) < AGREED_ANGLE)
-        return [known[i] for i in np.flatnonzero(agree & (far & same if apart else near))]
+        return [candidates[i] for i in np.flatnonzero(agree & (far & same if apart else near))]
 
     def finish_pending(self) -> bool:
         """At the end of the log: believe loops that a few others agree with, reject the rest."""
-        known, found = [*self.pending, *self.accepted[-COMPARED_LOOPS:]], []
+        candidates, loops = [*self.pending, *self.accepted[-COMPARED_LOOPS:]], []
         for loop in self.pending if self.lost_since is None else []:
-            others = self.agreeing(loop, known) + self.agreeing(loop, known, apart=True)
-            found += [loop] if len(self._witnesses(others)) >= LAST_WITNESSES else []
-        self._give_up(edges_but(self.pending, found))
-        self.believe(found)
-        return bool(found)
+            others = self.agreeing(loop, candidates) + self.agreeing(loop, candidates, apart=True)
+            loops += [loop] if len(self._witnesses(others)) >= LAST_WITNESSES else []
+        self._give_up(edges_but(self.pending, loops))
+        self.believe(loops)
+        return bool(loops)
 
     def drop_contradicted(self) -> bool:
         """Take out loops that the solution leaves far open; True where there were any."""
         frames = self.frames
         if not self.accepted:
             return False
-        left = deviations(frames.poses, stacked(frames.edges))
-        open_by = zip(frames.edges, left, strict=True)
-        out = [e for e, d in open_by if e.loop and not e.forced and d > CONTRADICTED]
-        frames.exchange(edges_but(frames.edges, out))
-        return bool(out)
+        residual = deviations(frames.poses, stacked(frames.edges))
+        open_by = zip(frames.edges, residual, strict=True)
+        contradicted = [e for e, d in open_by if e.loop and not e.forced and d > CONTRADICTED]
+        frames.exchange(edges_but(frames.edges, contradicted))
+        return bool(contradicted)
 
     def veto(self, loops: list[Edge], reason: str = VETOED_LOOP) -> None:
         """Take loops out; others that were taken out since they contradict the rest come back."""
@@ -391,6 +391,6 @@ class LoopCloser(Undoable):
 
     def not_believed(self) -> list[Rejected]:
         """All loops that are no edges, also those that the solution left open at the end."""
-        rows, left = self.frames.rows, edges_but(self.accepted, self.frames.edges)
-        ends = [(rows[loop.first].scan, rows[loop.second].scan) for loop in left]
+        rows, dropped = self.frames.rows, edges_but(self.accepted, self.frames.edges)
+        ends = [(rows[loop.first].scan, rows[loop.second].scan) for loop in dropped]
         return [*self.rejected, *(Rejected(*pair, CONTRADICTED_LOOP) for pair in ends)]

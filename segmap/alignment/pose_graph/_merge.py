@@ -24,11 +24,11 @@ from ._pose_graph import LiveGraph
 ANYWHERE = (1e3, 1e3, np.pi)
 #: About a place that was found the loop is measured in a window of this half side, metres.
 FOUND_PLACE_WINDOW_M = 0.5
-#: Where key frames of both lie so near, metres, ...
+#: Key frames of both sessions should be tied where they lie so near, metres.
 TIED_FRAMES_M = 1.0
-#: ... and look in so similar directions, radians, they should be tied; ...
+#: Key frames should be tied only where their headings differ by less, radians.
 TIED_FRAMES_RAD = np.pi / 4
-#: ... so large a share must be. In one building 96 of 100 are (Intel, Freiburg 079).
+#: This share of such key frames must be tied. In one building 96 of 100 are (Intel, Freiburg 079).
 LEAST_TIED_SHARE = 0.5
 #: Why two sessions are not merged, in the words of `Alignment.doubt`.
 NOT_MERGED = "the sessions are not merged"
@@ -62,8 +62,8 @@ def merge_graphs(
     """
     begun = work_time()
     arrays.function(places, "places", "from a scan to poses")
-    for given, name in ((first, "first"), (second, "second")):
-        if not len(arrays.instance(given, name, LiveGraph)):
+    for session, name in ((first, "first"), (second, "second")):
+        if not len(arrays.instance(session, name, LiveGraph)):
             raise ValueError(f"{name} must hold scans")
     graph, later = deepcopy(first), deepcopy(second)  # two, though a session is merged with itself
     front, closer, frames = graph.front_end, graph.loop_closer, graph.front_end.frames
@@ -92,14 +92,14 @@ def merge_graphs(
         # 4. Whether the places that both passed are tied
         across = [edge for edge in closer.accepted if edge.first < begin <= edge.second]
         tied = {edge.second for edge in across}
-        passed = _passed_by_both(frames.poses, begin)
+        passed = _places_of_both(frames.poses, begin)
         alike = len(tied & passed)
         if alike < (least := max(LOST_WITNESSES, LEAST_TIED_SHARE * len(passed))):
             reason = f"{alike} of {len(passed)} places that both passed look alike, {least:g} must"
             closer.veto(across, reason)
             closer.pending = []
-    found, scans = graph.outcome(), [row.scan for row in front.rows]
-    merged = checked_alignment("merge", scans, found, work_time() - begun)
+    outcome, scans = graph.outcome(), [row.scan for row in front.rows]
+    merged = checked_alignment("merge", scans, outcome, work_time() - begun)
     words = f"{NOT_MERGED}: {reason}"
     none = [Finding(Cause.NOT_MERGED, alike, words)] if reason else []
     return replace(merged, causes=(*none, *merged.causes))
@@ -126,12 +126,12 @@ def _agreeing_loops(
 ) -> tuple[list[Edge], int]:
     """Loops from key frames since `begin` to those before that enough agree with, and how many."""
     rows, closer, frames, most = graph.front_end.rows, graph.loop_closer, graph.front_end.frames, 0
-    known: list[Edge] = []
+    loops: list[Edge] = []
     old = frames.poses[:begin]
     closer.lost_since = begin  # what is compared was seen since then
     for new in each(range(begin, len(frames)), "seeking place"):
-        given = arrays.call_given(places, "places", rows[frames.rows[new].scan].scan)
-        place = arrays.poses(given, "places")
+        answer = arrays.call_given(places, "places", rows[frames.rows[new].scan].scan)
+        place = arrays.poses(answer, "places")
         if len(place) != 1:
             continue
         near = int(np.argmin(np.hypot(*(old - place[0])[:, :2].T)))
@@ -140,8 +140,8 @@ def _agreeing_loops(
         if match.matched:
             weight = information(match.covariance, frames.least)
             loop = Edge(near, new, match.pose, weight, True)
-            others = closer.agreeing(loop, known)
-            known.append(loop)
+            others = closer.agreeing(loop, loops)
+            loops.append(loop)
             most = max(most, len(others))
             if len(others) >= LOST_WITNESSES:
                 closer.lost_since = None
@@ -150,11 +150,11 @@ def _agreeing_loops(
     return [], most
 
 
-def _passed_by_both(poses: Array, begin: int) -> set[int]:
+def _places_of_both(poses: Array, begin: int) -> set[int]:
     """Key frames since `begin` that lie beside one before it, and look the same way."""
-    found = set()
+    key_frames = set()
     for new in range(begin, len(poses)):
         x, y, turn = between(poses[new], poses[:begin]).T
         if ((np.hypot(x, y) < TIED_FRAMES_M) & (np.abs(turn) < TIED_FRAMES_RAD)).any():
-            found.add(new)
-    return found
+            key_frames.add(new)
+    return key_frames

@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 #: pause.
 PAUSE_RATIO = 5.0
 LEAST_PAUSE_S = 1.0
-#: Nearly all: this share of them.
+#: This share of the steps counts as nearly all of them.
 USUAL_STEP_QUANTILE = 0.95
-#: A place is another one this far away, metres, ...
+#: A place farther away than this, metres, is another one.
 OTHER_PLACE_M = 0.5
-#: ... or turned by so much, radians.
+#: A place turned by more than this, radians, is another one.
 OTHER_PLACE_RAD = np.radians(15)
 
 
-def unconfirmed(rows: Sequence[TrackedScan], frames: KeyFrames) -> list[Finding]:
+def doubtful_gaps(rows: Sequence[TrackedScan], frames: KeyFrames) -> list[Finding]:
     """Scans behind a gap that lie nowhere on the map before it, or better elsewhere.
 
     A gap is a pause, or where an odometry ends that says how the robot came to the scans before.
@@ -47,11 +47,11 @@ def unconfirmed(rows: Sequence[TrackedScan], frames: KeyFrames) -> list[Finding]
         usual = float(np.quantile(since, USUAL_STEP_QUANTILE))
         gap |= since > max(PAUSE_RATIO * usual, LEAST_PAUSE_S)
     led = np.array([row.used for row in rows], bool) & _elsewhere(wheels)
-    asked = (_asked(rows, frames, scan) for scan in np.flatnonzero(gap & ~led).tolist())
+    asked = (_ask_map(rows, frames, scan) for scan in np.flatnonzero(gap & ~led).tolist())
     return [finding for finding in asked if finding is not None]
 
 
-def _asked(rows: Sequence[TrackedScan], frames: KeyFrames, gap: int) -> Finding | None:
+def _ask_map(rows: Sequence[TrackedScan], frames: KeyFrames, gap: int) -> Finding | None:
     """What the map of the scans before a gap says of the first one behind it that sees enough."""
     blind = Unmatched.TOO_LITTLE_SEEN
     scan = next((k for k in range(gap, len(rows)) if rows[k].unmatched is not blind), None)

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 
-#: What a place looks like from any heading: shares of the points in so many rings ...
+#: A descriptor tells what a place looks like from any heading: the share of points in each ring.
 DESCRIPTOR_RINGS = 16
-#: ... up to this radius, metres.
+#: Radius of the outermost ring, metres.
 DESCRIPTOR_RADIUS_M = 8.0
 #: Key frames that follow each other by less than this are one pass.
 PASS_GAP_FRAMES = 3

@@ -38,10 +38,10 @@ if TYPE_CHECKING:
 LEAST_OVERLAP = 0.6
 #: A match within this turn of the odometry agrees with it: ordinary wheels err by 3 degrees a step.
 ODOMETRY_AGREES_RAD = np.radians(5)
-#: A match that does not agree with the odometry has to hold this much more of the scan, ...
+#: A match that does not agree with the odometry has to hold this much more of the scan.
 AGAINST_ODOMETRY_GAIN = 0.05
-#: ... and as much as half a round, radians, gains where it turns back. Intel's wheels err by up to
-#: 25 degrees: what agrees with them and is false holds 0.17 less, and more.
+#: To turn back by this, radians, costs the whole scan, and less in proportion. Intel's wheels err
+#: by up to 25 degrees: what agrees with them and is false holds 0.17 less, and more.
 HALF_ROUND_RAD = np.pi
 
 HalfSide = Annotated[Metres, at_most(20)]
@@ -260,10 +260,10 @@ class LiveGraph(Locked):
         Of a whole log the result is equal to that of `pose_graph`.
         """
         begun = work_time()
-        found = self.outcome()
+        outcome = self.outcome()
         self.seconds += work_time() - begun
         scans = [row.scan for row in self.front_end.rows]
-        return checked_alignment("pose_graph", scans, found, self.seconds)
+        return checked_alignment("pose_graph", scans, outcome, self.seconds)
 
     @locked
     def loops(self) -> pd.DataFrame:
@@ -276,13 +276,13 @@ class LiveGraph(Locked):
 
         Loops that had been given up because the rest contradicted them come back.
         """
-        known = [edge for edge in self.front_end.frames.edges if edge.loop]
+        edges = [edge for edge in self.front_end.frames.edges if edge.loop]
         rows = np.unique(arrays.indices(loops, "loops"))
-        if not len(rows) or rows[0] < 0 or rows[-1] >= len(known):
-            given = rows.tolist()
-            raise ValueError(f"loops must be rows of the {len(known)} closed so far, got {given}")
-        with self._optimized():
-            self.loop_closer.veto([known[row] for row in rows])
+        if not len(rows) or rows[0] < 0 or rows[-1] >= len(edges):
+            wrong = rows.tolist()
+            raise ValueError(f"loops must be rows of the {len(edges)} closed so far, got {wrong}")
+        with self._optimize_after():
+            self.loop_closer.veto([edges[row] for row in rows])
 
     @locked
     def with_loops(self, veto: ArrayLike = (), tie: ArrayLike = ()) -> Alignment:
@@ -300,15 +300,15 @@ class LiveGraph(Locked):
         """
         out, more = loop_pairs(veto, "veto"), loop_pairs(tie, "tie")
         for first, second in out:
-            known = self.loops()[["first", "second"]].values.tolist()
-            if [first, second] not in known:
+            pairs = self.loops()[["first", "second"]].values.tolist()
+            if [first, second] not in pairs:
                 raise ValueError(f"veto: no loop was closed between scans {first}-{second}")
-            self.veto(known.index([first, second]))
+            self.veto(pairs.index([first, second]))
         for first, second in more:
-            found = self.match(first, second)
-            if not found.matched:
-                raise ValueError(f"tie: scan {second} is not placed by {first}: {found.reason}")
-            self.tie(first, second, found.pose)
+            match = self.match(first, second)
+            if not match.matched:
+                raise ValueError(f"tie: scan {second} is not placed by {first}: {match.reason}")
+            self.tie(first, second, match.pose)
         return self.refine()
 
     @locked
@@ -330,8 +330,8 @@ class LiveGraph(Locked):
         (old, at), (new, there) = self._frame_of(first, "first"), self._frame_of(second, "second")
         closer = self.loop_closer
         window = Window(old, np.zeros(3), LOST_WINDOW_M, np.pi)
-        found = closer.measure(window, closer.map_around(window), new)
-        return replace(found, pose=between(at, compose(found.pose, there)))
+        match = closer.measure(window, closer.map_around(window), new)
+        return replace(match, pose=between(at, compose(match.pose, there)))
 
     @locked
     def tie(self, first: int, second: int, pose: ArrayLike) -> None:
@@ -347,7 +347,7 @@ class LiveGraph(Locked):
         motion = compose(compose(at, relative), inverse(there))
         if old > new:
             old, new, motion = new, old, inverse(motion)
-        with self._optimized():
+        with self._optimize_after():
             self.loop_closer.believe([Edge(old, new, motion, np.linalg.inv(REAL), True, True)])
 
     def _frame_of(self, scan: int, name: str) -> tuple[int, Array]:
@@ -358,7 +358,7 @@ class LiveGraph(Locked):
         return self.front_end.rows[scan].frame, self.front_end.rows[scan].pose
 
     @contextmanager
-    def _optimized(self) -> Iterator[None]:
+    def _optimize_after(self) -> Iterator[None]:
         """Solve for all poses behind a change of the loops."""
         begun = work_time()
         with rollback_on_error(self.loop_closer):

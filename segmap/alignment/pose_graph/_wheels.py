@@ -17,29 +17,29 @@ from .._result import Match
 from ..points import LAST, LEAST_POINTS, SEARCH_CELL_M, PointMap
 from ._key_frames import Undoable
 
-#: Ordinary wheels err in place by at least this, metres (a standard deviation, as all below), ...
+#: Ordinary wheels err in place by at least this, metres (a standard deviation, as all below).
 PLACE_ERROR_M = 0.01
-#: ... by so many metres a metre driven ...
+#: Error in place for each metre driven, metres.
 PLACE_ERROR_M_PER_M = 0.03
-#: ... and by so many metres a radian turned.
+#: Error in place for each radian turned, metres.
 PLACE_ERROR_M_PER_RAD = 0.05
-#: They err in heading by at least this, radians, ...
+#: Ordinary wheels err in heading by at least this, radians.
 HEADING_ERROR_RAD = math.radians(0.5)
-#: ... by so many radians a metre ...
+#: Error in heading for each metre driven, radians.
 HEADING_ERROR_RAD_PER_M = 0.03
-#: ... and by so many radians a radian.
+#: Error in heading for each radian turned, radians.
 HEADING_ERROR_RAD_PER_RAD = 0.05
 #: The last so many matches tell how much more these wheels err.
 RECENT_MATCHES = 100
-#: Fewer matches do not tell.
+#: Fewer matches do not tell how these wheels err.
 LEAST_MATCHES = 10
-#: The residual that this share of them lies below is compared ...
+#: Quantile of their residuals that tells how much more these wheels err.
 RESIDUAL_QUANTILE = 0.9
-#: ... with the length that the same share of three normal variables lies below.
+#: That quantile of the length of three normal variables, for ordinary wheels.
 NORMAL_QUANTILE = 2.5
 #: A match contradicts the odometry that is off by more standard deviations.
 CONTRADICTION_SIGMAS = 5.0
-#: More than so many count as so many: wheels slip.
+#: A larger factor by which wheels err more than ordinary ones counts as this one: they slip.
 MOST_WHEEL_FACTOR = 10.0
 #: A point on a wall lies within this distance of it, metres: a scan's noise, and what is left of
 #: the poses of the map.
@@ -48,11 +48,12 @@ ON_WALL_M = 0.05
 #: outweigh so many times the points that do by the match alone. Real logs: below 1.5 where the
 #: wheels are wrong; people about a robot: above 1.9.
 OUTWEIGHS = 1.8
-#: A match stands where it moves by less than its own noise, metres, ...
+#: A match that moves by less stands, metres: its own noise.
 MATCH_STANDS_M = 0.03
-#: ... and radians.
+#: A match that turns by less stands, radians: its own noise.
 MATCH_STANDS_RAD = math.radians(0.6)
-#: Then the odometry is believed unless this share of the scan contradicts it: people are less.
+#: Where the match stands, the odometry is believed unless this share of the scan contradicts it:
+#: people are less.
 PEOPLE_SHARE = 0.3
 #: Standard deviation of a place where odometry won, metres: what the rest of the graph may move.
 WON_M = 0.2
@@ -64,8 +65,8 @@ class Wheels(Undoable):
     def __init__(self) -> None:
         self.off: list[float] = []  # of each match, in standard deviations of ordinary wheels
         self.free = False  # whether the last match left a direction free
-        self.way = 0.0  # metres since the last key frame, ...
-        self.free_way = 0.0  # ... and up to it since one whose match left none free
+        self.way = 0.0  # metres since the last key frame
+        self.free_way = 0.0  # metres to it since a match left no direction free
         self.begin()
 
     def begin(self) -> None:
@@ -92,14 +93,14 @@ class Wheels(Undoable):
             return match
         along = np.array([*match.free, 0.0])
         before = PLACE_ERROR_M_PER_M * self.free_way
-        told = usual**2 * (self._ordinary()[0] ** 2 + 2 * before * PLACE_ERROR_M_PER_M * self.way)
+        noise = usual**2 * (self._ordinary()[0] ** 2 + 2 * before * PLACE_ERROR_M_PER_M * self.way)
         spread = along @ match.covariance @ along
-        gain = match.covariance @ along / (spread + told)
+        gain = match.covariance @ along / (spread + noise)
         moved = match.pose + gain * (along @ (guess - match.pose))
         covariance = match.covariance - np.outer(gain, along @ match.covariance)
         return replace(match, pose=moved, covariance=covariance)
 
-    def weighed(self, map: PointMap, points: Array, match: Match) -> Match:
+    def weigh(self, map: PointMap, points: Array, match: Match) -> Match:
         """A match of a scan's points `(m, 2)`, or the place by odometry if both contradict.
 
         Where a match is right, nearly all points on which both places differ lie on a wall at its
@@ -109,7 +110,7 @@ class Wheels(Undoable):
             return match
         usual = self._usual()
         if self.way > PLACE_ERROR_M and off > CONTRADICTION_SIGMAS * usual:
-            driven = self._driven(map, points, match, usual)
+            driven = self._match_near_motion(map, points, match, usual)
             here, there = (map.near(points, one.pose, ON_WALL_M) for one in (match, driven))
             against, agree = (np.count_nonzero(a & ~b) for a, b in ((here, there), (there, here)))
             weight = agree * min(off / usual, MOST_WHEEL_FACTOR)
@@ -123,18 +124,18 @@ class Wheels(Undoable):
             self.off.append(off)
         return match
 
-    def _driven(self, map: PointMap, points: Array, match: Match, usual: float) -> Match:
+    def _match_near_motion(self, map: PointMap, points: Array, match: Match, usual: float) -> Match:
         """The scan as it lies within the errors of ordinary wheels; else as the odometry has it."""
         place, _, heading = CONTRADICTION_SIGMAS * self._ordinary()
         start, _ = map.search(
             points, self.motion, reach=max(place, 2 * SEARCH_CELL_M), turn=heading
         )
-        found = match if start is None else map.register(points, start, reach=LAST)
-        if not found.matched or self._off(found) > CONTRADICTION_SIGMAS:
-            known = np.diag((usual * self._ordinary()) ** 2)
-            found = Match(self.motion, known, matched=True)
-        loose = found.covariance + np.diag([WON_M, WON_M, 0.0]) ** 2
-        return replace(found, covariance=loose, overlap=match.overlap)
+        other = match if start is None else map.register(points, start, reach=LAST)
+        if not other.matched or self._off(other) > CONTRADICTION_SIGMAS:
+            covariance = np.diag((usual * self._ordinary()) ** 2)
+            other = Match(self.motion, covariance, matched=True)
+        loose = other.covariance + np.diag([WON_M, WON_M, 0.0]) ** 2
+        return replace(other, covariance=loose, overlap=match.overlap)
 
     def deviations(self) -> Array:
         """Standard deviations of the motion as these wheels err: place, place and heading."""

@@ -14,9 +14,9 @@ from ...scans.odometry import Steps
 from .._result import Match
 from ..points import LAST, LEAST_POINTS, PointMap, in_range
 
-#: Scans from which steps are sought, spread evenly over the log, ...
+#: Scans from which steps are sought, spread evenly over the log.
 STARTS = 100
-#: ... and over one without odometry, where nothing else tells what rides in a part of it.
+#: Scans from which steps are sought without odometry: nothing else tells what rides along.
 STARTS_ALONE = 300
 #: Scans from the start to the end of a step, tried one after the other.
 STRIDES = (1, 2, 4, 8, 16)
@@ -24,11 +24,11 @@ STRIDES = (1, 2, 4, 8, 16)
 STEP_SEARCH_M = 0.8
 #: Half of the headings that are searched, radians.
 STEP_SEARCH_RAD = np.radians(45)
-#: A step ends where the robot has moved so far, metres, ...
+#: A step ends where the robot has moved so far, metres.
 STEP_END_M = 0.2
-#: ... or has turned by so much, radians, ...
+#: A step also ends where the robot has turned by so much, radians.
 STEP_END_RAD = np.radians(8)
-#: ... and counts where so large a share of the scan lies on the other, ...
+#: A step counts only where at least this share of the scan lies on the other.
 LEAST_STEP_OVERLAP = 0.7
 #: A scan stands for the laser where it moved by less, metres, and turned by half as many radians.
 LASER_STANDS_M = 0.1
@@ -74,18 +74,18 @@ def _step_match(map: PointMap, current: Array) -> Match | None:
     What rides with the robot stands for the laser. It is nearer than the walls: the rest counts
     only where it is farther away, for a person who passes by is not.
     """
-    match = registered_near(map, current, np.zeros(3))
+    match = register_near(map, current, np.zeros(3))
     if match is not None and _stands(match.pose):
         rides = map.near(current, match.pose, LAST)
         away = np.hypot(*current.T)
         if (~rides).sum() >= LEAST_POINTS and np.median(away[~rides]) > np.median(away[rides]):
-            rest = registered_near(map, current[~rides], np.zeros(3))
+            rest = register_near(map, current[~rides], np.zeros(3))
             if rest is not None and rest.overlap > LEAST_STEP_OVERLAP and not _stands(rest.pose):
                 return rest
     return match if match is not None and match.overlap > LEAST_STEP_OVERLAP else None
 
 
-def registered_near(map: PointMap, current: Array, guess: Array) -> Match | None:
+def register_near(map: PointMap, current: Array, guess: Array) -> Match | None:
     """Where points `(m, 2)` lie on the map, searched for around a pose `(3,)`."""
     start, _ = map.search(current, guess, reach=STEP_SEARCH_M, turn=STEP_SEARCH_RAD, least=0.3)
     match = None if start is None else map.register(current, start)

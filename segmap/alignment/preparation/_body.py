@@ -47,8 +47,8 @@ def without_body(log: Log, steps: Steps) -> Log:
     if not body.any():
         return log
     wide = body | np.roll(body, 1) | np.roll(body, -1)
-    known = ~np.isnan(pairs.same_beam).all(0)
-    count = int((body & known).sum())
-    words = f"{count} of {known.sum()} beams see the robot itself"
-    told = Finding(Cause.BODY, count, words, "--keep-body keeps them")
-    return with_beams(log, (wide[columns(s.angles, directions)] for s in log), np.nan, told)
+    measured = ~np.isnan(pairs.same_beam).all(0)
+    count = int((body & measured).sum())
+    words = f"{count} of {measured.sum()} beams see the robot itself"
+    finding = Finding(Cause.BODY, count, words, "--keep-body keeps them")
+    return with_beams(log, (wide[columns(s.angles, directions)] for s in log), np.nan, finding)

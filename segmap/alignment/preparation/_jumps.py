@@ -13,11 +13,11 @@ from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import odometry_jumps
 from ..points import LEAST_POINTS, PointMap, in_range
-from ._blind_steps import LEAST_STEP_OVERLAP, registered_near
+from ._blind_steps import LEAST_STEP_OVERLAP, register_near
 
-#: Scans before and after a step are compared where they lie so near by the odometry, metres: ...
+#: Scans before and after a step are compared where they lie so near by the odometry, metres.
 PAIR_ACROSS_M = 1.5
-#: ... so many pairs, spread over the scans after it.
+#: So many pairs across a step are compared, spread over the scans after it.
 PAIRS_ACROSS = 20
 #: A hypothesis holds where this share of the pairs matches: 0.5 to 1 if right, else 0 to 0.1.
 HOLDS_SHARE = 1 / 3
@@ -53,12 +53,12 @@ def without_jumps(log: Log, rows: Array) -> tuple[Array, list[Finding]]:
         if stood or drove is False:
             rows[scan] = np.nan
         scans_by_kind.setdefault(kind, []).append(scan)
-    told = []
+    findings = []
     for kind, scans in scans_by_kind.items():
         words = f"the odometry jumps {counted(len(scans), 'time')}, first at scan {scans[0]}"
         words += f": {JUMP_WORDS[kind]}"
-        told.append(Finding(Cause.JUMP, len(scans), words, doubtful=kind == "unclear"))
-    return rows, told
+        findings.append(Finding(Cause.JUMP, len(scans), words, doubtful=kind == "unclear"))
+    return rows, findings
 
 
 def _holds(log: Log, before: Array, after: Array) -> bool | None:
@@ -78,7 +78,7 @@ def _holds(log: Log, before: Array, after: Array) -> bool | None:
         one, two = int(first[nearest[after_k]]), int(second[after_k])
         points, current = (in_range(log[k].points()) for k in (one, len(before) + two))
         if min(len(points), len(current)) >= LEAST_POINTS:
-            match = registered_near(PointMap(points), current, between(before[one], after[two]))
+            match = register_near(PointMap(points), current, between(before[one], after[two]))
             fit = match is not None and match.overlap > LEAST_STEP_OVERLAP
             if match is None or not fit or match.free is None:  # a corridor fits everywhere
                 fits.append(fit)

@@ -22,19 +22,19 @@ from ._pairs import (
 
 #: Scans that are looked at, spread over the log.
 NOTHING_MET_SCANS = 200
-#: A number that means "nothing met" occurs in this share of all beams, ...
+#: A number that means "nothing met" occurs in at least this share of all beams.
 MET_BEAMS_SHARE = 0.03
-#: ... and makes up this share of the ranges within a hundredth of it: 0.3 of the range that is most
-#: frequent in real logs is, of which 0.004 of the beams have one.
+#: Such a number makes up this share of the ranges within a hundredth of it. In real logs the most
+#: frequent range reaches 0.3 too, but only 0.004 of the beams have it.
 STANDS_OUT_SHARE = 0.3
 #: So many other ranges are nearer: what rides with the robot is the nearest of all.
 NEARER = 0.25
 #: Half of the beams beside those that hold it differ by this share of it. Those beside a part of a
 #: wall at one distance go on from it.
 DIFFERS = 0.02
-#: Ranges this near are one number, metres; ...
+#: Ranges this near are one number, metres.
 NUMBER_M = 0.002
-#: ... or, where noise is laid on them, one, as a share of them.
+#: Where noise is laid on the number, ranges within this share of it are one number.
 RANGE_STEP = 0.01
 
 
@@ -57,8 +57,8 @@ def without_nothing_met(log: Log) -> Log:
     if not causes:
         return log
     numbers = np.array([finding.value for finding in causes])
-    held = ((np.abs(s.ranges[:, None] - numbers) <= NUMBER_M).any(1) & s.valid for s in log)
-    return with_beams(log, held, np.inf, *causes)
+    masks = ((np.abs(s.ranges[:, None] - numbers) <= NUMBER_M).any(1) & s.valid for s in log)
+    return with_beams(log, masks, np.inf, *causes)
 
 
 def _number_among(ranges: Array) -> float | None:
@@ -107,15 +107,15 @@ def without_limit(log: Log, steps: Steps) -> Log:
     if len(at_limit):
         number, share = float(np.median(at_limit)), 100 * len(at_limit) / sum(map(len, log))
         words = f"a range about {number:.4g} m means nothing met: {share:.2g} % of all"
-        told = Finding(Cause.NOTHING_MET, number, f"{words}, with no wall")
-        log = with_beams(log, ends, np.inf, told)
+        finding = Finding(Cause.NOTHING_MET, number, f"{words}, with no wall")
+        log = with_beams(log, ends, np.inf, finding)
     return _at_one_range(log)
 
 
 def _range_steps(ranges: Array) -> NDArray[np.int64]:
     """Ranges of any shape in whole steps of one per cent; 0 where there is none."""
-    known = np.where(np.isfinite(ranges) & (ranges > 0), ranges, 1.0)
-    return np.rint(np.log(known) / RANGE_STEP).astype(np.int64)
+    positive = np.where(np.isfinite(ranges) & (ranges > 0), ranges, 1.0)
+    return np.rint(np.log(positive) / RANGE_STEP).astype(np.int64)
 
 
 def _at_one_range(log: Log) -> Log:
@@ -128,5 +128,5 @@ def _at_one_range(log: Log) -> Log:
     if number < NEAR_M or many < 0.5 or np.isfinite(log.odometry).all(1).any():
         return log
     words = f"half of the beams end {number:.3g} m away, and nothing tells whether walls are there"
-    told = Finding(Cause.NOTHING_MET, number, words, doubtful=True)
-    return replace(log, causes=(*log.causes, told))
+    finding = Finding(Cause.NOTHING_MET, number, words, doubtful=True)
+    return replace(log, causes=(*log.causes, finding))

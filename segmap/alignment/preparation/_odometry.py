@@ -66,7 +66,7 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
         causes.append(_delay(late, log.times))
     rows, repeats = _without_repeats(rows, steps)
     rows, jumps = without_jumps(log, rows)
-    rows, others = _agreeing(rows, steps)
+    rows, others = _make_agree(rows, steps)
     if not (causes := [*causes, *repeats, *jumps, *others]):
         return log
     corrected = (row if np.isfinite(row).all() else None for row in rows)
@@ -74,7 +74,7 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
     return replace(log, scans=tuple(scans), causes=(*log.causes, *causes))
 
 
-def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
+def _make_agree(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     """Odometry `(k, 3)` in the unit and the frame of the matches, and what that took."""
     causes: list[Finding] = []
     against = odometry_against_steps(rows, steps)
@@ -88,11 +88,11 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
             against = odometry_against_steps(rows, steps)
     # 2. Whether it, or the laser, is mirrored
     if against.agreement < CONTRADICTING_COSINE and against.still < STILL_SHARE:
-        mirrored = _unmirrored(rows, steps)
+        mirrored = _unmirror(rows, steps)
         if mirrored is None:
             words = "the odometry moves otherwise than the scans do: it is left out"
-            told = Finding(Cause.NO_ODOMETRY, against.agreement, words, doubtful=True)
-            return np.full_like(rows, np.nan), [*causes, told]
+            finding = Finding(Cause.NO_ODOMETRY, against.agreement, words, doubtful=True)
+            return np.full_like(rows, np.nan), [*causes, finding]
         words, rows = mirrored
         words = f"the odometry moves across its own heading, {words}: put right"
         causes.append(Finding(Cause.ODOMETRY_MIRRORED, against.agreement, words))
@@ -105,8 +105,8 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
         against = odometry_against_steps(rows, steps)
     elif not against.turns_agree:
         words = f"the scans turn by {against.turn:.2f} of what the odometry says: it is left out"
-        told = Finding(Cause.SCALE, against.turn, words)
-        return np.full_like(rows, np.nan), [*causes, told]
+        finding = Finding(Cause.SCALE, against.turn, words)
+        return np.full_like(rows, np.nan), [*causes, finding]
     # 3. Where the laser looks
     x, y, turned = mounting_of(against)
     if turned:
@@ -148,7 +148,7 @@ def _delay(late: float, times: Array) -> Finding:
     return Finding(Cause.DELAY, float(np.copysign(value, late)), words)
 
 
-def _unmirrored(rows: Array, steps: Steps) -> tuple[str, Array] | None:
+def _unmirror(rows: Array, steps: Steps) -> tuple[str, Array] | None:
     """What is wrong with an odometry that contradicts itself, and the right one; None if nothing.
 
     One that only looks aside then is turned as well: compass headings begin at north.
@@ -170,10 +170,10 @@ def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     moves = (np.hypot(x, y) > 0.1) | (np.abs(turn) > np.radians(4))
     within = moves & (run[steps.first] == run[steps.second])
     runs, counts = np.unique(run[steps.first[within]], return_counts=True)
-    out = np.isin(run, runs[counts >= 3]) & np.r_[False, np.diff(run) == 0]
-    if not out.any():
+    repeats = np.isin(run, runs[counts >= 3]) & np.r_[False, np.diff(run) == 0]
+    if not repeats.any():
         return rows, []
-    rows[out] = np.nan
-    count = int(out.sum())
+    rows[repeats] = np.nan
+    count = int(repeats.sum())
     words = f"the odometry stands still in {counted(count, 'scan')} while the robot moves"
     return rows, [Finding(Cause.NO_ODOMETRY, count, f"{words}: there is no odometry there")]

@@ -25,11 +25,12 @@ NEAR_M = 3.0
 #: A beam that goes on behind a point for so much looks through it; a range that changes by so much
 #: is another.
 SEEN_THROUGH_M = 0.15
-#: All beams this near to its direction must: along a wall, a heading that errs moves its points.
+#: All beams this near to the direction of such a beam must look through too: along a wall, a
+#: heading that errs moves its points.
 SEEN_THROUGH_RAD = np.radians(3)
-#: Fewer comparisons tell nothing.
+#: Fewer comparisons of a direction tell nothing.
 LEAST_COMPARISONS = 30
-#: What moves with the robot does so in this share of them.
+#: What moves with the robot does so in this share of the comparisons.
 RIDES_SHARE = 0.7
 
 
@@ -78,12 +79,12 @@ def compared(log: Log, steps: Steps, directions: Array) -> Compared:
     place = np.reshape([log[int(k)].sensor_pose for k in first], (-1, 3))
     motion = compose(compose(inverse(place), motion), place)
     one, two = (ranges_by_direction(log[ends], directions) for ends in (first, second))
-    sides = zip(_compared(one, two, inverse(motion), directions),
-                _compared(two, one, motion, directions), strict=True)  # fmt: skip
+    sides = zip(_compare_one_way(one, two, inverse(motion), directions),
+                _compare_one_way(two, one, motion, directions), strict=True)  # fmt: skip
     return Compared(*(np.vstack(both) for both in sides))
 
 
-def _compared(one: Array, two: Array, pose: Array, directions: Array) -> Compared:
+def _compare_one_way(one: Array, two: Array, pose: Array, directions: Array) -> Compared:
     """Ranges `(p, n)` against others; poses `(p, 3)` of the first laser in the second's frame."""
     x, y, turn = (column[:, None] for column in pose.T)
     seen = np.where(np.isfinite(one), one, np.nan)
@@ -101,13 +102,13 @@ def _pairs(log: Log, steps: Steps) -> tuple[NDArray[np.int64], NDArray[np.int64]
     rows, against = log.odometry, odometry_against_steps(log.odometry, steps)
     wrong = against.way < WAY_RATIOS[0] or against.way > WAY_RATIOS[1]
     first, second, motion = steps[:3]
-    known = np.flatnonzero(np.isfinite(rows).all(1))
-    if len(known) and not (wrong or against.agreement < CONTRADICTING_COSINE):
-        at = np.r_[0.0, np.cumsum(way_of(between(rows[known[:-1]], rows[known[1:]])))]
+    valid = np.flatnonzero(np.isfinite(rows).all(1))
+    if len(valid) and not (wrong or against.agreement < CONTRADICTING_COSINE):
+        at = np.r_[0.0, np.cumsum(way_of(between(rows[valid[:-1]], rows[valid[1:]])))]
         start = np.unique(np.searchsorted(at, np.linspace(0, at[-1], 100)))
         first = np.tile(start, len(PAIR_WAYS_M))
         second = np.searchsorted(at, np.concatenate([at[start] + far for far in PAIR_WAYS_M]))
-        first, second = known[first[second < len(known)]], known[second[second < len(known)]]
+        first, second = valid[first[second < len(valid)]], valid[second[second < len(valid)]]
         motion = between(rows[first], rows[second])
     moves = (way_of(motion) > PAIR_WAYS_M[0] / 2) & (way_of(motion) < 2 * PAIR_WAYS_M[-1])
     return first[moves], second[moves], motion[moves]

@@ -80,7 +80,7 @@ def prepared(
     if clockwise:
         log = replace(log, scans=tuple(replace(scan, angles=-scan.angles) for scan in log))
     if mask is not None:
-        log = _masked(log, arrays.table(mask, "mask", 2, unit="radians", limit=2 * np.pi))
+        log = _mask(log, arrays.table(mask, "mask", 2, unit="radians", limit=2 * np.pi))
     if mount is not None and not isinstance(mount, str):
         place = arrays.pose(mount, "mount")
         log = replace(log, scans=tuple(replace(scan, sensor_pose=place) for scan in log))
@@ -100,7 +100,7 @@ def prepared(
     return _deskew.deskew(log) if deskew else log
 
 
-def _masked(log: Log, mask: Array) -> Log:
+def _mask(log: Log, mask: Array) -> Log:
     """A log with NaN from the first direction of each row `(m, 2)`, radians, to the second."""
     width = np.diff(mask, axis=1)[:, 0] % (2 * np.pi)
     if not (width > 0).all():

@@ -26,5 +26,5 @@ def with_ranges_in_metres(log: Log) -> Log:
     way = odometry_against_steps(log.odometry, blind_steps(log)).way
     words = f"the ranges are taken to be in {unit}: half of them are above {FARTHEST_POINT_M:g} m"
     agrees = WAY_RATIOS[0] < way < WAY_RATIOS[1]
-    told = Finding(Cause.UNIT, metres, words, doubtful=not agrees)
-    return replace(log, causes=(*log.causes, told))
+    finding = Finding(Cause.UNIT, metres, words, doubtful=not agrees)
+    return replace(log, causes=(*log.causes, finding))

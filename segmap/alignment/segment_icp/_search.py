@@ -28,7 +28,7 @@ SAME_WAY = 0.02
 
 #: The best turn is looked for among so many on either side.
 TURNS_PER_SIDE = 4
-#: It turns and shifts at most so often before the steps become finer.
+#: The search turns and shifts at most so often before the steps become finer.
 MOST_ROUNDS_PER_STEP = 5
 #: The next step is this many times finer.
 STEP_DIVISOR = 4.0
@@ -49,7 +49,7 @@ def correspondences(
     line to its next piece, behind a door.
     """
     a, sine = describe(current), np.sin(angle)
-    out = np.empty((len(current) * len(reference), 2), np.int64)
+    pairs = np.empty((len(current) * len(reference), 2), np.int64)
     n = 0
     for i in range(len(current)):
         x, y, dx, dy, half = a[i, 0], a[i, 1], a[i, 2], a[i, 3], a[i, 4]
@@ -61,9 +61,9 @@ def correspondences(
             if APART_WEIGHT * (abs(v * dx - u * dy) - (half + r[j, 4]) * sine) >= most:
                 continue
             if distance_below(current[i], reference[j], a[i], r[j], most) < most:
-                out[n, 0], out[n, 1] = i, j
+                pairs[n, 0], pairs[n, 1] = i, j
                 n += 1
-    return out[:n]
+    return pairs[:n]
 
 
 @compiled
@@ -77,13 +77,13 @@ def cost(
     """
     a, total, p = describe(current), 0.0, 0
     for i in range(len(current)):
-        found = weight = 0.0
+        distances = weight = 0.0
         while p < len(pairs) and pairs[p, 0] == i:
             j = pairs[p, 1]
-            found += r[j, 4] * distance_below(current[i], reference[j], a[i], r[j], np.inf)
+            distances += r[j, 4] * distance_below(current[i], reference[j], a[i], r[j], np.inf)
             weight += r[j, 4]
             p += 1
-        away[i] = found / weight if weight > 0.0 else np.inf
+        away[i] = distances / weight if weight > 0.0 else np.inf
         total += away[i] if weight > 0.0 else penalty
     return total / len(current)
 
@@ -105,9 +105,9 @@ def best_turn(
     for k in range(-TURNS_PER_SIDE, TURNS_PER_SIDE + 1):
         tried = k * width / TURNS_PER_SIDE
         turned = moved_segments(current, 0.0, 0.0, tried, about_x, about_y)
-        found = cost(reference, r, turned, pairs, penalty, away)
-        if found < best - COST_ROUNDING_M:
-            best, turn = found, tried
+        new_cost = cost(reference, r, turned, pairs, penalty, away)
+        if new_cost < best - COST_ROUNDING_M:
+            best, turn = new_cost, tried
     return turn
 
 
@@ -127,7 +127,7 @@ def ways(s: Array) -> Array:
         z += a[i, 4] * 2.0 * double * twice
     first = np.arctan2(a[0, 3], a[0, 2])  # of the four ways of a cross the one nearest to a wall
     turn = (np.arctan2(z, c) / 4.0 - first + np.pi / 4.0) % (np.pi / 2.0) - np.pi / 4.0
-    out = np.zeros((4 * len(s) + 4, 2))
+    ways = np.zeros((4 * len(s) + 4, 2))
     n = 0
     for i in range(-1, len(s)):
         x, y = np.cos(first + turn), np.sin(first + turn)
@@ -135,13 +135,13 @@ def ways(s: Array) -> Array:
             x, y = a[i, 2], a[i, 3]
         new = x != 0.0 or y != 0.0
         for k in range(n):
-            new = new and abs(out[k, 0] * y - out[k, 1] * x) > SAME_WAY
+            new = new and abs(ways[k, 0] * y - ways[k, 1] * x) > SAME_WAY
         if new:
             for k in range(4):  # x, y; its reverse; both normals
-                out[n, 0], out[n, 1] = x, y
+                ways[n, 0], ways[n, 1] = x, y
                 n += 1
                 x, y = (-x, -y) if k % 2 == 0 else (y, -x)
-    return out[:n]
+    return ways[:n]
 
 
 @compiled
@@ -155,9 +155,9 @@ def best_shift(
     while failed < len(around):
         u, v = x + step * around[k, 0], y + step * around[k, 1]
         shifted = moved_segments(current, u, v, 0.0, 0.0, 0.0)
-        found = cost(reference, r, shifted, pairs, penalty, away)
-        if found < best - SLOPE * step:
-            best, x, y, failed = found, u, v, 0
+        new_cost = cost(reference, r, shifted, pairs, penalty, away)
+        if new_cost < best - SLOPE * step:
+            best, x, y, failed = new_cost, u, v, 0
         else:
             failed, k = failed + 1, (k + 1) % len(around)
     return x, y
@@ -186,9 +186,9 @@ def turn_and_shift(
             c, s, (u, v) = np.cos(turn), np.sin(turn), motion[:2] - (px, py)
             motion = np.array([px + x + c * u - s * v, py + y + s * u + c * v, motion[2] + turn])
             pairs = correspondences(reference, r, current, angle, distance)
-            found = cost(reference, r, current, pairs, distance, away)
-            if found < least - COST_ROUNDING_M:
-                least, best = found, (motion, current, pairs)
+            new_cost = cost(reference, r, current, pairs, distance, away)
+            if new_cost < least - COST_ROUNDING_M:
+                least, best = new_cost, (motion, current, pairs)
             if turn == 0.0 and x == 0.0 and y == 0.0:
                 break
         motion, current, pairs = best

@@ -96,8 +96,8 @@ def match_segments(
     >>> match_segments(room, np.empty((0, 2, 2)))
     Match(none: no segments in the scan)
     """
-    given = (arrays.segments(current, "current"), arrays.segments(reference, "reference"))
-    ours, theirs = (np.ascontiguousarray(s[length(s) >= MIN_LENGTH]) for s in given)
+    both = (arrays.segments(current, "current"), arrays.segments(reference, "reference"))
+    ours, theirs = (np.ascontiguousarray(s[length(s) >= MIN_LENGTH]) for s in both)
     guess = arrays.pose(start, "start")
     if not len(ours):
         return no_match(guess, Unmatched.TOO_LITTLE_SEEN, "no segments in the scan")
@@ -107,8 +107,8 @@ def match_segments(
     placed = transform(guess, ours)
     searches = [turn_and_shift(theirs, placed, angle, distance, *width) for width in widths]
     _, motion, ended, pairs = min(searches, key=lambda search: search[0])
-    found = np.isin(np.arange(len(ours)), pairs[:, 0])
-    overlap = float(length(ours)[found].sum() / length(ours).sum())
+    has_partner = np.isin(np.arange(len(ours)), pairs[:, 0])
+    overlap = float(length(ours)[has_partner].sum() / length(ours).sum())
     pose = compose(motion, guess)
     if overlap < share:
         words = f"too few segments found a partner: less than {share:.0%}"
@@ -116,7 +116,7 @@ def match_segments(
     if np.hypot(*(pose - guess)[:2]) > distance / SIDEWAYS or abs(motion[2]) > angle:
         words = "farther from the start than segments correspond"
         return no_match(guess, Unmatched.SLIDES, words, overlap)
-    normal = angle_of(ended[found]) + np.pi / 2
+    normal = angle_of(ended[has_partner]) + np.pi / 2
     n = np.stack([np.cos(normal), np.sin(normal)], -1)
     across, ways = np.linalg.eigh(n.T @ n / len(n))
     free = None if across[0] >= FREE_ACROSS_SHARE else ways[:, 0]
@@ -188,20 +188,20 @@ def segment_icp(
         seen = long_segments(scan, min_length)
         if k:
             # 1. The scan on the segments of the last key frames
-            known = np.concatenate([np.empty((0, 2, 2)), *(segments for _, segments in map)])
+            reference = np.concatenate([np.empty((0, 2, 2)), *(segments for _, segments in map)])
             rule = {"angle": angle, "distance": distance, "share": share}
-            found = match_segments(known, seen, trail.guess(), **rule)
-            lost = 0 if found.matched else lost + bool(len(seen))
-            if found.matched:
-                why = Unmatched.NONE if found.free is None else Unmatched.FREE_DIRECTION
-                trail.place(found.pose, why, ONE_DIRECTION if why else "")
+            match = match_segments(reference, seen, trail.guess(), **rule)
+            lost = 0 if match.matched else lost + bool(len(seen))
+            if match.matched:
+                why = Unmatched.NONE if match.free is None else Unmatched.FREE_DIRECTION
+                trail.place(match.pose, why, ONE_DIRECTION if why else "")
             else:
                 anew = lost >= patience
-                trail.carry(found.unmatched, found.reason + "; the map begins anew" * anew)
+                trail.carry(match.unmatched, match.reason + "; the map begins anew" * anew)
                 map = [] if anew else map
         # 2. A new key frame, where it lies far enough from the last
         pose = trail.pose()
-        if len(seen) and (not map or (k and found.matched)):
+        if len(seen) and (not map or (k and match.matched)):
             x, y, turn = between(map[-1][0], pose) if map else np.full(3, np.inf)
             if np.hypot(x, y) >= spacing or abs(turn) >= angle:
                 map = [*map, (pose, transform(pose, seen))][-frames:]

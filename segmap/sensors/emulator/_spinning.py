@@ -18,7 +18,7 @@ from ._unit import Speed
 
 #: Measurements of a packet of an LD19, its bytes 0 and 1, and the polynomial of its check.
 PACKET_BEAMS, PACKET_HEAD, CRC_POLYNOMIAL = 12, b"\x54\x2c", 0x4D
-#: Its clock begins anew after so many milliseconds.
+#: The clock of an LD19 begins anew after so many milliseconds.
 CLOCK_MS = 30_000
 #: What an RPLidar answers to a request, the second byte: the kind of a scan, its health, its name.
 ANSWERS = {

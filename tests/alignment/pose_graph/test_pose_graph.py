@@ -304,13 +304,13 @@ def test_loops_side_by_side_are_no_witnesses(steps, believed):
     for k in (0, steps // 2, steps):
         closer.pending.append(Edge(k, 20 + k, np.zeros(3), sure, True))
     for reach in (6.0, 12.0):
-        assert len(closer._confirmed_by_others([(closer.pending[-1], reach)])) == believed
-    assert len(closer._confirmed_by_others([(closer.pending[-1], 1.0)])) == 3
+        assert len(closer._confirm_by_others([(closer.pending[-1], reach)])) == believed
+    assert len(closer._confirm_by_others([(closer.pending[-1], 1.0)])) == 3
     *older, newest = closer.pending
     elsewhere = [Edge(20, 21, np.zeros(3), sure, True)] * 29
     for accepted, found in (([*older, *elsewhere[1:]], [newest]), ([*older, *elsewhere], [])):
         closer.pending, closer.accepted = [newest], accepted  # only the last thirty are asked
-        assert closer._confirmed_by_others([(newest, 1.0)]) == found
+        assert closer._confirm_by_others([(newest, 1.0)]) == found
 
 
 @pytest.mark.parametrize(
