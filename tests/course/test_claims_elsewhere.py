@@ -19,6 +19,7 @@ from segmap import simulation
 from segmap.alignment import (
     match_angles,
     match_points,
+    match_segments,
     pose_graph,
 )
 from segmap.poses import between
@@ -266,3 +267,27 @@ def test_a_mirrored_log_is_called_good_and_keeps_every_distance():
         both = [-taped.turn, np.pi - taped.turn]
         metres = simulation.cast_rays(seen.segments, graph.poses[taped.scan], both, max_range=50)
         assert abs(metres.sum() - taped.metres) < 0.05
+
+
+def test_the_end_is_the_worst_place_of_a_straight_way_and_not_of_a_round():
+    """Chapter 2: catches errors that do not add up along the way."""
+    worst = []
+    for way in (simulation.drive([(0, 0), (20, 0)], step=0.3), segmap.load("clinic").truth):
+        last = 0
+        for seed in range(40):
+            noise = {"odometry_noise": simulation.CHEAP_WHEELS, "rng": np.random.default_rng(seed)}
+            off = np.hypot(*(simulation.drifting_odometry(way, **noise) - way)[:, :2].T)
+            last += off[-1] == off.max()
+        worst.append(last)
+    straight, around = worst
+    assert straight > 30 and around < 10
+
+
+def test_segments_find_no_way_home_around_a_corner():
+    """Chapter 6: scans 57 and 69 share little; five lasers were tried. Catches a match at all."""
+    log = segmap.load("clinic")
+    corner = [segmap.extract_polylines(log[k].points()) for k in (57, 69)]
+    true = between(*log.truth[[57, 69]])
+    for way in np.arange(24) * np.pi / 12:
+        found = match_segments(*corner, true + (0.25 * np.cos(way), 0.25 * np.sin(way), 0))
+        assert not found.matched or np.hypot(*between(true, found.pose)[:2]) > 0.1

@@ -165,6 +165,9 @@ def test_each_outcome_has_its_colour_where_it_started(ax):
     figure_png(ax.figure)
     colors = [to_hex(color) for color in mesh.get_facecolor()]
     assert colors == [GROUPS[0], ERROR, RESULT, RESULT]
+    named = zip(*ax.get_legend_handles_labels(), strict=True)
+    legend = {word: to_hex(line.get_color()) for line, word in named}
+    assert legend == {"free": GROUPS[0], "right": RESULT, "wrong": ERROR}
     assert ax.get_xlim() == (-0.5, 1.5) and ax.get_ylim() == (4, 8)
 
 

@@ -69,7 +69,7 @@ DRAWINGS = {
         lambda ax: course.draw_backbone(backbone_steps(load("corridor")[:2])[1], ax=ax),
         {MAP, RESULT, ERROR},
     ),
-    "basin": (lambda ax: course.draw_basin([["right"]], [0.0], [0.0], ax=ax), set()),
+    "basin": (lambda ax: course.draw_basin([["right"]], [0.0], [0.0], ax=ax), {RESULT}),
     "before_after": (
         lambda ax: plotting.draw_before_after(WALLS, REDUCED, ax=ax),
         {MAP, RESULT},

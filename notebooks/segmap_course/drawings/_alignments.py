@@ -178,7 +178,7 @@ def draw_laid(first: Segments, second: Segments, poses: Mapping[str, ArrayLike])
 
 
 def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | None = None) -> Axes:
-    """Draw the outcome of a match from each start: the basin of attraction is blue.
+    """Draw the outcome of a match from each start, with a legend: the basin of attraction is blue.
 
     Of the outcomes `(m, n)` "no match" is light grey, "right" blue, "free" (along one direction)
     dark yellow with a dash and "wrong" orange with a cross, which the colour-blind see apart, too;
@@ -191,6 +191,9 @@ def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | No
     ax, colors = axes_or_new(ax), ListedColormap(list(OUTCOMES.values()))
     numbers = (words[..., None] == np.array(list(OUTCOMES))).argmax(-1)
     ax.pcolormesh(np.asarray(x), np.asarray(y), numbers, cmap=colors, vmin=0, vmax=3)
+    for word in np.unique(words):
+        ax.plot([], [], "s", color=OUTCOMES[word], label=word)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=4, frameon=False)
     for word, mark in (("free", "_"), ("wrong", "x")):
         rows, columns = np.nonzero(words == word)
         if len(rows):

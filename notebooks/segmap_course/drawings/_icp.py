@@ -52,7 +52,7 @@ def draw_wall_normals(points: ArrayLike, normals: ArrayLike, *, ax: Axes | None 
     ax.add_collection(LineCollection(list(ticks), colors=RESULT, linewidths=0.8))
     ax.plot(*points[wall].T, ".", color=RAW, markersize=4, label="on a wall")
     ax.plot(*points[~wall].T, ".", color=ERROR, markersize=6, label="on no wall")
-    ax.legend(loc="lower left")
+    ax.legend()  # where fewest points are
     ax.set_title("Each tick is a normal: it stands across its wall")
     return map_axes(ax)
 
@@ -92,7 +92,8 @@ def draw_shifts(
             maps.annotate("", tuple(at + (sign * x, sign * y)), tuple(at), arrowprops=arrow)
     maps.set_title("Where the scan comes to rest")
     title = "What a shift does to the residuals"
-    label_axes(chart, title, "shift [cm]", "mean residual [cm]", ylim=(0, None))
+    legend = {"loc": "upper center"}
+    label_axes(chart, title, "shift [cm]", "mean residual [cm]", legend=legend, ylim=(0, None))
     return [maps, chart]
 
 

@@ -24,7 +24,8 @@ def draw_labels(
     """Draw squares of one number in one colour, with walls over them, and lines across x and y.
 
     `labels` `(rows, columns)` are -1 for none; the squares have `side` metres, and begin at a
-    corner. The number is written where it has a square metre or more.
+    corner. The number is written where there is most room for it, if it has a
+    square metre or more.
 
     Examples
     --------
@@ -34,6 +35,8 @@ def draw_labels(
     >>> [text.get_text() for text in ax.texts]
     ['0', '2']
     """
+    from scipy.ndimage import distance_transform_edt
+
     x_min, y_min = np.asarray(corner, float)
     ax = draw_segments(walls, ax=axes_or_new(ax, (6.0, 5.0)), color=MAP, width=1.2)
     numbers, rank = np.unique(labels, return_inverse=True)
@@ -46,9 +49,9 @@ def draw_labels(
         for offset in np.asarray(across, float):
             draw(offset, color=RAW, linestyle=":", linewidth=1)
     for number in numbers[numbers >= 0].tolist():
-        places = np.argwhere(labels == number)
-        if len(places) * side**2 >= 1:
-            near = abs(places - np.median(places, axis=0)).sum(1).argmin()
-            y, x = (y_min, x_min) + side * (places[near] + 0.5)
+        inside = distance_transform_edt(np.pad(np.equal(labels, number), 1))[1:-1, 1:-1]
+        if np.count_nonzero(inside) * side**2 >= 1:
+            widest = np.unravel_index(inside.argmax(), inside.shape)
+            y, x = (y_min, x_min) + side * (np.array(widest) + 0.5)
             ax.text(x, y, str(number), ha="center", va="center", fontsize="small")
     return ax

@@ -77,4 +77,4 @@ class DragLine(DragFigure):
         ax.plot(*np.transpose(self.points), "o", color=MAP, markerfacecolor="white", markersize=8)
         x_min, y_min, x_max, y_max = self.view
         map_axes(ax).set(xlim=(x_min, x_max), ylim=(y_min, y_max))
-        ax.legend()
+        ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False)
