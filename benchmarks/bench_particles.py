@@ -13,7 +13,7 @@ from segmap_course import corridor_walk, room_walk
 from segmap import Log, read
 from segmap.matching import particle_mapping, particle_paths
 from segmap.matching._likelihoods import Likelihoods
-from segmap.matching._localize import at_places, estimate, predict, redrawn
+from segmap.matching._localize import at_places, estimate, predict, redraw
 from segmap.matching._search import sample_beams
 from segmap.metrics import relation_errors
 from segmap.quadtree import QuadtreeMap, build_map
@@ -75,7 +75,7 @@ def steps_of_a_filter() -> Iterator[Row]:
             weights /= weights.sum()
             places = at_places(moved, weights)
             estimate(moved, weights, places, 0.9, 0.9)
-            redrawn(moved, weights, places, count, rng)
+            redraw(moved, weights, places, count, rng)
 
         weighing = on_cores(lambda poses=poses: known.fits(points, poses))
         yield Row(f"weighing {count} poses, 60 beams, one / all cores", weighing)
