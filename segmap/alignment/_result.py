@@ -303,14 +303,8 @@ def checked_alignment(
         proviso = promised_under(scans, poses, used)
         return own._replace(causes=(*of_log, *seen, *own.causes), proviso=proviso)
 
-    evidence = (
-        poses.copy(),
-        used.copy(),
-        seconds,
-        name,
-        reasons,
-        outcome.graph,
-    )  # a user may edit these
+    copies = poses.copy(), used.copy()  # a user may edit these
+    evidence = *copies, seconds, name, reasons, outcome.graph
     return Alignment(*evidence, unmatched=unmatched, appraise=appraise)
 
 

@@ -274,15 +274,15 @@ def angle_correspondence(
     Alignment(angle_correspondence: 20 scans, 20 used)
     """
     chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
-    seen = [(extract_polylines(scan.points()), scan.sensor_pose[:2]) for scan in log]
+    seen = [(extract_polylines(s.points(), closed=s.whole_turn), s.sensor_pose[:2]) for s in log]
     map = transform(trail.pose(0), seen[0][0]) if grow and seen else None
-    reference = 0
+    reference = newest = 0  # the newest scan that shows walls
     for k in range(1, len(log)):
         row, stays = Laid(trail.guess()), False
-        for earlier in dict.fromkeys((reference, k - 1)):
+        for earlier in dict.fromkeys((reference, newest)):
             sets, stood = zip(seen[earlier], seen[k], strict=True)
             match = match_angles(*sets, rng=chance, viewpoints=stood, **thresholds)
-            if match.matched and (earlier == k - 1 or match.overlap >= new_reference):
+            if match.matched and (earlier == newest or match.overlap >= new_reference):
                 row = Laid(compose(trail.pose(earlier), match.pose))
                 stays, reference = earlier == reference, earlier
                 break
@@ -297,6 +297,7 @@ def angle_correspondence(
             if row.unmatched is Unmatched.NONE:
                 map = _grow_map(map, transform(row.pose, walls), thresholds)
         trail.place(*row)
+        newest = k if len(seen[k][0]) else newest
     return Outcome(trail.laid)
 
 

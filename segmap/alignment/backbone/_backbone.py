@@ -190,8 +190,8 @@ class _Backbone:
             pose = geometry.shifted_onto_lines(pose, seen, self.lines, partner)  # step 7
         if k:
             self.trail.place(pose, why, reason)
-        if not skipped:
-            self.last, self.lost = pose, not used and len(seen) > 0
+        if not skipped and len(seen):
+            self.last, self.lost = pose, not used
             laid = transform(pose, seen)  # step 8; A merges them before they are moved
             self.walls = geometry.merged_into_walls(self.walls, laid, t.distance / 2, t.parallel)
         evidence = (guess, pose, seen, partner, self.lines, self.known)

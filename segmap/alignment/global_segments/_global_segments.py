@@ -111,6 +111,8 @@ def global_segments(
     else:
         lost = [Unmatched.NONE, *[Unmatched.NO_ODOMETRY] * len(log)][: len(log)]
         return _outcome(np.zeros((len(log), 3)), lost)
+    # Views overlap by boxes along the axes of the first scan, in whatever frame the poses are
+    frame, guess = guess[0], between(guess[0], guess)
     # 1. The scans that are kept
     scans = equations.stacked_scans([long_segments(scan, min_length) for scan in log])
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(guess[:, :2], axis=0).T))])
@@ -134,7 +136,7 @@ def global_segments(
         whole[k] = whole[k] or (Unmatched.UNTIED if why[before] in broken else Unmatched.NONE)
     for k, own in zip(chosen, why, strict=True):
         whole[k] = own
-    return _outcome(poses, whole, graph)
+    return _outcome(compose(frame, poses), whole, graph)
 
 
 def _outcome(poses: Array, why: Sequence[Unmatched], graph: Graph | None = None) -> Outcome:
