@@ -38,26 +38,6 @@ def made():
     return {name: (book, list(slides.slides(book))) for name, book in books.items()}
 
 
-def test_no_slide_is_only_a_heading(made):
-    """Catches a heading with one sentence: 263 of 613 slides were that. A title or a summary
-    without a picture has more than one sentence."""
-    for name, (_, found) in made.items():
-        bare = [s.heading for s in found if not s.shown and len(s.sentences) < 2]
-        assert len(found) > 5 and bare == [], name
-
-
-def test_each_figure_has_a_slide_and_each_derivation_its_formulas(made):
-    """Catches a figure that is lost or shown twice, and a formula that no slide shows."""
-    for name, (book, found) in made.items():
-        outputs = [output for cell in book.cells for output in cell.get("outputs", [])]
-        drawn = ["image/png" in output.get("data", {}) for output in outputs]
-        texts = "".join(cell.source for cell in book.cells if cell.cell_type == "markdown")
-        formulas = slides.lines_of(re.findall(r"\$\$(.+?)\$\$", texts, re.DOTALL))
-        assert sum("<img " in slide.shown for slide in found) == sum(drawn), name
-        shown = "".join(slide.shown for slide in found)
-        assert shown.count('display="block"') == len(formulas), name
-
-
 def test_a_task_of_work_has_no_stub_and_no_answer_on_a_slide(made):
     """Catches a stub, or the points of a rubric, taken for a method or a table."""
     for name, (_, found) in made.items():
