@@ -26,8 +26,8 @@ from ._protocol import SensorError, SensorGone, Silent
 FRUITLESS_BYTES = 20_000
 #: Turns whose median lasts as long as a turn does.
 PERIOD_TURNS = 5
-#: A turn is supposed to last so long until one has come, seconds.
-FIRST_PERIOD_S = 0.2
+#: In a silence of so many seconds, and of a whole turn, nobody knows how many turns were lost.
+LEAST_SILENCE_S = 0.2
 #: Degrees that an angle may fall back between two measurements; more: a part of a turn was lost.
 MOST_BACK_DEG = 20.0
 #: Degrees from a measurement to the next: a YDLidar corrects its angles by 8 where it meets a wall.
@@ -134,11 +134,11 @@ class SpinningLaser:
             Where nothing comes, nothing that can be read, or the laser is unplugged or closed.
         """
         beams: list[tuple[float, float, float]] = []
-        line, way, swept, period = self._transport, 0.0, 0.0, FIRST_PERIOD_S
+        line, way, swept, period = self._transport, 0.0, 0.0, 0.0
         line.arrived, line.waited = self._clock(), 0.0
         ends = deque([line.arrived], PERIOD_TURNS + 1)
         for point in _in_step(self._driver.points()):
-            if line.waited > period:  # nobody knows how many turns were lost
+            if line.waited > max(period, LEAST_SILENCE_S):
                 beams, swept, line.waited = [], 0.0, 0.0
                 ends = deque([line.arrived], PERIOD_TURNS + 1)
             swept += _motion(point.angle_deg - beams[-1][0], way) if beams else 0.0

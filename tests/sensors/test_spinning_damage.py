@@ -131,7 +131,7 @@ KINDS = {
     "bits wrong all the way": (every(503, flip), ""),
     "half a turn cut": (between(FIRST, FIRST + 900), ""),
     "most of a turn cut": (between(FIRST, FIRST + 1500), ""),
-    "two turns cut": (between(FIRST, FIRST + 4000), ""),
+    "three turns cut": (between(FIRST, FIRST + 6000), ""),
     "text": (lambda data, at: (b"login: \r\n" * 60)[: len(data)], TALKS),
     "zeros": (lambda data, at: bytes(len(data)), TALKS),
     "a GPS": (lambda data, at: (GPS * 9)[: len(data)], TALKS),

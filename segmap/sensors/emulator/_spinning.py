@@ -26,6 +26,8 @@ ANSWERS = {
     0x50: bytes.fromhex("a55a1400000004") + bytes([0x18, 1, 1, 7, *range(16)]),
     0x52: bytes.fromhex("a55a0300000006") + bytes(3),
 }
+#: Of what nobody reads so long, its seconds, the older is lost.
+MOST_UNREAD_S = 1.0
 #: Quality and intensity of a beam that met something.
 GOOD_QUALITY, GOOD_INTENSITY = 15, 200
 SpinningName = Literal["LD19", "RPLIDAR-A1"]
@@ -79,6 +81,8 @@ class SpinningUnit:
         n = len(self._beams)
         measured = int(turns) * n + int(np.searchsorted(self._beams[:, 0], since))
         step = PACKET_BEAMS if self._model == "LD19" else 1
+        late = measured - self._sent - int(MOST_UNREAD_S * n / self._period)
+        self._sent += max(late, 0) // step * step
         encode = packet if self._model == "LD19" else node
         while self._sent + step <= measured:
             some = np.arange(self._sent, self._sent + step)
