@@ -13,8 +13,9 @@ import numpy as np
 
 from segmap import readers, warm
 from segmap.arrays import Array
-from segmap.carried import CarriedMap
+from segmap.carried import CASES, CarriedMap
 from segmap.display import counted
+from segmap.files import replacing
 from segmap.progress import Stopped, announce
 from segmap.scans import LaserScan, Log
 from segmap.sensors import Newest, SensorError, SpinningLaser, UrgSensor
@@ -47,7 +48,7 @@ def drive(model: str, port: str, path: Path, clockwise: bool | None) -> str:
 
     Without one scan there is no file.
     """
-    warm.dispatch(["alignment pose_graph", "quadtree all", "matching all"])  # before scans wait
+    warm.dispatch(CASES)  # before scans wait
     try:
         with opened(model, port, clockwise) as laser:
             for words in getattr(laser, "assumed", ()):
@@ -67,6 +68,16 @@ def driven(model: str, port: str, path: Path, clockwise: bool | None) -> tuple[L
     if not path.exists():
         raise ValueError(why or "it was stopped before a scan came")
     return readers.read(path, on_error="skip"), why
+
+
+def mirrored(path: Path) -> Log:
+    """The log of a drive with its angles counted the other way: the file is written anew."""
+    with path.open(encoding="ascii", newline="") as old, replacing(path) as new:
+        new.write(next(old).encode())
+        for row in csv.reader(old):
+            row[2] = f"{-float(row[2]):.6f}"
+            new.write(f"{','.join(row)}\n".encode())
+    return readers.read(path, on_error="skip")
 
 
 def opened(model: str, port: str, clockwise: bool | None) -> SpinningLaser | UrgSensor:

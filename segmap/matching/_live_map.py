@@ -136,7 +136,7 @@ class LiveMap(Locked):
         self._drawn: list[int] = []  # which scans of the graph
         self._stale = False
         self._anew: Future[Anew] | None = None
-        self._placed: list[Placed] = []  # what the new map holds, or will
+        self._placed: list[Placed] = []  # what the new map will hold, while it is made
 
     @locked
     def add(self, scan: LaserScan) -> Step:
@@ -150,7 +150,8 @@ class LiveMap(Locked):
         overlap = overlap_of(self.map, scan.points(), pose)
         insert_placed(self.map, self.walls, scan, pose, free=self._free)
         self._drawn.append(number)
-        self._placed.append((scan, pose))
+        if self._anew is not None:
+            self._placed.append((scan, pose))
         self._begin()
         matched = not any(self.graph.unmatched[-1:])
         seconds = work_time() - begun
@@ -201,6 +202,7 @@ class LiveMap(Locked):
         map, walls, count = anew.result()
         for scan, pose in self._placed[count:]:
             insert_placed(map, walls, scan, pose, free=self._free)
+        self._placed = []
         self.map.become(map)
         if self.walls is not None and walls is not None:
             self.walls.become(walls)

@@ -1,5 +1,6 @@
 """A map that loops move: nothing is lost, the old one stands meanwhile, the end is corrected."""
 
+import pickle
 from concurrent.futures import wait
 
 import numpy as np
@@ -9,6 +10,7 @@ from quadtrees import state
 
 from segmap import LaserScan, extraction
 from segmap.alignment import LiveGraph, LoopClosing
+from segmap.carried import CarriedMap
 from segmap.matching import LiveMap, _live_map, map_scans
 from segmap.poses import between, compose
 from segmap.quadtree import QuadtreeMap
@@ -127,3 +129,16 @@ def test_a_scan_that_the_map_refuses_has_no_pose_in_it():
     assert live.map.scans == len(live.poses) == 2 and len(live.graph) == 3
     apart = between(*live.graph.poses[[0, 2]])
     np.testing.assert_allclose(between(*live.poses), apart, atol=1e-12)
+
+
+def test_a_laser_that_stands_fills_no_memory():
+    """Catches a carried map that keeps each scan for ever: 300 MB in half an hour."""
+    angles = np.linspace(-np.pi, np.pi, 450, endpoint=False)
+    ranges = 2.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles) * 1.3))
+    live, sizes = CarriedMap(), []
+    for k in range(90):
+        live.add(LaserScan(ranges, angles, 0.1 * k, delays=0.01 * (angles + np.pi)))
+        sizes.append(len(pickle.dumps(live.graph)))
+    assert len(live.graph) == 90 and len(live.poses) == 90
+    assert sizes[89] - sizes[49] < 40 * 2000  # a scan as measured and as carried is 18 000
+    assert len(live.graph.tracked(0).scan.points()) == 450  # a key frame

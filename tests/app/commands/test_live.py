@@ -11,6 +11,7 @@ import pytest
 from emulated import needs_terminals
 
 from segmap import load, read, warm
+from segmap.carried import CASES
 from segmap.progress import told
 from segmap.scans import LaserScan
 from segmap.sensors.emulator import SpinningEmulator
@@ -58,7 +59,7 @@ def test_a_laser_is_followed_recorded_and_mapped(tmp_path):
 def test_what_was_measured_stays_where_the_laser_falls_silent(tmp_path, capsys):
     """Catches a log that is lost with the laser, and an end that is called a success."""
     log = tmp_path / "drive.csv"
-    warm.dispatch(["alignment pose_graph", "quadtree all", "matching all"])  # it sends meanwhile
+    warm.dispatch(CASES)  # it sends meanwhile
     with SpinningEmulator(turns(), speed=3) as emulator:
         emulator.inject("unplug", after=120_000)
         assert main(["live", "LD19", emulator.port, "--log", str(log)]) == 1
@@ -87,6 +88,18 @@ def test_a_log_that_comes_with_segmap_reads_as_it_was_written(tmp_path):
     assert len(list(drives.written(log, tmp_path / "it.csv"))) == 5
     for ours, theirs in zip(read(tmp_path / "it.csv"), log, strict=True):
         assert np.allclose(ours.points(), theirs.points(), atol=2e-4)
+
+
+def test_nothing_is_loaded_while_scans_wait():
+    """Catches a loop that compiles when the fiftieth scan has come: 31 scans were left out."""
+    code = """
+from segmap import warm
+from segmap.carried import CASES, CarriedMap
+warm.dispatch(CASES)
+print([k.plain for k in warm.loops([CarriedMap, CarriedMap.add]) if not (k._fast or k._inner)])
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
 
 
 @pytest.mark.parametrize(("turn", "words"), [(20, "sure"), (60, "SLOWER")])
