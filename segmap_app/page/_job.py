@@ -40,7 +40,7 @@ RUNS_HERE = "what only this notebook defines runs with workbench.run()"
 Kept = dict[str, Any]
 #: The work reads files of strangers: it may have the machine's memory, or so much, bytes.
 LEAST_MEMORY_BYTES = 4 << 30
-#: And one call so much time, seconds.
+#: And one call so much time, seconds, but for a drive.
 MOST_TIME_S = 3600
 #: A step may take so long before it is told, seconds.
 STEP_PATIENCE_S = 0.2
@@ -198,6 +198,11 @@ def _end(process: subprocess.Popen[bytes] | None) -> None:
                 pipe.close()  # type: ignore[union-attr]
 
 
+def most_time_s(function: Callable[..., Any]) -> int:
+    """Seconds that a call may take; 0 for a drive, which has no end that is known."""
+    return 0 if function in PATIENCE_S else MOST_TIME_S
+
+
 def serve() -> None:
     """What the worker does: calls that come in by standard input, until that is closed.
 
@@ -243,7 +248,7 @@ def serve() -> None:
             except Exception as fault:
                 raise ValueError(f"{fault}; {RUNS_HERE}") from fault
             cache |= _kept(arguments)
-            alarm(MOST_TIME_S)
+            alarm(most_time_s(function))
             with told(hand_on):
                 result = function(*arguments)
             _send(answers, ("done", result), cache)

@@ -18,7 +18,7 @@ from segmap.files import shown
 from segmap.scans import Log
 from segmap.sensors import SensorError, ports, spinning_models
 
-from ..drives import HOKUYO, new_path
+from ..drives import HOKUYO, mirrored, new_path
 from ..files import Session, read_session
 from . import _shown
 from ._bar import Bar
@@ -53,6 +53,7 @@ class Laser:
         self.mirrored.tooltip = "the angles of this laser count the other way"
         self.start: Any = W.Button(description="Start", tooltip="follow the laser until Stop")
         self.mirrored.layout.width, self.start.layout.width = "auto", "80px"
+        self._begun_turned = False
         row = W.Box([self.start, self.mirrored], layout=W.Layout(**WRAP))
         self.view = W.VBox([self.model, self.port, row])
         with contextlib.suppress(SensorError):
@@ -69,7 +70,26 @@ class Laser:
         if not port and model != HOKUYO:
             there = ", ".join(self.list_ports()) or "none: plug the laser in"
             raise ValueError(f"choose the port of the {model}, then press Start: {there}")
-        return model, port, Path.home() / new_path(), False if self.mirrored.value else None
+        self._begun_turned = bool(self.mirrored.value) and model != HOKUYO
+        return model, port, Path.home() / new_path(), False if self._begun_turned else None
+
+    @property
+    def _is_other(self) -> bool:
+        """Whether the tick has changed since *Start*."""
+        return bool(self.mirrored.value) != self._begun_turned
+
+    def turning(self, show: Callable[..., object]) -> Callable[..., object]:
+        """Show a map that grows, places and words, as the tick is now."""
+
+        def turn(*seen: Any) -> object:
+            way = (1, -1 if self._is_other else 1)
+            return show(*(each if isinstance(each, str) else each * way for each in seen))
+
+        return turn
+
+    def turned(self, log: Log, path: Path) -> Log:
+        """The log of a drive as the tick is now; then the file holds it so."""
+        return mirrored(path) if self._is_other else log
 
 
 class Source:

@@ -148,12 +148,12 @@ class Workbench(Page, Work):
     def _drive(self, button: object) -> None:
         """Follow a laser in the worker, until Stop; then map its log."""
         with telling(self._bar.wrong):
-            self._worker.grown = partial(self._grown, self.log)
+            self._worker.grown = self._laser.turning(partial(self._grown, self.log))
             self._begin(driven, laser := self._laser.named(), partial(self._driven, laser[2]))
 
     def _driven(self, path: Path, drive: tuple[Log, str]) -> None:
         """Map the log of a drive, and say why it ended by itself."""
-        self._source.take_drive(drive[0], path)
+        self._source.take_drive(self._laser.turned(drive[0], path), path)
         work = self._work(anew=True)
         self._worker.grown = partial(self._grown, work[1])
         self._reduce(*work[:2], self._worker.do(begin, *work))
