@@ -17,7 +17,7 @@ from .. import arrays
 from ..angles import wrap
 from ..arrays import Array, unit_checks
 from ..poses import between, compose, interpolate, inverse
-from ..scans import NO_POSE, LaserScan
+from ..scans import LONGEST_TURN_S, NO_POSE, LaserScan
 from ..scans.causes import Cause, Finding
 from ._clock import on_one_clock, stands
 
@@ -113,7 +113,7 @@ def beams_of_message(message: Any) -> LaserScan:
     most = most if most > 0 else np.inf
     clean_ranges = clean(np.where(ranges < least, np.nan, ranges), most)
     count, apart = np.arange(len(ranges)), abs(float(message.time_increment))
-    delays = count * apart if 0 < apart <= MOST_APART else None
+    delays = count * apart if 0 < apart <= min(MOST_APART, LONGEST_TURN_S / len(count)) else None
     return LaserScan(clean_ranges, first + step * count, max_range=most, delays=delays)
 
 

@@ -19,6 +19,8 @@ from .causes import Finding
 T = TypeVar("T")
 
 NO_POSE = (np.nan, np.nan, np.nan)
+#: No laser takes longer for a turn, seconds; the milliseconds of one are more.
+LONGEST_TURN_S = 10.0
 #: In a whole turn the last beam is at most so many steps before the first: one may be missing.
 SEAM_STEPS = 2.5
 
@@ -107,6 +109,9 @@ class LaserScan(Pictured):
         )
         if self.delays is not None and not ((self.delays >= 0) & np.isfinite(self.delays)).all():
             raise ValueError("delays must be finite and at least 0, in seconds after time")
+        if self.delays is not None and (turn := self.delays.max(initial=0.0)) > LONGEST_TURN_S:
+            most = f"{LONGEST_TURN_S:g} s after time, got {turn:.6g}"
+            raise ValueError(f"delays must be at most {most}: are they milliseconds?")
 
     @property
     def valid(self) -> NDArray[np.bool_]:

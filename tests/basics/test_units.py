@@ -172,3 +172,16 @@ def test_help_shows_an_angle_in_degrees_and_the_value_stays_a_float():
     assert bent() == (np.radians(10), 1.0, 0.2)
     sent = pickle.loads(pickle.dumps(known["angle"].default))
     assert type(sent) is float and sent == np.radians(10) == known["angle"].default
+
+
+def test_delays_in_milliseconds_are_refused(tmp_path):
+    """Catches beams that are carried by a thousand times the motion of their turn."""
+    delays = np.linspace(0, 100, 9)  # of a turn of 0.1 s
+    with pytest.raises(ValueError, match=r"at most 10 s after time, got 100: are they millisec"):
+        LaserScan(np.ones(9), np.linspace(-1, 1, 9), delays=delays)
+    assert LaserScan(np.ones(9), np.linspace(-1, 1, 9), delays=delays / 1000).delays is not None
+    path = tmp_path / "it.csv"
+    rows = [f"{k},{time},{0.1 * time},2.0" for k in range(3) for time in range(0, 90, 10)]
+    path.write_text("\n".join(["scan,time_s,angle_deg_ccw,range_m", *rows]))
+    with pytest.raises(ValueError, match=r"it.csv: the beams of a scan take 80 s.*millisec"):
+        readers.read(path)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import LIMIT, Array
-from ...scans import LaserScan, Log
+from ...scans import LONGEST_TURN_S, LaserScan, Log
 from ...scans.error_codes import as_ranges
 from ..lines import (
     LATEST_TIME_S,
@@ -314,6 +314,9 @@ def _a_beam_a_row(
         )
         angles, ranges, when = (table.get(role, times)[way] for role in ("angle", "range", "time"))
         first = float(np.min(when))
+        if np.ptp(when) > LONGEST_TURN_S:
+            words = f"the beams of a scan take {np.ptp(when):.6g} s, and no laser turns so slowly"
+            raise LogError(path, f"{words}: are its times milliseconds, or is it several scans?")
         delays = when - first if np.ptp(when) > 0 else None
         errors = table["codes"][way].astype(np.int64) if "codes" in table else None
         pose = _pose(table, begin)
