@@ -7,8 +7,9 @@ the free space from B's quadtree.
 from ._doors import Door
 from ._plan import FloorPlan, floor_plan
 from ._polygons import Room, shapely_or_hint
-from .edits import Join, Name, NoDoor, Split
+from .edits import Furniture, Join, Name, NewDoor, NoDoor, Split, Wall
 
 __all__ = [
-    "Door", "FloorPlan", "Join", "Name", "NoDoor", "Room", "Split", "floor_plan", "shapely_or_hint",
+    "Door", "FloorPlan", "Furniture", "Join", "Name", "NewDoor", "NoDoor", "Room", "Split", "Wall",
+    "floor_plan", "shapely_or_hint",
 ]  # fmt: skip

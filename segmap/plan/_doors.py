@@ -27,7 +27,8 @@ class Door:
     ends : (2, 2) array, metres
         Both jambs.
     rooms : two int
-        Indices in `FloorPlan.rooms`, ascending; -1 where nothing was seen.
+        Indices in `FloorPlan.rooms`, ascending; -1 where nothing was seen: a door to the outside,
+        which only a person draws.
     reason : str
         Why it is one.
     """
@@ -53,20 +54,31 @@ class Door:
 def find_doors(edges: Edges, lines: list[Line], grid: Grid, labels: Indices) -> list[Door]:
     """Doorways with two rooms, or a room and none: of two faces of a wall the narrower."""
     candidates, doors = list[Door](), list[Door]()
-    steps = np.arange(grid.side / 2, ROOM_REACH_M, grid.side)[:, None]
     for run in [one for one in edges.runs if one.door]:
-        line, rooms = lines[run.line], list[int]()
+        line = lines[run.line]
         ends = np.reshape(run.jambs, (2, 1)) * line.way + line.offset * line.normal
-        for side in (1, -1):
-            path = midpoint(ends) + side * steps * line.normal
-            row, column = grid.squares(path)
-            before = np.logical_and.accumulate(grid.kind[row, column] != OCCUPIED)
-            rooms.append(int(next((k for k in labels[row, column][before] if k >= 0), -1)))
+        rooms = rooms_beside(midpoint(ends), line.normal, grid, labels)
         if rooms[0] != rooms[1]:
             words = f"open for {length(ends):.2f} m between {run.door}"
-            candidates.append(Door(ends, (min(rooms), max(rooms)), words))
+            candidates.append(Door(ends, rooms, words))
     for door in sorted(candidates, key=lambda one: one.width):
         same = [one.place for one in doors if one.rooms == door.rooms]
         if all(np.hypot(*(place - door.place)) > ONE_DOOR_M for place in same):
             doors.append(door)
     return doors
+
+
+def rooms_beside(
+    place: Array, normal: Array, grid: Grid, labels: Indices, *, is_shut: bool = False
+) -> tuple[int, int]:
+    """The rooms on both sides of a doorway, ascending, -1 for none.
+
+    A shut one is a face of a wall as yet, which may lie in a square of its room.
+    """
+    start, rooms = grid.side * (1.5 if is_shut else 0.5), list[int]()
+    steps = np.arange(start, ROOM_REACH_M, grid.side)[:, None]
+    for side in (1, -1):
+        row, column = grid.squares(place + side * steps * normal)
+        before = np.logical_and.accumulate((grid.kind[row, column] != OCCUPIED) | is_shut)
+        rooms.append(int(next((k for k in labels[row, column][before] if k >= 0), -1)))
+    return min(rooms), max(rooms)

@@ -7,12 +7,15 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..segments import MIN_LENGTH, length
+from ..quadtree import FREE
+from ..segments import MIN_LENGTH
 from ._cells import SHORTEST_ALONE_M, Grid
 from ._lines import Indices
 from ._polygons import Room, shapely_or_hint
 from ._walls import CORNER_TURN_RAD, FACE_TURN_RAD, THICKEST_WALL_M, normals
 
+#: Walls `(n, 2, 2)`, their free sides, and their lengths: infinite where one is no furniture.
+Bounds = tuple[Array, Indices, Array]
 #: Slits and spikes that are narrower, metres, are none.
 SLIT_M = 0.15
 #: Steps of one square in a side are none, in squares.
@@ -39,8 +42,7 @@ def room_of(
     number: int,
     box: tuple[slice, ...],
     grid: Grid,
-    walls: Array,
-    side: Indices,
+    walls: Bounds,
     doorways: Array,
     least: float,
 ) -> Room:
@@ -59,18 +61,22 @@ def room_of(
         whole = shapely.buffer(whole, by, join_style="mitre")
     whole = shapely.intersection(whole, shapely.buffer(squares, slit, join_style="mitre"))
     whole, rings = largest(shapely.simplify(whole, SMOOTHED_SQUARES)), list[Array]()
-    others, hidden = placed(np.argwhere((parts[box] >= 0) & ~own)[:, ::-1]), 0.0
+    others = placed(np.argwhere((parts[box] >= 0) & ~own)[:, ::-1])
+    hidden = float((own & (grid.kind[box] != FREE)).sum()) * grid.side**2
     for ring in (whole.exterior, *whole.interiors):
         corners = placed(np.array(ring.coords)[:-1] - 0.5)
-        corners, area = outline_of(corners, walls, side, doorways, others, least)
+        corners, area = outline_of(corners, walls, doorways, others, least)
         rings.append(corners)
         hidden += area
     clean = shapely.buffer(shapely.Polygon(rings[0], rings[1:]), 0)
     whole = largest(shapely.simplify(clean, STRAIGHT_M))
     outline, *holes = (np.array(r.coords)[:-1] for r in (whole.exterior, *whole.interiors))
     areas = [float(shapely.Polygon(hole).area) for hole in holes]
-    hidden += sum(area for area in areas if area < least)
-    holes = [hole for hole, area in zip(holes, areas, strict=True) if area >= least]
+    stays = [area >= least for area in areas]
+    for k, hole in enumerate(holes):
+        stays[k] |= np.inf in sides_on_walls(hole, walls)[1]
+        hidden += 0 if stays[k] else areas[k]
+    holes = [hole for hole, stay in zip(holes, stays, strict=True) if stay]
     whole = shapely.Polygon(outline, holes)
     widest = shapely.maximum_inscribed_circle(whole, tolerance=STRAIGHT_M)
     place = shapely.get_coordinates(widest)[0]
@@ -84,17 +90,17 @@ def largest(polygons: Any) -> Any:
 
 
 def outline_of(
-    ring: Array, walls: Array, side: Indices, doorways: Array, others: Array, least: float
+    ring: Array, walls: Bounds, doorways: Array, others: Array, least: float
 ) -> tuple[Array, float]:
     """A ring of corners whose sides are on walls, and the area in it that furniture hides.
 
-    The inside of the ring is on its left, `side` the free side of each wall. Between two sides on
-    walls, on one line or at a right angle, stands furniture where the area is below `least` and no
-    place of `others`, `(m, 2)`, is in it. A niche in a wall with one of the `doorways`, `(d, 2)`,
+    The inside of the ring is on its left. Between two sides on walls, on one line or at a right
+    angle, stands furniture where the area is below `least` and no place of `others`, `(m, 2)`, is
+    in it. A niche in a wall with one of the `doorways`, `(d, 2)`,
     is the sill of a door.
     """
     shapely, hidden, steps, refused = shapely_or_hint(), 0.0, 2, set[bytes]()
-    sides, wall = sides_on_walls(ring, walls, side)
+    sides, wall = sides_on_walls(ring, walls)
     while steps <= min(MOST_BETWEEN + 1, len(sides) - 2):
         apart = np.hypot(*(np.roll(sides[:, 0], -steps, axis=0) - sides[:, 1]).T)
         normal = normals(sides)
@@ -142,25 +148,26 @@ def is_sill(both: Array, border: Array, doorways: Array) -> bool:
 def is_furniture(sides: Array, wall: Array, border: Array, others: Array) -> bool:
     """Whether what sides go round, from the first to the last, belongs to the floor.
 
-    `wall` are the lengths of the walls on which those between are. One side alone cuts a corner
+    `wall` are the sizes of the walls on which those between are. One side alone cuts a corner
     off, and a long one that reaches far into the room is a wall too.
     """
     shapely, both = shapely_or_hint(), sides[[0, -1]]
     ways = normals(both) @ [[0, -1], [1, 0]]
     across = abs(normals(sides[1:-1]) @ ways.T).max(1)
     is_deep = depth(both, border) > DEEPEST_FURNITURE_M
-    if len(wall) < 2 or (is_deep and (wall * across).max() >= SHORTEST_ALONE_M):
+    if len(wall) < 2 or np.inf in wall or (is_deep and max(wall * across) >= SHORTEST_ALONE_M):
         return False
     near = others[((others >= border.min(0)) & (others <= border.max(0))).all(1)]
     inner = shapely.buffer(shapely.Polygon(border), -SLIT_M / 2)
     return not shapely.contains_xy(inner, *near.T).any()
 
 
-def sides_on_walls(ring: Array, walls: Array, side: Indices) -> tuple[Array, Array]:
-    """Sides `(n, 2, 2)` of a ring, and the length of the wall that each is on, 0 for none.
+def sides_on_walls(ring: Array, bounds: Bounds) -> tuple[Array, Array]:
+    """Sides `(n, 2, 2)` of a ring, and the size of the wall that each is on, 0 for none.
 
     A side goes onto the wall that covers most of it and whose free side is the inside.
     """
+    walls, side, sizes = bounds
     normal, sides = normals(walls), np.stack([ring, np.roll(ring, -1, axis=0)], 1)
     on = np.zeros(len(ring))
     for k, (start, end) in enumerate(sides.copy()):
@@ -174,7 +181,7 @@ def sides_on_walls(ring: Array, walls: Array, side: Indices) -> tuple[Array, Arr
         common[(abs(off) > SNAP_M) | (facing < np.cos(FACE_TURN_RAD))] = 0
         if common.max(initial=0) > 0:
             best = common.argmax()
-            on[k] = length(walls[best])
+            on[k] = sizes[best]
             sides[k] -= ((sides[k] - walls[best, 0]) @ normal[best])[:, None] * normal[best]
     return sides, on
 

@@ -15,7 +15,7 @@ from ..arrays import Array, Metres, Positive, Segments, Share, checked
 from ..progress import announce
 from ..quadtree import FREE, QuadtreeMap
 from ..reduction import Reduction
-from ..segments import length
+from ..segments import length, midpoint
 from ._cells import (
     WIDEST_LEAF_M,
     Edges,
@@ -27,12 +27,13 @@ from ._cells import (
     unseen_border,
 )
 from ._doors import Door, find_doors
+from ._draft import Draft
 from ._lines import Indices, Line, building_axes, wall_lines
-from ._outlines import room_of
+from ._outlines import SNAP_M, room_of
 from ._polygons import Room, shapely_or_hint
 from ._rooms import find_rooms
-from ._walls import draw_walls
-from .edits import Edit, Name, Split
+from ._walls import Faces, draw_faces, walls_and_clutter
+from .edits import Edit, Name
 
 #: Side of the squares of free space, metres.
 SQUARE_M = 0.05
@@ -54,12 +55,12 @@ class Base(NamedTuple):
     edges: Edges
     parts: Indices  # the room of each square, -1 for none
     reasons: list[str]
-    walls: tuple[Reduction, Reduction, Array, Indices, Array]
+    faces: Faces
     axes: Array
     off_lines: float
     opening: float
     least_area: float
-    outlined: dict[bytes, Room]  # rooms by their squares: what no edit changed is not made anew
+    outlined: dict[bytes, Room]  # by squares and walls: what no edit changed is not made anew
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +130,8 @@ class FloorPlan:
         """What is not as the method assumes; nothing where all is."""
         wide, away = sum(d.width > WIDEST_LEAF_M for d in self.doors), self.openings_to_nowhere
         unseen, names = self.unseen, [room.name for room in self.rooms]
-        alone = [names[k] for k in np.flatnonzero(~self.graph.any(0))] if len(names) > 1 else []
+        joined = {-1, *(k for door in self.doors for k in door.rooms)}
+        alone = [names[k] for k in range(len(names)) if k not in joined] * (len(names) > 1)
         ends = [f"{names[k]} ({unseen[k]:.1f} m)" for k in np.flatnonzero(unseen)]
         doubts = {
             "no room was found: where the walls are, nothing was seen free": not self.rooms,
@@ -147,7 +149,8 @@ class FloorPlan:
         """Which rooms a door joins, `(r, r)`: the topological map of A 2.1."""
         is_joined = np.zeros((len(self.rooms),) * 2, bool)
         for door in self.doors:
-            is_joined[door.rooms] = is_joined[door.rooms[::-1]] = True
+            if door.rooms[0] >= 0:
+                is_joined[door.rooms] = is_joined[door.rooms[::-1]] = True
         return is_joined
 
     def room_at(self, points: ArrayLike) -> Indices:
@@ -206,8 +209,9 @@ def floor_plan(
         Segments whose offsets differ by less are on one line.
     least_area : float, square metres
         Smaller rooms go into their neighbour; what is larger and stands in a room is none of it.
-    edits : Join, Split, NoDoor or Name, in their order
-        What a person changed, by places. What finds no room or door there is in `unplaced`.
+    edits : list of `Edit`, in their order
+        What a person changed, by places: see `plan.edits`. What finds nothing there is in
+        `unplaced`.
 
     Raises
     ------
@@ -254,10 +258,10 @@ def floor_plan(
     labels, words = find_rooms(grid, cells, edges, kappa, share, opening, least_area)
     parts = connected(labels, labels >= 0, least_area / grid.side**2)
     reasons = [words[labels[parts == k][0]] for k in range(parts.max() + 1)]
-    walls = draw_walls(segments, axes, grid, parts)
+    faces = draw_faces(segments, axes, grid, parts)
     off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
     base = Base(
-        grid, lines, edges, parts, reasons, walls, axes, float(off), opening, least_area, {}
+        grid, lines, edges, parts, reasons, faces, axes, float(off), opening, least_area, {}
     )
     return _form_plan(base, edits)
 
@@ -266,15 +270,23 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     """Rooms and doors of a plan, after what a person changed."""
     if not isinstance(edits, list | tuple) or not all(isinstance(each, Edit) for each in edits):
         raise ValueError(f"edits must be a list of edits, got {arrays.brief(edits)}")
-    grid, parts = base.grid, base.parts.copy()
-    unplaced = [f"{edit} ({why})" for edit in edits if (why := edit.on_squares(grid, parts))]
+    grid, draft = base.grid, Draft(base.grid, base.parts, base.faces, base.least_area)
+    unplaced = [f"{edit} ({why})" for edit in edits if (why := edit.on_rooms(draft))]
+    parts, faces = draft.parts, draft.faces
     old, numbers = np.unique(parts[parts >= 0], return_inverse=True)
     parts[parts >= 0] = numbers
     openings = find_doors(base.edges, base.lines, grid, parts)
-    cuts = np.reshape([edit.line for edit in edits if isinstance(edit, Split)], (-1, 2, 2))
-    rooms = _outline_rooms(base, parts, cuts, np.reshape([one.place for one in openings], (-1, 2)))
+    places = [one.place for one in openings] + [midpoint(ends) for ends in draft.doorways.values()]
+    rooms = _outline_rooms(base, draft, np.reshape(places, (-1, 2)))
+    for wall, run in draft.pins.items():
+        faces.size[run] = length(faces.segments[run])
+        without = _outline_rooms(base, draft, np.reshape(places, (-1, 2)))
+        if [room.area for room in without] == [room.area for room in rooms]:
+            unplaced.append(f"{wall} (it is a wall already)")
+        faces.size[run] = np.inf
     order = np.argsort([-room.area for room in rooms], kind="stable")
     number = np.append(np.argsort(order), -1)
+    draft.parts = number[parts]
     reasons = dict(enumerate(base.reasons))
     rooms = [
         replace(rooms[k], name=f"room {n}", reason=reasons.get(old[k], "joined or split by hand"))
@@ -287,10 +299,12 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     ]
     away = len(openings) - len(doors)
     before = find_doors(base.edges, base.lines, grid, base.parts)
-    unplaced += [f"{edit} ({why})" for edit in edits if (why := edit.on_doors(doors, before))]
-    unseen = unseen_border(grid, number[parts], base.opening)
+    for edit in edits:
+        unplaced += [f"{edit} ({why})"] if (why := edit.on_doors(doors, before, draft)) else []
+    seen = grid._replace(kind=np.where(draft.parts >= 0, FREE, grid.kind))
+    unseen = unseen_border(seen, np.where(base.parts >= 0, draft.parts, -1), base.opening)
     plan = FloorPlan(
-        *base.walls, rooms, doors, base.axes, base.off_lines, away, unseen,
+        *walls_and_clutter(faces), rooms, doors, base.axes, base.off_lines, away, unseen,
         tuple(edits), unplaced, base,
     )  # fmt: skip
     for name in [edit for edit in edits if isinstance(edit, Name)]:
@@ -302,18 +316,22 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     return plan
 
 
-def _outline_rooms(base: Base, parts: Indices, cuts: Array, doorways: Array) -> list[Room]:
-    """The rooms of squares; those that no edit changed are known."""
-    walls, side, rooms = base.walls[0].segments, base.walls[3], list[Room]()
-    places = np.sort(np.stack(base.grid.squares(cuts), -1), axis=1)  # row and column
+def _outline_rooms(base: Base, draft: Draft, doorways: Array) -> list[Room]:
+    """The rooms of squares; those around which no edit changed anything are known."""
+    parts, rooms, reach = draft.parts, list[Room](), int(SNAP_M / base.grid.side) + 2
+    segments, side, size = draft.bounds()
+
+    def near(points: Array) -> NDArray[np.bool_]:
+        places = np.stack(base.grid.squares(points), -1)
+        return ((places.min(1) <= high + reach) & (places.max(1) >= low - reach)).all(1)
+
     for k, box in enumerate(scipy.ndimage.find_objects(parts + 1)):
         low, high = np.array([(each.start, each.stop) for each in box]).T
-        mine = cuts[((places[:, 0] <= high + 1) & (places[:, 1] >= low - 1)).all(1)]
+        which, doors = near(segments), doorways[near(doorways[:, None])]
+        mine = segments[which], side[which], size[which]
         squares = np.where(parts[box] < 0, 0, 1 + (parts[box] == k)).astype(np.int8)
-        key = low.tobytes() + high.tobytes() + mine.tobytes() + squares.tobytes()
+        key = b"".join(each.tobytes() for each in (low, high, squares, *mine, doors))
         if key not in base.outlined:
-            faces = np.concatenate([walls, mine]), np.append(side, np.zeros(len(mine), np.int64))
-            room = room_of(parts, k, box, base.grid, *faces, doorways, base.least_area)
-            base.outlined[key] = room
+            base.outlined[key] = room_of(parts, k, box, base.grid, mine, doors, base.least_area)
         rooms.append(base.outlined[key])
     return rooms

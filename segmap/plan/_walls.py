@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..angles import axial_difference
@@ -49,10 +51,23 @@ CORNER_TURN_RAD = np.radians(20)
 THICKEST_WALL_M = 0.5
 
 
-def draw_walls(
-    segments: Array, axes: Array, grid: Grid, labels: Indices
-) -> tuple[Reduction, Reduction, Array, Indices, Array]:
-    """Walls with closed corners, and clutter; of walls thickness, free side, residual."""
+class Faces(NamedTuple):
+    """Straight runs of wall and of clutter, `(n, 2, 2)`.
+
+    Of each its free side, its length (infinite where a person says that it is a wall), whether it
+    is a wall, and its residual; `members` is the face of each segment of the map.
+    """
+
+    segments: Array
+    side: Indices
+    size: Array
+    wall: Mask
+    residual: Array
+    members: Indices
+
+
+def draw_faces(segments: Array, axes: Array, grid: Grid, labels: Indices) -> Faces:
+    """Walls with closed corners, and clutter as it was seen."""
     drawn, side, residual, face = straight_faces(segments, grid)
     off = quarter_turn(angle(drawn)[:, None] - axes)
     off = np.take_along_axis(off, abs(off).argmin(1)[:, None], 1) if len(axes) else off + np.inf
@@ -65,13 +80,20 @@ def draw_walls(
     shut = drawn.copy()
     shut[wall] = closed(drawn[wall], grid)
     wall &= length(shut) >= SHORTEST_WALL_M
+    drawn = np.where(wall[:, None, None], shut, drawn)
+    return Faces(drawn, side, length(drawn), wall, residual, face)
 
-    def made(these: Array, which: Mask) -> Reduction:
+
+def walls_and_clutter(faces: Faces) -> tuple[Reduction, Reduction, Array, Indices, Array]:
+    """Walls, and clutter; of walls thickness, free side, residual."""
+
+    def made(which: Mask) -> Reduction:
         number = np.append(np.where(which, np.cumsum(which) - 1, -1), -1)
-        return Reduction(these[which], number[face], 0.0, "floor_plan")
+        return Reduction(faces.segments[which], number[faces.members], 0.0, "floor_plan")
 
-    walls, faces = made(shut, wall), (side[wall], residual[wall])
-    return walls, made(drawn, ~wall), thicknesses(walls.segments, side[wall]), *faces
+    walls, side = made(faces.wall), faces.side[faces.wall]
+    thickness = thicknesses(walls.segments, side)
+    return walls, made(~faces.wall), thickness, side, faces.residual[faces.wall]
 
 
 def normals(segments: Array) -> Array:

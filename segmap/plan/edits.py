@@ -15,18 +15,17 @@ import scipy
 from .. import arrays
 from ..arrays import Array
 from ..poses import transform
-from ..segments import MIN_LENGTH, point_distance
-from ._cells import LEAST_HOLE_M2, Grid, Mask
-from ._doors import Door
-from ._lines import Indices
-from ._walls import THICKEST_WALL_M
+from ..segments import length, midpoint, point_distance
+from ._cells import BRIDGED_M, LEAST_HOLE_M2, Mask
+from ._doors import Door, rooms_beside
+from ._draft import EDIT_REACH_M, Draft, Place, room_near
+from ._furniture import go_through
+from ._walls import THICKEST_WALL_M, closed, normals
 
-__all__ = ["Edit", "Join", "Name", "NoDoor", "Split", "read"]
+__all__ = ["Edit", "Furniture", "Join", "Name", "NewDoor", "NoDoor", "Split", "Wall", "read"]
 
-#: A place belongs to the nearest room or door, metres; a split goes so far beyond its ends.
-EDIT_REACH_M = 0.5
-
-Place = tuple[float, float]
+#: A door is drawn along a wall where the cosine of their angle is larger.
+ALONG_COSINE = 0.7
 
 
 @dataclass(frozen=True)
@@ -50,11 +49,11 @@ class Edit:
         turned = transform((0.0, 0.0, angle), [*places.values()])
         return replace(self, **dict(zip(places, turned, strict=True)))
 
-    def on_squares(self, grid: Grid, parts: Indices) -> str:
-        """Change the room of each square; why that cannot be, or nothing."""
+    def on_rooms(self, draft: Draft) -> str:
+        """Change rooms and walls; why that cannot be, or nothing."""
         return ""
 
-    def on_doors(self, doors: list[Door], before: list[Door]) -> str:
+    def on_doors(self, doors: list[Door], before: list[Door], draft: Draft) -> str:
         """Change the doors, which were these before any edit; why that cannot be, or nothing."""
         return ""
 
@@ -66,8 +65,9 @@ class Join(Edit):
     a: Place
     b: Place
 
-    def on_squares(self, grid: Grid, parts: Indices) -> str:
+    def on_rooms(self, draft: Draft) -> str:
         """Both rooms become one, with what is narrower than a wall between them."""
+        grid, parts = draft.grid, draft.parts
         one, other = (room_near(grid, parts, place) for place in (self.a, self.b))
         if min(one, other) < 0:
             return "no room at one of the places"
@@ -92,32 +92,91 @@ class Split(Edit):
     start: Place
     end: Place
 
-    @property
-    def line(self) -> Array:
-        """From wall to wall `(2, 2)`, metres: somewhat longer than it was drawn."""
-        start, end = np.array(self.start), np.array(self.end)
-        beyond = EDIT_REACH_M * (end - start) / max(float(np.hypot(*(end - start))), MIN_LENGTH)
-        return np.stack([start - beyond, end + beyond])
-
-    def on_squares(self, grid: Grid, parts: Indices) -> str:
+    def on_rooms(self, draft: Draft) -> str:
         """Each piece becomes a room; small ones go to their neighbours."""
-        line = self.line
-        room, size = room_near(grid, parts, line.mean(0)), float(np.hypot(*(line[1] - line[0])))
-        if room < 0:
-            return "no room at its middle"
-        box = scipy.ndimage.find_objects((parts == room).astype(int))[0]
-        own, way = parts[box] == room, (line[1] - line[0]) / max(size, MIN_LENGTH)
-        to = grid.places(box) - line[0]
-        along, across = to @ way, to @ (-way[1], way[0])
-        # so wide that no way over sides of squares leads past
-        cut = (along >= 0) & (along <= size) & (abs(across) <= grid.side * np.sqrt(0.5))
-        pieces = scipy.ndimage.label(own & ~cut)[0]
-        areas = np.bincount(pieces.ravel())[1:] * grid.side**2
-        large = 1 + np.flatnonzero(areas >= LEAST_HOLE_M2)
-        if len(large) < 2:
-            return f"no two rooms of {LEAST_HOLE_M2:g} m2 are left: draw it from wall to wall"
-        near = scipy.ndimage.distance_transform_edt(~np.isin(pieces, large), return_indices=True)[1]
-        parts[box][own] = (parts.max() + pieces[tuple(near)])[own]
+        return draft.cut(np.array([self.start, self.end]), LEAST_HOLE_M2)
+
+
+@dataclass(frozen=True)
+class Wall(Edit):
+    """The run of wall or clutter at a place is a wall: no furniture, and it bounds rooms.
+
+    A room through which it runs from wall to wall is cut along it.
+    """
+
+    at: Place
+
+    def on_rooms(self, draft: Draft) -> str:
+        """The run counts as a wall, and cuts what it divides."""
+        faces = draft.faces
+        run = draft.run_near(self.at, np.ones(len(faces.wall), bool))
+        if run < 0:
+            return "no wall and no clutter there"
+        was_wall, faces.size[run], faces.wall[run] = faces.wall[run], np.inf, True
+        if not was_wall:
+            number = int(faces.wall[:run].sum())
+            faces.segments[run] = closed(faces.segments[faces.wall], draft.grid)[number]
+        if draft.cut(faces.segments[run], draft.least_area) and was_wall:
+            draft.pins[self] = run
+        return ""
+
+
+@dataclass(frozen=True)
+class Furniture(Edit):
+    """The run of wall at a place is furniture, or a leaf: the room goes through it.
+
+    It goes on to the next wall behind, at most 1.5 m, over what nobody saw. Where a person can walk
+    past an end of the run into another room, or such a room lies right behind, both are one.
+    """
+
+    at: Place
+
+    def on_rooms(self, draft: Draft) -> str:
+        """Run and sides are clutter, and what is behind is of the room before."""
+        run = draft.run_near(self.at, draft.faces.wall)
+        return "no wall there" if run < 0 else go_through(draft, run)
+
+
+@dataclass(frozen=True)
+class NewDoor(Edit):
+    """A door from jamb to jamb, drawn along a wall: onto its nearest face.
+
+    It leads from room to room or, through an outer wall, to where nothing was seen, and takes the
+    place of a door of the same rooms that it overlaps.
+    """
+
+    start: Place
+    end: Place
+
+    def on_rooms(self, draft: Draft) -> str:
+        """Its jambs lie on the wall."""
+        ends = np.array([self.start, self.end])
+        if length(ends) < BRIDGED_M:
+            return f"narrower than {BRIDGED_M:g} m"
+        walls, normal = draft.bounds()[0], normals(ends[None])[0]
+        away = point_distance(midpoint(ends), walls)
+        is_along = abs(normals(walls) @ normal) > ALONG_COSINE
+        if (away[is_along] <= EDIT_REACH_M).any():
+            near = walls[is_along][away[is_along].argmin()]
+            normal = normals(near[None])[0]
+            ends = ends - np.outer((ends - near[0]) @ normal, normal)
+        elif (away <= THICKEST_WALL_M / 2).any():
+            return "across a wall: draw it along, from jamb to jamb"
+        rooms = rooms_on_both_sides(ends, draft)
+        if rooms[0] == rooms[1]:
+            return "no room, or one, on both sides: draw it along a wall, from jamb to jamb"
+        draft.doorways[self] = ends
+        return ""
+
+    def on_doors(self, doors: list[Door], before: list[Door], draft: Draft) -> str:
+        """A door more, and those that it overlaps less; none where its rooms were joined later."""
+        ends = draft.doorways.get(self, np.zeros((2, 2)))
+        new = Door(ends, rooms_on_both_sides(ends, draft), "drawn by hand")
+        if new.rooms[0] != new.rooms[1]:
+            for old in [old for old in doors if old.rooms == new.rooms]:
+                if np.hypot(*(old.place - new.place)) <= (old.width + new.width) / 2:
+                    doors.remove(old)
+            doors.append(new)
         return ""
 
 
@@ -127,7 +186,7 @@ class NoDoor(Edit):
 
     at: Place
 
-    def on_doors(self, doors: list[Door], before: list[Door]) -> str:
+    def on_doors(self, doors: list[Door], before: list[Door], draft: Draft) -> str:
         """The nearest door goes, where it did not go with a join already."""
         both = (doors, before)
         away = [[float(point_distance(np.array(self.at), k.ends)) for k in each] for each in both]
@@ -146,8 +205,11 @@ class Name(Edit):
 
 
 #: How edits are written.
-FORMS = "'Join X Y X Y', 'Split X Y X Y', 'NoDoor X Y' or 'Name X Y TEXT'"
-KINDS: dict[str, type[Edit]] = {kind.__name__: kind for kind in (Join, Split, NoDoor, Name)}
+FORMS = (
+    "'Join X Y X Y', 'Split X Y X Y', 'NewDoor X Y X Y', 'NoDoor X Y', 'Wall X Y', "
+    "'Furniture X Y' or 'Name X Y TEXT'"
+)
+KINDS = {kind.__name__: kind for kind in Edit.__subclasses__()}
 
 
 def read(text: str) -> Edit:
@@ -175,15 +237,10 @@ def read(text: str) -> Edit:
     raise ValueError(f"edit must be like {FORMS}, metres, got {text!r}")
 
 
-def room_near(grid: Grid, parts: Indices, place: Place | Array) -> int:
-    """The number of the room at a place, or of the nearest that is not far; -1 for none."""
-    squares = [int(k) for k in grid.squares(np.asarray(place))]
-    reach = int(EDIT_REACH_M / grid.side) + 1
-    row, column = (slice(max(k - reach, 0), k + reach + 1) for k in squares)
-    near = parts[row, column]
-    away = np.hypot(*np.moveaxis(grid.places((row, column)) - place, -1, 0))
-    away[near < 0] = np.inf
-    return int(near.flat[away.argmin()]) if away.min() <= EDIT_REACH_M else -1
+def rooms_on_both_sides(ends: Array, draft: Draft) -> tuple[int, int]:
+    """The rooms on both sides of a door that is drawn, -1 for none."""
+    way = normals(ends[None])[0]
+    return rooms_beside(midpoint(ends), way, draft.grid, draft.parts, is_shut=True)
 
 
 def _touch(mask: Mask) -> bool:
