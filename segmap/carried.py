@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from .alignment import LiveGraph, Tracking
 from .matching import LiveMap, Step
+from .poses import between
 from .quadtree import QuadtreeMap
 from .reduction import LiveReduction
 from .scans import LaserScan
@@ -23,6 +24,11 @@ RECENT_SCANS = 20
 FASTEST_TURN_RAD = np.radians(45)
 SLOWER = "SLOWER: turn the laser by less than an eighth of a turn a scan"
 LOST = "LOST: go back to where the map is, and turn slowly"
+ORDER = "ORDER: the beams of a scan were measured in the other order than their times say"
+#: What turns tell of the order of the beams fades by this factor a scan.
+FADING = 0.98
+#: So much turning tells it, radians^2: ten scans of 5 degrees.
+SURE_TURNS_RAD2 = 10 * np.radians(5) ** 2
 
 
 class CarriedMap(LiveMap):
@@ -42,7 +48,9 @@ class CarriedMap(LiveMap):
     ) -> None:
         graph = LiveGraph(tracking=Tracking(moving=moving))
         super().__init__(graph, map=map, start=start, walls=LiveReduction())
-        self.advice = ""
+        self.advice, self._turns = "", np.zeros(2)
+        self._before: Step | None = None
+        self._begun = 0.0
 
     @locked
     def add(self, scan: LaserScan) -> Step:
@@ -51,6 +59,13 @@ class CarriedMap(LiveMap):
         if scan.delays is not None and step.motion is not None:
             turn = abs(float(step.motion[2])) * float(scan.delays.max(initial=0.0))
         self.advice = SLOWER if turn > FASTEST_TURN_RAD else "" if step.found else LOST
+        if self._before is not None and step.motion is not None and not self.advice:
+            turned = between(self._before.pose, step.pose)[2]
+            within = step.motion[2] * (scan.time - self._begun)
+            self._turns = FADING * self._turns + (turned * turned, turned * within)
+            if self._turns[0] > SURE_TURNS_RAD2 and self._turns[1] < 0:
+                self.advice = ORDER
+        self._before, self._begun = step if step.found else None, scan.time
         if (old := len(self.graph) - 1 - RECENT_SCANS) >= 0:
             self._forget(old)
         return step

@@ -11,7 +11,7 @@ import pytest
 from emulated import needs_terminals
 
 from segmap import load, read, warm
-from segmap.carried import CASES
+from segmap.carried import CASES, CarriedMap
 from segmap.progress import told
 from segmap.scans import LaserScan
 from segmap.sensors.emulator import SpinningEmulator
@@ -100,6 +100,23 @@ print([k.plain for k in warm.loops([CarriedMap, CarriedMap.add]) if not (k._fast
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_beams_in_the_other_order_are_told(other):
+    """Catches a velocity against that of the poses, which no map shows, and a false alarm."""
+    turns = np.radians(8.0 * np.repeat([1, -1, 1, -1], 8))
+    path = np.column_stack(
+        [2 + 0.5 * np.sin(np.arange(32) / 10), np.full(32, 1.5), np.cumsum(turns)]
+    )
+    sensor = Sensor("it", 450, 0.0, 2 * np.pi / 450, max_range=12.0, sigma=0.005)
+    rng, walls = np.random.default_rng(0), rectangular_room(5, 4)
+    log = simulate(walls, path, sensor=sensor, rng=rng, moving=True)
+    live = CarriedMap()
+    for scan in log:
+        times = scan.delays.max() - scan.delays if other else scan.delays
+        live.add(replace(scan, odometry=None, delays=times))
+    assert live.advice.startswith("ORDER") == other and (other or not live.advice)
 
 
 @pytest.mark.parametrize(("turn", "words"), [(20, "sure"), (60, "SLOWER")])
