@@ -99,10 +99,11 @@ def outline_of(
     in it. A niche in a wall with one of the `doorways`, `(d, 2)`,
     is the sill of a door.
     """
-    shapely, hidden, steps, refused = shapely_or_hint(), 0.0, 2, set[bytes]()
     sides, wall = sides_on_walls(ring, walls)
+    hidden, steps, refused, corners = 0.0, 2, set[bytes](), corners_of(sides)
     while steps <= min(MOST_BETWEEN + 1, len(sides) - 2):
-        apart = np.hypot(*(np.roll(sides[:, 0], -steps, axis=0) - sides[:, 1]).T)
+        ends = np.roll([corner[-1] for corner in corners], -steps + 1, axis=0)
+        apart = np.hypot(*(ends - [corner[0] for corner in corners]).T)
         normal = normals(sides)
         turn = (normal * np.roll(normal, -steps, axis=0)).sum(1)  # its cosine
         fits = (abs(turn) < np.sin(FACE_TURN_RAD)) | (turn > np.cos(FACE_TURN_RAD))
@@ -116,7 +117,7 @@ def outline_of(
             border = between(turned, steps)
             (x, y), (next_x, next_y) = border.T, np.roll(border, -1, axis=0).T
             area = float(next_x @ y - next_y @ x) / 2  # positive before the walls
-            if not (0 < abs(area) <= least and shapely.Polygon(border).is_valid):
+            if not 0 < abs(area) <= least or crossing_area(border, abs(area)) > SLIT_M**2:
                 continue
             if area < 0:
                 goes = is_sill(turned[[0, steps]], border, doorways)
@@ -125,11 +126,21 @@ def outline_of(
                 hidden += area if goes else 0.0
             if goes:
                 sides, wall = (np.delete(each, np.s_[1:steps], axis=0) for each in (turned, long))
-                steps = 1
+                corners, steps = corners_of(sides), 1
                 break
         steps += 1
-    pairs = zip(np.roll(sides, 1, axis=0), sides, strict=True)
-    return np.concatenate([lines_meeting(*pair) for pair in pairs]), hidden
+    return np.concatenate(corners), hidden
+
+
+def corners_of(sides: Array) -> list[Array]:
+    """Where the line of each side of a ring meets that of the next one."""
+    return [lines_meeting(*pair) for pair in zip(sides, np.roll(sides, -1, axis=0), strict=True)]
+
+
+def crossing_area(border: Array, area: float) -> float:
+    """By how much the area that a border goes round is larger than its signed area."""
+    shapely = shapely_or_hint()
+    return float(shapely.make_valid(shapely.Polygon(border)).area) - area
 
 
 def depth(both: Array, border: Array) -> float:
@@ -158,7 +169,7 @@ def is_furniture(sides: Array, wall: Array, border: Array, others: Array) -> boo
     if len(wall) < 2 or np.inf in wall or (is_deep and max(wall * across) >= SHORTEST_ALONE_M):
         return False
     near = others[((others >= border.min(0)) & (others <= border.max(0))).all(1)]
-    inner = shapely.buffer(shapely.Polygon(border), -SLIT_M / 2)
+    inner = shapely.buffer(shapely.make_valid(shapely.Polygon(border)), -SLIT_M / 2)
     return not shapely.contains_xy(inner, *near.T).any()
 
 
@@ -178,7 +189,7 @@ def sides_on_walls(ring: Array, bounds: Bounds) -> tuple[Array, Array]:
         off = ((start + spans.mean(1)[:, None] * way - walls[:, 0]) * normal).sum(-1)
         facing = normal @ (-way[1], way[0])
         facing = np.where(side == 0, abs(facing), side * facing)
-        common[(abs(off) > SNAP_M) | (facing < np.cos(FACE_TURN_RAD))] = 0
+        common *= np.where(facing < np.cos(FACE_TURN_RAD), 0, (SNAP_M - abs(off)).clip(0))
         if common.max(initial=0) > 0:
             best = common.argmax()
             on[k] = sizes[best]

@@ -43,8 +43,6 @@ WIDEST_BUILDING_M = 400.0
 NARROWEST_BUILDING_M = 0.5
 #: Segments below this length make no line, metres.
 LEAST_LINE_PIECE_M = 0.3
-#: Length that no axis takes is told from this share on.
-ROUND_SHARE = 0.15
 
 
 class Base(NamedTuple):
@@ -57,7 +55,6 @@ class Base(NamedTuple):
     reasons: list[str]
     faces: Faces
     axes: Array
-    off_lines: float
     opening: float
     least_area: float
     outlined: dict[bytes, Room]  # by squares and walls: what no edit changed is not made anew
@@ -84,8 +81,6 @@ class FloorPlan:
     doors : list of Door
     axes : (k,) array, radians
         Along and across which walls run.
-    off_lines : float
-        Share of the length of walls that lie on no line along or across an axis.
     openings_to_nowhere : int
         Doorways behind which nothing was seen.
     unseen : (r,) array, metres
@@ -104,7 +99,6 @@ class FloorPlan:
     rooms: list[Room]
     doors: list[Door]
     axes: Array
-    off_lines: float
     openings_to_nowhere: int
     unseen: Array
     edits: tuple[Edit, ...]
@@ -128,16 +122,20 @@ class FloorPlan:
     @property
     def doubt(self) -> str:
         """What is not as the method assumes; nothing where all is."""
-        wide, away = sum(d.width > WIDEST_LEAF_M for d in self.doors), self.openings_to_nowhere
-        unseen, names = self.unseen, [room.name for room in self.rooms]
+        from scipy.sparse.csgraph import connected_components
+
+        doors = [door for door in self.doors if min(door.rooms) >= 0]
+        narrow = [door for door in doors if door.width <= WIDEST_LEAF_M]
+        part = connected_components(replace(self, doors=narrow).graph)[1]
+        wide = sum(d.width > WIDEST_LEAF_M and not np.ptp(part[[*d.rooms]]) for d in doors)
+        away, unseen, names = self.openings_to_nowhere, self.unseen, [r.name for r in self.rooms]
         joined = {-1, *(k for door in self.doors for k in door.rooms)}
         alone = [names[k] for k in range(len(names)) if k not in joined] * (len(names) > 1)
         ends = [f"{names[k]} ({unseen[k]:.1f} m)" for k in np.flatnonzero(unseen)]
         doubts = {
             "no room was found: where the walls are, nothing was seen free": not self.rooms,
-            f"{self.off_lines:.0%} of the walls are round or oblique": self.off_lines > ROUND_SHARE,
             f"openings to where nothing was seen, windows or glass: {away}": away,
-            f"doors wider than a leaf, perhaps none, or glass: {wide}": wide,
+            f"doors wider than a leaf where a way leads round, perhaps glass: {wide}": wide,
             f"no door was seen of {', '.join(alone)}": alone,
             f"free space ends where nothing was seen, and may go on: {', '.join(ends)}": ends,
             f"edits that change nothing: {', '.join(self.unplaced)}": self.unplaced,
@@ -259,10 +257,7 @@ def floor_plan(
     parts = connected(labels, labels >= 0, least_area / grid.side**2)
     reasons = [words[labels[parts == k][0]] for k in range(parts.max() + 1)]
     faces = draw_faces(segments, axes, grid, parts)
-    off = 1 - sum(length(long[line.rows]).sum() for line in lines) / length(long).sum()
-    base = Base(
-        grid, lines, edges, parts, reasons, faces, axes, float(off), opening, least_area, {}
-    )
+    base = Base(grid, lines, edges, parts, reasons, faces, axes, opening, least_area, {})
     return _form_plan(base, edits)
 
 
@@ -304,7 +299,7 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     seen = grid._replace(kind=np.where(draft.parts >= 0, FREE, grid.kind))
     unseen = unseen_border(seen, np.where(base.parts >= 0, draft.parts, -1), base.opening)
     plan = FloorPlan(
-        *walls_and_clutter(faces), rooms, doors, base.axes, base.off_lines, away, unseen,
+        *walls_and_clutter(faces), rooms, doors, base.axes, away, unseen,
         tuple(edits), unplaced, base,
     )  # fmt: skip
     for name in [edit for edit in edits if isinstance(edit, Name)]:
