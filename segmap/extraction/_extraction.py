@@ -33,6 +33,8 @@ SCANS_PER_BLOCK = 128
 #: So much does the tolerance of a point grow with its standard deviation above the usual one: of
 #: hundreds of points on a wall one is off by four, and cuts it.
 MORE_TOLERANCE = 4.0
+#: What a sensor adds that nobody names: to check one takes longer than to extract a scan.
+USUAL_NOISE = SensorNoise()
 
 
 @checked
@@ -266,7 +268,7 @@ def _polylines(
     min_length: float,
     sensor: SensorNoise | None,
 ) -> Runs:
-    one = SensorNoise() if sensor is None else arrays.instance(sensor, "sensor", SensorNoise)
+    one = USUAL_NOISE if sensor is None else arrays.instance(sensor, "sensor", SensorNoise)
     more, share = one.range_m - USUAL_SIGMA_M, one.range_share
     noise, least = (MORE_TOLERANCE * more, MORE_TOLERANCE * share, tolerance), max(min_points, 2)
     runs = _room_for(len(scans.points) // least + len(scans.closed), scans)
