@@ -32,7 +32,8 @@ def basic_offline(map: Segments, *, distance: Metres = 0.20, angle: Turn = np.pi
     differ by less than `angle`. They become the span of their four end points on the mean line,
     weighted by length. The order is part of the method: each segment in turn takes in all that
     match it as it grows; passes are repeated until one merges nothing. A long wall and a piece of
-    its middle have far end points, and are never merged.
+    its middle have far end points, and are never merged. The cost grows with the map, and faster
+    with the looks at each wall: eight times as many take twenty times as long.
 
     Parameters
     ----------

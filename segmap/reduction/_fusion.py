@@ -66,7 +66,8 @@ def fusion_online(map: Segments, *, tolerance: Metres = 0.04) -> Reduction:
     members did not. So the map has fewer segments than `fusion` gives, and drifts farther from
     what was seen: compare both at equal quality.
 
-    The time of a scan grows with the map: that of all scans with scans times map.
+    The time of a scan grows with the map: that of all scans with the square of the segments, 2.3 s
+    for 20 000 in 2 500 scans. Maps with more than 40 000 are warned of.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ def fusion_online(map: Segments, *, tolerance: Metres = 0.04) -> Reduction:
             yield len(walls)
         return walls, parents
 
-    return run_online("fusion_online", map, steps)
+    return run_online("fusion_online", map, steps, quadratic=True)
 
 
 def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:

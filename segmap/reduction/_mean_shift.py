@@ -54,7 +54,8 @@ def mean_shift(
     to 1e-9 of a quarter turn, pulls it to its place and turns it neither way.
 
     One input can end in several outputs: of a map in which nothing repeats mean shift returns more
-    segments than it got, and warns.
+    segments than it got, and warns. The cost grows with the map, and with nearly the square of the
+    looks at each wall.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from ..arrays import Array, Metres, Radians, Segments, at_least, at_most
+from ..arrays import Array, Metres, Radians, Segments, at_least, at_most, unit_checks
 from ..compiled import work_time
 from ..display import Pictured
 from ..methods import Family
@@ -26,6 +26,8 @@ Indices = NDArray[np.int64]
 Turn = Annotated[Radians, at_most(np.pi / 2)]
 #: A length that may be none.
 Length = Annotated[Metres, at_least(0)]
+#: More segments take a method whose cost grows with their square more than ten seconds: it warns.
+MOST_QUADRATIC_SEGMENTS = 40_000
 #: What a method returns: outputs `(m, 2, 2)`, metres, and the output of each of its rows, `(k,)`.
 Found = tuple[Array, Indices]
 #: An on-line method: yields the segments in its map after each scan, and returns what it found.
@@ -148,12 +150,17 @@ def run_offline(
 
 
 def run_online(
-    name: str, map: Segments, method: Callable[[Rows], Steps], *, splits: bool = False
+    name: str,
+    map: Segments,
+    method: Callable[[Rows], Steps],
+    *,
+    splits: bool = False,
+    quadratic: bool = False,
 ) -> Reduction:
     """Call an on-line method, a generator that takes one scan of the rows at each step.
 
     It yields how many segments its map holds, scan after scan, and returns what `run_offline` asks
-    for.
+    for. Where the cost is `quadratic` in the size of the map, a large one is warned of.
 
     Examples
     --------
@@ -166,11 +173,16 @@ def run_online(
     """
     start = work_time()
     rows, count = rows_of(map, by_scan=True)
+    slow = ""
+    if quadratic and len(rows.segments) > MOST_QUADRATIC_SEGMENTS:
+        slow = f": its cost grows with the square of {len(rows.segments)} segments"
+        unit_checks.warn(f"{name} is slow{slow}; `fusion` grows as they do")
     steps, live, ended = method(rows), list[int](), [work_time()]
     while True:
         try:
             announce(
-                len(live) / len(rows.cuts), f"{name}: {len(live)} of {len(rows.cuts) - 1} scans"
+                len(live) / len(rows.cuts),
+                f"{name}: {len(live)} of {len(rows.cuts) - 1} scans{slow}",
             )
             live.append(next(steps))
         except StopIteration as last:

@@ -1,7 +1,18 @@
 """Fusion: what differs from it when it runs after every scan."""
 
+import numpy as np
+import pytest
+
 from segmap.reduction import fusion, fusion_online
 from segmap.segments import SegmentMap
+
+
+def test_a_map_for_which_the_square_is_too_slow_is_warned_of():
+    """Catches a user who waits for minutes and does not know why."""
+    far = np.arange(40_001.0)[:, None, None] + [[0.1, 0.2], [0.3, 0.2]]
+    with pytest.warns(UserWarning, match="fusion_online is slow.* square of 40001 segments"):
+        assert len(fusion_online(far)) == len(far)
+    assert len(fusion_online(far[1:])) == len(far) - 1  # it would be an error
 
 
 def test_on_line_every_pass_widens_what_a_strip_reaches():

@@ -48,7 +48,8 @@ def fuzzy_set(
     stay as they are.
 
     A gives neither thresholds nor how two segments merge: these are ours. A chain of merges can
-    drift by more than `across`.
+    drift by more than `across`. The cost grows with the map, and with nearly the square of the
+    looks at each wall.
 
     Parameters
     ----------

