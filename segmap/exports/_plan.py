@@ -113,7 +113,8 @@ def _geojson_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
     ]  # fmt: skip
     features += [
         feature("door", "Point", world.coordinates(door.place).tolist(),
-                width=round(door.width, 3), rooms=[plan.rooms[k].name for k in door.rooms])
+                width=round(door.width, 3),
+                rooms=[plan.rooms[k].name for k in door.rooms if k >= 0])
         for door in plan.doors
     ]  # fmt: skip
     for kind, segments in (("wall", plan.walls.segments), ("clutter", plan.clutter.segments)):

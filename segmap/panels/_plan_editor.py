@@ -25,7 +25,8 @@ DIGITS = 3
 
 
 class PlanEditor(anywidget.AnyWidget):
-    """A floor plan, whose rooms are joined, split and named, and whose doors are refused, by hand.
+    """A floor plan, whose rooms are joined, split and named by hand, and whose doors and walls are
+    drawn and refused.
 
     `edits` are what was done, in its order: setting them shows the plan with these, and
     `editor.observe(function, "edits")` follows what a person does. `plan` is the plan that is
@@ -121,7 +122,8 @@ class PlanEditor(anywidget.AnyWidget):
         low, high = ends.min(0) - MARGIN_M, ends.max(0) + MARGIN_M
         self.state = {
             "rooms": rooms,
-            "walls": _to_millimetres(plan.walls.segments),
+            "wall": _to_millimetres(plan.walls.segments),
+            "clutter": _to_millimetres(plan.clutter.segments),
             "doors": [_to_millimetres(door.ends) for door in plan.doors],
             "bounds": _to_millimetres(np.concatenate([low, high])),
             "axis": float(plan.axes[0]) if len(plan.axes) else 0.0,

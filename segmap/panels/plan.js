@@ -1,15 +1,20 @@
-// A floor plan that a person mends: rooms, doors and cuts by mouse, finger and keyboard.
+// A floor plan that a person mends: rooms, doors and walls by mouse, finger and keyboard.
 // Python holds the plan and does the edits; this draws its state and tells what was pointed at.
 
 const TOOLS = {
   Name: "click a room, type its name, press Enter",
   Join: "click two rooms that are one",
   Split: "draw a line across a room, from wall to wall; by keyboard: choose a room, press Enter",
+  NewDoor: "draw a door along a wall, from jamb to jamb; by keyboard: choose a wall, press Enter",
   NoDoor: "click a door that is none",
+  Wall: "click what is a wall, and no furniture",
+  Furniture: "click a wall that is furniture, or the leaf of a door",
 };
-const LABELS = { NoDoor: "No door" };
-const TEXT_PX = 12, LEAST_TEXT_PX = 7, HIT_PX = 16, ZOOM = 1.25;
-const STEP_M = 0.1, TURN_RAD = Math.PI / 36;
+const LABELS = { NewDoor: "Door", NoDoor: "No door" };
+const DRAWN = ["Split", "NewDoor"];
+const RUNS = { NewDoor: ["wall"], Wall: ["wall", "clutter"], Furniture: ["wall"] }; // what is chosen
+const TEXT_PX = 12, LEAST_TEXT_PX = 7, HIT_PX = 16, RUN_PX = 10, ZOOM = 1.25;
+const STEP_M = 0.1, TURN_RAD = Math.PI / 36, DOOR_M = 0.9;
 const DIGITS = 3; // places in millimetres
 
 function made(name, attributes, ...children) {
@@ -24,6 +29,16 @@ function made(name, attributes, ...children) {
 
 const ringPath = (rings) =>
   rings.map((ring) => "M" + ring.map(([x, y]) => `${x} ${-y}`).join("L") + "Z").join("");
+
+const sizeOf = ([[ax, ay], [bx, by]]) => Math.hypot(bx - ax, by - ay);
+const middleOf = ([[ax, ay], [bx, by]]) => [(ax + bx) / 2, (ay + by) / 2];
+
+// A piece of a run that is so far along it from its middle, and so wide.
+function pieceOf(ends, along, width) {
+  const [x, y] = middleOf(ends), size = sizeOf(ends);
+  const way = [0, 1].map((k) => (ends[1][k] - ends[0][k]) / size);
+  return [along - width / 2, along + width / 2].map((off) => [x + off * way[0], y + off * way[1]]);
+}
 
 // The piece of a line that lies in a room, on both sides of a place in it: its ends.
 function across(rings, [x, y], turn) {
@@ -47,7 +62,7 @@ function render({ model, el }) {
   el.classList.add("segmap-plan");
   const status = made("div", { role: "status", class: "segmap-plan-status" });
   const entry = made("input", { type: "text", hidden: "", "aria-label": "name of the room" });
-  const svg = made("svg", { role: "group", "aria-label": "floor plan" });
+  const svg = made("svg", { role: "group", "aria-label": "floor plan", tabindex: -1 });
   const bar = made("div", { class: "segmap-plan-bar", role: "toolbar", "aria-label": "mend the plan" });
   const tools = {}, others = {};
   let tool = "Name", chosen = null, draft = null, view = null, naming = null, pressed = null;
@@ -142,18 +157,22 @@ function render({ model, el }) {
       if (chosen === k) node.classList.add("chosen");
       return element(node, words, (event) => roomChosen(k, event));
     });
-    const walls = state.walls.map((ends) => lineOf(ends, { class: "wall" }));
+    const runs = ["clutter", "wall"].flatMap((kind) => state[kind].map((ends) => {
+      if (!RUNS[tool]?.includes(kind)) return lineOf(ends, { class: kind });
+      const node = made("g", { class: "run", "data-key": `${ends}` },
+        lineOf(ends, { class: "hit", "stroke-width": RUN_PX * metres }), lineOf(ends, { class: kind }));
+      return element(node, `${kind}, ${sizeOf(ends).toFixed(2)} metres`, (event) => runChosen(ends, event));
+    }));
     const doors = state.doors.map((ends) => {
-      const words = `door, ${Math.hypot(ends[0][0] - ends[1][0], ends[0][1] - ends[1][1]).toFixed(2)} metres`;
+      const words = `door, ${sizeOf(ends).toFixed(2)} metres`;
       const node = made("g", { class: "door", "data-key": `${ends}` },
         lineOf(ends, { class: "hit", "stroke-width": HIT_PX * metres }), lineOf(ends, { class: "leaf" }));
-      const middle = [(ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2];
-      return element(node, words, () => tool === "NoDoor" && send("NoDoor", rounded(middle)));
+      return element(node, words, () => tool === "NoDoor" && send("NoDoor", rounded(middleOf(ends))));
     });
     const texts = state.rooms.flatMap((room) => labelled(room, metres));
     const cut = draft ? [lineOf(draft.ends, { class: "cut" })] : [];
-    svg.replaceChildren(...rooms, ...walls, ...doors, ...texts, ...cut);
-    if (focused) svg.querySelector(`[data-key="${focused}"]`)?.focus();
+    svg.replaceChildren(...rooms, ...runs, ...doors, ...texts, ...cut);
+    if (focused) (svg.querySelector(`[data-key="${focused}"]`) ?? svg).focus(); // what was mended may be gone
   }
 
   // ------------------------------------------------------------------ what is done
@@ -177,6 +196,15 @@ function render({ model, el }) {
     draw();
   }
 
+  function runChosen(run, event) {
+    if (tool !== "NewDoor") return send(tool, rounded(middleOf(run)));
+    if (event.type !== "keydown") return;
+    if (draft?.run === run) return send(tool, ...draft.ends.map(rounded));
+    draft = { run, along: 0, width: DOOR_M, ends: pieceOf(run, 0, DOOR_M) };
+    status.textContent = "arrow keys left and right move it, up and down change its width, Enter sets it";
+    draw();
+  }
+
   entry.addEventListener("keydown", (event) => {
     event.stopPropagation(); // else Lab takes letters for commands
     if (event.key === "Enter" && naming !== null && entry.value.trim()) {
@@ -192,15 +220,20 @@ function render({ model, el }) {
   svg.addEventListener("keydown", (event) => {
     event.stopPropagation();
     if (event.key === "Escape") [chosen, draft] = [null, null];
-    else if (draft?.room !== undefined && event.key.startsWith("Arrow")) {
+    else if ((draft?.run || draft?.room !== undefined) && event.key.startsWith("Arrow")) {
       event.preventDefault();
       const way = { ArrowLeft: 1, ArrowRight: -1, ArrowUp: 1, ArrowDown: -1 }[event.key];
-      if (event.key === "ArrowLeft" || event.key === "ArrowRight") draft.turn += way * TURN_RAD;
+      if (draft.run) {
+        if (event.key === "ArrowLeft" || event.key === "ArrowRight") draft.along -= way * STEP_M;
+        else draft.width = Math.max(STEP_M, draft.width + way * STEP_M);
+      } else if (event.key === "ArrowLeft" || event.key === "ArrowRight") draft.turn += way * TURN_RAD;
       else {
         draft.at[0] -= way * STEP_M * Math.sin(draft.turn);
         draft.at[1] += way * STEP_M * Math.cos(draft.turn);
       }
-      draft.ends = across(model.get("state").rooms[draft.room].rings, draft.at, draft.turn);
+      draft.ends = draft.run ? pieceOf(draft.run, draft.along, draft.width)
+        : across(model.get("state").rooms[draft.room].rings, draft.at, draft.turn);
+      if (draft.run) status.textContent = `${draft.width.toFixed(2)} m`;
     } else return;
     draw();
   });
@@ -208,23 +241,25 @@ function render({ model, el }) {
   svg.addEventListener("pointerdown", (event) => {
     if (event.button) return;
     pressed = { at: placeOf(event), pixel: [event.clientX, event.clientY], view: [...view], moved: false };
-    if (tool === "Split") svg.setPointerCapture(event.pointerId);
+    if (DRAWN.includes(tool)) svg.setPointerCapture(event.pointerId);
   });
   svg.addEventListener("pointermove", (event) => {
     if (!pressed) return;
     const off = [event.clientX - pressed.pixel[0], event.clientY - pressed.pixel[1]];
     if (!pressed.moved && Math.hypot(...off) < 4) return;
     pressed.moved = true;
-    if (tool === "Split") draft = { ends: [pressed.at, placeOf(event)] };
-    else {
+    if (DRAWN.includes(tool)) {
+      draft = { ends: [pressed.at, placeOf(event)] };
+      status.textContent = `${sizeOf(draft.ends).toFixed(2)} m`;
+    } else {
       const metres = shape();
       view = [pressed.view[0] - off[0] * metres, pressed.view[1] - off[1] * metres, view[2], view[3]];
     }
     draw();
   });
   const lifted = () => {
-    const ends = pressed?.moved && tool === "Split" && draft?.ends;
-    if (ends) send("Split", ...ends.map(rounded));
+    const ends = pressed?.moved && DRAWN.includes(tool) && draft?.ends;
+    if (ends) send(tool, ...ends.map(rounded));
     pressed = null;
   };
   svg.addEventListener("pointerup", lifted);

@@ -74,3 +74,22 @@ def test_edits_that_are_set_are_shown(editor):
     assert repr(editor).startswith("PlanEditor(2 rooms of 18.0 m") and "1 edit)" in repr(editor)
     bundle, _ = editor._repr_mimebundle_()
     assert bundle["image/png"][:4] == b"\x89PNG"
+
+
+def test_doors_and_walls_are_drawn_in_the_browser_and_taken_back(editor):
+    """Catches an edit of walls that the browser cannot send, or that undo leaves behind."""
+    walls = editor.state["wall"]
+    assert len(walls) == 4 and editor.state["clutter"] == [] and editor.state["doors"] == []
+    for text in ("NewDoor 11 20.1 12 20.1", "Split 13 20 13 23", "NewDoor 13 21 13 22"):
+        editor._handle_custom_msg({"edit": text}, [])
+    assert editor.state["doors"] == [[[11, 20], [12, 20]], [[13, 21], [13, 22]]]
+    editor._handle_custom_msg({"edit": "Furniture 13 20"}, [])
+    assert editor.state["words"].startswith("nothing is changed: Furniture 13 20 (neither a wall")
+    editor._handle_custom_msg({"edit": "Wall 10 21"}, [])
+    assert "it is a wall already" in editor.state["words"] and editor.state["wall"] == walls
+    for left in (1, 1, 0):
+        editor.undo()
+        assert len(editor.state["doors"]) == left
+    for _ in range(3):
+        editor.redo()
+    assert len(editor.state["doors"]) == 2 and len(editor.edits) == 3

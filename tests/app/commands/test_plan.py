@@ -1,5 +1,7 @@
 """`segmap plan`: a floor plan of a log."""
 
+import json
+
 import pytest
 from programs import program
 
@@ -25,13 +27,19 @@ def test_a_plan_is_edited_as_typed_or_as_a_session_keeps_it(tmp_path, capsys):
     not told, and a doubt that speaks of room 1 where nobody calls it so."""
     log, table, session = segmap.load("room"), tmp_path / "it.csv", tmp_path / "it.segmap"
     x, y, _ = log.truth[0]
-    edits = [f"Name {x:.3f} {y:.3f} hall <1>", "Name 99 -99 garden"]
+    edits = [f"Name {x:.3f} {y:.3f} hall <1>", "Name 99 -99 garden", "NewDoor 0 4.5 0 5.4"]
+    edits += ["Wall 99 -99"]
     files.write_session(session, Session(log, {}, edits={"edit": edits}))
     typed = [word for edit in edits for word in ("--edit", edit)]
     for source in ([str(session)], ["room", *typed]):
-        assert main(["plan", *source, "-o", str(table)]) == 0
+        shapes = tmp_path / "it.geojson"
+        assert main(["plan", *source, "-o", str(table), "-o", str(shapes)]) == 0
         said = capsys.readouterr().out
-        assert "edits that change nothing: Name 99 -99 garden (no room there)" in said
+        assert "edits that change nothing: Wall 99 -99 (no wall and no clutter there), " in said
+        assert "Name 99 -99 garden (no room there)" in said and "3 doors" in said
+        found = [one["properties"] for one in json.loads(shapes.read_text())["features"]]
+        (outside,) = [one for one in found if one["kind"] == "door" and len(one["rooms"]) == 1]
+        assert outside["rooms"] == ["hall <1>"] and outside["width"] == 0.9
         assert "may go on: hall <1> (11.7 m)" in said and "room 1" not in said
         assert [row.split(",")[0] for row in table.read_text().splitlines()].count("hall <1>") == 1
     assert main(["plan", "room", "--edit", "Name 1 hall"]) == 2

@@ -96,6 +96,16 @@ return [box.left, box.left + box.width / 2, box.right, box.top + box.height / 2]
 DOOR = """
 const box = document.querySelector('.segmap-plan .door').getBoundingClientRect();
 return [box.left + box.width / 2, box.top + box.height / 2]"""
+#: The runs of wall that can be chosen, what the last door is called, places of a plan in pixels.
+RUNS = """
+return [...document.querySelectorAll('.segmap-plan .run')].map(e => e.getAttribute('aria-label'))"""
+LAST_DOOR = """
+return [...document.querySelectorAll('.segmap-plan .door')].at(-1).getAttribute('aria-label')"""
+ON_PLAN = """
+const matrix = document.querySelector('.segmap-plan svg').getScreenCTM();
+return arguments[0].map(([x, y]) => {
+  const place = new DOMPoint(x, -y).matrixTransform(matrix);
+  return [place.x, place.y]; })"""
 #: Which part of the window's height the canvas has; where places about its middle are seen.
 PART = """
 const box = document.querySelector('.segmap-canvas').getBoundingClientRect();
@@ -564,9 +574,8 @@ def changed(now, before):
     return now if all(a != b for a, b in zip(now, before, strict=True)) else None
 
 
-def test_a_plan_is_mended_by_mouse_and_by_keys(app, browser):
-    """Catches a click that reaches no room, a cut at another place than it is drawn, and edits that
-    need a mouse."""
+def planned(browser, app):
+    """The plan of a bundled log with three rooms and two doors."""
     opened(browser, app, 1366)
     browser.click(f"{PICKED.format('bundled log')}/option[normalize-space()='room']")
     wait("the log", lambda: browser.run(STATE) == "room: ready to run")
@@ -574,6 +583,65 @@ def test_a_plan_is_mended_by_mouse_and_by_keys(app, browser):
     wait("a run", lambda: browser.run(STATE) == "room: done")
     browser.click(BUTTON.format("plan"))
     wait("a plan", lambda: browser.run(PLANNED) == [3, 2])
+
+
+def test_doors_and_walls_of_a_plan_are_mended_by_mouse_finger_and_keys(app, browser):
+    """Catches a run of wall that cannot be met, a door at another place than it is drawn, and one
+    that needs a mouse."""
+    planned(browser, app)
+    browser.size(1366, 768)
+    browser.click(PLAN_BUTTON.format("Furniture"))
+    runs = len(browser.run(RUNS))
+
+    def undone():
+        browser.click(PLAN_BUTTON.format("Undo"))
+        wait("what was before", lambda: browser.run(PLANNED) == [3, 2])
+
+    ((x, y),) = browser.run(ON_PLAN, [(0.8, 6.1)])
+    browser.mouse("mouseMoved", x, y, buttons=0, button="none")
+    browser.screenshot(SCREENSHOT.with_name("workbench_furniture.png"))
+    for kind in ("Pressed", "Released"):
+        browser.mouse(f"mouse{kind}", x, y)
+    wait("two rooms in one", lambda: browser.run(PLANNED) == [2, 1])
+    assert len(browser.run(RUNS)) < runs
+    undone()
+    browser.click(PLAN_BUTTON.format("Furniture"))
+    ((x, y),) = browser.run(ON_PLAN, [(4.445, 1.5)])  # the front of a desk
+    for kind, points in (("Start", [{"x": x, "y": y}]), ("End", [])):
+        browser.devtools(
+            "Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": points}
+        )
+    wait("fewer walls", lambda: len(browser.run(RUNS)) < runs)
+    undone()
+    browser.click(PLAN_BUTTON.format("Door"))
+    start, end = browser.run(ON_PLAN, [(0.0, 4.5), (0.0, 5.4)])
+    browser.mouse("mousePressed", *start)
+    browser.mouse("mouseMoved", end[0] + 2, (start[1] + end[1]) / 2)
+    browser.mouse("mouseMoved", *end)
+    browser.screenshot(SCREENSHOT.with_name("workbench_door.png"))
+    browser.mouse("mouseReleased", *end)
+    wait("a door", lambda: browser.run(PLANNED) == [3, 3])
+    assert float(browser.run(LAST_DOOR).split()[1]) == pytest.approx(0.9, abs=0.03)
+    undone()
+    browser.click(PLAN_BUTTON.format("Door"))
+    run = "//*[local-name()='g'][@class='run']"
+    browser.run("document.querySelector('.segmap-plan .run').focus()")
+    for keys in (ENTER, "\ue014\ue013", ENTER):  # the arrows to the right and up
+        browser.type(browser.find(run), keys)
+    wait("a door by keys", lambda: browser.run(PLANNED) == [3, 3])
+    assert browser.run(LAST_DOOR) == "door, 1.00 metres"
+    undone()
+    browser.click(PLAN_BUTTON.format("Wall"))
+    assert len(browser.run(RUNS)) > runs, "clutter can be a wall"
+    assert browser.run(PALE) == [] and browser.run(WIDE) and browser.run(FITS)
+    errors = [line for line in browser.errors() if ICONS not in line]
+    assert not errors, errors
+
+
+def test_a_plan_is_mended_by_mouse_and_by_keys(app, browser):
+    """Catches a click that reaches no room, a cut at another place than it is drawn, and edits that
+    need a mouse."""
+    planned(browser, app)
 
     def click(place):
         for kind in ("Pressed", "Released"):
