@@ -158,8 +158,7 @@ class NewDoor(Edit):
         is_along = abs(normals(walls) @ normal) > ALONG_COSINE
         if (away[is_along] <= EDIT_REACH_M).any():
             near = walls[is_along][away[is_along].argmin()]
-            normal = normals(near[None])[0]
-            ends = ends - np.outer((ends - near[0]) @ normal, normal)
+            ends = ends - ((ends - near[0]) @ normals(near[None]).T) * normals(near[None])
         elif (away <= THICKEST_WALL_M / 2).any():
             return "across a wall: draw it along, from jamb to jamb"
         rooms = rooms_on_both_sides(ends, draft)
@@ -239,8 +238,8 @@ def read(text: str) -> Edit:
 
 def rooms_on_both_sides(ends: Array, draft: Draft) -> tuple[int, int]:
     """The rooms on both sides of a door that is drawn, -1 for none."""
-    way = normals(ends[None])[0]
-    return rooms_beside(midpoint(ends), way, draft.grid, draft.parts, is_shut=True)
+    place, way = midpoint(ends), normals(ends[None])[0]
+    return rooms_beside(place, way, draft.grid, draft.parts, is_shut=True)
 
 
 def _touch(mask: Mask) -> bool:
