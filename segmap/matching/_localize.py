@@ -53,6 +53,8 @@ ERROR_PER_M = np.array([0.1, 0.05])
 ERROR_PER_RAD = np.array([0.0, 0.1])
 #: How far a robot without odometry may get off its last motion, metres and radians.
 UNKNOWN_MOTION = np.array([0.1, 0.1])
+#: Degrees of freedom of these errors, by Student: wheels slip, and recorders pause.
+MOTION_FREEDOM = 3
 #: Sides of the cells in which particles are counted: metres, metres, radians.
 KLD_CELL = np.array([0.25, 0.25, 0.2])
 #: The error that Fox allows.
@@ -228,7 +230,7 @@ def predict(
     else:
         way = between(before.odometry, scan.odometry)
         error = ERROR_AT_REST + ERROR_PER_M * np.hypot(*way[:2]) + ERROR_PER_RAD * abs(way[2])
-    return compose(poses, way + rng.standard_normal(poses.shape) * error[[0, 0, 1]])
+    return compose(poses, way + rng.standard_t(MOTION_FREEDOM, poses.shape) * error[[0, 0, 1]])
 
 
 def on_lines(ends: Array, least: int) -> Array:

@@ -67,8 +67,8 @@ def moved(pose: Pose, before: Pose, now: Pose, rng: Generator) -> Pose:
     """A particle after the way from one odometry to the next, with an error of its own."""
     x, y = placed((now[0] - before[0], now[1] - before[1]), (0.0, 0.0, -before[2]))
     turn, way = (now[2] - before[2] + pi) % (2 * pi) - pi, dist(before[:2], now[:2])
-    x, y = (part + rng.normal(0.0, 0.02 + 0.1 * way) for part in (x, y))
-    turn += rng.normal(0.0, 0.01 + 0.05 * way + 0.1 * abs(turn))
+    x, y = (part + rng.standard_t(3) * (0.02 + 0.1 * way) for part in (x, y))
+    turn += rng.standard_t(3) * (0.01 + 0.05 * way + 0.1 * abs(turn))
     return *placed((x, y), pose), (pose[2] + turn + pi) % (2 * pi) - pi
 
 
