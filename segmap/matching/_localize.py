@@ -198,9 +198,8 @@ def localize(
                     poses, fits = np.concatenate([poses, fresh]), np.r_[fits, there]
                     if not (led and fit):
                         fit = fit_of_best(likelihoods, ends, beams, fresh, there, False)
-                    anew = True  # the mean begins anew
-                again = new <= BETTER_FIT_SHARE and len(poses)
-                wait = patience = min(2 * patience, LONGEST_WAIT_SCANS) if again else 1
+                anew = new > BETTER_FIT_SHARE or not len(poses)  # the mean begins anew
+                wait = patience = 1 if anew else min(2 * patience, LONGEST_WAIT_SCANS)
             weights = weights * fits ** (BEAM_WEIGHT_PART * len(points))
             weights /= weights.sum() or 1.0
             places = at_places(poses, weights)
