@@ -16,6 +16,8 @@ from ._lines import Indices, Line
 ROOM_REACH_M = 0.8
 #: Doorways between the same rooms whose middles are so near are one, metres.
 ONE_DOOR_M = 1.0
+#: Why one is a door that a person drew.
+DRAWN = "drawn by hand"
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,13 +26,13 @@ from ._cells import (
     grid_along,
     unseen_border,
 )
-from ._doors import Door, find_doors
+from ._doors import DRAWN, Door, find_doors
 from ._draft import Draft
 from ._lines import Indices, Line, building_axes, wall_lines
 from ._outlines import SNAP_M, room_of
 from ._polygons import Room, shapely_or_hint
 from ._rooms import find_rooms
-from ._walls import Faces, draw_faces, walls_and_clutter
+from ._walls import Faces, draw_faces, walls_and_clutter, with_doorway
 from .edits import Edit, Name
 
 #: Side of the squares of free space, metres.
@@ -296,6 +296,8 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     before = find_doors(base.edges, base.lines, grid, base.parts)
     for edit in edits:
         unplaced += [f"{edit} ({why})"] if (why := edit.on_doors(doors, before, draft)) else []
+    for door in doors:
+        faces = with_doorway(faces, door.ends) if door.reason == DRAWN else faces
     seen = grid._replace(kind=np.where(draft.parts >= 0, FREE, grid.kind))
     unseen = unseen_border(seen, np.where(base.parts >= 0, draft.parts, -1), base.opening)
     plan = FloorPlan(

@@ -46,6 +46,8 @@ CORNER_M = 0.3
 ANGLE_REACH_M = (0.08, 0.11, 0.14, 0.17)
 #: Walls that are turned by less than this, radians, have no corner.
 CORNER_TURN_RAD = np.radians(20)
+#: What is drawn along a wall has a larger cosine of their angle.
+ALONG_COSINE = 0.7
 #: Two faces of one wall lie at most so far apart, metres; with one room at that distance on both
 #: sides, it stands alone.
 THICKEST_WALL_M = 0.5
@@ -84,6 +86,25 @@ def draw_faces(segments: Array, axes: Array, grid: Grid, labels: Indices) -> Fac
     return Faces(drawn, side, length(drawn), wall, residual, face)
 
 
+def with_doorway(faces: Faces, ends: Array) -> Faces:
+    """The runs with a gap from jamb to jamb `(2, 2)`: in both faces of the wall."""
+    start, width, normal = ends[0], float(length(ends)), normals(ends[None])[0]
+    runs, residual = faces.segments, faces.residual
+    spans, off = (runs - start) @ (ends[1] - start) / width, (midpoint(runs) - start) @ normal
+    is_cut = faces.wall & (abs(normals(runs) @ normal) > ALONG_COSINE)
+    is_cut &= (abs(off) <= THICKEST_WALL_M) & (spans.min(1) < width) & (spans.max(1) > 0)
+    cut = np.flatnonzero(is_cut)
+    first, last = spans[cut].T
+    gap = np.where((first < last)[:, None], (0.0, width), (width, 0.0))
+    share = ((gap - first[:, None]) / (last - first)[:, None]).clip(0, 1)
+    jambs = runs[cut, :1] + share[..., None] * (runs[cut, 1:] - runs[cut, :1])
+    pieces = np.concatenate([runs, np.stack([jambs[:, 1], runs[cut, 1]], 1)])
+    pieces[cut, 1] = jambs[:, 0]
+    every = np.append(np.arange(len(runs)), cut)
+    wall = faces.wall[every] & (length(pieces) > MIN_LENGTH)
+    return Faces(pieces, faces.side[every], length(pieces), wall, residual[every], faces.members)
+
+
 def walls_and_clutter(faces: Faces) -> tuple[Reduction, Reduction, Array, Indices, Array]:
     """Walls, and clutter; of walls thickness, free side, residual."""
 
@@ -93,7 +114,7 @@ def walls_and_clutter(faces: Faces) -> tuple[Reduction, Reduction, Array, Indice
 
     walls, side = made(faces.wall), faces.side[faces.wall]
     thickness = thicknesses(walls.segments, side)
-    return walls, made(~faces.wall), thickness, side, faces.residual[faces.wall]
+    return walls, made(~faces.wall & (faces.size > 0)), thickness, side, faces.residual[faces.wall]
 
 
 def normals(segments: Array) -> Array:

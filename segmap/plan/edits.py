@@ -17,15 +17,12 @@ from ..arrays import Array
 from ..poses import transform
 from ..segments import length, midpoint, point_distance
 from ._cells import BRIDGED_M, LEAST_HOLE_M2, Mask
-from ._doors import Door, rooms_beside
+from ._doors import DRAWN, Door, rooms_beside
 from ._draft import EDIT_REACH_M, Draft, Place, room_near
 from ._furniture import go_through
-from ._walls import THICKEST_WALL_M, closed, normals
+from ._walls import ALONG_COSINE, THICKEST_WALL_M, closed, normals
 
 __all__ = ["Edit", "Furniture", "Join", "Name", "NewDoor", "NoDoor", "Split", "Wall", "read"]
-
-#: A door is drawn along a wall where the cosine of their angle is larger.
-ALONG_COSINE = 0.7
 
 
 @dataclass(frozen=True)
@@ -170,7 +167,7 @@ class NewDoor(Edit):
     def on_doors(self, doors: list[Door], before: list[Door], draft: Draft) -> str:
         """A door more, and those that it overlaps less; none where its rooms were joined later."""
         ends = draft.doorways.get(self, np.zeros((2, 2)))
-        new = Door(ends, rooms_on_both_sides(ends, draft), "drawn by hand")
+        new = Door(ends, rooms_on_both_sides(ends, draft), DRAWN)
         if new.rooms[0] != new.rooms[1]:
             for old in [old for old in doors if old.rooms == new.rooms]:
                 if np.hypot(*(old.place - new.place)) <= (old.width + new.width) / 2:

@@ -136,6 +136,19 @@ def test_a_door_between_two_rooms_has_its_clear_width(two):
     assert not two.edited([NewDoor((4.0, 2.8), (4.0, 3.7)), NoDoor((4.1, 3.2))]).doors[1:]
 
 
+@pytest.mark.parametrize("ends", [(2.8, 3.7), (3.7, 2.8), (3.2, 4.0), (0.0, 4.0)])
+def test_a_drawn_door_is_a_gap_in_both_faces_of_its_wall(ends):
+    """Catches a sheet whose door is drawn over a wall, a gap in one face, or in all walls."""
+    shut, (low, high) = seen(*ROOMS), sorted(ends)
+    plan = shut.edited([NewDoor((4.0, ends[0]), (4.0, ends[1]))])
+    walls, gap = shapely.linestrings(plan.walls.segments), shapely.box(3.9, low, 4.3, high)
+    before = shapely.length(shapely.linestrings(shut.walls.segments)).sum()
+    assert shapely.length(walls).sum() == pytest.approx(before - 2 * (high - low))
+    assert shapely.length(shapely.intersection(walls, gap.buffer(-0.01))).sum() < 0.01
+    assert len(plan.thickness) == len(plan.side) == len(plan.residual) == len(plan.walls)
+    assert areas(plan) == [16.0, 16.0] and not len(plan.clutter)
+
+
 def test_a_door_may_lead_outside():
     """Catches the last room of a list behind an outer wall, a room that is told to have no door."""
     plan = seen(*ROOMS).edited([NewDoor((0.1, 1.0), (0.1, 2.0)), NewDoor((8.2, 1.0), (8.2, 2.0))])
