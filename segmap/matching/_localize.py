@@ -175,7 +175,8 @@ def localize(
         for k, scan in enumerate(scans):
             arrays.instance(scan, f"scan {k}", LaserScan)
             poses = predict(poses, before, scan, way, rng)
-            before, ends, led = scan, scan.points(), scan.odometry is not None
+            led = all(each is None or each.odometry is not None for each in (before, scan))
+            before, ends = scan, scan.points()
             if not len(ends):
                 yield estimate(poses, weights, at_places(poses, weights), fit, least)
                 continue

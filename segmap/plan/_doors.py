@@ -75,12 +75,16 @@ def rooms_beside(
 ) -> tuple[int, int]:
     """The rooms on both sides of a doorway, ascending, -1 for none.
 
-    A shut one is a face of a wall as yet, which may lie in a square of its room.
+    A shut one is a face of a wall as yet, which may lie in a square of its room; and the sill of a
+    doorway may be of one room up to its other face.
     """
-    start, rooms = grid.side * (1.5 if is_shut else 0.5), list[int]()
+    start, ways = grid.side * (1.5 if is_shut else 0.5), list[Indices]()
     steps = np.arange(start, ROOM_REACH_M, grid.side)[:, None]
     for side in (1, -1):
         row, column = grid.squares(place + side * steps * normal)
         before = np.logical_and.accumulate((grid.kind[row, column] != OCCUPIED) | is_shut)
-        rooms.append(int(next((k for k in labels[row, column][before] if k >= 0), -1)))
-    return min(rooms), max(rooms)
+        ways.append(labels[row, column][before & (labels[row, column] >= 0)])
+    first, second = (int(next(iter(way), -1)) for way in ways)
+    if is_shut and first == second:
+        second = next((int(k) for k in np.concatenate(ways) if k != first), first)
+    return min(first, second), max(first, second)

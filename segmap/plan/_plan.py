@@ -15,7 +15,7 @@ from ..arrays import Array, Metres, Positive, Segments, Share, checked
 from ..progress import announce
 from ..quadtree import FREE, QuadtreeMap
 from ..reduction import Reduction
-from ..segments import length, midpoint
+from ..segments import length
 from ._cells import (
     WIDEST_LEAF_M,
     Edges,
@@ -271,11 +271,11 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     old, numbers = np.unique(parts[parts >= 0], return_inverse=True)
     parts[parts >= 0] = numbers
     openings = find_doors(base.edges, base.lines, grid, parts)
-    places = [one.place for one in openings] + [midpoint(ends) for ends in draft.doorways.values()]
-    rooms = _outline_rooms(base, draft, np.reshape(places, (-1, 2)))
+    places = np.reshape([one.place for one in openings], (-1, 2))
+    rooms = _outline_rooms(base, draft, places)
     for wall, run in draft.pins.items():
         faces.size[run] = length(faces.segments[run])
-        without = _outline_rooms(base, draft, np.reshape(places, (-1, 2)))
+        without = _outline_rooms(base, draft, places)
         if [room.area for room in without] == [room.area for room in rooms]:
             unplaced.append(f"{wall} (it is a wall already)")
         faces.size[run] = np.inf

@@ -20,7 +20,7 @@ from ._cells import BRIDGED_M, LEAST_HOLE_M2, Mask
 from ._doors import DRAWN, Door, rooms_beside
 from ._draft import EDIT_REACH_M, Draft, Place, room_near
 from ._furniture import go_through
-from ._walls import ALONG_COSINE, THICKEST_WALL_M, closed, normals
+from ._walls import ALONG_COSINE, SHORTEST_WALL_M, THICKEST_WALL_M, closed, normals
 
 __all__ = ["Edit", "Furniture", "Join", "Name", "NewDoor", "NoDoor", "Split", "Wall", "read"]
 
@@ -112,7 +112,9 @@ class Wall(Edit):
         was_wall, faces.size[run], faces.wall[run] = faces.wall[run], np.inf, True
         if not was_wall:
             number = int(faces.wall[:run].sum())
-            faces.segments[run] = closed(faces.segments[faces.wall], draft.grid)[number]
+            shut = closed(faces.segments[faces.wall], draft.grid)[number]
+            if length(shut) >= SHORTEST_WALL_M:
+                faces.segments[run] = shut
         if draft.cut(faces.segments[run], draft.least_area) and was_wall:
             draft.pins[self] = run
         return ""
@@ -131,6 +133,7 @@ class Furniture(Edit):
     def on_rooms(self, draft: Draft) -> str:
         """Run and sides are clutter, and what is behind is of the room before."""
         run = draft.run_near(self.at, draft.faces.wall)
+        draft.pins = {wall: own for wall, own in draft.pins.items() if own != run}
         return "no wall there" if run < 0 else go_through(draft, run)
 
 
@@ -148,8 +151,6 @@ class NewDoor(Edit):
     def on_rooms(self, draft: Draft) -> str:
         """Its jambs lie on the wall."""
         ends = np.array([self.start, self.end])
-        if length(ends) < BRIDGED_M:
-            return f"narrower than {BRIDGED_M:g} m"
         walls, normal = draft.bounds()[0], normals(ends[None])[0]
         away = point_distance(midpoint(ends), walls)
         is_along = abs(normals(walls) @ normal) > ALONG_COSINE
@@ -158,9 +159,14 @@ class NewDoor(Edit):
             ends = ends - ((ends - near[0]) @ normals(near[None]).T) * normals(near[None])
         elif (away <= THICKEST_WALL_M / 2).any():
             return "across a wall: draw it along, from jamb to jamb"
-        rooms = rooms_on_both_sides(ends, draft)
+        if length(ends) < BRIDGED_M:
+            return f"narrower than {BRIDGED_M:g} m"
+        pieces = ends[0] + np.array([(0, 1), (0, 0.2), (0.8, 1)])[..., None] * (ends[1] - ends[0])
+        rooms, *at_jambs = (rooms_on_both_sides(piece, draft) for piece in pieces)
         if rooms[0] == rooms[1]:
             return "no room, or one, on both sides: draw it along a wall, from jamb to jamb"
+        if at_jambs != [rooms, rooms]:
+            return "it reaches beyond its wall: draw it from jamb to jamb"
         draft.doorways[self] = ends
         return ""
 

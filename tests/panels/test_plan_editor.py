@@ -78,11 +78,13 @@ def test_edits_that_are_set_are_shown(editor):
 
 def test_doors_and_walls_are_drawn_in_the_browser_and_taken_back(editor):
     """Catches an edit of walls that the browser cannot send, or that undo leaves behind."""
-    walls = editor.state["wall"]
-    assert len(walls) == 4 and editor.state["clutter"] == [] and editor.state["doors"] == []
+    assert len(editor.state["wall"]) == 4
+    assert editor.state["clutter"] == [] and editor.state["doors"] == []
     for text in ("NewDoor 11 20.1 12 20.1", "Split 13 20 13 23", "NewDoor 13 21 13 22"):
         editor._handle_custom_msg({"edit": text}, [])
     assert editor.state["doors"] == [[[11, 20], [12, 20]], [[13, 21], [13, 22]]]
+    walls = editor.state["wall"]
+    assert len(walls) == 5, "a drawn door is a gap"
     editor._handle_custom_msg({"edit": "Furniture 13 20"}, [])
     assert editor.state["words"].startswith("nothing is changed: Furniture 13 20 (neither a wall")
     editor._handle_custom_msg({"edit": "Wall 10 21"}, [])

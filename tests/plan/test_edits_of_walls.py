@@ -149,6 +149,33 @@ def test_a_drawn_door_is_a_gap_in_both_faces_of_its_wall(ends):
     assert areas(plan) == [16.0, 16.0] and not len(plan.clutter)
 
 
+def test_a_drawn_door_takes_no_floor():
+    """Catches the strip beside a cupboard that is a sill where a door is drawn in its wall."""
+    plan = seen(shapely.box(0, 0, 4, 4), stand=[shapely.box(0, 0, 0.4, 2.2)])
+    assert areas(plan.edited([NewDoor((0, 2.6), (0, 3.5))])) == areas(plan) == [16.0]
+
+
+@pytest.mark.parametrize("x", [4.0, 4.1, 4.2])
+def test_a_doorway_is_drawn_anew_on_either_face_and_in_the_middle(two, x):
+    """Catches the sill of a doorway, which is of one room, taken for both of its rooms."""
+    for first in ([], [NoDoor((4.1, 2))]):
+        plan = two.edited([*first, NewDoor((x, 1.6), (x, 2.3))])
+        assert [(door.rooms, round(door.width, 9)) for door in plan.doors] == [((0, 1), 0.7)]
+
+
+@pytest.mark.parametrize("ends", [((0, -3), (0, 5)), ((0.5, 0), (7, 0)), ((4, 3.2), (4, 4.6))])
+def test_a_door_beyond_its_wall_is_told(two, ends):
+    """Catches a door through a corner, or over two rooms."""
+    plan = two.edited([NewDoor(*ends)])
+    assert len(plan.doors) == 1 and "beyond its wall" in plan.unplaced[0]
+
+
+def test_furniture_where_a_wall_was_said_to_be_counts():
+    """Catches the wall before it, told as one that changed nothing."""
+    plan = seen(shapely.box(0, 0, 4, 4), stand=[shapely.box(1, 1, 1.5, 3)])
+    assert not plan.edited([Wall((1.5, 2)), Furniture((1.5, 2))]).unplaced
+
+
 def test_a_door_may_lead_outside():
     """Catches the last room of a list behind an outer wall, a room that is told to have no door."""
     plan = seen(*ROOMS).edited([NewDoor((0.1, 1.0), (0.1, 2.0)), NewDoor((8.2, 1.0), (8.2, 2.0))])
