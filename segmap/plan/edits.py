@@ -15,7 +15,7 @@ import scipy
 from .. import arrays
 from ..arrays import Array
 from ..poses import transform
-from ..segments import length, midpoint, point_distance
+from ..segments import MIN_LENGTH, length, midpoint, point_distance
 from ._cells import BRIDGED_M, LEAST_HOLE_M2, Mask
 from ._doors import DRAWN, Door, rooms_beside
 from ._draft import EDIT_REACH_M, Draft, Place, room_near
@@ -176,7 +176,9 @@ class NewDoor(Edit):
         new = Door(ends, rooms_on_both_sides(ends, draft), DRAWN)
         if new.rooms[0] != new.rooms[1]:
             for old in [old for old in doors if old.rooms == new.rooms]:
-                if np.hypot(*(old.place - new.place)) <= (old.width + new.width) / 2:
+                cosine = (normals(old.ends[None]) @ normals(ends[None]).T).item()
+                apart = np.hypot(*(old.place - new.place)) - (old.width + new.width) / 2
+                if abs(cosine) > ALONG_COSINE and apart < -MIN_LENGTH:
                     doors.remove(old)
             doors.append(new)
         return ""

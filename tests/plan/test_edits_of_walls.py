@@ -170,6 +170,13 @@ def test_a_door_beyond_its_wall_is_told(two, ends):
     assert len(plan.doors) == 1 and "beyond its wall" in plan.unplaced[0]
 
 
+def test_doors_round_a_corner_and_side_by_side_both_stand(two):
+    """Catches a door that goes since another touches it, or is near on another wall."""
+    corner = two.edited([NewDoor((0.1, 0), (1.1, 0)), NewDoor((0, 0.1), (0, 1.1))])
+    beside = two.edited([NewDoor((4, 2.6), (4, 3.1)), NewDoor((4, 3.1), (4, 3.6))])
+    assert len(corner.doors) == len(beside.doors) == 3
+
+
 def test_furniture_where_a_wall_was_said_to_be_counts():
     """Catches the wall before it, told as one that changed nothing."""
     plan = seen(shapely.box(0, 0, 4, 4), stand=[shapely.box(1, 1, 1.5, 3)])
