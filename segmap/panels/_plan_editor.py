@@ -75,7 +75,9 @@ class PlanEditor(anywidget.AnyWidget):
         """Add an edit; one that finds nothing to change is said, and not kept."""
         after = self.plan.edited([*self.edits, edit])
         if len(after.unplaced) > len(self.plan.unplaced):
-            self._show(f"nothing is changed: {after.unplaced[-1]}")
+            before, last = self.plan.unplaced, after.unplaced[-1]
+            words = next((words for words in after.unplaced if words not in before), last)
+            self._show(f"nothing is changed: {words}")
             return
         self._undone.clear()
         self.plan, self.edits = after, after.edits

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from segmap.panels import PlanEditor
-from segmap.plan import Join, Name, Split, floor_plan
+from segmap.plan import Join, Name, NewDoor, Split, floor_plan
 from segmap.quadtree import map_of_grid
 
 
@@ -74,6 +74,13 @@ def test_edits_that_are_set_are_shown(editor):
     assert repr(editor).startswith("PlanEditor(2 rooms of 18.0 m") and "1 edit)" in repr(editor)
     bundle, _ = editor._repr_mimebundle_()
     assert bundle["image/png"][:4] == b"\x89PNG"
+
+
+def test_a_refusal_is_of_the_edit_that_was_asked(editor):
+    """Catches the words of an older edit that finds nothing either."""
+    editor.edits = (Name((99, 99), "garden"),)
+    editor.do(NewDoor((12, 21), (12, 22)))
+    assert editor.state["words"].startswith("nothing is changed: NewDoor 12 21 12 22")
 
 
 def test_doors_and_walls_are_drawn_in_the_browser_and_taken_back(editor):
