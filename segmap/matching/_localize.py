@@ -53,8 +53,8 @@ ERROR_PER_M = np.array([0.1, 0.05])
 ERROR_PER_RAD = np.array([0.0, 0.1])
 #: How far a robot without odometry may get off its last motion, metres and radians.
 UNKNOWN_MOTION = np.array([0.1, 0.1])
-#: Degrees of freedom of these errors, by Student: wheels slip, and recorders pause.
-MOTION_FREEDOM = 3
+#: Degrees of freedom of these errors once the robot is found, by Student: wheels slip.
+ERROR_DOF = 3
 #: Sides of the cells in which particles are counted: metres, metres, radians.
 KLD_CELL = np.array([0.25, 0.25, 0.2])
 #: The error that Fox allows.
@@ -71,6 +71,9 @@ MOST_FRESH_PLACES = 100
 BETTER_FIT_SHARE = 0.05
 #: Each search that brings nothing better doubles the scans to wait for the next, up to this.
 LONGEST_WAIT_SCANS = 16
+
+#: The scan before, none at the first, and this one.
+TwoScans = tuple[LaserScan | None, LaserScan]
 
 
 class Belief(NamedTuple):
@@ -174,7 +177,7 @@ def localize(
         fit, anew, wait, patience, least = 0.0, True, 0, 1, FOUND_FIT
         for k, scan in enumerate(scans):
             arrays.instance(scan, f"scan {k}", LaserScan)
-            poses = predict(poses, before, scan, way, rng)
+            poses = predict(poses, (before, scan), way, rng, found=least == DOUBTFUL_FIT)
             led = all(each is None or each.odometry is not None for each in (before, scan))
             before, ends = scan, scan.points()
             if not len(ends):
@@ -216,13 +219,15 @@ def localize(
 
 
 def predict(
-    poses: Array, before: LaserScan | None, scan: LaserScan, way: Array, rng: np.random.Generator
+    poses: Array, scans: TwoScans, way: Array, rng: np.random.Generator, *, found: bool
 ) -> Array:
     """Particles `(n, 3)`, metres and radians, after the way from one scan to the next.
 
     Without odometry each goes on by a share of the last `way`: the robot may stop, or go twice as
-    fast.
+    fast. Once the robot is found the errors have long tails, since wheels slip; before, such tails
+    would spread the particles over places that look alike.
     """
+    before, scan = scans
     if before is None or not len(poses):
         return poses
     if before.odometry is None or scan.odometry is None:
@@ -230,7 +235,8 @@ def predict(
     else:
         way = between(before.odometry, scan.odometry)
         error = ERROR_AT_REST + ERROR_PER_M * np.hypot(*way[:2]) + ERROR_PER_RAD * abs(way[2])
-    return compose(poses, way + rng.standard_t(MOTION_FREEDOM, poses.shape) * error[[0, 0, 1]])
+    noise = rng.standard_t(ERROR_DOF, poses.shape) if found else rng.standard_normal(poses.shape)
+    return compose(poses, way + noise * error[[0, 0, 1]])
 
 
 def on_lines(ends: Array, least: int) -> Array:
@@ -321,8 +327,7 @@ def estimate(
     shares = np.array([weights[place].sum() for place in places])
     place, share = places[int(np.argmax(shares))], float(shares.max())
     weight = weights[place] / share
-    turns = wrap(poses[place, 2] - poses[place[0], 2])
-    flat = np.column_stack([poses[place, :2], turns])
+    flat = np.column_stack([poses[place, :2], wrap(poses[place, 2] - poses[place[0], 2])])
     mean = weight @ flat
     covariance = np.asarray(((flat - mean).T * weight) @ (flat - mean))
     pose = np.array([mean[0], mean[1], float(wrap(mean[2] + poses[place[0], 2]))])

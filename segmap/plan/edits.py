@@ -16,7 +16,7 @@ from .. import arrays
 from ..arrays import Array
 from ..poses import transform
 from ..segments import MIN_LENGTH, length, midpoint, point_distance
-from ._cells import BRIDGED_M, LEAST_HOLE_M2, Mask
+from ._cells import BRIDGED_M, LEAST_HOLE_M2
 from ._doors import DRAWN, Door, rooms_beside
 from ._draft import EDIT_REACH_M, Draft, Place, room_near
 from ._furniture import go_through
@@ -73,10 +73,10 @@ class Join(Edit):
         box = scipy.ndimage.find_objects(((parts == one) | (parts == other)).astype(int))[0]
         own = parts[box]  # a view
         rooms, between = ((own == one), (own == other)), own < -1
-        if not _touch(rooms[0] | rooms[1]):
+        if scipy.ndimage.label(rooms[0] | rooms[1])[1] > 1:
             across = sum(scipy.ndimage.distance_transform_edt(~room) for room in rooms)
             between = (own < 0) & (across * grid.side <= THICKEST_WALL_M)
-            if not _touch(rooms[0] | rooms[1] | between):
+            if scipy.ndimage.label(rooms[0] | rooms[1] | between)[1] > 1:
                 return f"more than {THICKEST_WALL_M:g} m lie between the two rooms"
         own[rooms[0] | rooms[1] | between] = parts.max() + 1
         return ""
@@ -245,8 +245,3 @@ def rooms_on_both_sides(ends: Array, draft: Draft) -> tuple[int, int]:
     """The rooms on both sides of a door that is drawn, -1 for none."""
     place, way = midpoint(ends), normals(ends[None])[0]
     return rooms_beside(place, way, draft.grid, draft.parts, is_shut=True)
-
-
-def _touch(mask: Mask) -> bool:
-    """Whether a mask is in one piece."""
-    return int(scipy.ndimage.label(mask)[1]) == 1

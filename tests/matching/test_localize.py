@@ -211,7 +211,7 @@ def test_on_a_real_map_it_is_found_where_it_is_right_and_nowhere_else(kind):
 
     right, found = asked(map_of(log), log)
     assert right.mean() > 0.9 and not (found & ~right).any()
-    assert found.sum() >= 0.8 * right.sum()
+    assert found.sum() >= 0.85 * right.sum()
     right, found = asked(map_of(log[:50]), log[50:])
     assert not (found & ~right).any()
 
@@ -287,17 +287,21 @@ STILL = np.zeros(3)
 def test_particles_move_by_the_odometry_with_its_errors(way, errors):
     """At rest, for each metre and for each radian; 0.1 m and 0.1 rad where there is none.
 
-    One of eighteen is off by three times as much: normal errors lose a robot whose wheels slip.
+    Once it is found one of eighteen is off by three times as much: normal errors lose a robot
+    whose wheels slip.
     """
     first = LaserScan([], [], odometry=None if way is None else STILL)
     second = LaserScan([], [], odometry=way)
     poses, random = np.zeros((20_000, 3)), rng(1)
-    moved = inner.predict(poses, first, second, np.zeros(3), random)
+    moved = inner.predict(poses, (first, second), np.zeros(3), random, found=False)
+    np.testing.assert_allclose(moved.std(0), errors, rtol=0.03)
+    np.testing.assert_allclose(moved.mean(0), STILL if way is None else way, atol=0.02)
+    kept = inner.predict(poses, (first, second), np.zeros(3), random, found=True)
     usual = scipy.stats.t(3).ppf(0.75)  # half of the errors are smaller
-    np.testing.assert_allclose(np.median(abs(moved - moved.mean(0)), 0) / usual, errors, rtol=0.04)
-    assert (abs(moved[:, 0] - moved[:, 0].mean()) > 3 * errors[0]).mean() > 0.05
-    np.testing.assert_allclose(np.median(moved, 0), STILL if way is None else way, atol=0.02)
-    assert inner.predict(poses, None, second, np.zeros(3), random) is poses
+    np.testing.assert_allclose(np.median(abs(kept - kept.mean(0)), 0) / usual, errors, rtol=0.04)
+    assert (abs(kept[:, 0] - kept[:, 0].mean()) > 3 * errors[0]).mean() > 0.05
+    np.testing.assert_allclose(np.median(kept, 0), STILL if way is None else way, atol=0.02)
+    assert inner.predict(poses, (None, second), np.zeros(3), random, found=True) is poses
 
 
 def test_a_robot_without_odometry_goes_on_as_it_went():

@@ -270,7 +270,7 @@ class PlacePanel(LessonPanel):
     >>> panel = PlacePanel(build_map(log, log.truth, resolution=0.05), log)
     >>> panel.scan.value = 39
     >>> panel.place.value, panel.error.value
-    ('found', '1 cm off')
+    ('found', '0 cm off')
     """
 
     beliefs: list[Belief]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from math import dist, exp, floor, log, pi, sqrt
 from typing import TYPE_CHECKING
 
@@ -63,12 +64,16 @@ def enough(
     return len(poses)
 
 
-def moved(pose: Pose, before: Pose, now: Pose, rng: Generator) -> Pose:
-    """A particle after the way from one odometry to the next, with an error of its own."""
+def moved(pose: Pose, before: Pose, now: Pose, rng: Generator, found: bool) -> Pose:
+    """A particle after the way from one odometry to the next, with an error of its own.
+
+    Once the robot is found the error has the tails of wheels that slip.
+    """
+    draw = partial(rng.standard_t, 3) if found else rng.standard_normal
     x, y = placed((now[0] - before[0], now[1] - before[1]), (0.0, 0.0, -before[2]))
     turn, way = (now[2] - before[2] + pi) % (2 * pi) - pi, dist(before[:2], now[:2])
-    x, y = (part + rng.standard_t(3) * (0.02 + 0.1 * way) for part in (x, y))
-    turn += rng.standard_t(3) * (0.01 + 0.05 * way + 0.1 * abs(turn))
+    x, y = (part + draw() * (0.02 + 0.1 * way) for part in (x, y))
+    turn += draw() * (0.01 + 0.05 * way + 0.1 * abs(turn))
     return *placed((x, y), pose), (pose[2] + turn + pi) % (2 * pi) - pi
 
 
@@ -111,7 +116,7 @@ def localize(
     before, lately, anew, wait, patience, least = None, 0.0, True, 0, 1, 0.93
     for points, odometry in scans:
         if before is not None:
-            poses = [moved(pose, before, odometry, rng) for pose in poses]
+            poses = [moved(pose, before, odometry, rng, least == 0.8) for pose in poses]
         fits = [fit(value, points, pose) for pose in poses]
         best, before, wait = max(fits, default=0.0), odometry, wait - 1
         now = fit_of_best(points, poses, fits, 1 if least == 0.8 else 6)
