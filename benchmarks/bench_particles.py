@@ -70,7 +70,7 @@ def steps_of_a_filter() -> Iterator[Row]:
         poses = log.truth[10] + rng.normal(0, 0.05, (count, 3))
 
         def step(poses: np.ndarray = poses, count: int = count) -> None:
-            moved = predict(poses, scans[10], scans[11], rng)
+            moved = predict(poses, (scans[10], scans[11]), np.zeros(3), rng, found=True)
             weights = known.fits(points, moved) ** (len(points) / 3)
             weights /= weights.sum()
             places = at_places(moved, weights)
