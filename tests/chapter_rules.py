@@ -5,7 +5,6 @@ those of the form that asks for a prediction.
 """
 
 import ast
-import base64
 import json
 import re
 from collections.abc import Iterator
@@ -15,24 +14,9 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 
-MOST_BYTES, MOST_PICTURE_BYTES, MOST_LINES = 200_000, 30_000, 15
+MOST_BYTES, MOST_LINES = 200_000, 15
 #: Cells that hold the text to what it says, folded; what a reader checks by hand is not among them.
 GUARD = "guard"
-
-#: What differs from machine to machine or from run to run: text of outputs must hold none of it.
-UNSTEADY = {
-    "an address in memory": r"\bat 0x[0-9a-fA-F]+|\b0x[0-9a-f]{8,}",
-    "a path": r"(?<![\w.:/])/(?:home|root|usr|tmp|opt|mnt|var|Users|private|work)/|[A-Z]:\\\w",
-    "a date": r"\b(?:19|20)\d\d-[01]\d-[0-3]\d\b|\b[0-3]?\d [A-Z][a-z]{2,8} 20\d\d\b|"
-    r"\b(?:[01]\d|2[0-3]):[0-5]\d:[0-5]\d\b",
-    "a duration": r"\b\d[\d.,]*\s*(?:ms|us|µs|ns|minutes?)\b|\b(?:took|in|elapsed:?) \d[\d.]* ?s\b|"
-    r"\b(?:it|its)/s\b|per loop",
-}
-FORBIDDEN = {
-    "a star import": r"^\s*from\s+\S+\s+import\s+\*",
-    "an installation": r"\b(?:pip3?|conda|mamba|apt(?:-get)?)\b['\", ]+install|^\s*%pip|^\s*!",
-    "a download": r"urlretrieve|urlopen|\brequests\.|\bwget\b|\bcurl\b|https?://",
-}
 
 
 def lines_of(text: Any) -> str:
@@ -56,14 +40,6 @@ def outputs(notebook: dict) -> Iterator[tuple[int, dict]]:
         yield from ((number, output) for output in cell.get("outputs", []))
 
 
-def texts(output: dict) -> Iterator[str]:
-    """Everything in an output that a reader reads."""
-    yield lines_of(output.get("text", ""))
-    for kind, data in output.get("data", {}).items():
-        if kind.startswith("text/") or kind == "image/svg+xml":
-            yield lines_of(data)
-
-
 def executed_in_order(notebook: dict) -> list[str]:
     """A cell that was not run passes nbval whatever it does."""
     found = [cell.get("execution_count") for _, _, cell in code_cells(notebook)]
@@ -80,46 +56,13 @@ def no_errors(notebook: dict) -> list[str]:
     ]
 
 
-def no_widget_state(notebook: dict) -> list[str]:
-    kept = [key for key in notebook["metadata"] if key not in ("kernelspec", "language_info")]
-    return [f"metadata holds {key}: run make refresh" for key in kept]
-
-
 def small(notebook: dict) -> list[str]:
     size = len(json.dumps(notebook, indent=1, ensure_ascii=False).encode())
     return [f"{size} bytes, more than {MOST_BYTES}"] if size > MOST_BYTES else []
 
 
-def small_pictures(notebook: dict) -> list[str]:
-    return [
-        f"cell {number}: a picture of more than {MOST_PICTURE_BYTES} bytes"
-        for number, output in outputs(notebook)
-        if len(base64.b64decode(lines_of(output.get("data", {}).get("image/png", ""))))
-        > MOST_PICTURE_BYTES
-    ]
-
-
 def is_guard(cell: dict) -> bool:
     return GUARD in cell["metadata"].get("tags", [])
-
-
-def steady_outputs(notebook: dict) -> list[str]:
-    return [
-        f"cell {number}: {what} in the output: {match.group()!r}"
-        for number, output in outputs(notebook)
-        for text in texts(output)
-        for what, pattern in UNSTEADY.items()
-        if (match := re.search(pattern, text))
-    ]
-
-
-def nothing_forbidden(notebook: dict) -> list[str]:
-    return [
-        f"cell {number}: {what}"
-        for number, source, _ in code_cells(notebook)
-        for what, pattern in FORBIDDEN.items()
-        if re.search(pattern, source, re.MULTILINE)
-    ]
 
 
 def parsed(notebook: dict) -> Iterator[tuple[int, ast.Module]]:
@@ -146,17 +89,6 @@ def links_resolve(notebook: dict, folder: Path = ROOT / "notebooks") -> list[str
     return [f"no {t}" for t in links(markdown(notebook)) if not (folder / t).exists()]
 
 
-def has_exercise(notebook: dict) -> list[str]:
-    """A heading, and after it a cell that checks the answer."""
-    seen = False
-    for cell in notebook["cells"]:
-        source = lines_of(cell["source"])
-        seen = seen or bool(re.search(r"^#+ .*Exercise", source, re.MULTILINE))
-        if seen and cell["cell_type"] == "code" and re.search(r"\bcheck_\w+\(", source):
-            return []
-    return ["no exercise with a check"]
-
-
 #: Chapters in the new form ask for a prediction; `tests/course/form` has rules of their own for
 #: them.
 NEW_FORM_TAG = "predict"
@@ -170,5 +102,4 @@ def in_the_new_form(notebook: dict) -> bool:
     return any(NEW_FORM_TAG in tags_of(cell) for cell in notebook["cells"])
 
 
-RULES = (executed_in_order, no_errors, no_widget_state, small, small_pictures, steady_outputs,
-         nothing_forbidden, short_cells, links_resolve, has_exercise)  # fmt: skip
+RULES = (executed_in_order, no_errors, small, short_cells, links_resolve)

@@ -8,15 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from segmap_course import (
-    compare_with_walls,
     equal_offices,
     known_building,
-    represent,
 )
 
 from segmap import SegmentMap, alignment, simulation
 from segmap.angles import wrap
-from segmap.extraction import build_map, extract_polylines
+from segmap.extraction import build_map
 from segmap.metrics import against_walls, quality
 from segmap.poses import between
 from segmap.reduction import (
@@ -28,7 +26,6 @@ from segmap.reduction import (
     one_per_wall,
 )
 from segmap.scans import Log
-from segmap.segments import point_distance
 
 pytestmark = pytest.mark.slow
 
@@ -42,18 +39,6 @@ def corridor(seed: int) -> Log:
     sensor = replace(simulation.SICK_LMS200, period=0.6)
     rng = np.random.default_rng(seed)
     return simulation.simulate(simulation.corridor_loop(), path, sensor=sensor, rng=rng)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_fusion_cannot_mend_the_poses(seed):
-    """Chapter 53: by odometry the walls of the corridor are as far off after Fusion as before."""
-    log, walls = corridor(seed), simulation.corridor_loop()
-    drifted = build_map(log, log.odometry)
-    far, then = (
-        1000 * point_distance(m.segments.reshape(-1, 1, 2), walls).min(axis=1).mean()
-        for m in (drifted, fusion(drifted))
-    )
-    assert 200 < then < 900 and abs(then / far - 1) < 0.15
 
 
 def false_loops(graph: alignment.Graph, log: Log) -> int:
@@ -107,76 +92,9 @@ def test_a_window_that_is_too_wide_folds_equal_offices(seed):
 ALL_ROUND = simulation.Sensor("all round", 720, -np.pi, np.pi / 360, max_range=12.0, sigma=0.01)
 
 
-def office_pairs(seed: int, sensor: simulation.Sensor = simulation.URG_04LX) -> list[tuple]:
-    """Sixty pairs of scans of simulated offices, and how they really lie."""
-    rng, pairs = np.random.default_rng(seed), []
-    for _ in range(60):
-        walls = simulation.office(rng=rng, rooms=1)
-        at = (rng.uniform(1, 3), rng.choice([2.5, 7.5]) + rng.uniform(-0.5, 0.5))
-        p = np.array([*at, rng.uniform(-np.pi, np.pi)])
-        q = p + [*rng.uniform(-0.7, 0.7, 2), rng.uniform(-np.pi, np.pi)]
-        scans = simulation.simulate(walls, [p, q], sensor=sensor, rng=rng)
-        pairs.append((*(extract_polylines(s.points()) for s in scans), between(p, q)))
-    return pairs
-
-
-def right_and_wrong(pairs: list[tuple], **options) -> tuple[int, int]:
-    """How many pairs are matched rightly, and how many wrongly."""
-    right = wrong = 0
-    for a, b, real in pairs:
-        found = alignment.match_angles(a, b, rng=np.random.default_rng(1), **options)
-        x, y, turn = between(real, found.pose)
-        near = np.hypot(x, y) < 0.1 and abs(turn) < np.radians(3)
-        right, wrong = right + (found.matched and near), wrong + (found.matched and not near)
-    return right, wrong
-
-
-def test_angles_are_seldom_wrong_in_one_office_and_random_walls_miss_most():
-    """Angle correspondence: five other sets of sixty pairs."""
-    believed, undoubted = [], []
-    for seed in range(5):
-        pairs = office_pairs(seed)
-        few = {
-            name: right_and_wrong(pairs, heuristic=name, most_pairs=10)[0]
-            for name in ("consecutive", "random", "perpendicular", "all")
-        }
-        assert few["random"] < min(few["consecutive"], few["perpendicular"])
-        assert few["all"] >= max(few.values()) - 1
-        believed.append(right_and_wrong(pairs))
-        no_doubt = {"rival": 1.0, "least_share": 1e-6, "least_across": 1e-6}
-        undoubted.append(right_and_wrong(pairs, **no_doubt))
-    assert min(right for right, _ in believed) >= 45
-    assert sum(wrong for _, wrong in believed) <= 1
-    assert max(wrong for _, wrong in undoubted) <= 5 < sum(wrong for _, wrong in undoubted)
-
-
-AS_TOLD = {"penalty": 0.0, "rival": 1.0, "least_share": 1e-6, "least_across": 1e-6}
-
-
 def graph_poses(log: Log) -> np.ndarray:
     """Poses of our pose graph, laid as a whole on the true ones."""
     return alignment.align_to_truth(alignment.pose_graph(log).poses, log.truth, best=True)
-
-
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("sensor", ["URG", "SICK", "all round"])
-def test_reduced_segments_are_as_good_as_the_poses(sensor, seed):
-    """Chapter 58: a few mm with true poses, some more with a graph's; as far off as the poses."""
-    eye = {"URG": simulation.URG_04LX, "SICK": simulation.SICK_LMS200, "all round": ALL_ROUND}
-    walls = simulation.office(rng=np.random.default_rng(2012), rooms=2)
-    way = simulation.drive([(0.7, 5), (3.3, 5), (2, 5), (2, 7.4)], step=0.2, turn=0.3)
-    rng = np.random.default_rng(seed)
-    log = simulation.simulate(walls, way, sensor=eye[sensor], rng=rng)
-    errors = []
-    for sigma in (0.0, 0.01, 0.02):
-        off = rng.normal(size=way.shape) * (sigma, sigma, np.radians(15 * sigma))
-        found = represent(log, log.truth + off)
-        errors.append(compare_with_walls(found, walls).loc["reduced segments", "error"])
-    of_graph = represent(log, graph_poses(log))
-    errors.append(compare_with_walls(of_graph, walls).loc["reduced segments", "error"])
-    true, one_cm, two_cm, graph = errors
-    assert true < 0.004 and graph < 0.0045
-    assert 0.005 < one_cm < 0.010 and 0.016 < two_cm < 0.030
 
 
 EYES = {"URG": simulation.URG_04LX, "SICK": simulation.SICK_LMS200, "all round": ALL_ROUND}

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 from segmap_course import THESIS_GRIDS, conclusions, thesis_results
 
-from segmap.experiments import equal_quality, load_records, select
+from segmap.experiments import select
 
 THESIS = thesis_results()
 #: (i) and (l) fail on Stanford already; (d) on USC, where mean shift changes more.
@@ -83,11 +83,3 @@ def test_other_methods_thresholds_and_orders_do_not_answer_for_the_thesis():
         tolerance=0.001, quality=0.9999, reduction=0.0001, seconds=1e-9
     )
     assert failing(pd.concat([finer, THESIS, more], ignore_index=True)[::-1]) == ON_ITS_OWN
-
-
-def test_fusion_is_first_of_five_or_close_to_it():
-    """Chapter 23: on A's buildings and ours, at three qualities; of A's five methods."""
-    for frame in (THESIS, load_records("malaga", "office", "intel", "fr079")):
-        for quality in (0.80, 0.85, 0.90):
-            found = equal_quality(frame, quality)[list(THESIS_GRIDS)].astype(float)
-            assert (found.max(axis=1) - found["fusion"]).max() < 0.025

@@ -1,7 +1,6 @@
 """What the chapters draw: the values that their claims rest on. See `test_drawings` first."""
 
 import numpy as np
-import pandas as pd
 import pytest
 import segmap_course as course
 from matplotlib.collections import LineCollection
@@ -10,12 +9,9 @@ from matplotlib.colors import to_hex
 from segmap.alignment import Match
 from segmap.alignment.points import PointStep
 from segmap.exports import ros_classes
-from segmap.metrics import distance_terms
-from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, figure_png
-from segmap.poses import transform
+from segmap.plotting import ERROR, MAP, RAW, RESULT
 from segmap.quadtree import QuadtreeMap
 from segmap.scans import LaserScan
-from segmap.segments import length
 
 SCAN = LaserScan(
     [1.0, 2.0, np.inf, 9.0, 3.0], [-1, 0, 1, 2, 3], sensor_pose=(0.5, 0, 0), max_range=8.0
@@ -37,15 +33,6 @@ def content(ax):
     lines += [(to_hex(c.get_color()[0]), np.array(c.get_segments())) for c in parts]
     return [(color, (np.round(places, 9) + 0.0).tolist()) for color, places in lines]
 
-
-def run(map, method, quality, seconds=1.0, filtered=0.0, **thresholds):
-    row = {"map": map, "method": method, "filtered": filtered, "seconds": seconds}
-    return pd.DataFrame([{**row, "quality": quality, "reduction": 0.5, **thresholds}])
-
-
-HALL = [run("hall", "fusion", q, tolerance=t) for q, t in ((0.9, 0.02), (0.8, 0.04))]
-NOISE = run("hall", "fusion", 0.1, filtered=0.1, tolerance=0.02)
-SHIFTED = [run("hall", "mean_shift", 0.5, sigma=s, bandwidth=0.9) for s in (0.1, 0.2)]
 
 #: What each drawing consists of, and what its labels, its title or its letters say.
 DRAWN = {
@@ -119,29 +106,6 @@ def test_the_second_scan_is_laid_by_its_pose():
     assert content(wrong) == [(MAP, [[[0, 0], [4, 0]]]), (ERROR, [[[1, 2], [1, 6]]])]
 
 
-def test_axes_say_what_is_drawn(ax):
-    """Catches a legend of nothing, one that was not wanted, and labels that are wiped out."""
-    ax.set_xlabel("x [m]")
-    course.label_axes(ax, "No line", y="error [mm]", ylim=(0, 3))
-    said = ax.get_title(), ax.get_xlabel(), ax.get_ylabel(), ax.get_ylim(), ax.get_legend()
-    assert said == ("No line", "x [m]", "error [mm]", (0, 3), None)
-    ax.plot([0, 1], label="room")
-    assert course.label_axes(ax, "One line", "time [s]", legend=False).get_legend() is None
-    named = course.label_axes(ax, "One line", legend={"title": "logs"}).get_legend()
-    assert ax.get_xlabel() == "time [s]" and named.get_title().get_text() == "logs"
-    assert [text.get_text() for text in named.get_texts()] == ["room"]
-
-
-def test_a_scan_is_drawn_in_each_frame_with_its_valid_points():
-    """Catches a pose used in the wrong picture, and readings at maximum range drawn as walls."""
-    frames = {"robot": (0, 0, 0), "map": (3, 4, np.pi / 2)}
-    row = course.draw_frames(SCAN, frames, every=1)
-    for ax, pose in zip(row, frames.values(), strict=True):
-        drawn = np.column_stack(ax.lines[0].get_data())
-        np.testing.assert_allclose(drawn, transform(pose, SCAN.points()), atol=1e-12)
-    assert [ax.get_title() for ax in row] == [f"In the frame of the {name}" for name in frames]
-
-
 @pytest.mark.parametrize("turn", [0.0, 0.5, 2.0])
 def test_the_ellipse_lies_along_the_direction_that_is_least_known(turn, ax):
     """Catches the transpose of the axes, variances as deviations, and half axes as whole ones."""
@@ -156,34 +120,6 @@ def test_the_ellipse_lies_along_the_direction_that_is_least_known(turn, ax):
     assert sorted(reach) == pytest.approx([0.2, 1.0])
     longest = ends[np.argmax(reach)]
     assert abs(longest @ (c, s)) == pytest.approx(1.0)
-
-
-def test_each_outcome_has_its_colour_where_it_started(ax):
-    """Catches rows drawn as columns, and colours that follow the words that happen to occur."""
-    course.draw_basin([["free", "wrong"], ["right", "right"]], [0, 1], [5, 7], ax=ax)
-    (mesh,) = ax.collections
-    figure_png(ax.figure)
-    colors = [to_hex(color) for color in mesh.get_facecolor()]
-    assert colors == [GROUPS[0], ERROR, RESULT, RESULT]
-    named = zip(*ax.get_legend_handles_labels(), strict=True)
-    legend = {word: to_hex(line.get_color()) for line, word in named}
-    assert legend == {"free": GROUPS[0], "right": RESULT, "wrong": ERROR}
-    assert ax.get_xlim() == (-0.5, 1.5) and ax.get_ylim() == (4, 8)
-
-
-@pytest.mark.parametrize("pose", [(2.8, 0.75, 0.5), (0.3, 1.0, -0.7), (-3.0, 0.2, 0.1)])
-@pytest.mark.parametrize("flip", [1, -1])
-def test_the_red_lines_are_as_long_as_the_terms(pose, flip):
-    """Catches feet beside the line midway, and the gap from the wrong ends."""
-    u = np.array([(0, 0), (2, 0)], float)
-    v = transform(pose, [(-0.75, 0.0), (0.75, 0.0)])[::flip]
-    axes = course.draw_distance_terms(u, v)
-    red = [length(np.array(ax.collections[-1].get_segments())) for ax in axes]
-    assert [len(part) for part in red] == [2, 1, 1]
-    np.testing.assert_allclose([part.mean() for part in red], distance_terms(u, v))
-    for ax, term in zip(axes, distance_terms(u, v), strict=True):
-        assert ax.get_title().endswith(f"{term:.2f} m")
-        np.testing.assert_array_equal(ax.collections[1].get_segments(), [u, v])
 
 
 def test_normals_end_on_the_lines_of_their_walls_and_hough_space_has_their_lengths():
@@ -218,20 +154,6 @@ def test_chosen_cells_lie_where_the_map_has_them(ax, resolution):
     assert left <= 10.5 < left + resolution and low <= 8.5 < low + resolution
 
 
-@pytest.mark.parametrize(("start", "end"), [((0, 0), (14, 5)), ((9, 2), (0, 0)), ((0, 9), (-3, 1))])
-def test_the_mask_is_at_the_end_of_a_ray(ax, start, end):
-    """Catches a mask at the start of rays to the left, whose cells come in the other order."""
-    course.draw_ray(start, end, ax=ax)
-    (crossed, spared), (line,) = (squares(ax, k) for k in (0, 1)), ax.lines
-    assert len(crossed) == max(abs(end[0] - start[0]), abs(end[1] - start[1])) - 1
-    assert len(spared) == 9 and spared[4] == (*end, 1, 1) and (*start, 1, 1) in crossed
-    assert not {*spared} & {*crossed}
-    assert line.get_xydata().tolist() == [[k + 0.5 for k in start], [k + 0.5 for k in end]]
-    assert [to_hex(part.get_facecolor()[0]) for part in ax.collections] == [RESULT, RAW]
-    for (low, high), k in ((ax.get_xlim(), 0), (ax.get_ylim(), 1)):
-        assert (low, high) == (min(start[k], end[k]) - 1, max(start[k], end[k]) + 2)
-
-
 def test_classes_are_drawn_at_their_place_the_lowest_row_below(ax):
     """Catches a picture half a pixel off, or upside down; white must be free."""
     map = QuadtreeMap(resolution=0.5, size=4, bias=1)
@@ -243,16 +165,3 @@ def test_classes_are_drawn_at_their_place_the_lowest_row_below(ax):
     rows, columns = classes.greys.shape
     edges = classes.left, classes.left + columns * 0.5, classes.low, classes.low + rows * 0.5
     assert tuple(image.get_extent()) == edges and image.get_clim() == (0, 254)
-
-
-def test_ends_that_hit_are_blue_and_each_has_its_way_to_the_nearest_cell(ax):
-    """Catches hits and misses exchanged, and a way to the corner of a cell."""
-    map = QuadtreeMap(resolution=0.5, size=8, bias=1)
-    map.insert_scan((1, 1), [(3.25, 1.25), (6.25, 3.25)])
-    course.draw_ends_on_map(map, [(3.3, 1.3), (5.6, 3.0)], (0, 1, 7, 4), nearest=True, ax=ax)
-    blue, orange = ax.lines[-2:]
-    assert (blue.get_color(), blue.get_xydata().tolist()) == (RESULT, [[3.3, 1.3]])
-    assert (orange.get_color(), orange.get_xydata().tolist()) == (ERROR, [[5.6, 3.0]])
-    ways = ax.collections[-1].get_segments()
-    assert [way[1].tolist() for way in ways] == [[3.25, 1.25], [6.25, 3.25]]
-    assert (*ax.get_xlim(), *ax.get_ylim()) == (0, 7, 1, 4)

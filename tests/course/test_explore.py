@@ -31,11 +31,6 @@ def test_it_sees_both_rooms_and_meets_no_wall():
     assert point_distance(between[:, None], ROOMS).min() > 0.1
 
 
-def test_the_same_generator_the_same_drive():
-    one, two = (course.explore(ROOMS, (1, 1.5), rng=np.random.default_rng(3)) for _ in range(2))
-    assert np.array_equal(one.poses, two.poses) and np.array_equal(one.known, two.known)
-
-
 def test_the_floor_is_what_hangs_together():
     """Catches the inside of a cupboard, and the room behind a wall without a door."""
     floor = course.floor_of(ROOMS, np.array([1.0, 1.5]))

@@ -6,15 +6,13 @@ from math import radians
 import numpy as np
 import pytest
 from segmap_course import (
-    THESIS_FILTERS,
     THESIS_GRIDS,
     thesis_grid,
     thesis_results,
     within_thesis,
 )
 
-from segmap import METHODS
-from segmap.experiments import load_records, select, sweep
+from segmap.experiments import load_records
 from segmap.readers import data_file
 
 FOUND = thesis_results()
@@ -48,18 +46,6 @@ def test_the_grid_is_that_of_the_thesis():
     assert runs == len(thesis_grid(FOUND)) == len(FOUND.drop_duplicates(names)) == 264
 
 
-def test_a_sweep_over_the_grid_of_the_thesis_is_in_it_and_others_are_not():
-    """Catches defaults that the runs name and the thesis does not, and others than A's."""
-    wall = np.array([[(0, 0), (2, 0)], [(1, 0), (3, 0)]])
-    grids = {**THESIS_GRIDS, "hybrid_fusion": [{}]}
-    found = sweep({"wall": wall}, METHODS, grids, filters=THESIS_FILTERS)
-    assert len(thesis_grid(found)) == 66
-    other = {"mean_shift": {"sigma": 0.1, "bandwidth": 0.5}, "fusion": {"tolerance": 0.03}}
-    other["hybrid"] = {"distance": 0.1, "min_length": 0.0}
-    assert len(thesis_grid(sweep({"wall": wall}, list(other), other, filters=(None, 0.05)))) == 0
-    assert len(thesis_grid(sweep({"wall": wall}, ["fusion"], filters=(0.05,)))) == 0
-
-
 RECORDS = load_records("malaga", "office", "intel", "fr079")
 #: Share of the runs on each building whose quality, and reduction, lie within A's; chapter 23 has
 #: the reason for each method that lies outside.
@@ -79,14 +65,3 @@ def test_each_method_is_the_one_that_a_ran(method):
     least, reduces = WITHIN[method]
     assert (table["quality"][["malaga", "office", "intel", "fr079"]] >= least).all()
     assert (table["reduction"] >= reduces).all()
-
-
-def test_outside_of_a_s_range_by_hand():
-    """A margin on the wrong side, or the range of another setting."""
-    assert (within_thesis(FOUND, margin=0.0) == 1).all(axis=None)
-    runs = select(FOUND, map="usc", method="fusion").assign(map="moved")
-    fall = FOUND[FOUND["method"] == "fusion"].groupby(["tolerance", "filtered"])["quality"].min()
-    low = runs.assign(quality=runs.set_index(["tolerance", "filtered"]).index.map(fall) - 0.06)
-    low.loc[low.index[0], "quality"] += 0.02
-    found = within_thesis(low).loc["fusion", "moved"]
-    assert found["quality"] == 0.1 and found["reduction"] == 1

@@ -10,13 +10,11 @@ import re
 from functools import cache
 from pathlib import Path
 
-import numpy as np
 import pytest
 import segmap_course as course
 from chapter_rules import CHAPTERS, code_cells, markdown
-from segmap_course import THESIS_GRIDS, thesis_results
 
-from segmap import SegmentMap, alignment, extraction, matching, reduction
+from segmap import alignment, extraction, matching, reduction
 
 #: Where a method is walked through. `section` begins a heading, `source` is a function that is
 #: printed from `literal` or written there, `panel` a class of the course with the `controls` of the
@@ -25,14 +23,6 @@ with Path(__file__).with_name("walked_through.csv").open(encoding="utf-8", newli
     WALKED = {row.pop("method"): row for row in csv.DictReader(_file)}
 #: These have a section and nothing else: there is nothing to choose.
 SECTIONS = {"odometry": ("02", "Steps in a chain"), "ground_truth": ("02", "Poses between")}
-#: Thresholds that the theses vary, by method, and the control of each.
-THESIS_THRESHOLDS = {
-    "basic_offline": {"distance": "distance", "angle": "angle"},
-    "basic_online": {"distance": "distance", "angle": "angle"},
-    "hybrid": {"distance": "distance", "angle": "angle"},
-    "mean_shift": {"sigma": "sigma"},
-    "fusion": {"tolerance": "tolerance"},
-}
 
 
 @cache
@@ -69,24 +59,3 @@ def test_a_method_is_walked_through(name):
         assert f"course.{row['panel']}(" in text and f"course.check_{row['exercise']}(" in text
         parts = {n for kind in getattr(course, row["panel"]).__mro__ for n in vars(kind)}
         assert set(row["controls"].split()) <= parts
-
-
-def test_what_the_theses_vary_is_in_the_panel_of_its_method():
-    """Catches a threshold of A's runs that no slider has, or that ends before A's values."""
-    runs = thesis_results()
-    varied = {
-        name: {
-            column
-            for column in ("distance", "angle", "sigma", "tolerance")
-            if runs[runs["method"] == name][column].nunique() > 1
-        }
-        for name in THESIS_GRIDS
-    }
-    assert varied == {name: set(controls) for name, controls in THESIS_THRESHOLDS.items()}
-    for name, controls in THESIS_THRESHOLDS.items():
-        panel = getattr(course, WALKED[name]["panel"])(SegmentMap([[(0, 0), (1, 0)]]))
-        for column, control in controls.items():
-            tried = runs[runs["method"] == name][column]
-            tried = np.degrees(tried) if column == "angle" else tried
-            slid = getattr(panel, control)
-            assert slid.min <= tried.min() + 1e-9 and tried.max() - 1e-9 <= slid.max

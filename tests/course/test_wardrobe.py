@@ -1,35 +1,16 @@
 """The three questions of the story, on the true walls, on every alignment and every reduction."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 import segmap_course as course
 from segmap_course import clearance, clinic_walls, measure_clinic
 
 import segmap
-from segmap import alignment, reduction
-from segmap.extraction import build_map
 from segmap.poses import compose, transform
 from segmap.segments import point_distance
 from segmap.simulation import box
 
 LOG, WALLS = segmap.load("clinic"), clinic_walls()
-
-
-@cache
-def by_alignment():
-    """Name of an alignment -> answers of its map, not reduced."""
-    poses = {name: method(LOG).poses for name, method in alignment.METHODS.items()}
-    return {n: measure_clinic(build_map(LOG, p).filtered(0.1), p) for n, p in poses.items()}
-
-
-@cache
-def by_reduction():
-    """Name of a reduction -> answers of the map of the pose graph that it reduced."""
-    poses = alignment.pose_graph(LOG).poses
-    map = build_map(LOG, poses, keep_points=True).filtered(0.1)
-    return {n: measure_clinic(m(map), poses) for n, m in reduction.METHODS.items()}
 
 
 def test_true_walls_give_true_answers():
@@ -83,30 +64,3 @@ def test_it_cannot_be_told_within_two_deviations():
     assert not course.Measured(0.019, 0.01).sure and not course.Measured(-0.019, 0.01).sure
     slanted = np.where((WALLS == (0, 0)).all(-1)[..., None], (-2, 0), WALLS)  # at the left
     assert measure_clinic(slanted).clearance.deviation > 0.01
-
-
-@pytest.mark.slow
-def test_every_alignment_answers():
-    """Catches a story that all alignments tell alike, and a pose graph that is none of the best."""
-    answers = by_alignment()
-    assert len(answers) == 8
-    for name in ("ground_truth", "pose_graph", "point_icp"):
-        assert abs(answers[name].clearance.metres - 0.167) < 0.015
-        assert abs(answers[name].wall.metres - 0.10) < 0.015
-        assert abs(answers[name].building.metres - 9.0) < 0.02
-    wheels = answers["odometry"]
-    assert not wheels.clearance.sure and not wheels.building.sure
-    assert sum(abs(a.building.metres - 9.0) > 0.15 for a in answers.values()) >= 3
-
-
-@pytest.mark.slow
-def test_every_reduction_answers():
-    """Catches reductions that cannot be told apart by what they do to a thin wall."""
-    answers = by_reduction()
-    assert set(answers) == set(reduction.METHODS)
-    lost = {name for name, a in answers.items() if not a.wall.sure}
-    assert {"uncertain_parameters", "fuzzy_set"} <= lost
-    for name in ("basic_offline", "basic_online"):  # of a wall of 10 cm
-        assert name in lost or answers[name].wall.metres < 0.02
-    for name in ("fusion", "least_cost", "one_per_wall"):
-        assert abs(answers[name].wall.metres - 0.10) < 0.01 and answers[name].clearance.sure

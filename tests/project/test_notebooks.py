@@ -1,6 +1,5 @@
 """Chapters are clean: every rule of `chapter_rules` on every chapter."""
 
-import base64
 import json
 import re
 
@@ -40,12 +39,3 @@ def test_every_chapter_is_linked():
 def test_links_of_the_other_texts_resolve(name):
     here = ROOT / name
     assert [t for t in rules.links(here.read_text()) if not (here.parent / t).exists()] == []
-
-
-def test_readme_picture_is_the_one_of_chapter_01():
-    """Catches a README that shows the map of an older version."""
-    notebook = read(CHAPTERS[0])
-    tagged = [c for c in notebook["cells"] if "readme-picture" in c["metadata"].get("tags", [])]
-    shown = [rules.lines_of(o["data"]["image/png"]) for o in tagged[0]["outputs"]]
-    stored = (ROOT / "notebooks/pictures/malaga.png").read_bytes()
-    assert [base64.b64decode(picture) for picture in shown] == [stored]

@@ -12,6 +12,9 @@ from segmap import simulation
 from segmap.alignment import pose_graph
 from segmap.reduction import (
     METHODS,
+    basic_offline,
+    fusion,
+    one_per_wall,
     segment_similarity,
     uncertain_parameters,
     viewing_sector,
@@ -24,17 +27,25 @@ pytestmark = pytest.mark.slow  # many seeds are what they are worth
 
 @pytest.mark.parametrize("building", ["clinic", 0, 1])
 @pytest.mark.parametrize("noise", NOISE, ids=str)
-def test_a_wall_of_10_cm_stays_at_2_cm_of_cost_or_5_cm_of_distance(noise, building):
-    """Chapter 18: over true poses; catches weights that pull one face to the other."""
+def test_a_wall_of_10_cm_stays_at_small_thresholds_and_goes_at_large_ones(noise, building):
+    """Chapters 14, 17, 18 and 22: over true poses; catches weights or strips that pull one face to
+    the other, and for `one_per_wall` scans that move away from each other."""
     for seed in range(2):  # five were tried
         log, middle = drive_past_a_wall(building, noise, seed)
         map = segmap.build_map(log, log.truth, keep_points=True)
+        off = np.random.default_rng(seed).normal(size=log.truth.shape)
+        poses = log.truth + off * (0.01, 0.01, np.radians(0.15))
+        moved = segmap.build_map(log, poses, keep_points=True)
         for kept in (
+            basic_offline(map, distance=0.05),  # half of its thickness
+            fusion(map, tolerance=0.04),
             segment_similarity(map, distance=0.02),
             uncertain_parameters(map),  # 0.05 m
+            *([one_per_wall(moved)] if building == "clinic" else []),
         ):
-            assert 0.08 < thickness(kept.segments, middle) < 0.13
-        assert thickness(uncertain_parameters(map, distance=0.12).segments, middle) < 0.01
+            assert 0.08 < thickness(kept.segments, middle) < 0.13, kept.method
+        for gone in (uncertain_parameters(map, distance=0.12), fusion(map, tolerance=0.07)):
+            assert thickness(gone.segments, middle) < 0.01, gone.method
 
 
 def something_carried_away(building, noise, seed):

@@ -11,15 +11,8 @@ from quadtrees import leaves_of
 
 from segmap import SegmentMap, fusion, load, quality
 from segmap.alignment import (
-    backbone_steps,
-    match_angles,
-    match_points,
-    match_segments,
     pose_graph,
 )
-from segmap.exports import ros_classes
-from segmap.extraction import extract_polylines
-from segmap.poses import between
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.reduction import (
     basic_online,
@@ -36,7 +29,7 @@ from segmap.reduction import (
     viewing_sector,
     weighted_line_fitting,
 )
-from segmap.simulation import URG_04LX, rectangular_room, square_room
+from segmap.simulation import rectangular_room
 from segmap.testing import assert_poses_equal
 
 #: A door in the wall at y = 3: shut in scan 0, open in scan 1, which sees the wall behind.
@@ -197,32 +190,6 @@ def test_thresholds_of_other_methods_are_grey_and_not_handed_on():
 
 
 @unpainted
-def test_segment_icp_panel_begins_off_the_truth_and_ends_in_the_match():
-    """Catches degrees taken for radians, thresholds not handed on, a start about another pose."""
-    panel = course.SegmentIcpPanel(LOG, apart=2)
-    first, second = (extract_polylines(LOG[k].points()) for k in (0, 2))
-    real = between(LOG.truth[0], LOG.truth[2])
-    for chosen in ({"angle": 30, "distance": 0.5}, {"share": 0.9, "angle": 2}):
-        for control, value in chosen.items():
-            getattr(panel, control).value = value
-        turned = {k: np.radians(v) if k == "angle" else v for k, v in chosen.items()}
-        found = match_segments(first, second, real + [0.2, 0.2, np.radians(5)], **turned)
-        assert panel.match.matched == found.matched
-        np.testing.assert_allclose(panel.match.pose, found.pose, atol=1e-12)
-        panel.reset()
-
-
-def test_sector_panel_forgets_the_door_when_it_has_seen_through_it(figures):
-    """Catches a panel that shows all scans whichever is chosen, or the sensor of another one."""
-    panel = course.SectorPanel(DOOR)
-    assert panel.count.value == "3 of 4 segments left" and len(panel.map) == 4
-    panel.scan.value = 0
-    assert panel.count.value == "1 of 1 segments left" and len(panel.map) == 1
-    assert figures[-1].axes[0].lines[-1].get_xydata().tolist() == [[0, 0]]
-    assert figures[-1].axes[0].get_ylim() == pytest.approx((-0.3, 5.3))  # of the whole map
-
-
-@unpainted
 def test_least_cost_panel_tells_what_is_promised_and_what_quality_does_not_see():
     """Catches a promise in per cent of the penalty alone, and metres that are swapped."""
     panel = course.LeastCostPanel(BROKEN)
@@ -230,29 +197,6 @@ def test_least_cost_panel_tells_what_is_promised_and_what_quality_does_not_see()
     panel.gap.value = 0.09
     assert panel.unseen.value == "invented 0.08 m, missed 0.00 m"
     assert panel.promised.value == f"quality promised {np.exp(-0.05 * 1 / 2 / 0.05):.1%}"
-
-
-@unpainted
-def test_hybrid_panel_moves_the_origin_and_not_the_map():
-    """Catches a result in the frame of the moved origin, or moved the wrong way; a lost filter."""
-    panel = course.HybridPanel(LEANING)
-    assert panel.dropped.value == "1 dropped as too short"
-    panel.origin.value = 3
-    found = hybrid(SegmentMap(LEANING.segments - [3, 0]))
-    assert panel.reduction.segments == pytest.approx(found.segments + [3, 0])
-    assert [len(panel.reduction), panel.origin.value] == [1, 3]
-    panel.origin.value = 20
-    assert panel.count.value == "2 of 3 segments left"
-
-
-@unpainted
-def test_room_panel_without_noise_measures_exactly_and_keeps_the_field_of_view():
-    """Catches beams that are left out at one side instead of spread."""
-    panel = course.RoomPanel(ROOM, (1, 1, 0))
-    assert "0.0 mm" not in panel.spread.value
-    panel.noise.value, panel.beams.value = 0, 51
-    assert panel.spread.value == "range error 0.0 mm (root mean square)"
-    assert panel.scan.angles[[0, -1]] == pytest.approx(URG_04LX.angles[[0, -1]])
 
 
 @unpainted
@@ -265,65 +209,6 @@ def test_moving_panel_carries_the_beams_back_onto_the_walls():
     assert panel.off.value == "up to 0.0 cm off the walls"
     panel.deskewed.value, panel.speed.value, panel.turn.value = False, 0.0, 0
     assert panel.off.value == "up to 0.0 cm off the walls"
-
-
-@unpainted
-def test_angle_panel_shows_what_match_angles_finds():
-    """Catches the wrong pair of scans, a rank beyond the last, a second scan beyond the log."""
-    panel = course.AnglePanel(load("room"), scan=3, apart=2)
-    first, second = (extract_polylines(panel.log[k].points()) for k in (3, 5))
-    found = match_angles(first, second, rng=np.random.default_rng(0))
-    assert panel.match.pose == pytest.approx(found.pose, abs=1e-9)
-    assert panel.verdict.value == f"match, overlap {found.overlap:.2f}"
-    panel.rank.value = 10
-    last = panel.candidates[-1]
-    assert panel.found.value.startswith(f"{len(panel.candidates)} of {len(panel.candidates)}: ")
-    assert f"{last.value:.2f} m match" in panel.found.value
-    panel.scan.value, panel.apart.value = panel.scan.max, 40
-    assert panel.verdict.value.startswith("match")  # the last two scans
-
-
-@unpainted
-def test_ground_truth_panel_measures_the_scans_whose_pose_it_withholds():
-    """Catches an error over the poses that were given, a clock that is moved the other way."""
-    panel = course.GroundTruthPanel(LOG, max_gap=10.0)
-    assert panel.error.value == "wrong by 0.000 m on average"
-    panel.late.value = 0.05
-    speed = 0.5 / (LOG[1].time - LOG[0].time)
-    used = panel.alignment.used
-    off = np.mean(panel.alignment.poses[used, 0] - LOG.truth[used, 0])
-    assert off == pytest.approx(-0.05 * speed, rel=1e-6)
-    panel.late.value = 0
-    panel.every.value = 3
-    assert panel.alignment.used.tolist() == [True, True, True, True, False][: len(LOG)]
-
-
-@unpainted
-def test_icp_panel_ends_in_the_match_and_starts_where_it_is_told():
-    """Catches degrees taken for radians, and a step beyond the last."""
-    before, now = LOG[0].points(), LOG[1].points()
-    panel = course.IcpPanel(before, now, (0.5, 0, 0))
-    panel.turn.value = 5
-    np.testing.assert_allclose(panel.steps[0].pose - panel.pose, [0.3, 0.3, np.radians(5)])
-    panel.step.value = 60
-    found = match_points(before, now, panel.steps[0].pose)
-    np.testing.assert_allclose(panel.steps[-1].pose, found.pose, atol=1e-12)
-    last = len(panel.steps) - 1
-    assert panel.count.value.startswith(f"step {last} of {last}: ")
-
-
-@unpainted
-def test_backbone_panel_shows_what_the_method_does():
-    """Catches a panel one scan off, a rotation in radians, and a threshold without effect."""
-    log = load("corridor")[:60]
-    steps, panel = backbone_steps(log), course.BackbonePanel(log)
-    for k in (2, 50):
-        panel.scan.value = k
-        turned = f"turned by {np.degrees(steps[k].rotation):.2f} deg"
-        assert panel.turned.value == f"{turned}, {len(steps[k].lines.angle)} lines"
-        assert panel.state.value == (steps[k].reason or "used")
-    panel.min_length.value = 3.0
-    assert len(panel.now.segments) < len(steps[50].segments)
 
 
 @unpainted
@@ -362,54 +247,3 @@ def test_without_the_mask_a_ray_crosses_the_neighbours_of_its_end():
         course.insert_variant(map, (0.5, 0.5), [(3.5, 0.5)], mask=mask)
         counts[mask] = np.array([leaves_of(map)[(x, 0, 1)][0] for x in range(4)])
     assert (counts[False] - counts[True]).tolist() == [0, 0, 1, 0]
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_touched_cells_are_those_whose_square_the_ray_meets(seed):
-    """Against every cell of a box, by clipping the ray, between corners of cells, to its square."""
-    rng = np.random.default_rng(seed)
-    start, end = rng.integers(-6, 7, (2, 2))
-    cells = np.stack(np.meshgrid(np.arange(-9, 9), np.arange(-9, 9)), -1).reshape(-1, 2)
-    map = QuadtreeMap(resolution=1, size=32, corner=(-16, -16))
-    map.insert_scan((-8.5, -8.5), cells + 0.5)  # a leaf for each cell
-    before = leaves_of(map)
-    course.insert_variant(map, start + 0.5, [end + 0.5], touched=True, mask=False)
-    expected = {tuple(end.tolist())}
-    for x in range(-9, 9):
-        for y in range(-9, 9):
-            low, high = 0.0, 1.0
-            for a, d, c in ((start[0], end[0] - start[0], x), (start[1], end[1] - start[1], y)):
-                if d == 0:
-                    low = low if c <= a <= c + 1 else 2.0
-                else:
-                    t = sorted(((c - a) / d, (c + 1 - a) / d))
-                    low, high = max(low, t[0]), min(high, t[1])
-            if low <= high + 1e-12 and (x, y) != tuple(end.tolist()):
-                expected.add((x, y))
-    after = leaves_of(map)
-    seen = [leaf for leaf, count in after.items() if count[0] > before[leaf][0]]
-    assert {(x - 16, y - 16) for x, y, _ in seen} == expected  # of the map's corner
-
-
-@unpainted
-def test_free_outside_is_measured_beyond_the_walls():
-    """Catches an area that counts the room itself, or leaves that the walls cut."""
-    panel = course.RayPanel(square_room(4.0), [(1.5, 1.6, 0.2)])
-    assert panel.free_outside() == 0
-    panel.map.tree.vis[panel.map.tree.vis == 1] = 50
-    leaves = panel.map.leaves()
-    assert 0 < panel.free_outside() < (leaves.side**2).sum() - 16
-
-
-@unpainted
-def test_classes_panel_shows_what_is_exported():
-    """Catches thresholds that are not handed on."""
-    log = load("room")
-    map = build_map(log, log.truth)
-    panel = course.ClassesPanel(map)
-    for occupied, free, k in ((0.5, 0.25, 0), (0.9, 0.25, 0), (0.5, 0.0, 2)):
-        panel.occupied.value, panel.free.value, panel.doublings.value = occupied, free, k
-        found = ros_classes(map, resolution=0.05 * 2**k, occupied=occupied, free=free)
-        assert np.array_equal(panel.classes.greys, found.greys)
-        counts = [int(part.split()[0]) for part in panel.counts.value.split(", ")]
-        assert counts == [(found.greys == grey).sum() for grey in (254, 205, 0)]

@@ -7,9 +7,8 @@ from pathlib import Path
 import nbformat
 import pytest
 import segmap_course as course
-from chapter_rules import CHAPTERS, ROOT
+from chapter_rules import ROOT
 from nbclient import NotebookClient
-from segmap_course.exercises.open.my_mapper import CHECKS
 from segmap_course.literal.alignment.plain_mapper import Functions
 
 RIGHT = """\
@@ -129,10 +128,3 @@ def test_a_file_that_does_not_run_is_told(tmp_path, capsys):
     (tmp_path / "my_mapper.py").write_text("def compose(:")
     course.check_my_mapper(tmp_path)
     assert capsys.readouterr().out.count("my_mapper.py does not run: SyntaxError") == len(NAMES)
-
-
-def test_each_function_is_asked_for_by_the_chapter_that_is_named():
-    """Catches a chapter that was renumbered."""
-    for number, check in CHECKS.items():
-        (path,) = (path for path in CHAPTERS if path.name.startswith(number))
-        assert f"course.check_{check.name}(" in path.read_text("utf-8")
