@@ -44,7 +44,7 @@ class Draft:
 
     def __init__(self, grid: Grid, parts: Indices, faces: Faces, least_area: float) -> None:
         self.grid, self.parts, self.least_area = grid, parts.copy(), least_area
-        self.faces, self.pins = deepcopy(faces), dict[Hashable, int]()
+        self.faces, self.was_wall, self.pins = deepcopy(faces), faces.wall, dict[Hashable, int]()
         self.cuts, self.doorways = np.zeros((0, 2, 2)), dict[Hashable, Array]()
 
     def run_near(self, place: Place | Array, runs: Mask) -> int:

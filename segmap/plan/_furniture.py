@@ -3,86 +3,67 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
-from ..quadtree import FREE
+from ..arrays import Array
 from ..segments import length
-from ._cells import JAMB_REACH_M
 from ._doors import ROOM_REACH_M
-from ._draft import Draft
-from ._walls import FACE_TURN_RAD, HIDDEN_M, normals, thicknesses
+from ._draft import Draft, room_near
+from ._walls import FACE_TURN_RAD, HIDDEN_M, normals
 
-#: Two faces that are nearer, metres, are of one thin wall, or of a leaf.
-THINNEST_FURNITURE_M = 0.25
 #: Behind furniture a wall is looked for so far, metres.
 FURNITURE_REACH_M = 1.5
 #: What ends so near to furniture, metres, belongs to it.
 FURNITURE_MARGIN_M = 0.15
 
 
-def go_through(draft: Draft, run: int) -> str:
-    """The room before a run of wall goes on behind it; why that cannot be, or nothing.
+def go_through(draft: Draft, run: int, place: Array) -> str:
+    """The room before a place on a run of wall goes on behind it; why that cannot be, or nothing.
 
-    It goes to the next wall behind or, where one can walk past an end of the run into another room
-    or a room lies right behind, both are one.
+    It goes to the next wall that faces it there or, where a room comes first, both are one.
     """
     faces, grid, parts = draft.faces, draft.grid, draft.parts
-    start, size, step = faces.segments[run, 0], float(length(faces.segments[run])), grid.side / 2
+    start, size = faces.segments[run, 0], float(length(faces.segments[run]))
     lefts, way = normals(faces.segments), (faces.segments[run, 1] - start) / size
     front = lefts[run] * (faces.side[run] or 1)
-    # metres along the run and before it: of all faces, and of squares around it
-    x, y = (faces.segments - start) @ way, (faces.segments - start) @ front
-    along = np.arange(step / 2 - FURNITURE_REACH_M, size + FURNITURE_REACH_M, step)
-    ahead = np.arange(ROOM_REACH_M, -FURNITURE_REACH_M, -step)[:, None]
-    squares = grid.squares(start + along[:, None] * way + ahead[..., None] * front)
-    near, is_free, on_run = parts[squares], grid.kind[squares] == FREE, (along > 0) & (along < size)
-    if not (is_room := near[ahead[:, 0] > 0][:, on_run] >= 0).any():
+    # metres along the run, and behind it, of the place and of all faces
+    at = float(np.clip((place - start) @ way, 0, size))
+    low, high = np.sort((faces.segments - start) @ way).T
+    off = (start - faces.segments) @ front
+    if (room := room_near(grid, parts, start + at * way + ROOM_REACH_M / 2 * front)) < 0:
         return "no room before it"
-    room = int(np.bincount(near[ahead[:, 0] > 0][:, on_run][is_room]).argmax())
 
-    behind, depth = near[ahead[:, 0] < -grid.side][:, on_run], -ahead[ahead < -grid.side]
-    first = (behind >= 0).argmax(0)
-    beyond = behind[first, np.arange(behind.shape[1])]
-    away = np.where(beyond >= 0, depth[first], np.inf)
-    is_alone = (beyond == room).mean() > 0.5  # in one room
+    facing = lefts @ front
+    is_parallel, depth = abs(facing) > np.cos(FACE_TURN_RAD), off.mean(1)
+    is_next = faces.wall & is_parallel & (faces.side * facing >= 0) & (depth > grid.side)
+    is_next &= (depth <= FURNITURE_REACH_M) & (np.maximum(low - size, -high) <= HIDDEN_M)
+    nearest = np.lexsort([depth, np.maximum(low - at, at - high).clip(0), ~is_next])[0]
+    wall = depth[nearest] if is_next[nearest] else np.inf
 
-    off, facing = -y.mean(1), lefts @ front
-    parallel = faces.wall & (abs(facing) > np.cos(FACE_TURN_RAD)) & (off <= FURNITURE_REACH_M)
-    looks_away = parallel & (faces.side * facing < 0)
-    back = looks_away & (off > 0)
-    back &= (x.min(1) >= -JAMB_REACH_M) & (x.max(1) <= size + JAMB_REACH_M)
-    deep = THINNEST_FURNITURE_M + off[back].max(initial=0)
-    around = is_free & (ahead < THINNEST_FURNITURE_M) & (ahead > -deep)
-    around &= (along > -JAMB_REACH_M) & (along < size + JAMB_REACH_M)
-    pieces = scipy.ndimage.label(around)[0]
-    past = around & np.isin(pieces, pieces[around & (near == room)]) & (near >= 0)
-    past &= on_run & (ahead < THINNEST_FURNITURE_M - deep)  # behind it, and not beside
-    rooms = {room} if is_alone else {room, *near[past].tolist()}
-    goes = np.isin(beyond, [*rooms])
-
-    walls = parallel & (off > np.where(looks_away, THINNEST_FURNITURE_M, grid.side))
-    walls &= np.maximum(x.min(1) - size, -x.max(1)) <= HIDDEN_M
-    walls &= ~back | (goes.mean() <= 0.5)
-    thickness = thicknesses(faces.segments[faces.wall], faces.side[faces.wall])
-    body = np.nanmedian(np.append(thickness, 0.0))  # of a wall whose other face was seen
-    limit = (off - body * looks_away)[walls].min(initial=np.inf)
-    goes = goes if len(rooms) > 1 else away < limit - grid.side
-    goes &= goes.mean() > 0.5
-    if not goes.any() and limit == np.inf:
+    along = np.arange(grid.side / 4, size, grid.side / 2)
+    behind = np.arange(-FURNITURE_MARGIN_M, FURNITURE_REACH_M, grid.side / 2)
+    squares = grid.squares(start + along[:, None, None] * way - behind[:, None] * front)
+    is_room = (parts[squares] >= 0) & (behind > grid.side)
+    first = np.where(is_room.any(1), is_room.argmax(1), -1)
+    ends, beyond = behind[first], parts[squares][np.arange(len(along)), first]
+    here = abs(along - at).argmin()
+    is_joined = beyond[here] >= 0 and ends[here] < wall - grid.side
+    if not is_joined and wall == np.inf:
         return "neither a wall nor a room behind it"
-    rooms |= {*beyond[goes].tolist()}
-    stop = np.zeros(len(along))
-    stop[on_run] = np.where(goes, away, limit if limit < np.inf else 0)
-
-    deep, hidden = stop.max(), (near < 0) & (ahead < FURNITURE_MARGIN_M)
-    beside = hidden & is_free & (ahead > -deep) & (len(rooms) > 1)
-    hidden = beside | (hidden & on_run & (ahead > -stop))
+    if is_joined:
+        rooms = [room, beyond[here]]
+        ends = np.where(np.isin(beyond, rooms), ends, 0)
+        parts[np.isin(parts, rooms)] = room = parts.max() + 1
+    else:
+        ends = np.where(beyond >= 0, ends, wall).clip(0, wall)
+    hidden = (parts[squares] < 0) & (behind < ends[:, None])
     parts[squares[0][hidden], squares[1][hidden]] = room
-    if len(rooms) > 1:
-        parts[np.isin(parts, [*rooms])] = parts.max() + 1
-    own = (x.min(1) >= -FURNITURE_MARGIN_M) & (x.max(1) <= size + FURNITURE_MARGIN_M)
-    own &= (y.max(1) <= FURNITURE_MARGIN_M) & (y.min(1) >= -deep - FURNITURE_MARGIN_M)
-    own &= goes.any() | ~parallel | (off < deep - FURNITURE_MARGIN_M)
-    own[run], faces.size[run] = True, size
-    faces.wall[own & np.isfinite(faces.size)] = False
+
+    # what stands there is no wall, but for the next one and what is behind it
+    margin = np.where(is_joined | ~is_parallel, 1, -1) * FURNITURE_MARGIN_M
+    is_near = abs(along - (low + high)[:, None] / 2) <= FURNITURE_MARGIN_M
+    is_inside = off.max(1) <= np.where(is_near, ends, 0).max(1) + margin
+    is_inside &= (off.min(1) >= -FURNITURE_MARGIN_M) & np.isfinite(faces.size)
+    is_inside &= (low >= -FURNITURE_MARGIN_M) & (high <= size + FURNITURE_MARGIN_M)
+    is_inside[run], faces.size[run] = True, size
+    faces.wall[is_inside] = False
     return ""

@@ -70,17 +70,36 @@ def room_of(
         hidden += area
     clean = shapely.buffer(shapely.Polygon(rings[0], rings[1:]), 0)
     whole = largest(shapely.simplify(clean, STRAIGHT_M))
-    outline, *holes = (np.array(r.coords)[:-1] for r in (whole.exterior, *whole.interiors))
-    areas = [float(shapely.Polygon(hole).area) for hole in holes]
-    stays = [area >= least for area in areas]
-    for k, hole in enumerate(holes):
-        stays[k] |= np.inf in sides_on_walls(hole, walls)[1]
-        hidden += 0 if stays[k] else areas[k]
-    holes = [hole for hole, stay in zip(holes, stays, strict=True) if stay]
-    whole = shapely.Polygon(outline, holes)
-    widest = shapely.maximum_inscribed_circle(whole, tolerance=STRAIGHT_M)
+    holes = [np.array(ring.coords)[:-1] for ring in whole.interiors]
+    holes = [hole for hole in holes if shapely.Polygon(hole).area < least]
+    holes = [hole for hole in holes if np.inf not in sides_on_walls(hole, walls)[1]]
+    filled = shapely.union_all([whole, *map(shapely.Polygon, holes)])
+    return room_within(filled, hidden + filled.area - whole.area)
+
+
+def room_within(shape: Any, hidden: float) -> Room:
+    """The room in the largest part of a shape, without a name."""
+    shapely, shape = shapely_or_hint(), largest(shape)
+    outline, *holes = (np.array(r.coords)[:-1] for r in (shape.exterior, *shape.interiors))
+    widest = shapely.maximum_inscribed_circle(shape, tolerance=STRAIGHT_M)
     place = shapely.get_coordinates(widest)[0]
-    return Room("", outline, holes, whole.area, whole.length, place, hidden, "")
+    return Room("", outline, holes, shape.area, shape.length, place, min(hidden, shape.area), "")
+
+
+def apart(rooms: list[Room], grid: Grid, parts: Indices) -> list[Room]:
+    """The same rooms: what two of them cover is of that with more squares there."""
+    shapely, rooms = shapely_or_hint(), rooms.copy()
+    shapes = np.array([shapely.Polygon(room.outline, room.holes) for room in rooms], object)
+    for one, other in shapely.STRtree(shapes).query(shapes, "intersects").T.tolist():
+        shared = shapely.intersection(shapes[one], shapes[other])
+        if one < other and shared.area > MIN_LENGTH:
+            row, column = grid.squares(shapely.get_coordinates(shapely.envelope(shared)))
+            box = np.s_[row.min() : row.max() + 1, column.min() : column.max() + 1]
+            there = parts[box][shapely.contains_xy(shared, *np.moveaxis(grid.places(box), -1, 0))]
+            k, rest = sorted((one, other), key=lambda k: ((there == k).sum(), rooms[k].area))
+            rooms[k] = room_within(shapely.difference(shapes[k], shapes[rest]), rooms[k].hidden)
+            shapes[k] = shapely.Polygon(rooms[k].outline, rooms[k].holes)
+    return rooms
 
 
 def largest(polygons: Any) -> Any:

@@ -29,7 +29,7 @@ from ._cells import (
 from ._doors import DRAWN, Door, find_doors
 from ._draft import Draft
 from ._lines import Indices, Line, building_axes, wall_lines
-from ._outlines import SNAP_M, room_of
+from ._outlines import SNAP_M, apart, room_of
 from ._polygons import Room, shapely_or_hint
 from ._rooms import find_rooms
 from ._walls import Faces, draw_faces, walls_and_clutter, with_doorway
@@ -277,7 +277,7 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
         faces.size[run] = length(faces.segments[run])
         without = _outline_rooms(base, draft, places)
         if [room.area for room in without] == [room.area for room in rooms]:
-            unplaced.append(f"{wall} (it is a wall already)")
+            unplaced.append(f"{wall} (it changes no room)")
         faces.size[run] = np.inf
     order = np.argsort([-room.area for room in rooms], kind="stable")
     number = np.append(np.argsort(order), -1)
@@ -331,4 +331,4 @@ def _outline_rooms(base: Base, draft: Draft, doorways: Array) -> list[Room]:
         if key not in base.outlined:
             base.outlined[key] = room_of(parts, k, box, base.grid, mine, doors, base.least_area)
         rooms.append(base.outlined[key])
-    return rooms
+    return apart(rooms, base.grid, parts)

@@ -109,13 +109,13 @@ class Wall(Edit):
         run = draft.run_near(self.at, np.ones(len(faces.wall), bool))
         if run < 0:
             return "no wall and no clutter there"
-        was_wall, faces.size[run], faces.wall[run] = faces.wall[run], np.inf, True
-        if not was_wall:
+        is_new, faces.size[run], faces.wall[run] = ~faces.wall[run], np.inf, True
+        if is_new:
             number = int(faces.wall[:run].sum())
             shut = closed(faces.segments[faces.wall], draft.grid)[number]
             if length(shut) >= SHORTEST_WALL_M:
                 faces.segments[run] = shut
-        if draft.cut(faces.segments[run], draft.least_area) and was_wall:
+        if draft.cut(faces.segments[run], draft.least_area) and draft.was_wall[run]:
             draft.pins[self] = run
         return ""
 
@@ -124,8 +124,8 @@ class Wall(Edit):
 class Furniture(Edit):
     """The run of wall at a place is furniture, or a leaf: the room goes through it.
 
-    It goes on to the next wall behind, at most 1.5 m, over what nobody saw. Where a person can walk
-    past an end of the run into another room, or such a room lies right behind, both are one.
+    It goes on to the next wall behind this place, at most 1.5 m, over what nobody saw; where
+    another room comes first, both are one.
     """
 
     at: Place
@@ -134,7 +134,7 @@ class Furniture(Edit):
         """Run and sides are clutter, and what is behind is of the room before."""
         run = draft.run_near(self.at, draft.faces.wall)
         draft.pins = {wall: own for wall, own in draft.pins.items() if own != run}
-        return "no wall there" if run < 0 else go_through(draft, run)
+        return "no wall there" if run < 0 else go_through(draft, run, np.array(self.at))
 
 
 @dataclass(frozen=True)

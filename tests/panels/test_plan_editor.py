@@ -95,7 +95,7 @@ def test_doors_and_walls_are_drawn_in_the_browser_and_taken_back(editor):
     editor._handle_custom_msg({"edit": "Furniture 13 20"}, [])
     assert editor.state["words"].startswith("nothing is changed: Furniture 13 20 (neither a wall")
     editor._handle_custom_msg({"edit": "Wall 10 21"}, [])
-    assert "it is a wall already" in editor.state["words"] and editor.state["wall"] == walls
+    assert "it changes no room" in editor.state["words"] and editor.state["wall"] == walls
     for left in (1, 1, 0):
         editor.undo()
         assert len(editor.state["doors"]) == left

@@ -178,9 +178,46 @@ def test_doors_round_a_corner_and_side_by_side_both_stand(two):
 
 
 def test_furniture_where_a_wall_was_said_to_be_counts():
-    """Catches the wall before it, told as one that changed nothing."""
+    """Catches the wall before it, told as one that changed nothing; and one after it, not told."""
     plan = seen(shapely.box(0, 0, 4, 4), stand=[shapely.box(1, 1, 1.5, 3)])
     assert not plan.edited([Wall((1.5, 2)), Furniture((1.5, 2))]).unplaced
+    joined = seen(*ROOMS).edited([Furniture((4, 2)), Wall((4, 2))])
+    assert len(joined.rooms) == 2 and not joined.unplaced
+    desk = seen(ROOMS[0], stand=[shapely.box(0, 0, 1.4, 0.7)])
+    assert desk.edited([Furniture((0, 2)), Wall((0, 2))]).unplaced
+
+
+def test_furniture_on_a_long_wall_joins_the_room_behind_its_place():
+    """Catches the room that lies behind most of the wall, or first along it."""
+    plan = seen(shapely.box(0, 0, 3, 8), shapely.box(3.2, 0, 6, 3), shapely.box(3.2, 3.2, 6, 8))
+    assert areas(plan) == [8.4, 13.44, 24.0]
+    for y, others in ((1.5, [13.44]), (6.0, [8.4])):
+        joined = plan.edited([Furniture((3.0, y))])
+        assert areas(joined)[:-1] == others and joined.room_at([(1, 1), (5, y)]).tolist() == [0, 0]
+
+
+@pytest.mark.parametrize(
+    "free, stand",
+    [
+        ([shapely.box(0, 0, 7, 4.8)], [shapely.box(3.2, 0.9, 3.8, 3.9)]),
+        ([shapely.box(0, 0, 3.4, 4), shapely.box(3.3, 2.5, 4, 4), ROOMS[1]], []),
+        (
+            [shapely.box(0, 0, 4, 4), shapely.box(4.1, 0, 8, 4), shapely.box(3.9, 1.5, 4.2, 2.4)],
+            [shapely.box(3.5, 2.6, 4, 4), shapely.box(4.1, 0, 4.6, 1.4)],
+        ),
+    ],
+)
+def test_rooms_never_overlap(free, stand):
+    """Catches the floor behind furniture in two rooms, and borders that go beyond their squares."""
+    plan, rng = seen(*free, stand=stand), np.random.default_rng(0)
+    runs = plan.walls.segments
+    for at in runs[:, 0] + rng.uniform(0.05, 0.95, (len(runs), 1)) * (runs[:, 1] - runs[:, 0]):
+        turn, middle = rng.uniform(0, np.pi), plan.rooms[rng.integers(len(plan.rooms))].place
+        cut = 3 * np.array([np.cos(turn), np.sin(turn)])
+        for some in ([Furniture(at)], [Wall(at), Split(middle - cut, middle + cut), Furniture(at)]):
+            shapes = [shapely.Polygon(k.outline, k.holes) for k in plan.edited(some).rooms]
+            whole = shapely.union_all(shapes).area
+            assert sum(shape.area for shape in shapes) == pytest.approx(whole, abs=1e-5)
 
 
 def test_a_door_may_lead_outside():
@@ -213,7 +250,7 @@ def test_a_join_takes_the_door_between_its_rooms(two):
         (NewDoor((30, 2), (31, 2)), "no room, or one, on both sides"),
         (NewDoor((4.0, 3.0), (4.0, 3.1)), "narrower than 0.3 m"),
         (Wall((2.0, 2.0)), "no wall and no clutter there"),
-        (Wall((4.0, 1.0)), "it is a wall already"),
+        (Wall((4.0, 1.0)), "it changes no room"),
         (Furniture((2.0, 2.0)), "no wall there"),
         (Furniture((-40, 2.0)), "no wall there"),
         (Furniture((0.0, 2.0)), "neither a wall nor a room behind it"),
