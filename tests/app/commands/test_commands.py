@@ -398,25 +398,6 @@ def test_json_is_an_object_a_log_with_all_that_is_printed(run, folder, lost, tmp
     assert table["reduced.segments"][0] == far["reduced"]["segments"]
 
 
-@pytest.mark.parametrize(("wide", "tall", "rows"), [(8, 2, 2), (2, 8, 1)])
-def test_a_picture_holds_both_maps_at_one_scale(run, figures, wide, tall, rows):
-    """Catches a map that is missing or squeezed: wide ones stand below each other."""
-    rng = np.random.default_rng(1)
-    path = simulation.drive([(1, 1), (wide - 1, tall - 1)], step=1.0, turn=0.8)
-    walls = simulation.rectangular_room(wide, tall)
-    log = simulation.simulate(walls, path, sensor=simulation.SICK_LMS200, rng=rng)
-    exports.write_carmen("it.log", log, path)
-    assert run("map", "it.log", *TRUE, "--method", "basic_offline", "-o", "it.png")[0] == 0
-    log = segmap.read("it.log")
-    wall = segmap.build_map(log, log.truth)
-    shown = [ax.collections[0].get_segments() for ax in figures[0].axes]
-    assert [len(drawn) for drawn in shown] == [len(wall), len(reduction.basic_offline(wall))]
-    first, second = figures[0].axes
-    assert first.get_shared_x_axes().joined(first, second)
-    places = first.get_position(), second.get_position()
-    assert (places[0].y0 == pytest.approx(places[1].y0)) == (rows == 1)
-
-
 def test_only_warnings_for_users_are_shown(run, monkeypatch):
     class Own(UserWarning):
         pass
@@ -570,17 +551,6 @@ def test_a_session_repeats_its_map(run, near):
     code, said, _ = run("occupancy", "it.segmap")
     assert code == 0 and "its method, extract left out: no option" in said
     assert "turned " in said and "cropped " in said
-
-
-def test_a_session_of_many_sizes_and_with_times(run):
-    """Catches delays that a session loses: then nothing is carried."""
-    files.write_session("it.segmap", files.Session(logs.moving_log(), {"method": "none"}))
-    found = json.loads(run("map", "it.segmap", "--json", "--align", "pose_graph")[1])
-    assert found["de-skewed"]["scans"] > 0 and "reduced" not in found
-    files.write_session("bad.segmap", files.Session(logs.moving_log(), {"filter": "wide"}))
-    code, said, beside = run("map", "bad.segmap", "it.segmap", "--align", "pose_graph")
-    assert code == 1 and "1 of 2 logs done" in said
-    assert "bad.segmap: argument --filter: could not convert string to float: 'wide'" in beside
 
 
 def test_options_in_a_file_are_those_of_the_command(run, near):
@@ -750,89 +720,41 @@ def test_occupancy_is_written_for_everybody(run, near):
 
 
 # ------------------------------------------------------------------------------ where it lies
-def test_both_maps_are_turned_into_one_frame(run):
-    """Catches a ROS map that lies askew in the DXF of one building, and a turn about elsewhere."""
-    log = segmap.load("room")
-    true = poses.compose((2.0, -1.0, 0.5), log.truth)
-    exports.write_carmen("room.log", log, true)
-    words = ("room.log", *TRUE, "--square", "--json")
-    code, said, _ = run("map", *words, "--method", "none", "-o", "it.csv")
-    turn = json.loads(said)["turned"]["degrees"]
-    assert code == 0 and turn == pytest.approx(-np.degrees(0.5), abs=0.2)
-    walls = segmap.build_map(log, poses.compose((0, 0, np.radians(turn)), true)).segments
-    np.testing.assert_allclose(readers.read_segments("it.csv").segments, walls, atol=1e-4)
-    code, said, _ = run("occupancy", *words, "-o", "it.npz")
-    assert code == 0 and json.loads(said)["turned"]["degrees"] == turn
-    ends = walls[segmap.segments.length(walls) > 1.0].reshape(-1, 2)
-    leaves = (found := QuadtreeMap.load("it.npz")).leaves()
-    full = np.stack([leaves.x, leaves.y], -1)[found.leaf_occupancy() > 0.5] + 0.025
-    assert len(ends) > 300 and all(np.abs(full - end).max(1).min() < 0.1 for end in ends)
+def test_a_map_is_turned_rid_of_people_cropped_filtered_and_placed_in_that_order(run, near):
+    """Catches a turn to the other side, one that only one of two maps has, people who stay, a crop
+    of the filtered map, space that stays free outside, north in radians, an empty map in silence.
+    """
+    log, world = segmap.read(near), files.Earth(36.7, -4.4, np.radians(60))
+    turn = -segmap.segments.main_direction(segmap.build_map(log, log.truth))
+    at = poses.compose((0.0, 0.0, turn), log.truth)
+    seen = segmap.quadtree.without_passers(log, at, seen_through=0.3)
+    whole = segmap.build_map(seen, at)
+    corners = np.quantile(whole.segments.reshape(-1, 2), (0.2, 0.8), axis=0).round(1).ravel()
+    options = *TRUE, "--square", "--place", "36.7", "-4.4", "--north", "60", "--json", "--crop"
+    words = *options, *corners, "--method", "none", "--filter", "0.3", "--seen-through", "0.3"
+    code, said, _ = run("map", near, *words, "-o", "it.csv", "-o", "it.geojson")
+    assert code == 0 and json.loads(said)["turned"]["degrees"] == pytest.approx(np.degrees(turn))
+    wanted = whole.cropped(*corners).filtered(0.3)
+    assert 0 < len(wanted) < len(whole.cropped(*corners)) < len(whole)
+    with_people = segmap.build_map(log, at).cropped(*corners).filtered(0.3)
+    assert not np.array_equal(wanted.segments, with_people.segments)
+    read = readers.read_segments("it.csv").segments
+    np.testing.assert_allclose(read, wanted.segments, atol=1e-9)
+    exports.write_segments("wanted.geojson", wanted, world=world)
+    assert Path("it.geojson").read_bytes() == Path("wanted.geojson").read_bytes()
 
-
-@pytest.mark.parametrize("command", ["map", "occupancy"])
-def test_a_map_is_placed_on_the_earth(run, near, command):
-    """Catches a place that is not handed on, north in radians, and a grid without its name."""
-    if command == "map":
-        command = "map", near, "--method", "none"
-        write = exports.write_segments, segmap.build_map(segmap.read(near), segmap.read(near).truth)
-    else:
-        command = "occupancy", near
-        log = segmap.read(near)
-        write = exports.write_geojson, segmap.quadtree.build_map(log, log.truth)
-    places = {
-        ("--place", "36.7", "-4.4", "--north", "60"): files.Earth(36.7, -4.4, np.radians(60)),
-        ("--place", "5e5", "4e6", "--crs", "EPSG:25830"): files.Grid("EPSG:25830", 5e5, 4e6),
-    }
-    for words, world in places.items():
-        assert run(*command, *TRUE, *words, "-o", "it.geojson")[0] == 0
-        write[0]("wanted.geojson", write[1], world=world)
-        assert Path("it.geojson").read_bytes() == Path("wanted.geojson").read_bytes()
-
-
-def test_what_lies_outside_a_rectangle_is_cut_off(run, near):
-    """Catches a crop after the reduction, of the filtered map, and an empty map in silence."""
-    code, said, _ = run(
-        "map", near, *TRUE, "--method", "none", "--crop", "0", "-5", "20", "5", "-o", "it.csv"
-    )
-    map = segmap.build_map(segmap.read(near), segmap.read(near).truth)
-    wanted = map.cropped(0, -5, 20, 5)
-    assert code == 0 and 0 < len(wanted) < len(map) and f"to {len(wanted)} segments" in said
-    assert np.array_equal(readers.read_segments("it.csv").segments, wanted.segments)
-    code, _, beside = run("map", near, *TRUE, "--crop", "900", "0", "901", "1", "-o", "no.csv")
-    assert code == 1 and not Path("no.csv").exists()
-    (left, low), (right, high) = (f(map.segments, (0, 1)) for f in (np.min, np.max))
-    reach = f"from x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m\n"
-    assert beside.endswith(f"crop: no segment lies in that rectangle; the map reaches {reach}")
-
-
-def test_a_map_of_squares_is_cropped_to_cells(run, near):
-    """Catches an option that only one of two maps has, and space that stays free outside."""
-    words = "occupancy", near, *TRUE, "--resolution", "0.2", "-o", "it.npz", "--crop"
-    code, said, _ = run(*words, "0", "-5", "20", "5", "--json")
-    log = segmap.read(near)
-    whole = segmap.quadtree.build_map(log, log.truth, resolution=0.2)
-    map = QuadtreeMap.load("it.npz")
-    hits = int((map.leaves().occ > 0).sum())
+    words = *options, *corners, "--resolution", "0.2", "-o", "it.npz", "-o", "it.geojson"
+    code, said, _ = run("occupancy", near, *words)
+    squares = segmap.quadtree.build_map(log, at, resolution=0.2).cropped(*corners)
+    hits = int((squares.leaves().occ > 0).sum())
     assert code == 0 and json.loads(said)["cropped"]["squares"] == hits > 0
-    places = np.random.default_rng(1).uniform(-30, 30, (20_000, 2))
-    kept = ((places > (0, -5)) & (places < (20, 5))).all(1)
-    edge = (np.abs(places[:, None] - [(0, -5), (20, 5)]) < 0.1).any((1, 2))
-    wanted = np.where(kept, whole.occupancy(places), 0.5)
-    assert np.array_equal(map.occupancy(places)[~edge], wanted[~edge])
-    code, _, beside = run(*words, "900", "0", "901", "1")
-    assert code == 1 and "crop: no square lies in that rectangle; the map reaches" in beside
-
-
-def test_beams_that_others_saw_through_are_left_out(run, near):
-    """Catches an option that does nothing, and one that counts beams without an echo."""
-    log = segmap.read(near)
-    wanted = segmap.quadtree.without_passers(log, log.truth, seen_through=0.3)
-    gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in zip(log, wanted, strict=True))
-    words = "--method", "none", "--seen-through", "0.3", "-o", "it.csv"
-    code, said, _ = run("map", near, *TRUE, *words)
-    assert code == 0 and gone > 0 and f"passers   {gone} beams left out" in said
-    walls = segmap.build_map(wanted, log.truth).segments
-    assert np.array_equal(readers.read_segments("it.csv").segments, walls)
+    for one, other in zip(QuadtreeMap.load("it.npz").leaves(), squares.leaves(), strict=True):
+        np.testing.assert_array_equal(one, other)
+    exports.write_geojson("wanted.geojson", squares, world=world)
+    assert Path("it.geojson").read_bytes() == Path("wanted.geojson").read_bytes()
+    for command, what in (("map", "segment"), ("occupancy", "square")):
+        code, _, beside = run(command, near, *TRUE, "--crop", 900, 0, 901, 1)
+        assert code == 1 and f"crop: no {what} lies in that rectangle; the map reaches" in beside
 
 
 def test_map_lists_its_loops_and_leaves_out_those_that_a_file_vetoes(run):

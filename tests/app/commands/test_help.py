@@ -1,7 +1,6 @@
 """What commands say of themselves, and of their methods."""
 
 import io
-import json
 import os
 import re
 import shlex
@@ -11,7 +10,6 @@ from contextlib import redirect_stdout, suppress
 from functools import cache
 from itertools import pairwise
 
-import pandas as pd
 import pytest
 from conftest import slow
 from programs import program
@@ -96,22 +94,6 @@ def test_quiet_is_silent_where_all_is_well(run):
     code, said, beside = run("info", "room", "gone.log", "--quiet")
     assert (code, said) == (1, "") and beside.startswith("segmap: gone.log: does not exist")
     assert run("info", "room", "-q", "--json")[1].startswith("{")
-
-
-def test_info_holds_numbers_that_a_table_can_sort(run, tmp_path):
-    """Catches a figure that is only a text: fifty logs cannot be put in an order by it."""
-    code, said, _ = run("info", "malaga", "room", "--json", "--table", "it.csv")
-    malaga, room = map(json.loads, said.splitlines())
-    assert code == 0 and (malaga["scans"]["scans"], room["scans"]["scans"]) == (225, 61)
-    assert malaga["scans"]["seconds"] == pytest.approx(59.1, abs=0.05)
-    assert malaga["beams"]["least"] == malaga["beams"]["most"] == 361
-    assert malaga["beams"]["valid"] == pytest.approx(0.885, abs=5e-4)
-    assert (malaga["view"]["degrees"], malaga["view"]["step_degrees"]) == (180, 0.5)
-    assert malaga["ranges"]["median"] == pytest.approx(8.58, abs=0.005)
-    assert malaga["truth"]["poses"] == 99
-    assert malaga["odometry"]["metres"] == pytest.approx(76.4, abs=0.05)
-    table = pd.read_csv("it.csv").sort_values("odometry.metres")
-    assert list(table["log"]) == ["room", "malaga"]
 
 
 def test_tab_completes_commands_options_and_methods(tmp_path):

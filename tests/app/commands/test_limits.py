@@ -25,32 +25,6 @@ main = program("segmap")
 # ------------------------------------------------------------------------------- words
 
 
-@pytest.mark.parametrize(
-    ("words", "bars"),
-    [
-        (("compare", "it.log"), {"method": (2, 2, "fusion")}),
-        (("info", "it.log", "it.log"), {"log": (2, 2, "it.log: ")}),
-        (("info", "it.log"), {}),
-    ],
-)
-def test_a_bar_grows_to_its_end(run, monkeypatch, words, bars, only):
-    """Catches one that stays at nothing, says no name, or is there for one step or in a file."""
-    exports.write_carmen("it.log", segmap.load("room")[:4])
-    only("fusion", "hybrid")
-    found = {}
-
-    def close(bar):
-        if not bar.disable:
-            found[bar.unit] = bar.n, bar.total, bar.postfix or bar.desc
-
-    monkeypatch.setattr("tqdm.tqdm.close", close)
-    for screen, shown in ((io.StringIO(), {}), (Terminal(), bars)):
-        monkeypatch.setattr(sys, "stderr", screen)
-        run(*words)
-        found.pop("it", None)  # the bar of what is done within a step
-        assert found == shown
-
-
 class Terminal(io.StringIO):
     def isatty(self):
         return True
@@ -103,19 +77,6 @@ def test_an_alignment_is_told_with_its_commonest_reasons_first(run, monkeypatch)
         "aligned   by odometry: 1 of 11 scans matched, 40 ms",
         *("4 scans not: dark", "3 scans not: far", "2 scans not: turning", "doubt: it slipped"),
     ]
-
-
-def test_a_folder_is_read_by_name_and_what_cannot_be_read_was_a_log(run, monkeypatch):
-    """Catches the order of a disk, and a log that is passed over in silence since it is gone."""
-    Path("logs").mkdir()
-    for name in ("b.log", "a.log"):
-        exports.write_carmen(Path("logs") / name, segmap.load("room")[:2])
-    Path("logs/gone.log").symlink_to("nowhere.log")
-    order = sorted(Path("logs").iterdir(), reverse=True)
-    monkeypatch.setattr(Path, "iterdir", lambda folder: iter(order))
-    code, said, _ = run("info", "logs")
-    assert code == 1 and said.splitlines()[-1] == "2 of 3 logs done"
-    assert said.index("a: CARMEN") < said.index("b: CARMEN")
 
 
 @pytest.mark.parametrize(
@@ -216,31 +177,6 @@ def test_a_method_is_sought_by_doubling_and_then_between(
     )
     assert run("compare", "it.log", "--quality", "90")[0] == 0
     assert asked == pytest.approx(tried, abs=1e-5)
-
-
-def test_the_table_has_the_best_first_and_the_run_that_is_nearest(run, monkeypatch, only):
-    """Catches the worst first, a run without quality that is nearest, and gone taken for left."""
-    only("hybrid", "fusion", "least_cost")
-    kept = {"hybrid": 0.98, "fusion": 0.95, "least_cost": 0.5}
-    made_up(
-        monkeypatch,
-        lambda method, value: (
-            np.nan if (method, value) == ("hybrid", 1) else max(kept[method] - value / 20, 0.0)
-        ),
-    )
-    code, said, _ = run("compare", "it.log", "--quality", "90")
-    table = said[said.index("at quality 90.0 %") :].splitlines()
-    assert code == 0 and table[0].split()[4:] == ["gone", "left", "nearest", "run"]
-    rows = [line.split() for line in table[1:4]]
-    assert rows[0][:2] == ["fusion", "10.0"] and rows[2][:4] == [
-        "least_cost",
-        "not",
-        "reached",
-        "-",
-    ]
-    assert rows[1][0] == "hybrid" and "quality 90.0 %" in table[1] and "nan" not in table[2]
-    count = int(re.search(r"(\d+) segments", said)[1])
-    assert int(rows[0][3]) == round(0.9 * count)
 
 
 # ---------------------------------------------------------------------------- streams

@@ -1,8 +1,5 @@
 """A reader makes no time, delay or reach up; what else it must assume, it lists."""
 
-from pathlib import Path
-
-import bag_samples as bags
 import numpy as np
 import pytest
 from log_samples import (
@@ -18,10 +15,6 @@ from log_samples import (
 import segmap
 from segmap import readers
 from segmap.readers import LogError
-from segmap.scans.causes import Cause
-
-#: When the bags begin, seconds.
-START = 1e6
 
 
 @pytest.mark.parametrize("name", SINGLE_FILES)
@@ -85,28 +78,3 @@ class TestWords:
         (tmp_path / "it.log").write_text(line + "\n")
         with pytest.raises(LogError, match=r"angles that count up, got a step of -0\.785"):
             readers.read(tmp_path / "it.log")
-
-
-def _drive(back, kind, folder, *, count=60, at=25):
-    """A bag of a robot that drives 0.1 m a scan; the clock is set back at one of the scans."""
-
-    def told(m):
-        time = lambda k: START + 0.2 * k - (back if k >= at else 0.0)  # noqa: E731
-        yield "/tf_static", START, *m.frames(START, bags.LASER)
-        for k in range(count):
-            yield "/odom", time(k), *m.odometry(time(k), (0.1 * k, 0.0, 0.0))
-            yield "/scan", time(k), *m.scan(time(k), apart=0.0)
-
-    Path(folder).mkdir()
-    return readers.read(bags.write(Path(folder), kind, told))
-
-
-@pytest.mark.parametrize("kind", bags.KINDS)
-@pytest.mark.parametrize("back", [1.4, 5.0, 3600.0])
-def test_a_clock_that_is_set_back_is_as_if_it_were_not(kind, back, tmp_path):
-    """Catches poses that are sorted by time: scans get the odometry of another moment."""
-    whole, log = _drive(0.0, kind, tmp_path / "a"), _drive(back, kind, tmp_path / "b")
-    assert not whole.causes and log.odometry == pytest.approx(whole.odometry, abs=1e-6)
-    assert np.diff(log.times) == pytest.approx(np.full(59, 0.2), abs=1e-3)
-    (told,) = log.causes
-    assert told.cause is Cause.CLOCK and f"by {back:g} s at scan 25" in told.words

@@ -56,13 +56,6 @@ def test_a_graph_comes_back(seed, count, loops, tmp_path_factory):
     assert again.ids.tolist() == list(range(3, 7 * count, 7))
 
 
-def test_an_alignment_is_written_with_its_graph(aligned, tmp_path):
-    write_graph(tmp_path / "it.g2o.gz", aligned)
-    graph = aligned.graph
-    wanted = PoseGraph(aligned.poses, graph.edges, graph.relative, graph.information)
-    assert_same(read_graph(tmp_path / "it.g2o.gz"), wanted)
-
-
 def test_the_lines_by_hand(tmp_path):
     """g2o's order, and its frame: across the way at its beginning is along it after a left turn."""
     graph = PoseGraph(
@@ -123,19 +116,6 @@ def test_gtsam_finds_the_same_errors_and_minimum(gtsam_answers, seed, tmp_path):
     assert 2 * graph.error(values) == pytest.approx(chi2(ours), rel=0.03)  # it measures on an arc
     solved = solve_graph(*ours[:3], information=ours.information, scale=np.inf)
     np.testing.assert_allclose(optimized(graph, values)[:, :2], solved[:, :2], atol=1e-5)
-
-
-def test_what_gtsam_writes_is_read(gtsam_answers, tmp_path):
-    """It writes six digits: the information and the poses are those, and in their places."""
-    ours = a_graph(5)
-    write_graph(tmp_path / "it.g2o", ours)
-    graph, values = gtsam.readG2o(str(tmp_path / "it.g2o"), False)
-    gtsam.writeG2o(graph, values, str(tmp_path / "theirs.g2o"))
-    found = read_graph(tmp_path / "theirs.g2o")
-    np.testing.assert_array_equal(found.edges, ours.edges)
-    np.testing.assert_allclose(found.poses, ours.poses, atol=1e-4)
-    np.testing.assert_allclose(found.relative, ours.relative, atol=1e-4)
-    np.testing.assert_allclose(found.information, ours.information, rtol=1e-3, atol=0.5)
 
 
 THREE = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 1 1 1.5\n"

@@ -1,8 +1,6 @@
 """Bags of ROS 1 and ROS 2: what the messages mean, which are chosen, and damage."""
 
 import json
-import subprocess
-import sys
 import tempfile
 from contextlib import nullcontext
 from pathlib import Path
@@ -13,7 +11,6 @@ import pytest
 from bag_samples import LEVEL, RANGES
 from log_samples import ODOMETRY, TIMES
 from programs import program
-from rosbags import rosbag1
 
 from segmap import readers
 from segmap.readers import LogError
@@ -67,13 +64,6 @@ def test_each_kind_of_bag_is_the_same_log(tmp_path, kind):
         assert log[0].ranges.tolist() == list(RANGES) and log[0].max_range == 30
         assert np.degrees(log[0].angles) == pytest.approx([-90, -45, 0, 45, 90])
         assert log[1].sensor_pose == pytest.approx([0.3, 0.1, 0])
-
-
-@pytest.mark.parametrize(
-    ("kind", "packed"), [("ros1", "BZ2"), ("ros1", "LZ4"), ("mcap", "STORAGE")]
-)
-def test_packed_bags(tmp_path, kind, packed):
-    assert len(readers.read(bags.write(tmp_path, kind, compression=packed))) == 2
 
 
 @pytest.mark.parametrize("kind", ["db3", "mcap"])
@@ -233,13 +223,6 @@ class TestFrames:
         assert np.degrees(log[0].angles) == pytest.approx([90, 45, 0, -45, -90])
         assert log[0].points()[0] == pytest.approx([0.2 - 1.5, 0.1], abs=1e-6)
 
-    def test_without_a_topic_the_frames_tell_the_odometry(self, read):
-        links = [("odom", "base_link", (float(k), 0, 0), (0, 0, 0.2 * k)) for k in range(2)]
-        told = [frames(link, topic="/tf", time=START + k) for k, link in enumerate(links)]
-        log = read(scan(START + 0.5), *told, frames(bags.LASER))
-        assert log.odometry[0] == pytest.approx([0.5, 0, 0.1])
-        assert log[0].sensor_pose == pytest.approx([0.3, 0.1, 0])
-
     @pytest.mark.parametrize("turn", [(5.1, 0, 0), (0, -5.5, 0), (0, 86, 0), (174.8, 0, 0)])
     def test_a_tilted_laser_is_refused(self, read, turn):
         with pytest.raises(LogError, match=r"level, or upside down, .* tilted by (5|6|86) degrees"):
@@ -303,22 +286,6 @@ class TestBeams:
 
 
 class TestDamage:
-    @pytest.mark.parametrize("counts", [(1, 0), (0, 1), (0, 0)])
-    def test_a_topic_without_messages_is_not_chosen(self, tmp_path, counts):
-        """Catches the first of two topics, and one message that counts as none."""
-        m = bags.Messages(1)
-        with rosbag1.Writer(tmp_path / "it.bag") as writer:
-            for name, count in zip("ab", counts, strict=True):
-                kind, made = m.scan(START)
-                to = writer.add_connection(f"/{name}", kind, typestore=m.store)
-                for _ in range(count):
-                    writer.write(to, 1, bytes(m.store.serialize_ros1(made, kind)))
-        if any(counts):
-            assert len(readers.read(tmp_path / "it.bag")) == 1
-        else:
-            with pytest.raises(LogError, match="holds no sensor_msgs/LaserScan, but the bag holds"):
-                readers.read(tmp_path / "it.bag")
-
     @pytest.mark.parametrize("given", [{"step": 0.0}, {"ranges": []}])
     def test_a_message_without_sense_costs_one(self, read, given):
         story = scan(), scan(START + 1, **given), scan(START + 2)
@@ -347,18 +314,6 @@ class TestDamage:
         for on_error in ("raise", "skip"):
             with pytest.raises(LogError, match=r"`rosbag reindex`.*`ros2 bag reindex`"):
                 readers.read(path, on_error=on_error)
-
-    def test_a_missing_package_is_named_with_the_extra_that_brings_it(self, tmp_path):
-        path = bags.write(tmp_path, "ros1")
-        code = (
-            f"import sys; sys.modules['rosbags'] = None\nimport segmap\nsegmap.read({str(path)!r})"
-        )
-        run = subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=False
-        )
-        words = run.stderr.splitlines()[-1]
-        assert "it.bag: is a bag of ROS: reading it needs pip install" in words
-        assert words.endswith("rosbags")
 
 
 def _nothing_seen(m):

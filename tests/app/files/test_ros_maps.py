@@ -8,7 +8,6 @@ from PIL import Image
 
 from segmap import load
 from segmap.exports import ros_classes
-from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map, map_of_grid
 from segmap.readers import LogError
 from segmap_app.files import is_ros_map, read_ros_map, write_ros_map
@@ -107,25 +106,6 @@ def test_a_yaw_turns_the_map_about_its_origin(degrees):
     assert (found.occupancy(free) == 0).all()
 
 
-def test_a_map_with_a_comment_in_its_picture_lies_at_its_origin():
-    """Catches a size out of the comment, rows from the top, and a corner that is turned away."""
-    cells = np.full((80, 120), 254, np.uint8)
-    cells[[0, -1]], cells[:, [0, -1]], cells[20:40, 60] = 0, 0, 0
-    Path("it.pgm").write_bytes(b"P5\n# map_saver 0.050 m/pix\n120 80\n255\n" + cells.tobytes())
-    Path("it.yaml").write_text(
-        "image: it.pgm\nresolution: 0.05\norigin: [-1.0, -2.0, 0.3]\nnegate: 0\n"
-        "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
-    )
-    with pytest.warns(UserWarning, match="17.2 degrees"):
-        found = read_ros_map("it.yaml")
-    ends = np.array([(0.025, 0.025), (5.975, 0.025), (5.975, 3.975), (0.025, 3.975), (3.025, 2.5)])
-    free = np.array([(3.0, 1.0), (1.0, 3.5), (2.5, 2.5)])
-    origin = (-1.0, -2.0, 0.3)
-    assert (found.occupancy(transform(origin, ends)) == 1).all()
-    assert (found.occupancy(transform(origin, free)) == 0).all()
-    assert (found.occupancy(transform(origin, free + (6, 0))) == 0.5).all()
-
-
 def test_lists_quotes_comments_and_paths_are_those_of_yaml(tmp_path):
     """Catches a YAML as another program writes it that is called nonsense."""
     text = (
@@ -165,11 +145,6 @@ def test_nonsense_is_told(swap, said):
     with pytest.raises(LogError) as told:
         read_ros_map(written(ROW, YAML, swap))
     assert said in str(told.value)
-
-
-def test_a_picture_beyond_all_bounds_is_refused():
-    with pytest.raises(LogError, match="8193"):
-        read_ros_map(written(np.full((8193, 8192), 205, np.uint8)))
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (3, 5), (8, 8), (1, 70), (65, 2)])

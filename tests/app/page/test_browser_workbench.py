@@ -9,14 +9,11 @@ import http.client
 import json
 import os
 import re
-import signal
-import sys
 import time
 import urllib.error
 import urllib.request
 import zlib
 from collections.abc import Iterator
-from pathlib import Path
 
 import ezdxf
 import numpy as np
@@ -371,63 +368,6 @@ def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(app, brow
     html_runs_nothing(browser)
 
 
-@pytest.mark.skipif(not Path("/proc").is_dir(), reason="no folder of processes here")
-@pytest.mark.slow  # a minute of waiting for clocks, which a loaded machine breaks
-def test_a_page_ends_its_kernel(browser, tmp_path):
-    """Catches kernels that no page can reach any more, and one that is ended though its page stays
-    or the work goes on.
-
-    An idle kernel ends here after 15 seconds: so says the kernel's own description.
-    """
-    launch = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}", str(tmp_path)]
-    about = {"argv": launch, "display_name": "it", "metadata": {"cull_idle_timeout": 15}}
-    (folder := tmp_path / "kernels" / "python3").mkdir(parents=True)
-    (folder / "kernel.json").write_text(json.dumps(about))
-
-    def kernels():
-        return processes(f"\0{tmp_path}\0")
-
-    def none_or_one():  # while one page takes the place of another there are two
-        return len(kernels()) < 2
-
-    with served(tmp_path, JUPYTER_PATH=str(tmp_path)) as address:
-        seen = set()
-        for _ in range(4):
-            opened(browser, address, 1280)
-            wait("the end of the kernel before", none_or_one, 60)
-            seen |= {*kernels()}
-        assert len(seen) == 4, "each load has its own"
-        browser.run("navigator.sendBeacon = (...given) => { window.beacon = given; return true; }")
-        browser.run("window.dispatchEvent(new Event('beforeunload', {cancelable: true}))")
-        assert browser.run("return window.beacon") is None, "who is asked may stay"
-        browser.click(BUTTON.format("Run"))
-        wait("the scans", lambda: " of 225" in browser.run(STATE))
-        (worker,) = (pid for pid in processes("_job.serve()") if parent(pid) in kernels())
-        os.kill(worker, signal.SIGSTOP)  # as work that takes long
-        browser.open("about:blank")  # it vanishes without a word
-        time.sleep(30)
-        assert len(kernels()) == 1, "ended while it computes"
-        os.kill(worker, signal.SIGCONT)
-        wait("the end of an idle kernel", lambda: not kernels(), 120)
-        wait("the end of its worker", lambda: not Path(f"/proc/{worker}").exists(), 20)
-
-
-def processes(words):
-    """Those whose command has these words, by their numbers."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/cmdline"):
-        with contextlib.suppress(OSError):
-            if words in path.read_text(errors="replace"):
-                found.append(int(path.parent.name))
-    return found
-
-
-def parent(process):
-    """The number of the process that started another one."""
-    status = Path(f"/proc/{process}/status").read_text()
-    return int(re.search(r"PPid:\t(\d+)", status).group(1))
-
-
 def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browser):
     """Catches a control that only a mouse reaches, a toggle without a state, a click that is lost.
 
@@ -585,9 +525,9 @@ def planned(browser, app):
     wait("a plan", lambda: browser.run(PLANNED) == [3, 2])
 
 
-def test_doors_and_walls_of_a_plan_are_mended_by_mouse_finger_and_keys(app, browser):
-    """Catches a run of wall that cannot be met, a door at another place than it is drawn, and one
-    that needs a mouse."""
+def test_a_plan_is_mended_by_mouse_finger_and_keys(app, browser):
+    """Catches a run of wall that cannot be met, a click that reaches no room, a door or a cut at
+    another place than it is drawn, and edits that need a mouse."""
     planned(browser, app)
     browser.size(1366, 768)
     browser.click(PLAN_BUTTON.format("Furniture"))
@@ -633,51 +573,34 @@ def test_doors_and_walls_of_a_plan_are_mended_by_mouse_finger_and_keys(app, brow
     undone()
     browser.click(PLAN_BUTTON.format("Wall"))
     assert len(browser.run(RUNS)) > runs, "clutter can be a wall"
-    assert browser.run(PALE) == [] and browser.run(WIDE) and browser.run(FITS)
-    errors = [line for line in browser.errors() if ICONS not in line]
-    assert not errors, errors
-
-
-def test_a_plan_is_mended_by_mouse_and_by_keys(app, browser):
-    """Catches a click that reaches no room, a cut at another place than it is drawn, and edits that
-    need a mouse."""
-    planned(browser, app)
-
-    def click(place):
-        for kind in ("Pressed", "Released"):
-            browser.mouse(f"mouse{kind}", *place)
-
-    def undone():
-        browser.click(PLAN_BUTTON.format("Undo"))
-        wait("what was before", lambda: browser.run(PLANNED) == [3, 2])
-
     browser.click(PLAN_BUTTON.format("Join"))
-    for place in browser.run(LABELS)[:2]:
-        click(place)
+    for x, y in browser.run(LABELS)[:2]:
+        for kind in ("Pressed", "Released"):
+            browser.mouse(f"mouse{kind}", x, y)
     wait("a join", lambda: browser.run(PLANNED) == [2, 1])
     undone()
     browser.click(PLAN_BUTTON.format("Redo"))
     wait("it again", lambda: browser.run(PLANNED) == [2, 1])
     undone()
     browser.click(PLAN_BUTTON.format("No door"))
-    click(browser.run(DOOR))
+    for kind in ("Pressed", "Released"):
+        browser.mouse(f"mouse{kind}", *browser.run(DOOR))
     wait("one door", lambda: browser.run(PLANNED) == [3, 1])
     undone()
     browser.click(PLAN_BUTTON.format("Split"))
     left, middle, right, low = browser.run(ROOM)
-    browser.mouse("mousePressed", left - 2, low)
-    browser.mouse("mouseMoved", middle, low)
-    browser.mouse("mouseMoved", right + 2, low)
+    for kind, x in (("Pressed", left - 2), ("Moved", middle), ("Moved", right + 2)):
+        browser.mouse(f"mouse{kind}", x, low)
     browser.screenshot(SCREENSHOT.with_name("workbench_split.png"))
     browser.mouse("mouseReleased", right + 2, low)
     wait("a split", lambda: browser.run(PLANNED)[0] == 4)
     undone()
     room = "//*[local-name()='path'][@class='room']"
     browser.run("document.querySelector('.segmap-plan .room').focus()")
-    browser.type(browser.find(room), ENTER)
-    browser.type(browser.find(room), "\ue012\ue013")  # the arrows to the left and up
-    browser.type(browser.find(room), ENTER)
+    for keys in (ENTER, "\ue012\ue013", ENTER):  # the arrows to the left and up
+        browser.type(browser.find(room), keys)
     wait("a split by keys", lambda: browser.run(PLANNED)[0] == 4)
     undone()
+    assert browser.run(PALE) == [] and browser.run(WIDE) and browser.run(FITS)
     errors = [line for line in browser.errors() if ICONS not in line]
     assert not errors, errors

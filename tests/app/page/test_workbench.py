@@ -33,9 +33,7 @@ from segmap.arrays import Metres, Radians, checked
 from segmap.display import facts
 from segmap.experiments import pareto
 from segmap.methods import Method
-from segmap.panels._base import VIEW
 from segmap.plan import edits as plan_edits
-from segmap.plotting import thumbnail
 from segmap.progress import announce
 from segmap_app import files
 from segmap_app.page import Workbench, _job, _shown
@@ -154,16 +152,6 @@ def test_command_page_and_library_read_one_log(name, worker, place, monkeypatch)
             np.testing.assert_array_equal(other[key], value, err_msg=key)
 
 
-def test_scans_without_a_pose_of_their_own_are_left_out():
-    """Catches a map that holds scans at poses which are only carried on."""
-    truth = np.array(LOG.truth)
-    truth[0] = np.nan
-    made = bench(Log("gap", LOG.scans, truth))
-    made.align["missing"].value = "drop"
-    made.run()
-    assert set(made.outcome.map.scan) == set(range(1, len(LOG)))
-
-
 @pytest.mark.parametrize(
     "settings",
     [
@@ -218,27 +206,6 @@ def test_what_is_known_is_not_done_again(monkeypatch):
     assert steps(made.align, "odometry") == "aerrm"
     assert not np.array_equal(made.outcome.map.segments, first.segments)
     assert made.outcome.alignment.method == made.runs["alignment"].iloc[-1] == "odometry"
-
-
-def test_beams_with_times_are_carried_to_the_start_of_their_scan():
-    """Catches the map of the log as it was, a choice without effect, and code that leaves it."""
-    made = bench(logs.moving_log(), deskew=True)
-    made.align.value = "pose_graph"
-    made.run()
-    assert made.runs["align_thresholds"].iloc[-1] == "" and made.outcome.log is not made.log
-    assert made.outcome.alignment.doubt == ""
-    first = made.outcome
-    made.least.value = 0.5
-    made.run()
-    assert made.outcome.log is first.log and len(made.outcome.map) < len(first.map)
-    made.deskew.value = False
-    made.run()
-    assert "prepared(log, deskew=False)" in made.code and made.outcome.log is made.log
-    assert "the robot moved by more than the spacing" in made.verdict.value
-    made.open(LOG)
-    made.deskew.value = True
-    made.run()
-    assert "prepared(log)" in made.code and made.outcome.log is LOG
 
 
 # ------------------------------------------------------------------ controls
@@ -539,32 +506,6 @@ def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
     assert table.view.layout.display == "none"
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("half \ud800", "half \\ud800: is of no known format"),
-        (".", "upload.log: is of no known format"),
-    ],
-)
-def test_an_uploaded_name_that_is_none_is_told(name, words):
-    """Catches an exception that nobody sees, and the places of a server in what is said."""
-    made = bench()
-    assert upload(made, name, b"no log\n")[-1] == -1
-    assert words in refused(made) and tempfile.gettempdir() not in refused(made)
-    assert made.log is LOG
-
-
-def test_an_uploaded_bag_is_read(tmp_path, worker):
-    """Catches a file of ROS 2 that the page takes by its path only."""
-    path = bag_samples.write(tmp_path, "mcap") / "it.mcap"
-    made = bench()
-    made._worker = worker
-    upload(made, path.name, path.read_bytes())
-    wanted = readers.read(path)
-    assert len(made.log) == len(wanted) and made.log.times == pytest.approx(wanted.times)
-    assert made.log.odometry == pytest.approx(wanted.odometry, nan_ok=True)
-
-
 def test_a_file_that_is_too_large_is_refused_at_its_first_piece(monkeypatch):
     monkeypatch.setattr("segmap_app.page._source.MOST_UPLOAD_BYTES", 1000)
     made, piece = bench(), b"#" * 400
@@ -836,17 +777,6 @@ def test_the_page_holds_what_came_of_it(both):
     assert set(rows["verdict"]) == {"good"} and set(rows["placed"]) == {len(LOG)}
     assert set(pareto(rows)["method"]) <= {"fusion", "basic_online"}
     assert list(Workbench(LOG).runs.columns) == list(rows.columns)
-
-
-def test_it_is_shown_without_a_kernel(both):
-    """Catches an empty page of a chapter that was exported, or that nobody trusts yet."""
-    bundle = both._repr_mimebundle_()
-    assert bundle["image/png"].startswith(b"\x89PNG") and bundle["text/plain"] == repr(both)
-    assert bundle[VIEW]["model_id"] == both._view.model_id
-    fresh = Workbench(LOG)
-    assert fresh._repr_mimebundle_()["image/png"] == thumbnail(LOG)
-    assert repr(fresh) == f"Workbench({LOG.name}: not run yet)"
-    assert "fusion leaves" in repr(both) and "basic_online leaves" in repr(both)
 
 
 @pytest.mark.parametrize(("name", "end"), SAVES.items())

@@ -2,20 +2,18 @@
 
 import threading
 from copy import deepcopy
-from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from driven_panels import LOG, WALLS
+from driven_panels import LOG
 
-from segmap import LaserScan, Log, reduction
+from segmap import LaserScan, Log
 from segmap.compiled import COMPILING
 from segmap.display import facts
 from segmap.progress import Compiling
 from segmap.scans import Skipped
-from segmap_app.page import Workbench, _bar, _shown
+from segmap_app.page import Workbench, _bar
 from segmap_app.page._bar import Bar
 from segmap_app.page._edits import Edits
 from segmap_app.page._source import Source
@@ -102,42 +100,6 @@ def test_maps_go_to_the_browser_about_their_middle():
 
 
 # ------------------------------------------------------------------ words and pictures
-
-
-@pytest.fixture
-def outcome():
-    """What a run of two methods leaves."""
-    calls = [SimpleNamespace(name="fusion", words=lambda: "tolerance <2>")]
-    calls += [SimpleNamespace(name="odd & even", words=str)]
-    some = [reduction.fusion(WALLS, tolerance=0.2), reduction.fusion(WALLS, tolerance=0.001)]
-    some[1] = replace(some[1], segments=2 * some[1].segments, doubt="a < b")  # beyond the map
-    some = [replace(each, seconds=k + 1.0) for k, each in enumerate(some)]
-    found = list(zip(calls, some, (0.9, 0.5), strict=True))
-    return SimpleNamespace(
-        map=WALLS,
-        recipe=SimpleNamespace(align=SimpleNamespace(name="by <hand>")),
-        alignment=SimpleNamespace(seconds=1.25, doubt="a & b"),
-        verdict=SimpleNamespace(grade="doubtful", words="HALF <a> map"),
-        reductions=some,
-        results=lambda: found,
-    )
-
-
-def test_what_is_said_of_a_run(outcome):
-    """Catches a mark of HTML that works, a line that is lost, and a colour of another verdict."""
-    assert "1 &lt;Log&gt;" in _shown.heading("1 <Log>")
-    verdict = _shown.verdict_html(outcome)
-    assert "#c47f00" in verdict and "<b>HALF &lt;a&gt; map</b>" in verdict
-    assert "a &amp; b<br>by &lt;hand&gt;, 1.2 s" in verdict
-    many = [len(each) for each in outcome.reductions]
-    first, second, last = _shown.by_method(outcome).split("<br>")
-    assert f"fusion (tolerance &lt;2&gt;): {many[0]} of 5 segments left, reduction" in first
-    assert "quality 50.0%, " in second and "2.000 s" in second and last.startswith("a &lt; b")
-    row = {"map": "m", "method": "f", "thresholds": "<t>", "alignment": "a", "quality": 1.0}
-    row |= {"n_before": 16, "n_after": 14, "seconds": 0.5, "reduction": 0.256}
-    _, *rows = _shown.runs_table([row] * 10).split("<tr>")[1:]
-    assert len(rows) == 8, "the newest"
-    assert ">9</td>" in rows[0] and ">&lt;t&gt;</td>" in rows[0] and "#bfdcec 25.6%" in rows[0]
 
 
 def test_a_log_in_words():

@@ -248,23 +248,3 @@ def test_an_edit_that_cannot_be_is_refused_in_words(room, name, text, words):
     assert len(room.outcome.map) == 568  # the last good run
     getattr(room.edits, name).value = ""
     room.wait()
-
-
-def test_a_place_in_degrees_is_asked_about_where_a_grid_is_named(room):
-    """Catches a map that lies 45 m from where a grid begins, somewhere in the sea."""
-    page = room
-    page.edits.crs.value = "EPSG:25832"
-    page.wait()
-    page.edits.place.value = "45.46 9.19"
-    page.wait()
-    assert "place 45.46 9.19 looks like degrees, and EPSG:25832 takes" in page.state.value
-    assert page.outcome.recipe.edits == {}
-    page.edits.crs.value = ""
-    page.wait()
-    assert page.edits.value() == {"place": [45.46, 9.19]} == page.outcome.recipe.edits
-    page.edits.crs.value, page.edits.place.value = "", "500000 5000000"
-    page.wait()
-    page.edits.crs.value = "EPSG:25832"
-    page.wait()
-    assert page.outcome.recipe.edits["crs"] == "EPSG:25832"
-    page.edits.restore({})
