@@ -66,7 +66,7 @@ class Wheels(Undoable):
         self.off: list[float] = []  # of each match, in standard deviations of ordinary wheels
         self.free = False  # whether the last match left a direction free
         self.way = 0.0  # metres since the last key frame
-        self.free_way = 0.0  # metres to it since a match left no direction free
+        self.free_way = 0.0  # metres to it since walls fixed a place; NaN where not all is measured
         self.begin()
 
     def begin(self) -> None:
@@ -88,8 +88,8 @@ class Wheels(Undoable):
         deviation grows with the way, not with its root.
         """
         self.free = match.free is not None if match.matched else self.free
-        usual = self._usual(MOST_WHEEL_FACTOR)
-        if match.free is None or not self._off(match) <= CONTRADICTION_SIGMAS * usual:
+        usual, unmeasured = self._usual(MOST_WHEEL_FACTOR), math.isnan(self.free_way)
+        if match.free is None or unmeasured or not self._off(match) <= CONTRADICTION_SIGMAS * usual:
             return match
         along = np.array([*match.free, 0.0])
         before = PLACE_ERROR_M_PER_M * self.free_way

@@ -54,3 +54,13 @@ def test_what_wheels_err_by_a_metre_goes_on_along_a_corridor():
     found = pose_graph(Log("corridor", scans, log.truth))
     off = position_errors(found.poses, log.truth, best=True)
     assert (off < 2 * found.spread).mean() > 0.9 and not found.sure.any()
+
+
+def test_odometry_that_is_missing_here_and_there_leaves_poses_in_a_plain_corridor():
+    """Catches a way that is not known and becomes part of a pose: NaN, and an error of a tree."""
+    path = drive([(2, 1.2), (38, 1.2)], step=0.2)
+    log = simulate(rectangular_room(40, 2.4), path, sensor=URG_04LX, rng=np.random.default_rng(0))
+    missing = np.random.default_rng(0).random(len(log)) < 0.3
+    scans = [replace(s, odometry=None if gone else s.odometry)
+             for s, gone in zip(log, missing, strict=True)]  # fmt: skip
+    assert np.isfinite(pose_graph(Log("corridor", scans)).poses).all()
