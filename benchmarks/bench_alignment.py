@@ -130,7 +130,8 @@ def cases() -> Iterator[Case]:
         if not path.exists():
             yield from ()
             continue
-        log = read(path)
+        recorded = read(path)
+        log = alignment.prepared(recorded)
         with gzip.open(path.with_name(f"{name}.relations.gz")) as lines:
             relations = np.loadtxt(lines, usecols=range(8))
         tolerance = 0.02 if name == "intel" else 0.1
@@ -138,10 +139,14 @@ def cases() -> Iterator[Case]:
             yield Case(
                 name if seed is None else f"{name}, drift {seed}",
                 log if seed is None else drifted(log, seed),
-                lambda poses, t=log.times, r=relations, tol=tolerance: relation_errors(
+                lambda poses, t=recorded.times, r=relations, tol=tolerance: relation_errors(
                     t, poses, r, tolerance=tol
                 ),
-                (lambda poses, t=log.times, r=relations: relation_errors(t, poses, r, tolerance=0))
+                (
+                    lambda poses, t=recorded.times, r=relations: relation_errors(
+                        t, poses, r, tolerance=0
+                    )
+                )
                 if name == "intel"
                 else None,
             )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from segmap import load
-from segmap.alignment import prepared
+from segmap.alignment import pose_graph, position_errors, prepared
 from segmap.scans.causes import Cause
 
 
@@ -29,6 +29,35 @@ def test_a_pause_is_no_leap():
     log = load("corridor")
     times = log.times + np.where(np.arange(len(log)) >= 60, 60.0, 0.0)
     assert not prepared(logs.changed(log, times=times)).causes
+
+
+@pytest.mark.parametrize("waiting", [2, 4, 8])
+def test_scans_that_waited_for_the_recorder_lie_where_they_were_measured(waiting):
+    """Catches odometry of the arrival that is taken for that of the scan: 1.8 m off, and GOOD."""
+    log = load("corridor")
+    times, rows = log.times, log.odometry
+    for last in range(20 + waiting - 1, len(log), 20):
+        waited = slice(last - waiting + 1, last + 1)
+        times[waited] = times[last] - 0.003 * np.arange(waiting)[::-1]
+        rows[waited] = rows[last]
+    late = logs.changed(log, times=times, odometry=rows)
+    mended = prepared(late)
+    assert [finding.cause for finding in mended.causes] == [Cause.CLOCK]
+    assert mended.causes[0].value == waiting * len(range(20 + waiting - 1, len(log), 20))
+    assert np.allclose(mended.times, log.times)
+    alignment = pose_graph(mended)
+    off = position_errors(alignment.poses, log.truth, best=True)
+    assert alignment.verdict.grade == "good" and off.max() < 0.05
+
+
+def test_scans_of_two_lasers_that_come_together_have_not_waited():
+    """Catches a second laser whose scans are moved back, and scans that follow no pause."""
+    log = load("corridor")
+    twice = np.repeat(np.arange(len(log)), 2)
+    times = log.times[twice] + np.tile([0.0, 0.003], len(log))
+    both = logs.changed(log[twice], times=times)
+    rear = [replace(s, sensor_pose=(-0.2 * (k % 2), 0, 0)) for k, s in enumerate(both)]
+    assert not prepared(replace(both, scans=tuple(rear))).causes
 
 
 def test_times_that_are_all_equal_are_none():
