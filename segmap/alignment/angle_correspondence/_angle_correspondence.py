@@ -82,7 +82,8 @@ def angle_candidates(
         metre that matches. A looks at what matches alone, which is 0.
     viewpoints : pair of (2,) or (k, 2) array, metres, or None
         Where each set was seen from, in its own frame. None: from the origin if its segments follow
-        each other about it as those of a scan do; else from places with all of them in sight.
+        each other about it as those of a scan do; else it is not known, and nothing counts as
+        hidden from there.
 
     Returns
     -------
@@ -157,7 +158,7 @@ def _hidden_lengths(poses: Array, s: Scene, t: Scene) -> Array:
             least = np.inf  # from the best of the places
             for x, y in places:
                 least = min(least, kernels.hidden(x, y, segments, walls, least))
-            lengths[k] += least
+            lengths[k] += least if len(places) else 0.0
     return lengths
 
 

@@ -1,7 +1,6 @@
 """What angle correspondence looks at: pairs of walls, viewpoints, and values of matches.
 
-The three heuristics of A 3.3.1 choose the pairs. Viewpoints are where the sensor may have stood:
-all that it saw must be in sight from there.
+The three heuristics of A 3.3.1 choose the pairs. Viewpoints are where the sensor stood.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from ...angles import axial_difference
 from ...arrays import Array, Metres, Segments, checked
 from ...kernels import describe
 from ...poses.motions import wrap
-from ...segments import MIN_LENGTH, angle, length, midpoint
+from ...segments import MIN_LENGTH, angle, length
 from .._walls import wall_covariance
 from . import _kernels as kernels
 
@@ -29,10 +28,6 @@ LEAST_CROSSING_RAD = np.radians(20)
 PERPENDICULAR_RAD = np.radians(8)
 #: By noise a segment may begin so much before the one that it follows ends, radians.
 OVERTAKEN = np.radians(2)
-#: Viewpoints are looked for among so many of the longest segments.
-VIEWPOINT_WALLS = 8
-#: So many viewpoints are kept.
-MOST_VIEWPOINTS = 3
 
 
 class Candidate(NamedTuple):
@@ -101,17 +96,17 @@ def scene(
 
     Segments `(n, 2, 2)` and places `(k, 2)`, metres, about the middle of the segments. The
     viewpoint, (2,) or (k, 2) array in the frame of the value, is its origin where none is given and
-    it looks like one scan seen from there; else places from which none of them hides another.
+    it looks like one scan seen from there; else it is not known.
     """
     every = arrays.segments(value, name)
     walls = every[length(every) >= max(least, MIN_LENGTH)]
     middle = walls.mean(axis=(0, 1)) if len(walls) else np.zeros(2)
     segments = np.ascontiguousarray(walls - middle)
     pairs = wall_pairs(segments, heuristic, most=most, rng=rng)
-    if viewpoint is None and not is_seen_from_origin(walls):
-        return Scene(middle, segments, pairs, viewpoints(segments))
+    if viewpoint is None:
+        viewpoint = np.zeros((int(is_seen_from_origin(walls)), 2))
     stood = f"viewpoints of {name}"
-    places = np.atleast_2d(arrays.numbers((0, 0) if viewpoint is None else viewpoint, stood))
+    places = np.atleast_2d(arrays.numbers(viewpoint, stood))
     return Scene(middle, segments, pairs, arrays.points(places, stood) - middle)
 
 
@@ -173,33 +168,6 @@ def is_seen_from_origin(segments: Array) -> bool:
     end = start + np.abs(width)
     follows = np.append(start[1:], 2 * np.pi) > end - OVERTAKEN
     return bool(len(segments)) and bool(follows.all())
-
-
-def viewpoints(segments: Array) -> Array:
-    """Places, `(k, 2)`, from which no segment `(n, 2, 2)` hides another, far from each other.
-
-    A wall that was seen whole has nothing before it. So where the sensor stood all segments of its
-    scan are in sight; and a place from which they all are is nearly as good as where it stood.
-    """
-    walls = segments[np.argsort(-length(segments), kind="stable")[:VIEWPOINT_WALLS]]
-    middles, along = midpoint(walls), walls[:, 1] - walls[:, 0]
-    normals = np.stack([-along[:, 1], along[:, 0]], -1) / length(walls)[:, None]
-    first, second = np.triu_indices(len(walls), 1)  # half way between walls, and beside each
-    off = [middles + step * normals for step in (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)]
-    tried = np.concatenate([(middles[first] + middles[second]) / 2, *off])
-    if not len(tried):
-        return tried
-    slack = 0.02 * float(length(segments).sum())
-    lost, least = np.empty(len(tried)), np.inf
-    for k, (x, y) in enumerate(tried):
-        lost[k] = kernels.hidden(x, y, segments, segments, least + slack)
-        least = min(least, lost[k])
-    places = tried[lost <= least + slack]
-    chosen = [int(np.argmin(np.hypot(*(places - places.mean(0)).T)))]
-    while len(chosen) < min(MOST_VIEWPOINTS, len(places)):  # the one farthest from those chosen
-        apart = np.hypot(*(places[:, None] - places[chosen]).T).min(0)
-        chosen.append(int(np.argmax(apart)))
-    return places[chosen]
 
 
 @checked

@@ -2,6 +2,7 @@
 
 from ._front_end import FrontEnd, TrackedScan, Tracking
 from ._given_poses import poses_compared
+from ._in_motion import turn_of
 from ._loop_closing import LoopClosing
 from ._merge import merge_graphs
 from ._pose_graph import LiveGraph, Placed, pose_graph
@@ -9,5 +10,5 @@ from ._wheels import Wheels
 
 __all__ = [
     "FrontEnd", "LiveGraph", "LoopClosing", "Placed", "TrackedScan", "Tracking", "Wheels",
-    "merge_graphs", "pose_graph", "poses_compared",
+    "merge_graphs", "pose_graph", "poses_compared", "turn_of",
 ]  # fmt: skip
