@@ -185,7 +185,7 @@ class Pipeline:
 
     @step(lambda recipe: recipe.prepare)
     def log(self) -> Log:
-        """With its beams, its clock and its odometry put right."""
+        """With its beams and its odometry put right."""
         self.dispatch()
         if self.recipe.prepare is None:
             return self.given

@@ -12,7 +12,7 @@ from ...arrays import Array
 from ...scans import Log
 from ...scans.odometry import Steps
 from .._result import Match
-from ..points import LAST, LEAST_POINTS, PointMap, in_range
+from ..points import LEAST_POINTS, PointMap, in_range
 
 #: Scans from which steps are sought, spread evenly over the log.
 STARTS = 100
@@ -30,8 +30,6 @@ STEP_END_M = 0.2
 STEP_END_RAD = np.radians(8)
 #: A step counts only where at least this share of the scan lies on the other.
 LEAST_STEP_OVERLAP = 0.7
-#: A scan stands for the laser where it moved by less, metres, and turned by half as many radians.
-LASER_STANDS_M = 0.1
 
 
 def blind_steps(log: Log) -> Steps:
@@ -59,7 +57,7 @@ def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
         current = in_range(log[first + stride].points())
         if len(current) < LEAST_POINTS:
             break
-        match = _step_match(map, current)
+        match = register_near(map, current, np.zeros(3))
         if match is None or match.free is not None or match.turns:
             break
         step = first + stride, match.pose
@@ -68,30 +66,8 @@ def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
     return step
 
 
-def _step_match(map: PointMap, current: Array) -> Match | None:
-    """Where a scan `(m, 2)` lies on the map, if it does; if a part stands, where the rest lies.
-
-    What rides with the robot stands for the laser. It is nearer than the walls: the rest counts
-    only where it is farther away, for a person who passes by is not.
-    """
-    match = register_near(map, current, np.zeros(3))
-    if match is not None and _stands(match.pose):
-        rides = map.near(current, match.pose, LAST)
-        away = np.hypot(*current.T)
-        if (~rides).sum() >= LEAST_POINTS and np.median(away[~rides]) > np.median(away[rides]):
-            rest = register_near(map, current[~rides], np.zeros(3))
-            if rest is not None and rest.overlap > LEAST_STEP_OVERLAP and not _stands(rest.pose):
-                return rest
-    return match if match is not None and match.overlap > LEAST_STEP_OVERLAP else None
-
-
 def register_near(map: PointMap, current: Array, guess: Array) -> Match | None:
-    """Where points `(m, 2)` lie on the map, searched for around a pose `(3,)`."""
+    """Where points `(m, 2)` lie on the map, sought around a pose `(3,)`; None where few do."""
     start, _ = map.search(current, guess, reach=STEP_SEARCH_M, turn=STEP_SEARCH_RAD, least=0.3)
     match = None if start is None else map.register(current, start)
-    return match if match is not None and match.matched else None
-
-
-def _stands(motion: Array) -> bool:
-    """Whether a motion `(3,)` is next to none."""
-    return bool(np.hypot(*motion[:2]) < LASER_STANDS_M and abs(motion[2]) < LASER_STANDS_M / 2)
+    return match if match and match.matched and match.overlap > LEAST_STEP_OVERLAP else None

@@ -13,7 +13,7 @@ from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import odometry_jumps
 from ..points import LEAST_POINTS, PointMap, in_range
-from ._blind_steps import LEAST_STEP_OVERLAP, register_near
+from ._blind_steps import register_near
 
 #: Scans before and after a step are compared where they lie so near by the odometry, metres.
 PAIR_ACROSS_M = 1.5
@@ -79,7 +79,6 @@ def _holds(log: Log, before: Array, after: Array) -> bool | None:
         points, current = (in_range(log[k].points()) for k in (one, len(before) + two))
         if min(len(points), len(current)) >= LEAST_POINTS:
             match = register_near(PointMap(points), current, between(before[one], after[two]))
-            fit = match is not None and match.overlap > LEAST_STEP_OVERLAP
-            if match is None or not fit or match.free is None:  # a corridor fits everywhere
-                fits.append(fit)
+            if match is None or match.free is None:  # a corridor fits everywhere
+                fits.append(match is not None)
     return bool(np.mean(fits) >= HOLDS_SHARE) if fits else None

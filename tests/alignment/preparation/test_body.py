@@ -228,7 +228,6 @@ def test_walls_are_no_body(name):
 #: Something that each step of the preparation tells.
 TOLD = {
     Cause.BODY: with_posts,
-    Cause.CLOCK: lambda log: changed(log, lambda k, s: replace(s, time=s.time - 50 * (k > 99))),
     Cause.UNIT: lambda log: changed(
         log, lambda k, s: replace(s, odometry=s.odometry / [0.3048, 0.3048, 1])
     ),
