@@ -52,7 +52,7 @@ def real(name: str) -> Log | None:
         log = load(name)
         return Log(name, list(log), alignment.pose_graph(log).poses)
     path = SHARED / "data" / f"{name}.log.gz"
-    return read(path) if path.exists() else None
+    return alignment.prepared(read(path)) if path.exists() else None
 
 
 def taken(log: Log, which: Array) -> Log:

@@ -138,8 +138,8 @@ def localize(
     map
         As for `search`.
     scans
-        A Log, or scans one by one; without odometry the robot goes on as it went, from a stop to
-        twice as fast, give or take 0.1 m.
+        A Log, at best from `alignment.prepared`, or scans one by one; without odometry the robot
+        goes on as it went, from a stop to twice as fast, give or take 0.1 m.
     particles
         At most.
     beams

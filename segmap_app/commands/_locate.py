@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from segmap import quadtree, readers, warm
+from segmap import alignment, quadtree, readers, warm
 from segmap.files import shown
 from segmap.matching import Uncertainty, localize
 from segmap.progress import each
@@ -88,6 +88,9 @@ def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: R
     if files.is_ros_map(given.map):
         report.line("map", states(given.known))
     warm.dispatch(["quadtree all", "matching all"])
+    log = alignment.prepared(log)
+    if log.doubt:
+        report.line("prepared", log.doubt)
     scans = each(log, "placing scan")
     beliefs = list(localize(given.known, scans, rng=np.random.default_rng(0)))
     is_found = np.array([belief.found for belief in beliefs], bool)

@@ -426,6 +426,10 @@ def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
         assert np.hypot(place["x"] - log.truth[-1, 0], place["y"] - log.truth[-1, 1]) < 0.1
     code, said, _ = run("locate", "squares.npz", folder / "near.log")
     assert code == 3 and f"found     0 of {SCANS} scans; lost at" in said
+    feet = logs.changed(log, odometry=log.odometry / (0.3048, 0.3048, 1))
+    exports.write_arrays("feet.npz", feet)
+    code, said, _ = run("locate", "squares.npz", "feet.npz")
+    assert code == 0 and "prepared  the odometry is in feet: converted" in said
     code, _, error = run("locate", "none.npz", "room")
     assert code == 1 and "none.npz" in error
 
