@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from segmap.arrays import Array
-from segmap.scans import LaserScan
 
 
 def segment_samples() -> dict[str, Array]:
@@ -38,52 +37,6 @@ def segment_samples() -> dict[str, Array]:
         "far away": arrays["crossing"] + 1e6,
         "lattice": _lattice(),
         "walls": _walls(),
-    }
-
-
-def point_samples() -> dict[str, Array]:
-    """Points of a scan, in the order of the beams, that have broken programs.
-
-    New arrays at each call. All are finite.
-    """
-    line = np.linspace(0, 1, 11)
-    ones, turn = np.ones(11), np.linspace(0, 2 * np.pi, 90, endpoint=False)
-    samples = {
-        "empty": np.empty((0, 2)),
-        "one": np.array([(1.0, 2.0)]),
-        "two": np.array([(0.0, 1.0), (0.1, 1.0)]),
-        "coincident": np.full((6, 2), 3.0),
-        "horizontal": np.stack([line, ones], 1),
-        "vertical": np.stack([ones, line], 1),
-        "through the sensor": np.stack([line, line], 1),
-        "corner": np.concatenate([np.stack([line, 0 * line], 1), np.stack([ones, line], 1)]),
-        "gap": np.concatenate([np.stack([line, ones], 1), np.stack([line + 2, ones], 1)]),
-        "all round": 2 * np.stack([np.cos(turn), np.sin(turn)], 1),
-        "noisy": np.stack([line, 1 + np.random.default_rng(1).normal(0, 0.01, 11)], 1),
-        "tiny": np.stack([line, ones], 1) * 1e-7,
-    }
-    return {**samples, "far away": samples["corner"] + 1e6}
-
-
-def scan_samples() -> dict[str, LaserScan]:
-    """Scans that have broken programs: without a valid beam, with NaN, over the whole turn.
-
-    Ranges in metres, `(n,)`, angles in radians.
-    """
-    half, whole = np.radians(np.arange(-90, 91)), np.radians(np.arange(-180, 180))
-    wall = 1 / np.cos(half[30:151])
-    holes = np.where(np.arange(121) % 7 == 0, np.nan, wall)
-    square = 2 / np.maximum(np.abs(np.cos(whole)), np.abs(np.sin(whole)))
-    return {
-        "empty": LaserScan([], []),
-        "one beam": LaserScan([1.0], [0.0]),
-        "two beams": LaserScan([1.0, 1.0], [0.0, 0.1]),
-        "all invalid": LaserScan([np.nan, np.inf, 0.0, -1.0, 9.0], half[:5], max_range=8.0),
-        "single wall": LaserScan(wall, half[30:151]),
-        "with NaN": LaserScan(holes, half[30:151]),
-        "with maximum range": LaserScan(np.minimum(wall, 1.5), half[30:151], max_range=1.5),
-        "whole turn": LaserScan(square, whole),
-        "sensor off the middle": LaserScan(wall, half[30:151], sensor_pose=(0.1, -0.2, 1.0)),
     }
 
 

@@ -120,13 +120,6 @@ def test_a_gentle_bend_is_doubted():
     assert backbone(log).doubt.startswith("the assumption is doubtful")
 
 
-def test_a_hall_too_wide_for_the_sensor_is_said_to_show_no_wall():
-    walls, path = rectangular_room(40.0, 20.0), drive([(10, 10), (30, 10)], step=0.5)
-    found = backbone(simulate(walls, path, sensor=URG_04LX, rng=np.random.default_rng(1)))
-    assert found.doubt.startswith("no backbone")
-    assert set(found.reasons[1:]) == {"no segment longer than 1 m"}
-
-
 # The slips of A 5.2, each made visible by one wrong odometry step in a log without other errors.
 
 TURNED = (0.0, 0.0, np.radians(1.5))
@@ -271,18 +264,3 @@ def test_pieces_of_one_wall_are_merged_and_others_are_not():
 
 
 # Bad input.
-
-
-def test_a_scan_without_odometry_is_bridged():
-    log = straight()
-    found = backbone(logs.without_odometry(log, 3))
-    assert [k for k, why in enumerate(found.reasons) if "no odometry" in why] == [3, 4]
-    np.testing.assert_allclose(found.poses, log.truth, atol=0.01)
-
-
-def test_a_kidnapped_robot_is_not_laid_on_lines_far_away():
-    """A jump of odometry by metres: nothing lies on a line, and the reason says so."""
-    log = misled(straight(), 3, (2.0, 1.0, 0.0))
-    found = backbone(log)
-    assert found.reasons[3] == "no segment on a line of the backbone"
-    np.testing.assert_allclose(found.poses[3], log.odometry[3], atol=1e-6)

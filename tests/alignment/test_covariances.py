@@ -89,13 +89,6 @@ def claimed(matcher: str, scene: str, sensor: str, count: int) -> float:
     return float(np.mean(squares)) / 3
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("matcher", "scene", "sensor"), CELLS)
-def test_matches_err_as_they_claim(matcher, scene, sensor):
-    """Catches a noise that is supposed where it can be measured: `angles` claimed 20 times more."""
-    assert LEAST <= claimed(matcher, scene, sensor, 200) <= MOST
-
-
 @pytest.mark.parametrize("sensor", ["SICK", "URG"])
 @pytest.mark.parametrize("matcher", ["points", "segments", "angles"])
 def test_matches_in_a_room_err_as_they_claim(matcher, sensor):
@@ -142,8 +135,7 @@ def test_lines_err_as_their_covariance_says(arm):
 
 
 @pytest.mark.parametrize("loops", [[], [(0, 39), (3, 36)]])
-@pytest.mark.parametrize("count", [30, pytest.param(200, marks=pytest.mark.slow)])
-def test_places_in_a_graph_err_as_their_spread_says(loops, count):
+def test_places_in_a_graph_err_as_their_spread_says(loops):
     """Catches a spread that forgets a direction, the loops, or what alignment takes out."""
     rng, squares = np.random.default_rng(9), []
     turn = np.linspace(0, 2 * np.pi, 40)
@@ -151,7 +143,7 @@ def test_places_in_a_graph_err_as_their_spread_says(loops, count):
     ends = np.array([(k, k + 1) for k in range(39)] + loops)
     sigma = np.array([0.03, 0.02, np.radians(0.4)])
     known = np.tile(np.diag(1 / sigma**2), (len(ends), 1, 1))
-    for _ in range(count):
+    for _ in range(30):
         noise = sigma * rng.normal(size=(len(ends), 3))
         relative = compose(between(truth[ends[:, 0]], truth[ends[:, 1]]), noise)
         poses = solve_graph(truth, ends, relative, information=known)

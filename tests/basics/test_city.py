@@ -24,23 +24,6 @@ def test_the_streets_are_free_and_closed():
     assert all(np.isfinite(cast_rays(WALLS, pose, ALL_ROUND)).all() for pose in path[::25])
 
 
-def test_no_two_places_are_alike():
-    """From the middles of streets that run the same way: most beams differ by decimetres."""
-    seen = [
-        cast_rays(WALLS, (*crossing(i, j) + (9, 0), 0), ALL_ROUND)
-        for i in range(4)
-        for j in range(4)
-    ]
-    for k, one in enumerate(seen):
-        assert all(np.mean(np.abs(one - other) > 0.1) > 0.2 for other in seen[:k])
-
-
-def test_a_seed_makes_a_city():
-    again, other = (city(4, 3, rng=np.random.default_rng(s)) for s in (5, 6))
-    np.testing.assert_array_equal(WALLS, again)
-    assert other.shape != WALLS.shape or np.any(other != WALLS)
-
-
 @pytest.mark.parametrize("sensor", [NEAR, SICK_LMS200, Sensor("far", 9, 0, 0.7, max_range=np.inf)])
 def test_walls_out_of_reach_do_not_change_a_log(sensor):
     """Long walls too, of which both ends are far away; catches an index into the wrong walls."""

@@ -1,6 +1,5 @@
 """Maps that keep the points behind their segments, and the places of the sensor."""
 
-import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -95,16 +94,6 @@ def test_slices_and_the_filter_carry_points_and_sensors():
     assert len(map[np.zeros(len(map), bool)]) == 0
     with pytest.raises(TypeError, match="take a slice, a mask or indices of segments, got 3"):
         map[3]
-
-
-def test_a_map_with_points_can_be_stored_and_shown():
-    map = a_map()
-    again = pickle.loads(pickle.dumps(map))
-    assert repr(again) == repr(map) and repr(map).endswith(f", {len(map.points)} points)")
-    assert_array_equal(again.points, map.points)
-    assert_array_equal(replace(map, scan=map.scan + 0).first, map.first)
-    assert not map.points.flags.writeable
-    assert "points" not in repr(map.segments) + repr(SegmentMap(map.segments))
 
 
 def test_the_digest_tells_maps_with_points_apart():

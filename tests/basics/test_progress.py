@@ -97,15 +97,6 @@ def test_each_thing_is_told_before_it_comes():
     assert said[6:] == [(0.75, "row 4 of 4"), [7], (1.0, "row 4 of 4")]
 
 
-def test_merging_tells_a_share_that_only_rises_to_its_end():
-    """Catches a share of a cost that falls again, and an end that nobody hears of."""
-    said = heard(WORK["least_cost"])
-    shares = [
-        share for share, words in said if words == f"least cost: merging {len(malaga())} segments"
-    ]
-    assert len(shares) > 7 and shares == sorted(shares) and (shares[0], shares[-1]) == (0.0, 1.0)
-
-
 def test_threads_tell_how_many_are_done_and_begin_no_more_once_stopped():
     """Catches a stop that waits for all that was handed to the threads."""
     said, begun = [], []

@@ -4,14 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from input_samples import point_samples, scan_samples, segment_samples
 
 import segmap
-from segmap import arrays, plotting
-from segmap.segments import length
+from segmap import arrays
 from segmap.testing import assert_poses_equal, assert_segments_equal
 
-SEGMENTS, POINTS, SCANS = segment_samples(), point_samples(), scan_samples()
 THREE = np.array([[(0, 0), (1, 0)], [(1, 1), (1, 2)], [(0, 5), (2, 5)]], float)
 NUMBER = st.floats(-20, 20)
 MAP = st.lists(st.tuples(st.tuples(NUMBER, NUMBER), st.tuples(NUMBER, NUMBER)), max_size=6)
@@ -117,30 +114,3 @@ def test_unknown_poses_equal_unknown_ones_only():
         assert_poses_equal([nan], [(0, 0, 0)])
     with pytest.raises(AssertionError, match="pose 0"):
         assert_poses_equal([(0, 0, 0)], [nan])
-
-
-@pytest.mark.parametrize("name", POINTS)
-@pytest.mark.parametrize("closed", [False, True])
-def test_every_cloud_of_the_samples_is_extracted(name, closed):
-    for extract in (segmap.extract_clusters, segmap.extract_polylines):
-        found = extract(POINTS[name], closed=closed)
-        assert found.shape[1:] == (2, 2) and np.isfinite(found).all()
-        assert (length(found) > 0).all()
-
-
-#: The seam of the whole turn lies in the middle of a wall.
-WALLS = {
-    **dict.fromkeys(("empty", "one beam", "two beams", "all invalid"), 0),
-    **dict.fromkeys(("single wall", "with NaN", "with maximum range", "sensor off the middle"), 1),
-    "whole turn": 4,
-}
-
-
-@pytest.mark.filterwarnings("ignore:the map of log:UserWarning")
-@pytest.mark.parametrize("name", SCANS)
-def test_every_scan_of_the_samples_becomes_a_map(name):
-    scan = SCANS[name]
-    log, pose = segmap.Log("sample", [scan]), [(1, 2, 3)]
-    map = segmap.build_map(log, pose)
-    assert len(map) == WALLS[name] and np.isfinite(map.segments).all()
-    assert len(plotting.thumbnail(scan)) > 100

@@ -12,11 +12,9 @@ import numpy as np
 import pytest
 
 from segmap import load, threads
-from segmap.alignment import pose_graph
 from segmap.extraction import build_map, extract_polylines
 from segmap.metrics import errors
 from segmap.poses import transform
-from segmap.reduction import common_directions
 from segmap.scans import Log
 from segmap.threads import THREADS, in_threads, shares
 
@@ -111,16 +109,6 @@ def test_an_interrupt_ends_the_work_at_once():
     assert time.monotonic() - begun < 10  # .2 s where the machine is quiet
 
 
-def test_threads_or_none_climb_to_the_same_places(monkeypatch, three):
-    """Centres of one thread that another moves too, or moves by the last step's sums."""
-    ends = np.random.default_rng(0).normal(0, 30, (6000, 1, 2))
-    walls = ends + np.random.default_rng(1).uniform(-0.5, 0.5, (6000, 2, 2))
-    several = common_directions(walls, sigma=1.0)
-    monkeypatch.setenv(THREADS, "1")
-    np.testing.assert_array_equal(several.centres, common_directions(walls, sigma=1.0).centres)
-    assert np.abs(several.centres - common_directions(walls, sigma=1.0, steps=10).centres).max() > 0
-
-
 def test_an_error_ends_it_and_what_has_not_begun_is_left(three):
     """An interrupt that waits until all scans of a long drive are refined."""
     begun, go = [], threading.Event()
@@ -134,17 +122,6 @@ def test_an_error_ends_it_and_what_has_not_begun_is_left(three):
     with pytest.raises(KeyboardInterrupt):
         in_threads(work, range(500))
     assert len(begun) < 100
-
-
-def test_threads_or_none_give_the_same_poses(monkeypatch, three):
-    """Maps that two threads write to at once, a scan that gets the pose of another."""
-    log, found = load("corridor"), []
-    for count in (3, 1):
-        monkeypatch.setattr(threads, "cores", lambda count=count: count)
-        found.append(pose_graph(log, step=1.2))
-    assert found[0].graph.loop.any()
-    np.testing.assert_allclose(found[0].poses, found[1].poses, rtol=0, atol=1e-9)
-    assert found[0].reasons == found[1].reasons
 
 
 def test_two_objects_are_computed_at_once():

@@ -3,11 +3,9 @@
 import inspect
 import pickle
 import pydoc
-import warnings
 
 import numpy as np
 import pytest
-from conftest import SHARED
 
 from segmap import SegmentMap, load, quadtree, readers
 from segmap.alignment import METHODS as ALIGNMENTS
@@ -71,12 +69,6 @@ def test_headings_in_degrees_are_told_wherever_they_come_in(name):
         Log(name, scans)
 
 
-@pytest.mark.parametrize("headings", [[90], [0, 90], [90, 90, 90], [180, np.nan, 270]])
-def test_few_headings_in_degrees_are_told(headings):
-    with pytest.warns(UserWarning, match="headings of the poses look like degrees"):
-        build_map(log_of(len(headings)), turned(headings))
-
-
 @pytest.mark.parametrize(
     "headings", [[6.28, 0, 6.28, 0], [-100.3], [np.nan, 50.1, 49.9], [0, 65535, 0]]
 )
@@ -95,22 +87,6 @@ def test_headings_may_wind_up():
         build_map(part, part.odometry)
     wound[150:, 2] -= 30  # the gyroscope is set back
     assert log_of(300, truth=wound).truth[-1, 2] == 32
-
-
-@pytest.mark.slow
-def test_no_log_that_we_have_looks_like_another_unit():
-    files = [p for p in sorted(SHARED.glob("data/**/*")) if p.suffix in (".gz", ".log", ".dat")]
-    for path in files:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            try:
-                log = readers.read(path, on_error="skip")
-            except readers.LogError:
-                continue
-            wound = log.odometry
-            known = np.isfinite(wound).all(1)
-            wound[known, 2] = np.unwrap(wound[known, 2])
-            assert len(Log("wound", log.scans, wound)) == len(log)
 
 
 # ------------------------------------------------------------------ thresholds
@@ -134,19 +110,6 @@ def test_lengths_in_millimetres_are_told(of, given, slip):
     """Catches `fusion(tolerance=40)`: everything in one strip; and bounds of half as much again."""
     with pytest.warns(UserWarning, match=r"this looks like millimetres, [a-z_]+ / 1000"):
         of(given, **slip)
-
-
-@pytest.mark.parametrize("name", [n for n in METHODS if n[:5] in ("basic", "hybri")])
-def test_angles_in_degrees_are_refused(name):
-    with pytest.raises(ValueError, match=r"in radians \(of degrees np.radians\(10\)\), got"):
-        METHODS[name](WALLS, angle=10)
-    METHODS[name](WALLS, angle=np.pi / 2, distance=10.0)
-
-
-def test_a_bandwidth_in_degrees_is_told():
-    with pytest.warns(UserWarning, match="look like degrees"):
-        METHODS["mean_shift"](WALLS, bandwidth=50.0)
-    METHODS["mean_shift"](WALLS, sigma=0.01, bandwidth=np.radians(10) / 0.01)
 
 
 def test_a_map_in_millimetres_by_intent_is_left_alone():

@@ -163,20 +163,3 @@ def test_curves_have_a_colour_for_each_method_everywhere():
     for where in (("hall", 0.1), ("room", 0.0)):
         with pytest.raises(ValueError, match="frame must hold runs on one map, with one filter"):
             draw_curves(runs(*FUSION, ("fusion", 0.5, 0.5, *where)), ax=axes())
-
-
-def test_the_table_of_methods_is_that_of_the_thesis():
-    """A's table 2.16 for the methods that it implements, and A 7 for the one it only names."""
-    table = METHODS.table()
-    head = ["in", "merges", "runs", "needs"]
-    assert table.loc["basic_offline":"fusion", head].to_numpy().tolist() == [
-        ["A 4.1", "2 -> 1", "off-line", "segments"],
-        ["A 4.1", "2 -> 1", "on-line", "segments"],
-        ["A 4.2", "2 -> 1", "on-line", "segments"],
-        ["A 4.3", "m -> n", "off-line", "segments"],
-        ["A 4.4", "m -> 1", "off-line", "segments"],
-    ]
-    assert set(table["keeps"].drop(["hybrid", "hybrid_fusion"])[:4]) == {"end points"}
-    assert table["keeps"]["hybrid"] == "rho, theta, length, end points, count"
-    assert table["in"]["hybrid_fusion"] == "A 7" and "0x" not in repr(METHODS)
-    assert METHODS._repr_html_().count("<tr") == 1 + len(METHODS)

@@ -1,6 +1,5 @@
 """Sweeps: what they run, in which order, where they run it, and what they show meanwhile."""
 
-import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import nullcontext
 from dataclasses import replace
@@ -9,7 +8,6 @@ from multiprocessing import get_context
 
 import numpy as np
 import pytest
-import tqdm
 from conftest import dask, slow
 from pandas.testing import assert_frame_equal
 from sweep_samples import (
@@ -165,16 +163,3 @@ def test_methods_of_ones_own_come_back_in_order_though_the_first_ends_last():
     assert list(found["n_after"])[:5] == [70, 70, 70, 70, 35] and set(found["seconds"][:5]) == {
         1.25
     }
-
-
-@pytest.mark.parametrize("where", ["a pipe", "a terminal", "a notebook"])
-def test_a_bar_is_shown_only_where_somebody_looks(where, monkeypatch, capsys):
-    """The library never prints; a notebook's output is no terminal either."""
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: where == "a terminal")
-    if where == "a notebook":
-        monkeypatch.setattr("tqdm.auto.tqdm", type("tqdm_notebook", (tqdm.tqdm,), {}))
-    sweep({"room": ROOM}, ["fusion"], GRIDS)
-    assert capsys.readouterr() == ("", "")
-    sweep({"room": ROOM}, ["fusion"], GRIDS, progress=True)
-    shown = capsys.readouterr().err
-    assert ("2/2" in shown and "fusion on room" in shown) == (where != "a pipe")

@@ -6,7 +6,6 @@ from operator import length_hint
 
 import numpy as np
 import pytest
-from conftest import slow
 from quadtrees import leaves_of, state
 
 from segmap import LaserScan, load
@@ -174,21 +173,6 @@ def test_the_room_path_without_odometry(workloads):
     median, largest = np.median(found, axis=0)
     assert median <= 0.020
     assert largest <= 0.050
-
-
-@pytest.mark.parametrize(
-    ("options", "largest"),
-    [
-        ({"matcher": partial(hill_climb, steps="thesis")}, 0.08),
-        slow({"matcher": partial(hill_climb, steps="thesis"), "score": occupancy_score}, 1.0),
-        ({"matcher": partial(sample_and_rank, rng=np.random.default_rng(1), sigma=(0.02, 2))}, 0.2),
-    ],
-)
-def test_what_the_thesis_printed_loses_its_way(workloads, options, largest):
-    """Its steps of one degree, its sigma of two radians; more leaves tell without any truth."""
-    best, lost = path_errors(workloads, 0), path_errors(workloads, 0, **options)
-    assert lost[1] > largest > 0.05 > best[1]
-    assert lost[2] > 1.3 * best[2]
 
 
 def test_walls_that_come_into_view_do_not_make_up_for_a_corridor():

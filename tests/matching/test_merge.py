@@ -8,20 +8,17 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from conftest import shared_file
 
-from segmap import alignment, read
-from segmap.alignment import LiveGraph, pose_graph, position_errors
+from segmap import alignment
+from segmap.alignment import LiveGraph
 from segmap.alignment.pose_graph import _merge
 from segmap.alignment.pose_graph._merge import _places_of_both
 from segmap.matching import merge
-from segmap.metrics import relation_errors
 from segmap.poses import between, compose
 from segmap.scans import Log
 from segmap.simulation import (
     SICK_LMS200,
     OdometryNoise,
-    drifting_odometry,
     drive,
     office,
     simulate,
@@ -121,24 +118,3 @@ def test_a_corridor_that_repeats_is_not_merged_by_one_of_its_doors(shift):
 
     found = merge(drive_from(-6, 0), drive_from(-6 + shift, 1))
     assert "not merged" in found.doubt
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "tolerance", "bound"), [("intel", 0.02, 0.045), ("fr079", 0.1, 0.056)]
-)
-def test_real_logs_that_are_cut_in_two_are_as_good_as_whole(name, tolerance, bound):
-    """Measured: Intel 0.030 m by its relations, whole 0.029; Freiburg 079 0.043 m."""
-    log = read(shared_file(f"data/{name}.log.gz"))
-    if name == "fr079":  # has no odometry of its own
-        rng = np.random.default_rng(0)
-        wheels = drifting_odometry(log.truth, odometry_noise=OdometryNoise(), rng=rng)
-        scans = [replace(s, odometry=pose) for s, pose in zip(log, wheels, strict=True)]
-        log = Log(name, scans, log.truth)
-    half = len(log) // 2
-    found = merge(log[:half], log[half:])
-    relations = np.loadtxt(shared_file(f"data/{name}.relations.gz"))
-    far, _ = relation_errors(log.times, found.poses, relations, tolerance=tolerance)
-    assert far.mean() < bound and found.used.mean() > 0.99
-    apart = position_errors(found.poses, pose_graph(log).poses, best=True)
-    assert np.sqrt((apart**2).mean()) < 0.15

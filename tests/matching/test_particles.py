@@ -319,14 +319,3 @@ def test_the_room_walk_is_no_worse_than_hill_climbing(resolution):
         for poses in (particle_paths(steps)[steps[-1].best], climbed)
     ]
     assert errors[0] < errors[1] + 0.015
-
-
-@pytest.mark.slow
-def test_a_loop_closes_that_one_hypothesis_leaves_open():
-    for seed in (1, 5, 10):
-        log = course.corridor_walk(seed=seed)
-        options = {"start": log.truth[0]}
-        one = mapped(log, seed, particles=1, noise=0, **options)[0][-1]
-        many = mapped(log, seed, particles=30, **options)[0][-1]
-        away = [position_errors(step.pose, log.truth[-1]) for step in (one, many)]
-        assert away[1] < 0.4 < 0.6 < away[0]

@@ -1,11 +1,9 @@
 """Live mapping: what comes too fast is left out, and never queued."""
 
-import json
 import re
 import threading
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -73,21 +71,6 @@ def test_errors_reach_the_reader():
 
     with Newest(fails()) as newest, pytest.raises(SensorError, match="plug it in"):
         list(newest)
-
-
-def test_leaving_ends_the_thread():
-    ended = []
-
-    def endless():
-        try:
-            yield from many(10**9, 0.001)
-        finally:
-            ended.append(True)
-
-    with Newest(endless()) as newest:
-        next(iter(newest))
-    assert ended == [True]
-    assert "newest scan" not in [thread.name for thread in threading.enumerate()]
 
 
 @needs_terminals
@@ -231,31 +214,6 @@ def test_goes_on_after_a_step_that_was_interrupted(after, monkeypatch):
     assert panel.taken == 8
     assert panel._step is not None and whole._step is not None
     assert panel._step.pose == pytest.approx(whole._step.pose, abs=0.05)
-
-
-@needs_terminals
-def test_the_panel_of_the_chapter_starts_after_its_last_cell():
-    """Catches a chapter that closes the sensor of its panel: after Run All its buttons are dead."""
-    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
-    chapter = Path(__file__).parents[2] / "notebooks" / "29_the_sensor.ipynb"
-    cells = [c for c in json.loads(chapter.read_text("utf-8"))["cells"] if c["cell_type"] == "code"]
-    sources = ["".join(cell["source"]) for cell in cells]
-    needed = re.compile(r"^import|sensor\b(?!=)|device|carried|unplug")
-    kept = [text for text in sources if needed.search(text) and "truth" not in text]
-    scope: dict = {}
-    for text in kept:
-        quick = re.sub(r"speed=\d+", "speed=20", text).replace("300", "5")
-        quick = quick.replace("run(12)", "run(4)").replace("taken == 12", "taken == 4")
-        exec(compile(quick, chapter.name, "exec"), scope)
-    panel = scope["panel"]
-    panel.start.click()
-    wait_for(lambda: panel.taken >= 8)
-    panel.stop.click()
-    assert panel.state.value == "stopped"
-    for laser, unit in (("sensor", "device"), ("again", "second")):
-        scope[laser].close()
-        scope[unit].stop()
-    assert emulator_threads() == []
 
 
 def broken_source():

@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from segmap import LaserScan, load
-from segmap.extraction import extract_polylines
-from segmap.matching import map_scans
-from segmap.panels import LivePanel
+from segmap import LaserScan
 from segmap.panels._live_picture import Greys, LivePicture, occupancy
 from segmap.plotting import ERROR, RAW, RESULT
-from segmap.poses import compose, transform
+from segmap.poses import compose
 from segmap.quadtree import QuadtreeMap, extent
 
 #: Pixels of the picture, of its axes at most, and how many cells there are at least to a pixel.
@@ -188,39 +185,3 @@ def test_what_is_drawn_over_the_map_moves_and_leaves_no_trace():
 
 
 # ------------------------------------------------------------------ the panel that shows it
-
-
-@pytest.mark.parametrize("given", [{}, {"resolution": 0.05, "start": (1, 2, 0.5)}])
-def test_the_live_panel_shows_what_the_library_gives(given):
-    log, side = load("room")[:4], given.get("resolution", 0.02)
-    map = QuadtreeMap(resolution=side, free_resolution=16 * side)
-    steps = list(map_scans(log, map=map, start=given.get("start", (0, 0, 0))))
-    panel, pose = LivePanel(log, **given), steps[-1].pose
-    panel.loops.value = False
-    assert (panel.taken, panel.lost, panel.seconds, repr(panel)) == (
-        0,
-        0,
-        0.0,
-        "LivePanel(0 scans)",
-    )
-    panel.run(4)
-    assert panel.taken == 4 and 0 < panel.seconds < 60
-    for tolerance in (0.03, 0.005, 0.1):
-        panel.tolerance.value = tolerance
-        own = extract_polylines(log[3].points(), tolerance=tolerance)
-        picture, segments = LivePicture(), transform(pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
-        picture.show(map, log[3], pose, segments)
-        assert bytes(panel.picture.value) == picture.png()
-        assert panel._repr_mimebundle_()["image/png"] == picture.png()
-        assert panel.count.value == f"{len(own)} segments"
-    passed = log[3].time - log[0].time
-    texts = (panel.leaves, panel.rate, panel.dropped, panel.graph, panel.state)
-    assert [part.value for part in texts] == [
-        f"{len(map.leaves().x)} leaves",
-        f"{3 / passed:.1f} scans a second",
-        "0 dropped, 0 left out",
-        "",
-        "",
-    ]
-    panel.run(0)
-    assert panel.taken == 4

@@ -4,7 +4,6 @@ import subprocess
 import sys
 
 import pytest
-from conftest import slow
 
 #: In a process of its own, where nothing is loaded: kernels and their signatures, before the first
 #: scan is asked for and after the last.
@@ -31,25 +30,12 @@ print(len(before), late)
 """
 USES = {
     "default": "list(matching.map_scans(live()))",
-    "own map": "list(matching.map_scans(live(), map=quadtree.QuadtreeMap(resolution=0.02)))",
-    "free": "list(matching.map_scans(live(), free=True, settle=2))",
-    "coarse": "map = quadtree.QuadtreeMap(resolution=0.02, free_resolution=0.32)\n"
-    "list(matching.map_scans(live(), map=map))",
-    "nearest": "list(matching.map_scans(live(), score=matching.nearest_score))",
-    "descent": "list(matching.map_scans(live(), score=matching.descent_score))",
-    "occupancy": "list(matching.map_scans(live(), score=matching.occupancy_score))",
-    "drawn": "rng = np.random.default_rng(1)\n"
-    "list(matching.map_scans(live(), matcher=matching.sample_and_rank, rng=rng))",
-    "graph": "from segmap.alignment import LiveGraph, LoopClosing\n"
-    "rules = LoopClosing(min_path=0.2, witnesses=1, span=0.1, strain=1e-9)\n"
-    "graph = LiveGraph(step=0.05, closing=rules)\n"
-    "list(matching.map_scans(live(), graph=graph))",
     "panel": "from segmap.panels import LivePanel\n"
     "panel = LivePanel(live())\npanel._follow()\nassert panel.taken, panel.state.value",
 }
 
 
-@pytest.mark.parametrize("use", [use if use in ("default", "panel") else slow(use) for use in USES])
+@pytest.mark.parametrize("use", USES)
 def test_nothing_compiles_between_the_first_scan_and_the_last(use):
     """Catches the first live poses, 0.7 m off, of a machine that compiles while the robot moves."""
     if use == "panel":

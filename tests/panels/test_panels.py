@@ -2,35 +2,12 @@
 
 import ipywidgets as W
 import numpy as np
-import pytest
-from driven_panels import LEANING, RUNS, WALLS, press, unpainted, view_of
+from driven_panels import RUNS, WALLS, press, unpainted, view_of
 from matplotlib.figure import Figure
-from segmap_course import HybridPanel, SectorPanel
+from segmap_course import SectorPanel
 
 from segmap import SegmentMap
 from segmap.panels import ComparePanel, Panel, slider, text
-
-
-def test_boxes_and_rows_of_buttons_are_as_wide_as_they_need():
-    """Catches names of one panel that do not stand alike, and a box that is pushed aside."""
-    box, way = W.Checkbox(description="x"), W.ToggleButtons(description="way")
-    moved, longer = slider("a", 1, 0, 2, 1), W.Dropdown(description="some name of more letters")
-    button = W.Button(description="b" * 60)
-
-    class Named(Panel):
-        """Has controls of each kind."""
-
-        def __init__(self):
-            self._assemble((moved, button, box, way, longer, text()))
-
-        def _draw(self, figure: Figure) -> None:
-            figure.subplots()
-
-    Named()
-    assert {p.style.description_width for p in (moved, way, longer)} == {"26ch"}
-    assert moved.layout.width == longer.layout.width == "calc(26ch + 250px)"
-    assert (way.layout.width, button.layout.width) == (None, None)
-    assert (box.indent, box.layout.width, box.layout.margin) == (False, "auto", "2px 16px 2px 2px")
 
 
 class Counter(Panel):
@@ -79,29 +56,6 @@ def test_a_play_button_begins_where_its_slider_is(monkeypatch):
     monkeypatch.setattr(W, "jslink", lambda source, target: links.append((source, target)))
     panel = SectorPanel(SegmentMap(WALLS.segments, [0, 0, 1, 1, 1], sensors=[(1, -1)] * 2))
     assert links == [((panel.scan, "value"), (panel.play, "value"))]
-
-
-def test_zoom_stays_until_all_is_reset_and_nothing_is_reduced_anew(figures):
-    """Catches a view that recomputes, a Hough space that moves, and a part that jumps."""
-    panel = HybridPanel(LEANING)
-    left, right = figures[-1].axes
-    view = view_of(panel)
-    found, whole, hough_limits = panel.reduction, left.get_ylim(), right.get_xlim()
-    press(view, "+")
-    assert figures[-1].axes == [left, right]
-    part = left.get_ylim()
-    assert panel.reduction is found and right.get_xlim() == hough_limits
-    panel.distance.value = 0.5
-    assert figures[-1].axes[0].get_ylim() == pytest.approx(part)
-    assert np.ptp(part) < np.ptp(whole)
-    press(view, "0")
-    assert figures[-1].axes[0].get_ylim() == whole and panel.distance.value == 0.20
-
-
-@unpainted
-def test_the_compare_panel_begins_with_fusion_wherever_it_stands():
-    assert ComparePanel(WALLS, RUNS[::-1]).method.value == "fusion"
-    assert ComparePanel(WALLS, RUNS[RUNS["method"] == "hybrid"]).method.value == "hybrid"
 
 
 @unpainted

@@ -6,7 +6,7 @@ import pytest
 from driven_panels import LOG, RUNS, VIEW, WALLS, parts_of, press, view_of
 from matplotlib.figure import Figure
 
-from segmap import LaserScan, Log, load, panels
+from segmap import LaserScan, Log, load
 from segmap.experiments import select, thresholds_of, thresholds_text
 from segmap.panels import ComparePanel, LivePanel, Panel, ScanPanel
 from segmap.plotting import (
@@ -132,33 +132,6 @@ def test_of_many_points_some_are_drawn(figures):
     assert np.array_equal(drawn, np.tile(scan.points(), (2, 1))[::3])
 
 
-#: Name, least, most and step of each slider, its first value and its digits; of a play button the
-#: milliseconds too.
-SLIDERS = {
-    "ScanPanel": {"step": ("scan", 0, 4, 1, 0, "d"), "play": (0, 4, 1, 250)},
-    "ComparePanel": {"wanted": ("least quality [%]", 40, 98, 1, 80, "d")},
-    "LivePanel": {"tolerance": ("tolerance [m]", 0.005, 0.10, 0.005, 0.03, ".3f")},
-}
-
-
-def test_all_sliders_are_as_declared():
-    """Catches a slider that begins elsewhere, ends early, or goes in other steps."""
-    for panel in (ScanPanel(LOG), ComparePanel(WALLS, RUNS), LivePanel(LOG)):
-        found = {}
-        for name, part in vars(panel).items():
-            kind = type(part).__name__
-            if kind.endswith("Slider"):
-                form = part.readout_format
-                found[name] = (part.description, part.min, part.max, part.step, part.value, form)
-                assert not part.continuous_update
-            elif kind == "Play":
-                found[name] = part.min, part.max, part.step, part.interval
-                assert not part.playing
-        assert found == SLIDERS[type(panel).__name__]
-    every = {name for name in dir(panels) if name.endswith("Panel")} - {"Panel"}
-    assert {*SLIDERS} == every, "a new panel is drawn here too"
-
-
 # ------------------------------------------------------------------ zoom
 
 
@@ -194,31 +167,6 @@ def test_each_button_shows_its_part_of_the_whole(figures, keys, x, y):
         assert ax.get_xlim() == pytest.approx(x, abs=1e-3)
         assert ax.get_ylim() == pytest.approx(y, abs=1e-3)
     assert (plot.get_xlim(), plot.get_ylim()) == ((3, 9), (-1, 4))
-
-
-@pytest.mark.parametrize(("x", "y"), [((0, 1), (0, 9)), ((0, 9), (0, 1)), ((0, 4), (0, 3))])
-def test_a_part_of_one_map_fills_the_picture_without_a_cut(figures, x, y):
-    """Catches white beside a part of a map, and a part from beside its middle."""
-
-    class One(Panel):
-        """A map that fills its picture."""
-
-        def __init__(self):
-            self._assemble(())
-
-        def _draw(self, figure: Figure) -> None:
-            figure.subplots().set(aspect=1, xlim=x, ylim=y)
-
-    panel = One()
-    assert (figures[-1].axes[0].get_xlim(), figures[-1].axes[0].get_ylim()) == (x, y)
-    press(view_of(panel), "++")
-    figures[-1].draw_without_rendering()
-    (ax,) = figures[-1].axes
-    wide, high = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
-    frame = ax.get_window_extent().size / figures[-1].bbox.size
-    assert max(x[1] / wide, y[1] / high) == pytest.approx(2)
-    assert (np.mean(ax.get_xlim()), np.mean(ax.get_ylim())) == (np.mean(x), np.mean(y))
-    assert frame.min() > 0.68
 
 
 # ------------------------------------------------------------------ a live map

@@ -172,14 +172,3 @@ def test_a_turned_map_has_turned_edits(row):
     turned = Join((1, 0), (0, 2)).turned(np.pi / 2)
     assert np.allclose([turned.a, turned.b], [(0, 1), (-2, 0)])
     assert Name((1, 0), "hall").turned(np.pi).text == "hall"
-
-
-def test_what_is_no_edit_is_refused(row):
-    """Catches words or places taken for an edit."""
-    for wrong in ([((1, 2), (3, 4))], "Join", None, Name((1, 1), "hall")):
-        with pytest.raises(ValueError, match="edits must be a list of edits"):
-            row.edited(wrong)
-    with pytest.raises(ValueError, match="text"):
-        Name((1, 1), " ")
-    with pytest.raises(ValueError, match="start"):
-        Split((np.nan, 0), (1, 1))

@@ -275,33 +275,7 @@ def test_a_round_room_has_its_area():
     assert sum(room.area for room in found.rooms) == pytest.approx(np.pi * 16, rel=0.05)
 
 
-@pytest.mark.parametrize("walls", [[], [[(0, 0), (0.2, 0)], [(1, 0), (1, 0.2)]]])
-def test_pieces_too_short_for_a_line_are_no_building(walls):
-    """Catches an index error of a map of crumbs."""
-    with pytest.raises(ValueError, match="a building in metres, but its walls"):
-        plan.floor_plan(np.reshape(walls, (-1, 2, 2)), seen_free())
-
-
 def test_a_plan_without_rooms_says_so():
     """Catches walls that lie far from what was seen, and a plan of nothing that has no doubt."""
     found = plan.floor_plan([[(90, 0), (93, 0)], [(93, 0), (93, 3)]], seen_free())
     assert not found.rooms and "no room was found" in found.doubt
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"scale": 1000.0}, "metres"),
-        ({"scale": 0.001}, "metres"),
-        ({"door": (2.0, 1.0)}, "door"),
-        ({"free": quadtree.QuadtreeMap(resolution=0.05)}, "nothing was seen"),
-        ({"free": seen_free(stray=(700.0, 500.0))}, "reaches over 70.* crop"),
-    ],
-)
-def test_what_cannot_be_a_building_is_refused(change, words):
-    """Catches millimetres, and a stray place, that end as a full memory."""
-    walls, free = office_seen(1)
-    segments = walls.segments * change.pop("scale", 1.0)
-    free = change.pop("free", free)
-    with pytest.raises(ValueError, match=words):
-        plan.floor_plan(segments, free, **change)

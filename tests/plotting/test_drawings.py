@@ -1,7 +1,6 @@
 """One contract for every `draw_*`: axes, figure, labels, colours, and nothing to draw."""
 
 from dataclasses import replace
-from functools import partial
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -13,7 +12,6 @@ from segmap import build_map, load, plotting, quadtree
 from segmap.alignment import (
     Alignment,
     backbone_steps,
-    odometry,
     point_steps,
 )
 from segmap.alignment import Match as Matched
@@ -287,14 +285,6 @@ def test_a_drawing_uses_the_axes_given_and_the_colours_that_all_share(name, ax):
     assert 1000 < len(plotting.figure_png(ax.figure)) < 40_000
 
 
-@pytest.mark.parametrize("name", DRAWINGS)
-def test_without_axes_a_new_figure_is_made(name):
-    """Catches a drawing that lands in whatever figure is current."""
-    current = plt.figure()
-    figure = DRAWINGS[name][0](None).figure
-    assert figure is not current and len(plt.get_fignums()) == 2 and figure.dpi == plotting.DPI
-
-
 @pytest.mark.parametrize("name", ROWS)
 def test_a_row_of_pictures_is_one_figure_with_titles_at_one_scale(name):
     """Catches a small map blown up until it looks as large as the other, and lost titles."""
@@ -324,33 +314,6 @@ def test_pictures_of_one_figure_have_titles_and_metres(name):
     below = other.get(name, "x [m]")
     assert all(ax.get_title() for ax in axes) and axes[-1].get_xlabel() == below
     assert "[m]" in axes[-1 if name == "sweep" else 0].get_ylabel()
-
-
-NOTHING = {
-    "frontiers": lambda ax: course.draw_frontiers([], ax=ax),
-    "alignment": lambda ax: plotting.draw_alignment(LOG[:0], odometry(LOG[:0]), ax=ax),
-    "before_after": lambda ax: plotting.draw_before_after([], [], ax=ax),
-    "log": lambda ax: plotting.draw_log(Log("no poses", [SCAN]), ax=ax),
-    "provenance": lambda ax: plotting.draw_provenance([], hybrid([]), ax=ax),
-    "quadtree": lambda ax: plotting.draw_quadtree(QuadtreeMap(), ax=ax),
-    "scan": lambda ax: plotting.draw_scan(LaserScan([], []), ax=ax),
-    **{
-        name: partial(getattr(plotting, f"draw_{name}"), []) for name in ("path", "points", "poses")
-    },
-    **{
-        f"segments by {value}": partial(plotting.draw_segments, [], **{value: []})
-        for value in ("error", "group", "scan")
-    },
-}
-
-
-@pytest.mark.parametrize("name", NOTHING)
-def test_nothing_is_an_empty_picture_in_metres(name, ax):
-    """Catches the mean or the largest of no values."""
-    NOTHING[name](ax=ax)
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x [m]", "y [m]")
-    assert sum(len(line.get_xdata()) for line in ax.lines) == 0
-    assert plotting.figure_png(ax.figure)[:4] == b"\x89PNG"
 
 
 # ------------------------------------------------------------------------- colours

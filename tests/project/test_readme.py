@@ -52,22 +52,6 @@ def test_the_session_of_commands_is_true(names, tmp_path, monkeypatch, capsys):
     assert (tmp_path / "malaga.svg").stat().st_size and (tmp_path / "malaga.png").stat().st_size
 
 
-def test_the_commands_of_the_table_are_those_that_there_are(capsys):
-    """Catches a new command that no newcomer hears of, and an ending that is no longer written."""
-    main = program("segmap")
-
-    listed = re.findall(r"^\| `segmap (\w+)\b", COMMAND, re.MULTILINE)
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    said = re.findall(r"^    (\w+)", capsys.readouterr().out, re.MULTILINE)
-    assert sorted(listed) == sorted(said) and len(listed) > 8
-    for name in ("map", "occupancy"):
-        row = re.search(rf"^\| `segmap {name} .*$", COMMAND, re.MULTILINE).group()
-        assert main([name, "room", "-o", "it.none"]) == 2
-        written = re.findall(r"\.\w+", capsys.readouterr().err.replace("it.none", ""))
-        assert len(written) > 2 and all(suffix in row for suffix in written)
-
-
 def test_the_lines_for_a_sensor_run(tmp_path, monkeypatch, capsys):
     """Catches an example that driver, emulator or matcher has left behind."""
     block = re.search(r"## With a sensor, or without\s+```python\n(.*?)```", FILES, re.DOTALL)

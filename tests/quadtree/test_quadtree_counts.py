@@ -1,7 +1,6 @@
 """What the quadtree map counts and says of space, what it refuses, and maps of logs."""
 
 from dataclasses import replace
-from inspect import signature
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from quadtrees import leaves_of, state
 
 from segmap import load
 from segmap.alignment import Alignment
-from segmap.quadtree import QuadtreeMap, build_map, extent, free_ends, frontiers, without_passers
+from segmap.quadtree import QuadtreeMap, build_map, extent, free_ends
 from segmap.scans import LaserScan, Log
 
 
@@ -84,17 +83,6 @@ def test_bytes_a_leaf(room):
 
 
 # ------------------------------------------------------------------------- refused
-USUAL = [
-    (QuadtreeMap, {"resolution": 0.01, "bias": 20, "corner": (0, 0), "free_resolution": None}),
-    *((build_map, {"resolution": 0.05, "free": False}), (without_passers, {"seen_through": 0.2})),
-    *((extent, {"margin": 0.08}), (frontiers, {"min_size": 0.5})),
-]
-
-
-@pytest.mark.parametrize(("of", "usual"), USUAL)
-def test_what_is_meant_where_nothing_is_said(of, usual):
-    given = signature(of).parameters
-    assert {name: given[name].default for name in usual} == usual
 
 
 FAR = 10_000.0

@@ -2,9 +2,6 @@
 
 import gzip
 import pickle
-import re
-import sys
-import zipfile
 
 import numpy as np
 import pytest
@@ -189,26 +186,6 @@ def test_a_rear_laser_looks_back(read, said, heading):
     rear = text(lines).replace("FLASER", "RLASER")
     log = read(f"PARAM robot_rearlaser_angular_offset {said}\n{rear}")
     np.testing.assert_allclose(log[0].sensor_pose, (0, 0, heading), atol=1e-9)
-
-
-class TestBundled:
-    def test_what_is_not_here_says_what_to_do(self, monkeypatch, tmp_path):
-        with pytest.raises(ValueError, match=r"'malaga'.*got 'malga'") as caught:
-            readers.load("malga")
-        known = re.findall(r"'(\w+)'", str(caught.value))[:-1]
-        assert known == sorted(known) and len(known) > 2
-        with pytest.raises(ValueError, match="name must be"):
-            readers.data_file(3)
-        monkeypatch.setitem(sys.modules, "rtbdata", None)
-        with pytest.raises(ValueError, match="pip install rtb-data"):
-            readers.load("killian")
-        (tmp_path / "rtbdata" / "data").mkdir(parents=True)
-        (tmp_path / "rtbdata" / "__init__.py").touch()
-        with zipfile.ZipFile(tmp_path / "rtbdata" / "data" / "killian.g2o.zip", "w") as packed:
-            packed.writestr("killian.g2o", text([robotlaser((0, 0, 0), (0, 0, 0), 1.0)]))
-        monkeypatch.syspath_prepend(tmp_path)
-        monkeypatch.delitem(sys.modules, "rtbdata")
-        assert len(readers.load("killian")) == 1
 
 
 def test_what_is_no_log_is_told_apart_from_a_damaged_one(read, tmp_path):

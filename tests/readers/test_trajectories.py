@@ -108,23 +108,3 @@ def test_poses_are_odometry_and_truth_at_the_times_of_the_scans(tmp_path):
         readers.with_trajectories(
             segmap.Log("it", [segmap.LaserScan([1], [0], np.nan)]), truth=path
         )
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        ("a,b\n", "no name says which column is time"),
-        ("", "no name says which column is time"),
-        ("1 0 0 2 0 1 0 3 0 0 1 0\n", "no name says which column is time"),
-        (
-            "time_s,x_m,y_m,theta_rad\nx,1,2,3\n1,2,3,4\n1,2,3,4\n",
-            "line 2: expected a number for the time",
-        ),
-        ("1 1 2 0 0 0 0 0\n", "quaternion"),
-    ],
-)
-def test_what_holds_no_poses_is_told(tmp_path, content, said):
-    """Catches a matrix of KITTI, an empty file and a heading of nothing that are read."""
-    (path := tmp_path / "it.csv").write_text(content)
-    with pytest.raises(LogError, match=said):
-        readers.read_trajectory(path)

@@ -93,44 +93,6 @@ def test_a_map_that_does_not_tell_where_its_sensor_was_is_refused(name):
         METHODS[name](noisy_building().segments)
 
 
-@methods
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_coordinates_must_be_finite(name, bad):
-    with pytest.raises(ValueError, match="map must be finite, in metres, but map"):
-        METHODS[name](np.array([[(0, 0), (bad, 1)]]))
-
-
-#: What each threshold must refuse; every other one must refuse NaN.
-REFUSED = {
-    ("distance", "across", "along", "error", "cell", "noise"): (0.0, -0.1, np.nan, np.inf),
-    ("tolerance", "sigma", "chi2", "eps", "bandwidth"): (0.0, -0.1, np.nan, np.inf),
-    ("spacing", "far", "long"): (0.0, np.nan, np.inf),
-    ("angle", "turn"): (0.0, 1.6, np.nan),
-    ("min_length", "gap", "bridge"): (-0.1, np.nan),
-    ("axes",): (np.nan, np.inf),
-    ("corner",): (),
-    ("min_points",): (-1, 2.5, np.nan, np.inf),
-    ("every",): (0, 2.5, np.nan, np.inf),
-    ("forget", "rejoin"): (np.nan, 2),
-}
-REFUSED = {name: bad for names, bad in REFUSED.items() for name in names}
-
-
-@pytest.mark.parametrize(
-    ("name", "threshold", "bad"),
-    [
-        (name, threshold, bad)
-        for name in METHODS
-        for threshold in list(inspect.signature(METHODS[name].function).parameters)[1:]
-        for bad in REFUSED.get(threshold, (np.nan,))
-    ],
-)
-def test_thresholds_out_of_range(name, threshold, bad):
-    """Refused by name before anything runs, on an empty map too."""
-    with pytest.raises(ValueError, match=rf"^{threshold} must be .*, got {bad}$"):
-        METHODS[name](np.empty((0, 2, 2)), **{threshold: bad})
-
-
 def test_as_many_points_as_are_allowed_are_made(monkeypatch):
     monkeypatch.setattr(_points, "MOST_SPACED_POINTS", 10)
     assert len(_points.stand_ins(np.array([[(0, 0), (1, 0)]], float), 0.1)[0]) == 11
@@ -139,36 +101,6 @@ def test_as_many_points_as_are_allowed_are_made(monkeypatch):
 
 
 WALLS = np.array([[(0, 0), (1, 0)], [(1, 1), (1, 1)], [(0, 1), (1, 1)]], float)
-
-
-@pytest.mark.parametrize(
-    ("out", "into", "message"),
-    [
-        (WALLS[:1, 0], [0, 0], "outputs are not finite segments"),
-        (WALLS[:1] * np.nan, [0, 0], "outputs are not finite segments"),
-        (WALLS[:1], [0, 0, 0], "parents are not 2 whole numbers"),
-        (WALLS[:1], [0.0, 0.0], "parents are not 2 whole numbers"),
-        (WALLS[:1], [0, 1], "parents are not within -1 to 0"),
-        (WALLS[:1], [0, -2], "parents are not within -1 to 0"),
-        (WALLS[:2], [0, 0], "an output has no input"),
-        (WALLS[:1], [-1, -1], "an output has no input"),
-    ],
-)
-def test_the_runner_refuses_a_result_that_breaks_its_promises(out, into, message):
-    """Each is what a slip in a new method gives."""
-    found = out, np.array(into)
-    with pytest.raises(RuntimeError, match=f"slip: {message}"):
-        run_offline("slip", WALLS, lambda rows: found)
-
-
-@pytest.mark.parametrize("live", [[1], [1, 1, 1], [1, 2]])
-def test_the_runner_refuses_steps_that_are_not_one_a_scan_or_end_elsewhere(live):
-    def steps(rows):
-        yield from live
-        return rows.segments[:1], np.zeros(2, int)
-
-    with pytest.raises(RuntimeError, match=r"slip: .* is not its result"):
-        run_online("slip", SegmentMap(WALLS, [7, 0, 3]), steps)
 
 
 def test_the_runner_sorts_by_scan_and_carries_back():

@@ -5,8 +5,8 @@ import pytest
 from emulated import Wired, pattern
 from scip import replies
 
-from segmap.sensors import UrgSensor, parse_scan
-from segmap.sensors.emulator import Emulator, Room, Unit, furnished_room
+from segmap.sensors import parse_scan
+from segmap.sensors.emulator import Room, Unit, furnished_room
 from segmap.simulation import URG_04LX, rectangular_room
 
 UST = {"model": "UST-10LX"}
@@ -166,40 +166,6 @@ def test_a_fault_of_the_wire_spoils_one_byte():
     changed = [a ^ b for a, b in zip(says("flip", 2), sent, strict=True)]
     assert changed[2].bit_count() == 1 and not any(changed[:2] + changed[3:])
     assert says("lose", 4) == sent[:4] + sent[5:] + b"Q"
-
-
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"protocol": "3"}, "protocol must be one of"),
-        ({"protocol": "1.1"} | UST, "protocol must be one of"),
-        ({"model": "UST-99"}, "model must be one of"),
-        ({"rate": 9600}, "rate must be one of"),
-        ({"world": Room(rectangular_room(4, 3), [(1, 1, 0)])} | UST, "model must be 'URG-04LX'"),
-        ({"tcp": "0", "usb": False}, "tcp does not go with usb=False"),
-        *(({"tcp": w}, "tcp must be") for w in ("", "x", "1:", "99999", "::1:0", "\u0661")),
-    ],
-)
-def test_emulators_that_cannot_be(wrong, message):
-    with pytest.raises(ValueError, match=message):
-        Emulator(**({"world": pattern} | wrong))
-    with Emulator(pattern, tcp="0") as it, pytest.raises(ValueError, match=r"'flip'.*'wrap'"):
-        it.inject("burn")
-
-
-WRONG_WORLDS = [(lambda turn: "two", "two"), (lambda turn: np.ones(5), r"\(769,\)")]
-
-
-@pytest.mark.parametrize(("world", "message"), WRONG_WORLDS)
-def test_a_world_that_gives_no_scan_is_named_at_its_first(world, message):
-    """Catches an exception that ends in a thread, where nobody sees why the sensor is silent."""
-    with (
-        pytest.raises(ValueError, match=f"world must .*{message}"),
-        Emulator(world, tcp="0", speed=10.0) as emulator,
-        UrgSensor(emulator.port) as sensor,
-    ):
-        sensor.scan()
-    emulator.stop()
 
 
 @pytest.mark.parametrize("begun", [0.0, 7.3])

@@ -55,14 +55,6 @@ def test_numbers_and_sums_of_the_manual():
             encode(value, 2)
 
 
-@given(st.integers(2, 4), st.integers(0, 200), st.integers(0, 999))
-def test_numbers_there_and_back(characters, count, seed):
-    values = np.random.default_rng(seed).integers(0, 64**characters, count).tolist()
-    text = encode(values, characters)
-    assert len(text) == characters * len(values)
-    assert decode(text, characters).tolist() == values
-
-
 @given(st.integers(0, 2**24 - 1), st.integers(0, 800), st.integers(0, 999))
 def test_scans_there_and_back(clock, count, seed):
     """Catches values that are cut at the border of a block: 64 is no multiple of 3.
@@ -87,12 +79,6 @@ def test_requests_there_and_back(kind, first, last, cluster, skip, scans):
     request = ScanRequest(kind, first, last, cluster, skip * streams, scans * streams)
     assert parse_request(request.text) == request
     assert ScanRequest("MD", 44, 725).text == "MD0044072501000", "every turn, without an end"
-
-
-def test_other_texts_are_no_requests():
-    for text in ("", "GD", "GD004407250", "GD00440725011", "MD0044072501", "XD0044072501"):
-        with pytest.raises(SensorError, match="is no request for scans"):
-            parse_request(text)
 
 
 # -------------------------------------------------------------------------- captures
@@ -328,18 +314,6 @@ def test_the_laser_is_switched_off_until_it_says_so(answers, asked):
     port = Answers(*answers)
     switch_off(Lines(port, lambda: port.now))
     assert port.asked == [b"QT\n"] * asked
-
-
-@given(st.lists(st.binary(max_size=80), max_size=6), st.integers(2, 3))
-def test_parsers_raise_nothing_else(lines, characters):
-    for parse in (
-        parse_reply,
-        parse_info,
-        lambda body: parse_scan(body, characters),
-        lambda body: parse_geometry(parse_info(body)),
-    ):
-        with contextlib.suppress(SensorError):
-            assert parse(lines) is not None
 
 
 # ----------------------------------------------------------------------------- clock

@@ -2,8 +2,6 @@
 
 import itertools
 import os
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -52,44 +50,6 @@ def test_there_and_back(name, tmp_path):
 
 
 # ---------------------------------------------------------------- before the sensor is asked
-class NotAsked:
-    """Stands for the scans of a sensor that nobody may ask yet."""
-
-    def __iter__(self):
-        pytest.fail("the sensor was asked before the recording could start")
-
-
-def cannot_be_recorded(folder: Path, name: str) -> Path:
-    """A path that no recording can go to."""
-    (folder / "folder.log").mkdir()
-    os.mkfifo(folder / "pipe.log")
-    (folder / "device.log").symlink_to("/dev/full")
-    (folder / "circle.log").symlink_to(folder / "circle.log")
-    return folder / name
-
-
-IMPOSSIBLE = {
-    "file": r"file must end in \.log, \.clf, \.carmen",
-    "folder.log": "is a folder, no regular file",
-    "pipe.log": "is a device or a pipe",
-    "device.log": "is a device or a pipe",
-    "circle.log": "circle.log",
-    "none/it.log": "cannot write .*: the folder .*none does not exist",
-    "packed.log.gz": r"packed\.log\.gz must end in",
-}
-
-
-@pytest.mark.parametrize("name", IMPOSSIBLE)
-def test_what_cannot_be_recorded_is_told_before_a_sensor_is_asked(name, tmp_path, capsys):
-    """Catches a laser switched on, or a minute's wait for a sensor, for nothing."""
-    path = cannot_be_recorded(tmp_path, name)
-    before = sorted(tmp_path.iterdir())
-    with pytest.raises((ValueError, OSError), match=IMPOSSIBLE[name]):
-        record(NotAsked(), path)
-    assert recorder(["record", str(path), "--port", "/no-port"]) == 1
-    said = capsys.readouterr().err
-    assert re.search(IMPOSSIBLE[name], said) and "/no-port" not in said
-    assert sorted(tmp_path.iterdir()) == before
 
 
 @pytest.mark.parametrize("name", ["new.log", "old.log"])
@@ -118,7 +78,7 @@ def test_trying_out_leaves_nothing(name, tmp_path, capsys, monkeypatch):
     assert sorted(tmp_path.rglob("*")) == before
     assert (tmp_path / "old.log").read_text() == "mine"
     with pytest.raises(ValueError, match="count must be"):
-        record(NotAsked(), tmp_path / "it", count=-3)
+        record(iter(()), tmp_path / "it", count=-3)
 
 
 # ------------------------------------------------------------- nothing that `read` refuses

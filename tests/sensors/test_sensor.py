@@ -99,22 +99,6 @@ def test_auto_looks_for_the_vendor(monkeypatch, capsys):
         UrgSensor()
 
 
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [({"rates": ()}, "at least one bit rate"), ({"reconnect": 1.0}, "reconnect needs the name")],
-)
-def test_settings_that_cannot_be(wrong, message):
-    """Catches a hang too: `serial.Serial(device)` has no timeout unless it is given one."""
-    with pytest.raises(ValueError, match=message):
-        connected(Wired(), **wrong)
-    port = Wired()
-    port.timeout = None
-    with pytest.raises(ValueError, match="timeout"):
-        connected(port)
-    with pytest.raises(ValueError, match="port must be a device, 'auto', an address or an open"):
-        UrgSensor(5)
-
-
 # ----------------------------------------------------------------------------- ranges
 
 
@@ -163,26 +147,6 @@ def test_skip_cluster_part_and_short():
         (short,) = first(sensor, 1, short=True)
         assert short.max_range == 4.095
         turn_of(short)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"first": 700, "last": 44}, "first and last must lie in order"),
-        ({"last": 9999}, "first and last must lie in order within 0 to 725"),
-        ({"cluster": 0}, "cluster must be a whole number of at least 1"),
-        ({"skip": 10}, r"skip must be .* at most 9"),
-        ({"first": 100.5}, "first must be a whole number"),
-    ],
-)
-def test_steps_that_it_has_not(wrong, message):
-    """Catches a request that the sensor refuses, with a reason about its laser."""
-    with sensor_of() as sensor:
-        with pytest.raises(ValueError, match=message):
-            next(sensor.scans(**wrong))
-        if "skip" not in wrong:
-            with pytest.raises(ValueError, match=message):
-                sensor.scan(**wrong)
 
 
 @pytest.mark.parametrize(

@@ -29,17 +29,8 @@ def test_addresses(address, host, port):
 @pytest.mark.parametrize(
     "address",
     [
-        *(
-            "tcp:",
-            "tcp:/",
-            "tcp://",
-            "tcp:/h",
-            "tcp:///h",
-            "tcp://:10940",
-            "tcp://h/",
-            "tcp://[::1",
-        ),
-        *("tcp://h:0", "tcp://h:65536", "tcp://h:-1", "tcp://h:x", "tcp://h:" + "9" * 5000),
+        *("tcp://", "tcp:/h", "tcp://:10940", "tcp://h/", "tcp://[::1", "tcp://h:0"),
+        *("tcp://h:65536", "tcp://h:-1", "tcp://h:x", "tcp://h:" + "9" * 5000),
     ],
 )
 def test_what_is_no_address(address):
@@ -71,26 +62,6 @@ def test_who_cannot_be_reached(fault, why, monkeypatch):
     monkeypatch.setattr(socket, "create_connection", fail)
     with pytest.raises(SensorError, match=f"cannot open tcp://laser:4000: .*{why}"):
         UrgSensor("tcp://laser:4000", reconnect=5.0)
-
-
-def answering(server, answer):
-    """Somebody else at the address, in a thread: takes one line, answers, and hangs up."""
-    with server.accept()[0] as client:
-        client.recv(100)
-        client.sendall(answer)
-
-
-@pytest.mark.parametrize(
-    "answer", [b"", b"HTTP/1.1 400 Bad Request\r\n\r\n", b"QT\n00P", b"\0" * 9999]
-)
-def test_something_else_at_the_address(answer):
-    """Catches a web server that is taken for a sensor, and a socket that stays open."""
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        thread = threading.Thread(target=answering, args=(server, answer))
-        thread.start()
-        with pytest.raises(SensorError, match="the sensor is gone"):
-            UrgSensor(f"tcp://127.0.0.1:{server.getsockname()[1]}", timeout=0.1)
-        thread.join()
 
 
 def port_at(connection):

@@ -6,7 +6,6 @@ Whatever happens on either line: right ranges, a laser that is off in the end, a
 import contextlib
 import gc
 import itertools
-import os
 import socket
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -36,6 +35,15 @@ from segmap.sensors.emulator import Emulator
 UST = {"model": "UST-10LX", "tcp": "0"}
 #: No run with a fault takes longer, seconds, on a machine that does other things too.
 BOUND = 20.0
+
+
+@pytest.fixture(scope="module", autouse=True)
+def frozen():
+    """What was there before is not looked through at each test: it takes seconds."""
+    gc.collect()
+    gc.freeze()
+    yield
+    gc.unfreeze()
 
 
 @pytest.fixture(autouse=True)
@@ -124,49 +132,6 @@ def test_a_port_that_is_handed_in(line):
         if not line.is_tcp:
             with of(emulator, reconnect=1.0) as sensor, pytest.raises(SensorError):
                 UrgSensor(Path(emulator.port))
-
-
-@needs_terminals
-@pytest.mark.parametrize("rate", [57600, 250000])
-def test_connects_at_the_rate_that_the_terminal_tells(rate):
-    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
-    rates = (115200, 57600, 250000)
-    with (
-        Emulator(pattern, speed=10.0, rate=rate, usb=False) as emulator,
-        of(emulator, rates=rates) as sensor,
-    ):
-        assert sensor.rate == emulator.unit.rate == 115200
-        turn_of(sensor.scan())
-
-
-def test_an_urg_over_tcp_and_ipv6():
-    """Catches a model that is bound to its line, and an address that ends at its first colon."""
-    with contextlib.ExitStack() as stack:
-        try:
-            emulator = stack.enter_context(Emulator(pattern, tcp="[::1]:0", speed=10.0))
-        except OSError:
-            pytest.skip("this machine has no IPv6")
-        assert emulator.port.startswith("tcp://[::1]:")
-        turn_of(stack.enter_context(of(emulator)).scan())
-
-
-@needs_terminals
-@pytest.mark.parametrize(
-    "seconds", [float(os.environ.get("SEGMAP_SOAK", "20" if os.environ.get("CI") else "2"))]
-)
-def test_soak(seconds):
-    """Real time: ten scans a second, nothing dropped, nothing that grows."""
-    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
-    with Emulator(pattern) as emulator, UrgSensor(emulator.port) as sensor:
-        begun, turns = time.monotonic(), []
-        with contextlib.closing(sensor.scans()) as stream:
-            for scan in stream:
-                turns.append(turn_of(scan))
-                if time.monotonic() - begun > seconds:
-                    break
-        assert sensor.dropped == 0
-        assert (np.diff(turns) > 0).all()
-        assert len(turns) > 5 * seconds
 
 
 # ----------------------------------------------------------------------------- opening

@@ -14,7 +14,6 @@ from segmap import read
 from segmap.sensors.emulator import Emulator
 
 bench = program("segmap.sensors")
-emulate = program("segmap.sensors.emulator")
 
 FAR = {"tcp": "0", "model": "UST-10LX"}
 WORLDS = {"terminal": (pattern, turn_of, {}), "tcp": (far_pattern, far_turn, FAR)}
@@ -157,18 +156,3 @@ def test_from_a_shell(line, tmp_path, capsys, monkeypatch):
     # Another test may have been given the terminal meanwhile
     advice = "nothing listens there" if line == "tcp" else f"cannot open {port}"
     assert advice in capsys.readouterr().err
-
-
-def test_a_wrong_option_is_told_in_a_line(capsys):
-    """Catches a traceback in a terminal."""
-    assert emulate(["--tcp=x"]) == 1
-    said = capsys.readouterr().err
-    assert "tcp must be [host:]port" in said and said.count("\n") == 1
-
-
-@pytest.mark.parametrize("command", ["", "list", "info", "record"])
-def test_help(command, capsys):
-    with pytest.raises(SystemExit) as end:
-        bench([*command.split(), "--help"])
-    assert end.value.code == 0
-    assert "usage: python -m segmap.sensors" in capsys.readouterr().out

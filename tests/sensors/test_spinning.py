@@ -139,33 +139,6 @@ def test_motors_run_as_their_makers_say():
         assert port.dtr is not dtr
 
 
-@pytest.mark.parametrize("said", [[], [b"\x00" * 256] * 100])
-def test_silence_and_noise_are_told(said):
-    """Catches a program that waits for ever for a laser of another model or bit rate."""
-    laser = SpinningLaser("LD19", Bytes(*said), timeout=0.1)
-    with pytest.raises(SensorError, match="is there a LD19 at the port, at 230400 bit/s"):
-        next(laser.scans())
-
-
-@needs_terminals
-def test_lost_bytes_cost_beams_and_a_pulled_plug_ends_it():
-    """Catches turns that run on after a gap, bytes out of step, and an end without words."""
-    with (
-        SpinningEmulator(turns(), speed=3) as emulator,
-        SpinningLaser("LD19", emulator.port, timeout=1) as laser,
-    ):
-        scans = laser.scans()
-        for k in range(12):
-            emulator.inject("lose", after=137 * k)
-            emulator.inject("flip", after=500 * k)
-        for _ in range(8):
-            scan = next(scans)
-            assert len(scan) <= 455 and np.ptp(scan.angles) > np.radians(300)
-        emulator.inject("unplug")
-        with pytest.raises(SensorError, match=r"gone|nothing came"):
-            list(scans)
-
-
 @needs_terminals
 def test_another_thread_may_close_it():
     """Catches a loop that hangs, or ends with a foreign exception, when a page closes its laser."""
@@ -174,11 +147,3 @@ def test_another_thread_may_close_it():
         threading.Timer(0.3, laser.close).start()
         with pytest.raises(SensorError, match="closed"):
             list(laser.scans())
-
-
-def test_models_and_ports_that_cannot_be_are_refused_in_words():
-    """Catches a model that lds2d does not know, and a device that is not there."""
-    with pytest.raises(ValueError, match="model must be one of 'LD06'"):
-        SpinningLaser("LD20", Bytes())
-    with pytest.raises(SensorError, match="it is not there"):
-        SpinningLaser("LD19", "/dev/there-is-none")

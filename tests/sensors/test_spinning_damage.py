@@ -112,13 +112,6 @@ def short(packet):
     return packet + b"\x01" if len(packet) == 5 else b"\x54\x2b" + packet[2:39] + packet[42:]
 
 
-def of_others(other):
-    """What another laser sends meanwhile."""
-    unit = SpinningUnit(turns(), other, clock=itertools.count(0.0, 0.01).__next__)
-    unit.running = True
-    return lambda data, at: unit.transmit()
-
-
 END, TALKS = 1 << 30, "no whole turn in them"
 #: How the bytes are spoiled, and what is said; where nothing is said the scans are right.
 KINDS = {

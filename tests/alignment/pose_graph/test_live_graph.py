@@ -42,24 +42,6 @@ def test_the_poses_move_where_a_loop_is_said_to_close_and_only_there():
         before = graph.poses
 
 
-def test_more_scans_may_follow_a_refined_graph():
-    log, graph = LOG, LiveGraph()
-    for scan in log[:170]:
-        graph.add(scan)
-    graph.refine()
-    for scan in log[170:]:
-        graph.add(scan)
-    assert graph.graph.loop.any()
-    assert logs.errors(log, graph.refine().poses)[0].max() < 0.2
-
-
-def test_nothing_is_no_graph():
-    graph = LiveGraph()
-    assert graph.graph is None and graph.poses.shape == (0, 3) and len(graph.refine()) == 0
-    with pytest.raises(ValueError, match="scan must be a LaserScan"):
-        graph.add(LOG)
-
-
 def test_a_tie_that_cannot_be_is_no_map_until_it_is_vetoed():
     """Catches an exception of the factorisation, which left poses free but for rounding."""
     graph = LiveGraph()

@@ -11,7 +11,7 @@ from segmap import load
 from segmap.alignment import pose_graph, position_errors, prepared
 from segmap.poses import compose
 from segmap.scans import LaserScan, Log
-from segmap.scans.causes import Cause, Finding
+from segmap.scans.causes import Cause
 from segmap.simulation import (
     SICK_LMS200,
     URG_04LX,
@@ -112,15 +112,6 @@ def test_posts_are_left_out(sensor, wheels):
     assert all(np.array_equal(a.ranges[far], b.ranges[far], equal_nan=True) for a, b in kept)
 
 
-def test_posts_are_left_out_where_odometry_begins_late():
-    """Catches a scan taken for the one of that number among those with odometry."""
-    log = with_posts(driven("corridor"))
-    half = len(log) // 2
-    found = prepared(replace(log, scans=(*logs.without_odometry(log[:half]), *log[half:])))
-    (seen,) = body(found)
-    assert abs(seen - 44) <= 4 and masked(found).any()
-
-
 def test_posts_do_not_hold_a_drive_along_a_corridor():
     """Catches a drive of 48 m that has no length, with a map that is called good."""
     log = driven("corridor")
@@ -193,14 +184,8 @@ def stands() -> Log:
 def aside() -> Log:
     """Along a corridor with a laser that looks to the left."""
     rng, place = np.random.default_rng(11), (0.3, -0.2, np.pi / 2)
-    return simulate(
-        WALLS["corridor"],
-        PATHS["corridor"],
-        sensor=AROUND,
-        rng=rng,
-        odometry_noise=OdometryNoise(),
-        sensor_pose=place,
-    )
+    return simulate(WALLS["corridor"], PATHS["corridor"], sensor=AROUND, rng=rng,
+                    odometry_noise=OdometryNoise(), sensor_pose=place)  # fmt: skip
 
 
 WALLS_ONLY = {
@@ -223,28 +208,3 @@ def test_walls_are_no_body(name):
     """Catches walls beside which the robot drives, or stands, that are taken for its body."""
     log = WALLS_ONLY[name]()
     assert not body(prepared(log))
-
-
-#: Something that each step of the preparation tells.
-TOLD = {
-    Cause.BODY: with_posts,
-    Cause.UNIT: lambda log: changed(
-        log, lambda k, s: replace(s, odometry=s.odometry / [0.3048, 0.3048, 1])
-    ),
-    Cause.NOTHING_MET: lambda log: changed(
-        log, lambda k, s: replace(s, ranges=np.minimum(s.ranges, 3.5), max_range=np.inf)
-    ),
-}
-
-
-def changed(log: Log, change) -> Log:
-    """The log with each scan changed, by its number."""
-    return replace(log, scans=tuple(change(k, scan) for k, scan in enumerate(log)))
-
-
-@pytest.mark.parametrize("cause", TOLD)
-def test_what_was_told_before_is_kept(cause):
-    """Catches causes that a step of the preparation loses."""
-    reader = Finding(Cause.OTHER, 1, "what the reader told")
-    found = prepared(replace(TOLD[cause](driven()), causes=(reader,)))
-    assert found.causes[0] is reader and cause in {finding.cause for finding in found.causes}

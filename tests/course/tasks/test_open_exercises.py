@@ -145,25 +145,6 @@ def test_a_log_of_ones_own_passes_with_its_facts(own_log):
     assert "24 scans" in found.hint and "2.5 m driven" in found.hint
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (lambda log: (None, None), "give your log first"),
-        (lambda log: ("my.log", None), "segmap.readers.read(path)"),
-        (lambda log: (log, None), "give the poses too"),
-        (lambda log: (log, log.truth[:5]), "poses must be (24, 3)"),
-        (lambda log: (log[:10], log.truth[:10]), "at least 20 scans are wanted"),
-        (lambda log: (log, log.truth * 0), "at least 1 metres are wanted"),
-        (lambda log: (log, log.truth * np.nan), ""),
-        (lambda log: (Log("none", []), np.zeros((0, 3))), ""),
-    ],
-)
-@pytest.mark.filterwarnings("ignore")
-def test_a_log_that_lacks_something_is_told_so(own_log, change, words):
-    found = course.check_own_log(*change(own_log))
-    assert not found and found.hint and words in found.hint
-
-
 def test_bundled_logs_are_recognised_though_renamed_and_cut():
     """Catches the example of the chapter that is handed in as one's own."""
     folder = Path(readers.data_file("malaga")).parent
