@@ -2,6 +2,9 @@
 
 import gzip
 import pickle
+import re
+import sys
+import zipfile
 
 import numpy as np
 import pytest
@@ -186,6 +189,23 @@ def test_a_rear_laser_looks_back(read, said, heading):
     rear = text(lines).replace("FLASER", "RLASER")
     log = read(f"PARAM robot_rearlaser_angular_offset {said}\n{rear}")
     np.testing.assert_allclose(log[0].sensor_pose, (0, 0, heading), atol=1e-9)
+
+
+def test_a_log_is_bundled_or_lies_in_another_package_or_those_that_are_bundled_are_told(
+    monkeypatch, tmp_path
+):
+    """Catches names in the order of a disk, and an archive that is not found in its package."""
+    with pytest.raises(ValueError, match="got 'malga'") as caught:
+        readers.load("malga")
+    known = re.findall(r"'(\w+)'", str(caught.value))[:-1]
+    assert known == sorted(known) and "malaga" in known
+    (folder := tmp_path / "rtbdata" / "data").mkdir(parents=True)
+    (folder.parent / "__init__.py").touch()
+    with zipfile.ZipFile(folder / "killian.g2o.zip", "w") as packed:
+        packed.writestr("killian.g2o", text([robotlaser((0, 0, 0), (0, 0, 0), 1.0)]))
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "rtbdata", raising=False)
+    assert len(readers.load("killian")) == 1
 
 
 def test_what_is_no_log_is_told_apart_from_a_damaged_one(read, tmp_path):
