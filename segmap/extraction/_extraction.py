@@ -19,7 +19,7 @@ from ..poses.motions import transform
 from ..progress import each
 from ..scans import LaserScan, Log
 from ..scans.motion import standing
-from ..scans.noise import USUAL_SIGMA_M, SensorNoise, sensor_noise
+from ..scans.noise import USUAL_SIGMA_M, SensorNoise, sensor_noise, warn_if_other_sensor
 from ..scans.pose_argument import checked_poses, warn_if_empty_map
 from ..segments import SegmentMap
 from ..threads import Rows, in_threads
@@ -181,8 +181,10 @@ def build_map(
     rows = checked_poses(log, poses)
     scan_numbers = np.flatnonzero(np.isfinite(rows).all(1) & ~standing(log, rows))
     if extract is extract_polylines and "tolerance" not in thresholds:
-        sensor = thresholds.get("sensor") or sensor_noise(log)
-        thresholds["sensor"] = arrays.instance(sensor, "sensor", SensorNoise)
+        measured = sensor_noise(log)
+        sensor = arrays.instance(thresholds.get("sensor") or measured, "sensor", SensorNoise)
+        warn_if_other_sensor(sensor, measured)
+        thresholds["sensor"] = sensor
     if isinstance(sensor := thresholds.get("sensor"), SensorNoise):
         log = without_far_points(log, rows, scan_numbers, sensor)
     keep = arrays.switch(keep_points, "keep_points")

@@ -17,6 +17,7 @@ class Cause(StrEnum):
     STANDS = "stands"  # scans between which the robot did not move
     # What the clocks say
     CLOCK = "clock"
+    ORDER = "order"  # scans that are not in the order in which they were measured
     DELAY = "delay"  # odometry is late or early
     # What the odometry says
     JUMP = "odometry jump"

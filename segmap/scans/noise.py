@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
@@ -18,6 +19,8 @@ from ._scans import LaserScan, Log
 USUAL_SIGMA_M = 0.01
 #: A laser with up to so many times that deviation is such a one: an estimate is not better.
 USUAL_FACTOR = 1.35
+#: A sensor that is so many times noisier than its log, or less, is another; below 1 cm all is one.
+OTHER_FACTOR = 2.0
 #: At least so many scans are used, or pairs of scans between which the robot stands.
 LEAST_SCANS = 20
 #: Of a long log one scan of so many is used.
@@ -110,6 +113,19 @@ def sensor_noise(log: Log) -> SensorNoise:
     if far <= USUAL_FACTOR * USUAL_SIGMA_M:
         a, b = min(far, USUAL_SIGMA_M), 0.0
     return SensorNoise(round(max(float(a), rounding), 6), round(float(b), 6), step)
+
+
+def warn_if_other_sensor(sensor: SensorNoise, measured: SensorNoise) -> None:
+    """Warn where a sensor that was given is not the one that measured a log, near or far."""
+    for metres in (1.0, 4.0):
+        stated, actual = (max(float(s.sigma(metres)), USUAL_SIGMA_M) for s in (sensor, measured))
+        if not 1 / OTHER_FACTOR <= stated / actual <= OTHER_FACTOR:
+            warnings.warn(
+                f"sensor has {1000 * stated:.0f} mm of noise at {metres:g} m, and this log has "
+                f"{1000 * actual:.0f}: leave sensor out to take what the log says",
+                stacklevel=3,
+            )
+            return
 
 
 def robust_sigma(values: Array) -> float:

@@ -86,13 +86,15 @@ def test_points_count_by_their_variance():
 
 
 def test_a_sensor_that_is_wrong_is_told():
-    """Catches a noise that cannot be."""
+    """Catches a noise that cannot be, and one that is not the log's."""
     log = load("room")[:20]
     for wrong in ({"range_m": -0.01}, {"range_share": 1.5}, {"step_m": np.nan}):
         with pytest.raises(ValueError, match=next(iter(wrong))):
             SensorNoise(**wrong)
     with pytest.raises(ValueError, match="sensor must be a SensorNoise"):
         build_map(log, log.truth, sensor=0.01)
+    with pytest.warns(UserWarning, match="leave sensor out"):
+        build_map(log, log.truth, sensor=SensorNoise(0.03))
 
 
 def test_few_beams_far_apart_are_no_wall():

@@ -1,4 +1,4 @@
-"""What is known of a log before it is aligned: beams and odometry put right, and told."""
+"""What is known of a log before it is aligned: beams, clock, odometry put right, and told."""
 
 from ._prepared import prepared
 

@@ -17,7 +17,7 @@ from ...scans.odometry import odometry_against_steps
 from .. import _deskew
 from ._blind_steps import blind_steps
 from ._body import without_body
-from ._clock import with_waiting_scans_spread
+from ._clock import with_clock_mended, with_waiting_scans_spread
 from ._nothing_met import without_limit
 from ._odometry import mounting_of, with_odometry_corrected
 from ._pairs import with_beams
@@ -37,8 +37,8 @@ def prepared(
 ) -> Log:
     """A log put right by what it says itself: beams, clock, odometry; what was found is told.
 
-    1. Scans that waited for the recorder are spread over its pause. Ranges of kilometres are in
-       another unit.
+    1. A clock that goes back goes on; times that are all equal are none; scans that waited for the
+       recorder are spread over its pause. Ranges of kilometres are in another unit.
     2. Beams that see what rides with the robot are left out; those that end where no wall is met
        nothing.
     3. Odometry is compared with matches that do not lean on it. Another unit, delay or direction is
@@ -85,7 +85,7 @@ def prepared(
     if mount is not None and not isinstance(mount, str):
         place = arrays.pose(mount, "mount")
         log = replace(log, scans=tuple(replace(scan, sensor_pose=place) for scan in log))
-    log = with_ranges_in_metres(with_waiting_scans_spread(log))
+    log = with_ranges_in_metres(with_waiting_scans_spread(with_clock_mended(log)))
     steps = blind_steps(log)
     if not keep_body and (seen := without_body(log, steps)) is not log:
         log, steps = seen, blind_steps(seen)

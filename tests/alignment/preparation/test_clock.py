@@ -1,4 +1,4 @@
-"""Scans that waited for the recorder; ranges in another unit."""
+"""Times that go back, leap or are all equal; ranges in another unit."""
 
 from dataclasses import replace
 
@@ -9,6 +9,26 @@ import pytest
 from segmap import load
 from segmap.alignment import pose_graph, position_errors, prepared
 from segmap.scans.causes import Cause
+
+
+@pytest.mark.parametrize("by", [-5.0, -3600.0, 3600.0])
+def test_a_clock_that_is_set_goes_on(by):
+    """Catches scans in another order, times before the change that move, and a leap that stays."""
+    log = load("corridor")
+    times = log.times
+    found = prepared(logs.changed(log, times=times + np.where(np.arange(len(log)) >= 60, by, 0.0)))
+    (finding,) = found.causes
+    assert finding.cause is Cause.CLOCK and not finding.doubtful
+    assert abs(finding.value - by - 0.6) < 1e-6 and "at scan 60" in finding.words
+    assert np.allclose(found.times, times)
+    assert all(np.array_equal(a.ranges, b.ranges) for a, b in zip(found, log, strict=True))
+
+
+def test_a_pause_is_no_leap():
+    """Catches a robot that waits for a minute."""
+    log = load("corridor")
+    times = log.times + np.where(np.arange(len(log)) >= 60, 60.0, 0.0)
+    assert not prepared(logs.changed(log, times=times)).causes
 
 
 @pytest.mark.parametrize("waiting", [2, 4, 8])
@@ -38,6 +58,21 @@ def test_scans_of_two_lasers_that_come_together_have_not_waited():
     both = logs.changed(log[twice], times=times)
     rear = [replace(s, sensor_pose=(-0.2 * (k % 2), 0, 0)) for k, s in enumerate(both)]
     assert not prepared(replace(both, scans=tuple(rear))).causes
+
+
+def test_times_that_are_all_equal_are_none():
+    """Catches zeros that are used as times."""
+    found = prepared(logs.changed(load("corridor"), times=np.zeros(153)))
+    assert np.isnan(found.times).all() and not found.causes
+
+
+def test_scans_in_another_order_are_told_and_kept():
+    """Catches a clock that is mended where the scans were shuffled."""
+    log = load("corridor")
+    order = np.random.default_rng(1).permutation(len(log))
+    found = prepared(log[order])
+    assert Cause.ORDER in {finding.cause for finding in found.causes}
+    assert np.array_equal(found.times, log.times[order])
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("centimetres", 100.0), ("millimetres", 1000.0)])
