@@ -176,10 +176,9 @@ def test_a_turn_that_begins_within_a_scan_is_found():
 def test_a_hall_of_which_little_is_seen_sets_no_motion_free():
     """Catches a match that slides along what no wall fixes, scan after scan: metres off."""
     hall, path = box(12, 9, (6, 4.5, 0)), drive([(2, 2), (10, 2), (10, 7)], step=0.1)
-    for seed in (1, 2):
-        rng = np.random.default_rng(seed)
-        log = simulate(hall, path, sensor=URG_04LX, rng=rng, moving=True)
-        assert off(tracked(log), path)[:, :2].max() < 0.12
+    rng = np.random.default_rng(1)
+    log = simulate(hall, path, sensor=URG_04LX, rng=rng, moving=True)
+    assert off(tracked(log), path)[:, :2].max() < 0.12
 
 
 def test_stamps_that_jitter_are_no_speed():

@@ -9,7 +9,7 @@ import scipy
 from conftest import slow
 from segmap_course import literal
 
-from segmap import Log, load, reduction
+from segmap import Log, load
 from segmap.angles import wrap
 from segmap.extraction import build_map as drawn
 from segmap.matching import _localize as inner
@@ -188,7 +188,7 @@ def test_another_building_is_never_found():
         assert not any(belief.found for belief in localize(map, scans, rng=rng(1)))
 
 
-@pytest.mark.parametrize("kind", ["segments", "least_cost", "squares"])
+@pytest.mark.parametrize("kind", ["segments", "squares"])
 def test_on_a_real_map_it_is_found_where_it_is_right_and_nowhere_else(kind):
     """Malaga, where a third of the beams meet no wall; and the robot beside the half of the map.
 
@@ -201,8 +201,7 @@ def test_on_a_real_map_it_is_found_where_it_is_right_and_nowhere_else(kind):
     def map_of(part):
         if kind == "squares":
             return build_map(part, part.truth, resolution=0.05)
-        walls = drawn(part, part.truth)
-        return SegmentMap(reduction.least_cost(walls).segments) if kind == "least_cost" else walls
+        return drawn(part, part.truth)
 
     def asked(map, part):
         beliefs = list(localize(map, part, rng=rng(1)))

@@ -115,13 +115,12 @@ def test_a_scan_far_from_all_stays():
         list(map_scans(room_log(2), matcher=partial(shifted, by=1e4)))
 
 
-@pytest.mark.parametrize("resolution", [0.01, 0.05])
-def test_steps_say_where_the_robot_was_lost(resolution):
+def test_steps_say_where_the_robot_was_lost():
     """Catches a robot that is lost in silence: in the room it turns by 30 degrees from scan 3 on.
 
     Its way is known to hill climbing where it moves little, as in Malaga.
     """
-    maps = [QuadtreeMap(resolution=resolution) for _ in range(2)]
+    maps = [QuadtreeMap(resolution=0.05) for _ in range(2)]
     room = list(map_scans(load("room"), map=maps[0]))
     truth = load("room").truth
     expected = compose(inverse(truth[0]), truth)

@@ -69,8 +69,7 @@ def test_the_lines_for_a_sensor_run(tmp_path, monkeypatch, capsys):
     ("display", "port", "wanted"),
     [
         ("", "8890", ["--ip=127.0.0.1", "--port=8890", "--no-browser"]),
-        (":0", "8890", ["--ip=127.0.0.1", "--port=8890"]),
-        ("", "", ["--ip=127.0.0.1", "--no-browser"]),
+        (":0", "", ["--ip=127.0.0.1"]),
     ],
 )
 def test_make_lab_serves_this_machine_only(display, port, wanted):

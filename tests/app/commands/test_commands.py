@@ -977,8 +977,10 @@ def test_convert_keeps_what_the_log_holds(run, near):
     assert np.allclose(after[3].ranges, before[3].ranges, atol=1e-6)
     assert np.allclose(np.loadtxt("it.tum")[:, 1:3], before.truth[:, :2], atol=1e-5)
     far = str(Path(near).with_name("far.log"))
-    code, said, _ = run("convert", far, "--align", "pose_graph", "-o", "it.tum", "-o", "it.g2o")
+    outputs = "-o", "it.tum", "-o", "it.g2o", "-o", "it.npz"
+    code, said, _ = run("convert", far, "--align", "pose_graph", *outputs)
     graph = files.read_graph("it.g2o")
+    assert np.allclose(segmap.read("it.npz").truth, graph.poses, atol=1e-5)
     assert code == 0 and "12 poses by pose_graph" in said and f"{len(graph.edges)} edges" in said
     loose = 12 - len(set(np.ravel(graph.edges).tolist()))
     assert ("without an edge" in said) == (loose > 0)

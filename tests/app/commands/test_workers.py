@@ -71,6 +71,7 @@ def test_a_worker_that_dies_and_a_log_that_is_none_leave_the_others(tmp_path):
         assert rows(table) == found
 
 
+@pytest.mark.slow
 def test_workers_that_do_not_see_the_folder_are_sent_the_log(tmp_path):
     """Catches a path of this machine that is opened on another, and files that stay there."""
     folder = tmp_path / "unseen"
