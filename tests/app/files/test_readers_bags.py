@@ -11,6 +11,7 @@ import pytest
 from bag_samples import LEVEL, RANGES
 from log_samples import ODOMETRY, TIMES
 from programs import program
+from rosbags import rosbag1
 
 from segmap import readers
 from segmap.readers import LogError
@@ -250,6 +251,12 @@ class TestFrames:
             log = read(scan(), STANDS, *told)
             assert log[0].sensor_pose[:2] == pytest.approx((1, 2), abs=0.01)
 
+    def test_a_base_that_moves_below_what_carries_the_laser_is_of_another_robot(self, read):
+        """Catches a link that is looked at on the way up from the laser alone."""
+        links = [beside("top", "laser", 1.0), *(beside("top", "base_link", x) for x in (0.4, 1.4))]
+        log = read(scan(), STANDS, *(frames(link, topic="/tf") for link in links))
+        assert log[0].odometry is None and "another robot" in "".join(log.assumed)
+
     def test_a_place_that_nothing_tells_is_warned_of(self, read):
         with pytest.warns(UserWarning, match="no tf tells where laser sits on base_link"):
             assert read(scan(), STANDS)[0].sensor_pose.tolist() == [0, 0, 0]
@@ -286,6 +293,15 @@ class TestBeams:
 
 
 class TestDamage:
+    def test_a_topic_without_messages_is_not_chosen(self, tmp_path):
+        """Catches the first of two topics, and one message that counts as none."""
+        m = bags.Messages(1)
+        kind, made = m.scan(START)
+        with rosbag1.Writer(tmp_path / "it.bag") as writer:
+            both = [writer.add_connection(f"/{k}", kind, typestore=m.store) for k in "ab"]
+            writer.write(both[1], 1, bytes(m.store.serialize_ros1(made, kind)))
+        assert len(readers.read(tmp_path / "it.bag")) == 1
+
     @pytest.mark.parametrize("given", [{"step": 0.0}, {"ranges": []}])
     def test_a_message_without_sense_costs_one(self, read, given):
         story = scan(), scan(START + 1, **given), scan(START + 2)
