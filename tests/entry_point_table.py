@@ -150,12 +150,12 @@ GOOD |= {
     "tracked.number": 0, "executor": ThreadPoolExecutor(1), "LiveMap.graph": alignment.LiveGraph(),
     "LiveMap.map": quadtree.QuadtreeMap(),
     "LiveMap.walls": reduction.LiveReduction(),
-    "function": reduction.METHODS["fusion"].function, "digest.map": MAP, "front.points":
+    "function": reduction.METHODS["fusion"].function, "front.points":
     PATH[:, :2], "reduction_at.points": PATH[:, :2], "names": "malaga", "load_online.name":
     "intel", "read_records.path": "runs.csv", "write_records.path": "saved.csv",
     "good_maps.frame": experiments.load_walls("tuned"), "sweep.methods": ["fusion"],
     "select.method": "fusion", "select.map": "it", "filtered": 0.0,
-    "sweep.filters": (0.1,), "sweep.records": "swept.csv",
+    "sweep.filters": (0.1,),
     "thresholds": {"distance": 0.2}, "run": {"distance": 0.2}, "sweep.grids":
     {"fusion": {"tolerance": [0.04]}},
 }  # fmt: skip

@@ -3,7 +3,6 @@
 import time
 
 import numpy as np
-import tqdm
 
 from segmap import SegmentMap
 from segmap.reduction import Reduction
@@ -31,26 +30,6 @@ NAMES = ["hybrid", "fusion"]
 
 def without_seconds(frame):
     return frame.drop(columns="seconds")
-
-
-def notes(stop=None):
-    """A kind of bar that notes how many runs are done, and may be stopped by hand."""
-
-    class Notes(tqdm.tqdm):
-        seen = []  # noqa: RUF012
-
-        def __init__(self, *args, **options):
-            super().__init__(*args, **options)
-            self.seen.append(self.n)
-
-        def update(self, n=1):
-            super().update(n)
-            self.seen.append(self.n)
-            if self.n == stop:
-                time.sleep(0.4)  # others finish meanwhile
-                raise KeyboardInterrupt
-
-    return Notes
 
 
 def keep_all(map, *, share: float = 1.0):

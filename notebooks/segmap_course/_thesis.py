@@ -60,7 +60,6 @@ def thesis_results() -> pd.DataFrame:
         "reduction": ((before - after) / before).round(9),
         "quality": printed["quality_pct"] / 100,
         "seconds": printed["time_s"].astype(float),
-        "digest": "",
     }
     return pd.DataFrame(columns)
 

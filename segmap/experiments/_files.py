@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..files import existing, replacing, shown
+from ..files import existing, shown, write_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,9 +19,8 @@ Row = dict[str, Any]
 #: What a sweep writes.
 RUN_COLUMNS = [
     *("map", "method", "thresholds", "filtered", "n_before", "n_after", "reduction", "quality"),
-    *("seconds", "digest", "invented", "missed"),
+    *("seconds", "invented", "missed"),
 ]
-FILE_HEAD = ",".join(RUN_COLUMNS) + "\n"
 #: Columns that hold numbers.
 NUMBER_COLUMNS: dict[str, Callable[[str], float]] = {
     **dict.fromkeys(("n_before", "n_after"), int),
@@ -53,20 +51,19 @@ def as_frame(rows: Iterable[Row]) -> pd.DataFrame:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """The whole lines of a file of runs; a ValueError names file, line and what was expected."""
+    """The lines of a file of runs; a ValueError names file, line and what was expected."""
     import pandas as pd
 
     existing(path)
-    data, name = path.read_bytes(), shown(path.name)
-    whole = data[: data.rfind(b"\n") + 1] or data
-    options: Any = {"dtype": str, "keep_default_na": False, "skip_blank_lines": False}
+    name = shown(path.name)
     try:
-        cells = pd.read_csv(io.BytesIO(whole), **options)
+        cells: Any = pd.read_csv(path, dtype=str, keep_default_na=False, skip_blank_lines=False)
     except ValueError as error:  # of pandas, or of bytes that are no text
         raise ValueError(f"{name}: expected a CSV file of runs ({shown(error)})") from error
-    if list(cells) != RUN_COLUMNS:
+    if not {*RUN_COLUMNS} <= {*cells}:
         head = shown(",".join(map(str, cells))[:200])
         raise ValueError(f"{name}, line 1: expected the head {','.join(RUN_COLUMNS)}, got {head}")
+    cells = cells[RUN_COLUMNS]
     cells["filtered"] = cells["filtered"].replace("", "0")  # no filter
     rows: list[Row] = []
     for row in cells.to_dict("records"):
@@ -92,38 +89,12 @@ def _value_of(text: str) -> float:
 
 
 def write_rows(path: Path, rows: Iterable[Row]) -> None:
-    """Write runs with their head, whole or not at all."""
-    with replacing(path) as target:
-        target.write(FILE_HEAD.encode() + _lines(rows))
-
-
-def add_row(path: Path, row: Row) -> None:
-    """Add a run at the end, and close the file: it survives whatever happens to this process."""
-    with path.open("ab") as file:
-        file.write(_lines([row]))
-
-
-def resumed(path: Path) -> list[Row]:
-    """The runs of a file, which may not be there yet, after which `add_row` may add others.
-
-    What was cut off, within a line or within the head, goes; one that holds something else is
-    refused.
-    """
-    begun = existing(path) is not None and not FILE_HEAD.encode().startswith(path.read_bytes())
-    rows = read_rows(path) if begun else []
-    write_rows(path, rows)
-    return rows
-
-
-def _lines(rows: Iterable[Row]) -> bytes:
-    """Runs as lines of CSV text; halves of letters in a name are written out."""
+    """Write runs as CSV, whole or not at all; halves of letters in a name are written out."""
     import pandas as pd
 
     named = (
         row | {"thresholds": ";".join(f"{k}={v!r}" for k, v in row["thresholds"].items())}
         for row in rows
     )
-    text = pd.DataFrame(named, columns=RUN_COLUMNS).to_csv(
-        header=False, index=False, lineterminator="\n"
-    )
-    return text.encode("utf-8", "backslashreplace")
+    text = pd.DataFrame(named, columns=RUN_COLUMNS).to_csv(index=False, lineterminator="\n")
+    write_bytes(path, text.encode("utf-8", "backslashreplace"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import product
@@ -30,26 +29,6 @@ class Job(NamedTuple):
     segments: SegmentMap
     function: Function
     repeat: int
-
-
-def digest(map: SegmentMap) -> str:
-    """Twelve hexadecimal digits that identify a map.
-
-    They change with any of its segments, to the nanometre, and scans; where it keeps points and
-    places of the sensor, with these too.
-
-    Examples
-    --------
-    >>> wall = SegmentMap([[(0, 0), (1, 0)]])
-    >>> [digest(SegmentMap(wall.segments + shift)) == digest(wall) for shift in (1e-12, 1e-6)]
-    [True, False]
-    """
-    grid = np.round(map.segments * 1e9).astype("<i8")
-    sha = hashlib.sha256(grid.tobytes() + map.scan.astype("<i8").tobytes())
-    for behind in (map.points, map.first, map.sensors):
-        if behind is not None:
-            sha.update(np.round(np.nan_to_num(behind) * 1e9).astype("<i8").tobytes())
-    return sha.hexdigest()[:12]
 
 
 def default_thresholds(function: Function) -> Thresholds | None:
@@ -109,7 +88,7 @@ def _filtered(
     """A map after each filter, and what a row says of it."""
     segments = arrays.segments(map, f"maps[{name!r}]")
     whole = map if isinstance(map, SegmentMap) else SegmentMap(segments)
-    row = {"map": arrays.instance(name, "maps: a name", str), "digest": digest(whole)}
+    row = {"map": arrays.instance(name, "maps: a name", str)}
     for least in filters:
         if least is None:
             yield row | {"filtered": 0.0}, whole

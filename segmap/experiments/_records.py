@@ -28,17 +28,16 @@ BUILDINGS = ("fr079", "intel", "intel_default", "malaga", "malaga_default", "off
 
 
 def read_records(path: str | Path) -> pd.DataFrame:
-    """Read runs that a sweep or `write_records` has written, with the columns of `sweep`.
+    """Read runs that `write_records` has written, with the columns of `sweep`.
 
-    A last line without an end was cut off when its writer was stopped: it is left out. What is
-    damaged is a ValueError that names the line.
+    What is damaged is a ValueError that names the line.
     """
     return as_frame(read_rows(arrays.file(path)))
 
 
 def write_records(frame: pd.DataFrame, path: str | Path) -> None:
     """Write runs of `sweep` to a CSV file, whole or not at all."""
-    arrays.frame(frame, ["map", "method", "digest"], set(NUMBER_COLUMNS) - {"invented", "missed"})
+    arrays.frame(frame, ["map", "method"], set(NUMBER_COLUMNS) - {"invented", "missed"})
     rows = [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
     write_rows(arrays.file(path), [row | {"thresholds": thresholds_of(row)} for row in rows])
 

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor, as_completed
-from functools import partial
-from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from .. import arrays
 from ..arrays import Segments
 from ..metrics import invented, missed, quality, reduction_rate
+from ..progress import announce
 from ..reduction import METHODS
-from ._files import Row, add_row, as_frame, resumed
+from ._files import Row, as_frame
 from ._plan import Function, Grid, Job, planned
 from ._records import number_text
 
@@ -30,8 +28,6 @@ def sweep(
     *,
     filters: Iterable[float | None] = (None,),
     executor: Executor | None = None,
-    records: str | Path | None = None,
-    progress: bool | Callable[..., Any] = False,
     repeat: int = 1,
 ) -> pd.DataFrame:
     """Run methods on maps with all thresholds of their grids.
@@ -52,12 +48,6 @@ def sweep(
         A map runs once for each, without its shorter segments; None: as it is.
     executor
         Of processes, or of a Dask client (`client.get_executor()`). None: here, one by one.
-    records
-        A CSV file to which each run is added as soon as it is finished. Called again, the sweep
-        takes from it what it finds. Delete the file when a method has changed.
-    progress
-        True shows a bar in a notebook or a terminal, and nothing elsewhere; or a bar like
-        `tqdm.tqdm`.
     repeat
         Seconds are the median of so many runs, all else is that of the last one.
 
@@ -72,16 +62,14 @@ def sweep(
         - reduction, quality: in [0, 1], against what the filter has left (A 6.2.1);
         - seconds: the method's own, after a first call in each process that loads what is compiled.
           Only runs that have a core to themselves can be compared;
-        - digest: of the map before the filter;
         - invented, missed: metres that quality does not see (`metrics.invented`, `metrics.missed`).
 
     Raises
     ------
     ValueError
-        For a file that holds runs on another map of that name; from a run, with its map, method
-        and thresholds.
+        From a run, with its map, method and thresholds.
     RuntimeError
-        For any other error of a run, alike. Runs that are finished are in the file.
+        For any other error of a run, alike.
 
     Examples
     --------
@@ -100,25 +88,19 @@ def sweep(
     grids = arrays.instance({} if grids is None else grids, "grids", Mapping)
     if executor is not None:
         arrays.instance(executor, "executor", Executor)
-    records = None if records is None else arrays.file(records, "records")
     jobs = planned(maps, chosen, grids, filters, arrays.whole(repeat, "repeat"))
-    done = {} if records is None else _stored(jobs, resumed(records), records)
-    with _bar_class(progress)(total=len(jobs), initial=len(done)) as bar:
+    done: dict[int, Row] = {}
 
-        def keep(index: int, row: Row) -> None:
-            """Remember a run, write it down, and show that it is there."""
-            done[index] = row
-            if records is not None:
-                add_row(records, row)
-            bar.set_postfix_str(f"{row['method']} on {row['map']}", refresh=False)
-            bar.update()
+    def keep(index: int, row: Row) -> None:
+        """Remember a run, and say that it is there."""
+        done[index] = row
+        announce(len(done) / len(jobs), f"sweep: {row['method']} on {row['map']}")
 
-        todo = {index: job for index, job in enumerate(jobs) if index not in done}
-        if executor is None:
-            for index, job in todo.items():
-                keep(index, run_job(job))
-        else:
-            _run_elsewhere(todo, executor, keep)
+    if executor is None:
+        for index, job in enumerate(jobs):
+            keep(index, run_job(job))
+    else:
+        _run_elsewhere(jobs, executor, keep)
     return as_frame(done[index] for index in range(len(jobs)))
 
 
@@ -143,46 +125,15 @@ def run_job(job: Job) -> Row:
         raise kind(f"{_job_text(job.row)}: {type(error).__name__}: {error}") from error
 
 
-def _stored(jobs: list[Job], rows: list[Row], path: Path) -> dict[int, Row]:
-    """The runs that a file holds already, by their place in the request."""
-    digests = {job.row["map"]: job.row["digest"] for job in jobs}
-    for row in rows:
-        if (now := digests.get(row["map"], row["digest"])) != row["digest"]:
-            raise ValueError(
-                f"{path} holds records of another map called {row['map']!r} (digest "
-                f"{row['digest']}, now {now}): choose another file or name"
-            )
-    here = {_key(row): row for row in rows}
-    return {k: here[_key(job.row)] for k, job in enumerate(jobs) if _key(job.row) in here}
-
-
-def _key(row: Row) -> tuple[object, ...]:
-    return row["map"], row["method"], row["filtered"], frozenset(row["thresholds"].items())
-
-
-def _run_elsewhere(
-    todo: dict[int, Job], executor: Executor, keep: Callable[[int, Row], None]
-) -> None:
-    """Runs as they finish; on an error what waits is cancelled, and what is done is kept."""
-    waiting = {executor.submit(run_job, job): index for index, job in todo.items()}
+def _run_elsewhere(jobs: list[Job], executor: Executor, keep: Callable[[int, Row], None]) -> None:
+    """Runs as they finish; on an error what waits is cancelled."""
+    waiting = {executor.submit(run_job, job): index for index, job in enumerate(jobs)}
     try:
-        for future in as_completed(list(waiting)):
-            keep(waiting.pop(future), future.result())
+        for future in as_completed(waiting):
+            keep(waiting[future], future.result())
     finally:
-        for future, index in waiting.items():
-            if not future.cancel() and future.done() and future.exception() is None:
-                keep(index, future.result())
-
-
-def _bar_class(progress: bool | Callable[..., Any]) -> Callable[..., Any]:
-    """The class of the progress bar: tqdm's, which stays silent unless it can be seen."""
-    if callable(progress):
-        return progress
-    arrays.switch(progress, "progress")
-    from tqdm.auto import tqdm
-
-    notebook = "tqdm_notebook" in {base.__name__ for base in tqdm.__mro__}
-    return partial(tqdm, disable=not (progress and (notebook or sys.stderr.isatty())))
+        for future in waiting:
+            future.cancel()
 
 
 def _job_text(row: Row) -> str:

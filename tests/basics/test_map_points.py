@@ -7,7 +7,6 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from segmap import load
-from segmap.experiments import sweep
 from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
 from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap, extreme_projections
@@ -94,14 +93,3 @@ def test_slices_and_the_filter_carry_points_and_sensors():
     assert len(map[np.zeros(len(map), bool)]) == 0
     with pytest.raises(TypeError, match="take a slice, a mask or indices of segments, got 3"):
         map[3]
-
-
-def test_the_digest_tells_maps_with_points_apart():
-    """Catches a sweep that takes the records of a map without points for those of one with."""
-    map = a_map()
-    moved = replace(map, points=map.points + 1e-3)
-    placed = replace(map, sensors=map.sensors + 1e-3)
-    bare = SegmentMap(map.segments, map.scan)
-    maps = {"it": map, "moved": moved, "placed": placed, "bare": bare, "again": a_map()}
-    found = list(sweep(maps, ["fuzzy_set"])["digest"])
-    assert len({*found[:4]}) == 4 and found[4] == found[0]

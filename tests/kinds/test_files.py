@@ -14,7 +14,6 @@ from segmap import LaserScan, Log, SegmentMap, exports, readers
 from segmap.experiments import (
     load_records,
     read_records,
-    sweep,
     write_records,
 )
 from segmap.files import (
@@ -126,7 +125,6 @@ READERS = {
     **{"log": segmap.read, "trajectory": readers.read_trajectory, "bag": files.read_bag},
     **{"csv": readers.read_csv, "segments": readers.read_segments, "graph": files.read_graph},
     **{"tree": QuadtreeMap.load, "map": SegmentMap.load, "runs": read_records},
-    "sweep": lambda path: sweep({"it": WALLS}, ["fusion"], records=path),
 }
 
 
@@ -137,9 +135,8 @@ def test_what_is_no_regular_file_is_not_read(name, tmp_path):
     for path in (tmp_path / "pipe.csv", tmp_path):
         with pytest.raises(ValueError, match=path.name):
             READERS[name](path)
-    if name != "sweep":  # it begins a new one
-        with pytest.raises((ValueError, FileNotFoundError), match=r"none\.csv"):
-            READERS[name](tmp_path / "none.csv")
+    with pytest.raises((ValueError, FileNotFoundError), match=r"none\.csv"):
+        READERS[name](tmp_path / "none.csv")
 
 
 @pytest.mark.parametrize("size", [1000, LEAST_UNPACKED_BYTES + 1])
