@@ -188,8 +188,6 @@ GOOD |= {
     "parse_scan.body": [b"JUGnD", b"06805m`"],
     "characters": 2,
     "encode.values": np.array([392, 381]),
-    "sensors.sensor": LOG.scans,
-    "sensors.path": "recorded.log",
     "world": emulator.Room(WALLS, PATH),
     "turn": 3,
     "index": 1,

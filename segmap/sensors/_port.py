@@ -24,7 +24,7 @@ _BUSY = "another program uses it: close that first"
 _PORT_ADVICE = {
     errno.EACCES: _FORBIDDEN,
     errno.EPERM: _FORBIDDEN,
-    errno.ENOENT: "it is not there: is the sensor plugged in? `segmap sensor list` tells"
+    errno.ENOENT: "it is not there: is the sensor plugged in? `segmap live` lists the ports"
     "; one on Ethernet is named as tcp://192.168.0.10",
     errno.EBUSY: _BUSY,
     errno.EAGAIN: _BUSY,

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from segmap.files import shown
 from segmap.progress import told
 from segmap.sensors import SensorError, ports, spinning_models
-from segmap.sensors.__main__ import stop_on_signals
 
 from ..drives import HOKUYO, Driving, drive, new_path
 from . import _map
@@ -71,6 +71,24 @@ def live(given: argparse.Namespace) -> int:
 
     outputs = [word for name in given.output for word in ("-o", name)]
     return main(["map", str(path), *outputs]) or int(bool(why))
+
+
+def stop_on_signals() -> None:
+    """Leave with the laser off on Control-C, on `kill`, and when the terminal is closed.
+
+    Who starts the program with nohup wants it to outlive the terminal, so that stays.
+    """
+    numbers = [signal.SIGINT, signal.SIGTERM]
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+        numbers.append(signal.SIGHUP)
+
+    def interrupt(number: int, frame: object) -> NoReturn:
+        for number in numbers:  # a second signal must not keep the laser from being switched off
+            signal.signal(number, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    for number in numbers:
+        signal.signal(number, interrupt)
 
 
 def tell_what_there_is() -> int:

@@ -34,31 +34,6 @@ gave no map, or was not found on one; 130 stopped by Control-C.
 """
 
 
-def _add_sensor(commands: Any) -> None:
-    """`segmap sensor list|info|record`: the programs of `segmap.sensors` by another name."""
-    command = commands.add_parser(
-        "sensor",
-        help="find a Hokuyo sensor, ask what it is, record what it sees",
-        epilog=examples(
-            "sensor list", "sensor info", "sensor record drive.log --count 600 --port /dev/ttyACM0"
-        ),
-    )
-    command.add_argument(
-        "what",
-        nargs=argparse.REMAINDER,
-        metavar="list | info | record ...",
-        help="`segmap sensor record --help` tells its options",
-    )
-
-    def run(given: argparse.Namespace) -> int:
-        from segmap.sensors.__main__ import main, stop_on_signals
-
-        stop_on_signals()
-        return main(given.what, prog="segmap sensor")
-
-    command.set_defaults(run=run)
-
-
 def _add_methods(commands: Any) -> None:
     """`segmap methods [METHOD]`: all methods, or one and its thresholds."""
     command = commands.add_parser(
@@ -83,7 +58,7 @@ def _tell_methods(given: argparse.Namespace) -> None:
 #: In the order in which they are listed.
 COMMANDS = (
     *(_info.add, _map.add, _map.add_plan, _merge.add, _compare.add, _occupancy.add, _locate.add),
-    *(_convert.add, _app.add, _live.add, _add_sensor, _setup.add_notebooks),
+    *(_convert.add, _app.add, _live.add, _setup.add_notebooks),
     *(_setup.add_warm, _add_methods),
 )
 

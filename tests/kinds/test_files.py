@@ -24,7 +24,6 @@ from segmap.files import (
 )
 from segmap.plan import floor_plan
 from segmap.quadtree import QuadtreeMap, map_of_grid
-from segmap.sensors import record
 from segmap_app import files
 
 main = program("segmap")
@@ -168,9 +167,3 @@ def test_a_folder_that_takes_no_file_is_told_before_the_work(words, tmp_path, mo
     assert main(words.split()) == 2
     assert "cannot write /proc/it" in capsys.readouterr().err
     assert sorted(tmp_path.iterdir()) == before
-
-
-@pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no folder that takes no file")
-def test_a_recording_is_refused_before_the_sensor_is_asked():
-    with pytest.raises(OSError, match="/proc"):
-        record([], "/proc/it.log")

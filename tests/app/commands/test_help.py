@@ -24,8 +24,8 @@ FUNCTIONS = {
     for name, method in room.METHODS.items()
 }
 
-#: What a command that is run as its help shows it waits for: a browser, a sensor.
-WAITS = {"app", "live", "sensor info", "sensor record"}
+#: What a command that is run as its help shows it waits for: a browser, a laser.
+WAITS = {"app", "live"}
 
 
 @cache

@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from emulated import needs_terminals
+from emulated import needs_terminals, wait_for
 
 from segmap import load, read, warm
 from segmap.carried import CASES, CarriedMap
 from segmap.progress import told
 from segmap.scans import LaserScan
-from segmap.sensors.emulator import SpinningEmulator
+from segmap.sensors.emulator import Emulator, SpinningEmulator
 from segmap.simulation import Sensor, rectangular_room, simulate
 from segmap_app import drives
 from segmap_app.commands import main
@@ -53,6 +53,31 @@ def test_a_laser_is_followed_recorded_and_mapped(tmp_path):
     scans = read(log)
     assert len(scans) > 20 and {len(scan) for scan in scans[1:]} <= {449, 450, 451}
     assert np.median([scan.delays.max() for scan in scans]) < 0.3
+
+
+@pytest.mark.parametrize("sent", ["SIGTERM", "SIGHUP"])
+def test_the_laser_goes_off_whatever_ends_the_program(sent, tmp_path):
+    """Catches a laser left on by `kill`, or by a terminal that is closed and says so twice.
+
+    The sensor is silent, so that more signals come while the laser is switched off.
+    """
+    log = tmp_path / "drive.csv"
+    code = (
+        "import signal, sys; from segmap.__main__ import main\n"
+        "signal.signal(signal.SIGHUP, signal.SIG_DFL); sys.exit(main())"
+    )
+    with Emulator(speed=5.0, tcp="0") as emulator:
+        command = [sys.executable, "-c", code, "live", "hokuyo", emulator.port, "--log", str(log)]
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+        wait_for(lambda: log.exists() and log.stat().st_size > 200_000, 120)
+        assert emulator.unit.laser
+        emulator.inject("silence", seconds=0.4)
+        for _ in range(3):
+            process.send_signal(getattr(signal, sent))
+            time.sleep(0.05)
+        wait_for(lambda: not emulator.unit.laser)
+        process.wait(120)
+    assert len(read(log)) > 5
 
 
 @needs_terminals
