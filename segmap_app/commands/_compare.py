@@ -1,7 +1,4 @@
-"""`segmap compare LOG`: all reduction methods on one map, at equal quality (A 6.2.3).
-
-With a plan of the building also against its walls: quality asks how near the noisy map is.
-"""
+"""`segmap compare LOG`: all reduction methods on one map, at equal quality (A 6.2.3)."""
 
 from __future__ import annotations
 
@@ -13,17 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from segmap import extraction, metrics, warm
+from segmap import extraction, warm
 from segmap.arrays import Declared, Quantity
 from segmap.display import counted
 from segmap.methods import bracket, halved
-from segmap.readers import LogError, read_segments
 from segmap.reduction import METHODS
 from segmap.scans import Log
-from segmap.segments import SegmentMap, length
+from segmap.segments import SegmentMap
 
 from . import log_options
-from ._output import Report, finite, percent, progress, seconds
+from ._output import Report, percent, progress, seconds
 from .log_options import thresholds
 
 if TYPE_CHECKING:
@@ -41,11 +37,6 @@ RUNS_BETWEEN = 2
 SLOW_RUN_S = 20.0
 #: A longer map is thinned, scan by scan: some methods take time with the square of its segments.
 MOST_COMPARED_SEGMENTS = 2000
-#: Where a smaller share of the map lies beside the walls of a plan, the plan is of another place or
-#: in another unit: a few walls at 0 lie there in any unit.
-LEAST_BESIDE_SHARE = 0.1
-#: So is a plan that is so many times as large.
-LARGER_PLAN_RATIO = 50
 
 
 class _TooSlow(Exception):
@@ -73,23 +64,8 @@ def add(commands: Any) -> None:
     )
     words = f"every scan; else as many as give {MOST_COMPARED_SEGMENTS} segments"
     log_options.switch(command, "--all", help=words)
-    command.add_argument(
-        "--walls",
-        type=Path,
-        metavar="FILE",
-        help="judge by true walls too: a .csv with x1,y1,x2,y2,scan or .npz, metres, in the frame "
-        "of the map",
-    )
     log_options.add_output(command, SUFFIXES, "a picture of the curves, or all runs")
-    command.set_defaults(run=partial(log_options.each_log, work=compare_methods, check=check))
-
-
-def check(given: argparse.Namespace) -> None:
-    """Read the plan."""
-    try:
-        given.plan = None if given.walls is None else read_segments(given.walls)
-    except LogError as error:  # of a plan --skip leaves nothing out
-        raise ValueError(f"--walls {error}") from error
+    command.set_defaults(run=partial(log_options.each_log, work=compare_methods))
 
 
 def compare_methods(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
@@ -107,15 +83,11 @@ def compare_methods(given: argparse.Namespace, log: Log, paths: list[Path], repo
         used, every = (len(np.unique(m.scan)) for m in (map, whole))
         part = f"; compared on {len(map)} of them, from {used} of {every} scans (--all takes all)"
     report.line("extracted", f"{counted(len(whole), 'segment')}{part}", segments=len(whole))
-    if given.plan is not None:
-        check_plan(given, map, report)
     quality = given.quality / 100
     runs = runs_of_all(log.name, map, quality)
     taken = float(runs["seconds"].sum())
     report.line("compared", f"{counted(len(runs), 'run')}, {seconds(taken)}", seconds=taken)
-    nearest = print_table(runs, quality, report)
-    if given.plan is not None:
-        print_walls(given, map, nearest, report)
+    print_table(runs, quality, report)
 
     def write(path: Path) -> None:
         """All runs, or their picture."""
@@ -181,55 +153,7 @@ def thin(map: SegmentMap) -> SegmentMap:
     return part
 
 
-def check_plan(given: argparse.Namespace, map: SegmentMap, report: Report) -> None:
-    """Say how much of a map lies beside the walls of a plan; refuse a plan of another place."""
-    comparison = metrics.against_walls(given.plan, map)
-    share = 1 - comparison.invented / length(map.segments).sum()
-    ends = [each.segments.reshape(-1, 2) for each in (map, given.plan)]
-    small, large = (np.ptp(each, axis=0).max() for each in ends)
-    if share < LEAST_BESIDE_SHARE or large > LARGER_PLAN_RATIO * small:
-        spans = [f"from {each.min(0).round(1)} to {each.max(0).round(1)}" for each in ends]
-        raise ValueError(
-            f"{percent(share)} of the map lies beside a wall of {given.walls}: the map is "
-            f"{spans[0]} m, the plan {spans[1]}. A plan must be in metres, not millimetres, and in "
-            "the frame of the map: `segmap map LOG --method none -o map.dxf` writes the map, to "
-            "lay the plan on it"
-        )
-    words = f"{counted(len(comparison.walls), 'wall')} of {given.walls}; beside them lies"
-    figures = {"walls": len(comparison.walls), "beside": share}
-    report.line("plan", f"{words} {percent(share)} of the map", **figures)
-
-
-def print_walls(
-    given: argparse.Namespace, map: SegmentMap, runs: dict[str, pd.Series], report: Report
-) -> None:
-    """What one run of each method keeps of the walls of a plan, of what the map before has."""
-    from segmap.experiments import thresholds_of
-
-    report.say(
-        f"  {'against the plan':<22} {'a wall':>11} {'found':>8} {'missed':>8} {'invented':>8} "
-        f"{'double':>8} {'off':>8}"
-    )
-    for name, run in {"the map before": None, **runs}.items():
-        after = map if run is None else METHODS[name](map, **thresholds_of(run))
-        comparison = metrics.against_walls(given.plan, after, seen=map)
-        seen = float(comparison.seen.sum())
-        shares = {
-            "found": comparison.found,
-            "missed": comparison.missed / seen,
-            "invented": comparison.invented / seen,
-            "double": float(comparison.doubled.sum()) / seen,
-        }
-        columns = " ".join(f"{percent(share):>8}" for share in shares.values())
-        off = f"{1000 * comparison.offset:.0f} mm"
-        report.say(f"  {name:<22} {comparison.per_wall:>11.2f} {columns} {off:>8}")
-        figures = {"per_wall": comparison.per_wall, **shares, "offset": comparison.offset}
-        entry = report.found["plan"] if run is None else report.found["methods"][name]
-        entry["against_walls"] = {word: finite(figure) for word, figure in figures.items()}
-    report.say()
-
-
-def print_table(runs: pd.DataFrame, quality: float, report: Report) -> dict[str, pd.Series]:
+def print_table(runs: pd.DataFrame, quality: float, report: Report) -> None:
     """What each method leaves at one quality, the best first, and its run that comes nearest."""
     from segmap.experiments import equal_quality, select
 
@@ -238,10 +162,9 @@ def print_table(runs: pd.DataFrame, quality: float, report: Report) -> dict[str,
     names = sorted(methods, key=lambda name: -np.nan_to_num(at[name], nan=-np.inf))
     report.say()
     report.say(f"  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
-    nearest = {}
     for name in names:
         gone, own = float(at[name]), select(runs, method=name)
-        nearest[name] = near = own.iloc[int((own["quality"].fillna(0.0) - quality).abs().argmin())]
+        near = own.iloc[int((own["quality"].fillna(0.0) - quality).abs().argmin())]
         remaining = "-" if np.isnan(gone) else f"{(1 - gone) * total:.0f}"
         share, varies = "not reached" if np.isnan(gone) else percent(gone), METHODS[name].varies
         words = f"quality {percent(near['quality'])}, {near['n_after']} left"
@@ -250,4 +173,3 @@ def print_table(runs: pd.DataFrame, quality: float, report: Report) -> dict[str,
         figures = {"gone": None if np.isnan(gone) else gone, "nearest": run}
         report.found.setdefault("methods", {})[name] = figures
     report.say()
-    return nearest

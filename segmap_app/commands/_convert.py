@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +13,10 @@ import numpy as np
 from segmap import exports
 from segmap.alignment import Alignment
 from segmap.display import counted
-from segmap.files import shown
 from segmap.scans import Log
 
-from .. import files
 from ..pipeline import Pipeline
 from . import log_options
-from ._locate import states
 from ._output import Report, Usage
 
 #: What -o may end in.
@@ -29,12 +27,10 @@ def add(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
         "convert",
-        help="write a log, its path or its pose graph, for other programs; a map for ROS as .npz",
+        help="write a log, its path or its pose graph, for other programs",
         epilog=log_options.examples(
             "convert room -o room.log                     for CARMEN",
             "convert room --align pose_graph -o room.tum -o room.g2o",
-            "occupancy room -o room.yaml                  a map for ROS,",
-            "convert room.yaml -o room.npz                and as arrays",
         ),
     )
     log_options.add_logs(command)
@@ -47,25 +43,7 @@ def add(commands: Any) -> None:
         SUFFIXES,
         "the log for CARMEN or as arrays (.npz), its path (.tum), its graph (.g2o)",
     )
-    command.set_defaults(run=run)
-
-
-def run(given: argparse.Namespace) -> int:
-    """Convert each log, or one map for ROS."""
-    if not files.is_ros_map(given.logs[0]):
-        return log_options.each_log(given, convert, check=check)
-    if len(given.logs) > 1 or len(given.output) != 1 or not given.output[0].endswith(".npz"):
-        raise Usage("a map for ROS becomes one file: `segmap convert map.yaml -o map.npz`")
-    (source,), (target,) = given.logs, given.output
-    report = Report(source, json=given.json, quiet=given.quiet)
-    log_options.check_places([Path(target)])
-    map = files.read_ros_map(source)
-    map.save(target)
-    report.say(f"{shown(source)}: a map for ROS")
-    report.line("map", states(map))
-    report.line("written", target, files=[target])
-    report.end()
-    return 0
+    command.set_defaults(run=partial(log_options.each_log, work=convert, check=check))
 
 
 def check(given: argparse.Namespace) -> None:

@@ -153,7 +153,7 @@ def test_a_packed_file_holds_no_date_and_is_never_a_bomb(size):
         "map room -o /proc/it.svg",
         "map room --loops /proc/it",
         "compare room -o /proc/it.png",
-        "convert it.yaml -o /proc/it.npz",
+        "convert room -o /proc/it.npz",
         "locate it.yaml room --table /proc/it.csv",
         "merge room room -o /proc/it.dxf",
     ],

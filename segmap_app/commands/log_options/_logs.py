@@ -112,7 +112,7 @@ def each_log(
     for name in filter(is_ros_map, [*each, getattr(given, "first", each[0])]):
         raise Usage(
             f"{shown(name)} is a map for ROS and no log: `segmap locate {shown(name)} LOG` finds a "
-            "robot on it, `segmap convert` keeps it as .npz"
+            "robot on it"
         )
     patterns = getattr(given, "output", [])
     alike = [pattern for pattern in patterns if LOG_NAME not in pattern]
