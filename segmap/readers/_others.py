@@ -31,7 +31,7 @@ OPENED_FILES = {
 }
 #: A line of words or numbers, then numbers in brackets.
 NUMBERS_LISTED = r"""\A[^\[\]{}"'\n]*\[(?:[^\[\]:,"'\n]+,){2,}[^\[\]"'\n]*\](?:\n|\Z)"""
-#: What a text has that is no table -> what it is, and what opens it; `measured` makes a log.
+#: What a text has that is no table -> what it is, and what opens it.
 OTHER_TEXTS = {
     r"(?m)^\s*\(?'?\[\(|\A.*\[\(": (
         "lists of Python, printed",
@@ -48,39 +48,6 @@ OTHER_TEXTS = {
         "import numpy, re\nwith open({name!r}) as file:\n"
         "    rows = [re.findall(r'[-+.\\w]+', line.partition('[')[2]) for line in file]\n"
         "records = [numpy.array(row, float) for row in rows if row]",
-    ),
-    r"(?m)^angle_increment:": (
-        "messages of ROS in YAML (whole ones: `ros2 topic echo --full-length`)",
-        "import numpy, yaml\nwith open({name!r}) as file:\n"
-        "    messages = [message for message in yaml.safe_load_all(file) if message]\n"
-        "count, one = len(messages[0]['ranges']), messages[0]\n"
-        "angles = one['angle_min'] + one['angle_increment'] * numpy.arange(count)\n"
-        "times = [numpy.dot(tuple(m['header']['stamp'].values()), (1, 1e-9)) for m in messages]\n"
-        "measured = [(t, numpy.array(m['ranges'], float)) for t, m in zip(times, messages)]",
-    ),
-    r"(?m)^\[frontStep\]": (
-        "a log of UrgBenri",
-        "import numpy, re\nwith open({name!r}) as file:\n"
-        "    text = file.read()\n"
-        "said = {key: int(n) for key, n in re.findall(r'\\[(\\w+)\\]\\s+(\\d+)\\s', text)}\n"
-        "rows = [numpy.array(re.findall(r'(?:^|;)(\\d+)', row), float)\n"
-        "        for row in re.findall(r'\\[scan\\]\\s+(\\S+)', text)]\n"
-        "steps = numpy.arange(said['startStep'], said['startStep'] + len(rows[0]))\n"
-        "angles = 2 * numpy.pi * (steps - said['frontStep']) / said['totalSteps']\n"
-        "for row in rows:\n"
-        "    row[(row < said['minDistance']) | (row > said['maxDistance'])] = numpy.nan\n"
-        "measured = [(numpy.nan, row / 1000) for row in rows]",
-    ),
-    r"LMDscandata .*DIST1 ": (
-        "telegrams of a SICK (90 degrees are straight ahead, as an LMS1xx or TiM5xx has it)",
-        "import numpy, struct\nwith open({name!r}) as file:\n"
-        "    parts = [line.split('DIST1 ')[1].split() for line in file if 'DIST1 ' in line]\n"
-        "scale, = struct.unpack('>f', bytes.fromhex(parts[0][0].zfill(8)))\n"
-        "first, = struct.unpack('>i', bytes.fromhex(parts[0][2].zfill(8)))\n"
-        "step, count = (int(word, 16) for word in parts[0][3:5])\n"
-        "angles = numpy.radians((first + step * numpy.arange(count)) / 10000 - 90)\n"
-        "rows = [[int(word, 16) for word in part[5:5 + count]] for part in parts]\n"
-        "measured = [(numpy.nan, scale * numpy.array(row) / 1000) for row in rows]",
     ),
     r"(?m)\A(?:---|\w+: *|- \w+:.*)$": (
         "YAML",

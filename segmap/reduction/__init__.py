@@ -31,7 +31,6 @@ from ._hybrid import hybrid
 from ._hybrid_fusion import LiveReduction, hybrid_fusion
 from ._mean_shift import Directions, common_directions, mean_shift
 from ._methods import METHODS, USUAL_METHOD, USUAL_THRESHOLDS
-from ._reduce_to import reduce_to
 from ._runner import Methods, Reduction
 from .least_cost import least_cost
 from .one_per_wall import one_per_wall
@@ -49,6 +48,6 @@ __all__ = [
     "METHODS", "USUAL_METHOD", "USUAL_THRESHOLDS", "Directions", "LiveReduction", "Methods",
     "Reduction", "basic_offline", "basic_online", "common_directions", "fusion", "fusion_online",
     "fuzzy_clustering", "fuzzy_set", "hough", "hybrid", "hybrid_fusion", "least_cost", "mean_shift",
-    "one_per_wall", "polyline", "reduce_to", "segment_similarity", "uncertain_parameters",
+    "one_per_wall", "polyline", "segment_similarity", "uncertain_parameters",
     "viewing_sector", "weighted_line_fitting",
 ]  # fmt: skip

@@ -44,8 +44,6 @@ MOST_FAILURES = 5
 BACK_OFF = (0.1, 2.0)
 #: Scans from which the pace of a stream is judged.
 PACE_SCANS = 11
-#: So many times slower than asked is slow.
-SLOW_PACE_RATIO = 1.5
 
 Step = Annotated[Count, at_least(0)]
 Cluster = Annotated[Count, at_most(99)]
@@ -176,18 +174,6 @@ class UrgSensor:
         self._check_open()
         self.stop()
         return parse_info(ask(self._lines, "II").body)
-
-    @property
-    def slow(self) -> str:
-        """Why the last stream arrived slower than asked and what to do; empty where it did not."""
-        if self._asked is None or len(self._stamps) <= PACE_SCANS // 2:
-            return ""
-        wanted = self._period(self._asked)
-        interval = float(np.median(np.diff(self._stamps) % CLOCK)) / 1000.0
-        if interval < SLOW_PACE_RATIO * wanted:
-            return ""
-        text = f"scans arrive every {interval:.2f} s, asked for every {wanted:.2f} s"
-        return text + self._advice(self._asked)
 
     def stop(self) -> None:
         """End a stream and switch the laser off."""

@@ -194,20 +194,6 @@ def test_a_sensor_that_does_not_take_the_faster_rate_is_talked_to_at_its_own(mon
         first(sensor, 1)
 
 
-def test_slow_lines_are_explained():
-    """At 19200 bit/s a scan takes 1.1 s: the text names the rate and the skip that fits."""
-    with connected(Wired(usb=False), rates=(19200,)) as sensor:
-        assert sensor.slow == ""
-        first(sensor, 5)
-        assert sensor.slow == "", "too few to judge"
-        first(sensor, 8)
-        asked = "asked for every 0.10 s; at 19200 bit/s a scan of 682 beams takes 1.11"
-        assert sensor.unsent == 0, "the line is slow, and nobody late"
-        assert asked in sensor.slow and "250000 bit/s" in sensor.slow and "skip=9" in sensor.slow
-        first(sensor, 8, cluster=50)
-        assert sensor.slow == ""
-
-
 # --------------------------------------------------------------------------- leaving
 def test_a_closed_sensor_says_so():
     """Catches a closed sensor that is looked for, and a second end that asks it something."""

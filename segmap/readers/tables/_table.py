@@ -43,8 +43,6 @@ from ._question import choices_of
 
 #: No scan has more beams.
 MOST_BEAMS_READ = 100_000
-#: The largest number of two bytes, which sensors send where they measure nothing.
-FULL = 65535
 HALF_DAY_S = 43_200.0
 #: So much is told of the lines of words in a table.
 TOLD_CHARACTERS = 160
@@ -94,7 +92,7 @@ class Rows:
             skipinitialspace=True, low_memory=False, lineterminator="\n", skip_blank_lines=False,
             quoting=csv.QUOTE_MINIMAL if is_quoted else csv.QUOTE_NONE, index_col=False,
         )  # fmt: skip
-        self.good, self.has_full = np.ones(len(parts), bool), False
+        self.good = np.ones(len(parts), bool)
 
     def _beams(self, numbered: Sequence[tuple[int, str]]) -> list[tuple[int, str]]:
         """The parts of lines that hold a beam, between commas."""
@@ -158,8 +156,6 @@ class Rows:
             expected = bounded if beyond[row] else plain
             self._damaged(int(self.numbers[row]), f"expected {expected}, got {got!r}")
         self.good &= ~wrong
-        if column.role in ("range", "ranges") and (full := (numbers == FULL).to_numpy()).any():
-            self.has_full, values = True, np.where(full, np.nan, values)
         return values
 
     def values(self, place: int, column: Column) -> Array | None:
@@ -210,8 +206,6 @@ def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> 
     if ranges:
         fields = range(ranges_at, ranges_at + behind + 1)
         table["ranges"] = np.stack([rows.numbers_of(place, ranges) for place in fields], axis=1)
-    if rows.has_full:
-        notes.append(f"{FULL}, the largest number of two bytes, is no measurement")
     _refuse_several(path, rows, layout)
     used = {k for k, _ in places.values()} | {ranges_at}
     unused = [

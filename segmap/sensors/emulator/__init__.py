@@ -1,7 +1,4 @@
-"""An emulated URG-04LX or UST-10LX behind a pseudo-terminal or a TCP port, with faults on demand.
-
-`python -m segmap.sensors.emulator` starts one and prints its device, or with `--tcp 0` its address.
-"""
+"""An emulated URG-04LX or UST-10LX behind a pseudo-terminal or a TCP port, with faults."""
 
 from ._emulator import Emulator
 from ._spinning import SpinningEmulator
