@@ -62,25 +62,23 @@ class Wired:
     """A port with a sensor in the same thread; reading moves the clock of both.
 
     What the sensor sends passes the wire, where faults are planned, then `spoil(bytes, position)`.
-    Where the rates of both ends differ each gets noise, as on RS-232.
     """
 
     def __init__(self, spoil=lambda data, at: data, *, world=pattern, unit=Unit, seed=1, **state):
         self.now, self.kept, self.sent, self.spoil = 0.0, b"", 0, spoil
         self.wire = Wire(lambda: self.now, np.random.default_rng(seed))
         self.unit = unit(world, clock=lambda: self.now, **state)
-        self.baudrate, self.open, self.gone = 19200, True, False
+        self.baudrate = 115200 if self.unit.usb else self.unit.rate
+        self.open, self.gone = True, False
 
     @property
     def in_waiting(self):
         self._check()
-        fits = self._fits()
         try:
             data = self.wire.passed(self.unit.transmit())
         except Unplugged:
             self.gone = True
             self._check()
-        data = data if fits else bytes(byte ^ 0xA5 for byte in data)
         self.kept += self.spoil(data, self.sent)
         self.sent += len(data)
         return len(self.kept)
@@ -93,10 +91,7 @@ class Wired:
 
     def write(self, data, /):
         self._check()
-        if self._fits():
-            self.unit.receive(data)
-        else:
-            self.kept += self.wire.rng.bytes(len(data))
+        self.unit.receive(data)
         return len(data)
 
     def close(self):
@@ -106,9 +101,6 @@ class Wired:
         """A fault of the wire, so many bytes from now."""
         self.wire.plan(Fault(kind, at, seconds))
 
-    def _fits(self):
-        return self.unit.usb or self.baudrate == self.unit.rate
-
     def _check(self):
         if self.gone:
             raise OSError("device reports readiness to read but returned no data")
@@ -116,7 +108,7 @@ class Wired:
 
 def connected(port, **settings):
     """The driver at a `Wired` port, by the port's clock."""
-    settings = {"rates": (115200,), "timeout": 0.5, "clock": lambda: port.now} | settings
+    settings = {"timeout": 0.5, "clock": lambda: port.now} | settings
     return UrgSensor(port, **settings)
 
 
@@ -147,7 +139,6 @@ FAULTS = {
     **{fault: {} for fault in (*WIRE, "status", "wrap")},
     "streaming at open": {"streaming": True},
     "time mode at open": {"timing": True},
-    "wrong rate": {"usb": False, "rate": 19200},
     "flip at open": {},
     "lose at open": {},
     "stop at open": {},

@@ -1,56 +1,29 @@
-"""From a port to a sensor that is idle, in SCIP 2.0, at a bit rate that both know; and back."""
+"""From a port to a sensor that is idle, in SCIP 2.0; and back."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from ._lines import PULLED_OUT_ERRORS, Lines
 from ._protocol import Refused, Reply, SensorError, SensorGone, Silent, parse_reply, refusal
 
-#: Bit rates that a URG-04LX may have been left at; the first is the one to talk at.
-URG_RATES = (115200, 19200, 57600, 38400, 500000, 250000, 750000)
 #: A scan in flight at 19 200 bit/s takes 1.1 s before the answer comes, seconds.
 IN_FLIGHT = 1.5
-#: After a change of its rate the sensor does not listen for so long, seconds.
-DEAF = 0.2
 #: So often a command is sent before its answer is given up.
 TRIES = 3
 #: Statuses that say that it is so already: the laser is on, the stream runs.
 ALREADY = {"BM": "02", "MD": "99", "MS": "99"}
 
 
-def connect(lines: Lines, rates: Sequence[int]) -> int:
-    """Find the sensor's bit rate and protocol; it ends idle, in SCIP 2.0, with its laser off.
-
-    Both then talk at the rate that is returned, bits a second: the first one, where the sensor
-    has it.
-    """
-    rate = _search(lines, rates)
-    if rate == rates[0]:
-        return rate
-    try:
-        answer = _send_command(lines, f"SS{rates[0]:06}", 2 * lines.quiet)
-    except SensorGone:
-        raise
-    except SensorError:
-        return _search(lines, rates)
-    if answer.status not in ("00", "03"):  # it has not got that rate, and stays at its own
-        return rate
-    lines.set_rate(rates[0])
-    lines.silence(DEAF)
-    return rates[0] if _greet(lines) else _search(lines, rates)
-
-
-def _search(lines: Lines, rates: Sequence[int]) -> int:
-    for rate in rates:
-        lines.set_rate(rate)
-        if _greet(lines):
-            return rate
-    raise SensorError(
-        f"nothing answers as a URG does at {', '.join(map(str, rates))} bit/s: switch the sensor "
-        "off and on, wait a few seconds and try again; is it the right port or address?"
-    )
+def connect(lines: Lines) -> None:
+    """Find the sensor; it ends idle, in SCIP 2.0, with its laser off."""
+    if not _greet(lines):
+        raise SensorError(
+            f"nothing answers as a URG does at {lines.port.baudrate} bit/s: switch the sensor off "
+            "and on, wait a few seconds and try again; is it the right port or address? On RS-232 "
+            "hand in the port at the sensor's rate: serial.Serial(device, 19200, timeout=0.02)"
+        )
 
 
 def _greet(lines: Lines) -> bool:

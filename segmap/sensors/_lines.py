@@ -73,14 +73,6 @@ class Lines:
         except PULLED_OUT_ERRORS as error:
             raise _gone(error) from error
 
-    def set_rate(self, rate: int) -> None:
-        """Talk at so many bits a second from now on; a SensorError where the port cannot."""
-        try:
-            self.port.baudrate = rate
-        except (*PULLED_OUT_ERRORS, ValueError) as error:
-            raise SensorError(f"the port cannot talk at {rate} bit/s ({error})") from error
-        self.kept = b""
-
     def line(self, seconds: float) -> bytes | None:
         """The next line without its end, None where none comes in this time.
 

@@ -54,8 +54,8 @@ def find_port() -> str:
     if devices:
         raise SensorError(f"{len(devices)} sensors are plugged in, name one of {devices}")
     raise SensorError(
-        "no Hokuyo (USB vendor 15d1) is plugged in: plug it in and wait a few seconds; one on an "
-        "RS-232 adapter must be named, as /dev/ttyUSB0 is, one on Ethernet as tcp://192.168.0.10"
+        "no Hokuyo (USB vendor 15d1) is plugged in: plug it in and wait a few seconds; one on "
+        "Ethernet is named, as tcp://192.168.0.10"
     )
 
 

@@ -6,7 +6,7 @@ import contextlib
 import time
 import weakref
 from collections import deque
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator
 from math import ceil, inf
 from os import PathLike
 from typing import Annotated, Self
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..arrays import Count, Seconds, at_least, at_most, checked
 from ..scans import LaserScan
-from ._connect import URG_RATES, ask, connect, laser_off, switch_off
+from ._connect import ask, connect, laser_off, switch_off
 from ._geometry import check_limits, laser_scan, parse_geometry, request_for
 from ._host import HostClock, host_time
 from ._lines import Lines, Port
@@ -36,8 +36,9 @@ from ._protocol import (
     parse_scan,
     refusal,
 )
-from ._tcp import TcpPort
 
+#: Bits a second at which a device is opened; USB takes any.
+RATE = 115_200
 #: So many damaged or missing scans in a row are an error, not bad luck.
 MOST_FAILURES = 5
 #: Waits between attempts to find an unplugged sensor again double from the first to the last, s.
@@ -60,8 +61,6 @@ class UrgSensor:
     port : str or Path or Port
         A device; "auto" for the one Hokuyo on USB; `tcp://host` or `tcp://host:port` of one on
         Ethernet, port 10940 where none is named; or an open port that does not wait for ever.
-    rates : sequence of int, bits a second
-        To look for the sensor at; it is then switched to the first. USB takes any, Ethernet none.
     reconnect : float
         How long to look for a sensor that was unplugged while it was in use, or fell silent; 0
         raises at once. It takes the name of a device or an address.
@@ -103,16 +102,12 @@ class UrgSensor:
         self,
         port: str | PathLike[str] | Port = "auto",
         *,
-        rates: Sequence[int] = URG_RATES,
         reconnect: Annotated[Seconds, at_least(0), at_most(inf)] = 0.0,
         timeout: Seconds = 1.0,
         sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
         clock: Callable[[], float] = host_time,
     ) -> None:
         self._port = checked_port(port)
-        self._rates = tuple(arrays.indices(rates, "rates").reshape(-1).tolist())
-        if not self._rates or min(self._rates) < 1:
-            raise ValueError("rates must name at least one bit rate, and none below 1")
         if reconnect > 0 and not isinstance(self._port, str):
             raise ValueError("reconnect needs the name of a device: an open port cannot come back")
         self._reconnect, self._timeout = reconnect, timeout
@@ -335,7 +330,7 @@ class UrgSensor:
         skip = min(ceil(takes / self.geometry.turn) - 1, 9)
         return (
             f"; at {self.rate} bit/s a scan of {request.beams} beams takes {takes:.2f} s: use "
-            f"250000 bit/s or USB, short=True, a cluster, or skip={skip}"
+            f"USB, short=True, a cluster, or skip={skip}"
         )
 
     # ------------------------------------------------------------------- open, and open again
@@ -343,12 +338,11 @@ class UrgSensor:
         """Open the port and ask the sensor who it is; a failure leaves the port free."""
         port = self._port
         if isinstance(port, str):
-            port = open_port(find_port() if port == "auto" else port, self._rates[0])
-        lines = Lines(port, self._clock, self._timeout)
+            port = open_port(find_port() if port == "auto" else port, RATE)
+        lines, self.rate = Lines(port, self._clock, self._timeout), port.baudrate
         self._leave = weakref.finalize(self, laser_off, lines)
         try:
-            rates = (port.baudrate,) if isinstance(port, TcpPort) else self._rates
-            self.rate = connect(lines, rates)
+            connect(lines)
             limits = parse_info(ask(lines, "PP", check=check_limits).body)
             self.info = parse_info(ask(lines, "VV").body) | limits
             self.geometry = parse_geometry(limits)

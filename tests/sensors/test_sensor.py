@@ -10,13 +10,10 @@ from emulated import Wired, connected, turn_of
 from programs import program
 
 from segmap.sensors import SensorError, UrgSensor, checksum, encode
-from segmap.sensors.emulator import Room, Unit
+from segmap.sensors.emulator import Room
 from segmap.simulation import rectangular_room
 
 bench = program("segmap.sensors")
-
-#: Bit rates of an RS-232 line, the likeliest first.
-RATES = (115200, 19200, 57600, 38400, 500000, 250000, 750000)
 
 
 @contextlib.contextmanager
@@ -39,18 +36,16 @@ def first(sensor, count, **settings):
         {"streaming": True},
         {"timing": True},
         {"streaming": True, "timing": True},
-        {"rate": 57600, "usb": False, "protocol": "1.1"},
-        {"rate": 115200, "usb": False, "streaming": True},
-        *({"rate": rate, "usb": False} for rate in RATES),
+        {"usb": False, "protocol": "1.1"},
+        {"usb": False, "streaming": True},
     ],
     ids=str,
 )
 def test_connects_whatever_it_was_left_doing(state):
-    """Catches a rate that is missing, or a driver that stays at the one it found."""
+    """Catches a driver that takes the end of a scan for an answer."""
     port = Wired(**state)
-    with connected(port, rates=RATES) as sensor:
-        assert sensor.rate == 115200
-        assert port.unit.usb or port.baudrate == port.unit.rate == 115200
+    with connected(port) as sensor:
+        assert sensor.rate == port.baudrate
         assert sensor.info["SERI"] == "H0000000"
         assert (sensor.geometry.first, sensor.geometry.last) == (44, 725)
         turn_of(sensor.scan())
@@ -184,16 +179,6 @@ def test_times_are_the_sensors_own():
         assert 0 < gaps.min() <= gaps.max() < 1.0
 
 
-def test_a_sensor_that_does_not_take_the_faster_rate_is_talked_to_at_its_own(monkeypatch):
-    """It says yes, and stays as it is: the driver looks for it once more."""
-    port = Wired(usb=False)
-    own = property(lambda unit: 19200, lambda unit, rate: None)
-    monkeypatch.setattr(Unit, "rate", own, raising=False)
-    with connected(port, rates=(115200, 19200)) as sensor:
-        assert sensor.rate == port.baudrate == 19200
-        first(sensor, 1)
-
-
 # --------------------------------------------------------------------------- leaving
 def test_a_closed_sensor_says_so():
     """Catches a closed sensor that is looked for, and a second end that asks it something."""
@@ -237,7 +222,7 @@ def test_turns_are_counted_over_the_end_of_the_sensors_clock(left):
         after = [turn_of(next(stream)) for _ in range(4)][-1]
         assert (sensor.unsent, sensor.dropped) == (after - before - 4, 0)
         assert sensor.unsent > 15 and f"{sensor.unsent} not sent" in repr(sensor)
-    with connected(Wired(usb=False, stamp=(1 << 24) - left), rates=(19200,)) as sensor:
+    with connected(Wired(usb=False, stamp=(1 << 24) - left)) as sensor:
         first(sensor, 5)
         assert sensor.unsent == 0, "the line is slow, and nobody late"
 

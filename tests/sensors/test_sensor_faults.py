@@ -176,7 +176,7 @@ def test_faults(fault):
     found = []
     for seed in range(RUNS):
         port = Wired(seed=seed, **FAULTS[fault])
-        sensor_at = partial(connected, port, rates=(115200, 19200))
+        sensor_at = partial(connected, port)
         found.append(run(sensor_at, port.unit, port.wire, fault, seed))
         assert not port.open
         assert port.gone or port.unit.trouble or not port.unit.laser

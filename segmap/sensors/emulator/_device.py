@@ -9,12 +9,11 @@ import select
 import socket
 import threading
 from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from .._protocol import SensorError
-from ._unit import EMULATED_RATES
 
 #: Faults of the wire, by name.
 WIRE_FAULTS = ("flip", "lose", "stale", "stop", "silence", "unplug")
@@ -27,10 +26,7 @@ _LISTEN_ADDRESS = re.compile(r"(?:(?:\[(?P<six>[^]]+)]|(?P<host>[^:]*)):)?(?P<po
 
 
 class Speaker(Protocol):
-    """A sensor without its wire: bytes in, bytes out; behind USB any bit rate fits."""
-
-    rate: int
-    usb: bool
+    """A sensor without its wire: bytes in, bytes out."""
 
     def receive(self, data: bytes) -> None:
         """Take bytes of the host."""
@@ -150,20 +146,6 @@ class Terminal:
         except BlockingIOError:
             return 0
 
-    def fits(self, unit: Speaker) -> bool:
-        """The terminal tells both its ends at what rate the host talks."""
-        import termios
-
-        if unit.usb:
-            return True
-        rates: dict[Any, int] = {
-            getattr(termios, f"B{rate}"): rate
-            for rate in EMULATED_RATES
-            if hasattr(termios, f"B{rate}")
-        }
-        speed = termios.tcgetattr(self._ends[0])[5]
-        return rates.get(speed) == (unit.rate if unit.rate in rates.values() else None)
-
 
 class Listener:
     """A TCP port, used as a Terminal is, for one client at a time: others are turned away.
@@ -227,10 +209,6 @@ class Listener:
         except OSError:
             self._drop()
             return len(data)
-
-    def fits(self, unit: Speaker) -> bool:
-        """A network has no bit rate to agree on."""
-        return True
 
     def _accept(self) -> None:
         if self._server is None:

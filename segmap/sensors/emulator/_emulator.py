@@ -59,18 +59,13 @@ class Device:
         waiting = b""  # could not be written yet
         while not self._stopping.is_set():
             self.end.wait(TICK, writing=bool(waiting))
-            heard, fits = self.end.read(), self.end.fits(self.unit)
-            if fits:
-                self.unit.receive(heard)
-            elif heard:
-                waiting += self.wire.rng.bytes(len(heard))
+            self.unit.receive(self.end.read())
             if not waiting:
                 try:
-                    sent = self.wire.passed(self.unit.transmit())
+                    waiting = self.wire.passed(self.unit.transmit())
                 except Unplugged:
                     self.end.close()
                     return
-                waiting = sent if fits else bytes(b ^ 0xA5 for b in sent)
             waiting = waiting[self.end.write(waiting) :]
 
 

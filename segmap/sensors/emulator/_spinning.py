@@ -44,8 +44,6 @@ class SpinningUnit:
         As of `SpinningEmulator`.
     """
 
-    usb, rate = True, 230_400  # a terminal has any rate
-
     def __init__(
         self,
         scans: Iterable[LaserScan],

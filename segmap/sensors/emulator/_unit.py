@@ -30,7 +30,6 @@ from ._worlds import MODELS, ModelName
 World = Callable[[int], NDArray[np.int64]]
 #: Beyond every distance, millimetres.
 FARTHEST_MM = 1 << 20
-EMULATED_RATES = (19200, 38400, 57600, 115200, 250000, 500000, 750000)
 #: What it speaks after power-up, and how much faster its seconds go by.
 PowerUp = Literal["2.0", "1.1", "1.1 only"]
 Speed = Annotated[Positive, at_least(1e-3), at_most(1e3)]
@@ -47,9 +46,9 @@ class Unit:
     protocol : "2.0", "1.1" or "1.1 only"
         What it speaks after power-up; the last has firmware that cannot switch.
     rate : int, bits a second
-        That it is left at.
+        Of an RS-232 line, which slows it down.
     usb : bool
-        False makes it an RS-232 sensor: the rate must match and slows it down.
+        Whether there is no such line.
     speed : float
         Its seconds go by so much faster.
     clock : callable
@@ -78,14 +77,12 @@ class Unit:
         self.model = MODELS[model]
         if model != "URG-04LX":
             arrays.one_of(protocol, "protocol", ("2.0",))
-        if rate not in EMULATED_RATES:
-            raise ValueError(f"rate must be one of {EMULATED_RATES}, got {rate}")
         self.world = arrays.function(world, "world", "from a turn to its millimetres")
         arrays.call_given(
             inspect.signature(world).bind, "world", 0
         )  # a call would draw from its noise
         self.speed, self.usb, self.timing = speed, usb, timing
-        self.stamp, self.rate, self.next_rate = stamp, rate, rate
+        self.stamp, self.rate = stamp, rate
         self.old, self._switches = protocol != "2.0", protocol == "1.1"
         self.laser, self.trouble = self.old, ""
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
@@ -126,8 +123,6 @@ class Unit:
         data, self._out = self._out[:allowed], self._out[allowed:]
         if data or not self._out:
             self._sent_at = now
-        if not self._out:
-            self.rate = self.next_rate
         return data
 
     def fail(self, trouble: str) -> None:
@@ -185,16 +180,6 @@ class Unit:
         """Leave the time mode, in which a host may have left it; it is not entered here."""
         status = "01" if text != "TM2" else "00" if self.timing else "03"
         self.timing &= status != "00"
-        return encode_reply(text, status)
-
-    def _do_ss(self, text: str) -> bytes:
-        if not text[2:].isdigit():
-            return encode_reply(text, "01")
-        rate = int(text[2:])
-        if rate not in EMULATED_RATES:
-            return encode_reply(text, "02")
-        status = "03" if rate == self.rate else "00"
-        self.next_rate = rate
         return encode_reply(text, status)
 
     def _do_gd(self, text: str) -> bytes:
