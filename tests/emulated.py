@@ -68,7 +68,7 @@ class Wired:
         self.now, self.kept, self.sent, self.spoil = 0.0, b"", 0, spoil
         self.wire = Wire(lambda: self.now, np.random.default_rng(seed))
         self.unit = unit(world, clock=lambda: self.now, **state)
-        self.baudrate = 115200 if self.unit.usb else self.unit.rate
+        self.baudrate = 115200 if getattr(self.unit, "usb", True) else self.unit.rate
         self.open, self.gone = True, False
 
     @property
