@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from copy import deepcopy
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from ..arrays import Quantity, Share, checked, upper_bound_excluded
+from ..arrays import Quantity, checked
 from ..files import write_bytes
 from ..quadtree import QuadtreeMap, extent
-from ._world import Frame, collection
+from ._world import Frame, collection, feature
 
 #: Grey values of classes: free, unknown, occupied.
 GREYS = np.array([254, 205, 0], np.uint8)
@@ -73,14 +73,8 @@ def ros_classes(
 
 # ------------------------------------------------------------------------- drawings
 @checked
-def write_geojson(
-    path: str | Path,
-    map: QuadtreeMap,
-    *,
-    occupied: Annotated[Share, upper_bound_excluded(1)] = 0.5,
-    world: Frame = Frame(),
-) -> None:
-    """Write the leaves of greater occupancy than `occupied` as squares, with both counts.
+def write_geojson(path: str | Path, map: QuadtreeMap, *, world: Frame = Frame()) -> None:
+    """Write the leaves of an occupancy above 0.5 as squares, with both counts.
 
     Coordinates are metres in the map's frame, x before y; the file says so in its `crs`, a local
     reference system. GDAL and QGIS read it; who follows RFC 7946 to the letter takes degrees. With
@@ -101,18 +95,13 @@ def write_geojson(
         value, leaves = map.leaf_occupancy(), map.leaves()
     arrays.instance(world, "world", Frame)
     digits, features = _digits(map.resolution), []
-    table = np.stack([*leaves, value], -1)[value > occupied]
+    table = np.stack([*leaves, value], -1)[value > 0.5]
     for x, y, side, vis, occ, occupancy in table.tolist():
         x_min, y_min, x_max, y_max = (round(v, digits) for v in (x, y, x + side, y + side))
         ring = [(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max), (x_min, y_min)]
         corners = world.coordinates(ring).tolist()
-        features.append(
-            {
-                "type": "Feature",
-                "properties": {"occupancy": round(occupancy, 6), "vis": int(vis), "occ": int(occ)},
-                "geometry": {"type": "Polygon", "coordinates": [corners]},
-            }
-        )
+        counts: Any = {"occupancy": round(occupancy, 6), "vis": int(vis), "occ": int(occ)}
+        features.append(feature("Polygon", [corners], **counts))
     write_bytes(arrays.file(path), collection(features, world).encode("ascii"))
 
 

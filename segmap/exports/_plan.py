@@ -18,7 +18,7 @@ from ..plan import FloorPlan
 from ..segments import angle
 from ._segments import METRES
 from ._sheet import ENDS, checked_words, room_sides, wall_bodies, write_sheet
-from ._world import Direction, Frame, collection
+from ._world import Direction, Frame, collection, feature
 
 #: Height of letters in a drawing, metres: 2.5 mm at 1 : 100.
 LETTER_M = 0.25
@@ -97,29 +97,28 @@ def _csv_rooms(plan: FloorPlan, world: Frame) -> Iterator[str]:
 
 
 def _geojson_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
-    def feature(kind: str, geometry: str, coordinates: Any, **properties: Any) -> dict[str, Any]:
-        placed = {"type": geometry, "coordinates": coordinates}
+    def part(kind: str, geometry: str, coordinates: Any, **properties: Any) -> dict[str, Any]:
         properties |= {"level": "0", **INDOOR.get(kind, {})}
-        return {"type": "Feature", "properties": {"kind": kind, **properties}, "geometry": placed}
+        return feature(geometry, coordinates, kind=kind, **properties)
 
     def ring(corners: Array) -> Any:
         return world.coordinates(np.concatenate([corners, corners[:1]])).tolist()
 
     features = [
-        feature("room", "Polygon", [ring(room.outline), *(ring(hole[::-1]) for hole in room.holes)],
+        part("room", "Polygon", [ring(room.outline), *(ring(hole[::-1]) for hole in room.holes)],
                 name=room.name, area=round(room.area, 3), hidden=round(room.hidden, 3),
                 perimeter=round(room.perimeter, 3))
         for room in plan.rooms
     ]  # fmt: skip
     features += [
-        feature("door", "Point", world.coordinates(door.place).tolist(),
+        part("door", "Point", world.coordinates(door.place).tolist(),
                 width=round(door.width, 3),
                 rooms=[plan.rooms[k].name for k in door.rooms if k >= 0])
         for door in plan.doors
     ]  # fmt: skip
     for kind, segments in (("wall", plan.walls.segments), ("clutter", plan.clutter.segments)):
         lines = world.coordinates(segments).tolist()
-        features += [feature(kind, "LineString", ends) for ends in lines]
+        features += [part(kind, "LineString", ends) for ends in lines]
     yield collection(features, world)
 
 

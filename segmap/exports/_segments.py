@@ -11,7 +11,7 @@ from .. import arrays
 from ..arrays import Array, Segments
 from ..files import write_bytes
 from ..segments import SegmentMap
-from ._world import Frame, collection
+from ._world import Frame, collection, feature
 
 #: Largest side of a drawing, pixels.
 DRAWING_PIXELS = 800
@@ -84,11 +84,7 @@ def _csv_lines(map: SegmentMap, world: Frame) -> Iterator[str]:
 def _geojson(map: SegmentMap, world: Frame) -> Iterator[str]:
     placed = world.coordinates(map.segments)
     features = [
-        {
-            "type": "Feature",
-            "properties": {"scan": scan},
-            "geometry": {"type": "LineString", "coordinates": ends},
-        }
+        feature("LineString", ends, scan=scan)
         for ends, scan in zip(placed.tolist(), map.scan.tolist(), strict=True)
     ]
     yield collection(features, world)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +32,12 @@ class Frame(Settings):
     def coordinates(self, points: ArrayLike) -> Array:
         """Coordinates `(..., 2)` of points `(..., 2)` of the map, metres."""
         return arrays.trailing(points, "points", 2)
+
+
+def feature(geometry: str, coordinates: Any, **properties: Any) -> dict[str, Any]:
+    """A feature of GeoJSON."""
+    placed = {"type": geometry, "coordinates": coordinates}
+    return {"type": "Feature", "properties": properties, "geometry": placed}
 
 
 def collection(features: Sequence[object], world: Frame) -> str:

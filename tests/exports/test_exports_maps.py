@@ -18,14 +18,12 @@ assert room  # the fixture
 SQUARE = re.compile(r"M(\S+) (\S+?)h(\S+?)v(\S+?)h-(\S+?)z")
 
 
-@pytest.mark.parametrize("occupied", [0.5, 0.9])
-def test_geojson_holds_the_occupied_leaves(room, occupied, tmp_path):
+def test_geojson_holds_the_occupied_leaves(room, tmp_path):
     """Catches leaves lost, rings that run clockwise or stay open, and y before x."""
-    options = {} if occupied == 0.5 else {"occupied": occupied}
-    write_geojson(tmp_path / "room.geojson", room, **options)
+    write_geojson(tmp_path / "room.geojson", room)
     found = json.loads((tmp_path / "room.geojson").read_text())
     leaves, value = room.leaves(), room.leaf_occupancy()
-    hit = np.flatnonzero(value > occupied)
+    hit = np.flatnonzero(value > 0.5)
     assert found["type"] == "FeatureCollection" and 0 < len(found["features"]) == len(hit)
     assert found["crs"]["properties"]["name"].startswith("LOCAL_CS[")  # metres, no degrees
     rings = np.array([f["geometry"]["coordinates"] for f in found["features"]])[:, 0]

@@ -85,6 +85,22 @@ class PluggedIn:
         """The device to open, or the address where it is reached by TCP."""
         return self._end.name
 
+    @checked
+    def inject(
+        self,
+        kind: str,
+        *,
+        after: Annotated[Count, at_least(0)] = 0,
+        seconds: Annotated[Seconds, at_least(0)] = 0.5,
+    ) -> None:
+        """Plan a fault of the wire, `after` so many more bytes of the sensor.
+
+        "flip" a bit, "lose" a byte, "stale" bytes, "stop" in a reply, "silence" for some seconds,
+        "unplug".
+        """
+        arrays.one_of(kind, "kind", WIRE_FAULTS)
+        self.wire.plan(Fault(kind, after, seconds))
+
     def unplug(self) -> None:
         """Pull the sensor out: the device vanishes, the address refuses."""
         self._device.stop()
@@ -160,27 +176,17 @@ class Emulator(PluggedIn):
         end = Terminal() if tcp is None else Listener(arrays.instance(tcp, "tcp", str))
         super().__init__(self.unit, end, rng)
 
-    @checked
-    def inject(
-        self,
-        kind: str,
-        *,
-        after: Annotated[Count, at_least(0)] = 0,
-        seconds: Annotated[Seconds, at_least(0)] = 0.5,
-    ) -> None:
-        """Plan a fault.
+    def inject(self, kind: str, *, after: int = 0, seconds: float = 0.5) -> None:
+        """Plan a fault: of the wire, or of the sensor, at once.
 
-        Of the wire: "flip" a bit, "lose" a byte, "stale" bytes, "stop" in a reply, "silence" for
-        some seconds, "unplug"; they happen `after` so many more bytes of the sensor. Of the sensor,
-        at once: "status" 50 for each scan until `mend`, clock "wrap".
+        Those of the sensor are "status" 50 for each scan until `mend`, and clock "wrap".
         """
         if kind == "status":
             self.unit.fail("Motor does not turn.")
         elif kind == "wrap":
             self.unit.wrap_clock()
         else:
-            arrays.one_of(kind, "kind", (*WIRE_FAULTS, "status", "wrap"))
-            self.wire.plan(Fault(kind, after, seconds))
+            super().inject(kind, after=after, seconds=seconds)
 
     def mend(self) -> None:
         """Repair the sensor: its scans are whole again."""

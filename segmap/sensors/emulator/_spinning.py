@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 
 from ... import arrays
-from ...arrays import Array, Count, Seconds, at_least, checked
+from ...arrays import Array, checked
 from ...scans import LaserScan
 from .._host import one_by_one
-from ._device import Fault, Terminal
+from ._device import Terminal
 from ._emulator import PluggedIn
 from ._unit import Speed
 
@@ -194,14 +194,3 @@ class SpinningEmulator(PluggedIn):
     ) -> None:
         arrays.one_of(model, "model", ("LD19", "RPLIDAR-A1"))
         super().__init__(SpinningUnit(scans, model, speed=speed), Terminal(), rng)
-
-    @checked
-    def inject(
-        self,
-        kind: Literal["flip", "lose", "silence", "unplug"],
-        *,
-        after: Annotated[Count, at_least(0)] = 0,
-        seconds: Annotated[Seconds, at_least(0)] = 0.5,
-    ) -> None:
-        """Plan a fault of the wire: a bit, a byte, silence for some seconds, or unplugged."""
-        self.wire.plan(Fault(kind, after, seconds))
