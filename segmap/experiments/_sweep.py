@@ -20,6 +20,9 @@ from ._records import number_text
 if TYPE_CHECKING:
     import pandas as pd
 
+#: A run is repeated so often at most, for its time.
+MOST_REPEATS = 1000
+
 
 def sweep(
     maps: Mapping[str, Segments],
@@ -88,7 +91,7 @@ def sweep(
     grids = arrays.instance({} if grids is None else grids, "grids", Mapping)
     if executor is not None:
         arrays.instance(executor, "executor", Executor)
-    jobs = planned(maps, chosen, grids, filters, arrays.whole(repeat, "repeat"))
+    jobs = planned(maps, chosen, grids, filters, arrays.whole(repeat, "repeat", most=MOST_REPEATS))
     done: dict[int, Row] = {}
 
     def keep(index: int, row: Row) -> None:
