@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,6 +32,7 @@ class PoseGraph(NamedTuple):
     relative: Array  #: (m, 3): pose of the second in the frame of the first
     information: Array  #: (m, 3, 3): inverse covariance, in the frame of the first
     ids: NDArray[Any] | None = None  #: (n,): names of the vertices; None: their rows
+    left_out: Mapping[str, int] = MappingProxyType({})  #: lines that do not concern the poses
 
 
 def write_graph(path: str | Path, graph: Alignment | PoseGraph) -> None:

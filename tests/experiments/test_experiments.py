@@ -94,7 +94,7 @@ MISTAKES = [
     ((MAPS, ["fusion"], {"fusion": {"tolerance": ["a"]}}), {}, "numbers or None, got 'a'"),
     ((MAPS, {"mine": lambda map, **all: 0}, {"mine": [{"seconds": 1}]}), {}, "threshold 'seconds'"),
     (({"bad": [[(0, np.nan), (1, 1)]]}, ["fusion"]), {}, r"maps\['bad'\]\[0\] is"),
-    ((MAPS, ["fusion"]), {"repeat": 0}, "repeat must be .* at least 1, got 0"),
+    ((MAPS, ["fusion"]), {"repeat": 0}, "repeat must be .* at least 1 .*, got 0"),
     *(
         ((MAPS, ["fusion"]), {"filters": (None, least)}, "filters must be .* in metres, or None")
         for least in (0.0, -1.0, np.nan, np.inf)

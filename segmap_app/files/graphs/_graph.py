@@ -13,6 +13,7 @@ vertices, priors, bearings, switches and parameters are left out, and counted. G
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -54,6 +55,7 @@ def read_graph(path: str | Path) -> PoseGraph:
     (array([[0, 1]]), array([[1.1, 0. , 0. ]]), array([3, 5]))
     """
     poses: dict[int, Array] = {}
+    left_out = Counter[str]()
     measured: list[tuple[int, int, int, Array]] = []
 
     def take(fields: list[str]) -> None:
@@ -68,7 +70,9 @@ def read_graph(path: str | Path) -> PoseGraph:
         elif kind in ORDERS:
             ends = _vertex_number(rest[:1]), _vertex_number(rest[1:2])
             measured.append((lines.number, *ends, _measured_motion(rest[2:], ORDERS[kind])))
-        elif kind not in (*G2O_OTHERS, *G2O_LASERS) and not LEFT_OUT.fullmatch(kind):
+        elif kind in (*G2O_OTHERS, *G2O_LASERS) or LEFT_OUT.fullmatch(kind):
+            left_out[kind] += 1
+        else:
             raise ValueError(f"expected a VERTEX_SE2 or EDGE_SE2 line, got {kind[:40]!r}")
 
     with log_file(path) as place:
@@ -86,7 +90,9 @@ def read_graph(path: str | Path) -> PoseGraph:
     numbers = np.reshape([edge[3] for edge in measured], (-1, 12))
     relative = numbers[:, :3]
     information = rotated(numbers[:, 3:].reshape(-1, 3, 3), -relative[:, 2])
-    return PoseGraph(np.array([poses[k] for k in sorted(poses)]), edges, relative, information, ids)
+    return PoseGraph(
+        np.array([poses[k] for k in sorted(poses)]), edges, relative, information, ids, left_out
+    )
 
 
 def _vertex_number(fields: Sequence[str]) -> int:
