@@ -30,6 +30,7 @@ def add(commands: Any) -> None:
         help="write a log, its path or its pose graph, for other programs",
         epilog=log_options.examples(
             "convert room -o room.log                     for CARMEN",
+            "convert room -o room.npz                     as arrays",
             "convert room --align pose_graph -o room.tum -o room.g2o",
         ),
     )
