@@ -236,7 +236,9 @@ def _alone(points: ArrayLike, closed: bool) -> Beams:
 def _beams_of(scans: Sequence[LaserScan], closed: bool) -> Beams:
     """The points of several scans."""
     points = [scan.points() for scan in scans]
-    rounds = np.array([closed or scan.whole_turn for scan in scans])
+    same_beams = {scan.angles.tobytes(): scan for scan in scans}  # few, and asking takes long
+    whole = {angles: scan.whole_turn for angles, scan in same_beams.items()}
+    rounds = np.array([closed or whole[scan.angles.tobytes()] for scan in scans])
     places = np.array([scan.sensor_pose[:2] for scan in scans])
     first = np.cumsum([0, *map(len, points)])
     return Beams(arrays.points(np.concatenate(points)), first, rounds, places)

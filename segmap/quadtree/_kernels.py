@@ -261,7 +261,7 @@ def compact(blocks: Blocks, root: int, join: bool, order: Cells, above: Cells, n
     """Copy the blocks that the root reaches into new arrays, parents first; returns their number.
 
     The root becomes block 0. Where told to `join`, squares whose four children are alike, never hit
-    and equally often crossed become leaves; their blocks stay for the next call to leave out.
+    and equally often crossed become leaves.
     `order` and `above`, `(b,)`, are room to work in: the blocks copied, and the node above each.
     """
     (vis, occ), (new_vis, new_occ) = blocks, new
@@ -282,8 +282,18 @@ def compact(blocks: Blocks, root: int, join: bool, order: Cells, above: Cells, n
         for node in range(first + 1, first + 4):
             same = same and new_vis[node] == new_vis[first] and new_occ[node] == 0
         if same:
-            new_vis[above[k]] = new_vis[first]
-    return count
+            new_vis[above[k]], order[k] = new_vis[first], -1
+    used = 0
+    for k in range(count):  # move up to where blocks that were joined lay
+        if order[k] >= 0:
+            for q in range(4):
+                node, place = 4 * k + q, 4 * used + q
+                new_vis[place], new_occ[place] = new_vis[node], new_occ[node]
+            if k > 0:
+                new_vis[4 * order[above[k] >> 2] + (above[k] & 3)] = ~used
+            order[k] = used
+            used += 1
+    return used
 
 
 @compiled

@@ -115,7 +115,6 @@ class Tree(Locked):
             self.version += 1
         if finest is not None:
             self._compact(self.used, join=True)
-            self._compact(self.used, join=False)
         return True
 
     @locked
@@ -136,7 +135,6 @@ class Tree(Locked):
             self.vis[nodes], self.occ[nodes] = self.vis[border][:, None], 0
             self.vis[border], self.used = ~blocks, self.used + len(border)
         self._compact(self.used, join=True)
-        self._compact(self.used, join=False)
 
     @locked
     def mend(self) -> None:
@@ -146,7 +144,7 @@ class Tree(Locked):
     def _compact(self, blocks: int, *, join: bool) -> None:
         """Renumber the blocks; first of all there are so many."""
         order, above = np.empty((2, blocks), np.int64)
-        new = kernels.Blocks(*np.empty((2, 4 * blocks), np.int32))
+        new = kernels.Blocks(*np.empty((2, min(6 * blocks, len(self.vis))), np.int32))
         self.used = kernels.compact(self._blocks(), self.block, join, order, above, new)
         (self.vis, self.occ), self.block, self.version = new, 0, self.version + 1
 

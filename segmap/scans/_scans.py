@@ -132,7 +132,8 @@ class LaserScan(Pictured):
         """End points of the valid beams in the robot's frame, `(m, 2)` array, metres."""
         ok = self.valid
         r, a = self.ranges[ok], self.angles[ok]
-        return transform(self.sensor_pose, np.stack([r * np.cos(a), r * np.sin(a)], -1))
+        ends = np.stack([r * np.cos(a), r * np.sin(a)], -1)
+        return transform(self.sensor_pose, ends) if self.sensor_pose.any() else ends + 0.0
 
     def __len__(self) -> int:
         return len(self.ranges)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ... import arrays
 from ...angles import axial_difference
-from ...arrays import Array, Metres, Positive, Radians, Settings, Share
+from ...arrays import Array, Metres, Radians, Settings, Share
 from ...extraction import extract_polylines
 from ...poses.motions import transform, wrap
 from ...scans import LaserScan, Log
@@ -26,6 +26,9 @@ from .._result import Appraisal, Outcome, Trail, alignment_method
 from . import _lines as geometry
 from ._lines import BackboneStep
 
+#: A direction unlike all others needs so many times `min_length` of wall: a chord across a door,
+#: seen once, is no corridor.
+NEW_DIRECTION = 3.0
 # What is expected of an orthogonal building before the result is believed:
 #: A segment follows a direction to within this, radians: six standard deviations of a wall of 1 m,
 #: seen with 20 beams and 10 mm of noise.
@@ -51,8 +54,6 @@ class Thresholds(Settings):
     distance: Metres = 0.20
     angle: Radians = np.pi / 18
     parallel: Radians = np.pi / 36
-    new_direction: Positive = 3.0
-    follow: bool = True
 
 
 @alignment_method
@@ -66,9 +67,7 @@ def backbone(
     distance: Metres = 0.20,
     angle: Radians = np.pi / 18,
     parallel: Radians = np.pi / 36,
-    new_direction: Positive = 3.0,
     orthogonal: Share = 0.75,
-    follow: bool = True,
 ) -> Outcome:
     """Lay straight stretches onto the lines of an orthogonal building (A 3.3.2).
 
@@ -79,9 +78,9 @@ def backbone(
     rotation. Each correction stays: the next odometry step starts from the corrected pose.
 
     It goes beyond A: a new line takes the direction of an older one (A) or its normal; segments
-    that disagree with the mean rotation by more than `parallel` are left out; while `follow` is set
-    a scan that is not used still takes its heading from the directions of the backbone, and one
-    that matches no line has the backbone built anew for the next.
+    that disagree with the mean rotation by more than `parallel` are left out; a scan that is not
+    used still takes its heading from the directions of the backbone, and one that matches no line
+    has the backbone built anew for the next.
 
     The building must be orthogonal, and the method says where it is not: see `orthogonal`. Errors
     pass from scan to scan, and no loop is closed. In corridors so wide that their walls come back
@@ -106,17 +105,12 @@ def backbone(
         A match needs a direction this near the line's: 10 degrees are more than a turn gets wrong.
     parallel
         Lines nearer in direction than this are taken for parallel.
-    new_direction
-        A direction unlike all others needs so many times `min_length` of wall: a chord across a
-        door, seen once, is no corridor.
     orthogonal
         Share of the wall seen that must follow two perpendicular directions. Walls in any direction
         reach 0.07, three directions 0.33, a wing at 45 degrees 0.5; furnished orthogonal buildings
         0.9. Below it, or where the walls of one scan do not agree on one rotation, the assumption
         fails: nothing is used, odometry is carried, and `.doubt` and `.reasons` say why. 0 insists
         on aligning all the same.
-    follow
-        False leaves the headings of scans that are not used to odometry, as A does.
 
     Examples
     --------
@@ -130,8 +124,8 @@ def backbone(
     >>> backbone(simulate(circular_room(5), path, sensor=SICK_LMS200, rng=rng)).doubt[:18]
     'the assumption fai'
     """
-    lengths = (min_length, step, turning, rotation, distance, angle, parallel)
-    walk = _Backbone(log, Thresholds(*lengths, new_direction, follow))
+    rules = Thresholds(min_length, step, turning, rotation, distance, angle, parallel)
+    walk = _Backbone(log, rules)
     causes, fails = _causes([walk.step(k, scan) for k, scan in enumerate(log)], orthogonal)
     trail = Trail(log) if fails else walk.trail
     while len(trail.laid) < len(log):
@@ -184,7 +178,6 @@ class _Backbone:
         used = why is Unmatched.NONE
         if not used:
             partner = geometry.parallels(there, self.lines, t.angle)
-            partner[:] = partner if t.follow else -1
         pose = geometry.turned(guess, seen, self.lines, partner, t.parallel)  # step 6
         if used:
             pose = geometry.shifted_onto_lines(pose, seen, self.lines, partner)  # step 7
@@ -211,12 +204,12 @@ class _Backbone:
     def _rebuild(self, guess: Array) -> bool:
         """Build the backbone where there is none yet or a relevant rotation has just ended."""
         turned = abs(wrap(guess[2] - self.built)) > self.t.rotation
-        due = turned or not len(self.lines.angle) or (self.lost and self.t.follow)
+        due = turned or not len(self.lines.angle) or self.lost
         if not due or not len(self.walls.weight):
             return False
         t, self.built = self.t, float(guess[2])
         self.lines, self.known = geometry.support_lines(
-            self.walls, self.known, t.distance / 2, t.parallel, t.new_direction * t.min_length
+            self.walls, self.known, t.distance / 2, t.parallel, NEW_DIRECTION * t.min_length
         )
         return True
 

@@ -32,9 +32,7 @@ from ._jumps import without_jumps
 ODOMETRY_UNITS = {
     "millimetres": 0.001,
     "centimetres": 0.01,
-    "inches": 0.0254,
     "feet": 0.3048,
-    "kilometres": 1000.0,
 }
 #: Shares of the way that wheels may say, in any unit.
 WAY_RATIOS = (0.86, 1.12)

@@ -63,8 +63,6 @@ MENDED: dict[str, tuple[Cause, Change]] = {
     "millimetres": (Cause.UNIT, lambda rows: rows * (1000, 1000, 1)),
     "centimetres": (Cause.UNIT, lambda rows: rows * (100, 100, 1)),
     "feet": (Cause.UNIT, lambda rows: rows / (0.3048, 0.3048, 1)),
-    "inches": (Cause.UNIT, lambda rows: rows / (0.0254, 0.0254, 1)),
-    "kilometres": (Cause.UNIT, lambda rows: rows * (0.001, 0.001, 1)),
     "y to the right": (Cause.ODOMETRY_MIRRORED, lambda rows: rows * (1, -1, 1)),
     "clockwise": (Cause.ODOMETRY_MIRRORED, lambda rows: rows * (1, 1, -1)),
     "compass": (Cause.ODOMETRY_MIRRORED, lambda rows: (0, 0, np.pi / 2) + rows * (1, 1, -1)),
