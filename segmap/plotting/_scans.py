@@ -54,9 +54,8 @@ def draw_points(
     ax: Axes | None = None,
     color: str = RAW,
     size: Points = 3.0,
-    label: str | None = None,
 ) -> Axes:
-    """Draw points `(n, 2)` as dots; `label` is for a legend.
+    """Draw points `(n, 2)` as dots.
 
     Examples
     --------
@@ -66,7 +65,7 @@ def draw_points(
     """
     ax, rows = axes_or_new(ax), arrays.points(points)
     look = {"markersize": size, "color": shade(color), "markeredgewidth": 0}
-    ax.plot(*rows.T, ".", **look, label=label)
+    ax.plot(*rows.T, ".", **look)
     return map_axes(ax)
 
 

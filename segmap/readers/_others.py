@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -78,17 +77,9 @@ def other_text(name: str, lines: Sequence[str]) -> str:
         if re.search(mark, text):
             return _opened(what, code, name)
     if re.match(r'[\[{]\s*($|["\d\[{-])', first):
-        is_lines = len(lines) > 1 and _is_json(first)
+        is_lines = len(lines) > 1 and first.endswith(("}", "]"))
         return _opened("JSON", JSON_LINES if is_lines else JSON_WHOLE, name)
     return ""
-
-
-def _is_json(text: str) -> bool:
-    try:
-        json.loads(text)
-    except (ValueError, RecursionError):
-        return False
-    return True
 
 
 def _opened(what: str, code: str, name: str) -> str:
