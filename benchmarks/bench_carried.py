@@ -44,15 +44,23 @@ class Laser(NamedTuple):
 
 
 class Hand(NamedTuple):
-    """Metres and degrees in each scan of a hand that walks and turns; it also stands at times."""
+    """Metres and degrees in each scan of a hand that walks and turns; it also stands at times.
+
+    One that `stops` does so before it turns again.
+    """
 
     name: str
     way: float
     turn: float
+    stops: bool = False
 
 
 LASERS = (Laser("LD19", 450, 0.1, 0.01, 0.0), Laser("RPLIDAR-A1", 360, 0.18, 0.005, 0.006))
-HANDS = (Hand("calm", 0.05, 8.0), Hand("fast", 0.10, 25.0), Hand("stops, 40 deg", 0.10, 40.0))
+HANDS = (
+    Hand("calm", 0.05, 8.0),
+    Hand("fast", 0.10, 25.0),
+    Hand("stops, 40 deg", 0.10, 40.0, stops=True),
+)
 #: How a speed changes, and in how many scans it does so on average.
 CHANGES, SCANS_A_CHANGE = ("between", "jumps", "smoothed"), 8
 #: Through a simulated office and its six rooms, and the reach of the laser, metres.
@@ -68,13 +76,16 @@ MINUTES = (1, 5, 10, 20, 30)
 
 def speeds(hand: Hand, laser: Laser, change: str, rng: np.random.Generator) -> Iterator[Any]:
     """Metres and radians from beam to beam, `(beams, 2)`, of scan after scan."""
-    beams, rest, before = laser.beams, np.zeros((0, 2)), np.zeros((laser.beams, 2))
+    moves, beams, rest, before = True, laser.beams, np.zeros((0, 2)), np.zeros((laser.beams, 2))
     while True:
         while len(rest) < beams:
             length = int(rng.integers(3, 2 * SCANS_A_CHANGE - 2)) * beams
             length += int(rng.integers(beams)) * (change != "between")
             way = hand.way * (rng.random() > 0.2)
             turn = np.radians(hand.turn) * rng.choice([-1, 1]) * (rng.random() > 0.2)
+            if hand.stops and moves:
+                way = turn = 0.0
+            moves = not moves
             rest = np.vstack([rest, np.tile([way / beams, turn / beams], (length, 1))])
         now, rest = rest[:beams], rest[beams:]
         if change == "smoothed":  # each speed is the mean over the last turn

@@ -164,6 +164,10 @@ class FrontEnd(Undoable):
             match = no_match(guess, Unmatched.TOO_LITTLE_SEEN)
         else:
             match = self.matcher(map, points, guess)
+            if self.rules.moving and turn_of(scan) > 0 and not match.overlap > SURE_OVERLAP:
+                carried = at_mid_turn(scan, np.r_[before.motion[:3], np.zeros(3)])
+                other = self.matcher(map, in_range(carried.points()), guess)
+                match = max(match, other, key=lambda each: each.matched * each.overlap)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
                 match = self._regain(map, points, guess, match)
             if self.rules.moving and match.matched and turn_of(scan) > 0:
