@@ -28,11 +28,10 @@ def go_through(draft: Draft, run: int, place: Array) -> str:
     # metres along the run, and behind it, of the place and of all faces
     at = float(np.clip((place - start) @ way, 0, size))
     low, high = np.sort((faces.segments - start) @ way).T
-    off = (start - faces.segments) @ front
+    off, facing = (start - faces.segments) @ front, lefts @ front
     if (room := room_near(grid, parts, start + at * way + ROOM_REACH_M / 2 * front)) < 0:
         return "no room before it"
 
-    facing = lefts @ front
     is_parallel, depth = abs(facing) > np.cos(FACE_TURN_RAD), off.mean(1)
     is_next = faces.wall & is_parallel & (faces.side * facing >= 0) & (depth > grid.side)
     is_next &= (depth <= FURNITURE_REACH_M) & (np.maximum(low - size, -high) <= HIDDEN_M)

@@ -70,8 +70,7 @@ def room_of(
         hidden += area
     clean = shapely.buffer(shapely.Polygon(rings[0], rings[1:]), 0)
     whole = largest(shapely.simplify(clean, STRAIGHT_M))
-    holes = [np.array(ring.coords)[:-1] for ring in whole.interiors]
-    holes = [hole for hole in holes if shapely.Polygon(hole).area < least]
+    holes = [np.array(k.coords)[:-1] for k in whole.interiors if shapely.Polygon(k).area < least]
     holes = [hole for hole in holes if np.inf not in sides_on_walls(hole, walls)[1]]
     filled = shapely.union_all([whole, *map(shapely.Polygon, holes)])
     return room_within(filled, hidden + filled.area - whole.area)

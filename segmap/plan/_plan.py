@@ -17,6 +17,7 @@ from ..quadtree import FREE, QuadtreeMap
 from ..reduction import Reduction
 from ..segments import length
 from ._cells import (
+    LEAST_HOLE_M2,
     WIDEST_LEAF_M,
     Edges,
     Grid,
@@ -184,7 +185,8 @@ def floor_plan(
     Walls of a building run along few axes, so their lines cut the plane into cells (Mura et al.
     2014 do so in space). What is free in a cell joins the next one where neither a wall nor a
     doorway stands between both. A room reaches to the faces of its walls; what is smaller than
-    `least_area` and stands in it, or at a wall, counts as its floor, and is `Room.hidden`.
+    `least_area` and stands in it, or at a wall, counts as its floor, and is `Room.hidden`. What was
+    only looked into, through a doorway or less, is no room where nobody saw most of its border.
 
     Parameters
     ----------
@@ -206,7 +208,8 @@ def floor_plan(
     band
         Segments whose offsets differ by less are on one line.
     least_area : float, square metres
-        Smaller rooms go into their neighbour; what is larger and stands in a room is none of it.
+        Smaller ones go into the room to which they are open, if that is no doorway; what is larger
+        and stands in a room is none of it.
     edits : list of `Edit`, in their order
         What a person changed, by places: see `plan.edits`. What finds nothing there is in
         `unplaced`.
@@ -250,13 +253,13 @@ def floor_plan(
     announce(0.0, "plan: lines of the walls")
     axes = building_axes(long)
     grid = grid_along(free, float(axes[0]) if len(axes) else 0.0, segments, SQUARE_M)
-    lines = wall_lines(long, axes, band)
+    lines, run = wall_lines(long, axes, band), np.array([widths[0], opening])
     cells = connected(cell_keys(grid.places(), lines), grid.kind == FREE, 1)
     edges = edges_between(lines, grid, cells, (float(widths[0]), float(widths[1])), band)
-    labels, words = find_rooms(grid, cells, edges, kappa, share, opening, least_area)
-    parts = connected(labels, labels >= 0, least_area / grid.side**2)
+    labels, words = find_rooms(grid, cells, edges, kappa, share, run, least_area)
+    parts = connected(labels, labels >= 0, LEAST_HOLE_M2 / grid.side**2)
     reasons = [words[labels[parts == k][0]] for k in range(parts.max() + 1)]
-    faces = draw_faces(segments, axes, grid, parts)
+    faces = draw_faces(segments, grid, parts)
     base = Base(grid, lines, edges, parts, reasons, faces, axes, opening, least_area, {})
     return _form_plan(base, edits)
 
@@ -294,8 +297,7 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     ]
     away = len(openings) - len(doors)
     before = find_doors(base.edges, base.lines, grid, base.parts)
-    for edit in edits:
-        unplaced += [f"{edit} ({why})"] if (why := edit.on_doors(doors, before, draft)) else []
+    unplaced += [f"{k} ({why})" for k in edits if (why := k.on_doors(doors, before, draft))]
     for door in doors:
         faces = with_doorway(faces, door.ends) if door.reason == DRAWN else faces
     seen = grid._replace(kind=np.where(draft.parts >= 0, FREE, grid.kind))

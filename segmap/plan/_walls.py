@@ -14,7 +14,7 @@ from ..quadtree import FREE
 from ..reduction import Reduction
 from ..segments import MIN_LENGTH, angle, length, midpoint
 from ._cells import BRIDGED_M, SHORTEST_ALONE_M, Grid, Mask
-from ._lines import AXIS_BAND_RAD, Indices, merged_spans, quarter_turn
+from ._lines import Indices, merged_spans
 
 #: Parallel looks within this distance, metres, with one free side are one face.
 FACE_BAND_M = 0.12
@@ -25,17 +25,14 @@ LEAST_FACE_BAND_M = 0.04
 FACE_TURN_RAD = np.radians(12)
 #: How far off a segment its free side is looked for, metres.
 FREE_SIDE_M = (0.10, 0.15)
-#: One side is the free one where its share of free squares is larger by so much.
-FREE_SIDE_SHARE = 0.25
 #: Looks on one line belong to one face over gaps of so much, metres: the leaves of a door.
 FACE_GAP_M = 2.5
 #: A face also goes on over gaps of so much, metres, that no ray passed.
 HIDDEN_M = 1.0
 #: Before a gap in a wall there is free space at this distance, metres; a cross wall reaches on.
 BEFORE_M = 0.9
-#: Shorter ones are clutter, metres: along an axis, along none.
+#: Shorter ones are clutter, metres.
 SHORTEST_WALL_M = 0.3
-SHORTEST_OBLIQUE_M = 0.5
 #: Other ends that are so near a wall, before it or behind, end there, metres.
 T_REACH_M = 0.15
 #: Points of a segment by whose squares those of all its points are known (Simpson's rule).
@@ -68,17 +65,14 @@ class Faces(NamedTuple):
     members: Indices
 
 
-def draw_faces(segments: Array, axes: Array, grid: Grid, labels: Indices) -> Faces:
+def draw_faces(segments: Array, grid: Grid, labels: Indices) -> Faces:
     """Walls with closed corners, and clutter as it was seen."""
     drawn, side, residual, face = straight_faces(segments, grid)
-    off = quarter_turn(angle(drawn)[:, None] - axes)
-    off = np.take_along_axis(off, abs(off).argmin(1)[:, None], 1) if len(axes) else off + np.inf
     away = np.arange(grid.side, THICKEST_WALL_M, grid.side)[:, None, None] * normals(drawn)
     beside = np.stack([grid.at(midpoint(drawn) + k * away, labels) for k in (1, -1)])
     room = np.take_along_axis(beside, (beside >= 0).argmax(1)[:, None], 1)[:, 0]
     alone = (room[0] == room[1]) & (room[0] >= 0)
-    least = np.where(abs(off[:, 0]) <= AXIS_BAND_RAD, SHORTEST_WALL_M, SHORTEST_OBLIQUE_M)
-    wall = length(drawn) >= np.where(alone, SHORTEST_ALONE_M, least)
+    wall = length(drawn) >= np.where(alone, SHORTEST_ALONE_M, SHORTEST_WALL_M)
     shut = drawn.copy()
     shut[wall] = closed(drawn[wall], grid)
     wall &= length(shut) >= SHORTEST_WALL_M
@@ -129,8 +123,7 @@ def free_sides(segments: Array, grid: Grid) -> Indices:
     points = segments[:, 0] + share * (segments[:, 1] - segments[:, 0])
     off = np.array(FREE_SIDE_M)[:, None, None, None] * normals(segments)
     left_share, right_share = ((grid.at(points + k * off) == FREE).mean((0, 1)) for k in (1, -1))
-    clear = abs(left_share - right_share) >= FREE_SIDE_SHARE
-    return np.where(clear, np.sign(left_share - right_share), 0).astype(np.int64)
+    return np.sign(left_share - right_share).astype(np.int64)
 
 
 def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, Indices]:

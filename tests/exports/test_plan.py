@@ -8,6 +8,7 @@ import ezdxf
 import numpy as np
 import pytest
 import shapely
+from scipy import ndimage
 
 from segmap import exports, plan
 from segmap.poses import transform
@@ -161,6 +162,7 @@ def test_words_of_a_sheet_stand_on_no_wall_and_on_no_others(tmp_path):
         left, right = round(x / 0.05), round((x + 1.25) / 0.05)
         kinds[172:212, left:right] = kinds[170:172, left + 5 : right - 5] = FREE
         walls += list(polyline([(x, 8.6), (x, 10.6), (x + 1.25, 10.6), (x + 1.25, 8.6)]))
+    kinds[(kinds == UNKNOWN) & ndimage.binary_dilation(kinds == FREE)] = OCCUPIED
     drawn = plan.floor_plan(np.array(walls), map_of_grid(kinds, resolution=0.05))
     exports.write_plan(tmp_path / "it.svg", drawn, verdict="GOOD")
     text = (tmp_path / "it.svg").read_text(encoding="utf-8")

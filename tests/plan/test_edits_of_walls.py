@@ -5,8 +5,11 @@ import pytest
 import shapely
 from scipy import ndimage
 
+from segmap import build_map, load, quadtree
 from segmap.plan import Furniture, Join, Name, NewDoor, NoDoor, Split, Wall, edits, floor_plan
+from segmap.poses import compose
 from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, map_of_grid
+from segmap.reduction import one_per_wall
 
 SIDE = 0.05
 DOOR = shapely.box(3.99, 1.5, 4.21, 2.4)
@@ -291,3 +294,15 @@ def test_edits_at_once_or_one_after_the_other_are_the_same(wardrobes):
         step = step.edited(some[: k + 1])
     assert outlines(step) == outlines(plan.edited(some))
     assert outlines(step.edited([])) == outlines(plan) == outlines(plan.edited([]))
+
+
+def test_what_is_only_looked_into_is_no_room():
+    """Catches rays through a door that count as floor of the room before it, in some frames."""
+    log = load("room")
+    for turn in (0.0, 0.1, 0.9):
+        poses = compose((0.3 * turn, 0.2 * turn, turn), log.truth)
+        walls = one_per_wall(build_map(log, poses, keep_points=True))
+        free = quadtree.build_map(log, poses, resolution=SIDE, free_resolution=SIDE)
+        assert [room.area for room in floor_plan(walls, free).rooms] == [
+            pytest.approx(area, abs=0.15) for area in (16.0, 15.2, 15.2)
+        ]

@@ -151,15 +151,18 @@ def test_a_door_has_a_width_and_may_stand_at_a_corner(low, high, doors):
     assert len(two_rooms(low, high).doors) == doors
 
 
-def test_a_closet_belongs_to_its_room():
-    """Catches a room too small for one whose floor is lost."""
+@pytest.mark.parametrize(("width", "depth"), [(24, 24), (28, 19)])
+def test_a_closet_with_a_door_is_a_room(width, depth):
+    """Catches a small room that counts as floor of the next one, or is lost; squares of 5 cm."""
     kinds = np.full((100, 150), UNKNOWN)
-    kinds[9:91, 9:91], kinds[29:56, 90:117] = OCCUPIED, OCCUPIED
-    kinds[10:90, 10:90] = kinds[30:54, 92:116] = kinds[33:51, 90:92] = FREE
+    kinds[9:91, 9:91], kinds[29 : 31 + width, 90 : 93 + depth] = OCCUPIED, OCCUPIED
+    kinds[10:90, 10:90] = kinds[30 : 30 + width, 92 : 92 + depth] = kinds[33:51, 90:92] = FREE
+    right, top = 4.6 + depth / 20, 1.5 + width / 20
     room = polyline([(4.5, 1.65), (4.5, 0.5), (0.5, 0.5), (0.5, 4.5), (4.5, 4.5), (4.5, 2.55)])
-    closet = [(4.6, 1.65), (4.6, 1.5), (5.8, 1.5), (5.8, 2.7), (4.6, 2.7), (4.6, 2.55)]
+    closet = [(4.6, 1.65), (4.6, 1.5), (right, 1.5), (right, top), (4.6, top), (4.6, 2.55)]
     found = plan.floor_plan([*room, *polyline(closet)], map_of_grid(kinds, resolution=0.05))
-    assert [each.area for each in found.rooms] == [pytest.approx(16 + 1.2**2, abs=0.15)]
+    area = width * depth / 400
+    assert [room.area for room in found.rooms] == [16, pytest.approx(area, abs=0.15)]
 
 
 def test_an_opening_too_wide_for_a_door_joins_both_sides():

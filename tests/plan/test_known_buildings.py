@@ -41,7 +41,7 @@ SITUATIONS = [
     ("wings at 45 degrees", "SICK", 0, "", None),
     ("half seen", "URG", 0, "room 0 of 123.0 m2 not found", GOES_ON),
     ("half seen", "SICK", 1, "room 0 has", GOES_ON),
-    ("seen through a door", "SICK", 0, "not found", GOES_ON),
+    ("seen through a door", "SICK", 0, "not found", "openings to where nothing was seen"),
 ]
 
 
