@@ -376,7 +376,7 @@ def mapped(there: World):
     map = build_map(there.log, result)
     walls, tree = (
         reduction.one_per_wall(map),
-        quadtree.build_map(there.log, result, resolution=0.05),
+        quadtree.build_map(there.log, result, resolution=0.05, free_resolution=0.05),
     )
     areas = [room.area for room in floor_plan(walls, tree).rooms]
     grade = result.verdict_on(map).grade
