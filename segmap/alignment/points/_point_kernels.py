@@ -67,6 +67,17 @@ def place_clouds(
 
 
 @compiled
+def bounding_box(points: Array) -> tuple[float, float, float, float]:
+    """Least x and y, largest x and y of points `(n, 2)`, at least one."""
+    x_min = x_max = points[0, 0]
+    y_min = y_max = points[0, 1]
+    for k in range(1, len(points)):
+        x_min, x_max = min(x_min, points[k, 0]), max(x_max, points[k, 0])
+        y_min, y_max = min(y_min, points[k, 1]), max(y_max, points[k, 1])
+    return x_min, y_min, x_max, y_max
+
+
+@compiled
 def sort_points(grid: PointGrid, points: Array, viewpoints: Array) -> None:
     """Write points and viewpoints `(n, 2)`, metres, cell by cell; `first` is zero before.
 

@@ -78,7 +78,7 @@ class PointMap:
     """
 
     def __init__(self, points: Array, viewpoints: Array | None = None) -> None:
-        (x_min, y_min), (x_max, y_max) = points.min(0).tolist(), points.max(0).tolist()
+        x_min, y_min, x_max, y_max = kernels.bounding_box(points)
         size = max(PARTNER_CELL_M, max(x_max - x_min, y_max - y_min) / 2000)
         columns, rows = int((x_max - x_min) / size) + 1, int((y_max - y_min) / size) + 1
         sided = viewpoints is not None
@@ -192,7 +192,8 @@ class PointMap:
         away = np.arange(-r, r + 1) ** 2 * SEARCH_CELL_M**2
         stamp = (255 * np.exp(-(away[:, None] + away) / (2 * SEARCH_BAND_M**2))).astype(np.uint8)
         points, corner = self._grid.points, self.corner
-        columns, rows = ((points.max(0) - corner) / SEARCH_CELL_M).astype(int) + r + 2
+        last = np.array(kernels.bounding_box(points)[2:])
+        columns, rows = ((last - corner) / SEARCH_CELL_M).astype(int) + r + 2
         levels = np.zeros((LEVELS, rows, columns), np.uint8)
         correlation.stamp_points(levels[0], points, corner, SEARCH_CELL_M, stamp)
         correlation.fill_maxima(levels.reshape(LEVELS, -1), columns)
