@@ -40,7 +40,7 @@ def test_a_plan_is_edited_as_typed_or_as_a_session_keeps_it(tmp_path, capsys):
         found = [one["properties"] for one in json.loads(shapes.read_text())["features"]]
         (outside,) = [one for one in found if one["kind"] == "door" and len(one["rooms"]) == 1]
         assert outside["rooms"] == ["hall <1>"] and outside["width"] == 0.9
-        assert "may go on: hall <1> (11.7 m)" in said and "room 1" not in said
+        assert "where nothing was seen, windows or glass: 1" in said and "room 1" not in said
         assert [row.split(",")[0] for row in table.read_text().splitlines()].count("hall <1>") == 1
     assert main(["plan", "room", "--edit", "Name 1 hall"]) == 2
     assert "--edit: edit must be like" in capsys.readouterr().err
