@@ -88,7 +88,7 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
         words = f"a turn takes {whole:.2g} s by the times of its beams, and scans lie {usual:.2g} s"
         return _keep_as_measured(log, whole, f"{words} apart: these times are not believed")
     rows = pose_graph(log).poses if user_poses is None else user_poses
-    motions, causes = np.pad(velocities(log.times, rows), ((0, 0), (0, 3))), list(log.causes)
+    motions, causes = np.pad(velocities(log.times, rows), ((0, 0), (0, 4))), list(log.causes)
     part = _turning_part(log, motions)
     logs = [log] if log.order_known else [log, replace(log, scans=tuple(map(_reverse, log)))]
     ways = [_carry(each, motions) for each in logs]
@@ -114,7 +114,7 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
 
 
 def _own_motions(log: Log, motions: Array) -> Array:
-    """The motions `(k, 6)` that the matches of the scans have found; else those that are given."""
+    """The motions `(k, 7)` that the matches of the scans have found; else those that are given."""
     live = LiveGraph(tracking=Tracking(moving=True))
     live.extend(log)
     rows = [live.tracked(k) for k in range(len(log))]
@@ -123,7 +123,7 @@ def _own_motions(log: Log, motions: Array) -> Array:
 
 
 def _carry(log: Log, motions: Array) -> list[LaserScan]:
-    """The scans, each beam moved by what the robot moved since the first one, by motions `(k, 6)`.
+    """The scans, each beam moved by what the robot moved since the first one, by motions `(k, 7)`.
 
     A motion is that in the middle of the turn.
     """

@@ -10,6 +10,7 @@ from segmap.matching import LiveMap
 from segmap.poses import between, compose, transform
 from segmap.poses.motions import arc, twist
 from segmap.scans import LaserScan, Log
+from segmap.segments import point_distance
 from segmap.simulation import (
     URG_04LX,
     OdometryNoise,
@@ -103,6 +104,29 @@ def test_a_hand_that_stops_and_turns_by_forty_degrees_a_scan_is_followed(seed):
     errors = off(graph, path)
     assert np.hypot(errors[:, 0], errors[:, 1]).max() < 0.03 and errors[:, 2].max() < 0.01
     assert not any(graph.unmatched)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.7])
+def test_a_hand_that_begins_to_turn_within_a_scan_is_found_to(share):
+    """Catches an acceleration in the place of a jump: half of the scan 0.2 m off its walls."""
+    turn, count = np.radians(40), 450
+    angles = np.angle(np.exp(2j * np.pi * np.arange(count) / count))
+    delays = PERIOD_S * np.arange(count) / count
+    graph, rng = LiveGraph(tracking=Tracking(moving=True)), np.random.default_rng(1)
+    for k in range(6):
+        along = np.maximum(k + delays / PERIOD_S - (4 + share), 0.0)
+        poses = np.stack([1.2 + 0 * along, 1.3 + 0 * along, turn * along], -1)
+        ranges = [float(cast_rays(WALLS, pose, [angle], max_range=12.0)[0])
+                  for pose, angle in zip(poses, angles, strict=True)]  # fmt: skip
+        order = np.argsort(angles)
+        noisy = (np.array(ranges) + rng.normal(0, 0.01, count))[order]
+        graph.add(LaserScan(noisy, angles[order], k * PERIOD_S, delays=delays[order]))
+    carried = graph.tracked(4).scan
+    half = max(0.5 - share, 0.0) * turn
+    there = transform((1.2, 1.3, half), carried.points())
+    off_walls = point_distance(there[:, None], WALLS).min(axis=1)
+    assert np.quantile(off_walls, 0.95) < 0.04
+    assert abs(graph.tracked(4).motion[5] * PERIOD_S - turn) < 0.1 * turn
 
 
 def test_what_is_drawn_is_carried_and_the_first_scan_too():

@@ -10,6 +10,8 @@ from ...arrays import Array
 from ...poses.motions import arc, transform
 from ._point_map import LAST, PointMap
 
+#: A step of the moment at which a velocity jumps counts so many times, a second.
+MOMENT_WEIGHT = 100.0
 #: How far the pose that is supposed may err, metres and radians: it counts where it is free.
 POSE_ERRORS = 0.1, 0.1, 0.2
 #: How far partners are sought at first, metres: a bent wall is a decimetre off.
@@ -24,14 +26,24 @@ MOST_STEPS = 20
 POSE_AND_VELOCITY = 6
 #: Unknowns of a pose, a velocity and an acceleration.
 AND_ACCELERATION = 9
+#: Unknowns of a pose, two velocities and the moment between them.
+AND_JUMP = 10
 
 
 def way(motion: Array, since: Array) -> Array:
-    """Where a motion `(6,)` leads in `(m,)` seconds: poses `(m, 3)`, metres and radians.
+    """Where a motion `(7,)` leads in `(m,)` seconds: poses `(m, 3)`, metres and radians.
 
-    The motion is velocity and acceleration in the robot's frame, metres and radians, seconds.
+    The motion is a velocity, and its change: each second, or at once at a moment; that moment, NaN
+    where it changes all the time. In the robot's frame, metres and radians, seconds.
     """
-    return arc(since[:, None] * motion[:3] + since[:, None] ** 2 / 2 * motion[3:])
+    return arc(since[:, None] * motion[:3] + _gain(motion[6], since)[:, None] * motion[3:6])
+
+
+def _gain(at: float, since: Array) -> Array:
+    """What a change of velocity adds in `(m,)` seconds, in its own unit, `(m,)`."""
+    if np.isnan(at):
+        return since**2 / 2
+    return np.maximum(since - at, 0.0) - max(-at, 0.0)
 
 
 def match_moving(
@@ -43,12 +55,12 @@ def match_moving(
     errors: Array,
     unknowns: int,
 ) -> tuple[Array, Array]:
-    """Pose `(3,)` and motion `(6,)` of a robot that moved while it measured, by point-to-line ICP.
+    """Pose `(3,)` and motion `(7,)` of a robot that moved while it measured, by point-to-line ICP.
 
     Points `(m, 2)`, in the frame of the robot, were measured `since`, `(m,)`, seconds after the
     pose; before it where negative. The offset of a point from its wall depends on the velocity as
-    it does on the pose, times these seconds, and on the acceleration, times half their square. The
-    motion that is supposed errs by `errors`, `(6,)`: that counts where the walls tell little.
+    it does on the pose, times these seconds, and on its change, by what `way` makes of it. The
+    motion that is supposed errs by `errors`, `(7,)`: that counts where the walls tell little.
     """
     weight = np.r_[POSE_ERRORS, errors] ** -2.0
     supposed, reach = np.r_[start, motion], BENT_REACH_M
@@ -59,17 +71,22 @@ def match_moving(
         descent = map.descend(carried, state[:3], reach, LAST, stride=1, rounds=1)
         if len(descent.rows) < unknowns:
             break
-        # 2. How its offset changes with pose, velocity and acceleration
-        by_pose, later = descent.rows[:, :3], since[descent.rows[:, 5].astype(np.int64), None]
+        # 2. How its offset changes with pose, velocity, its change, and the moment of a jump
+        by_pose, later = descent.rows[:, :3], since[descent.rows[:, 5].astype(np.int64)]
         c, s = math.cos(state[2]), math.sin(state[2])
         by_motion = by_pose @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        change = np.hstack([by_pose, later * by_motion, later**2 / 2 * by_motion])[:, free]
+        gain, at = _gain(state[9], later), state[9]
+        by_moment = by_motion @ state[6:9] * ((at < 0) - 1.0 * (later > at))
+        by_velocity = later[:, None] * by_motion, gain[:, None] * by_motion
+        change = np.hstack([by_pose, *by_velocity, by_moment[:, None]])[:, free]
         # 3. A Gauss-Newton step
         weighed = change.T * (descent.rows[:, 4] / descent.sigma**2)
         slope = weighed @ descent.rows[:, 3] + (weight * (state - supposed))[free]
         step = np.linalg.solve(weighed @ change + np.diag(weight[free]), slope)
         state[free] -= step
         largest = np.abs(step[[0, 1, 2, 5]]).max()
+        if unknowns == AND_JUMP:
+            largest = max(largest, abs(step[8]), MOMENT_WEIGHT * abs(step[9]))
         if largest < LAST_STEP and reach <= LAST:
             break
         reach = max(reach / 2, LAST) if largest < NEAR_STEP else reach

@@ -27,7 +27,7 @@ from ..graph import (
 )
 from ..points import LEAST_POINTS, PointMap, in_range, shows_no_place
 from ._doubt import appraisal
-from ._in_motion import at_mid_turn, even_motion, laid_in_motion, turn_of
+from ._in_motion import at_mid_turn, even_motion, laid_in_motion, turn_of, velocity_after
 from ._key_frames import KeyFrame, KeyFrames, Undoable
 from ._pauses import OTHER_PLACE_M, OTHER_PLACE_RAD
 from ._places import OVERLAP_GAIN
@@ -120,7 +120,12 @@ class TrackedScan:
     corridor_sigma_m: float = 0.0  # standard deviation along the walls; 0 where the match tells
     odometry_wins: bool = False  # whether the odometry outweighed its match
     as_measured: LaserScan | None = None  # where `scan` is carried to the middle of its turn
-    motion: Array = field(default_factory=lambda: np.zeros(6))  # of such a scan: `match_moving`
+    motion: Array = field(default_factory=lambda: np.zeros(7))  # of such a scan: `match_moving`
+
+    @property
+    def velocity(self) -> Array:
+        """At the end of its turn, `(3,)`, metres and radians a second."""
+        return velocity_after(self.motion, turn_of(self.as_measured or self.scan))
 
     @property
     def used(self) -> bool:
@@ -165,7 +170,7 @@ class FrontEnd(Undoable):
         else:
             match = self.matcher(map, points, guess)
             if self.rules.moving and turn_of(scan) > 0 and not match.overlap > SURE_OVERLAP:
-                carried = at_mid_turn(scan, np.r_[before.motion[:3], np.zeros(3)])
+                carried = at_mid_turn(scan, np.r_[before.velocity, np.zeros(3), np.nan])
                 other = self.matcher(map, in_range(carried.points()), guess)
                 match = max(match, other, key=lambda each: each.matched * each.overlap)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
@@ -194,7 +199,7 @@ class FrontEnd(Undoable):
         row, before = self.rows[-1], self.rows[-2]
         apart = row.scan.time - (before.as_measured or before.scan).time
         seconds = max(turn_of(row.scan), apart)  # stamps may jitter: no turn is shorter
-        motion, earlier = even_motion(before.pose, match.pose, seconds), before.motion[:3]
+        motion, earlier = even_motion(before.pose, match.pose, seconds), before.velocity
         if turn_of(before.scan) > 0 and self.frames.rows[-1].scan == len(self.rows) - 2:
             for _ in range(FIRST_ROUNDS):
                 first = at_mid_turn(before.scan, motion)

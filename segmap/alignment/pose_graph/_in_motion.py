@@ -12,15 +12,31 @@ from ...poses.motions import between, twist
 from ...scans import LaserScan
 from ...scans.motion import motion_compensated
 from .._result import Match
-from ..points import AND_ACCELERATION, POSE_AND_VELOCITY, PointMap, in_range, match_moving, way
+from ..points import (
+    AND_ACCELERATION,
+    AND_JUMP,
+    POSE_AND_VELOCITY,
+    PointMap,
+    in_range,
+    match_moving,
+    way,
+)
 
 #: The velocity is supposed to change by so much from scan to scan in any case, metres and radians a
 #: second: set before it was tried on the drives and hands that it was judged by.
 LEAST_CHANGE = 0.05
 
 
+#: Where so much of a scan lies on the map, no jump of its velocity is sought.
+WHOLE_OVERLAP = 0.95
+#: Where in a turn a jump is sought first, shares of the turn from its middle.
+JUMP_MOMENTS = 0.0, 0.25, -0.25
+#: A velocity jumps by so much (a standard deviation), metres, metres and radians a second.
+JUMP_SIGMAS = 1.0, 1.0, 7.0
+
+
 class Moved(NamedTuple):
-    """How a scan lies in the middle of its turn, carried there, and the motion `(6,)` then."""
+    """How a scan lies in the middle of its turn, carried there, and the motion `(7,)` then."""
 
     match: Match
     scan: LaserScan
@@ -40,31 +56,46 @@ def at_mid_turn(scan: LaserScan, motion: Array) -> LaserScan:
     return replace(still, time=scan.time + half)
 
 
+def velocity_after(motion: Array, turn: float) -> Array:
+    """The velocity `(3,)` at the end of a turn of so many seconds with such a motion `(7,)`."""
+    return motion[:3] + motion[3:6] * (turn / 2 if np.isnan(motion[6]) else 1.0)
+
+
 def even_motion(first: Array, second: Array, seconds: float) -> Array:
-    """The motion `(6,)`, without acceleration, that leads from pose to pose in so many seconds."""
-    return np.r_[twist(between(first, second)) / seconds, np.zeros(3)]
+    """The motion `(7,)`, without a change, that leads from pose to pose in so many seconds."""
+    return np.r_[twist(between(first, second)) / seconds, np.zeros(3), np.nan]
 
 
 def laid_in_motion(
     map: PointMap, scan: LaserScan, start: Array, motion: Array, before: Array, overlap: float
 ) -> Moved:
-    """A scan laid with an even motion, then with an uneven one.
+    """A scan laid with an even motion, with an uneven one, and with one that jumps.
 
-    The uneven one counts where it holds as much of the scan. The motion that is supposed errs by
-    what its velocity has changed since `before`, `(3,)`; along a direction that no wall faces the
-    start holds.
+    The one that holds most of the scan counts; a jump is sought where the others leave something
+    over. The motion that is supposed errs by what its velocity has changed since `before`, `(3,)`,
+    which stands until it jumps; along a direction that no wall faces the start holds.
     """
     assert scan.delays is not None
-    change = np.abs(motion[:3] - before) + LEAST_CHANGE
-    errors = np.r_[change, 2 * change / turn_of(scan)]
-    since = (scan.delays - turn_of(scan) / 2)[scan.valid]
-    ways, begin = [], start
-    for unknowns in (POSE_AND_VELOCITY, AND_ACCELERATION):
-        start, motion = match_moving(map, scan.points(), since, start, motion, errors, unknowns)
+    turn, ways = turn_of(scan), list[Moved]()
+    since = (scan.delays - turn / 2)[scan.valid]
+
+    def lay(unknowns: int, pose: Array, motion: Array, errors: Array) -> tuple[Array, Array]:
+        """The scan laid with so many unknowns: its pose and its motion."""
+        pose, motion = match_moving(map, scan.points(), since, pose, motion, errors, unknowns)
         still = at_mid_turn(scan, motion)
         points = in_range(still.points())
-        match = map.register(points, start, overlap=overlap)
+        match = map.register(points, pose, overlap=overlap)
         if match.free is not None or match.turns:
-            match = replace(match, pose=map.nearest(points, match.pose, begin))
+            match = replace(match, pose=map.nearest(points, match.pose, start))
         ways.append(Moved(match, still, motion))
+        return pose, motion
+
+    change = np.abs(motion[:3] - before) + LEAST_CHANGE
+    errors = np.r_[change, 2 * change / turn, turn]
+    pose, _ = lay(AND_ACCELERATION, *lay(POSE_AND_VELOCITY, start, motion, errors), errors)
+    errors = np.r_[np.full(3, LEAST_CHANGE), JUMP_SIGMAS, turn / 2]
+    for share in JUMP_MOMENTS:
+        if max(each.match.overlap for each in ways) >= WHOLE_OVERLAP:
+            break
+        lay(AND_JUMP, pose, np.r_[before, np.zeros(3), share * turn], errors)
     return max(reversed(ways), key=lambda moved: moved.match.overlap)
