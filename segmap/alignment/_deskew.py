@@ -88,7 +88,9 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
         words = f"a turn takes {whole:.2g} s by the times of its beams, and scans lie {usual:.2g} s"
         return _keep_as_measured(log, whole, f"{words} apart: these times are not believed")
     rows = pose_graph(log).poses if user_poses is None else user_poses
-    motions, causes = np.pad(velocities(log.times, rows), ((0, 0), (0, 4))), list(log.causes)
+    motions, causes = np.zeros((len(log), 7)), list(log.causes)
+    sees = np.array([scan.valid.any() for scan in log], bool)
+    motions[sees, :3] = velocities(log.times[sees], rows[sees])
     part = _turning_part(log, motions)
     logs = [log] if log.order_known else [log, replace(log, scans=tuple(map(_reverse, log)))]
     ways = [_carry(each, motions) for each in logs]

@@ -8,8 +8,10 @@ import numpy as np
 
 from ...display import counted
 from ...poses.motions import between, compose
-from ...scans import Log
+from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding
+from ..points import LEAST_POINTS, PointMap, in_range
+from ._blind_steps import register_near
 from ._pairs import way_of
 
 #: From this share of the scans on it is not the clock: they are in another order.
@@ -48,7 +50,8 @@ def with_waiting_scans_spread(log: Log) -> Log:
     """A log whose scans that waited for the recorder lie evenly in the pause before they came.
 
     They have the time and the odometry of their arrival: the wheels seem to stand while the robot
-    drives on. Scans of several lasers that come together did not wait.
+    drives on. The pause holds as many usual steps as scans came; scans of several lasers, and some
+    that see the robot stand, did not wait.
     """
     times, rows, steps = log.times, log.odometry, np.diff(log.times)
     usual = np.median(steps) if len(steps) and (steps >= 0).all() else np.nan
@@ -56,15 +59,18 @@ def with_waiting_scans_spread(log: Log) -> Log:
     mounts, waited = np.array([scan.sensor_pose for scan in log]), 0
     for first in np.flatnonzero(together[1:] & ~together[:-1]).tolist():
         before, last = first - 1, first + int(np.argmin(together[first + 1 :]))
-        if not first or steps[before] <= usual or (mounts[first:last] != mounts[last]).any():
+        if not first or (mounts[first:last] != mounts[last]).any():
             continue
+        count, pause, came = last - before, times[last] - times[before], slice(first, last + 1)
         drive, wait = way_of(between(rows[[before, first]], rows[[first, last]]))
-        if wait < TOGETHER_SHARE * drive:
-            share, came = np.arange(1, last - before + 1) / (last - before), slice(first, last + 1)
-            times[came] = times[before] + share * (times[last] - times[before])
-            whole = between(rows[before], rows[last])
-            rows[came] = compose(rows[before], share[:, None] * whole)
-            waited += len(share)
+        holds_them = steps[before] > usual and pause < 2 * count * usual
+        least = TOGETHER_SHARE * drive
+        if not (holds_them and wait < least) or _way_between(log[first], log[last]) < least:
+            continue
+        share, whole = np.arange(1, count + 1) / count, between(rows[before], rows[last])
+        times[came] = times[before] + share * pause
+        rows[came] = compose(rows[before], share[:, None] * whole)
+        waited += count
     if not waited:
         return log
     words = f"{counted(waited, 'scan')} came together after pauses, as if they had waited: their "
@@ -75,3 +81,12 @@ def with_waiting_scans_spread(log: Log) -> Log:
     )
     finding = Finding(Cause.CLOCK, waited, words)
     return replace(log, scans=tuple(scans), causes=(*log.causes, finding))
+
+
+def _way_between(one: LaserScan, two: LaserScan) -> float:
+    """How far the robot went from scan to scan by the walls that both see; NaN where none tell."""
+    points, current = in_range(one.points()), in_range(two.points())
+    if min(len(points), len(current)) < LEAST_POINTS:
+        return np.nan
+    match = register_near(PointMap(points), current, np.zeros(3))
+    return np.nan if match is None or match.free is not None else way_of(match.pose[None])[0]

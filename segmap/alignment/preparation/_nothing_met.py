@@ -1,4 +1,4 @@
-"""Beams that end where no wall is: a driver writes a number, or the limit, for nothing met."""
+"""One number in many beams: drivers write it where a beam met nothing."""
 
 from __future__ import annotations
 
@@ -20,20 +20,66 @@ from ._pairs import (
     with_beams,
 )
 
+#: Scans that are looked at, spread over the log.
+NOTHING_MET_SCANS = 200
+#: A number that means "nothing met" occurs in at least this share of all beams.
+MET_BEAMS_SHARE = 0.03
+#: Half of the beams beside those that hold it differ by this share of it. Those beside a part of a
+#: wall at one distance go on from it.
+DIFFERS = 0.02
 #: Ranges this near are one number, metres.
 NUMBER_M = 0.002
-#: Where noise is laid on a number, ranges within this share of it are one.
+#: Where noise is laid on the number, ranges within this share of it are one number.
 RANGE_STEP = 0.01
 
 
+def without_nothing_met(log: Log) -> Log:
+    """A log whose beams hold `inf` where a driver wrote a number for "nothing met", which is told.
+
+    Such a number is met beside beams that see something else. A driver may have several.
+    """
+    if len(log) < NOTHING_MET_SCANS / 20:  # too few to tell
+        return log
+    some = log[:: 1 + len(log) // NOTHING_MET_SCANS]
+    ranges = np.concatenate([np.where(s.valid, s.ranges, np.nan) for s in some])
+    causes: list[Finding] = []
+    while (number := _number_among(ranges)) is not None:
+        holds = np.abs(ranges - number) <= NUMBER_M
+        words = f"a range of {number:.5g} m means nothing met: {100 * holds.mean():.2g} % of all"
+        causes.append(Finding(Cause.NOTHING_MET, number, words))
+        ranges = np.where(holds, np.nan, ranges)
+    if not causes:
+        return log
+    numbers = np.array([finding.value for finding in causes])
+    masks = ((np.abs(s.ranges[:, None] - numbers) <= NUMBER_M).any(1) & s.valid for s in log)
+    return with_beams(log, masks, np.inf, *causes)
+
+
+def _number_among(ranges: Array) -> float | None:
+    """The most frequent of ranges `(m,)`, NaN where invalid, where it is a number and no wall."""
+    measured = np.sort(ranges[np.isfinite(ranges)])
+    if not len(measured):
+        return None
+    begin, end = (np.searchsorted(measured, measured + side * NUMBER_M / 2) for side in (-1, 1))
+    most = int(np.argmax(end - begin))
+    number = float(np.median(measured[begin[most] : end[most]]))
+    holds = np.abs(ranges - number) <= NUMBER_M
+    step = np.abs(np.diff(ranges))[np.diff(holds.astype(np.int8)) != 0]
+    many = np.count_nonzero(holds) >= MET_BEAMS_SHARE * len(ranges)
+    return (
+        number
+        if many and (step > DIFFERS * number).sum() > (step <= DIFFERS * number).sum()
+        else None
+    )
+
+
 def without_limit(log: Log, steps: Steps) -> Log:
-    """A log with `inf` where beams end at a number that means nothing met, which is told.
+    """A log with `inf` where beams end at the laser's limit and noise is laid on it, which is told.
 
     Such a beam moves with no wall: one looks through the point at which it ended, and the beam
     there is as long again. Ranges, by steps of one per cent, are no walls where most comparisons
-    say so: 0.7 to 1.0 of such beams, at most 0.2 of walls; where most of these hold one number, it
-    alone. Where nothing tells how the robot moved, and half of the beams have one range, that makes
-    the map doubtful.
+    say so: 0.7 to 1.0 of such beams, at most 0.2 of walls. Where nothing tells how the robot moved,
+    and half of the beams have one range, that makes the map doubtful.
     """
     directions = directions_of(log)
     if not len(directions):
@@ -49,12 +95,9 @@ def without_limit(log: Log, steps: Steps) -> Log:
     ends = [np.isin(_range_steps(scan.ranges), limits) & scan.valid for scan in log]
     at_limit = np.concatenate([scan.ranges[end] for scan, end in zip(log, ends, strict=True)])
     if len(at_limit):
-        number = float(np.median(at_limit))
-        if np.median(np.abs(at_limit - number)) <= NUMBER_M:  # no noise is laid on it
-            ends = [np.abs(scan.ranges - number) <= NUMBER_M for scan in log]
-        share = 100 * sum(map(np.count_nonzero, ends)) / sum(map(len, log))
-        words = f"a range of {number:.4g} m means nothing met: {share:.2g} % of all, with no wall"
-        finding = Finding(Cause.NOTHING_MET, number, words)
+        number, share = float(np.median(at_limit)), 100 * len(at_limit) / sum(map(len, log))
+        words = f"a range about {number:.4g} m means nothing met: {share:.2g} % of all"
+        finding = Finding(Cause.NOTHING_MET, number, f"{words}, with no wall")
         log = with_beams(log, ends, np.inf, finding)
     return _at_one_range(log)
 

@@ -18,7 +18,7 @@ from .. import _deskew
 from ._blind_steps import blind_steps
 from ._body import without_body
 from ._clock import with_clock_mended, with_waiting_scans_spread
-from ._nothing_met import without_limit
+from ._nothing_met import without_limit, without_nothing_met
 from ._odometry import mounting_of, with_odometry_corrected
 from ._pairs import with_beams
 from ._range_unit import with_ranges_in_metres
@@ -38,9 +38,9 @@ def prepared(
     """A log put right by what it says itself: beams, clock, odometry; what was found is told.
 
     1. A clock that goes back goes on; times that are all equal are none; scans that waited for the
-       recorder are spread over its pause. Ranges of kilometres are in another unit.
-    2. Beams that see what rides with the robot are left out; those that end where no wall is met
-       nothing.
+       recorder are spread over its pause. Ranges of kilometres are in another unit; one number in
+       many beams means that nothing was met.
+    2. Beams that see what rides with the robot are left out.
     3. Odometry is compared with matches that do not lean on it. Another unit, delay or direction is
        corrected, a jump is no motion, and what contradicts the scans is left out.
     4. Beams of a laser that turns while the robot moves are carried back: `alignment.deskew`.
@@ -85,7 +85,8 @@ def prepared(
     if mount is not None and not isinstance(mount, str):
         place = arrays.pose(mount, "mount")
         log = replace(log, scans=tuple(replace(scan, sensor_pose=place) for scan in log))
-    log = with_ranges_in_metres(with_waiting_scans_spread(with_clock_mended(log)))
+    log = with_waiting_scans_spread(with_clock_mended(log))
+    log = with_ranges_in_metres(without_nothing_met(log))
     steps = blind_steps(log)
     if not keep_body and (seen := without_body(log, steps)) is not log:
         log, steps = seen, blind_steps(seen)

@@ -62,6 +62,14 @@ def test_a_number_in_most_beams_is_no_wall(number, jitter):
     assert position_errors(pose_graph(found).poses, log.truth, best=True).max() < 0.1
 
 
+def test_each_finding_stays_beside_the_others():
+    """Catches a step of the preparation that forgets what the ones before it have found."""
+    log = written(hall(), 9.999)
+    times = 0.2 * np.arange(len(log)) - 50.0 * (np.arange(len(log)) > 40)
+    found = prepared(logs.changed(log, odometry=log.odometry / (0.3048, 0.3048, 1), times=times))
+    assert {Cause.CLOCK, Cause.NOTHING_MET, Cause.UNIT} <= {each.cause for each in found.causes}
+
+
 def with_limit(log: Log, limit: float, noise: float) -> Log:
     """The log of a simulator that lays its noise on the limit too."""
     rng = np.random.default_rng(6)
