@@ -25,10 +25,11 @@ from ..points import (
 #: The velocity is supposed to change by so much from scan to scan in any case, metres and radians a
 #: second: set before it was tried on the drives and hands that it was judged by.
 LEAST_CHANGE = 0.05
+#: A jump of the velocity is sought where a larger share of the scan is off the map, and counts
+#: where it lays so much more of it there.
+LEFT_OVER_SHARE = 0.05
 
 
-#: Where so much of a scan lies on the map, no jump of its velocity is sought.
-WHOLE_OVERLAP = 0.95
 #: Where in a turn a jump is sought first, shares of the turn from its middle.
 JUMP_MOMENTS = 0.0, 0.25, -0.25
 #: A velocity jumps by so much (a standard deviation), metres, metres and radians a second.
@@ -71,9 +72,9 @@ def laid_in_motion(
 ) -> Moved:
     """A scan laid with an even motion, with an uneven one, and with one that jumps.
 
-    The one that holds most of the scan counts; a jump is sought where the others leave something
-    over. The motion that is supposed errs by what its velocity has changed since `before`, `(3,)`,
-    which stands until it jumps; along a direction that no wall faces the start holds.
+    The one that holds most of the scan counts, a jump where it holds `LEFT_OVER_SHARE` more. The
+    motion that is supposed errs by what its velocity has changed since `before`, `(3,)`, which
+    stands until it jumps; along a direction that no wall faces the start holds.
     """
     assert scan.delays is not None
     turn, ways = turn_of(scan), list[Moved]()
@@ -94,8 +95,10 @@ def laid_in_motion(
     errors = np.r_[change, 2 * change / turn, turn]
     pose, _ = lay(AND_ACCELERATION, *lay(POSE_AND_VELOCITY, start, motion, errors), errors)
     errors = np.r_[np.full(3, LEAST_CHANGE), JUMP_SIGMAS, turn / 2]
+    smooth = max(reversed(ways), key=lambda moved: moved.match.overlap)
     for share in JUMP_MOMENTS:
-        if max(each.match.overlap for each in ways) >= WHOLE_OVERLAP:
+        if max(each.match.overlap for each in ways) >= 1 - LEFT_OVER_SHARE:
             break
         lay(AND_JUMP, pose, np.r_[before, np.zeros(3), share * turn], errors)
-    return max(reversed(ways), key=lambda moved: moved.match.overlap)
+    best = max(ways, key=lambda moved: moved.match.overlap)
+    return best if best.match.overlap > smooth.match.overlap + LEFT_OVER_SHARE else smooth
