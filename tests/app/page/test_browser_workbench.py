@@ -304,7 +304,7 @@ def test_each_button_saves_the_floor_plan_while_it_is_seen(app, browser, tmp_pat
     browser.type(
         browser.find("//input[@aria-label='name of the room']"), f"\ue009a\ue000hall{ENTER}"
     )
-    wait("the name", lambda: "may go on: hall" in browser.run(TEXT))
+    wait("the name", lambda: "hall" in browser.run(TEXT))
 
     def saved(button, name):
         browser.click(BUTTON.format(button))

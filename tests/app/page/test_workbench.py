@@ -657,8 +657,7 @@ def test_a_plan_is_mended_and_a_session_keeps_it(worker, tmp_path, monkeypatch):
     rooms.switch.value = True
     made.wait()
     assert rooms.editor.state["words"] == (
-        "3 rooms of 48.9 m\u00b2, 2 doors; "
-        "free space ends where nothing was seen, and may go on: room 1 (11.7 m)"
+        "3 rooms of 46.4 m\u00b2, 2 doors; openings to where nothing was seen, windows or glass: 1"
     )
     place = tuple(rooms.plan.rooms[1].place.round(3).tolist())
     rooms.editor.do(plan_edits.Name(place, "the hall <b>$x"))
