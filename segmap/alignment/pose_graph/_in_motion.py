@@ -28,8 +28,6 @@ LEAST_CHANGE = 0.05
 #: A jump of the velocity is sought where a larger share of the scan is off the map, and counts
 #: where it lays so much more of it there.
 LEFT_OVER_SHARE = 0.05
-
-
 #: Where in a turn a jump is sought first, shares of the turn from its middle.
 JUMP_MOMENTS = 0.0, 0.25, -0.25
 #: A velocity jumps by so much (a standard deviation), metres, metres and radians a second.

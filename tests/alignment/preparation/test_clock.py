@@ -50,6 +50,20 @@ def test_scans_that_waited_for_the_recorder_lie_where_they_were_measured(waiting
     assert alignment.verdict.grade == "good" and off.max() < 0.05
 
 
+def test_the_last_scans_wait_too_and_those_of_a_robot_that_stands_do_not():
+    """Catches a group that ends with the log, and wheels that are believed against the scans."""
+    log = load("corridor")[:40]
+    times, rows = log.times, log.odometry
+    times[-4:], rows[-4:] = times[-1] - 0.003 * np.arange(4)[::-1], rows[-1]
+    (finding,) = prepared(logs.changed(log, times=times, odometry=rows)).causes
+    assert finding.cause is Cause.CLOCK and finding.value == 4
+    room = load("room")
+    stands = room[[*range(20), 20, 20, 20, *range(21, len(room))]]
+    later = room.times[20:] + 0.5 * np.median(np.diff(room.times))
+    times = np.r_[room.times[:20], later[0] + 0.003 * np.arange(3), later[1:]]
+    assert not prepared(logs.changed(stands, times=times)).causes
+
+
 def test_scans_of_two_lasers_that_come_together_have_not_waited():
     """Catches a second laser whose scans are moved back, and scans that follow no pause."""
     log = load("corridor")
