@@ -38,7 +38,7 @@ SIZES = (
     *((1.0, 128), (1.0, 32), (1.0, 24), (0.85, 24), (0.75, 24), (0.625, 24)),
     *((0.5, 48), (0.5, 24), (0.5, 12), (0.45, 12)),
 )
-#: What chapters may have (tests/chapter_rules.py), and a little room.
+#: What chapters may have, and a little room.
 MOST_PICTURE_BYTES, MOST_CHAPTER_BYTES = 30_000, 198_000
 #: The output of the cell with this tag is the picture in the README.
 README_TAG = "readme-picture"

@@ -14,11 +14,3 @@ def test_can_be_imported_and_has_rows(name, monkeypatch):
     """A name that is no longer there, which only `make bench` would meet."""
     monkeypatch.syspath_prepend(str(ROOT))
     assert callable(importlib.import_module(f"benchmarks.{name}").rows)
-
-
-def test_a_short_drive_is_driven(monkeypatch):
-    """Catches a field of an edge that the longest row of the graph, run last, does not know."""
-    monkeypatch.syspath_prepend(str(ROOT))
-    assert (
-        "4 loops solved at once" in importlib.import_module("benchmarks.bench_graph").drive(100)[0]
-    )
