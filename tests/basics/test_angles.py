@@ -79,13 +79,6 @@ def test_the_mean_of_two_lies_at_the_second_ones_share_of_the_way(a, step, weigh
     assert found == pytest.approx((weight_a * a + weight_b * (a + step)) / (weight_a + weight_b))
 
 
-@given(ANGLE, ANGLE, WEIGHT, WEIGHT, TURNS)
-def test_the_mean_of_two_knows_neither_order_nor_direction(a, b, weight_a, weight_b, k):
-    assume(abs(axial_difference(a, b)) < np.pi / 2 - 1e-6)
-    found = axial_mean_of_two(a, b, weight_a, weight_b)
-    assert apart(found, axial_mean_of_two(b + k * np.pi, a, weight_b, weight_a), np.pi) < 1e-9
-
-
 @pytest.mark.parametrize("angles", [[-1e-20], [np.pi], [-1e-17, 1e-18], [np.pi - 1e-16]])
 def test_axial_mean_never_reaches_a_half_turn(angles):
     """A remainder of a tiny negative angle rounds up to pi, which is no angle of `[0, pi)`."""

@@ -131,17 +131,6 @@ def test_by_scan_gives_every_segment_once_scans_ascending_in_input_order(scans):
         np.testing.assert_array_equal(group, expected)
 
 
-def test_a_map_cannot_be_changed_nor_through_the_array_that_it_was_made_of():
-    segments = np.array(THREE, float)
-    map = SegmentMap(segments)
-    segments[0] = 9
-    assert map.segments[0, 0, 0] == 0
-    with pytest.raises(ValueError, match="read-only"):
-        map.segments[0] = 9
-    with pytest.raises(ValueError, match="read-only"):
-        map.scan[0] = 9
-
-
 def test_a_map_tells_how_much_it_holds():
     assert SegmentMap(THREE).scan.tolist() == [0, 0, 0]
     assert repr(SegmentMap(THREE, scan=[0, 0, 2])) == "SegmentMap(3 segments of 2 scans)"

@@ -262,11 +262,7 @@ def test_a_laser_that_turns_while_the_robot_moves():
     sensor = Sensor("half", 90, 0.0, np.radians(2), max_range=9.0, period=0.5)
     headings, steps = (0.0, 0.2, 0.6), (0.2, 0.4, 0.4)
     path = [(1, 2, heading) for heading in headings]
-    log = moving(
-        simulation.square_room(4),
-        path,
-        sensor=sensor,
-    )
+    log = moving(simulation.square_room(4), path, sensor=sensor)
     turned = np.arange(90) / 180  # shares of a period, of which half a turn takes the half
     for scan, heading, step in zip(log, headings, steps, strict=True):
         np.testing.assert_allclose(scan.delays, 0.5 * turned)
@@ -279,9 +275,4 @@ def test_a_laser_that_turns_while_the_robot_moves():
     assert ahead[0].ranges[0] == pytest.approx(2.5)
     aim = np.radians(120)
     assert ahead[1].ranges[1] == pytest.approx(2 / np.sin(aim)) and ahead[1].time == 0.5
-    one = moving(
-        simulation.square_room(4),
-        path[:1],
-        sensor=sensor,
-    )
-    assert one[0].delays is None
+    assert moving(simulation.square_room(4), path[:1], sensor=sensor)[0].delays is None

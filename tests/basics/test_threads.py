@@ -109,21 +109,6 @@ def test_an_interrupt_ends_the_work_at_once():
     assert time.monotonic() - begun < 10  # .2 s where the machine is quiet
 
 
-def test_an_error_ends_it_and_what_has_not_begun_is_left(three):
-    """An interrupt that waits until all scans of a long drive are refined."""
-    begun, go = [], threading.Event()
-
-    def work(thing: int) -> None:
-        begun.append(thing)
-        if thing == 0:
-            raise KeyboardInterrupt
-        go.wait(0.2)
-
-    with pytest.raises(KeyboardInterrupt):
-        in_threads(work, range(500))
-    assert len(begun) < 100
-
-
 def test_two_objects_are_computed_at_once():
     """Catches one lock for all objects: threads wait."""
     both = threading.Barrier(2, timeout=20)

@@ -255,6 +255,7 @@ MEMBERS = {
     "usual": aligned(usual),
     "without wheels": aligned(without_wheels),
     **{name: reduced(name) for name in reduction.METHODS},
+    "map": lambda there: {"segments": there.back(map_of(there).segments)},
     "deskew": deskewed,
     "quadtree": occupied,
     "plan": planned,

@@ -40,7 +40,7 @@ from segmap.reduction import (
     mean_shift,
     weighted_line_fitting,
 )
-from segmap.scans import LaserScan, Log
+from segmap.scans import LaserScan, Log, SensorNoise
 from segmap.segments import SegmentMap
 from segmap.simulation import drive
 from segmap_app import files
@@ -135,6 +135,12 @@ BASICS = [
         ([], np.empty((0, 3)), "times must"),
     ),
     *refused(extraction.build_map, Log("one", [BEAM]))(({"poses": [ZERO] * 2}, "poses must")),
+    *refused(extraction.build_map, ROOM[:2], ROOM.truth[:2])(
+        ({"sensor": 0.01}, "sensor must be a SensorNoise")
+    ),
+    *refused(SensorNoise)(
+        ({"range_m": -0.01}, "range_m"), ({"range_share": 1.5}, "share"), ({"step_m": NAN}, "step")
+    ),
     *refused(extraction.build_map, Log("one", [BEAM]), [ZERO], keep_points=True)(
         ({"extract": lambda points: []}, "extract must be .*got '<lambda>'"),
     ),

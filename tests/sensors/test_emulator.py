@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from emulated import Wired, pattern
+from emulated import pattern
 from scip import replies
 
 from segmap.sensors import parse_scan
@@ -153,18 +153,6 @@ def test_a_room_is_driven_through_there_and_back():
 
 
 # ------------------------------------------------------------------------------ wire
-def test_a_fault_of_the_wire_spoils_one_byte():
-    """Catches a flipped bit that takes the next byte with it, and a fault at another place."""
-    port, sent = Wired(), b"BM\n00P\n\n"
-
-    def says(kind, at):
-        port.plan(kind, at)
-        port.write(b"BM\nQT\n")
-        return port.read(port.in_waiting)[: len(sent)]
-
-    changed = [a ^ b for a, b in zip(says("flip", 2), sent, strict=True)]
-    assert changed[2].bit_count() == 1 and not any(changed[:2] + changed[3:])
-    assert says("lose", 4) == sent[:4] + sent[5:] + b"Q"
 
 
 @pytest.mark.parametrize("begun", [0.0, 7.3])

@@ -203,21 +203,6 @@ def test_a_hardware_fault_says_what_to_do():
         turn_of(sensor.scan())
 
 
-def test_a_sensor_that_falls_silent():
-    """Catches a driver that waits for ever."""
-    port = Wired()
-    with connected(port) as sensor:
-        stream = sensor.scans()
-        next(stream)
-        port.plan("silence", 0, 1000.0)
-        begun = port.now
-        with pytest.raises(SensorError, match="no answer to"):
-            next(stream)
-        assert port.now - begun < 10
-        assert sensor.dropped == 1
-        assert "nothing came" in sensor.why
-
-
 @pytest.mark.parametrize("late", [False, True])
 def test_a_stream_that_runs_already(late):
     """The acknowledgement of a stream gets lost, so that a scan comes in its place.

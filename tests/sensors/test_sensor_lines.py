@@ -6,24 +6,17 @@ Whatever happens on either line: right ranges, a laser that is off in the end, a
 import contextlib
 import gc
 import itertools
-import socket
 import time
-from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pytest
-from conftest import slow
 from emulated import (
-    FAULTS,
     emulator_threads,
     far_pattern,
     far_turn,
     needs_terminals,
     open_files,
     pattern,
-    run,
     turn_of,
     wait_for,
 )
@@ -33,8 +26,6 @@ from segmap.sensors import SensorError, UrgSensor
 from segmap.sensors.emulator import Emulator
 
 UST = {"model": "UST-10LX", "tcp": "0"}
-#: No run with a fault takes longer, seconds, on a machine that does other things too.
-BOUND = 20.0
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -157,17 +148,6 @@ def test_a_port_where_nothing_answers(line, tmp_path):
             UrgSensor(str(tmp_path / "ttyACM7"))
 
 
-def test_a_program_that_crashed_left_it_streaming():
-    with Emulator(far_pattern, speed=10.0, **UST) as emulator:
-        host, port = emulator.port.removeprefix("tcp://").split(":")
-        with socket.create_connection((host, int(port))) as crashed:
-            crashed.sendall(b"MD0000108001000\n")
-            assert crashed.recv(10)
-        with of(emulator) as sensor:
-            assert emulator.unit.stream is None
-            far_turn(sensor.scan())
-
-
 # ---------------------------------------------------------------------------- leaving
 def crash(sensor):
     with sensor:
@@ -281,20 +261,3 @@ def test_does_not_wait_for_ever(line):
 
 
 # ------------------------------------------------------------------------------ faults
-def through(line, fault, seed) -> float:
-    """Seconds that a run takes with a URG-04LX that goes wrong somewhere on the way."""
-    begun, rng, way = time.monotonic(), np.random.default_rng(seed), {"tcp": "0"}
-    way = way if line.is_tcp else {}
-    with Emulator(pattern, speed=10, rng=rng, **way, **FAULTS[fault]) as emulator:
-        sensor_at = partial(of, emulator, timeout=0.4)
-        run(sensor_at, emulator.unit, emulator.wire, fault, seed)
-    return time.monotonic() - begun
-
-
-@pytest.mark.parametrize("seeds", [1, slow(4)])
-def test_faults(line, seeds):
-    """Catches a wrong range, a hang, and a port or a thread that stays; all at the same time."""
-    runs = [(fault, 16 * seed + k) for k, fault in enumerate(FAULTS) for seed in range(seeds)]
-    with ThreadPoolExecutor(8) as pool:
-        seconds = list(pool.map(lambda one: through(line, *one), runs))
-    assert max(seconds) < BOUND
