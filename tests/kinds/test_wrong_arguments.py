@@ -45,6 +45,7 @@ from segmap.segments import SegmentMap
 from segmap.simulation import drive
 from segmap_app import files
 from segmap_app.files import Session
+from segmap_app.page import Workbench
 
 NAN, ZERO = float("nan"), (0.0, 0.0, 0.0)
 WALL = [(1.0, -1.0), (1.0, 1.0)]
@@ -56,7 +57,7 @@ OUT_OF_REACH = LaserScan([1.0, 1e12], [0.0, 0.1])
 FAR_BEAM = LaserScan([1.0, 1e4], [0.0, 0.1])
 ROOM, CORRIDOR = load("room"), load("corridor")
 NO_TRUTH = "x must have scans, and a true pose for every scan"
-SLIM = np.array([[(0, 0), (9, 0)]], float)
+SLIM, BEAMS = np.array([[(0, 0), (9, 0)]], float), Log("one", [BEAM])
 RNG = np.random.default_rng(1)
 easy = Exercise("double(x)", lambda x: 2 * x, lambda _: {"2": (2,)}, {"square": np.square})
 
@@ -82,6 +83,10 @@ def tracked(*given, **named):
 
 def session(**held):
     return Session(driven.LOG, **{"settings": {}, **held})
+
+
+def opened(source):
+    Workbench(BEAMS).open(source)
 
 
 def in_a_new_map(scan, pose=ZERO):
@@ -250,6 +255,13 @@ EXPORTS = [
         ("EPSG:25832", np.inf, 0, "east must"),
     ),
     *refused(session)(({"settings": {"a": {1, 2}}}, "settings must "), ({"runs": 1}, "runs must ")),
+    *refused(files.write_ros_map, "it.yaml", QuadtreeMap())(
+        ({"resolution": 0.3}, "resolution must be a power of two"),
+        ({"free": 0.5}, "wanted 0 <= free < 0.5 <= occupied < 1"),
+    ),
+    *each(files.write_ros_map, QuadtreeMap())(("it.yml", r"must end in \.yaml, got 'it.yml'")),
+    *each(Workbench)(("malaga", "log must be a Log, got 'malaga'")),
+    *each(opened)((3, "source must be the path"), (Log("empty", []), "must hold one scan")),
     *each(files.write_session)(
         ("it.zip", session(), r"must end in \.segmap"),
         ("it.segmap", Session(ROOM[:0], {}), "must hold a scan"),

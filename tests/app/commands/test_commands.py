@@ -6,7 +6,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -338,11 +337,6 @@ def test_a_good_map_is_called_so_and_strict_asks_for_more(run, folder, tmp_path)
     code, said, beside = run(*words, "--strict")
     assert code == 3 and not Path("it.csv").exists()
     assert beside.splitlines()[-1].startswith("segmap: far.log: DOUBTFUL: 10 of 12 scans placed")
-    code, said, _ = run("map", "far.log", "--strict", "--method", "none")
-    assert code == 0
-    code, said, _ = run(*words, "--strict", "0.9")
-    assert code == 3 and not Path("it.csv").exists()
-    assert said.splitlines()[-1].endswith("(--strict asks for 90.0 % of the scans)")
 
 
 def test_each_command_says_one_verdict_on_the_same_poses(run, folder, tmp_path, only):
@@ -395,21 +389,6 @@ def test_json_is_an_object_a_log_with_all_that_is_printed(run, folder, lost, tmp
     assert table["source"].tolist() == list(logs)
     assert table["verdict.grade"].tolist()[:2] == ["good", "not a map"]
     assert table["reduced.segments"][0] == far["reduced"]["segments"]
-
-
-def test_only_warnings_for_users_are_shown(run, monkeypatch):
-    class Own(UserWarning):
-        pass
-
-    def warned(log):
-        warnings.warn("mine", Own, stacklevel=1)
-        warnings.showwarning("another's", Warning, "it.py", 1)
-        return alignment.odometry(log)
-
-    method = replace(alignment.METHODS["odometry"], function=warned)
-    monkeypatch.setitem(alignment.METHODS, "odometry", method)
-    _, _, beside = run("map", "room", "--align", "odometry", "--method", "none")
-    assert "warning: mine\n" in beside and "another" not in beside
 
 
 def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):

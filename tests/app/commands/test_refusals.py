@@ -1,6 +1,10 @@
 """What a user sees of a file that cannot be read, and what it advises."""
 
+import gzip
+import lzma
 import re
+import tarfile
+import zipfile
 from pathlib import Path
 
 import bag_samples
@@ -33,7 +37,11 @@ REFUSALS = {
     "short.log": ("FLASER 3 1\n", "announces 3 ranges, but 1 fields follow|holds no scan"),
     "poses.csv": ("t,x,y,theta\n1,2,3,4\n", "holds poses and no scan: .*read_trajectory"),
     "echo.yaml": (ROS2, "YAML, which these lines open:.*yaml.safe_load_all"),
-    "two.zip": ("zip", "is an archive by zip: unpack it"),
+    "two.zip": ("a.txt", "is an archive by zip: unpack it"),
+    "two.tar": ("tar", "an archive by tar: .*unpack"),
+    "book.xlsx": ("xl/workbook.xml", "is a workbook: save its sheet as CSV"),
+    "it.zst": (b"\x28\xb5\x2f\xfd and so on", "is packed by zstd: `unzstd` unpacks it"),
+    "twice.gz": (gzip.compress(lzma.compress(b"FLASER 1 1")), "packed twice: unpack it once"),
     "cut.gz": (b"\x1f\x8b\x08\x00broken", "broken or cut short"),
     "cut.bag": ("bag", "is cut off.*`rosbag reindex`"),
     "cut.mcap": ("mcap", "is cut off.*`ros2 bag reindex`.*`mcap recover`"),
@@ -64,12 +72,12 @@ def written(name, content):
         np.save(path, np.array([[1], [1, 2]], object), allow_pickle=True)
     elif content == "npz":
         np.savez(path, ranges=np.ones((2, 3)))
-    elif content == "zip":
-        import zipfile
-
+    elif name.endswith((".zip", ".xlsx")):
         with zipfile.ZipFile(path, "w") as packed:
-            packed.writestr("a.txt", "hello\n")
-            packed.writestr("b.txt", "hello\n")
+            packed.writestr(content, "hello\n")
+    elif content == "tar":
+        with tarfile.open(path, "w") as packed:
+            packed.add("whole")
     elif content is not None:
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
 

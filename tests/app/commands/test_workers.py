@@ -69,30 +69,3 @@ def test_a_worker_that_dies_and_a_log_that_is_none_leave_the_others(tmp_path):
         out, errors = again.communicate(timeout=240)
         assert "4 logs of 5 done before: t.csv" in out and "0 of 1 log done" in out
         assert rows(table) == found
-
-
-@pytest.mark.slow
-def test_workers_that_do_not_see_the_folder_are_sent_the_log(tmp_path):
-    """Catches a path of this machine that is opened on another, and files that stay there."""
-    folder = tmp_path / "unseen"
-    logs_in(folder, "ab")
-    with cluster_of(1, tmp_path) as client:
-        client.run(blind, "unseen")
-        words = ("map", "logs", "--workers", client.scheduler.address, "-o", "{name}.svg")
-        run = command(*words, folder=folder)
-        out, errors = run.communicate(timeout=240)
-        assert run.returncode == 0, errors
-        assert "do not see" in out and "0.1 MB of logs are sent" in out
-        assert {path.name for path in folder.glob("*.svg")} == {"a.svg", "b.svg"}
-        (folder / "far").mkdir()
-        far = command(*words[:-1], "far/{name}.svg", folder=folder)
-        out, errors = far.communicate(timeout=240)
-        assert far.returncode == 2 and "without a folder" in errors
-
-
-def blind(word):
-    """Let this process see no file whose path has a word."""
-    import pathlib
-
-    seen = pathlib.Path.exists
-    pathlib.Path.exists = lambda path, **more: word not in str(path) and seen(path, **more)

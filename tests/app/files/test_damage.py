@@ -34,23 +34,6 @@ def path(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("content", "reason"),
-    [
-        (b"# a comment\n", "comments only"),
-        (bytes(range(256)) * 20, "of no known format"),
-        (b"\x1f\x8b", "packed file is broken"),
-        (b"PARAM robot_length 1\n", "holds no scan"),
-    ],
-)
-@pytest.mark.parametrize("on_error", ["raise", "skip"])
-def test_files_that_are_no_logs(path, content, reason, on_error):
-    path.write_bytes(content)
-    with pytest.raises(LogError, match=reason) as caught:
-        readers.read(path, on_error=on_error)
-    assert str(caught.value).startswith(str(path)) and caught.value.path == path
-
-
-@pytest.mark.parametrize(
     ("sample", "line", "reason"),
     [
         (GOOD, "FLASER 1000000000 1 2 3", "announces 1000000000 ranges, but 3 fields follow"),

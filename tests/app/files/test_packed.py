@@ -2,10 +2,7 @@
 
 import bz2
 import gzip
-import io
 import lzma
-import tarfile
-import zipfile
 
 import log_samples as samples
 import numpy as np
@@ -32,26 +29,6 @@ def assert_logs_equal(found, wanted):
         assert np.array_equal(getattr(found, name), getattr(wanted, name), equal_nan=True)
     assert (found.truth is None) == (wanted.truth is None)
     assert wanted.truth is None or np.array_equal(found.truth, wanted.truth, equal_nan=True)
-
-
-def tar(files):
-    """Bytes of a tar of files by their names."""
-    target = io.BytesIO()
-    with tarfile.open(fileobj=target, mode="w") as packed:
-        for name, data in files.items():
-            about = tarfile.TarInfo(name)
-            about.size = len(data)
-            packed.addfile(about, io.BytesIO(data))
-    return target.getvalue()
-
-
-def zipped(files):
-    """Bytes of a zip of files by their names."""
-    target = io.BytesIO()
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as packed:
-        for name, data in files.items():
-            packed.writestr(name, data)
-    return target.getvalue()
 
 
 def written(path, data):
@@ -96,24 +73,6 @@ def test_graphs_maps_and_options_are_read_in_any_encoding(tmp_path, encoding, ca
     assert "least_cost" in capsys.readouterr().out
     assert main(["map", "room", "--veto", str(tmp_path / "loops.csv")]) == 1
     assert "no loop was closed between scans 0-20" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("data", "told"),
-    [
-        (zipped({"a.log": CARMEN.encode()}), "an archive by zip: .*unpack.* then name the file"),
-        (gzip.compress(tar({"a.log": b"", "b.log": b""})), "an archive by tar: .*unpack"),
-        (b"\x28\xb5\x2f\xfd and so on", "is packed by zstd: `unzstd` unpacks it"),
-        (gzip.compress(lzma.compress(CARMEN.encode())), "is packed twice: unpack it once"),
-        (zipped({"xl/workbook.xml": b"<a/>"}), "is a workbook: save its sheet as CSV"),
-    ],
-    ids=["zip", "tar", "zstd", "twice", "workbook"],  # packed bytes hold the time
-)
-def test_what_is_not_unpacked_says_what_unpacks_it(tmp_path, data, told):
-    """Catches two rooms in one map, a second log left out in silence, and lines of NULs."""
-    with pytest.raises(readers.UnknownFormat, match=told) as caught:
-        readers.read(written(tmp_path / "it.log", data), on_error="skip")
-    assert "\0" not in str(caught.value)
 
 
 def test_damage_in_a_packed_log_is_told_of_the_packed_file(tmp_path):

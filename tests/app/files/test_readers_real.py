@@ -20,16 +20,6 @@ def spread_of_walls(log, at):
 
 
 class TestMalaga:
-    def test_is_what_its_readme_says(self):
-        log = readers.load("malaga")
-        known = np.isfinite(log.truth).all(axis=1)
-        assert (len(log), int(known.sum())) == (225, 99)
-        assert {len(scan) for scan in log} == {361}
-        assert log[0].sensor_pose.tolist() == [0.78, 0, 0] and log[0].max_range == 50
-        assert np.ptp(log.times) == pytest.approx(59, abs=0.5)
-        driven = np.hypot(*np.diff(log.odometry[:, :2], axis=0).T).sum()
-        assert driven == pytest.approx(76, abs=0.5)
-
     def test_corrected_poses_bring_the_walls_together(self):
         """Poses of the laser taken for the robot's, or of another scan, blur the map."""
         log = readers.load("malaga")

@@ -104,20 +104,6 @@ def test_it_is_yaml_for_a_yaml_reader(name, corner, tmp_path):
     assert (read_ros(tmp_path / f"{name}.yaml")[0] == np.full((4, 4), -1)).all()
 
 
-@pytest.mark.parametrize(
-    ("name", "options", "message"),
-    [
-        ("it.yml", {}, r"must end in \.yaml, got 'it.yml'"),
-        ("it.yaml", {"resolution": 0.3}, "resolution must be a power of two"),
-        ("it.yaml", {"free": 0.5}, "wanted 0 <= free < 0.5 <= occupied < 1"),
-    ],
-)
-def test_what_cannot_be_written_is_refused_and_leaves_no_file(name, options, message, tmp_path):
-    with pytest.raises(ValueError, match=message):
-        write_ros_map(tmp_path / name, corner_map(), **options)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_no_description_of_a_picture_that_is_not_there(tmp_path):
     """Catches a YAML that is written first: a robot would load it with yesterday's picture."""
     (tmp_path / "it.pgm").mkdir()

@@ -4,18 +4,14 @@ Pictures of what it showed are left at build/browser/workbench_*.png.
 """
 
 import contextlib
-import csv
 import http.client
-import json
 import os
 import re
 import time
 import urllib.error
 import urllib.request
-import zlib
 from collections.abc import Iterator
 
-import ezdxf
 import numpy as np
 import pytest
 from browsers import (
@@ -34,8 +30,6 @@ from browsers import (
     wait,
 )
 from input_samples import text_samples
-from matplotlib.image import imread
-from shapely.geometry import shape
 
 from segmap import exports, readers, simulation
 
@@ -43,11 +37,6 @@ assert browser  # the fixture
 #: A file chooser cannot be driven: its input joins the page instead, where the driver finds it.
 OPEN = """
 HTMLInputElement.prototype.click = function () { document.body.appendChild(this); }"""
-#: Buttons that save the floor plan while it is seen, and the ends of their files.
-PLANS = {
-    **{"Drawing (DXF)": ".dxf", "GIS (GeoJSON)": ".geojson", "Sheet to print (PDF)": ".pdf"},
-    **{"Picture (SVG)": ".svg", "Picture (PNG)": ".png", "Table (CSV)": ".csv"},
-}
 LABEL = "return document.querySelector('.segmap-canvas').getAttribute('aria-label')"
 #: Digests of the panes of the canvas, halves or thirds of its width, and the view that they share.
 PANES = """
@@ -133,15 +122,6 @@ def app(tmp_path_factory) -> Iterator[str]:
     """One for all tests but one: its start costs seconds."""
     with served(tmp_path_factory.mktemp("app")) as address:
         yield address
-
-
-def text_of_pdf(data):
-    """What a PDF of matplotlib says: its letters have two bytes each, in packed streams."""
-    said = b""
-    for stream in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", data, re.S):
-        with contextlib.suppress(zlib.error):
-            said += b"".join(re.findall(rb"\(((?:\\.|[^()\\])*)\)", zlib.decompress(stream)))
-    return said.replace(b"\0", b"").decode("latin-1")
 
 
 def test_the_app_is_served_to_who_has_the_token(app):
@@ -285,53 +265,6 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     browser.run("console.error('planted, to prove that errors are seen')")
     errors = [line for line in browser.errors() if ICONS not in line]
     assert len(errors) == 1 and "planted" in errors[0], errors
-
-
-def test_each_button_saves_the_floor_plan_while_it_is_seen(app, browser, tmp_path):
-    """Catches a button that saves the bare segments beside a plan, or rooms without their names."""
-    downloads = {"behavior": "allow", "downloadPath": str(tmp_path)}
-    browser.devtools("Browser.setDownloadBehavior", downloads)
-    opened(browser, app, 1280)
-    browser.click(f"{PICKED.format('bundled log')}/option[normalize-space()='room']")
-    wait("the log", lambda: browser.run(STATE) == "room: ready to run")
-    browser.click(f"{PICKED.format('method')}/option[normalize-space()='fusion']")
-    browser.click(BUTTON.format("Run"))
-    wait("a run", lambda: browser.run(STATE) == "room: done")
-    browser.click(BUTTON.format("plan"))
-    wait("a plan", lambda: browser.run(STATE) == "the floor plan is made")
-    browser.run("document.querySelector('.segmap-plan .room').focus()")
-    browser.type(browser.find("//*[local-name()='path'][@class='room']"), ENTER)
-    browser.type(
-        browser.find("//input[@aria-label='name of the room']"), f"\ue009a\ue000hall{ENTER}"
-    )
-    wait("the name", lambda: "hall" in browser.run(TEXT))
-
-    def saved(button, name):
-        browser.click(BUTTON.format(button))
-        path = tmp_path / name
-        wait(name, lambda: path.exists() and browser.run(STATE) == f"saved: {name}", 20)
-        return path
-
-    assert "Save the floor plan" in browser.run(TEXT)
-    browser.screenshot(SCREENSHOT.with_name("workbench_save_plan.png"))
-    ends = {end: saved(name, f"room-plan{end}") for name, end in PLANS.items()}
-    rows = [*csv.DictReader(ends[".csv"].read_text().splitlines())]
-    assert [row["name"] for row in rows] == ["hall", "room 2", "room 3"]
-    drawing = ezdxf.readfile(ends[".dxf"])
-    layers = {each.dxf.layer for each in drawing.modelspace()}
-    assert {"WALLS", "DOORS", "ROOMS"} <= layers and not drawing.audit().has_errors
-    features = json.loads(ends[".geojson"].read_text())["features"]
-    shapes = {one["properties"].get("name"): shape(one["geometry"]) for one in features}
-    assert shapes["hall"].is_valid
-    assert shapes["hall"].area == pytest.approx(float(rows[0]["area_m2"]), abs=0.02)
-    assert "hall" in ends[".svg"].read_text() and imread(ends[".png"]).size
-    assert "hall" in text_of_pdf(ends[".pdf"].read_bytes())
-
-    browser.click(BUTTON.format("plan"))
-    wait("the map again", lambda: "Save the map" in browser.run(TEXT))
-    lines = ezdxf.readfile(saved("Drawing (DXF)", "room-fusion.dxf")).modelspace()
-    left = re.search(r"fusion \(tolerance 0\.04\): (\d+) of", browser.run(TEXT)).group(1)
-    assert len(lines) == int(left) and {*layers}.isdisjoint(line.dxf.layer for line in lines)
 
 
 def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(app, browser, tmp_path):

@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 from driven_panels import LOG
 
-from segmap import LaserScan, Log
 from segmap.compiled import COMPILING
-from segmap.display import facts
 from segmap.progress import Compiling
-from segmap.scans import Skipped
 from segmap_app.page import Workbench, _bar
 from segmap_app.page._bar import Bar
 from segmap_app.page._edits import Edits
@@ -102,19 +99,6 @@ def test_maps_go_to_the_browser_about_their_middle():
 # ------------------------------------------------------------------ words and pictures
 
 
-def test_a_log_in_words():
-    scans = [LaserScan([1.0, 2.0], [0.0, 0.5]), LaserScan([1.0], [0.0])]
-    assert facts(Log("<b>", scans, skipped=Skipped(2, "line 7: no number"))) == [
-        ("scans", "2 scans, without times"),
-        ("beams", "1 to 2 a scan, 100.0 % of them valid"),
-        ("view", "28.65 degrees, 28.6 from beam to beam"),
-        ("ranges", "1.00 to 2.00 m, half of them below 1.00 m"),
-        ("odometry", "none"),
-        ("truth", "none"),
-        ("damaged", "2 lines left out; line 7: no number"),
-    ]
-
-
 # ------------------------------------------------------------------ where a log comes from
 
 
@@ -165,16 +149,3 @@ def test_edits_share_no_list_with_a_session():
     for name in ("veto", "tie", "crop"):
         edits.value()[name].clear()
     assert edits.value() == value | {"veto": ["1-9", "3-7"], "tie": ["2-8", "3-7"]}
-
-
-def test_edits_are_those_of_the_last_session_alone():
-    """Catches an edit of the map before that stays, and entries that change their places."""
-    held = {"veto": ["1-9"], "tie": ["2-8"], "square": True, "crop": [0.0, -1.0, 4.5, 3.0],
-            "place": [36.7, -4.4], "north": [60.0], "crs": "EPSG:25832"}  # fmt: skip
-    edits = Edits()
-    for left_out in held:
-        edits.restore(held)
-        assert edits.value() == held and edits.place.value == "36.7 -4.4"
-        fewer = {k: v for k, v in held.items() if k != left_out}
-        edits.restore(fewer)
-        assert edits.value() == fewer

@@ -80,6 +80,9 @@ def test_page_and_command_make_one_map(chosen, tmp_path, monkeypatch, capsys):
     assert found["session"]["text"] == "its second, second_sigma left out: no option here"
     wanted = chosen.outcome.reductions[0].segments
     assert np.array_equal(readers.read_segments("it.csv").segments, wanted) and len(wanted) > 20
+    exec(chosen.code, names := {"log": chosen.log})
+    assert np.array_equal(names["reduced"].segments, wanted)
+    assert np.array_equal(names["other"].segments, chosen.outcome.reductions[1].segments)
     # opened in another page, it is chosen as it was; its runs stand in the table
     page = Workbench(segmap.load("malaga")[:3])
     page.open("it.SEGMAP")
@@ -221,30 +224,3 @@ def test_a_new_map_is_seen_before_it_is_reduced():
     assert seen[:2] == [[now[0], "not reduced yet"], now]
     assert seen[2][1] == "not reduced yet" and seen[2][0] != now[0]
     assert page.canvas.titles == now and "bandwidth must" in page.state.value
-
-
-@pytest.fixture(scope="module")
-def room():
-    """A page with a map."""
-    page = Workbench(segmap.load("room"))
-    page.run()
-    return page
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "words"),
-    [
-        ("crop", "1 2 3", "crop [m] must be like 'left low right high', got '1 2 3'"),
-        ("crop", "900 0 901 1", "no segment lies in that rectangle; the map reaches from x -0.02"),
-        ("north", "30", "north and a grid need a place"),
-        ("place", "139.7 35.7", "; the latitude comes first"),
-    ],
-)
-def test_an_edit_that_cannot_be_is_refused_in_words(room, name, text, words):
-    """Catches a map that is empty or elsewhere without a word, and a fault that nobody sees."""
-    getattr(room.edits, name).value = text
-    room.wait()
-    assert words in room.state.value.replace("&#x27;", "'")
-    assert len(room.outcome.map) == 568  # the last good run
-    getattr(room.edits, name).value = ""
-    room.wait()
