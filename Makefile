@@ -77,7 +77,7 @@ refresh: $(SETUP) ## run the chapters again and store what they show (CHAPTERS="
 	$(RUN) notebooks/tools/refresh.py $(CHAPTERS)
 
 mutants: $(SETUP) $(WARM) ## plant bugs by rule and see a test fail (PACKAGE=reduction ARGS="--count 40 --seed 2")
-	$(RUN) tests/mutants.py $(or $(PACKAGE),reduction) $(ARGS)
+	$(RUN) -m benchmarks.mutants $(or $(PACKAGE),reduction) $(ARGS)
 
 fuzz: $(SETUP) $(WARM) ## read 5 000 tables, 100 000 damaged files: logs, maps (MUTANTS=500 ARGS="-k carmen" for fewer)
 	SEGMAP_TABLES=5000 $(RUN) -m pytest -q -p no:nbval tests/readers/test_declared_tables.py -k all_ways

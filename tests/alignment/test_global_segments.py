@@ -25,20 +25,6 @@ ALONE = "shares no two walls with the scans around it: hangs on odometry"
 
 
 # ------------------------------------------------------------------ the equations
-def test_feet_lie_on_the_lines_of_both():
-    """Feet clamped to the segment, or of one of the two only."""
-    rng = np.random.default_rng(3)
-    segments, (u, v) = rng.uniform(-3, 3, (24, 2, 2)), rng.integers(0, 24, (2, 80))
-    pairs = equations.Pairs(u // 4, v // 4, u, v, np.ones(80))
-    gap, i, _ = equations.feet(segments, pairs)
-    n, ends = len(pairs.u), np.concatenate([segments[pairs.u], segments[pairs.v]])
-    onto = np.concatenate([segments[pairs.v], segments[pairs.u]])
-    points = np.concatenate([ends[:n, 0], ends[:n, 1], ends[n:, 0], ends[n:, 1]])
-    lines = np.concatenate([onto[:n], onto[:n], onto[n:], onto[n:]])
-    d, to_foot = lines[:, 1] - lines[:, 0], points - gap - lines[:, 0]
-    np.testing.assert_allclose(d[:, 0] * to_foot[:, 1] - d[:, 1] * to_foot[:, 0], 0, atol=1e-9)
-    np.testing.assert_allclose((d * gap).sum(1), 0, atol=1e-9)
-    assert i[: 2 * n].tolist() == [*pairs.i, *pairs.i]
 
 
 def test_what_is_held_stays_and_every_group_is_held_once():

@@ -4,7 +4,6 @@ A loop is false where it is wrong by more than half a metre and by more than thr
 deviations that it claims: along a hall without features a loop claims to know nothing.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -20,7 +19,6 @@ from segmap.simulation import (
     Sensor,
     box,
     drive,
-    office,
     polyline,
     rectangular_room,
     simulate,
@@ -29,7 +27,7 @@ from segmap.simulation import (
 LASER = Sensor("laser", 181, -np.pi / 2, np.pi / 180, max_range=8.0, sigma=0.01)
 #: A lap ends some metres off.
 WHEELS = OdometryNoise(turn_bias=0.03, turn_noise=0.03, heading_noise=0.01, distance_noise=0.1)
-LENGTH, SHORT, DEPTH, WIDTH = 40.0, 24.0, 13.0, 2.0
+DEPTH, WIDTH = 13.0, 2.0
 DOOR, THICK = 0.9, 0.15
 #: What stands on a wall that is uneven, metres.
 WIDTHS, DEPTHS = (0.7, 1.6), (-0.3, 0.6)
@@ -40,15 +38,12 @@ NEAR, TURN, AFTER = 1.0, np.radians(20), 10.0
 #: Returns along so much path are one place, metres.
 PLACE = 5.0
 
-Facade = Callable[[np.ndarray, np.random.Generator], np.ndarray]
 
-
-def ring(rng: np.random.Generator, made: "Building", length: float) -> np.ndarray:
-    """A corridor round a block; its first leg lies along y = 0."""
+def ring(rng: np.random.Generator, length: float) -> np.ndarray:
+    """A corridor round a block; its first leg has doors alike on both sides."""
     outer = rectangular_room(length, DEPTH)
     inner = box(length - 2 * WIDTH, DEPTH - 2 * WIDTH, (length / 2, DEPTH / 2, 0))[:, ::-1]
-    walls = [made.below(outer[0], rng), made.above(inner[0], rng)]
-    walls += [made.back(wall, rng) for wall in (outer[2], inner[2])]
+    walls = [doors(outer[0]), doors(inner[0]), outer[2:3], inner[2:3]]
     return np.concatenate([*walls, *(uneven(w, rng) for w in (*outer[1::2], *inner[1::2]))])
 
 
@@ -65,7 +60,7 @@ def uneven(wall: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return transform((*wall[0], np.arctan2(*(wall[1] - wall[0])[::-1])), line)
 
 
-def doors(wall: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def doors(wall: np.ndarray) -> np.ndarray:
     """A door after every pier that is as wide as a door, from end to end."""
     reach = float(np.hypot(*(wall[1] - wall[0])))
     first = np.arange(DOOR, reach - 2 * DOOR, 2 * DOOR)
@@ -75,45 +70,13 @@ def doors(wall: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return transform((*wall[0], np.arctan2(*(wall[1] - wall[0])[::-1])), line)
 
 
-def plain(wall: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    return wall[None]
-
-
-def equal_offices(wall: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Two equal offices side by side below a plain wall, 14 to 22 m from its left end."""
-    one = office(rng=rng, rooms=1)
-    kept = (one[..., 1].max(1) < 4.0 + 1e-6) & ~np.all(np.abs(one[..., 1] - 6.0) < 1e-6, axis=1)
-    room = one[kept] - (0.0, 4.0)
-    left, right = polyline([(0, 0), (14, 0)]), polyline([(22, 0), wall[1]])
-    return np.concatenate([left, room + (14.0, 0), room + (18.0, 0), right])
-
-
-class Building(NamedTuple):
-    """How the legs are made, and where the first one is left, in the first and second lap."""
-
-    below: Facade
-    above: Facade
-    back: Facade
-    first: tuple = ()
-    second: tuple = ()
-
-
-VISIT, NEXT = (((x, 1), (x, -1.5), (x, 1)) for x in (16, 20))
-BUILDINGS = {
-    "repeated doors": Building(doors, doors, plain),
-    "equal offices": Building(equal_offices, plain, uneven, VISIT, NEXT),
-    "featureless hall": Building(plain, plain, uneven),
-}
-
-
-def drive_through(name: str, seed: int, length: float = LENGTH) -> Log:
+def drive_through(length: float) -> Log:
     """Two laps and a half; the second passes what looks alike with the errors of the first."""
-    made, rng = BUILDINGS[name], np.random.default_rng(seed)
-    walls, end = ring(rng, made, length), length - 1
-    back, legs = [(end, 1), (end, DEPTH - 1), (1, DEPTH - 1)], (made.first, made.second)
-    laps = [corner for leg in legs for corner in ((1, 1), *leg, *back)]
-    path = drive([(12, DEPTH - 1), (1, DEPTH - 1), *laps], step=0.3, turn=np.radians(15))
-    return simulate(walls, path, sensor=LASER, rng=rng, odometry_noise=WHEELS, name=name)
+    rng, end = np.random.default_rng(1), length - 1
+    lap = [(1, 1), (end, 1), (end, DEPTH - 1), (1, DEPTH - 1)]
+    path = [(12, DEPTH - 1), (1, DEPTH - 1), *lap, *lap]
+    path = drive(path, step=0.3, turn=np.radians(15))
+    return simulate(ring(rng, length), path, sensor=LASER, rng=rng, odometry_noise=WHEELS)
 
 
 class Verdict(NamedTuple):
@@ -122,8 +85,8 @@ class Verdict(NamedTuple):
     closed: int  # of these, with a loop
 
 
-def verdict(log: Log, **settings) -> Verdict:
-    graph = pose_graph(log, **settings).graph
+def verdict(log: Log) -> Verdict:
+    graph = pose_graph(log).graph
     ends, information = graph.edges[graph.loop], graph.information[graph.loop]
     left = between(log.truth[ends[:, 0]], log.truth[ends[:, 1]]) - graph.relative[graph.loop]
     left[:, 2] = wrap(left[:, 2])
@@ -163,7 +126,7 @@ def turning_in_a_hall_of_teeth(seed: int, step: float) -> Log:
 
 
 @pytest.mark.parametrize("step", [20.0, 30.0])
-@pytest.mark.parametrize("seed", range(1, 6))
+@pytest.mark.parametrize("seed", [1, 2])
 def test_where_a_turn_fits_as_well_the_odometry_has_its_word(seed, step):
     """Catches a scan that is turned back, by 8 to 40 degrees, to where it sees nothing new.
 
@@ -178,12 +141,9 @@ def test_where_a_turn_fits_as_well_the_odometry_has_its_word(seed, step):
     assert found[wheels < 3].max() < 1
 
 
-SEEDS = range(1, 21)
-
-
 def test_entry_points_that_repeat_close_no_false_loop():
     """A lap and a half: the doors come again with the odometry metres off."""
-    found = verdict(drive_through("repeated doors", 1, SHORT)[:415])
+    found = verdict(drive_through(24.0)[:415])
     assert found.false == 0
     assert found.places >= 5
     assert found.closed >= found.places - 1

@@ -239,20 +239,6 @@ def test_the_search_is_that_of_the_plain_loops(name):
     assert scores[tuple(np.round(found, 6))] == pytest.approx(score, abs=1e-12)
 
 
-@pytest.mark.parametrize("quarter", range(4))
-def test_walls_at_the_border_of_the_map_are_found_as_those_inside(quarter):
-    """A block that begins outside of the map and reaches into it, cells of the next column."""
-    along = np.random.default_rng(1).uniform(0, 3, (2, 80))
-    walls = np.stack([np.r_[along[0], np.zeros(80)], np.r_[np.zeros(80), along[1]]], -1)
-    walls = transform((0.0, 0.0, quarter * np.pi / 2), walls)
-    far = walls.min(0) - 8.0, walls.max(0) + 8.0  # two lone points: no wall is at the border then
-    for start, reach in (((0.0, 0.0, 0.0), 0.5), ((1.4, 1.3, 0.05), 2.0), ((-1.4, 1.3, 0.0), 2.0)):
-        maps = PointMap(walls), PointMap(np.r_[walls, far])
-        alone, inside = (map.search(walls, start, reach=reach, reach_cost=0.0) for map in maps)
-        assert alone[1] == pytest.approx(inside[1], abs=1e-9) and alone[1] > 0.7
-        np.testing.assert_allclose(alone[0], inside[0], atol=1e-9)
-
-
 def test_levels_hold_the_stamps_and_the_maxima_of_their_blocks():
     """A stamp beside its point; a coarse level below a cell that it covers cuts off the best."""
     map = PointMap(scan_points())

@@ -9,7 +9,6 @@ from segmap.angles import axial_difference, axial_mean, axial_mean_of_two, wrap
 
 ANGLE = st.floats(-50, 50)
 WEIGHT = st.floats(0.01, 100)
-TURNS = st.integers(-7, 7)
 LINES = st.lists(st.tuples(ANGLE, WEIGHT), min_size=1, max_size=8)
 
 

@@ -1,22 +1,17 @@
 """What a chapter says of more than its own case: other sensors, other offices."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from chapter_rules import CHAPTERS
 from past_a_wall import STOPS
 from segmap_course import clinic_walls
 
 import segmap
 from segmap import simulation
 from segmap.alignment import (
-    match_angles,
-    match_points,
     pose_graph,
 )
-from segmap.poses import between
 from segmap.quadtree import build_map
 from segmap.reduction import least_cost
 
@@ -92,54 +87,3 @@ def test_a_tolerance_below_three_standard_deviations_loses_walls_and_a_larger_on
         maps = [segmap.build_map(log, log.truth, tolerance=sigma * k) for k in (1, 3, 4, 6)]
         one, three, *more = (segmap.segments.length(map.segments).sum() for map in maps)
         assert one < 0.75 * three and np.allclose(more, three, rtol=0.03)
-
-
-def kinds_of_angle_matches(**rules):
-    """Right, no match and wrong, of all pairs of scans of the clinic that are six steps apart."""
-    log, kinds = segmap.load("clinic"), []
-    walls = [segmap.extract_polylines(scan.points()) for scan in log]
-    for k in range(len(log) - 6):
-        pair, rng = (walls[k], walls[k + 6]), np.random.default_rng(1)
-        match = match_angles(*pair, rng=rng, **rules)
-        x, y, turn = between(between(log.truth[k], log.truth[k + 6]), match.pose)
-        right = np.hypot(x, y) < 0.1 and abs(turn) < np.radians(3)
-        kinds.append((0 if right else 2) if match.matched else 1)
-    return np.bincount(kinds, minlength=3).tolist()
-
-
-def test_the_table_of_rules_of_angle_correspondence():
-    """Chapter 5: each rule that is added, and few pairs of walls by three heuristics."""
-    told = {"penalty": 0.0, "rival": 1.0, "least_share": 1e-6, "least_across": 1e-6}
-    rules = [told | {"whole": True}, told, told | {"penalty": 4.0}, {}]
-    (path,) = [path for path in CHAPTERS if path.name.startswith("05_")]
-    text = path.read_text("utf-8")
-    table = [[int(n) for n in row] for row in re.findall(r"\| (\d+) \| (\d+) \| (\d+) \|", text)]
-    assert [kinds_of_angle_matches(**rule) for rule in rules] == table
-    few = [
-        kinds_of_angle_matches(heuristic=name, most_pairs=10)[0]
-        for name in ("consecutive", "random", "perpendicular")
-    ]
-    assert "{}, {} and {} of the 244 are right".format(*few) in text
-
-
-def test_a_match_is_surer_than_it_should_be_since_the_first_scan_errs_too():
-    """Chapter 8: at five places, with noise in both scans and in the second alone."""
-    log, ratios = segmap.load("clinic"), []
-    for pair in ((194, 218), (60, 72), (58, 62), (132, 156), (192, 198)):
-        true = between(*log.truth[list(pair)])
-        for sigma in (0.01, 1e-4):
-            sensors = [replace(simulation.URG_04LX, sigma=s) for s in (sigma, 0.01)]
-            rng, off, claimed = np.random.default_rng(8), [], []
-            for _ in range(40):
-                scans = [
-                    simulation.simulate(clinic_walls(), log.truth[[k]], sensor=sensor, rng=rng)[0]
-                    for k, sensor in zip(pair, sensors, strict=True)
-                ]
-                match = match_points(*(scan.points() for scan in scans), true)
-                off.append(((match.pose - true)[:2] ** 2).sum())
-                claimed.append(np.trace(match.covariance[:2, :2]))
-            ratios.append(np.sqrt(np.mean(off) / np.mean(claimed)))
-            if pair == (194, 218) and sigma == 1e-4:
-                assert round(1000 * np.sqrt(np.mean(off)), 1) == 1.4
-    both, second = ratios[::2], ratios[1::2]
-    assert max(second) < 1 < min(both) and (round(min(both), 1), round(max(both), 1)) == (1.0, 1.9)

@@ -11,11 +11,7 @@ from segmap.alignment.points import PointStep
 from segmap.exports import ros_classes
 from segmap.plotting import ERROR, MAP, RAW, RESULT
 from segmap.quadtree import QuadtreeMap
-from segmap.scans import LaserScan
 
-SCAN = LaserScan(
-    [1.0, 2.0, np.inf, 9.0, 3.0], [-1, 0, 1, 2, 3], sensor_pose=(0.5, 0, 0), max_range=8.0
-)
 TWO, FEET = np.array([(0, 1.0), (1, 0.5)]), np.array([(0, 0.0), (1, 0)])
 STEP = PointStep(np.zeros(3), 0.6, TWO, FEET, np.array([1, 0]))
 WALLS = np.array([[(0, 0), (4, 0)], [(0, 0.06), (4, 0.03)], [(0, 2), (0, 3)]])

@@ -48,7 +48,6 @@ from segmap_app.files import Session
 from segmap_app.page import Workbench
 
 NAN, ZERO = float("nan"), (0.0, 0.0, 0.0)
-WALL = [(1.0, -1.0), (1.0, 1.0)]
 TWO = np.array([[(0, 0), (1, 0)], [(0, 1), (1, 1)]], float)
 FOUR = np.zeros((4, 2))
 SPREADS = np.diag([1, 1, 1e7]), np.diag([1, 1, -1.0]), [[1, 9, 0]] * 3

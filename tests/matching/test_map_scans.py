@@ -63,7 +63,7 @@ def walked(log, map, pose, *, matcher, score, settle, free):
         yield pose, value, overlap
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(8))
 def test_it_is_the_plain_loop_with_any_options(seed):
     """Also with blind scans and broken beams, and one scan at a time.
 
@@ -168,7 +168,7 @@ def path_errors(workloads, seed, **options):
 
 def test_the_room_path_without_odometry(workloads):
     """The promise: over seeds the median of medians 20 mm, of the largest 50 mm."""
-    found = np.array([path_errors(workloads, seed)[:2] for seed in range(3)])
+    found = np.array([path_errors(workloads, seed)[:2] for seed in range(2)])
     median, largest = np.median(found, axis=0)
     assert median <= 0.020
     assert largest <= 0.050

@@ -44,7 +44,7 @@ def across(found, count):
     return int(((first < count) & (second >= count)).sum())
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_two_sessions_of_an_office_are_one_map(seed):
     """Catches a second map that is turned, moved the wrong way, or left where it began."""
     one, two = session(seed, THERE, 100 + seed), session(seed, BACK, 200 + seed)
@@ -57,7 +57,7 @@ def test_two_sessions_of_an_office_are_one_map(seed):
     assert found.used.all() and not found.doubt and across(found, len(one)) > 30
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(1))
 def test_another_office_is_refused_though_its_corridor_is_alike(seed):
     one, two = session(seed, THERE, 100 + seed), session(seed + 50, ELSEWHERE, 300 + seed, **OTHER)
     found = merge(one, two)

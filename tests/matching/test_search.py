@@ -13,7 +13,6 @@ from segmap.scans import LaserScan
 from segmap.segments import SegmentMap
 from segmap.simulation import (
     SICK_LMS200,
-    URG_04LX,
     Sensor,
     box,
     city,
@@ -92,7 +91,7 @@ def test_search_is_every_pose_tried(seed):
 
 
 @pytest.mark.parametrize("kind", ["walls", "squares"])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_square_room_has_four_places(kind, seed):
     """Never found, and the true one is among the four, which are quarter turns of each other."""
     walls, random = square_room(4.0), rng(seed)
@@ -109,28 +108,6 @@ def test_a_square_room_has_four_places(kind, seed):
     assert sorted(away.argmin(1)) == [0, 1, 2, 3] and away.min(1).max() < 0.08
     turned = wrap(found.poses[:, 2] - four[away.argmin(1), 2])
     assert np.abs(turned).max() < 0.05
-
-
-def asked_in_office(seed, count=6, sensor=URG_04LX):
-    """An office as a drive has mapped it, and scans of another day with their poses."""
-    walls = office(rng=rng(seed))
-    log = simulate(walls, drive(ROUTE, step=0.2), sensor=sensor, rng=rng(seed + 50))
-    poses = log.truth[rng(seed + 60).choice(len(log), count, replace=False)]
-    again = simulate(walls, poses, sensor=sensor, rng=rng(seed + 70))
-    return build_map(log, log.truth), again
-
-
-def test_scans_of_an_office_are_found_or_not_believed():
-    """Six offices, another noise: right or told as doubtful, and most are right."""
-    right = found = 0
-    for seed in range(6):
-        map, scans = asked_in_office(seed)
-        for scan, pose in zip(scans, scans.truth, strict=True):
-            places = search(map, scan)
-            good = np.hypot(*(places.poses[0] - pose)[:2]) < 0.3
-            assert good or not places.found
-            right, found = right + good, found + places.found
-    assert right >= 28 and found >= 14  # of 36
 
 
 @pytest.mark.parametrize("count", [5, slow(50)])

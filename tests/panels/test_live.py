@@ -14,7 +14,7 @@ from segmap import LaserScan, carried, load
 from segmap.panels import LivePanel, _live
 from segmap.panels._live_picture import Greys
 from segmap.quadtree import build_map
-from segmap.sensors import Newest, SensorError, UrgSensor
+from segmap.sensors import Newest, UrgSensor
 from segmap.sensors.emulator import Emulator, furnished_room
 from segmap.simulation import Sensor, box, drive, simulate, square_room
 
@@ -62,15 +62,6 @@ def test_the_panel_says_found_or_lost():
     panel.take(LaserScan([np.inf], [0.0]))
     assert panel.place.value.startswith("LOST: go back to where the map is, and turn slowly: 0% of")
     assert panel.place.value.endswith("; 1 scan lost on this map")
-
-
-def test_errors_reach_the_reader():
-    def fails():
-        yield from many(1)
-        raise SensorError("the sensor is gone: plug it in")
-
-    with Newest(fails()) as newest, pytest.raises(SensorError, match="plug it in"):
-        list(newest)
 
 
 @needs_terminals

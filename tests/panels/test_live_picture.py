@@ -7,7 +7,7 @@ import pytest
 from matplotlib.image import imread
 
 from segmap import LaserScan
-from segmap.panels._live_picture import Greys, LivePicture, occupancy
+from segmap.panels._live_picture import Greys, LivePicture
 from segmap.plotting import ERROR, RAW, RESULT
 from segmap.poses import compose
 from segmap.quadtree import QuadtreeMap, extent
@@ -82,18 +82,6 @@ def test_another_map_is_asked_as_a_whole():
         map = mapped(*[((0.0, 0.0), ends)] * count)
         greys.update(map, np.array([(0.0, 0.0)]))
         assert_shows(greys, map)
-
-
-def test_the_grey_squares_are_the_cells_of_the_map():
-    """Catches a picture half a cell off, or one turned about its diagonal; walls are not lost."""
-    map = mapped(((0.1, 0.1), [(1.9, 0.1), (0.1, 2.9), (2.1, 2.1)]), resolution=0.25, size=4)
-    for corner, shape, side in (
-        *(((0, 0), (2, 4), 0.25), ((-1, 0.5), (3, 2), 0.5), ((0, 0), (4, 4), 1.0)),
-        *(((-1, -1), (3, 2), 1.0), ((1, 1), (0, 2), 1.0), ((0, 2), (1, 3), 1.0)),
-    ):
-        view = *corner, corner[0] + side * shape[1], corner[1] + side * shape[0]
-        found = occupancy(map, corner, shape, side)
-        assert found.shape == shape and found.tolist() == plain(map, view, side).tolist()
 
 
 # ------------------------------------------------------------------ pixels

@@ -79,7 +79,7 @@ def compared(method, wanted):
             lambda: ScanPanel(LOG[1:], DRIFTED[1:]),
             lambda step: scanned(LOG[1:], DRIFTED[1:], RESULT, step),
             ("index", "valid"),
-            {"step": (0, 2, len(LOG) - 2)},
+            {"step": (0, len(LOG) - 2)},
         ),
         (
             lambda: ScanPanel(SOME),
@@ -97,7 +97,7 @@ def compared(method, wanted):
             lambda: ComparePanel(WALLS, RUNS),
             compared,
             ("thresholds", "rate", "kept"),
-            {"method": ("fusion", "hybrid", "mean_shift"), "wanted": (80, 40, 98)},
+            {"method": ("fusion", "mean_shift"), "wanted": (80, 98)},
         ),
     ],
 )

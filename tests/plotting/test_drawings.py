@@ -25,10 +25,8 @@ from segmap.reduction import Reduction, hybrid
 from segmap.reduction.surveyed import Line
 from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap
-from segmap.simulation import rectangular_room
 
 WALLS = np.array([[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(0, 0.02), (4, 0.02)]], float)
-ROOM = rectangular_room()
 SEEN = SegmentMap(WALLS, [0, 0, 1])
 REDUCED = Reduction(WALLS[:2], np.array([0, 1, 0]), 0.0, "by hand")
 JUDGED = against_walls([*WALLS[:2], [(1, 1), (1, 2)]], [*WALLS, [(2, 1), (2, 2)]])

@@ -41,7 +41,7 @@ def random_scans(rng, resolution, corner, spread):
 
 
 @pytest.mark.parametrize("free_resolution", [None, 1, 2, 8])
-@pytest.mark.parametrize("seed", [*range(15), *map(slow, range(15, 50))])
+@pytest.mark.parametrize("seed", [*range(9), *map(slow, range(9, 50))])
 def test_equals_the_literal_map(seed, free_resolution):
     """Catches a wrong cell, split, count, mask, order of growth, or a leaf counted twice a ray."""
     rng = np.random.default_rng(seed)
@@ -93,34 +93,6 @@ def test_grows_towards_the_point(scan, bounds):
     assert equal and map.bounds == bounds
 
 
-#: Two rays of 2^26 cells whose slopes differ by 2^-51: they part at step 2^25.
-APART = [(2**26, 2**25 - 1), (2**26 + 2, 2**25)]
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_a_ray_counts_as_it_does_alone(seed):
-    """Catches a leaf taken over from the ray before that a tie, or a slope that is less apart than
-    numbers hold, does not come to by the same way."""
-    rng = np.random.default_rng(seed)
-    sensor, sign = 2**27 + 0.5, rng.choice([-1, 1], 2)
-    ties = np.repeat(rng.integers(-9, 10, (40, 2)), 3, 0) * rng.integers(1, 4**seed + 1, (120, 1))
-    rng.shuffle(ties[: 60 * (seed % 3)])
-    ends = np.concatenate([sign * [*APART, (2**25, 2**24), (2**25, 2**24 - 1)], ties]) + sensor
-    near = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 2), -1).reshape(-1, 2)
-    free = sensor + (
-        rng.permutation(near) if seed < 6 else rng.integers(-(2**seed), 2**seed, (9, 2))
-    )
-    together, alone = [QuadtreeMap(resolution=1, size=2**28) for _ in range(2)]
-    for map in (together, alone):  # all leaves are split
-        map.insert_scan((sensor, sensor), ends, free)
-    together.insert_scan((sensor, sensor), ends, free)
-    for end in ends:
-        alone.insert_scan((sensor, sensor), [end])
-    for end in free:
-        alone.insert_scan((sensor, sensor), [], [end])
-    assert leaves_of(together) == leaves_of(alone)
-
-
 def test_the_literal_walk_is_that_of_the_thesis():
     """By hand: the loop starts at the smaller x, so a ray and its mirror image differ."""
     there = [(0, 0), (1, 0), (2, 0), (3, 1), (4, 1)]
@@ -128,15 +100,3 @@ def test_the_literal_walk_is_that_of_the_thesis():
     back = [(-4, 1), (-3, 1), (-2, 1), (-1, 0), (0, 0)]
     assert literal.ray_cells((0, 0), (-4, 1)) == back
     assert literal.ray_cells((0, 0), (1, 4)) == [(y, x) for x, y in there]
-
-
-@given(LATTICE, LATTICE)
-def test_the_literal_walk_takes_the_cell_nearest_to_the_line(start, end):
-    """Catches a walk that leaves the line or breaks: one cell a column, none farther than half."""
-    cells = np.array(literal.ray_cells(start, end))
-    away = np.subtract(end, start)
-    steps = abs(away).max()
-    assert len(cells) == steps + 1 and (abs(np.diff(cells, axis=0)).max(1) == 1).all()
-    assert {start, end} <= {tuple(cell) for cell in cells.tolist()}
-    aside = abs((cells - start) @ [[0, 1], [-1, 0]] @ away)  # times the steps
-    assert (2 * aside <= steps).all()

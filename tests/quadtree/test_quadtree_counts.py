@@ -7,7 +7,6 @@ import pytest
 from quadtrees import leaves_of, state
 
 from segmap import load
-from segmap.alignment import Alignment
 from segmap.quadtree import QuadtreeMap, build_map, extent, free_ends
 from segmap.scans import LaserScan, Log
 
@@ -37,18 +36,6 @@ def test_what_lies_outside_is_unknown():
 def room() -> QuadtreeMap:
     log = load("room")
     return build_map(log, log.truth, resolution=0.02)
-
-
-def test_leaves_cover_the_root_exactly_once(room):
-    """Catches leaves lost or doubled by growth, and hits that no ray brought."""
-    grid = np.zeros((round(room.side / 0.02),) * 2, int)
-    found = room.leaves()
-    corner = np.rint((np.stack([found.x, found.y], -1) - room.bounds[:2]) / 0.02).astype(int)
-    for (x, y), n in zip(corner, np.rint(found.side / 0.02).astype(int), strict=True):
-        grid[y : y + n, x : x + n] += 1
-    assert (grid == 1).all()
-    assert (found.occ <= found.vis).all() and (found.occ > 0).sum() > 1000
-    assert found.side[found.occ > 0] == pytest.approx(0.02)
 
 
 def test_grid_holds_the_occupancy_of_every_cell(room):
@@ -136,22 +123,6 @@ def test_a_map_of_a_bundled_log(name, scans):
     known = np.flatnonzero(np.isfinite(log.truth).all(1))
     places = log.truth[known, :2]
     assert (map.occupancy(places) < 0.5).mean() > 0.95  # the robot drove where it is free
-
-
-def test_a_log_is_inserted_scan_by_scan():
-    """Catches the robot's pose taken for the sensor's, and a maximum taken for a wall."""
-    angles, place = np.radians([0, 90, 180]), (0.5, 0, np.pi / 2)
-    scan = LaserScan([2.0, np.inf, 4.0], angles, 0.0, None, 4.0, place)
-    log, size = Log("one", [scan, scan], None), {"resolution": 0.25, "size": 16}
-    poses = np.array([(1, 1, np.pi / 2), (np.nan, 0, 0)])
-    expected = [QuadtreeMap(corner=(-8 + 1, -8 + 1), **size) for _ in range(2)]
-    expected[0].insert_scan((1, 1.5), [(-1, 1.5)])
-    expected[1].insert_scan((1, 1.5), [(-1, 1.5)], [(1, 1.5 - 4), (1 + 4, 1.5)])
-    done = Alignment(poses, np.array([True, False]), 0.0, "it", ("", ""))
-    for free, by_hand in enumerate(expected):
-        for given in (poses, done):
-            map = build_map(log, given, free=bool(free), **size)
-            assert leaves_of(map) == leaves_of(by_hand) and map.scans == 1
 
 
 @pytest.mark.parametrize(

@@ -314,8 +314,6 @@ def test_what_ros_shortened_is_told_with_the_option(tmp_path):
 
 #: Beams that met something, and one that did not, as UrgBenri, SICK and ROS write them.
 MET = [*FAR[:11].tolist(), np.inf]
-WHOLE = [round(1000 * r) if np.isfinite(r) else 65533 for r in MET]
-VIEW = "angle_min: 0.0\nangle_max: 5.7595865\n"
 STAMP = "header:\n  stamp:\n    secs: 1600000000\n    nsecs: 200000000\n"
 #: What is no table, and what the lines that open it give.
 OTHERS = {

@@ -5,11 +5,7 @@ import hashlib
 import importlib.util
 from pathlib import Path
 
-import numpy as np
 import pytest
-
-from segmap import readers
-from segmap.angles import wrap
 
 DATA = Path(__file__).parents[2] / "data"
 #: Name of a log -> its size is below so many bytes.
@@ -34,17 +30,3 @@ def test_a_simulated_log_can_be_made_anew_from_its_seed(name, script):
         gzip.decompress(packed).decode().splitlines(), script.text(name).splitlines(), strict=True
     )
     assert [k for k, (old, new) in enumerate(lines) if old != new] == []
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_read_log_says_what_was_simulated(name, script):
-    """Catches truth and odometry exchanged, beams shifted by one, units lost on the way."""
-    read, made = readers.load(name), script.LOGS[name][0]()
-    assert len(read) == len(made)
-    np.testing.assert_allclose(read.times, made.times, atol=1e-6)
-    for ours, theirs in ((read.truth, made.truth), (read.odometry, made.odometry)):
-        np.testing.assert_allclose(ours[:, :2], theirs[:, :2], atol=1e-6)
-        np.testing.assert_allclose(wrap(ours[:, 2] - theirs[:, 2]), 0, atol=1e-6)
-    for ours, theirs in zip(read, made, strict=True):
-        np.testing.assert_array_equal(ours.valid, theirs.valid)
-        np.testing.assert_allclose(ours.points(), theirs.points(), atol=1e-9)

@@ -4,15 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from reduction_maps import redundant_map
 from segmap_course import literal
 
 from segmap import build_map, load, quality
 from segmap.experiments import front
-from segmap.poses import transform
 from segmap.reduction import hough, hybrid, hybrid_fusion
-from segmap.segments import SegmentMap
-from segmap.testing import assert_segments_equal
 
 NUMBER = st.floats(-20, 20)
 POINT = st.tuples(NUMBER, NUMBER)
@@ -34,23 +30,6 @@ def test_many_lines_at_once_are_those_of_the_literal_method():
     found = hough(segments)
     assert found == pytest.approx(np.array([literal.hough(s) for s in segments]))
     assert hough(segments, found[:, 1]) == pytest.approx(found)
-
-
-SEEN_TWICE = SegmentMap(
-    np.concatenate([redundant_map(np.random.default_rng(4)), [[(-9, -9), (9, 9)]]])
-)
-
-
-@pytest.mark.parametrize("method", [hybrid, hybrid_fusion])
-@pytest.mark.parametrize("to", [(100.0, 0.0, 0.0), (5e5, 4.6e6, 0.0), (3.0, -40.0, 1.0)])
-def test_about_each_pair_the_result_moves_with_the_map(method, to):
-    """About the origin it does not: fewer segments are left near to it (chapter 15)."""
-    there = SegmentMap(transform(to, SEEN_TWICE.segments))
-    here, moved = (method(map, origin="pair") for map in (SEEN_TWICE, there))
-    np.testing.assert_array_equal(here.parents, moved.parents)
-    there = transform(to, here.segments)
-    assert_segments_equal(there, moved.segments, ordered=True, atol=1e-6)
-    assert not moved.doubt
 
 
 @pytest.mark.parametrize("method", [hybrid, hybrid_fusion])

@@ -16,8 +16,6 @@ from segmap.reduction import least_cost
 from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal
 
-LOG = load("malaga")
-
 
 def test_an_exchange_that_gains_nothing_is_undone():
     """Catches one that is kept: as dear as before, with other outputs."""
@@ -56,7 +54,7 @@ def test_only_what_changed_is_looked_at_again(visits):
     assert 0 < sum(visits) < 14 * 200  # 44 times where each round looks at all
 
 
-@pytest.mark.parametrize("count", [25, 50, 100, 200])
+@pytest.mark.parametrize("count", [25, 100])
 def test_of_many_looks_at_a_wall_those_are_tried_that_may_stand_for_an_output(visits, count):
     """Catches work for each look that grows with the looks beside it, not with the outputs."""
     rng = np.random.default_rng(0)
@@ -130,7 +128,7 @@ def test_the_order_of_the_segments_changes_ties_only():
     assert quality(map, found) == pytest.approx(quality(map, other), abs=1e-3)
 
 
-@pytest.mark.parametrize("first", range(5))
+@pytest.mark.parametrize("first", range(3))
 @pytest.mark.parametrize("penalty", [0.05, 1.0])
 def test_its_core_ends_with_the_same_segments_where_nothing_is_undone(first, penalty):
     """Catches a core that chapter 21 shows and that is another method."""

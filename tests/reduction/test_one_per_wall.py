@@ -41,7 +41,7 @@ def seen(noise: float, heading: float, seed: int = 0, scans: int = 30) -> Segmen
     return SegmentMap(np.concatenate(looks), scan, sensors=sensors)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_scans_that_move_leave_a_wall_each_and_a_niche_that_is_thinner_than_the_noise(seed):
     """A sign or a lever of the normal equations that is wrong: walls stay double, or run away."""
     map = seen(0.03, np.radians(0.5), seed)
@@ -58,7 +58,7 @@ def test_scans_that_move_leave_a_wall_each_and_a_niche_that_is_thinner_than_the_
     assert np.isfinite(scattered.noise)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_equals_the_plain_method_on_a_grid_of_a_tenth_of_a_metre(seed):
     """Gaps of 0.3 m and 1 m, beams through 0.1 m, niches: what hides, bridges and takes in."""
     rng = np.random.default_rng(seed)
@@ -91,7 +91,7 @@ def test_it_makes_the_good_maps_that_were_promised(group, least):
     assert runs["all_four"].str.count("1").sum() >= least
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", range(1))
 @pytest.mark.parametrize("noise", ["0.01", "0.02", "0.03"])
 def test_a_floor_has_its_walls_once_and_the_noise_is_that_of_its_looks(noise, seed):
     """A record that outlives the method; a noise that counts headings twice, or not."""

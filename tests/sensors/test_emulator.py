@@ -107,25 +107,6 @@ def test_clusters_give_the_nearest():
     assert parse_scan(reply.body, 3).millimetres.tolist() == [300, 19]
 
 
-def test_its_clock_wraps_and_is_of_its_own_seconds():
-    """Catches a wrap that comes hours later, or has been; ten times faster has stamps as ever."""
-    told = []
-    for stamp in (0, 2**24 - 500):
-        (reply,) = replies(Bench(stamp=stamp).says("II"))
-        (line,) = (line for line in reply.body if line.startswith(b"TIME:"))
-        told.append(int(line[5:11], 16))
-    assert told[0] > 500 and told[1] == told[0] - 500
-    soon, fast = Bench(), Bench(speed=10.0)
-    soon.now = 30.0
-    soon.unit.wrap_clock()
-    stamps = []
-    for bench, seconds in ((soon, 0.8), (fast, 0.2)):
-        _, *scans = replies(bench.says("MD0044072501000", seconds))
-        stamps.append([parse_scan(scan.body, 3).clock for scan in scans])
-    assert stamps[0][0] > 2**24 - 1000 and stamps[0][-1] < 1000
-    assert len(stamps[1]) >= 18 and set(np.diff(stamps[1])) == {100}
-
-
 def test_the_old_protocol():
     """Catches a driver's request in SCIP 2.0 that is understood before the sensor has switched."""
     bench = Bench(protocol="1.1")

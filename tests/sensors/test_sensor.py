@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from emulated import Wired, connected, turn_of
 
-from segmap.sensors import SensorError, UrgSensor, checksum, encode, ports
+from segmap.sensors import SensorError, UrgSensor, ports
 from segmap.sensors.emulator import Room
 from segmap.simulation import rectangular_room
 
@@ -90,24 +90,6 @@ def test_auto_looks_for_the_vendor(monkeypatch):
 
 
 # ----------------------------------------------------------------------------- ranges
-
-
-def test_a_clock_that_stands_still_counts_nothing():
-    """Catches a division by the time from stamp to stamp."""
-    stamps = itertools.chain([5] * 6, itertools.cycle([5, 6]))
-
-    def stamped(data, at):
-        lines = data.split(b"\n")
-        for k in range(1, len(lines)):
-            if lines[k - 1] == b"99b":
-                told = encode(next(stamps), 4)
-                lines[k] = told + checksum(told)
-        return b"\n".join(lines)
-
-    with connected(Wired(stamped)) as sensor:
-        assert len(first(sensor, 4)) == 4
-        first(sensor, 4)
-        assert (sensor.unsent, sensor.dropped) == (0, 0)
 
 
 def test_two_streams_by_turns():

@@ -6,6 +6,7 @@ Whatever happens on either line: right ranges, a laser that is off in the end, a
 import contextlib
 import gc
 import itertools
+import socket
 import time
 from pathlib import Path
 
@@ -146,6 +147,17 @@ def test_a_port_where_nothing_answers(line, tmp_path):
     if not line.is_tcp:
         with pytest.raises(SensorError, match=r"cannot open .*it is not there: is the sensor"):
             UrgSensor(str(tmp_path / "ttyACM7"))
+
+
+def test_a_program_that_crashed_left_it_streaming():
+    with Emulator(far_pattern, speed=10.0, **UST) as emulator:
+        host, port = emulator.port.removeprefix("tcp://").split(":")
+        with socket.create_connection((host, int(port))) as crashed:
+            crashed.sendall(b"MD0000108001000\n")
+            assert crashed.recv(10)
+        with of(emulator) as sensor:
+            assert emulator.unit.stream is None
+            far_turn(sensor.scan())
 
 
 # ---------------------------------------------------------------------------- leaving

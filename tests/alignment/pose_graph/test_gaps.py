@@ -47,9 +47,9 @@ def farthest(found: Alignment, log: Log) -> float:
 
 @pytest.mark.parametrize(
     ("wheels", "ranges"),
-    [(True, np.nan), (True, 0.25), (True, 0.6), (False, np.nan), (False, 0.25)],
+    [(True, np.nan), (True, 0.6), (False, np.nan), (False, 0.25)],
 )
-@pytest.mark.parametrize(("name", "scan"), [("room", 28), ("room", 42), ("corridor", 122)])
+@pytest.mark.parametrize(("name", "scan"), [("room", 42), ("corridor", 122)])
 def test_a_scan_of_nothing_or_of_a_hand_parts_nothing(name, scan, wheels, ranges):
     """Catches one that becomes a key frame: loops then moved all that followed by 4 to 23 m.
 

@@ -7,8 +7,8 @@ from damage import a_graph
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from segmap import LogError, load
-from segmap.alignment import Alignment, Graph, pose_graph, solve_graph
+from segmap import LogError
+from segmap.alignment import Alignment, Graph, solve_graph
 from segmap.exports import PoseGraph, write_graph
 from segmap.poses import between
 from segmap_app.files import read_graph
@@ -19,11 +19,6 @@ gtsam = later("gtsam")
 @pytest.fixture
 def gtsam_answers():
     return pytest.importorskip("gtsam", reason="gtsam is not installed here")
-
-
-@pytest.fixture(scope="module")
-def aligned() -> Alignment:
-    return pose_graph(load("corridor")[:40])
 
 
 def chi2(graph: PoseGraph) -> float:

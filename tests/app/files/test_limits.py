@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from log_samples import CORESLAM, SICK, TIMES, flaser, robotlaser, text
+from log_samples import CORESLAM, SICK, TIMES, robotlaser, text
 
 from segmap import readers
 from segmap.readers import LogError
 
-GOOD = flaser((1, 2, 0.5), (0, 0, 0), 1.0)
 ROBOT = "ROBOTLASER1 0 {} {} {} 80 0 0 2 1 2 0 0 0 0 0 0 0 0 0 0 0 0 1 h 0"
 WHEELS = CORESLAM.splitlines()[0].replace("29221", "{}")
 #: A line with a number in it; numbers that it may hold, and numbers that are refused.

@@ -6,9 +6,7 @@ from conftest import shared_file
 from scipy.spatial import cKDTree
 
 from segmap import poses, readers
-from segmap.readers import LogError, data_file
-
-MALAGA = data_file("malaga")
+from segmap.readers import LogError
 
 
 def spread_of_walls(log, at):

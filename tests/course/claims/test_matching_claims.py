@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 import segmap_course as course
 from past_a_wall import STOPS
-from scipy.spatial import cKDTree
 
 import segmap
 from segmap import simulation
 from segmap.alignment import pose_graph
 from segmap.matching import nearest_score, occupancy_score
-from segmap.poses import transform
 from segmap.quadtree import build_map
 
 pytestmark = pytest.mark.slow  # many seeds are what they are worth
@@ -43,17 +41,3 @@ def test_hits_have_many_peaks_and_distances_one_or_two(building, sigma, share):
             for score in (occupancy_score, nearest_score)
         )
         assert len(course.peaks(hits.values)) > 10 and len(course.peaks(distances.values)) <= 2
-
-
-def test_a_scan_before_a_new_corridor_is_found_where_no_end_costs_more_than_20_cm():
-    """Chapter 26: what its exercise promises."""
-    log = segmap.load("clinic")
-    map, points = build_map(log[:52], log.truth[:52], resolution=0.02), log[59].points()
-
-    def capped(map, points, poses):
-        """Scores of many poses at once."""
-        away = cKDTree(course.occupied_centres(map)).query(transform(poses, points))[0]
-        return -np.minimum(away, 0.2).sum(axis=1)
-
-    land = course.landscape(map, points, log.truth[59], score=capped, reach=0.6, step=0.02)
-    assert np.hypot(*land.offsets[course.peaks(land.values)[0]]) < 0.03

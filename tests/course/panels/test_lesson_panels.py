@@ -30,7 +30,6 @@ from segmap.reduction import (
     weighted_line_fitting,
 )
 from segmap.simulation import rectangular_room
-from segmap.testing import assert_poses_equal
 
 #: A door in the wall at y = 3: shut in scan 0, open in scan 1, which sees the wall behind.
 DOOR = SegmentMap(
@@ -197,32 +196,6 @@ def test_least_cost_panel_tells_what_is_promised_and_what_quality_does_not_see()
     panel.gap.value = 0.09
     assert panel.unseen.value == "invented 0.08 m, missed 0.00 m"
     assert panel.promised.value == f"quality promised {np.exp(-0.05 * 1 / 2 / 0.05):.1%}"
-
-
-@unpainted
-def test_moving_panel_carries_the_beams_back_onto_the_walls():
-    """Catches a motion the wrong way round, and metres where centimetres are said."""
-    panel = course.MovingPanel(ROOM, (1, 1, 0))
-    assert panel.moved.value == "moved by 10.9 degrees and 5.5 cm in a scan"
-    assert float(panel.off.value.split()[2]) > 20
-    panel.deskewed.value = True
-    assert panel.off.value == "up to 0.0 cm off the walls"
-    panel.deskewed.value, panel.speed.value, panel.turn.value = False, 0.0, 0
-    assert panel.off.value == "up to 0.0 cm off the walls"
-
-
-@unpainted
-def test_pose_graph_panel_takes_loops_only_when_they_are_found_and_wanted():
-    """Catches a box without effect, and a loop known before its second end was seen."""
-    panel = course.PoseGraphPanel(LOOP, looped())
-    panel.odometry.value = True
-    assert float(panel.gap.value.split()[-2]) < 0.1
-    panel.loops.value = False
-    assert_poses_equal(panel.poses, LOOP.odometry, atol=1e-6)
-    assert "loops not used" in panel.count.value and float(panel.gap.value.split()[-2]) > 1
-    panel.loops.value, panel.scan.value = True, 140
-    assert_poses_equal(panel.poses, LOOP.odometry[:141], atol=1e-6)
-    assert panel.count.value.endswith(" 0 loops")
 
 
 # ------------------------------------------------------- quadtrees, and the rays that fail

@@ -1,6 +1,6 @@
 """Bugs put into the package by rule, to see a test fail: `make mutants PACKAGE=reduction`.
 
-    python tests/mutants.py reduction --count 40 --seed 1
+    python -m benchmarks.mutants reduction --count 40 --seed 1
 
 A bug is an operator, a sign, a number, an index, a default, an axis or two arguments exchanged, or
 a call or a copy left out. Each goes into a copy of the project in a temporary folder, where the
@@ -229,7 +229,7 @@ class Worker:
 
     def __init__(self, folder: str) -> None:
         self.copy = Path(folder) / str(os.getpid()) / "segmap"
-        leave = shutil.ignore_patterns(".git", ".venv", "build", ".mypy_cache", ".ruff_cache")
+        leave = shutil.ignore_patterns(".git", ".venv*", "build", ".mypy_cache", ".ruff_cache")
         shutil.copytree(ROOT, self.copy, ignore=leave)  # machine code included; times are kept
 
     def reached(self, package: str) -> "Reached":
