@@ -48,7 +48,7 @@ def rows() -> Iterator[Row]:
     for resolution in (0.01, 0.05):
         log = room_walk()
         map = QuadtreeMap(resolution=resolution)
-        steps = run(log, 15, map=map, start=log.truth[0], free=True)
+        steps = run(log, 15, map=map, start=log.truth[0])
         yield Row(
             f"room walk, 15 particles, cells of {100 * resolution:.0f} cm",
             f"{1e3 * np.median([step.seconds for step in steps]):.0f} ms a scan, "

@@ -15,7 +15,7 @@ import pandas as pd
 from segmap_course import THESIS_FILTERS
 
 from segmap import METHODS, Log, SegmentMap, build_map, load, read
-from segmap.experiments import growth, online_times, sweep, write_records
+from segmap.experiments import growth, sweep, write_records
 from segmap.simulation import SICK_LMS200, drive, office, simulate
 
 from .measure import RECORDS, SHARED, Row, missing
@@ -131,4 +131,7 @@ def online() -> Row:
 def times(name: str, map: SegmentMap, thresholds: dict[str, float]) -> pd.DataFrame:
     runs = [METHODS[name](map, **thresholds) for _ in range(3)]
     took = np.median([found.scan_seconds for found in runs], axis=0)
-    return online_times(replace(runs[0], scan_seconds=took), thresholds, every=EVERY)
+    scans = np.arange(1, len(took) + 1)
+    rows = {"scans": scans, "seconds": np.cumsum(took), "live": runs[0].scan_live}
+    frame = pd.DataFrame({"method": name, **thresholds, **rows})
+    return frame[(scans % EVERY == 0) | (scans == len(scans))]

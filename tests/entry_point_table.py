@@ -102,13 +102,13 @@ GOOD = {
     0.02, "global_segments.start": PATH, "ground_truth.times": None, "ground_truth.poses": None,
     "hill_climb.start": PATH[0], "incidence": np.ones(4), "information": np.tile(np.eye(3), (3, 1,
     1)), "interpolate.poses": PATH[:2], "LaserScan.angles": LOG[0].angles, "LaserScan.codes":
-    np.zeros(181), "LaserScan.delays": np.zeros(181), "Log.track": np.zeros((2, 4)),
+    np.zeros(181), "LaserScan.delays": np.zeros(181),
     "Log.order_known": True, "LaserScan.odometry": PATH[0], "LaserScan.ranges": LOG[0].ranges,
     "least_translation.weights": np.ones(4), "fuzzy_set.axes": 0.1, "doubled_walls.map":
     segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]), "doubled_walls.sensors": np.ones((1, 2)),
     "verdict_on.map": MAP, "verdict_on.tree": TREE, "viewing_sector.map": segments.SegmentMap(WALLS,
     sensors=[(0.0, 0.0)]), "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
-    "LivePanel.map": TREE, "particle_mapping.map": quadtree.QuadtreeMap(),
+    "particle_mapping.map": quadtree.QuadtreeMap(),
     "particle_mapping.odometry": None, "steps": STEPS, "systematic.weights": np.full(4, 0.25),
     "systematic.offset": 0.5, "effective_number.weights": np.full(4, 0.25), "map_scans.map":
     quadtree.QuadtreeMap(), "map_scans.rng": rng(), "match_segments.current": WALLS,

@@ -223,31 +223,6 @@ def _declared_by(hint: Any) -> Declared:
     return Declared(str if words else kind, quantity, words, optional)
 
 
-class _Default(float):
-    """A default, or a setting: help and the book show an angle in degrees; it is a float."""
-
-    def __new__(cls, value: float, function: Callable[..., Any], name: str) -> _Default:
-        default = super().__new__(cls, value)
-        default.function, default.name = function, name
-        return default
-
-    function: Callable[..., Any]
-    name: str
-
-    def __repr__(self) -> str:
-        if (rule := declared(self.function)[self.name]).unit == rule.read_unit:
-            return float.__repr__(self)
-        return f"{rule.read(self):.6g} {rule.read_unit}"
-
-    def __reduce__(self) -> tuple[type[float], tuple[float]]:
-        return float, (float(self),)
-
-
-def _shown(value: Any, of: Callable[..., Any], name: str) -> Any:
-    """A default of a function or a class, or a setting, that shows itself as people read it."""
-    return _Default(value, of, name) if isinstance(value, float) else value
-
-
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """Check the arguments of a function as their annotations declare them, when it is called.
 
@@ -264,8 +239,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     ValueError: distance must be a number above 0, in metres, got -1
     """
     rules: dict[str, Declared] = {}
-    signature = inspect.signature(function)
-    parameters = signature.parameters
+    parameters = inspect.signature(function).parameters
     names, free = list(parameters), -1  # so many in front may be anything
     by_name = [n for n, p in parameters.items() if p.kind is p.KEYWORD_ONLY]
     ahead = names.index(by_name[0]) if by_name else len(names)
@@ -301,26 +275,14 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         rest = {name: arguments[name] for name in given}
         return cast(Callable[..., R], function)(*first, *args[len(names) :], **rest)
 
-    shown = (p.replace(default=_shown(p.default, function, n)) for n, p in parameters.items())
-    call.__signature__ = signature.replace(parameters=[*shown])  # type: ignore[attr-defined]
     return cast(Callable[P, R], call)
 
 
 class Settings:
     """A dataclass of settings: each field is checked, and kept, as its annotation declares it.
 
-    What is a plain float is positive; a tuple holds positive numbers. Settings show themselves, and
-    help and the book their defaults, with angles in degrees.
+    What is a plain float is positive; a tuple holds positive numbers.
     """
-
-    def __init_subclass__(cls) -> None:
-        for name in cls.__annotations__.keys() & vars(cls).keys():
-            setattr(cls, name, _shown(getattr(cls, name), cls, name))
-        cls.__repr__ = Settings.__repr__  # type: ignore[method-assign]  # else @dataclass makes one
-
-    def __repr__(self) -> str:
-        settings = {k: _shown(getattr(self, k), type(self), k) for k in declared(type(self))}
-        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in settings.items())})"
 
     def __post_init__(self) -> None:
         for name, rule in declared(type(self)).items():

@@ -20,13 +20,8 @@ FARTHEST_RANGE_M = 1000.0
 HALF_RANGE_M = 100.0
 #: The numbers that sensors send where nothing is met, from the first to the last.
 NOTHING_MET_NUMBERS = (65_533.0, 65_535.0)
-#: A turn between two scans, radians, that says something about the unit.
-LEAST_TELLING_TURN_RAD = 0.1
-#: Share of such turns beyond pi: 0 in radians, wound up or not, at least 0.13 in degrees, on all
-#: logs that we have (thinned to every tenth scan: at most 0.03 in radians).
-BEYOND_PI_SHARE = 0.05
-#: And so many of them at least.
-LEAST_TURNS_BEYOND_PI = 3
+#: Ranges that tell of a slip.
+LEAST_TELLING_RANGES = 3
 #: No wall is matched over a longer distance, metres.
 MOST_MATCH_DISTANCE_M = 10.0
 #: No longer gap between neighbours is asked for, metres.
@@ -58,12 +53,12 @@ def check_ranges(ranges: Array, max_range: float) -> None:
         return
     readings = ranges[np.isfinite(ranges) & (ranges > 0)]
     words = (readings >= NOTHING_MET_NUMBERS[0]) & (readings <= NOTHING_MET_NUMBERS[1])
-    if (words & (readings < max_range)).sum() >= LEAST_TURNS_BEYOND_PI:
+    if (words & (readings < max_range)).sum() >= LEAST_TELLING_RANGES:
         least = f"{readings[words].min():.6g}"
         warn(f"ranges of {least} m mean that nothing was met: write np.inf, or a max_range below")
     readings = readings[~words]
     readings = readings[(readings < max_range) | (readings < readings.max(initial=0.0))]
-    if len(readings) < LEAST_TURNS_BEYOND_PI:
+    if len(readings) < LEAST_TELLING_RANGES:
         return
     half = float(np.median(readings))
     if half > FARTHEST_RANGE_M:
@@ -73,37 +68,6 @@ def check_ranges(ranges: Array, max_range: float) -> None:
             "half of the ranges are above 100 m and beyond max_range: these look like millimetres, "
             "ranges / 1000, or centimetres, ranges / 100"
         )
-
-
-def check_headings(poses: Array, name: str) -> None:
-    """Warn of a path `(k, 3)` whose headings are degrees.
-
-    They go beyond two turns, as headings that wind up do; but those turn by less than half a turn
-    from scan to scan, and are no multiples of 15 degrees. Where scans lie so far apart that they
-    turn by more, a robot that drives where it looks tells. One damaged line is no path in degrees.
-    """
-    heading = poses[:, 2]
-    far = np.abs(heading) > MOST_ANGLE
-    if not far.any():
-        return
-    jumps = np.abs(np.diff(heading))
-    turns = jumps[jumps > LEAST_TELLING_TURN_RAD]
-    leaps = (turns > np.pi).sum() >= max(BEYOND_PI_SHARE * len(turns), LEAST_TURNS_BEYOND_PI)
-    even = (heading[far] % 15 == 0).all() and np.abs(heading[far]).max() <= 720
-    as_degrees, as_radians = _agree(poses, np.pi / 180), _agree(poses, 1.0)
-    if even or (leaps and as_degrees >= as_radians):
-        other = "" if even or as_degrees > 0 else ", unless scans lie more than half a turn apart"
-        warn(f"the headings of {name} look like degrees: np.radians turns them{other}")
-
-
-def _agree(poses: Array, unit: float) -> float:
-    """How well the way from pose to pose agrees with the headings in a unit, radians: 0 to 1."""
-    step = np.diff(poses[:, :2], axis=0)
-    moved = np.hypot(*step.T) > 0
-    if moved.sum() < LEAST_TURNS_BEYOND_PI:
-        return 0.0
-    off = np.arctan2(step[moved, 1], step[moved, 0]) - unit * poses[:-1, 2][moved]
-    return float(np.abs(np.mean(np.exp(1j * off))))
 
 
 def check_lengths(

@@ -7,7 +7,7 @@ against true walls.
 """
 
 from ._compare import equal_quality, front, good_maps, pareto, reduction_at
-from ._online import growth, online_times
+from ._online import growth
 from ._plan import default_thresholds
 from ._records import (
     load_alignments,
@@ -24,6 +24,6 @@ from ._sweep import sweep
 
 __all__ = [
     "default_thresholds", "equal_quality", "front", "good_maps", "growth", "load_alignments",
-    "load_online", "load_records", "load_walls", "online_times", "pareto", "read_records",
+    "load_online", "load_records", "load_walls", "pareto", "read_records",
     "reduction_at", "select", "sweep", "thresholds_of", "thresholds_text", "write_records",
 ]  # fmt: skip

@@ -26,7 +26,7 @@ NUMBER_COLUMNS: dict[str, Callable[[str], float]] = {
     **dict.fromkeys(("n_before", "n_after"), int),
     **dict.fromkeys(("filtered", "reduction", "quality", "seconds", "invented", "missed"), float),
 }
-#: Every column, also of `online_times`, that is no threshold.
+#: Every column, also of `load_online`, that is no threshold.
 NO_THRESHOLDS = {*RUN_COLUMNS, "scans", "live"} - {"thresholds"}
 #: Words that are thresholds.
 WORDS: dict[str, Threshold] = {"None": None, "True": True, "False": False}

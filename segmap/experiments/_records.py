@@ -63,7 +63,8 @@ def load_records(*names: str) -> pd.DataFrame:
 def load_online(name: str) -> pd.DataFrame:
     """Times of the on-line methods on a building, as `make bench` wrote them.
 
-    With the columns of `online_times`.
+    Columns: method, its thresholds, scans: how many were taken in, seconds: since the first one,
+    live: segments in the map.
     """
     return _stored_table(f"online/{arrays.one_of(name, 'name', ('intel',))}")
 

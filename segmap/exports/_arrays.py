@@ -20,8 +20,8 @@ def write_arrays(path: str | Path, log: Log) -> None:
     filled up, and then `beams`, `(k,)`, counts those of each; `max_range`, `(k,)`; `sensor_pose`,
     `(k, 3)`, of the laser on the robot; and where the log has them `times`, `(k,)`, `odometry` and
     `truth`, `(k, 3)`, of the robot, NaN where a scan has none, `codes` and `delays`, `(k, n)`, with
-    `order_known`, the odometry's `track`, `(m, 4)`, and what is `assumed`. The name must end in
-    `.npz`. Beams that met nothing are infinite, those with an error NaN.
+    `order_known`, and what is `assumed`. The name must end in `.npz`. Beams that met nothing are
+    infinite, those with an error NaN.
 
     Examples
     --------
@@ -69,8 +69,6 @@ def log_arrays(log: Log) -> dict[str, NDArray[Any]]:
         rows = [np.full(len(s), np.nan) if s.delays is None else s.delays for s in log]
         by_name["delays"] = table(rows, np.nan)
         by_name["order_known"] = np.array(log.order_known)
-    if log.track is not None:
-        by_name["track"] = log.track
     if np.isfinite(log.times).any():
         by_name["times"] = log.times
     if log.assumed:

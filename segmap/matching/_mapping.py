@@ -206,13 +206,7 @@ def _match_by_score(
         values = prepared_score(score, map, points, start)
     except NothingNear:
         return start, np.nan
-    pose = ask_matcher(matcher, map, points, start, Prepared(values, points, score))
+    asked = Prepared(values, points, score)
+    answer = arrays.call_given(matcher, "matcher", map, points, start, score=asked)
+    pose = arrays.pose(answer, "matcher(map, points, start)")  # it may be the user's own
     return pose, float(values(pose[None])[0])
-
-
-def ask_matcher(
-    matcher: Matcher, map: QuadtreeMap, points: Array, start: Array, score: Score
-) -> Array:
-    """What a matcher answers, checked: it may be the user's own."""
-    answer = arrays.call_given(matcher, "matcher", map, points, start, score=score)
-    return arrays.pose(answer, "matcher(map, points, start)")

@@ -19,7 +19,7 @@ from ..simulation import OdometryNoise
 from ._field import DistanceField, NothingNear
 from ._likelihoods import ANYTHING
 from ._live_map import FOUND, insert_placed, overlap_of
-from ._mapping import Matcher, _warm, ask_matcher, drawing, naming_scan
+from ._mapping import _warm, naming_scan
 from ._matchers import Prepared, field_score, hill_climb
 from ._weights import BEAM_WEIGHT_PART, effective_number, systematic
 
@@ -100,14 +100,12 @@ def particle_mapping(
     odometry: OdometryNoise | None = OdometryNoise(),
     noise: Annotated[float, Quantity("", least=0, most=100)] = 1.0,
     resample: Share = 0.5,
-    matcher: Matcher = hill_climb,
     map: QuadtreeMap | None = None,
     start: ArrayLike = (0.0, 0.0, 0.0),
-    free: bool = False,
 ) -> Iterator[Particles]:
     """Follow many ways that the robot may have taken, each with its own map (Grisetti et al. 2007).
 
-    A particle moves by the odometry, and the matcher seeks the peak on its own map; from other
+    A particle moves by the odometry, and `hill_climb` seeks the peak on its own map; from other
     headings too where the odometry turns fast or the scan does not lie on the map. Every 0.3 m the
     next pose is drawn about the peak, as widely as the likelihood around it and the errors of the
     odometry say, and the particle is weighed by how well the scan fits. Where few particles hold
@@ -128,12 +126,10 @@ def particle_mapping(
     resample : float
         Particles are drawn anew where the effective number is below this share of them: never
         with 0, after nearly every scan with 1.
-    matcher : callable
-        As in `map_scans`; the score is that of the field.
     map : QuadtreeMap or None
         Each particle begins with a copy of it; after each scan it is a copy of the best one's. A
         new one with cells of 5 cm by default.
-    start, free
+    start
         As in `map_scans`.
 
     Yields
@@ -159,20 +155,16 @@ def particle_mapping(
         raise ValueError(f"log must be a Log, or give scans one by one, got {type(log).__name__}")
     if odometry is not None:
         arrays.instance(odometry, "odometry", OdometryNoise)
-    arrays.function(matcher, "matcher", "of map, points and start, hill_climb say")
-    poses, matcher = np.tile(pose, (particles, 1)), drawing(matcher, rng)
-    return _steps(log, tree, poses, matcher, odometry, noise, resample, free, rng)
+    return _steps(log, tree, np.tile(pose, (particles, 1)), odometry, noise, resample, rng)
 
 
 def _steps(
     log: Iterable[LaserScan],
     map: QuadtreeMap,
     poses: Array,
-    matcher: Matcher,
     odometry: OdometryNoise | None,
     noise: float,
     resample: float,
-    free: bool,
     rng: np.random.Generator,
 ) -> Iterator[Particles]:
     """Algorithm 1 of the paper; what it does last for a scan is done first for the next one."""
@@ -201,7 +193,7 @@ def _steps(
             best = int(np.argmax(likely))
             if len(points) and settled:
                 own = zip(maps, poses, strict=True)
-                peaks = [_climb(matcher, *each, points, _turns_to_try(step)) for each in own]
+                peaks = [_climb(*each, points, _turns_to_try(step)) for each in own]
                 poses = np.array([peak for peak, _ in peaks])
                 x, y, turn = np.abs(between(drawn[best], poses[best]))
                 if np.hypot(x, y) > WEIGHING_STEP[0] or turn > WEIGHING_STEP[1]:
@@ -215,7 +207,7 @@ def _steps(
             # 4. Map
             overlap = overlap_of(maps[best], points, poses[best])
             for own_map, pose in zip(maps, poses, strict=True):
-                insert_placed(own_map, None, scan, pose, free=free)
+                insert_placed(own_map, None, scan, pose, free=False)
             map.become(deepcopy(maps[best]))
         if len(points) and not settled:
             settled, drawn, wheels_drawn = True, poses.copy(), wheels
@@ -246,10 +238,8 @@ def _turns_to_try(step: Array | None) -> list[Array]:
     return [LATE_TURNS] if abs(step[2]) > FAST_TURN_RAD else [LATE_TURNS[:1], LATE_TURNS]
 
 
-def _climb(
-    matcher: Matcher, map: QuadtreeMap, start: Array, points: Array, tries: Sequence[Array]
-) -> Peak:
-    """The pose that the matcher finds from a start, and the field; the start with nothing near.
+def _climb(map: QuadtreeMap, start: Array, points: Array, tries: Sequence[Array]) -> Peak:
+    """The pose that hill climbing finds from a start, and the field; the start with nothing near.
 
     More turns are tried where too little of the scan lies on the map, and kept if it then does.
     """
@@ -262,7 +252,7 @@ def _climb(
             return start, None
         values = field.scorer(points)
         score = Prepared(values, points, field_score)
-        poses = np.array([ask_matcher(matcher, map, points, each, score) for each in starts])
+        poses = np.array([hill_climb(map, points, each, score=score) for each in starts])
         answers.append((poses[np.argmax(values(poses))], field))
         if len(tries) == 1 or overlap_of(map, points, answers[-1][0]) >= GOOD_OVERLAP:
             return answers[-1]

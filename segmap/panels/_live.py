@@ -6,7 +6,6 @@ import contextlib
 import threading
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Sized
-from copy import deepcopy
 from itertools import islice
 
 import ipywidgets as W
@@ -64,8 +63,6 @@ class LivePanel(Panel):
         down to sixteen times as much, so that what was not seen is not white.
     start
         Pose of the first scan.
-    map
-        A map to go on with, on which the robot is found first; its resolution is kept.
 
     Attributes
     ----------
@@ -93,10 +90,8 @@ class LivePanel(Panel):
         *,
         resolution: Metres = 0.02,
         start: ArrayLike = (0.0, 0.0, 0.0),
-        map: QuadtreeMap | None = None,
     ) -> None:
         self.source, self._resolution = _checked_source(source), resolution
-        self._given = map if map is None else arrays.instance(map, "map", QuadtreeMap)
         self._begin: Array = arrays.pose(start, "start")
         self.map, self.seconds, self.taken, self.lost = self._empty(), 0.0, 0, 0
         self._scan: LaserScan | None = None
@@ -128,8 +123,6 @@ class LivePanel(Panel):
             (self.graph, self.place),
             self.state,
         )
-        if self._given is not None:
-            self._find()
 
     def run(self, scans: int) -> None:
         """Take so many scans in the calling thread, and leave none out; then end the map."""
@@ -162,9 +155,7 @@ class LivePanel(Panel):
         with self._drawing:
             self._begin = self._begin if self._step is None else self._step.pose
             self.map, self._steps, self._live, self._step = self._empty(), None, None, None
-            looking, self._beliefs, self.lost = self._beliefs is not None, None, 0
-            if looking and self._given is not None:
-                self._find()
+            self._beliefs, self.lost = None, 0
 
     def _find(self, button: object = None) -> None:
         """Look for the robot on the map, from the next scan on."""
@@ -187,8 +178,6 @@ class LivePanel(Panel):
         return self._belief.found
 
     def _empty(self) -> QuadtreeMap:
-        if self._given is not None:
-            return deepcopy(self._given)
         return QuadtreeMap(resolution=self._resolution, free_resolution=COARSE * self._resolution)
 
     # --------------------------------------------------------------------- threads

@@ -40,7 +40,7 @@ def build_map(
     Warns
     -----
     UserWarning
-        Saying why, where no beam of any scan ends in the map; where headings look like degrees.
+        Saying why, where no beam of any scan ends in the map.
 
     Examples
     --------

@@ -150,17 +150,17 @@ class Track:
         """The poses at the times of scans, `(k,)`; a clock that was set back goes on in both."""
         when, noted = np.asarray(times, float), np.array(self.times)
         if not (len(noted) and len(when)):
-            return Synchronised(when, np.full((len(when), 3), NO_POSE), np.empty((0, 4)), ())
+            return Synchronised(when, np.full((len(when), 3), NO_POSE), ())
         after = np.array(self.after, int) if self.after else None
         if after is not None and stands(when) | stands(noted):
             last = np.searchsorted(after, np.arange(len(when)), side="right")
             words = "a clock stands still: the order in the file counts"
             poses = np.array([NO_POSE, *self.poses])[last]
             when = np.full(len(when), np.nan) if stands(when) else when
-            return Synchronised(when, poses, np.empty((0, 4)), [Finding(Cause.CLOCK, 0.0, words)])
+            return Synchronised(when, poses, [Finding(Cause.CLOCK, 0.0, words)])
         when, noted, causes = on_one_clock(when, noted, after)
         rows = _in_order_of_time(noted, self.poses)
-        return Synchronised(when, interpolate(rows[:, 0], rows[:, 1:], when), rows, causes)
+        return Synchronised(when, interpolate(rows[:, 0], rows[:, 1:], when), causes)
 
     def ordered(self) -> tuple[Array, Array]:
         """Times `(k,)`, ascending, and poses `(k, 3)`."""
@@ -179,7 +179,6 @@ class Synchronised(NamedTuple):
 
     times: Array  #: (k,), of the scans
     poses: Array  #: (k, 3), at these times; NaN outside of the track
-    track: Array  #: (m, 4): time and pose, in ascending order of times
     causes: Sequence[Finding]
 
 
@@ -189,7 +188,7 @@ def with_odometry(
     """The scans, those without odometry with what the track says at their time; and its causes."""
     if not any(np.isnan(scan.odometry).any() for scan in scans):
         return scans, ()
-    times, poses, _, causes = track.synchronise(
+    times, poses, causes = track.synchronise(
         [np.nan if scan.time is None else scan.time for scan in scans]
     )
     posed_scans = [

@@ -160,7 +160,7 @@ class Log(Pictured, Sequence[LaserScan]):
     """Scans in the order of recording, with the poses that the file holds.
 
     `len(log)`, `log[3]`, `log[-1]` and iteration give scans; a slice, a mask and an array of
-    indices give a log: `log[log.times > 5]`. A warning tells of headings that look like degrees.
+    indices give a log: `log[log.times > 5]`.
 
     Parameters
     ----------
@@ -170,9 +170,6 @@ class Log(Pictured, Sequence[LaserScan]):
         Corrected pose of the robot for each scan; rows of NaN for scans without.
     skipped : Skipped
         What the reader left out of a damaged file.
-    track : (m, 4) array, seconds, metres and radians, or None
-        Time and pose by odometry, in ascending order of times, where the file holds them apart from
-        the scans.
     order_known : bool
         Whether `delays` have the order in which the beams were measured: drivers of ROS may state
         the other one.
@@ -193,7 +190,6 @@ class Log(Pictured, Sequence[LaserScan]):
     scans: tuple[LaserScan, ...]
     truth: Array | None
     skipped: Skipped
-    track: Array | None
     order_known: bool
     causes: tuple[Finding, ...]
     assumed: tuple[str, ...]
@@ -204,7 +200,6 @@ class Log(Pictured, Sequence[LaserScan]):
         scans: Sequence[LaserScan],
         truth: ArrayLike | None = None,
         skipped: Skipped = NOTHING_SKIPPED,
-        track: ArrayLike | None = None,
         order_known: bool = True,
         causes: Iterable[Finding] = (),
         assumed: Iterable[str] = (),
@@ -216,13 +211,9 @@ class Log(Pictured, Sequence[LaserScan]):
         rows = None if truth is None else arrays.poses(truth, "truth", count=count, missing=True)
         keep(self, "truth", None if rows is None else _frozen(rows))
         keep(self, "skipped", skipped)
-        keep(self, "track", None if track is None else _frozen(_sorted_track(track)))
         keep(self, "order_known", arrays.switch(order_known, "order_known"))
         keep(self, "causes", _all(causes, "causes", Finding))
         keep(self, "assumed", tuple(dict.fromkeys(_all(assumed, "assumed", str))))
-        unit_checks.check_headings(self.odometry, "the odometry")
-        if self.truth is not None:
-            unit_checks.check_headings(self.truth, "the truth")
 
     @property
     def doubt(self) -> str:
@@ -294,14 +285,6 @@ def _frozen_row(values: ArrayLike, name: str, count: int | None = None, dtype: t
         wanted = "(n,)" if count is None else f"({count},)"
         raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
     return _frozen(array, dtype)
-
-
-def _sorted_track(values: ArrayLike) -> Array:
-    """Times and poses, `(m, 4)`, in ascending order of times."""
-    rows = arrays.trailing(values, "track", 4)
-    if rows.ndim != 2 or not np.isfinite(rows).all() or (np.diff(rows[:, 0]) < 0).any():
-        raise ValueError("track must be (m, 4), finite, its times ascending")
-    return rows
 
 
 def _checked_number(value: object, name: str) -> float:

@@ -12,18 +12,14 @@ from ._scans import Log
 def checked_poses(log: Log, poses: Poses) -> Array:
     """Poses of an alignment or an array, `(k, 3)`, metres and radians: one a scan, or ValueError.
 
-    Rows of NaN have no pose. A warning tells of headings that look like degrees.
+    Rows of NaN have no pose.
     """
     arrays.instance(log, "log", Log)
     if poses is None:
         raise ValueError(
             f"poses must have shape ({len(log)}, 3), got None: this log has no such poses"
         )
-    rows = arrays.poses(poses, count=len(log), missing=True)
-    own = [log.odometry] if log.truth is None else [log.odometry, log.truth]
-    if not any(np.array_equal(rows, own_rows, equal_nan=True) for own_rows in own):
-        unit_checks.check_headings(rows, "the poses")
-    return rows
+    return arrays.poses(poses, count=len(log), missing=True)
 
 
 def warn_if_empty_map(empty: bool, log: Log, poses: Array, nothing: str) -> None:

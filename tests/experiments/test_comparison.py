@@ -11,13 +11,12 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 from segmap_course.literal import comparing
 
-from segmap import METHODS, SegmentMap
+from segmap import METHODS
 from segmap.experiments import (
     equal_quality,
     front,
     growth,
     load_online,
-    online_times,
     pareto,
     reduction_at,
 )
@@ -105,20 +104,6 @@ def test_pareto_of_all_and_of_each_method():
 
 
 # ------------------------------------------------------------------ time against scans
-
-
-WALLS = SegmentMap(np.random.default_rng(0).uniform(0, 9, (50, 2, 2)), np.arange(50) // 5)
-
-
-def test_times_add_up_and_end_with_the_last_scan():
-    """Catches seconds of single scans, and a last scan that is not a multiple."""
-    found = METHODS["basic_online"](WALLS)
-    times = online_times(found, {"distance": 0.2}, every=4)
-    assert list(times["scans"]) == [4, 8, 10]
-    np.testing.assert_allclose(times["seconds"], np.cumsum(found.scan_seconds)[[3, 7, 9]])
-    assert list(times["live"]) == found.scan_live[[3, 7, 9]].tolist()
-    with pytest.raises(ValueError, match="must be of an on-line method, got Reduction"):
-        online_times(METHODS["fusion"](WALLS), {})
 
 
 def test_stored_times_are_columns_of_numbers():

@@ -140,16 +140,15 @@ def test_arrays_hold_what_is_known_of_scans_of_any_size(tmp_path):
 
 @pytest.mark.parametrize("ordered", [True, False])
 def test_arrays_hold_all_that_a_log_knows(ordered, tmp_path):
-    """Catches times of beams, codes or a track that are lost on the way, and an order made up."""
+    """Catches times of beams or codes that are lost on the way, and an order made up."""
     codes, delays = [0, 7, 0, 16, 0], [k * np.arange(5) * 0.01 for k in (1, 2, 3)]
     delays[0] = delays[0] if ordered else None
     scans = [replace(shot(k), codes=codes, delays=delays[k]) for k in range(3)]
-    track = np.column_stack([np.arange(4) + 999.0, np.eye(4, 3)])
-    log = Log("three", scans, TRUTH, track=track, order_known=ordered)
+    log = Log("three", scans, TRUTH, order_known=ordered)
     exports.write_arrays(tmp_path / "it.npz", log)
     found = read(tmp_path / "it.npz")
     assert_same_log(found, log)
-    assert found.order_known == ordered and found.track.tolist() == track.tolist()
+    assert found.order_known == ordered
     for scan, known in zip(found, delays, strict=True):
         assert scan.codes.tolist() == codes and scan.max_range == 50.0
         assert (scan.delays is None) == (known is None)
@@ -288,7 +287,6 @@ def odd_log(chance):
     return Log(chance.choice(["x", "é\n", "FLASER 1", "#"]), scans, poses)
 
 
-@pytest.mark.filterwarnings("ignore:.*look like degrees:UserWarning")
 def test_what_is_written_can_be_read(tmp_path):
     """Catches a log that its own reader refuses: 300 odd logs come back, or are not written."""
     chance, path, done = random.Random(3), tmp_path / "it.log", 0

@@ -175,10 +175,8 @@ def without_wheels(log):
 
 
 def deskewed(there):
-    """Beams of a robot that moves, carried to one moment by its wheels; sorted."""
-    log, seen = there.log, shows(there.log)
-    track = np.column_stack([log.times + 0.26, log.odometry])[seen]  # of a clock of its own
-    points = [scan.points() for scan in alignment.deskew(replace(log, track=track), log.truth)]
+    """Beams of a robot that moves, carried to one moment; sorted."""
+    points = [scan.points() for scan in alignment.deskew(there.log, there.log.truth)]
     flip = (1, -1) if there.mirrored else (1, 1)
     return {"points": np.concatenate([np.sort(rows * flip, axis=0) for rows in points])}
 

@@ -33,14 +33,13 @@ class TestNpz:
     def test_delays_and_what_belongs_to_them_come_back(self, written, tmp_path):
         """Catches scans without delays that get zeros, and an order that is believed."""
         shots = [segmap.LaserScan([1, 2], [0, 1], delays=d) for d in ([0, 0.1], None)]
-        track = [(0.0, 1, 2, 3), (1.0, 2, 2, 3)]
-        log = segmap.Log("it", shots, track=track, order_known=False)
+        log = segmap.Log("it", shots, order_known=False)
         segmap.exports.write_arrays(tmp_path / "it.npz", log)
         found = readers.read(tmp_path / "it.npz")
         assert found[0].delays.tolist() == [0, 0.1] and found[1].delays is None
-        assert found.track.tolist() == log.track.tolist() and not found.order_known
+        assert not found.order_known
         plain = self.log(written, ranges=[1, 2], angles=[0, 1], delays=[0.5, 0])
-        assert plain[0].delays.tolist() == [0.5, 0] and plain.order_known and plain.track is None
+        assert plain[0].delays.tolist() == [0.5, 0] and plain.order_known
 
     def test_ranges_and_angles_are_enough(self, written):
         log = self.log(written, ranges=[[1, 2], [3, 4]], angles=[[0, 1], [1, 2]])
@@ -74,7 +73,6 @@ class TestNpz:
             ({"ranges": [[1.0]], "angles": [0.0], "max_range": [1, 2]}, "max_range must"),
             ({"ranges": [[1.0]], "angles": [0.0], "codes": [[1, 2]]}, "codes must"),
             ({"ranges": [[1.0]], "angles": [0.0], "delays": [-1.0]}, "delays must"),
-            ({"ranges": [[1.0]], "angles": [0.0], "track": [1.0, 2.0]}, "track must"),
             ({"ranges": [[1.0]], "angles": [0.0], "order_known": [1, 0]}, "order_known must"),
             ({"ranges": np.empty((0, 3)), "angles": np.zeros(3)}, "ranges must have shape"),
             ({"ranges": np.array([None]), "angles": [0.0]}, "not a readable NPZ file"),

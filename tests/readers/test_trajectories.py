@@ -98,9 +98,7 @@ def test_poses_are_odometry_and_truth_at_the_times_of_the_scans(tmp_path):
     log = readers.with_trajectories(segmap.Log("it", shots), odometry=path, truth=path)
     for found in (log.odometry, log.truth):
         assert found[0] == pytest.approx([0.5, 1.5, 0.3]) and np.isnan(found[1]).all()
-    assert log.track[:, 0] == pytest.approx(TIMES) and log.assumed == (
-        "poses of it.tum are the robot's",
-    )
+    assert log.assumed == ("poses of it.tum are the robot's",)
     late = segmap.Log("it", [segmap.LaserScan([1.0], [0.0], time=5.0)])
     with pytest.raises(LogError, match="it has another clock"):
         readers.with_trajectories(late, truth=path)

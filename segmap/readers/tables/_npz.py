@@ -5,8 +5,8 @@
 `ranges` is `(k, n)`, or `(n,)` for one scan; `angles` `(n,)`, or `(k, n)` where they differ from
 scan to scan. `odometry` and `truth`, `(k, 3)`, and `times`, `(k,)`, NaN where a scan has none, may
 be left out. So may `max_range`, one number or `(k,)`, the `sensor_pose` on the robot, `(3,)` or
-`(k, 3)`, the sensor's `codes`, `(k, n)`, and the `delays` of the beams, `(n,)` or `(k, n)`; with a
-`track` of the odometry, `(m, 4)`, and `order_known`, these are as in `LaserScan` and `Log`. Scans
+`(k, 3)`, the sensor's `codes`, `(k, n)`, and the `delays` of the beams, `(n,)` or `(k, n)`; with
+`order_known` these are as in `LaserScan` and `Log`. Scans
 that are shorter than the longest have so many `beams`, `(k,)`, at the front of their row. Metres,
 radians counter-clockwise, seconds. A range that is not finite or not positive is no measurement.
 Other arrays are left out and told; nothing is unpickled.
@@ -28,14 +28,14 @@ from ... import arrays
 from ...arrays import Array
 from ...files import members, read_arrays, shown
 from ...progress import each
-from ...scans import NOTHING_SKIPPED, LaserScan, Log
+from ...scans import LaserScan, Log
 from ..lines import LATEST_TIME_S, LogError
 from ..raw_scans import known_truth, or_none, place_of
 from ..text import Binary
 
 NEEDED = ("ranges", "angles")
 KNOWN = {
-    *NEEDED, "odometry", "truth", "times", "max_range", "sensor_pose", "codes", "delays", "track",
+    *NEEDED, "odometry", "truth", "times", "max_range", "sensor_pose", "codes", "delays",
     "order_known", "beams", "assumed", "format", "session.json",
 }  # fmt: skip
 
@@ -101,8 +101,8 @@ def log_from_arrays(name: str, by_name: Mapping[str, NDArray[Any]]) -> Log:
         assumed.append(place_of(np.zeros(3)))
     if others := sorted({*by_name} - KNOWN):
         assumed.append(f"left out: {', '.join(map(shown, others))[:80]}")
-    track, right = by_name.get("track"), known_truth(truth)
-    return Log(name, scans, right, NOTHING_SKIPPED, track, ordered, (), assumed)
+    right = known_truth(truth)
+    return Log(name, scans, right, order_known=ordered, assumed=assumed)
 
 
 def _counts(value: object, shape: tuple[int, int]) -> list[int]:

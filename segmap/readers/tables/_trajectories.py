@@ -193,12 +193,11 @@ def with_trajectories(
     paths = {"odometry": odometry, "truth": truth}
     files = {word: arrays.file(path, word) for word, path in paths.items() if path is not None}
     scans, right, assumed = list(log), log.truth, list(log.assumed)
-    track, causes, times = log.track, list(log.causes), log.times
+    causes, times = list(log.causes), log.times
     if "odometry" in files:
-        times, poses, driven, clock_causes = _track_of(files["odometry"], log).synchronise(times)
+        times, poses, clock_causes = _track_of(files["odometry"], log).synchronise(times)
         pairs = zip(log, times.tolist(), poses, strict=True)
         scans = [replace(scan, time=when, odometry=or_none(pose)) for scan, when, pose in pairs]
-        track = driven if len(driven) > len(scans) or np.isnan(poses).any() else None
         causes += clock_causes
     if "truth" in files:
         known_times, poses = _track_of(files["truth"], log).ordered()
@@ -206,7 +205,8 @@ def with_trajectories(
         gap = max(LONGEST_TRUTH_GAP_S, LONGEST_TRUTH_GAP_STEPS * usual)
         right = known_truth(interpolate(known_times, poses, times, max_gap=gap))
     assumed += [f"poses of {path.name} are the robot's" for path in files.values()]
-    return Log(log.name, scans, right, log.skipped, track, log.order_known, causes, assumed)
+    parts = log.skipped, log.order_known, causes, assumed
+    return Log(log.name, scans, right, *parts)
 
 
 def _track_of(path: Path, log: Log) -> Track:

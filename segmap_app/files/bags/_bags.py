@@ -15,9 +15,8 @@ names. A topic with scans of several lasers is refused.
 Ranges from `range_max` on and `inf` met nothing; those below `range_min`, `-inf` and NaN are
 errors. Angles are `angle_min` plus multiples of `angle_increment`, which may be negative. Beam k is
 measured k times `time_increment` after the first, or in the other order: drivers state either with
-a positive increment, and `Log.order_known` says that nobody knows; 0 is no time. Odometry that
-comes more often than scans, or at other times, is the `track`: it may have another clock. A
-message without a time in its header has that of the recorder. Dropped are intensities, speeds and
+a positive increment, and `Log.order_known` says that nobody knows; 0 is no time. A message
+without a time in its header has that of the recorder. Dropped are intensities, speeds and
 covariances.
 
 Assumed: without a transform the laser sits at the robot's centre.
@@ -298,7 +297,7 @@ class _Recording:
         rows.sort(key=lambda row: row[0])
         firsts, track = [row[0] for row in rows], self.odometry.track
         track.after = np.searchsorted(firsts, track.after).tolist()
-        times, poses, driven, causes = track.synchronise([row[1] for row in rows])
+        times, poses, causes = track.synchronise([row[1] for row in rows])
         if track.times and np.isnan(poses).all():
             warn_of_bag(f"{self.path}: no scan lies within the time of the odometry")
         poses[:, 2] = wrap(poses[:, 2])
@@ -307,13 +306,11 @@ class _Recording:
             angles = -beams.angles if mirrored else beams.angles
             sensor = beams.max_range, place, None, beams.delays
             scans.append(LaserScan(beams.ranges, angles, time, or_none(pose), *sensor))
-        is_whole = len(driven) <= len(scans) and np.isfinite(poses).all()
-        dense = None if is_whole or not len(driven) else driven
         right = None
         if truth:
             right = known_truth(interpolate(*self.ways[truth].track.ordered(), times))
-        assumed, skipped = self.assumed, self.reading.skipped
-        return Log(name, scans, right, skipped, dense, ordered, causes, assumed)
+        skipped = self.reading.skipped
+        return Log(name, scans, right, skipped, ordered, causes, self.assumed)
 
     def _mounted(self, laser: str, *, alone: bool) -> tuple[Array, bool]:
         """Where a laser sits on the robot, and whether it hangs upside down."""

@@ -30,7 +30,6 @@ LOG = segmap.Log(
     ],
     [(np.nan,) * 3, (1, 2, 0.5)],
     Skipped(2, "it.log, line 3: no range"),
-    track=[(0.0, 1, 2, 3), (1.0, 2, 2, 3)],
     order_known=False,
     causes=[Finding(Cause.MIRRORED, -1.0, "the odometry runs backwards", "--clockwise", True)],
 )
@@ -51,7 +50,6 @@ def same(log, other):
             np.testing.assert_array_equal(getattr(a, name), getattr(b, name), name)
         assert (a.time, a.max_range, len(a)) == (b.time, b.max_range, len(b))
     np.testing.assert_array_equal(log.truth, other.truth)
-    np.testing.assert_array_equal(log.track, other.track)
     for name in ("skipped", "order_known", "causes"):
         assert getattr(log, name) == getattr(other, name)
     return True
