@@ -1,11 +1,15 @@
 """Worlds whose scans betray a single wrong range, and sensors that the laser's tests share."""
 
+import contextlib
 import gzip
 import itertools
 import os
+import select
+import socket
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,8 +17,7 @@ import numpy as np
 import pytest
 
 from segmap.sensors import SensorError, UrgSensor
-from segmap.sensors.emulator import Unit
-from segmap.sensors.emulator._device import Fault, Unplugged, Wire
+from segmap.sensors.emulator import Emulator, Unit
 
 SHARED = Path(__file__).resolve().parents[1].parent / "shared" / "data"
 #: Of a URG-04LX: steps a turn, the first and last that are measured, that ahead; reach, seconds.
@@ -40,11 +43,6 @@ def pattern(turn: int) -> np.ndarray:
     return 100 + (7919 * turn + 31 * np.arange(769)) % 3900
 
 
-def far_pattern(turn: int) -> np.ndarray:
-    """The same for a UST-10LX, to 29.9 m."""
-    return 100 + (7919 * turn + 31 * np.arange(1081)) % 29800
-
-
 def turn_of(scan, first: int = 44, most: int = 3900) -> int:
     """Which turn (modulo `most`) of a pattern a scan shows; fails where one beam is of another."""
     met = np.rint(1000 * scan.ranges).astype(int)
@@ -53,9 +51,166 @@ def turn_of(scan, first: int = 44, most: int = 3900) -> int:
     return int(starts[0]) * pow(7919, -1, most) % most
 
 
-def far_turn(scan) -> int:
-    assert len(scan) == 1081 and scan.max_range == 30.0
-    return turn_of(scan, 0, 29800)
+#: What a buffer may hold from before: the end of a scan and a piece of an answer.
+STALE_BYTES = b"0AI0AI0AJ0AK\n\nGD00440\n00P\n"
+
+
+class Fault(NamedTuple):
+    """A fault that happens after so many more bytes; silence lasts some seconds."""
+
+    kind: str
+    after: int
+    seconds: float = 0.0
+
+
+class Wire:
+    """Passes bytes on, and spoils them where it was told to; `rng` chooses which bit flips."""
+
+    def __init__(self, clock: Callable[[], float], rng: np.random.Generator) -> None:
+        self.clock, self.rng = clock, rng
+        self.happened: list[str] = []
+        self._planned: list[Fault] = []
+        self._lock = threading.Lock()
+        self._mute_until = -np.inf
+        self._stopped = False
+
+    def plan(self, fault: Fault) -> None:
+        """Add a fault to those that will happen."""
+        with self._lock:
+            self._planned = sorted([*self._planned, fault], key=lambda f: f.after)
+
+    def passed(self, data: bytes) -> bytes:
+        """The bytes that arrive of those that are sent; an EOFError where it was pulled out."""
+        arrived = b""
+        with self._lock:
+            while self._planned and self._planned[0].after < len(data):
+                fault, *rest = self._planned
+                arrived += self._quiet(data[: fault.after])
+                data = self._struck(fault, data[fault.after :])
+                self._planned = [f._replace(after=max(f.after - fault.after, 0)) for f in rest]
+            self._planned = [f._replace(after=f.after - len(data)) for f in self._planned]
+            return arrived + self._quiet(data)
+
+    def _struck(self, fault: Fault, data: bytes) -> bytes:
+        """The bytes after a fault at the first of them."""
+        self.happened.append(fault.kind)
+        if fault.kind == "unplug":
+            raise EOFError("it was pulled out")
+        if fault.kind == "flip":
+            return bytes([data[0] ^ 1 << int(self.rng.integers(8))]) + data[1:]
+        if fault.kind == "lose":
+            return data[1:]
+        if fault.kind == "stale":
+            return STALE_BYTES + data
+        if fault.kind == "silence":
+            self._mute_until = self.clock() + fault.seconds
+        self._stopped = self._stopped or fault.kind == "stop"
+        return data
+
+    def _quiet(self, data: bytes) -> bytes:
+        """Nothing while the wire is silent, and nothing of the rest of a reply that stopped."""
+        if self.clock() < self._mute_until:
+            return b""
+        if self._stopped:
+            _, end, data = data.partition(b"\n\n")
+            self._stopped = not end
+        return data
+
+
+def spoiled(emulator, rng=None):
+    """An emulator whose bytes pass a wire, on which faults are planned: `emulator.inject`."""
+    wire = Wire(time.monotonic, np.random.default_rng(1) if rng is None else rng)
+    transmit = emulator.unit.transmit
+    emulator.unit.transmit = lambda: wire.passed(transmit())
+    emulator.wire = wire
+
+    def inject(kind, *, after=0, seconds=0.5):
+        wire.plan(Fault(kind, after, seconds))
+
+    emulator.inject = inject
+    return emulator
+
+
+class Listener:
+    """A TCP port, used as a Terminal is, for one client at a time: others are turned away.
+
+    What the sensor says while nobody is there is lost.
+    """
+
+    def __init__(self) -> None:
+        self._port = 0  # a free one
+        self._server: socket.socket | None = None
+        self._client: socket.socket | None = None
+
+    @property
+    def name(self) -> str:
+        return f"tcp://127.0.0.1:{self._port}"
+
+    def open(self) -> None:
+        self._server = socket.create_server(("127.0.0.1", self._port))
+        self._server.setblocking(False)
+        self._port = self._server.getsockname()[1]  # the same one when it is plugged in again
+
+    def close(self) -> None:
+        """Cut it; a second call does nothing."""
+        self._drop()
+        if self._server is not None:
+            self._server.close()
+            self._server = None
+
+    def wait(self, seconds: float, *, writing: bool) -> None:
+        ends = [end for end in (self._server, self._client) if end is not None]
+        select.select(ends, ends[1:] if writing else [], [], seconds)
+
+    def read(self) -> bytes:
+        heard = b""
+        if self._client is not None:
+            try:
+                heard = self._client.recv(4096)
+                is_gone = not heard
+            except BlockingIOError:
+                is_gone = False
+            except OSError:
+                is_gone = True
+            if is_gone:
+                self._drop()
+        if not heard:  # the last word of one who leaves is heard before the next one comes
+            self._accept()
+        return heard
+
+    def write(self, data: bytes) -> int:
+        if self._client is None:
+            return len(data)
+        try:
+            return self._client.send(data) if data else 0
+        except BlockingIOError:
+            return 0
+        except OSError:
+            self._drop()
+            return len(data)
+
+    def _accept(self) -> None:
+        if self._server is None:
+            return
+        with contextlib.suppress(OSError):  # none is there, or left again
+            client, _ = self._server.accept()
+            if self._client is not None:
+                client.close()
+                return
+            client.setblocking(False)
+            client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._client = client
+
+    def _drop(self) -> None:
+        client, self._client = self._client, None
+        if client is not None:
+            client.close()
+
+
+class NetworkEmulator(Emulator):
+    """A sensor on TCP, at a port of this machine."""
+
+    line = Listener
 
 
 class Wired:
@@ -68,7 +223,7 @@ class Wired:
         self.now, self.kept, self.sent, self.spoil = 0.0, b"", 0, spoil
         self.wire = Wire(lambda: self.now, np.random.default_rng(seed))
         self.unit = unit(world, clock=lambda: self.now, **state)
-        self.baudrate = 115200 if getattr(self.unit, "usb", True) else self.unit.rate
+        self.baudrate = getattr(self.unit, "rate", None) or 115200
         self.open, self.gone = True, False
 
     @property
@@ -76,7 +231,7 @@ class Wired:
         self._check()
         try:
             data = self.wire.passed(self.unit.transmit())
-        except Unplugged:
+        except EOFError:
             self.gone = True
             self._check()
         self.kept += self.spoil(data, self.sent)
@@ -136,7 +291,8 @@ WIRE = ("flip", "lose", "stale", "stop", "silence", "unplug")
 #: Bytes that the sensor sends before a scan comes, and with the scans.
 OPENING, WHOLE = 300, 300 + SCANS * 2138
 FAULTS = {
-    **{fault: {} for fault in (*WIRE, "status", "wrap")},
+    **{fault: {} for fault in (*WIRE, "status")},
+    "wrap": {"stamp": (1 << 24) - 800},
     "streaming at open": {"streaming": True},
     "time mode at open": {"timing": True},
     "flip at open": {},
@@ -170,9 +326,7 @@ def run(sensor_at, unit, wire, fault, seed) -> Outcome:
                 assert scan.angles[384 - 44] == 0.0
                 scans += 1
                 if kind == "status" and scans == 1 + seed % 4:
-                    unit.fail("Motor does not turn.")
-                if kind == "wrap" and scans == 1 + seed % 4:
-                    unit.wrap_clock()
+                    unit.trouble = True
             if seed % 2:
                 stream.close()
             dropped = sensor.dropped

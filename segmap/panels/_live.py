@@ -284,8 +284,7 @@ class LivePanel(Panel):
         passed = self._times[-1] - self._times[0]
         rate = (len(self._times) - 1) / passed if passed > 0 else 0.0
         self.rate.value = f"{rate:.1f} scans a second"
-        sensor = self.source if isinstance(self.source, UrgSensor) else None
-        lost = sensor.dropped + sensor.unsent if sensor else 0
+        lost = self.source.dropped if isinstance(self.source, UrgSensor) else 0
         left_out = 0 if self._newest is None else self._newest.skipped
         self.dropped.value = f"{lost} dropped, {left_out} left out"
 

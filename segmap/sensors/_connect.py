@@ -13,43 +13,27 @@ IN_FLIGHT = 1.5
 #: So often a command is sent before its answer is given up.
 TRIES = 3
 #: Statuses that say that it is so already: the laser is on, the stream runs.
-ALREADY = {"BM": "02", "MD": "99", "MS": "99"}
+ALREADY = {"BM": "02", "MD": "99"}
 
 
 def connect(lines: Lines) -> None:
     """Find the sensor; it ends idle, in SCIP 2.0, with its laser off."""
-    if not _greet(lines):
-        raise SensorError(
-            f"nothing answers as a URG does at {lines.port.baudrate} bit/s: switch the sensor off "
-            "and on, wait a few seconds and try again; is it the right port or address? On RS-232 "
-            "hand in the port at the sensor's rate: serial.Serial(device, 19200, timeout=0.02)"
-        )
-
-
-def _greet(lines: Lines) -> bool:
-    """Stop whatever the sensor does, and tell whether it then listens in SCIP 2.0."""
-    silent = refused = 0
-    while silent < 2 and refused < TRIES:
+    for _ in range(1 + TRIES):
         answer = status(lines, b"QT")
         if answer == b"00P":
-            return lines.silence(lines.quiet / 4)
-        if answer == b"0Ee":  # it is in time mode
+            if lines.silence(lines.quiet / 4):
+                return
+        elif answer == b"0Ee":  # it is in time mode
             lines.write(b"TM2\n")
             lines.silence(lines.quiet / 2)
-        else:  # SCIP 1.1 answers E, or with silence; what has switched does not know the command
-            switched = status(lines, b"SCIP2.0")
-            if switched is not None:
-                lines.silence(lines.quiet / 4)
-            knows_1 = answer in (b"E", b"0")
-            refused += knows_1 and switched != b"0"
-            silent += not knows_1
-        refused += answer is not None
-    if refused:
-        raise SensorError(
-            "the sensor speaks SCIP 1.1, without check sums, and does not switch to 2.0: "
-            "it needs firmware 3 or later"
-        )
-    return False
+        elif status(lines, b"SCIP2.0") is not None:  # SCIP 1.1 answers QT by E, or with silence
+            lines.silence(lines.quiet / 4)
+    raise SensorError(
+        f"nothing answers as a URG does at {lines.port.baudrate} bit/s: switch the sensor off "
+        "and on, wait a few seconds and try again; is it the right port or address? On RS-232 "
+        "hand in the port at the sensor's rate: serial.Serial(device, 19200, timeout=0.02); "
+        "one that speaks SCIP 1.1 alone needs firmware 3 or later"
+    )
 
 
 def status(lines: Lines, command: bytes) -> bytes | None:
@@ -69,7 +53,7 @@ def ask(lines: Lines, command: str, check: Callable[[Reply], object] = lambda re
     fault = SensorError("")
     for _ in range(TRIES):
         try:
-            reply = _send_command(lines, command, lines.timeout)
+            reply = _send_command(lines, command)
             if reply.status not in ("00", ALREADY.get(command[:2], "00")):
                 raise Refused(refusal(command, reply.status))
             check(reply)
@@ -82,12 +66,12 @@ def ask(lines: Lines, command: str, check: Callable[[Reply], object] = lambda re
     raise fault
 
 
-def _send_command(lines: Lines, command: str, seconds: float) -> Reply:
-    """The reply to a command; a SensorError where none comes in this time, or a damaged one."""
+def _send_command(lines: Lines, command: str) -> Reply:
+    """The reply to a command; a SensorError where none comes in time, or a damaged one."""
     lines.write(command.encode("ascii") + b"\n")
-    reply = lines.reply(command.encode("ascii"), seconds).lines
+    reply, _ = lines.reply(command.encode("ascii"), lines.timeout)
     if reply is None:
-        raise Silent(f"no answer to {command} within {seconds:.2g} s: is the sensor busy?")
+        raise Silent(f"no answer to {command} within {lines.timeout:.2g} s: is the sensor busy?")
     return parse_reply(reply)
 
 

@@ -7,10 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
 from ..scans import LaserScan
 from ..scans.error_codes import as_far_ranges, as_ranges
-from ._protocol import CHARACTERS, Measurement, Reply, ScanRequest, SensorError, parse_info
+from ._protocol import Measurement, Reply, SensorError, parse_info
 
 #: No number of a sensor's geometry is larger: steps, millimetres, turns a minute.
 LARGEST_GEOMETRY = 1 << 20
@@ -70,45 +69,24 @@ def check_limits(reply: Reply) -> None:
     parse_geometry(parse_info(reply.body, strict=True))
 
 
-def request_for(
-    geometry: Geometry, kind: str, first: int | None, last: int | None, cluster: int, skip: int = 0
-) -> ScanRequest:
-    """A request for steps that the sensor has; None for the outermost that it measures."""
-    begin = geometry.first if first is None else first
-    end = geometry.last if last is None else last
-    if not begin <= end <= geometry.last:
-        raise ValueError(
-            f"first and last must lie in order within 0 to {geometry.last}, got {begin} to {end}"
-        )
-    return ScanRequest(kind, begin, end, cluster, skip)
-
-
-def laser_scan(
-    met: Measurement,
-    request: ScanRequest,
-    geometry: Geometry,
-    *,
-    time: float,
-    sensor_pose: Array | tuple[float, float, float] = (0.0, 0.0, 0.0),
-) -> LaserScan:
-    """The scan that a measurement means; the nearest of a cluster lies in the cluster's middle.
+def laser_scan(met: Measurement, geometry: Geometry, *, time: float) -> LaserScan:
+    """The scan that a measurement of all steps means.
 
     Examples
     --------
-    >>> urg, one = Geometry(1024, 44, 725, 384, 20, 5600, 0.1), ScanRequest("GD", 384, 384)
-    >>> laser_scan(Measurement(0, np.array([1500])), one, urg, time=0.0).points()
+    >>> urg = Geometry(1024, 384, 384, 384, 20, 5600, 0.1)
+    >>> laser_scan(Measurement(0, np.array([1500])), urg, time=0.0).points()
     array([[1.5, 0. ]])
     """
     if geometry.is_far:
         ranges, codes = as_far_ranges(met.millimetres, least=geometry.least, most=geometry.most)
     else:
         ranges, codes = as_ranges(met.millimetres)
-    middle = request.first + (request.cluster - 1) / 2 - geometry.front
-    steps = middle + request.cluster * np.arange(len(ranges))
-    most = min(geometry.most, 64 ** CHARACTERS[request.kind] - 1)
+    steps = geometry.first - geometry.front + np.arange(len(ranges))
     angles = steps * 2 * np.pi / geometry.steps
     # The stamp belongs to the rear of the sensor, from where its mirror turns to the left
     delays = (angles + np.pi) / (2 * np.pi) * geometry.turn
-    begin, limits = delays.min(initial=np.inf), (most / 1000.0, sensor_pose, codes)
+    begin = delays.min(initial=np.inf)
     time = time + begin if len(angles) else time
-    return LaserScan(ranges, angles, time, None, *limits, delays - begin)
+    most = geometry.most / 1000.0
+    return LaserScan(ranges, angles, time, None, most, codes=codes, delays=delays - begin)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 from ._protocol import SensorError, SensorGone
 
@@ -43,13 +43,6 @@ class Port(Protocol):
 
     def close(self) -> None:
         """Free the port."""
-
-
-class Heard(NamedTuple):
-    """Lines of a reply, None where none came, and how many others were dropped before it."""
-
-    lines: list[bytes] | None
-    strange: int
 
 
 class Lines:
@@ -91,11 +84,11 @@ class Lines:
         line, _, self.kept = self.kept.partition(b"\n")
         return line.removesuffix(b"\r")
 
-    def reply(self, echo: bytes, seconds: float) -> Heard:
-        """A reply from its echo to before its empty line, where one begins in this time.
+    def reply(self, echo: bytes, seconds: float) -> tuple[list[bytes] | None, int]:
+        """A reply from its echo to before its empty line; None where none begins in this time.
 
-        Lines before the echo are dropped: they belong to something else. A SensorError where the
-        reply does not end, or is cut short.
+        Lines before the echo are dropped and counted: they belong to something else. A SensorError
+        where the reply does not end, or is cut short.
         """
         until, strange = self.clock() + seconds, 0
         for heard in self.until(until, seconds):
@@ -110,8 +103,8 @@ class Lines:
             if line is None:
                 command = echo[:20].decode("ascii", "replace")
                 raise SensorError(f"the reply to {command} stopped before its end")
-            return Heard(reply, strange)
-        return Heard(None, strange)
+            return reply, strange
+        return None, strange
 
     def until(self, deadline: float, quiet: float) -> Iterator[bytes]:
         """Lines until this time, or until nothing more comes for so long, seconds.

@@ -20,8 +20,8 @@ ZERO = 0x30
 CLOCK = 1 << 24
 #: Data characters in a block.
 BLOCK_CHARACTERS = 64
-#: Characters of a distance, by command.
-CHARACTERS = {"GD": 3, "MD": 3, "GS": 2, "MS": 2}
+#: Characters of a distance that is asked for.
+CHARACTERS = 3
 #: What a status means and what to do; for scans and for the commands that start them.
 STATUS = {
     "0A": "the sensor could not build a reply: ask again",
@@ -35,7 +35,7 @@ STATUS = {
     "01": "the laser does not work, or a number was malformed",
 }
 _FAULTY = "the sensor reports a hardware fault: switch it off and on, then have it checked"
-_SCAN = re.compile(r"(?:(G[DS])|(M[DS]))([0-9]{4})([0-9]{4})([0-9]{2})(?(2)([0-9])([0-9]{2}))")
+_SCAN = re.compile(r"(?:GD|(MD))([0-9]{4})([0-9]{4})01(?(1)0([0-9]{2}))")
 _STATUS = re.compile("[0-9A-Z]{2}")
 
 
@@ -117,38 +117,25 @@ def unchecked(line: bytes) -> bytes:
 
 # --------------------------------------------------------------------------- requests
 class ScanRequest(NamedTuple):
-    """A request for scans.
+    """A request for scans: of the latest turn, GD, or for a stream of each turn, MD."""
 
-    GD and GS ask for the latest turn, MD and MS for a stream; with D distances take three
-    characters, with S two.
-    """
-
-    kind: str
+    streams: bool
     first: int
     last: int
-    #: So many neighbours are reported as the nearest of them.
-    cluster: int = 1
-    #: So many turns are left out after each.
-    skip: int = 0
     #: Scans of a stream; 0 goes on until QT.
     scans: int = 0
 
     @property
     def text(self) -> str:
-        """The text that is sent, without its end of line.
+        """The text that is sent, without its end of line: each step by itself, no turn left out.
 
         Examples
         --------
-        >>> ScanRequest("GD", 44, 725).text, ScanRequest("MS", 44, 725, 1, 0, 3).text
-        ('GD0044072501', 'MS0044072501003')
+        >>> ScanRequest(False, 44, 725).text, ScanRequest(True, 44, 725, 3).text
+        ('GD0044072501', 'MD0044072501003')
         """
-        steps = f"{self.kind}{self.first:04}{self.last:04}{self.cluster:02}"
-        return f"{steps}{self.skip}{self.scans:02}" if self.streams else steps
-
-    @property
-    def streams(self) -> bool:
-        """Whether the answer is a stream of scans, and not the latest one."""
-        return self.kind[0] == "M"
+        steps = f"{self.first:04}{self.last:04}01"
+        return f"MD{steps}0{self.scans:02}" if self.streams else f"GD{steps}"
 
     @property
     def steps(self) -> int:
@@ -156,14 +143,9 @@ class ScanRequest(NamedTuple):
         return self.last - self.first + 1
 
     @property
-    def beams(self) -> int:
-        """Distances in the answer; the last cluster may be a smaller one."""
-        return -(-self.steps // max(self.cluster, 1))
-
-    @property
     def size(self) -> int:
         """Bytes of the answer, echo and ends of lines included."""
-        data = self.beams * CHARACTERS[self.kind]
+        data = self.steps * CHARACTERS
         return len(self.text) + 1 + 4 + 6 + data + 2 * -(-data // BLOCK_CHARACTERS) + 1
 
 
@@ -178,8 +160,8 @@ def parse_request(text: str) -> ScanRequest:
     match = _SCAN.fullmatch(text)
     if match is None:
         raise SensorError(f"{text[:20]!r} is no request for scans, as GD0044072501 is")
-    single, stream, *numbers = match.groups()
-    return ScanRequest(single or stream, *(int(number or 0) for number in numbers))
+    stream, first, last, scans = match.groups()
+    return ScanRequest(bool(stream), int(first), int(last), int(scans or 0))
 
 
 # ---------------------------------------------------------------------------- replies

@@ -5,26 +5,21 @@ from __future__ import annotations
 import contextlib
 import time
 import weakref
-from collections import deque
 from collections.abc import Callable, Generator
-from math import ceil, inf
+from math import inf
 from os import PathLike
 from typing import Annotated, Self
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from .. import arrays
-from ..arrays import Count, Seconds, at_least, at_most, checked
+from ..arrays import Seconds, at_least, at_most, checked
 from ..scans import LaserScan
 from ._connect import ask, connect, laser_off, switch_off
-from ._geometry import check_limits, laser_scan, parse_geometry, request_for
+from ._geometry import check_limits, laser_scan, parse_geometry
 from ._host import HostClock, host_time
 from ._lines import Lines, Port
 from ._port import checked_port, find_port, open_port
 from ._protocol import (
     CHARACTERS,
-    CLOCK,
     Refused,
     Reply,
     ScanRequest,
@@ -43,11 +38,6 @@ RATE = 115_200
 MOST_FAILURES = 5
 #: Waits between attempts to find an unplugged sensor again double from the first to the last, s.
 BACK_OFF = (0.1, 2.0)
-#: Scans from which the pace of a stream is judged.
-PACE_SCANS = 11
-
-Step = Annotated[Count, at_least(0)]
-Cluster = Annotated[Count, at_most(99)]
 
 
 class UrgSensor:
@@ -66,8 +56,6 @@ class UrgSensor:
         raises at once. It takes the name of a device or an address.
     timeout : float
         To wait for an answer beyond the time that measuring and sending it take.
-    sensor_pose : (3,) array, metres and radians
-        Pose of the sensor in the frame of the robot, passed on to the scans.
     clock : callable
         Seconds of the host, which only go on; the scans' times are on it.
 
@@ -79,9 +67,8 @@ class UrgSensor:
         Its steps and limits, by its own word.
     rate : int, bits a second
         At which both talk.
-    delivered, dropped, unsent, reconnects : int
-        Scans handed over; replies that were damaged or missing; turns of a stream that the sensor
-        left out, since the scan before was not fetched in time; times that it came back.
+    delivered, dropped, reconnects : int
+        Scans handed over; replies that were damaged or missing; times that it came back.
     why : str
         Why the last one was dropped.
 
@@ -104,71 +91,42 @@ class UrgSensor:
         *,
         reconnect: Annotated[Seconds, at_least(0), at_most(inf)] = 0.0,
         timeout: Seconds = 1.0,
-        sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
         clock: Callable[[], float] = host_time,
     ) -> None:
         self._port = checked_port(port)
         if reconnect > 0 and not isinstance(self._port, str):
             raise ValueError("reconnect needs the name of a device: an open port cannot come back")
         self._reconnect, self._timeout = reconnect, timeout
-        self._sensor_pose = arrays.pose(sensor_pose, "sensor_pose")
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
         arrays.number(arrays.call_given(clock, "clock"), "clock()", unit="seconds")
-        self.delivered = self.dropped = self.unsent = self.reconnects = 0
+        self.delivered = self.dropped = self.reconnects = 0
         self.why = ""
-        self._asked: ScanRequest | None = None  # the last stream, and the stamps of its scans
-        self._stamps: deque[int] = deque(maxlen=PACE_SCANS)
         self._running: ScanRequest | None = None  # the stream that comes
         self._laser_on = False
         self._open()
 
-    @checked
-    def scan(
-        self, *, first: Step | None = None, last: Step | None = None, cluster: Cluster = 1
-    ) -> LaserScan:
-        """The latest turn, asked for as by `scans`; the laser goes on for it and stays on."""
-        return self._whole(request_for(self.geometry, "GD", first, last, cluster))
+    def scan(self) -> LaserScan:
+        """The latest turn; the laser goes on for it and stays on."""
+        return self._whole(ScanRequest(False, self.geometry.first, self.geometry.last))
 
-    @checked
-    def scans(
-        self,
-        *,
-        first: Step | None = None,
-        last: Step | None = None,
-        cluster: Cluster = 1,
-        skip: Annotated[Step, at_most(9)] = 0,
-        short: bool = False,
-    ) -> Generator[LaserScan, None, None]:
+    def scans(self) -> Generator[LaserScan, None, None]:
         """Turn after turn, until the loop is left.
 
         Damaged scans are left out and counted in `dropped`. Scans that are not fetched wait in
-        the port's small buffer; where that is full, the sensor waits, and the turns
-        that it leaves out meanwhile are counted in `unsent`.
-
-        Parameters
-        ----------
-        first, last : int or None
-            Steps; None for all that the sensor measures.
-        cluster : int
-            Only the nearest of so many neighbours is reported.
-        skip : int
-            Turns left out after each.
-        short : bool
-            Two characters a distance: a third less to send, and nothing beyond 4.095 m.
+        the port's small buffer; where that is full, the sensor waits, and leaves turns out.
 
         Raises
         ------
         SensorError
             Where the sensor is gone or faulty, or nothing whole has come for some time.
         """
-        kind = "MS" if short else "MD"
-        return self._turns(request_for(self.geometry, kind, first, last, cluster, skip))
-
-    def state(self) -> dict[str, str]:
-        """What the sensor says of its condition: LASR, SCSP, MESM, SBPS, TIME, STAT."""
-        self._check_open()
-        self.stop()
-        return parse_info(ask(self._lines, "II").body)
+        request = ScanRequest(True, self.geometry.first, self.geometry.last)
+        try:
+            while True:
+                yield self._whole(request)
+        finally:
+            with contextlib.suppress(SensorError):
+                self.stop()
 
     def stop(self) -> None:
         """End a stream and switch the laser off."""
@@ -191,31 +149,18 @@ class UrgSensor:
     def __repr__(self) -> str:
         model = self.info.get("MODL", "unknown").partition("(")[0]
         open_ = f"{self.rate} bit/s" if self._leave.alive else "closed"
-        counts = f"{self.delivered} scans, {self.dropped} dropped"
-        counts += f", {self.unsent} not sent" if self.unsent else ""
-        return f"UrgSensor({model}, {open_}, {counts})"
+        return f"UrgSensor({model}, {open_}, {self.delivered} scans, {self.dropped} dropped)"
 
     # ------------------------------------------------------------------------ scans
-    def _turns(self, request: ScanRequest) -> Generator[LaserScan, None, None]:
-        self._asked, self._stamps = request, deque(maxlen=PACE_SCANS)
-        try:
-            while True:
-                yield self._whole(request)
-        finally:
-            with contextlib.suppress(SensorError):
-                self.stop()
-
     def _whole(self, request: ScanRequest) -> LaserScan:
         """The next whole scan; damaged ones are counted, and a lost sensor is looked for."""
         failures = lost = 0
         while max(failures, lost) < MOST_FAILURES:
             self._check_open()
-            dropped = self.dropped
             try:
                 if self._running is not request:  # something else was asked meanwhile
-                    self._stamps.clear()
                     self._begin(request)
-                scan, stamp = self._answer(request)
+                scan = self._answer(request)
             except (SensorGone, Silent) as gone:
                 self._find_again(gone)
                 failures, lost, self.why = 0, lost + 1, str(gone)
@@ -224,11 +169,8 @@ class UrgSensor:
                 failures += 1
                 continue
             self.delivered += 1
-            if request is self._asked:
-                self._follow(stamp, whole=not failures and self.dropped == dropped)
             return scan
-        text = f"no whole scan in {MOST_FAILURES} attempts: {self.why}"
-        raise SensorError(text + self._advice(request))
+        raise SensorError(f"no whole scan in {MOST_FAILURES} attempts: {self.why}")
 
     def _begin(self, request: ScanRequest) -> None:
         """Start a stream, or ask for a scan; what the sensor was doing before is ended first."""
@@ -248,14 +190,13 @@ class UrgSensor:
             ask(self._lines, "BM")
             self._laser_on = True
 
-    def _answer(self, request: ScanRequest) -> tuple[LaserScan | None, int]:
-        """A scan and its stamp, ms, or None for what is dropped, which is counted with its reason.
+    def _answer(self, request: ScanRequest) -> LaserScan | None:
+        """A scan, or None for what is dropped, which is counted with its reason.
 
-        It must come within its turn, one more, its transfer, and the timeout.
+        It must come within its turn, one more, its transfer of ten bits a byte, and the timeout.
         """
         lines, streams = self._lines, request.streams
-        seconds = self._period(request) + self.geometry.turn + self._transfer(request)
-        seconds += self._timeout
+        seconds = 2 * self.geometry.turn + 10 * request.size / self.rate + self._timeout
         try:
             answer, strange = lines.reply(request.text.encode("ascii"), seconds)
             arrived = lines.clock()
@@ -265,7 +206,7 @@ class UrgSensor:
                 raise Silent(f"nothing came for {seconds:.2g} s")
             reply = parse_reply(answer)
             if streams and reply.status == "00":  # the stream was acknowledged again, and late
-                return None, 0
+                return None
             if not streams:
                 self._laser_on = reply.status != "10"  # it went off by itself, or BM was lost
             return self._scan(reply, request, arrived)
@@ -278,60 +219,24 @@ class UrgSensor:
                 self._laser_on &= streams
             if not streams:
                 lines.silence(lines.quiet / 4)
-            return None, 0
+            return None
 
-    def _scan(self, reply: Reply, request: ScanRequest, arrived: float) -> tuple[LaserScan, int]:
-        """The scan that a reply holds, and its stamp; Refused for a status that will stay so."""
+    def _scan(self, reply: Reply, request: ScanRequest, arrived: float) -> LaserScan:
+        """The scan that a reply holds; Refused for a status that will stay so."""
         status = reply.status
         if status != ("99" if request.streams else "00"):
             lasting = status != "10"
             if request.streams:
                 lasting = status.isdigit() and (int(status) < 20 or 50 <= int(status) < 98)
             raise (Refused if lasting else SensorError)(refusal(request.text, status))
-        met = parse_scan(reply.body, CHARACTERS[request.kind])
+        met = parse_scan(reply.body, CHARACTERS)
         count = len(met.millimetres)
-        if count not in (request.beams, request.steps // request.cluster):
-            raise SensorError(f"{count} beams, asked for {request.beams}: bytes were lost")
-        when, pose = self._sensor_clock.seconds(met.clock, arrived), self._sensor_pose
-        return laser_scan(met, request, self.geometry, time=when, sensor_pose=pose), met.clock
+        if count != request.steps:
+            raise SensorError(f"{count} beams, asked for {request.steps}: bytes were lost")
+        return laser_scan(met, self.geometry, time=self._sensor_clock.seconds(met.clock, arrived))
 
     def _drop(self, why: str) -> None:
         self.dropped, self.why = self.dropped + 1, why
-
-    # ------------------------------------------------------------------------- pace
-    def _period(self, request: ScanRequest) -> float:
-        """Seconds from scan to scan, as asked for."""
-        return (request.skip + 1) * self.geometry.turn
-
-    def _transfer(self, request: ScanRequest) -> float:
-        """Seconds that an answer takes on the line: ten bits a byte."""
-        return 10 * request.size / self.rate
-
-    def _follow(self, stamp: int, *, whole: bool) -> None:
-        """Keep the stamp of a scan of a stream; count the turns since the last that were not sent.
-
-        The pace is the quickest so far, between what was asked for and what the line carries: a
-        slow line leaves out turns without anyone's fault.
-        """
-        self._stamps.append(stamp)
-        half = CLOCK // 2  # a clock that steps back is none that went almost once around
-        passed = ((np.diff(self._stamps) + half) % CLOCK - half) / 1000.0
-        if whole and self._asked and len(passed):
-            wanted = self._period(self._asked)
-            slowest = max(wanted, self._transfer(self._asked))
-            pace = max(wanted, passed[:-1].min(initial=slowest))
-            self.unsent += max(round(passed[-1] / pace) - 1, 0)
-
-    def _advice(self, request: ScanRequest) -> str:
-        """What to do about a line that is too slow for a request; empty where it is not."""
-        takes = self._transfer(request)
-        if takes <= self._period(request):
-            return ""
-        skip = min(ceil(takes / self.geometry.turn) - 1, 9)
-        return (
-            f"; at {self.rate} bit/s a scan of {request.beams} beams takes {takes:.2f} s: use "
-            f"USB, short=True, a cluster, or skip={skip}"
-        )
 
     # ------------------------------------------------------------------- open, and open again
     def _open(self) -> None:

@@ -10,7 +10,6 @@ from os import PathLike
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..arrays import Seconds, checked
@@ -63,8 +62,6 @@ class SpinningLaser:
         Which way its angles count, seen from above; None as the maker says, else it is assumed.
     timeout : float, seconds
         To wait for bytes.
-    sensor_pose : (3,) array, metres and radians
-        Pose of the sensor in the frame of the robot, passed on to the scans.
     clock : callable
         Seconds of the host, which only go on; the scans' times are on it.
 
@@ -95,7 +92,6 @@ class SpinningLaser:
         *,
         clockwise: bool | None = None,
         timeout: Seconds = 2.0,
-        sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
         clock: Callable[[], float] = host_time,
     ) -> None:
         self.model = arrays.instance(model, "model", str).upper().replace("_", "-")
@@ -106,7 +102,6 @@ class SpinningLaser:
         if clockwise is None and self.model not in KNOWN_MODELS:
             self.assumed += (f"the angles of the {self.model} count clockwise",)
         self._turn = 1.0 if clockwise is False else -1.0
-        self._sensor_pose = arrays.pose(sensor_pose, "sensor_pose")
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
         arrays.number(arrays.call_given(clock, "clock"), "clock()", unit="seconds")
         self.delivered = 0
@@ -160,7 +155,6 @@ class SpinningLaser:
             ranges[order],
             angles[order],
             time=end - period,
-            sensor_pose=self._sensor_pose,
             delays=np.minimum(beams[order, 2], 1.0) * period,
         )
 

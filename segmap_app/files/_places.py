@@ -131,7 +131,7 @@ def placed_at(
     Examples
     --------
     >>> placed_at((500_000, 5_800_000), crs="EPSG:25832")
-    Grid(name='EPSG:25832', east=500000.0, northing=5800000.0, north=90 degrees)
+    Grid(name='EPSG:25832', east=500000.0, northing=5800000.0, north=1.5707963267948966)
     """
     turn = np.radians(arrays.number(90.0 if north is None else north, "north", unit="degrees"))
     if place is None:

@@ -8,18 +8,21 @@ from emulated import Wired, connected
 
 from segmap import read
 from segmap.scans.error_codes import CODES, LOWEST, as_far_ranges, as_ranges
+from segmap.sensors.emulator import _worlds
 
 #: Every code, and the distances about the border and below the reach.
 MET = np.r_[np.arange(25), 500, 4095, 4096, 5599]
 
 
 def driven():
-    """The scan that the driver makes of `MET`."""
+    """The part of a scan of the driver that shows `MET`."""
     steps = np.full(769, 1000)
     steps[370 : 370 + len(MET)] = MET
     with connected(Wired(world=lambda turn: steps)) as sensor:
-        scan = sensor.scan(first=370, last=370 + len(MET) - 1)
-    return replace(scan, time=0.0)
+        scan = sensor.scan()
+    part = slice(370 - 44, 370 - 44 + len(MET))
+    beams = {name: getattr(scan, name)[part] for name in ("ranges", "angles", "codes", "delays")}
+    return replace(scan, time=0.0, **beams)
 
 
 def read_text(tmp_path, name, text):
@@ -71,7 +74,7 @@ def test_no_return_is_inf_and_an_error_nan():
     assert codes.tolist() == [0, 0, 0, 0, 7]
 
 
-def test_codes_are_those_of_the_model():
+def test_codes_are_those_of_the_model(monkeypatch):
     """Catches 65533 that becomes a wall at 65 m, and 21 mm that is one of a UTM-30LX-EW.
 
     1 to 5 as in table 4 of SCIP 2.0, 65533 as such sensors are reported to send it.
@@ -82,9 +85,9 @@ def test_codes_are_those_of_the_model():
     expected = [nan, inf, nan, nan, nan, nan, nan, 0.023, 60.0, inf, inf, nan]
     assert np.array_equal(ranges, expected, equal_nan=True)
     assert codes.tolist() == [0, 1, 2, 3, 5, 19, 22, 0, 0, 60001, 65533, 65534]
-    for model, steps, meant in (("UST-10LX", 1081, nan), ("URG-04LX", 769, inf)):
-        six = np.full(steps, 6)
-        with connected(Wired(world=lambda turn, six=six: six, model=model)) as sensor:
+    for model, meant in (("UST-10LX", nan), ("URG-04LX", inf)):
+        monkeypatch.setitem(_worlds.LIMITS, "MODL", model)
+        with connected(Wired(world=lambda turn: np.full(769, 6))) as sensor:
             scan = sensor.scan()
         assert np.array_equal(scan.ranges, np.full(len(scan), meant), equal_nan=True)
         assert set(scan.codes) == {6}

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from segmap.sensors import SensorError, checksum, decode, encode, parse_scan
 from segmap.sensors._connect import switch_off
-from segmap.sensors._geometry import laser_scan, parse_geometry, request_for
+from segmap.sensors._geometry import laser_scan, parse_geometry
 from segmap.sensors._host import HostClock
 from segmap.sensors._lines import Lines
 from segmap.sensors._protocol import (
@@ -71,7 +71,7 @@ def test_the_capture_byte_by_byte():
         body = list(reply.body)
         if reply.echo.startswith("GD"):
             met = parse_scan(body, 3)
-            assert len(met.millimetres) == parse_request(reply.echo).beams == 677
+            assert len(met.millimetres) == parse_request(reply.echo).steps == 677
             body, scans = encode_scan(met.clock, met.millimetres, 3), scans + 1
         elif body:
             body = encode_info(parse_info(body))
@@ -149,18 +149,11 @@ def test_a_geometry_that_cannot_be():
     """Catches an arc without its front, and numbers so long that the arithmetic overflows."""
     geometry = parse_geometry(TOLD)
 
-    def angles(*request):
-        asked = request_for(geometry, "GD", *request)
-        met = Measurement(0, np.full(asked.beams, 500))
-        return laser_scan(met, asked, geometry, time=0.0).angles
-
-    assert angles(384, 385, 1).tolist() == [0.0, 2 * np.pi / 1024]
-    assert np.degrees(angles(None, None, 1))[0] == pytest.approx(-119.53, abs=0.005)
-    assert angles(383, 384, 2).tolist() == [-np.pi / 1024]  # the middle of two steps
-    asked = request_for(geometry, "GD", 128, 384, 2)
-    scan = laser_scan(Measurement(0, np.full(129, 500)), asked, geometry, time=5.0)
-    assert scan.delays == pytest.approx(np.arange(129) * 2 * 0.1 / 1024)
-    assert scan.time == pytest.approx(5.0 + (128.5 - 384 + 512) / 1024 * 0.1)  # from the rear on
+    scan = laser_scan(Measurement(0, np.full(682, 500)), geometry, time=5.0)
+    assert scan.angles[[340, 341]].tolist() == [0.0, 2 * np.pi / 1024]
+    assert np.degrees(scan.angles[0]) == pytest.approx(-119.53, abs=0.005)
+    assert scan.delays == pytest.approx(np.arange(682) * 0.1 / 1024)
+    assert scan.time == pytest.approx(5.0 + (44 - 384 + 512) / 1024 * 0.1)  # from the rear on
     for change in (*CANNOT_BE, *({key: "9" * 400} for key in ("SCAN", "AFRT", "DMAX"))):
         with pytest.raises(SensorError, match="PP told"):
             parse_geometry(TOLD | change)

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 from emulated import (
+    NetworkEmulator,
     emulator_threads,
-    far_pattern,
-    far_turn,
     needs_terminals,
     open_files,
     pattern,
+    spoiled,
     turn_of,
     wait_for,
 )
@@ -25,8 +25,6 @@ from scip import answer_instead, reply
 
 from segmap.sensors import SensorError, UrgSensor
 from segmap.sensors.emulator import Emulator
-
-UST = {"model": "UST-10LX", "tcp": "0"}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -75,15 +73,13 @@ class Line:
     """A kind of line: how a sensor is put at it, and what its scans show."""
 
     def __init__(self, kind, folder):
-        self.is_tcp = kind == "tcp"
-        self.world, self.turn = (far_pattern, far_turn) if self.is_tcp else (pattern, turn_of)
-        self.folder = folder
+        self.is_tcp, self.turn, self.folder = kind == "tcp", turn_of, folder
 
     def emulator(self):
         if self.is_tcp:
-            return Emulator(self.world, speed=10.0, **UST)
+            return spoiled(NetworkEmulator(pattern, speed=10.0))
         (link := self.folder / "laser").unlink(missing_ok=True)
-        return Linked(self.world, link=link, speed=10.0)
+        return spoiled(Linked(pattern, link=link, speed=10.0))
 
     def open(self, name):
         import serial
@@ -109,8 +105,8 @@ def test_scans_and_a_stream_that_is_ended(line):
         assert len(set(turns)) == 12 and (sensor.delivered, sensor.dropped) == (13, 0)
         assert emulator.unit.received[-1] == "QT" and not emulator.unit.laser
         assert sensor.rate == (100_000_000 if line.is_tcp else 115200)
-        if line.is_tcp:  # nothing to agree on, and nothing short
-            assert not {text for text in emulator.unit.received if text[:2] in ("SS", "MS", "GS")}
+        if line.is_tcp:  # nothing to agree on
+            assert not {text for text in emulator.unit.received if text[:2] == "SS"}
 
 
 def test_a_port_that_is_handed_in(line):

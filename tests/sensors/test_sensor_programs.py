@@ -4,9 +4,7 @@ import signal
 import subprocess
 import sys
 
-from emulated import pattern, wait_for
-
-from segmap.sensors.emulator import Emulator
+from emulated import NetworkEmulator, pattern, wait_for
 
 
 def started(code, *arguments):
@@ -24,7 +22,7 @@ def test_the_end_of_a_program_without_with():
         "sensor = UrgSensor(sys.argv[1]); stream = sensor.scans()\n"
         "while True: next(stream); print('scan', flush=True)"
     )
-    with Emulator(pattern, speed=10.0, tcp="0") as emulator:
+    with NetworkEmulator(pattern, speed=10.0) as emulator:
         with started(code, emulator.port) as process:
             assert process.stdout.readline() == b"scan\n"
             assert emulator.unit.laser

@@ -1,4 +1,4 @@
-"""An emulated URG-04LX or UST-10LX behind a pseudo-terminal or a TCP port, with faults."""
+"""An emulated URG-04LX, LD19 or RPLidar A1 behind a pseudo-terminal."""
 
 from ._emulator import Emulator
 from ._spinning import SpinningEmulator

@@ -12,8 +12,7 @@ from ... import arrays
 from ...arrays import Array, checked
 from ...scans import LaserScan
 from .._host import one_by_one
-from ._device import Terminal
-from ._emulator import PluggedIn
+from ._device import PluggedIn
 from ._unit import Speed
 
 #: Measurements of a packet of an LD19, its bytes 0 and 1, and the polynomial of its check.
@@ -171,8 +170,6 @@ class SpinningEmulator(PluggedIn):
     model : "LD19" or "RPLIDAR-A1"
     speed : float
         Its seconds go by so much faster.
-    rng : numpy.random.Generator or None
-        Of faults on the line.
 
     Examples
     --------
@@ -190,7 +187,6 @@ class SpinningEmulator(PluggedIn):
         *,
         model: SpinningName = "LD19",
         speed: Speed = 1.0,
-        rng: np.random.Generator | None = None,
     ) -> None:
         arrays.one_of(model, "model", ("LD19", "RPLIDAR-A1"))
-        super().__init__(SpinningUnit(scans, model, speed=speed), Terminal(), rng)
+        super().__init__(SpinningUnit(scans, model, speed=speed))

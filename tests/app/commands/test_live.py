@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from emulated import needs_terminals, wait_for
+from emulated import NetworkEmulator, needs_terminals, spoiled, wait_for
 
 from segmap import load, read, warm
 from segmap.carried import CASES, CarriedMap
 from segmap.progress import told
 from segmap.scans import LaserScan
-from segmap.sensors.emulator import Emulator, SpinningEmulator
+from segmap.sensors.emulator import SpinningEmulator
 from segmap.simulation import Sensor, rectangular_room, simulate
 from segmap_app import drives
 from segmap_app.commands import main
@@ -66,7 +66,7 @@ def test_the_laser_goes_off_whatever_ends_the_program(sent, tmp_path):
         "import signal, sys; from segmap.__main__ import main\n"
         "signal.signal(signal.SIGHUP, signal.SIG_DFL); sys.exit(main())"
     )
-    with Emulator(speed=5.0, tcp="0") as emulator:
+    with spoiled(NetworkEmulator(speed=5.0)) as emulator:
         command = [sys.executable, "-c", code, "live", "hokuyo", emulator.port, "--log", str(log)]
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
         wait_for(lambda: log.exists() and log.stat().st_size > 200_000, 120)
@@ -85,7 +85,7 @@ def test_what_was_measured_stays_where_the_laser_falls_silent(tmp_path, capsys):
     """Catches a log that is lost with the laser, and an end that is called a success."""
     log = tmp_path / "drive.csv"
     warm.dispatch(CASES)  # it sends meanwhile
-    with SpinningEmulator(turns(), speed=3) as emulator:
+    with spoiled(SpinningEmulator(turns(), speed=3)) as emulator:
         emulator.inject("unplug", after=120_000)
         assert main(["live", "LD19", emulator.port, "--log", str(log)]) == 1
     said = capsys.readouterr()
