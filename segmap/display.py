@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import re
 from functools import singledispatch
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -65,14 +65,22 @@ def counted(count: int, word: str) -> str:
     return f"{count} {word}{'s' * (count != 1)}"
 
 
-def facts(log: Any) -> list[tuple[str, str]]:
-    """What there is to know of a `Log` before anything is done with it, by words.
+class Fact(NamedTuple):
+    """A thing that is known of a log: in words, and its numbers."""
+
+    word: str
+    text: str
+    numbers: dict[str, float]  #: counts, metres, seconds, degrees, shares; without what is not told
+
+
+def facts(log: Any) -> list[Fact]:
+    """What there is to know of a `Log` before anything is done with it.
 
     Examples
     --------
     >>> from segmap import load
     >>> for fact in facts(load("malaga")):
-    ...     print(*fact)  # doctest: +NORMALIZE_WHITESPACE
+    ...     print(fact.word, fact.text)  # doctest: +NORMALIZE_WHITESPACE
     scans 225 scans in 59.1 s, 4.34 a second
     beams 361 a scan, 88.5 % of them valid
     view 180 degrees, 0.5 from beam to beam
@@ -82,98 +90,71 @@ def facts(log: Any) -> list[tuple[str, str]]:
     assumed 361 beams look over 180 degrees, counter-clockwise; ranges from 50 m on
     met nothing, as those of a SICK
     """
-    numbers = figures(log)
-    rows = [("scans", counted(len(log), "scan") + _duration(log))]
+    rows = [_scans(log)]
     if len(log):
-        rows += [("beams", _beams_text(**numbers["beams"])), ("view", _view_text(log))]
-        rows += [("ranges", _ranges_text(log, **numbers.get("ranges", {})))]
+        rows += [_beams(log), _view(log), _ranges(log)]
     if spans := [np.ptp(scan.delays) for scan in log if scan.delays is not None and len(scan)]:
         order = "" if log.order_known else ", in an order that is not known"
-        rows.append(("delays", f"the beams take {np.median(spans):.3g} s{order}"))
-    rows += [
-        (word, _path_text(getattr(log, word), **numbers[word])) for word in ("odometry", "truth")
-    ]
+        rows.append(Fact("delays", f"the beams take {np.median(spans):.3g} s{order}", {}))
+    rows += [_path("odometry", log.odometry), _path("truth", log.truth)]
     if log.assumed:
-        rows.append(("assumed", "; ".join(log.assumed)))
+        rows.append(Fact("assumed", "; ".join(log.assumed), {}))
     if damage := log.skipped:
-        rows.append(("damaged", f"{counted(damage.lines, 'line')} left out; {damage.reason}"))
+        text = f"{counted(damage.lines, 'line')} left out; {damage.reason}"
+        rows.append(Fact("damaged", text, {"lines": damage.lines}))
     return rows
 
 
-def figures(log: Any) -> dict[str, dict[str, float]]:
-    """The numbers of a `Log` by the words of `facts`: counts, metres, seconds, degrees, shares.
-
-    What a log does not tell is left out.
-
-    Examples
-    --------
-    >>> from segmap import load
-    >>> figures(load("malaga"))["view"]
-    {'degrees': 180.0, 'step_degrees': 0.5}
-    """
-    numbers: dict[str, dict[str, float]] = {"scans": {"scans": len(log)}}
-    times = log.times[np.isfinite(log.times)]
-    if len(times) > 1 and np.ptp(times):
-        numbers["scans"]["seconds"] = float(np.ptp(times))
-    for word, poses in (("odometry", log.odometry), ("truth", log.truth)):
-        path = np.zeros((0, 3)) if poses is None else poses[np.isfinite(poses).all(1)]
-        way = float(np.hypot(*np.diff(path[:, :2], axis=0).T).sum())
-        numbers[word] = {"poses": len(path), "metres": way}
-    if log.skipped:
-        numbers["damaged"] = {"lines": log.skipped.lines}
-    if not len(log):
-        return numbers
-    counts = [len(scan) for scan in log]
-    valid = np.concatenate([scan.ranges[scan.valid] for scan in log])
-    share = len(valid) / max(sum(counts), 1)
-    numbers["beams"] = {"least": min(counts), "most": max(counts), "valid": share}
-    if len(valid):
-        near, half, far = np.quantile(valid, [0, 0.5, 1]).tolist()
-        numbers["ranges"] = {"nearest": near, "median": half, "farthest": far}
-    angles = max(log, key=len).angles
-    if len(angles) > 1:
-        wide, step = np.degrees([np.ptp(angles), np.median(np.abs(np.diff(angles)))]).tolist()
-        numbers["view"] = {"degrees": round(wide, 9), "step_degrees": round(step, 9)}
-    return numbers
-
-
-def _duration(log: Any) -> str:
-    times = log.times[np.isfinite(log.times)]
+def _scans(log: Any) -> Fact:
+    times, count = log.times[np.isfinite(log.times)], counted(len(log), "scan")
     if len(times) < 2 or not np.ptp(times):
-        return ", without times"
-    steps = np.diff(times)
+        return Fact("scans", f"{count}, without times", {"scans": len(log)})
+    steps, seconds = np.diff(times), float(np.ptp(times))
     rate = f", {1 / np.median(steps):.3g} a second" if np.median(steps) > 0 else ""
     back = int((steps < 0).sum())
     early = f", {counted(back, 'time')} earlier than the one before" if back else ""
-    return f" in {np.ptp(times):.1f} s{rate}{early}"
+    text = f"{count} in {seconds:.1f} s{rate}{early}"
+    return Fact("scans", text, {"scans": len(log), "seconds": seconds})
 
 
-def _beams_text(least: float, most: float, valid: float) -> str:
+def _beams(log: Any) -> Fact:
+    counts = [len(scan) for scan in log]
+    valid = sum(int(scan.valid.sum()) for scan in log) / max(sum(counts), 1)
+    least, most = min(counts), max(counts)
     many = f"{least}" if least == most else f"{least} to {most}"
-    return f"{many} a scan, {100 * valid:.1f} % of them valid"
+    text = f"{many} a scan, {100 * valid:.1f} % of them valid"
+    return Fact("beams", text, {"least": least, "most": most, "valid": valid})
 
 
-def _view_text(log: Any) -> str:
-    scan = max(log, key=len)
-    places = {tuple(scan.sensor_pose) for scan in log}
+def _view(log: Any) -> Fact:
+    scan, places = max(log, key=len), {tuple(scan.sensor_pose) for scan in log}
     lasers = "" if len(places) == 1 else f", {counted(len(places), 'laser')}"
     if len(scan) < 2:
-        return f"{counted(len(scan), 'beam')}{lasers}"
-    wide, step = np.ptp(scan.angles), np.median(np.abs(np.diff(scan.angles)))
-    return f"{np.degrees(wide):.4g} degrees, {np.degrees(step):.3g} from beam to beam{lasers}"
+        return Fact("view", f"{counted(len(scan), 'beam')}{lasers}", {})
+    steps = np.abs(np.diff(scan.angles))
+    wide, step = np.degrees([np.ptp(scan.angles), np.median(steps)]).tolist()
+    text = f"{wide:.4g} degrees, {step:.3g} from beam to beam{lasers}"
+    return Fact("view", text, {"degrees": round(wide, 9), "step_degrees": round(step, 9)})
 
 
-def _ranges_text(log: Any, nearest: float = 0.0, median: float = 0.0, farthest: float = 0.0) -> str:
-    if not farthest:
-        return "none is valid"
+def _ranges(log: Any) -> Fact:
+    ranges = np.concatenate([scan.ranges[scan.valid] for scan in log])
+    if not len(ranges):
+        return Fact("ranges", "none is valid", {})
+    near, half, far = np.quantile(ranges, [0, 0.5, 1]).tolist()
     limits = {f"{scan.max_range:.4g}" for scan in log if np.isfinite(scan.max_range)}
     limit = f", the sensor's limit is {limits.pop()} m" if len(limits) == 1 else ""
-    return f"{nearest:.2f} to {farthest:.2f} m, half of them below {median:.2f} m{limit}"
+    text = f"{near:.2f} to {far:.2f} m, half of them below {half:.2f} m{limit}"
+    return Fact("ranges", text, {"nearest": near, "median": half, "farthest": far})
 
 
-def _path_text(all_poses: Any, poses: float, metres: float) -> str:
-    if not poses:
-        return "none"
-    wide, tall = np.ptp(all_poses[np.isfinite(all_poses).all(1), :2], axis=0)
-    share = "each scan" if poses == len(all_poses) else f"{poses} of {len(all_poses)} scans"
-    return f"for {share}; a path of {metres:.1f} m, {wide:.1f} m by {tall:.1f} m"
+def _path(word: str, poses: Any) -> Fact:
+    count = 0 if poses is None else len(poses)
+    path = np.zeros((0, 2)) if poses is None else poses[np.isfinite(poses).all(1), :2]
+    way = float(np.hypot(*np.diff(path, axis=0).T).sum())
+    text = "none"
+    if len(path):
+        wide, tall = np.ptp(path, axis=0)
+        share = "each scan" if len(path) == count else f"{len(path)} of {count} scans"
+        text = f"for {share}; a path of {way:.1f} m, {wide:.1f} m by {tall:.1f} m"
+    return Fact(word, text, {"poses": len(path), "metres": way})

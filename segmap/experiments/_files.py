@@ -24,7 +24,10 @@ RUN_COLUMNS = [
 #: Columns that hold numbers.
 NUMBER_COLUMNS: dict[str, Callable[[str], float]] = {
     **dict.fromkeys(("n_before", "n_after"), int),
-    **dict.fromkeys(("filtered", "reduction", "quality", "seconds", "invented", "missed"), float),
+    **dict.fromkeys(
+        ("filtered", "reduction", "quality", "seconds", "invented", "missed"),
+        lambda text: float(text or "nan"),
+    ),
 }
 #: Every column, also of `load_online`, that is no threshold.
 NO_THRESHOLDS = {*RUN_COLUMNS, "scans", "live"} - {"thresholds"}
@@ -51,31 +54,19 @@ def as_frame(rows: Iterable[Row]) -> pd.DataFrame:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """The lines of a file of runs; a ValueError names file, line and what was expected."""
+    """The lines of a file of runs; a ValueError where it is none."""
     import pandas as pd
 
     existing(path)
-    name = shown(path.name)
+    of_column: Any = {"map": str, "method": str, "thresholds": thresholds_in, **NUMBER_COLUMNS}
     try:
-        cells: Any = pd.read_csv(path, dtype=str, keep_default_na=False, skip_blank_lines=False)
-    except ValueError as error:  # of pandas, or of bytes that are no text
-        raise ValueError(f"{name}: expected a CSV file of runs ({shown(error)})") from error
-    if not {*RUN_COLUMNS} <= {*cells}:
-        head = shown(",".join(map(str, cells))[:200])
-        raise ValueError(f"{name}, line 1: expected the head {','.join(RUN_COLUMNS)}, got {head}")
-    cells = cells[RUN_COLUMNS]
-    cells["filtered"] = cells["filtered"].replace("", "0")  # no filter
-    rows: list[Row] = []
-    for row in cells.to_dict("records"):
-        try:
-            numbers = {
-                column: kind(row[column] or "nan") for column, kind in NUMBER_COLUMNS.items()
-            }
-            rows.append(row | numbers | {"thresholds": thresholds_in(row["thresholds"])})
-        except ValueError as error:
-            where, line = f"{name}, line {len(rows) + 2}", shown(",".join(row.values())[:300])
-            raise ValueError(f"{where}: expected {','.join(RUN_COLUMNS)}, got {line}") from error
-    return rows
+        cells = pd.read_csv(path, converters=of_column)[RUN_COLUMNS].fillna({"filtered": 0.0})
+    except (ValueError, KeyError) as error:
+        columns = ",".join(RUN_COLUMNS)
+        raise ValueError(
+            f"{shown(path.name)}: expected a CSV file of runs, {columns} ({shown(error)})"
+        ) from error
+    return cells.to_dict("records")  # type: ignore[return-value]
 
 
 def thresholds_in(text: str) -> dict[str, Threshold]:

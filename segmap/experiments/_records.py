@@ -28,10 +28,7 @@ BUILDINGS = ("fr079", "intel", "intel_default", "malaga", "malaga_default", "off
 
 
 def read_records(path: str | Path) -> pd.DataFrame:
-    """Read runs that `write_records` has written, with the columns of `sweep`.
-
-    What is damaged is a ValueError that names the line.
-    """
+    """Read runs that `write_records` has written, with the columns of `sweep`."""
     return as_frame(read_rows(arrays.file(path)))
 
 

@@ -18,7 +18,7 @@ from ..carried import CarriedMap
 from ..compiled import work_time
 from ..display import counted
 from ..extraction import extract_polylines
-from ..matching import Belief, LiveMap, Step, localize, map_scans
+from ..matching import LiveMap, Step, map_scans
 from ..plotting import ERROR
 from ..poses import transform
 from ..quadtree import QuadtreeMap
@@ -50,9 +50,6 @@ class LivePanel(Panel):
     made anew from corrected poses, in a third thread, and the old one is shown until then; the
     walls, kept reduced by `LiveReduction`, are drawn as thin lines. Scans of a `SpinningLaser` are
     carried to the middle of their turns. A change begins a new map where the robot now is.
-
-    *find me* looks for the robot on the map that stands: `localize` takes scans, and none is
-    inserted, until it is found, by how well lines of the scan fit; then mapping goes on from there.
 
     Parameters
     ----------
@@ -98,8 +95,6 @@ class LivePanel(Panel):
         self._step: Step | None = None
         self._steps: Iterator[Step] | None = self._begun()
         self._live: CarriedMap | None = None
-        self._beliefs: Iterator[Belief] | None = None
-        self._belief: Belief | None = None
         self._newest: Newest | None = None
         self._times: deque[float] = deque(maxlen=RATE)
         self._thread: threading.Thread | None = None
@@ -107,8 +102,6 @@ class LivePanel(Panel):
         self.start, self.stop = W.Button(description="start"), W.Button(description="stop")
         self.start.on_click(self._start)
         self.stop.on_click(self._stop)
-        self.find = W.Button(description="find me")
-        self.find.on_click(self._find)
         self.tolerance = slider("tolerance", 0.03, 0.005, 0.10, 0.005)
         self.loops = W.Checkbox(value=True, description="close loops", indent=False)
         self.loops.observe(self._choose, names="value")
@@ -116,7 +109,7 @@ class LivePanel(Panel):
         self.graph, self.place, self.state = text(), text(), text()
         self._picture = LivePicture()
         self._assemble(
-            (self.start, self.stop, self.find),
+            (self.start, self.stop),
             (self.tolerance, self.loops),
             (self.count, self.leaves),
             (self.rate, self.dropped),
@@ -139,7 +132,7 @@ class LivePanel(Panel):
         with self._drawing:
             self._match(scan)
             self.taken += 1
-            self.lost += self._beliefs is None and self._step is not None and not self._step.found
+            self.lost += self._step is not None and not self._step.found
             self._times.append(scan.time)
             self._redraw()
         self.seconds = work_time() - begun
@@ -155,27 +148,7 @@ class LivePanel(Panel):
         with self._drawing:
             self._begin = self._begin if self._step is None else self._step.pose
             self.map, self._steps, self._live, self._step = self._empty(), None, None, None
-            self._beliefs, self.lost = None, 0
-
-    def _find(self, button: object = None) -> None:
-        """Look for the robot on the map, from the next scan on."""
-        with self._drawing:
-            scans, self._belief = iter(lambda: self._scan, None), None
-            try:
-                self._beliefs = localize(self.map, scans, rng=np.random.default_rng(0))
-            except ValueError as fault:  # the map is empty
-                self.state.value = str(fault)
-
-    def _found(self, scan: LaserScan) -> bool:
-        """Whether mapping may go on; where the robot was looked for, it begins at its place."""
-        if self._beliefs is None:
-            return True
-        self._scan = scan
-        self._belief = next(self._beliefs)
-        if self._belief.found:
-            self._begin, self._step, self._beliefs = self._belief.pose, None, None
-            self._live = self._steps = None
-        return self._belief.found
+            self.lost = 0
 
     def _empty(self) -> QuadtreeMap:
         return QuadtreeMap(resolution=self._resolution, free_resolution=COARSE * self._resolution)
@@ -217,8 +190,6 @@ class LivePanel(Panel):
         """Match and insert; a scan that fails, or is interrupted, is left out."""
         before = self._scan
         try:
-            if not self._found(scan):
-                return
             if self.loops.value:
                 moving = isinstance(self.source, SpinningLaser)
                 self._live = self._live or CarriedMap(
@@ -232,8 +203,6 @@ class LivePanel(Panel):
             self._step = next(self._steps)
         except BaseException:
             self._scan, self._steps = before, None  # a generator that raised has ended
-            if self._beliefs is not None:
-                self._find()
             self._picture = LivePicture()  # half a scan may be in the map
             raise
 
@@ -251,7 +220,7 @@ class LivePanel(Panel):
     # --------------------------------------------------------------------- drawing
     def _redraw(self, change: object = None) -> None:
         with self._drawing:
-            now = self._step if self._beliefs is None else self._belief
+            now = self._step
             if now is not None:
                 self._tell_place(now)
             if self._scan is None or now is None or not np.isfinite(now.pose[0]):
@@ -267,12 +236,9 @@ class LivePanel(Panel):
             self._picture.show(self.map, self._scan, now.pose, segments, reduced)
             self.picture.value = self._picture.png()
 
-    def _tell_place(self, now: Step | Belief) -> None:
+    def _tell_place(self, now: Step) -> None:
         advice = "" if self._live is None else self._live.advice
         self.place.style.text_color = ERROR if advice or not now.found else None
-        if isinstance(now, Belief):
-            self.place.value = f"looking: {now.reason}"
-            return
         lies = f"{now.overlap:.0%} of the scan lies on the map"
         before = f"; {counted(self.lost, 'scan')} lost on this map" if self.lost else ""
         self.place.value = f"{advice or ('found' if now.found else 'LOST')}: {lies}{before}"

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from segmap.display import counted, facts, figures
+from segmap.display import counted, facts
 from segmap.readers import UnknownFormat, format_of
 from segmap.scans import Log, sensor_noise
 
@@ -52,9 +52,8 @@ def which_log_and_format(log: Log, source: str) -> str:
 
 def describe_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Print what a log is, a line a thing; of a session also its options, edits and runs."""
-    numbers = figures(log)
-    for word, text in facts(log):
-        report.line(word, text, **numbers.get(word, {}))
+    for word, text, numbers in facts(log):
+        report.line(word, text, **numbers)
     noise = sensor_noise(log)
     report.line("noise", f"{noise} (standard deviation of a range)", **vars(noise))
     if is_session(source := report.found["source"]):

@@ -53,7 +53,7 @@ def advice(words: str) -> str:
 
 def about_html(log: Log) -> str:
     """What a log is, in one paragraph of HTML."""
-    named = [(log.name if word == "scans" else word, text) for word, text in facts(log)]
+    named = [(log.name if word == "scans" else word, text) for word, text, _ in facts(log)]
     lines = (f"<b>{as_html(word)}</b> {as_html(text)}" for word, text in named)
     return f"{LINES}{'<br>'.join(lines)}</div>"
 

@@ -15,7 +15,6 @@ from segmap.panels import LivePanel, _live
 from segmap.panels._live_picture import Greys
 from segmap.sensors import Newest, UrgSensor
 from segmap.sensors.emulator import Emulator, furnished_room
-from segmap.simulation import Sensor, box, drive, simulate, square_room
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -246,34 +245,3 @@ def test_stop_does_not_wait_for_ever(monkeypatch):
     assert panel.state.value.startswith("stops when the sensor")
     here.set()
     wait_for(lambda: panel.state.value == "stopped")
-
-
-def test_find_me_goes_on_with_the_map_that_stands():
-    """Catches scans that are inserted before the robot is found, and a map that begins empty."""
-    walls = np.concatenate([square_room(4), box(0.5, 0.8, (3, 3, 0.2))])
-    ring = Sensor("ring", 72, -np.pi, np.pi / 36, max_range=30.0, sigma=0.01)
-    path = drive([(1, 1), (3, 1), (3, 2)], step=0.05)
-    log = simulate(walls, path, sensor=ring, rng=np.random.default_rng(1))
-    again = simulate(walls, log.truth[20:], sensor=ring, rng=np.random.default_rng(2))
-    panel = LivePanel(log, start=log.truth[0])
-    panel.run(len(log))
-    panel.find.click()
-    before, looked = panel.map.leaves().vis.sum(), 0
-    for scan in again[:25]:
-        panel.take(scan)
-        if "looking" in panel.place.value:
-            looked += 1
-            assert panel.map.leaves().vis.sum() == before
-    assert looked < 20 and "found" in panel.place.value and panel.map.leaves().vis.sum() > before
-    assert np.hypot(*(panel._step.pose - again.truth[24])[:2]) < 0.1
-    panel.find.click()
-    with pytest.raises(ValueError, match="LaserScan"):
-        panel.take(1.0)
-    panel.take(again[25])  # one that is no scan does not end the search, a choice does
-    assert "looking" in panel.place.value or panel._beliefs is None
-    panel.find.click()
-    panel.loops.value = not panel.loops.value
-    assert panel._beliefs is None
-    empty = LivePanel(again)
-    empty.find.click()
-    assert "no" in empty.state.value and empty._beliefs is None
