@@ -191,7 +191,7 @@ GOOD |= {
     "world": emulator.Room(WALLS, PATH),
     "turn": 3,
     "index": 1,
-    "Emulator.tcp": None,
+    "Unit.rate": 19200,
     "SpinningLaser.model": "LD19",
     "SpinningLaser.clockwise": True,
     "SpinningLaser.port": Newly,

@@ -91,8 +91,6 @@ def test_a_stream(text, seconds, left):
     assert bench.says("", 0.5) == b""
 
 
-
-
 def test_the_old_protocol():
     """Catches a driver's request in SCIP 2.0 that is understood before the sensor has switched."""
     bench = Bench(protocol="1.1")

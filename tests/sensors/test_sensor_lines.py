@@ -146,14 +146,14 @@ def test_a_port_where_nothing_answers(line, tmp_path):
 
 
 def test_a_program_that_crashed_left_it_streaming():
-    with Emulator(far_pattern, speed=10.0, **UST) as emulator:
+    with NetworkEmulator(pattern, speed=10.0) as emulator:
         host, port = emulator.port.removeprefix("tcp://").split(":")
         with socket.create_connection((host, int(port))) as crashed:
-            crashed.sendall(b"MD0000108001000\n")
+            crashed.sendall(b"MD0044072501000\n")
             assert crashed.recv(10)
         with of(emulator) as sensor:
             assert emulator.unit.stream is None
-            far_turn(sensor.scan())
+            turn_of(sensor.scan())
 
 
 # ---------------------------------------------------------------------------- leaving
