@@ -10,12 +10,7 @@ from ._deskew import deskew
 from ._point_icp import point_icp
 from ._result import Alignment, Match
 from ._verdict import Verdict
-from .angle_correspondence import (
-    angle_candidates,
-    angle_correspondence,
-    match_angles,
-    match_values,
-)
+from .angle_correspondence import angle_candidates, angle_correspondence, match_angles, match_values
 from .backbone import backbone, backbone_steps, least_translation, mean_rotation
 from .global_segments import global_segments
 from .graph import Graph, solve_graph

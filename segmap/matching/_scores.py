@@ -252,10 +252,7 @@ def nearest_square(nodes: Nodes, path: Cells, todo: Cells, x: float, y: float) -
             child = ~whole(vis[4 * block + q])
             if child >= 0 and holds[child]:
                 todo[count, 0], todo[count, 3] = child, below
-                todo[count, 1], todo[count, 2] = (
-                    x_min + half * (q & 1),
-                    y_min + half * (q >> 1),
-                )
+                todo[count, 1], todo[count, 2] = (x_min + half * (q & 1), y_min + half * (q >> 1))
                 count += 1
             elif below == 0 and 2 * whole(occ[4 * block + q]) > vis[4 * block + q]:
                 dx, dy = x_min + 0.5 - x + (q & 1), y_min + 0.5 - y + (q >> 1)

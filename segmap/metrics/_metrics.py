@@ -29,21 +29,11 @@ from ..threads import Rows, in_threads, shares
 
 #: A 6.2.3: grades of a reduction rate and of a quality, in steps of ten per cent.
 REDUCTION_GRADES = {
-    70: "excellent",
-    60: "very good",
-    50: "good",
-    40: "good",
-    30: "fair",
-    20: "poor",
-}
+    70: "excellent", 60: "very good", 50: "good", 40: "good", 30: "fair", 20: "poor",
+}  # fmt: skip
 QUALITY_GRADES = {
-    90: "excellent",
-    80: "very good",
-    70: "good",
-    60: "fair",
-    50: "poor",
-    40: "very poor",
-}
+    90: "excellent", 80: "very good", 70: "good", 60: "fair", 50: "poor", 40: "very poor",
+}  # fmt: skip
 
 
 def segment_distance(
@@ -221,13 +211,8 @@ def relation_errors(
     """
     t = arrays.values(times, "times").ravel()
     p = arrays.poses(poses, count=len(t), missing=True)
-    wanted = arrays.table(
-        relations,
-        "relations",
-        8,
-        unit="seconds, metres and radians",
-        limit=arrays.LARGEST_COORDINATE,
-    )
+    unit, limit = "seconds, metres and radians", arrays.LARGEST_COORDINATE
+    wanted = arrays.table(relations, "relations", 8, unit=unit, limit=limit)
     placed = np.isfinite(p).all(1)
     order = np.argsort(t[placed], kind="stable")
     t, p = t[placed][order], p[placed][order]

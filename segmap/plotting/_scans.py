@@ -49,11 +49,7 @@ def draw_scan(
 
 @checked
 def draw_points(
-    points: ArrayLike,
-    *,
-    ax: Axes | None = None,
-    color: str = RAW,
-    size: Points = 3.0,
+    points: ArrayLike, *, ax: Axes | None = None, color: str = RAW, size: Points = 3.0
 ) -> Axes:
     """Draw points `(n, 2)` as dots.
 

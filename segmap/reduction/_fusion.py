@@ -185,6 +185,13 @@ def _measure_chain(state: State, line: Line, wide: float, step: float, longest: 
 
 
 @compiled
+def _in_strip(measured: Array, i: int, shift: float, half: float) -> bool:
+    """Whether candidate i lies in a strip."""
+    low, high = measured[i, 3] - half, measured[i, 2] + half
+    return low <= shift + FUSION_ROUNDING_M and shift - FUSION_ROUNDING_M <= high
+
+
+@compiled
 def _chain(state: State, order: Indices, shift: float, half: float) -> tuple[float, int, int]:
     """Length of the chain through candidate 0, and its range in `order`.
 
@@ -193,10 +200,7 @@ def _chain(state: State, order: Indices, shift: float, half: float) -> tuple[flo
     total, start, reach, holds, measured = 0.0, 0, -np.inf, False, state.measured
     for k in range(len(order)):
         i = order[k]
-        if (
-            measured[i, 3] - half > shift + FUSION_ROUNDING_M
-            or shift - FUSION_ROUNDING_M > measured[i, 2] + half
-        ):
+        if not _in_strip(measured, i, shift, half):
             continue
         if measured[i, 0] > reach + FUSION_ROUNDING_M:
             if holds:
@@ -255,10 +259,7 @@ def _best_strip(
             tried[j] = False
         for j in range(start, stop):
             i = order[j]
-            if (
-                measured[i, 3] - half <= shift + FUSION_ROUNDING_M
-                and shift - FUSION_ROUNDING_M <= measured[i, 2] + half
-            ):
+            if _in_strip(measured, i, shift, half):
                 tried[i] = True
                 begin, end = min(begin, measured[i, 0]), max(end, measured[i, 1])
         if not has_best or _comes_first(tried, chosen, near):

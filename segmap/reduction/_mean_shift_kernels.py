@@ -134,18 +134,6 @@ def link(points: Array, group: Indices, period: float, reach: float) -> Indices:
 
 
 @compiled
-def _bisect(x: Array | Indices, i: int, j: int, least: float) -> int:
-    """First index of the sorted x[i:j] that is not below `least`; j where there is none."""
-    while i < j:
-        middle = (i + j) // 2
-        if x[middle] < least:
-            i = middle + 1
-        else:
-            j = middle
-    return i
-
-
-@compiled
 def _pull(near: Array, count: int, block: Array, period: float, wide: bool) -> None:
     """Add the pull of points on the centres of a `(7, CENTRES_PER_RUN)` block.
 
@@ -192,11 +180,12 @@ def _gather_points(
     wide, half = reach >= period / 2, period / 2
     if wide:
         reach = half = np.inf
-    count, end = 0, strips.begins[g + 1]
-    r = _bisect(strips.rows, strips.begins[g], end, np.floor(y_min / PULL_REACH))
+    count, r, end = 0, strips.begins[g], strips.begins[g + 1]
+    r += np.searchsorted(strips.rows[r:end], np.int64(np.floor(y_min / PULL_REACH)))
     while r < end and strips.rows[r] <= np.floor(y_max / PULL_REACH):
-        i = _bisect(strips.x, strips.first[r], strips.first[r + 1], x_min)
-        for k in range(i, _bisect(strips.x, i, strips.first[r + 1], x_max)):
+        i = strips.first[r]
+        x_here = strips.x[i : strips.first[r + 1]]
+        for k in range(i + np.searchsorted(x_here, x_min), i + np.searchsorted(x_here, x_max)):
             x, y, a = strips.x[k], strips.y[k], strips.a[k]
             turn = -period if a - middle > half else period if a - middle < -half else 0.0
             near[0, count], near[1, count], near[2, count], near[3, count] = x, y, a, turn
@@ -248,8 +237,8 @@ def _link(strips: Strips, parent: Indices, period: float, reach: float) -> None:
                 for s in range(r, min(r + 2, strips.begins[g + 1])):  # its strip and the next
                     if strips.rows[s] > strips.rows[r] + 1:
                         continue
-                    stop = first[s + 1]
-                    j = i + 1 if s == r else _bisect(x, first[s], stop, x[i] - reach)
+                    j, stop = first[s], first[s + 1]
+                    j = i + 1 if s == r else j + np.searchsorted(x[j:stop], x[i] - reach)
                     while j < stop and x[j] - x[i] < reach:
                         k, m = order[i], order[j]
                         dx, dy, da = x[i] - x[j], y[i] - y[j], abs(a[i] - a[j])

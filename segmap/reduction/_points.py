@@ -40,13 +40,11 @@ def points_behind(map: Segments, rows: Rows, spacing: float | None) -> Behind:
     A map without points gets one each `spacing` metres along its segments, at least two a segment;
     without a spacing it gets none.
     """
-    sensors, points, first = np.full((len(rows.source_row), 2), np.nan), None, None
-    if isinstance(map, SegmentMap):
-        points, first = map.points, map.first
-        if map.sensors is not None:
-            sensors = map.sensors[map.scan[rows.source_row]]
-    if points is not None and first is not None:
-        return Behind(*take_points(points, first, rows.source_row), sensors, True)
+    sensors = np.full((len(rows.source_row), 2), np.nan)
+    if isinstance(map, SegmentMap) and map.sensors is not None:
+        sensors = map.sensors[map.scan[rows.source_row]]
+    if isinstance(map, SegmentMap) and map.points is not None and map.first is not None:
+        return Behind(*take_points(map.points, map.first, rows.source_row), sensors, True)
     if spacing is None:
         return Behind(
             np.empty((0, 2)), np.zeros(len(rows.source_row) + 1, np.int64), sensors, False

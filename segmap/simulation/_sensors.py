@@ -91,18 +91,10 @@ SICK_LMS200 = Sensor(
 #: rounded to 1 mm, ten scans a second (B 5.1.1). Chosen here: one beam in a hundred is lost, and so
 #: is whatever meets a wall at less than 5 degrees.
 URG_04LX = Sensor(
-    "Hokuyo URG-04LX",
-    beams=682,
-    first=(44 - 384) * 2 * np.pi / 1024,
-    step=2 * np.pi / 1024,
-    max_range=4.0,
-    min_range=0.020,
-    sigma=0.010,
-    resolution=0.001,
-    dropout=0.01,
-    grazing=float(np.radians(5)),
-    period=0.1,
-)
+    "Hokuyo URG-04LX", beams=682, first=(44 - 384) * 2 * np.pi / 1024, step=2 * np.pi / 1024,
+    max_range=4.0, min_range=0.020, sigma=0.010, resolution=0.001,
+    dropout=0.01, grazing=float(np.radians(5)), period=0.1,
+)  # fmt: skip
 
 
 @checked

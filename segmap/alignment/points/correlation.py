@@ -214,12 +214,7 @@ def bound_first_blocks(
 
 @compiled
 def branch_and_bound(
-    lattice: Lattice,
-    blocks: Array,
-    least: float,
-    slack: float,
-    state: Array,
-    poses: Array,
+    lattice: Lattice, blocks: Array, least: float, slack: float, state: Array, poses: Array
 ) -> None:
     """Write the poses of the first blocks, the best first, that score near the best.
 

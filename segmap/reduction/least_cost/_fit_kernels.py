@@ -113,13 +113,6 @@ def insert_ranked(nearest: Array, who: Indices, i: int, j: int, value: float) ->
 
 
 @compiled
-def distance_between(u: Array, v: Array, a: Array, b: Array) -> float:
-    """Distance of quality between two segments, (2, 2), described by (5,) arrays; metres."""
-    angular, across = mean_line_terms(a, b)
-    return ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across + APART_WEIGHT * apart(u, v)
-
-
-@compiled
 def assignment_cost(
     s: Array, d: Array, i: int, line: Array, about: Array, f: int, limits: Limits, most: float
 ) -> float:

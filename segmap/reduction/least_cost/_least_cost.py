@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from ...arrays import Array, Metres, Segments, checked
@@ -19,6 +21,8 @@ NEIGHBOURS = 8
 #: What a metre missed or invented costs, in metres of summed distance. At 0.1, one or two segments
 #: of a hundred fewer remain, but at low quality more is invented than by Fusion (chapter 21).
 PRICE = 0.25
+#: Clusters whose merges are sought together, at least: their groups stand side by side in memory.
+GROUPED = 256
 #: Two segments at a distance d across cost together about this share of d.
 ACROSS_COST_SHARE = 0.3
 
@@ -107,7 +111,6 @@ def merged_greedily(rows: Rows, limits: Limits) -> Array:
     pairs = np.sort(n * np.minimum(place[i], place[j]) + np.maximum(place[i], place[j]))
     low, high = np.divmod(pairs[np.diff(pairs, prepend=-1) > 0], n)
     near = np.column_stack([high, low]).ravel()
-    first = np.flatnonzero(np.diff(label[order], prepend=-1, append=n))
     s = rows.segments[order]
     d = describe(s)
     state = State(
@@ -121,19 +124,15 @@ def merged_greedily(rows: Rows, limits: Limits) -> Array:
         key=np.empty(len(low)),
         exact=np.zeros(len(low), np.int64),
         mark=np.full(n, -1),
-        fitted=np.full(n, -1),
-        fits=np.empty((n, 5)),
         cheapest=np.full(n, -1),
-        cost=np.full(n + 1, np.inf),
-        first=first,
-        winners=np.full(4 * np.diff(first).max(initial=0) + 2, n),
-        tree=np.zeros(2, np.int64),
+        cost=np.full(n, np.inf),
     )
-    fitting, group = empty_workspace(n), -1
+    fitting = empty_workspace(n)
     for part in parts(np.arange(len(low)), "least cost: estimating merges of pair"):
         estimate_all(state, fitting, part, limits)
-    while group < len(first) - 1:
-        announce(first[group] / n if group > 0 else 0.0, f"least cost: merging {n} segments")
-        group = merge_some(state, fitting, group, limits)
-    announce(1.0, f"least cost: merging {n} segments")
+    first = np.flatnonzero(np.diff(label[order], prepend=-1, append=n))
+    for begin, end in pairwise(first[np.searchsorted(first, [*range(0, n, GROUPED), n])].tolist()):
+        while not merge_some(state, fitting, begin, end, limits):
+            announce(begin / n, f"least cost: merging {n} segments")
+        announce(end / n, f"least cost: merging {n} segments")
     return state.drawn[place[state.link[place, 0] == place]]

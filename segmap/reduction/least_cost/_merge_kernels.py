@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,8 @@ from ...kernels import (
     APART_WEIGHT,
     apart,
     describe_one,
+    distance_below,
+    gap_along,
     join_sums,
     length_of,
     mean_line_terms,
@@ -28,7 +31,6 @@ from ._fit_kernels import (
     ESTIMATE_RATIO,
     Limits,
     Workspace,
-    distance_between,
     fit_cheapest_line,
     insert_ranked,
     load_member,
@@ -37,6 +39,8 @@ from ._fit_kernels import (
 
 #: So many pairs and members are fitted between two words about how far the merging is: 5 ms.
 WORK = 2000
+#: Clusters by the cost of their cheapest neighbour, the cheapest first (ties: the lower index).
+Heap = list[tuple[float, int]]
 
 
 class State(NamedTuple):
@@ -44,7 +48,7 @@ class State(NamedTuple):
 
     Members of a cluster, and its neighbours, are linked lists, -1 at the end. Of the p pairs, pair
     q is entry 2 q in the list of one of its clusters and 2 q + 1 in that of the other. Each cluster
-    knows its cheapest neighbour of a higher index, and a tree of winners the cheapest of its group.
+    knows its cheapest neighbour of a higher index.
     """
 
     s: Array  # (n, 2, 2) inputs
@@ -57,13 +61,8 @@ class State(NamedTuple):
     key: Array  # (p,) cost of a pair, estimated or fitted; inf: too dear
     exact: Indices  # (p,) 1 for the cost of a fit
     mark: Indices  # (n,) the last that went into a neighbour of this cluster
-    fitted: Indices  # (n,) the pair of the last fit of each cluster
-    fits: Array  # (n, 5) its segment and cost
     cheapest: Indices  # (n,) entry of the cheapest neighbour of a higher index
     cost: Array  # (n,) its key, inf for none
-    first: Indices  # (groups + 1,) cluster of each group, and n
-    winners: Indices  # of nodes 2 k and 2 k + 1 the cheaper cluster stands in k; ties: the lower
-    tree: Indices  # (2,) first cluster of the group that merges now, and its node
 
 
 # ------------------------------------------------------------------ step 1: who may merge
@@ -118,23 +117,17 @@ def _second_is_longer(state: State, a: int, b: int) -> bool:
 
 
 @compiled
-def _find_cheapest(state: State, a: int) -> None:
-    """Find the cheapest neighbour of a higher index (ties: the lower); then the winners above."""
-    near, key, winners, cost = state.near, state.key, state.winners, state.cost
-    best, least, entry = -1, np.inf, state.link[a, 4]
+def _find_cheapest(state: State, a: int, heap: Heap) -> None:
+    """Find the cheapest neighbour of a higher index (ties: the lower), and put it on the heap."""
+    near, key, best, least, entry = state.near, state.key, -1, np.inf, state.link[a, 4]
     while entry >= 0:
         value, other = key[entry // 2], near[entry, 0]
         if other > a and (value < least or (value == least < np.inf and other < near[best, 0])):
             best, least = entry, value
         entry = near[entry, 1]
-    state.cheapest[a], cost[a] = best, least
-    node = (state.tree[1] + a - state.tree[0]) // 2
-    while node > 0:
-        one, other, before = winners[2 * node], winners[2 * node + 1], winners[node]
-        winners[node] = other if cost[other] < cost[one] else one
-        if winners[node] == before and before != a:
-            break
-        node //= 2
+    state.cheapest[a], state.cost[a] = best, least
+    if best >= 0:
+        heapq.heappush(heap, (least, a))
 
 
 @compiled
@@ -149,9 +142,7 @@ def _estimate(state: State, work: Workspace, entry: int, limits: Limits) -> None
     state.key[pair], state.exact[pair] = np.inf, 0
     members, longer = link[b, 1] - link[a, 1], _second_is_longer(state, a, b)
     describe_one(drawn[b if longer else a], line)
-    low_a, high_a = span(drawn[a], line[0], line[1], line[2], line[3])
-    low_b, high_b = span(drawn[b], line[0], line[1], line[2], line[3])
-    if max(low_a, low_b) - min(high_a, high_b) > limits.gap:
+    if gap_along(drawn[a], drawn[b], line[2], line[3]) > limits.gap:
         return
     big, small = (b, a) if members > 0 or (members == 0 and longer) else (a, b)
     describe_one(drawn[big], line)
@@ -162,41 +153,34 @@ def _estimate(state: State, work: Workspace, entry: int, limits: Limits) -> None
     describe_one(work.line, line)
     total, i = -state.sums[small, 6], link[small, 2]
     while i >= 0 and total <= ESTIMATE_PENALTIES * limits.penalty:
-        total += distance_between(state.s[i], work.line, state.d[i], line)
+        total += distance_below(state.s[i], work.line, state.d[i], line, np.inf)
         i = state.after[i]
     if total <= ESTIMATE_PENALTIES * limits.penalty:
         state.key[pair] = rounded(max(total, 0.0) / ESTIMATE_RATIO)
 
 
 @compiled
-def _fit_pair(state: State, work: Workspace, a: int, b: int, pair: int, limits: Limits) -> float:
-    """Cost of the best segment for two clusters; it stays in `fits` until the next fit of a."""
-    link, fits, count = state.link, state.fits, 0
-    if state.exact[pair] and state.fitted[a] == pair:
-        return fits[a, 4]
-    most = state.sums[a, 6] + state.sums[b, 6] + ESTIMATE_PENALTIES * limits.penalty
+def _fit_pair(state: State, work: Workspace, a: int, b: int, limits: Limits) -> float:
+    """Cost of the best segment for two clusters, which is left in `work.line`."""
+    most, count = state.sums[a, 6] + state.sums[b, 6] + ESTIMATE_PENALTIES * limits.penalty, 0
     join_sums(state.sums[a], state.sums[b], work.sums)
     for c in (a, b):
-        i = link[c, 2]
+        i = state.link[c, 2]
         while i >= 0:
             load_member(work, count, i, state.s, state.d)
             i, count = state.after[i], count + 1
     long = state.drawn[b if _second_is_longer(state, a, b) else a]
-    state.fitted[a], state.exact[pair] = pair, 1
-    fits[a, 4] = fit_cheapest_line(state.s, work, count, limits, long, most)
-    for k in range(4):
-        fits[a, k] = work.line[k // 2, k % 2]
-    return fits[a, 4]
+    return fit_cheapest_line(state.s, work, count, limits, long, most)
 
 
 @compiled
-def _merge_clusters(state: State, a: int, b: int) -> None:
+def _merge_clusters(state: State, a: int, b: int, line: Array, cost: float) -> None:
     """Let cluster b go into cluster a: segment, cost, sums, members, neighbours."""
     link, near, mark = state.link, state.near, state.mark
     join_sums(state.sums[a], state.sums[b], state.sums[a])
-    state.sums[a, 6] = state.fits[a, 4]
+    state.sums[a, 6] = cost
     for k in range(4):
-        state.drawn[a, k // 2, k % 2] = state.fits[a, k]
+        state.drawn[a, k // 2, k % 2] = line[k // 2, k % 2]
     state.after[link[a, 3]] = link[b, 2]
     link[a, 3] = link[b, 3]
     link[a, 1] += link[b, 1]
@@ -227,50 +211,46 @@ def estimate_all(state: State, work: Workspace, part: Indices, limits: Limits) -
 
 
 @compiled
-def _plant_tree(state: State, group: int) -> None:
-    """Let the clusters of a group be the leaves of the tree of winners."""
-    low, high, leaf = state.first[group], state.first[group + 1], 1
-    while leaf < high - low:
-        leaf *= 2
-    state.tree[0], state.tree[1] = low, leaf
-    state.winners[: 2 * leaf] = len(state.s)
-    state.winners[leaf : leaf + high - low] = np.arange(low, high)
-    for a in range(low, high):
-        _find_cheapest(state, a)
+def _drop_outdated(state: State, heap: Heap) -> None:
+    """Take from the top of the heap what is no cluster's cost any more."""
+    while len(heap) and heap[0][0] != state.cost[heap[0][1]]:
+        heapq.heappop(heap)
 
 
 @compiled
-def merge_some(state: State, work: Workspace, group: int, limits: Limits) -> int:
-    """Merge clusters, the cheapest pair of a group first, until each merge costs the penalty.
+def merge_some(state: State, work: Workspace, begin: int, end: int, limits: Limits) -> bool:
+    """Merge some clusters, the cheapest pair first, until each merge costs the penalty.
 
-    Group after group, until there were `WORK` pairs and members; the group that is next.
+    False after `WORK` pairs and members, where there is more to do.
     """
-    link, near, cost, winners, effort = state.link, state.near, state.cost, state.winners, 0
-    while group < len(state.first) - 1 and effort < WORK:
-        if cost[winners[1]] == np.inf:
-            group, effort = group + 1, effort + 1
-            if group < len(state.first) - 1:
-                _plant_tree(state, group)
-            continue
-        a = winners[1]
+    link, near, cost, heap, effort = state.link, state.near, state.cost, [(0.0, 0)], 0
+    heapq.heappop(heap)  # the compiler has learned what an entry is
+    for a in range(begin, end):
+        if link[a, 0] == a:
+            _find_cheapest(state, a, heap)
+    while len(heap) and effort < WORK:
+        a = heap[0][1]
         b, pair = near[state.cheapest[a], 0], state.cheapest[a] // 2
         effort += 1 + link[a, 1] + link[b, 1]
-        exact, cost_of_both = state.exact[pair], state.sums[a, 6] + state.sums[b, 6]
-        delta = rounded(_fit_pair(state, work, a, b, pair, limits) - cost_of_both)
-        if not exact:
+        cost_fitted = _fit_pair(state, work, a, b, limits)
+        delta = rounded(cost_fitted - (state.sums[a, 6] + state.sums[b, 6]))
+        if not state.exact[pair]:
+            state.exact[pair] = 1
             state.key[pair] = delta if delta <= limits.penalty else np.inf
-            _find_cheapest(state, a)
-            if not delta <= min(limits.penalty, cost[winners[1]]):
+            _find_cheapest(state, a, heap)
+            _drop_outdated(state, heap)
+            if not (len(heap) and delta <= min(limits.penalty, heap[0][0])):
                 continue
-        _merge_clusters(state, a, b)
-        _find_cheapest(state, b)
+        _merge_clusters(state, a, b, work.line, cost_fitted)
+        _find_cheapest(state, b, heap)
         entry = link[a, 4]
         while entry >= 0:
             _estimate(state, work, entry, limits)
             c = near[entry, 0]
             cheapest = near[state.cheapest[c], 0]
             if cheapest < 0 or cheapest == a or (c < a and state.key[entry // 2] <= cost[c]):
-                _find_cheapest(state, c)
+                _find_cheapest(state, c, heap)
             entry = near[entry, 1]
-        _find_cheapest(state, a)
-    return group
+        _find_cheapest(state, a, heap)
+        _drop_outdated(state, heap)
+    return len(heap) == 0

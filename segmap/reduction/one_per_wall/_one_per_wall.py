@@ -11,7 +11,15 @@ from ...progress import each, parts
 from ...scans.noise import robust_sigma
 from ...segments import SegmentMap, length, midpoint
 from .._index import empty_index
-from .._runner import Found, Indices, Reduction, Rows, ordered_by_first_input, run_offline
+from .._runner import (
+    Found,
+    Indices,
+    Reduction,
+    Rows,
+    ordered_by_first_input,
+    resolve_merges,
+    run_offline,
+)
 from ._pair_kernels import PAIR_OFFSET_M, Looks, find_pairs, offsets, pull
 from ._wall_kernels import ABSORBED_TOLERANCES, Walls, absorb_weaker, enter_looks, grow
 
@@ -143,13 +151,11 @@ def _draw_walls(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Found
     for part in parts(longest, "one per wall: growing a wall from segment"):
         count = grow(walls, part, count, tolerance)
     drawn = walls.drawn[:count]
-    metres = np.zeros(len(drawn))
-    np.add.at(metres, walls.label, length(rows.segments))
+    metres = np.bincount(walls.label, length(rows.segments), count).astype(float)
     weakest = np.argsort(metres.round(9), kind="stable")
     places, into = empty_index(count, unit), np.arange(count)
     absorb_weaker(drawn, metres, weakest, places, ABSORBED_TOLERANCES * tolerance, into)
-    while (into[into] != into).any():
-        into = into[into]
-    wall_rows, label = np.unique(into[walls.label], return_inverse=True)
-    order, parents = ordered_by_first_input(label, rows.source_row, len(wall_rows))
-    return drawn[wall_rows][order], parents
+    stays, ends = resolve_merges(into)
+    drawn = drawn[stays]
+    order, parents = ordered_by_first_input(ends[walls.label], rows.source_row, len(drawn))
+    return drawn[order], parents

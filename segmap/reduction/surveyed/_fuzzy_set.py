@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from ...arrays import Array, Metres, Quantity, Radians, Segments, at_most, checked
 from ...compiled import compiled
 from ...kernels import SAME
-from ...segments import SegmentMap, length, take_points
+from ...poses.motions import transform
 from ...segments import angle as angle_of
+from ...segments import length
 from .._index import Index, empty_index, enter, meeting, take_out
+from .._points import points_behind
 from .._runner import (
     Found,
     Indices,
@@ -105,7 +107,8 @@ def fuzzy_set(
         straight, slanted = np.flatnonzero(laid), np.flatnonzero(~laid)
         errors = error + sizes[straight] / 2 * np.sin(off[straight])
         walls, first = np.empty((2 * len(straight), 5)), np.tile(rows.source_row[straight], 2)
-        walls[: len(straight)] = _laid(map, rows, straight, upright[straight], axis, errors, error)
+        laid_rows = Rows(s[straight], rows.source_row[straight], rows.cuts)
+        walls[: len(straight)] = _laid(map, laid_rows, upright[straight], axis, errors, error)
         step = max(float(limits.max()), float(sizes.mean()) if n else 0.0)
         places = empty_index(len(walls), step)
         members = merge_all(walls, first, len(straight), limits, places)
@@ -113,7 +116,7 @@ def fuzzy_set(
         across, low, high, _, up = walls[: len(members)][alive].T
         flat = np.stack([np.stack([low, across], -1), np.stack([high, across], -1)], 1)
         standing = up[:, None, None] == 1
-        out = _about_origin(np.where(standing, flat[..., ::-1], flat), axis)
+        out = transform(np.array([0.0, 0.0, axis]), np.where(standing, flat[..., ::-1], flat))
         into = np.empty(n, np.int64)  # outputs: those of the rectangles, then each slanted one
         into[straight], into[slanted] = ends[: len(straight)], len(out) + np.arange(len(slanted))
         out = np.concatenate([out, s[slanted]])
@@ -123,32 +126,20 @@ def fuzzy_set(
     return replace(run_offline("fuzzy_set", map, reduce), doubt=doubt)
 
 
-def _about_origin(points: Array, angle: float) -> Array:
-    """Points `(..., 2)` turned about the origin."""
-    c, s, x, y = np.cos(angle), np.sin(angle), points[..., 0], points[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y], -1)
-
-
 def _laid(
-    map: Segments,
-    rows: Rows,
-    kept: Indices,
-    upright: NDArray[np.bool_],
-    axis: float,
-    errors: Array,
-    least: float,
+    map: Segments, rows: Rows, upright: NDArray[np.bool_], axis: float, errors: Array, least: float
 ) -> Array:
-    """Step 2: the kept rows laid on their axis, with their errors, or those that points tell.
+    """Step 2: rows laid on their axis, with their errors, or those that points tell.
 
     A row `(5,)` is: across, low and high along the axis, error, all in metres; 1 where it stands
     upright, else 0.
     """
-    up, which = upright.astype(np.int64), np.arange(len(kept))
-    s = _about_origin(rows.segments[kept], -axis)
+    up, which, turn = upright.astype(np.int64), np.arange(len(upright)), np.array([0.0, 0.0, -axis])
+    s = transform(turn, rows.segments)
     across, along = s[which, :, 1 - up].mean(axis=1), np.sort(s[which, :, up], axis=1)
-    if isinstance(map, SegmentMap) and map.points is not None and map.first is not None and len(s):
-        points, first = take_points(map.points, map.first, rows.source_row[kept])
-        owner, turned = np.repeat(which, np.diff(first)), _about_origin(points, -axis)
+    points, first, _, has_points = points_behind(map, rows, None)
+    if has_points and len(s):
+        owner, turned = np.repeat(which, np.diff(first)), transform(turn, points)
         beside = np.abs(turned[np.arange(len(turned)), 1 - up[owner]] - across[owner])
         errors = np.maximum(np.maximum.reduceat(beside, first[:-1]), least)
     return np.column_stack([across, along, errors, up])

@@ -11,7 +11,8 @@ import numpy as np
 from ...arrays import Array, Metres, Segments, checked
 from ...compiled import compiled
 from ...kernels import apart, boxes_apart, gap_along, turn_between
-from ...segments import SegmentMap, point_distance, take_points
+from ...segments import point_distance
+from .._points import points_behind
 from .._runner import Indices, Reduction, Rows, Steps, Turn, run_online
 from .lines import (
     SAME,
@@ -87,10 +88,10 @@ def uncertain_parameters(
 
     def steps(rows: Rows) -> Steps:
         s, off = rows.segments, np.full(len(rows.segments), float(eps))
-        if isinstance(map, SegmentMap) and map.points is not None and map.first is not None:
-            points, first = take_points(map.points, map.first, rows.source_row)
+        points, first, _, has_points = points_behind(map, rows, None)
+        if has_points and len(s):
             beside = point_distance(points, np.repeat(s, np.diff(first), axis=0))
-            off = np.maximum.reduceat(beside, first[:-1]).clip(LEAST_RHO_M) if len(s) else off
+            off = np.maximum.reduceat(beside, first[:-1]).clip(LEAST_RHO_M)
         walls, ends = list[UncertainWall](), np.empty_like(s)
         for begin, stop in rows.scans():
             for i in range(begin, stop):
