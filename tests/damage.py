@@ -50,7 +50,7 @@ with gzip.open(readers.data_file("malaga/malaga.log.gz"), "rt") as _file:
 SAMPLES = {name: text.encode() for name, text in (SINGLE_FILES | {"malaga": MALAGA}).items()}
 SAMPLES["npz"] = NPZ
 #: The same mutants in each run: another seed makes others, `make fuzz` more of each sample.
-SEED, MUTANTS = os.environ.get("SEGMAP_SEED", "1"), int(os.environ.get("SEGMAP_MUTANTS", "50"))
+SEED, MUTANTS = os.environ.get("SEGMAP_SEED", "1"), int(os.environ.get("SEGMAP_MUTANTS", "30"))
 
 ODD = ["nan", "inf", "-inf", "-1", "0", "1e999", "1e308", "-1e308", "1e-320", "1_0", "²", "x", "#"]
 ODD += ["1000000000", "9" * 400, "FLASER", "laser", "VERTEX2", "ROBOTLASER1", "\n", ",", "\0", " "]

@@ -46,15 +46,9 @@ def twice(*lines) -> list[str]:
     ]
 
 
-CARMEN = text(
-    [
-        "# message formats are described elsewhere",
-        "PARAM robot_frontlaser_offset 0.3 robot 0.1",
-        "ODOM 0.0 0.0 0.0 0.1 0.0 0.0 1000.2 robot 0.0",
-        *map(flaser, TRUTH, ODOMETRY, TIMES),
-        "SYNC done",
-    ]
-)
+HEAD = "# message formats are described elsewhere", "PARAM robot_frontlaser_offset 0.3 robot 0.1"
+DRIVE = "ODOM 0.0 0.0 0.0 0.1 0.0 0.0 1000.2 robot 0.0"
+CARMEN = text([*HEAD, DRIVE, *map(flaser, TRUTH, ODOMETRY, TIMES), "SYNC done"])
 CARMEN_NEW = text(map(robotlaser, TRUTH, ODOMETRY, TIMES))
 G2O = text(
     f"VERTEX_SE2 {k} {row(TRUTH[k])}\n{robotlaser(ODOMETRY[k], ODOMETRY[k], TIMES[k])}\n"
@@ -165,34 +159,18 @@ CSM = text(
 )  # fmt: skip
 #: Every format that is a single file.
 SINGLE_FILES = {
-    "carmen": CARMEN,
-    "carmen_new": CARMEN_NEW,
-    "g2o": G2O,
-    "hokuyo": HOKUYO,
-    "coreslam": CORESLAM,
-    "coreslam_13": CORESLAM_13,
-    "gmapping": GMAPPING,
-    "dpslam": DPSLAM,
-    "wean": WEAN,
-    "csv": CSV,
-    "rplidar": RPLIDAR,
-    "rplidar_record": RPLIDAR_RECORD,
-    "rostopic": ROSTOPIC,
-    "ld19": LD19,
-    "xv11": XV11,
-    "csm": CSM,
-    "sick": SICK,
-    "hokuyo_csv": HOKUYO_CSV,
-}
+    "carmen": CARMEN, "carmen_new": CARMEN_NEW, "g2o": G2O, "hokuyo": HOKUYO, "coreslam": CORESLAM,
+    "coreslam_13": CORESLAM_13, "gmapping": GMAPPING, "dpslam": DPSLAM, "wean": WEAN, "csv": CSV,
+    "rplidar": RPLIDAR, "rplidar_record": RPLIDAR_RECORD, "rostopic": ROSTOPIC, "ld19": LD19,
+    "xv11": XV11, "csm": CSM, "sick": SICK, "hokuyo_csv": HOKUYO_CSV,
+}  # fmt: skip
 #: Formats that hold no time.
 TIMELESS = {"hokuyo", "dpslam", "rplidar", "rplidar_record", "xv11"}
 #: Formats of one sensor, whose mirror turns in a time that is known, and of beams with a time each.
 TURNING = {"coreslam", "coreslam_13", "hokuyo_csv", "csv", "ld19", "rostopic"}
 CENTRE = "the laser sits at the robot's centre"
-FIVE, SICK_REACH = (
-    "5 beams look over 180 degrees, counter-clockwise",
-    "ranges from {} m on met nothing",
-)
+FIVE = "5 beams look over 180 degrees, counter-clockwise"
+SICK_REACH = "ranges from {} m on met nothing"
 WRAPS, COUNTER = "a scan ends where the angle wraps", "beams counter-clockwise"
 URG = "a URG-04LX, which sees 5.6 m and turns in 0.1 s"
 #: What the sample of each format leaves open, by the beginning of its words.
@@ -216,12 +194,8 @@ ASSUMED = {
     "sick": {SICK_REACH.format(50)},
     "hokuyo_csv": {URG},
 }
-RAWSEEDS = {
-    "SICK_FRONT.csv": SICK,
-    "HOKUYO_FRONT.csv": HOKUYO_CSV,
-    "ODOMETRY_XYT.csv": ODOMETRY_CSV,
-    "run-GROUNDTRUTH.csv": GROUNDTRUTH,
-}
+RAWSEEDS = {"SICK_FRONT.csv": SICK, "HOKUYO_FRONT.csv": HOKUYO_CSV}
+RAWSEEDS |= {"ODOMETRY_XYT.csv": ODOMETRY_CSV, "run-GROUNDTRUTH.csv": GROUNDTRUTH}
 #: How a text may lie in a file.
 ENCODINGS = {
     "a mark": lambda text: b"\xef\xbb\xbf" + text.encode(),

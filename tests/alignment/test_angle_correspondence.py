@@ -5,30 +5,14 @@ import numpy as np
 import pytest
 
 from segmap import load
-from segmap.alignment import (
-    align_to_truth,
-    angle_correspondence,
-    match_angles,
-    position_errors,
-)
+from segmap.alignment import align_to_truth, angle_correspondence, match_angles, position_errors
 from segmap.alignment.angle_correspondence._kernels import refine, superpose
-from segmap.alignment.angle_correspondence._scenes import (
-    corners,
-    is_seen_from_origin,
-    wall_pairs,
-)
+from segmap.alignment.angle_correspondence._scenes import corners, is_seen_from_origin, wall_pairs
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.poses import between, compose, inverse, transform
 from segmap.scans import Log
-from segmap.simulation import (
-    Sensor,
-    drive,
-    office,
-    polyline,
-    rectangular_room,
-    simulate,
-)
+from segmap.simulation import Sensor, drive, office, polyline, rectangular_room, simulate
 
 UTM = Sensor("UTM-30LX", 1081, np.radians(-135), np.radians(0.25), max_range=30.0, sigma=0.01)
 ROOM = logs.L_ROOM

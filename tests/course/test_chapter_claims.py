@@ -7,24 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from segmap_course import (
-    equal_offices,
-    known_building,
-)
+from segmap_course import equal_offices, known_building
 
 from segmap import SegmentMap, alignment, simulation
 from segmap.angles import wrap
 from segmap.extraction import build_map
 from segmap.metrics import against_walls, quality
 from segmap.poses import between
-from segmap.reduction import (
-    fusion,
-    fusion_online,
-    hybrid,
-    hybrid_fusion,
-    least_cost,
-    one_per_wall,
-)
+from segmap.reduction import fusion, fusion_online, hybrid, hybrid_fusion, least_cost, one_per_wall
 from segmap.scans import Log
 
 pytestmark = pytest.mark.slow

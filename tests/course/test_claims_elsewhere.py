@@ -9,9 +9,7 @@ from segmap_course import clinic_walls
 
 import segmap
 from segmap import simulation
-from segmap.alignment import (
-    pose_graph,
-)
+from segmap.alignment import pose_graph
 from segmap.quadtree import build_map
 from segmap.reduction import least_cost
 

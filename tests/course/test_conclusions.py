@@ -8,12 +8,7 @@ from segmap.experiments import select
 
 THESIS = thesis_results()
 #: (i) and (l) fail on Stanford already; (d) on USC, where mean shift changes more.
-ON_ITS_OWN = {
-    "d": {"usc"},
-    "e": {"polimi"},
-    "i": {"stanford"},
-    "l": {"stanford"},
-}
+ON_ITS_OWN = {"d": {"usc"}, "e": {"polimi"}, "i": {"stanford"}, "l": {"stanford"}}
 
 
 def failing(frame):

@@ -1,5 +1,7 @@
 """What the chapters draw: the values that their claims rest on. See `test_drawings` first."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import segmap_course as course
@@ -33,60 +35,46 @@ def content(ax):
 #: What each drawing consists of, and what its labels, its title or its letters say.
 DRAWN = {
     "points have lines to their walls, not walls to walls": (
-        lambda ax: course.draw_icp_step(FEET, STEP, ax=ax),
+        partial(course.draw_icp_step, FEET, STEP),
         [(RAW, FEET), (RESULT, TWO), (ERROR, [[(0, 1), (0, 0)], [(1, 0.5), (1, 0)]])],
-        [],
     ),
     "what two segments cover of each other, and the farthest end of the second": (
-        lambda ax: course.draw_match_value([(0, 0), (3, 0)], [(1, 1), (4, 1)], ax=ax),
-        [
-            (MAP, [(4, 1), (3, 0)]),
-            (MAP, [[(0, 0), (3, 0)], [(1, 1), (4, 1)]]),
-            (ERROR, [[(1, 0), (3, 0)]]),
-            (ERROR, [[(1, 1), (3, 1)]]),
-        ],
-        ["2.00 m of u covered", "2.00 m of v covered", "  1.41 m"],
+        partial(course.draw_match_value, [(0, 0), (3, 0)], [(1, 1), (4, 1)]),
+        [(MAP, [(4, 1), (3, 0)]), (MAP, [[(0, 0), (3, 0)], [(1, 1), (4, 1)]]),
+         (ERROR, [[(1, 0), (3, 0)]]), (ERROR, [[(1, 1), (3, 1)]])],
+        "2.00 m of u covered", "2.00 m of v covered", "  1.41 m",
     ),
     "marked segments lie over the rest": (
-        lambda ax: course.draw_marked(WALLS, [False, True, False], ax=ax),
+        partial(course.draw_marked, WALLS, [False, True, False]),
         [(RAW, WALLS[[0, 2]]), (ERROR, WALLS[[1]])],
-        [],
     ),
     "ends fall at right angles on the line, beyond the wall too": (
-        lambda ax: course.draw_merge([[(-1, 1), (3, 3)]], [(0, 0), (2, 1)], ax=ax),
-        [
-            (RAW, [[(-1, 1), (-0.4, -0.2)], [(3, 3), (3.6, 1.8)]]),
-            *((RESULT, [[(0, 0), (2, 1)]]), (MAP, [[(-1, 1), (3, 3)]])),
-        ],
-        ["merged", "its parts"],
+        partial(course.draw_merge, [[(-1, 1), (3, 3)]], [(0, 0), (2, 1)]),
+        [(RAW, [[(-1, 1), (-0.4, -0.2)], [(3, 3), (3.6, 1.8)]]),
+         (RESULT, [[(0, 0), (2, 1)]]), (MAP, [[(-1, 1), (3, 3)]])],
+        "merged", "its parts",
     ),
     "a strip holds what lies in it with both ends, up to its border": (
-        lambda ax: course.draw_strip(STRIP, 0.02, 0.04, ax=ax),
-        [(MAP, STRIP[[0, 2]]), (ERROR, STRIP[[1]])],
-        [],
+        partial(course.draw_strip, STRIP, 0.02, 0.04), [(MAP, STRIP[[0, 2]]), (ERROR, STRIP[[1]])]
     ),
     "a profile is in degrees, with its peaks": (
-        lambda ax: course.draw_profile(np.radians([-90, 0, 90, 180]), [1, 3, 0, 2], ax=ax),
+        partial(course.draw_profile, np.radians([-90, 0, 90, 180]), [1, 3, 0, 2]),
         [(RESULT, [(-90, 1), (0, 3), (90, 0), (180, 2)]), (ERROR, [(0, 3), (180, 2)])],
-        [],
     ),
     "a profile may be drawn without its peaks": (
-        lambda ax: course.draw_profile([0, 0], [0, 1], ax=ax, tops=False),
-        [(RESULT, [(0, 0), (0, 1)])],
-        [],
+        partial(course.draw_profile, [0, 0], [0, 1], tops=False), [(RESULT, [(0, 0), (0, 1)])]
     ),
     "marks stand at their places, and their words beside them": (
-        lambda ax: course.mark_places({"open": 2.0, "shut": 4.0}, ax=ax, at=(0.5, 0.1)),
-        [(RAW, [(2, 0), (2, 1)]), (RAW, [(4, 0), (4, 1)])],
-        ["open", "shut"],
+        partial(course.mark_places, {"open": 2.0, "shut": 4.0}, at=(0.5, 0.1)),
+        [(RAW, [(2, 0), (2, 1)]), (RAW, [(4, 0), (4, 1)])], "open", "shut",
     ),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("claim", DRAWN)
 def test_a_drawing_consists_of(claim, ax):
-    draw, parts, words = DRAWN[claim]
-    draw(ax)
+    draw, parts, *words = DRAWN[claim]
+    draw(ax=ax)
     expected = [(color, np.array(places, float).tolist()) for color, places in parts]
     assert content(ax) == expected
     named = [line.get_label() for line in (*ax.lines, *ax.collections)]

@@ -3,12 +3,7 @@
 import numpy as np
 from segmap_course import compare_with_walls, represent, wall_errors
 
-from segmap.simulation import (
-    URG_04LX,
-    drive,
-    rectangular_room,
-    simulate,
-)
+from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
 
 WALLS = rectangular_room(4.02, 3.02)
 LOG = simulate(

@@ -5,12 +5,7 @@ from math import radians
 
 import numpy as np
 import pytest
-from segmap_course import (
-    THESIS_GRIDS,
-    thesis_grid,
-    thesis_results,
-    within_thesis,
-)
+from segmap_course import THESIS_GRIDS, thesis_grid, thesis_results, within_thesis
 
 from segmap.experiments import load_records
 from segmap.readers import data_file

@@ -10,16 +10,7 @@ import numpy as np
 import pytest
 from conftest import dask, slow
 from pandas.testing import assert_frame_equal
-from sweep_samples import (
-    GRIDS,
-    HALL,
-    MAPS,
-    NAMES,
-    ROOM,
-    keep_all,
-    slow_start,
-    without_seconds,
-)
+from sweep_samples import GRIDS, HALL, MAPS, NAMES, ROOM, keep_all, slow_start, without_seconds
 
 from segmap import METHODS, metrics
 from segmap.experiments import read_records, select, sweep, thresholds_of, write_records

@@ -11,17 +11,8 @@ from programs import program
 
 import segmap
 from segmap import LaserScan, Log, SegmentMap, exports, readers
-from segmap.experiments import (
-    load_records,
-    read_records,
-    write_records,
-)
-from segmap.files import (
-    LEAST_UNPACKED_BYTES,
-    MOST_UNPACKED_RATIO,
-    packed,
-    write_bytes,
-)
+from segmap.experiments import load_records, read_records, write_records
+from segmap.files import LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO, packed, write_bytes
 from segmap.plan import floor_plan
 from segmap.quadtree import QuadtreeMap, map_of_grid
 from segmap_app import files

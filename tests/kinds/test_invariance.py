@@ -295,7 +295,7 @@ LEFT_OUT = {("fuzzy_clustering", TURNED), ("fuzzy_clustering", QUARTER)}
 #: What is wrong today, and why.
 WRONG = {
     ("doubt of the plan", TURNED): "squares of free space reach through a wall that is oblique to"
-    " the quadtree, and are then told as free space that may go on",
+    " the quadtree, and are then told as free space that may go on"
 }
 
 

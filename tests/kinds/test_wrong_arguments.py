@@ -34,12 +34,7 @@ from segmap.plotting import (
 )
 from segmap.poses import interpolate
 from segmap.quadtree import QuadtreeMap, build_map, map_of_grid
-from segmap.reduction import (
-    METHODS,
-    common_directions,
-    mean_shift,
-    weighted_line_fitting,
-)
+from segmap.reduction import METHODS, common_directions, mean_shift, weighted_line_fitting
 from segmap.scans import LaserScan, Log, SensorNoise
 from segmap.segments import SegmentMap
 from segmap.simulation import drive
@@ -108,7 +103,7 @@ def weighed(*free):
 
 ARRAYS = [
     *each(arrays.segments, "before")(
-        (np.zeros((3, 4)), r"before must have shape \(n, 2, 2\).*got \("),
+        (np.zeros((3, 4)), r"before must have shape \(n, 2, 2\).*got \(")
     ),
     *each(arrays.whole, "count", most=9)((2.5, "count must"), (10, "count must")),
 ]
@@ -146,10 +141,10 @@ BASICS = [
         ({"range_m": -0.01}, "range_m"), ({"range_share": 1.5}, "share"), ({"step_m": NAN}, "step")
     ),
     *refused(extraction.build_map, Log("one", [BEAM]), [ZERO], keep_points=True)(
-        ({"extract": lambda points: []}, "extract must be .*got '<lambda>'"),
+        ({"extract": lambda points: []}, "extract must be .*got '<lambda>'")
     ),
     *each(extraction.build_map, [ZERO] * 2)(
-        (Log("far", [BEAM, OUT_OF_REACH]), "points must be within .* metres"),
+        (Log("far", [BEAM, OUT_OF_REACH]), "points must be within .* metres")
     ),
     *refused(simulation.city, rng=RNG)(
         ({"rows": 201}, "rows must"),
@@ -176,8 +171,7 @@ ALIGNMENT = [
         ({"missing": "skip"}, "missing must"),
     ),
     *each(align_to_truth)(
-        ([ZERO] * 2, [ZERO] * 3, "truth must"),
-        ([(NAN, NAN, NAN)], [ZERO], "got none"),
+        ([ZERO] * 2, [ZERO] * 3, "truth must"), ([(NAN, NAN, NAN)], [ZERO], "got none")
     ),
     *each(ALIGNMENTS["point_icp"], turn=20)((ROOM[:2], r"of degrees np.radians\(20\)")),
 ]
@@ -190,11 +184,10 @@ NOTHING_TO_MATCH = [
 ]
 MATCHING = [
     *refused(map_scans, [])(
-        ({"matcher": "climb"}, "matcher must"),
-        ({"matcher": sample_and_rank}, "give rng"),
+        ({"matcher": "climb"}, "matcher must"), ({"matcher": sample_and_rank}, "give rng")
     ),
     *refused(sample_and_rank, SegmentMap(TWO), [(1, 0)], ZERO, rng=RNG)(
-        ({"sigma": (0, 1)}, "sigma must"),
+        ({"sigma": (0, 1)}, "sigma must")
     ),
     *refused(tracked, SegmentMap(TWO), ROOM[:2], ZERO)(
         *(({"covariance": spread}, "covariance must") for spread in SPREADS)
@@ -238,7 +231,7 @@ MAPS = [
     *refused(mean_shift, SLIM)(*TOO_FINE),
     *refused(common_directions, SLIM)(*TOO_FINE),
     *each(mean_shift, sigma=1e-6)(
-        ([[(0, 0), (0.01, 0)], [(1e5, 0), (1e5, 0.01)]], "at least 1e-10 of the extent"),
+        ([[(0, 0), (0.01, 0)], [(1e5, 0), (1e5, 0.01)]], "at least 1e-10 of the extent")
     ),
     *each(METHODS["fusion"](TWO).members)((2, "index must")),
 ]
@@ -300,7 +293,7 @@ COURSE = [
     ),
     *each(course.peaks)(([1, NAN, 2], "values must")),
     *refused(course.landscape, SegmentMap(TWO), [(1, 0)], ZERO)(
-        ({"reach": 0.1, "step": 0.2}, "step must"),
+        ({"reach": 0.1, "step": 0.2}, "step must")
     ),
     *refused(course.represent, ROOM)(({"poses": ROOM.truth[:-1]}, "^poses must")),
     *each(course.wall_errors)((np.zeros((1, 2)), [], "walls must")),

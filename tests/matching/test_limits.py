@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 
 from segmap import LaserScan
-from segmap.matching import (
-    effective_number,
-    hill_climb,
-    map_scans,
-    systematic,
-)
+from segmap.matching import effective_number, hill_climb, map_scans, systematic
 from segmap.quadtree import QuadtreeMap
 
 

@@ -16,13 +16,7 @@ from segmap.alignment.pose_graph._merge import _places_of_both
 from segmap.matching import merge
 from segmap.poses import between, compose
 from segmap.scans import Log
-from segmap.simulation import (
-    SICK_LMS200,
-    OdometryNoise,
-    drive,
-    office,
-    simulate,
-)
+from segmap.simulation import SICK_LMS200, OdometryNoise, drive, office, simulate
 
 #: Two ways through an office: the second comes from the other end.
 THERE = [(1, 5), (2, 5), (2, 7.5), (2, 5), (6, 5), (6, 7.5), (6, 5), (10, 5), (10, 2.5), (10, 5)]

@@ -28,13 +28,7 @@ from segmap.matching import _particles as particles_file
 from segmap.matching._live_map import insert_placed, overlap_of
 from segmap.poses import between, compose, transform
 from segmap.quadtree import QuadtreeMap
-from segmap.simulation import (
-    OdometryNoise,
-    Sensor,
-    drive,
-    rectangular_room,
-    simulate,
-)
+from segmap.simulation import OdometryNoise, Sensor, drive, rectangular_room, simulate
 
 SENSOR = Sensor("it", 61, -np.pi, 2 * np.pi / 61, max_range=6.0, sigma=0.005)
 

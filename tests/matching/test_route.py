@@ -165,3 +165,30 @@ def test_without_walls_and_without_a_way_to_drive():
         route(map, (0.05, 0.05), np.zeros((0, 2)), radius=0.2)
     with pytest.raises(NoRoute, match="nothing has been seen"):
         route(QuadtreeMap(), (0.05, 0.05), (0.05, 0.05), radius=0.2)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_straight_line_sees_each_cell_that_it_crosses(seed):
+    """Among scattered posts of one cell, whichever way it runs and to places inside of cells.
+
+    Catches the last or the first cell of a line that nobody looks at.
+    """
+    rng, map = np.random.default_rng(seed), QuadtreeMap(resolution=1, size=16, free_resolution=1)
+    for _ in range(60):
+        map.insert_scan((8.5, 8.5), [], free_points=rng.uniform(0, 16, (40, 2)))
+    posts = np.unique(rng.integers(1, 15, (24, 2)), axis=0) + 0.5
+    for post in posts:
+        map.insert_scan(post, [post] * 999)
+    assert (map.occupancy(posts) > 0.5).mean() > 0.9
+    ends = rng.uniform(0.5, 15.5, (30, 2, 2))
+    found = 0
+    for start, goal in ends[(map.occupancy(ends.reshape(-1, 2)).reshape(-1, 2) < 0.5).all(1)]:
+        try:
+            way = route(map, start, goal, radius=1e-9)
+        except NoRoute:
+            continue
+        part = np.linspace(0, 1, 601)[:, None, None]
+        along = (way[:-1] + part * np.diff(way, axis=0)).reshape(-1, 2)
+        assert (map.occupancy(along) < 0.5).all(), (start, goal)
+        found += 1
+    assert found > 4

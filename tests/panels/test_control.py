@@ -7,16 +7,7 @@ import numpy as np
 import pytest
 
 from segmap import LaserScan
-from segmap.arrays import (
-    Count,
-    Metres,
-    Radians,
-    RadiansPerMetre,
-    Seconds,
-    Share,
-    at_least,
-    at_most,
-)
+from segmap.arrays import Count, Metres, Radians, RadiansPerMetre, Seconds, Share, at_least, at_most
 from segmap.panels import control, slider
 
 

@@ -1,6 +1,7 @@
 """One contract for every `draw_*`: axes, figure, labels, colours, and nothing to draw."""
 
 from dataclasses import replace
+from functools import partial
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -9,11 +10,7 @@ import segmap_course as course
 from matplotlib.colors import to_hex, to_rgba
 
 from segmap import build_map, load, plotting, quadtree
-from segmap.alignment import (
-    Alignment,
-    backbone_steps,
-    point_steps,
-)
+from segmap.alignment import Alignment, backbone_steps, point_steps
 from segmap.alignment import Match as Matched
 from segmap.experiments import select
 from segmap.exports import ros_classes
@@ -41,6 +38,7 @@ TREE.insert_scan((1, 1), [(3.25, 1.25)])
 LEAVES = {(0, 0, 1): 1, (1, 0, 1): 0, (0, 1, 1): 0, (1, 1, 1): 2}
 #: A line that is known.
 LINE = Line(0, 1, np.pi / 2, 1e-4, 0, 1e-4)
+PIECES = [(0, 0.5, 0, 0), (0.5, 1, -1, 0)]
 LAND = course.Landscape(np.array([-0.1, 0, 0.1]), np.diag([0.0, 2.0, 0.0]))
 RUNS = course.thesis_results()
 USC = select(RUNS, map="usc", filtered=False)
@@ -54,197 +52,106 @@ def plan_of_the_room():
     return floor_plan(build_map(log, log.truth), free)
 
 
+class Late(partial):
+    """What a drawing is given, made once it is asked for."""
+
+
+def case(what, *given, **named):
+    """What is expected of a drawing, and a function that calls it with these arguments."""
+
+    def drawn(name, **more):
+        draw = getattr(plotting, f"draw_{name}", None) or getattr(course, f"draw_{name}")
+        return draw(*(g() if isinstance(g, Late) else g for g in given), **named, **more)
+
+    return drawn, what
+
+
 #: Each drawing on given axes, and the colours that it uses: every meaning has its own everywhere.
 DRAWINGS = {
-    "against_walls": (
-        lambda ax: plotting.draw_against_walls(JUDGED, ax=ax),
-        {GROUPS[6], MAP, RESULT, ERROR},
-    ),
-    "alignment": (lambda ax: plotting.draw_alignment(LOG, ALIGNED, ax=ax), {RAW, RESULT, ERROR}),
-    "backbone": (
-        lambda ax: course.draw_backbone(backbone_steps(load("corridor")[:2])[1], ax=ax),
-        {MAP, RESULT, ERROR},
-    ),
-    "basin": (lambda ax: course.draw_basin([["right"]], [0.0], [0.0], ax=ax), {RESULT}),
-    "before_after": (
-        lambda ax: plotting.draw_before_after(WALLS, REDUCED, ax=ax),
-        {MAP, RESULT},
-    ),
-    "cells": (lambda ax: course.draw_cells(TREE, TREE.to_grid() > 0.5, ax=ax), {ERROR}),
-    "classes": (lambda ax: course.draw_classes(ros_classes(TREE), ax=ax), set()),
-    "climb": (lambda ax: course.draw_climb(POSES, ax=ax), {RESULT}),
-    "corner": (lambda ax: course.draw_corner(1.2, 1.3, 0.7, ax=ax), {MAP, RESULT, ERROR}),
-    "counts": (
-        lambda ax: course.draw_counts({(0, 0, 2): (3, 0)}, beams=[[(0, 0), (1, 1)]], ax=ax),
-        {"#939393", RESULT, ERROR},
-    ),
-    "curves": (lambda ax: plotting.draw_curves(USC, ax=ax), THESIS),
-    "ends": (lambda ax: course.draw_ends(TREE, ax=ax), {MAP, RESULT, ERROR}),
-    "equal_squares": (
-        lambda ax: course.draw_equal_squares(POINTS, 0.5, ax=ax),
-        {MAP, RESULT, ERROR},
-    ),
-    "ends_on_map": (
-        lambda ax: course.draw_ends_on_map(TREE, [(1.05, 0.05), (0, 1)], nearest=True, ax=ax),
-        {ERROR, RESULT},
-    ),
-    "fits": (
-        lambda ax: course.draw_fits(POINTS, {"a": (0, 0, 1, 0), "b": (0, 0, 0, 1)}, ax=ax),
-        {RAW, MAP, RESULT, ERROR},
-    ),
-    "frontiers": (
-        lambda ax: course.draw_frontiers(frontiers(TREE, min_size=1), ax=ax),
-        {GROUPS[0]},
-    ),
-    "icp_step": (
-        lambda ax: course.draw_icp_step(POINTS, point_steps(POINTS, POINTS)[0], ax=ax),
-        {RAW, RESULT, ERROR},
-    ),
-    "labels": (
-        lambda ax: course.draw_labels(
-            np.eye(3, dtype=np.int64), WALLS[:1], (0, 0), 0.1, lines=([1], []), ax=ax
-        ),
-        {MAP, RAW},
-    ),
-    "landscape": (lambda ax: course.draw_landscape(LAND, ax=ax), {ERROR, TRUTH}),
-    "leaves": (
-        lambda ax: course.draw_leaves(LEAVES, ax=ax, marked=[(0, 0, 1)], points=[(1, 1)]),
-        {"#d9d9d9", RESULT, ERROR},
-    ),
-    "live": (
-        lambda ax: course.draw_live({"a": hybrid(SEEN), "b": hybrid(SEEN)}, ax=ax),
-        set(GROUPS[:2]),
-    ),
-    "log": (lambda ax: plotting.draw_log(LOG, ax=ax), {RAW, TRUTH}),
-    "method_errors": (
-        lambda ax: course.draw_method_errors({n: {"a": 0.1, "b": 1} for n in "xy"}, ax=ax),
-        set(GROUPS[:2]),
-    ),
-    "marked": (lambda ax: course.draw_marked(WALLS, [True, False, True], ax=ax), {RAW, ERROR}),
-    "match": (lambda ax: course.draw_match(*WALLS[[0, 2]], ax=ax), {RAW, MAP, ERROR}),
-    "match_value": (
-        lambda ax: course.draw_match_value(WALLS[0], WALLS[0] + 0.1, ax=ax),
-        {MAP, ERROR},
-    ),
-    "merge": (lambda ax: course.draw_merge(WALLS[:2], WALLS[2], ax=ax), {RAW, MAP, RESULT}),
-    "missed": (
-        lambda ax: course.draw_missed(WALLS[[0, 2]], [(0, -0.04), (5, -0.04)], ax=ax),
-        {RAW, MAP, RESULT, ERROR},
-    ),
-    "runs": (
-        lambda ax: course.draw_runs([POINTS, POINTS[:1]], WALLS[:1], ax=ax),
-        {MAP, ERROR, GROUPS[0]},
-    ),
-    "path": (lambda ax: plotting.draw_path(POSES, ax=ax), {TRUTH}),
-    "points": (lambda ax: plotting.draw_points(POINTS, ax=ax), {RAW}),
-    "plan": (
-        lambda ax: plotting.draw_plan(plan_of_the_room(), ax=ax),
-        {RAW, MAP, ERROR, *GROUPS[:3]},
-    ),
-    "poses": (lambda ax: plotting.draw_poses(POSES, ax=ax), {RESULT}),
-    "position_errors": (
-        lambda ax: plotting.draw_position_errors(LOG, {"a": POSES, "b": ALIGNED}, ax=ax),
-        {ERROR, RESULT},
-    ),
-    "hill": (lambda ax: course.draw_hill([0, 0.1], [0, 0.05], 0.2, ax=ax), {MAP, ERROR}),
-    "profile": (lambda ax: course.draw_profile([-1, 0, 1], [0, 2, 0], ax=ax), {RESULT, ERROR}),
-    "provenance": (
-        lambda ax: plotting.draw_provenance(WALLS, REDUCED, ax=ax),
-        set(GROUPS[:2]),
-    ),
-    "quadtree": (lambda ax: plotting.draw_quadtree(TREE, ax=ax, robot=(1, 1)), {RESULT, ERROR}),
-    "ray": (lambda ax: course.draw_ray((0, 0), (14, 5), ax=ax), {RESULT, RAW, ERROR}),
-    "robot": (lambda ax: plotting.draw_robot((0, 0, 0), ax=ax), {ERROR}),
-    "scan": (lambda ax: plotting.draw_scan(SCAN, ax=ax, beams=True), {RAW, ERROR}),
-    "scans": (
-        lambda ax: course.draw_scans(POINTS, POINTS, (0, 0, 0), ax=ax, pulls=[POINTS[:2]]),
-        {RAW, RESULT, ERROR},
-    ),
-    "contradiction": (
-        lambda ax: course.draw_contradiction((0, 0), {"a": np.eye(2), "b": np.eye(2)}, 9, ax=ax),
-        {RESULT, ERROR, MAP},
-    ),
-    "known_line": (lambda ax: course.draw_known_line(LINE, [LINE, LINE], ax=ax), {RAW, RESULT}),
-    "seen_wall": (
-        lambda ax: course.draw_seen_wall([(0, 1), (1, 1)], (0, 0), (0.01, 0.01), ax=ax),
-        {RAW, ERROR, RESULT, TRUTH, MAP},
-    ),
-    "sector": (
-        lambda ax: course.draw_sector(
-            [(0, 1), (1, 1)], (0, 0), {"a": np.array([(0, 2), (1, 2)])}, ax=ax
-        ),
-        {RAW, MAP, RESULT},
-    ),
-    "segments": (lambda ax: plotting.draw_segments(WALLS, ax=ax), {MAP}),
-    "sizes_of_halls": (
-        lambda ax: course.draw_sizes_of_halls({1.0: 9, 2.0: 20}, ax=ax),
-        {RAW, RESULT},
-    ),
-    "strip": (lambda ax: course.draw_strip(WALLS[[0, 2]], 0.0, 0.01, ax=ax), {RAW, MAP, ERROR}),
-    "uncertainty": (
-        lambda ax: course.draw_uncertainty(Matched(np.zeros(3), np.eye(3), True), ax=ax),
-        {RESULT},
-    ),
-    "wall_normals": (
-        lambda ax: course.draw_wall_normals([(0, 0), (1, 0)], [(0, 1), (np.nan, np.nan)], ax=ax),
-        {RAW, RESULT, ERROR},
-    ),
-    "weights": (lambda ax: course.draw_weights([0.1, -0.2], [0.9, 0.8], ax=ax), {RAW, ERROR}),
+    "against_walls": case({GROUPS[6], MAP, RESULT, ERROR}, JUDGED),
+    "alignment": case({RAW, RESULT, ERROR}, LOG, ALIGNED),
+    "backbone": case({MAP, RESULT, ERROR}, Late(lambda: backbone_steps(load("corridor")[:2])[1])),
+    "basin": case({RESULT}, [["right"]], [0.0], [0.0]),
+    "before_after": case({MAP, RESULT}, WALLS, REDUCED),
+    "cells": case({ERROR}, TREE, TREE.to_grid() > 0.5),
+    "classes": case(set(), Late(lambda: ros_classes(TREE))),
+    "climb": case({RESULT}, POSES),
+    "corner": case({MAP, RESULT, ERROR}, 1.2, 1.3, 0.7),
+    "counts": case({"#939393", RESULT, ERROR}, {(0, 0, 2): (3, 0)}, beams=[[(0, 0), (1, 1)]]),
+    "curves": case(THESIS, USC),
+    "ends": case({MAP, RESULT, ERROR}, TREE),
+    "equal_squares": case({MAP, RESULT, ERROR}, POINTS, 0.5),
+    "ends_on_map": case({ERROR, RESULT}, TREE, [(1.05, 0.05), (0, 1)], nearest=True),
+    "fits": case({RAW, MAP, RESULT, ERROR}, POINTS, {"a": (0, 0, 1, 0), "b": (0, 0, 0, 1)}),
+    "frontiers": case({GROUPS[0]}, Late(lambda: frontiers(TREE, min_size=1))),
+    "icp_step": case({RAW, RESULT, ERROR}, POINTS, Late(lambda: point_steps(POINTS, POINTS)[0])),
+    "labels": case({MAP, RAW}, np.eye(3, dtype=np.int64), WALLS[:1], (0, 0), 0.1, lines=([1], [])),
+    "landscape": case({ERROR, TRUTH}, LAND),
+    "leaves": case({"#d9d9d9", RESULT, ERROR}, LEAVES, marked=[(0, 0, 1)], points=[(1, 1)]),
+    "live": case(set(GROUPS[:2]), Late(lambda: {"a": hybrid(SEEN), "b": hybrid(SEEN)})),
+    "log": case({RAW, TRUTH}, LOG),
+    "method_errors": case(set(GROUPS[:2]), {n: {"a": 0.1, "b": 1} for n in "xy"}),
+    "marked": case({RAW, ERROR}, WALLS, [True, False, True]),
+    "match": case({RAW, MAP, ERROR}, *WALLS[[0, 2]]),
+    "match_value": case({MAP, ERROR}, WALLS[0], WALLS[0] + 0.1),
+    "merge": case({RAW, MAP, RESULT}, WALLS[:2], WALLS[2]),
+    "missed": case({RAW, MAP, RESULT, ERROR}, WALLS[[0, 2]], [(0, -0.04), (5, -0.04)]),
+    "runs": case({MAP, ERROR, GROUPS[0]}, [POINTS, POINTS[:1]], WALLS[:1]),
+    "path": case({TRUTH}, POSES),
+    "points": case({RAW}, POINTS),
+    "plan": case({RAW, MAP, ERROR, *GROUPS[:3]}, Late(plan_of_the_room)),
+    "poses": case({RESULT}, POSES),
+    "position_errors": case({ERROR, RESULT}, LOG, {"a": POSES, "b": ALIGNED}),
+    "hill": case({MAP, ERROR}, [0, 0.1], [0, 0.05], 0.2),
+    "profile": case({RESULT, ERROR}, [-1, 0, 1], [0, 2, 0]),
+    "provenance": case(set(GROUPS[:2]), WALLS, REDUCED),
+    "quadtree": case({RESULT, ERROR}, TREE, robot=(1, 1)),
+    "ray": case({RESULT, RAW, ERROR}, (0, 0), (14, 5)),
+    "robot": case({ERROR}, (0, 0, 0)),
+    "scan": case({RAW, ERROR}, SCAN, beams=True),
+    "scans": case({RAW, RESULT, ERROR}, POINTS, POINTS, (0, 0, 0), pulls=[POINTS[:2]]),
+    "contradiction": case({RESULT, ERROR, MAP}, (0, 0), {"a": np.eye(2), "b": np.eye(2)}, 9),
+    "known_line": case({RAW, RESULT}, LINE, [LINE, LINE]),
+    "seen_wall": case({RAW, ERROR, RESULT, TRUTH, MAP}, [(0, 1), (1, 1)], (0, 0), (0.01, 0.01)),
+    "sector": case({RAW, MAP, RESULT}, [(0, 1), (1, 1)], (0, 0), {"a": np.array([(0, 2), (1, 2)])}),
+    "segments": case({MAP}, WALLS),
+    "sizes_of_halls": case({RAW, RESULT}, {1.0: 9, 2.0: 20}),
+    "strip": case({RAW, MAP, ERROR}, WALLS[[0, 2]], 0.0, 0.01),
+    "uncertainty": case({RESULT}, Matched(np.zeros(3), np.eye(3), True)),
+    "wall_normals": case({RAW, RESULT, ERROR}, [(0, 0), (1, 0)], [(0, 1), (np.nan, np.nan)]),
+    "weights": case({RAW, ERROR}, [0.1, -0.2], [0.9, 0.8]),
 }
 #: Drawings that make a figure of several pictures, and whether these have their limits in common.
 ROWS = {
-    "alignments": (lambda: plotting.draw_alignments(LOG, {"a": POSES, "b": ALIGNED}), True),
-    "cases": (lambda: course.draw_cases({"a": WALLS, "b": WALLS[:1]}, lambda map: map[:1]), False),
-    "cells_of_a_wall": (
-        lambda: course.draw_cells_of_a_wall({0.5: LEAVES, 1.0: LEAVES}, limits=(0, 2, 0, 2)),
-        True,
-    ),
-    "clusters": (
-        lambda: course.draw_clusters(WALLS, {p: [((0, 2), WALLS[0], 0.1)] for p in (0.1, 1.0)}),
-        True,
-    ),
-    "distance_curves": (lambda: course.draw_distance_curves(segment_distance), False),
-    "edges": (lambda: course.draw_edges({"a": [(0, 0, 0)], "b": [(3, 4, 0)]}, []), True),
-    "distance_terms": (lambda: course.draw_distance_terms(WALLS[0], WALLS[2]), True),
-    "frames": (lambda: course.draw_frames(SCAN, {"a": (0, 0, 0), "b": (3, 4, 0)}), True),
-    "laid": (
-        lambda: course.draw_laid(WALLS, WALLS, {"right": (0, 0, 0), "wrong": (1, 2, 3)}),
-        True,
-    ),
-    "leaf_row": (lambda: course.draw_leaf_row({"a": LEAVES, "b": LEAVES}), True),
-    "maps": (lambda: plotting.draw_maps({"a": WALLS, "b": WALLS[:1]}), True),
-    "pieces": (
-        lambda: course.draw_pieces(
-            {"a": WALLS[:1], "b": WALLS[:1]},
-            WALLS[:2],
-            lambda *_: [(0, 0.5, 0, 0), (0.5, 1, -1, 0)],
-        ),
-        False,
-    ),
-    "phases": (lambda: course.draw_phases([(0, 0, 0)], WALLS, WALLS[:1], 0.2), True),
-    "landscapes": (lambda: course.draw_landscapes({"a": LAND, "b": LAND}), True),
-    "splits": (lambda: course.draw_splits([(0, 0), (1, 1)], {1.0: WALLS, 0.3: WALLS[:1]}), True),
-    "scan_poses": (
-        lambda: course.draw_scan_poses(
-            POINTS, POINTS, {"a": (0, 0, 0), "b": (1, 0, 0)}, (-1, -1, 3, 2)
-        ),
-        True,
-    ),
+    "alignments": case(True, LOG, {"a": POSES, "b": ALIGNED}),
+    "cases": case(False, {"a": WALLS, "b": WALLS[:1]}, lambda map: map[:1]),
+    "cells_of_a_wall": case(True, {0.5: LEAVES, 1.0: LEAVES}, limits=(0, 2, 0, 2)),
+    "clusters": case(True, WALLS, {p: [((0, 2), WALLS[0], 0.1)] for p in (0.1, 1.0)}),
+    "distance_curves": case(False, segment_distance),
+    "edges": case(True, {"a": [(0, 0, 0)], "b": [(3, 4, 0)]}, []),
+    "distance_terms": case(True, WALLS[0], WALLS[2]),
+    "frames": case(True, SCAN, {"a": (0, 0, 0), "b": (3, 4, 0)}),
+    "laid": case(True, WALLS, WALLS, {"right": (0, 0, 0), "wrong": (1, 2, 3)}),
+    "leaf_row": case(True, {"a": LEAVES, "b": LEAVES}),
+    "maps": case(True, {"a": WALLS, "b": WALLS[:1]}),
+    "pieces": case(False, {n: WALLS[:1] for n in "ab"}, WALLS[:2], lambda *_: PIECES),
+    "phases": case(True, [(0, 0, 0)], WALLS, WALLS[:1], 0.2),
+    "landscapes": case(True, {"a": LAND, "b": LAND}),
+    "splits": case(True, [(0, 0), (1, 1)], {1.0: WALLS, 0.3: WALLS[:1]}),
+    "scan_poses": case(True, POINTS, POINTS, {"a": (0, 0, 0), "b": (1, 0, 0)}, (-1, -1, 3, 2)),
 }
 #: Drawings that make a figure of a map and a chart.
 BESIDE_A_CHART = {
-    "shifts": lambda: course.draw_shifts(
-        POINTS, POINTS, (0, 0, 0), {"along": (1, 0), "across": (0, 1)}
-    ),
+    "shifts": case(None, POINTS, POINTS, (0, 0, 0), {"along": (1, 0), "across": (0, 1)})
 }
 #: Drawings that make a figure of pictures with limits of their own.
 OF_THEIR_OWN = {
-    "closer": lambda: course.draw_closer({"a": WALLS, "b": WALLS[:1]}, (1, -1, 2, 1)),
-    "costs": lambda: course.draw_costs(WALLS, WALLS, [0.1, np.inf, 0.2]),
-    "leaning": lambda: course.draw_leaning([1.0, 2.0], 0.01),
-    "moved": lambda: course.draw_moved(WALLS, WALLS + 0.01, (1, -1, 2, 1)),
-    "normals": lambda: course.draw_normals(WALLS, at=(1, 2), box=(0.2, 0.1)),
-    "sweep": lambda: course.draw_sweep(WALLS[[0]], 0.04, [1, 2], 0.01),
+    "closer": case(None, {"a": WALLS, "b": WALLS[:1]}, (1, -1, 2, 1)),
+    "costs": case(None, WALLS, WALLS, [0.1, np.inf, 0.2]),
+    "leaning": case(None, [1.0, 2.0], 0.01),
+    "moved": case(None, WALLS, WALLS + 0.01, (1, -1, 2, 1)),
+    "normals": case(None, WALLS, at=(1, 2), box=(0.2, 0.1)),
+    "sweep": case(None, WALLS[[0]], 0.04, [1, 2], 0.01),
 }
 #: What x or y is these do not know: the caller says it.
 CALLER_LABELS = {"basin", "climb", "trade_off"}
@@ -274,7 +181,7 @@ def test_every_drawing_is_in_the_contract():
 def test_a_drawing_uses_the_axes_given_and_the_colours_that_all_share(name, ax):
     """Catches a figure of pyplot left over, axes without names, walls longer in x than in y."""
     draw, colors = DRAWINGS[name]
-    assert draw(ax) is ax and plt.get_fignums() == []
+    assert draw(name, ax=ax) is ax and plt.get_fignums() == []
     assert colors_of(ax) == colors
     labels = ax.get_xlabel(), ax.get_ylabel()
     assert all(labels) or name in CALLER_LABELS
@@ -287,7 +194,7 @@ def test_a_drawing_uses_the_axes_given_and_the_colours_that_all_share(name, ax):
 def test_a_row_of_pictures_is_one_figure_with_titles_at_one_scale(name):
     """Catches a small map blown up until it looks as large as the other, and lost titles."""
     draw, shared = ROWS[name]
-    current, row = plt.figure(), draw()
+    current, row = plt.figure(), draw(name)
     assert len(plt.get_fignums()) == 2 and row[0].figure is not current
     assert {ax.figure for ax in row} == {row[0].figure} and row[0].figure.dpi == plotting.DPI
     assert all(ax.get_title() for ax in row) and len({ax.get_ylim() for ax in row}) == 1
@@ -297,7 +204,7 @@ def test_a_row_of_pictures_is_one_figure_with_titles_at_one_scale(name):
 @pytest.mark.parametrize("name", BESIDE_A_CHART)
 def test_a_map_beside_its_chart_has_titles_and_units(name):
     """Catches a chart without units, and a map that is longer in x than in y."""
-    maps, chart = BESIDE_A_CHART[name]()
+    maps, chart = BESIDE_A_CHART[name][0](name)
     assert maps.figure is chart.figure and maps.get_title() and chart.get_title()
     assert maps.get_aspect() == 1 and maps.get_xlabel() == "x [m]"
     assert "[cm]" in chart.get_xlabel() and "[cm]" in chart.get_ylabel() and chart.get_legend()
@@ -306,7 +213,7 @@ def test_a_map_beside_its_chart_has_titles_and_units(name):
 @pytest.mark.parametrize("name", OF_THEIR_OWN)
 def test_pictures_of_one_figure_have_titles_and_metres(name):
     """Catches a figure of another resolution, and a picture that does not say what it shows."""
-    axes = OF_THEIR_OWN[name]()
+    axes = OF_THEIR_OWN[name][0](name)
     assert {ax.figure for ax in axes} == {axes[0].figure} and axes[0].figure.dpi == plotting.DPI
     other = {"sweep": "shift of the strip [mm]", "normals": "theta [degrees]"}
     below = other.get(name, "x [m]")

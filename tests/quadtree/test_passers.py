@@ -82,6 +82,23 @@ def test_none_is_lost_where_nobody_walks_and_unknown_poses_are_kept():
     assert kept > 0.98 * had
 
 
+@pytest.mark.parametrize("others", [0.0, 9.0, np.nan])
+def test_whoever_met_him_and_whatever_the_other_beams_are(others):
+    """A person in the way of three scans of 21, the last one too, behind beams that met nothing.
+
+    Catches a last scan that is left out, and beams that are counted among the valid ones, which
+    are fewer than those with a finite range.
+    """
+    wall = LaserScan([others, 4.05, others, 3.05], [1.0, 0.0, 2.0, 3.0], max_range=8.0)
+    person = LaserScan([others, 2.05, others, 3.05], [1.0, 0.0, 2.0, 3.0], max_range=8.0)
+    log = Log("it", [person if k in (0, 10, 20) else wall for k in range(21)])
+    found = without_passers(log, np.zeros((21, 3)))
+    for k, scan in enumerate(found):
+        seen = np.nan if k in (0, 10, 20) else 4.05
+        np.testing.assert_array_equal(scan.ranges, [others, seen, others, 3.05])
+        assert log[k].ranges[1] in (2.05, 4.05)
+
+
 @pytest.mark.parametrize(("angle", "left"), [(0.03, False), (0.06, True)])
 def test_rays_that_see_through_pass_within_a_decimetre(angle, left):
     """Catches squares of another side: six centimetres beside a leg are seen through its square."""

@@ -58,8 +58,7 @@ LATTICE = st.tuples(*[st.integers(-70, 70)] * 2)
 
 @given(
     st.lists(
-        st.tuples(LATTICE, st.lists(LATTICE, max_size=6), st.lists(LATTICE, max_size=2)),
-        max_size=3,
+        st.tuples(LATTICE, st.lists(LATTICE, max_size=6), st.lists(LATTICE, max_size=2)), max_size=3
     ),
     st.sampled_from([None, 0.5, 2.0]),
 )

@@ -79,10 +79,7 @@ def test_a_small_file_does_not_fill_the_memory(saved, tmp_path):
     """2 MB of NPZ would become 2.9 GB."""
     path = tmp_path / "it.npz"
     np.savez_compressed(path, **parts(saved) | {"vis": np.zeros(5 * 10**6, np.int32)})
-    with pytest.raises(
-        ValueError,
-        match=r"it\.npz: .*it unpacks to more than 1048576 b",
-    ):
+    with pytest.raises(ValueError, match=r"it\.npz: .*it unpacks to more than 1048576 b"):
         QuadtreeMap.load(path)
 
 

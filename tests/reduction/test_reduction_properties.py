@@ -55,12 +55,7 @@ LENGTHS |= {"min_length", "across", "along", "error", "cell", "noise"}
 #: cost tries thousands of lines.
 SMALL = {"mean_shift": (12, 0.4), "least_cost": (24, 0.7)}
 #: Segments of a real map that the plain versions of these can bear; the others take 300.
-REAL = {
-    "mean_shift": 25,
-    "least_cost": 80,
-    "one_per_wall": 60,
-    "segment_similarity": 150,
-}
+REAL = {"mean_shift": 25, "least_cost": 80, "one_per_wall": 60, "segment_similarity": 150}
 
 
 def made(make, name: str, seed: int) -> SegmentMap:

@@ -12,6 +12,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from segmap.metrics import doubled_walls
 from segmap.quadtree import QuadtreeMap, build_map
@@ -82,7 +83,10 @@ def figures_of_ways(number: int) -> dict[str, dict[str, float]]:
 def near_and_unknown(way: tuple[tuple[float, float], ...]) -> tuple[float, float]:
     """By how much a way is nearer than 0.25 m to a wall, and over unknown places by parts of it."""
     map, steps = map_of_ways(), sample_points([*pairwise(way)], 0.01)
-    gap = np.maximum(np.abs(steps[:, None] - occupied_centres(map)) - map.resolution / 2, 0)
+    centres = occupied_centres(map)
+    away = np.asarray(cKDTree(centres).query(steps)[0])
+    nearest = steps[away <= away.min() + map.resolution]  # No other place can have the least gap.
+    gap = np.maximum(np.abs(nearest[:, None] - centres) - map.resolution / 2, 0)
     unknown = (map.occupancy(steps) == 0.5).mean()
     return 0.25 - float(np.hypot(*gap.T).min()), float(unknown) - 0.02
 

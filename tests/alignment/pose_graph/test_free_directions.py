@@ -8,14 +8,7 @@ import pytest
 from segmap.alignment import pose_graph, position_errors
 from segmap.poses import between, compose
 from segmap.scans import Log
-from segmap.simulation import (
-    URG_04LX,
-    OdometryNoise,
-    Sensor,
-    drive,
-    rectangular_room,
-    simulate,
-)
+from segmap.simulation import URG_04LX, OdometryNoise, Sensor, drive, rectangular_room, simulate
 
 CHEAP = OdometryNoise(turn_bias=0.05, turn_noise=0.05, heading_noise=0.02)
 

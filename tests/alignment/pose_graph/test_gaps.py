@@ -46,8 +46,7 @@ def farthest(found: Alignment, log: Log) -> float:
 
 
 @pytest.mark.parametrize(
-    ("wheels", "ranges"),
-    [(True, np.nan), (True, 0.6), (False, np.nan), (False, 0.25)],
+    ("wheels", "ranges"), [(True, np.nan), (True, 0.6), (False, np.nan), (False, 0.25)]
 )
 @pytest.mark.parametrize(("name", "scan"), [("room", 42), ("corridor", 122)])
 def test_a_scan_of_nothing_or_of_a_hand_parts_nothing(name, scan, wheels, ranges):

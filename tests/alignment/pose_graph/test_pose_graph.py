@@ -9,13 +9,7 @@ import pytest
 from scipy.sparse.csgraph import csgraph_from_dense, dijkstra
 
 from segmap import load
-from segmap.alignment import (
-    Alignment,
-    LiveGraph,
-    LoopClosing,
-    Tracking,
-    pose_graph,
-)
+from segmap.alignment import Alignment, LiveGraph, LoopClosing, Tracking, pose_graph
 from segmap.alignment._result import Match
 from segmap.alignment.graph import REAL, Edge, information
 from segmap.alignment.points import PointMap
@@ -25,12 +19,7 @@ from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window
 from segmap.alignment.pose_graph._places import best_of_passes
 from segmap.poses import between
 from segmap.scans import Log
-from segmap.simulation import (
-    SICK_LMS200,
-    drive,
-    office,
-    simulate,
-)
+from segmap.simulation import SICK_LMS200, drive, office, simulate
 
 
 def walked(
@@ -98,12 +87,7 @@ def tour() -> Log:
     return office_drive([*path, (15, 5), (8, 5)], 1)
 
 
-@pytest.mark.parametrize(
-    ("onwards", "regained"),
-    [
-        ([(2, 7.5), (2, 2.5), (2, 5), (9, 5)], True),
-    ],
-)
+@pytest.mark.parametrize(("onwards", "regained"), [([(2, 7.5), (2, 2.5), (2, 5), (9, 5)], True)])
 def test_a_kidnapped_robot(onwards, regained):
     """Carried from the corridor into an office while the wheels say that it went straight on.
 

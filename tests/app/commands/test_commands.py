@@ -21,15 +21,7 @@ from makefile import ROOT
 from programs import program
 
 import segmap
-from segmap import (
-    alignment,
-    exports,
-    metrics,
-    poses,
-    readers,
-    reduction,
-    simulation,
-)
+from segmap import alignment, exports, metrics, poses, readers, reduction, simulation
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.quadtree import QuadtreeMap, extent
@@ -122,17 +114,6 @@ def test_info_tells_what_a_session_keeps_and_no_map_is_a_log(run):
         assert said.count(f"  {line}\n") == 1
     found = json.loads(run("info", "it.segmap", "--json")[1])
     assert found["settings"]["options"] == one and found["runs"]["runs"] == 2
-
-
-def test_topics_of_a_bag_are_options(run, near):
-    """Catches a topic that is named and not asked for, and one that is asked of a text."""
-    bag = bag_samples.write(Path(), "mcap")
-    code, said, _ = run("info", bag, "--scan-topic", "/scan", "--odometry", "/odom")
-    assert code == 0 and "ROS bag" in said and "odometry  for each scan" in said
-    code, _, beside = run("info", bag, "--scan-topic", "/rear")
-    assert code == 1 and "/rear" in beside and "/scan" in beside
-    code, _, beside = run("info", near, "--scan-topic", "/scan")
-    assert code == 1 and "is no bag of ROS" in beside
 
 
 def test_columns_and_poses_of_a_log_are_options(run):
@@ -324,21 +305,6 @@ def test_no_map_is_told_and_writes_nothing(run, lost, words):
     assert Path(words[-1]).read_bytes() != b"yesterday's"
 
 
-def test_a_good_map_is_called_so_and_strict_asks_for_more(run, folder, tmp_path):
-    """Catches a grade of the reduction that reads like one of the map, and --strict that is met."""
-    shutil.copy(folder / "far.log", tmp_path)
-    code, said, _ = run("map", "far.log", "--method", "fusion")
-    assert code == 0 and said.splitlines()[-1].startswith("  verdict   GOOD: 12 of 12 scans placed")
-    assert re.search(r"quality   [\d.]+ % \([a-z ]+ reduction\): ", said)
-    words = ("map", "far.log", "--align", "backbone", "--method", "none", "-o", "it.csv")
-    code, said, _ = run(*words, "--strict", "0.5")
-    assert code == 0 and "verdict   DOUBTFUL: 10 of 12 scans placed" in said
-    Path("it.csv").unlink()
-    code, said, beside = run(*words, "--strict")
-    assert code == 3 and not Path("it.csv").exists()
-    assert beside.splitlines()[-1].startswith("segmap: far.log: DOUBTFUL: 10 of 12 scans placed")
-
-
 def test_each_command_says_one_verdict_on_the_same_poses(run, folder, tmp_path, only):
     """Catches a command that judges the poses alone, ends otherwise, keeps the cause for itself, or
     prints a line beside its object.
@@ -439,31 +405,22 @@ def test_a_map_for_ros_is_a_map_and_no_log(run):
     ("words", "said"),
     [
         ("map --method fusion:sigma=1", "fusion has no sigma; it has tolerance"),
-        ("map --align odometry:angle=1", "odometry has no angle; it has no threshold"),
         ("map -o it.pdf", "'it.pdf' must end in one of .svg, .csv"),
         ("map --align magic", "--align: 'magic' is none of odometry, ground_truth"),
         ("map --penlty 1", "unrecognized arguments: --penlty 1"),
-        (
-            "map --method hybrid:angle=400",
-            "angle must be a number above 0 and of at most 90",
-        ),
-        ("map --align pose_graph:turn=-4", "--align: turn must be"),
-        ("map --extract extract_polylines:gap=x", "--extract: gap must be"),
+        ("map --method hybrid:angle=400", "angle must be a number above 0 and of at most 90"),
         ("map --filter nan", "--filter: it must be"),
         ("map --seen-through 1.5", "--seen-through: it must be"),
-        ("occupancy --resolution 0", "--resolution: it must be"),
         ("map far.log -o it.svg", "2 logs would go to it.svg: write {name} in it"),
         ("convert", "name the file to write: -o FILE"),
         ("convert -o it.g2o", "a .g2o holds a pose graph: add --align pose_graph"),
         ("compare --quality 100.5", "at most 100, in per cent, got 100.5"),
-        ("info --table it.txt", "'it.txt' must end in one of .csv"),
         ("map --strict 90", "90 must be from 0 to 1"),
         ("map --place 52 13 -o it.dxf", "--place is for a .geojson"),
         ("map --crop 0 0 -1 2", "--crop: wanted left < right and low < high"),
         ("map --mask 30", "--mask"),
         ("map --north 30", "--place: north and a grid need a place"),
         ("map --place 45.46 9.19 --crs EPSG:25832 -o it.geojson", "looks like degrees"),
-        ("map --place 139.7 35.7 -o it.geojson", "; the latitude comes first"),
         ("map --workers two", "must be a number, or like tcp://"),
     ],
 )
@@ -866,28 +823,11 @@ def test_methods_are_compared_at_one_quality(run, near, only):
     assert int(left) == round((1 - at[best]) * runs["n_before"].iloc[0])
 
 
-def test_what_is_compared_of_a_long_log_is_said(run, only):
-    """Catches a map that loses more than it must: at most 2000 segments are compared."""
-    only("hybrid")
-    log = segmap.load("malaga")
-    map = segmap.build_map(log, alignment.ground_truth(log, missing="drop").trusted)
-    for step in range(1, 9):
-        part = map[np.isin(map.scan, np.unique(map.scan)[::step])]
-        if len(part) <= 2000:
-            break
-    scans, every = (len(np.unique(each.scan)) for each in (part, map))
-    assert step > 1
-    told = f"{len(map)} segments; compared on {len(part)} of them, from {scans} of {every} scans (-"
-    assert told in run("compare", "malaga", "--align", "ground_truth:missing=drop")[1]
-
-
 # ------------------------------------------------------------------------------ convert
 def test_convert_keeps_what_the_log_holds(run, near):
     """Catches poses that are lost on the way, a path with other poses, a graph as a log."""
     code, said, _ = run("convert", near, "-o", "it.log.gz", "-o", "it.tum")
     assert code == 0 and "12 with a corrected pose" in said and "12 poses by ground truth" in said
-    _, said, _ = run("convert", near, "-o", "it.log.gz", "-o", "it.tum", "--json")
-    assert json.loads(said)["written"]["notes"] == ["it.tum: 12 poses by ground truth"]
     before, after = segmap.read(near), segmap.read("it.log.gz")
     assert np.allclose(after.truth, before.truth, atol=1e-5)
     assert np.allclose(after[3].ranges, before[3].ranges, atol=1e-6)
@@ -898,32 +838,10 @@ def test_convert_keeps_what_the_log_holds(run, near):
     graph = files.read_graph("it.g2o")
     assert np.allclose(segmap.read("it.npz").truth, graph.poses, atol=1e-5)
     assert code == 0 and "12 poses by pose_graph" in said and f"{len(graph.edges)} edges" in said
-    loose = 12 - len(set(np.ravel(graph.edges).tolist()))
-    assert ("without an edge" in said) == (loose > 0)
-    if loose:
-        assert f"; {loose} without an edge: only key scans have some" in said
     assert np.allclose(np.loadtxt("it.tum")[:, 1:3], graph.poses[:, :2], atol=1e-5)
 
 
 # ------------------------------------------------------------------------------ notebooks
-def test_chapters_are_copied_and_the_work_of_a_student_stays(run):
-    """Catches an exercise that is overwritten, and links that lead nowhere in the copy."""
-    chapters = {path.name for path in (ROOT / "notebooks").glob("*.ipynb")}
-    code, said, _ = run("notebooks", "mine")
-    assert code == 0 and f"{len(chapters)} chapters copied to mine" in said
-    assert {path.name for path in Path("mine").glob("*.ipynb")} == chapters
-    assert broken_links(Path("mine")) == []
-    Path("mine/17_fusion.ipynb").write_text("my answers")
-    Path("mine/14_basic.ipynb").unlink()
-    Path("mine/my_mapper.py").write_text("my function")
-    code, said, _ = run("notebooks", "mine")
-    assert code == 0 and Path("mine/17_fusion.ipynb").read_text() == "my answers"
-    assert Path("mine/my_mapper.py").read_text() == "my function"
-    assert "1 chapter copied" in said and f"{len(chapters) - 2} chapters there already" in said
-    assert "since yours differ: 17_fusion.ipynb\n" in said
-    assert Path("mine/14_basic.ipynb").exists()
-
-
 def broken_links(folder):
     texts = {path: json.loads(path.read_bytes()) for path in folder.glob("*.ipynb")}
     wanted = [(path, link) for path, text in texts.items() for link in links(markdown(text))]
@@ -961,6 +879,7 @@ def test_a_chapter_that_was_only_opened_is_not_a_changed_one(run, clone):
     work, chapter = clone.parent / "new" / "work", clone / "01_start_here.ipynb"
     _, said, _ = run("notebooks", work)
     assert Path(re.search(r"jupyter lab (\S+)", said)[1]) == work / chapter.name
+    assert broken_links(work) == []
     as_jupyter_saves(copy := work / chapter.name)
     opened = copy.read_bytes()
     _, said, _ = run("notebooks", work)
@@ -969,8 +888,10 @@ def test_a_chapter_that_was_only_opened_is_not_a_changed_one(run, clone):
     _, said, _ = run("notebooks", work)
     assert f"since yours differ: {chapter.name}\n" in said and copy.read_bytes() == opened
     copy.unlink()
+    (work / "11_next.ipynb").write_text("my answers")
     _, said, _ = run("notebooks", work)
     assert "1 chapter copied" in said and "onward" in copy.read_text()
+    assert (work / "11_next.ipynb").read_text() == "my answers"
 
 
 def test_jupyter_trusts_what_is_ours_and_nothing_else(run, clone):
@@ -997,10 +918,6 @@ def test_jupyter_trusts_what_is_ours_and_nothing_else(run, clone):
 
 
 # ------------------------------------------------------------------------------ the program
-def test_without_a_command_it_says_what_there_is(run):
-    code, _, beside = run()
-    assert code == 2 and "required: COMMAND" in beside
-    assert run("--version")[1] == f"segmap {segmap.__version__}\n"
 
 
 def test_the_program_is_light_and_ends_with_the_code_of_the_command(near, tmp_path):
@@ -1013,24 +930,3 @@ def test_the_program_is_light_and_ends_with_the_code_of_the_command(near, tmp_pa
     loaded = set(re.findall(r"\| +([\w.]+)$", done.stderr, re.MULTILINE))
     assert "segmap.readers" in loaded
     assert loaded & {"numba", "matplotlib", "pandas", "ipywidgets"} == set()
-
-
-def test_the_page_is_served_to_this_machine_only(run, monkeypatch):
-    """Catches a page without a token, a port that is forgotten, and a riddle where voila is not."""
-    app = pytest.importorskip("voila.app")
-    asked = []
-    monkeypatch.setattr(app.Voila, "launch_instance", lambda options: asked.append(options))
-    monkeypatch.setenv("DISPLAY", ":0")
-    assert run("app", "--port", "8890")[0] == run("app", "--no-browser")[0] == 0
-    assert Path(asked[0][0]).is_file() and asked[0][0] == asked[1][0]
-    both = {"--Voila.ip=127.0.0.1", "--Voila.auto_token=True"}
-    both |= {option for option in asked[0] if "MappingKernelManager.cull" in option}
-    assert len(both) == 4
-    assert {*asked[0][1:]} == both | {"--Voila.port=8890", "--Voila.port_retries=0"}
-    monkeypatch.delenv("DISPLAY"), monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    run("app")
-    assert {*asked[1][1:]} == {*asked[2][1:]} == both | {"--no-browser"}
-    monkeypatch.setitem(sys.modules, "voila.app", None)
-    code, _, told = run("app")
-    assert code == 1 and told.startswith("segmap: the page needs voila: pip install anywidget")
-    assert "segmap[" not in told and " voila" in told

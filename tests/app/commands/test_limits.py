@@ -6,7 +6,6 @@ import os
 import re
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +15,8 @@ import tqdm
 from programs import program
 
 import segmap
-from segmap import alignment, exports, quadtree, reduction
+from segmap import exports, quadtree, reduction
 from segmap.alignment import Alignment, Verdict
-from segmap.scans.causes import Cause, Finding
 
 main = program("segmap")
 
@@ -63,22 +61,6 @@ def test_long_work_moves_a_bar_on_a_terminal(run, monkeypatch, words):
     assert screen.getvalue().endswith(" \r")
 
 
-def test_an_alignment_is_told_with_its_commonest_reasons_first(run, monkeypatch):
-    """Catches a list of reasons as long as the log, the rare ones, and a doubt that is kept."""
-    reasons = ("late", *["dark"] * 4, *["far"] * 3, *["turning"] * 2, "")
-    used = np.array([not reason for reason in reasons])
-    slipped = Finding(Cause.OTHER, 1, "it slipped")
-    found = Alignment(np.zeros((11, 3)), used, 0.04, "odometry", reasons, causes=(slipped,))
-    method = replace(alignment.METHODS["odometry"], function=lambda log: found)
-    monkeypatch.setitem(alignment.METHODS, "odometry", method)
-    exports.write_carmen("it.log", segmap.load("room")[:11])
-    code, said, _ = run("map", "it.log", "--align", "odometry", "--method", "none")
-    assert code == 3 and [line.strip() for line in said.splitlines()[1:6]] == [
-        "aligned   by odometry: 1 of 11 scans matched, 40 ms",
-        *("4 scans not: dark", "3 scans not: far", "2 scans not: turning", "doubt: it slipped"),
-    ]
-
-
 @pytest.mark.parametrize(
     ("grade", "placed", "strict", "code"),
     [("good", 9, 0.9, 0), ("good", 8, 0.9, 3), ("doubtful", 10, 1.0, 0), ("not a map", 10, 0.0, 3)],
@@ -94,36 +76,7 @@ def test_strict_is_met_by_just_as_many(run, monkeypatch, grade, placed, strict, 
     assert run(*words, "--force")[0] == code and Path("it.svg").exists()
 
 
-def blind(name, *scans, count=61):
-    """A file of the bundled log, of which some scans see a round wall that is not there."""
-    log = segmap.load("room")[:count]
-    odd = [replace(s, ranges=np.full(len(s), 1.0)) if k in scans else s for k, s in enumerate(log)]
-    exports.write_arrays(name, segmap.Log("room", odd))
-
-
 # ------------------------------------------------------------------------------- locate
-@pytest.mark.parametrize("lost", [False, True])
-def test_locate_tells_the_last_belief(run, lost):
-    """Catches the first place for the last, a spread that adds radians, and an exit code of 0."""
-    log = segmap.load("room")
-    map = quadtree.build_map(log, log.truth, resolution=0.05)
-    map.save("squares.npz")
-    Path("squares.npz").rename("SQUARES.NPZ")
-    blind("it.npz", *range(40, 61 * lost))
-    code, told, _ = run("locate", "SQUARES.NPZ", "it.npz")
-    log = segmap.read("it.npz")
-    beliefs = list(segmap.matching.localize(map, log, rng=np.random.default_rng(0)))
-    last, found = beliefs[-1], [k for k, belief in enumerate(beliefs) if belief.found]
-    (x, y, h), off = last.pose, np.sqrt(np.trace(last.covariance[:2, :2]))
-    within = f"{1000 * off:.1f} mm" if off < 0.1 else f"{off:.2f} m"
-    words = f"{x:.2f} m, {y:.2f} m, {np.degrees(h):.1f} degrees, within {within}"
-    assert (code, bool(last.reason)) == ((3, True) if lost else (0, False))
-    assert told.splitlines()[1].startswith(
-        f"  found     {len(found)} of 61 scans, the first is scan {found[0]}; lost at "
-    )
-    assert told.splitlines()[2] == f"  place     {words if np.isfinite(x) else 'unknown'}"
-    share = f"{100 * last.share:.1f} % of the particles are there, scans fit to {last.fit:.2f}"
-    assert told.splitlines()[-1] == f"  verdict   {last.reason or 'found'}: {share}"
 
 
 # ------------------------------------------------------------------------------- compare

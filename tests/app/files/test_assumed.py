@@ -2,15 +2,7 @@
 
 import numpy as np
 import pytest
-from log_samples import (
-    ASSUMED,
-    CENTRE,
-    NPZ,
-    RAWSEEDS,
-    SINGLE_FILES,
-    TIMELESS,
-    TURNING,
-)
+from log_samples import ASSUMED, CENTRE, NPZ, RAWSEEDS, SINGLE_FILES, TIMELESS, TURNING
 
 import segmap
 from segmap import readers

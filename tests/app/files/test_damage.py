@@ -82,7 +82,7 @@ def test_endless_lines_are_refused_before_they_are_in_memory(path, start):
 
 
 # ---------------------------------------------------------------------------- mutation
-@pytest.mark.parametrize("times", [1, slow(27)])
+@pytest.mark.parametrize("times", [1, slow(45)])
 @pytest.mark.parametrize("name", [*TARGETS, *BAGS])
 def test_nothing_but_log_errors_comes_out_of_damaged_files(name, times, tmp_path):
     """Each mutant is refused, or sound whether damage is skipped or not; some of each there are."""

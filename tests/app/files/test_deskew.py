@@ -241,8 +241,7 @@ def test_a_robot_that_stood_while_it_measured_keeps_its_scans():
     still = simulate(OFFICE, PATH, sensor=SPIN, rng=rng)
     turn = PERIOD * np.arange(360) / 360
     given = replace(
-        still,
-        scans=tuple(replace(s, time=PERIOD * k, delays=turn) for k, s in enumerate(still)),
+        still, scans=tuple(replace(s, time=PERIOD * k, delays=turn) for k, s in enumerate(still))
     )
     kept = deskew(given)
     (told,) = kept.causes

@@ -118,12 +118,7 @@ TWO = "EDGE_SE2 0 1 1 0 0 10 0 0 10 0 10\nEDGE_SE2 1 2 0 1 1.5 10 0 0 10 0 10\n"
 
 
 @pytest.mark.parametrize(
-    "line",
-    [
-        "EDGE_PRIOR_SE2 0 0 0 0 100 0 0 100 0 100",
-        "VERTEX_SWITCH 9 1",
-        "FIX 0",
-    ],
+    "line", ["EDGE_PRIOR_SE2 0 0 0 0 100 0 0 100 0 100", "VERTEX_SWITCH 9 1", "FIX 0"]
 )
 def test_lines_that_do_not_concern_the_poses_are_left_out_and_counted(line, tmp_path):
     """Catches a closed list of words: a prior of gtsam refuses the whole graph."""

@@ -162,11 +162,7 @@ class TestTopics:
     @pytest.mark.parametrize(
         ("story", "given", "said"),
         [
-            (
-                [scan(), STANDS],
-                {"scan": "/odom"},
-                r"scan must be a topic .*, but .* /scan \(s",
-            ),
+            ([scan(), STANDS], {"scan": "/odom"}, r"scan must be a topic .*, but .* /scan \(s"),
             ([STANDS], {}, r"holds no sensor_msgs/LaserScan, but .*/odom \(nav"),
             ([scan()], {"scan": 3}, "scan must be the name of a topic"),
             ([scan()], {"odometry": ["/odom"]}, "odometry must be the name of a topic"),

@@ -6,7 +6,6 @@ from conftest import shared_file
 from scipy.spatial import cKDTree
 
 from segmap import poses, readers
-from segmap.readers import LogError
 
 
 def spread_of_walls(log, at):
@@ -61,15 +60,6 @@ def test_shared_logs(name):
 
 
 class TestShared:
-    def test_intel(self):
-        log = readers.read(shared_file("data/intel.log.gz"))
-        assert np.degrees(log[0].angles[[0, -1]]) == pytest.approx([-90, 89])
-        assert sum(int(np.isposinf(scan.ranges).sum()) for scan in log) == 10677
-        assert log.times[0] == 976053557.767368
-        assert log.truth[0] == pytest.approx([4.78, -5.84, -1.69])
-        every = log[::8]
-        assert spread_of_walls(every, every.truth) < 0.2 * spread_of_walls(every, every.odometry)
-
     def test_coreslam(self):
         """Beams mirrored, or wheels swapped, would not bring any two scans together."""
         log = readers.read(shared_file("data/urg04lx-exp1.dat.gz"))
@@ -78,14 +68,6 @@ class TestShared:
         part = log[40:80:4]
         mirrored = part.odometry * [1, -1, -1]
         assert spread_of_walls(part, part.odometry) < 0.04 < spread_of_walls(part, mirrored)
-
-    def test_bicocca_is_a_trajectory(self):
-        path = shared_file("data/bicocca-25b-GROUNDTRUTH.csv.gz")
-        times, where = readers.read_trajectory(path)
-        assert where.shape == (5829, 3) and times[0] == 1235604664.443286
-        assert where[0].tolist() == [-0.623883, -8.987304, 1.491652]
-        with pytest.raises(LogError, match="poses and no scan"):
-            readers.read(path)
 
     def test_killian(self):
         pytest.importorskip("rtbdata", reason="the package rtb-data is not installed")

@@ -137,10 +137,7 @@ def test_what_is_typed_or_uploaded_is_only_text(text, page, tmp_path, monkeypatc
 def test_all_words_of_a_session_are_only_words(text, page, tmp_path):
     """Catches a doubt, a damage, a choice, a loop or a cell of the table that is shown raw."""
     log = replace(
-        LOG,
-        name=text,
-        skipped=Skipped(2, text),
-        causes=[Finding(Cause.OTHER, 1, text, text, True)],
+        LOG, name=text, skipped=Skipped(2, text), causes=[Finding(Cause.OTHER, 1, text, text, True)]
     )
     runs = [{k: text if isinstance(v, str) else v for k, v in ROW.items()}]
     edits = {"veto": [text], "tie": [text], "crop": [text], "crs": text, "place": {text: text}}

@@ -14,18 +14,14 @@ import time
 from dataclasses import replace
 from functools import partial
 from inspect import signature
-from pathlib import Path
 
 import alignment_logs as logs
-import bag_samples
 import ipywidgets as W
 import numpy as np
 import pytest
 from driven_panels import LOG
 from emulated import wait_for
-from log_samples import HOKUYO, NPZ, RAWSEEDS, SINGLE_FILES
 from programs import program
-from table_samples import PROGRAMS
 
 import segmap
 from segmap import Log, alignment, exports, readers, reduction
@@ -96,58 +92,6 @@ def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch
     made.align.value = "odometry"
     made.open(segmap.load("room"))
     assert made.align.value == "odometry" and made.bundled.value == OWN  # what was chosen stays
-
-
-@pytest.fixture(scope="module")
-def place(tmp_path_factory):
-    """A folder that is there as long as the worker that reads in it."""
-    return tmp_path_factory.mktemp("place")
-
-
-#: One log of each way in which a page finds out what it is given.
-FILES = {"carmen": SINGLE_FILES["carmen"], "npz": NPZ, "hokuyo": HOKUYO}
-FILES |= {name: PROGRAMS[name][0] for name in [*PROGRAMS][:2]}
-
-
-def laid_out(name):
-    """The path of a log of this format, which is written here."""
-    if name in ("ros1", "db3", "mcap"):
-        (folder := Path(f"of {name}")).mkdir()
-        return bag_samples.write(folder, name)
-    path = Path(f"{name.replace(' ', '-')}.{'segmap' if name == 'session' else 'txt'}")
-    if name == "session":
-        log = replace(segmap.load("room")[:3], name=name)
-        files.write_session(path, files.Session(log, {}))
-    elif name in ("rawseeds", "numbered"):
-        path.mkdir()
-        numbered = {f"scan_{k}.txt": HOKUYO for k in (1, 2, 10)}
-        for file, text in (RAWSEEDS if name == "rawseeds" else numbered).items():
-            (path / file).write_text(text)
-    else:
-        content = FILES[name]
-        path.write_bytes(content.encode() if isinstance(content, str) else content)
-    return path
-
-
-@pytest.mark.parametrize("name", [*FILES, "rawseeds", "numbered", "ros1", "db3", "mcap", "session"])
-def test_command_page_and_library_read_one_log(name, worker, place, monkeypatch):
-    """Catches a format that one of the three opens in another way, or not at all."""
-    monkeypatch.chdir(place)
-    path = laid_out(name)
-    wanted = readers.read(path)
-    page = bench()
-    page._worker = worker
-    page.path.value = str(path)
-    page.wait()
-    assert main(["convert", str(path), "-o", "told.npz", "-q"]) == 0
-    exports.write_arrays("wanted.npz", wanted)
-    exports.write_arrays("page.npz", page.log)
-    held = [dict(np.load(f"{kind}.npz")) for kind in ("wanted", "page", "told")]
-    assert page.log.name == wanted.name and page.log.assumed == wanted.assumed
-    for other in held[1:]:
-        assert {*other} == {*held[0]}
-        for key, value in held[0].items():
-            np.testing.assert_array_equal(other[key], value, err_msg=key)
 
 
 def test_what_is_known_is_not_done_again(monkeypatch):
@@ -467,16 +411,6 @@ def upload(made, name, content, piece=700, *, stop=False):
             made.stop.click()
     made.wait()
     return asked
-
-
-def test_a_path_that_is_none_is_told_and_the_log_kept():
-    made = bench()
-    made.path.value = "/nowhere/at.log"
-    made.wait()
-    assert "does not exist" in refused(made) and made.log is LOG
-    assert made.start.disabled and made.bundled.value == OWN
-    made.files.children[0].click()
-    assert made.state.value == "there is no map yet: press Run (or call run()) first"
 
 
 def test_a_row_of_all_runs_brings_that_run_back(tmp_path):

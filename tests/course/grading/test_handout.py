@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import segmap_course as course
 from chapter_rules import CHAPTERS
+from handed_in import HEART, RIGHT
 from programs import program
 from segmap_course import EXERCISES, OPEN_EXERCISES
 from segmap_course.grading import (
@@ -143,19 +144,6 @@ def test_the_open_exercises_are_answered_too(name):
 
 
 # --------------------------------------------------------------------------------- otter
-RIGHT = """
-def my_compose(a_from_b, b_from_c):
-    x, y, h = a_from_b
-    u, v, k = b_from_c
-    turned = np.cos(h) * u - np.sin(h) * v, np.sin(h) * u + np.cos(h) * v
-    return np.array([x + turned[0], y + turned[1], (h + k + np.pi) % (2 * np.pi) - np.pi])
-"""
-HEART = {
-    repr(case): course.check_compose.solution(*case).tolist()
-    for case in course.check_compose.cases.values()
-}
-
-
 @pytest.fixture(scope="module")
 def otter():
     """Task -> its test, read as otter reads its OK format: without otter."""

@@ -10,9 +10,7 @@ from driven_panels import LEANING, LOG, ROOM, WALLS, assert_answers, unpainted
 from quadtrees import leaves_of
 
 from segmap import SegmentMap, fusion, load, quality
-from segmap.alignment import (
-    pose_graph,
-)
+from segmap.alignment import pose_graph
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.reduction import (
     basic_online,

@@ -59,8 +59,7 @@ def ways_of_1676():
 
 
 @pytest.mark.parametrize(
-    ("name", "figures"),
-    [("decide_map", maps_of_floor_4), ("decide_way", ways_of_1676)],
+    ("name", "figures"), [("decide_map", maps_of_floor_4), ("decide_way", ways_of_1676)]
 )
 def test_what_is_right_is_what_the_figures_say(name, figures):
     """Catches an answer that was right for the maps of another version."""
