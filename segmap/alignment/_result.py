@@ -6,7 +6,7 @@ import inspect
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property, wraps
+from functools import wraps
 from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec
 
 import numpy as np
@@ -156,12 +156,8 @@ class Alignment(Pictured):
         """A field that was not given, as it is appraised."""
         if name not in Appraisal._fields:
             raise AttributeError(f"an alignment has no {name!r}")
-        return getattr(self.appraisal, name)
-
-    @cached_property
-    def appraisal(self) -> Appraisal:
-        """What `appraise` says."""
-        return self.appraise()
+        vars(self).update(self.appraise()._asdict() | vars(self))
+        return vars(self)[name]
 
     def __getstate__(self) -> dict[str, Any]:
         """A copy, also by pickle, is told all, so that it needs neither log nor graph for it."""

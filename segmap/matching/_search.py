@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .. import arrays
 from ..alignment.points.correlation import best_poses, lattice
 from ..arrays import Array, Count, Share, checked
-from ..poses.motions import transform, wrap
+from ..poses.motions import best_distinct, transform, wrap
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ..segments import SegmentMap
@@ -21,10 +21,8 @@ from ._likelihoods import TOP, Likelihoods
 #: A pose that fits worse is not believed (our choice): right ones have .94, those in a wrong
 #: building .5 to .77.
 SURE_FIT = 0.85
-#: A pose farther from each better one, metres, is a place of its own.
-OTHER_PEAK_M = 0.3
-#: A pose turned by more from each better one, radians, is a place of its own.
-OTHER_PEAK_RAD = 0.3
+#: A pose farther from each better one, or turned by more, is a place of its own: metres, radians.
+OTHER_PEAK = 0.3, 0.3
 #: The mean beam is taken to be so many cells long at least: no headings coarser than 3 degrees.
 SHORTEST = 20
 #: Ends of beams that lie farther apart count as so far, metres, in what the beams are spread over.
@@ -172,7 +170,7 @@ def distinct_places(
     poses = np.empty((len(leaves), 3))
     poses[:, :2] = map.corner + (leaves[:, 2:] + 0.5) * map.size
     poses[:, 2] = wrap(step * leaves[:, 1])
-    chosen = first_distinct(poses, most_places + 1)
+    chosen = best_distinct(poses, leaves[:, 0], most_places + 1, OTHER_PEAK)
     many, chosen = len(chosen), chosen[:most_places]
     fits = map.fits(used, poses[chosen])
     kind, reason = Uncertainty.NONE, ""
@@ -225,12 +223,3 @@ def at_one_place(poses: Array, pose: Array, metres: float, turn: float) -> NDArr
     """Which poses `(n, 3)` lie no farther than that from one, and turned by no more radians."""
     away = poses - pose
     return (np.hypot(*away.T[:2]) <= metres) & (np.abs(wrap(away[:, 2])) <= turn)
-
-
-def first_distinct(poses: Array, most: int) -> NDArray[np.int64]:
-    """Indices of the first pose, `(n, 3)`, and of each that lies apart from all taken before it."""
-    rest, chosen = np.arange(len(poses)), np.zeros(0, np.int64)
-    while len(rest) and len(chosen) < most:
-        chosen = np.append(chosen, rest[0])
-        rest = rest[~at_one_place(poses[rest], poses[rest[0]], OTHER_PEAK_M, OTHER_PEAK_RAD)]
-    return chosen

@@ -8,9 +8,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array
+from ..compiled import compiled
 
+Indices = NDArray[np.int64]
 FULL_TURN_RAD = 2 * math.pi
 
 
@@ -70,6 +73,40 @@ def twist(motion: Array) -> Array:
     c, s = np.cos(half) / chord, np.sin(half) / chord
     x, y = motion[..., 0], motion[..., 1]
     return np.stack([c * x + s * y, c * y - s * x, motion[..., 2]], -1)
+
+
+def best_distinct(poses: Array, worth: Array, most: int, near: tuple[float, float]) -> Indices:
+    """Indices of at most so many of the best poses `(n, 3)`, best first, each unlike all before it.
+
+    Poses are alike within a distance and a turn, metres and radians.
+    """
+    chosen = np.empty(most, np.int64)
+    order = np.argsort(-worth, kind="stable")
+    return chosen[: _choose_distinct(poses, order, *near, chosen)]
+
+
+@compiled
+def _choose_distinct(
+    poses: Array, order: Indices, place: float, turn: float, chosen: Indices
+) -> int:
+    """Write the indices of poses unlike all before them in an order; return how many.
+
+    Two poses are alike within `place` metres and `turn` radians; no more than `chosen` holds.
+    """
+    count = 0
+    for k in order:
+        new = True
+        for n in range(count):
+            c = chosen[n]
+            dx, dy = poses[k, 0] - poses[c, 0], poses[k, 1] - poses[c, 1]
+            around = abs((poses[k, 2] - poses[c, 2] + np.pi) % (2 * np.pi) - np.pi)
+            new = new and (dx * dx + dy * dy > place * place or around > turn)
+        if new:
+            chosen[count] = k
+            count += 1
+        if count == len(chosen):
+            break
+    return count
 
 
 def _compose_one(

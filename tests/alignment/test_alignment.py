@@ -223,8 +223,8 @@ def segment_cost(seed):
     pairs = search.correspondences(walls, search.describe(walls), current, *thresholds)
     near = literal.partners(walls, current, *thresholds)
     yield pairs, np.argwhere(near)
-    found = search.cost(walls, search.describe(walls), current, pairs, 0.30, np.empty(15))
-    yield found, literal.segment_cost(walls, current, near, 0.30)
+    matches = search.Matches(walls, search.describe(walls), pairs, 0.30)
+    yield search.cost(matches, current), literal.segment_cost(walls, current, near, 0.30)
     assert 0 < len(pairs) < near.size
 
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ... import arrays
 from ...arrays import Array, Count, Metres, Positive, Segments, at_least, at_most, checked
 from ...extraction import extract_polylines
 from ...kernels import Rule, describe
-from ...poses.motions import between, compose, transform
+from ...poses.motions import best_distinct, between, compose, transform
 from ...reduction import polyline
 from ...scans import Log
 from ...scans.causes import Unmatched
@@ -136,16 +136,6 @@ def _refined_poses(s: Scene, t: Scene, rule: Rule) -> Array:
     for pose in poses:
         kernels.refine(s.segments, t.segments, pose, rule, room)
     return poses
-
-
-def best_distinct(
-    poses: Array, worth: Array, most: int, near: tuple[float, float]
-) -> NDArray[np.int64]:
-    """Indices of at most so many of the best poses, best first, each unlike all before it."""
-    chosen = np.empty(most, np.int64)
-    return chosen[
-        : kernels.choose_distinct_poses(poses, np.argsort(-worth, kind="stable"), *near, chosen)
-    ]
 
 
 def _hidden_lengths(poses: Array, s: Scene, t: Scene) -> Array:

@@ -9,7 +9,6 @@ meeting point i lies along its direction and j along its own, and the lengths of
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...compiled import compiled
@@ -61,30 +60,6 @@ def superpose(first: Array, second: Array, poses: Array) -> int:
                     poses[count, 2] = heading
                     poses[count, 3] = on_i + on_j
                 count += 1
-    return count
-
-
-@compiled
-def choose_distinct_poses(
-    poses: Array, order: NDArray[np.int64], place: float, turn: float, chosen: NDArray[np.int64]
-) -> int:
-    """Write the indices of poses unlike all before them in an order; return how many.
-
-    Two poses are alike within `place` metres and `turn` radians; no more than `chosen` holds.
-    """
-    count = 0
-    for k in order:
-        new = True
-        for n in range(count):
-            c = chosen[n]
-            dx, dy = poses[k, 0] - poses[c, 0], poses[k, 1] - poses[c, 1]
-            around = abs((poses[k, 2] - poses[c, 2] + np.pi) % (2 * np.pi) - np.pi)
-            new = new and (dx * dx + dy * dy > place * place or around > turn)
-        if new:
-            chosen[count] = k
-            count += 1
-        if count == len(chosen):
-            break
     return count
 
 

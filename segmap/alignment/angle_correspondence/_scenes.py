@@ -211,9 +211,6 @@ def match_values(
     """
     rule = float(distance), float(far), float(long), whole
     s, t = arrays.segments(first, "first"), arrays.segments(second, "second")
-    has = [np.flatnonzero(length(v) >= MIN_LENGTH) for v in (s, t)]
-    values, some = np.zeros((len(s), len(t))), np.zeros([len(rows) for rows in has])
-    u, v = s[has[0]], t[has[1]]
-    kernels.fill_values(u, describe(u), v, rule, some)
-    values[np.ix_(*has)] = some
+    s, t, values = np.array(s, order="C"), np.array(t, order="C"), np.zeros((len(s), len(t)))
+    kernels.fill_values(s, describe(s), t, rule, values)
     return values

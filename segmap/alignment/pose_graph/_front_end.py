@@ -16,20 +16,12 @@ from ...scans import LaserScan
 from ...scans.causes import Unmatched
 from ...threads import in_threads
 from .._result import Laid, Match, Outcome, no_match
-from ..graph import (
-    REAL_ERRORS,
-    Edge,
-    Graph,
-    Rejected,
-    deviations,
-    groups,
-    stacked,
-)
+from ..graph import REAL_ERRORS, Edge, Graph, Rejected, deviations, groups, stacked
 from ..points import LEAST_POINTS, PointMap, in_range, shows_no_place
 from ._doubt import appraisal
 from ._in_motion import at_mid_turn, even_motion, laid_in_motion, turn_of, velocity_after
 from ._key_frames import KeyFrame, KeyFrames, Undoable
-from ._pauses import OTHER_PLACE_M, OTHER_PLACE_RAD
+from ._pauses import elsewhere
 from ._places import OVERLAP_GAIN
 from ._wheels import Wheels
 
@@ -237,25 +229,18 @@ class FrontEnd(Undoable):
         last = self.rows[-2].pose
         reach = max(LEAST_SEARCH_M, SEARCH_STEPS * float(np.hypot(*self.step()[:2])))
         candidates: list[tuple[float, Match]] = []
+        far = min(reach * (1 + self.lost_in_a_row), FARTHEST_SEARCH_M)
         for quarter in range(4):
             about = last + (0.0, 0.0, quarter * np.pi / 2)
-            far = min(reach * (1 + self.lost_in_a_row), FARTHEST_SEARCH_M)
-            start, score = map.search(points, about, reach=far, turn=np.pi / 4, least=0.45)
-            if start is None:
-                continue
-            other = map.register(points, start, overlap=SURE_OVERLAP)
-            x, y, heading = np.abs(between(start, other.pose))
-            if other.matched and np.hypot(x, y) <= MOST_SLIDE_M and heading <= MOST_SLIDE_RAD:
+            other, score = self.search(map, points, about, far, np.pi / 4, 0.45)
+            if other.matched and other.overlap >= SURE_OVERLAP:
                 candidates.append((score, other))
         if not candidates:
             return match
         best, chosen = max(candidates, key=lambda each: each[0])
-        for score, other in candidates:
-            x, y, heading = np.abs(between(chosen.pose, other.pose))
-            if score > best - ALIKE_SCORES and (
-                np.hypot(x, y) > OTHER_PLACE_M or heading > OTHER_PLACE_RAD
-            ):
-                return match
+        alike = [other for score, other in candidates if score > best - ALIKE_SCORES]
+        if any(elsewhere(between(chosen.pose, other.pose)) for other in alike):
+            return match
         if match.matched and not chosen.overlap > match.overlap + OVERLAP_GAIN:
             return match
         if chosen.free is not None:
@@ -264,6 +249,22 @@ class FrontEnd(Undoable):
             along = chosen.free @ (guess[:2] - chosen.pose[:2]) * chosen.free
             chosen = replace(chosen, pose=chosen.pose + (*along, 0.0))
         return chosen
+
+    def search(
+        self, map: PointMap, points: Array, guess: Array, reach: float, turn: float, least: float
+    ) -> tuple[Match, float]:
+        """The best place in a window about a guess, and its likelihood, at least the least.
+
+        Half sides are in metres and radians. A descent from there that goes too far is no match.
+        """
+        start, score = map.search(points, guess, reach=reach, turn=turn, least=least)
+        if start is None:
+            return no_match(guess, Unmatched.NO_PLACE), score
+        match = map.register(points, start, overlap=self.rules.overlap)
+        x, y, heading = between(start, match.pose)
+        if np.hypot(x, y) > MOST_SLIDE_M or abs(heading) > MOST_SLIDE_RAD:
+            return no_match(start, Unmatched.SLIDES, overlap=match.overlap), score
+        return match, score
 
     def needs_frame(self, step: float, turn: float) -> bool:
         """Whether the last scan is far from its key frame, or the first, or the first to see.

@@ -46,7 +46,7 @@ def doubtful_gaps(rows: Sequence[TrackedScan], frames: KeyFrames) -> list[Findin
     if np.isfinite(since).all() and len(since):
         usual = float(np.quantile(since, USUAL_STEP_QUANTILE))
         gap |= since > max(PAUSE_RATIO * usual, LEAST_PAUSE_S)
-    led = np.array([row.used for row in rows], bool) & _elsewhere(wheels)
+    led = np.array([row.used for row in rows], bool) & elsewhere(wheels)
     asked = (_ask_map(rows, frames, scan) for scan in np.flatnonzero(gap & ~led).tolist())
     return [finding for finding in asked if finding is not None]
 
@@ -88,12 +88,12 @@ def _better_place(row: TrackedScan, frames: KeyFrames, before: int) -> Array | N
             continue
         match = map.register(points, start)
         place = compose(centre, match.pose)
-        if match.matched and _elsewhere(between(own, place)) and match.overlap > most:
+        if match.matched and elsewhere(between(own, place)) and match.overlap > most:
             most, best = match.overlap, place
     return best
 
 
-def _elsewhere(motion: Array) -> NDArray[np.bool_]:
+def elsewhere(motion: Array) -> NDArray[np.bool_]:
     """Whether motions `(..., 3)` lead to another place; not where they are NaN."""
     far = np.hypot(motion[..., 0], motion[..., 1]) > OTHER_PLACE_M
     return np.asarray(far | (np.abs(wrap(motion[..., 2])) > OTHER_PLACE_RAD))

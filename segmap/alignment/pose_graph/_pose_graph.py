@@ -25,7 +25,7 @@ from ...threads import Locked, locked
 from .._result import Alignment, Match, Outcome, alignment_method, checked_alignment, no_match
 from ..graph import REAL, Edge, Graph, loops_of
 from ..points import PointMap
-from ._front_end import MOST_SLIDE_M, MOST_SLIDE_RAD, SURE_OVERLAP, FrontEnd, TrackedScan, Tracking
+from ._front_end import SURE_OVERLAP, FrontEnd, TrackedScan, Tracking
 from ._key_frames import loop_pairs, rollback_on_error
 from ._loop_closing import LOST_WINDOW_M, LoopCloser, LoopClosing, Window
 from ._mending import drop_torn
@@ -196,9 +196,10 @@ class LiveGraph(Locked):
         robot far from it gives way to one that agrees and fits nearly as well: a scan that turns
         fits best where it sees nothing new. Along a direction that no wall faces the guess holds.
         """
-        best = self._search(map, points, guess, self.window, self.window_angle)
+        best, _ = self.front_end.search(map, points, guess, self.window, self.window_angle, 0.0)
         if not (best.matched and best.overlap > SURE_OVERLAP):
-            match = self._search(map, points, guess, 2 * self.window, 2 * self.window_angle)
+            twice = 2 * self.window, 2 * self.window_angle
+            match, _ = self.front_end.search(map, points, guess, *twice, 0.0)
             least = max(best.overlap + OVERLAP_GAIN, LEAST_OVERLAP)
             best = match if match.overlap > least else best
         if self.front_end.measured():
@@ -213,26 +214,13 @@ class LiveGraph(Locked):
         """The match, or one that agrees with the odometry's guess where it fits nearly as well."""
         if not match.matched or abs(wrap(match.pose[2] - guess[2])) <= ODOMETRY_AGREES_RAD:
             return match
-        other = self._search(map, points, guess, self.window, ODOMETRY_AGREES_RAD)
+        other, _ = self.front_end.search(map, points, guess, self.window, ODOMETRY_AGREES_RAD, 0.0)
         if not other.matched or abs(wrap(other.pose[2] - guess[2])) > ODOMETRY_AGREES_RAD:
             return match
         # By the guess it has turned so much since the last key frame, which is what it sees newly
         back = min(abs(wrap(match.pose[2] - other.pose[2])), abs(guess[2]))
         more = AGAINST_ODOMETRY_GAIN + back / HALF_ROUND_RAD
         return match if match.overlap > other.overlap + more else other
-
-    def _search(
-        self, map: PointMap, points: Array, guess: Array, reach: float, turn: float
-    ) -> Match:
-        """The best place in a window about a guess; half sides in metres and radians."""
-        start, _ = map.search(points, guess, reach=reach, turn=turn)
-        if start is None:
-            return no_match(guess, Unmatched.NO_PLACE)
-        match = map.register(points, start, overlap=self.tracking.overlap)
-        x, y, heading = between(start, match.pose)
-        if np.hypot(x, y) > MOST_SLIDE_M or abs(heading) > MOST_SLIDE_RAD:
-            return no_match(start, Unmatched.SLIDES, overlap=match.overlap)
-        return match
 
     @locked
     def outcome(self) -> Outcome:

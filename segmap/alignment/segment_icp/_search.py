@@ -10,6 +10,8 @@ moves with the frames.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -66,15 +68,23 @@ def correspondences(
     return pairs[:n]
 
 
+class Matches(NamedTuple):
+    """What a scan's segments are compared with, and which correspond; lengths are in metres."""
+
+    reference: Array  # (m, 2, 2)
+    r: Array  # (m, 5) what `describe` says of it
+    pairs: Indices  # (p, 2), by the scan's segment
+    penalty: float  # cost of a segment without a match
+
+
 @compiled
-def cost(
-    reference: Array, r: Array, current: Array, pairs: Indices, penalty: float, away: Array
-) -> float:
+def cost(matches: Matches, current: Array) -> float:
     """A 2.1 with the penalty of each segment without a match inside its bracket, metres.
 
-    Fills `away`, (m,) array, with D' of each current segment, metres: the mean of its distances
-    from its matches, weighted with their lengths; infinity where it has none.
+    Of each current segment counts D', the mean of its distances from its matches, weighted with
+    their lengths.
     """
+    reference, r, pairs, penalty = matches
     a, total, p = describe(current), 0.0, 0
     for i in range(len(current)):
         distances = weight = 0.0
@@ -83,29 +93,20 @@ def cost(
             distances += r[j, 4] * distance_below(current[i], reference[j], a[i], r[j], np.inf)
             weight += r[j, 4]
             p += 1
-        away[i] = distances / weight if weight > 0.0 else np.inf
-        total += away[i] if weight > 0.0 else penalty
+        total += distances / weight if weight > 0.0 else penalty
     return total / len(current)
 
 
 @compiled
 def best_turn(
-    reference: Array,
-    r: Array,
-    current: Array,
-    pairs: Indices,
-    penalty: float,
-    about_x: float,
-    about_y: float,
-    width: float,
+    matches: Matches, current: Array, about_x: float, about_y: float, width: float
 ) -> float:
     """Of evenly spaced turns about a point, the one with the least cost; radians (step 2)."""
-    away = np.empty(len(current))
-    best, turn = cost(reference, r, current, pairs, penalty, away), 0.0
+    best, turn = cost(matches, current), 0.0
     for k in range(-TURNS_PER_SIDE, TURNS_PER_SIDE + 1):
         tried = k * width / TURNS_PER_SIDE
         turned = moved_segments(current, 0.0, 0.0, tried, about_x, about_y)
-        new_cost = cost(reference, r, turned, pairs, penalty, away)
+        new_cost = cost(matches, turned)
         if new_cost < best - COST_ROUNDING_M:
             best, turn = new_cost, tried
     return turn
@@ -145,17 +146,14 @@ def ways(s: Array) -> Array:
 
 
 @compiled
-def best_shift(
-    reference: Array, r: Array, current: Array, pairs: Indices, penalty: float, step: float
-) -> tuple[float, float]:
+def best_shift(matches: Matches, current: Array, step: float) -> tuple[float, float]:
     """Shift reached by steps of so many metres that each lessen the cost, until none does (4)."""
-    around, away = ways(current), np.empty(len(current))
-    best, x, y = cost(reference, r, current, pairs, penalty, away), 0.0, 0.0
-    failed, k = 0, 0
+    around, best = ways(current), cost(matches, current)
+    x, y, failed, k = 0.0, 0.0, 0, 0
     while failed < len(around):
         u, v = x + step * around[k, 0], y + step * around[k, 1]
         shifted = moved_segments(current, u, v, 0.0, 0.0, 0.0)
-        new_cost = cost(reference, r, shifted, pairs, penalty, away)
+        new_cost = cost(matches, shifted)
         if new_cost < best - SLOPE * step:
             best, x, y, failed = new_cost, u, v, 0
         else:
@@ -164,7 +162,12 @@ def best_shift(
 
 
 def turn_and_shift(
-    reference: Array, current: Array, angle: float, distance: float, width: float, step: float
+    reference: Array,
+    current: Array,
+    angle: float,
+    distance: float,
+    width: float,
+    step: float,
 ) -> tuple[float, Array, Array, Indices]:
     """Turn, then shift, until neither helps; again with finer steps (A 2.5.1, step 6).
 
@@ -172,25 +175,26 @@ def turn_and_shift(
     Returns the cost there, the motion, (3,) array, the current segments there, `(m, 2, 2)`, and the
     pairs that correspond; metres and radians.
     """
-    r, motion, away = describe(reference), np.zeros(3), np.empty(len(current))
+    r, motion = describe(reference), np.zeros(3)
     pairs = correspondences(reference, r, current, angle, distance)
-    least = cost(reference, r, current, pairs, distance, away)
-    best = (motion, current, pairs)
+    matches = Matches(reference, r, pairs, distance)
+    least, best = cost(matches, current), (motion, current, matches)
     while step > FINEST_STEP_M:
         for _ in range(MOST_ROUNDS_PER_STEP):
             px, py = current.mean((0, 1))  # a turn about the middle leaves the shift nearly alone
-            turn = best_turn(reference, r, current, pairs, distance, px, py, width)
+            turn = best_turn(matches, current, px, py, width)
             turned = moved_segments(current, 0.0, 0.0, turn, px, py)
-            x, y = best_shift(reference, r, turned, pairs, distance, step)
+            x, y = best_shift(matches, turned, step)
             current = moved_segments(turned, x, y, 0.0, px, py)
             c, s, (u, v) = np.cos(turn), np.sin(turn), motion[:2] - (px, py)
             motion = np.array([px + x + c * u - s * v, py + y + s * u + c * v, motion[2] + turn])
             pairs = correspondences(reference, r, current, angle, distance)
-            new_cost = cost(reference, r, current, pairs, distance, away)
+            matches = Matches(reference, r, pairs, distance)
+            new_cost = cost(matches, current)
             if new_cost < least - COST_ROUNDING_M:
-                least, best = new_cost, (motion, current, pairs)
+                least, best = new_cost, (motion, current, matches)
             if turn == 0.0 and x == 0.0 and y == 0.0:
                 break
-        motion, current, pairs = best
+        motion, current, matches = best
         width, step = width / STEP_DIVISOR, step / STEP_DIVISOR
-    return least, *best
+    return least, *best[:2], best[2].pairs

@@ -85,7 +85,7 @@ def least_cost(
 def merged_greedily(rows: Rows, limits: Limits) -> Array:
     """The first phase: the outputs, each where its first segment stands.
 
-    No merge reaches beyond a group of segments that pairs tie together, so that one group is merged
+    No merge reaches beyond a group of segments that pairs tie together. So a few groups are merged
     after the other, and what belongs together stands together in memory.
     """
     from scipy.sparse import coo_array

@@ -125,16 +125,16 @@ def test_what_agrees_with_the_odometry_may_fit_less_well(heading, turned, less, 
         pose = np.array([0, 0, (heading + turn + np.pi) % (2 * np.pi) - np.pi])
         return Match(pose, np.eye(3), matched, "", overlap)
 
-    class Graph(LiveGraph):
-        def _search(self, map, points, guess, reach, turn):
-            assert (reach, turn) == (0.5, pytest.approx(np.radians(5)))
-            return self.other
+    def search(map, points, guess, reach, turn, least):
+        assert (reach, turn, least) == (0.5, pytest.approx(np.radians(5)), 0.0)
+        return others[-1], 1.0
 
-    graph, guess, best = Graph(), np.array([0, 0, heading]), match(turned, 0.9)
-    graph.other = match(0.03 * np.sign(turned), 0.9 - less)
+    graph, guess, best = LiveGraph(), np.array([0, 0, heading]), match(turned, 0.9)
+    graph.front_end.search = search
+    others = [match(0.03 * np.sign(turned), 0.9 - less)]
     assert (graph._prefer_odometry(None, None, guess, best) is best) == kept
     for other in (match(0.0, 0.9, matched=False), match(0.1, 0.9), match(-0.1, 0.9)):
-        graph.other = other
+        others.append(other)
         assert graph._prefer_odometry(None, None, guess, best) is best
 
 
