@@ -16,8 +16,6 @@ R = TypeVar("R")
 #: No coordinate of a map of a building is larger, metres. Compiled loops count cells in 64 bits,
 #: and cells of a hundredth of a millimetre still fit.
 LIMIT = 1e7
-#: Lists in lists, of which numpy makes an array.
-DEEPEST = 64
 #: No threshold is a smaller length, metres: 1e7 m in such cells can still be counted.
 SMALLEST_THRESHOLD_M = 1e-9
 #: No count of anything is larger.
@@ -228,13 +226,11 @@ def _as_scalar_array(value: object) -> NDArray[Any]:
     return array if array.shape == () and not is_masked(value) else np.array(None)
 
 
-def is_masked(value: object, deep: int = DEEPEST) -> bool:
-    """Whether part of an array, or of those in a list, is masked: numpy would lay it bare."""
-    if isinstance(value, np.ndarray) and isinstance(value, np.ma.MaskedArray):  # np.ma loads late
-        return bool(np.ma.is_masked(value))
-    if not isinstance(value, list | tuple) or deep == 0:
-        return False
-    return any(is_masked(each, deep - 1) for each in value)
+def is_masked(value: object) -> bool:
+    """Whether part of an array, or of one in a list, is masked: numpy would lay it bare."""
+    if isinstance(value, list | tuple):
+        return any(isinstance(each, np.ndarray) and is_masked(each) for each in value)
+    return isinstance(value, np.ma.MaskedArray) and bool(np.ma.is_masked(value))
 
 
 def is_iterable(value: object) -> bool:

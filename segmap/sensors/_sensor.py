@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import time
 import weakref
 from collections.abc import Callable, Generator
-from math import inf
 from os import PathLike
-from typing import Annotated, Self
+from typing import Self
 
 from .. import arrays
-from ..arrays import Seconds, at_least, at_most, checked
+from ..arrays import Seconds, checked
 from ..scans import LaserScan
 from ._connect import ask, connect, laser_off, switch_off
 from ._geometry import check_limits, laser_scan, parse_geometry
@@ -36,8 +34,6 @@ from ._protocol import (
 RATE = 115_200
 #: So many damaged or missing scans in a row are an error, not bad luck.
 MOST_FAILURES = 5
-#: Waits between attempts to find an unplugged sensor again double from the first to the last, s.
-BACK_OFF = (0.1, 2.0)
 
 
 class UrgSensor:
@@ -51,9 +47,6 @@ class UrgSensor:
     port : str or Path or Port
         A device; "auto" for the one Hokuyo on USB; `tcp://host` or `tcp://host:port` of one on
         Ethernet, port 10940 where none is named; or an open port that does not wait for ever.
-    reconnect : float
-        How long to look for a sensor that was unplugged while it was in use, or fell silent; 0
-        raises at once. It takes the name of a device or an address.
     timeout : float
         To wait for an answer beyond the time that measuring and sending it take.
     clock : callable
@@ -67,8 +60,8 @@ class UrgSensor:
         Its steps and limits, by its own word.
     rate : int, bits a second
         At which both talk.
-    delivered, dropped, reconnects : int
-        Scans handed over; replies that were damaged or missing; times that it came back.
+    delivered, dropped : int
+        Scans handed over; replies that were damaged or missing.
     why : str
         Why the last one was dropped.
 
@@ -89,21 +82,17 @@ class UrgSensor:
         self,
         port: str | PathLike[str] | Port = "auto",
         *,
-        reconnect: Annotated[Seconds, at_least(0), at_most(inf)] = 0.0,
         timeout: Seconds = 1.0,
         clock: Callable[[], float] = host_time,
     ) -> None:
-        self._port = checked_port(port)
-        if reconnect > 0 and not isinstance(self._port, str):
-            raise ValueError("reconnect needs the name of a device: an open port cannot come back")
-        self._reconnect, self._timeout = reconnect, timeout
+        port, self._timeout = checked_port(port), timeout
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
         arrays.number(arrays.call_given(clock, "clock"), "clock()", unit="seconds")
-        self.delivered = self.dropped = self.reconnects = 0
+        self.delivered = self.dropped = 0
         self.why = ""
         self._running: ScanRequest | None = None  # the stream that comes
         self._laser_on = False
-        self._open()
+        self._open(port)
 
     def scan(self) -> LaserScan:
         """The latest turn; the laser goes on for it and stays on."""
@@ -153,23 +142,15 @@ class UrgSensor:
 
     # ------------------------------------------------------------------------ scans
     def _whole(self, request: ScanRequest) -> LaserScan:
-        """The next whole scan; damaged ones are counted, and a lost sensor is looked for."""
-        failures = lost = 0
-        while max(failures, lost) < MOST_FAILURES:
+        """The next whole scan; damaged ones are counted, and asked for anew."""
+        for _ in range(MOST_FAILURES):
             self._check_open()
-            try:
-                if self._running is not request:  # something else was asked meanwhile
-                    self._begin(request)
-                scan = self._answer(request)
-            except (SensorGone, Silent) as gone:
-                self._find_again(gone)
-                failures, lost, self.why = 0, lost + 1, str(gone)
-                continue
-            if scan is None:
-                failures += 1
-                continue
-            self.delivered += 1
-            return scan
+            if self._running is not request:  # something else was asked meanwhile
+                self._begin(request)
+            scan = self._answer(request)
+            if scan is not None:
+                self.delivered += 1
+                return scan
         raise SensorError(f"no whole scan in {MOST_FAILURES} attempts: {self.why}")
 
     def _begin(self, request: ScanRequest) -> None:
@@ -238,10 +219,9 @@ class UrgSensor:
     def _drop(self, why: str) -> None:
         self.dropped, self.why = self.dropped + 1, why
 
-    # ------------------------------------------------------------------- open, and open again
-    def _open(self) -> None:
+    # ------------------------------------------------------------------------------ open
+    def _open(self, port: str | Port) -> None:
         """Open the port and ask the sensor who it is; a failure leaves the port free."""
-        port = self._port
         if isinstance(port, str):
             port = open_port(find_port() if port == "auto" else port, RATE)
         lines, self.rate = Lines(port, self._clock, self._timeout), port.baudrate
@@ -258,28 +238,7 @@ class UrgSensor:
         # No scan arrives sooner after its stamp than the mirror gets to the last step.
         mirror = (self.geometry.last + 1) / self.geometry.steps * self.geometry.turn
         self._sensor_clock = HostClock(mirror)
-        self._running, self._laser_on = None, False
 
     def _check_open(self) -> None:
         if not self._leave.alive:
             raise SensorError("the sensor is closed: make a new UrgSensor")
-
-    def _find_again(self, gone: SensorError) -> None:
-        """Look for a lost sensor, at longer and longer intervals; SensorGone without one."""
-        if isinstance(gone, Silent) and not self._reconnect:
-            raise gone
-        self._leave()
-        until, wait = self._clock() + self._reconnect, BACK_OFF[0]
-        while (remaining := until - self._clock()) > 0:
-            time.sleep(min(wait, remaining))
-            wait = min(2 * wait, BACK_OFF[1])
-            try:
-                self._open()
-                self._light()  # one that was switched on is not ready at once
-            except SensorError as error:
-                self._leave()
-                gone = SensorGone(f"not back within {self._reconnect:g} s: {error}")
-            else:
-                self.reconnects += 1
-                return
-        raise gone

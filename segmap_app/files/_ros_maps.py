@@ -2,7 +2,7 @@
 
     image: it.pgm             beside the YAML, or a whole path
     resolution: 0.05          side of a pixel, metres
-    origin: [-3.0, 1.0, 0.0]  lower left corner of the lower left pixel, metres, and yaw, radians
+    origin: [-3.0, 1.0, 0.0]  lower left corner of the lower left pixel, metres, and yaw, 0
     negate: 0                 1: white is occupied
     occupied_thresh: 0.65
     free_thresh: 0.196
@@ -30,7 +30,6 @@ from segmap.arrays import LIMIT, Array, Quantity, checked, file
 from segmap.display import pip_install
 from segmap.exports import ros_classes
 from segmap.files import replacing, shown
-from segmap.poses import transform
 from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap, map_of_grid
 from segmap.readers import LogError, read_text
 
@@ -71,8 +70,7 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     Of each cell it keeps whether it is free, occupied or unknown. How often a cell was seen is not
     in such a file: a map that `write_ros_map` wrote comes back with these three states alone. A
     `scale` map has shades between the thresholds, and transparent pixels: both become unknown; mode
-    `raw`, whose pixels are no shades, is refused. A map with a yaw is turned into the frame of the
-    world, cell by cell; no wall gets a hole.
+    `raw`, whose pixels are no shades, and a yaw are refused.
 
     Raises
     ------
@@ -83,7 +81,7 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     Warns
     -----
     UserWarning
-        Saying what is lost: shades that become unknown, and cells that are turned.
+        Saying what is lost: shades that become unknown.
 
     Examples
     --------
@@ -101,6 +99,8 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
     yaml = _read_yaml(place)
     side = _number(place, yaml, "resolution", least=1e-9, most=LIMIT)
     x, y, yaw = (_number(place, yaml["origin"], k) for k in range(3))
+    if yaw:
+        raise LogError(place, f"its yaw must be 0, as map_server writes it, got {yaw:g}")
     occupied, free = (_number(place, yaml, f"{kind}_thresh", 0, 1) for kind in ("occupied", "free"))
     if free > occupied:
         raise LogError(place, f"free_thresh must not be above occupied_thresh, {occupied:g}")
@@ -118,43 +118,9 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
             warnings.warn(f"{shown(place)}: {words}", UserWarning, stacklevel=2)
     cells = np.flipud(cells.astype(np.int8))
     try:
-        if not yaw:
-            return map_of_grid(cells, resolution=side, corner=(x, y))
-        words = f"turned by its yaw, {math.degrees(yaw):.1f} degrees: walls are up to a cell off"
-        warnings.warn(f"{shown(place)}: {words}", UserWarning, stacklevel=2)
-        turned, corner = _turned_grid(cells, side, np.array((x, y, yaw)))
-        return map_of_grid(turned, resolution=side, corner=corner)
+        return map_of_grid(cells, resolution=side, corner=(x, y))
     except ValueError as error:
         raise LogError(place, str(error)) from error
-
-
-def _turned_grid(cells: Cells, side: float, origin: Array) -> tuple[Cells, Array]:
-    """The grid in the frame of the world, and its lower left corner.
-
-    A cell is what lies at its centre; that none of a thin wall is lost, each occupied cell also
-    marks the one in which its own centre falls.
-    """
-    rows, columns = cells.shape
-    ends = np.array([(0, 0), (columns, 0), (columns, rows), (0, rows)]) * side
-    around = transform(origin, ends)
-    corner = around.min(0)
-    wide, tall = np.ceil(np.ptp(around, axis=0) / side - 1e-6).astype(int)
-    if wide * tall > 2 * MOST_MAP_PIXELS:
-        raise ValueError(f"its yaw makes it {wide} by {tall} cells, more than can be read")
-    grid = np.zeros((tall, wide), np.int8)
-    back = np.array((math.cos(origin[2]), math.sin(origin[2])))
-    across = (np.arange(wide) + 0.5) * side + corner[0] - origin[0]
-    for row in range(tall):  # a row at a time: the places of all cells take sixteen times as much
-        up = (row + 0.5) * side + corner[1] - origin[1]
-        i = np.floor((across * back[0] + up * back[1]) / side).astype(int)
-        j = np.floor((up * back[0] - across * back[1]) / side).astype(int)
-        within = (i >= 0) & (i < columns) & (j >= 0) & (j < rows)
-        grid[row, within] = cells[j[within], i[within]]
-    j, i = np.nonzero(cells == OCCUPIED)
-    centres = transform(origin, (np.stack([i, j], -1) + 0.5) * side)
-    i, j = np.floor((centres - corner) / side).astype(int).T
-    grid[np.clip(j, 0, tall - 1), np.clip(i, 0, wide - 1)] = OCCUPIED
-    return grid, corner
 
 
 # ------------------------------------------------------------------------------ the picture

@@ -31,8 +31,6 @@ def first(sensor, count):
         {},
         {"protocol": "1.1"},
         {"streaming": True},
-        {"timing": True},
-        {"streaming": True, "timing": True},
         {"rate": 19200, "protocol": "1.1"},
         {"rate": 19200, "streaming": True},
     ],

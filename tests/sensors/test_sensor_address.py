@@ -61,7 +61,7 @@ def test_who_cannot_be_reached(fault, why, monkeypatch):
 
     monkeypatch.setattr(socket, "create_connection", fail)
     with pytest.raises(SensorError, match=f"cannot open tcp://laser:4000: .*{why}"):
-        UrgSensor("tcp://laser:4000", reconnect=5.0)
+        UrgSensor("tcp://laser:4000")
 
 
 def port_at(connection):

@@ -4,7 +4,6 @@ A right scan, a counted drop, or a SensorError with advice; nothing else.
 """
 
 import contextlib
-import errno
 import itertools
 from functools import partial
 
@@ -14,7 +13,7 @@ from emulated import FAULTS, URG, Wired, connected, run, turn_of
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from segmap.sensors import SensorError, UrgSensor
+from segmap.sensors import SensorError
 
 #: Runs with a fault; after some of them the sensor is never what it was.
 RUNS, FINAL = 20, ("unplug", "status")
@@ -94,33 +93,6 @@ def test_something_else_at_the_port(words, endless):
     port = Babbling(words, endless)
     with pytest.raises(SensorError, match=r".{20}"):
         connected(port)
-    assert not port.open
-
-
-def test_waits_get_longer(monkeypatch):
-    """Catches a driver that looks for an unplugged sensor as fast as it can, or waits too long."""
-    waits, port = [], Wired()
-
-    def sleep(seconds):
-        waits.append(seconds)
-        assert len(waits) < 50, "it looks for the sensor without end"
-        port.now += seconds
-
-    def opened(device, rate, **waiting):
-        if port.gone:
-            raise OSError(errno.ENOENT, "gone")
-        return port
-
-    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
-    monkeypatch.setattr("serial.Serial", opened)
-    monkeypatch.setattr("time.sleep", sleep)
-    with UrgSensor("/dev/laser", reconnect=9.0, clock=lambda: port.now) as sensor:
-        port.gone = True
-        with pytest.raises(SensorError, match="not back within 9 s: cannot open /dev/laser"):
-            sensor.scan()
-        assert waits == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 1.9])
-        with pytest.raises(SensorError, match="closed"):
-            sensor.scan()
     assert not port.open
 
 

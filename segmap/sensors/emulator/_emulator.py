@@ -21,8 +21,7 @@ class Emulator(PluggedIn):
         What it sees: `Room`, or any function from the number of a turn to the millimetres
         of all steps, `(769,)`; None for a furnished room.
     **settings
-        Of the sensor itself: `protocol`, `rate`, `speed`, `clock`, `stamp`, `streaming` and
-        `timing`, as `Unit` says.
+        Of the sensor itself: `protocol`, `rate`, `speed`, `clock` and `stamp`, as `Unit` says.
 
     Raises
     ------

@@ -23,7 +23,7 @@ from .._protocol import (
     encode_scan,
     parse_request,
 )
-from ._worlds import FIRST_STEP, LAST_STEP, LIMITS, STEPS, TURN_S, VERSION
+from ._worlds import LIMITS, STEPS, TURN_S, VERSION
 
 #: From the number of a turn to the millimetres of all its steps.
 World = Callable[[int], NDArray[np.int64]]
@@ -50,8 +50,6 @@ class Unit:
         Seconds.
     stamp : int, milliseconds
         Its own clock at power-up; it wraps at 2 ** 24.
-    streaming, timing : bool
-        Left streaming, or in time mode, by a host that crashed.
     """
 
     @checked
@@ -64,14 +62,12 @@ class Unit:
         speed: Speed = 1.0,
         clock: Callable[[], float] = time.monotonic,
         stamp: Milliseconds = 0,
-        streaming: bool = False,
-        timing: bool = False,
     ) -> None:
         self.world = arrays.function(world, "world", "from a turn to its millimetres")
         arrays.call_given(
             inspect.signature(world).bind, "world", 0
         )  # a call would draw from its noise
-        self.speed, self.rate, self.timing, self.stamp = speed, rate, timing, stamp
+        self.speed, self.rate, self.stamp = speed, rate, stamp
         self.laser = self.old = protocol == "1.1"
         self.trouble = False
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
@@ -81,9 +77,6 @@ class Unit:
         self._next_turn, self._line = 0, b""
         self._late: deque[tuple[float, Callable[[], bytes]]] = deque()
         self._out, self._sent_at = b"", 0.0
-        if streaming:  # left so by a host that crashed
-            self.stream = ScanRequest(True, FIRST_STEP, LAST_STEP)
-            self.laser = True
 
     def now(self) -> float:
         """Its seconds since power-up."""
@@ -121,7 +114,7 @@ class Unit:
             self.laser = self.old = text != "SCIP2.0"
             return encode_reply(text, "E" if self.old else "0", old=True)
         act: Callable[[str], bytes] | None = getattr(self, f"_do_{text[:2].lower()}", None)
-        if act is None or (self.timing and text[:2] != "TM"):
+        if act is None:
             return encode_reply(text, "0E")
         return act(text)
 
@@ -140,12 +133,6 @@ class Unit:
         self.laser, self.stream = False, None
         self._late.clear()
         return encode_reply(text, "00")
-
-    def _do_tm(self, text: str) -> bytes:
-        """Leave the time mode, in which a host may have left it; it is not entered here."""
-        status = "01" if text != "TM2" else "00" if self.timing else "03"
-        self.timing &= status != "00"
-        return encode_reply(text, status)
 
     def _do_gd(self, text: str) -> bytes:
         """Commands are served about once a turn: the answer waits for the end of this one."""

@@ -88,24 +88,6 @@ def test_shades_and_clear_pixels_of_a_scale_map_are_unknown_and_told():
         assert states(read_ros_map(name), *THREE) == [1, 0.5, 0.5]
 
 
-@pytest.mark.parametrize("degrees", [90, -30, 200])
-def test_a_yaw_turns_the_map_about_its_origin(degrees):
-    """Catches a turn the other way or about the centre, and a wall with holes in it."""
-    grid = np.full((12, 20), 254, np.uint8)
-    grid[3] = 0  # a wall, nine cells above the lowest row
-    yaw = float(np.radians(degrees))
-    name = written(grid, YAML, ("2.0, 0.0]", f"2.0, {yaw!r}]"))
-    with pytest.warns(UserWarning, match="turned by its yaw"):
-        found = read_ros_map(name)
-    along = np.stack([np.linspace(0.8, 9.2, 300), np.full(300, 4.25)], -1)
-    turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
-    wall = along @ turn.T + (-1.0, 2.0)
-    seen = found.occupancy(wall)
-    assert (seen > 0.5).mean() > 0.7  # a point beside a border may lie in the next cell
-    free = (along - (0, 2)) @ turn.T + (-1.0, 2.0)
-    assert (found.occupancy(free) == 0).all()
-
-
 def test_lists_quotes_comments_and_paths_are_those_of_yaml(tmp_path):
     """Catches a YAML as another program writes it that is called nonsense."""
     text = (
@@ -131,6 +113,7 @@ def test_lists_quotes_comments_and_paths_are_those_of_yaml(tmp_path):
         (("resolution: 0.5", "resolution: nan"), "resolution must be a number from"),
         (("resolution: 0.5\n", ""), "has no resolution"),
         (("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]"), "origin must be [x, y, yaw]"),
+        (("2.0, 0.0]", "2.0, 0.5]"), "its yaw must be 0"),
         (("0.65", "65"), "occupied_thresh must be"),
         (("0.196", "0.9"), "free_thresh must not be above"),
         (("negate: 0", "negate: 0\nmode: raw"), "mode must be one of"),
