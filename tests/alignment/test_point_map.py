@@ -136,13 +136,17 @@ def test_the_two_faces_of_a_thin_wall_are_told_apart():
 
 
 def test_every_stride_th_point_is_asked():
-    """A share of points near that divides by another number than was asked."""
+    """A share of points near that divides by another number than was asked; other points than
+    those of the scan the other way round.
+    """
     wall = np.stack([np.linspace(0, 2, 41), np.zeros(41)], -1)
     half_off = wall + np.where(wall[:, :1] < 1.01, 0.0, 50.0)
-    for stride in (1, 2, 3, 7):
+    for stride, first in ((1, 0), (3, 2), (7, 6)):
         rows, near = residuals(PointMap(wall), half_off, np.zeros(3), 0.12, stride)
-        asked = half_off[::stride]
+        back, _ = residuals(PointMap(wall), half_off[::-1], np.zeros(3), 0.12, stride)
+        asked = half_off[first::stride]
         assert len(rows) == (asked[:, 1] == 0).sum()
+        assert sorted(40 - back[:, 5]) == rows[:, 5].tolist()
         assert near == pytest.approx((asked[:, 1] == 0).mean())
 
 

@@ -8,13 +8,15 @@ from ._point_map import (
     LAST,
     LEAST_POINTS,
     SEARCH_CELL_M,
+    SEARCH_POINTS,
     PointMap,
     in_range,
     shows_no_place,
+    thinned,
 )
 
 __all__ = [
     "AND_ACCELERATION", "AND_JUMP", "FARTHEST_POINT_M", "LAST", "LEAST_POINTS", "POSE_AND_VELOCITY",
-    "SEARCH_CELL_M", "PointMap", "PointStep", "in_range", "match_moving", "match_points",
-    "place_clouds", "point_steps", "shows_no_place", "way",
+    "SEARCH_CELL_M", "SEARCH_POINTS", "PointMap", "PointStep", "in_range", "match_moving",
+    "match_points", "place_clouds", "point_steps", "shows_no_place", "thinned", "way",
 ]  # fmt: skip

@@ -19,9 +19,9 @@ from ._point_map import (
     LAST,
     MOST_DESCENT_STEPS,
     SCAN_VARIANCE_INFLATION,
-    SEARCH_POINTS,
     PointMap,
     in_range,
+    odd_step,
 )
 
 
@@ -137,7 +137,7 @@ def point_steps(
     if min(len(before), len(now)) < 6:
         return []
     map, steps = PointMap(before), []
-    stride, converged = 1 + len(now) // SEARCH_POINTS, False
+    stride, converged = odd_step(len(now)), False
     for _ in range(MOST_DESCENT_STEPS + 1):
         step = map.descend(now, pose, reach, LAST, stride, rounds=1)
         index = step.rows[:, 5].astype(np.int64)

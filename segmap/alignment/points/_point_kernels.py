@@ -136,6 +136,12 @@ def fit_normal(grid: PointGrid, k: int) -> None:
 
 
 @compiled
+def first_of(count: int, step: int) -> int:
+    """Where every `step`-th of so many points, an odd step, lies evenly between both ends."""
+    return (count - 1) * (step + 1) // 2 % step
+
+
+@compiled
 def wall_residuals(
     grid: PointGrid,
     current: Array,
@@ -147,10 +153,11 @@ def wall_residuals(
 ) -> tuple[int, float]:
     """Write a row for each point that has a wall within reach (metres) of it; their number.
 
-    Every `stride`-th of the current points `(m, 2)`, metres, in the robot's frame, is asked; one
-    that lies behind a wall, as seen from the robot, has no row. Rows, (m, 6) array: derivative of
-    the offset by x, y and heading; offset across the wall, metres; weight (left as it is); index of
-    the point. Also returned is the share of those asked that have any point within reach.
+    Every `stride`-th of the current points `(m, 2)`, metres, in the robot's frame, is asked, see
+    `first_of`; one that lies behind a wall, as seen from the robot, has no row. Rows, (m, 6) array:
+    derivative of the offset by x, y and heading; offset across the wall, metres; weight (left as it
+    is); index of the point. Also returned is the share of those asked that have any point within
+    reach.
 
     `partner`, (m,), holds the nearest point of each as of the step before, and then of this, -1 for
     none. No other can be nearer than within the distance of that one, or of the beam's before: the
@@ -162,7 +169,8 @@ def wall_residuals(
     c, s = math.cos(pose[2]), math.sin(pose[2])
     used = near = 0
     p = -1
-    for k in range(0, len(current), stride):
+    begin = first_of(len(current), stride)
+    for k in range(begin, len(current), stride):
         turned_x = c * current[k, 0] - s * current[k, 1]
         turned_y = s * current[k, 0] + c * current[k, 1]
         x, y = turned_x + pose[0], turned_y + pose[1]
@@ -199,7 +207,7 @@ def wall_residuals(
         rows[used, 3] = nx * (x - points[p, 0]) + ny * (y - points[p, 1])
         rows[used, 5] = k
         used += 1
-    return used, near / ((len(current) + stride - 1) // stride)
+    return used, near / ((len(current) - begin + stride - 1) // stride)
 
 
 @compiled

@@ -28,7 +28,7 @@ SEARCH_CELL_M = 0.05
 SEARCH_BAND_M = 0.06
 #: Maxima over 1, 2, 4, 8 and 16 cells: wider ones bound nothing in a window of half a metre.
 LEVELS = 5
-#: So many points of a scan are enough for the search, and far from the answer for the descent.
+#: So many points at most are enough for the search, and far from the answer for the descent.
 SEARCH_POINTS = 250
 #: Of poses that score alike, but for rounding, the search keeps the first, in likelihoods.
 LEAST_GAIN = 1e-6
@@ -113,7 +113,7 @@ class PointMap:
         if shows_no_place(current):
             words = f"the scan has only {len(current)} points, or they lie in one place"
             return no_match(start, Unmatched.TOO_LITTLE_SEEN, words)
-        descent = self.descend(current, start, reach, last, 1 + len(current) // SEARCH_POINTS)
+        descent = self.descend(current, start, reach, last, odd_step(len(current)))
         if len(descent.rows) < LEAST_POINTS:
             words = f"only {len(descent.rows)} points lie near walls"
             return no_match(start, Unmatched.LITTLE_OVERLAP, words, descent.near)
@@ -142,6 +142,8 @@ class PointMap:
         rounds: int = MOST_DESCENT_STEPS,
     ) -> Descent:
         """Some steps of point-to-line ICP, from a start, with every `stride`-th point at first.
+
+        The stride is odd, see `thinned`.
 
         Points `(m, 2)`, metres; start, (3,) array, metres and radians; reach and last in metres.
         """
@@ -201,9 +203,13 @@ class PointMap:
 
     @property
     def corner(self) -> Array:
-        """Lower left corner of the levels, (2,) array, metres: nothing lies in the widest there."""
+        """Lower left corner of the levels, (2,) array, metres: nothing lies in the widest there.
+
+        The origin is in the middle of a cell: in a mirror the cells are the same.
+        """
         margin = 3 * SEARCH_BAND_M + (1 << (LEVELS - 1)) * SEARCH_CELL_M
-        return np.array([self._grid.x - margin, self._grid.y - margin])
+        corner = np.array([self._grid.x - margin, self._grid.y - margin])
+        return (np.rint(corner / SEARCH_CELL_M) - 0.5) * SEARCH_CELL_M
 
     def search(
         self,
@@ -225,7 +231,7 @@ class PointMap:
         """
         begin, half = np.array(start, float), int(np.ceil(turn / step))
         radius = max(int(np.ceil(reach / SEARCH_CELL_M)), 1)
-        points, side = current[:: 1 + len(current) // SEARCH_POINTS], 2 * radius + 1
+        points, side = thinned(current), 2 * radius + 1
         first = begin - (*(self.corner + radius * SEARCH_CELL_M), 0.0)
         full, away = 255.0 * len(points), np.arange(-half, half + 1) / max(half, 1)
         cost = full * reach_cost * away**2, full * reach_cost / radius**2
@@ -238,6 +244,20 @@ class PointMap:
         score, h, i, j = rows[0]
         shift = (i - radius) * SEARCH_CELL_M, (j - radius) * SEARCH_CELL_M, (h - half) * step
         return begin + shift, score / full
+
+
+def odd_step(count: int, most: int = SEARCH_POINTS) -> int:
+    """Every which of so many points leaves at most so many: an odd number."""
+    return -(-count // most) | 1
+
+
+def thinned(points: Array, most: int = SEARCH_POINTS) -> Array:
+    """At most so many of the points `(m, 2)` of a scan, metres, evenly chosen.
+
+    They are the same whichever end of the scan comes first: those at odd steps can be.
+    """
+    step = odd_step(len(points), most)
+    return points[kernels.first_of(len(points), step) :: step]
 
 
 def in_range(points: Array) -> Array:

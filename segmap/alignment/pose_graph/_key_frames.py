@@ -15,7 +15,7 @@ from ...arrays import Array
 from ...compiled import compiled
 from ...poses.motions import between, compose
 from ..graph import REAL, Edge, Solver, information, stacked
-from ..points import FARTHEST_POINT_M, PointMap, place_clouds
+from ..points import FARTHEST_POINT_M, SEARCH_POINTS, PointMap, place_clouds, thinned
 
 Members = Sequence[int] | NDArray[np.int64]
 
@@ -144,12 +144,16 @@ class KeyFrames(Undoable):
 
         return around
 
-    def points_around(self, members: Members, origin: int) -> tuple[Array, Array]:
+    def points_around(
+        self, members: Members, origin: int, *, thin: bool = False
+    ) -> tuple[Array, Array]:
         """Points of some key frames, and where each was seen from: `(m, 2)` arrays, metres.
 
-        In the frame of the key frame `origin`.
+        In the frame of the key frame `origin`; `thin`: no more than a search needs.
         """
         clouds = [self.rows[k].points for k in members]
+        if thin:
+            clouds = [thinned(cloud, max(SEARCH_POINTS // len(clouds), 1)) for cloud in clouds]
         counts = np.array([len(cloud) for cloud in clouds], np.int64)
         placed, seen_from = np.empty((2, counts.sum(), 2))
         poses = between(self.poses[origin], self.poses[members])

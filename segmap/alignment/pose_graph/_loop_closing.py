@@ -41,8 +41,6 @@ LOST_PATH_M = 15.0
 #: Half sides of windows that the neighbours of an old key frame cover, metres. In larger ones the
 #: old map is made of those along as long a way: else the true place may lie where it has ended.
 COVERED_WINDOW_M = 2.5
-#: So many points of the new place are registered: more do not make it surer.
-REGISTERED_POINTS = 750
 #: Maps of old places that are kept ready, for memory's sake.
 KEPT = 40
 # Which loops are believed:
@@ -266,10 +264,9 @@ class LoopCloser(Undoable):
         frames, rules = self.frames, self.rules
         lost = self.lost_since or 0
         first = max(new - rules.new_frames, lost if lost <= new else 0)
-        seen, _ = frames.points_around(range(first, new + 1), new)
+        seen, _ = frames.points_around(range(first, new + 1), new, thin=True)
         if map is None or len(seen) < LEAST_POINTS:
             return no_match(window.guess, Unmatched.TOO_LITTLE_SEEN)
-        seen = seen[:: 1 + len(seen) // REGISTERED_POINTS]
         place = {"reach": window.reach, "turn": window.turn, "least": rules.likelihood}
         start, _ = map.search(seen, window.guess, reach_cost=0.05, **place)
         if start is None:

@@ -192,12 +192,15 @@ class LiveGraph(Locked):
     def _match_on_map(self, map: PointMap, points: Array, guess: Array) -> Match:
         """A scan's points `(m, 2)` searched for about a guess, then moved by a descent.
 
-        In twice the window where little fits. Where odometry gave the guess, a match that turns the
-        robot far from it gives way to one that agrees and fits nearly as well: a scan that turns
-        fits best where it sees nothing new. Along a direction that no wall faces the guess holds.
+        In twice the window where little fits, or where the match leads out of it. Where odometry
+        gave the guess, a match that turns the robot far from it gives way to one that agrees and
+        fits nearly as well: a scan that turns fits best where it sees nothing new. Along a
+        direction that no wall faces the guess holds.
         """
         best, _ = self.front_end.search(map, points, guess, self.window, self.window_angle, 0.0)
-        if not (best.matched and best.overlap > SURE_OVERLAP):
+        x, y, turn = np.abs(best.pose - guess)
+        within = max(x, y) < self.window and abs(wrap(turn)) < self.window_angle
+        if not (best.matched and best.overlap > SURE_OVERLAP and within):
             twice = 2 * self.window, 2 * self.window_angle
             match, _ = self.front_end.search(map, points, guess, *twice, 0.0)
             least = max(best.overlap + OVERLAP_GAIN, LEAST_OVERLAP)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...arrays import Array
 from ...display import counted
 from ...poses.motions import between, compose
 from ...scans import LaserScan, Log
@@ -63,11 +64,14 @@ def with_waiting_scans_spread(log: Log) -> Log:
             continue
         count, pause, came = last - before, times[last] - times[before], slice(first, last + 1)
         drive, wait = way_of(between(rows[[before, first]], rows[[first, last]]))
-        holds_them = steps[before] > usual and pause < 2 * count * usual
-        least = TOGETHER_SHARE * drive
-        if not (holds_them and wait < least) or _way_between(log[first], log[last]) < least:
-            continue
         share, whole = np.arange(1, count + 1) / count, between(rows[before], rows[last])
+        holds_them = steps[before] > usual and pause < 2 * count * usual
+        if not (holds_them and wait < TOGETHER_SHARE * drive):
+            continue
+        # Between alike stretches of a corridor the nearest to the even motion counts
+        way = _way_between(log[first], log[last], whole * (1 - share[0]))
+        if way < TOGETHER_SHARE * drive:
+            continue
         times[came] = times[before] + share * pause
         rows[came] = compose(rows[before], share[:, None] * whole)
         waited += count
@@ -83,10 +87,10 @@ def with_waiting_scans_spread(log: Log) -> Log:
     return replace(log, scans=tuple(scans), causes=(*log.causes, finding))
 
 
-def _way_between(one: LaserScan, two: LaserScan) -> float:
-    """How far the robot went from scan to scan by the walls that both see; NaN where none tell."""
+def _way_between(one: LaserScan, two: LaserScan, guess: Array) -> float:
+    """How far the robot went by the walls that both scans see, near a guess `(3,)`; maybe NaN."""
     points, current = in_range(one.points()), in_range(two.points())
     if min(len(points), len(current)) < LEAST_POINTS:
         return np.nan
-    match = register_near(PointMap(points), current, np.zeros(3))
+    match = register_near(PointMap(points), current, guess)
     return np.nan if match is None or match.free is not None else way_of(match.pose[None])[0]

@@ -18,7 +18,7 @@ from segmap.alignment.pose_graph._key_frames import KeyFrame, KeyFrames, path_le
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window
 from segmap.alignment.pose_graph._places import best_of_passes
 from segmap.poses import between
-from segmap.scans import Log
+from segmap.scans import LaserScan, Log
 from segmap.simulation import SICK_LMS200, drive, office, simulate
 
 
@@ -382,3 +382,25 @@ def test_a_scan_of_six_points_is_laid_and_refined(count, monkeypatch):
     monkeypatch.setattr(PointMap, "register", lambda *given, **rules: refined)
     front.register_again()
     assert front.rows[1].pose is (refined.pose if count == 6 else before)
+
+
+@pytest.mark.parametrize("wheels", [True, False])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_dense_scan_may_begin_at_either_end(wheels, side):
+    """Catches every k-th beam counted from one end, and search cells that a mirror shifts.
+
+    Beams in the other order, `side` 1, or the building in a mirror, -1. Steps and loops alike.
+    """
+    log = load("room")
+    flip = np.array([1, side, side])
+
+    def turned(scan):
+        odometry = scan.odometry * flip if wheels else None
+        return LaserScan(
+            scan.ranges[::-1], side * scan.angles[::-1], scan.time, odometry, scan.max_range
+        )
+
+    as_it_is = Log("room", [s if wheels else replace(s, odometry=None) for s in log])
+    one, two = pose_graph(as_it_is), pose_graph(Log("other", [turned(scan) for scan in log]))
+    assert two.used.tolist() == one.used.tolist()
+    np.testing.assert_allclose(two.poses * flip, one.poses, atol=1e-6)
