@@ -16,6 +16,7 @@ from ...poses.motions import transform
 from ...scans.causes import Unmatched
 from .._result import Match, no_match
 from ._point_map import (
+    DESCENT_POINTS,
     LAST,
     MOST_DESCENT_STEPS,
     SCAN_VARIANCE_INFLATION,
@@ -137,7 +138,7 @@ def point_steps(
     if min(len(before), len(now)) < 6:
         return []
     map, steps = PointMap(before), []
-    stride, converged = odd_step(len(now)), False
+    stride, converged = odd_step(len(now), DESCENT_POINTS), False
     for _ in range(MOST_DESCENT_STEPS + 1):
         step = map.descend(now, pose, reach, LAST, stride, rounds=1)
         index = step.rows[:, 5].astype(np.int64)

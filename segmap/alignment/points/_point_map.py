@@ -28,8 +28,10 @@ SEARCH_CELL_M = 0.05
 SEARCH_BAND_M = 0.06
 #: Maxima over 1, 2, 4, 8 and 16 cells: wider ones bound nothing in a window of half a metre.
 LEVELS = 5
-#: So many points at most are enough for the search, and far from the answer for the descent.
-SEARCH_POINTS = 250
+#: So many points of a scan at most are searched with.
+SEARCH_POINTS = 500
+#: So many points at most are enough for the descent far from the answer.
+DESCENT_POINTS = 250
 #: Of poses that score alike, but for rounding, the search keeps the first, in likelihoods.
 LEAST_GAIN = 1e-6
 #: Offsets of points from their walls are not independent: on a scan the variance of measured errors
@@ -113,7 +115,7 @@ class PointMap:
         if shows_no_place(current):
             words = f"the scan has only {len(current)} points, or they lie in one place"
             return no_match(start, Unmatched.TOO_LITTLE_SEEN, words)
-        descent = self.descend(current, start, reach, last, odd_step(len(current)))
+        descent = self.descend(current, start, reach, last, odd_step(len(current), DESCENT_POINTS))
         if len(descent.rows) < LEAST_POINTS:
             words = f"only {len(descent.rows)} points lie near walls"
             return no_match(start, Unmatched.LITTLE_OVERLAP, words, descent.near)
@@ -246,7 +248,7 @@ class PointMap:
         return begin + shift, score / full
 
 
-def odd_step(count: int, most: int = SEARCH_POINTS) -> int:
+def odd_step(count: int, most: int) -> int:
     """Every which of so many points leaves at most so many: an odd number."""
     return -(-count // most) | 1
 
