@@ -19,8 +19,7 @@ OCCUPIED_ENDED_SHARE = 0.2
 FREE_ENDED_SHARE = 0.05
 #: So many rays ended at an occupied square, or crossed a free one.
 LEAST_RAYS = 2
-#: Smaller holes, square metres, are clutter in rooms; what nobody saw is free where it is as small
-#: and free space is all around.
+#: Smaller holes, square metres, are clutter in rooms.
 LEAST_HOLE_M2 = 0.5
 #: The sides of a line are looked at so far off it, metres.
 BESIDE_LINE_M = 1e-3
@@ -45,10 +44,12 @@ Mask = NDArray[np.bool_]
 class Grid(NamedTuple):
     """Squares `(rows, columns)`: unknown, free or occupied; metres.
 
-    Row and column grow along `up` and `right` from the middle of the first square, `origin`.
+    Row and column grow along `up` and `right` from the middle of the first square, `origin`. Not
+    all that counts as free was `seen` to be.
     """
 
     kind: Indices
+    seen: Mask
     origin: Array
     right: Array
     up: Array
@@ -86,14 +87,35 @@ def grid_along(free: QuadtreeMap, turn: float, segments: Array, side: float) -> 
     points = np.concatenate([free_points, segments.reshape(-1, 2)]) @ np.stack([right, up], -1)
     start = points.min(0) - 2 * side
     shape = np.ceil(np.ptp(points, axis=0) / side + 4).astype(int)[::-1]
-    grid = Grid(np.full(shape, UNKNOWN), start @ [right, up], right, up, side)
+    blank = np.full(shape, UNKNOWN)
+    grid = Grid(blank, blank == FREE, start @ [right, up], right, up, side)
     column, row = np.moveaxis((grid.places() - (x_min, y_min)) / cell - 0.5, -1, 0)
     scipy.ndimage.map_coordinates(kind, [row, column], grid.kind, order=0, mode="grid-constant")
     hidden = scipy.ndimage.label(grid.kind == UNKNOWN)[0]
     small = np.bincount(hidden.ravel()) * side**2 < LEAST_HOLE_M2
     small[hidden[scipy.ndimage.maximum_filter(grid.kind, 3) == OCCUPIED]] = False
     grid.kind[small[hidden]] = FREE
-    return grid
+    return grid._replace(seen=grid.kind == FREE)
+
+
+def completed(grid: Grid, lines: list[Line], segments: Array, least: float) -> Grid:
+    """The squares, where lines and segments cut the plane into faces.
+
+    A face of which most was seen free is so in whole: furniture hides the rest of it. Outside the
+    building nothing below so many square metres is: a ray that grazes a large leaf frees it all.
+    """
+    is_clear = grid.kind != OCCUPIED
+    for start, end in segments:
+        along = np.linspace(0, 1, int(np.hypot(*(end - start)) / grid.side) + 2)[:, None]
+        is_clear[grid.squares(start + along * (end - start))] = False
+    face = connected(cell_keys(grid.places(), lines), is_clear, 1)
+    count = face.max() + 1
+    size, seen = (np.bincount(face[k & is_clear], minlength=count) for k in (is_clear, grid.seen))
+    is_outer = np.isin(np.arange(len(size)), [*face[0], *face[-1], *face[:, 0], *face[:, -1]])
+    is_whole, is_small = ~is_outer & (2 * seen >= size), is_outer & (seen * grid.side**2 < least)
+    kind = np.where(is_clear & is_whole[face], FREE, grid.kind)
+    kind[is_clear & is_small[face] & grid.seen] = UNKNOWN
+    return grid._replace(kind=kind)
 
 
 class Run(NamedTuple):
@@ -151,17 +173,14 @@ def unseen_border(grid: Grid, labels: Indices, least: float) -> Array:
 
     Stretches below `least`, metres, do not count.
     """
-    beside = scipy.ndimage.minimum_filter(grid.kind, 3) == UNKNOWN
-    near_walls = scipy.ndimage.maximum_filter(grid.kind, BESIDE_STEPS + 1) == OCCUPIED
-    beside &= (labels >= 0) & ~near_walls
+    beside = (scipy.ndimage.minimum_filter(grid.kind, 3) == UNKNOWN) & (labels >= 0)
+    beside[scipy.ndimage.maximum_filter(grid.kind, BESIDE_STEPS + 1) == OCCUPIED] = False
     stretch = scipy.ndimage.label(beside, np.ones((3, 3)))[0]
     beside &= np.bincount(stretch.ravel())[stretch] * grid.side >= least
     return np.bincount(labels[beside], minlength=labels.max() + 1).astype(np.float64) * grid.side
 
 
-def edges_between(
-    lines: list[Line], grid: Grid, cells: Indices, door: tuple[float, float], band: float
-) -> Edges:
+def edges_between(lines: list[Line], grid: Grid, cells: Indices, door: Array, band: float) -> Edges:
     """What lies between the cells on both sides of each line, square by square."""
     corners = grid.places()[[0, 0, -1, -1], [0, -1, 0, -1]]
     squares, runs, keys = list[Indices](), list[Run](), cell_keys(grid.places(), lines)
@@ -212,12 +231,7 @@ def crossed(line: Line, walls: list[tuple[Line, Array]]) -> Array:
 
 
 def _open_run(
-    line: int,
-    at: Array,
-    covered: Mask,
-    crossings: Array,
-    ends: list[int],
-    door: tuple[float, float],
+    line: int, at: Array, covered: Mask, crossings: Array, ends: list[int], door: Array
 ) -> Run:
     """The open run from the first of its squares to the last."""
     side, kinds, jambs, shut = float(at[1] - at[0]), list[str](), list[float](), np.ones(2, bool)
@@ -235,9 +249,9 @@ def _open_run(
         jamb &= size >= SHORTEST_ALONE_M or bool(meets.any())
         kinds += ["a jamb"] if jamb else ["a cross wall"] * bool(walls.any())
         jambs.append(float(at[inner] + way * side * (start * jamb + 0.5)))
-    mouth, widest = bool(shut.any()), door[1]
+    mouth, widest = bool(shut.any()), float(door[1])
     if not mouth and "a cross wall" in kinds:  # else the end of a wall in a room
         widest = min(widest, WIDEST_LEAF_M)
-    fits = not shut.all() and len(kinds) == 2 and door[0] <= high - low <= widest
+    fits = not shut.all() and len(kinds) == 2 and float(door[0]) <= high - low <= widest
     words = " and ".join(kinds if fits else ())
     return Run(line, float(low), float(high), words, jambs, mouth)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy
 
 from ..arrays import Array
-from ..quadtree import FREE
 from ..segments import MIN_LENGTH
 from ._cells import SHORTEST_ALONE_M, Grid
 from ._lines import Indices
@@ -28,24 +28,15 @@ STRAIGHT_M = 0.01
 SNAP_M = 0.2
 #: Sides that are on one line are so near to it, metres.
 SAME_LINE_M = 0.05
-#: Between two sides on walls at most so many sides belong to furniture, or to a doorway.
-MOST_BETWEEN = 24
-#: And the ends of the two lie at most so far apart, metres.
-WIDEST_NICHE_M = 3.0
 #: What stands at a wall and reaches farther into a room, metres, is a wall itself where it has a
 #: side as long as one that stands alone.
 DEEPEST_FURNITURE_M = 0.8
 
 
 def room_of(
-    parts: Indices,
-    number: int,
-    box: tuple[slice, ...],
-    grid: Grid,
-    walls: Bounds,
-    doorways: Array,
-    least: float,
-) -> Room:
+    parts: Indices, number: int, box: tuple[slice, ...], grid: Grid, walls: Bounds,
+    doorways: Array, least: float,
+) -> Room:  # fmt: skip
     """The room of the squares in a box that have a number, without a name."""
     shapely, own = shapely_or_hint(), parts[box] == number
 
@@ -62,7 +53,9 @@ def room_of(
     whole = shapely.intersection(whole, shapely.buffer(squares, slit, join_style="mitre"))
     whole, rings = largest(shapely.simplify(whole, SMOOTHED_SQUARES)), list[Array]()
     others = placed(np.argwhere((parts[box] >= 0) & ~own)[:, ::-1])
-    hidden = float((own & (grid.kind[box] != FREE)).sum()) * grid.side**2
+    # Squares along walls that were seen in part are no furniture
+    unseen = scipy.ndimage.binary_opening(own & ~grid.seen[box], np.ones((3, 3), bool))
+    hidden = float(unseen.sum()) * grid.side**2
     for ring in (whole.exterior, *whole.interiors):
         corners = placed(np.array(ring.coords)[:-1] - 0.5)
         corners, area = outline_of(corners, walls, doorways, others, least)
@@ -119,13 +112,11 @@ def outline_of(
     """
     sides, wall = sides_on_walls(ring, walls)
     hidden, steps, refused, corners = 0.0, 2, set[bytes](), corners_of(sides)
-    while steps <= min(MOST_BETWEEN + 1, len(sides) - 2):
-        ends = np.roll([corner[-1] for corner in corners], -steps + 1, axis=0)
-        apart = np.hypot(*(ends - [corner[0] for corner in corners]).T)
+    while steps <= len(sides) - 2:
         normal = normals(sides)
         turn = (normal * np.roll(normal, -steps, axis=0)).sum(1)  # its cosine
         fits = (abs(turn) < np.sin(FACE_TURN_RAD)) | (turn > np.cos(FACE_TURN_RAD))
-        fits &= (np.minimum(wall, np.roll(wall, -steps)) > 0) & (apart <= WIDEST_NICHE_M)
+        fits &= np.minimum(wall, np.roll(wall, -steps)) > 0
         for first in np.flatnonzero(fits):
             window = sides[np.arange(first - 1, first + steps + 2) % len(sides)].tobytes()
             if window in refused:

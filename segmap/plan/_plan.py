@@ -22,6 +22,7 @@ from ._cells import (
     Edges,
     Grid,
     cell_keys,
+    completed,
     connected,
     edges_between,
     grid_along,
@@ -254,8 +255,9 @@ def floor_plan(
     axes = building_axes(long)
     grid = grid_along(free, float(axes[0]) if len(axes) else 0.0, segments, SQUARE_M)
     lines, run = wall_lines(long, axes, band), np.array([widths[0], opening])
+    grid = completed(grid, lines, segments, least_area)
     cells = connected(cell_keys(grid.places(), lines), grid.kind == FREE, 1)
-    edges = edges_between(lines, grid, cells, (float(widths[0]), float(widths[1])), band)
+    edges = edges_between(lines, grid, cells, widths, band)
     labels, words = find_rooms(grid, cells, edges, kappa, share, run, least_area)
     parts = connected(labels, labels >= 0, LEAST_HOLE_M2 / grid.side**2)
     reasons = [words[labels[parts == k][0]] for k in range(parts.max() + 1)]
@@ -295,7 +297,7 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
         for opening in openings
         if opening.rooms[0] >= 0
     ]
-    away = len(openings) - len(doors)
+    away = sum(one.rooms[0] < 0 and bool(grid.seen[grid.squares(one.place)]) for one in openings)
     before = find_doors(base.edges, base.lines, grid, base.parts)
     unplaced += [f"{k} ({why})" for k in edits if (why := k.on_doors(doors, before, draft))]
     for door in doors:

@@ -15,6 +15,7 @@ from ..reduction import Reduction
 from ..segments import MIN_LENGTH, angle, length, midpoint
 from ._cells import BRIDGED_M, SHORTEST_ALONE_M, Grid, Mask
 from ._lines import Indices, merged_spans
+from ._polygons import shapely_or_hint
 
 #: Parallel looks within this distance, metres, with one free side are one face.
 FACE_BAND_M = 0.12
@@ -118,12 +119,20 @@ def normals(segments: Array) -> Array:
 
 
 def free_sides(segments: Array, grid: Grid) -> Indices:
-    """The free side of segments, 1 left, -1 right, 0 for both or neither, `(n,)`."""
-    share = np.linspace(0.1, 0.9, 9)[:, None, None]
+    """The free side of segments, 1 left, -1 right, 0 for both or neither, `(n,)`.
+
+    What another segment hides from one, such as the other face of a thin wall, is not beside it.
+    """
+    shapely, share = shapely_or_hint(), np.linspace(0.1, 0.9, 9)[:, None, None]
     points = segments[:, 0] + share * (segments[:, 1] - segments[:, 0])
-    off = np.array(FREE_SIDE_M)[:, None, None, None] * normals(segments)
-    left_share, right_share = ((grid.at(points + k * off) == FREE).mean((0, 1)) for k in (1, -1))
-    return np.sign(left_share - right_share).astype(np.int64)
+    off = np.multiply.outer([LEAST_FACE_BAND_M, *FREE_SIDE_M], normals(segments))[:, None]
+    ends = points + np.stack([off, -off])  # (sides, distances, shares, segments, 2)
+    starts = np.broadcast_to(ends[:, :1], ends[:, 1:].shape)
+    looks = shapely.linestrings(np.stack([starts, ends[:, 1:]], -2).reshape(-1, 2, 2))
+    look, other = shapely.STRtree(shapely.linestrings(segments)).query(looks, "intersects")
+    is_free = grid.at(ends[:, 1:]).ravel() == FREE
+    is_free[look[look % len(segments) != other]] = False
+    return np.sign(np.diff(is_free.reshape(2, -1, len(segments)).sum(1)[::-1], axis=0)[0])
 
 
 def straight_faces(segments: Array, grid: Grid) -> tuple[Array, Indices, Array, Indices]:
