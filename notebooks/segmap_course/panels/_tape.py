@@ -27,7 +27,7 @@ class TapePanel(LessonPanel):
     >>> panel = TapePanel()
     >>> panel.map.value = "C"
     >>> panel.metres.value
-    '12.30 m from wall to wall'
+    '12.29 m from wall to wall'
     """
 
     map = pick(("D", "C", "B", "A"))
