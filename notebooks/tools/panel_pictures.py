@@ -110,7 +110,7 @@ for _moves in _wanted:
     _shown = {panel}._repr_mimebundle_()
     if isinstance(_shown, tuple):  # of a widget that draws itself: with metadata
         _shown = _shown[0]
-    elif {panel}.picture.value:  # what a browser with a kernel is given is finer
+    elif hasattr({panel}, "picture") and {panel}.picture.value:  # finer, for who has a kernel
         _shown["image/png"] = bytes({panel}.picture.value)
     _display({{k: _shown[k] for k in ("image/png", "text/plain")}}, raw=True)
 """
