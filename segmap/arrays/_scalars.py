@@ -230,9 +230,8 @@ def is_masked(value: object) -> bool:
     """Whether part of an array, or of one in a list, is masked: numpy would lay it bare."""
     if isinstance(value, list | tuple):
         return any(isinstance(each, np.ndarray) and is_masked(each) for each in value)
-    if type(value) is np.ndarray or not isinstance(value, np.ndarray):
-        return False  # without numpy.ma, which takes long to import
-    return bool(np.ma.is_masked(value))
+    is_plain = type(value) is np.ndarray or not isinstance(value, np.ndarray)
+    return not is_plain and np.ma.is_masked(value)  # numpy.ma takes long to import
 
 
 def is_iterable(value: object) -> bool:
