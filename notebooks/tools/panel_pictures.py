@@ -61,7 +61,7 @@ STATES: dict[str, list[str]] = {
     "25-1": ["beams=*"],
     "26-1": ["", "score='distance', turn=*"],
     "27-1": ["step=*"],
-    "28-1": ["", "do(plan.Join((8.2,0.8),(0.6,2.6)))", "do(plan.Join((8.2,0.8),(0.7,8.0)))"],
+    "28-1": ["", "do(plan.Join((8.2,0.8),(4.5,8.1)))"],
     "29-1": ["", *9 * ["run(10)"]],
     "51-1": ["", "run()", "method='hybrid', run()", "method='fusion', run()"],
     "51-2": ["", "least=0.5, run()"],
@@ -86,9 +86,10 @@ STEPS = 9
 #: Run behind the cell that shows the panel: each state becomes an output.
 MOVE = """
 from IPython.display import display as _display
+_panel = {panel}
 def _each(moves):
     first, _, name = moves.removesuffix("=*").rpartition(", ")
-    control = getattr({panel}, name)
+    control = getattr(_panel, name)
     if hasattr(control, "options"):
         values = [o[1] if isinstance(o, tuple) else o for o in control.options]
     else:
@@ -101,17 +102,17 @@ for _moves in _wanted:
     for _move in filter(None, _moves.split(", ")):
         _name, _, _value = _move.partition("=")
         if not _value:
-            eval(f"{panel}.{{_name}}")
+            eval(f"_panel.{{_name}}")
         elif "[" in _name:
             _name, _, _key = _name.partition("[")
-            getattr({panel}, _name)[eval(_key[:-1])].value = eval(_value)
+            getattr(_panel, _name)[eval(_key[:-1])].value = eval(_value)
         else:
-            getattr({panel}, _name).value = eval(_value)
-    _shown = {panel}._repr_mimebundle_()
+            getattr(_panel, _name).value = eval(_value)
+    _shown = _panel._repr_mimebundle_()
     if isinstance(_shown, tuple):  # of a widget that draws itself: with metadata
         _shown = _shown[0]
-    elif hasattr({panel}, "picture") and {panel}.picture.value:  # finer, for who has a kernel
-        _shown["image/png"] = bytes({panel}.picture.value)
+    elif hasattr(_panel, "picture") and _panel.picture.value:  # finer, for who has a kernel
+        _shown["image/png"] = bytes(_panel.picture.value)
     _display({{k: _shown[k] for k in ("image/png", "text/plain")}}, raw=True)
 """
 
