@@ -51,6 +51,7 @@ def room_of(
     for by in (slit, -2 * slit, slit + GROWN_SQUARES):
         whole = shapely.buffer(whole, by, join_style="mitre")
     whole = shapely.intersection(whole, shapely.buffer(squares, slit, join_style="mitre"))
+    whole = squares if whole.is_empty else whole  # all of it is narrower than a slit
     whole, rings = largest(shapely.simplify(whole, SMOOTHED_SQUARES)), list[Array]()
     others = placed(np.argwhere((parts[box] >= 0) & ~own)[:, ::-1])
     # Squares along walls that were seen in part are no furniture
