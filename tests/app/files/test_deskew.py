@@ -159,8 +159,8 @@ def test_beams_stay_as_good_or_bad_as_they_were():
 
 
 # ------------------------------------------------------------- an office, 5.5 turns a second
-def simulated(moving: bool, sensor: Sensor = SPIN) -> Log:
-    rng = np.random.default_rng(1)
+def simulated(moving: bool, sensor: Sensor = SPIN, seed: int = 1) -> Log:
+    rng = np.random.default_rng(seed)
     return simulate(OFFICE, PATH, sensor=sensor, rng=rng, moving=moving)
 
 
@@ -199,15 +199,24 @@ def test_walls_are_as_sharp_as_if_the_robot_had_stopped(still, skewed):
     assert 10 < turned < 15  # and a scan that is not carried may be laid wrong by 5
 
 
-def test_an_order_of_the_beams_that_no_file_knows_is_found(still, skewed):
-    """Catches a sign that is believed, and beams that are turned over where they need not be."""
-    scans = [replace(scan, delays=scan.delays.max() - scan.delays) for scan in skewed]
-    unsure = replace(skewed, order_known=False)
-    for log, said in ((unsure, ""), (replace(unsure, scans=tuple(scans)), TURNED)):
-        found = deskew(log)
-        rms, left, doubt = judged(found)
-        assert found.doubt == doubt == said
-        assert left <= np.ceil(1.1 * still[1]) and rms < 1.2 * still[0]
+def test_an_order_of_the_beams_that_no_file_knows_is_found():
+    """Catches a sign that is believed, and beams that are turned over where they need not be.
+
+    Of one drive the segments left scatter by five: the bounds are those of three drives.
+    """
+    still, carried = [], {"": [], TURNED: []}
+    for seed in (1, 2, 3):
+        still.append(judged(simulated(moving=False, seed=seed))[:2])
+        unsure = replace(simulated(moving=True, seed=seed), order_known=False)
+        scans = [replace(scan, delays=scan.delays.max() - scan.delays) for scan in unsure]
+        for log, said in ((unsure, ""), (replace(unsure, scans=tuple(scans)), TURNED)):
+            found = deskew(log)
+            *figures, doubt = judged(found)
+            assert found.doubt == doubt == said
+            carried[said].append(figures)
+    for figures in carried.values():
+        (rms, left), (rms_still, left_still) = np.mean(figures, 0), np.mean(still, 0)
+        assert left <= 1.1 * left_still and rms < 1.2 * rms_still
 
 
 def test_an_order_that_nothing_shows_is_left_alone():
