@@ -28,6 +28,8 @@ STRAIGHT_M = 0.01
 SNAP_M = 0.2
 #: Sides that are on one line are so near to it, metres.
 SAME_LINE_M = 0.05
+#: What nobody saw is furniture where it is as wide, in squares; less was seen in part, along walls.
+NARROWEST_FURNITURE_SQUARES = 5
 #: What stands at a wall and reaches farther into a room, metres, is a wall itself where it has a
 #: side as long as one that stands alone.
 DEEPEST_FURNITURE_M = 0.8
@@ -54,8 +56,8 @@ def room_of(
     whole = squares if whole.is_empty else whole  # all of it is narrower than a slit
     whole, rings = largest(shapely.simplify(whole, SMOOTHED_SQUARES)), list[Array]()
     others = placed(np.argwhere((parts[box] >= 0) & ~own)[:, ::-1])
-    # Squares along walls that were seen in part are no furniture
-    unseen = scipy.ndimage.binary_opening(own & ~grid.seen[box], np.ones((3, 3), bool))
+    furniture = np.ones((NARROWEST_FURNITURE_SQUARES, NARROWEST_FURNITURE_SQUARES), bool)
+    unseen = scipy.ndimage.binary_opening(own & ~grid.seen[box], furniture)
     hidden = float(unseen.sum()) * grid.side**2
     for ring in (whole.exterior, *whole.interiors):
         corners = placed(np.array(ring.coords)[:-1] - 0.5)

@@ -205,7 +205,7 @@ def planned(there, order=slice(None)):
     """Walls with what stands before them, rooms and doors."""
     plan = plan_of(there, order)
     doors = [there.back(door.ends).mean(0) for door in plan.doors]
-    rooms = [room.area for room in plan.rooms]
+    rooms = [(room.area, room.hidden) for room in plan.rooms]
     lines = np.concatenate([plan.walls.segments, plan.clutter.segments])
     return {"segments": there.back(lines), "rooms": rooms, "doors": doors}
 
@@ -257,7 +257,6 @@ MEMBERS = {
     "deskew": deskewed,
     "quadtree": occupied,
     "plan": planned,
-    "floor that nobody saw": lambda there: {"hidden": [r.hidden for r in plan_of(there).rooms]},
     "doubt of the plan": lambda there: {"doubt": plan_of(there).doubt},
     "on segments": placed(map_of),
     "on a quadtree": placed(tree_of),
@@ -284,7 +283,6 @@ BOUNDS = {
     # Squares lie otherwise: of the quadtree, and of looks at doubled walls.
     **{("quadtree", change): 0.25 for change in (TURNED, QUARTER, MIRRORED)},
     **{("plan", change): 0.1 for change in (TURNED, QUARTER, MIRRORED)},
-    **{("floor that nobody saw", change): 0.2 for change in (TURNED, QUARTER, MIRRORED)},
     ("measures", TURNED): 0.1,
     # Noise is that of neighbours in the order of storing, and of some of the scans.
     ("measures", "turn begins elsewhere"): 1e-3,
