@@ -74,12 +74,12 @@ class Measured(LivePanel):
 
 def parsing(scan: LaserScan, sensor: Any) -> float:
     """Seconds from the bytes of a scan to the scan, made and read again."""
-    request = ScanRequest("MD", sensor.geometry.first, sensor.geometry.last)
+    request = ScanRequest(sensor.geometry.first, sensor.geometry.last)
     met = np.where(scan.codes == 0, np.rint(1000 * np.nan_to_num(scan.ranges, posinf=0)), 0)
     answer = encode_reply(request.text, "99", encode_scan(0, met.astype(int), 3))
     begun = time.perf_counter()
     reply = parse_reply(answer.split(b"\n")[:-2])
-    laser_scan(parse_scan(reply.body, 3), request, sensor.geometry, time=0.0)
+    laser_scan(parse_scan(reply.body, 3), sensor.geometry, time=0.0)
     return time.perf_counter() - begun
 
 

@@ -52,7 +52,7 @@ def turn_of(scan, first: int = 44, most: int = 3900) -> int:
 
 
 #: What a buffer may hold from before: the end of a scan and a piece of an answer.
-STALE_BYTES = b"0AI0AI0AJ0AK\n\nGD00440\n00P\n"
+STALE_BYTES = b"0AI0AI0AJ0AK\n\nMD00440\n00P\n"
 
 
 class Fault(NamedTuple):

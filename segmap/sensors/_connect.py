@@ -12,8 +12,8 @@ from ._protocol import Refused, Reply, SensorError, SensorGone, Silent, parse_re
 IN_FLIGHT = 1.5
 #: So often a command is sent before its answer is given up.
 TRIES = 3
-#: Statuses that say that it is so already: the laser is on, the stream runs.
-ALREADY = {"BM": "02", "MD": "99"}
+#: The status of a scan, which comes for MD where the stream runs already.
+SCAN_STATUS = "99"
 
 
 def connect(lines: Lines) -> None:
@@ -54,7 +54,7 @@ def ask(lines: Lines, command: str, check: Callable[[Reply], object] = lambda re
     for _ in range(TRIES):
         try:
             reply = _send_command(lines, command)
-            if reply.status not in ("00", ALREADY.get(command[:2], "00")):
+            if reply.status not in ("00", SCAN_STATUS):
                 raise Refused(refusal(command, reply.status))
             check(reply)
             return reply

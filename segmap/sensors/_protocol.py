@@ -31,11 +31,10 @@ STATUS = {
     "0M": "the sensor is not ready: it takes some seconds after it was switched on",
     "04": "the last step is beyond what the sensor has",
     "05": "the last step lies before the first",
-    "10": "the laser is off: send BM first",
     "01": "the laser does not work, or a number was malformed",
 }
 _FAULTY = "the sensor reports a hardware fault: switch it off and on, then have it checked"
-_SCAN = re.compile(r"(?:GD|(MD))([0-9]{4})([0-9]{4})01(?(1)0([0-9]{2}))")
+_SCAN = re.compile("MD([0-9]{4})([0-9]{4})010([0-9]{2})")
 _STATUS = re.compile("[0-9A-Z]{2}")
 
 
@@ -117,12 +116,11 @@ def unchecked(line: bytes) -> bytes:
 
 # --------------------------------------------------------------------------- requests
 class ScanRequest(NamedTuple):
-    """A request for scans: of the latest turn, GD, or for a stream of each turn, MD."""
+    """A request for a stream of scans, one a turn: MD, which switches the laser on itself."""
 
-    streams: bool
     first: int
     last: int
-    #: Scans of a stream; 0 goes on until QT.
+    #: Scans of the stream; 0 goes on until QT.
     scans: int = 0
 
     @property
@@ -131,11 +129,10 @@ class ScanRequest(NamedTuple):
 
         Examples
         --------
-        >>> ScanRequest(False, 44, 725).text, ScanRequest(True, 44, 725, 3).text
-        ('GD0044072501', 'MD0044072501003')
+        >>> ScanRequest(44, 725, 3).text
+        'MD0044072501003'
         """
-        steps = f"{self.first:04}{self.last:04}01"
-        return f"MD{steps}0{self.scans:02}" if self.streams else f"GD{steps}"
+        return f"MD{self.first:04}{self.last:04}010{self.scans:02}"
 
     @property
     def steps(self) -> int:
@@ -154,14 +151,13 @@ def parse_request(text: str) -> ScanRequest:
 
     Examples
     --------
-    >>> parse_request("GD0044072501").last
+    >>> parse_request("MD0044072501000").last
     725
     """
     match = _SCAN.fullmatch(text)
     if match is None:
-        raise SensorError(f"{text[:20]!r} is no request for scans, as GD0044072501 is")
-    stream, first, last, scans = match.groups()
-    return ScanRequest(bool(stream), int(first), int(last), int(scans or 0))
+        raise SensorError(f"{text[:20]!r} is no request for scans, as MD0044072501000 is")
+    return ScanRequest(*map(int, match.groups()))
 
 
 # ---------------------------------------------------------------------------- replies
@@ -185,8 +181,8 @@ def encode_reply(echo: str, status: str, body: Iterable[bytes] = (), *, old: boo
 
     Examples
     --------
-    >>> encode_reply("BM", "02"), encode_reply("L1", "0", old=True)
-    (b'BM\n02R\n\n', b'L1\n0\n\n')
+    >>> encode_reply("QT", "00"), encode_reply("L1", "0", old=True)
+    (b'QT\n00P\n\n', b'L1\n0\n\n')
     """
     code = status.encode("ascii")
     return b"\n".join([echo.encode(), code if old else code + checksum(code), *body, b"", b""])
@@ -197,8 +193,8 @@ def parse_reply(lines: Sequence[bytes]) -> Reply:
 
     Examples
     --------
-    >>> parse_reply([b"BM", b"02R"])
-    Reply(echo='BM', status='02', body=())
+    >>> parse_reply([b"QT", b"00P"])
+    Reply(echo='QT', status='00', body=())
     """
     if len(lines) < 2:
         raise SensorError(f"a reply of {len(lines)} lines: expected an echo and a status")

@@ -11,7 +11,7 @@ from typing import Self
 from .. import arrays
 from ..arrays import Seconds, checked
 from ..scans import LaserScan
-from ._connect import ask, connect, laser_off, switch_off
+from ._connect import SCAN_STATUS, ask, connect, laser_off, switch_off
 from ._geometry import check_limits, laser_scan, parse_geometry
 from ._host import HostClock, host_time
 from ._lines import Lines, Port
@@ -90,13 +90,13 @@ class UrgSensor:
         arrays.number(arrays.call_given(clock, "clock"), "clock()", unit="seconds")
         self.delivered = self.dropped = 0
         self.why = ""
-        self._running: ScanRequest | None = None  # the stream that comes
-        self._laser_on = False
+        self._running: ScanRequest | None = None  # the stream that may come
         self._open(port)
 
     def scan(self) -> LaserScan:
-        """The latest turn; the laser goes on for it and stays on."""
-        return self._whole(ScanRequest(False, self.geometry.first, self.geometry.last))
+        """One turn; the laser is on for it alone."""
+        with contextlib.closing(self._turns(1)) as turns:
+            return next(turns)
 
     def scans(self) -> Generator[LaserScan, None, None]:
         """Turn after turn, until the loop is left.
@@ -109,19 +109,12 @@ class UrgSensor:
         SensorError
             Where the sensor is gone or faulty, or nothing whole has come for some time.
         """
-        request = ScanRequest(True, self.geometry.first, self.geometry.last)
-        try:
-            while True:
-                yield self._whole(request)
-        finally:
-            with contextlib.suppress(SensorError):
-                self.stop()
+        return self._turns(0)
 
     def stop(self) -> None:
         """End a stream and switch the laser off."""
-        self._running = None
-        if self._laser_on and self._leave.alive:
-            self._laser_on = False
+        was_running, self._running = self._running, None
+        if was_running and self._leave.alive:
             switch_off(self._lines)
             self._lines.silence(0.02)
 
@@ -141,74 +134,61 @@ class UrgSensor:
         return f"UrgSensor({model}, {open_}, {self.delivered} scans, {self.dropped} dropped)"
 
     # ------------------------------------------------------------------------ scans
+    def _turns(self, count: int) -> Generator[LaserScan, None, None]:
+        """So many turns, 0 without end; then the laser is switched off."""
+        request = ScanRequest(self.geometry.first, self.geometry.last, count)
+        try:
+            while True:
+                yield self._whole(request)
+        finally:
+            with contextlib.suppress(SensorError):
+                self.stop()
+
     def _whole(self, request: ScanRequest) -> LaserScan:
         """The next whole scan; damaged ones are counted, and asked for anew."""
         for _ in range(MOST_FAILURES):
             self._check_open()
-            if self._running is not request:  # something else was asked meanwhile
-                self._begin(request)
-            scan = self._answer(request)
+            if request.scans or self._running is not request:  # another was asked meanwhile
+                self.stop()
+                self._running = request
+                ask(self._lines, request.text)
+            scan = self._answer(request._replace(scans=0))  # it answers with how many are left
             if scan is not None:
                 self.delivered += 1
                 return scan
         raise SensorError(f"no whole scan in {MOST_FAILURES} attempts: {self.why}")
-
-    def _begin(self, request: ScanRequest) -> None:
-        """Start a stream, or ask for a scan; what the sensor was doing before is ended first."""
-        if request.streams or self._running is not None:
-            self.stop()
-        if not request.streams:
-            self._light()
-            self._lines.write(request.text.encode("ascii") + b"\n")
-            return
-        self._laser_on = True
-        ask(self._lines, request.text)
-        self._running = request
-
-    def _light(self) -> None:
-        """Switch the laser on; a SensorError where the sensor is not ready."""
-        if not self._laser_on:
-            ask(self._lines, "BM")
-            self._laser_on = True
 
     def _answer(self, request: ScanRequest) -> LaserScan | None:
         """A scan, or None for what is dropped, which is counted with its reason.
 
         It must come within its turn, one more, its transfer of ten bits a byte, and the timeout.
         """
-        lines, streams = self._lines, request.streams
+        lines = self._lines
         seconds = 2 * self.geometry.turn + 10 * request.size / self.rate + self._timeout
         try:
             answer, strange = lines.reply(request.text.encode("ascii"), seconds)
             arrived = lines.clock()
-            if strange and streams:
+            if strange:
                 self._drop(f"{strange} lines that belong to no scan")
             if answer is None:
                 raise Silent(f"nothing came for {seconds:.2g} s")
             reply = parse_reply(answer)
-            if streams and reply.status == "00":  # the stream was acknowledged again, and late
+            if reply.status == "00":  # the stream was acknowledged again, and late
                 return None
-            if not streams:
-                self._laser_on = reply.status != "10"  # it went off by itself, or BM was lost
             return self._scan(reply, request, arrived)
         except (SensorGone, Refused):
             raise
         except SensorError as error:
             self._drop(str(error))
             if isinstance(error, Silent):  # the next attempt starts again
-                self._running = None
-                self._laser_on &= streams
-            if not streams:
-                lines.silence(lines.quiet / 4)
+                self.stop()
             return None
 
     def _scan(self, reply: Reply, request: ScanRequest, arrived: float) -> LaserScan:
         """The scan that a reply holds; Refused for a status that will stay so."""
         status = reply.status
-        if status != ("99" if request.streams else "00"):
-            lasting = status != "10"
-            if request.streams:
-                lasting = status.isdigit() and (int(status) < 20 or 50 <= int(status) < 98)
+        if status != SCAN_STATUS:
+            lasting = status.isdigit() and (int(status) < 20 or 50 <= int(status) < 98)
             raise (Refused if lasting else SensorError)(refusal(request.text, status))
         met = parse_scan(reply.body, CHARACTERS)
         count = len(met.millimetres)

@@ -93,7 +93,7 @@ def test_the_panel_tells_of_a_lost_sensor():
         panel = LivePanel(sensor)
         panel.start.click()
         wait_for(lambda: panel.taken)
-        emulator.unplug()
+        emulator.stop()
         wait_for(lambda: "the sensor is gone" in panel.state.value)
         panel.stop.click()
         assert panel.taken and "live map" not in [each.name for each in threading.enumerate()]

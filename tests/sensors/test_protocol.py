@@ -21,7 +21,6 @@ from segmap.sensors._protocol import (
     encode_scan,
     parse_info,
     parse_reply,
-    parse_request,
 )
 
 # ---------------------------------------------------------------------------- coding
@@ -71,7 +70,8 @@ def test_the_capture_byte_by_byte():
         body = list(reply.body)
         if reply.echo.startswith("GD"):
             met = parse_scan(body, 3)
-            assert len(met.millimetres) == parse_request(reply.echo).steps == 677
+            first, last = int(reply.echo[2:6]), int(reply.echo[6:10])
+            assert len(met.millimetres) == last - first + 1 == 677
             body, scans = encode_scan(met.clock, met.millimetres, 3), scans + 1
         elif body:
             body = encode_info(parse_info(body))
@@ -134,10 +134,10 @@ def test_no_flipped_bit_moves_the_geometry():
 
 def test_no_flipped_bit_makes_another_status():
     """Catches "p0", whose sum is that of "00": a refusal that the sensor never gave."""
-    assert parse_reply([b"BM", b"00P"]).status == "00"
+    assert parse_reply([b"VV", b"00P"]).status == "00"
     for status in flipped(b"00P"):
         with pytest.raises(SensorError, match=r"check sum|no status"):
-            parse_reply([b"BM", status])
+            parse_reply([b"VV", status])
 
 
 CANNOT_BE = [dict(ARES="0"), dict(AMIN="x"), dict(AMAX="9999"), dict(SCAN="0"), dict(AFRT="1024")]
@@ -191,16 +191,16 @@ class Said:
 
 def test_silence_forgets_what_was_heard_before():
     """Catches an old answer, or half a line, that is taken for the answer to the next request."""
-    port = Said(b"BM\n00P\n\nGD0044072501\n00P\nhalf a li")
+    port = Said(b"VV\n00P\n\nMD0044072501000\n00P\nhalf a li")
     lines = Lines(port, lambda: port.now)
-    assert lines.reply(b"BM", 0.5) == ([b"BM", b"00P"], 0)
-    assert lines.kept.startswith(b"GD0044072501")
+    assert lines.reply(b"VV", 0.5) == ([b"VV", b"00P"], 0)
+    assert lines.kept.startswith(b"MD0044072501000")
     assert lines.silence(0.1)
     port.left = b"QT\n00P\n\n"
     assert lines.line(0.5) == b"QT"
-    port.left = b"BM\n" + 200 * b"0\n"
+    port.left = b"VV\n" + 200 * b"0\n"
     with pytest.raises(SensorError, match="its end was lost"):
-        lines.reply(b"BM", 0.5)
+        lines.reply(b"VV", 0.5)
 
 
 class Answers(Said):

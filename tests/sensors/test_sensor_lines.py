@@ -54,15 +54,14 @@ class Linked(Emulator):
     def __init__(self, *world, link, **settings):
         self.link = link
         super().__init__(*world, **settings)
-        link.symlink_to(self._end.name)
 
     @property
     def port(self):
         return str(self.link)
 
-    def replug(self):
-        super().replug()
-        self.link.unlink()
+    def start(self):
+        super().start()
+        self.link.unlink(missing_ok=True)
         self.link.symlink_to(self._end.name)
 
 
@@ -164,22 +163,19 @@ def interrupt(sensor):
 
 
 def forget(sensor):
-    """Its laser is on after one scan, and there is no stream whose end would switch it off."""
-
-
-def forget_the_stream(sensor):
-    next(sensor.scans())
+    """Its laser is on, and so it stays while anybody holds the stream."""
 
 
 def test_the_laser_is_off_and_the_port_free(line):
     with line.emulator() as emulator:
-        for leave in (crash, interrupt, forget, forget_the_stream, UrgSensor.close):
+        for leave in (crash, interrupt, forget, UrgSensor.close):
             sensor = of(emulator)
-            line.turn(sensor.scan())
+            stream = sensor.scans()
+            line.turn(next(stream))
             assert emulator.unit.laser
             with contextlib.suppress(ZeroDivisionError, KeyboardInterrupt):
                 leave(sensor)
-            del sensor
+            del sensor, stream
             wait_for(lambda: not emulator.unit.laser)
             assert emulator.unit.stream is None
 
@@ -190,10 +186,10 @@ def test_unplugged_or_silent_is_an_error(line):
         with of(emulator) as sensor:
             stream = sensor.scans()
             next(stream)
-            emulator.unplug()
+            emulator.stop()
             with pytest.raises(SensorError, match="plug it in"):
                 list(stream)
-        emulator.replug()
+        emulator.start()
         with of(emulator, timeout=0.1) as sensor:
             emulator.inject("silence", seconds=60)
             with pytest.raises(SensorError, match="no answer to"):

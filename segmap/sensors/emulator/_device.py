@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import select
 import threading
-import weakref
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 from .._protocol import SensorError
 
@@ -14,16 +13,6 @@ from .._protocol import SensorError
 READ_PIECE_BYTES = 4096
 #: The thread looks at the clock so often, seconds.
 TICK = 0.005
-
-
-class Speaker(Protocol):
-    """A sensor without its wire: bytes in, bytes out."""
-
-    def receive(self, data: bytes) -> None:
-        """Take bytes of the host."""
-
-    def transmit(self) -> bytes:
-        """What it has to send by now."""
 
 
 class Terminal:
@@ -70,29 +59,41 @@ class Terminal:
             return 0
 
 
-class Device:
-    """A line and the thread that serves it; it holds no reference to its emulator."""
+class PluggedIn:
+    """A unit at one end of a line, and the thread that serves it: `port` is what to open.
 
-    def __init__(self, unit: Speaker, end: Any) -> None:
-        self.unit, self.end = unit, end
+    The unit takes bytes of the host, `receive(bytes)`, and has some to send, `transmit()`.
+    """
+
+    #: What makes the line.
+    line: Any = Terminal
+
+    def __init__(self, unit: Any) -> None:
+        self.unit, self._end = unit, self.line()
         self._thread: threading.Thread | None = None
         self._stopping = threading.Event()
         self._failure: Exception | None = None
+        self.start()
+
+    @property
+    def port(self) -> str:
+        """What to open; after another start it may have another name."""
+        return str(self._end.name)
 
     def start(self) -> None:
         """Open the line and serve it in a thread until `stop`."""
-        self.end.open()
+        self._end.open()
         self._stopping.clear()
         self._thread = threading.Thread(target=self._run, name="URG emulator", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread and cut the line, and raise what ended it; then a call does nothing."""
+        """End the thread and cut the line, as who pulls it out; raises what ended it, once."""
         self._stopping.set()
-        if self._thread is not None and self._thread is not threading.current_thread():
+        if self._thread is not None:
             self._thread.join()
             self._thread = None
-        self.end.close()
+        self._end.close()
         failure, self._failure = self._failure, None
         if failure is not None:
             raise failure
@@ -102,46 +103,15 @@ class Device:
         waiting = b""  # could not be written yet
         try:
             while not self._stopping.is_set():
-                self.end.wait(TICK, writing=bool(waiting))
-                self.unit.receive(self.end.read())
+                self._end.wait(TICK, writing=bool(waiting))
+                self.unit.receive(self._end.read())
                 waiting = waiting or self.unit.transmit()
-                waiting = waiting[self.end.write(waiting) :]
+                waiting = waiting[self._end.write(waiting) :]
         except EOFError:  # it was pulled out
-            self.end.close()
+            self._end.close()
         except Exception as error:
             self._failure = error
-            self.end.close()
-
-
-class PluggedIn:
-    """A unit behind the end of a line that is served: `port` is what to open."""
-
-    #: What makes the line.
-    line: Any = Terminal
-
-    def __init__(self, unit: Any) -> None:
-        self.unit, self._end = unit, self.line()
-        self._device = Device(unit, self._end)
-        self._finalizer = weakref.finalize(self, self._device.stop)
-        self._device.start()
-
-    @property
-    def port(self) -> str:
-        """What to open."""
-        return str(self._end.name)
-
-    def unplug(self) -> None:
-        """Pull the sensor out: the device vanishes."""
-        self._device.stop()
-
-    def replug(self) -> None:
-        """Plug it in again; the device may have another name."""
-        self._device.stop()
-        self._device.start()
-
-    def stop(self) -> None:
-        """End the thread and free the device; raises what the world raised, once."""
-        self._finalizer()
+            self._end.close()
 
     def __enter__(self) -> Self:
         return self

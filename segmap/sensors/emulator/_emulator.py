@@ -12,8 +12,7 @@ from ._worlds import furnished_room
 class Emulator(PluggedIn):
     """A sensor without hardware: `port` is the device to open.
 
-    It needs Linux or macOS. A thread answers until `stop`, the end of `with`, or until it is
-    forgotten.
+    It needs Linux or macOS. A thread answers until `stop`, or the end of `with`.
 
     Parameters
     ----------

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import inspect
 import time
-from collections import deque
 from collections.abc import Callable
-from functools import partial
 from typing import Annotated, Literal
 
 import numpy as np
@@ -75,7 +73,6 @@ class Unit:
         self.stream: ScanRequest | None = None
         self.received: list[str] = []
         self._next_turn, self._line = 0, b""
-        self._late: deque[tuple[float, Callable[[], bytes]]] = deque()
         self._out, self._sent_at = b"", 0.0
 
     def now(self) -> float:
@@ -97,10 +94,8 @@ class Unit:
     def transmit(self) -> bytes:
         """What it has to send by now, no more than its bit rate lets through."""
         now = self.now()
-        while self._late and self._late[0][0] <= now:
-            self._out += self._late.popleft()[1]()
         if self.stream and not self._out and self.turn() >= self._next_turn:
-            self._out += self._stream_scan(self.stream)
+            self._out += self._scan(self.stream)
         allowed = len(self._out)
         if self.rate is not None:
             allowed = int((now - self._sent_at) * self.rate / 10)
@@ -124,24 +119,9 @@ class Unit:
     def _do_pp(self, text: str) -> bytes:
         return encode_reply(text, "00", encode_info(LIMITS))
 
-    def _do_bm(self, text: str) -> bytes:
-        status = "02" if self.laser else "00"
-        self.laser = True
-        return encode_reply(text, status)
-
     def _do_qt(self, text: str) -> bytes:
         self.laser, self.stream = False, None
-        self._late.clear()
         return encode_reply(text, "00")
-
-    def _do_gd(self, text: str) -> bytes:
-        """Commands are served about once a turn: the answer waits for the end of this one."""
-        request, status = _scan_request(text)
-        if request is None or not self.laser:
-            return encode_reply(text, status or "10")
-        when = (self.turn() + 2) * TURN_S
-        self._late.append((when, partial(self._scan, request, "00")))
-        return b""
 
     def _do_md(self, text: str) -> bytes:
         request, status = _scan_request(text)
@@ -149,22 +129,18 @@ class Unit:
             self.stream, self.laser, self._next_turn = request, True, self.turn() + 2
         return encode_reply(text, status or "00")
 
-    def _stream_scan(self, request: ScanRequest) -> bytes:
-        self._next_turn = self.turn() + 1
-        remaining = request._replace(scans=max(request.scans - 1, 0))
+    def _scan(self, request: ScanRequest) -> bytes:
+        """The reply with the turn that was finished last; status 50 where it is in `trouble`."""
+        turn, remaining = self.turn(), request._replace(scans=max(request.scans - 1, 0))
+        self._next_turn = turn + 1
         self.stream = remaining if request.scans != 1 and not self.trouble else None
         self.laser = self.stream is not None
-        return self._scan(remaining, "99")
-
-    def _scan(self, request: ScanRequest, status: str) -> bytes:
-        """The reply with the turn that was finished last; status 50 where it is in `trouble`."""
         if self.trouble:
-            return encode_reply(request.text, "50")
-        turn = self.turn()
+            return encode_reply(remaining.text, "50")
         steps = arrays.row(self.world(turn), "world", STEPS).astype(np.int64)
         stamp = self.stamp + round(1000 * TURN_S * turn)
         body = encode_scan(stamp, steps[request.first : request.last + 1], CHARACTERS)
-        return encode_reply(request.text, status, body)
+        return encode_reply(remaining.text, "99", body)
 
 
 def _scan_request(text: str) -> tuple[ScanRequest | None, str]:
