@@ -28,6 +28,8 @@ PERPENDICULAR = 1e-9
 SAME = 1e-9
 #: A 2.7.10: what remains of a match value for each T_p between two segments that do not meet.
 FADING = 0.95
+#: A point of a line, metres, and its unit direction.
+Line = tuple[float, float, float, float]
 #: Thresholds of a match: distance, far and long in metres, and whether D is of whole segments.
 Rule = tuple[float, float, float, bool]
 
@@ -63,6 +65,21 @@ def turn_between(a: float, b: float) -> float:
 def length_of(s: Array) -> float:
     """Length of one segment, (2, 2), metres."""
     return np.hypot(s[1, 0] - s[0, 0], s[1, 1] - s[0, 1])
+
+
+@compiled
+def line_through(s: Array) -> Line:
+    """The line from the first end of a segment, (2, 2), to the other: one with a length."""
+    x, y, size = s[0, 0], s[0, 1], length_of(s)
+    return x, y, (s[1, 0] - x) / size, (s[1, 1] - y) / size
+
+
+@compiled
+def seen_from(line: Line, s: Array) -> tuple[float, float, float, float]:
+    """Metres along a line and to the left of it: of one end of a segment, (2, 2), and the other."""
+    x, y, dx, dy = line
+    px, py, qx, qy = s[0, 0] - x, s[0, 1] - y, s[1, 0] - x, s[1, 1] - y
+    return px * dx + py * dy, py * dx - px * dy, qx * dx + qy * dy, qy * dx - qx * dy
 
 
 @compiled
@@ -147,12 +164,9 @@ def _common(s: Array, a: Array, i: int, t: Array, j: int, far: float) -> tuple[f
     The length of i that it covers when projected on it; how far it lies off the line of i there
     (infinite where all of it is farther than `far`); and whether it reaches both sides of the line.
     """
-    x, y, dx, dy = s[i, 0, 0], s[i, 0, 1], a[i, 2], a[i, 3]
-    x0, y0, x1, y1 = t[j, 0, 0] - x, t[j, 0, 1] - y, t[j, 1, 0] - x, t[j, 1, 1] - y
-    v0, v1 = y0 * dx - x0 * dy, y1 * dx - x1 * dy
+    u0, v0, u1, v1 = seen_from((s[i, 0, 0], s[i, 0, 1], a[i, 2], a[i, 3]), t[j])
     if min(v0, v1) > far or max(v0, v1) < -far:
         return 0.0, np.inf, False
-    u0, u1 = x0 * dx + y0 * dy, x1 * dx + y1 * dy
     low, high = max(min(u0, u1), 0.0), min(max(u0, u1), 2 * a[i, 4])
     if high - low <= SAME:
         return 0.0, np.inf, False
@@ -202,9 +216,10 @@ def replace_by_mean(s: Array, a: int, b: int, share: float, direction: float) ->
     dx, dy = np.cos(direction), np.sin(direction)
     x = (1 - share) * (s[a, 0, 0] + s[a, 1, 0]) / 2 + share * (s[b, 0, 0] + s[b, 1, 0]) / 2
     y = (1 - share) * (s[a, 0, 1] + s[a, 1, 1]) / 2 + share * (s[b, 0, 1] + s[b, 1, 1]) / 2
-    (low, high), (begin, end) = span(s[a], x, y, dx, dy), span(s[b], x, y, dx, dy)
+    line = x, y, dx, dy
+    (low, high), (begin, end) = span(s[a], line), span(s[b], line)
     low, high = min(low, begin), max(high, end)
-    place_on_line(s[a], x, y, dx, dy, low, high)
+    place_on_line(s[a], line, low, high)
     return high - low
 
 
@@ -246,25 +261,23 @@ def join_sums(p: Array, q: Array, out: Array) -> None:
 
 
 @compiled
-def span(s: Array, x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
-    """Low and high projection of a segment, (2, 2), on the line through (x, y) along (dx, dy)."""
-    a = (s[0, 0] - x) * dx + (s[0, 1] - y) * dy
-    b = (s[1, 0] - x) * dx + (s[1, 1] - y) * dy
+def span(s: Array, line: Line) -> tuple[float, float]:
+    """Low and high projection of a segment, (2, 2), on a line, metres."""
+    a, _, b, _ = seen_from(line, s)
     return min(a, b), max(a, b)
 
 
 @compiled
 def gap_along(u: Array, v: Array, dx: float, dy: float) -> float:
     """Metres between two segments, (2, 2) each, along a unit direction; below 0 they overlap."""
-    (low, high), (begin, end) = span(u, 0.0, 0.0, dx, dy), span(v, 0.0, 0.0, dx, dy)
+    (low, high), (begin, end) = span(u, (0.0, 0.0, dx, dy)), span(v, (0.0, 0.0, dx, dy))
     return max(low, begin) - min(high, end)
 
 
 @compiled
-def place_on_line(
-    s: Array, x: float, y: float, dx: float, dy: float, low: float, high: float
-) -> None:
-    """Put a segment, (2, 2), on the line through (x, y), from `low` to `high` along (dx, dy)."""
+def place_on_line(s: Array, line: Line, low: float, high: float) -> None:
+    """Put a segment, (2, 2), on a line, from `low` to `high` along it, metres."""
+    x, y, dx, dy = line
     s[0, 0], s[0, 1] = x + low * dx, y + low * dy
     s[1, 0], s[1, 1] = x + high * dx, y + high * dy
 

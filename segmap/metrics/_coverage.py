@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .. import arrays
 from ..arrays import Array, Metres, Radians, Segments, at_most, checked
 from ..compiled import compiled
-from ..kernels import describe
+from ..kernels import describe, seen_from
 
 #: No line is turned farther from another.
 Right = Annotated[Radians, at_most(np.pi / 2)]
@@ -96,15 +96,13 @@ def _insert_span(a: Array, v: Array, distance: float, spans: Array, count: int) 
 
     Whether it does anywhere: the part of it within the strip around the other's line.
     """
-    px, py, qx, qy = v[0, 0] - a[0], v[0, 1] - a[1], v[1, 0] - a[0], v[1, 1] - a[1]
-    p, q = py * a[2] - px * a[3], qy * a[2] - qx * a[3]
+    u, p, w, q = seen_from((a[0], a[1], a[2], a[3]), v)
     start, end = 0.0, 1.0
     if p != q:
         one, other = (-distance - p) / (q - p), (distance - p) / (q - p)
         start, end = max(start, min(one, other)), min(end, max(one, other))
     if start > end or (p == q and abs(p) > distance):
         return False
-    u, w = px * a[2] + py * a[3], qx * a[2] + qy * a[3]
     one, other = u + start * (w - u), u + end * (w - u)
     low, high, k = min(one, other), max(one, other), count
     while k > 0 and spans[k - 1, 0] > low:

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Metres, Segments, checked
 from ..compiled import compiled
-from ..kernels import order_by_first, place_on_line
+from ..kernels import Line, line_through, order_by_first, place_on_line, seen_from
 from ..segments import length
 from ._index import Index, empty_index, enter_all, meeting, take_out
 from ._runner import Indices, Reduction, Rows, Steps, run_offline, run_online
 
-Line = tuple[float, float, float, float]
 Flags = NDArray[np.bool_]
 
 #: Lengths, shifts and gaps closer than this, in metres, are equal: rounding must not choose.
@@ -140,13 +139,9 @@ def _measure(s: Array, j: int, line: Line, wide: float, out: Array, k: int) -> b
 
     False where an end lies farther than `wide` from the line, or one from the other across it.
     """
-    x, y, dx, dy = line
-    v0 = (s[j, 0, 1] - y) * dx - (s[j, 0, 0] - x) * dy
-    v1 = (s[j, 1, 1] - y) * dx - (s[j, 1, 0] - x) * dy
-    if abs(v0) > wide or abs(v1) > wide or abs(v1 - v0) > wide:
+    u0, v0, u1, v1 = seen_from(line, s[j])
+    if max(abs(v0), abs(v1), abs(v1 - v0)) > wide:
         return False
-    u0 = (s[j, 0, 0] - x) * dx + (s[j, 0, 1] - y) * dy
-    u1 = (s[j, 1, 0] - x) * dx + (s[j, 1, 1] - y) * dy
     out[k, 0], out[k, 1] = min(u0, u1), max(u0, u1)
     out[k, 2], out[k, 3] = min(v0, v1), max(v0, v1)
     return True
@@ -159,14 +154,13 @@ def _measure_chain(state: State, line: Line, wide: float, step: float, longest: 
     The longest comes first. Walks both ways from its middle for as long as the collected
     projections reach on, whatever their shift.
     """
-    x, y, dx, dy = line
     s, near, measured, seen = state.s, state.near, state.measured, state.seen
     near[0], seen[longest], count = longest, longest, 1
     _measure(s, longest, line, wide, measured, 0)
     for way in (1, -1):
         reach, at = measured[0, 1], 0.0
         while at <= reach + FUSION_ROUNDING_M:
-            place_on_line(state.piece, x, y, dx, dy, way * at, way * (at + step))
+            place_on_line(state.piece, line, way * at, way * (at + step))
             for k in range(meeting(state.places, state.piece, wide, state.meets)):
                 j = state.meets[k]
                 if seen[j] != longest:
@@ -285,7 +279,7 @@ def _fuse_all(state: State, tolerance: float, step: float, out: Array, parents: 
         while k < len(s) and lengths[falling[k]] >= lengths[falling[head]] - FUSION_ROUNDING_M:
             i = falling[k] if parents[falling[k]] < 0 and falling[k] < i else i
             k += 1
-        dx, dy = (s[i, 1, 0] - s[i, 0, 0]) / lengths[i], (s[i, 1, 1] - s[i, 0, 1]) / lengths[i]
+        _, _, dx, dy = line_through(s[i])
         x, y = (s[i, 0, 0] + s[i, 1, 0]) / 2, (s[i, 0, 1] + s[i, 1, 1]) / 2
         # steps 2 to 5: the strip, parallel to it, with the longest chain
         near = _measure_chain(state, (x, y, dx, dy), wide, step, i)
@@ -293,7 +287,7 @@ def _fuse_all(state: State, tolerance: float, step: float, out: Array, parents: 
         _, start, stop = _chain(state, state.order[:near], 0.0, np.inf)
         shift, low, high = _best_strip(state, state.order[start:stop], near, tolerance)
         # step 6: one segment for the chain
-        place_on_line(out[count], x - shift * dy, y + shift * dx, dx, dy, low, high)
+        place_on_line(out[count], (x - shift * dy, y + shift * dx, dx, dy), low, high)
         for k in range(near):
             if state.chosen[k]:
                 parents[state.near[k]] = count

@@ -10,7 +10,7 @@ import numpy as np
 from .. import arrays
 from ..arrays import Array, Metres, Segments, checked
 from ..compiled import compiled
-from ..kernels import length_of, place_on_line, span
+from ..kernels import length_of, off_segment, place_on_line, span
 from ._hough import hough_line_of
 from ._index import Index, empty_index, enter, meeting, take_out
 from ._runner import Indices, Length, Reduction, Rows, Steps, Turn, run_online
@@ -133,23 +133,10 @@ def empty_map(count: int, distance: float) -> State:
 
 
 @compiled
-def _nearness(new: Array, i: int, walls: Array, b: int) -> float:
-    """A 4.2: smallest of four end-point distances, and of those of ends of i beside b; metres."""
-    least = np.inf
-    dx, dy = walls[b, 1, 0] - walls[b, 0, 0], walls[b, 1, 1] - walls[b, 0, 1]
-    length = np.hypot(dx, dy)
-    for k in range(2):
-        x, y = new[i, k, 0] - walls[b, 0, 0], new[i, k, 1] - walls[b, 0, 1]
-        least = min(least, np.hypot(x, y), np.hypot(x - dx, y - dy))
-        along = x * dx + y * dy
-        if 0.0 <= along <= length * length:
-            least = min(least, abs(x * dy - y * dx) / length)
-    return least
-
-
-@compiled
-def _between(wall: Array, new: Array) -> tuple[float, float]:
-    """Mean of the middles of two `(2, 2)` segments, metres, weighted by their lengths."""
+def _origin(wall: Array, new: Array, pair: bool) -> tuple[float, float]:
+    """Where rho is taken: that of the map, or the mean of both middles, weighted by length."""
+    if not pair:
+        return 0.0, 0.0
     share = length_of(new) / (length_of(wall) + length_of(new)) / 2
     x = (0.5 - share) * (wall[0, 0] + wall[1, 0]) + share * (new[0, 0] + new[1, 0])
     y = (0.5 - share) * (wall[0, 1] + wall[1, 1]) + share * (new[0, 1] + new[1, 1])
@@ -166,14 +153,15 @@ def _nearest_match(state: State, new: Array, i: int, rho: float, theta: float, r
         if pair or abs(abs(lines[b, 0]) - abs(rho)) < distance:
             turns = round((lines[b, 1] - theta) / np.pi)
             sign = 1.0 if turns % 2 == 0 else -1.0
+            x, y = _origin(state.s[b], new[i], pair)
             apart = lines[b, 0] - sign * rho
-            if pair:  # rho of both about a point between them
-                x, y = _between(state.s[b], new[i])
-                apart -= x * (np.cos(lines[b, 1]) - sign * np.cos(theta))
-                apart -= y * (np.sin(lines[b, 1]) - sign * np.sin(theta))
+            apart -= x * (np.cos(lines[b, 1]) - sign * np.cos(theta))
+            apart -= y * (np.sin(lines[b, 1]) - sign * np.sin(theta))
             turn = abs(lines[b, 1] - theta - turns * np.pi)
             if abs(apart) < distance - HYBRID_ROUNDING_M and turn < angle - HYBRID_ROUNDING_M:
-                near = _nearness(new, i, state.s, b)
+                # A 4.2: four end-point distances, and those of ends of i beside b
+                wall, (ax, ay), (bx, by) = state.s[b], new[i, 0], new[i, 1]
+                near = min(off_segment(ax, ay, wall), off_segment(bx, by, wall))
                 tie = abs(near - least) <= HYBRID_ROUNDING_M and best >= 0
                 if b < best if tie else near < least:
                     best, least = b, near
@@ -195,13 +183,13 @@ def _absorb_in_wall(
     nx, ny = np.cos(mean), np.sin(mean)
     old, one = count / (count + 1), sign / (count + 1)
     rho = (count * lines[b, 0] + sign * rho) / (count + 1)
-    if pair:  # the same mean, of rho about a point between them
-        x, y = _between(s[b], new[i])
-        rho += x * (nx - old * np.cos(lines[b, 1]) - one * np.cos(theta))
-        rho += y * (ny - old * np.sin(lines[b, 1]) - one * np.sin(theta))
+    x, y = _origin(s[b], new[i], pair)
+    rho += x * (nx - old * np.cos(lines[b, 1]) - one * np.cos(theta))
+    rho += y * (ny - old * np.sin(lines[b, 1]) - one * np.sin(theta))
     lines[b, 0], lines[b, 1], lines[b, 2] = rho, mean, count + 1
-    (low, high), (begin, end) = span(s[b], 0.0, 0.0, -ny, nx), span(new[i], 0.0, 0.0, -ny, nx)
-    place_on_line(s[b], rho * nx, rho * ny, -ny, nx, min(low, begin), max(high, end))
+    line = rho * nx, rho * ny, -ny, nx
+    (low, high), (begin, end) = span(s[b], line), span(new[i], line)
+    place_on_line(s[b], line, min(low, begin), max(high, end))
     take_out(state.places, b)
     enter(state.places, b, s[b], 0.0)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -72,19 +71,12 @@ def hybrid_fusion(
     def steps(rows: Rows) -> Steps:
         state, s = empty_map(len(rows.segments), distance), rows.segments
         parents = np.empty(len(s), np.int64)
-        moves: list[Indices] = []  # where each segment of the map went at each Fusion
-        borders = [0]  # inputs until then
         for done, (first, stop) in enumerate(rows.scans(), 1):
             add_segments(state, s, first, stop, rule, parents)
             if done % every == 0 or stop == len(s):
-                moves.append(_fuse_map(state, tolerance))
-                borders.append(stop)
+                moved = np.append(_fuse_map(state, tolerance), -1)  # what was dropped stays so
+                parents[:stop] = moved[parents[:stop]]
             yield int(state.used[0])
-        # from the last move back: each costs its own map and its own inputs, not all before
-        carried = np.append(np.arange(len(s)), -1)  # its last element: what was dropped stays so
-        for (first, stop), moved in reversed(list(zip(pairwise(borders), moves, strict=True))):
-            carried = np.append(carried[moved], -1)
-            parents[first:stop] = carried[parents[first:stop]]
         return state.s[: state.used[0]].copy(), parents
 
     return replace(run_online("hybrid_fusion", map, steps), doubt=origin_doubt(map, origin))

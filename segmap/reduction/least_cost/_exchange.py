@@ -26,7 +26,6 @@ from ._fit_kernels import (
     empty_workspace,
     fit_cheapest_line,
     insert_ranked,
-    load_member,
     rounded,
     segment_sums,
 )
@@ -214,8 +213,7 @@ def _refit(state: State, work: Workspace, part: Indices, free: int, limits: Limi
         if state.when[f] < state.tried[n + f]:
             continue
         while i < n:
-            load_member(work, count, i, state.s, state.d)
-            work.caps[count] = state.cost[i, 1]
+            work.who[count], work.caps[count] = i, state.cost[i, 1]
             if count == 0:
                 for j in range(6):
                     work.sums[j] = state.sums[i, j]
@@ -224,7 +222,7 @@ def _refit(state: State, work: Workspace, part: Indices, free: int, limits: Limi
             count, before, i = count + 1, before + state.cost[i, 0], state.ring[i, 0]
         guess, most = state.line[f], before - LEAST_GAIN_SHARE * limits.penalty
         state.now[0] += 1
-        if count and fit_cheapest_line(state.s, work, count, limits, guess, most) < np.inf:
+        if count and fit_cheapest_line(state.s, state.d, work, count, limits, guess, most) < np.inf:
             _copy(state, work.line, free)
             _switch(state, free, limits)
             _switch(state, f, limits)

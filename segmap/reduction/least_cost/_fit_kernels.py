@@ -17,11 +17,14 @@ from ...kernels import (
     ACROSS_WEIGHT,
     ANGULAR_WEIGHT,
     APART_WEIGHT,
+    Line,
     apart,
     mean_line_terms,
     off_segment,
     order_by_first,
     place_on_line,
+    seen_from,
+    span,
 )
 
 Indices = NDArray[np.int64]
@@ -38,9 +41,6 @@ LINE_FIT_ROUNDS = 6
 #: Costs that differ by less are equal, metres: then what was tried first counts.
 EQUAL = 1e-12
 
-#: A point of a line, and its direction.
-Line = tuple[float, float, float, float]
-
 
 class Limits(NamedTuple):
     """Thresholds of `least_cost`: metres, a sine, and prices of a metre missed or invented."""
@@ -54,12 +54,10 @@ class Limits(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """The inputs for which a segment is drawn, side by side, and scratch arrays."""
+    """The inputs for which a segment is drawn, and scratch arrays."""
 
     who: Indices  # (n,) index of the input
     order: Indices  # (n,) spans by where they begin
-    ends: Array  # (n, 4) its end points
-    about: Array  # (n, 5) its middle, direction and half length
     caps: Array  # (n,) what each costs elsewhere: it is charged no more
     spans: Array  # (n, 2) projections of those that are kept
     line: Array  # (2, 2) the segment that was drawn last
@@ -69,7 +67,7 @@ class Workspace(NamedTuple):
 
 def empty_workspace(n: int) -> Workspace:
     """Scratch arrays for n inputs, which cost any price elsewhere."""
-    shapes = (n, 4), (n, 5), n, (n, 2), (2, 2), 5, 6
+    shapes = n, (n, 2), (2, 2), 5, 6
     work = Workspace(*np.empty((2, n), np.int64), *(np.empty(shape) for shape in shapes))
     work.caps[:] = np.inf
     return work
@@ -80,16 +78,6 @@ def segment_sums(d: Array) -> Array:
     whole, (x, y) = 2 * d[:, 4], d[:, 2:4].T
     scatter = (whole**3 / 12 * p for p in (x * x, x * y, y * y))
     return np.column_stack([whole, d[:, :2], *scatter])
-
-
-@compiled
-def load_member(work: Workspace, k: int, i: int, s: Array, d: Array) -> None:
-    """Let input i be member k."""
-    work.who[k] = i
-    for j in range(4):
-        work.ends[k, j] = s[i, j // 2, j % 2]
-    for j in range(5):
-        work.about[k, j] = d[i, j]
 
 
 @compiled
@@ -121,12 +109,10 @@ def assignment_cost(
     Both are described by (n, 5) and (m, 5). Its distance, and the price of the metres that are not
     beside the segment. `inf`, too, where it is above `most`: the slow terms come last.
     """
-    x, y, dx, dy = about[f, 0], about[f, 1], about[f, 2], about[f, 3]
-    px, py, qx, qy = s[i, 0, 0] - x, s[i, 0, 1] - y, s[i, 1, 0] - x, s[i, 1, 1] - y
-    off = max(abs(px * dy - py * dx), abs(qx * dy - qy * dx))
+    dx, dy = about[f, 2], about[f, 3]
+    u, one, v, other = seen_from((about[f, 0], about[f, 1], dx, dy), s[i])
+    low, high, off = min(u, v), max(u, v), max(abs(one), abs(other))
     lost, sine = 2.0 * d[i, 4], abs(d[i, 2] * dy - d[i, 3] * dx)
-    u, v = px * dx + py * dy, qx * dx + qy * dy
-    low, high = min(u, v), max(u, v)
     if off <= limits.distance and sine <= limits.sine and low < high:
         beside = max(min(high, about[f, 4]) - max(low, -about[f, 4]), 0.0)
         lost *= 1.0 - beside / (high - low)
@@ -141,23 +127,22 @@ def assignment_cost(
 
 
 @compiled
-def _reach(work: Workspace, count: int, line: Line) -> tuple[float, float]:
+def _reach(s: Array, members: Indices, line: Line) -> tuple[float, float]:
     """From where to where all members reach along a line, metres."""
-    (x, y, dx, dy), low, high = line, np.inf, -np.inf
-    for k in range(count):
-        one = (work.ends[k, 0] - x) * dx + (work.ends[k, 1] - y) * dy
-        other = (work.ends[k, 2] - x) * dx + (work.ends[k, 3] - y) * dy
-        low, high = min(low, one, other), max(high, one, other)
+    low, high = np.inf, -np.inf
+    for i in members:
+        begin, end = span(s[i], line)
+        low, high = min(low, begin), max(high, end)
     return low, high
 
 
 @compiled
 def _assignment_line_cost(
-    s: Array, work: Workspace, count: int, limits: Limits, line: Line, most: float
+    s: Array, d: Array, work: Workspace, count: int, limits: Limits, line: Line, most: float
 ) -> float:
     """Cost of the segment on a line that spans all members; `inf` from `most` on."""
     (x, y, dx, dy), frame = line, work.frame
-    first, last = _reach(work, count, line)
+    first, last = _reach(s, work.who[:count], line)
     x, y, whole = x + first * dx, y + first * dy, last - first
     if whole < 1e-9:
         return np.inf
@@ -165,25 +150,19 @@ def _assignment_line_cost(
     frame[2], frame[3] = dx, dy
     total, span_count, covered = 0.0, 0, False
     for k in range(count):
-        px, py = work.ends[k, 0] - x, work.ends[k, 1] - y
-        qx, qy = work.ends[k, 2] - x, work.ends[k, 3] - y
-        one, other = px * dy - py * dx, qx * dy - qy * dx
+        i = work.who[k]
+        u, one, v, other = seen_from((x, y, dx, dy), s[i])
         off, near = max(abs(one), abs(other)), min(abs(one), abs(other))
         if off > HARD * limits.distance:
             return np.inf
-        u, v = px * dx + py * dy, qx * dx + qy * dy
         low, high = min(u, v), max(u, v)
         if one * other < 0.0 and (low < near or whole - high < near):  # an end of it is nearer
-            i = work.who[k]
             near = min(near, off_segment(x, y, s[i]))
             near = min(near, off_segment(x + whole * dx, y + whole * dy, s[i]))
-        angular, across = mean_line_terms(work.about[k], frame)
+        angular, across = mean_line_terms(d[i], frame)
         cost = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across + APART_WEIGHT * near
-        if (
-            off > limits.distance
-            or abs(dx * work.about[k, 3] - dy * work.about[k, 2]) > limits.sine
-        ):
-            cost += limits.missed * 2.0 * work.about[k, 4]
+        if off > limits.distance or abs(dx * d[i, 3] - dy * d[i, 2]) > limits.sine:
+            cost += limits.missed * 2.0 * d[i, 4]
         elif not covered:
             work.spans[span_count, 0], work.spans[span_count, 1] = low, high
             covered = low <= limits.gap and high >= whole - limits.gap
@@ -204,7 +183,7 @@ def _assignment_line_cost(
 
 @compiled
 def fit_cheapest_line(
-    s: Array, work: Workspace, count: int, limits: Limits, guess: Array, most: float
+    s: Array, d: Array, work: Workspace, count: int, limits: Limits, guess: Array, most: float
 ) -> float:
     """Leave the segment of least cost for the members in `work.line`; its cost, `inf`: too dear.
 
@@ -213,16 +192,16 @@ def fit_cheapest_line(
     """
     theta = np.arctan2(2.0 * work.sums[4], work.sums[3] - work.sums[5]) / 2.0
     line = work.sums[1], work.sums[2], np.cos(theta), np.sin(theta)
-    best = _assignment_line_cost(s, work, count, limits, line, most)
+    best = _assignment_line_cost(s, d, work, count, limits, line, most)
     mx, my = (guess[0, 0] + guess[1, 0]) / 2.0, (guess[0, 1] + guess[1, 1]) / 2.0
     along = np.arctan2(guess[1, 1] - guess[0, 1], guess[1, 0] - guess[0, 0])
     other = mx, my, np.cos(along), np.sin(along)
-    cost = _assignment_line_cost(s, work, count, limits, other, min(best - EQUAL, most))
+    cost = _assignment_line_cost(s, d, work, count, limits, other, min(best - EQUAL, most))
     if cost < best:
         best, line, theta = cost, other, along
     if best == np.inf:
         return np.inf
-    low, high = _reach(work, count, line)
+    low, high = _reach(s, work.who[:count], line)
     (x, y, _, _), shift, offset = line, 0.2 * limits.distance, 0.0
     turn, was = min(0.1, 4.0 * shift / max(high - low, 2.0 * shift)), (np.inf, np.inf)
     for _ in range(LINE_FIT_ROUNDS):
@@ -234,12 +213,12 @@ def fit_cheapest_line(
                 continue
             dx, dy = (np.cos(t), np.sin(t)) if k < 2 else (base[2], base[3])
             at = x - o * dy, y + o * dx, dx, dy
-            cost = _assignment_line_cost(s, work, count, limits, at, best - EQUAL)
+            cost = _assignment_line_cost(s, d, work, count, limits, at, best - EQUAL)
             if cost < best:
                 best, line, theta, offset = cost, at, t, o
         was = now
         if (theta, offset) == now:
             turn, shift = turn / 2.0, shift / 2.0
-    low, high = _reach(work, count, line)
-    place_on_line(work.line, line[0], line[1], line[2], line[3], low, high)
+    low, high = _reach(s, work.who[:count], line)
+    place_on_line(work.line, line, low, high)
     return best

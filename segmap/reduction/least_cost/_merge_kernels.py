@@ -19,6 +19,7 @@ from ...kernels import (
     gap_along,
     join_sums,
     length_of,
+    line_through,
     mean_line_terms,
     place_on_line,
     span,
@@ -33,7 +34,6 @@ from ._fit_kernels import (
     Workspace,
     fit_cheapest_line,
     insert_ranked,
-    load_member,
     rounded,
 )
 
@@ -136,24 +136,22 @@ def _estimate(state: State, work: Workspace, entry: int, limits: Limits) -> None
 
     It is what it costs to draw the larger cluster's segment out over the smaller one's.
     """
-    drawn, link, line, pair = state.drawn, state.link, work.frame, entry // 2
+    drawn, link, pair = state.drawn, state.link, entry // 2
     a, b = state.near[entry, 0], state.near[entry ^ 1, 0]
     a, b = min(a, b), max(a, b)
     state.key[pair], state.exact[pair] = np.inf, 0
     members, longer = link[b, 1] - link[a, 1], _second_is_longer(state, a, b)
-    describe_one(drawn[b if longer else a], line)
-    if gap_along(drawn[a], drawn[b], line[2], line[3]) > limits.gap:
+    _, _, dx, dy = line_through(drawn[b if longer else a])
+    if gap_along(drawn[a], drawn[b], dx, dy) > limits.gap:
         return
     big, small = (b, a) if members > 0 or (members == 0 and longer) else (a, b)
-    describe_one(drawn[big], line)
-    low_a, high_a = span(drawn[a], line[0], line[1], line[2], line[3])
-    low_b, high_b = span(drawn[b], line[0], line[1], line[2], line[3])
-    low, high = min(low_a, low_b), max(high_a, high_b)
-    place_on_line(work.line, line[0], line[1], line[2], line[3], low, high)
-    describe_one(work.line, line)
+    line = line_through(drawn[big])
+    (low_a, high_a), (low_b, high_b) = span(drawn[a], line), span(drawn[b], line)
+    place_on_line(work.line, line, min(low_a, low_b), max(high_a, high_b))
+    describe_one(work.line, work.frame)
     total, i = -state.sums[small, 6], link[small, 2]
     while i >= 0 and total <= ESTIMATE_PENALTIES * limits.penalty:
-        total += distance_below(state.s[i], work.line, state.d[i], line, np.inf)
+        total += distance_below(state.s[i], work.line, state.d[i], work.frame, np.inf)
         i = state.after[i]
     if total <= ESTIMATE_PENALTIES * limits.penalty:
         state.key[pair] = rounded(max(total, 0.0) / ESTIMATE_RATIO)
@@ -167,10 +165,10 @@ def _fit_pair(state: State, work: Workspace, a: int, b: int, limits: Limits) -> 
     for c in (a, b):
         i = state.link[c, 2]
         while i >= 0:
-            load_member(work, count, i, state.s, state.d)
+            work.who[count] = i
             i, count = state.after[i], count + 1
     long = state.drawn[b if _second_is_longer(state, a, b) else a]
-    return fit_cheapest_line(state.s, work, count, limits, long, most)
+    return fit_cheapest_line(state.s, state.d, work, count, limits, long, most)
 
 
 @compiled

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import SAME, length_of
+from ...kernels import SAME, length_of, line_through, seen_from
 from .._index import Index, enter, meeting
 
 Indices = NDArray[np.int64]
@@ -38,24 +38,19 @@ class Looks(NamedTuple):
 @compiled
 def _overlap_of(s: Array, i: int, j: int) -> tuple[float, float, float, float]:
     """Where look j lies beside look i: from and to along i, and its offset there; metres."""
-    whole = length_of(s[i])
-    x, y = s[i, 0, 0], s[i, 0, 1]
-    dx, dy = (s[i, 1, 0] - x) / whole, (s[i, 1, 1] - y) / whole
-    u = (s[j, 0, 0] - x) * dx + (s[j, 0, 1] - y) * dy
-    v = (s[j, 0, 1] - y) * dx - (s[j, 0, 0] - x) * dy
-    run = (s[j, 1, 0] - s[j, 0, 0]) * dx + (s[j, 1, 1] - s[j, 0, 1]) * dy
-    slope = ((s[j, 1, 1] - s[j, 0, 1]) * dx - (s[j, 1, 0] - s[j, 0, 0]) * dy) / run
-    low, high = max(0.0, min(u, u + run)), min(whole, max(u, u + run))
-    return low, high, v + slope * (low - u), v + slope * (high - u)
+    line = line_through(s[i])
+    (u, v, _, _), (_, _, dx, dy) = seen_from(line, s[j]), line
+    x, y = s[j, 1, 0] - s[j, 0, 0], s[j, 1, 1] - s[j, 0, 1]
+    run, rise = x * dx + y * dy, y * dx - x * dy
+    low, high = max(0.0, min(u, u + run)), min(length_of(s[i]), max(u, u + run))
+    return low, high, v + rise / run * (low - u), v + rise / run * (high - u)
 
 
 @compiled
 def _side(looks: Looks, i: int, j: int) -> float:
     """How far the sensor that saw look j is to the left of look i; NaN where nobody knows."""
-    s, sensors = looks.s, looks.sensors
-    x, y = s[i, 0, 0], s[i, 0, 1]
-    area = (s[i, 1, 0] - x) * (sensors[j, 1] - y) - (s[i, 1, 1] - y) * (sensors[j, 0] - x)
-    return area / length_of(s[i])
+    (x, y, dx, dy), place = line_through(looks.s[i]), looks.sensors[j]
+    return dx * (place[1] - y) - dy * (place[0] - x)
 
 
 @compiled
@@ -67,12 +62,11 @@ def find_pairs(looks: Looks, part: Indices) -> Indices:
         size = length_of(s[i])
         if size < LEAST_LOOK_M:
             continue
-        dx, dy = (s[i, 1, 0] - s[i, 0, 0]) / size, (s[i, 1, 1] - s[i, 0, 1]) / size
         for k in range(meeting(looks.places, s[i], PAIR_OFFSET_M, looks.near)):
             j = looks.near[k]
             other = length_of(s[j])
-            cross = (s[j, 1, 1] - s[j, 0, 1]) * dx - (s[j, 1, 0] - s[j, 0, 0]) * dy
-            if looks.scan[i] == looks.scan[j] or abs(cross) > PAIR_TURN_SINE * other:
+            _, v0, _, v1 = seen_from(line_through(s[i]), s[j])
+            if looks.scan[i] == looks.scan[j] or abs(v1 - v0) > PAIR_TURN_SINE * other:
                 continue
             a, b = (i, j) if other <= size + SAME else (j, i)  # along the longer look
             low, high, one, two = _overlap_of(s, a, b)
@@ -111,8 +105,7 @@ def pull(
         low, high, one, two = _overlap_of(s, i, j)
         if high <= low:
             continue
-        whole = length_of(s[i])
-        dx, dy = (s[i, 1, 0] - s[i, 0, 0]) / whole, (s[i, 1, 1] - s[i, 0, 1]) / whole
+        begin_x, begin_y, dx, dy = line_through(s[i])
         far = max(abs(one), abs(two)) / (2 * sigma)
         weight = (high - low) / (sigma * (1 + far * far)) ** 2
         for side in range(2):
@@ -120,7 +113,7 @@ def pull(
             sign = 1.0 if side == 0 else -1.0
             for end in range(2):
                 at, off = (low, one) if end == 0 else (high, two)
-                x, y = s[i, 0, 0] + at * dx - centre[k, 0], s[i, 0, 1] + at * dy - centre[k, 1]
+                x, y = begin_x + at * dx - centre[k, 0], begin_y + at * dy - centre[k, 1]
                 row[0], row[1], row[2] = -dy, dx, x * dx + y * dy
                 for a in range(3):
                     right[k, a] += weight * sign * off * row[a]

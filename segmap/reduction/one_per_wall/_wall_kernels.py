@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import SAME, length_of, order_by_first, place_on_line, span
+from ...kernels import (
+    SAME,
+    Line,
+    length_of,
+    line_through,
+    order_by_first,
+    place_on_line,
+    seen_from,
+    span,
+)
 from .._index import Index, enter, enter_all, meeting, take_out
 
 Indices = NDArray[np.int64]
@@ -59,22 +68,18 @@ class Walls(NamedTuple):
 
 
 @compiled
-def _gap_is_hidden(walls: Walls, line: Array, low: float, high: float, tolerance: float) -> bool:
-    """Whether something hid a gap, from low to high along a line, and no beam passed through it.
-
-    A line is a point and a unit direction, (4,).
-    """
+def _gap_is_hidden(walls: Walls, line: Line, low: float, high: float, tolerance: float) -> bool:
+    """Whether something hid a gap, from low to high along a line, and no beam passed through it."""
     s, sensors, gap, hidden = walls.s, walls.sensors, np.empty((2, 2)), False
-    x, y, dx, dy = line[0], line[1], line[2], line[3]
-    place_on_line(gap, x, y, dx, dy, low, high)
+    x, y, dx, dy = line
+    place_on_line(gap, line, low, high)
     for k in range(meeting(walls.fans, gap, 0.0, walls.seen)):
         j = walls.seen[k]
         px, py = sensors[j, 0] - x, sensors[j, 1] - y
         from_u, from_v = px * dx + py * dy, py * dx - px * dy
         begin, end, behind, before = np.inf, -np.inf, True, True
-        for e in range(2):
-            u = (s[j, e, 0] - x) * dx + (s[j, e, 1] - y) * dy
-            v = (s[j, e, 1] - y) * dx - (s[j, e, 0] - x) * dy
+        u0, v0, u1, v1 = seen_from(line, s[j])
+        for u, v in ((u0, v0), (u1, v1)):
             if from_v < 0.0:
                 v = -v
             behind, before = behind and v < -tolerance, before and NICHE_DEPTH_M < v < abs(from_v)
@@ -90,22 +95,20 @@ def _gap_is_hidden(walls: Walls, line: Array, low: float, high: float, tolerance
 
 
 @compiled
-def _together(walls: Walls, seed: int, line: Array, tolerance: float) -> tuple[int, int]:
+def _together(walls: Walls, seed: int, line: Line, tolerance: float) -> tuple[int, int]:
     """Order looks that fit a line by where they begin; those that hang together with the seed.
 
     They are `who[order[first:stop]]`.
     """
     s, near, spans, count = walls.s, walls.near, walls.spans, 1
-    x, y, dx, dy = line[0], line[1], line[2], line[3]
-    low, high = span(walls.grown, x, y, dx, dy)
+    low, high = span(walls.grown, line)
     walls.who[0] = seed
-    spans[0, 0], spans[0, 1] = span(s[seed], x, y, dx, dy)
+    spans[0, 0], spans[0, 1] = span(s[seed], line)
     for k in range(meeting(walls.places, walls.grown, HIDDEN_GAP_M + tolerance, near)):
         i = near[k]
-        one = (s[i, 0, 1] - y) * dx - (s[i, 0, 0] - x) * dy
-        other = (s[i, 1, 1] - y) * dx - (s[i, 1, 0] - x) * dy
-        off, rise = max(abs(one), abs(other)), abs(one - other)
-        begin, end = span(s[i], x, y, dx, dy)
+        u0, v0, u1, v1 = seen_from(line, s[i])
+        off, rise = max(abs(v0), abs(v1)), abs(v0 - v1)
+        begin, end = min(u0, u1), max(u0, u1)
         near_by = begin <= high + HIDDEN_GAP_M and end >= low - HIDDEN_GAP_M
         if i != seed and near_by and off <= tolerance and rise <= LOOK_TURN_SINE * length_of(s[i]):
             walls.who[count], spans[count, 0], spans[count, 1] = i, begin, end
@@ -128,15 +131,14 @@ def _together(walls: Walls, seed: int, line: Array, tolerance: float) -> tuple[i
 
 
 @compiled
-def _fit_robust_line(walls: Walls, first: int, stop: int, line: Array, tolerance: float) -> None:
+def _robust_line(walls: Walls, first: int, stop: int, line: Line, tolerance: float) -> Line:
     """The line of total least squares of some looks; those that lie far off it count less."""
     s, weight, sums = walls.s, walls.spans, np.zeros(6)
-    x, y, dx, dy = line[0], line[1], line[2], line[3]
+    x, y, _, _ = line
     for k in range(first, stop):
-        i, off = walls.who[walls.order[k]], 0.0
-        for e in range(2):
-            off = max(off, abs((s[i, e, 1] - y) * dx - (s[i, e, 0] - x) * dy))
-        share = max(1.0 - (off / tolerance) ** 2, 0.0)
+        i = walls.who[walls.order[k]]
+        _, one, _, other = seen_from(line, s[i])
+        share = max(1.0 - (max(abs(one), abs(other)) / tolerance) ** 2, 0.0)
         w = length_of(s[i]) * max(share * share, WEIGHT)
         weight[walls.order[k], 0] = w
         sums[0] += w
@@ -151,18 +153,17 @@ def _fit_robust_line(walls: Walls, first: int, stop: int, line: Array, tolerance
         sums[4] += w * (mx * my + ex * ey / 3)
         sums[5] += w * (my * my + ey * ey / 3)
     theta = np.arctan2(2 * sums[4], sums[3] - sums[5]) / 2
-    line[0], line[1], line[2], line[3] = x, y, np.cos(theta), np.sin(theta)
+    return x, y, np.cos(theta), np.sin(theta)
 
 
 @compiled
-def _draw_span(walls: Walls, first: int, stop: int, line: Array, out: Array) -> None:
+def _draw_span(walls: Walls, first: int, stop: int, line: Line, out: Array) -> None:
     """Draw the segment on a line that spans some looks."""
     low, high = np.inf, -np.inf
     for k in range(first, stop):
-        look = walls.s[walls.who[walls.order[k]]]
-        begin, end = span(look, line[0], line[1], line[2], line[3])
+        begin, end = span(walls.s[walls.who[walls.order[k]]], line)
         low, high = min(low, begin), max(high, end)
-    place_on_line(out, line[0], line[1], line[2], line[3], low, high)
+    place_on_line(out, line, low, high)
 
 
 @compiled
@@ -184,16 +185,13 @@ def enter_looks(walls: Walls) -> None:
 @compiled
 def grow(walls: Walls, seeds: Indices, count: int, tolerance: float) -> int:
     """Let looks that have no wall gather one each, after `count` walls; how many there are."""
-    s, drawn, mark, line = walls.s, walls.drawn, walls.mark, np.empty(4)
+    s, drawn, mark = walls.s, walls.drawn, walls.mark
     for seed in seeds:
         if walls.label[seed] >= 0:
             continue
         stamp = count * (MOST_MEMBER_CHANGES + 1)
-        size, members = length_of(s[seed]), 0
-        line[0], line[1] = s[seed, 0, 0], s[seed, 0, 1]
-        line[2] = (s[seed, 1, 0] - s[seed, 0, 0]) / size
-        line[3] = (s[seed, 1, 1] - s[seed, 0, 1]) / size
-        place_on_line(walls.grown, line[0], line[1], line[2], line[3], 0.0, size)
+        line, members = line_through(s[seed]), 0
+        place_on_line(walls.grown, line, 0.0, length_of(s[seed]))
         for _ in range(MOST_MEMBER_CHANGES):
             first, stop = _together(walls, seed, line, tolerance)
             stamp, same = stamp + 1, members == stop - first
@@ -204,7 +202,7 @@ def grow(walls: Walls, seeds: Indices, count: int, tolerance: float) -> int:
                 mark[i] = stamp
             if same:
                 break
-            _fit_robust_line(walls, first, stop, line, tolerance)
+            line = _robust_line(walls, first, stop, line, tolerance)
             _draw_span(walls, first, stop, line, walls.grown)
         _draw_span(walls, first, stop, line, drawn[count])
         for k in range(first, stop):
@@ -231,14 +229,9 @@ def absorb_weaker(
             b = near[k]
             if b == a or metres[b] < LONGER_RATIO * metres[a] - SAME:
                 continue
-            whole = length_of(drawn[b])
-            x, y = drawn[b, 0, 0], drawn[b, 0, 1]
-            dx, dy = (drawn[b, 1, 0] - x) / whole, (drawn[b, 1, 1] - y) / whole
-            low, high = span(drawn[a], x, y, dx, dy)
-            off = 0.0
-            for e in range(2):
-                off = max(off, abs((drawn[a, e, 1] - y) * dx - (drawn[a, e, 0] - x) * dy))
-            beside = min(high, whole) - max(low, 0.0) >= ABSORBED_OVERLAP * size - SAME
+            u0, v0, u1, v1 = seen_from(line_through(drawn[b]), drawn[a])
+            shared = min(max(u0, u1), length_of(drawn[b])) - max(min(u0, u1), 0.0)
+            off, beside = max(abs(v0), abs(v1)), shared >= ABSORBED_OVERLAP * size - SAME
             if beside and (off < least - SAME or (off <= least + SAME and b < best)):
                 best, least = b, min(off, least)
         if best >= 0:
