@@ -254,7 +254,7 @@ def odd_step(count: int, most: int) -> int:
 
 
 def thinned(points: Array, most: int = SEARCH_POINTS) -> Array:
-    """At most so many of the points `(m, 2)` of a scan, metres, evenly chosen.
+    """At most so many, from two, of the points `(m, 2)` of a scan, metres, evenly chosen.
 
     They are the same whichever end of the scan comes first: those at odd steps can be.
     """

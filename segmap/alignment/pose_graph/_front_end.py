@@ -38,6 +38,9 @@ SEARCH_STEPS = 1.5
 FARTHEST_SEARCH_M = 6.0
 #: Two places that are not the same are equally likely where their scores differ by less.
 ALIKE_SCORES = 0.05
+#: Without odometry the last motion goes on for at most so many times as long as it took: stamps of
+#: scans that waited for the recorder lie close together, and the next ones far apart.
+MOST_STEPS = 2.0
 #: Along a corridor no larger turn is believed, radians.
 CORRIDOR_TURN_RAD = np.radians(60)
 #: After so many lost scans in a row a map begins anew.
@@ -137,6 +140,8 @@ class FrontEnd(Undoable):
         self.first_frame_of_map = 0  # the key frame at which the map began, or began anew
         self.lost_in_a_row = 0  # scans in a row without odometry and match
         self.local: PointMap | None = None
+        #: The last two scans that saw something, and not the same.
+        self.last_motion: tuple[TrackedScan, TrackedScan]
         self.redrawn = False  # whether the scan before the last has changed
 
     def track(self, scan: LaserScan) -> Match:
@@ -149,6 +154,7 @@ class FrontEnd(Undoable):
         self.rows.append(row)
         if len(self.rows) == 1:
             row.unmatched = Unmatched.NONE if len(points) else Unmatched.TOO_LITTLE_SEEN
+            self.last_motion = row, row
             return Match(start, np.eye(3), matched=True)
         before, measured, map = self.rows[-2], self.measured(), self.local
         self.wheels.drive(self.step() if measured else np.full(3, np.nan))
@@ -181,6 +187,10 @@ class FrontEnd(Undoable):
         self.lost_in_a_row = 0 if match.matched else self.lost_in_a_row + 1
         row.pose = match.pose
         row.place = compose(before.place, between(before.pose, match.pose))
+        _, later = self.last_motion
+        copy = np.array_equal(scan.ranges, (later.as_measured or later.scan).ranges)
+        if not copy and row.unmatched is not Unmatched.TOO_LITTLE_SEEN:
+            self.last_motion = later, row
         return match
 
     def _in_motion(self, map: PointMap, match: Match) -> tuple[Match, Array, PointMap]:
@@ -213,12 +223,17 @@ class FrontEnd(Undoable):
         return match, self.points, map
 
     def step(self) -> Array:
-        """Expected motion to the last scan, (3,) array, metres and radians: as `Trail.step`."""
+        """Expected motion to the last scan, (3,) array, metres and radians.
+
+        That of the odometry; without, the last motion goes on for the time that has passed.
+        """
         if self.measured():
             return between(self.rows[-2].odometry, self.rows[-1].odometry)
-        if len(self.rows) < 3:
-            return np.zeros(3)
-        return between(self.rows[-3].place, self.rows[-2].place)
+        earlier, later = self.last_motion
+        took = later.scan.time - earlier.scan.time
+        passed = self.rows[-1].scan.time - self.rows[-2].scan.time
+        times = min(passed / took, MOST_STEPS) if took > 0 and passed >= 0 else 1.0
+        return times * between(earlier.place, later.place)
 
     def measured(self) -> bool:
         """Whether odometry says how the robot came to the last scan."""

@@ -153,7 +153,7 @@ class KeyFrames(Undoable):
         """
         clouds = [self.rows[k].points for k in members]
         if thin:
-            clouds = [thinned(cloud, max(SEARCH_POINTS // len(clouds), 1)) for cloud in clouds]
+            clouds = [thinned(cloud, max(SEARCH_POINTS // len(clouds), 2)) for cloud in clouds]
         counts = np.array([len(cloud) for cloud in clouds], np.int64)
         placed, seen_from = np.empty((2, counts.sum(), 2))
         poses = between(self.poses[origin], self.poses[members])

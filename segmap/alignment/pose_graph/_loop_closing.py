@@ -227,7 +227,9 @@ class LoopCloser(Undoable):
         lost, path = self.lost_since, self.frames.distance
         if lost is None or path[new] - path[lost] > LOST_PATH_M:
             return []
-        descriptors, old = np.array(self.descriptors), min(lost, before)
+        # What lies nearer is seen from the last place: two rooms on a door look alike when turned
+        far = int(np.searchsorted(path, path[new] - self.rules.min_path))
+        descriptors, old = np.array(self.descriptors), min(lost, before, far)
         unlike = np.abs(descriptors[:old] - descriptors[new]).sum(1)
         best = best_of_passes(np.arange(old), unlike)
         return [Window(k, np.zeros(3), LOST_WINDOW_M, np.pi) for k in best]

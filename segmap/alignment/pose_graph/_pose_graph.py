@@ -68,13 +68,13 @@ def pose_graph(
     metre and a radian at a step. Key frames that come back to an old place are searched for there;
     a loop counts only where two others agree with it. The poses fit all steps and loops best, with
     Cauchy weights (Grisetti et al. 2010). Without odometry the last motion is assumed to go
-    on, after a scan that did not match the robot to stand; what fits badly is sought at any
-    heading, and after two lost scans a map begins anew, which only loops tie to the rest.
+    on in time, after a scan that did not match the robot to stand; what fits badly is sought at
+    any heading, and after two lost scans a map begins anew, which only loops tie to the rest.
 
     Parameters
     ----------
     log
-        In the order of recording, from `alignment.prepared`; times do not matter.
+        In the order of recording, from `alignment.prepared`; times matter without odometry alone.
     step, turn
         A key frame is set where the robot has moved this far from the last one: half a metre, since
         doors and desks hide each other from one pose to the next.

@@ -11,10 +11,14 @@ from segmap import load
 from segmap.alignment import Alignment, pose_graph, position_errors
 from segmap.scans import Log
 from segmap.simulation import (
+    URG_04LX,
     OdometryNoise,
     Sensor,
     box,
     drifting_odometry,
+    drive,
+    office,
+    polyline,
     rectangular_room,
     simulate,
 )
@@ -112,3 +116,40 @@ def test_without_wheels_a_hand_turns_no_hall_that_is_called_good(scans):
     log = seen(logs.without_odometry(hall()), range(60, 60 + scans), 0.25)
     found = pose_graph(log)
     assert farthest(found, log) < 0.25 or found.verdict.grade != "good"
+
+
+def test_a_room_behind_a_door_is_not_the_last_one_turned():
+    """Catches two equal rooms that become one, 4.9 m off, where scans in the door are damaged."""
+    left = [(2.55, 4.6), (0, 4.6), (0, 0), (6, 0), (6, 4.6), (3.45, 4.6)]
+    walls = polyline([*left, *((x, 9.45 - y) for x, y in left[::-1])], closed=True)
+    path, rng = drive([(1.5, 1), (3, 2.3), (3, 7.2), (3, 5.3)], step=0.1), np.random.default_rng(0)
+    log = simulate(walls, path, sensor=replace(URG_04LX, sigma=0.01), rng=rng)
+    damaged = range(door := int(np.argmax(path[:, 1] > 4.7)), door + 4)
+    log = logs.changed(log, lambda k, r: rng.uniform(0.3, 3.5, len(r)) if k in damaged else r)
+    assert logs.errors(log, pose_graph(log).poses)[0].max() < 0.3
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_without_odometry_the_motion_goes_on_in_time(seed):
+    """Catches one that goes on scan by scan: where scans are left out, or come twice, rooms that
+    look alike became one, metres off."""
+    stops = [(x, y) for x in (2, 6, 10, 14) for y in (5, 7.5, 5, 2.5, 5)]
+    path = drive([(1, 5), *stops, (15, 5), (1, 5)], step=0.15, turn=0.14)
+    walls, rng = office(rng=np.random.default_rng(1), rooms=4), np.random.default_rng(seed)
+    around = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, sigma=0.01)
+    log = logs.without_odometry(simulate(walls, path, sensor=around, rng=rng))
+    came = np.cumsum(rng.choice([0, 0, 1, 1, 2, 4, 6], len(log)))
+    log = log[came[came < len(log)]]
+    alignment = pose_graph(log)
+    assert alignment.used.all() and logs.errors(log, alignment.poses)[0].max() < 0.05
+
+
+def test_an_empty_scan_between_two_moves_none():
+    """Catches a motion that goes on by a whole step over half of its time: 6 m."""
+    log = logs.without_odometry(load("corridor"))
+    k = len(log) // 2
+    time = (log[k - 1].time + log[k].time) / 2
+    empty = replace(log[k], ranges=np.full(len(log[k]), np.nan), time=time)
+    more = pose_graph(Log(log.name, [*log[:k], empty, *log[k:]])).poses
+    apart = np.delete(more, k, axis=0) - pose_graph(log).poses
+    assert np.abs(apart).max() < 1e-6
