@@ -16,11 +16,11 @@ from ...scans import LaserScan
 from ...scans.causes import Unmatched
 from ...threads import in_threads
 from .._result import Laid, Match, Outcome, no_match
-from ..graph import REAL_ERRORS, Edge, Graph, Rejected, deviations, groups, stacked
+from ..graph import REAL_ERRORS, Graph, Rejected, deviations, stacked
 from ..points import LEAST_POINTS, PointMap, in_range, shows_no_place
 from ._doubt import appraisal
 from ._in_motion import at_mid_turn, even_motion, laid_in_motion, turn_of, velocity_after
-from ._key_frames import KeyFrame, KeyFrames, Undoable
+from ._key_frames import KeyFrame, KeyFrames, Undoable, untied
 from ._pauses import elsewhere
 from ._places import OVERLAP_GAIN
 from ._wheels import Wheels
@@ -392,15 +392,3 @@ class FrontEnd(Undoable):
                 rows[k].unmatched, rows[k].reason = Unmatched.UNTIED, ""
         laid = [Laid(at, row.unmatched, row.reason) for row, at in zip(rows, poses, strict=True)]
         return Outcome(laid, self.graph(rejected), partial(appraisal, rows, frames))
-
-
-def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
-    """Which of n poses no edge that a match made ties to the largest group of them.
-
-    `tied` says so of the step to each pose; loops always do. `weight` counts the scans of each
-    that matched: a robot that stands blind for long is no map.
-    """
-    sure = [edge for edge in edges if edge.loop or tied[edge.second]]
-    first, second = np.reshape([edge[:2] for edge in sure], (-1, 2)).T.astype(np.int64)
-    group = groups(first, second, len(tied))
-    return np.asarray(group != np.argmax(np.bincount(group, weight)))

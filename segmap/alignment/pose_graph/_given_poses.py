@@ -15,7 +15,7 @@ from ...scans.causes import Cause, Finding
 from .._result import Appraisal
 from .._verdict import ONE_LOOK, PLACED
 from ..graph import chain_bends, residuals, stacked
-from ._front_end import untied
+from ._key_frames import untied
 from ._pose_graph import LiveGraph
 
 #: Given poses contradict the matches from so many metres on: corrected poses of real logs (Intel,

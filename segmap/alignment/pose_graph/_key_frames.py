@@ -14,7 +14,7 @@ from ... import arrays
 from ...arrays import Array
 from ...compiled import compiled
 from ...poses.motions import between, compose
-from ..graph import REAL, Edge, Solver, information, stacked
+from ..graph import REAL, Edge, Solver, groups, information, stacked
 from ..points import FARTHEST_POINT_M, SEARCH_POINTS, PointMap, place_clouds, thinned
 
 Members = Sequence[int] | NDArray[np.int64]
@@ -192,6 +192,18 @@ def firm(loops: list[Edge]) -> list[Edge]:
 def ways_of(loops: list[Edge]) -> NDArray[np.int64]:
     """Both ends, `(w, 2)`, of those loops that fix the place: they are ways through the graph."""
     return np.array([loop[:2] for loop in firm(loops)], np.int64).reshape(-1, 2)
+
+
+def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
+    """Which of n poses no edge that a match made ties to the largest group of them.
+
+    `tied` says so of the step to each pose; loops always do. `weight` counts the scans of each
+    that matched: a robot that stands blind for long is no map.
+    """
+    sure = [edge for edge in edges if edge.loop or tied[edge.second]]
+    first, second = np.reshape([edge[:2] for edge in sure], (-1, 2)).T.astype(np.int64)
+    group = groups(first, second, len(tied))
+    return np.asarray(group != np.argmax(np.bincount(group, weight)))
 
 
 @contextmanager
