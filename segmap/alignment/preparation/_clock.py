@@ -11,8 +11,10 @@ from ...display import counted
 from ...poses.motions import between, compose
 from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding
+from ...scans.odometry import Steps, shifted
 from ..points import LEAST_POINTS, PointMap, in_range
 from ._blind_steps import register_near
+from ._odometry import LEAST_REPEATS, repeated
 from ._pairs import way_of
 
 #: From this share of the scans on it is not the clock: they are in another order.
@@ -85,6 +87,30 @@ def with_waiting_scans_spread(log: Log) -> Log:
     )
     finding = Finding(Cause.CLOCK, waited, words)
     return replace(log, scans=tuple(scans), causes=(*log.causes, finding))
+
+
+def with_readings_spread(log: Log, steps: Steps) -> Log:
+    """A log whose wheels were read less often than the laser: between readings it drives evenly.
+
+    Matched steps must move while rows repeat: a robot that stands for each scan repeats them too.
+    """
+    rows, scans = log.odometry, np.arange(len(log))
+    run, moving = repeated(rows, steps)
+    if len(moving) < LEAST_REPEATS:
+        return log
+    repeats, readings = np.diff(run, prepend=-1) == 0, np.flatnonzero(np.diff(run, prepend=-1))
+    period = int(np.median([1, *np.diff(readings)]))
+    until = np.append(readings, len(log) + period)[run + 1] - scans
+    at = log.times if (np.diff(log.times) >= 0).all() else scans
+    apart = np.diff(at, prepend=-np.inf) > TOGETHER_SHARE * np.ptp(at) / len(at)
+    spread = repeats & apart & (until < period)  # longer before the next one it stood
+    if not spread.any():
+        return log
+    rows = shifted(rows[~spread], np.interp(at, at[~spread], np.arange((~spread).sum())))
+    words = f"the odometry is read once in {period} scans: between, the motion is even"
+    corrected = (replace(s, odometry=row) for s, row in zip(log, rows, strict=True))
+    finding = Finding(Cause.DELAY, period, words)
+    return replace(log, scans=tuple(corrected), causes=(*log.causes, finding))
 
 
 def _way_between(one: LaserScan, two: LaserScan, guess: Array) -> float:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...display import counted
@@ -46,6 +47,8 @@ LEAST_LEVER_M = 0.15
 STILL_SHARE = 0.15
 #: A delay of a scan and more counts where it leaves at most this share of the disagreement.
 DELAY_LEFT_SHARE = 0.5
+#: So many matched steps that move while the rows repeat tell that these were not read anew.
+LEAST_REPEATS = 3
 #: What can be wrong with an odometry that contradicts itself.
 MIRRORS: dict[str, Callable[[Array], Array]] = {
     "its y counts to the right": lambda rows: rows * (1, -1, 1),
@@ -161,17 +164,21 @@ def _unmirror(rows: Array, steps: Steps) -> tuple[str, Array] | None:
 
 def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     """Rows `(k, 3)` without those that repeat while matched steps move: NaN in their place."""
-    rows = rows.copy()
-    way, turned = steps_of(rows)
-    run = np.r_[0, np.cumsum(~((way < REPEATS_M) & (turned < REPEATS_RAD)))]  # of equal rows
-    x, y, turn = steps.motion.T
-    moves = (np.hypot(x, y) > 0.1) | (np.abs(turn) > np.radians(4))
-    within = moves & (run[steps.first] == run[steps.second])
-    runs, counts = np.unique(run[steps.first[within]], return_counts=True)
-    repeats = np.isin(run, runs[counts >= 3]) & np.r_[False, np.diff(run) == 0]
+    run, moving = repeated(rows, steps)
+    runs, counts = np.unique(moving, return_counts=True)
+    repeats = np.isin(run, runs[counts >= LEAST_REPEATS]) & (np.diff(run, prepend=-1) == 0)
     if not repeats.any():
         return rows, []
-    rows[repeats] = np.nan
     count = int(repeats.sum())
     words = f"the odometry stands still in {counted(count, 'scan')} while the robot moves"
-    return rows, [Finding(Cause.NO_ODOMETRY, count, f"{words}: there is no odometry there")]
+    finding = Finding(Cause.NO_ODOMETRY, count, f"{words}: there is no odometry there")
+    return np.where(repeats[:, None], np.nan, rows), [finding]
+
+
+def repeated(rows: Array, steps: Steps) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The run of equal rows that each of `(k, 3)` is in; that of each step that moves in one."""
+    way, turned = steps_of(rows)
+    run = np.r_[0, np.cumsum(~((way < REPEATS_M) & (turned < REPEATS_RAD)))]
+    x, y, turn = steps.motion.T
+    moves = (np.hypot(x, y) > 0.1) | (np.abs(turn) > np.radians(4))
+    return run, run[steps.first[moves & (run[steps.first] == run[steps.second])]]

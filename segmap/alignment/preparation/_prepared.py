@@ -17,7 +17,7 @@ from ...scans.odometry import odometry_against_steps
 from .. import _deskew
 from ._blind_steps import blind_steps
 from ._body import without_body
-from ._clock import with_clock_mended, with_waiting_scans_spread
+from ._clock import with_clock_mended, with_readings_spread, with_waiting_scans_spread
 from ._nothing_met import without_limit, without_nothing_met
 from ._odometry import mounting_of, with_odometry_corrected
 from ._pairs import with_beams
@@ -41,8 +41,9 @@ def prepared(
        recorder are spread over its pause. Ranges of kilometres are in another unit; one number in
        many beams means that nothing was met.
     2. Beams that see what rides with the robot are left out.
-    3. Odometry is compared with matches that do not lean on it. Another unit, delay or direction is
-       corrected, a jump is no motion, and what contradicts the scans is left out.
+    3. Odometry is even between readings that are rarer than scans, and compared with matches that
+       do not lean on it. Another unit, delay or direction is corrected, a jump is no motion, and
+       what contradicts the scans is left out.
     4. Beams of a laser that turns while the robot moves are carried back: `alignment.deskew`.
 
     Parameters
@@ -92,6 +93,7 @@ def prepared(
         log, steps = seen, blind_steps(seen)
     if (seen := without_limit(log, steps)) is not log:
         log, steps = seen, blind_steps(seen)
+    log = with_readings_spread(log, steps)
     if isinstance(mount, str):
         arrays.one_of(mount, "mount", ["auto"])
         place = mounting_of(odometry_against_steps(log.odometry, steps))

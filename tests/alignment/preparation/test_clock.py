@@ -9,6 +9,7 @@ import pytest
 from segmap import load
 from segmap.alignment import pose_graph, position_errors, prepared
 from segmap.scans.causes import Cause
+from segmap.simulation import OdometryNoise
 
 
 @pytest.mark.parametrize("by", [-5.0, -3600.0, 3600.0])
@@ -105,3 +106,16 @@ def test_ranges_are_in_the_unit_in_which_the_wheels_go_the_same_way(unit, factor
     blind = logs.without_odometry(wrong)
     (guessed,) = prepared(blind).causes
     assert guessed.cause is Cause.UNIT and guessed.doubtful and unit in guessed.words
+
+
+@pytest.mark.parametrize("period", [2, 3])
+def test_wheels_that_are_read_less_often_than_the_laser_drive_on_between(period):
+    """Catches rows that repeat and are taken for a robot that stands: a map that is metres off."""
+    log = logs.loop_log(OdometryNoise(), step=0.2)[:200]
+    rows = log.odometry[np.arange(len(log)) // period * period]
+    mended = prepared(logs.changed(log, odometry=rows))
+    assert [(each.cause, each.value) for each in mended.causes] == [(Cause.DELAY, period)]
+    alignment = pose_graph(mended)
+    assert alignment.verdict.grade == "good" and logs.errors(log, alignment.poses)[0].max() < 0.1
+    stands = log[np.repeat(np.arange(66), period)]
+    assert not prepared(logs.changed(stands, times=log.times[: len(stands)])).causes
