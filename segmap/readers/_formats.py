@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from importlib.metadata import entry_points
 from itertools import islice
 from pathlib import Path
 
 from . import tables
-from ._others import other_file, other_text
+from ._others import other_file, other_text, words_with_numbers
 from .carmen import CARMEN_FORMATS
 from .lines import Lines, UnknownFormat
 from .tables import TABLE_FORMATS
@@ -36,7 +37,7 @@ def registered_formats() -> list[Binary | type[TextFormat]]:
 
 def names_of_formats() -> list[str]:
     """Names of all formats of single files."""
-    forms = (*TEXT_FORMATS, *BINARY_FORMATS, *tables.STATED_FILES, *registered_formats())
+    forms = (*TEXT_FORMATS, *BINARY_FORMATS, tables.TABLE, *registered_formats())
     return [form.name for form in forms]
 
 
@@ -88,10 +89,13 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
         )
     lines = Lines(path, "skip", separator="\n")
     sample = [line[0] for line in islice(lines, LOOKED_AT_LINES)]
-    split = {separator: [line.split(separator) for line in sample] for separator in (None, ",")}
+
+    @cache
+    def split_at(separator: str | None) -> list[list[str]]:
+        return [fields for line in sample if (fields := line.split(separator))]
 
     def vote(form: type[TextFormat]) -> int:
-        return sum(map(form.claims, filter(None, split[form.separator])))
+        return sum(map(form.claims, split_at(form.separator)))
 
     votes = {form: vote(form) for form in TEXT_FORMATS}
     if max(votes.values()) < len(sample):  # none of ours says all of it
@@ -102,9 +106,8 @@ def recognise(path: Path) -> Binary | type[TextFormat]:
         forms = [form for form in votes if votes[form] >= least and form.by_shape <= by_shape]
         if forms:
             return max(forms, key=lambda form: votes[form])
-        for each in tables.STATED_FILES if sample and not by_shape else ():
-            if (not words or each.name == "CSM") and each.claims(path):
-                return each
+        if sample and not (by_shape or words) and tables.TABLE.claims(path):
+            return tables.TABLE
     if lines.first:
         raise UnknownFormat(path, lines.first.reason, lines.first.line)
     raise UnknownFormat(
@@ -120,4 +123,6 @@ def _looks_like(path: Path, sample: Sequence[str], count: int) -> str:
         return f"is of no known format: it has comments only\n{what_to_do()}"
     if asked := tables.asked_of(path):
         return asked
+    if opened := words_with_numbers(path.name, sample):
+        return f"{opened}\n{what_to_do()}"
     return f"is of no known format: it starts with {sample[0][:40]!r}\n{what_to_do()}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -54,6 +55,13 @@ OTHER_TEXTS = {
         "    records = [record for record in yaml.safe_load_all(file) if record]",
     ),
 }
+#: Of lines of words, each with several numbers.
+NUMBERS_BETWEEN_WORDS = (
+    "numbers between words",
+    "import re\nwith open({name!r}) as file:\n"
+    "    records = [re.findall(r'-?\\d+\\.?\\d*', line) for line in file]",
+)
+NUMBER = re.compile(r"\d+\.?\d*")
 #: The same of JSON, an object a line or one in all.
 JSON_LINES = (
     "import json\nwith open({name!r}) as file:\n    records = [json.loads(line) for line in file]"
@@ -80,6 +88,13 @@ def other_text(name: str, lines: Sequence[str]) -> str:
         is_lines = len(lines) > 1 and first.endswith(("}", "]"))
         return _opened("JSON", JSON_LINES if is_lines else JSON_WHOLE, name)
     return ""
+
+
+def words_with_numbers(name: str, lines: Sequence[str]) -> str:
+    """What opens lines that are alike but for several numbers between words; empty of others."""
+    form, count = Counter(NUMBER.sub("0", line) for line in lines).most_common(1)[0]
+    is_form = form.count("0") > 1 and re.search("[A-Za-z]", form) and 2 * count > len(lines)
+    return _opened(*NUMBERS_BETWEEN_WORDS, name) if is_form else ""
 
 
 def _opened(what: str, code: str, name: str) -> str:

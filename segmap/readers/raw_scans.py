@@ -54,11 +54,11 @@ class RawScan(NamedTuple):
 
 
 class Extrinsic(NamedTuple):
-    """The laser's pose on the robot, `(3,)`, and the robot's corrected poses, `(k, 3)`, or NaN."""
+    """Where a laser sits, and what its scans say of the robot."""
 
-    sensor_pose: Array
-    truth: Array
+    sensor_pose: Array  #: on the robot, (3,)
     is_stated: bool = False  #: whether the file says where the laser sits
+    truth: Array | float = np.nan  #: the robot's corrected poses, (k, 3), or none
 
 
 # ------------------------------------------------------------------------------ beams
@@ -101,7 +101,7 @@ def clean(ranges: Array, limit: float) -> Array:
     return np.where(ranges >= limit, np.inf, np.where(ranges > 0, ranges, np.nan))
 
 
-def beams_of_message(message: Any) -> LaserScan:
+def beams_of_message(message: Any, time: float = 0.0, odometry: Array | None = None) -> LaserScan:
     """Ranges and directions of a `sensor_msgs/LaserScan`, in the frame of the laser."""
     ranges = np.asarray(message.ranges, float)
     first, step = float(message.angle_min), float(message.angle_increment)
@@ -114,7 +114,8 @@ def beams_of_message(message: Any) -> LaserScan:
     clean_ranges = clean(np.where(ranges < least, np.nan, ranges), most)
     count, apart = np.arange(len(ranges)), abs(float(message.time_increment))
     delays = count * apart if 0 < apart <= min(MOST_APART, LONGEST_TURN_S / len(count)) else None
-    return LaserScan(clean_ranges, first + step * count, max_range=most, delays=delays)
+    angles = first + step * count
+    return LaserScan(clean_ranges, angles, time, odometry, most, delays=delays)
 
 
 def centred(count: int, step: float) -> Array:
@@ -208,17 +209,12 @@ def same_poses(a: Array, b: Array) -> bool:
     return not bool((np.abs(step) > SAME_POSE).any())
 
 
-def uncorrected(scans: Sequence[RawScan], place: Array, is_stated: bool = False) -> Extrinsic:
-    """The laser sits at `place`, (3,) array, and no pose was corrected."""
-    return Extrinsic(place, np.full((len(scans), 3), np.nan), is_stated)
-
-
 def extrinsic_by_offset(
     scans: Sequence[RawScan], offset: Array, is_stated: bool = False
 ) -> Extrinsic:
     """The laser sits at `offset`, (3,) array, and its poses were corrected."""
     poses = np.array([scan.pose for scan in scans])
-    return Extrinsic(offset, compose(poses, inverse(offset)), is_stated)
+    return Extrinsic(offset, is_stated, compose(poses, inverse(offset)))
 
 
 def extrinsic_by_poses(
@@ -235,7 +231,7 @@ def extrinsic_by_poses(
     places = relative[np.isfinite(relative).all(1)]
     if not len(places) or not same_poses(places, places[:1]):
         return extrinsic_by_offset(scans, offset, is_stated)
-    return uncorrected(scans, np.round(places[0], 6) + 0.0, is_stated=True)
+    return Extrinsic(np.round(places[0], 6) + 0.0, is_stated=True)
 
 
 # ---------------------------------------------------------------------------- assumed
@@ -269,7 +265,7 @@ def assemble(
     for laser in np.unique(lasers):
         mine = np.flatnonzero(lasers == laser)
         these = [raw[k] for k in mine.tolist()]
-        places[mine], truth[mine], is_stated = extrinsic(str(laser), these)
+        places[mine], is_stated, truth[mine] = extrinsic(str(laser), these)
         moved = np.isfinite([scan.odometry for scan in these]) | np.isfinite(truth[mine])
         if moved.any() and not is_stated:
             assumed.append(place_of(places[mine[0]]))

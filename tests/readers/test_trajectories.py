@@ -86,7 +86,7 @@ def test_poses_are_read_by_what_their_columns_are(tmp_path, name):
 def test_a_head_of_two_poses_is_refused(tmp_path):
     """Catches the estimate that is read as the truth, or the other way."""
     (tmp_path / "it.csv").write_text("t,gt_x,gt_y,gt_yaw,est_x,est_y,est_yaw\n1,0,0,0,9,9,9\n")
-    with pytest.raises(LogError, match=r"no name says which column is pose_x"):
+    with pytest.raises(LogError, match=r"no name says which column is the pose_x"):
         readers.read_trajectory(tmp_path / "it.csv")
 
 

@@ -54,7 +54,6 @@ from ..raw_scans import (
     extrinsic_by_poses,
     half_turn,
     same_poses,
-    uncorrected,
     view_of,
 )
 from ..text import TextFormat
@@ -148,7 +147,7 @@ class Carmen(TextFormat):
             poses = np.array([scan.pose for scan in scans])
             odometry = np.array([scan.odometry for scan in scans])
             if any(same_poses(poses, at) for at in (compose(odometry, offset), odometry)):
-                return uncorrected(scans, offset, is_stated)
+                return Extrinsic(offset, is_stated)
         return extrinsic_by_offset(scans, offset, is_stated)
 
     def _offset(self, laser: str) -> tuple[Array, bool]:

@@ -10,6 +10,7 @@ nanosec                         what is added to a time in whole seconds
 error                           nothing was measured where it is not 0
 pose_x_m, pose_y_m, pose_theta_rad           the robot's odometry
 ranges_m                        a scan a row: this column and all behind it that no name follows
+angle_min, angle_increment      where its beams point, radians, as messages of ROS have it
 -, -*20                         a column that is left out, or 20 of them
 
 A part of a unit is divided: `angle_deg/10` are tenths of a degree, `range_mm/4` quarters of 1 mm.
@@ -18,7 +19,8 @@ A part of a unit is divided: `angle_deg/10` are tenths of a degree, `range_mm/4`
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -80,8 +82,14 @@ LEFT_OUT_COLUMNS = re.compile(r"-(?:\*(\d{1,5}))?")
 DIVIDED = re.compile(r"(.*[a-z])/(\d{1,6}(?:\.\d+)?)")
 
 
+#: Numbers of a message with a scan, in metres, radians and seconds.
+MESSAGE_NUMBERS = (
+    *("angle_min", "angle_max", "angle_increment", "time_increment", "range_min", "range_max"),
+)
 #: What makes a log: one of these sets, the first that there is.
-BEAM_ROLES = (("ranges",), ("angle", "urg"), ("angle", "range"), ("x", "y"))
+BEAM_ROLES = (("ranges",), ("angle", "range"), ("angle", "urg"), ("x", "y"))
+#: The same of a file of poses.
+POSE_ROLES = (("time", *POSE), ("time", *POSE[:2], *QUATERNION))
 POSES_ALONE = (
     "it holds poses and no scan: --odometry or --truth reads them beside a log, "
     "readers.read_trajectory in Python"
@@ -102,13 +110,13 @@ class Column(NamedTuple):
     @property
     def factor(self) -> float:
         """What makes metres, counter-clockwise radians or seconds of it."""
-        unit = 1e-9 if self.role == "nanosec" else UNITS[self.role].get(self.unit, 1.0)
+        unit = 1e-9 if self.role == "nanosec" else UNITS.get(self.role, {}).get(self.unit, 1.0)
         return (-unit if self.clockwise else unit) / self.parts
 
     @property
     def is_whole(self) -> bool:
         """Whether the name says all: a unit, or a role that needs none."""
-        return bool(self.unit) or not UNITS[self.role]
+        return bool(self.unit) or not UNITS.get(self.role)
 
     @property
     def name(self) -> str:
@@ -124,6 +132,7 @@ def words_of(name: str) -> list[str]:
     return re.findall(r"[^\W_]+|[^\s\w()\[\].,:/-]+", split.lower())
 
 
+@cache
 def meaning(name: str) -> Column | None:
     """What a name declares; None where one of its words is not known.
 
@@ -132,6 +141,8 @@ def meaning(name: str) -> Column | None:
     >>> meaning("Distance (mm)").name, meaning("AngleInDegrees").name, meaning("quality")
     ('range_mm', 'angle_deg', None)
     """
+    if name in MESSAGE_NUMBERS:
+        return Column(name)
     divided = DIVIDED.fullmatch(name)
     words = words_of(divided[1] if divided else name)
     is_turned = any(word in TURNS for word in words)
@@ -171,18 +182,22 @@ def column_names(columns: str | Sequence[str]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def places_of(names: Sequence[str], meant: Mapping[str, str] = {}) -> dict[str, tuple[int, Column]]:
-    """Columns by their roles, or by what is `meant` by a role, with their places.
+def places_of(names: Sequence[str], of_poses: bool = False) -> dict[str, tuple[int, Column]]:
+    """Columns by their roles, with their places; in a file `of_poses` x, y, angle are the robot's.
 
-    Of two of a kind the one with a unit counts; where both or neither has one, a ValueError.
+    Of two of a kind the one with a unit counts; where both or neither has one, a ValueError. Of
+    ranges it is the first one.
     """
     columns: dict[str, tuple[int, Column]] = {}
     for place, name in enumerate(names):
         column = meaning(name)
         if column is None:
             continue
-        column = column._replace(role=meant.get(column.role, column.role))
+        if of_poses:
+            column = column._replace(role=OF_POSES.get(column.role, column.role))
         first = columns.get(column.role)
+        if first and column.role == "ranges":
+            continue
         if first and first[1].is_whole == column.is_whole:
             raise ValueError(
                 f"{names[first[0]]!r} and {name!r} both say that they are the {column.role}"
@@ -192,22 +207,31 @@ def places_of(names: Sequence[str], meant: Mapping[str, str] = {}) -> dict[str, 
     return columns
 
 
-def missing_in(names: Sequence[str]) -> str:
-    """What names do not say of a log; empty where they say all."""
+def ranges_in(names: Sequence[str]) -> list[int]:
+    """The places of the columns of ranges."""
+    columns = map(meaning, names)
+    return [k for k, column in enumerate(columns) if column and column.role == "ranges"]
+
+
+def missing_in(names: Sequence[str], of_poses: bool = False) -> str:
+    """What names do not say of a log, or of a file of poses; empty where they say all."""
     try:
-        columns = places_of(names)
+        columns = places_of(names, of_poses)
     except ValueError as fault:
         return str(fault)
     roles = {*columns}
-    if not {"range", "ranges"} & roles and ({"x", "y", "angle"} <= roles or {*QUATERNION} <= roles):
+    if not (of_poses or {"range", "ranges"} & roles) and any(
+        {*kind} <= roles for kind in (("x", "y", "angle"), QUATERNION)
+    ):
         return POSES_ALONE
-    needed = next((kind for kind in BEAM_ROLES if {*kind} <= roles), None)
-    if needed is None:
-        part = {"angle": "range", "range": "angle", "urg": "angle", "x": "y", "y": "x"}
-        lacking = next((part[role] for role in part if role in roles), "angle, and which the range")
-        return f"no name says which column is the {lacking}"
-    poses = [role for role in POSE if role in roles]
+    kinds = POSE_ROLES if of_poses else BEAM_ROLES
+    needed = max(kinds, key=lambda kind: ({*kind} <= roles, len({*kind} & roles)))
+    if lacking := [role for role in needed if role not in roles]:
+        which = "angle, and which the range" if needed == ("ranges",) else lacking[0]
+        return f"no name says which column is the {which}"
     unsaid = [
-        names[columns[role][0]] for role in (*needed, *poses) if not columns[role][1].is_whole
+        names[columns[role][0]]
+        for role in dict.fromkeys((*needed, *POSE))
+        if role in roles - {"time"} and not columns[role][1].is_whole
     ]
     return f"the unit of {' and '.join(map(repr, unsaid))} is not said" if unsaid else ""

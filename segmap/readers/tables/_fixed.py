@@ -40,7 +40,6 @@ from ..raw_scans import (
     RawScan,
     centred,
     half_turn,
-    uncorrected,
     urg_delays,
 )
 from ..text import TextFormat, fields_by_name
@@ -107,7 +106,7 @@ class CoreSlam(TextFormat):
         return [scan._replace(odometry=pose, assumed=more) for scan, pose in pairs]
 
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
-        return uncorrected(scans, np.array([0.145, 0.0, 0.0]), is_stated=True)
+        return Extrinsic(np.array([0.145, 0.0, 0.0]), is_stated=True)
 
 
 def integrate(driven: Array) -> Array:
@@ -160,4 +159,4 @@ class Rawseeds(TextFormat):
 
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         backwards = np.pi if "REAR" in self.lines.path.name.upper() else 0.0
-        return uncorrected(scans, np.array([0.0, 0.0, backwards]))
+        return Extrinsic(np.array([0.0, 0.0, backwards]))

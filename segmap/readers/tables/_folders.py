@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -27,9 +28,8 @@ from ...poses import interpolate
 from ...scans import LaserScan, Log
 from ..lines import Lines, LogError, Reading, merged_skipped
 from ..raw_scans import known_truth
-from ..text import Binary
 from ._fixed import Rawseeds
-from ._layout import Layout, layout_as_written, layout_in_toml, layout_of
+from ._layout import layout_as_written, layout_in_toml, layout_of
 from ._npz import ARRAYS, claims
 from ._table import read_declared_rows
 from ._trajectories import RAWSEEDS_POSES, track_in
@@ -49,8 +49,7 @@ FEW = 20
 #: The largest file that may be one scan, in bytes.
 MOST_ONE_SCAN_BYTES = 1 << 20
 P = TypeVar("P", str, Path)
-Form = Binary | Layout
-FormOf = Callable[[Path], Form | None]
+ReadFile = Callable[[Path, str, str], Log]
 IN_ORDER = "scans in the order of the numbers in the files' names"
 
 
@@ -83,86 +82,55 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     return replace(recording._log(name), truth=truth)
 
 
+def read_as_stated(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a file of arrays, or a table by what it says of its columns."""
+    if claims(path):
+        return ARRAYS.read(path, name, on_error)
+    return read_declared_rows(path, name, on_error, layout_in_toml(path) or layout_of(path))
+
+
 def one_scan_each(
-    files: Iterable[P], form_of: FormOf | None = None, least: int = LEAST_FILES
+    files: Iterable[P], read: ReadFile = read_as_stated, least: int = LEAST_FILES
 ) -> list[list[P]]:
-    """Files in their order, those that hold a scan each and are numbered together, by number.
+    """Files in their order; those of one folder and one name but for its number together, by it.
 
-    What the first of them hold decides: no more than one scan, in the same columns. `least` files
-    are needed, since two may be two rooms; those of a Hokuyo hold a scan each.
+    The first of them hold a scan each, as far as they can be read. `least` files are needed, since
+    two may be two rooms; those of a Hokuyo hold a scan each.
     """
-    groups = list[list[P]]()
-    for parts in _numbered_alike(files):
-        together = len(parts) > 1 and _one_each(parts, form_of or form_as_stated, least)
-        groups += [sorted(parts, key=_numbers_in_name)] if together else [[file] for file in parts]
-    return groups
-
-
-def _numbered_alike(files: Iterable[P]) -> Iterable[list[P]]:
-    """Files of one folder that have one name but for its numbers."""
-    groups: dict[Any, list[P]] = {}
+    alike: dict[Any, list[P]] = {}
     for file in files:
         name = NAME_NUMBER.sub("#", Path(file).name)
-        groups.setdefault((Path(file).parent, name), []).append(file)
-    return groups.values()
+        alike.setdefault((Path(file).parent, name), []).append(file)
+    groups = list[list[P]]()
+    for parts in alike.values():
+        together = len(parts) > 1 and _one_each(parts, read, least)
+        groups += [sorted(parts, key=_numbers_in_name)] if together else [[file] for file in parts]
+    return groups
 
 
 def _numbers_in_name(file: str | Path) -> list[int]:
     return [*map(int, NAME_NUMBER.findall(Path(file).name))]
 
 
-def _one_each(files: Sequence[str | Path], form_of: FormOf, least: int) -> bool:
-    """Whether the first of files hold a scan each: all that can be read, in the same columns."""
-    kinds = {names for file in files[:FEW] if (names := _names_of_one(Path(file), form_of))}
-    is_hokuyo = any("urg_mm" in names for names in kinds)
-    return len(kinds) == 1 and (len(files) >= least or is_hokuyo)
-
-
-def form_as_stated(path: Path) -> Form | None:
-    """How a file that may hold a scan is read; None of another."""
-    if claims(path):
-        return ARRAYS
-    layout = layout_in_toml(path) or layout_of(path)
-    return layout if layout.is_whole else None
-
-
-def _read_by(form: Form, path: Path, name: str, on_error: str) -> Log:
-    return (
-        read_declared_rows(path, name, on_error, form)
-        if isinstance(form, Layout)
-        else form.read(path, name, on_error)
-    )
-
-
-def _names_of_one(path: Path, form_of: FormOf) -> tuple[str, ...]:
-    """Names of the columns of a file; empty of one that is damaged, or no table.
-
-    One that holds more than one scan has its own path for a name.
-    """
-    try:
-        if not path.is_file() or path.stat().st_size > MOST_ONE_SCAN_BYTES:
-            return ()
-        form = form_of(path)
-        if form is None:
-            return ()
-        log = _read_by(form, path, "", "skip")
-    except (LogError, OSError):
-        return ()
-    if log.skipped.lines >= len(log[0]):
-        return ()
-    names = form.names if isinstance(form, Layout) else (form.name,)
-    return names if len(log) == 1 else (str(path), "")
+def _one_each(files: Sequence[str | Path], read: ReadFile, least: int) -> bool:
+    """Whether the first of files hold a scan each: all that can be read."""
+    counts, has_codes = set[int](), False
+    for path in map(Path, files[:FEW]):
+        with suppress(LogError, OSError):
+            if path.is_file() and path.stat().st_size <= MOST_ONE_SCAN_BYTES:
+                log = read(path, "", "skip")
+                if log.skipped.lines < len(log[0]):
+                    counts.add(len(log))
+                    has_codes |= log[0].codes is not None
+    return counts == {1} and (len(files) >= least or has_codes)
 
 
 def numbered_files(
-    folder: Path, form_of: FormOf = form_as_stated, least: int = LEAST_FILES
+    folder: Path, read: ReadFile = read_as_stated, least: int = LEAST_FILES
 ) -> list[Path]:
     """The files of a folder that are a scan each, and have one name but for its numbers."""
     files = sorted(path for path in folder.iterdir() if path.is_file())
-    for group in _numbered_alike(files):
-        if NAME_NUMBER.search(group[0].name) and _one_each(group, form_of, least):
-            return sorted(group, key=_numbers_in_name)
-    return []
+    return next((group for group in one_scan_each(files, read, least) if group[1:]), [])
 
 
 def read_numbered(folder: Path, name: str, on_error: str = "raise") -> Log:
@@ -171,16 +139,14 @@ def read_numbered(folder: Path, name: str, on_error: str = "raise") -> Log:
 
 
 def read_in_order(
-    files: Sequence[Path], name: str, on_error: str = "raise", form_of: FormOf = form_as_stated
+    files: Sequence[Path], name: str, on_error: str = "raise", read: ReadFile = read_as_stated
 ) -> Log:
-    """Read a scan a file, with the columns of the first; times that do not go on are left out."""
+    """Read a scan a file; times that do not go on are left out."""
     reading = Reading(files[0].parent, on_error)
-    first = next(form for form in map(form_of, files) if form is not None)
-    first = first._replace(line=0) if isinstance(first, Layout) else first
     scans, assumed = list[LaserScan](), tuple[str, ...]()
     for path in files:
         try:
-            log = _read_by(form_of(path) or first, path, name, on_error)
+            log = read(path, name, on_error)
         except LogError as fault:
             reading.damaged(fault)
         else:

@@ -11,10 +11,10 @@ from ..lines import OnError, UnknownFormat, stem
 from ..packed import log_file
 from ..text import Binary
 from ._columns import POSES_ALONE
+from ._csm import Csm
 from ._fixed import CoreSlam, Rawseeds
 from ._folders import files_of, numbered_files, read_folder, read_in_order, read_numbered
-from ._layout import Layout, checked_view, declared_layout, layout_in_toml, layout_of
-from ._messages import is_csm, message_form_of, read_csm, read_messages
+from ._layout import checked_view, declared_layout, layout_in_toml, layout_of
 from ._question import choices_of
 from ._table import read_declared_rows
 from ._trajectories import pose_layout_of
@@ -34,17 +34,13 @@ def read_declared(path: Path, name: str, on_error: str = "raise") -> Log:
     return read_declared_rows(path, name, on_error, layout_of(path))
 
 
-#: Told by a head, or by names that stand in each line.
-STATED_FILES = (
-    Binary("text of ROS", message_form_of, read_messages),
-    Binary("CSM", is_csm, read_csm),
-    Binary("table", is_table, read_declared),
-)
+#: Told by a head, or by words that stand in each line.
+TABLE = Binary("table", is_table, read_declared)
 TABLE_FOLDERS = (
     Binary("Rawseeds", files_of, read_folder),
     Binary("numbered scans", numbered_files, read_numbered),
 )
-TABLE_FORMATS = (CoreSlam, Rawseeds)
+TABLE_FORMATS = (CoreSlam, Rawseeds, Csm)
 
 
 def asked_of(path: Path) -> str:
@@ -92,15 +88,17 @@ def read_csv(
     (Log('mine', 2 scans, no odometry, no truth), array([1.51, 2.01, 0.9 ]))
     """
 
-    def layout_for(place: Path) -> Layout:
+    def read(place: Path, name: str, on_error: str) -> Log:
         if columns is not None:
-            return declared_layout(place, columns, view)
-        layout = layout_in_toml(Path(path)) or layout_of(place)
-        return layout._replace(view=checked_view(view) or layout.view)
+            layout = declared_layout(place, columns, view)
+        else:
+            layout = layout_in_toml(Path(path)) or layout_of(place)
+            layout = layout._replace(view=checked_view(view) or layout.view)
+        return read_declared_rows(place, name, on_error, layout)
 
     with log_file(path, folders=columns is not None) as place:
         if not place.is_dir():
-            return read_declared_rows(place, stem(place), on_error, layout_for(place))
-        if not (files := numbered_files(place, layout_for, least=1)):
+            return read(place, stem(place), on_error)
+        if not (files := numbered_files(place, read, least=1)):
             raise UnknownFormat(place, f"holds no numbered files of {columns} with a scan each")
-        return read_in_order(files, place.resolve().name, on_error, layout_for)
+        return read_in_order(files, place.resolve().name, on_error, read)

@@ -10,9 +10,9 @@ import csv
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from itertools import groupby, islice, pairwise
+from itertools import groupby, islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,7 +22,17 @@ from ... import arrays
 from ...arrays import brief
 from ..lines import NOT_MEASURED, Lines, LogError, is_number
 from ..packed import read_text
-from ._columns import TURNS, UNIT_WORDS, column_names, meaning, missing_in, places_of, words_of
+from ._columns import (
+    TURNS,
+    UNIT_WORDS,
+    column_names,
+    meaning,
+    missing_in,
+    places_of,
+    ranges_in,
+    words_of,
+)
+from ._ros import names_in_ros
 
 #: Separators of fields, the first that most first rows hold; else white space.
 SEPARATORS = ";\t|,"
@@ -36,14 +46,6 @@ IN_WORDS = re.compile(r"(?!sep=).*\w")
 SAMPLE_LINES = 60
 #: The number in a name that is one of many alike.
 COUNTED = re.compile(r"-?\d+(?:\.\d+)?")
-#: When a line was written, perhaps with its date.
-TIME_OF_DAY = r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?"
-#: A number, or what Python prints of truth, in a line of words.
-NUMBER = re.compile(
-    rf"{TIME_OF_DAY}|"
-    r"(?<![\w.\u2212\u2013])-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"
-    rf"(?:(?!\w)|(?=(?:{'|'.join(UNIT_WORDS)})\b))|\bTrue\b|\bFalse\b"
-)
 #: A number whose thousands a mark may part.
 THOUSANDS = r"[-+]?[1-9]\d{0,2}(?:[.,'\u2019\xa0\u202f]\d{3})+(?:[.,]\d+)?"
 #: A number with a comma in it, and another, with white space between them.
@@ -53,8 +55,6 @@ WAY_IN_WORDS = re.compile(
     r"(?i)clock[- ]?wise|uhrzeiger|orari|horaire|mirror|flipped|(?<![a-z])c?cw(?![a-z])|"
     r"\b(?:left|right|links|rechts)\b"
 )
-#: What names of columns do not say, in words.
-Missing = Callable[[Sequence[str]], str]
 #: A beam points nowhere beyond two turns.
 MOST_VIEW_DEG = 720.0
 NUMBERS_UNSAID = (
@@ -93,8 +93,14 @@ class Layout(NamedTuple):
     @property
     def is_whole(self) -> bool:
         """Whether it says all that a log needs."""
-        has_view = self.view is not None or "ranges" not in places_of(self.names)
+        roles = {*places_of(self.names)}
+        has_view = self.view is not None or "ranges" not in roles or "angle_min" in roles
         return bool(self.names) and has_view and not self.unsaid
+
+    @property
+    def columns(self) -> str:
+        """Its names, those that repeat once."""
+        return ",".join(name for name, _ in groupby(self.names))
 
     @property
     def way_in_words(self) -> str:
@@ -111,9 +117,6 @@ class Layout(NamedTuple):
 
     def fields(self, row: str) -> list[str]:
         """The fields of a row."""
-        if self.pattern:
-            match = re.search(self.pattern, row)
-            return [part or "" for part in match.groups()] if match else []
         return fields_of(row, self.separator)
 
 
@@ -135,13 +138,19 @@ PROGRAMS = (
         r"^\s*(S?)\s*theta: *(\d{1,3}\.\d\d) +Dist: *(\d{5}\.\d\d)", "new,angle_deg_cw,range_mm",
     ),
     Program(
-        "the package rplidar", rf"^{RPLIDAR}$", "True|False", f"^{RPLIDAR}$",
+        "the package rplidar", rf"(?m)^{RPLIDAR}$", "True|False", f"^{RPLIDAR}$",
         "new,angle_deg_cw,range_mm",
     ),
     Program(
         "LD06 and LD19", r"angle:[\d.]+,distance\(mm\):", r"distance\(",
         r"(?:stamp\(ns\):(\d+),)?angle:([\d.]+),distance\(mm\):(\d+)",
         "time_ns,angle_deg_cw,range_mm",
+    ),
+    Program(  # ros2 topic echo --csv of a LaserScan; its intensities stand behind its ranges
+        "", r"\A\d+,\d+,[A-Za-z/][^,]*(?:,-?[\d.]+(?:e[-+]\d+)?){7},", ",",
+        rf"^(\d+),(\d+),([^,]*),{','.join([r'([^,]*)'] * 7)},(.+)$",
+        "time_s,nanosec,frame_id,angle_min,angle_max,angle_increment,time_increment,-,range_min,range_max,"
+        "ranges_m",
     ),
     Program(
         "GetLDSScan of Neato and XV-11", "AngleInDegrees,DistInMM,Intensity,ErrorCodeHEX", r"^\d",
@@ -173,23 +182,24 @@ def first_lines(path: Path) -> list[tuple[int, str]]:
 
 def layout_of(path: Path) -> Layout:
     """How a table is written, and its columns; no `names` where it says too little of them."""
-    rows = [text for _, text in first_lines(path)]
+    rows = "\n".join(text for _, text in first_lines(path))
     for program in PROGRAMS:
-        if any(re.search(program.word, row) for row in rows):
-            notes = (f"a text of {program.name}",)
-            names = column_names(program.columns)
+        if re.search(program.word, rows):
+            notes = (f"a text of {program.name}",) if program.name else ()
+            names = tuple(program.columns.split(","))
             return Layout(names, pattern=program.beam, mark=program.mark, notes=notes)
     layout = layout_as_written(path)
     if columns := HEADS.get(" ".join(layout.head).lower()):
         notes = ("columns as the makers of RPLidar mean them",)
         return layout._replace(names=column_names(columns), notes=notes)
-    runs = runs_of(layout.head)
+    if names := names_in_ros(layout.head):
+        return layout if missing_in(names) else layout._replace(names=names, rows=())
     for form, run in groupby(layout.head, key=lambda name: COUNTED.sub("#", name)):
         numbers = [float(n[-1]) for name in run if "#" in form and (n := COUNTED.findall(name))]
         if numbers not in (sorted(numbers), sorted(numbers, key=abs)):
             words = f"its columns {form} do not stand in the order of their numbers: put them so"
             raise LogError(path, words)
-    names = tuple(name for name, count in runs for _ in range(count if "#" in name else 1))
+    names = tuple(name for name, count in runs_of(layout.head) for _ in range(count))
     return layout if missing_in(names) or layout.way_in_words else layout._replace(names=names)
 
 
@@ -239,8 +249,6 @@ def layout_as_written(path: Path) -> Layout:
     kinds = Counter(map(kind, body))
     usual = max((k for k in kinds if sum(k) > 1), key=kinds.__getitem__, default=())
     is_table = usual and 2 * kinds[usual] >= len(body)
-    if (not is_table or (mark is None and not all(usual))) and (alike := _of_one_form(body)):
-        return alike
     if not is_table:
         return _head_alone(lines)
     are_rows = (not text.startswith(COMMENTS) and kind(text) == usual for _, text in lines)
@@ -282,24 +290,6 @@ def _units_in(names: Sequence[str]) -> list[str]:
         if any(units) and all(u or w in ("", "1") for u, w in zip(units, words, strict=True))
         else []
     )
-
-
-def _of_one_form(rows: Sequence[str]) -> Layout | None:
-    """The layout of lines that are alike but for several numbers between words."""
-    forms = Counter(NUMBER.sub("\0", " ".join(row.split())) for row in rows)
-    form = max(forms, key=lambda form: (form.count("\0") > 1, forms[form]), default="")
-    parts = form.split("\0")
-    if len(parts) < 3 or '"' in form or 2 * forms[form] < len(rows):
-        return None
-    pattern = f"({NUMBER.pattern})".join(re.escape(part).replace(r"\ ", r"\s*") for part in parts)
-    labels = [re.split("[,;]", part, maxsplit=1) for part in parts]
-    labels[-1].append("")
-    names = [f"{a[-1]} {b[0] * bool(b[1:])}" for a, b in pairwise(labels)]
-    head = tuple(" ".join(re.findall(r"[^\W\d]+|°", name)) for name in names)
-    layout = Layout(pattern=f"^{pattern}$", head=head)
-    alike = tuple(row for row in rows if layout.fields(row))
-    kinds = tuple(map(is_number, layout.fields(alike[0]))) if alike else ()
-    return layout._replace(rows=alike, kinds=kinds) if alike else None
 
 
 def _head_alone(lines: Sequence[tuple[int, str]]) -> Layout:
@@ -345,7 +335,7 @@ def runs_of(head: Sequence[str]) -> list[tuple[str, int]]:
     return runs
 
 
-def layout_in_toml(path: Path, missing: Missing = missing_in) -> Layout | None:
+def layout_in_toml(path: Path, of_poses: bool = False) -> Layout | None:
     """What the file NAME.toml beside a table says; None without one."""
     beside = path.parent / f"{path.name}.toml"
     try:
@@ -354,22 +344,22 @@ def layout_in_toml(path: Path, missing: Missing = missing_in) -> Layout | None:
     except OSError:  # a name that is too long
         return None
     try:
-        return declared_layout(path, **tomllib.loads(read_text(beside)), missing=missing)
+        return declared_layout(path, **tomllib.loads(read_text(beside)), of_poses=of_poses)
     except (ValueError, TypeError) as fault:
         raise LogError(beside, f"{SAID_BESIDE}: {fault}") from fault
 
 
 def declared_layout(
-    path: Path, columns: str | Sequence[str], view: Any = None, *, missing: Missing = missing_in
+    path: Path, columns: str | Sequence[str], view: Any = None, *, of_poses: bool = False
 ) -> Layout:
     """A layout whose columns, and whose view where a row is a scan, somebody names."""
     names = column_names(columns)
-    if fault := missing(names):
+    if fault := missing_in(names, of_poses):
         raise ValueError(f"columns do not say enough: {fault}")
     layout = layout_as_written(path)
-    if "ranges" not in places_of(names) and len(layout.kinds) > len(names):
-        words = f"{len(names)} are named, but its rows have {len(layout.kinds)} fields"
-        raise ValueError(f"columns: {words}; - names one that is left out, -*N several")
+    if places := ranges_in(names):
+        last, unnamed = places[-1], max(len(layout.kinds) - len(names), 0)
+        names = (*names[:last], *[names[last]] * (1 + unnamed), *names[last + 1 :])
     return layout._replace(names=names, view=checked_view(view))
 
 

@@ -70,13 +70,9 @@ def log_from_arrays(name: str, by_name: Mapping[str, NDArray[Any]]) -> Log:
         raise ValueError(f"ranges must have shape (k, n), got {ranges.shape}")
     shape, count = ranges.shape, len(ranges)
     angles = _each(by_name, "angles", np.empty(0), *shape)
-    times = np.atleast_1d(arrays.numbers(by_name.get("times", np.full(count, np.nan)), "times"))
-    is_seconds = np.isnan(times) | (np.abs(times) <= LATEST_TIME_S)
-    if (
-        times.shape != (count,)
-        or not is_seconds.all()
-        or ("times" in by_name and np.isnan(times).all())
-    ):
+    times = _each(by_name, "times", np.array(np.nan), count)
+    is_known = np.isfinite(times) & (np.abs(times) <= LATEST_TIME_S)
+    if not (is_known | np.isnan(times)).all() or ("times" in by_name and not is_known.any()):
         raise ValueError(f"times must be ({count},) finite seconds, NaN where a scan has none")
     odometry, truth = (
         arrays.poses(np.atleast_2d(by_name[kind]), kind, count=count, missing=True)
@@ -86,31 +82,26 @@ def log_from_arrays(name: str, by_name: Mapping[str, NDArray[Any]]) -> Log:
     )
     places = _each(by_name, "sensor_pose", np.zeros(3), count, 3)
     most = _each(by_name, "max_range", np.array(np.inf), count)
-    codes = _each(by_name, "codes", np.empty(0), *shape) if "codes" in by_name else [None] * count
+    codes = _each(by_name, "codes", np.empty(0), *shape) if "codes" in by_name else None
     delays = _each(by_name, "delays", np.full(shape[1], np.nan), *shape)
-    beams = np.where(ranges > 0, ranges, np.nan), angles
-    counts = _counts(by_name.get("beams", np.full(count, shape[1])), shape)
-    rows = zip(counts, *beams, codes, delays, times, odometry, most, places, strict=True)
-    scans = []
-    for n, r, a, c, d, t, o, m, p in each(list(rows), "reading scan"):
-        c = c if c is None else c[:n]
-        scans.append(LaserScan(r[:n], a[:n], t, or_none(o), m, p, c, or_none(d[:n])))
+    beams = arrays.indices(by_name.get("beams", np.full(count, shape[1])), "beams")
+    if beams.shape != (count,) or not ((beams >= 0) & (beams <= shape[1])).all():
+        raise ValueError(f"beams must be {count} numbers from 0 to {shape[1]}")
+    far, scans = np.where(ranges > 0, ranges, np.nan), list[LaserScan]()
+    for k in each(range(count), "reading scan"):
+        part = slice(int(beams[k]))
+        place = times[k], or_none(odometry[k]), most[k], places[k]
+        code = None if codes is None else codes[k, part]
+        scans.append(
+            LaserScan(far[k, part], angles[k, part], *place, code, or_none(delays[k, part]))
+        )
     ordered = arrays.switch(by_name.get("order_known", np.array(True)).tolist(), "order_known")
     assumed = list(map(str, np.ravel(by_name.get("assumed", ())).tolist()))
     if "sensor_pose" not in by_name and {"odometry", "truth"} & set(by_name):
         assumed.append(place_of(np.zeros(3)))
     if others := sorted({*by_name} - KNOWN):
         assumed.append(f"left out: {', '.join(map(shown, others))[:80]}")
-    right = known_truth(truth)
-    return Log(name, scans, right, order_known=ordered, assumed=assumed)
-
-
-def _counts(value: object, shape: tuple[int, int]) -> list[int]:
-    """How many beams each scan has, of those of the longest."""
-    counts = arrays.indices(value, "beams")
-    if counts.shape != shape[:1] or not ((counts >= 0) & (counts <= shape[1])).all():
-        raise ValueError(f"beams must be {shape[0]} numbers from 0 to {shape[1]}")
-    return counts.tolist()
+    return Log(name, scans, known_truth(truth), order_known=ordered, assumed=assumed)
 
 
 def _each(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from itertools import groupby
+from itertools import groupby, islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -109,42 +109,41 @@ def choices_of(layout: Layout, of_poses: str = "") -> ColumnChoices:
     if layout.unsaid:
         return ColumnChoices(layout.unsaid, (), ())
     rows = tuple(tuple(layout.fields(row)) for row in layout.rows[:SHOWN_ROWS])
-    kinds = [(is_number, len(list(run))) for is_number, run in groupby(layout.kinds)]
     if layout.head:
         runs = runs_of(layout.head)
     elif len(layout.kinds) > MOST_COLUMNS:
-        runs = [("", count) for _, count in kinds]
+        runs = [("", len(list(run))) for _, run in groupby(layout.kinds)]
     else:
         runs = [("", 1)] * len(layout.kinds)
-    ends = [sum(count for _, count in runs[: k + 1]) for k in range(len(runs))]
-    columns = [(*run, layout.kinds[end - 1]) for run, end in zip(runs, ends, strict=True)]
+    kinds, names = iter(layout.kinds), [name for name, _ in runs]
+    columns = [(name, count, [*islice(kinds, count)][-1]) for name, count in runs]
+    asked = ColumnChoices(of_poses or missing_in(names), (), rows, words=layout.words)
     if of_poses:
-        choices = _choices(columns, OF_A_POSE)
-        return ColumnChoices(of_poses, choices, rows, are_poses=True, words=layout.words)
-    names = [name for name, _ in runs]
-    missing = missing_in(names)
-    if missing == POSES_ALONE:
-        return ColumnChoices(missing, (), ())
+        return asked._replace(choices=_choices(columns, OF_A_POSE), are_poses=True)
+    if asked.missing == POSES_ALONE:
+        return asked._replace(rows=())
     roles = {column.role for column in map(meaning, names) if column}
     is_wide = any(count > 1 and is_number for _, count, is_number in columns)
-    if "ranges" not in roles and (not is_wide or {"angle", "range"} <= roles):
-        points = sum(role in roles for role in "xy") > sum(r in roles for r in ("angle", "range"))
-        choices = _choices(columns, BEAM_ROLES[3 if points else 2])
-        heads = (fields_of(line, layout.separator) for line in layout.words)
-        if not layout.head and (head := next((h for h in heads if not missing_in(h)), None)):
-            missing = f"its head names {len(head)} columns, and its rows have {len(names)} fields"
-            missing += " (is its decimal mark the one that separates them, too?)"
-        if way := layout.way_in_words:
-            missing = missing or f"no name says which way angles grow, as {way!r} does"
-            whole = (("angle_deg",), ("angle_rad",))
-            choices = tuple((*c, f"{c[0]}_cw") if c in whole else c for c in choices)
-        return ColumnChoices(missing, choices, rows, words=layout.words)
-    choices = _choices(columns, BEAM_ROLES[0])
-    open_ = [name for name, choice in zip(names, choices, strict=True) if choice[1:]]
-    missing = f"what {', '.join(map(repr, open_))} hold, and in which unit, is not said"
-    missing = (missing if open_ else "") if layout.head else ALL_RANGES
-    missing = " and ".join(filter(None, (missing, VIEW_UNSAID * (layout.view is None))))
-    return ColumnChoices(missing, choices, rows, layout.view is None, words=layout.words)
+    if "ranges" in roles or (is_wide and not {"angle", "range"} <= roles):
+        choices = _choices(columns, BEAM_ROLES[0])
+        open_ = [name for name, choice in zip(names, choices, strict=True) if choice[1:]]
+        missing = f"what {', '.join(map(repr, open_))} hold, and in which unit, is not said"
+        missing = (missing if open_ else "") if layout.head else ALL_RANGES
+        missing = " and ".join(filter(None, (missing, VIEW_UNSAID * (layout.view is None))))
+        return asked._replace(missing=missing, choices=choices, needs_view=layout.view is None)
+    points = sum(role in roles for role in "xy") > sum(r in roles for r in ("angle", "range"))
+    asked = asked._replace(choices=_choices(columns, BEAM_ROLES[3 if points else 1]))
+    heads = (fields_of(line, layout.separator) for line in layout.words)
+    if not layout.head and (head := next((h for h in heads if not missing_in(h)), None)):
+        differ = f"its head names {len(head)} columns, and its rows have {len(names)} fields"
+        differ += " (is its decimal mark the one that separates them, too?)"
+        return asked._replace(missing=differ)
+    if way := layout.way_in_words:
+        whole = (("angle_deg",), ("angle_rad",))
+        either = tuple((*c, f"{c[0]}_cw") if c in whole else c for c in asked.choices)
+        missing = asked.missing or f"no name says which way angles grow, as {way!r} does"
+        return asked._replace(missing=missing, choices=either)
+    return asked
 
 
 def _choices(
@@ -155,47 +154,42 @@ def _choices(
         column if (column := meaning(name)) and (is_number or column.role in OF_WORDS) else None
         for name, _, is_number in columns
     ]
-    roles = Counter(column.role for column in meanings if column)
-    lacking = [role for role in needed if role not in roles]
+    counts = Counter(column.role for column in meanings if column)
+    lacking = [role for role in needed if role not in counts]
     choices = list[tuple[str, ...]]()
     for column, (name, count, is_number) in zip(meanings, columns, strict=True):
         if column is None:
-            of_roles = lacking if count > 1 or "ranges" not in lacking else []
             words = words_of(name)
             unit = UNIT_WORDS.get(words[-1], "") if words[1:] else ""
-            if "time" not in roles and (unit or ("ranges" in needed and count == 1)):
-                of_roles = [*of_roles, "time"]
-            if unit:  # that the name says
-                of_roles = [r for r in (*of_roles, *"xy" * (len(lacking) > 1)) if unit in UNITS[r]]
-            names = _names_of(of_roles, unit) if is_number else ()
+            roles = lacking if count > 1 or "ranges" not in lacking else []
+            if "time" not in counts and (unit or ("ranges" in needed and count == 1)):
+                roles = [*roles, "time"]
+            roles = [role for role in roles if is_number and (not unit or unit in UNITS[role])]
+            names = _names_of(roles, Column("", unit))
             choices.append((*names, "-" if count == 1 else f"-*{count}"))
             continue
-        is_date = column.role == "time" and not (column.unit or is_number)
-        offered = ("time",) if is_date else _names_of([column.role], column.unit, column)
-        twin = roles[column.role] > 1
-        pose = OF_POSES.get(column.role)
-        if column.role == "pose_theta" and "angle" in lacking:
-            offered = (*_names_of(["angle"], column.unit), *offered, "-")
-        elif pose and (twin or column.role not in needed):
-            offered = (*(offered if twin else ()), *_names_of([pose], column.unit), "-")
-        elif twin or (column.role == "time" and not column.unit and is_number):
-            offered = (*offered, "-")
-        choices.append(offered)
+        role, pose, is_one_of_two = column.role, OF_POSES.get(column.role), counts[column.role] > 1
+        roles = [role] if is_one_of_two or not pose or role in needed else []
+        roles += [pose] if pose and (is_one_of_two or role not in needed) else []
+        roles = ["angle", role] if role == "pose_theta" and "angle" in lacking else roles
+        is_bare_time = role == "time" and not column.unit
+        names = ("time",) if is_bare_time and not is_number else _names_of(roles, column)
+        is_open = is_one_of_two or roles != [role] or (is_bare_time and is_number)
+        choices.append((*names, *["-"] * is_open))
     return tuple(choices)
 
 
-def _names_of(roles: Sequence[str], unit: str, column: Column | None = None) -> tuple[str, ...]:
+def _names_of(roles: Sequence[str], column: Column) -> tuple[str, ...]:
     """Names of a column of such roles: one for each unit that it may have, and way of angles."""
-    if column and column.is_whole:
+    if [*roles] == [column.role] and column.is_whole:
         return (column.name,)
-    names = [
-        Column(role, each, is_clockwise).name
+    ways = (True,) if column.clockwise else (None, True)
+    return tuple(
+        Column(role, unit, is_clockwise).name
         for role in roles
-        for is_clockwise in ((None, True) if role == "angle" else (None,))
-        for each in ((unit,) if unit else [u for u in OFFERED if u in UNITS[role]])
-    ]
-    clockwise = column is not None and column.clockwise
-    return tuple(name for name in names if not clockwise or name.endswith("_cw"))
+        for is_clockwise in (ways if role == "angle" else (None,))
+        for unit in ([column.unit] if column.unit else [u for u in OFFERED if u in UNITS[role]])
+    )
 
 
 def column_choices(path: str | Path) -> ColumnChoices:

@@ -1,186 +1,41 @@
 """Tables whose columns are declared: a beam a row, or a scan a row.
 
 Rows of one scan number are one scan, wherever they stand. Where nothing says which rows are one
-scan, it ends where the angle wraps, or where a sweep turns back. A range of 0 or below, and a word
-for nothing, is no measurement.
+scan, it ends where the angle wraps, or where a sweep turns back. A range of 0 or below is no
+measurement.
 
 Assumed: angles are counter-clockwise where no name says `cw`; a robot's laser sits at its centre.
 """
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import LIMIT, Array
+from ...arrays import Array
 from ...scans import LONGEST_TURN_S, LaserScan, Log
 from ...scans.error_codes import as_ranges
-from ..lines import (
-    LATEST_TIME_S,
-    MOST_DIRECTION_RAD,
-    NOT_MEASURED,
-    STRIPPED,
-    HeadError,
-    Lines,
-    LogError,
-)
-from ..raw_scans import COUNTERCLOCKWISE, or_none, place_of
-from ._columns import BEAM_ROLES, POSE, Column, places_of
-from ._layout import (
-    COMMENTS,
-    Layout,
-    fields_of,
-)
+from ..lines import HeadError, Lines, LogError
+from ..raw_scans import COUNTERCLOCKWISE, beams_of_message, or_none, place_of
+from ._columns import BEAM_ROLES, MESSAGE_NUMBERS, POSE, places_of, ranges_in
+from ._layout import Layout
 from ._question import choices_of
+from ._rows import Rows
 
 #: No scan has more beams.
 MOST_BEAMS_READ = 100_000
-HALF_DAY_S = 43_200.0
 #: So much is told of the lines of words in a table.
 TOLD_CHARACTERS = 160
-CLOCK_TIME = r"\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?"
-ISO_DATE = r"\d{4}-\d{2}-\d{2}"
 #: Names of columns that say who measured.
 WHO = re.compile(r"(?i)(sensor|laser|lidar|robot|device|frame|topic|channel)([ _-]?(id|no|name))?")
-#: Largest value of a role, in metres, radians or seconds, and what is expected of one.
-MOST = {
-    "angle": (MOST_DIRECTION_RAD, "an angle within two turns"),
-    "time": (LATEST_TIME_S, "a time"),
-}
-#: Words of a column `new`, and of `error` where none is.
-YES = ("true", "1", "1.0", "s")
-NO_ERROR = ("", "0", "0.0", "00", "0000", "nan")
 #: A scan of end points may begin so much before the first one did.
 SAME_DIRECTION_RAD = np.radians(0.5)
-
-
-class Rows:
-    """The rows of a table that are whole, as columns by their places."""
-
-    def __init__(self, lines: Lines, layout: Layout) -> None:
-        import pandas as pd
-
-        self.lines, self.layout = lines, layout
-        text = lines.path.read_bytes().decode("utf-8-sig", "replace")
-        is_quoted = '"' in text
-        each = [row.strip(STRIPPED) for row in text.split("\n")]
-        passed = {each[layout.line - 1] if layout.line else "", *layout.words}
-        numbered = [
-            (place + 1, row)
-            for place, row in enumerate(each)
-            if place >= layout.line and row and row not in passed and not row.startswith(COMMENTS)
-        ]
-        wide = len(layout.kinds) or len(layout.names)
-        if wide < len(layout.names):
-            what = f"{len(layout.names)} columns are named, but its rows have {wide} fields"
-            raise HeadError(lines.path, what)
-        parts = self._beams(numbered) if layout.pattern else self._rows(numbered, is_quoted)
-        if not parts:
-            raise lines.no_scan(f"rows of {','.join(layout.names)}")
-        self.numbers = np.array([number for number, _ in parts], int)
-        self.columns = pd.read_csv(
-            io.StringIO("\n".join(row for _, row in parts)), header=None, names=range(wide),
-            sep="," if layout.pattern else layout.separator or r"\s+", decimal=layout.decimal,
-            skipinitialspace=True, low_memory=False, lineterminator="\n", skip_blank_lines=False,
-            quoting=csv.QUOTE_MINIMAL if is_quoted else csv.QUOTE_NONE, index_col=False,
-        )  # fmt: skip
-        self.good = np.ones(len(parts), bool)
-
-    def _beams(self, numbered: Sequence[tuple[int, str]]) -> list[tuple[int, str]]:
-        """The parts of lines that hold a beam, between commas."""
-        layout, beams = self.layout, []
-        mark, wanted = re.compile(layout.mark), ",".join(layout.names)
-        pattern = re.compile(layout.pattern)
-        for number, row in numbered:
-            if match := pattern.search(row):
-                beams.append((number, ",".join(part or "" for part in match.groups())))
-            elif not layout.mark:
-                fault = f"no line as most are, {layout.rows[0][:40]!r}: {row[:40]!r}"
-                self.lines.leave_out(LogError(self.lines.path, fault, number))
-            elif mark.search(row):
-                self._damaged(number, f"expected a beam, {wanted}, got {row[:40]!r}")
-        return beams
-
-    def _rows(self, numbered: Sequence[tuple[int, str]], is_quoted: bool) -> list[tuple[int, str]]:
-        """The rows with as many fields as most of the first have."""
-        mark, wide, rows = self.layout.separator, len(self.layout.kinds), []
-        for number, row in numbered:
-            if mark and not is_quoted:
-                count = row.count(mark) + 1
-            else:  # a quote that does not end holds no field
-                count = len(fields_of(row, mark)) * (row.count('"') % 2 == 0)
-            if count == wide:
-                rows.append((number, row))
-            else:
-                self._damaged(number, f"expected {wide} fields, got {count}")
-        return rows
-
-    def _damaged(self, number: int, fault: str) -> None:
-        self.lines.damaged(LogError(self.lines.path, fault, number))
-
-    def texts(self, place: int) -> Any:
-        """A column as words in lower case."""
-        texts = self.columns[place].astype(str).fillna("").str.strip().str.strip("'").str.lower()
-        return texts if self.layout.decimal == "." else texts.map(self.layout.plain)
-
-    def is_words(self, place: int) -> bool:
-        """Whether a column does not hold numbers alone."""
-        return self.columns[place].dtype.kind not in "iuf"
-
-    def numbers_of(self, place: int, column: Column) -> Array:
-        """A column in the units of segmap, NaN for nothing; rows with another word are damaged."""
-        import pandas as pd
-
-        texts = self.texts(place) if self.is_words(place) else None
-        numbers = self.columns[place] if texts is None else pd.to_numeric(texts, errors="coerce")
-        values = numbers.to_numpy(float, na_value=np.nan) * column.factor
-        comma = ", its decimal mark a comma" if self.layout.decimal == "," else ""
-        plain = f"a number for the {column.role}{comma}"
-        most, bounded = MOST.get(column.role, (LIMIT, plain))
-        ends = column.role in ("range", "ranges", "x", "y")
-        with np.errstate(invalid="ignore"):
-            beyond = (np.abs(values) > most) & ~(np.isinf(values) & ends)
-        wrong = beyond | (np.isnan(values) & (column.role in ("angle", "scan")))
-        if texts is not None:
-            wrong |= np.isnan(values) & ~texts.isin(NOT_MEASURED).to_numpy()
-        for row in np.flatnonzero(wrong & self.good).tolist():
-            got = str(self.columns[place].iloc[row])[:40]
-            expected = bounded if beyond[row] else plain
-            self._damaged(int(self.numbers[row]), f"expected {expected}, got {got!r}")
-        self.good &= ~wrong
-        return values
-
-    def values(self, place: int, column: Column) -> Array | None:
-        """A column in the units of segmap; None of times whose unit is not said."""
-        import pandas as pd
-
-        if column.role in ("new", "error"):
-            texts = self.texts(place)
-            is_new = column.role == "new"
-            flags = texts.isin(YES) if is_new else ~texts.isin(NO_ERROR)
-            return np.asarray(flags, float)
-        if column.role != "time" or column.unit:
-            return self.numbers_of(place, column)
-        if not self.is_words(place):
-            return None
-        texts = self.texts(place)
-        if texts.str.fullmatch(CLOCK_TIME).all():
-            seconds = pd.to_timedelta(texts).dt.total_seconds().to_numpy()
-            return seconds + 2 * HALF_DAY_S * np.cumsum(
-                np.diff(seconds, prepend=seconds[:1]) < -HALF_DAY_S
-            )
-        if not texts.str.match(ISO_DATE).all():
-            return None
-        when = pd.to_datetime(texts.str.upper(), format="ISO8601", utc=True, errors="coerce")
-        return (when - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy()
 
 
 def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> Log:
@@ -189,29 +44,24 @@ def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> 
         raise HeadError(path, choices_of(layout).told(path.name), layout.line or None)
     lines = Lines(path, on_error)
     rows, places, notes = Rows(lines, layout), places_of(layout.names), list(layout.notes)
+    _refuse_several(path, rows, layout)
     beam = next(kind for kind in BEAM_ROLES if {*kind} <= {*places})
     others = {role for kind in BEAM_ROLES for role in kind} - {*beam}
     others |= set() if {*POSE} <= {*places} else {*POSE}
     places = {role: at for role, at in places.items() if role not in others}
-    ranges_at, ranges = places.pop("ranges", (len(layout.names), None))
-    behind = rows.columns.shape[1] - len(layout.names)  # so many more fields than names
     table: dict[str, Array] = {}
-    for role, (k, column) in places.items():
-        place = k if k < ranges_at else k + behind
-        values = rows.values(place, column)
-        if values is None:
-            notes.append(f"{layout.names[k]!r} says no unit of time and is left out")
-        else:
+    for role, (place, column) in places.items():
+        values = rows.values(place, column) if role != "ranges" else None
+        if values is not None:
             table[role] = values
-    if ranges:
-        fields = range(ranges_at, ranges_at + behind + 1)
-        table["ranges"] = np.stack([rows.numbers_of(place, ranges) for place in fields], axis=1)
-    _refuse_several(path, rows, layout)
-    used = {k for k, _ in places.values()} | {ranges_at}
+        elif role == "time":
+            notes.append(f"{layout.names[place]!r} says no unit of time and is left out")
+    used = {place for place, _ in places.values()} | {*ranges_in(layout.names)}
     unused = [
         name or f"column {k + 1}"
         for k, name in enumerate(layout.names)
         if k not in used and name != "-" and (name or rows.columns[k].notna().any())
+        if not WHO.fullmatch(name)
     ]
     if layout.words:
         notes.append(f"not read: {', '.join(map(repr, layout.words[:3]))}"[:TOLD_CHARACTERS])
@@ -219,14 +69,15 @@ def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> 
         notes.append(f"left out: {', '.join(map(repr, unused))}")
     if {"time", "nanosec"} <= {*table}:
         table["time"] = table["time"] + table["nanosec"]
+    ranges = rows.ranges() if "ranges" in places else []
     wrong = int((~rows.good).sum())
     if wrong > len(rows.good) - wrong:
-        what = f"{wrong} of {len(rows.good)} lines are no {','.join(layout.names)}"
+        what = f"{wrong} of {len(rows.good)} lines are no {layout.columns}"
         raise LogError(path, f"{what}: {lines.first.reason if lines.first else ''}")
-    table = {role: values[rows.good] for role, values in table.items()}
-    if ranges:
-        scans = _a_scan_a_row(path, table, layout)
+    if "ranges" in places:
+        scans = _a_scan_a_row(rows, ranges, table)
     else:
+        table = {role: values[rows.good] for role, values in table.items()}
         scans = _a_beam_a_row(path, table, layout, notes)
     if any(scan.odometry is not None for scan in scans):
         notes.append(place_of(np.zeros(3)))
@@ -238,27 +89,54 @@ def _refuse_several(path: Path, rows: Rows, layout: Layout) -> None:
     for place, name in enumerate(layout.names):
         if WHO.fullmatch(name) and (values := [*dict.fromkeys(rows.columns[place])])[1:]:
             what = f"{name!r} holds {', '.join(map(str, values[:3]))}: expected one sensor a log"
+            if not layout.head:
+                raise HeadError(path, what)
             table = f"pandas.read_csv({path.name!r}, sep={layout.separator!r})"
-            code = f"for who, part in {table}.groupby({name!r}):"
+            code = f"for who, part in {table}.groupby({layout.head[place]!r}):"
             written = f"part.to_csv(f'{name}_{{who}}.csv', index=False)"
             raise HeadError(path, f"{what}, which these lines part:\n    {code}\n        {written}")
 
 
-def _a_scan_a_row(path: Path, table: Mapping[str, Array], layout: Layout) -> list[LaserScan]:
-    assert layout.view is not None
-    ranges = table["ranges"]
-    angles = np.radians(np.linspace(*layout.view, ranges.shape[1]))
-    factor = places_of(layout.names)["ranges"][1].factor
-    if len(angles) > 2 and np.allclose(ranges[0] / factor, np.degrees(angles), atol=1e-6):
-        what = "its first row holds the directions of the view: a head is one with # before it"
-        raise HeadError(path, what)
-    if angles[0] > angles[-1]:
-        angles, ranges = angles[::-1], ranges[:, ::-1]
-    times = table.get("time", np.full(len(ranges), np.nan))
-    return [
-        LaserScan(np.where(far > 0, far, np.nan), angles, when, _pose(table, k))
-        for k, (far, when) in enumerate(zip(ranges, times, strict=True))
-    ]
+def _a_scan_a_row(
+    rows: Rows, ranges: Sequence[Array], table: Mapping[str, Array]
+) -> list[LaserScan]:
+    """Scans whose beams point where the rows say, as messages of ROS do, or else the view."""
+    path, view, scans, near = rows.lines.path, rows.layout.view, list[LaserScan](), False
+    usual = {"range_min": 0.0, "range_max": np.inf, "time_increment": 0.0}
+    if view is not None:
+        directions = np.linspace(*view, len(ranges[0]))
+        factor = places_of(rows.layout.names)["ranges"][1].factor
+        if len(directions) > 2 and np.allclose(ranges[0] / factor, directions, atol=1e-6):
+            what = "its first row holds the directions of the view: a head is one with # before it"
+            raise HeadError(path, what)
+        usual["angle_min"] = np.radians(view[0])
+        usual["angle_increment"] = np.radians(view[1] - view[0]) / max(len(directions) - 1, 1)
+    for k in np.flatnonzero(rows.good).tolist():
+        far, stated = ranges[k], {role: table[role][k] for role in MESSAGE_NUMBERS if role in table}
+        message = SimpleNamespace(**usual | stated)
+        try:
+            if "angle_max" in stated:  # intensities stand behind the ranges
+                steps = (message.angle_max - message.angle_min) / (
+                    message.angle_increment or np.nan
+                )
+                if not 0 <= round(np.nan_to_num(steps, nan=-1)) < len(far):
+                    what = f"of {steps + 1:.0f} from angle_min to angle_max"
+                    raise ValueError(f"expected the ranges {what}, got {len(far)} fields")
+                far = far[: round(steps) + 1]
+            message.ranges = far
+            when = table["time"][k] if "time" in table else np.nan
+            scan = beams_of_message(message, when, _pose(table, k))
+        except ValueError as fault:
+            rows.damaged(k, str(fault))
+            continue
+        near = near or bool((far <= scan.max_range).any())
+        scans.append(scan)
+    if not scans:
+        raise rows.lines.no_scan("lines with ranges")
+    if not near and any(np.isfinite(far).any() for far in ranges):
+        what = "all its ranges lie beyond range_max: expected metres, as ROS has them"
+        raise LogError(path, what)
+    return scans
 
 
 def _pose(table: Mapping[str, Array], row: int) -> Array | None:

@@ -31,11 +31,11 @@ from ..lines import HeadError, Lines, LogError, OnError
 from ..mounting import in_space, level
 from ..packed import log_file
 from ..raw_scans import Track, known_truth, or_none
-from ._columns import OF_POSES, QUATERNION, places_of
+from ._columns import QUATERNION, missing_in, places_of
 from ._layout import Layout, declared_layout, layout_as_written, layout_in_toml
-from ._messages import clock_of
 from ._question import choices_of
-from ._table import Rows
+from ._ros import names_in_ros
+from ._rows import Rows
 
 TUM = ("time_s", "x_m", "y_m", "-", *QUATERNION)
 RAWSEEDS_POSES = {
@@ -43,25 +43,9 @@ RAWSEEDS_POSES = {
     "ODOMETRY_XYT": ("time_s", "-", "-", "-", "x_m", "y_m", "theta_rad"),
 }
 ROS2 = ("time_s", "nanosec", "-", "-", "x_m", "y_m", "-", *QUATERNION)
-#: Columns of a pose as messages of ROS name them; a twist and a covariance have others.
-OF_ROS = re.compile(r"(?:.*[./])?pose[./](position|orientation)[./]([xyzw])")
 #: True poses farther apart than this, in usual steps, say nothing between; nor in seconds.
 LONGEST_TRUTH_GAP_STEPS = 3
 LONGEST_TRUTH_GAP_S = 1.0
-
-
-def missing_of_poses(names: Sequence[str]) -> str:
-    """What names do not say of poses; empty where they say all."""
-    try:
-        places = places_of(names, OF_POSES)
-    except ValueError as fault:
-        return str(fault)
-    turn = ("pose_theta",) if "pose_theta" in places or "qw" not in places else QUATERNION
-    roles = ("time", "pose_x", "pose_y", *turn)
-    if absent := [role for role in roles if role not in places]:
-        return f"no name says which column is {absent[0]}"
-    open_ = [names[places[role][0]] for role in roles[1:] if not places[role][1].is_whole]
-    return f"the unit of {' and '.join(map(repr, open_))} is not said" if open_ else ""
 
 
 def pose_layout_of(path: Path) -> Layout:
@@ -74,23 +58,9 @@ def pose_layout_of(path: Path) -> Layout:
     if layout.separator is None and numbers == "x" * len(TUM):
         return layout._replace(names=TUM)
     if not layout.head and re.fullmatch(r"xx--x{7}x*", numbers):
-        return layout._replace(names=ROS2)
-    names = _of_ros(layout.head) if any(map(OF_ROS.fullmatch, layout.head)) else layout.head
-    return layout if missing_of_poses(names) else layout._replace(names=names)
-
-
-def _of_ros(head: Sequence[str]) -> tuple[str, ...]:
-    """What columns are of a pose that ROS wrote."""
-    names = ["-"] * len(head)
-    for place, name in enumerate(head):
-        if part := OF_ROS.fullmatch(name):
-            kind, axis = part.groups()
-            names[place] = f"q{axis}" if kind == "orientation" else f"{axis}_m"
-            names[place] = "-" if names[place] in ("z_m", "w_m") else names[place]
-    clock = clock_of(head)
-    for place, second in clock:
-        names[place] = "time_s" if second == 1 else "nanosec" if len(clock) > 1 else "time_ns"
-    return tuple(names)
+        return layout._replace(names=(*ROS2, *["-"] * (len(numbers) - len(ROS2))))
+    names = names_in_ros(layout.head) or layout.head
+    return layout if missing_in(names, of_poses=True) else layout._replace(names=names)
 
 
 def track_in(
@@ -99,9 +69,11 @@ def track_in(
     """The poses of a file, and what of it was left out."""
     layout, lines, track = layout or pose_layout_of(path), Lines(path, on_error), Track()
     if not layout.names:
-        raise HeadError(path, choices_of(layout, missing_of_poses(layout.head)).told(path.name))
+        raise HeadError(
+            path, choices_of(layout, missing_in(layout.head, of_poses=True)).told(path.name)
+        )
     rows, columns = Rows(lines, layout), dict[str, Array]()
-    for role, (place, column) in places_of(layout.names, OF_POSES).items():
+    for role, (place, column) in places_of(layout.names, of_poses=True).items():
         values = rows.values(place, column)
         if values is None:
             missing = f"the unit of {layout.names[place]!r} is not said"
@@ -121,9 +93,7 @@ def track_in(
         except ValueError as fault:
             lines.damaged(LogError(path, str(fault), int(rows.numbers[row])))
     if not track.times:
-        raise LogError(
-            path, f"holds no pose, expected rows of {','.join(layout.names)}{lines.why()}"
-        )
+        raise LogError(path, f"holds no pose, expected rows of {layout.columns}{lines.why()}")
     return track, lines
 
 
@@ -132,8 +102,8 @@ def _layout_beside(
 ) -> Layout | None:
     """What the caller, or a file NAME.toml beside a file of poses, says of its columns."""
     if columns is None:
-        return layout_in_toml(Path(path), missing_of_poses)
-    return declared_layout(place, columns, missing=missing_of_poses)
+        return layout_in_toml(Path(path), of_poses=True)
+    return declared_layout(place, columns, of_poses=True)
 
 
 @checked
