@@ -12,7 +12,7 @@ from ..segments import MIN_LENGTH
 from ._cells import SHORTEST_ALONE_M, Grid
 from ._lines import Indices
 from ._polygons import Room, shapely_or_hint
-from ._walls import CORNER_TURN_RAD, FACE_TURN_RAD, THICKEST_WALL_M, normals
+from ._walls import CORNER_TURN_RAD, FACE_GAP_M, FACE_TURN_RAD, THICKEST_WALL_M, normals
 
 #: Walls `(n, 2, 2)`, their free sides, and their lengths: infinite where one is no furniture.
 Bounds = tuple[Array, Indices, Array]
@@ -172,13 +172,14 @@ def is_furniture(sides: Array, wall: Array, border: Array, others: Array) -> boo
     """Whether what sides go round, from the first to the last, belongs to the floor.
 
     `wall` are the sizes of the walls on which those between are. One side alone cuts a corner
-    off, and a long one that reaches far into the room is a wall too.
+    off, and a long one that reaches far into the room is a wall too. At a corner of the room so is
+    one behind which no face would go on: there the wall steps back.
     """
     shapely, both = shapely_or_hint(), sides[[0, -1]]
     ways = normals(both) @ [[0, -1], [1, 0]]
     across = abs(normals(sides[1:-1]) @ ways.T).max(1)
-    is_deep = depth(both, border) > DEEPEST_FURNITURE_M
-    if len(wall) < 2 or np.inf in wall or (is_deep and max(wall * across) >= SHORTEST_ALONE_M):
+    longest = SHORTEST_ALONE_M if depth(both, border) > DEEPEST_FURNITURE_M else FACE_GAP_M
+    if len(wall) < 2 or np.inf in wall or max(wall * across) >= longest:
         return False
     near = others[((others >= border.min(0)) & (others <= border.max(0))).all(1)]
     inner = shapely.buffer(shapely.make_valid(shapely.Polygon(border)), -SLIT_M / 2)

@@ -234,6 +234,25 @@ def test_a_wall_across_a_corner_is_no_furniture():
     assert room.area == pytest.approx(15.5, rel=0.01) and room.hidden == 0
 
 
+@pytest.mark.parametrize(("at", "step", "area"), [(7, 0.2, 42 - 1.4), (4, 0.3, 42 - 1.2)])
+def test_a_wall_that_steps_back_is_no_furniture(at, step, area):
+    """Catches floor that is made of a thicker part of a wall, up to the corner of its room."""
+    walls = polyline(
+        [(0, 0), (14, 0), (14, 3), (at, 3), (at, 3 - step), (0, 3 - step)], closed=True
+    )
+    (room,) = plan.floor_plan(*seen(walls, [(1, 1), (13, 1), (7, 1.6)])).rooms
+    assert room.area == pytest.approx(area, rel=0.01) and room.hidden == 0
+
+
+def test_a_chimney_counts_as_floor():
+    """Catches a wide and flat one that is taken for a wall that steps back."""
+    chimney = [(5, 4), (5, 3.65), (1, 3.65), (1, 4)]
+    walls = polyline([(0, 0), (6, 0), (6, 4), *chimney, (0, 4)], closed=True)
+    (room,) = plan.floor_plan(*seen(walls, [(1, 1), (5, 1), (3, 2)])).rooms
+    assert room.area == pytest.approx(24, rel=0.01)
+    assert room.hidden == pytest.approx(4 * 0.35, abs=0.15)
+
+
 def test_furniture_that_stands_free_makes_no_room_and_no_door():
     """Catches a passage between a table and a wall that becomes a doorway."""
     for x, y in ((1.3, 1.4), (2.2, 2.6), (2.6, 1.2)):
