@@ -97,16 +97,9 @@ class LaserScan(Pictured):
         unit_checks.check_ranges(self.ranges, self.max_range)
         keep(self, "sensor_pose", _frozen(arrays.pose(sensor_pose, "sensor_pose")))
         unit_checks.check_angles(self.sensor_pose[2], "sensor_pose[2]")
-        keep(
-            self,
-            "codes",
-            None if codes is None else _frozen_row(codes, "codes", len(self.ranges), int),
-        )
-        keep(
-            self,
-            "delays",
-            None if delays is None else _frozen_row(delays, "delays", len(self.ranges)),
-        )
+        for name, values, kind in (("codes", codes, int), ("delays", delays, float)):
+            known = None if values is None else _frozen_row(values, name, len(self.ranges), kind)
+            keep(self, name, known)
         if self.delays is not None and not ((self.delays >= 0) & np.isfinite(self.delays)).all():
             raise ValueError("delays must be finite and at least 0, in seconds after time")
         if self.delays is not None and (turn := self.delays.max(initial=0.0)) > LONGEST_TURN_S:

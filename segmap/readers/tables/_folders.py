@@ -29,10 +29,10 @@ from ...scans import LaserScan, Log
 from ..lines import Lines, LogError, Reading, merged_skipped
 from ..raw_scans import known_truth
 from ._fixed import Rawseeds
-from ._layout import layout_as_written, layout_in_toml, layout_of
+from ._layout import layout_in_toml, layout_of
 from ._npz import ARRAYS, claims
 from ._table import read_declared_rows
-from ._trajectories import RAWSEEDS_POSES, track_in
+from ._trajectories import pose_layout_of, track_in
 
 RAWSEEDS_LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
 PATTERN = re.compile(
@@ -71,8 +71,7 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
     truth = None
     for sensor in ("ODOMETRY_XYT", "GROUNDTRUTH"):
         if sensor in files:
-            columns = layout_as_written(files[sensor])._replace(names=RAWSEEDS_POSES[sensor])
-            track, reading = track_in(files[sensor], on_error, columns)
+            track, reading = track_in(files[sensor], on_error, pose_layout_of(files[sensor]))
             recording.unknown = merged_skipped(recording.unknown, reading.skipped)
             if sensor == "GROUNDTRUTH":
                 times = np.array([scan.time for scan in recording.scans])

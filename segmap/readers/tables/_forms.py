@@ -13,7 +13,14 @@ from ..text import Binary
 from ._columns import POSES_ALONE
 from ._csm import Csm
 from ._fixed import CoreSlam, Rawseeds
-from ._folders import files_of, numbered_files, read_folder, read_in_order, read_numbered
+from ._folders import (
+    files_of,
+    numbered_files,
+    read_as_stated,
+    read_folder,
+    read_in_order,
+    read_numbered,
+)
 from ._layout import checked_view, declared_layout, layout_in_toml, layout_of
 from ._question import choices_of
 from ._table import read_declared_rows
@@ -29,13 +36,8 @@ def is_table(path: Path) -> bool:
     return bool(layout.names) or layout.is_headed
 
 
-def read_declared(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a table by what it says of its columns."""
-    return read_declared_rows(path, name, on_error, layout_of(path))
-
-
 #: Told by a head, or by words that stand in each line.
-TABLE = Binary("table", is_table, read_declared)
+TABLE = Binary("table", is_table, read_as_stated)
 TABLE_FOLDERS = (
     Binary("Rawseeds", files_of, read_folder),
     Binary("numbered scans", numbered_files, read_numbered),

@@ -201,22 +201,24 @@ def _by_number(
 ) -> tuple[dict[str, Array], NDArray[np.int64]]:
     """The beams with those of one scan together, in the order of the file, and where scans end."""
     number = table["scan"]
-    steps = np.flatnonzero(np.diff(number))
-    if len(steps) + 1 == len(np.unique(number)):
-        return dict(table), steps
-    order = np.argsort(number, kind="stable")
-    beams = np.unique(np.stack([number, table["angle"]]), axis=1)
-    if beams.shape[1] < len(number):
-        what = "scan numbers come back, with directions that their scans have already"
-        raise LogError(path, f"{what}: expected the rows of one recording")
-    sorted_table = {role: values[order] for role, values in table.items()}
-    return sorted_table, np.flatnonzero(np.diff(sorted_table["scan"]))
+    if len(np.flatnonzero(np.diff(number))) + 1 > len(np.unique(number)):  # numbers come back
+        beams = np.unique(np.stack([number, table["angle"]]), axis=1)
+        if beams.shape[1] < len(number):
+            what = "scan numbers come back, with directions that their scans have already"
+            raise LogError(path, f"{what}: expected the rows of one recording")
+        order = np.argsort(number, kind="stable")
+        table = {role: values[order] for role, values in table.items()}
+    return dict(table), np.flatnonzero(np.diff(table["scan"]))
+
+
+def _onwards(steps: Array) -> float:
+    """The sign of most steps from beam to beam."""
+    return 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
 
 
 def _from_first(angles: Array) -> Array:
     """Angles of points in their order, that wrap where the first of them lies."""
-    steps = np.diff(np.unwrap(angles))
-    onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
+    onwards = _onwards(np.diff(np.unwrap(angles)))
     first = angles[:1] - onwards * SAME_DIRECTION_RAD
     return np.asarray(first + onwards * np.mod(onwards * (angles - first), 2 * np.pi))
 
@@ -224,8 +226,7 @@ def _from_first(angles: Array) -> Array:
 def ends_of_turns(angles: Array) -> tuple[NDArray[np.int64], str]:
     """Last beams of turns, or of sweeps to and fro, by their places, and what tells them."""
     steps = np.diff(angles)
-    onwards = 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
-    wraps = np.flatnonzero(-onwards * steps > min(np.ptp(angles) / 2, np.pi))
+    wraps = np.flatnonzero(-_onwards(steps) * steps > min(np.ptp(angles) / 2, np.pi))
     if len(wraps):
         return wraps, "wraps"
     aside = angles - (angles.max() + angles.min()) / 2

@@ -63,11 +63,9 @@ def pose_layout_of(path: Path) -> Layout:
     return layout if missing_in(names, of_poses=True) else layout._replace(names=names)
 
 
-def track_in(
-    path: Path, on_error: str = "raise", layout: Layout | None = None
-) -> tuple[Track, Lines]:
+def track_in(path: Path, on_error: str, layout: Layout) -> tuple[Track, Lines]:
     """The poses of a file, and what of it was left out."""
-    layout, lines, track = layout or pose_layout_of(path), Lines(path, on_error), Track()
+    lines, track = Lines(path, on_error), Track()
     if not layout.names:
         raise HeadError(
             path, choices_of(layout, missing_in(layout.head, of_poses=True)).told(path.name)
@@ -97,13 +95,16 @@ def track_in(
     return track, lines
 
 
-def _layout_beside(
-    path: str | Path, place: Path, columns: str | Sequence[str] | None
-) -> Layout | None:
-    """What the caller, or a file NAME.toml beside a file of poses, says of its columns."""
-    if columns is None:
-        return layout_in_toml(Path(path), of_poses=True)
-    return declared_layout(place, columns, of_poses=True)
+def _track(
+    path: str | Path, columns: str | Sequence[str] | None = None, on_error: str = "raise"
+) -> Track:
+    """The poses of a file by what the caller, a file NAME.toml beside it or it itself says."""
+    with log_file(path) as place:
+        if columns is not None:
+            layout = declared_layout(place, columns, of_poses=True)
+        else:
+            layout = layout_in_toml(Path(path), of_poses=True) or pose_layout_of(place)
+        return track_in(place, on_error, layout)[0]
 
 
 @checked
@@ -128,8 +129,7 @@ def read_trajectory(
     >>> times, poses[0].round(2)
     (array([10.5, 11.5]), array([1.  , 2.  , 1.57]))
     """
-    with log_file(path) as place:
-        return track_in(place, on_error, _layout_beside(path, place, columns))[0].ordered()
+    return _track(path, columns, on_error).ordered()
 
 
 @checked
@@ -181,16 +181,14 @@ def with_trajectories(
 
 def _track_of(path: Path, log: Log) -> Track:
     """The poses of a file, some of which lie within the time of the scans."""
-    with log_file(path) as place:
-        track, _ = track_in(place, layout=_layout_beside(path, place, None))
-        scans = log.times[np.isfinite(log.times)]
-        if not len(scans):
-            raise LogError(place, "cannot be used: the scans of the log have no times")
-        first, last = min(track.times), max(track.times)
-        if not ((first <= scans) & (scans <= last)).any():
-            raise LogError(
-                place,
-                f"its poses are from {first:.3f} to {last:.3f} s, and the scans from "
-                f"{scans.min():.3f} to {scans.max():.3f} s: it has another clock",
-            )
-        return track
+    track, scans = _track(path), log.times[np.isfinite(log.times)]
+    if not len(scans):
+        raise LogError(path, "cannot be used: the scans of the log have no times")
+    first, last = min(track.times), max(track.times)
+    if not ((first <= scans) & (scans <= last)).any():
+        raise LogError(
+            path,
+            f"its poses are from {first:.3f} to {last:.3f} s, and the scans from "
+            f"{scans.min():.3f} to {scans.max():.3f} s: it has another clock",
+        )
+    return track
