@@ -77,13 +77,9 @@ class Reading:
         self.first: LogError | None = None
 
     def damaged(self, fault: LogError) -> None:
-        """End the reading, or leave out what is damaged."""
+        """End the reading, or leave out what is damaged, and keep the reason of the first."""
         if self.on_error == "raise":
             raise fault
-        self.leave_out(fault)
-
-    def leave_out(self, fault: LogError) -> None:
-        """Count one thing that is not read, and keep the reason of the first."""
         self.first = self.first or fault
         self.skipped = merged_skipped(self.skipped, Skipped(1, str(fault)))
 
@@ -185,11 +181,6 @@ def is_number(field: str) -> bool:
     return "_" not in field
 
 
-def is_count(field: str) -> bool:
-    """Whether a field is a whole number from 0, and one that fits into 64 bits."""
-    return re.fullmatch("[0-9]{1,18}", field) is not None
-
-
 def pose_fields(fields: Sequence[str], what: str) -> Array:
     """Three fields as a (3,) array, metres and radians; three times `nan` where there is none."""
     pose = float_fields(fields, what)
@@ -213,7 +204,7 @@ def counted_fields(
 ) -> tuple[Sequence[str], Sequence[str]]:
     """Split `n f1 ... fn rest` into the n fields that the first one announces, and the rest."""
     field, rest = (fields[0], fields[1:]) if fields else ("", ())
-    if not is_count(field):
+    if not re.fullmatch("[0-9]{1,18}", field):
         raise ValueError(f"expected the number of {what}, got {field[:40]!r}")
     if not least <= int(field) <= len(rest):
         raise ValueError(f"announces {int(field)} {what}, but {len(rest)} fields follow")

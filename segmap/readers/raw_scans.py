@@ -160,19 +160,13 @@ class Track:
             when = np.full(len(when), np.nan) if stands(when) else when
             return Synchronised(when, poses, [Finding(Cause.CLOCK, 0.0, words)])
         when, noted, causes = on_one_clock(when, noted, after)
-        rows = _in_order_of_time(noted, self.poses)
-        return Synchronised(when, interpolate(rows[:, 0], rows[:, 1:], when), causes)
+        return Synchronised(when, interpolate(*self.ordered(noted), when), causes)
 
-    def ordered(self) -> tuple[Array, Array]:
-        """Times `(k,)`, ascending, and poses `(k, 3)`."""
-        rows = _in_order_of_time(self.times, self.poses)
-        return rows[:, 0], rows[:, 1:]
-
-
-def _in_order_of_time(times: ArrayLike, poses: ArrayLike) -> Array:
-    """Times and poses, `(m, 4)`, in ascending order of times."""
-    rows = np.column_stack([times, poses])
-    return rows[np.argsort(rows[:, 0], kind="stable")]
+    def ordered(self, times: Array | None = None) -> tuple[Array, Array]:
+        """Times `(k,)`, ascending, the own ones or others, and poses `(k, 3)`."""
+        noted = np.array(self.times) if times is None else times
+        order = np.argsort(noted, kind="stable")
+        return noted[order], np.reshape(self.poses, (-1, 3))[order]
 
 
 class Synchronised(NamedTuple):

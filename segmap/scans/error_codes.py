@@ -6,8 +6,6 @@ another for the sensors of longer reach, which the driver and the emulator meet.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -16,30 +14,9 @@ from ..arrays import Array
 
 #: Values below this, in millimetres, are codes.
 LOWEST = 20
-
-
-class Meaning(NamedTuple):
-    """A code in words, and as a range: `inf` for nothing in reach, NaN for an error."""
-
-    words: str
-    range: float
-
-
-# SCIP, section 4: "others" of SCIP 2.0 have the words of SCIP 1.1 where it has any. Code 6 is no
-# error: in logs of both, beams with it stay without range while the sensor stands, as with code 0.
-CODES: tuple[Meaning, ...] = (
-    Meaning("nothing met, or something at 22 m", np.inf),
-    *[Meaning("the light came back too weak", np.nan)] * 5,
-    Meaning("nothing met, or something at 5.7 m, out of reach", np.inf),
-    Meaning("the beams before and after are bad", np.nan),
-    Meaning("two waves of light came back unlike", np.nan),
-    Meaning("the same step was bad in the last two turns", np.nan),
-    *[Meaning("another error", np.nan)] * 6,
-    Meaning("another error, or something near 4.1 m", np.nan),
-    Meaning("another error", np.nan),
-    Meaning("a strong reflector", np.nan),
-    Meaning("a step that is not measured", np.nan),
-)
+#: Codes that mean nothing met, or something out of reach; all others are errors. Code 6 is none: in
+#: logs of SCIP 1.1 and 2.0, beams with it stay without range while the sensor stands.
+OUT_OF_REACH_CODES = (0, 6)
 #: The code that an emulated sensor gives, and a recorder fills in, where nothing was met.
 NOTHING_MET_CODE = 0
 #: The code where neighbouring beams contradict each other.
@@ -47,7 +24,7 @@ NEIGHBOURS_BAD_CODE = 7
 #: The code where nothing was measured.
 NOT_MEASURED_CODE = 19
 
-_RANGES = np.array([code.range for code in CODES])
+_RANGES = np.where(np.isin(np.arange(LOWEST), OUT_OF_REACH_CODES), np.inf, np.nan)
 
 
 def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
@@ -81,8 +58,6 @@ def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
 #: Code of the UTM-30LX (SCIP 2.0, Hokuyo C-42-03320B, table 4) where nothing was met; 3 to 5 are
 #: other errors.
 UTM_NOTHING_MET_CODE = 1
-#: Code of the UTM-30LX for what is too near.
-UTM_TOO_NEAR_CODE = 2
 #: What the successors UST-10LX and UTM-30LX-EW are reported to send where nothing is met; values
 #: above are errors.
 NOTHING_FAR = 65533

@@ -10,7 +10,7 @@ from ...scans import Log
 from ..lines import OnError, UnknownFormat, stem
 from ..packed import log_file
 from ..text import Binary
-from ._columns import POSES_ALONE
+from ._columns import POSES_ALONE, meaning
 from ._csm import Csm
 from ._fixed import CoreSlam, Rawseeds
 from ._folders import (
@@ -33,7 +33,7 @@ LEAST_ROWS = 3
 def is_table(path: Path) -> bool:
     """Whether a file says that it is a table, though perhaps not enough."""
     layout = layout_of(path)
-    return bool(layout.names) or layout.is_headed
+    return bool(layout.names) or any(c and c.role != "time" for c in map(meaning, layout.head))
 
 
 #: Told by a head, or by words that stand in each line.

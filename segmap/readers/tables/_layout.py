@@ -86,11 +86,6 @@ class Layout(NamedTuple):
     words: tuple[str, ...] = ()  #: the first of the others, comments too, that are no head
 
     @property
-    def is_headed(self) -> bool:
-        """Whether a name in the head is one that a column of a log may have."""
-        return any(column and column.role != "time" for column in map(meaning, self.head))
-
-    @property
     def is_whole(self) -> bool:
         """Whether it says all that a log needs."""
         roles = {*places_of(self.names)}
