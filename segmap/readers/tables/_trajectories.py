@@ -31,7 +31,7 @@ from ..lines import HeadError, Lines, LogError, OnError
 from ..mounting import in_space, level
 from ..packed import log_file
 from ..raw_scans import Track, known_truth, or_none
-from ._columns import QUATERNION, missing_in, places_of
+from ._columns import POSE, QUATERNION, missing_in, places_of
 from ._layout import Layout, declared_layout, layout_as_written, layout_in_toml
 from ._question import choices_of
 from ._ros import names_in_ros
@@ -78,18 +78,16 @@ def track_in(path: Path, on_error: str, layout: Layout) -> tuple[Track, Lines]:
             raise HeadError(path, choices_of(layout, missing).told(path.name))
         columns[role] = values
     times = columns["time"] + columns.get("nanosec", 0.0)
-    for row in np.flatnonzero(rows.good & np.isfinite(times)).tolist():
-        x, y = float(columns["pose_x"][row]), float(columns["pose_y"][row])
-        if "pose_theta" in columns:
-            track.add(float(times[row]), np.array([x, y, columns["pose_theta"][row]]))
-            continue
-        qx, qy, qz, qw = (float(columns[part][row]) for part in QUATERNION)
-        if not np.isfinite([x, y, qx, qy, qz, qw]).all():
-            continue
+    turn = ("pose_theta",) if "pose_theta" in columns else ("qw", "qx", "qy", "qz")
+    poses = np.stack([columns[role] for role in (*POSE[:2], *turn)], axis=1)
+    is_pose = rows.good & np.isfinite(times) & np.isfinite(poses).all(axis=1)
+    for row in np.flatnonzero(is_pose).tolist():
+        x, y, *turned = poses[row].tolist()
         try:
-            track.add(float(times[row]), level(in_space((x, y, 0.0), (qw, qx, qy, qz))))
+            pose = level(in_space((x, y, 0.0), turned)) if turned[1:] else poses[row]
+            track.add(float(times[row]), pose)
         except ValueError as fault:
-            lines.damaged(LogError(path, str(fault), int(rows.numbers[row])))
+            rows.damaged(row, str(fault))
     if not track.times:
         raise LogError(path, f"holds no pose, expected rows of {layout.columns}{lines.why()}")
     return track, lines
