@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .alignment import LiveGraph, Tracking
+from .alignment import LiveGraph, LoopClosing, Tracking
+from .arrays import LIMIT
 from .matching import LiveMap, Step
 from .poses import between
 from .quadtree import QuadtreeMap
@@ -32,7 +33,7 @@ SURE_TURNS_RAD2 = 10 * np.radians(5) ** 2
 
 
 class CarriedMap(LiveMap):
-    """A `LiveMap` with loops, of scans that are bent where `moving`, with its reduced walls.
+    """A `LiveMap` with `loops` or none, of scans bent where `moving`, with its reduced walls.
 
     Where loops move earlier poses it is made anew of key frames and the last scans: what it holds
     in memory grows with the way, and not with the time. `advice` says what to do with the laser
@@ -43,10 +44,12 @@ class CarriedMap(LiveMap):
         self,
         *,
         moving: bool = True,
+        loops: bool = True,
         map: QuadtreeMap | None = None,
         start: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
-        graph = LiveGraph(tracking=Tracking(moving=moving))
+        closing = LoopClosing() if loops else LoopClosing(min_path=LIMIT)  # no way is so long
+        graph = LiveGraph(tracking=Tracking(moving=moving), closing=closing)
         super().__init__(graph, map=map, start=start, walls=LiveReduction())
         self.advice, self._turns = "", np.zeros(2)
         self._before: Step | None = None

@@ -256,21 +256,17 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
                 f"{names[ahead]} is given by its name: {function.__name__}(..., {word})"
             )
         if free < 0:
-            rules.update(declared(function))
-            limited = (k for k, n in enumerate(names) if n in rules and rules[n].is_limited)
-            free = next(limited, len(names))
+            rules.update({n: rule for n, rule in declared(function).items() if rule.is_limited})
+            free = next((k for k, name in enumerate(names) if name in rules), len(names))
         if not given and len(args) <= free:
             return cast(Callable[..., R], function)(*args)
-        named = dict(zip(names, args, strict=False)) | given
-        arguments = {n: rules[n].check(v, n) if n in rules else v for n, v in named.items()}
-        for name in arguments.keys() & rules.keys():
-            q, argument = rules[name].quantity, arguments[name]
-            if q.usual and argument is not None and argument > q.usual:
-                data = args[0] if args else None  # a map or points; else a log, or self
-                is_map = isinstance(data, np.ndarray | list | tuple) or hasattr(data, "segments")
-                data = data if is_map and not hasattr(data, "scans") else None
-                share = q.share or unit_checks.LONG_THRESHOLD_SHARE
-                unit_checks.check_lengths(data, most=q.usual, share=share, **{name: argument})
+        arguments = dict(zip(names, args, strict=False)) | given
+        for name, argument in arguments.items():
+            if name in rules:
+                arguments[name] = length = rules[name].check(argument, name)
+                q = rules[name].quantity
+                if q.usual and length is not None and q.usual < length < math.inf:
+                    unit_checks.check_length(length, name, *args[:1], share=q.share)
         first = [arguments[name] for name in names[: len(args)]]
         rest = {name: arguments[name] for name in given}
         return cast(Callable[..., R], function)(*first, *args[len(names) :], **rest)

@@ -125,13 +125,9 @@ def row(value: object, name: str, count: int | None = None) -> Array:
     --------
     >>> row([1, 2], "weights", 3)
     Traceback (most recent call last):
-    ValueError: weights must have shape (3,), finite, got [1, 2]
+    ValueError: weights must have shape (3,), got (2,)
     """
-    array = values(value, name)
-    if array.ndim != 1 or count not in (None, len(array)) or not np.isfinite(array).all():
-        wanted = "n" if count is None else count
-        raise ValueError(f"{name} must have shape ({wanted},), finite, got {brief(value)}")
-    return array
+    return table(value, name, unit="", count=count, limit=LARGEST_COORDINATE)
 
 
 def share_of_second(first: object, second: object, names: tuple[str, str]) -> Array:
@@ -173,24 +169,24 @@ def trailing(value: object, name: str, *axes: int) -> Array:
 def table(
     value: object,
     name: str,
-    columns: int,
-    *,
+    *axes: int,
     unit: str = "metres",
     count: int | None = None,
     missing: bool = False,
     limit: float = LIMIT,
+    expected: str = "an array of real numbers",
 ) -> Array:
-    """Rows of numbers, `(n, columns)`; nothing at all is no row.
+    """Numbers `(n, *axes)`, of any count if none is given: nothing at all is no row then.
 
-    There must be `count` of them, if given. Values are in `unit`, at most `limit`; they may be NaN
-    where `missing` allows it.
+    They are in `unit`, at most `limit`; they may be NaN where `missing` allows it.
     """
-    wanted = f"({'n' if count is None else count}, {columns})"
-    array = numbers(value, name, f"a {wanted} array")
-    if array.size == 0 and array.ndim in (1, 2) and not count:
-        return np.empty((0, columns))
-    if array.ndim != 2 or array.shape[1] != columns or count not in (None, len(array)):
-        raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
+    array = numbers(value, name, expected)
+    if not array.size and not count and array.ndim in (1, 1 + len(axes)):
+        return np.empty((0, *axes))
+    shape = array.shape
+    if not shape or shape[1:] != axes or count not in (None, shape[0]):
+        wanted = str(("n" if count is None else count, *axes)).replace("'", "")
+        raise ValueError(f"{name} must have shape {wanted}, got {shape}")
     _check_values(array, name, unit, missing, limit)
     return array
 
@@ -226,20 +222,12 @@ def poses(
 
 def pose(value: object, name: str = "pose", *, missing: bool = False) -> Array:
     """One pose, `(3,)`: x and y in metres, heading in radians; NaN where `missing` allows it."""
-    array = numbers(value, name, "a pose (x, y, heading)")
-    if array.shape != (3,):
-        raise ValueError(f"{name} must be x, y, heading, got shape {array.shape}")
-    _check_values(array, name, "metres and radians", missing, LIMIT)
-    return array
+    return table(value, name, unit="metres and radians", count=3, missing=missing)
 
 
 def point(value: object, name: str = "point", *, limit: float = LIMIT) -> Array:
     """One point, `(2,)`, metres, no coordinate above a limit."""
-    array = numbers(value, name, "a point (x, y)")
-    if array.shape != (2,):
-        raise ValueError(f"{name} must be x, y, got shape {array.shape}")
-    _check_values(array, name, "metres", False, limit)
-    return array
+    return table(value, name, count=2, limit=limit)
 
 
 def rectangle(left: float, low: float, right: float, high: float) -> Array:
@@ -254,15 +242,8 @@ def rectangle(left: float, low: float, right: float, high: float) -> Array:
 
 def segments(value: Segments, name: str = "segments") -> Array:
     """Segments of a map, a reduction or an array, `(n, 2, 2)`, metres."""
-    array = numbers(getattr(value, "segments", value), name, "a map or an (n, 2, 2) array")
-    if array.size == 0 and array.ndim in (1, 3):
-        return np.empty((0, 2, 2))
-    if array.ndim != 3 or array.shape[1:] != (2, 2):
-        raise ValueError(
-            f"{name} must have shape (n, 2, 2), segments of two end points, got {array.shape}"
-        )
-    _check_values(array, name, "metres", False, LIMIT)
-    return array
+    rows = getattr(value, "segments", value)
+    return table(rows, name, 2, 2, expected="a map or an (n, 2, 2) array")
 
 
 def _check_values(array: Array, name: str, unit: str, missing: bool, limit: float) -> None:
@@ -276,4 +257,5 @@ def _check_values(array: Array, name: str, unit: str, missing: bool, limit: floa
         fault = "finite" if infinite.any() else f"within {limit:.0e}"
         where = f"{name}[{wrong.argmax()}]" if array.ndim > 1 else name
         got = (array[wrong.argmax()] if array.ndim > 1 else array).tolist()
-        raise ValueError(f"{name} must be {fault}, in {unit}, but {where} is {got}")
+        words = f"{fault}, in {unit}" if unit else fault
+        raise ValueError(f"{name} must be {words}, but {where} is {got}")

@@ -70,28 +70,20 @@ def check_ranges(ranges: Array, max_range: float) -> None:
         )
 
 
-def check_lengths(
-    data: object = None,
-    *,
-    most: float = MOST_MATCH_DISTANCE_M,
-    share: float = LONG_THRESHOLD_SHARE,
-    **thresholds: float,
+def check_length(
+    value: float, name: str, data: object = None, *, share: float | None = None
 ) -> None:
-    """Warn of thresholds, metres, that are longer than any building has a use for.
+    """Warn of a threshold, metres, that is longer than any building has a use for.
 
-    Where the map or the points that they are for are given, only of those above a share of their
-    size: a map may be of a city, or in another unit by intent.
+    Where the map or the points that it is for are given, only above a share of their size: a map
+    may be of a city, or in another unit by intent.
     """
-    for name, value in thresholds.items():
-        if most < value < np.inf and value > share * _extent(data):
-            warn(f"{name} is {value:.6g} m: this looks like millimetres, {name} / 1000")
-
-
-def _extent(data: object) -> float:
-    """Larger side of the box around a map, segments or points, metres; 0 around nothing."""
     points = getattr(data, "segments", data)
-    xy = np.empty((0, 2)) if points is None else numbers(points, "map").reshape(-1, 2)
-    return float(np.ptp(xy, axis=0).max()) if len(xy) else 0.0
+    is_map = isinstance(points, np.ndarray | list | tuple)  # else a log, or self
+    xy = numbers(points, "map").reshape(-1, 2) if is_map else np.empty((0, 2))
+    extent = float(np.ptp(xy, axis=0).max()) if len(xy) else 0.0
+    if value > (share or LONG_THRESHOLD_SHARE) * extent:
+        warn(f"{name} is {value:.6g} m: this looks like millimetres, {name} / 1000")
 
 
 def check_bandwidth(sigma: float, bandwidth: float) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 from collections import deque
-from collections.abc import Generator, Iterable, Iterator, Sized
+from collections.abc import Generator, Iterable, Sized
 from itertools import islice
 
 import ipywidgets as W
@@ -18,7 +18,7 @@ from ..carried import CarriedMap
 from ..compiled import work_time
 from ..display import counted
 from ..extraction import extract_polylines
-from ..matching import LiveMap, Step, map_scans
+from ..matching import LiveMap, Step
 from ..plotting import ERROR
 from ..poses import transform
 from ..quadtree import QuadtreeMap
@@ -46,10 +46,11 @@ class LivePanel(Panel):
     Start and stop are buttons. One thread reads scans, another maps and draws the newest; scans
     that arrive meanwhile are left out, never queued. Stop it before you use the sensor elsewhere.
 
-    While `loops` is ticked a pose graph places the scans: where the robot comes back, the map is
-    made anew from corrected poses, in a third thread, and the old one is shown until then; the
-    walls, kept reduced by `LiveReduction`, are drawn as thin lines. Scans of a `SpinningLaser` are
-    carried to the middle of their turns. A change begins a new map where the robot now is.
+    A pose graph places the scans. While `loops` is ticked it closes loops: where the robot comes
+    back, the map is made anew from corrected poses, in a third thread, and the old one is shown
+    until then. The walls, kept reduced by `LiveReduction`, are drawn as thin lines. Scans of a
+    `SpinningLaser` are carried to the middle of their turns. A change begins a new map where the
+    robot now is.
 
     Parameters
     ----------
@@ -90,11 +91,9 @@ class LivePanel(Panel):
     ) -> None:
         self.source, self._resolution = _checked_source(source), resolution
         self._begin: Array = arrays.pose(start, "start")
-        self.map, self.seconds, self.taken, self.lost = self._empty(), 0.0, 0, 0
+        self.seconds, self.taken, self.lost = 0.0, 0, 0
         self._scan: LaserScan | None = None
         self._step: Step | None = None
-        self._steps: Iterator[Step] | None = self._begun()
-        self._live: CarriedMap | None = None
         self._newest: Newest | None = None
         self._times: deque[float] = deque(maxlen=RATE)
         self._thread: threading.Thread | None = None
@@ -108,6 +107,7 @@ class LivePanel(Panel):
         self.count, self.leaves, self.rate, self.dropped = (text() for _ in range(4))
         self.graph, self.place, self.state = text(), text(), text()
         self._picture = LivePicture()
+        self._choose()
         self._assemble(
             (self.start, self.stop),
             (self.tolerance, self.loops),
@@ -139,19 +139,24 @@ class LivePanel(Panel):
 
     def finish(self) -> None:
         """Wait until the map shows all scans at their corrected poses, and draw it."""
-        if self._live is not None:
-            self._live.finish()
-            self._redraw()
+        self._live.finish()
+        self._redraw()
+
+    @property
+    def map(self) -> QuadtreeMap:
+        """The map as it is now."""
+        return self._live.map
 
     def _choose(self, change: object = None) -> None:
         """Begin a new map, by the choice that was made."""
         with self._drawing:
             self._begin = self._begin if self._step is None else self._step.pose
-            self.map, self._steps, self._live, self._step = self._empty(), None, None, None
-            self.lost = 0
-
-    def _empty(self) -> QuadtreeMap:
-        return QuadtreeMap(resolution=self._resolution, free_resolution=COARSE * self._resolution)
+            coarse, moving = COARSE * self._resolution, isinstance(self.source, SpinningLaser)
+            map = QuadtreeMap(resolution=self._resolution, free_resolution=coarse)
+            self._live = CarriedMap(
+                moving=moving, loops=self.loops.value, map=map, start=self._begin
+            )
+            self._step, self.lost = None, 0
 
     # --------------------------------------------------------------------- threads
     def _start(self, button: object = None) -> None:
@@ -188,34 +193,12 @@ class LivePanel(Panel):
 
     def _match(self, scan: LaserScan) -> None:
         """Match and insert; a scan that fails, or is interrupted, is left out."""
-        before = self._scan
         try:
-            if self.loops.value:
-                moving = isinstance(self.source, SpinningLaser)
-                self._live = self._live or CarriedMap(
-                    moving=moving, map=self.map, start=self._begin
-                )
-                self._step = self._live.add(scan)
-                self._scan = self._live.graph.tracked(len(self._live.graph) - 1).scan
-                return
-            self._steps = self._steps or self._begun()
-            self._scan = scan
-            self._step = next(self._steps)
+            self._step = self._live.add(scan)
         except BaseException:
-            self._scan, self._steps = before, None  # a generator that raised has ended
             self._picture = LivePicture()  # half a scan may be in the map
             raise
-
-    def _begun(self) -> Iterator[Step]:
-        """Steps from the start, or from the last one that went well.
-
-        The first scan of the new steps is inserted without a match, since its pose is known.
-        """
-        pose = self._begin if self._step is None else self._step.pose
-        steps = map_scans(iter(lambda: self._scan, None), map=self.map, start=pose)
-        if self._step is not None:
-            next(steps)
-        return steps
+        self._scan = self._live.graph.tracked(len(self._live.graph) - 1).scan
 
     # --------------------------------------------------------------------- drawing
     def _redraw(self, change: object = None) -> None:
@@ -231,13 +214,13 @@ class LivePanel(Panel):
             )
             segments = transform(now.pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
             self._tell(len(segments))
-            walls = None if self._live is None else self._live.walls
+            walls = self._live.walls
             reduced = None if walls is None else walls.segments
             self._picture.show(self.map, self._scan, now.pose, segments, reduced)
             self.picture.value = self._picture.png()
 
     def _tell_place(self, now: Step) -> None:
-        advice = "" if self._live is None else self._live.advice
+        advice = self._live.advice
         self.place.style.text_color = ERROR if advice or not now.found else None
         lies = f"{now.overlap:.0%} of the scan lies on the map"
         before = f"; {counted(self.lost, 'scan')} lost on this map" if self.lost else ""
@@ -246,7 +229,7 @@ class LivePanel(Panel):
     def _tell(self, segments: int) -> None:
         self.count.value = f"{segments} segments"
         self.leaves.value = f"{3 * self.map.tree.used + 1} leaves"
-        self.graph.value = "" if self._live is None else repr(self._live.graph)
+        self.graph.value = repr(self._live.graph)
         passed = self._times[-1] - self._times[0]
         rate = (len(self._times) - 1) / passed if passed > 0 else 0.0
         self.rate.value = f"{rate:.1f} scans a second"
@@ -278,9 +261,10 @@ def _warm_up() -> None:
     """Load what is compiled, and draw once, before the laser is on and scans wait for it."""
     angles = np.radians(np.arange(0, 360, 5.0))
     square = LaserScan(1 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles))), angles)
-    map, picture = QuadtreeMap(resolution=0.1), LivePicture()
     segments = extract_polylines(square.points(), closed=square.whole_turn)
-    live = LiveMap(map=QuadtreeMap(resolution=0.1), walls=LiveReduction(every=1))
-    for step in (*map_scans([square, square], map=map), live.add(square), live.add(square)):
+    map = QuadtreeMap(resolution=0.1, free_resolution=0.1 * COARSE)
+    live = LiveMap(map=map, walls=LiveReduction(every=1))
+    picture = LivePicture()
+    for step in (live.add(square), live.add(square)):
         picture.show(map, square, step.pose, segments)
         picture.png()

@@ -85,7 +85,7 @@ REFUSED = {
     "sensor at 10 km": (((FAR, FAR), [], []), "beyond max_size"),
     "too far to count": (((0, 0), [(-1e300, 0)], []), "beyond max_size"),
     "no pairs": (((0, 0), [1.0, 2.0], []), r"points must have shape \(n, 2\), got \(2,\)"),
-    "two sensors": (([(0, 0), (1, 1)], [], []), r"sensor_xy must be x, y, got shape \(2, 2\)"),
+    "two sensors": (([(0, 0), (1, 1)], [], []), r"sensor_xy must have shape \(2,\), got \(2, 2\)"),
 }
 
 
