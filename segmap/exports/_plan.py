@@ -17,7 +17,7 @@ from ..files import write_bytes
 from ..plan import FloorPlan
 from ..segments import angle
 from ._segments import METRES
-from ._sheet import ENDS, checked_words, room_sides, wall_bodies, write_sheet
+from ._sheet import ENDS, checked_words, rings_of, room_sides, wall_bodies, write_sheet
 from ._world import Direction, Frame, collection, feature
 
 #: Height of letters in a drawing, metres: 2.5 mm at 1 : 100.
@@ -132,9 +132,8 @@ def _dxf_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
     gap.add_line((-0.5, 0), (0.5, 0))
     space = drawing.modelspace()
     bodies, faces = wall_bodies(plan)
-    outlines = {"WALLS": bodies, "ROOMS": [[room.outline, *room.holes] for room in plan.rooms]}
-    for layer, parts in outlines.items():
-        for ring in [ring for part in parts for ring in part]:
+    for layer, parts in {"WALLS": bodies, "ROOMS": [room.polygon for room in plan.rooms]}.items():
+        for ring in [ring for part in parts for ring in rings_of(part)]:
             space.add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": layer})
     for layer, segments in (("WALLS", faces), ("CLUTTER", plan.clutter.segments)):
         for start, end in segments.tolist():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import textwrap
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -176,7 +176,7 @@ def _draw_sheet(
     ax.set(xlim=(0, page[0]), ylim=(0, page[1]))
     ax.set_axis_off()
     if plan is not None and plan.rooms:
-        corner, far = _draw_list(ax, plan, corner, far, beside=bool(wide > tall))
+        corner[1] += _draw_list(ax, plan, corner, far)
     space = far - corner
     scale = rounded_up(max(SMALLEST_SCALE, *(1000 * (high - low) / space)))
 
@@ -218,10 +218,8 @@ def _write_words(ax: Any, words: list[str], doubt: str, scale: str, right: float
     ax.text(right, top_mm - 6, f"{scale}  {date}".strip(), fontsize=11, ha="right", **plain)
 
 
-def _draw_list(
-    ax: Any, plan: FloorPlan, corner: Array, far: Array, *, beside: bool
-) -> tuple[Array, Array]:
-    """Rooms with their areas and sides, and the sum: what of the space is left beside or below."""
+def _draw_list(ax: Any, plan: FloorPlan, corner: Array, far: Array) -> float:
+    """Rooms with their areas and sides, and the sum, in columns from the left: their height."""
     rows = [
         (
             shown(room.name),
@@ -231,29 +229,21 @@ def _draw_list(
         for room in plan.rooms
     ]
     rows.append(("in all", f"{sum(room.area for room in plan.rooms):.1f} m2", ""))
-    entries = ["\n".join(column) for column in zip(*rows, strict=True)]
-    widths = [text_size(entry, LIST_POINTS)[0] + LIST_MARGIN_MM / 2 for entry in entries]
-    column_mm, (wide, tall) = sum(widths) + LIST_MARGIN_MM, far - corner
-    if beside:
-        per_column = max(1, int(tall / LIST_ROW_MM))
-    else:
-        per_column = -(-len(rows) // max(1, int(wide / column_mm)))
-    columns = [rows[start : start + per_column] for start in range(0, len(rows), per_column)]
-    if beside:
-        strip = np.array([column_mm * len(columns), 0.0])
-        left_mm, top_mm = far - strip + [LIST_MARGIN_MM, 0.0]
-    else:
-        strip = np.array([0.0, LIST_ROW_MM * per_column + LIST_MARGIN_MM])
-        left_mm, top_mm = corner[0], corner[1] + strip[1] - LIST_MARGIN_MM
-    for column in columns:
-        for row, (name, area, sides) in enumerate(column):
-            words: dict[str, Any] = {"y": top_mm - row * LIST_ROW_MM, "fontsize": LIST_POINTS}
-            words |= {"va": "top", "parse_math": False}
-            ax.text(left_mm, s=name, **words)
-            ax.text(left_mm + sum(widths[:2]) - LIST_MARGIN_MM / 2, s=area, ha="right", **words)
-            ax.text(left_mm + sum(widths[:2]), s=sides, **words)
-        left_mm += column_mm
-    return (corner, far - strip) if beside else (corner + strip, far)
+    entries = ["\n".join(entry) for entry in zip(*rows, strict=True)]
+    name_mm, area_mm, sides_mm = (text_size(entry, LIST_POINTS)[0] for entry in entries)
+    column_mm = name_mm + area_mm + sides_mm + 2 * LIST_MARGIN_MM
+    columns = max(1, int((far - corner)[0] / column_mm))
+    per_column = -(-len(rows) // columns)
+    height_mm = LIST_ROW_MM * per_column + LIST_MARGIN_MM
+    for number, (name, area, sides) in enumerate(rows):
+        column, row = divmod(number, per_column)
+        words: dict[str, Any] = {"fontsize": LIST_POINTS, "va": "top", "parse_math": False}
+        words["y"] = corner[1] + height_mm - LIST_MARGIN_MM - row * LIST_ROW_MM
+        right_mm = corner[0] + column * column_mm + name_mm + LIST_MARGIN_MM / 2 + area_mm
+        ax.text(corner[0] + column * column_mm, s=name, **words)
+        ax.text(right_mm, s=area, ha="right", **words)
+        ax.text(right_mm + LIST_MARGIN_MM / 2, s=sides, **words)
+    return height_mm
 
 
 def room_sides(plan: FloorPlan, room: Room) -> tuple[float, float]:
@@ -264,8 +254,8 @@ def room_sides(plan: FloorPlan, room: Room) -> tuple[float, float]:
     return longer, width
 
 
-def wall_bodies(plan: FloorPlan) -> tuple[list[list[Array]], Array]:
-    """Walls whose other face was seen, as rings of corners, and the faces of all others."""
+def wall_bodies(plan: FloorPlan) -> tuple[Any, Array]:
+    """Walls whose other face was seen, as polygons of shapely, and the faces of all others."""
     shapely, has_body = shapely_or_hint(), np.isfinite(plan.thickness)
     faces, others = plan.walls.segments[has_body], plan.walls.segments[~has_body]
     way = (faces[:, 1] - faces[:, 0]) / length(faces)[:, None]
@@ -274,17 +264,21 @@ def wall_bodies(plan: FloorPlan) -> tuple[list[list[Array]], Array]:
     whole = shapely.union_all(shapely.polygons(corners))
     for by in (BODIES_MEET_M, -BODIES_MEET_M):  # outer corners are square
         whole = shapely.buffer(whole, by, join_style="mitre")
-    parts = [part for part in shapely.get_parts(whole) if not part.is_empty]
-    rings = [(part.exterior, *part.interiors) for part in parts]
-    return [[np.array(ring.coords)[:-1] for ring in part] for part in rings], others
+    parts = shapely.get_parts(whole)
+    return parts[~shapely.is_empty(parts)], others
 
 
-def _filled(ax: Any, rings: Iterable[Array], color: str) -> None:
-    """Fill what lies in the first ring and in no other."""
+def rings_of(polygon: Any) -> list[Array]:
+    """Corners of the outline of a polygon, and of its holes, the first of each not repeated."""
+    return [np.array(ring.coords)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
+
+
+def _filled(ax: Any, polygon: Any, color: str) -> None:
+    """Fill a polygon but for its holes."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
 
-    around = Outline.make_compound_path(*(Outline(ring, closed=False) for ring in rings))
+    around = Outline.make_compound_path(*map(Outline, rings_of(polygon)))
     ax.add_patch(PathPatch(around, facecolor=color, edgecolor="none"))
 
 
@@ -293,24 +287,22 @@ def _draw_rooms(ax: Any, plan: FloorPlan, on_paper: Callable[[Array], Array], pa
     from matplotlib.collections import LineCollection
 
     shapely = shapely_or_hint()
-    bodies = [list(map(on_paper, rings)) for rings in wall_bodies(plan)[0]]
-    for rings in bodies:
-        _filled(ax, rings, WALL_COLOR)
+    bodies = [*shapely.transform(wall_bodies(plan)[0], on_paper)]
+    areas = [shapely.transform(room.polygon, on_paper) for room in plan.rooms]
+    for polygon in bodies:
+        _filled(ax, polygon, WALL_COLOR)
     clutter = list(on_paper(plan.clutter.segments))
     ax.add_collection(LineCollection(clutter, colors="0.6", linewidths=WALL_MM))
     doors = on_paper(np.reshape([door.ends for door in plan.doors], (-1, 2, 2)))
     for ends in doors:
         ax.plot(*ends.T, color=DOOR_COLOR, linewidth=4 * WALL_MM)
     walls = [*shapely.linestrings(np.concatenate([on_paper(plan.walls.segments), doors]))]
-    walls += [shapely.Polygon(rings[0], rings[1:]).buffer(0) for rings in bodies]
-    labels = Labels(ax, shapely.union_all(walls), page)
-    areas, outside = list[Any](), list[tuple[str, Array]]()
-    for room in plan.rooms:
-        rings = [on_paper(ring) for ring in (room.outline, *room.holes)]
-        _filled(ax, rings, ROOM_TINT)
-        areas.append(shapely.Polygon(rings[0], rings[1:]).buffer(0))
+    labels = Labels(ax, shapely.union_all([*walls, *bodies]), page)
+    outside = list[tuple[str, Array]]()
+    for room, area in zip(plan.rooms, areas, strict=True):
+        _filled(ax, area, ROOM_TINT)
         words = f"{shown(room.name)}\n{room.area:.1f} m2"
-        if not labels.write_inside(words, areas[-1]):
+        if not labels.write_inside(words, area):
             outside.append((words, on_paper(room.place)))
     for door, ends in zip(plan.doors, doors, strict=True):
         place = ends.mean(0)

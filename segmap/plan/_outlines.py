@@ -84,7 +84,7 @@ def room_within(shape: Any, hidden: float) -> Room:
 def apart(rooms: list[Room], grid: Grid, parts: Indices) -> list[Room]:
     """The same rooms: what two of them cover is of that with more squares there."""
     shapely, rooms = shapely_or_hint(), rooms.copy()
-    shapes = np.array([shapely.Polygon(room.outline, room.holes) for room in rooms], object)
+    shapes = np.array([room.polygon for room in rooms], object)
     for one, other in shapely.STRtree(shapes).query(shapes, "intersects").T.tolist():
         shared = shapely.intersection(shapes[one], shapes[other])
         if one < other and shared.area > MIN_LENGTH:
@@ -93,7 +93,7 @@ def apart(rooms: list[Room], grid: Grid, parts: Indices) -> list[Room]:
             there = parts[box][shapely.contains_xy(shared, *np.moveaxis(grid.places(box), -1, 0))]
             k, rest = sorted((one, other), key=lambda k: ((there == k).sum(), rooms[k].area))
             rooms[k] = room_within(shapely.difference(shapes[k], shapes[rest]), rooms[k].hidden)
-            shapes[k] = shapely.Polygon(rooms[k].outline, rooms[k].holes)
+            shapes[k] = rooms[k].polygon
     return rooms
 
 

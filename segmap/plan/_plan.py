@@ -158,8 +158,7 @@ class FloorPlan:
         shapely = shapely_or_hint()
         places, numbers = arrays.points(points), np.full(len(arrays.points(points)), -1)
         for k, room in reversed([*enumerate(self.rooms)]):
-            inside = shapely.contains_xy(shapely.Polygon(room.outline, room.holes), *places.T)
-            numbers[inside] = k
+            numbers[shapely.contains_xy(room.polygon, *places.T)] = k
         return numbers
 
     def __repr__(self) -> str:

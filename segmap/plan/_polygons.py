@@ -41,6 +41,11 @@ class Room:
     hidden: float
     reason: str
 
+    @property
+    def polygon(self) -> Any:
+        """Its floor, a polygon of shapely."""
+        return shapely_or_hint().Polygon(self.outline, self.holes)
+
     def __repr__(self) -> str:
         return f"Room({self.name!r}, {self.area:.1f} m2, {len(self.outline)} corners)"
 

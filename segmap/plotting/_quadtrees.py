@@ -26,7 +26,6 @@ def draw_quadtree(
     ax: Axes | None = None,
     robot: ArrayLike | None = None,
     outlines: bool = True,
-    whole: bool = False,
 ) -> Axes:
     """Draw a map as the thesis does: black is occupied, white is free, half grey is unknown.
 
@@ -36,16 +35,14 @@ def draw_quadtree(
         Where the robot is, `(2,)` or a pose: an orange square.
     outlines
         Blue outlines of all leaves that are large enough to be seen inside them; without them the
-        look is that of any occupancy map.
-    whole
-        Show the whole root instead of the part where beams ended.
+        look is that of any occupancy map. The part where beams ended is shown.
 
     Examples
     --------
     >>> from matplotlib.figure import Figure
     >>> tree = QuadtreeMap(resolution=0.1, size=1.6)
     >>> tree.insert_scan((0.2, 0.2), [(1.0, 0.2)])
-    >>> ax = draw_quadtree(tree, ax=Figure().subplots(), whole=True)
+    >>> ax = draw_quadtree(tree, ax=Figure().subplots())
     >>> len(ax.collections[0].get_array())
     13
     """
@@ -58,7 +55,7 @@ def draw_quadtree(
     grey.set_array(1 - map.leaf_occupancy())
     grey.set_clim(0, 1)
     ax.add_collection(grey, autolim=False)
-    x_min, y_min, x_max, y_max = map.bounds if whole else extent(map)
+    x_min, y_min, x_max, y_max = extent(map)
     if outlines:
         seen = leaves.side >= SMALLEST_LEAF_PART * max(x_max - x_min, y_max - y_min)
         lines = PolyCollection(squares[seen], edgecolor=RESULT, facecolor="none", linewidth=0.4)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,6 @@ from .. import arrays
 from ..arrays import Array, Segments, checked
 from ..display import counted
 from ..metrics import AgainstWalls
-from ..scans import LaserScan
-from ._scans import draw_scan
 from ._style import (
     ERROR,
     ERRORS,
@@ -50,21 +48,18 @@ def draw_segments(
     ax: Axes | None = None,
     color: str = MAP,
     width: Points = 1.0,
-    scan: ArrayLike | None = None,
     group: ArrayLike | None = None,
     error: ArrayLike | None = None,
     label: str | None = None,
 ) -> Axes:
-    """Draw segments, in one colour or coloured by scan, by group or by error.
+    """Draw segments, in one colour or coloured by group or by error.
 
     Parameters
     ----------
     segments
         SegmentMap, Reduction or (n, 2, 2) array, as everywhere here.
     color
-        Used where none of `scan`, `group`, `error` is given.
-    scan
-        Of each segment, `(n,)`: early scans dark, late ones light, with a scale.
+        Used where neither `group` nor `error` is given.
     group
         `(n,)`: each group has a colour, in turn; -1 is drawn in grey.
     error
@@ -73,7 +68,7 @@ def draw_segments(
     Raises
     ------
     ValueError
-        Where more than one of `scan`, `group`, `error` is given, or not one value a segment.
+        Where both `group` and `error` are given, or not one value a segment.
 
     Examples
     --------
@@ -82,32 +77,24 @@ def draw_segments(
     2
     """
     array = arrays.segments(segments)
-    ways = {"scan": scan, "group": group, "error": error}
-    color_by = {name: values for name, values in ways.items() if values is not None}
-    if len(color_by) > 1:
-        raise ValueError(f"expected only one of {', '.join(ways)}, got {' and '.join(color_by)}")
-    column = {name: _column(name, values, len(array)) for name, values in color_by.items()}
-    if error is not None:  # the largest on top
-        order = np.argsort(column["error"], kind="stable")
-        array, column["error"] = array[order], column["error"][order]
-    shade(color)
+    if group is not None and error is not None:
+        raise ValueError("expected only one of group, error, got both")
+    colors = None if error is not None else shade(color)
+    lines = LineCollection(list(array), linewidths=width, colors=colors, label=label)
+    if group is not None:
+        numbers = arrays.indices(_column("group", group, len(array)), "group")
+        lines.set_color(list(group_colors(numbers)))
+    if error is not None:
+        metres = _column("error", error, len(array))
+        order = np.argsort(metres, kind="stable")  # the largest on top
+        largest = max(metres[np.isfinite(metres)].max(initial=0), LEAST_ERROR)
+        lines.set_segments(list(array[order]))
+        lines.set(array=metres[order].clip(max=largest), clim=(0, float(largest)), cmap=ERRORS)
     ax = axes_or_new(ax)
-    lines = LineCollection(list(array), linewidths=width, label=label)
     ax.add_collection(lines)
-    if not color_by:
-        lines.set_color(color)
-    elif group is not None:
-        lines.set(color=group_colors(arrays.indices(column["group"], "group")))
-    else:
-        ((name, values),) = column.items()
-        if name == "error":  # infinite where nothing is left of a map
-            largest = max(values[np.isfinite(values)].max(initial=0), LEAST_ERROR)
-            values = np.minimum(values, largest)
-            lines.set_clim(0, float(largest))
-        lines.set_array(values)
-        lines.set_cmap("viridis" if name == "scan" else ERRORS)
+    if error is not None:
         assert isinstance(ax.figure, Figure)
-        ax.figure.colorbar(lines, ax=ax, label="scan" if name == "scan" else "error [m]")
+        ax.figure.colorbar(lines, ax=ax, label="error [m]")
     return map_axes(ax)
 
 
@@ -184,13 +171,12 @@ def draw_maps(
     maps: Mapping[str, Segments],
     *,
     truth: Segments | None = None,
-    scan: LaserScan | None = None,
-    color: str | Sequence[str] | None = None,
+    color: str | None = None,
     width: Points = 2.0,
     columns: int | None = None,
     size: tuple[float, float] = (3.4, 2.8),
 ) -> list[Axes]:
-    """Draw maps side by side at one scale, each over the same truth or the same scan.
+    """Draw maps side by side at one scale, each over the same truth.
 
     Parameters
     ----------
@@ -198,10 +184,8 @@ def draw_maps(
         Title -> segments.
     truth
         How the walls really are: thick and green, below each map.
-    scan
-        Its points and the robot, grey and orange, below each map.
     color
-        Of all maps, or one a map; None draws each segment in a colour of its own, in turn.
+        Of all maps; None draws each segment in a colour of its own, in turn.
     columns
         None draws all maps in one row.
     size
@@ -223,27 +207,14 @@ def draw_maps(
     walls = {name: arrays.segments(map, f"maps[{name!r}]") for name, map in drawn}
     under = None if truth is None else arrays.segments(truth, "truth")
     columns = len(maps) if columns is None else arrays.whole(columns, "columns", most=100)
-    colors = _colors(color, len(maps))
-    if scan is not None:
-        arrays.instance(scan, "scan", LaserScan)
+    shown = MAP if color is None else shade(color)
     pictures = axes_grid(list(maps), columns, size)
-    for ax, segments, one in zip(pictures, walls.values(), colors, strict=True):
+    for ax, segments in zip(pictures, walls.values(), strict=True):
         if under is not None:
             draw_segments(under, ax=ax, color=TRUTH, width=4.0)
-        if scan is not None:
-            draw_scan(scan, ax=ax)
-        group = np.arange(len(segments)) if one is None else None
-        draw_segments(segments, ax=ax, color=one or MAP, group=group, width=width)
+        group = np.arange(len(segments)) if color is None else None
+        draw_segments(segments, ax=ax, color=shown, group=group, width=width)
     return pictures
-
-
-def _colors(color: str | Sequence[str] | None, count: int) -> list[str | None]:
-    """A colour for each map; None colours each of its segments in turn."""
-    if color is None or isinstance(color, str):
-        return [None if color is None else shade(color)] * count
-    if not np.ndim(color) or len(color) != count:
-        raise ValueError(f"color must have {count} entries, one a map, got {arrays.brief(color)}")
-    return [shade(one) for one in color]
 
 
 def _column(name: str, values: ArrayLike | None, count: int) -> Array:

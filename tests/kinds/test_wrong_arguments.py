@@ -263,10 +263,10 @@ PICTURES = [
     *refused(draw_segments, TWO)(
         ({"group": [0]}, "group must"),
         ({"error": 0.1}, "error must"),
-        ({"scan": [0] * 2, "group": [0] * 2}, "got scan and group"),
+        ({"error": [0] * 2, "group": [0] * 2}, "got both"),
     ),
     *each(draw_provenance)((TWO[:1], METHODS["fusion"](TWO), "reduction.parents")),
-    *refused(draw_maps, {"all": TWO})(({"color": ["red", "blue"]}, "1 entries, one a map")),
+    *refused(draw_maps, {"all": TWO})(({"color": "reddish"}, "color must be a colour")),
     *each(draw_alignment)((ROOM[:2], odometry(ROOM[:4]), "this log of 2 scans")),
     *each(draw_position_errors)(
         (ROOM[:2], {"a": [ZERO]}, r"alignments\[.a.\] must"), (times(0), {}, "log must have truth")

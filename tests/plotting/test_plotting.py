@@ -108,26 +108,20 @@ def test_scans_and_places_that_are_unknown_are_left_out(ax):
 @pytest.mark.parametrize(
     ("values", "most", "ends"),
     [
-        ({"error": [0.1, 0.0, 0.05]}, 0.1, (0.0, 1.0)),
-        ({"error": [0, 0, 0]}, 1e-3, (0.0, 0.0)),
-        ({"error": [1e-17, 0, 1e-16]}, 1e-3, (0.0, 0.0)),
-        ({"error": [np.inf] * 3}, 1e-3, (1.0, 1.0)),
-        ({"scan": [0, 5, 10]}, 10, None),
+        ([0.1, 0.0, 0.05], 0.1, (0.0, 1.0)),
+        ([0, 0, 0], 1e-3, (0.0, 0.0)),
+        ([1e-17, 0, 1e-16], 1e-3, (0.0, 0.0)),
+        ([np.inf] * 3, 1e-3, (1.0, 1.0)),
     ],
 )
-def test_errors_and_scans_run_through_their_colours_with_a_scale(values, most, ends, ax):
+def test_errors_run_through_their_colours_with_a_scale(values, most, ends, ax):
     """Catches good segments on top of bad ones, rounding errors in dark red, an infinite scale."""
-    plotting.draw_segments(THREE, **values, ax=ax)
+    plotting.draw_segments(THREE, error=values, ax=ax)
     found = colors_of(ax)
     assert ax.collections[0].get_clim() == (0, most)
-    label = "scan" if "scan" in values else "error [m]"
-    assert ax.figure.axes[1].get_ylabel() == label
-    if ends is None:
-        assert len(set(found)) == 3
-    else:
-        assert [found[0], found[-1]] == [to_hex(plotting.ERRORS(end)) for end in ends]
-        order = np.argsort(values["error"], kind="stable")
-        np.testing.assert_array_equal(lines_of(ax), THREE[order])
+    assert ax.figure.axes[1].get_ylabel() == "error [m]"
+    assert [found[0], found[-1]] == [to_hex(plotting.ERRORS(end)) for end in ends]
+    np.testing.assert_array_equal(lines_of(ax), THREE[np.argsort(values, kind="stable")])
 
 
 def test_a_thick_after_lies_over_a_thin_before_and_both_are_counted(ax):
@@ -180,7 +174,8 @@ def tree():
 def test_each_point_has_the_grey_of_its_leaf_and_leaves_leave_no_gap():
     """Catches occupied drawn white, rows upside down, x exchanged with y, seams of squares."""
     map, ax = tree(), Figure(figsize=(4, 4), dpi=64).add_axes((0, 0, 1, 1))
-    plotting.draw_quadtree(map, ax=ax, outlines=False, whole=True).axis("off")
+    plotting.draw_quadtree(map, ax=ax, outlines=False).axis("off")
+    ax.set(xlim=(0, 16), ylim=(0, 16))
     image = pixels(plotting.figure_png(ax.figure))[::-1]
     centres = np.arange(16) + 0.5
     at = (centres * len(image) / 16).astype(int)
@@ -192,14 +187,13 @@ def test_each_point_has_the_grey_of_its_leaf_and_leaves_leave_no_gap():
     assert set(np.unique(image.round(2))) == {0.0, 0.5, 1.0}
 
 
-def test_the_part_that_was_hit_is_shown_or_the_whole_root(ax):
+def test_the_part_that_was_hit_is_shown(ax):
     """Catches a room of 4 m as a dot in a root of 655 m."""
     map = QuadtreeMap(resolution=0.1)
     assert plotting.draw_quadtree(map, ax=ax).get_xlim() == (0, 51.2)
     map.insert_scan((1, 1), [(2, 1), (-200, 1)], [(0, 900.0)])
     (left, right), (low, high) = plotting.draw_quadtree(map, ax=ax).get_xlim(), ax.get_ylim()
     assert -220 < left < -200 < 2 < right < 20 and high - low < 40
-    assert plotting.draw_quadtree(map, ax=ax, whole=True).get_xlim() == map.bounds[0::2]
 
 
 # ------------------------------------------------------------------------ as bytes
