@@ -64,7 +64,11 @@ def building_axes(segments: Array) -> Array:
 
 
 def wall_lines(segments: Array, axes: Array, band: float) -> list[Line]:
-    """Lines of each axis and across it, each the mean of the densest offsets within a band."""
+    """Lines of each axis and across it, each the mean of the densest offsets within a band.
+
+    What is as near to it as half the band is on it too: so lines are apart by more, and squares
+    lie between any two.
+    """
     lines, sizes, middles = list[Line](), length(segments), midpoint(segments)
     apart = abs(quarter_turn(angle(segments)[:, None] - axes))
     nearest = np.column_stack([apart, np.full(len(apart), np.inf)]).argmin(1)
@@ -78,13 +82,15 @@ def wall_lines(segments: Array, axes: Array, band: float) -> list[Line]:
             total = np.append(0, np.cumsum(sizes[rows]))
             last = np.searchsorted(offsets, offsets + band, "right")
             first = int((total[last] - total[:-1]).argmax())
-            chosen = rows[first : last[first]]
-            if sizes[chosen].sum() < LEAST_LINE_M:
+            densest = np.s_[first : last[first]]
+            if sizes[rows[densest]].sum() < LEAST_LINE_M:
                 break
-            offset = float(np.average(middles[chosen] @ normal, weights=sizes[chosen]))
-            spans = np.sort(segments[chosen] @ way, axis=1)
-            lines.append(Line(axis, way, normal, offset, chosen, merged_spans(spans)))
-            rows = np.delete(rows, np.s_[first : last[first]])
+            offset = float(np.average(offsets[densest], weights=sizes[rows[densest]]))
+            is_near = abs(offsets - offset) <= band / 2
+            is_near[densest] = True
+            spans = np.sort(segments[rows[is_near]] @ way, axis=1)
+            lines.append(Line(axis, way, normal, offset, rows[is_near], merged_spans(spans)))
+            rows = rows[~is_near]
     return lines
 
 

@@ -270,6 +270,19 @@ def test_a_line_lies_where_most_of_its_wall_does():
     assert room.outline[:, 1].min() == pytest.approx(0.5, abs=1e-6)
 
 
+@pytest.mark.parametrize("shift", [0.0, 0.01, 0.02, 0.03, 0.04])
+def test_lines_that_nearly_coincide_cut_no_room(shift):
+    """Catches a room in two where no square lies between the lines of some pieces in it."""
+    kinds = np.full((84, 244), OCCUPIED)
+    kinds[3:-3, 3:-3] = FREE
+    outer = polyline([(0, 0), (12, 0), (12, 4), (0, 4)], closed=True)
+    rows = [(1.0, 1.8, 1.89), (3.0, 6.0, 2.035), (8.0, 8.7, 2.045)]
+    pieces = [[(x, y + shift), (end, y + shift)] for x, end, y in rows]
+    free = map_of_grid(kinds, resolution=0.05, corner=(-0.1, -0.1))
+    (room,) = plan.floor_plan(np.concatenate([outer, pieces]), free).rooms
+    assert room.area == pytest.approx(48, rel=0.01)
+
+
 def test_an_opening_with_one_jamb_is_no_door():
     """Catches the end of a wall in a room that is taken for a doorway."""
     outer = polyline([(0, 0), (6, 0), (6, 2), (0, 6.2)], closed=True)
