@@ -32,19 +32,17 @@ class Cause(StrEnum):
     # What the map says
     NO_DISTANCE = "free direction"
     UNTIED = "no match ties it"
-    VAGUE = "vague"
     LEFT_FREE = "pose left free"
     NOT_ORTHOGONAL = "not orthogonal"
     NO_WALLS = "no walls"
     NOT_MERGED = "not merged"
-    LOST = "lost"
     BEND = "bend"  # the poses do not keep what the matches said as they came
     NOT_CHECKED = "not checked"  # nothing confirms the poses
     OTHER = "other"  # words of an earlier version
 
 
 #: Causes that always make a map doubtful.
-DECISIVE = {Cause.SCALE, Cause.MIRRORED, Cause.LIFTED, Cause.BEND, Cause.NOT_MERGED, Cause.LOST}
+DECISIVE = {Cause.SCALE, Cause.MIRRORED, Cause.LIFTED, Cause.BEND, Cause.NOT_MERGED}
 
 
 class Unmatched(StrEnum):
