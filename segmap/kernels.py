@@ -268,6 +268,16 @@ def span(s: Array, line: Line) -> tuple[float, float]:
 
 
 @compiled
+def span_of(s: Array, members: Indices, line: Line) -> tuple[float, float]:
+    """Low and high projection of some of the segments, (n, 2, 2), on a line, metres."""
+    low, high = np.inf, -np.inf
+    for i in members:
+        begin, end = span(s[i], line)
+        low, high = min(low, begin), max(high, end)
+    return low, high
+
+
+@compiled
 def gap_along(u: Array, v: Array, dx: float, dy: float) -> float:
     """Metres between two segments, (2, 2) each, along a unit direction; below 0 they overlap."""
     (low, high), (begin, end) = span(u, (0.0, 0.0, dx, dy)), span(v, (0.0, 0.0, dx, dy))

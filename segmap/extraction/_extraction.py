@@ -21,7 +21,7 @@ from ..scans import LaserScan, Log
 from ..scans.motion import standing
 from ..scans.noise import USUAL_SIGMA_M, SensorNoise, sensor_noise, warn_if_other_sensor
 from ..scans.pose_argument import checked_poses, warn_if_empty_map
-from ..segments import SegmentMap
+from ..segments import MIN_LENGTH, SegmentMap
 from ..threads import Rows, in_threads
 from . import _kernels as kernels
 from ._far import without_far_points
@@ -33,6 +33,10 @@ SCANS_PER_BLOCK = 128
 #: So much does the tolerance of a point grow with its standard deviation above the usual one: of
 #: hundreds of points on a wall one is off by four, and cuts it.
 MORE_TOLERANCE = 4.0
+#: A tolerance at which no cluster is split, metres.
+UNSPLIT_M = 1e300
+#: What a segment is longer than has a length, metres.
+LEAST_LENGTH_M = float(np.nextafter(MIN_LENGTH, 1))
 #: What a sensor adds that nobody names: to check one takes longer than to extract a scan.
 USUAL_NOISE = SensorNoise()
 
@@ -244,22 +248,19 @@ def _beams_of(scans: Sequence[LaserScan], closed: bool) -> Beams:
     return Beams(arrays.points(np.concatenate(points)), first, rounds, places)
 
 
-def _room_for(most: int, scans: Beams) -> Runs:
-    """Room for so many segments of scans."""
-    counts = np.empty(len(scans.closed), np.int64)
-    return Runs(np.empty((most, 2, 2)), np.empty((2, most), np.int64), counts)
-
-
-def _rows_in_use(runs: Runs) -> Runs:
-    """What of the room is used."""
-    count = runs.counts.sum()
-    return Runs(runs.segments[:count], runs.ends[:, :count], runs.counts)
+def _runs(
+    scans: Beams, noise: kernels.Noise, gap: float, least: int, min_length: float, total: bool
+) -> Runs:
+    """Segments of the scans, of so many points and metres at least."""
+    most, counts = len(scans.points) // least + len(scans.closed), np.empty(len(scans.closed), int)
+    runs = Runs(np.empty((most, 2, 2)), np.empty((2, most), np.int64), counts)
+    kernels.polylines(scans, noise, gap, least, min_length, total, runs)
+    count = counts.sum()
+    return Runs(runs.segments[:count], runs.ends[:, :count], counts)
 
 
 def _clusters(scans: Beams, gap: float, fit: Literal["total", "algebraic"]) -> Runs:
-    runs = _room_for(len(scans.points) // 2 + 1, scans)
-    kernels.clusters(scans, gap, fit == "total", runs)
-    return _rows_in_use(runs)
+    return _runs(scans, (0.0, 0.0, UNSPLIT_M), gap, 2, LEAST_LENGTH_M, fit == "total")
 
 
 def _polylines(
@@ -273,9 +274,7 @@ def _polylines(
     one = USUAL_NOISE if sensor is None else arrays.instance(sensor, "sensor", SensorNoise)
     more, share = one.range_m - USUAL_SIGMA_M, one.range_share
     noise, least = (MORE_TOLERANCE * more, MORE_TOLERANCE * share, tolerance), max(min_points, 2)
-    runs = _room_for(len(scans.points) // least + len(scans.closed), scans)
-    kernels.polylines(scans, noise, gap, least, min_length, runs)
-    return _rows_in_use(runs)
+    return _runs(scans, noise, gap, least, min_length, True)
 
 
 #: The extractions that tell the points of each segment.

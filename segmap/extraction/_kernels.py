@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..compiled import compiled
+from ..kernels import Line
 from ..segments import MIN_LENGTH
-from ._lines import Line, farthest, fit_algebraic, fit_total, off, write_chord
+from ._lines import farthest, fit_algebraic, fit_total, off, write_chord
 
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -71,10 +72,12 @@ def _set_tolerances(
     """
     (spread, spread_share, tolerance), n, x, y = noise, len(p), place[0], place[1]
     for i in range(n):
-        more = spread + spread_share * np.hypot(p[i, 0] - x, p[i, 1] - y)
-        ease[i], gaps[i] = tolerance / (tolerance + max(more, 0.0)), gap
+        ease[i], gaps[i] = 1.0, gap
     if max(spread, spread_share) <= 0.0:
         return
+    for i in range(n):
+        more = spread + spread_share * np.hypot(p[i, 0] - x, p[i, 1] - y)
+        ease[i] = tolerance / (tolerance + max(more, 0.0))
     for i in range(n):
         k = (i + 1) % n
         least = min(ease[i], ease[k])
@@ -121,28 +124,6 @@ def _begin_round(p: Array, gaps: Array) -> None:
     for k in range(len(p)):
         point = before[(start + k) % len(p)]
         p[k, 0], p[k, 1] = point[0], point[1]  # a slice would cost 4 s of compiling
-
-
-@compiled
-def clusters(scans: Beams, gap: float, total: bool, runs: Runs) -> None:
-    """Write a segment for each cluster of more than one point (A 3.2) of each scan.
-
-    The points of one that looks all round are turned to where a round best begins.
-    """
-    p, row = scans.points, 0
-    ease, gaps = np.full(len(p), 1.0), np.full(len(p), gap)
-    for scan in range(len(runs.counts)):
-        start, end, before = scans.first[scan], scans.first[scan + 1], row
-        if scans.closed[scan]:
-            _begin_round(p[start:end], gaps)
-        while start < end:
-            stop = _end_of_cluster(p[:end], gaps, start)
-            if stop - start > 1:
-                line = fit_total(p, ease, start, stop) if total else fit_algebraic(p, start, stop)
-                runs.ends[0, row], runs.ends[1, row] = start, stop
-                row += write_chord(p, start, stop, line, runs.segments, row) > MIN_LENGTH
-            start = stop
-        runs.counts[scan] = row - before
 
 
 @compiled
@@ -272,9 +253,19 @@ def _spread_along(p: Array, ease: Array, start: int, stop: int, line: Line) -> f
 
 @compiled
 def polylines(
-    scans: Beams, noise: Noise, gap: float, min_points: int, min_length: float, runs: Runs
+    scans: Beams,
+    noise: Noise,
+    gap: float,
+    min_points: int,
+    min_length: float,
+    total: bool,
+    runs: Runs,
 ) -> None:
-    """Write the segments of all clusters of each scan, split and merged, as `clusters` does."""
+    """Write the segments of all clusters (A 3.2) of each scan, split and merged.
+
+    The points of one that looks all round are turned to where a round best begins. Lines are of
+    `total` least squares, or A's.
+    """
     p, row, tolerance, least = scans.points, 0, noise[2], LEAST_SPREAD * min_length * min_length
     most, (ease, gaps) = 0, np.empty((2, len(p)))
     for scan in range(len(runs.counts)):
@@ -299,7 +290,7 @@ def polylines(
                     corner = ends[k]
                 if end - start >= min_points:
                     runs.ends[0, row], runs.ends[1, row] = start, end
-                    line = fit_total(p, ease, start, end)
+                    line = fit_total(p, ease, start, end) if total else fit_algebraic(p, start, end)
                     size = write_chord(p, start, end, line, runs.segments, row)
                     spread = _spread_along(p, ease, start, end, line)
                     row += size >= min_length and spread >= least

@@ -9,8 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import compiled
-
-Line = tuple[float, float, float, float]
+from ..kernels import Line
 
 
 @compiled

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..angles import wrap
 from ..arrays import Array, Count, Metres, Radians, at_least, at_most, checked
-from ..segments import SegmentMap, length, midpoint
+from ..segments import SegmentMap, cut_evenly, length, midpoint
 
 #: Walls are looked at in pieces of this side, metres: a tenth of a door.
 DOUBLED_PIECE_M = 0.10
@@ -99,9 +99,8 @@ def _frequent(map: SegmentMap, stood: Array, angle: float, looks: int) -> tuple[
     """
     sizes, spans = length(map.segments), map.segments[:, 1] - map.segments[:, 0]
     counts = np.clip(np.ceil(sizes / DOUBLED_PIECE_M), 1, MOST_DOUBLED_PIECES).astype(np.int64)
-    row = np.repeat(np.arange(len(map)), counts)
-    number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
-    places = map.segments[row, 0] + ((number + 0.5) / counts[row])[:, None] * spans[row]
+    pieces, row = cut_evenly(map.segments, counts)
+    places = midpoint(pieces)
     normals, away = np.stack([-spans[:, 1], spans[:, 0]], -1), stood - midpoint(map.segments)
     behind = (normals * away).sum(-1) < 0
     facing = np.arctan2(normals[:, 1], normals[:, 0]) + np.pi * behind

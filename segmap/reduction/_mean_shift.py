@@ -20,7 +20,7 @@ from ..arrays import (
     checked,
     unit_checks,
 )
-from ..segments import angle, length, midpoint
+from ..segments import angle, cut_evenly, length, midpoint
 from ._mean_shift_kernels import climb, join, link
 from ._runner import Found, Indices, Reduction, Rows, rows_of, run_offline
 
@@ -176,11 +176,7 @@ def pieces_of(segments: Array, sigma: float) -> tuple[Array, Indices]:
             f"sigma must cut the map into at most {MOST_PIECES} pieces, "
             f"got {sigma} m, which makes {counts.sum():.3g}: is it in metres?"
         )
-    count = counts.astype(np.int64)
-    owner = np.repeat(np.arange(len(count)), count)
-    nth = np.arange(len(owner)) - (np.cumsum(count) - count)[owner]
-    begin, step = segments[owner, 0], (segments[:, 1] - segments[:, 0])[owner] / count[owner, None]
-    return np.stack([begin + nth[:, None] * step, begin + (nth + 1)[:, None] * step], 1), owner
+    return cut_evenly(segments, counts.astype(np.int64))
 
 
 def _shift_lines(

@@ -35,6 +35,8 @@ RUN_EXTENT = 12 / DEVIATIONS_PER_UNIT
 STEPS_PER_RUN = 8
 #: So many runs a thread takes at a time.
 RUNS_PER_THREAD = 64
+#: Strips of a group have numbers about as many times this as that of the group.
+GROUP_STRIPS = 1 << 36
 #: Beyond this share of a quarter turn a point counts as perpendicular: it turns neither way.
 PERPENDICULAR_TURN_SHARE = 1 - 1e-9
 #: Intervals at most this far apart, in metres, are joined.
@@ -42,15 +44,14 @@ JOINED_INTERVAL_M = 1e-9
 
 
 class Strips(NamedTuple):
-    """Points by group and strip, n of them in r strips of g groups."""
+    """Points by group and strip, n of them in r strips."""
 
     x: Array  # (n,) by group, strip and first coordinate, in deviations
     y: Array
     a: Array
     order: Indices  # (n,) which point each of them is
-    rows: Indices  # (r,) strips that hold points, ascending within their group
+    rows: Indices  # (r,) strips that hold points, ascending, see `GROUP_STRIPS`
     first: Indices  # (r + 1,) where each begins in the order, and n
-    begins: Indices  # (g + 1,) where the strips of each group begin, and r
 
 
 class Runs(NamedTuple):
@@ -65,14 +66,11 @@ class Runs(NamedTuple):
 
 def _in_strips(points: Array, height: float, group: Indices) -> Strips:
     """Strips of a height, deviations, of points `(n, 3)` whose groups, `(n,)`, count from 0."""
-    row = np.floor(points[:, 1] / height).astype(np.int64)
-    order = np.lexsort((points[:, 0], row, group))
-    row, owner = row[order], group[order]
-    cuts = np.flatnonzero((np.diff(row) != 0) | (np.diff(owner) != 0)) + 1
-    first = np.concatenate([[0], cuts, [len(order)]])
-    begins = np.searchsorted(owner[first[:-1]], np.arange(owner[-1] + 2))
+    row = np.floor(points[:, 1] / height).astype(np.int64) + GROUP_STRIPS * group
+    order = np.lexsort((points[:, 0], row))
+    first = np.flatnonzero(np.diff(row[order], prepend=row.min() - 1))
     x, y, a = np.ascontiguousarray(points[order].T)
-    return Strips(x, y, a, order, row[first[:-1]], first, begins)
+    return Strips(x, y, a, order, row[order[first]], np.append(first, len(order)))
 
 
 def _side_by_side(at: Strips) -> Indices:
@@ -180,9 +178,11 @@ def _gather_points(
     wide, half = reach >= period / 2, period / 2
     if wide:
         reach = half = np.inf
-    count, r, end = 0, strips.begins[g], strips.begins[g + 1]
-    r += np.searchsorted(strips.rows[r:end], np.int64(np.floor(y_min / PULL_REACH)))
-    while r < end and strips.rows[r] <= np.floor(y_max / PULL_REACH):
+    count, last = 0, np.int64(np.floor(y_max / PULL_REACH)) + GROUP_STRIPS * g
+    first = np.int64(np.floor(y_min / PULL_REACH)) + GROUP_STRIPS * g
+    for r in range(np.searchsorted(strips.rows, first), len(strips.rows)):
+        if strips.rows[r] > last:
+            break
         i = strips.first[r]
         x_here = strips.x[i : strips.first[r + 1]]
         for k in range(i + np.searchsorted(x_here, x_min), i + np.searchsorted(x_here, x_max)):
@@ -190,7 +190,6 @@ def _gather_points(
             turn = -period if a - middle > half else period if a - middle < -half else 0.0
             near[0, count], near[1, count], near[2, count], near[3, count] = x, y, a, turn
             count += (y >= y_min) & (y <= y_max) & (abs(a - middle + turn) <= reach)  # no branch
-        r += 1
     return count, wide
 
 
@@ -231,22 +230,21 @@ def _move(strips: Strips, runs: Runs, start: int, bound: float, period: float) -
 def _link(strips: Strips, parent: Indices, period: float, reach: float) -> None:
     """Unite all points of a group closer than `reach`: `parent` becomes the lowest of each set."""
     x, y, a, order, first = strips.x, strips.y, strips.a, strips.order, strips.first
-    for g in range(len(strips.begins) - 1):
-        for r in range(strips.begins[g], strips.begins[g + 1]):
-            for i in range(first[r], first[r + 1]):
-                for s in range(r, min(r + 2, strips.begins[g + 1])):  # its strip and the next
-                    if strips.rows[s] > strips.rows[r] + 1:
-                        continue
-                    j, stop = first[s], first[s + 1]
-                    j = i + 1 if s == r else j + np.searchsorted(x[j:stop], x[i] - reach)
-                    while j < stop and x[j] - x[i] < reach:
-                        k, m = order[i], order[j]
-                        dx, dy, da = x[i] - x[j], y[i] - y[j], abs(a[i] - a[j])
-                        da = min(da, period - da)
-                        if parent[k] != parent[m] and dx * dx + dy * dy + da * da < reach * reach:
-                            k, m = root_of(parent, k), root_of(parent, m)
-                            parent[max(k, m)] = min(k, m)
-                        j += 1
+    for r in range(len(strips.rows)):
+        for i in range(first[r], first[r + 1]):
+            for s in range(r, min(r + 2, len(strips.rows))):  # its strip and the next
+                if strips.rows[s] > strips.rows[r] + 1:
+                    continue
+                j, stop = first[s], first[s + 1]
+                j = i + 1 if s == r else j + np.searchsorted(x[j:stop], x[i] - reach)
+                while j < stop and x[j] - x[i] < reach:
+                    k, m = order[i], order[j]
+                    dx, dy, da = x[i] - x[j], y[i] - y[j], abs(a[i] - a[j])
+                    da = min(da, period - da)
+                    if parent[k] != parent[m] and dx * dx + dy * dy + da * da < reach * reach:
+                        k, m = root_of(parent, k), root_of(parent, m)
+                        parent[max(k, m)] = min(k, m)
+                    j += 1
     for i in range(len(parent)):
         parent[i] = root_of(parent, i)
 

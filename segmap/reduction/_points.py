@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Segments
-from ..segments import SegmentMap, length, take_points
+from ..segments import SegmentMap, cut_evenly, length, midpoint, take_points
 from ._runner import Indices, Rows
 
 #: More points than this, 16 bytes each, are a mistake in the spacing.
@@ -61,7 +61,4 @@ def stand_ins(segments: Array, spacing: float) -> tuple[Array, Indices]:
             f"got {spacing} m, which makes {share.sum():.3g}: is it in metres?"
         )
     count = np.maximum(share.astype(np.int64) + 1, 2)
-    first = np.append(0, np.cumsum(count))
-    owner = np.repeat(np.arange(len(count)), count)
-    t = (np.arange(first[-1]) - first[owner] + 0.5) / count[owner]
-    return segments[owner, 0] + t[:, None] * (segments[:, 1] - segments[:, 0])[owner], first
+    return midpoint(cut_evenly(segments, count)[0]), np.append(0, np.cumsum(count))

@@ -7,6 +7,7 @@ from ._segments import (
     MIN_LENGTH,
     SegmentMap,
     angle,
+    cut_evenly,
     extreme_projections,
     length,
     main_direction,
@@ -16,6 +17,6 @@ from ._segments import (
 )
 
 __all__ = [
-    "MIN_LENGTH", "SegmentMap", "angle", "extreme_projections", "length", "main_direction",
-    "midpoint", "point_distance", "take_points",
+    "MIN_LENGTH", "SegmentMap", "angle", "cut_evenly", "extreme_projections", "length",
+    "main_direction", "midpoint", "point_distance", "take_points",
 ]  # fmt: skip

@@ -26,6 +26,21 @@ def take_points(
     return points[np.arange(starts[-1]) + shift], starts
 
 
+def cut_evenly(segments: Array, counts: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
+    """Equal pieces of segments, `(p, 2, 2)`, so many of each, from end point 0 on; and their rows.
+
+    Examples
+    --------
+    >>> pieces, owner = cut_evenly(np.array([[(0.0, 0.0), (2.0, 0.0)]]), np.array([2]))
+    >>> pieces[:, :, 0].tolist(), owner.tolist()
+    ([[0.0, 1.0], [1.0, 2.0]], [0, 0])
+    """
+    owner = np.repeat(np.arange(len(counts)), counts)
+    nth = (np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner])[:, None]
+    begin, step = segments[owner, 0], ((segments[:, 1] - segments[:, 0]) / counts[:, None])[owner]
+    return np.stack([begin + nth * step, begin + (nth + 1) * step], 1), owner
+
+
 def behind(
     points: ArrayLike | None, first: ArrayLike | None, count: int
 ) -> tuple[Array | None, NDArray[np.int64] | None]:

@@ -17,11 +17,11 @@ from ..angles import axial_mean
 from ..arrays import Array, Segments
 from ..display import Pictured
 from ..files import read_npz, shown, write_npz
-from ._points import behind, checked_places, clipped, take_points
+from ._points import behind, checked_places, clipped, cut_evenly, take_points
 
 __all__ = [
-    "MIN_LENGTH", "SegmentMap", "angle", "extreme_projections", "length", "main_direction",
-    "midpoint", "point_distance", "take_points",
+    "MIN_LENGTH", "SegmentMap", "angle", "cut_evenly", "extreme_projections", "length",
+    "main_direction", "midpoint", "point_distance", "take_points",
 ]  # fmt: skip
 
 #: Below this length, in metres, a segment has no angle.

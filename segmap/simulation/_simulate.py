@@ -15,7 +15,7 @@ from ..compiled import compiled
 from ..poses import between, compose
 from ..poses.motions import arc, twist
 from ..scans import LaserScan, Log
-from ..segments import angle
+from ..segments import angle, cut_evenly, length, midpoint
 from ._rooms import polyline
 from ._sensors import OdometryNoise, Sensor, drifting_odometry, measure
 
@@ -247,11 +247,8 @@ def _near_walls(walls: Array, sensor: Sensor) -> Callable[[Array], Array]:
     reach = sensor.max_range * (1 + 10 * sensor.range_share) + 10 * sensor.sigma + sensor.resolution
     if len(walls) <= MANY or not np.isfinite(reach):
         return lambda pose: walls
-    along = np.hypot(*(walls[:, 1] - walls[:, 0]).T)
+    along = length(walls)
     apart = max(reach, float(along.sum()) / WALL_PLACES)
-    count = np.ceil(along / apart).astype(np.int64) + 1
-    which = np.repeat(np.arange(len(walls)), count)
-    number = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
-    share = number / np.maximum(count - 1, 1)[which]
-    tree = cKDTree(walls[which, 0] + share[:, None] * (walls[which, 1] - walls[which, 0]))
+    pieces, which = cut_evenly(walls, np.maximum(np.ceil(along / apart), 1).astype(np.int64))
+    tree = cKDTree(midpoint(pieces))
     return lambda pose: walls[np.unique(which[tree.query_ball_point(pose[:2], reach + apart / 2)])]

@@ -53,7 +53,7 @@ MADE = {"AgainstWalls", "Alignment", "Belief", "ColumnChoices", "Door", "FloorPl
         "HeadError",
         "LogError", "Match", "Methods", "NoRoute", "Places", "Port",
         "Reduction", "Room", "SensorError", "SensorGone", "Squares", "Tree", "Uncertainty",
-        "UnknownFormat", "Verdict", "take_points"}  # fmt: skip
+        "UnknownFormat", "Verdict", "cut_evenly", "take_points"}  # fmt: skip
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.
 PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "method_style",
          "square_corners", "Panel", "control", "player", "slider", "text"}  # fmt: skip

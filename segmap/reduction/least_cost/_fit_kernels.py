@@ -24,7 +24,7 @@ from ...kernels import (
     order_by_first,
     place_on_line,
     seen_from,
-    span,
+    span_of,
 )
 
 Indices = NDArray[np.int64]
@@ -127,22 +127,12 @@ def assignment_cost(
 
 
 @compiled
-def _reach(s: Array, members: Indices, line: Line) -> tuple[float, float]:
-    """From where to where all members reach along a line, metres."""
-    low, high = np.inf, -np.inf
-    for i in members:
-        begin, end = span(s[i], line)
-        low, high = min(low, begin), max(high, end)
-    return low, high
-
-
-@compiled
 def _assignment_line_cost(
     s: Array, d: Array, work: Workspace, count: int, limits: Limits, line: Line, most: float
 ) -> float:
     """Cost of the segment on a line that spans all members; `inf` from `most` on."""
     (x, y, dx, dy), frame = line, work.frame
-    first, last = _reach(s, work.who[:count], line)
+    first, last = span_of(s, work.who[:count], line)
     x, y, whole = x + first * dx, y + first * dy, last - first
     if whole < 1e-9:
         return np.inf
@@ -201,7 +191,7 @@ def fit_cheapest_line(
         best, line, theta = cost, other, along
     if best == np.inf:
         return np.inf
-    low, high = _reach(s, work.who[:count], line)
+    low, high = span_of(s, work.who[:count], line)
     (x, y, _, _), shift, offset = line, 0.2 * limits.distance, 0.0
     turn, was = min(0.1, 4.0 * shift / max(high - low, 2.0 * shift)), (np.inf, np.inf)
     for _ in range(LINE_FIT_ROUNDS):
@@ -219,6 +209,6 @@ def fit_cheapest_line(
         was = now
         if (theta, offset) == now:
             turn, shift = turn / 2.0, shift / 2.0
-    low, high = _reach(s, work.who[:count], line)
+    low, high = span_of(s, work.who[:count], line)
     place_on_line(work.line, line, low, high)
     return best

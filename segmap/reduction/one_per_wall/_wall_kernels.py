@@ -18,6 +18,7 @@ from ...kernels import (
     place_on_line,
     seen_from,
     span,
+    span_of,
 )
 from .._index import Index, enter, enter_all, meeting, take_out
 
@@ -59,7 +60,7 @@ class Walls(NamedTuple):
     drawn: Array  # (n, 2, 2) the walls
     label: Indices  # (n,) the wall of each look, -1 for none
     mark: Indices  # (n,) when a look was last a member
-    near: Indices  # (n + 1,) room for neighbours
+    near: Indices  # (n + 1,) room for neighbours, and then for members
     seen: Indices  # (n + 1,)
     who: Indices  # (n + 1,) candidates
     order: Indices  # (n + 1,)
@@ -95,11 +96,8 @@ def _gap_is_hidden(walls: Walls, line: Line, low: float, high: float, tolerance:
 
 
 @compiled
-def _together(walls: Walls, seed: int, line: Line, tolerance: float) -> tuple[int, int]:
-    """Order looks that fit a line by where they begin; those that hang together with the seed.
-
-    They are `who[order[first:stop]]`.
-    """
+def _together(walls: Walls, seed: int, line: Line, tolerance: float) -> int:
+    """Write the looks that fit a line and hang together with the seed into `near`; how many."""
     s, near, spans, count = walls.s, walls.near, walls.spans, 1
     low, high = span(walls.grown, line)
     walls.who[0] = seed
@@ -115,7 +113,7 @@ def _together(walls: Walls, seed: int, line: Line, tolerance: float) -> tuple[in
             count += 1
     order = walls.order
     order_by_first(order[:count], spans)
-    first, has, reached = 0, False, spans[order[0], 0]
+    members, has, reached = 0, False, spans[order[0], 0]
     for k in range(count):
         low = spans[order[k], 0]
         if low - reached > BRIDGED_GAP_M + SAME and not (
@@ -123,30 +121,31 @@ def _together(walls: Walls, seed: int, line: Line, tolerance: float) -> tuple[in
             and _gap_is_hidden(walls, line, reached, low, tolerance)
         ):
             if has:
-                return first, k
-            first, reached = k, low
-        has = has or walls.who[order[k]] == seed
+                break
+            members, reached = 0, low
+        near[members] = walls.who[order[k]]
+        has, members = has or near[members] == seed, members + 1
         reached = max(reached, spans[order[k], 1])
-    return first, count
+    return members
 
 
 @compiled
-def _robust_line(walls: Walls, first: int, stop: int, line: Line, tolerance: float) -> Line:
+def _robust_line(walls: Walls, members: Indices, line: Line, tolerance: float) -> Line:
     """The line of total least squares of some looks; those that lie far off it count less."""
     s, weight, sums = walls.s, walls.spans, np.zeros(6)
     x, y, _, _ = line
-    for k in range(first, stop):
-        i = walls.who[walls.order[k]]
+    for k in range(len(members)):
+        i = members[k]
         _, one, _, other = seen_from(line, s[i])
         share = max(1.0 - (max(abs(one), abs(other)) / tolerance) ** 2, 0.0)
         w = length_of(s[i]) * max(share * share, WEIGHT)
-        weight[walls.order[k], 0] = w
+        weight[k, 0] = w
         sums[0] += w
         sums[1] += w * ((s[i, 0, 0] + s[i, 1, 0]) / 2 - x)
         sums[2] += w * ((s[i, 0, 1] + s[i, 1, 1]) / 2 - y)
     x, y = x + sums[1] / sums[0], y + sums[2] / sums[0]
-    for k in range(first, stop):
-        i, w = walls.who[walls.order[k]], weight[walls.order[k], 0]
+    for k in range(len(members)):
+        i, w = members[k], weight[k, 0]
         ex, ey = (s[i, 1, 0] - s[i, 0, 0]) / 2, (s[i, 1, 1] - s[i, 0, 1]) / 2
         mx, my = s[i, 0, 0] + ex - x, s[i, 0, 1] + ey - y
         sums[3] += w * (mx * mx + ex * ex / 3)
@@ -154,16 +153,6 @@ def _robust_line(walls: Walls, first: int, stop: int, line: Line, tolerance: flo
         sums[5] += w * (my * my + ey * ey / 3)
     theta = np.arctan2(2 * sums[4], sums[3] - sums[5]) / 2
     return x, y, np.cos(theta), np.sin(theta)
-
-
-@compiled
-def _draw_span(walls: Walls, first: int, stop: int, line: Line, out: Array) -> None:
-    """Draw the segment on a line that spans some looks."""
-    low, high = np.inf, -np.inf
-    for k in range(first, stop):
-        begin, end = span(walls.s[walls.who[walls.order[k]]], line)
-        low, high = min(low, begin), max(high, end)
-    place_on_line(out, line, low, high)
 
 
 @compiled
@@ -190,23 +179,23 @@ def grow(walls: Walls, seeds: Indices, count: int, tolerance: float) -> int:
         if walls.label[seed] >= 0:
             continue
         stamp = count * (MOST_MEMBER_CHANGES + 1)
-        line, members = line_through(s[seed]), 0
+        line, members = line_through(s[seed]), walls.near[:0]
         place_on_line(walls.grown, line, 0.0, length_of(s[seed]))
         for _ in range(MOST_MEMBER_CHANGES):
-            first, stop = _together(walls, seed, line, tolerance)
-            stamp, same = stamp + 1, members == stop - first
-            members = stop - first
-            for k in range(first, stop):
-                i = walls.who[walls.order[k]]
+            before = len(members)
+            members = walls.near[: _together(walls, seed, line, tolerance)]
+            stamp, same = stamp + 1, len(members) == before
+            for i in members:
                 same = same and mark[i] == stamp - 1
                 mark[i] = stamp
             if same:
                 break
-            line = _robust_line(walls, first, stop, line, tolerance)
-            _draw_span(walls, first, stop, line, walls.grown)
-        _draw_span(walls, first, stop, line, drawn[count])
-        for k in range(first, stop):
-            i = walls.who[walls.order[k]]
+            line = _robust_line(walls, members, line, tolerance)
+            low, high = span_of(s, members, line)
+            place_on_line(walls.grown, line, low, high)
+        low, high = span_of(s, members, line)
+        place_on_line(drawn[count], line, low, high)
+        for i in members:
             walls.label[i] = count
             take_out(walls.places, i)
         count += 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from statistics import fmean
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -145,23 +146,18 @@ def uncertain(s: Segment, eps: float, i: int) -> UncertainWall:
     return UncertainWall(s, max(eps, LEAST_RHO_M), theta, [i])
 
 
-def weighted_mean(weights: Sequence[float], values: Sequence[float]) -> float:
-    """Mean of values that count as much as their weights."""
-    return sum(w * value for w, value in zip(weights, values, strict=True)) / sum(weights)
-
-
 def mean_line(walls: Sequence[UncertainWall], origin: str) -> tuple[float, float, float]:
     """A point and the angle of the line with the mean theta, and the mean rho from one place."""
     sizes = [segment_length(wall.ends) for wall in walls]
     start = line_angle(next(w.ends for w in walls if segment_length(w.ends) >= max(sizes) - SAME))
     turns = [axial_difference(line_angle(wall.ends), start) for wall in walls]
     middles = [[(p + q) / 2 for p, q in zip(*wall.ends, strict=True)] for wall in walls]
-    x, y = (weighted_mean(sizes, values) for values in zip(*middles, strict=True))
+    x, y = (fmean(values, sizes) for values in zip(*middles, strict=True))
     x, y = (0.0, 0.0) if origin == "map" else (x, y)
     lines = [(x, y, math.cos(start + turn), math.sin(start + turn)) for turn in turns]
     rhos = [seen_from(line, at)[1] for line, at in zip(lines, middles, strict=True)]
-    rho = weighted_mean([segment_length(w.ends) / w.sigma_rho**2 for w in walls], rhos)
-    turn = weighted_mean([segment_length(w.ends) / w.sigma_theta**2 for w in walls], turns)
+    rho = fmean(rhos, [segment_length(w.ends) / w.sigma_rho**2 for w in walls])
+    turn = fmean(turns, [segment_length(w.ends) / w.sigma_theta**2 for w in walls])
     return x - rho * math.sin(start + turn), y + rho * math.cos(start + turn), start + turn
 
 
