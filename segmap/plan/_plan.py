@@ -15,7 +15,7 @@ from ..arrays import Array, Metres, Positive, Segments, Share, checked
 from ..progress import announce
 from ..quadtree import FREE, QuadtreeMap
 from ..reduction import Reduction
-from ..segments import length
+from ..segments import angle, length, midpoint
 from ._cells import (
     LEAST_HOLE_M2,
     WIDEST_LEAF_M,
@@ -30,11 +30,11 @@ from ._cells import (
 )
 from ._doors import DRAWN, Door, find_doors
 from ._draft import Draft
-from ._lines import Indices, Line, building_axes, wall_lines
+from ._lines import AXIS_BAND_RAD, Indices, Line, building_axes, quarter_turn, wall_lines
 from ._outlines import SNAP_M, apart, room_of
 from ._polygons import Room, shapely_or_hint
 from ._rooms import find_rooms
-from ._walls import Faces, draw_faces, walls_and_clutter, with_doorway
+from ._walls import Faces, draw_faces, normals, walls_and_clutter, with_doorway
 from .edits import Edit, Name
 
 #: Side of the squares of free space, metres.
@@ -138,11 +138,24 @@ class FloorPlan:
             "no room was found: where the walls are, nothing was seen free": not self.rooms,
             f"openings to where nothing was seen, windows or glass: {away}": away,
             f"doors wider than a leaf where a way leads round, perhaps glass: {wide}": wide,
+            "walls along no axis stand in a room, and may divide it": self._has_walls_aslant,
             f"no door was seen of {', '.join(alone)}": alone,
             f"free space ends where nothing was seen, and may go on: {', '.join(ends)}": ends,
             f"edits that change nothing: {', '.join(self.unplaced)}": self.unplaced,
         }
         return "; ".join(words for words, so in doubts.items() if so)
+
+    @property
+    def _has_walls_aslant(self) -> bool:
+        """Whether a wall along no axis, longer than a leaf, has one room before both faces."""
+        walls, turn = self.walls.segments, angle(self.walls.segments)[:, None]
+        is_aslant = (abs(quarter_turn(turn - self.axes)) > AXIS_BAND_RAD).all(1)
+        is_aslant &= (length(walls) > WIDEST_LEAF_M) & np.isfinite(self.thickness)
+        front = (self.side[:, None] * normals(walls))[is_aslant]
+        middle, thickness = midpoint(walls)[is_aslant], self.thickness[is_aslant, None]
+        before = self.room_at(middle + SNAP_M * front)
+        behind = self.room_at(middle - (thickness + SNAP_M) * front)
+        return bool(((before >= 0) & (before == behind)).any())
 
     @property
     def graph(self) -> NDArray[np.bool_]:

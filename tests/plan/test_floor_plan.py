@@ -270,6 +270,21 @@ def test_a_line_lies_where_most_of_its_wall_does():
     assert room.outline[:, 1].min() == pytest.approx(0.5, abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("lean", "rooms", "words"),
+    [(1, 1, "walls along no axis stand in a room, and may divide it"), (0, 2, "")],
+)
+def test_a_wall_aslant_that_cuts_no_room_is_doubted(lean, rooms, words):
+    """Catches two rooms that are one, and no word of the slanted wall and its door between them."""
+    outer, walls = polyline([(0, 0), (10, 0), (10, 4), (0, 4)], closed=True), list[np.ndarray]()
+    for low, high in ((0, 1.1), (2, 4)):
+        face = np.array([(5 - lean * y / 4, y) for y in (low, high)])
+        walls.append(polyline([*face, *(face[::-1] + (0.12, 0))], closed=True))
+    way = [(1, 1), (1, 3), (3.5, 1.6), (5.5, 1.6), (9, 1), (9, 3), (6, 3)]
+    found = plan.floor_plan(*seen(np.concatenate([outer, *walls]), way))
+    assert len(found.rooms) == rooms and found.doubt == words
+
+
 @pytest.mark.parametrize("shift", [0.0, 0.01, 0.02, 0.03, 0.04])
 def test_lines_that_nearly_coincide_cut_no_room(shift):
     """Catches a room in two where no square lies between the lines of some pieces in it."""
