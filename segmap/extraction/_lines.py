@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import compiled
-from ..kernels import Line
+from ..kernels import Line, place_on_line
 
 
 @compiled
@@ -56,8 +56,7 @@ def write_chord(p: Array, start: int, stop: int, line: Line, out: Array, k: int)
     for i in range(start, stop):
         u = (p[i, 0] - x) * dx + (p[i, 1] - y) * dy
         low, high = min(low, u), max(high, u)
-    out[k, 0, 0], out[k, 0, 1] = x + low * dx, y + low * dy
-    out[k, 1, 0], out[k, 1, 1] = x + high * dx, y + high * dy
+    place_on_line(out[k], line, low, high)
     return high - low
 
 

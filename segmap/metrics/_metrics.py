@@ -19,9 +19,8 @@ from ..kernels import (
     ANGULAR_WEIGHT,
     APART_WEIGHT,
     PERPENDICULAR,
-    apart,
     describe,
-    mean_line_terms,
+    distance_below,
 )
 from ..poses import between
 from ..segments import MIN_LENGTH, angle, length, midpoint, point_distance
@@ -282,9 +281,6 @@ def _nearest_distances(
             bound = np.sqrt(dx * dx + dy * dy) - a[i, 4] - b[j, 4]
             if APART_WEIGHT * bound >= best:
                 continue
-            angular, most = mean_line_terms(a[i], b[j])
-            so_far = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * most
-            if so_far + APART_WEIGHT * max(bound, 0.0) < best:
-                best = min(best, so_far + APART_WEIGHT * apart(before[i], after[j]))
+            best = min(best, distance_below(before[i], after[j], a[i], b[j], best))
         distances[i] = best
     return distances

@@ -22,6 +22,7 @@ from ...kernels import (
     line_through,
     mean_line_terms,
     place_on_line,
+    seen_from,
     span,
 )
 from ...segments import MIN_LENGTH
@@ -69,12 +70,8 @@ class State(NamedTuple):
 @compiled
 def crosses(u: Array, v: Array) -> bool:
     """Whether two segments cross in a point inside both."""
-    ax, ay = u[1, 0] - u[0, 0], u[1, 1] - u[0, 1]
-    bx, by = v[1, 0] - v[0, 0], v[1, 1] - v[0, 1]
-    p = ax * (v[0, 1] - u[0, 1]) - ay * (v[0, 0] - u[0, 0])
-    q = ax * (v[1, 1] - u[0, 1]) - ay * (v[1, 0] - u[0, 0])
-    r = bx * (u[0, 1] - v[0, 1]) - by * (u[0, 0] - v[0, 0])
-    t = bx * (u[1, 1] - v[0, 1]) - by * (u[1, 0] - v[0, 0])
+    _, p, _, q = seen_from(line_through(u), v)
+    _, r, _, t = seen_from(line_through(v), u)
     return p * q < 0.0 and r * t < 0.0
 
 
