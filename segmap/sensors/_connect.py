@@ -53,7 +53,12 @@ def ask(lines: Lines, command: str, check: Callable[[Reply], object] = lambda re
     fault = SensorError("")
     for _ in range(TRIES):
         try:
-            reply = _send_command(lines, command)
+            lines.write(command.encode("ascii") + b"\n")
+            answer, _ = lines.reply(command.encode("ascii"), lines.timeout)
+            if answer is None:
+                words = f"no answer to {command} within {lines.timeout:.2g} s"
+                raise Silent(f"{words}: is the sensor busy?")
+            reply = parse_reply(answer)
             if reply.status not in ("00", SCAN_STATUS):
                 raise Refused(refusal(command, reply.status))
             check(reply)
@@ -64,15 +69,6 @@ def ask(lines: Lines, command: str, check: Callable[[Reply], object] = lambda re
             fault = error
             lines.silence(lines.quiet / 4)
     raise fault
-
-
-def _send_command(lines: Lines, command: str) -> Reply:
-    """The reply to a command; a SensorError where none comes in time, or a damaged one."""
-    lines.write(command.encode("ascii") + b"\n")
-    reply, _ = lines.reply(command.encode("ascii"), lines.timeout)
-    if reply is None:
-        raise Silent(f"no answer to {command} within {lines.timeout:.2g} s: is the sensor busy?")
-    return parse_reply(reply)
 
 
 def switch_off(lines: Lines) -> None:

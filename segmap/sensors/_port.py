@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import socket
 from os import PathLike, fspath
 from typing import Any, NamedTuple
 
@@ -10,7 +11,7 @@ from ..arrays import brief
 from ..display import pip_install
 from ._lines import PULLED_OUT_ERRORS, Port
 from ._protocol import SensorError
-from ._tcp import is_address, open_tcp, parse_address
+from ._tcp import SENSOR_PORT, TcpPort, is_address, parse_address
 
 #: USB vendor of Hokuyo.
 VENDOR = 0x15D1
@@ -18,9 +19,15 @@ VENDOR = 0x15D1
 READ = 0.02
 #: A sensor that takes nothing for so long has gone, seconds.
 WRITE = 1.0
+#: A sensor in the same network answers sooner, seconds.
+CONNECT = 3.0
 
 _FORBIDDEN = "you may not use it: join the group that owns it, `dialout` on Debian and Ubuntu"
 _BUSY = "another program uses it: close that first"
+_ABSENT = (
+    "nothing answers there: is the sensor powered, is its cable in, is this computer in its "
+    "network (192.168.0.x where nobody changed it)?"
+)
 _PORT_ADVICE = {
     errno.EACCES: _FORBIDDEN,
     errno.EPERM: _FORBIDDEN,
@@ -28,6 +35,11 @@ _PORT_ADVICE = {
     "; one on Ethernet is named as tcp://192.168.0.10",
     errno.EBUSY: _BUSY,
     errno.EAGAIN: _BUSY,
+    errno.ECONNREFUSED: "nothing listens there: is it the sensor's address and port "
+    f"({SENSOR_PORT} where nobody changed it), and is no other program connected to it?",
+    errno.ETIMEDOUT: _ABSENT,
+    errno.EHOSTUNREACH: _ABSENT,
+    errno.ENETUNREACH: _ABSENT,
 }
 
 
@@ -77,18 +89,20 @@ def checked_port(port: str | PathLike[str] | Port) -> str | Port:
 
 def open_port(device: str, rate: int) -> Port:
     """Open a serial port that no other program uses, and keep others from it; or an address."""
-    if is_address(device):
-        return open_tcp(device)
-    serial = _pyserial("serial")
+    address = parse_address(device) if is_address(device) else None
     try:
-        opened: Port = serial.Serial(
-            device, rate, timeout=READ, write_timeout=WRITE, exclusive=True
-        )
+        if address is not None:
+            return TcpPort(socket.create_connection(address, CONNECT))
+        limits = {"timeout": READ, "write_timeout": WRITE, "exclusive": True}
+        opened: Port = _pyserial("serial").Serial(device, rate, **limits)
+        return opened
     except (*PULLED_OUT_ERRORS, ValueError) as error:
         number = errno.EBUSY if "exclusively lock" in str(error) else getattr(error, "errno", None)
+        number = errno.ETIMEDOUT if isinstance(error, TimeoutError) else number
         advice = _PORT_ADVICE.get(number or 0, str(error))
+        if isinstance(error, socket.gaierror):
+            advice = f"nobody knows the host ({error.strerror}): check how it is written"
         raise SensorError(f"cannot open {device}: {advice}") from error
-    return opened
 
 
 def _pyserial(module: str) -> Any:

@@ -147,7 +147,8 @@ class UrgSensor:
     def _whole(self, request: ScanRequest) -> LaserScan:
         """The next whole scan; damaged ones are counted, and asked for anew."""
         for _ in range(MOST_FAILURES):
-            self._check_open()
+            if not self._leave.alive:
+                raise SensorError("the sensor is closed: make a new UrgSensor")
             if request.scans or self._running is not request:  # another was asked meanwhile
                 self.stop()
                 self._running = request
@@ -218,7 +219,3 @@ class UrgSensor:
         # No scan arrives sooner after its stamp than the mirror gets to the last step.
         mirror = (self.geometry.last + 1) / self.geometry.steps * self.geometry.turn
         self._sensor_clock = HostClock(mirror)
-
-    def _check_open(self) -> None:
-        if not self._leave.alive:
-            raise SensorError("the sensor is closed: make a new UrgSensor")

@@ -6,29 +6,14 @@ import errno
 import socket
 from urllib.parse import urlsplit
 
-from ._protocol import SensorError
-
 #: Hokuyo's sensors listen at this port.
 SENSOR_PORT = 10940
 #: Bits a second of the line, Fast Ethernet; there is nothing to agree on.
 ETHERNET = 100_000_000
-#: A sensor in the same network answers sooner, seconds.
-CONNECT = 3.0
 #: Bytes taken from the network at once.
 NETWORK_PIECE_BYTES = 1 << 16
 
 _EXAMPLE = "tcp://192.168.0.10, tcp://192.168.0.10:10940 or tcp://[fe80::1%eth0]"
-_ABSENT = (
-    "nothing answers there: is the sensor powered, is its cable in, is this computer in its "
-    "network (192.168.0.x where nobody changed it)?"
-)
-_TCP_ADVICE = {
-    errno.ECONNREFUSED: "nothing listens there: is it the sensor's address and port "
-    f"({SENSOR_PORT} where nobody changed it), and is no other program connected to it?",
-    errno.ETIMEDOUT: _ABSENT,
-    errno.EHOSTUNREACH: _ABSENT,
-    errno.ENETUNREACH: _ABSENT,
-}
 
 
 def is_address(device: str) -> bool:
@@ -53,19 +38,6 @@ def parse_address(address: str) -> tuple[str, int]:
     if not host or not port > 0 or url.netloc != address[len("tcp://") :]:
         raise ValueError(f"port {address[:60]!r} is no address of a sensor: write it as {_EXAMPLE}")
     return host, port
-
-
-def open_tcp(address: str) -> TcpPort:
-    """Connect to a sensor."""
-    host, port = parse_address(address)
-    try:
-        return TcpPort(socket.create_connection((host, port), CONNECT))
-    except socket.gaierror as error:
-        advice = f"nobody knows the host {host!r} ({error.strerror}): check how it is written"
-        raise SensorError(f"cannot open {address}: {advice}") from error
-    except (OSError, UnicodeError) as error:
-        number = errno.ETIMEDOUT if isinstance(error, TimeoutError) else getattr(error, "errno", 0)
-        raise SensorError(f"cannot open {address}: {_TCP_ADVICE.get(number, error)}") from error
 
 
 class TcpPort:
