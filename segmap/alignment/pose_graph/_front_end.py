@@ -232,7 +232,8 @@ class FrontEnd(Undoable):
         earlier, later = self.last_motion
         took = later.scan.time - earlier.scan.time
         passed = self.rows[-1].scan.time - self.rows[-2].scan.time
-        times = min(passed / took, MOST_STEPS) if took > 0 and passed >= 0 else 1.0
+        # Stamps since 1970 are whole steps of a quarter of a microsecond
+        times = min(round(passed / took, 3), MOST_STEPS) if took > 0 and passed >= 0 else 1.0
         return times * between(earlier.place, later.place)
 
     def measured(self) -> bool:
