@@ -31,7 +31,7 @@ from ._cells import (
 from ._doors import DRAWN, Door, find_doors
 from ._draft import Draft
 from ._lines import AXIS_BAND_RAD, Indices, Line, building_axes, quarter_turn, wall_lines
-from ._outlines import SNAP_M, apart, room_of
+from ._outlines import SLIT_M, SNAP_M, apart, room_of
 from ._polygons import Room, shapely_or_hint
 from ._rooms import find_rooms
 from ._walls import Faces, draw_faces, normals, walls_and_clutter, with_doorway
@@ -273,6 +273,11 @@ def floor_plan(
     labels, words = find_rooms(grid, cells, edges, kappa, share, run, least_area)
     parts = connected(labels, labels >= 0, LEAST_HOLE_M2 / grid.side**2)
     reasons = [words[labels[parts == k][0]] for k in range(parts.max() + 1)]
+    slit = np.ones((max(round(SLIT_M / grid.side), 2),) * 2, bool)
+    for k, box in enumerate(scipy.ndimage.find_objects(parts + 1)):
+        own = parts[box] == k
+        if not scipy.ndimage.binary_opening(own, slit).any():
+            parts[box][own] = -1  # no room is narrower than a slit
     faces = draw_faces(segments, grid, parts)
     base = Base(grid, lines, edges, parts, reasons, faces, axes, opening, least_area, {})
     return _form_plan(base, edits)

@@ -298,6 +298,17 @@ def test_lines_that_nearly_coincide_cut_no_room(shift):
     assert room.area == pytest.approx(48, rel=0.01)
 
 
+@pytest.mark.parametrize("beyond", [-0.02, 0.0, 0.04, 0.1])
+def test_free_squares_on_a_long_wall_are_no_room(beyond):
+    """Catches a row of squares beyond the line of a wall of 12 m: a room, or a foreign error."""
+    kinds = np.full((84, 244), OCCUPIED)
+    kinds[2:-2, 2:-2] = FREE
+    outer = polyline([(0, 0), (12, 0), (12, 4), (0, 4)], closed=True)
+    free = map_of_grid(kinds, resolution=0.05, corner=(-0.1 + beyond, -0.1 + beyond))
+    (room,) = plan.floor_plan(outer, free).rooms
+    assert room.area == pytest.approx(48, rel=0.01)
+
+
 def test_an_opening_with_one_jamb_is_no_door():
     """Catches the end of a wall in a room that is taken for a doorway."""
     outer = polyline([(0, 0), (6, 0), (6, 2), (0, 6.2)], closed=True)
