@@ -32,6 +32,7 @@ class Cause(StrEnum):
     # What the map says
     NO_DISTANCE = "free direction"
     UNTIED = "no match ties it"
+    VAGUE = "vague"
     LEFT_FREE = "pose left free"
     NOT_ORTHOGONAL = "not orthogonal"
     NO_WALLS = "no walls"

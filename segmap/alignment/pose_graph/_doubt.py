@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...arrays import Array
 from ...scans.causes import Cause, Finding, Unmatched
 from .._result import Appraisal
-from .._verdict import ONE_LOOK
-from ..graph import chain_bends, place_deviations, stacked
+from .._verdict import ONE_LOOK, SURE_M
+from ..graph import NEARBY, chain_bends, place_deviations, stacked
 from ._pauses import doubtful_gaps
 
 if TYPE_CHECKING:
     from ._front_end import TrackedScan
     from ._key_frames import KeyFrames
-
-#: Why scans are not used that is told of the whole map.
-LOOSE_CAUSES = {Unmatched.FREE_DIRECTION: Cause.NO_DISTANCE, Unmatched.UNTIED: Cause.UNTIED}
 
 
 def appraisal(rows: Sequence[TrackedScan], frames: KeyFrames) -> Appraisal:
@@ -47,8 +45,30 @@ def appraisal(rows: Sequence[TrackedScan], frames: KeyFrames) -> Appraisal:
         words = "the matches contradict each other so much that they leave poses free: "
         words += "are there scans of two robots, or of corridors without odometry?"
         causes.append(Finding(Cause.LEFT_FREE, len(frames), words))
-    counts = Counter(row.unmatched for row in rows)
-    for why, cause in LOOSE_CAUSES.items():
-        if loose := counts[why]:
-            causes.append(Finding(cause, loose, f"at {loose} of {len(rows)} scans {why}"))
+    causes += _findings([row.unmatched for row in rows], far, near)
     return Appraisal(tuple(causes), far, near)
+
+
+def _findings(unmatched: Sequence[Unmatched], far: Array, near: Array) -> list[Finding]:
+    """What to doubt of the whole, with numbers; `Alignment.verdict` weighs the scans themselves.
+
+    `far` and `near` are the standard deviations of all places in the whole and relative to those
+    within 20 m.
+    """
+    count, counts, causes = len(unmatched), Counter(unmatched), []
+    loose_causes = {Unmatched.FREE_DIRECTION: Cause.NO_DISTANCE, Unmatched.UNTIED: Cause.UNTIED}
+    for why, cause in loose_causes.items():
+        if loose := counts[why]:
+            causes.append(Finding(cause, loose, f"at {loose} of {count} scans {why}"))
+    if np.isfinite(far).all() and (vague := int((far > SURE_M).sum())):
+        words = f"{vague} of {count} scans may be more than {2 * SURE_M} m off, {_worst(far)}"
+        close = int((near > SURE_M).sum())
+        most = f"{close} of {count}, {_worst(near)}" if close else "none"
+        words += f"; relative to those within {NEARBY:g} m {most}"
+        causes.append(Finding(Cause.VAGUE, vague, words))
+    return causes
+
+
+def _worst(far: Array) -> str:
+    """The scan that is known least, by two standard deviations."""
+    return f"scan {np.argmax(far)} by {2 * far.max():.1f} m"
