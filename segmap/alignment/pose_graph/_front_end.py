@@ -40,7 +40,7 @@ FARTHEST_SEARCH_M = 6.0
 ALIKE_SCORES = 0.05
 #: Without odometry the last motion goes on for at most so many times as long as it took: stamps of
 #: scans that waited for the recorder lie close together, and the next ones far apart.
-MOST_STEPS = 2.0
+MOST_TIMES = 2.0
 #: Along a corridor no larger turn is believed, radians.
 CORRIDOR_TURN_RAD = np.radians(60)
 #: After so many lost scans in a row a map begins anew.
@@ -188,8 +188,8 @@ class FrontEnd(Undoable):
         row.pose = match.pose
         row.place = compose(before.place, between(before.pose, match.pose))
         _, later = self.last_motion
-        copy = np.array_equal(scan.ranges, (later.as_measured or later.scan).ranges)
-        if not copy and row.unmatched is not Unmatched.TOO_LITTLE_SEEN:
+        is_copy = np.array_equal(scan.ranges, (later.as_measured or later.scan).ranges)
+        if not is_copy and row.unmatched is not Unmatched.TOO_LITTLE_SEEN:
             self.last_motion = later, row
         return match
 
@@ -233,7 +233,7 @@ class FrontEnd(Undoable):
         took = later.scan.time - earlier.scan.time
         passed = self.rows[-1].scan.time - self.rows[-2].scan.time
         # Stamps since 1970 are whole steps of a quarter of a microsecond
-        times = min(round(passed / took, 3), MOST_STEPS) if took > 0 and passed >= 0 else 1.0
+        times = min(round(passed / took, 3), MOST_TIMES) if took > 0 and passed >= 0 else 1.0
         return times * between(earlier.place, later.place)
 
     def measured(self) -> bool:

@@ -108,7 +108,8 @@ def with_readings_spread(log: Log, steps: Steps) -> Log:
         return log
     rows = shifted(rows[~spread], np.interp(at, at[~spread], np.arange((~spread).sum())))
     words = f"the odometry is read once in {period} scans: between, the motion is even"
-    corrected = (replace(s, odometry=row) for s, row in zip(log, rows, strict=True))
+    read = (row if np.isfinite(row).all() else None for row in rows)
+    corrected = (replace(s, odometry=row) for s, row in zip(log, read, strict=True))
     finding = Finding(Cause.DELAY, period, words)
     return replace(log, scans=tuple(corrected), causes=(*log.causes, finding))
 

@@ -117,5 +117,7 @@ def test_wheels_that_are_read_less_often_than_the_laser_drive_on_between(period)
     assert [(each.cause, each.value) for each in mended.causes] == [(Cause.DELAY, period)]
     alignment = pose_graph(mended)
     assert alignment.verdict.grade == "good" and logs.errors(log, alignment.poses)[0].max() < 0.1
+    missing = logs.without_odometry(logs.changed(log, odometry=rows), 100)
+    assert prepared(missing).causes[0].value == period and prepared(missing)[100].odometry is None
     stands = log[np.repeat(np.arange(66), period)]
     assert not prepared(logs.changed(stands, times=log.times[: len(stands)])).causes
