@@ -153,3 +153,16 @@ def test_an_empty_scan_between_two_moves_none():
     more = pose_graph(Log(log.name, [*log[:k], empty, *log[k:]])).poses
     apart = np.delete(more, k, axis=0) - pose_graph(log).poses
     assert np.abs(apart).max() < 1e-6
+
+
+def test_stamps_that_come_in_bursts_throw_no_scan_off():
+    """Catches a motion that goes on a hundred times, since the scan before waited: 37 m."""
+    stops = [(x, y) for x in (2, 6) for y in (5, 7.5, 5, 2.5, 5)]
+    path = drive([(1, 5), *stops, (7, 5), (1, 5)], step=0.15, turn=0.14)
+    around = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, sigma=0.01)
+    rng, walls = np.random.default_rng(0), office(rng=np.random.default_rng(1), rooms=2)
+    log = logs.without_odometry(simulate(walls, path, sensor=around, rng=rng))
+    scans = np.arange(len(log))
+    times = log.times[np.minimum(scans // 5 * 5 + 4, scans[-1])] + 0.002 * (scans % 5)
+    alignment = pose_graph(logs.changed(log, times=times))
+    assert alignment.used.all() and logs.errors(log, alignment.poses)[0].max() < 0.05
