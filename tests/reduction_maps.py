@@ -3,10 +3,9 @@
 from functools import cache
 
 import numpy as np
-from conftest import shared_file
 from segmap_course import literal
 
-from segmap import load, read
+from segmap import load
 from segmap.compiled import Compiled
 from segmap.extraction import build_map
 from segmap.reduction import METHODS
@@ -56,13 +55,6 @@ MAPS = [random_map, redundant_map, lattice_map, corridor_map]
 def malaga() -> SegmentMap:
     """The real map that the chapters use."""
     log = load("malaga")
-    return build_map(log, log.truth, keep_points=True)
-
-
-@cache
-def second_building() -> SegmentMap:
-    """A denser real map, each wall seen from everywhere; skips the test where it is absent."""
-    log = read(shared_file("data/intel.log.gz"))[:60]
     return build_map(log, log.truth, keep_points=True)
 
 

@@ -6,8 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from segmap_course import literal
 
-from segmap import build_map, load, quality
-from segmap.experiments import front
 from segmap.reduction import hough, hybrid, hybrid_fusion
 
 NUMBER = st.floats(-20, 20)
@@ -41,19 +39,3 @@ def test_an_origin_outside_of_the_map_is_told(method):
         doubt = method(wall + to).doubt
         assert doubt.startswith(f"the origin lies {off:.1f} m outside of the map")
         assert doubt in repr(method(wall + to))
-
-
-@pytest.mark.parametrize("name", ["malaga", "room", "corridor"])
-def test_about_each_pair_fewer_are_left_at_the_same_quality(name):
-    """What the docstring says of four buildings holds for the logs that come with segmap."""
-    log = load(name)
-    map, left = build_map(log, log.truth), []
-    for origin in ("map", "pair"):
-        found = [
-            hybrid(map, distance=distance, angle=angle, origin=origin)
-            for distance in (0.01, 0.02, 0.05, 0.10, 0.20, 0.40)
-            for angle in np.radians([5, 10])
-        ]
-        curve = front([(quality(map, each), 1 - len(each) / len(map)) for each in found])
-        left.append(1 - np.interp(0.85, *curve.T))
-    assert left[1] < 0.95 * left[0]

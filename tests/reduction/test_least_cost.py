@@ -98,36 +98,6 @@ def test_a_threshold_is_found_to_within_a_third_of_a_percent(sought):
     assert ends[0] <= sought < ends[1] < 1.003 * ends[0]
 
 
-@pytest.mark.parametrize("turn", [0.0, 1.0, 2.5, 4.0])
-@pytest.mark.parametrize("swap", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
-def test_segments_that_cross_are_tried_though_their_ends_lie_apart(turn, swap):
-    """Catches a sign in one of the four sides of a crossing."""
-    one, other = ([(-0.4, 0), (0.4, 0)][:: swap[k]] for k in (0, 1))
-    cross = np.array([one, transform((0, 0, np.radians(20)), other)])
-    wide = {"penalty": 1.0, "angle": np.radians(60)}
-    assert len(least_cost(transform((7, -3, turn), cross), **wide)) == 1
-
-
-def test_quality_and_size_follow_the_penalty_without_a_jump():
-    """Catches a map that jumps with the penalty: no value would give what lies between."""
-    map = malaga()[np.arange(600)]
-    penalties = np.geomspace(0.003, 1.0, 25)
-    runs = [
-        (quality(map, found), len(found))
-        for found in (least_cost(map, penalty=p) for p in penalties)
-    ]
-    kept, left = np.array(runs).T
-    assert np.diff(kept).max() < 1e-3 and np.diff(left).max() <= 1
-
-
-def test_the_order_of_the_segments_changes_ties_only():
-    map = malaga().segments[:800]
-    order = np.random.default_rng(1).permutation(len(map))
-    found, other = least_cost(map), least_cost(map[order])
-    assert abs(len(found) - len(other)) <= 1
-    assert quality(map, found) == pytest.approx(quality(map, other), abs=1e-3)
-
-
 @pytest.mark.parametrize("penalty", [0.05, 1.0])
 def test_its_core_ends_with_the_same_segments_where_nothing_is_undone(penalty):
     """Catches a core that chapter 21 shows and that is another method."""

@@ -1,14 +1,12 @@
 """What every reduction method promises, whatever it does inside."""
 
-import inspect
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from segmap import reduction
 from segmap.progress import told
-from segmap.reduction import METHODS, Reduction, _points
+from segmap.reduction import METHODS, _points
 from segmap.reduction._runner import run_offline, run_online
 from segmap.segments import SegmentMap, length
 
@@ -26,19 +24,6 @@ def noisy_building(seed: int = 0, seen: int = 6) -> SegmentMap:
     noisy = segments + rng.normal(0, 0.01, segments.shape)
     sensors = np.tile((2.0, 1.5), (seen, 1))
     return SegmentMap(noisy, np.arange(len(segments)) % seen, sensors=sensors)
-
-
-@methods
-def test_metadata_and_signature(name):
-    """A method that is registered under another name, or takes its thresholds by position."""
-    method = METHODS[name]
-    assert method.function is getattr(reduction, name)
-    assert method.merges in ("2 -> 1", "m -> 1", "m -> n")
-    assert method.source.startswith("A ") or method.source == "ours"
-    first, *others = inspect.signature(method.function).parameters.values()
-    assert first.name == "map"
-    assert all(p.kind is p.KEYWORD_ONLY and p.default is not p.empty for p in others)
-    assert method.varies in {p.name for p in others}
 
 
 @methods
@@ -132,9 +117,3 @@ def test_an_on_line_method_says_after_each_scan_how_far_it_is(name):
     shares, words = zip(*said, strict=True)
     assert shares[0] == 0 and (np.diff(shares) > 0).all() and shares[-1] <= 1
     assert [f"{k} of 6" in text for k, text in enumerate(words)] == 7 * [True]
-
-
-def test_repr_has_no_address():
-    """nbval compares it."""
-    found = Reduction(np.zeros((1, 2, 2)), np.zeros(3, int), 0.1, "fusion")
-    assert repr(found) == "Reduction(fusion: 3 -> 1 segments)"
