@@ -1,4 +1,4 @@
-"""A right answer to each exercise, from another idea than that of the library."""
+"""Right answers from another idea, where the solution of an exercise is the course's own."""
 
 import math
 
@@ -6,7 +6,6 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.special import softmax
 from segmap_course import literal
-from segmap_course.literal.reduction import least_cost
 from segmap_course.literal.reduction.one_per_wall import spread
 
 from segmap import segments
@@ -44,25 +43,6 @@ def flatness_by_doubled_angles(normals, weights):
     return (half - turned) / (half + turned)
 
 
-def step_in_a_loop(centres, pieces, lengths, sigma, bandwidth):
-    moved = []
-    for c in centres:
-        turns = np.array([np.angle(np.exp(2j * (p[2] - c[2]))) / 2 for p in pieces])
-        away = [np.hypot(*(p - c)[:2]) for p in pieces]
-        w = lengths * np.exp(-(np.square(away) + (turns / bandwidth) ** 2) / 2 / sigma**2)
-        x, y = np.average(pieces[:, :2], axis=0, weights=w)
-        moved.append([x, y, (c[2] + np.average(turns, weights=w)) % np.pi])
-    return moved
-
-
-def resampled_by_counts(weights, offset):
-    """How many teeth lie below the end of each particle, and below that of the one before."""
-    n = len(weights)
-    below = np.ceil(n * np.cumsum(weights) - offset - 1e-12).clip(0, n)
-    below[-1] = n
-    return np.repeat(np.arange(n), np.diff(below, prepend=0).astype(int))
-
-
 def trials_one_by_one(share, sure):
     """Count until none has hit with a small enough probability."""
     count, missed = 0, 1.0
@@ -76,33 +56,6 @@ def nees_by_pseudo_inverse(poses, truths, covariances):
     off = np.column_stack([(poses - truths)[:, :2], np.angle(np.exp(1j * (poses - truths)[:, 2]))])
     pairs = zip(covariances, off, strict=True)
     return [error @ np.linalg.pinv(covariance) @ error for covariance, error in pairs]
-
-
-def small_leaves_from_the_root(leaves, root, cells):
-    """Down from the root: what is no leaf is quartered, and so is a leaf above 4 cells."""
-    (left, low, side), found = root, []
-    if not any(left <= x < left + side and low <= y < low + side for x, y in cells):
-        return found
-    if root in leaves and side <= 4:
-        return [root]
-    if root in leaves:
-        leaves = leaves | dict.fromkeys(
-            [(left + i * side // 2, low + j * side // 2, side // 2) for i in (0, 1) for j in (0, 1)]
-        )
-    for x in (left, left + side // 2):
-        for y in (low, low + side // 2):
-            found += small_leaves_from_the_root(leaves, (x, y, side // 2), cells)
-    return sorted(found)
-
-
-def distances_of_right_blocks(lines):
-    digits, right = [], []
-    for *text, total in lines:
-        digits += [character - 48 for character in text]
-        right += [sum(text) % 64 + 48 == total] * len(text)
-    triples = range(0, len(digits), 3)
-    numbers = [digits[k] * 4096 + digits[k + 1] * 64 + digits[k + 2] for k in triples]
-    return [n if all(right[k : k + 3]) else math.nan for k, n in zip(triples, numbers, strict=True)]
 
 
 def by_pseudo_inverse(normals, offsets, weights):
@@ -124,20 +77,6 @@ def met_in_the_frame_of_the_beam(wall, pose, turn):
     return x if x > 0 else np.inf
 
 
-def match_of_what_both_cover(u, v, distance):
-    """On u as a number line; v is cut there, and so is u on v."""
-
-    def beside(a, b):
-        turned = (b - a[0]) @ np.array([1, 1j]) / (np.array([1, 1j]) @ (a[1] - a[0]))
-        p, q = sorted(turned * segments.length(a), key=lambda z: z.real)
-        low, high = max(p.real, 0), min(q.real, segments.length(a))
-        off = [p.imag + (q - p).imag / (q - p).real * (t - p.real) for t in (low, high)]
-        return max(0, high - low), max(np.abs(off))
-
-    (one, near), (other, far) = beside(u, v), beside(v, u)
-    return (one + other) / 2 * 0.95 ** (min(near, far) / distance)
-
-
 def missed_between_ends(seen, kept):
     """Cut at every end: each piece is seen or not, kept or not."""
     cuts = np.unique(np.concatenate([seen.ravel(), kept.ravel()]))
@@ -147,15 +86,6 @@ def missed_between_ends(seen, kept):
         for spans in (seen, kept)
     ]
     return np.diff(cuts)[inside[0] & ~inside[1]].sum()
-
-
-def cost_of_one_face(members, line):
-    """No two looks point against each other; else what the plain version says of them."""
-    along = [np.array(b) - np.array(a) for a, b in members]
-    if any(np.dot(u, v) < 0 for u in along for v in along):
-        return math.inf
-    limits = 0.25, 0.05, math.sin(math.radians(5)), 0.05
-    return least_cost.cost_of(members.tolist(), line.tolist(), limits)
 
 
 def quality_of_both_maps(before, after):
@@ -196,17 +126,6 @@ def surely_kept_by_millimetres(size, seen, min_length, forget):
     borders = [two for two in borders if forget and two[1] - two[0] >= min_length]
     pieces = np.reshape([0.0, *np.ravel(borders), size], (-1, 2))
     return [two for two in pieces if not borders or two[1] - two[0] >= min_length]
-
-
-def chain_by_a_sweep(u, inside, first):
-    chains, reach = [[]], -np.inf
-    for i in sorted(inside, key=lambda i: u[i][0]):
-        if u[i][0] < u[i][1]:
-            if u[i][0] > reach:
-                chains.append([])
-            chains[-1].append(i)
-            reach = max(reach, u[i][1])
-    return np.sort(next(rows for rows in chains if first in rows))
 
 
 def matches_with_helpers(a, b, distance, angle):
@@ -318,20 +237,16 @@ RIGHT = {
     "ransac_trials": trials_one_by_one,
     "nees": nees_by_pseudo_inverse,
     "compose": composed_by_complex_numbers,
-    "beam_angles": lambda n: [np.radians(-90 + i * 180 / (n - n % 2)) for i in range(n)],
     "cast_ray": met_in_the_frame_of_the_beam,
-    "kept_distances": distances_of_right_blocks,
     "axial_mean": lambda angles: np.angle(np.mean(np.exp(2j * angles))) / 2,
     "segments_all_round": lambda p, gap: extract_clusters(p, gap=gap, closed=True),
     "split": split_by_a_list,
-    "match_value": match_of_what_both_cover,
     "least_translation": by_pseudo_inverse,
     "move_onto_walls": moved_by_pseudo_inverse,
     "flatness": flatness_by_doubled_angles,
     "edge_error": lambda first, second, relative: between(compose(first, relative), second),
     "carried_beam": beam_about_a_centre,
     "carried": lambda before, after, pose: compose(compose(after, inverse(before)), pose),
-    "reduction_rate": lambda a, b: 1 - len(b) / len(a) if len(a) else 0,
     "quality": quality_of_both_maps,
     "front": front_row_by_row,
     "best_run": row_by_masked_argmax,
@@ -341,19 +256,13 @@ RIGHT = {
         segments.midpoint(both), axis=0, weights=segments.length(both)
     ),
     "matches": matches_with_helpers,
-    "mean_shift_step": step_in_a_loop,
-    "chain": chain_by_a_sweep,
     "cell_of": lambda x, c, r: np.floor((x - c) / r),
-    "crossed_leaves": small_leaves_from_the_root,
     "frontier_cells": frontier_by_shifts,
     "pixel": lambda x, y, o, side, n: (int((o[1] + n * side - y) / side), int((x - o[0]) / side)),
     "capped_score": lambda p, pose, c: -np.fmin(cKDTree(c).query(transform(pose, p))[0], 0.2).sum(),
     "climb_diagonally": climb_by_argmax,
-    "resampled": resampled_by_counts,
-    "weighed": lambda w, f, n: softmax(np.log(w) + n * np.log(f)),
     "steady_fit": steady_fit_by_weights,
     "surely_kept": surely_kept_by_millimetres,
-    "cost_of_faces": cost_of_one_face,
     "pose_cost": cost_by_masked_average,
     "mean_by_length": mean_of_complex_numbers,
     "scan_noise": scan_noise_by_a_loop,

@@ -18,9 +18,9 @@ EACH = pytest.mark.parametrize("exercise", EXERCISES.values(), ids=EXERCISES)
 
 # -------------------------------------------------------------- all exercises alike
 def right(exercise):
-    """Two right answers: from another idea, and the library's source as one's own function."""
+    """The library's source as one's own function, and where it is the course's, another idea."""
     exec(solution(exercise.name, "mine"), space := {"np": np})
-    return RIGHT[exercise.name], space["mine"]
+    return [space["mine"], *(RIGHT[name] for name in RIGHT if name == exercise.name)]
 
 
 @EACH

@@ -7,18 +7,6 @@ import pytest
 from segmap_course import load_trials, room_walk, try_pair
 
 from segmap import Log
-from segmap.matching import MATCHERS, SCORES
-
-
-def test_the_records_hold_every_pair():
-    """Five seeds where it is quick, one elsewhere; errors as they were promised."""
-    trials = load_trials()
-    assert {(t.matcher, t.score) for t in trials} == {(m, s) for m in MATCHERS for s in SCORES}
-    best = [t for t in trials if (t.matcher, t.score) == ("hill climbing", "field")]
-    assert [t.seed for t in best] == [0, 1, 2, 3, 4]
-    assert np.median([t.median for t in best]) <= 0.020
-    assert np.median([t.largest for t in best]) <= 0.050
-    assert np.median([t.seconds for t in best]) <= 0.010
 
 
 def test_a_record_is_made_again():
