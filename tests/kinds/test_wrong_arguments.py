@@ -3,17 +3,19 @@
 There anything of another kind is refused; here are values of the right kind that do not fit.
 """
 
+from dataclasses import replace
 from functools import partial
 
 import driven_panels as driven
 import numpy as np
 import pytest
 import segmap_course as course
+from damage import a_graph
 from segmap_course.exercises import Exercise
 
-from segmap import arrays, extraction, load, matching, metrics, simulation
+from segmap import arrays, exports, extraction, load, matching, metrics, simulation
 from segmap.alignment import METHODS as ALIGNMENTS
-from segmap.alignment import Match, align_to_truth, ground_truth, odometry, solve_graph
+from segmap.alignment import Graph, Match, align_to_truth, ground_truth, odometry, solve_graph
 from segmap.matching import (
     field_score,
     hill_climb,
@@ -235,6 +237,8 @@ MAPS = [
     ),
     *each(METHODS["fusion"](TWO).members)((2, "index must")),
 ]
+GRAPH = a_graph(2, 3, 0)
+UNWEIGHED = Graph(np.array([(0, 1)]), np.zeros((1, 3)), np.zeros(1, bool), np.zeros(1))
 EXPORTS = [
     *each(files.Earth)(
         (139.7, 35.7, "latitude must .* got 139.7"),
@@ -250,6 +254,14 @@ EXPORTS = [
     *refused(files.write_ros_map, "it.yaml", QuadtreeMap())(
         ({"resolution": 0.3}, "resolution must be a power of two"),
         ({"free": 0.5}, "wanted 0 <= free < 0.5 <= occupied < 1"),
+    ),
+    *each(partial(exports.write_graph, "it.g2o"))(
+        (odometry(ROOM[:2]), "graph that weighs its edges"),
+        (replace(odometry(ROOM[:2]), graph=UNWEIGHED), "weighs"),
+        (GRAPH._replace(edges=[(0, 1), (1, 3)]), "must name rows 0 to 2 of poses"),
+        (GRAPH._replace(relative=[(0, 0, 0)]), "graph.relative must"),
+        (GRAPH._replace(information=-GRAPH.information), "nowhere negative"),
+        (GRAPH._replace(ids=[1, 1, 2]), "graph.ids must be 3 different numbers"),
     ),
     *each(files.write_ros_map, QuadtreeMap())(("it.yml", r"must end in \.yaml, got 'it.yml'")),
     *each(Workbench)(("malaga", "log must be a Log, got 'malaga'")),

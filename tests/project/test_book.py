@@ -94,15 +94,6 @@ def fetched(folder):
         yield from IN_STYLES.findall(style.read_text(encoding="utf-8"))
 
 
-def test_what_a_page_shows_is_there_and_comes_from_no_other_host(book):
-    """Catches a script, style, font or picture that was not copied, or that needs a network."""
-    assert [place for place in fetched(book[0]) if re.match(r"(?:https?:)?//", place)] == []
-    for page in book[0].rglob("*.html"):
-        places = [a or b for a, b in FETCHED.findall(page.read_text(encoding="utf-8"))]
-        files = [place.partition("?")[0] for place in places if not place.startswith("data:")]
-        assert [name for name in files if not (page.parent / name).exists()] == [], page
-
-
 def test_the_book_in_a_browser(book, browser):
     """Catches what no parser sees: a search that finds nothing, a page wider than a phone."""
     home = (book[0] / "index.html").as_uri()

@@ -167,29 +167,3 @@ def test_a_missing_package_is_named_with_the_extra_that_brings_it():
     assert "segmap.panels needs ipywidgets: pip install anywidget ezdxf ipywidgets" in run.stderr
     with pytest.raises(AttributeError, match="no attribute 'pannels'"):
         _ = segmap.pannels
-
-
-#: Windows has none of these; a program for macOS has the most, and not all.
-ABSENT = ("termios", "fcntl", "resource", "pty", "tty", "pwd", "grp")
-
-
-def test_no_module_needs_what_other_systems_lack():
-    """Catches a `termios` at the top of a file, which ends `import segmap` on Windows.
-
-    Only what is asked for in our own files is withheld: others look after themselves.
-    """
-    modules = [m for m in (named(path)[0] for path in SOURCES) if not m.endswith("__main__")]
-    code = f"""
-import builtins, importlib
-known = builtins.__import__
-def withheld(name, globals=None, *rest):
-    if name in {ABSENT} and (globals or {{}}).get("__name__", "").startswith("segmap"):
-        raise ModuleNotFoundError(name)
-    return known(name, globals, *rest)
-builtins.__import__ = withheld
-for module in {modules}:
-    importlib.import_module(module)
-print("all of them")
-"""
-    done = python(code)
-    assert done.stdout == "all of them\n" and len(modules) > 200, done.stderr

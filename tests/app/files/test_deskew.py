@@ -4,15 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from alignment_logs import L_ROOM, OFFICE, errors
+from alignment_logs import L_ROOM, OFFICE
 from segmap_course import literal
 
-from segmap import build_map
 from segmap.alignment import Alignment, deskew, pose_graph
-from segmap.metrics import quality
 from segmap.poses import between, compose, inverse, transform
 from segmap.poses.motions import arc, twist
-from segmap.reduction import least_cost
 from segmap.scans import LaserScan, Log
 from segmap.scans.causes import Cause
 from segmap.scans.motion import motion_compensated, skew_warning, velocities
@@ -164,59 +161,28 @@ def simulated(moving: bool, sensor: Sensor = SPIN, seed: int = 1) -> Log:
     return simulate(OFFICE, PATH, sensor=sensor, rng=rng, moving=moving)
 
 
-def judged(log: Log) -> tuple[float, int, str]:
-    """Root mean square distance from the walls, metres; segments left; doubt."""
-    found = pose_graph(log)
-    start = compose(PATH[0], inverse(found.poses[0]))
-    off = off_walls(points_of(log, compose(start, found.poses))[::7], OFFICE)
-    map = build_map(log[::2], found.trusted[::2], keep_points=True)
-    left = least_cost(map)
-    assert quality(map, left) > 0.9
-    assert found.used.all()
-    return float(np.sqrt(np.mean(off[off < 0.3] ** 2))), len(left), found.doubt
+def blur(log: Log) -> float:
+    """Root mean square distance from the walls that the pose graph leaves, metres."""
+    poses = pose_graph(log).poses
+    poses = compose(compose(PATH[0], inverse(poses[0])), poses)
+    off = off_walls(points_of(log, poses)[::7], OFFICE)
+    return float(np.sqrt(np.mean(off[off < 0.3] ** 2)))
 
 
-@pytest.fixture(scope="module")
-def still():
-    return judged(simulated(moving=False))
-
-
-@pytest.fixture(scope="module")
-def skewed():
-    return simulated(moving=True)
-
-
-def test_walls_are_as_sharp_as_if_the_robot_had_stopped(still, skewed):
-    """Catches half of the turn left, and the second graph on the scans of the first."""
-    before, after = judged(skewed), judged(deskew(skewed))
-    assert before[0] > 2 * still[0] and after[0] < 1.2 * still[0]
-    assert before[1] > 1.5 * still[1] and after[1] <= 1.4 * still[1]
-    assert after[2] == "" and "in 355 of 355" in before[2]
-    turns = "; ".join(map(str, skew_warning(skewed, skewed.truth)))
-    assert "in 355 of 355" in turns and "up to 10." in turns
-    said = "scans the robot moved by more than the spacing of the beams, up to "
-    turned = float(before[2].partition(said)[2].split()[0])  # degrees; PATH turns by 10.3 at most,
-    assert 10 < turned < 15  # and a scan that is not carried may be laid wrong by 5
-
-
-def test_an_order_of_the_beams_that_no_file_knows_is_found():
-    """Catches a sign that is believed, and beams that are turned over where they need not be.
-
-    Of one drive the segments left scatter by five: the bounds are those of three drives.
-    """
-    still, carried = [], {"": [], TURNED: []}
-    for seed in (1, 2, 3):
-        still.append(judged(simulated(moving=False, seed=seed))[:2])
-        unsure = replace(simulated(moving=True, seed=seed), order_known=False)
-        scans = [replace(scan, delays=scan.delays.max() - scan.delays) for scan in unsure]
-        for log, said in ((unsure, ""), (replace(unsure, scans=tuple(scans)), TURNED)):
-            found = deskew(log)
-            *figures, doubt = judged(found)
-            assert found.doubt == doubt == said
-            carried[said].append(figures)
-    for figures in carried.values():
-        (rms, left), (rms_still, left_still) = np.mean(figures, 0), np.mean(still, 0)
-        assert left <= 1.1 * left_still and rms < 1.2 * rms_still
+def test_walls_are_as_sharp_as_if_the_robot_had_stopped_in_whatever_order_beams_are_stored():
+    """Catches half of the turn left, the second graph on the scans of the first, a sign that is
+    believed, beams turned over where they need not be, and a skew that nobody tells."""
+    still, skewed = blur(simulated(moving=False)), simulated(moving=True)
+    unsure = replace(skewed, order_known=False)
+    scans = [replace(scan, delays=scan.delays.max() - scan.delays) for scan in unsure]
+    for log, said in ((unsure, ""), (replace(unsure, scans=tuple(scans)), TURNED)):
+        carried = deskew(log)
+        assert carried.doubt == said and blur(carried) < 1.2 * still
+    told = "; ".join(map(str, skew_warning(skewed, skewed.truth)))
+    assert "in 355 of 355" in told and "up to 10." in told
+    placed = Alignment(skewed.truth, np.full(len(skewed), True), 0.0)
+    a, b = deskew(skewed, placed), deskew(skewed, skewed.truth)
+    assert all((p.ranges == q.ranges).all() for p, q in zip(a, b, strict=True))
 
 
 def test_an_order_that_nothing_shows_is_left_alone():
@@ -231,17 +197,6 @@ def test_an_order_that_nothing_shows_is_left_alone():
     assert pose_graph(found[:20]).doubt.startswith("nothing tells in which order the beams")
     known = deskew(log, log.truth)
     assert known.doubt == "" and all(scan.delays is None for scan in known)
-
-
-def test_an_alignment_says_where_the_robot_was(skewed):
-    found = Alignment(skewed.truth, np.full(len(skewed), True), 0.0)
-    a, b = deskew(skewed, found), deskew(skewed, skewed.truth)
-    assert all((p.ranges == q.ranges).all() for p, q in zip(a, b, strict=True))
-    with pytest.raises(ValueError, match=r"poses must have shape"):
-        deskew(skewed, skewed.truth[1:])
-    with pytest.raises(ValueError, match="log must be a Log"):
-        deskew(skewed.scans)
-    assert errors(skewed, pose_graph(deskew(skewed)).poses)[0].max() < 0.05
 
 
 def test_a_robot_that_stood_while_it_measured_keeps_its_scans():

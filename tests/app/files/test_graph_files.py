@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from segmap import LogError
-from segmap.alignment import Alignment, Graph, solve_graph
+from segmap.alignment import solve_graph
 from segmap.exports import PoseGraph, write_graph
 from segmap.poses import between
 from segmap_app.files import read_graph
@@ -144,7 +144,6 @@ def test_keys_of_64_bits_are_names_of_vertices(tmp_path):
 
 
 # ----------------------------------------------------------------------------- refused
-GRAPH = a_graph(2, 3, 0)
 LINES = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 9 0 0 9 0 9\n"
 WRONG = {
     "edges only": ("FIX 0\n", None, "holds no vertex of a graph"),
@@ -166,23 +165,3 @@ def test_a_wrong_line_is_named(name, tmp_path):
     with pytest.raises(LogError) as caught:
         read_graph(path)
     assert caught.value.line == line and reason in caught.value.reason
-
-
-NO_GRAPH = Alignment(np.zeros((2, 3)), np.ones(2, bool), 0.0, "odometry")
-UNWEIGHED = Graph(np.array([(0, 1)]), np.zeros((1, 3)), np.zeros(1, bool), np.zeros(1))
-REFUSED = {
-    "no graph": (NO_GRAPH, "graph that weighs its edges"),
-    "no weights": (Alignment(np.zeros((2, 3)), np.ones(2, bool), 0.0, graph=UNWEIGHED), "weighs"),
-    "an edge beyond": (GRAPH._replace(edges=[(0, 1), (1, 3)]), "must name rows 0 to 2 of poses"),
-    "a motion less": (GRAPH._replace(relative=[(0, 0, 0)]), "graph.relative must"),
-    "negative": (GRAPH._replace(information=-GRAPH.information), "nowhere negative"),
-    "one name": (GRAPH._replace(ids=[1, 1, 2]), "graph.ids must be 3 different numbers"),
-}
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_is_no_graph_is_refused_and_leaves_no_file(name, tmp_path):
-    graph, message = REFUSED[name]
-    with pytest.raises(ValueError, match=message):
-        write_graph(tmp_path / "it.g2o", graph)
-    assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""Maps for ROS, read back by a reader that knows the format and not the library."""
+"""Maps for ROS as they are written: each cell in its place, and both files or none."""
 
 import json
 import re
@@ -9,78 +9,47 @@ from quadtrees import corner_map, room
 
 from segmap.exports import ros_classes
 from segmap.quadtree import QuadtreeMap
-from segmap_app.files import write_ros_map
+from segmap_app.files import read_ros_map, write_ros_map
 
 assert room  # the fixture
 
 
-# ------------------------------------------------------------------------------- ROS
-def read_ros(path):
-    """By the rules of map_server: values -1 unknown, 0 free, 100 occupied, row 0 lowest."""
-    fields = dict(re.findall(r"^(\w+): *(.*)$", path.read_text(), re.MULTILINE))
-    kind, size, most, pixels = (
-        (path.parent / json.loads(fields["image"])).read_bytes().split(b"\n", 3)
-    )
-    columns, rows = map(int, size.split())
-    assert (kind, most, fields["negate"], fields["mode"]) == (b"P5", b"255", "0", "trinary")
-    grey = np.frombuffer(pixels, np.uint8).reshape(rows, columns).astype(float)
-    share = (255 - grey) / 255
-    values = np.full(share.shape, -1)
-    values[share > float(fields["occupied_thresh"])] = 100
-    values[share < float(fields["free_thresh"])] = 0
-    return values[::-1], json.loads(fields["origin"]), float(fields["resolution"])
+def centres_of(map, side):
+    """The middles of cells of this side on all of a map, row by row, `(rows, columns, 2)`."""
+    left, low, right, high = map.bounds
+    x, y = (np.arange(a + side / 2, b, side) for a, b in ((left, right), (low, high)))
+    return np.stack(np.meshgrid(x, y), -1)
 
 
-def classes(map, values, origin, side, occupied=0.5, free=0.25):
-    """What the map itself says at the centres of the cells."""
-    rows, columns = values.shape
-    x, y = origin[0] + (np.arange(columns) + 0.5) * side, origin[1] + (np.arange(rows) + 0.5) * side
-    centres = np.stack(np.meshgrid(x, y), -1).reshape(-1, 2)
-    value = map.occupancy(centres).reshape(rows, columns)
-    return np.select([value > occupied, value <= free], [100, 0], -1)
-
-
-@pytest.mark.parametrize("options", [{}, {"occupied": 0.8}, {"free": 0.0}])
-def test_another_reader_finds_the_map(room, options, tmp_path):
-    """Catches rows upside down, an origin at the centre of a pixel, exchanged axes and greys."""
-    write_ros_map(tmp_path / "room.yaml", room, **options)
-    values, origin, side = read_ros(tmp_path / "room.yaml")
-    assert origin[2] == 0 and side == 0.05
-    assert np.array_equal(values == 0, ros_classes(room, **options).greys == 254)
-    assert np.array_equal(values == 100, ros_classes(room, **options).greys == 0)
-    assert np.array_equal(values, classes(room, values, origin, side, **options))
-    assert {-1, 0, 100} == set(np.unique(values))
-    assert not np.array_equal(values, values[::-1])
-    grid = room.to_grid()  # no known cell is cut off, and no border of unknown ones is left
-    assert (values == 100).sum() == (grid > options.get("occupied", 0.5)).sum()
-    assert (values == 0).sum() == (grid <= options.get("free", 0.25)).sum()
-    edges = values[0], values[-1], values[:, 0], values[:, -1]
-    assert all((edge >= 0).any() for edge in edges)
+@pytest.mark.parametrize("times", [1, 2, 4])
+@pytest.mark.parametrize(("occupied", "free"), [(0.5, 0.25), (0.8, 0.25), (0.5, 0.0)])
+def test_each_cell_is_what_the_map_says_there(room, times, occupied, free, tmp_path):
+    """Catches rows upside down, an origin at the centre of a pixel, exchanged axes and greys, and a
+    coarse pixel that is free though one of its cells is not."""
+    rules = {"resolution": 0.05 * times, "occupied": occupied, "free": free}
+    write_ros_map(tmp_path / "room.yaml", room, **rules)
+    written = read_ros_map(tmp_path / "room.yaml")
+    centres = centres_of(room, 0.05)
+    cells = room.occupancy(centres.reshape(-1, 2)).reshape(centres.shape[:2])
+    rows, columns = (n // times for n in cells.shape)
+    highest = cells.reshape(rows, times, columns, times).max((1, 3))
+    expected = np.select([highest > occupied, highest <= free], [1.0, 0.0], 0.5)
+    seen = written.occupancy(centres_of(room, 0.05 * times).reshape(-1, 2))
+    np.testing.assert_array_equal(seen.reshape(rows, columns), expected)
+    assert {*np.unique(expected)} == {0, 0.5, 1} and written.resolution == 0.05 * times
+    greys = ros_classes(room, **rules).greys  # no border of unknown cells is left
+    assert all((edge != 205).any() for edge in (greys[0], greys[-1], greys[:, 0], greys[:, -1]))
 
 
 def test_the_lower_left_corner_is_the_origin(tmp_path):
     """By hand: the cell of the sensor is the first of the lowest row."""
     write_ros_map(tmp_path / "it.yaml", corner_map(), occupied=0.6, free=0.1)
-    values, origin, _ = read_ros(tmp_path / "it.yaml")
-    assert origin[:2] == pytest.approx([-3.07, 1.13])
-    assert values[0, 0] == 0 and values[-1, -1] == 100
-    assert values.shape == (8, 8)
     text = (tmp_path / "it.yaml").read_text()
+    assert json.loads(re.search(r"origin: (.*)", text)[1])[:2] == pytest.approx([-3.07, 1.13])
     assert "free: occupancy <= 0.1, occupied: occupancy > 0.6, else unknown; bias 1" in text
-
-
-@pytest.mark.parametrize("times", [2, 4])
-def test_coarse_pixels_lose_no_obstacle(room, times, tmp_path):
-    """Catches a pixel that is free though one of its cells is not."""
-    write_ros_map(tmp_path / "it.yaml", room, resolution=0.05 * times)
-    values, (x, y, _), side = read_ros(tmp_path / "it.yaml")
-    assert side == pytest.approx(0.05 * times)
-    columns, rows = np.rint((np.array([x, y]) - room.bounds[:2]) / side).astype(int)
-    cells = room.to_grid().reshape(-1, times, len(room.to_grid()) // times, times)
-    highest = cells.max((1, 3))[rows:, columns:][: values.shape[0], : values.shape[1]]
-    expected = np.select([highest > 0.5, highest <= 0.25], [100, 0], -1)
-    np.testing.assert_array_equal(values, expected)
-    assert (values == 0).mean() > 0.2
+    places = [(-3.07 + 0.25 * (k + 0.5), 1.13 + 0.25 * (k + 0.5)) for k in (0, 7)]
+    assert read_ros_map(tmp_path / "it.yaml").occupancy(places).tolist() == [0, 1]
+    assert (tmp_path / "it.pgm").read_bytes().startswith(b"P5\n8 8\n255\n")
 
 
 @pytest.mark.parametrize(
@@ -101,7 +70,6 @@ def test_it_is_yaml_for_a_yaml_reader(name, corner, tmp_path):
     assert found["origin"] == [*map.corner, 0.0]
     assert [type(v) for v in found["origin"]] == [float] * 3
     assert (found["occupied_thresh"], found["free_thresh"]) == (0.65, 0.196)
-    assert (read_ros(tmp_path / f"{name}.yaml")[0] == np.full((4, 4), -1)).all()
 
 
 def test_no_description_of_a_picture_that_is_not_there(tmp_path):
