@@ -17,8 +17,10 @@ from segmap import arrays, exports, extraction, load, matching, metrics, simulat
 from segmap.alignment import METHODS as ALIGNMENTS
 from segmap.alignment import Graph, Match, align_to_truth, ground_truth, odometry, solve_graph
 from segmap.matching import (
+    DistanceField,
     field_score,
     hill_climb,
+    localize,
     localize_ekf,
     map_scans,
     nearest_score,
@@ -75,6 +77,10 @@ def each(of, *last, **named):
 
 def tracked(*given, **named):
     return list(localize_ekf(*given, **named))
+
+
+def located(*given):
+    return list(localize(*given, rng=RNG))
 
 
 def session(**held):
@@ -184,7 +190,38 @@ NOTHING_TO_MATCH = [
     (SegmentMap([]), "holds no wall"),
     (TWO, "a QuadtreeMap or a SegmentMap"),
 ]
+#: Occupied at two places 400 m apart.
+FAR_CELLS = QuadtreeMap(resolution=0.01)
+FAR_CELLS.insert_scan((0, 0), [(1, 1), (400, 1)])
+ONE_WALL = SegmentMap([[(0, 0), (4, 0)]])
 MATCHING = [
+    *each(partial(DistanceField, FAR_CELLS))(
+        ((0, 0, 1), "left, low, right, high"),
+        ((1, 0, 0, 1), "left, low, right, high"),
+        ((0, 0, NAN, 1), "left, low, right, high"),
+        ((0, 0, 163.85, 0.01), "16385 x 1 cells is too large"),
+        ((0, 0, 163.84, 40.97), "16384 x 4097 cells is too large"),
+        ((40, 40, 41, 41), "no occupied cell"),
+        ((1e300, 0, 1.0000001e300, 1), "left, low|too large|no occupied|beyond"),
+        (None, r"65536 x 65536 cells is too large: .* a smaller"),
+    ),
+    *each(partial(DistanceField.around, FAR_CELLS))(
+        ([(1, 2)], np.empty((0, 3)), "poses must hold at least one pose"),
+        ([(1e300, 0)], ZERO, r"a window of \d\S* x \d\S* cells is too large: at most"),
+    ),
+    *each(DistanceField)(
+        (ONE_WALL, (0, 30, 4, 31), "no wall"),
+        (ONE_WALL, (1e6, 0, 1e6 + 1, 1), "no wall"),
+        (SegmentMap([]), "no wall"),
+    ),
+    *refused(DistanceField, ONE_WALL)(({"resolution": 1e-5}, "too large")),
+    *each(matching.effective_number)(
+        ([0.5, 0.5000012], "none negative, and sum to 1"), ([1.1, -0.1], "none negative")
+    ),
+    *each(matching.systematic)(([0.5, 0.5], 1.01, "offset must be")),
+    *each(located)(
+        (SegmentMap(TWO), [BEAM, 3], "scan 1"), (SegmentMap([]), [BEAM], "holds no wall")
+    ),
     *refused(map_scans, [])(
         ({"matcher": "climb"}, "matcher must"), ({"matcher": sample_and_rank}, "give rng")
     ),

@@ -79,34 +79,6 @@ def test_the_field_around_a_scan_holds_the_robot_too():
     assert field.bounds == pytest.approx((-0.5, -3.5, 6.5, 0.5))
 
 
-AROUND = {
-    "no pose": ([(1, 2)], np.empty((0, 3)), "poses must hold at least one pose"),
-    "far": ([(1e300, 0)], (0, 0, 0), r"a window of \d\S* x \d\S* cells is too large: at most"),
-}
-WINDOWS = [
-    *((w, "left, low, right, high") for w in ((0, 0, 1), (0, 0, 0, 1), (1, 0, 0, 1))),
-    ((0, 0, np.nan, 1), "left, low, right, high"),
-    ((0, 0, 1e4, 1), "1000000 x 100 cells is too large"),
-    ((0, 0, 163.85, 0.01), "16385 x 1 cells is too large"),
-    ((0, 0, 163.84, 40.97), "16384 x 4097 cells is too large"),
-    ((0, 0, 1e300, 1e300), "too large"),
-    ((40, 40, 41, 41), "no occupied cell"),
-    ((1e300, 0, 1.0000001e300, 1), "left, low|too large|no occupied|beyond"),
-]
-
-
-def test_which_windows_are_refused():
-    map = QuadtreeMap(resolution=0.01)
-    map.insert_scan((0, 0), [(1, 1), (400, 1)])
-    for window, message in (*WINDOWS, (None, r"65536 x 65536 cells is too large: .* a smaller")):
-        with pytest.raises(ValueError, match=message):
-            DistanceField(map, window)
-    for points, poses, message in AROUND.values():
-        with pytest.raises(ValueError, match=message):
-            DistanceField.around(map, points, poses)
-    assert DistanceField(map, (0, 0, 2, 2)).score([(1.005, 1.005)], (0, 0, 0))[0] == 0
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_the_field_of_walls_is_the_distance_to_the_nearest(seed):
     """Catches a wall that is dropped too early, a centre taken for a corner, and a window that is
@@ -138,10 +110,3 @@ def test_windows_of_walls():
     assert around.bounds == pytest.approx((-0.5, -0.5, 1.5, 0.5)) and "0.1 m" in repr(around)
     thin = DistanceField(map, (-40, 20, 40, 20.05))
     assert thin.distance.max() == pytest.approx(np.hypot(39.975, 20.025))
-    for window in ((0, 30, 4, 31), (1e6, 0, 1e6 + 1, 1)):
-        with pytest.raises(ValueError, match="no wall"):
-            DistanceField(map, window)
-    with pytest.raises(ValueError, match="no wall"):
-        DistanceField(SegmentMap([]))
-    with pytest.raises(ValueError, match="too large"):
-        DistanceField(map, resolution=1e-5)

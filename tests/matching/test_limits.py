@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from segmap import LaserScan
-from segmap.matching import effective_number, hill_climb, map_scans, systematic
+from segmap.matching import hill_climb, map_scans
 from segmap.quadtree import QuadtreeMap
 
 
@@ -38,18 +38,7 @@ def test_a_robot_is_found_where_three_fifths_of_its_scan_lie_on_the_map(on, foun
 # ------------------------------------------------------------------ smaller parts
 
 
-@pytest.mark.parametrize("weights", [[0.5, 0.4], [0.5, 0.5000012], [1.1, -0.1], [[1.0]]])
-def test_weights_are_shares(weights):
-    with pytest.raises(ValueError, match="none negative, and sum to 1"):
-        effective_number(weights)
-    assert systematic([0.5, 0.5], 1.0).tolist() == [1, 1]  # a tooth at the very end
-    with pytest.raises(ValueError, match="offset must be"):
-        systematic([0.5, 0.5], 1.01)
-
-
 @pytest.mark.parametrize(("heading", "wrapped"), [(np.pi, -np.pi), (-np.pi, -np.pi), (3.0, 3.0)])
 def test_a_heading_of_half_a_turn_is_that_to_the_right(heading, wrapped):
     score = lambda map, points, poses: np.zeros(len(poses))  # noqa: E731
     assert hill_climb(QuadtreeMap(), [(1, 0)], (0, 0, heading), score=score)[2] == wrapped
-    with pytest.raises(ValueError, match="map must be a QuadtreeMap or a SegmentMap"):
-        hill_climb(3, [(1, 0)], (0, 0, heading), score=score)

@@ -6,9 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import MAPS
 
-from segmap import load
 from segmap.angles import wrap
-from segmap.extraction import build_map
 from segmap.metrics import doubled_walls, invented, missed
 from segmap.poses import transform
 from segmap.segments import SegmentMap, length
@@ -142,11 +140,3 @@ def test_no_wall_is_no_number_and_no_sensor_is_refused():
         doubled_walls(rooms((0, 0)))
     with pytest.raises(ValueError, match="sensors"):
         doubled_walls(rooms((0, 0)), [(0, 0)])
-
-
-def test_what_was_measured():
-    """The figures of the docstring: Malaga by its wheels and by poses that were corrected."""
-    log = load("malaga")
-    by_wheels = doubled_walls(build_map(log, log.odometry, keep_points=True))
-    corrected = doubled_walls(build_map(log, log.truth, keep_points=True))
-    assert by_wheels > 0.5 > 0.15 > corrected
