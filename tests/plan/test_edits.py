@@ -3,7 +3,17 @@
 import numpy as np
 import pytest
 
-from segmap.plan import Join, Name, NoDoor, Split, edits, floor_plan
+from segmap.plan import (
+    Furniture,
+    Join,
+    Name,
+    NewDoor,
+    NoDoor,
+    Split,
+    Wall,
+    edits,
+    floor_plan,
+)
 from segmap.quadtree import FREE, OCCUPIED, map_of_grid
 
 SIDE = 0.05
@@ -116,19 +126,6 @@ def test_names_stay_with_their_places(row):
     assert row.edited([*named, Name((2.2, 2.0), "lobby")]).rooms[0].name == "lobby"
 
 
-def test_edits_at_once_or_one_after_the_other_are_the_same(row):
-    """Catches a state that one edited plan leaves in the next."""
-    all_edits = [Join(MIDDLES[0], MIDDLES[1]), Split((10.9, 0.6), (10.9, 4.4)), NoDoor((8.8, 2.4))]
-    row.edited(all_edits[::-1])
-    step = row
-    for k in range(len(all_edits)):
-        step = step.edited(all_edits[: k + 1])
-    at_once = row_of_rooms(edits=all_edits)
-    assert outlines(step) == outlines(at_once) and len(step.doors) == len(at_once.doors) == 0
-    assert step.edits == at_once.edits == tuple(all_edits)
-    assert outlines(step.edited([])) == outlines(row) == outlines(row_of_rooms())
-
-
 @pytest.mark.parametrize(
     "edit, words",
     [
@@ -154,6 +151,7 @@ def test_what_finds_nothing_is_told_and_changes_nothing(row, edit, words):
 def test_edits_are_kept_as_text():
     """Catches an edit that a session does not bring back, and a stranger's that is taken."""
     some = [Join((1, 2), (3, 4)), Split((0, 0), (1, 1e-3)), NoDoor((-2, 2)), Name((1, 1), "a,  b")]
+    some += [NewDoor((4, 2.8), (4, 3.7)), Wall((1.5, -2)), Furniture((4, 0.8))]
     assert [edits.read(str(edit)) for edit in some] == some
     for text in (
         "Paint 1 2",
@@ -162,6 +160,8 @@ def test_edits_are_kept_as_text():
         "Name 1 2",
         "NoDoor 1 x",
         "Name 1 hall",
+        "NewDoor 1 2",
+        "Furniture 1 2 3",
     ):
         with pytest.raises(ValueError, match="edit must"):
             edits.read(text)
@@ -172,3 +172,4 @@ def test_a_turned_map_has_turned_edits(row):
     turned = Join((1, 0), (0, 2)).turned(np.pi / 2)
     assert np.allclose([turned.a, turned.b], [(0, 1), (-2, 0)])
     assert Name((1, 0), "hall").turned(np.pi).text == "hall"
+    assert NewDoor((4, 2.8), (4, 3.7)).turned(np.pi / 2).end == pytest.approx((-3.7, 4))

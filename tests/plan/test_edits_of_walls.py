@@ -6,7 +6,7 @@ import shapely
 from scipy import ndimage
 
 from segmap import build_map, load, quadtree
-from segmap.plan import Furniture, Join, Name, NewDoor, NoDoor, Split, Wall, edits, floor_plan
+from segmap.plan import Furniture, Join, Name, NewDoor, NoDoor, Split, Wall, floor_plan
 from segmap.poses import compose
 from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, map_of_grid
 from segmap.reduction import one_per_wall
@@ -274,31 +274,19 @@ def test_what_finds_nothing_is_told_and_changes_nothing(two, edit, words):
     assert "store" in {room.name for room in plan.rooms}
 
 
-def test_edits_that_are_far_off_are_told():
-    """Catches the nearest of those that are far."""
-    plan = seen(shapely.box(0, 0, 4, 3))
-    far = [Wall((9, 9)), Furniture((9, 9)), NewDoor((9, 9), (9, 10))]
-    assert len(plan.edited(far).unplaced) == 3
-
-
-def test_edits_of_walls_are_kept_as_text_and_turn_with_their_map(two):
-    """Catches an edit that a session does not bring back, or does at another place."""
-    some = [NewDoor((4, 2.8), (4, 3.7)), Wall((1.5, -2)), Furniture((4, 0.8))]
-    assert [edits.read(str(edit)) for edit in some] == some
-    assert some[0].turned(np.pi / 2).end == pytest.approx((-3.7, 4))
-    for text in ("NewDoor 1 2", "Wall 1", "Furniture 1 2 3", "Door 1 2 3 4"):
-        with pytest.raises(ValueError, match="edit must be like"):
-            edits.read(text)
-
-
 def test_edits_at_once_or_one_after_the_other_are_the_same(wardrobes):
-    """Catches a room that is remembered with walls that were there before."""
-    plan = wardrobes[0][0]
+    """Catches a state that one edited plan leaves in the next, and a room that is remembered with
+    walls that were there before."""
+    plan, room, stands = wardrobes[0]
     some = [Furniture((3.2, 2.4)), Split((5, 0), (5, 4.8)), NewDoor((5, 2), (5, 3)), Wall((3.2, 2))]
+    some += [Join((4, 2), (6, 2)), Split((2, 0), (2, 4.8)), NoDoor((3.5, 0.4))]
+    plan.edited(some[::-1])
     step = plan
     for k in range(len(some)):
         step = step.edited(some[: k + 1])
-    assert outlines(step) == outlines(plan.edited(some))
+    at_once = seen(room, stand=[stands], edits=some)
+    assert outlines(step) == outlines(plan.edited(some)) == outlines(at_once)
+    assert step.edits == at_once.edits == tuple(some)
     assert outlines(step.edited([])) == outlines(plan) == outlines(plan.edited([]))
 
 
