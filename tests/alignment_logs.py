@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -29,6 +30,18 @@ L_ROOM = np.concatenate(
     ]
 )
 OFFICE = office(rng=np.random.default_rng(1), rooms=2)
+AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
+#: In and out of four rooms of the office, and back.
+STOPS = [(1, 5), *((x, y) for x in (2, 6) for y in (5, 6.9, 5, 3.1, 5)), (7, 5), (1.5, 5.3)]
+ROOMS = drive(STOPS, step=0.15, turn=np.radians(12))
+
+
+@cache
+def rooms_log(sensor: Sensor = AROUND, place: tuple[float, float, float] = (0, 0, 0)) -> Log:
+    """That drive with the odometry of good wheels, seen by a laser at a place on the robot."""
+    rng, wheels = np.random.default_rng(11), OdometryNoise()
+    how = {"sensor": sensor, "rng": rng, "odometry_noise": wheels, "sensor_pose": place}
+    return simulate(OFFICE, ROOMS, **how)
 
 
 def exact_log(

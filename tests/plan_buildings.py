@@ -8,8 +8,8 @@ import shapely
 from shapely import affinity
 
 from segmap import build_map, quadtree, reduction
-from segmap.plan import FloorPlan
-from segmap.simulation import SICK_LMS200, URG_04LX, Sensor, drive, simulate
+from segmap.plan import FloorPlan, floor_plan
+from segmap.simulation import SICK_LMS200, URG_04LX, Sensor, drive, polyline, simulate
 
 WHOLE_TURN = Sensor("whole turn", 720, -np.pi, np.pi / 360, max_range=20.0, sigma=0.01)
 SENSORS = {"URG": URG_04LX, "SICK": SICK_LMS200, "360": WHOLE_TURN}
@@ -303,3 +303,14 @@ def wrong_in(plan: FloorPlan, building: Building) -> list[str]:
         if abs(near[0].width - width) > WIDTH_M:
             wrong.append(f"door has {near[0].width:.2f} of {width:.2f} m")
     return wrong + [f"false door of {one.width:.2f} m at {one.place.round(1)}" for one in left]
+
+
+def rooms_of_squares(low: float, high: float) -> FloorPlan:
+    """Two rooms of 4.9 m by 4 m, walls of 0.2 m, with an opening between these heights, metres."""
+    kinds = np.full((100, 240), quadtree.UNKNOWN)
+    kinds[9:91, 9:211] = quadtree.OCCUPIED
+    kinds[10:90, 10:108] = kinds[10:90, 112:210] = quadtree.FREE
+    kinds[round(low * 20) : round(high * 20), 108:112] = quadtree.FREE
+    walls = polyline([(0.5, 0.5), (10.5, 0.5), (10.5, 4.5), (0.5, 4.5)], closed=True)
+    between = [[(x, a), (x, b)] for x in (5.4, 5.6) for a, b in ((0.5, low), (high, 4.5)) if a < b]
+    return floor_plan([*walls, *between], quadtree.map_of_grid(kinds, resolution=0.05))

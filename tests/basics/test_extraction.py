@@ -82,15 +82,6 @@ def test_equals_the_plain_method(make, closed, seed):
     assert_same(found, plain, 1e-6)
 
 
-@pytest.mark.parametrize("make", [walk, noisy_walls, noisy_square])
-@pytest.mark.parametrize("seed", range(3))
-def test_the_order_of_the_beams_does_not_matter(make, seed):
-    """Catches a corner that goes to the wall that was measured first, and borders one by one."""
-    points = make(seed)
-    forward, backward = (extract_polylines(p) for p in (points, points[::-1]))
-    assert_same(backward[::-1], forward)
-
-
 @pytest.mark.parametrize("tolerance", [0.03, 0.125, 0.25])
 def test_sums_settle_no_tie(tolerance):
     """Errors on a lattice are equal, or equal to the tolerance: merged as if fits were exact."""

@@ -8,6 +8,7 @@ import ezdxf
 import numpy as np
 import pytest
 import shapely
+from plan_buildings import rooms_of_squares
 from scipy import ndimage
 
 from segmap import exports, plan
@@ -18,15 +19,7 @@ from segmap.simulation import polyline
 
 @pytest.fixture(scope="module")
 def two_rooms():
-    """Two rooms of 4.7 m by 4 m behind one another, with a door of 0.9 m, walls 0.1 m thick."""
-    kinds = np.full((100, 240), UNKNOWN)
-    kinds[9:91, 9:211] = OCCUPIED
-    kinds[10:90, 10:108] = kinds[10:90, 112:210] = FREE
-    kinds[40:58, 108:112] = FREE
-    corners = [(0.5, 0.5), (5.4, 0.5), (5.4, 2.0), (5.6, 2.0), (5.6, 0.5), (10.5, 0.5)]
-    corners += [(10.5, 4.5), (5.6, 4.5), (5.6, 2.9), (5.4, 2.9), (5.4, 4.5), (0.5, 4.5)]
-    walls = polyline(corners, closed=True)
-    return plan.floor_plan(walls, map_of_grid(kinds, resolution=0.05))
+    return rooms_of_squares(2.0, 2.9)
 
 
 def test_a_drawing_has_its_layers(two_rooms, tmp_path):
@@ -121,14 +114,7 @@ def test_a_sheet_names_rooms_and_doors(two_rooms, tmp_path):
 
 def test_a_sheet_says_what_is_in_doubt(tmp_path):
     """Catches rooms without a door whose doubt is told on the screen only."""
-    corners = [(0.5, 0.5), (5.4, 0.5), (5.4, 1.5), (5.6, 1.5), (5.6, 0.5), (10.5, 0.5)]
-    corners += [(10.5, 4.5), (5.6, 4.5), (5.6, 3.5), (5.4, 3.5), (5.4, 4.5), (0.5, 4.5)]
-    kinds = np.full((100, 240), UNKNOWN)
-    kinds[9:91, 9:211] = OCCUPIED
-    kinds[10:90, 10:108] = kinds[10:90, 112:210] = FREE
-    shut = [((x, 1.5), (x, 3.5)) for x in (5.4, 5.6)]
-    walls = [*polyline(corners, closed=True), *shut]
-    alone = plan.floor_plan(walls, map_of_grid(kinds, resolution=0.05))
+    alone = rooms_of_squares(2.0, 2.0)
     exports.write_plan(tmp_path / "it.svg", alone, verdict="GOOD: all is well")
     text = (tmp_path / "it.svg").read_text()
     assert "GOOD: all is well" in text and f"in doubt: {alone.doubt}" in text

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plan_buildings import rooms_of_squares
 
 from segmap import build_map, load, plan, quadtree, reduction
 from segmap.poses import compose, transform
@@ -85,14 +86,8 @@ def test_the_graph_is_of_the_rooms_that_doors_join(offices):
 
 def test_what_no_door_joins_is_told():
     """Catches a door through a wall."""
-    kinds = np.full((100, 200), UNKNOWN)
-    kinds[10:90, 10:190] = OCCUPIED
-    kinds[11:89, 11:95] = kinds[11:89, 105:189] = FREE
-    walls = [polyline(corners, closed=True) / 20 for corners in (
-        [(10.5, 10.5), (95.5, 10.5), (95.5, 89.5), (10.5, 89.5)],
-        [(104.5, 10.5), (189.5, 10.5), (189.5, 89.5), (104.5, 89.5)])]  # fmt: skip
-    found = plan.floor_plan(np.concatenate(walls), map_of_grid(kinds, resolution=0.05))
-    assert [round(room.area, 1) for room in found.rooms] == [16.8, 16.8] and not found.doors
+    found = rooms_of_squares(2.0, 2.0)
+    assert [round(room.area, 1) for room in found.rooms] == [19.6, 19.6] and not found.doors
     assert "no door was seen of room 1, room 2" in found.doubt
     found.rooms[0] = replace(found.rooms[0], name="hall")
     assert "no door was seen of hall, room 2" in found.doubt
@@ -134,21 +129,10 @@ def test_somebody_who_stood_in_a_door_does_not_shut_it():
     assert len(found.rooms) == 2 and found.doors[0].width == pytest.approx(0.9, abs=0.11)
 
 
-def two_rooms(low, high):
-    """A plan of two rooms of 4.7 m by 4 m with an opening between these heights, metres."""
-    kinds = np.full((100, 240), UNKNOWN)
-    kinds[9:91, 9:211] = OCCUPIED
-    kinds[10:90, 10:108] = kinds[10:90, 112:210] = FREE
-    kinds[round(low * 20) : round(high * 20), 108:112] = FREE
-    walls = polyline([(0.5, 0.5), (10.5, 0.5), (10.5, 4.5), (0.5, 4.5)], closed=True)
-    between = [[(x, a), (x, b)] for x in (5.4, 5.6) for a, b in ((0.5, low), (high, 4.5)) if a < b]
-    return plan.floor_plan([*walls, *between], map_of_grid(kinds, resolution=0.05))
-
-
 @pytest.mark.parametrize("low, high, doors", [(2.0, 2.9, 1), (2.0, 2.4, 0), (0.5, 1.4, 1)])
 def test_a_door_has_a_width_and_may_stand_at_a_corner(low, high, doors):
     """Catches a slit that is a door, and a door that the wall beside it has no piece for."""
-    assert len(two_rooms(low, high).doors) == doors
+    assert len(rooms_of_squares(low, high).doors) == doors
 
 
 @pytest.mark.parametrize(("width", "depth"), [(24, 24), (28, 19)])

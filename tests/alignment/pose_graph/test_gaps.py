@@ -136,8 +136,7 @@ def test_without_odometry_the_motion_goes_on_in_time(seed):
     stops = [(x, y) for x in (2, 6, 10, 14) for y in (5, 7.5, 5, 2.5, 5)]
     path = drive([(1, 5), *stops, (15, 5), (1, 5)], step=0.15, turn=0.14)
     walls, rng = office(rng=np.random.default_rng(1), rooms=4), np.random.default_rng(seed)
-    around = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, sigma=0.01)
-    log = logs.without_odometry(simulate(walls, path, sensor=around, rng=rng))
+    log = logs.without_odometry(simulate(walls, path, sensor=logs.AROUND, rng=rng))
     came = np.cumsum(rng.choice([0, 0, 1, 1, 2, 4, 6], len(log)))
     log = log[came[came < len(log)]]
     alignment = pose_graph(log)
@@ -159,9 +158,8 @@ def test_stamps_that_come_in_bursts_throw_no_scan_off():
     """Catches a motion that goes on a hundred times, since the scan before waited: 37 m."""
     stops = [(x, y) for x in (2, 6) for y in (5, 7.5, 5, 2.5, 5)]
     path = drive([(1, 5), *stops, (7, 5), (1, 5)], step=0.15, turn=0.14)
-    around = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, sigma=0.01)
-    rng, walls = np.random.default_rng(0), office(rng=np.random.default_rng(1), rooms=2)
-    log = logs.without_odometry(simulate(walls, path, sensor=around, rng=rng))
+    rng, walls = np.random.default_rng(0), logs.OFFICE
+    log = logs.without_odometry(simulate(walls, path, sensor=logs.AROUND, rng=rng))
     scans = np.arange(len(log))
     times = log.times[np.minimum(scans // 5 * 5 + 4, scans[-1])] + 0.002 * (scans % 5)
     alignment = pose_graph(logs.changed(log, times=times))

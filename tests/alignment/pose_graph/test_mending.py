@@ -8,23 +8,23 @@ import numpy as np
 from segmap.alignment import pose_graph, position_errors
 from segmap.scans import LaserScan, Log
 from segmap.scans.causes import Cause
-from segmap.simulation import OdometryNoise, Sensor, box, cast_rays, drive, polyline, simulate
-
-AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
+from segmap.simulation import OdometryNoise, box, cast_rays, drive, polyline, simulate
 
 
 def traffic_jam() -> Log:
     """There and back along a bare wall, beside cars that all roll on by .7 m now and then."""
     wall, rng = polyline([(0, 0), (60, 0)]), np.random.default_rng(12)
     path = drive([(2, 1.2), (58, 1.2), (2, 1.25)], step=0.3, turn=np.radians(15))
-    wheels = simulate(wall, path, sensor=AROUND, rng=rng, odometry_noise=OdometryNoise()).odometry
+    wheels = simulate(
+        wall, path, sensor=logs.AROUND, rng=rng, odometry_noise=OdometryNoise()
+    ).odometry
     scans = []
     for k, pose in enumerate(path):
         at = 0.7 * (k // 25)
         cars = [box(4.2, 1.8, ((6.0 * car + at) % 66 - 3, 4.0, 0.0)) for car in range(11)]
-        ranges = cast_rays(np.concatenate([wall, *cars]), pose, AROUND.angles, max_range=12.0)
+        ranges = cast_rays(np.concatenate([wall, *cars]), pose, logs.AROUND.angles, max_range=12.0)
         noise = np.where(np.isfinite(ranges), rng.normal(0, 0.01, len(ranges)), 0.0)
-        scans.append(LaserScan(ranges + noise, AROUND.angles, 0.2 * k, wheels[k], 12.0))
+        scans.append(LaserScan(ranges + noise, logs.AROUND.angles, 0.2 * k, wheels[k], 12.0))
     return Log("jam", scans, path)
 
 

@@ -11,18 +11,16 @@ from segmap.scans.causes import Cause
 from segmap.simulation import (
     SICK_LMS200,
     OdometryNoise,
-    Sensor,
     corridor_loop,
     drive,
     office,
     simulate,
 )
 
-AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
 LOOP = drive([(1, 1), (29, 1), (29, 13), (1, 13), (1, 1), (10, 1)], step=0.2, turn=np.radians(12))
 
 
-def seen(walls, path, sensor=AROUND, seed=1) -> Log:
+def seen(walls, path, sensor=logs.AROUND, seed=1) -> Log:
     """A drive with good wheels."""
     rng = np.random.default_rng(seed)
     return simulate(walls, path, sensor=sensor, rng=rng, odometry_noise=OdometryNoise())
@@ -54,7 +52,7 @@ def test_a_lifted_robot_is_told():
 def test_a_laser_that_sees_nothing_for_a_moment_was_not_lifted():
     """Catches a hand before the laser, or a blind start, that makes a right map doubtful."""
     path = drive([(1, 5), (6, 5), (6, 3.1), (6, 5), (1.5, 5.3)], step=0.15, turn=np.radians(12))
-    log = seen(office(rng=np.random.default_rng(1), rooms=2), path)
+    log = seen(logs.OFFICE, path)
     for blind in (range(40, 43), range(4)):
         scans = [
             replace(s, ranges=s.ranges * np.nan) if k in blind else s for k, s in enumerate(log)
@@ -65,7 +63,7 @@ def test_a_laser_that_sees_nothing_for_a_moment_was_not_lifted():
 def test_a_recorder_that_rests_while_the_robot_does_confirms_the_way():
     """Catches a pause that makes a right map doubtful, whatever the scan after it shows."""
     path = drive([(1, 5), (6, 5), (6, 3.1), (6, 5), (1.5, 5.3)], step=0.15, turn=np.radians(12))
-    log = seen(office(rng=np.random.default_rng(1), rooms=2), path)
+    log = seen(logs.OFFICE, path)
     for rest in (20, 50, 80):
         assert not lifted(pose_graph(joined(log[:rest], log[rest - 1 :])))
 
@@ -74,7 +72,7 @@ def test_where_the_odometry_jumps_the_map_is_asked_too():
     """Catches a jump that is left out, a match beside the place that the robot left, and GOOD."""
     stops = [(1, 5), (2, 5), (2, 6.9), (2, 5), (6, 5), (6, 3.1), (6, 5), (7, 5), (1.5, 5.3)]
     path = drive(stops, step=0.15, turn=np.radians(12))
-    walls = office(rng=np.random.default_rng(1), rooms=2)
+    walls = logs.OFFICE
     there = seen(walls, drive([(6, 5), (2, 5)], step=0.15, turn=np.radians(12)), seed=2)
     carried = joined(seen(walls, path), there, pause=0.1)
     scans = [

@@ -20,21 +20,18 @@ from segmap.simulation import (
     box,
     cast_rays,
     drive,
-    office,
     simulate,
 )
 
-AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
 #: Its first beam looks ahead, so what is behind the robot lies in the middle of its scans.
 SPINS = Sensor("spins", 360, 0.0, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
-SENSORS = {"around": AROUND, "spins": SPINS, "ahead": SICK_LMS200, "three quarters": URG_04LX}
-STOPS = [(1, 5), *((x, y) for x in (2, 6) for y in (5, 6.9, 5, 3.1, 5)), (7, 5), (1.5, 5.3)]
+SENSORS = {"around": logs.AROUND, "spins": SPINS, "ahead": SICK_LMS200, "three quarters": URG_04LX}
 PATHS = {
-    "rooms": drive(STOPS, step=0.15, turn=np.radians(12)),
+    "rooms": logs.ROOMS,
     "corridor": drive([(2, 1.1), (50, 1.1)], step=0.25),
 }
 WALLS = {
-    "rooms": office(rng=np.random.default_rng(1), rooms=2),
+    "rooms": logs.OFFICE,
     # 60 m long and 2.2 m wide, with a door frame every 7 m
     "corridor": np.concatenate(
         [box(60, 2.2, (30, 1.1, 0)), [[(x, 2.2), (x, 2.0)] for x in range(3, 60, 7)]]
@@ -175,7 +172,7 @@ def stands() -> Log:
     return simulate(
         WALLS["rooms"],
         path,
-        sensor=AROUND,
+        sensor=logs.AROUND,
         rng=np.random.default_rng(2),
         odometry_noise=OdometryNoise(),
     )
@@ -184,7 +181,7 @@ def stands() -> Log:
 def aside() -> Log:
     """Along a corridor with a laser that looks to the left."""
     rng, place = np.random.default_rng(11), (0.3, -0.2, np.pi / 2)
-    return simulate(WALLS["corridor"], PATHS["corridor"], sensor=AROUND, rng=rng,
+    return simulate(WALLS["corridor"], PATHS["corridor"], sensor=logs.AROUND, rng=rng,
                     odometry_noise=OdometryNoise(), sensor_pose=place)  # fmt: skip
 
 

@@ -11,9 +11,8 @@ from segmap import load
 from segmap.alignment import pose_graph, position_errors, prepared
 from segmap.scans import LaserScan, Log
 from segmap.scans.causes import Cause
-from segmap.simulation import OdometryNoise, Sensor, box, circular_room, simulate
+from segmap.simulation import OdometryNoise, box, circular_room, simulate
 
-AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
 #: A hall most of which lies farther off than the laser reaches.
 HALL = np.concatenate(
     [box(40, 25, (20, 12.5, 0)), *(box(1, 1, (x, y, 0)) for x, y in [(10, 5), (15, 12), (30, 18)])]
@@ -26,7 +25,7 @@ def hall() -> Log:
     share = np.linspace(0, 1, 80)
     path = np.stack([6 + 24 * share, 6 + 9 * share, np.full(80, 0.36)], 1)
     rng = np.random.default_rng(3)
-    return simulate(HALL, path, sensor=AROUND, rng=rng, odometry_noise=OdometryNoise())
+    return simulate(HALL, path, sensor=logs.AROUND, rng=rng, odometry_noise=OdometryNoise())
 
 
 def written(log: Log, number: float, jitter: float = 0.0) -> Log:
@@ -105,7 +104,7 @@ def test_a_driver_may_have_several_numbers():
 
 def standing(walls: np.ndarray, pose: tuple[float, float, float], step: float) -> Log:
     """Sixty scans of one place whose ranges come in steps of so many metres."""
-    sensor = replace(AROUND, resolution=step, sigma=0.002)
+    sensor = replace(logs.AROUND, resolution=step, sigma=0.002)
     return simulate(walls, np.tile(pose, (60, 1)), sensor=sensor, rng=np.random.default_rng(1))
 
 

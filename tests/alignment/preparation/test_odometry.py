@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 
 import alignment_logs as logs
 import numpy as np
@@ -13,23 +12,13 @@ from segmap.alignment import pose_graph, position_errors, prepared
 from segmap.poses import between, compose, inverse
 from segmap.scans import Log
 from segmap.scans.causes import Cause
-from segmap.simulation import SICK_LMS200, OdometryNoise, Sensor, box, drive, office, simulate
+from segmap.simulation import SICK_LMS200, OdometryNoise, box, drive, simulate
 
-AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
-SENSORS = {"around": AROUND, "ahead": SICK_LMS200}
-#: In and out of four rooms, and back.
-STOPS = [(1, 5), *((x, y) for x in (2, 6) for y in (5, 6.9, 5, 3.1, 5)), (7, 5), (1.5, 5.3)]
-PATH = drive(STOPS, step=0.15, turn=np.radians(12))
+SENSORS = {"around": logs.AROUND, "ahead": SICK_LMS200}
 
 
-@cache
 def driven(sensor: str = "around", place: tuple[float, float, float] = (0, 0, 0)) -> Log:
-    """A log with the odometry of good wheels, seen by a laser at a place on the robot."""
-    walls, rng = office(rng=np.random.default_rng(1), rooms=2), np.random.default_rng(11)
-    laser = replace(SENSORS[sensor])
-    return simulate(
-        walls, PATH, sensor=laser, rng=rng, odometry_noise=OdometryNoise(), sensor_pose=place
-    )
+    return logs.rooms_log(SENSORS[sensor], place)
 
 
 def counted_again(rows: np.ndarray, way: float = 1.0, turn: float = 1.0) -> np.ndarray:
@@ -230,7 +219,7 @@ def test_a_step_that_nothing_tells_is_doubted():
     walls = box(60, 2.2, (30, 1.1, 0))
     path = drive([(2, 1.1), (55, 1.1)], step=0.25)
     rng = np.random.default_rng(3)
-    log = simulate(walls, path, sensor=AROUND, rng=rng, odometry_noise=OdometryNoise())
+    log = simulate(walls, path, sensor=logs.AROUND, rng=rng, odometry_noise=OdometryNoise())
     assert causes(prepared(paused(log, 100, 120))) == {Cause.JUMP: True}
 
 

@@ -114,18 +114,6 @@ def test_a_log_that_comes_with_segmap_reads_as_it_was_written(tmp_path):
         assert np.allclose(ours.points(), theirs.points(), atol=2e-4)
 
 
-def test_nothing_is_loaded_while_scans_wait():
-    """Catches a loop that compiles when the fiftieth scan has come: 31 scans were left out."""
-    code = """
-from segmap import warm
-from segmap.carried import CASES, CarriedMap
-warm.dispatch(CASES)
-print([k.plain for k in warm.loops([CarriedMap, CarriedMap.add]) if not (k._fast or k._inner)])
-"""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
 @pytest.mark.parametrize("other", [False, True])
 def test_beams_in_the_other_order_are_told(other):
     """Catches a velocity against that of the poses, which no map shows, and a false alarm."""
