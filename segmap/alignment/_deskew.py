@@ -4,7 +4,8 @@
 2. The part of the log that turns most is aligned anew as it is, and with its beams carried; in both
    orders of the beams where the file does not know it. The sharpest map tells. Is it the log as it
    is, the robot stood while it measured, or the times of its beams mean nothing.
-3. The match of each scan finds the motion within it too: it counts where that is sharper still.
+3. The match of each scan finds the motion within it too, and the odometry tells of one: what is
+   sharpest counts.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from .. import arrays
 from ..arrays import Array, Poses, checked
-from ..poses.motions import between, transform
+from ..poses.motions import between, transform, twist
 from ..progress import Progress
 from ..scans import LaserScan, Log
 from ..scans.causes import Cause, Finding
@@ -47,16 +48,16 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     """Carry each beam to the moment of the first one of its scan, where the log has their times.
 
     A turning laser measures a scan while the robot moves: walls bend, by what it turns meanwhile.
-    How it moved is what a pose graph of the log says, or the match of each scan. An order of the
-    beams that is not known is found, or nothing is changed. Where walls are sharper as measured,
-    the robot stood while it measured: the scans stay as they are, as they do where scans come
-    several turns apart by the times of their beams.
+    How it moved is what a pose graph of the log says, the match of each scan, or the odometry. An
+    order of the beams that is not known is found, or nothing is changed. Where walls are sharper
+    as measured, the robot stood while it measured: the scans stay as they are, as they do where
+    scans come several turns apart by the times of their beams.
 
     Parameters
     ----------
     poses
         Of the scans as they are, by matching: they lie in mid-scan, and the robot moves evenly from
-        one to the next. None makes a `pose_graph`, and tries the motion within each scan too.
+        one to the next. None makes a `pose_graph`, and tries the other two as well.
     progress
         As in `pose_graph`.
 
@@ -109,19 +110,33 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
         causes.append(Finding(Cause.BEAM_ORDER, margin, words))
     log, carried = replace(logs[best], order_known=True), ways[best]
     if user_poses is None:
-        own = _carry(log[part], _own_motions(log[part], motions[part]))
-        if _unsharp(own) < unsharp[best]:
-            carried = _carry(log, _own_motions(log, motions))
+        entropies = {
+            motions_of: _unsharp(_carry(log[part], motions_of(log[part], motions[part])))
+            for motions_of in (_matched_motions, _driven_motions)
+        }
+        sharpest = min(entropies, key=entropies.__getitem__)
+        if entropies[sharpest] < unsharp[best]:
+            carried = _carry(log, sharpest(log, motions))
     return replace(log, scans=tuple(carried), causes=tuple(causes))
 
 
-def _own_motions(log: Log, motions: Array) -> Array:
+def _matched_motions(log: Log, motions: Array) -> Array:
     """The motions `(k, 7)` that the matches of the scans have found; else those that are given."""
     live = LiveGraph(tracking=Tracking(moving=True))
     live.extend(log)
     rows = [live.tracked(k) for k in range(len(log))]
     pairs = zip(rows, motions, strict=True)
     return np.array([motion if row.as_measured is None else row.motion for row, motion in pairs])
+
+
+def _driven_motions(log: Log, motions: Array) -> Array:
+    """The motions `(k, 7)` that the odometry says, even to the next scan; else those given."""
+    apart = np.diff(log.times)
+    seconds = np.where(apart > 0, apart, np.nan)
+    driven = twist(between(log.odometry[:-1], log.odometry[1:])) / seconds[:, None]
+    motions = motions.copy()
+    motions[:-1, :3] = np.where(np.isfinite(driven), driven, motions[:-1, :3])
+    return motions
 
 
 def _carry(log: Log, motions: Array) -> list[LaserScan]:

@@ -13,7 +13,7 @@ from segmap.poses.motions import arc, twist
 from segmap.scans import LaserScan, Log
 from segmap.scans.causes import Cause
 from segmap.scans.motion import motion_compensated, skew_warning, velocities
-from segmap.simulation import OdometryNoise, Sensor, drive, simulate
+from segmap.simulation import OdometryNoise, Sensor, corridor_loop, drive, simulate
 
 TURNED = "the beams are in the other order than the file says"
 TWIST, OFFSET = np.array([0.4, -0.1, 0.9]), (0.2, -0.1, 0.7)
@@ -225,3 +225,12 @@ def test_times_that_no_turn_takes_are_not_believed():
     assert "not believed" in found.doubt
     assert all(np.array_equal(a.ranges, b.ranges) for a, b in zip(found, log, strict=True))
     assert "not believed" not in deskew(log, log.truth).doubt
+
+
+def test_a_laser_of_one_turn_a_second_is_carried_as_the_wheels_say():
+    """Catches a motion that is even over a corner: scans there lay half a metre off."""
+    corners = [(1, 1), (29, 1), (29, 13), (1, 13), (1, 1), (10, 1)]
+    path = drive(corners, step=1.0, turn=np.radians(45))
+    slow, rng = replace(SPIN, max_range=12.0, period=1.0), np.random.default_rng(1)
+    log = simulate(corridor_loop(30, 14), path, sensor=slow, rng=rng, moving=True)
+    assert errors(log, pose_graph(deskew(log)).poses)[0].max() < 0.1
