@@ -66,7 +66,6 @@ def mapped(log: Log) -> Named:
     tree = quadtree.build_map(log, log.truth, resolution=0.05, free_resolution=0.05)
     yield from ((f"leaves/{field}", row) for field, row in tree.leaves()._asdict().items())
     yield "grid", tree.to_grid()
-    yield "smeared", quadtree.smeared_walls(tree)
     yield from matched(log, tree)
     drawn = plan.floor_plan(reduction.one_per_wall(map), tree)
     yield "plan/walls", drawn.walls.segments

@@ -106,7 +106,7 @@ GOOD = {
     "Log.order_known": True, "LaserScan.odometry": PATH[0], "LaserScan.ranges": LOG[0].ranges,
     "least_translation.weights": np.ones(4), "fuzzy_set.axes": 0.1, "doubled_walls.map":
     segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]), "doubled_walls.sensors": np.ones((1, 2)),
-    "verdict_on.map": MAP, "verdict_on.tree": TREE, "viewing_sector.map": segments.SegmentMap(WALLS,
+    "verdict_on.map": MAP, "viewing_sector.map": segments.SegmentMap(WALLS,
     sensors=[(0.0, 0.0)]), "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
     "particle_mapping.map": quadtree.QuadtreeMap(),
     "particle_mapping.odometry": None, "steps": STEPS, "systematic.weights": np.full(4, 0.25),

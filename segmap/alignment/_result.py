@@ -18,7 +18,6 @@ from ..compiled import work_time
 from ..display import Pictured
 from ..extraction import extract_polylines
 from ..poses.motions import between, compose
-from ..quadtree import QuadtreeMap
 from ..scans import LaserScan, Log
 from ..scans.causes import Finding, Unmatched
 from ..scans.motion import skew_warning, stood
@@ -196,15 +195,9 @@ class Alignment(Pictured):
         """Whether this makes a map, from the poses alone."""
         return judge(self)
 
-    def verdict_on(self, map: SegmentMap | QuadtreeMap, tree: QuadtreeMap | None = None) -> Verdict:
-        """The verdict on the map that was made of these poses: it looks at the walls as well.
-
-        The map is the one before its reduction, or a quadtree; or the former and the latter.
-        """
-        if isinstance(map, QuadtreeMap):
-            return judge(self, None, map)
-        tree = tree if tree is None else arrays.instance(tree, "tree", QuadtreeMap)
-        return judge(self, arrays.instance(map, "map", SegmentMap), tree)
+    def verdict_on(self, map: SegmentMap) -> Verdict:
+        """The verdict on the map of these poses before its reduction: it sees the walls as well."""
+        return judge(self, arrays.instance(map, "map", SegmentMap))
 
     def why(self) -> pd.DataFrame:
         """How many scans were not used: a row for each reason, a column `scans`.

@@ -9,7 +9,6 @@ import numpy as np
 
 from ..display import counted
 from ..metrics import doubled_walls
-from ..quadtree import QuadtreeMap, smeared_walls
 from ..scans.causes import Cause
 from ..segments import SegmentMap
 
@@ -23,9 +22,7 @@ LEAST_PLACED_SHARE = 0.25
 #: building may be right in each of its parts and bent as a whole.
 PLACED = 0.9
 
-#: So many scans must count before a log can be called unsure as a whole.
-LEAST_COUNTED_SCANS = 10
-#: Where none of them is sure, half must be known to this standard deviation, metres: a map whose
+#: Where no scan is sure, half of them must be known to this standard deviation, metres: a map whose
 #: rooms may lie anywhere is none.
 UNKNOWN_M = 1.0
 #: A scan is sure where its standard deviation is at most this, metres: a tenth of a room. A good
@@ -46,8 +43,8 @@ class Verdict:
     ----------
     grade
         "not a map" where fewer than two scans of several are placed, fewer than a quarter, no wall
-        is there, what was matched leaves poses free, or none of ten scans and more is sure and half
-        of them may be over 2 m off.
+        is there, what was matched leaves poses free, or no scan is sure and half of them may be
+        over 2 m off.
         "doubtful" where less than nine tenths of the scans are placed, or of those are sure
         relative to those within 20 m, nothing but the wheels places them, or a finding of the
         alignment makes it so: the poses do not keep what the matches say, say.
@@ -66,11 +63,9 @@ class Verdict:
         cause speaks against the map.
     doubled
         Share of the walls that the map shows twice; None where no map was looked at. People and
-        cheap lasers double walls that are right: it decides nothing, nor does `smeared`.
+        cheap lasers double walls that are right: it decides nothing.
     causes
         Of the findings that make the map doubtful, as `Cause` names them.
-    smeared
-        Share of the occupied cells of the quadtree whose walls are too thick; None without one.
 
     Notes
     -----
@@ -97,16 +92,13 @@ class Verdict:
     worst: float | None = None
     doubled: float | None = None
     causes: tuple[str, ...] = ()
-    smeared: float | None = None
 
     def __str__(self) -> str:
         return self.words
 
 
-def judge(
-    found: Alignment, map: SegmentMap | None = None, tree: QuadtreeMap | None = None
-) -> Verdict:
-    """The verdict on an alignment; with the maps that were made of it, also on their walls."""
+def judge(found: Alignment, map: SegmentMap | None = None) -> Verdict:
+    """The verdict on an alignment; with the map that was made of it, also on its walls."""
     placed, scans, sure, worst, doubled = int(found.used.sum()), len(found), None, None, None
     certain = found.sure
     near = certain if found.local_spread is None else found.locally_sure
@@ -116,20 +108,17 @@ def judge(
     if map is not None and len(map):
         share = doubled_walls(map, found.poses[:, :2] if map.sensors is None else None)
         doubled = share if np.isfinite(share) else None
-    blurred = np.nan if tree is None else smeared_walls(tree)
-    smeared = float(blurred) if np.isfinite(blurred) else None
     summary = f"{placed} of {counted(scans, 'scan')} placed"
     costly = [finding for finding in found.causes if finding.doubtful]
     causes = tuple(str(each.cause) for each in costly)
-    figures = placed, scans, sure, worst, doubled, causes, smeared
+    figures = placed, scans, sure, worst, doubled, causes
     # 1. No map
     none = [f.words for f in found.causes if f.cause in (Cause.NOT_MERGED, Cause.LEFT_FREE)]
     if placed < min(2, scans) or placed < LEAST_PLACED_SHARE * scans or not scans:
         none.append(summary)
-    if map is not None and not len(map) and smeared is None:
+    if map is not None and not len(map):
         none.append(f"{summary}, but no wall found")
-    unsure = sure is not None and not (certain.any() or near.any())
-    middle = float(np.median(off)) if unsure and placed >= LEAST_COUNTED_SCANS else 0.0
+    middle = float(np.median(off)) if placed and sure == 0 and not near.any() else 0.0
     if not middle <= 2 * UNKNOWN_M:
         none.append(f"no scan is sure, half of them may be {middle:.1f} m off and more; {summary}")
     if none:
@@ -152,7 +141,7 @@ def judge(
         beyond = int((off > 2 * SURE_M).sum()) if grade == "good" else 0
         most = f"all but {beyond} within {2 * SURE_M:g}" if beyond else f"all within {worst:.2f}"
         rest += [f"{most} m{found.proviso}"] if beyond < placed else []
-    walls = (doubled, "doubled"), (smeared, "smeared")
-    rest += [f"{100 * part:.0f} % of the walls {how}" for part, how in walls if part is not None]
+    if doubled is not None:
+        rest.append(f"{100 * doubled:.0f} % of the walls doubled")
     words = "; ".join(", ".join(texts) for texts in (against or open_questions, rest) if texts)
     return Verdict(grade, f"{grade.upper()}: {words}", *figures)

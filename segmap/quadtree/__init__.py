@@ -4,10 +4,9 @@ from ._build import build_map, extent, free_ends, without_passers
 from ._frontiers import Frontier, frontiers
 from ._grid import FREE, OCCUPIED, UNKNOWN, map_of_grid
 from ._map import QuadtreeMap
-from ._smeared import smeared_walls
 from ._squares import NINE, Squares
 
 __all__ = [
     "FREE", "NINE", "OCCUPIED", "UNKNOWN", "Frontier", "QuadtreeMap", "Squares", "build_map",
-    "extent", "free_ends", "frontiers", "map_of_grid", "smeared_walls", "without_passers",
+    "extent", "free_ends", "frontiers", "map_of_grid", "without_passers",
 ]  # fmt: skip

@@ -86,8 +86,6 @@ class OdometryComparison:
         tell; y also where nearly all go one way.
     still
         Share of the odometry's steps of more than 0.1 m at which the match stands.
-    count
-        How many steps were compared.
     """
 
     turn: float
@@ -96,7 +94,6 @@ class OdometryComparison:
     agreement: float
     lever: Array
     still: float
-    count: int
 
     @property
     def turns_agree(self) -> bool:
@@ -124,7 +121,6 @@ def odometry_against_steps(odometry: Array, steps: Steps) -> OdometryComparison:
         float(np.abs(mean)),
         _lever(way, moved, wheels[:, 2]),
         float(stands.sum() / max(drives.sum(), LEAST_COMPARED_STEPS)),
-        len(wheels),
     )
 
 

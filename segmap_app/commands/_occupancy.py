@@ -50,7 +50,7 @@ def draw_tree_of_log(given: argparse.Namespace, log: Log, paths: list[Path], rep
     outcome = log_options.placed_outcome(given, log, report)
     alignment, log = outcome.alignment, outcome.log
     map = quadtree.build_map(log, alignment.trusted, resolution=given.resolution)
-    verdict = alignment.verdict_on(extraction.build_map(log, alignment.trusted), map)
+    verdict = alignment.verdict_on(extraction.build_map(log, alignment.trusted))
     if given.crop is not None:
         map = cropped(map, given.crop)
         count = int((map.leaves().occ > 0).sum())

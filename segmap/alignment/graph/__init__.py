@@ -2,7 +2,6 @@
 
 from ._bend import MOST_BEND, Bends, bends, chain_bends
 from ._graph import (
-    NEARBY,
     REAL,
     REAL_ERRORS,
     Graph,
@@ -19,7 +18,7 @@ from ._solver import SCALE, Solver, solve
 from ._solver_kernels import Edge, stacked
 
 __all__ = [
-    "MOST_BEND", "NEARBY", "REAL", "REAL_ERRORS", "SCALE", "Bends", "Edge", "Graph", "Rejected",
+    "MOST_BEND", "REAL", "REAL_ERRORS", "SCALE", "Bends", "Edge", "Graph", "Rejected",
     "Solver", "bends", "chain_bends", "deviations", "groups", "information", "loops_of",
     "place_deviations", "residuals", "solve", "solve_graph", "stacked",
 ]  # fmt: skip

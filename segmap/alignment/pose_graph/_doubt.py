@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -12,7 +11,7 @@ from ...arrays import Array
 from ...scans.causes import Cause, Finding, Unmatched
 from .._result import Appraisal
 from .._verdict import ONE_LOOK, SURE_M
-from ..graph import NEARBY, chain_bends, place_deviations, stacked
+from ..graph import chain_bends, place_deviations, stacked
 from ._pauses import doubtful_gaps
 
 if TYPE_CHECKING:
@@ -45,30 +44,22 @@ def appraisal(rows: Sequence[TrackedScan], frames: KeyFrames) -> Appraisal:
         words = "the matches contradict each other so much that they leave poses free: "
         words += "are there scans of two robots, or of corridors without odometry?"
         causes.append(Finding(Cause.LEFT_FREE, len(frames), words))
-    causes += _findings([row.unmatched for row in rows], far, near)
+    causes += _findings([row.unmatched for row in rows], far)
     return Appraisal(tuple(causes), far, near)
 
 
-def _findings(unmatched: Sequence[Unmatched], far: Array, near: Array) -> list[Finding]:
+def _findings(unmatched: Sequence[Unmatched], far: Array) -> list[Finding]:
     """What to doubt of the whole, with numbers; `Alignment.verdict` weighs the scans themselves.
 
-    `far` and `near` are the standard deviations of all places in the whole and relative to those
-    within 20 m.
+    `far` are the standard deviations of all places in the whole, metres.
     """
-    count, counts, causes = len(unmatched), Counter(unmatched), []
+    count, causes = len(unmatched), []
     loose_causes = {Unmatched.FREE_DIRECTION: Cause.NO_DISTANCE, Unmatched.UNTIED: Cause.UNTIED}
     for why, cause in loose_causes.items():
-        if loose := counts[why]:
+        if loose := unmatched.count(why):
             causes.append(Finding(cause, loose, f"at {loose} of {count} scans {why}"))
     if np.isfinite(far).all() and (vague := int((far > SURE_M).sum())):
-        words = f"{vague} of {count} scans may be more than {2 * SURE_M} m off, {_worst(far)}"
-        close = int((near > SURE_M).sum())
-        most = f"{close} of {count}, {_worst(near)}" if close else "none"
-        words += f"; relative to those within {NEARBY:g} m {most}"
+        words = f"{vague} of {count} scans may be more than {2 * SURE_M} m off, "
+        words += f"scan {np.argmax(far)} by {2 * far.max():.1f} m"
         causes.append(Finding(Cause.VAGUE, vague, words))
     return causes
-
-
-def _worst(far: Array) -> str:
-    """The scan that is known least, by two standard deviations."""
-    return f"scan {np.argmax(far)} by {2 * far.max():.1f} m"

@@ -16,8 +16,6 @@ from ..points import LEAST_POINTS, PointMap, in_range
 
 #: Scans from which steps are sought, spread evenly over the log.
 STARTS = 100
-#: Scans from which steps are sought without odometry: nothing else tells what rides along.
-STARTS_ALONE = 300
 #: Scans from the start to the end of a step, tried one after the other.
 STRIDES = (1, 2, 4, 8, 16)
 #: Half side of the search, metres.
@@ -34,8 +32,7 @@ LEAST_STEP_OVERLAP = 0.7
 
 def blind_steps(log: Log) -> Steps:
     """Steps of a log that its scans alone tell; none where no walls fix the motion."""
-    alone = not np.isfinite(log.odometry).all(1).any()
-    starts = np.linspace(0, max(len(log) - 2, 0), STARTS_ALONE if alone else STARTS)
+    starts = np.linspace(0, max(len(log) - 2, 0), STARTS)
     ends, motions = [], []
     for start in np.unique(starts.astype(int))[: len(log) - 1].tolist():
         if (step := _step_from(log, start)) is not None:
@@ -51,16 +48,13 @@ def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
     if len(points) < LEAST_POINTS:
         return None
     map = PointMap(points)
-    for stride in STRIDES:
-        if first + stride >= len(log):
-            break
-        current = in_range(log[first + stride].points())
-        if len(current) < LEAST_POINTS:
-            break
-        match = register_near(map, current, np.zeros(3))
+    for second in (first + stride for stride in STRIDES if first + stride < len(log)):
+        current = in_range(log[second].points())
+        enough = len(current) >= LEAST_POINTS
+        match = register_near(map, current, np.zeros(3)) if enough else None
         if match is None or match.free is not None or match.turns:
             break
-        step = first + stride, match.pose
+        step = second, match.pose
         if np.hypot(*match.pose[:2]) > STEP_END_M or abs(match.pose[2]) > STEP_END_RAD:
             break
     return step

@@ -7,6 +7,7 @@ import numpy as np
 from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import Steps
+from ._changed import with_beams
 from ._pairs import (
     LEAST_COMPARISONS,
     NEAR_M,
@@ -15,7 +16,6 @@ from ._pairs import (
     columns,
     compared,
     directions_of,
-    with_beams,
 )
 
 #: A range that changes by less is the same.

@@ -14,6 +14,7 @@ from ...scans.causes import Cause, Finding
 from ...scans.odometry import Steps, shifted
 from ..points import LEAST_POINTS, PointMap, in_range
 from ._blind_steps import register_near
+from ._changed import with_fields, with_odometry
 from ._odometry import LEAST_REPEATS, repeated
 from ._pairs import way_of
 
@@ -32,7 +33,7 @@ def with_clock_mended(log: Log) -> Log:
     if not len(steps) or not np.isfinite(times).all():
         return log
     if not steps.any():
-        return replace(log, scans=tuple(replace(scan, time=np.nan) for scan in log))
+        return with_fields(log, time=[np.nan] * len(log))
     usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
     broken = np.flatnonzero((steps < 0) | (steps > max(LEAP_S, 1000 * usual)))
     if not len(broken):
@@ -45,8 +46,7 @@ def with_clock_mended(log: Log) -> Log:
     words += f"{broken[0] + 1}: the order of the scans counts"
     steps[broken] = usual
     mended = times[0] + np.r_[0.0, np.cumsum(steps)]
-    scans = tuple(replace(s, time=t) for s, t in zip(log, mended.tolist(), strict=True))
-    return replace(log, scans=scans, causes=(*log.causes, Finding(Cause.CLOCK, leap, words)))
+    return with_fields(log, Finding(Cause.CLOCK, leap, words), time=mended.tolist())
 
 
 def with_waiting_scans_spread(log: Log) -> Log:
@@ -62,13 +62,12 @@ def with_waiting_scans_spread(log: Log) -> Log:
     mounts, waited = np.array([scan.sensor_pose for scan in log]), 0
     for first in np.flatnonzero(together[1:] & ~together[:-1]).tolist():
         before, last = first - 1, first + int(np.argmin(together[first + 1 :]))
-        if not first or (mounts[first:last] != mounts[last]).any():
-            continue
         count, pause, came = last - before, times[last] - times[before], slice(first, last + 1)
         drive, wait = way_of(between(rows[[before, first]], rows[[first, last]]))
         share, whole = np.arange(1, count + 1) / count, between(rows[before], rows[last])
-        holds_them = steps[before] > usual and pause < 2 * count * usual
-        if not (holds_them and wait < TOGETHER_SHARE * drive):
+        one_laser = (mounts[first:last] == mounts[last]).all()
+        holds_them = first and steps[before] > usual and pause < 2 * count * usual
+        if not (one_laser and holds_them and wait < TOGETHER_SHARE * drive):
             continue
         # Between alike stretches of a corridor the nearest to the even motion counts
         way = _way_between(log[first], log[last], whole * (1 - share[0]))
@@ -81,12 +80,7 @@ def with_waiting_scans_spread(log: Log) -> Log:
         return log
     words = f"{counted(waited, 'scan')} came together after pauses, as if they had waited: their "
     words += "times and odometry are spread over these pauses"
-    scans = (
-        replace(scan, time=t, odometry=row if np.isfinite(row).all() else None)
-        for scan, t, row in zip(log, times.tolist(), rows, strict=True)
-    )
-    finding = Finding(Cause.CLOCK, waited, words)
-    return replace(log, scans=tuple(scans), causes=(*log.causes, finding))
+    return with_odometry(log, rows, Finding(Cause.CLOCK, waited, words), time=times.tolist())
 
 
 def with_readings_spread(log: Log, steps: Steps) -> Log:
@@ -108,10 +102,7 @@ def with_readings_spread(log: Log, steps: Steps) -> Log:
         return log
     rows = shifted(rows[~spread], np.interp(at, at[~spread], np.arange((~spread).sum())))
     words = f"the odometry is read once in {period} scans: between, the motion is even"
-    read = (row if np.isfinite(row).all() else None for row in rows)
-    corrected = (replace(s, odometry=row) for s, row in zip(log, read, strict=True))
-    finding = Finding(Cause.DELAY, period, words)
-    return replace(log, scans=tuple(corrected), causes=(*log.causes, finding))
+    return with_odometry(log, rows, Finding(Cause.DELAY, period, words))
 
 
 def _way_between(one: LaserScan, two: LaserScan, guess: Array) -> float:

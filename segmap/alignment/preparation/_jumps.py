@@ -21,12 +21,12 @@ PAIR_ACROSS_M = 1.5
 PAIRS_ACROSS = 20
 #: A hypothesis holds where this share of the pairs matches: 0.5 to 1 if right, else 0 to 0.1.
 HOLDS_SHARE = 1 / 3
-#: What is told of each kind of step; one that is unclear makes the map doubtful.
-JUMP_WORDS = {
-    "jumped": "no motion is known there",
-    "paused": "the scans move so too, so the recorder paused",
-    "unclear": "the scans fit that and a pause of the recorder, or neither",
-}
+#: What is told where the odometry jumped.
+JUMPED = "no motion is known there"
+#: What is told where the recorder paused.
+PAUSED = "the scans move so too, so the recorder paused"
+#: What is told where it may be both: the map is doubtful.
+UNCLEAR = "the scans fit that and a pause of the recorder, or neither"
 
 
 def without_jumps(log: Log, rows: Array) -> tuple[Array, list[Finding]]:
@@ -47,8 +47,8 @@ def without_jumps(log: Log, rows: Array) -> tuple[Array, list[Finding]]:
         stood = wild or _holds(log, frame[:scan], restarted[: end - scan])
         drove = not wild and _holds(log, frame[:scan], frame[scan:end])
         clear = bool(stood) is not bool(drove)
-        kind = ("jumped" if stood else "paused") if clear else "unclear"
-        if kind == "jumped" and not wild:
+        kind = (JUMPED if stood else PAUSED) if clear else UNCLEAR
+        if kind is JUMPED and not wild:
             frame[scan:] = restarted
         if stood or drove is False:
             rows[scan] = np.nan
@@ -56,8 +56,8 @@ def without_jumps(log: Log, rows: Array) -> tuple[Array, list[Finding]]:
     findings = []
     for kind, scans in scans_by_kind.items():
         words = f"the odometry jumps {counted(len(scans), 'time')}, first at scan {scans[0]}"
-        words += f": {JUMP_WORDS[kind]}"
-        findings.append(Finding(Cause.JUMP, len(scans), words, doubtful=kind == "unclear"))
+        unclear = kind is UNCLEAR
+        findings.append(Finding(Cause.JUMP, len(scans), f"{words}: {kind}", doubtful=unclear))
     return rows, findings
 
 
@@ -69,8 +69,6 @@ def _holds(log: Log, before: Array, after: Array) -> bool | None:
     from scipy.spatial import cKDTree
 
     first, second = (np.flatnonzero(np.isfinite(rows).all(1)) for rows in (before, after))
-    if not len(first) or not len(second):
-        return None
     nearest: Any
     away, nearest = cKDTree(before[first, :2]).query(after[second, :2])
     near, fits = np.flatnonzero(away < PAIR_ACROSS_M), []

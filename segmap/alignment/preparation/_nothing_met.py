@@ -11,21 +11,19 @@ from ...arrays import Array
 from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import Steps
+from ._changed import with_beams
 from ._pairs import (
     LEAST_COMPARISONS,
     NEAR_M,
     SEEN_THROUGH_M,
     compared,
     directions_of,
-    with_beams,
 )
 
 #: Scans that are looked at, spread over the log.
 NOTHING_MET_SCANS = 200
 #: A number that means "nothing met" occurs in at least this share of all beams.
 MET_BEAMS_SHARE = 0.03
-#: So many other ranges are nearer: what rides with the robot is the nearest of all.
-NEARER = 0.25
 #: Half of the beams beside those that hold it differ by this share of it. Those beside a part of a
 #: wall at one distance go on from it.
 DIFFERS = 0.02
@@ -38,13 +36,11 @@ RANGE_STEP = 0.01
 def without_nothing_met(log: Log) -> Log:
     """A log whose beams hold `inf` where a driver wrote a number for "nothing met", which is told.
 
-    Such a number is none of the nearest, and is met beside beams that see something else. A driver
-    may have several.
+    Such a number is farther than what rides with the robot, and is met beside beams that see
+    something else. A driver may have several.
     """
-    if len(log) < NOTHING_MET_SCANS / 20:  # too few to tell
-        return log
     some = log[:: 1 + len(log) // NOTHING_MET_SCANS]
-    ranges = np.concatenate([np.where(s.valid, s.ranges, np.nan) for s in some])
+    ranges = np.concatenate([np.empty(0), *(np.where(s.valid, s.ranges, np.nan) for s in some)])
     causes: list[Finding] = []
     while (number := _number_among(ranges)) is not None:
         holds = np.abs(ranges - number) <= NUMBER_M
@@ -66,12 +62,11 @@ def _number_among(ranges: Array) -> float | None:
     begin, end = (np.searchsorted(measured, measured + side * NUMBER_M / 2) for side in (-1, 1))
     most = int(np.argmax(end - begin))
     number = float(np.median(measured[begin[most] : end[most]]))
-    away, nearer = np.abs(measured - number), measured < number - NUMBER_M
     holds = np.abs(ranges - number) <= NUMBER_M
     step = np.abs(np.diff(ranges))[np.diff(holds.astype(np.int8)) != 0]
     is_number = (
         np.count_nonzero(holds) >= MET_BEAMS_SHARE * len(ranges)
-        and nearer.sum() > NEARER * (away > NUMBER_M).sum()
+        and number > NEAR_M
         and (step > DIFFERS * number).sum() > (step <= DIFFERS * number).sum()
     )
     return number if is_number else None

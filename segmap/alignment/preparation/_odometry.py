@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +12,6 @@ from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import (
     CONTRADICTING_COSINE,
-    LEAST_COMPARED_STEPS,
     REPEATS_M,
     REPEATS_RAD,
     RIGHT_TURN_RATIOS,
@@ -27,6 +23,7 @@ from ...scans.odometry import (
     shifted,
     steps_of,
 )  # fmt: skip
+from ._changed import with_odometry
 from ._jumps import without_jumps
 
 #: Names of units, and the metres of each.
@@ -50,9 +47,9 @@ DELAY_LEFT_SHARE = 0.5
 #: So many matched steps that move while the rows repeat tell that these were not read anew.
 LEAST_REPEATS = 3
 #: What can be wrong with an odometry that contradicts itself.
-MIRRORS: dict[str, Callable[[Array], Array]] = {
-    "its y counts to the right": lambda rows: rows * (1, -1, 1),
-    "its headings count clockwise": lambda rows: rows * (1, 1, -1),
+MIRRORS = {
+    "its y counts to the right": (1, -1, 1),
+    "its headings count clockwise": (1, 1, -1),
 }
 
 
@@ -64,23 +61,19 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
     late, share_left = delay_of(rows, steps)
     if abs(late) >= 1 and share_left < DELAY_LEFT_SHARE:
         rows = shifted(rows, np.arange(len(rows)) + late)
-        causes.append(_delay(late, log.times))
+        words = f"the odometry is {abs(late):g} scans {'late' if late > 0 else 'early'}"
+        causes.append(Finding(Cause.DELAY, late, f"{words}: read at the right time"))
     rows, repeats = _without_repeats(rows, steps)
     rows, jumps = without_jumps(log, rows)
     rows, others = _make_agree(rows, steps)
-    if not (causes := [*causes, *repeats, *jumps, *others]):
-        return log
-    corrected = (row if np.isfinite(row).all() else None for row in rows)
-    scans = (replace(scan, odometry=row) for scan, row in zip(log, corrected, strict=True))
-    return replace(log, scans=tuple(scans), causes=(*log.causes, *causes))
+    causes = [*causes, *repeats, *jumps, *others]
+    return with_odometry(log, rows, *causes) if causes else log
 
 
 def _make_agree(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     """Odometry `(k, 3)` in the unit and the frame of the matches, and what that took."""
     causes: list[Finding] = []
     against = odometry_against_steps(rows, steps)
-    if against.count < LEAST_COMPARED_STEPS:
-        return rows, causes
     # 1. Its unit
     for name, metres in ODOMETRY_UNITS.items():
         if WAY_RATIOS[0] * metres < against.way < WAY_RATIOS[1] * metres:
@@ -139,23 +132,13 @@ def mounting_of(against: OdometryComparison) -> Array:
     return np.array([*np.nan_to_num(against.lever), -against.direction if aside else 0.0])
 
 
-def _delay(late: float, times: Array) -> Finding:
-    """The odometry is so many scans late."""
-    steps = np.diff(times[np.isfinite(times)])
-    step = float(np.median(steps)) if len(steps) else 0.0
-    value, unit = (abs(late) * step, "s") if step > 0 else (abs(late), "scans")
-    word = "late" if late > 0 else "early"
-    words = f"the odometry is {value:.3g} {unit} {word}: read at the right time"
-    return Finding(Cause.DELAY, float(np.copysign(value, late)), words)
-
-
 def _unmirror(rows: Array, steps: Steps) -> tuple[str, Array] | None:
     """What is wrong with an odometry that contradicts itself, and the right one; None if nothing.
 
     One that only looks aside then is turned as well: compass headings begin at north.
     """
-    for words, change in MIRRORS.items():
-        changed = change(rows)
+    for words, signs in MIRRORS.items():
+        changed = rows * signs
         against = odometry_against_steps(changed, steps)
         if against.turns_agree and against.agreement > AGREEING_COSINE:
             return words, compose(changed, np.array([0.0, 0.0, mounting_of(against)[2]]))

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import replace
 from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...poses.motions import between, compose, inverse
 from ...scans import Log
-from ...scans.causes import Finding
 from ...scans.odometry import CONTRADICTING_COSINE, Steps, odometry_against_steps
 from ._odometry import WAY_RATIOS
 
@@ -64,13 +61,6 @@ def ranges_by_direction(scans: Log, directions: Array) -> Array:
         met = np.where(scan.ranges >= scan.max_range, np.inf, scan.ranges)
         row[columns(scan.angles, directions)] = np.where(met > 0, met, np.nan)
     return table
-
-
-def with_beams(log: Log, beams: Iterable[ArrayLike], m: float, *causes: Finding) -> Log:
-    """A log where some beams, `(n,)` of each scan, have a range of m metres; and why."""
-    pairs = zip(log, beams, strict=True)
-    scans = (replace(scan, ranges=np.where(some, m, scan.ranges)) for scan, some in pairs)
-    return replace(log, scans=tuple(scans), causes=(*log.causes, *causes))
 
 
 def compared(log: Log, steps: Steps, directions: Array) -> Compared:

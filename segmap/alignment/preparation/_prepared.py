@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -17,10 +16,10 @@ from ...scans.odometry import odometry_against_steps
 from .. import _deskew
 from ._blind_steps import blind_steps
 from ._body import without_body
+from ._changed import with_beams, with_fields
 from ._clock import with_clock_mended, with_readings_spread, with_waiting_scans_spread
 from ._nothing_met import without_limit, without_nothing_met
 from ._odometry import mounting_of, with_odometry_corrected
-from ._pairs import with_beams
 from ._range_unit import with_ranges_in_metres
 
 
@@ -80,12 +79,11 @@ def prepared(
     """
     arrays.instance(log, "log", Log)
     if clockwise:
-        log = replace(log, scans=tuple(replace(scan, angles=-scan.angles) for scan in log))
+        log = with_fields(log, angles=[-scan.angles for scan in log])
     if mask is not None:
         log = _mask(log, arrays.table(mask, "mask", 2, unit="radians", limit=2 * np.pi))
     if mount is not None and not isinstance(mount, str):
-        place = arrays.pose(mount, "mount")
-        log = replace(log, scans=tuple(replace(scan, sensor_pose=place) for scan in log))
+        log = with_fields(log, sensor_pose=[arrays.pose(mount, "mount")] * len(log))
     log = with_waiting_scans_spread(with_clock_mended(log))
     log = with_ranges_in_metres(without_nothing_met(log))
     steps = blind_steps(log)
@@ -97,8 +95,7 @@ def prepared(
     if isinstance(mount, str):
         arrays.one_of(mount, "mount", ["auto"])
         place = mounting_of(odometry_against_steps(log.odometry, steps))
-        scans = (replace(scan, sensor_pose=compose(place, scan.sensor_pose)) for scan in log)
-        log = replace(log, scans=tuple(scans))
+        log = with_fields(log, sensor_pose=[compose(place, scan.sensor_pose) for scan in log])
         steps = steps._replace(motion=compose(compose(place, steps.motion), inverse(place)))
     log = with_odometry_corrected(log, steps)
     return _deskew.deskew(log) if deskew else log

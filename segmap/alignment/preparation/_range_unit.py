@@ -11,6 +11,7 @@ from ...scans.causes import Cause, Finding
 from ...scans.odometry import odometry_against_steps
 from ..points import FARTHEST_POINT_M
 from ._blind_steps import blind_steps
+from ._changed import with_fields
 from ._odometry import WAY_RATIOS
 
 
@@ -21,8 +22,8 @@ def with_ranges_in_metres(log: Log) -> Log:
         return log
     centimetres = middle <= 10 * FARTHEST_POINT_M
     unit, metres = ("centimetres", 0.01) if centimetres else ("millimetres", 0.001)
-    scans = (replace(s, ranges=s.ranges * metres, max_range=s.max_range * metres) for s in log)
-    log = replace(log, scans=tuple(scans))
+    limits = [scan.max_range * metres for scan in log]
+    log = with_fields(log, ranges=[scan.ranges * metres for scan in log], max_range=limits)
     way = odometry_against_steps(log.odometry, blind_steps(log)).way
     words = f"the ranges are taken to be in {unit}: half of them are above {FARTHEST_POINT_M:g} m"
     agrees = WAY_RATIOS[0] < way < WAY_RATIOS[1]
