@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from alignment_logs import L_ROOM, OFFICE
+from alignment_logs import L_ROOM, OFFICE, errors
 from segmap_course import literal
 
 from segmap.alignment import Alignment, deskew, pose_graph
