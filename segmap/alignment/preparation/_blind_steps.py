@@ -62,6 +62,6 @@ def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
 
 def register_near(map: PointMap, current: Array, guess: Array) -> Match | None:
     """Where points `(m, 2)` lie on the map, sought around a pose `(3,)`; None where few do."""
-    start, _ = map.search(current, guess, reach=STEP_SEARCH_M, turn=STEP_SEARCH_RAD, least=0.3)
+    start, _ = map.search(current, guess, reach=STEP_SEARCH_M, turn=STEP_SEARCH_RAD)
     match = None if start is None else map.register(current, start)
     return match if match and match.matched and match.overlap > LEAST_STEP_OVERLAP else None

@@ -35,7 +35,7 @@ def with_clock_mended(log: Log) -> Log:
     if not steps.any():
         return with_fields(log, time=[np.nan] * len(log))
     usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-    broken = np.flatnonzero((steps < 0) | (steps > max(LEAP_S, 1000 * usual)))
+    broken = np.flatnonzero((steps < 0) | (steps > LEAP_S))
     if not len(broken):
         return log
     if (back := int((steps < 0).sum())) > SHUFFLED_SCANS_SHARE * len(steps):

@@ -11,6 +11,8 @@ from ...poses.motions import compose
 from ...scans import Log
 from ...scans.causes import Cause, Finding
 from ...scans.odometry import (
+    COMPARED_STRAIGHT_M,
+    COMPARED_TURN_RAD,
     CONTRADICTING_COSINE,
     REPEATS_M,
     REPEATS_RAD,
@@ -163,5 +165,5 @@ def repeated(rows: Array, steps: Steps) -> tuple[NDArray[np.int64], NDArray[np.i
     way, turned = steps_of(rows)
     run = np.r_[0, np.cumsum(~((way < REPEATS_M) & (turned < REPEATS_RAD)))]
     x, y, turn = steps.motion.T
-    moves = (np.hypot(x, y) > 0.1) | (np.abs(turn) > np.radians(4))
+    moves = (np.hypot(x, y) > COMPARED_STRAIGHT_M) | (np.abs(turn) > COMPARED_TURN_RAD)
     return run, run[steps.first[moves & (run[steps.first] == run[steps.second])]]
