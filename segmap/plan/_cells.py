@@ -67,6 +67,11 @@ class Grid(NamedTuple):
         row, column = (np.rint(to @ way / self.side).astype(int) for way in (self.up, self.right))
         return row.clip(0, len(self.kind) - 1), column.clip(0, len(self.kind[0]) - 1)
 
+    def box(self, points: Array) -> tuple[slice, ...]:
+        """The smallest box of squares with all points in it."""
+        ranges = ((int(k.min()), int(k.max())) for k in self.squares(points))
+        return tuple(slice(low, high + 1) for low, high in ranges)
+
     def at(self, points: Array, values: Indices | None = None) -> Indices:
         """Kind of the squares at points, or other values of them."""
         return (self.kind if values is None else values)[self.squares(points)]

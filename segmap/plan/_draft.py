@@ -89,10 +89,8 @@ class Draft:
 
 def room_near(grid: Grid, parts: Indices, place: Place | Array) -> int:
     """The number of the room at a place, or of the nearest that is not far; -1 for none."""
-    squares = [int(k) for k in grid.squares(np.asarray(place))]
-    reach = int(EDIT_REACH_M / grid.side) + 1
-    row, column = (slice(max(k - reach, 0), k + reach + 1) for k in squares)
-    near = parts[row, column]
-    away = np.hypot(*np.moveaxis(grid.places((row, column)) - place, -1, 0))
+    ways = EDIT_REACH_M * np.stack([grid.right, grid.up])
+    box = grid.box(np.concatenate([place + ways, place - ways]))
+    near, away = parts[box], np.hypot(*np.moveaxis(grid.places(box) - place, -1, 0))
     away[near < 0] = np.inf
     return int(near.flat[away.argmin()]) if away.min() <= EDIT_REACH_M else -1

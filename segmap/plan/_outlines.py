@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import scipy
 
 from ..arrays import Array
 from ..segments import MIN_LENGTH
-from ._cells import SHORTEST_ALONE_M, Grid
+from ._cells import SHORTEST_ALONE_M, Grid, Mask
 from ._lines import Indices
 from ._polygons import Room, shapely_or_hint
 from ._walls import CORNER_TURN_RAD, FACE_GAP_M, FACE_TURN_RAD, THICKEST_WALL_M, normals
@@ -49,19 +50,18 @@ def room_of(
     edge = np.diff(own.astype(np.int8), axis=1, prepend=0, append=0)
     (row, x_min), x_max = np.nonzero(edge == 1), np.nonzero(edge == -1)[1]
     squares = shapely.union_all(shapely.box(x_min, row, x_max, row + 1))
-    whole, slit = squares, SLIT_M / grid.side / 2
-    for by in (slit, -2 * slit, slit + GROWN_SQUARES):
-        whole = shapely.buffer(whole, by, join_style="mitre")
-    whole = shapely.intersection(whole, shapely.buffer(squares, slit, join_style="mitre"))
+    slit, buffer = SLIT_M / grid.side / 2, partial(shapely.buffer, join_style="mitre")
+    grown = buffer(squares, slit)
+    whole = shapely.intersection(buffer(buffer(grown, -2 * slit), slit + GROWN_SQUARES), grown)
     whole = squares if whole.is_empty else whole  # all of it is narrower than a slit
     whole, rings = largest(shapely.simplify(whole, SMOOTHED_SQUARES)), list[Array]()
-    others = placed(np.argwhere((parts[box] >= 0) & ~own)[:, ::-1])
+    others = (parts >= 0) & (parts != number)
     furniture = np.ones((NARROWEST_FURNITURE_SQUARES, NARROWEST_FURNITURE_SQUARES), bool)
     unseen = scipy.ndimage.binary_opening(own & ~grid.seen[box], furniture)
     hidden = float(unseen.sum()) * grid.side**2
     for ring in (whole.exterior, *whole.interiors):
         corners = placed(np.array(ring.coords)[:-1] - 0.5)
-        corners, area = outline_of(corners, walls, doorways, others, least)
+        corners, area = outline_of(corners, walls, doorways, others, grid, least)
         rings.append(corners)
         hidden += area
     clean = shapely.buffer(shapely.Polygon(rings[0], rings[1:]), 0)
@@ -88,8 +88,7 @@ def apart(rooms: list[Room], grid: Grid, parts: Indices) -> list[Room]:
     for one, other in shapely.STRtree(shapes).query(shapes, "intersects").T.tolist():
         shared = shapely.intersection(shapes[one], shapes[other])
         if one < other and shared.area > MIN_LENGTH:
-            row, column = grid.squares(shapely.get_coordinates(shapely.envelope(shared)))
-            box = np.s_[row.min() : row.max() + 1, column.min() : column.max() + 1]
+            box = grid.box(shapely.get_coordinates(shared))
             there = parts[box][shapely.contains_xy(shared, *np.moveaxis(grid.places(box), -1, 0))]
             k, rest = sorted((one, other), key=lambda k: ((there == k).sum(), rooms[k].area))
             rooms[k] = room_within(shapely.difference(shapes[k], shapes[rest]), rooms[k].hidden)
@@ -104,17 +103,17 @@ def largest(polygons: Any) -> Any:
 
 
 def outline_of(
-    ring: Array, walls: Bounds, doorways: Array, others: Array, least: float
+    ring: Array, walls: Bounds, doorways: Array, others: Mask, grid: Grid, least: float
 ) -> tuple[Array, float]:
     """A ring of corners whose sides are on walls, and the area in it that furniture hides.
 
     The inside of the ring is on its left. Between two sides on walls, on one line or at a right
-    angle, stands furniture where the area is below `least` and no place of `others`, `(m, 2)`, is
-    in it. A niche in a wall with one of the `doorways`, `(d, 2)`,
-    is the sill of a door.
+    angle, stands furniture where the area is below `least` and no square of `others` is in it. A
+    niche in a wall with one of the `doorways`, `(d, 2)`, is the sill of a door.
     """
     sides, wall = sides_on_walls(ring, walls)
-    hidden, steps, refused, corners = 0.0, 2, set[bytes](), corners_of(sides)
+    corners = [lines_meeting(*pair) for pair in zip(sides, np.roll(sides, -1, axis=0), strict=True)]
+    hidden, steps, refused = 0.0, 2, set[bytes]()
     while steps <= len(sides) - 2:
         normal = normals(sides)
         turn = (normal * np.roll(normal, -steps, axis=0)).sum(1)  # its cosine
@@ -125,28 +124,24 @@ def outline_of(
             if window in refused:
                 continue
             refused.add(window)
-            turned, long = np.roll(sides, -first, axis=0), np.roll(wall, -first)
-            border = between(turned, steps)
+            ahead = corners[first:] + corners[:first]
+            border = between(sides[first], sides[(first + steps) % len(sides)], ahead, steps)
             (x, y), (next_x, next_y) = border.T, np.roll(border, -1, axis=0).T
             area = float(next_x @ y - next_y @ x) / 2  # positive before the walls
             if not 0 < abs(area) <= least or crossing_area(border, abs(area)) > SLIT_M**2:
                 continue
+            turned, long = np.roll(sides, -first, axis=0), np.roll(wall, -first)
             if area < 0:
                 goes = is_sill(turned[[0, steps]], border, doorways)
             else:
-                goes = is_furniture(turned[: steps + 1], long[1:steps], border, others)
+                goes = is_furniture(turned[: steps + 1], long[1:steps], border, others, grid)
                 hidden += area if goes else 0.0
             if goes:
                 sides, wall = (np.delete(each, np.s_[1:steps], axis=0) for each in (turned, long))
-                corners, steps = corners_of(sides), 1
+                corners, steps = [lines_meeting(*sides[:2]), *ahead[steps:]], 1
                 break
         steps += 1
     return np.concatenate(corners), hidden
-
-
-def corners_of(sides: Array) -> list[Array]:
-    """Where the line of each side of a ring meets that of the next one."""
-    return [lines_meeting(*pair) for pair in zip(sides, np.roll(sides, -1, axis=0), strict=True)]
 
 
 def crossing_area(border: Array, area: float) -> float:
@@ -168,7 +163,7 @@ def is_sill(both: Array, border: Array, doorways: Array) -> bool:
     return depth(both, border) <= THICKEST_WALL_M and bool(near.any())
 
 
-def is_furniture(sides: Array, wall: Array, border: Array, others: Array) -> bool:
+def is_furniture(sides: Array, wall: Array, border: Array, others: Mask, grid: Grid) -> bool:
     """Whether what sides go round, from the first to the last, belongs to the floor.
 
     `wall` are the sizes of the walls on which those between are. One side alone cuts a corner
@@ -181,9 +176,9 @@ def is_furniture(sides: Array, wall: Array, border: Array, others: Array) -> boo
     longest = SHORTEST_ALONE_M if depth(both, border) > DEEPEST_FURNITURE_M else FACE_GAP_M
     if len(wall) < 2 or np.inf in wall or max(wall * across) >= longest:
         return False
-    near = others[((others >= border.min(0)) & (others <= border.max(0))).all(1)]
     inner = shapely.buffer(shapely.make_valid(shapely.Polygon(border)), -SLIT_M / 2)
-    return not shapely.contains_xy(inner, *near.T).any()
+    box = grid.box(border)
+    return not shapely.contains_xy(inner, *grid.places(box)[others[box]].T).any()
 
 
 def sides_on_walls(ring: Array, bounds: Bounds) -> tuple[Array, Array]:
@@ -210,12 +205,13 @@ def sides_on_walls(ring: Array, bounds: Bounds) -> tuple[Array, Array]:
     return sides, on
 
 
-def between(sides: Array, steps: int) -> Array:
-    """Border `(m, 2)` of what lies between the first side of a ring, that after `steps`, and both.
+def between(one: Array, other: Array, corners: list[Array], steps: int) -> Array:
+    """Border `(m, 2)` of what lies between a side of a ring, that after so many steps, and both.
 
-    Nothing, `(0, 2)`, where these two are not on one line, and do not meet at a right angle ahead.
+    `corners` are where the line of each side meets that of the next one, beginning with the first
+    of both. Nothing, `(0, 2)`, where they are not on one line, and do not meet at a right angle
+    ahead.
     """
-    one, other = sides[0], sides[steps]
     way, to = one[1] - one[0], other[1] - other[0]
     tip = lines_meeting(one, other)
     if len(tip) > 1:
@@ -224,11 +220,10 @@ def between(sides: Array, steps: int) -> Array:
             return tip[:0]
         tip = tip[:0]
     else:
-        start = lines_meeting(sides[-1], one)[-1]
-        end = lines_meeting(other, sides[(steps + 1) % len(sides)])[0]
+        start, end = corners[-1][-1], corners[steps][0]
         if (tip[0] - start) @ way <= MIN_LENGTH or (end - tip[0]) @ to <= MIN_LENGTH:
             return tip[:0]
-    return np.concatenate([*(lines_meeting(sides[k], sides[k + 1]) for k in range(steps)), tip])
+    return np.concatenate([*corners[:steps], tip])
 
 
 def lines_meeting(one: Array, other: Array) -> Array:

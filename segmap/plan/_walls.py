@@ -213,8 +213,8 @@ def _crossings(segments: Array) -> tuple[Array, Array, Array]:
     across = inward @ normal.T
     across[abs(across) < np.sin(CORNER_TURN_RAD)] = np.nan
     to = segments[:, 0] - ends[:, None]
-    ahead = (to * normal).sum(-1) / across
-    return inward, ahead, ahead * (inward @ way.T) - (to * way).sum(-1)
+    ahead = np.vecdot(to, normal) / across
+    return inward, ahead, ahead * (inward @ way.T) - np.vecdot(to, way)
 
 
 def closed(segments: Array, grid: Grid) -> Array:

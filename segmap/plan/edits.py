@@ -109,10 +109,12 @@ class Wall(Edit):
         run = draft.run_near(self.at, np.ones(len(faces.wall), bool))
         if run < 0:
             return "no wall and no clutter there"
-        is_new, faces.size[run], faces.wall[run] = ~faces.wall[run], np.inf, True
+        runs, is_new = faces.segments, ~faces.wall[run]
+        faces.size[run], faces.wall[run] = np.inf, True
         if is_new:
-            number = int(faces.wall[:run].sum())
-            shut = closed(faces.segments[faces.wall], draft.grid)[number]
+            apart = np.hypot(*(midpoint(runs) - midpoint(runs[run])).T)
+            near = faces.wall & (apart <= (length(runs) + length(runs[run])) / 2 + EDIT_REACH_M)
+            shut = closed(runs[near], draft.grid)[near[:run].sum()]
             if length(shut) >= SHORTEST_WALL_M:
                 faces.segments[run] = shut
         if draft.cut(faces.segments[run], draft.least_area) and draft.was_wall[run]:
