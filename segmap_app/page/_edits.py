@@ -55,7 +55,7 @@ class Edits:
         self.drag: Any = W.ToggleButton(False, description="drag it on the map", tooltip="crop")
         self.drag.layout.width = "auto"
         self.controls = [self.square, self.crop, self.place, self.north, self.crs]
-        self.crop.layout.flex = "1 1 260px"
+        self.crop.layout.flex, self.crop.layout.min_width = "1 1 260px", "0"
         cut = W.Box([self.crop, self.drag], layout=W.Layout(flex_flow="row wrap"))
         self.box = W.VBox([cut, self.place, self.north, self.crs])
         self.open = folded("crop and place", self.box)

@@ -50,7 +50,8 @@ class Loops:
     ) -> None:
         self._edits, self._look, self._changed = edits, look, changed
         self._outcome: Pipeline | None = None
-        self.listed: Any = W.Select(rows=ROWS, layout=W.Layout(width="auto"))
+        auto: Any = {"layout": W.Layout(width="auto"), "style": {"description_width": "initial"}}
+        self.listed: Any = W.Select(description="loops", rows=ROWS, **auto)
         self.mend: Any = W.Button(layout=W.Layout(width="auto", align_self="flex-start"))
         number: Any = {"style": {"description_width": "40px"}, "layout": W.Layout(width="130px")}
         self.first, self.second = (

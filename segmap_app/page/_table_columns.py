@@ -10,8 +10,6 @@ import ipywidgets as W
 from segmap.files import as_html
 from segmap.readers import ColumnChoices
 
-#: Shown where the table does not say what a column is, until a name is chosen or written.
-NOT_CHOSEN = "choose, or write"
 #: Tables of more columns are none with a line a beam.
 MOST_SHOWN_COLUMNS = 12
 #: Width of a column.
@@ -73,8 +71,8 @@ class TableColumns:
             menu: Any = W.Combobox(
                 options=[*dict.fromkeys((*names, "-", *found.every_name))],
                 value="" if names[1:] else names[0],
-                placeholder=NOT_CHOSEN,
-                tooltip=f"what column {place} is",
+                placeholder="choose, or write",
+                description=f"what column {place} is",  # canvas.css hides it: for who hears it
                 layout=cell,
             )
             menu.observe(self._changed, names="value")

@@ -29,6 +29,7 @@ from browsers import (
     served,
     wait,
 )
+from conftest import shared_file
 from input_samples import text_samples
 
 from segmap import exports, readers, simulation
@@ -92,6 +93,15 @@ const matrix = document.querySelector('.segmap-plan svg').getScreenCTM();
 return arguments[0].map(([x, y]) => {
   const place = new DOMPoint(x, -y).matrixTransform(matrix);
   return [place.x, place.y]; })"""
+#: From now on: milliseconds from what a hand does to the picture of the plan that Python sends.
+TIMED = """
+const plan = document.querySelector('.segmap-plan'), status = plan.querySelector('[role=status]');
+window.shown = [];
+for (const kind of ['pointerup', 'click', 'keydown'])
+  addEventListener(kind, event => { window.acted = event.timeStamp; }, true);
+new MutationObserver(() => /^(\\d+ rooms|nothing is)/.test(status.textContent) &&
+  requestAnimationFrame(now => window.shown.push(now - window.acted))
+).observe(status, {childList: true});"""
 #: Which part of the window's height the canvas has; where places about its middle are seen.
 PART = """
 const box = document.querySelector('.segmap-canvas').getBoundingClientRect();
@@ -112,6 +122,19 @@ for (let i = 0; i < d.length; i += 4) if (d[i] < 30 && d[i + 1] > 140 && d[i + 2
 return [found[0], found[found.length - 1]]"""
 #: The two scans that are looked at.
 SCANS = "return [...document.querySelectorAll('input[type=number]')].slice(-2).map(e => +e.value)"
+#: Tools of a plan, where a hand clicks or draws on Intel's, metres, and what it types.
+TEN_EDITS = [
+    ("Join", [(-9.3, 11.8), (-5.0, 12.8)], ""),
+    ("Split", [(-7.3, 0.55), (-2.6, -2.2)], ""),
+    ("No door", [(-1.17, 12.93)], ""),
+    ("Door", [(12.1, 10.95), (12.9, 11.3)], ""),
+    ("Wall", [(6.4, 18.1)], ""),
+    ("Furniture", [(13.3, 1.6)], ""),
+    ("Name", [(-1.5, 15.0)], "seminar"),
+    ("Undo", [], ""),
+    ("Redo", [], ""),
+    ("Split", [(-12.3, 1.6), (-8.7, 3.2)], ""),
+]
 ENTER, SPACE = "\ue007", "\ue00d"
 #: Voila's page asks the net for a font of icons, which its policy refuses: an error of its own.
 ICONS = "fontawesome"
@@ -319,6 +342,7 @@ def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browse
     pressed(browser, "loops (4)", SPACE)
     wait("the loops", lambda: re.match(r"4-151: 0.\d\d sd off, 76 m round", listed(browser)[0]))
     assert toggles(browser)["loops (4)"]
+    assert all(node["name"]["value"] for node in nodes(browser) if "focusable" in properties(node))
     time.sleep(1)  # until the way is drawn
     numbers = [browser.run(SCANS)]
     for x, y in browser.run(GREEN):
@@ -537,3 +561,42 @@ def test_a_plan_is_mended_by_mouse_finger_and_keys(app, browser):
     assert browser.run(PALE) == [] and browser.run(WIDE) and browser.run(FITS)
     errors = [line for line in browser.errors() if ICONS not in line]
     assert not errors, errors
+
+
+@pytest.mark.slow
+def test_ten_edits_by_mouse_on_a_building_of_many_rooms(app, browser):
+    """Catches an edit that does nothing, or takes seconds, where a building has many rooms.
+
+    It prints when each is seen: 0.3 s are asked, of a machine that does nothing else.
+    """
+    opened(browser, app, 1366)
+    chosen(browser, shared_file("data/intel.log.gz"))
+    wait("the log", lambda: browser.run(STATE) == "intel: ready to run")
+    browser.run("document.querySelectorAll('body > input').forEach(e => e.remove())")
+    browser.click(f"{PICKED.format('method')}/option[normalize-space()='fusion']")
+    browser.click(BUTTON.format("Run"))
+    wait("a run", lambda: browser.run(STATE) == "intel: done", 300)
+    browser.click(BUTTON.format("plan"))
+    wait("a plan", lambda: all(browser.run(PLANNED)), 120)
+    rooms, doors = browser.run(PLANNED)
+    browser.run(TIMED)
+    begun = time.monotonic()
+    for count, (tool, places, text) in enumerate(TEN_EDITS, 1):
+        browser.click(PLAN_BUTTON.format(tool))
+        places = browser.run(ON_PLAN, places)
+        if tool in ("Split", "Door"):
+            kinds = ("Pressed", "Moved", "Moved", "Released")
+            drawn = zip(kinds, places[:1] + 3 * places[1:], strict=True)
+        else:
+            drawn = ((kind, place) for place in places for kind in ("Pressed", "Released"))
+        for kind, place in drawn:
+            browser.mouse(f"mouse{kind}", *place)
+        if text:
+            browser.type(browser.find("//div[@class='segmap-plan-bar']/input"), text + ENTER)
+        wait(tool, lambda: len(browser.run("return window.shown")) == count, 20)  # noqa: B023
+        words = browser.run("return document.querySelector('.segmap-plan-status').innerText")
+        print(f"{tool:9} {browser.run('return window.shown')[-1]:4.0f} ms, {words.split(';')[0]}")
+        assert not words.startswith("nothing"), words
+    assert time.monotonic() - begun < 60
+    assert browser.run(PLANNED) == [rooms + 1, doors - 1]
+    browser.screenshot(SCREENSHOT.with_name("workbench_intel.png"))
