@@ -1,7 +1,7 @@
 """Methods at equal quality, time against scans, and their pictures and tables."""
 
 from itertools import pairwise
-from math import isnan, radians
+from math import isnan
 
 import numpy as np
 import pandas as pd
@@ -16,7 +16,6 @@ from segmap.experiments import (
     equal_quality,
     front,
     growth,
-    load_online,
     pareto,
     reduction_at,
 )
@@ -104,14 +103,6 @@ def test_pareto_of_all_and_of_each_method():
 
 
 # ------------------------------------------------------------------ time against scans
-
-
-def test_stored_times_are_columns_of_numbers():
-    times = load_online("intel")
-    assert list(times) == ["method", "distance", "angle", "scans", "seconds", "live"]
-    assert times["scans"].max() == 2672 and times["angle"][0] == radians(10)
-    with pytest.raises(ValueError, match="name must be one of 'intel', got 'room'"):
-        load_online("room")
 
 
 def test_power_of_growth():
