@@ -61,6 +61,7 @@ MENDED: dict[str, tuple[Cause, Change]] = {
         Cause.DELAY,
         lambda rows: late_by(compose(np.array([0, 0, np.pi]), rows), 5.5),
     ),
+    "late by a scan": (Cause.DELAY, lambda rows: np.vstack([rows[:1], rows[:-1]])),
     "early": (Cause.DELAY, lambda rows: np.vstack([rows[8:], np.repeat(rows[-1:], 8, 0)])),
 }
 

@@ -3,6 +3,7 @@
 import threading
 from copy import deepcopy
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +11,10 @@ from driven_panels import LOG
 
 from segmap.compiled import COMPILING
 from segmap.progress import Compiling
-from segmap_app.page import Workbench, _bar
+from segmap_app.page import Workbench, _bar, _shown
 from segmap_app.page._bar import Bar
 from segmap_app.page._edits import Edits
+from segmap_app.page._runs import COLUMNS, Runs
 from segmap_app.page._source import Source
 
 
@@ -77,6 +79,15 @@ def test_the_last_word_is_the_last():
         ended.set()
         late.join()
         assert (bar.state.value, bar.bar.value) == ("done", 1.0)
+
+
+def test_the_latest_runs_come_back():
+    """Catches one fewer than the table promises, and a first one that never goes."""
+    runs, row = Runs(), dict.fromkeys(COLUMNS, 1)
+    for k in range(_shown.LATEST + 1):
+        rows = [row | {"n_after": k}]
+        runs.add(SimpleNamespace(given=LOG, rows=lambda name, rows=rows: rows))
+    assert [*runs.made] == [*range(1, _shown.LATEST + 1)]
 
 
 def test_maps_go_to_the_browser_about_their_middle():

@@ -193,13 +193,14 @@ def test_two_scans_are_seen_over_each_other_and_on_the_way(mended):
     middle = (middle.min(0) + middle.max(0)) / 2
     way = np.frombuffer(canvas.way, np.float32).reshape(-1, 2)
     assert np.allclose(way + middle, poses[:, :2], atol=1e-5)
+    assert loops.first.max == len(mended.log) - 1
     loops.open.value = False
     assert canvas.looked_at == []
     mended.edits.drag.value = True
     assert canvas.drawing
     canvas._handle_custom_msg({"rectangle": [-1, -2, 3, 4]}, [])
     mended.wait()
-    assert not canvas.drawing
+    assert not canvas.drawing and loops.listed.value == "1-147", "it stays chosen"
     assert np.allclose(
         mended.edits.value()["crop"], [*(middle - (1, 2)), *(middle + (3, 4))], atol=0.01
     )
