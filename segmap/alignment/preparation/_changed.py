@@ -21,7 +21,7 @@ def with_fields(log: Log, *findings: Finding, **columns: Iterable[Any]) -> Log:
     return replace(log, scans=scans, causes=(*log.causes, *findings))
 
 
-def with_odometry(log: Log, rows: Array, *findings: Finding, **columns: Iterable[Any]) -> Log:
+def with_odometry_rows(log: Log, rows: Array, *findings: Finding, **columns: Iterable[Any]) -> Log:
     """A log with other odometry `(k, 3)`, NaN where there is none; and why."""
     odometry = (row if np.isfinite(row).all() else None for row in rows)
     return with_fields(log, *findings, odometry=odometry, **columns)

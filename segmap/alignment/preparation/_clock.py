@@ -14,7 +14,7 @@ from ...scans.causes import Cause, Finding
 from ...scans.odometry import Steps, shifted
 from ..points import LEAST_POINTS, PointMap, in_range
 from ._blind_steps import register_near
-from ._changed import with_fields, with_odometry
+from ._changed import with_fields, with_odometry_rows
 from ._odometry import LEAST_REPEATS, repeated
 from ._pairs import way_of
 
@@ -80,7 +80,7 @@ def with_waiting_scans_spread(log: Log) -> Log:
         return log
     words = f"{counted(waited, 'scan')} came together after pauses, as if they had waited: their "
     words += "times and odometry are spread over these pauses"
-    return with_odometry(log, rows, Finding(Cause.CLOCK, waited, words), time=times.tolist())
+    return with_odometry_rows(log, rows, Finding(Cause.CLOCK, waited, words), time=times.tolist())
 
 
 def with_readings_spread(log: Log, steps: Steps) -> Log:
@@ -102,7 +102,7 @@ def with_readings_spread(log: Log, steps: Steps) -> Log:
         return log
     rows = shifted(rows[~spread], np.interp(at, at[~spread], np.arange((~spread).sum())))
     words = f"the odometry is read once in {period} scans: between, the motion is even"
-    return with_odometry(log, rows, Finding(Cause.DELAY, period, words))
+    return with_odometry_rows(log, rows, Finding(Cause.DELAY, period, words))
 
 
 def _way_between(one: LaserScan, two: LaserScan, guess: Array) -> float:

@@ -25,7 +25,7 @@ from ...scans.odometry import (
     shifted,
     steps_of,
 )  # fmt: skip
-from ._changed import with_odometry
+from ._changed import with_odometry_rows
 from ._jumps import without_jumps
 
 #: Names of units, and the metres of each.
@@ -69,7 +69,7 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
     rows, jumps = without_jumps(log, rows)
     rows, others = _make_agree(rows, steps)
     causes = [*causes, *repeats, *jumps, *others]
-    return with_odometry(log, rows, *causes) if causes else log
+    return with_odometry_rows(log, rows, *causes) if causes else log
 
 
 def _make_agree(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
