@@ -278,7 +278,8 @@ def shows_no_place(points: Array) -> bool:
 
 def _extent(points: Array) -> float:
     """Root mean square distance of points `(m, 2)` from their middle, metres."""
-    return math.sqrt(float(points.var(0).sum()))
+    away = points - points.mean(0)
+    return math.sqrt(np.vdot(away, away) / len(points))
 
 
 def _rms_range(current: Array) -> float:

@@ -70,22 +70,28 @@ def _ask_map(rows: Sequence[TrackedScan], frames: KeyFrames, gap: int) -> Findin
 
 
 def _better_place(row: TrackedScan, frames: KeyFrames, before: int) -> Array | None:
-    """Another place, (3,), on which more of a scan lies than on its own; of key frames `before`."""
+    """Another place, (3,), on which more of a scan lies than on its own; of key frames `before`.
+
+    Its own is asked first: others count that are more likely.
+    """
     points, own = in_range(row.scan.points()), compose(frames.poses[row.frame], row.pose)
     most, best, around = row.overlap, None, LoopClosing.old_frames
-    asked = np.zeros((0, 3))
-    for k, centre in enumerate(frames.poses[:before]):
+    least, asked = LoopClosing.likelihood, np.zeros((0, 3))
+    away = np.hypot(*(frames.poses[:before] - own).T[:2])
+    for k in np.argsort(away, kind="stable").tolist():  # its own place first
+        centre = frames.poses[k]
         if (np.hypot(*(asked - centre).T[:2]) < LOST_WINDOW_M).any():
             continue
         asked = np.vstack([asked, centre])
         map = frames.map_of(range(max(k - around, 0), min(k + around + 1, before)), k)
         if map is None:
             continue
-        start, _ = map.search(
-            points, np.zeros(3), reach=LOST_WINDOW_M, turn=np.pi, least=LoopClosing.likelihood
+        start, score = map.search(
+            points, np.zeros(3), reach=LOST_WINDOW_M, turn=np.pi, reach_cost=0.0, least=least
         )
         if start is None:
             continue
+        least = max(least, score)
         match = map.register(points, start)
         place = compose(centre, match.pose)
         if match.matched and elsewhere(between(own, place)) and match.overlap > most:
