@@ -36,10 +36,12 @@ ROBUST_FIT_ROUNDS = 15
 ONE_WAY = 0.6
 #: What one step counts at most for a delay: radians, or half of the metres.
 MOST_OFF = 0.5
-#: Poses are compared after so much way, metres.
+#: Poses are taken after so much way, metres.
 LONG_STEP_M = 0.3
-#: Poses are also compared after so much turn, radians.
+#: Poses are also taken after so much turn, radians.
 LONG_STEP_RAD = np.radians(10)
+#: Each is compared with the one so many later: over one step an odometry is late now and then.
+COMPARED_AFTER = 3
 #: Shares of the way that say nothing against wheels.
 RIGHT_WAY_RATIOS = (0.93, 1.07)
 #: Factors of turns that may be noise.
@@ -299,4 +301,5 @@ def _steps_between(poses: Array, used: NDArray[np.bool_]) -> Steps:
     motion = between(poses[placed[:-1]], poses[placed[1:]])
     done = np.hypot(*motion[:, :2].T) / LONG_STEP_M + np.abs(motion[:, 2]) / LONG_STEP_RAD
     ends = placed[np.r_[True, np.diff(np.floor(np.cumsum(done)), prepend=0.0) > 0][: len(placed)]]
-    return Steps(ends[:-1], ends[1:], between(poses[ends[:-1]], poses[ends[1:]]))
+    first, second = ends[:-COMPARED_AFTER], ends[COMPARED_AFTER:]
+    return Steps(first, second, between(poses[first], poses[second]))

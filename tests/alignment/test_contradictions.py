@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from alignment_logs import AROUND
 
 from segmap import alignment, load, matching
 from segmap.poses.motions import between
 from segmap.scans.causes import Cause
 from segmap.scans.odometry import contradictions
+from segmap.simulation import corridor_loop, drive, simulate
 
 LOG = load("corridor")
 
@@ -54,6 +56,17 @@ def test_wrong_odometry_is_told_and_makes_a_map_doubtful(change, cause):
     (told,) = [each for each in found.causes if each.doubtful]
     assert told.cause == cause and "alignment.prepared" in str(told)
     assert found.verdict.grade == "doubtful"
+
+
+def test_odometry_that_is_late_now_and_then_contradicts_nothing():
+    """Catches turns compared over one step: of rows up to two scans late they are half of true."""
+    corners = [(1, 1), (29, 1), (29, 13), (1, 13), (1, 1), (10, 1)]
+    path = drive(corners, step=0.2, turn=np.radians(12))
+    log = simulate(corridor_loop(30, 14), path, sensor=AROUND, rng=np.random.default_rng(1))
+    late = np.random.default_rng(9).integers(0, 3, len(log))
+    rows = log.odometry[np.clip(np.arange(len(log)) - late, 0, None)]
+    scans = [replace(scan, odometry=row) for scan, row in zip(log, rows, strict=True)]
+    assert not contradictions(scans, path, np.full(len(log), True))
 
 
 def test_what_prepared_told_is_not_told_again():

@@ -110,11 +110,11 @@ def _range_steps(ranges: Array) -> NDArray[np.int64]:
 def _at_one_range(log: Log) -> Log:
     """A log of which half of the beams have one range, told if no odometry says that it stands."""
     ranges = np.concatenate([scan.ranges[scan.valid] for scan in log])
-    if not len(ranges):
+    if not len(ranges) or np.isfinite(log.odometry).all(1).any():
         return log
     number = float(np.median(ranges))
     many = np.mean(np.abs(_range_steps(ranges) - _range_steps(np.array(number))) < 2)
-    if number < NEAR_M or many < 0.5 or np.isfinite(log.odometry).all(1).any():
+    if number < NEAR_M or many < 0.5:
         return log
     words = f"half of the beams end {number:.3g} m away, and nothing tells whether walls are there"
     finding = Finding(Cause.NOTHING_MET, number, words, doubtful=True)
