@@ -128,9 +128,8 @@ def odometry_against_steps(odometry: Array, steps: Steps) -> OdometryComparison:
 
 def _slope(wheels: Array, matched: Array) -> float:
     """Of the axis through turns `(wheels, matched)`, radians: both err, so none is the base."""
-    turns = np.stack([wheels, matched])[
-        :, np.maximum(np.abs(wheels), np.abs(matched)) > COMPARED_TURN_RAD
-    ]
+    turning = np.maximum(np.abs(wheels), np.abs(matched)) > COMPARED_TURN_RAD
+    turns = np.stack([wheels, matched])[:, turning]
     if turns.shape[1] < LEAST_COMPARED_STEPS:
         return float("nan")
     size = weight = np.hypot(*turns)
@@ -185,9 +184,8 @@ def delay_of(odometry: Array, steps: Steps, most: int = 150) -> tuple[float, flo
     covered = np.isfinite(wheels).all(-1)
     turns, ways = np.abs(wheels[..., 2]), np.hypot(wheels[..., 0], wheels[..., 1])
     unit = float(np.nanmedian(ways[shifts == 0])) / max(float(np.median(moved)), 1e-9)
-    if unit == 0:
-        return 0.0, 1.0
-    off = np.minimum(np.abs(turns - turned) + 0.5 * np.abs(ways / unit - moved), MOST_OFF)
+    way_off = np.abs(ways / max(unit, 1e-9) - moved)
+    off = np.minimum(np.abs(turns - turned) + 0.5 * way_off, MOST_OFF)
     off = np.where(covered, off, 0.0).sum(1)
     enough = covered.sum(1) >= max(covered.shape[1] / 2, LEAST_COMPARED_STEPS)
     costs = np.where(enough, off / np.maximum(covered.sum(1), 1), np.inf)
@@ -249,16 +247,15 @@ def contradictions(
             causes.append(Finding(cause, value, words, remedy, doubtful=True))
 
     if len(jumps):
-        many = counted(len(jumps), "time")
-        tell(Cause.JUMP, len(jumps), f"the odometry jumps {many}, first at scan {jumps[0]}")
-    turn = abs(against.turn)
+        words = f"the odometry jumps {counted(len(jumps), 'time')}, first at scan {jumps[0]}"
+        tell(Cause.JUMP, len(jumps), words)
     if against.turn < -RIGHT_TURN_RATIOS[0]:
         words = (
             "the map turns the other way than the odometry: one is mirrored, or the map is wrong"
         )
         tell(Cause.MIRRORED, against.turn, words)
-    if turn < RIGHT_TURN_RATIOS[0] or turn > RIGHT_TURN_RATIOS[1]:
-        words = f"the map turns by {turn:.2f} of what the odometry says"
+    elif not against.turns_agree:
+        words = f"the map turns by {against.turn:.2f} of what the odometry says"
         tell(Cause.SCALE, against.turn, words)
     if against.agreement < CONTRADICTING_COSINE:
         tell(Cause.NO_ODOMETRY, against.agreement, "the odometry moves otherwise than the map")

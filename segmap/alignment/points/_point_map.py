@@ -278,8 +278,7 @@ def shows_no_place(points: Array) -> bool:
 
 def _extent(points: Array) -> float:
     """Root mean square distance of points `(m, 2)` from their middle, metres."""
-    away = points - points.mean(0)
-    return math.sqrt(np.vdot(away, away) / len(points))
+    return math.sqrt(float(np.square(points - points.mean(0)).sum()) / len(points))
 
 
 def _rms_range(current: Array) -> float:

@@ -29,6 +29,5 @@ def with_odometry_rows(log: Log, rows: Array, *findings: Finding, **columns: Ite
 
 def with_beams(log: Log, beams: Iterable[ArrayLike], m: float, *findings: Finding) -> Log:
     """A log where some beams, `(n,)` of each scan, have a range of m metres; and why."""
-    pairs = zip(log, beams, strict=True)
-    ranges = (np.where(some, m, scan.ranges) for scan, some in pairs)
+    ranges = (np.where(some, m, scan.ranges) for scan, some in zip(log, beams, strict=True))
     return with_fields(log, *findings, ranges=ranges)
