@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import datetime
+import math
 from collections.abc import Sequence
+from typing import Any
 
-from segmap import extraction, reduction, warm
+from segmap import __version__, extraction, reduction, warm
+from segmap.display import counted
 from segmap.plan import FloorPlan, floor_plan
 from segmap.plan.edits import Edit
 from segmap.quadtree import build_map
@@ -25,3 +29,13 @@ def plan_of(outcome: Pipeline, edits: Sequence[Edit] = ()) -> FloorPlan:
     walls = reduction.one_per_wall(cropped(seen, crop).filtered())
     turned = [edit.turned(outcome.turn) for edit in edits]
     return floor_plan(walls, cropped(free, crop), edits=turned)
+
+
+def sheet_words(outcome: Pipeline) -> dict[str, Any]:
+    """What a sheet says of an outcome: title, verdict, day and source, and where north is."""
+    recipe, today = outcome.recipe, datetime.date.today().isoformat()
+    source = f"{counted(len(outcome.given), 'scan')}, {recipe.align.name}, segmap {__version__}"
+    words = {"title": outcome.given.name, "verdict": outcome.verdict.words, "date": today}
+    (degrees,) = recipe.edits.get("north", [None])
+    north = None if degrees is None else math.radians(degrees)
+    return words | {"source": source, "north": north}

@@ -34,12 +34,15 @@ class Labels:
         Its axes.
     walls
         Where no words stand: a geometry of shapely.
+    drawn
+        From what they keep away where they can, walls too.
     page
         What words lie in: a polygon of shapely.
     """
 
     ax: Any
     walls: Any
+    drawn: Any
     page: Any
     boxes: list[Any] = field(default_factory=list)
 
@@ -49,7 +52,8 @@ class Labels:
         for size in LETTER_SIZES_POINTS:
             boxes, middles = self._free_boxes(area, text_size(text, size))
             if len(boxes):
-                margins = shapely.distance(shapely.union(area.boundary, self.walls), boxes)
+                around = shapely.clip_by_rect(self.drawn, *area.bounds)
+                margins = np.fmin(*(shapely.distance(k, boxes) for k in (area.boundary, around)))
                 aside = shapely.distance(area.centroid, boxes)  # of places as wide: in the middle
                 best = int(np.argmax(margins - 0.01 * aside))
                 self._write(text, size, boxes[best], middles[best], "black")

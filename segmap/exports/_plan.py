@@ -17,7 +17,7 @@ from ..files import write_bytes
 from ..plan import FloorPlan
 from ..segments import angle
 from ._segments import METRES
-from ._sheet import ENDS, checked_words, rings_of, room_sides, wall_bodies, write_sheet
+from ._sheet import ENDS, rings_of, room_sides, wall_bodies, write_sheet
 from ._world import Direction, Frame, collection, feature
 
 #: Height of letters in a drawing, metres: 2.5 mm at 1 : 100.
@@ -34,6 +34,7 @@ def write_plan(
     title: str = "",
     verdict: str = "",
     date: str = "",
+    source: str = "",
     north: Direction | None = None,
     world: Frame = Frame(),
     as_recorded: bool = False,
@@ -51,7 +52,7 @@ def write_plan(
 
     Parameters
     ----------
-    title, verdict, date, north, as_recorded
+    title, verdict, date, source, north, as_recorded
         What a sheet says and how it stands, as in `write_sheet`.
     world
         As in `write_segments`, for GeoJSON.
@@ -72,11 +73,11 @@ def write_plan(
     place = arrays.file(path)
     arrays.instance(plan, "plan", FloorPlan)
     arrays.instance(world, "world", Frame)
-    checked_words(title, verdict, date)
     end = place.suffix.lower()
     if end in ENDS:
-        words: Any = {"title": title, "verdict": verdict, "date": date, "north": north}
-        write_sheet(place, plan.walls, plan=plan, as_recorded=as_recorded, **words)
+        words: Any = {"title": title, "verdict": verdict, "date": date, "source": source}
+        turn: Any = {"north": north, "as_recorded": as_recorded}
+        write_sheet(place, plan.walls, plan=plan, **words, **turn)
     elif end in PLAN_WRITERS:
         write_bytes(place, "".join(PLAN_WRITERS[end](plan, world)).encode())
     else:

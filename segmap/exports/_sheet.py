@@ -45,7 +45,7 @@ WALL_MM = 0.35
 LETTERS_PER_LINE = 95
 #: Height of a line of words, millimetres.
 LINE_MM = 4.0
-#: What a plan is in doubt about stands below in smaller letters, points.
+#: What a plan is in doubt about, and its source, stand in smaller letters, points.
 DOUBT_POINTS = 6.5
 #: Of these, letters of a line.
 DOUBT_LETTERS_PER_LINE = 120
@@ -80,6 +80,7 @@ def write_sheet(
     title: str = "",
     verdict: str = "",
     date: str = "",
+    source: str = "",
     north: Direction | None = None,
     plan: FloorPlan | None = None,
     as_recorded: bool = False,
@@ -95,13 +96,14 @@ def write_sheet(
         Ends in `.pdf`, `.svg` or `.png`.
     map : SegmentMap, Reduction or (n, 2, 2) array
         Metres.
-    title, verdict, date : str
+    title, verdict, date, source : str
         What the sheet says: `alignment.verdict_on(map).words` tells how far it can be trusted.
     north : float, radians
         Where north is in the map, counter-clockwise from x; no arrow where it is not known.
     plan
         Its rooms are tinted, with names and areas, and stand in a list with their sides and the
-        sum; its doors have their widths; what it is in doubt about stands below the verdict.
+        sum; its doors, and openings behind which nothing was seen, have their widths; what it is in
+        doubt about stands below the verdict.
     as_recorded
         Whether a plan stands as the map does, and not square to the building.
 
@@ -119,7 +121,7 @@ def write_sheet(
     end = place.suffix.lower()
     if end not in ENDS:
         raise ValueError(f"path: the name must end in {', '.join(ENDS)}, got {place.name!r}")
-    words = checked_words(title, verdict, date)
+    words = checked_words(title, verdict, date, source)
     if plan is not None:
         arrays.instance(plan, "plan", FloorPlan)
     import matplotlib
@@ -137,12 +139,12 @@ def write_sheet(
     write_bytes(place, stream.getvalue())
 
 
-def checked_words(title: str, verdict: str, date: str) -> list[str]:
-    """What a sheet says, as it can be shown."""
-    for name, text in {"title": title, "verdict": verdict, "date": date}.items():
+def checked_words(*words: str) -> list[str]:
+    """Title, verdict, date and source of a sheet, as they can be shown."""
+    for name, text in zip(("title", "verdict", "date", "source"), words, strict=True):
         if "\0" in arrays.instance(text, name, str):
             raise ValueError(f"{name} has a NUL character, got {text!r}")
-    return [shown(text) for text in (title, verdict, date)]
+    return [*map(shown, words)]
 
 
 def rounded_up(least: float) -> float:
@@ -202,8 +204,8 @@ def _draw_sheet(
 
 
 def _write_words(ax: Any, words: list[str], doubt: str, scale: str, right: float) -> None:
-    """The band below the map: title, verdict, what is in doubt, scale and date."""
-    title, verdict, date = words
+    """The band below the map: title, verdict, what is in doubt, scale, date and source."""
+    title, verdict, date, source = words
     plain: dict[str, Any] = {"parse_math": False, "va": "top"}
     left_mm, top_mm = SHEET_MARGIN_MM, SHEET_MARGIN_MM + WORDS_BAND_MM
     ax.text(left_mm, top_mm - 6, title, fontsize=14, weight="bold", **plain)
@@ -216,33 +218,29 @@ def _write_words(ax: Any, words: list[str], doubt: str, scale: str, right: float
     below_mm = top_mm - 14 - LINE_MM * len(lines)
     ax.text(left_mm, below_mm, "\n".join(doubts), fontsize=DOUBT_POINTS, **plain)
     ax.text(right, top_mm - 6, f"{scale}  {date}".strip(), fontsize=11, ha="right", **plain)
+    ax.text(right, top_mm - 11, source, fontsize=DOUBT_POINTS, ha="right", **plain)
 
 
 def _draw_list(ax: Any, plan: FloorPlan, corner: Array, far: Array) -> float:
     """Rooms with their areas and sides, and the sum, in columns from the left: their height."""
-    rows = [
-        (
-            shown(room.name),
-            f"{room.area:.1f} m2",
-            "{:.2f} x {:.2f} m".format(*room_sides(plan, room)),
-        )
-        for room in plan.rooms
-    ]
-    rows.append(("in all", f"{sum(room.area for room in plan.rooms):.1f} m2", ""))
-    entries = ["\n".join(entry) for entry in zip(*rows, strict=True)]
-    name_mm, area_mm, sides_mm = (text_size(entry, LIST_POINTS)[0] for entry in entries)
+    names = [*(shown(room.name) for room in plan.rooms), "in all"]
+    sizes = [room.area for room in plan.rooms]
+    areas = [f"{size:.1f} m2" for size in (*sizes, sum(sizes))]
+    sides = ["{:.2f} x {:.2f} m".format(*room_sides(plan, room)) for room in plan.rooms]
+    entries = names, areas, [*sides, ""]
+    name_mm, area_mm, sides_mm = (text_size("\n".join(k), LIST_POINTS)[0] for k in entries)
     column_mm = name_mm + area_mm + sides_mm + 2 * LIST_MARGIN_MM
     columns = max(1, int((far - corner)[0] / column_mm))
-    per_column = -(-len(rows) // columns)
+    per_column = -(-len(names) // columns)
     height_mm = LIST_ROW_MM * per_column + LIST_MARGIN_MM
-    for number, (name, area, sides) in enumerate(rows):
+    for number, (name, area, size) in enumerate(zip(*entries, strict=True)):
         column, row = divmod(number, per_column)
         words: dict[str, Any] = {"fontsize": LIST_POINTS, "va": "top", "parse_math": False}
         words["y"] = corner[1] + height_mm - LIST_MARGIN_MM - row * LIST_ROW_MM
         right_mm = corner[0] + column * column_mm + name_mm + LIST_MARGIN_MM / 2 + area_mm
         ax.text(corner[0] + column * column_mm, s=name, **words)
         ax.text(right_mm, s=area, ha="right", **words)
-        ax.text(right_mm + LIST_MARGIN_MM / 2, s=sides, **words)
+        ax.text(right_mm + LIST_MARGIN_MM / 2, s=size, **words)
     return height_mm
 
 
@@ -262,15 +260,16 @@ def wall_bodies(plan: FloorPlan) -> tuple[Any, Array]:
     behind = (plan.side * plan.thickness)[has_body, None] * np.stack([way[:, 1], -way[:, 0]], -1)
     corners = np.concatenate([faces, (faces + behind[:, None])[:, ::-1]], axis=1)
     whole = shapely.union_all(shapely.polygons(corners))
-    for by in (BODIES_MEET_M, -BODIES_MEET_M):  # outer corners are square
+    for by in (BODIES_MEET_M, -BODIES_MEET_M, 0.0):  # outer corners are square, and none crosses
         whole = shapely.buffer(whole, by, join_style="mitre")
     parts = shapely.get_parts(whole)
     return parts[~shapely.is_empty(parts)], others
 
 
 def rings_of(polygon: Any) -> list[Array]:
-    """Corners of the outline of a polygon, and of its holes, the first of each not repeated."""
-    return [np.array(ring.coords)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
+    """Corners of the outlines of polygons, and of their holes, the first of each not repeated."""
+    parts = shapely_or_hint().get_parts(polygon)
+    return [np.array(ring.coords)[:-1] for k in parts for ring in (k.exterior, *k.interiors)]
 
 
 def _filled(ax: Any, polygon: Any, color: str) -> None:
@@ -288,29 +287,30 @@ def _draw_rooms(ax: Any, plan: FloorPlan, on_paper: Callable[[Array], Array], pa
 
     shapely = shapely_or_hint()
     bodies = [*shapely.transform(wall_bodies(plan)[0], on_paper)]
-    areas = [shapely.transform(room.polygon, on_paper) for room in plan.rooms]
+    areas = [shapely.transform(room.polygon, on_paper).buffer(0) for room in plan.rooms]
     for polygon in bodies:
         _filled(ax, polygon, WALL_COLOR)
-    clutter = list(on_paper(plan.clutter.segments))
-    ax.add_collection(LineCollection(clutter, colors="0.6", linewidths=WALL_MM))
+    clutter = on_paper(plan.clutter.segments)
+    ax.add_collection(LineCollection(list(clutter), colors="0.6", linewidths=WALL_MM))
     doors = on_paper(np.reshape([door.ends for door in plan.doors], (-1, 2, 2)))
     for ends in doors:
         ax.plot(*ends.T, color=DOOR_COLOR, linewidth=4 * WALL_MM)
     walls = [*shapely.linestrings(np.concatenate([on_paper(plan.walls.segments), doors]))]
-    labels = Labels(ax, shapely.union_all([*walls, *bodies]), page)
+    drawn = shapely.union_all([*walls, *bodies])
+    labels = Labels(ax, drawn, drawn | shapely.multilinestrings(clutter), page)
     outside = list[tuple[str, Array]]()
     for room, area in zip(plan.rooms, areas, strict=True):
         _filled(ax, area, ROOM_TINT)
         words = f"{shown(room.name)}\n{room.area:.1f} m2"
         if not labels.write_inside(words, area):
             outside.append((words, on_paper(room.place)))
-    for door, ends in zip(plan.doors, doors, strict=True):
-        place = ends.mean(0)
-        around = shapely.Point(place).buffer(WORDS_REACH_MM)
-        labels.write_near(f"{door.width:.2f} m", place, around, DOOR_COLOR)
     beyond = page.difference(shapely.union_all(areas))
     for words, place in outside:
         labels.write_near(words, place, beyond)
+    for door in [*plan.doors, *plan.openings_to_nowhere]:
+        place = on_paper(door.place)
+        around = shapely.Point(place).buffer(WORDS_REACH_MM)
+        labels.write_near(f"{door.width:.2f} m", place, around, DOOR_COLOR)
 
 
 def _draw_scale_bar(ax: Any, right: float, low: float, scale: float) -> None:

@@ -83,7 +83,7 @@ class FloorPlan:
     doors : list of Door
     axes : (k,) array, radians
         Along and across which walls run.
-    openings_to_nowhere : int
+    openings_to_nowhere : list of Door
         Doorways behind which nothing was seen.
     unseen : (r,) array, metres
         Of the border of each room, behind which nobody saw anything.
@@ -101,7 +101,7 @@ class FloorPlan:
     rooms: list[Room]
     doors: list[Door]
     axes: Array
-    openings_to_nowhere: int
+    openings_to_nowhere: list[Door]
     unseen: Array
     edits: tuple[Edit, ...]
     unplaced: list[str]
@@ -130,7 +130,8 @@ class FloorPlan:
         narrow = [door for door in doors if door.width <= WIDEST_LEAF_M]
         part = connected_components(replace(self, doors=narrow).graph)[1]
         wide = sum(d.width > WIDEST_LEAF_M and not np.ptp(part[[*d.rooms]]) for d in doors)
-        away, unseen, names = self.openings_to_nowhere, self.unseen, [r.name for r in self.rooms]
+        away, unseen = len(self.openings_to_nowhere), self.unseen
+        names = [room.name for room in self.rooms]
         joined = {-1, *(k for door in self.doors for k in door.rooms)}
         alone = [names[k] for k in range(len(names)) if k not in joined] * (len(names) > 1)
         ends = [f"{names[k]} ({unseen[k]:.1f} m)" for k in np.flatnonzero(unseen)]
@@ -309,12 +310,10 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
         replace(rooms[k], name=f"room {n}", reason=reasons.get(old[k], "joined or split by hand"))
         for n, k in enumerate(order, 1)
     ]
-    doors = [
-        replace(opening, rooms=tuple(np.sort(number[list(opening.rooms)]).tolist()))
-        for opening in openings
-        if opening.rooms[0] >= 0
-    ]
-    away = sum(one.rooms[0] < 0 and bool(grid.seen[grid.squares(one.place)]) for one in openings)
+    for k, one in enumerate(openings):
+        openings[k] = replace(one, rooms=tuple(np.sort(number[list(one.rooms)]).tolist()))
+    doors = [one for one in openings if one.rooms[0] >= 0]
+    away = [one for one in openings if one.rooms[0] < 0 and grid.seen[grid.squares(one.place)]]
     before = find_doors(base.edges, base.lines, grid, base.parts)
     unplaced += [f"{k} ({why})" for k in edits if (why := k.on_doors(doors, before, draft))]
     for door in doors:

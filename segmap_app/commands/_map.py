@@ -9,7 +9,6 @@ import argparse
 import csv
 import re
 from dataclasses import replace
-from datetime import date
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,7 @@ from segmap.scans import Log
 
 from .. import files
 from ..pipeline import MapChoices, Pipeline, world_of
-from ..plans import plan_of
+from ..plans import plan_of, sheet_words
 from . import log_options
 from ._output import Report, Usage, metres, percent, seconds
 
@@ -284,10 +283,8 @@ def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: 
         report.line("doubt", plan.doubt, doubt_of_plan=plan.doubt)
 
     def write(path: Path) -> None:
-        """With the day, as sheets have it."""
-        title, today = log.name, date.today().isoformat()
-        world = world_of(log_options.edits_of(given))
-        words: Any = {"title": title, "verdict": verdict.words, "date": today}
-        exports.write_plan(path, plan, **words, world=world, as_recorded=given.as_recorded)
+        """With the words of a sheet."""
+        options: Any = {"world": world_of(outcome.recipe.edits), "as_recorded": given.as_recorded}
+        exports.write_plan(path, plan, **sheet_words(outcome), **options)
 
     return log_options.finished(given, verdict, paths, report, write)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import datetime
-import math
 import tempfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from segmap import exports, warm
 from segmap.arrays import Array
-from segmap.files import shown
 from segmap.plan import FloorPlan
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map
@@ -21,7 +17,7 @@ from segmap.scans import Log
 from .. import files
 from ..drives import Driving
 from ..pipeline import Pipeline, Placing, cropped, world_of
-from ..plans import CELL
+from ..plans import CELL, sheet_words
 
 #: Points of so many scans are drawn at most.
 MOST_DRAWN_SCANS = 400
@@ -36,15 +32,12 @@ FREE_OCCUPANCY = 0.25
 def write_outcome(path: str | Path, outcome: Pipeline, plan: FloorPlan | None = None) -> None:
     """Write what the first method leaves, or the floor plan, as the name asks for."""
     end, edits = Path(path).suffix.lower(), outcome.recipe.edits
-    today, degrees = datetime.date.today().isoformat(), edits.get("north")
-    words: Any = {"title": shown(outcome.given.name), "verdict": outcome.verdict.words}
-    words |= {"date": today, "north": None if degrees is None else math.radians(degrees[0])}
     if end == ".yaml":
         files.write_ros_map(path, cells(outcome))
     elif plan is not None:
-        exports.write_plan(path, plan, world=world_of(edits), **words)
+        exports.write_plan(path, plan, world=world_of(edits), **sheet_words(outcome))
     elif end in (".pdf", ".png"):
-        exports.write_sheet(path, outcome.reductions[0], **words)
+        exports.write_sheet(path, outcome.reductions[0], **sheet_words(outcome))
     else:
         exports.write_segments(path, outcome.reductions[0], world=world_of(edits))
 

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from dataclasses import replace
 
 import ezdxf
 import numpy as np
@@ -11,7 +12,7 @@ import shapely
 from plan_buildings import rooms_of_squares
 from scipy import ndimage
 
-from segmap import exports, plan
+from segmap import build_map, exports, load, plan, quadtree, reduction
 from segmap.poses import transform
 from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap, map_of_grid
 from segmap.simulation import polyline
@@ -119,6 +120,33 @@ def test_a_sheet_says_what_is_in_doubt(tmp_path):
     text = (tmp_path / "it.svg").read_text()
     assert "GOOD: all is well" in text and f"in doubt: {alone.doubt}" in text
     assert "no door was seen of room 1, room 2" in alone.doubt
+
+
+def test_a_sheet_has_its_source_and_the_widths_of_all_openings(tmp_path):
+    """Catches an opening to where nobody looked that is a gap without its width."""
+    log = load("room")
+    walls = reduction.one_per_wall(build_map(log, log.truth, keep_points=True))
+    free = quadtree.build_map(log, log.truth, resolution=0.05, free_resolution=0.05)
+    found = plan.floor_plan(walls, free)
+    exports.write_plan(tmp_path / "it.svg", found, source="61 scans")
+    text = (tmp_path / "it.svg").read_text()
+    (opening,) = found.openings_to_nowhere
+    assert opening.rooms == (-1, 0) and opening.width == pytest.approx(0.9, abs=0.06)
+    assert len(re.findall(r">\d\.\d\d m</text>", text)) == 3 and ">61 scans<" in text
+
+
+def test_walls_that_cross_aslant_are_drawn(two_rooms, tmp_path):
+    """Catches bodies of walls that cross themselves where they meet, and end in a foreign error."""
+    segments = np.array(
+        [
+            [(12.6332, -1.6198), (12.632, 0.8736)],
+            [(11.209, -1.146), (12.2553, -0.8916)],
+            [(11.2308, -1.3398), (12.2792, -0.8774)],
+        ]
+    )
+    walls = reduction.Reduction(segments, np.arange(3), 0.0, "floor_plan")
+    sizes = {"thickness": np.array([0.25547, 0.15755, 0.05799]), "side": np.array([-1, 1, -1])}
+    exports.write_plan(tmp_path / "it.svg", replace(two_rooms, walls=walls, **sizes))
 
 
 def test_another_ending_is_refused(two_rooms, tmp_path):
