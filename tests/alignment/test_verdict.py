@@ -88,13 +88,14 @@ def test_scans_without_a_wall_are_no_map():
     assert verdict.words == "NOT A MAP: 3 of 3 scans placed, but no wall found"
 
 
-def test_a_large_building_may_be_sure_in_each_of_its_parts():
+@pytest.mark.parametrize(("spread", "grade"), [(0.4, "doubtful"), (1.5, "not a map")])
+def test_a_large_building_may_be_sure_in_each_of_its_parts(spread, grade):
     """No scan is sure in 300 m of building, and each is relative to those within 20 m."""
-    whole = outcome([True] * 10, spread=np.full(10, 0.4))
+    whole = outcome([True] * 10, spread=np.full(10, spread))
     found = replace(whole, local_spread=np.array([0.1] * 9 + [0.4]))
     assert found.verdict.grade == "good"
     assert "0 scans sure (9 relative to those within 20 m)" in str(found.verdict)
-    assert whole.verdict.grade == "doubtful" and "relative" not in str(whole.verdict)
+    assert whole.verdict.grade == grade and "relative" not in str(whole.verdict)
 
 
 def test_a_good_map_promises_half_a_metre_at_most():

@@ -61,6 +61,14 @@ def test_a_number_in_most_beams_is_no_wall(number, jitter):
     assert position_errors(pose_graph(found).poses, log.truth, best=True).max() < 0.1
 
 
+def test_a_post_of_one_range_is_the_body_of_the_robot():
+    """Catches a number that means nothing met where a post rides along, to the millimetre."""
+    log = hall()
+    scans = [replace(s, ranges=np.where(np.arange(len(s)) // 20 == 5, 0.6, s.ranges)) for s in log]
+    (finding,) = prepared(replace(log, scans=tuple(scans))).causes
+    assert finding.cause is Cause.BODY and finding.value == 20
+
+
 def test_each_finding_stays_beside_the_others():
     """Catches a step of the preparation that forgets what the ones before it have found."""
     log = written(hall(), 9.999)
