@@ -76,8 +76,7 @@ def write_plan(
     end = place.suffix.lower()
     if end in ENDS:
         words: Any = {"title": title, "verdict": verdict, "date": date, "source": source}
-        turn: Any = {"north": north, "as_recorded": as_recorded}
-        write_sheet(place, plan.walls, plan=plan, **words, **turn)
+        write_sheet(place, plan.walls, **words, north=north, plan=plan, as_recorded=as_recorded)
     elif end in PLAN_WRITERS:
         write_bytes(place, "".join(PLAN_WRITERS[end](plan, world)).encode())
     else:

@@ -69,8 +69,15 @@ class Grid(NamedTuple):
 
     def box(self, points: Array) -> tuple[slice, ...]:
         """The smallest box of squares with all points in it."""
-        ranges = ((int(k.min()), int(k.max())) for k in self.squares(points))
-        return tuple(slice(low, high + 1) for low, high in ranges)
+        return tuple(slice(k.min(), k.max() + 1) for k in self.squares(points))
+
+    def on(self, segments: Array) -> Mask:
+        """Which squares segments `(n, 2, 2)` cross."""
+        is_on = np.zeros(self.kind.shape, bool)
+        for start, end in segments:
+            along = np.linspace(0, 1, int(np.hypot(*(end - start)) / self.side) + 2)[:, None]
+            is_on[self.squares(start + along * (end - start))] = True
+        return is_on
 
     def at(self, points: Array, values: Indices | None = None) -> Indices:
         """Kind of the squares at points, or other values of them."""
@@ -109,10 +116,7 @@ def completed(grid: Grid, lines: list[Line], segments: Array, least: float) -> G
     A face of which most was seen free is so in whole: furniture hides the rest of it. Outside the
     building nothing below so many square metres is: a ray that grazes a large leaf frees it all.
     """
-    is_clear = grid.kind != OCCUPIED
-    for start, end in segments:
-        along = np.linspace(0, 1, int(np.hypot(*(end - start)) / grid.side) + 2)[:, None]
-        is_clear[grid.squares(start + along * (end - start))] = False
+    is_clear = (grid.kind != OCCUPIED) & ~grid.on(segments)
     face = connected(cell_keys(grid.places(), lines), is_clear, 1)
     count = face.max() + 1
     size, seen = (np.bincount(face[k & is_clear], minlength=count) for k in (is_clear, grid.seen))

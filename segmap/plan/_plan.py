@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from ..arrays import Array, Metres, Positive, Segments, Share, checked
 from ..progress import announce
-from ..quadtree import FREE, QuadtreeMap
+from ..quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap
 from ..reduction import Reduction
 from ..segments import angle, length, midpoint
 from ._cells import (
@@ -54,7 +54,7 @@ class Base(NamedTuple):
     lines: list[Line]
     edges: Edges
     parts: Indices  # the room of each square, -1 for none
-    reasons: list[str]
+    reasons: dict[int, str]
     faces: Faces
     axes: Array
     opening: float
@@ -130,11 +130,10 @@ class FloorPlan:
         narrow = [door for door in doors if door.width <= WIDEST_LEAF_M]
         part = connected_components(replace(self, doors=narrow).graph)[1]
         wide = sum(d.width > WIDEST_LEAF_M and not np.ptp(part[[*d.rooms]]) for d in doors)
-        away, unseen = len(self.openings_to_nowhere), self.unseen
-        names = [room.name for room in self.rooms]
+        away, names = len(self.openings_to_nowhere), [room.name for room in self.rooms]
         joined = {-1, *(k for door in self.doors for k in door.rooms)}
         alone = [names[k] for k in range(len(names)) if k not in joined] * (len(names) > 1)
-        ends = [f"{names[k]} ({unseen[k]:.1f} m)" for k in np.flatnonzero(unseen)]
+        ends = [f"{names[k]} ({self.unseen[k]:.1f} m)" for k in np.flatnonzero(self.unseen)]
         doubts = {
             "no room was found: where the walls are, nothing was seen free": not self.rooms,
             f"openings to where nothing was seen, windows or glass: {away}": away,
@@ -273,7 +272,7 @@ def floor_plan(
     edges = edges_between(lines, grid, cells, widths, band)
     labels, words = find_rooms(grid, cells, edges, kappa, share, run, least_area)
     parts = connected(labels, labels >= 0, LEAST_HOLE_M2 / grid.side**2)
-    reasons = [words[labels[parts == k][0]] for k in range(parts.max() + 1)]
+    reasons = {k: words[labels[parts == k][0]] for k in range(parts.max() + 1)}
     slit = np.ones((max(round(SLIT_M / grid.side), 2),) * 2, bool)
     for k, box in enumerate(scipy.ndimage.find_objects(parts + 1)):
         own = parts[box] == k
@@ -305,20 +304,23 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     order = np.argsort([-room.area for room in rooms], kind="stable")
     number = np.append(np.argsort(order), -1)
     draft.parts = number[parts]
-    reasons = dict(enumerate(base.reasons))
     rooms = [
-        replace(rooms[k], name=f"room {n}", reason=reasons.get(old[k], "joined or split by hand"))
+        replace(rooms[k], name=f"room {n}", reason=base.reasons.get(old[k], "mended by hand"))
         for n, k in enumerate(order, 1)
     ]
-    for k, one in enumerate(openings):
-        openings[k] = replace(one, rooms=tuple(np.sort(number[list(one.rooms)]).tolist()))
+    openings = [replace(k, rooms=tuple(sorted(number[[*k.rooms]].tolist()))) for k in openings]
     doors = [one for one in openings if one.rooms[0] >= 0]
     away = [one for one in openings if one.rooms[0] < 0 and grid.seen[grid.squares(one.place)]]
     before = find_doors(base.edges, base.lines, grid, base.parts)
     unplaced += [f"{k} ({why})" for k in edits if (why := k.on_doors(doors, before, draft))]
     for door in doors:
         faces = with_doorway(faces, door.ends) if door.reason == DRAWN else faces
-    seen = grid._replace(kind=np.where(draft.parts >= 0, FREE, grid.kind))
+    kind = np.where(draft.parts >= 0, FREE, grid.kind)
+    # Free space goes on neither behind a wall nor where no room fits.
+    hidden = scipy.ndimage.label(kind == UNKNOWN)[0]
+    kind[(np.bincount(hidden.ravel()) * grid.side**2 < base.least_area)[hidden]] = FREE
+    kind[grid.on(faces.segments[faces.wall])] = OCCUPIED
+    seen = grid._replace(kind=kind)
     unseen = unseen_border(seen, np.where(base.parts >= 0, draft.parts, -1), base.opening)
     plan = FloorPlan(
         *walls_and_clutter(faces), rooms, doors, base.axes, away, unseen,

@@ -138,8 +138,7 @@ def find_rooms(
     part.merge(narrowness)
     part.merge(smallness)
     number, notes = np.full(len(part.boxes) + 1, -1), list[str]()
-    rooms = [room for room in part.near if part.area[room] >= LEAST_HOLE_M2]
-    for room in [room for room in rooms if not part.is_glimpse(room)]:
+    for room in [k for k in part.near if part.area[k] >= LEAST_HOLE_M2 and not part.is_glimpse(k)]:
         number[part.members[room]] = len(notes)
         what = "cells between lines of walls, joined where open or by a doorway too wide for both"
         notes.append(f"{len(part.members[room])} {what}; a circle of {part.width(room):.2f} m fits")

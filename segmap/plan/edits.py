@@ -109,11 +109,10 @@ class Wall(Edit):
         run = draft.run_near(self.at, np.ones(len(faces.wall), bool))
         if run < 0:
             return "no wall and no clutter there"
-        runs, is_new = faces.segments, ~faces.wall[run]
-        faces.size[run], faces.wall[run] = np.inf, True
+        runs, reach = faces.segments, faces.size[run] + 2 * EDIT_REACH_M
+        is_new, faces.size[run], faces.wall[run] = ~faces.wall[run], np.inf, True
         if is_new:
-            apart = np.hypot(*(midpoint(runs) - midpoint(runs[run])).T)
-            near = faces.wall & (apart <= (length(runs) + length(runs[run])) / 2 + EDIT_REACH_M)
+            near = faces.wall & (point_distance(np.array(self.at), runs) <= reach)
             shut = closed(runs[near], draft.grid)[near[:run].sum()]
             if length(shut) >= SHORTEST_WALL_M:
                 faces.segments[run] = shut

@@ -64,7 +64,7 @@ def test_joined_rooms_are_one_and_their_door_is_none(row):
     joined = row.edited([Join(MIDDLES[0], MIDDLES[1])])
     assert areas(joined) == [16.0, pytest.approx(32.2, abs=0.25)] and len(joined.doors) == 1
     assert joined.room_at(MIDDLES).tolist() == [0, 0, 1]
-    assert joined.doors[0].rooms == (0, 1) and joined.rooms[0].reason == "joined or split by hand"
+    assert joined.doors[0].rooms == (0, 1) and joined.rooms[0].reason == "mended by hand"
     assert joined.rooms[1].reason == row.rooms[2].reason
     all_three = row.edited([Join(MIDDLES[0], MIDDLES[1]), Join(MIDDLES[1], MIDDLES[2])])
     assert len(all_three.rooms) == 1 and not all_three.doors
