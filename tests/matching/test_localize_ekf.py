@@ -54,12 +54,15 @@ def off(pose, scan, state):
 
 @pytest.mark.parametrize("mount", [(0, 0, 0), (0.3, -0.1, 0.5)])
 def test_one_scan_corrects_as_least_squares_with_a_prior_do(mount):
-    """Catches a wrong sign or lever arm, variances for deviations, a sensor taken for the robot."""
+    """From a heading past a turn.
+
+    Catches a wrong sign or lever arm, variances for deviations, a sensor taken for the robot.
+    """
     (scan,) = seen(PATH[12:13])
     beams = simulate(ROOM, compose(PATH[12], mount)[None], sensor=RING, rng=rng(1))[0]
     scan = replace(scan, ranges=beams.ranges, sensor_pose=mount)
     start = PATH[12] + (0.05, -0.04, 0.02)
-    (state,) = tracked(ROOM, [scan], start)
+    (state,) = tracked(ROOM, [scan], start + (0, 0, 2 * np.pi))
     assert len(state.pairs) >= 5 and state.unmatched <= 1
     found = extract_polylines(scan.points(), closed=scan.whole_turn)[state.pairs[:, 0]]
     count = (point_distance(scan.points()[:, None], found) < 0.03).sum(0)

@@ -67,6 +67,7 @@ class TestNpz:
             ({"ranges": [[1.0, 2.0]], "angles": [1.0]}, r"must have shape \(2,\) or \(1, 2\)"),
             ({"ranges": [[1.0]], "angles": [90.0]}, "this looks like degrees"),
             ({"ranges": [[1.0]], "angles": [0.0], "times": [np.nan]}, r"must be \(1,\) finite"),
+            ({"ranges": [[1.0]], "angles": [0.0], "times": [-1e13]}, "times must"),
             ({"ranges": [[1.0]], "angles": [0.0], "odometry": [[1.0, 2]]}, "odometry must"),
             ({"ranges": [["a"]], "angles": [0.0]}, "ranges must"),
             ({"ranges": [[1.0]], "angles": [0.0], "sensor_pose": [1, 2]}, "sensor_pose must"),
