@@ -17,7 +17,7 @@ from ..files import write_bytes
 from ..plan import FloorPlan
 from ..segments import angle
 from ._segments import METRES
-from ._sheet import ENDS, rings_of, room_sides, wall_bodies, write_sheet
+from ._sheet import ENDS, checked_words, rings_of, room_sides, wall_bodies, write_sheet
 from ._world import Direction, Frame, collection, feature
 
 #: Height of letters in a drawing, metres: 2.5 mm at 1 : 100.
@@ -73,6 +73,7 @@ def write_plan(
     place = arrays.file(path)
     arrays.instance(plan, "plan", FloorPlan)
     arrays.instance(world, "world", Frame)
+    checked_words(title, verdict, date, source)
     end = place.suffix.lower()
     if end in ENDS:
         words: Any = {"title": title, "verdict": verdict, "date": date, "source": source}
