@@ -19,7 +19,7 @@ from .._result import Laid, Match, Outcome, no_match
 from ..graph import REAL_ERRORS, Graph, Rejected, deviations, stacked
 from ..points import LEAST_POINTS, PointMap, in_range, shows_no_place
 from ._doubt import appraisal
-from ._in_motion import at_mid_turn, even_motion, laid_in_motion, turn_of, velocity_after
+from ._in_motion import at_mid_turn, even_motion, laid_in_motion, turn_of
 from ._key_frames import KeyFrame, KeyFrames, Undoable, untied
 from ._pauses import elsewhere
 from ._places import OVERLAP_GAIN
@@ -120,7 +120,8 @@ class TrackedScan:
     @property
     def velocity(self) -> Array:
         """At the end of its turn, `(3,)`, metres and radians a second."""
-        return velocity_after(self.motion, turn_of(self.as_measured or self.scan))
+        half = turn_of(self.as_measured or self.scan) / 2
+        return self.motion[:3] + self.motion[3:6] * (half if np.isnan(self.motion[6]) else 1.0)
 
     @property
     def used(self) -> bool:
@@ -166,15 +167,19 @@ class FrontEnd(Undoable):
         if map is None or len(points) < LEAST_POINTS:
             match = no_match(guess, Unmatched.TOO_LITTLE_SEEN)
         else:
+            moving = self.rules.moving and turn_of(scan) > 0
             match = self.matcher(map, points, guess)
-            if self.rules.moving and turn_of(scan) > 0 and not match.overlap > SURE_OVERLAP:
+            if moving and not match.overlap > SURE_OVERLAP:
                 carried = at_mid_turn(scan, np.r_[before.velocity, np.zeros(3), np.nan])
                 other = self.matcher(map, in_range(carried.points()), guess)
                 match = max(match, other, key=lambda each: each.matched * each.overlap)
-            if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
-                match = self._regain(map, points, guess, match)
-            if self.rules.moving and match.matched and turn_of(scan) > 0:
+            if moving and match.matched:
                 match, points, map = self._in_motion(map, match)
+            if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
+                other = self._regain(map, points, guess, match)
+                if moving and other is not match:
+                    other, points, map = self._in_motion(map, other)
+                match = other
             match = self.wheels.along(match, guess)
             winner = self.wheels.weigh(map, points, match)
             row.odometry_wins, match = winner is not match, winner
@@ -199,27 +204,26 @@ class FrontEnd(Undoable):
         The first scan of a map would bend all that follow: it is carried to its middle too.
         """
         row, before = self.rows[-1], self.rows[-2]
-        apart = row.scan.time - (before.as_measured or before.scan).time
-        seconds = max(turn_of(row.scan), apart)  # stamps may jitter: no turn is shorter
+        scan = row.as_measured or row.scan
+        apart = scan.time - (before.as_measured or before.scan).time
+        seconds = max(turn_of(scan), apart)  # stamps may jitter: no turn is shorter
         motion, earlier = even_motion(before.pose, match.pose, seconds), before.velocity
         if turn_of(before.scan) > 0 and self.frames.rows[-1].scan == len(self.rows) - 2:
             for _ in range(FIRST_ROUNDS):
                 first = at_mid_turn(before.scan, motion)
                 points = in_range(first.points())
                 map = PointMap(points, np.zeros_like(points))
-                moved = laid_in_motion(
-                    map, row.scan, match.pose, motion, earlier, self.rules.overlap
-                )
-                motion = even_motion(before.pose, moved.match.pose, seconds)
+                laid = laid_in_motion(map, scan, match.pose, motion, earlier, self.rules.overlap)
+                motion = even_motion(before.pose, laid[0].pose, seconds)
             carried = replace(before, scan=first, as_measured=before.scan, motion=motion)
             frame = self.frames.rows[-1]._replace(points=points)
             self.rows = [*self.rows[:-2], carried, row]  # new lists: an error puts back the old
             self.frames.rows = [*self.frames.rows[:-1], frame]
             self.local, self.redrawn = map, True
-        moved = laid_in_motion(map, row.scan, match.pose, motion, earlier, self.rules.overlap)
-        if moved.match.matched:
-            row.as_measured, row.scan, row.motion = row.scan, moved.scan, moved.motion
-            match, self.points = moved.match, in_range(row.scan.points())
+        laid = laid_in_motion(map, scan, match.pose, motion, earlier, self.rules.overlap)
+        if laid[0].matched:
+            row.as_measured, (match, row.scan, row.motion) = scan, laid
+            self.points = in_range(row.scan.points())
         return match, self.points, map
 
     def step(self) -> Array:
