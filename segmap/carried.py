@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .alignment import LiveGraph, LoopClosing, Tracking
-from .arrays import LIMIT
+from .arrays import LIMIT, Array
 from .matching import LiveMap, Step
 from .poses import between
 from .quadtree import QuadtreeMap
@@ -28,6 +28,8 @@ LOST = "LOST: go back to where the map is, and turn slowly"
 ORDER = "ORDER: the beams of a scan were measured in the other order than their times say"
 #: What turns tell of the order of the beams fades by this factor a scan.
 FADING = 0.98
+#: Scans tell it that lie so many turns apart: a hand turns otherwise while scans are left out.
+TURN_AFTER_TURN = 1.5
 #: So much turning tells it, radians^2: ten scans of 5 degrees.
 SURE_TURNS_RAD2 = 10 * np.radians(5) ** 2
 
@@ -52,23 +54,26 @@ class CarriedMap(LiveMap):
         graph = LiveGraph(tracking=Tracking(moving=moving), closing=closing)
         super().__init__(graph, map=map, start=start, walls=LiveReduction())
         self.advice, self._turns = "", np.zeros(2)
-        self._before: Step | None = None
-        self._begun = 0.0
+        self._before: tuple[Array, Array, float] | None = None  # pose, motion and time
 
     @locked
     def add(self, scan: LaserScan) -> Step:
         """Place a scan and insert it; then `advice` is of this scan."""
-        step, turn = super().add(scan), 0.0
-        if scan.delays is not None and step.motion is not None:
-            turn = abs(float(step.motion[2])) * float(scan.delays.max(initial=0.0))
-        self.advice = SLOWER if turn > FASTEST_TURN_RAD else "" if step.found else LOST
-        if self._before is not None and step.motion is not None and not self.advice:
-            turned = between(self._before.pose, step.pose)[2]
-            within = step.motion[2] * (scan.time - self._begun)
-            self._turns = FADING * self._turns + (turned * turned, turned * within)
+        step = super().add(scan)
+        assert step.motion is not None
+        turn_s = 0.0 if scan.delays is None else float(scan.delays.max(initial=0.0))
+        too_fast = abs(step.motion[2]) * turn_s > FASTEST_TURN_RAD
+        self.advice = SLOWER if too_fast else "" if step.found else LOST
+        if self._before is not None and not self.advice:
+            pose, motion, time = self._before
+            apart = scan.time - time
+            if apart < TURN_AFTER_TURN * turn_s:
+                turned = between(pose, step.pose)[2]
+                within = (motion[2] + step.motion[2]) / 2 * apart
+                self._turns = FADING * self._turns + (turned * turned, turned * within)
             if self._turns[0] > SURE_TURNS_RAD2 and self._turns[1] < 0:
                 self.advice = ORDER
-        self._before, self._begun = step if step.found else None, scan.time
+        self._before = (step.pose, step.motion, scan.time) if step.found else None
         if (old := len(self.graph) - 1 - RECENT_SCANS) >= 0:
             self._forget(old)
         return step

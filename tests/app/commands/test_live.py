@@ -131,6 +131,20 @@ def test_beams_in_the_other_order_are_told(other):
     assert live.advice.startswith("ORDER") == other and (other or not live.advice)
 
 
+def test_a_hand_that_turns_otherwise_while_scans_are_left_out_is_not_in_the_other_order():
+    """Catches a velocity that is taken for that of the whole time since the scan before."""
+    turns = np.radians(np.r_[np.zeros(6), np.tile([20.0, 20.0, -20.0], 6)])
+    path = np.column_stack([np.full(24, 2.0), np.full(24, 1.5), np.cumsum(turns) - turns])
+    sensor = Sensor("it", 450, 0.0, 2 * np.pi / 450, max_range=12.0, sigma=0.005)
+    rng, walls = np.random.default_rng(0), rectangular_room(5, 4)
+    live, advice = CarriedMap(), []
+    log = simulate(walls, path, sensor=sensor, rng=rng, moving=True)
+    for scan in [*log[:6], *log[8:-1:3]]:
+        step = live.add(replace(scan, odometry=None))
+        advice.append(live.advice)
+    assert not any(advice) and np.degrees(step.motion[2] * 0.1) == pytest.approx(-20, abs=1)
+
+
 @pytest.mark.parametrize(("turn", "words"), [(20, "sure"), (60, "SLOWER")])
 def test_a_hand_that_turns_too_fast_is_told(turn, words):
     """Catches scans that are taken as they come, bent, and a word that waits until all is lost."""
