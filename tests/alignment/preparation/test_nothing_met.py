@@ -46,12 +46,14 @@ def written(log: Log, number: float, jitter: float = 0.0) -> Log:
     [(9999.0, 0.0), (8.0, 0.004), (12.0, 0.0), (65.533, 0.004)],
 )
 def test_a_number_in_most_beams_is_no_wall(number, jitter):
-    """Catches a number within the reach that is kept, walls that go with it, a false length."""
+    """Catches a number in reach that is kept, walls that go with it, a false length or share."""
     log = hall()
     found = prepared(written(log, number, jitter))
     (finding,) = found.causes
     assert finding.cause is Cause.NOTHING_MET and not finding.doubtful
     assert f"{number:.4g}" in finding.words and "means nothing met" in finding.words
+    share = np.mean([scan.ranges == np.inf for scan in log])
+    assert jitter or f"{100 * share:.2g} % of all" in finding.words
     for now, before in zip(found, log, strict=True):
         nothing = before.ranges == np.inf
         assert (now.ranges[nothing] == np.inf).all()
