@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import re
 import secrets
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from segmap.arrays import Declared, Quantity
 from segmap.display import pip_install
 
-from .log_options import examples, quantity, switch
+from .log_options import command, quantity
 
 #: Icons and fonts that Voila's page asks other hosts for: the policy below would refuse them.
 STRANGE = re.compile(rb'<link[^>]*href="https?://[^>]*>')
@@ -46,25 +45,25 @@ addEventListener("pagehide", event => {
 }</script></head>"""
 #: A kernel that nobody is connected to, and that does nothing, is ended after so many seconds.
 IDLE_LIMIT_S = 300
+#: What --port may be.
+PORT = quantity(Declared(int, Quantity(None, least=1, most=65535), (), False), "N")
 #: It is looked for so often, seconds.
 IDLE_CHECK_S = 5
 
 
-def add(commands: Any) -> None:
-    """Name the command and its arguments."""
-    command = commands.add_parser(
-        "app",
-        help="open the workbench in the browser: no code needed",
-        epilog=examples("app", "app --no-browser", "app --port 8890 --no-browser"),
-    )
-    port = quantity(Declared(int, Quantity(None, least=1, most=65535), (), False))
-    command.add_argument("--port", type=port, metavar="N", help="default: one that is free")
-    switch(command, "--no-browser", help="print the address only, as without a display")
-    command.set_defaults(run=run)
+@command("app", "app", "app --no-browser", "app --port 8890 --no-browser")
+def run(*, port: Annotated[int | None, PORT] = None, no_browser: bool = False) -> None:
+    """Open the workbench in the browser: no code needed.
 
+    It is served until Control-C; who has the address with its token sees it, nobody else.
 
-def run(given: argparse.Namespace) -> None:
-    """Serve the page until Control-C; who has the address with its token sees it, nobody else."""
+    Parameters
+    ----------
+    port
+        Default: one that is free.
+    no_browser
+        Print the address only, as without a display.
+    """
     try:
         from tornado.routing import HostMatches
         from tornado.web import OutputTransform
@@ -113,7 +112,7 @@ def run(given: argparse.Namespace) -> None:
     options = [str(page), "--Voila.ip=127.0.0.1", "--Voila.auto_token=True"]
     idle = {"cull_idle_timeout": IDLE_LIMIT_S, "cull_interval": IDLE_CHECK_S}
     options += [f"--MappingKernelManager.{name}={value}" for name, value in idle.items()]
-    if given.port is not None:
-        options += [f"--Voila.port={given.port}", "--Voila.port_retries=0"]
+    if port is not None:
+        options += [f"--Voila.port={port}", "--Voila.port_retries=0"]
     shown = sys.platform in ("darwin", "win32") or {"DISPLAY", "WAYLAND_DISPLAY"} & {*os.environ}
-    Page.launch_instance([*options, *["--no-browser"] * (given.no_browser or not shown)])
+    Page.launch_instance([*options, *["--no-browser"] * (no_browser or not shown)])

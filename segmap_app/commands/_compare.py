@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 from contextlib import suppress
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -25,8 +24,8 @@ from .log_options import thresholds
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What -o may end in.
-SUFFIXES = (".png", ".csv")
+#: What is written.
+OUTPUT = log_options.output("a picture of the curves, or all runs", ".png", ".csv")
 #: What --quality may be.
 PERCENT = Declared(float, Quantity("per cent", above=0, most=100), (), False)
 #: The threshold that a method varies is doubled or halved so often at most, to reach a quality.
@@ -43,32 +42,35 @@ class _TooSlow(Exception):
     """The last run of a method took so long that there is no further one."""
 
 
-def add(commands: Any) -> None:
-    """Name the command and its arguments."""
-    command = commands.add_parser(
-        "compare",
-        help="all reduction methods on the map of a log, at equal quality",
-        epilog=log_options.examples(
-            "compare room",
-            "compare malaga --quality 90 -o curves.png -o runs.csv",
-            "compare room --all --table methods.csv",
-        ),
-    )
-    log_options.add_poses(command)
-    command.add_argument(
-        "--quality",
-        type=log_options.quantity(PERCENT),
-        default=85.0,
-        metavar="PERCENT",
-        help="at which the methods are compared; default: 85",
-    )
-    words = f"every scan; else as many as give {MOST_COMPARED_SEGMENTS} segments"
-    log_options.switch(command, "--all", help=words)
-    log_options.add_output(command, SUFFIXES, "a picture of the curves, or all runs")
-    command.set_defaults(run=partial(log_options.each_log, work=compare_methods))
+@dataclass(frozen=True, kw_only=True)
+class CompareOptions(log_options.PosedOptions):
+    """The options of `segmap compare`.
+
+    Parameters
+    ----------
+    quality
+        At which the methods are compared, per cent; default: 85.
+    all
+        Every scan; else as many as give 2000 segments.
+    """
+
+    quality: Annotated[float, log_options.quantity(PERCENT, "PERCENT")] = 85.0
+    all: bool = False
+    output: Annotated[tuple[str, ...], OUTPUT] = ()
 
 
-def compare_methods(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+@log_options.command(
+    "compare",
+    "compare room",
+    "compare malaga --quality 90 -o curves.png -o runs.csv",
+    "compare room --all --table methods.csv",
+)
+def compare(*logs: log_options.Logs, given: CompareOptions = CompareOptions()) -> int:
+    """All reduction methods on the map of a log, at equal quality."""
+    return log_options.each_log(logs, given, compare_methods)
+
+
+def compare_methods(given: CompareOptions, log: Log, paths: list[Path], report: Report) -> int:
     """Run all methods on the map of one log, and print what each leaves."""
     warm.dispatch(f"reduction {name}" for name in METHODS)
     outcome = log_options.placed_outcome(given, log, report)
@@ -100,7 +102,7 @@ def compare_methods(given: argparse.Namespace, log: Log, paths: list[Path], repo
 
             write_curves(path, runs, quality)
 
-    return log_options.finished(given, verdict, paths, report, write)
+    return log_options.finished(given.demand, verdict, paths, report, write)
 
 
 def runs_of_all(name: str, map: SegmentMap, quality: float) -> pd.DataFrame:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 
 from segmap import exports
-from segmap.alignment import Alignment
+from segmap.alignment import METHODS, Alignment
 from segmap.display import counted
 from segmap.scans import Log
 
@@ -19,57 +17,59 @@ from ..pipeline import Pipeline
 from . import log_options
 from ._output import Report, Usage
 
-#: What -o may end in.
-SUFFIXES = (".log", ".log.gz", ".npz", ".tum", ".g2o")
+#: What is written.
+OUTPUT = log_options.output(
+    "the log for CARMEN or as arrays (.npz), its path (.tum), its graph (.g2o)",
+    *(".log", ".log.gz", ".npz", ".tum", ".g2o"),
+)
 
 
-def add(commands: Any) -> None:
-    """Name the command and its arguments."""
-    command = commands.add_parser(
-        "convert",
-        help="write a log, its path or its pose graph, for other programs",
-        epilog=log_options.examples(
-            "convert room -o room.log                     for CARMEN",
-            "convert room -o room.npz                     as arrays",
-            "convert room --align pose_graph -o room.tum -o room.g2o",
-        ),
-    )
-    log_options.add_logs(command)
-    log_options.add_align(
-        command, "its poses are written instead of the true ones that the log has"
-    )
-    log_options.add_strict(command)
-    log_options.add_output(
-        command,
-        SUFFIXES,
-        "the log for CARMEN or as arrays (.npz), its path (.tum), its graph (.g2o)",
-    )
-    command.set_defaults(run=partial(log_options.each_log, work=convert, check=check))
+#: Which poses are written.
+ALIGN = log_options.method(METHODS, "written instead of the true poses that the log has")
 
 
-def check(given: argparse.Namespace) -> None:
-    """Refuse files that nothing would be written to."""
-    if not given.output:
-        raise Usage("name the file to write: -o FILE")
-    wants_graph = any(name.endswith(".g2o") for name in given.output)
-    if wants_graph and not (given.align or "").startswith("pose_graph"):
-        raise Usage("a .g2o holds a pose graph: add --align pose_graph")
+@dataclass(frozen=True, kw_only=True)
+class ConvertOptions(log_options.PosedOptions):
+    """The options of `segmap convert`."""
+
+    align: Annotated[str | None, ALIGN] = None
+    laser: log_options.Unasked[log_options.Laser] = log_options.AS_IT_IS
+    output: Annotated[tuple[str, ...], OUTPUT] = ()
+
+    def check(self) -> None:
+        """Refuse files that nothing would be written to."""
+        if not self.output:
+            raise Usage("name the file to write: -o FILE")
+        wants_graph = any(name.endswith(".g2o") for name in self.output)
+        if wants_graph and not (self.align or "").startswith("pose_graph"):
+            raise Usage("a .g2o holds a pose graph: add --align pose_graph")
 
 
-def convert(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+@log_options.command(
+    "convert",
+    "convert room -o room.log                     for CARMEN",
+    "convert room -o room.npz                     as arrays",
+    "convert room --align pose_graph -o room.tum -o room.g2o",
+)
+def convert(*logs: log_options.Logs, given: ConvertOptions = ConvertOptions()) -> int:
+    """Write a log, its path or its pose graph, for other programs."""
+    return log_options.each_log(logs, given, convert_log)
+
+
+def convert_log(given: ConvertOptions, log: Log, paths: list[Path], report: Report) -> int:
     """Write one log to all its files; where its poses were sought, only if they make a map."""
     outcome = Pipeline(log_options.recipe_of(given, log), log) if given.align else None
     poses, written = None, paths
     if outcome is not None:
         poses = outcome.alignment_in_log_frame
         log_options.tell_alignment(poses, report)
-        written = log_options.allowed(given, outcome.verdict, paths, report)
+        written = log_options.allowed(given.demand, outcome.verdict, paths, report)
     if written:
         texts = [_write_log(path, log, poses) for path in written]
         report.line("written", texts[0], files=[str(path) for path in written])
         for text in texts[1:]:
             report.line("", text)
-    return 0 if outcome is None else log_options.concluded(given, outcome.verdict, report)
+    return 0 if outcome is None else log_options.concluded(given.demand, outcome.verdict, report)
 
 
 def _write_log(path: Path, log: Log, poses: Alignment | None) -> str:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import argparse
-from functools import partial
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from segmap.display import counted, facts
 from segmap.readers import UnknownFormat, format_of
@@ -13,30 +11,22 @@ from segmap.scans import Log, sensor_noise
 
 from ..files import read_session
 from ._output import Report
-from .log_options import add_logs, each_log, examples, is_session
+from .log_options import LogOptions, Logs, command, each_log, is_session
 
 
-def add(commands: Any) -> None:
-    """Name the command and its arguments."""
-    command = commands.add_parser(
-        "info",
-        help="what a log is: scans, beams, field of view, path, odometry, truth, damage; and what "
-        "a session keeps",
-        epilog=examples(
-            "info malaga",
-            "info room corridor --table logs.csv     a row for each log, to be sorted",
-            "info malaga --json                      for another program",
-        ),
-    )
-    add_logs(command)
-    command.set_defaults(
-        run=partial(each_log, work=describe_log, head=which_log_and_format, check=check)
-    )
+@command(
+    "info",
+    "info malaga",
+    "info room corridor --table logs.csv   a row for each log, to be sorted",
+    "info malaga --json                    for another program",
+)
+def info(*logs: Logs, given: LogOptions = LogOptions()) -> int:
+    """What a log is: scans, beams, field of view, path, odometry, truth, damage.
 
-
-def check(given: argparse.Namespace) -> None:
-    """Damaged lines are left out and counted."""
-    given.skip = True
+    Damaged lines are left out and counted. Of a session also what it keeps is told.
+    """
+    given = replace(given, reading=replace(given.reading, skip=True))
+    return each_log(logs, given, describe_log, which_log_and_format)
 
 
 def which_log_and_format(log: Log, source: str) -> str:
@@ -50,7 +40,7 @@ def which_log_and_format(log: Log, source: str) -> str:
     return f"{log.name}: {form}, {source}"
 
 
-def describe_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+def describe_log(given: LogOptions, log: Log, paths: list[Path], report: Report) -> int:
     """Print what a log is, a line a thing; of a session also its options, edits and runs."""
     for word, text, numbers in facts(log):
         report.line(word, text, **numbers)

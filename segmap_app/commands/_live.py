@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import signal
 import time
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Annotated, NoReturn
 
 from segmap.files import shown
 from segmap.progress import told
@@ -15,39 +14,46 @@ from segmap.sensors import SensorError, ports, spinning_models
 from ..drives import HOKUYO, Driving, drive, new_path
 from . import _map
 from ._output import Usage, print_error, reason
-from .log_options import add_output, examples, switch
+from .log_options import File, command
 
 #: Seconds from one line to the next.
 LINE_S = 1.0
 
 
-def add(commands: Any) -> None:
-    """Name the command and its arguments."""
-    command = commands.add_parser(
-        "live",
-        help="a log and a map of a laser that you carry: RPLidar, LD19, YDLidar, Hokuyo",
-        epilog=examples(
-            "live                                    lists serial ports and models",
-            "live LD19 /dev/ttyUSB0 -o map.svg       until Control-C; then the map is made",
-            "live hokuyo --log drive.csv             the one Hokuyo on USB",
-        ),
-    )
-    command.add_argument("model", nargs="?", metavar="MODEL", help="of the laser, or hokuyo")
-    command.add_argument("port", nargs="?", metavar="PORT", help="device, as /dev/ttyUSB0")
-    command.add_argument(
-        "--log", type=Path, metavar="FILE", help="the log, .csv; default: live-DATE-TIME.csv"
-    )
-    words = "the angles grow counter-clockwise, seen from above; default: as the maker says"
-    switch(command, "--counter-clockwise", help=words)
-    add_output(command, _map.SUFFIXES, _map.WRITTEN)
-    command.set_defaults(run=live)
+@command(
+    "live",
+    "live                               lists serial ports and models",
+    "live LD19 /dev/ttyUSB0 -o it.svg   until Control-C; then it is mapped",
+    "live hokuyo --log drive.csv        the one Hokuyo on USB",
+)
+def live(
+    model: str | None = None,
+    port: str | None = None,
+    /,
+    *,
+    log: File[Path | None] = None,
+    counter_clockwise: bool = False,
+    output: Annotated[tuple[str, ...], _map.OUTPUT] = (),
+) -> int:
+    """A log and a map of a laser that you carry: RPLidar, LD19, YDLidar, Hokuyo.
 
+    It is recorded until Control-C or until the laser falls silent, and then mapped as `segmap map`
+    does.
 
-def live(given: argparse.Namespace) -> int:
-    """Record until Control-C or until the laser falls silent; then map it as `segmap map` does."""
-    if given.model is None or not (given.port or given.model.upper() == HOKUYO):
+    Parameters
+    ----------
+    model
+        Of the laser, or hokuyo.
+    port
+        Device, as /dev/ttyUSB0.
+    log
+        The log, .csv; default: live-DATE-TIME.csv.
+    counter_clockwise
+        The angles grow counter-clockwise, seen from above; default: as the maker says.
+    """
+    if model is None or not (port or model.upper() == HOKUYO):
         return tell_what_there_is()
-    path = given.log or new_path()
+    path = log or new_path()
     if path.suffix.lower() != ".csv" or path.exists():
         raise Usage(f"--log {shown(path)} must be a new file whose name ends in .csv")
     stop_on_signals()
@@ -61,7 +67,7 @@ def live(given: argparse.Namespace) -> int:
             print(shown(words), flush=True)
 
     with told(say):
-        why = drive(given.model, given.port, path, False if given.counter_clockwise else None)
+        why = drive(model, port or "", path, False if counter_clockwise else None)
     if why:
         print_error(why)
     if not path.exists():
@@ -69,7 +75,7 @@ def live(given: argparse.Namespace) -> int:
     print(f"{shown(path)}: {time.monotonic() - begun:.0f} s")
     from ._main import main
 
-    outputs = [word for name in given.output for word in ("-o", name)]
+    outputs = [word for name in output for word in ("-o", name)]
     return main(["map", str(path), *outputs]) or int(bool(why))
 
 

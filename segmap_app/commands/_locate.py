@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +15,7 @@ from segmap.segments import SegmentMap
 
 from .. import files
 from ._output import NO_MAP, Report, Usage, metres, percent
-from .log_options import add_logs, each_log, examples
+from .log_options import LogOptions, Logs, command, each_log
 
 #: Pictures that the YAML of a map for ROS names.
 PICTURES = (".pgm", ".png", ".bmp")
@@ -26,36 +23,40 @@ PICTURES = (".pgm", ".png", ".bmp")
 LOST_KINDS = (Uncertainty.LOST, Uncertainty.NO_PLACE)
 
 
-def add(commands: Any) -> None:
-    """Name the command and its arguments."""
-    command = commands.add_parser(
-        "locate",
-        help="where on a known map a robot is: found, or lost, by how well lines of its scans fit",
-        epilog=examples(
-            "occupancy room -o room.yaml           a map for ROS, and where on it a robot is",
-            "locate room.yaml room",
-            "locate room.yaml room --json",
-            "map room -o room.csv                  or a map of segments",
-            "locate room.csv room",
-        ),
-    )
-    command.add_argument(
-        "map",
-        type=Path,
-        metavar="MAP",
-        help="of `segmap occupancy` or `segmap map`, .npz or .csv; or for ROS, .yaml",
-    )
-    add_logs(command)
-    command.set_defaults(run=partial(each_log, work=locate_log, check=check))
+@command(
+    "locate",
+    "occupancy room -o room.yaml   a map for ROS",
+    "locate room.yaml room",
+    "locate room.yaml room --json",
+    "map room -o room.csv          or a map of segments",
+    "locate room.csv room",
+)
+def locate(map: Path, /, *logs: Logs, given: LogOptions = LogOptions()) -> int:
+    """Where on a known map a robot is: found, or lost, by how well lines of its scans fit.
+
+    Parameters
+    ----------
+    map
+        Of `segmap occupancy` or `segmap map`, .npz or .csv; or for ROS, .yaml.
+    """
+    known = map_of(map)
+
+    def locate_log(given: LogOptions, log: Log, paths: list[Path], report: Report) -> int:
+        """On this map."""
+        if isinstance(known, quadtree.QuadtreeMap) and files.is_ros_map(map):
+            report.line("map", states(known))
+        return locate_on(known, log, report)
+
+    return each_log(logs, given, locate_log)
 
 
-def check(given: argparse.Namespace) -> None:
-    """Read the map."""
-    name = shown(given.map)
-    if given.map.suffix.lower() in PICTURES:
+def map_of(path: Path) -> quadtree.QuadtreeMap | SegmentMap:
+    """The map that is named, or an error of usage."""
+    name = shown(path)
+    if path.suffix.lower() in PICTURES:
         raise Usage(f"{name} is a picture: name the .yaml that belongs to it")
     try:
-        given.known = read_map(given.map)
+        return read_map(path)
     except ValueError as error:
         makes = "`segmap occupancy LOG -o map.npz` makes one, then `segmap locate map.npz LOG`"
         raise Usage(f"{name} is no map, {makes}: {error}") from error
@@ -83,16 +84,14 @@ def states(map: quadtree.QuadtreeMap) -> str:
     )
 
 
-def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+def locate_on(known: quadtree.QuadtreeMap | SegmentMap, log: Log, report: Report) -> int:
     """Say where the last scan is, since when the robot is found, and how often it was lost."""
-    if files.is_ros_map(given.map):
-        report.line("map", states(given.known))
     warm.dispatch(["quadtree all", "matching all"])
     log = alignment.prepared(log)
     if log.doubt:
         report.line("prepared", log.doubt)
     scans = each(log, "placing scan")
-    beliefs = list(localize(given.known, scans, rng=np.random.default_rng(0)))
+    beliefs = list(localize(known, scans, rng=np.random.default_rng(0)))
     is_found = np.array([belief.found for belief in beliefs], bool)
     times = f"{int(is_found.sum())} of {len(log)} scans"
     first = f", the first is scan {int(is_found.argmax())}" if is_found.any() else ""

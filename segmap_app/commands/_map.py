@@ -3,15 +3,15 @@
 And `segmap plan LOG...`: a floor plan with rooms, doors and areas.
 """
 
-from __future__ import annotations
-
-import argparse
+# No `annotations` of `__future__`: cyclopts reads fields that a class of another module inherits.
 import csv
 import re
-from dataclasses import replace
-from functools import partial
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from cyclopts import Group, Parameter, Token
 
 from segmap import exports, extraction, metrics, reduction
 from segmap.arrays import Declared, Quantity, declared
@@ -29,104 +29,33 @@ from ..plans import plan_of, sheet_words
 from . import log_options
 from ._output import Report, Usage, metres, percent, seconds
 
-MAP_DESCRIPTION = """\
-Aligns the scans of each log, draws a segment for each wall that a scan saw, merges the segments of
-one wall, and says how good the map is, or that it is none.
-"""
-EXAMPLES = log_options.examples(
-    "map room -o room.svg                   a log that comes with segmap, as a drawing",
-    "map room corridor -o '{name}.dxf'      a file for each log, for CAD",
-    "map malaga --method fusion:tolerance=0.05 -o it.png -o it.segmap",
-)
-#: What -o may end in.
-SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt", ".segmap")
-WRITTEN = (
+#: What is written of a map.
+OUTPUT = log_options.output(
     "the map after the reduction; a .png shows it before and after, a .segmap keeps the log with "
-    "these options and figures"
+    "these options and figures",
+    *(".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt", ".segmap"),
 )
-#: What reads a length that may be 0.
-LENGTH = log_options.quantity(Declared(float, Quantity("metres", least=0), (), False))
-#: What -o of a plan may end in.
-PLAN_SUFFIXES = (".svg", ".pdf", ".png", ".dxf", ".geojson", ".csv")
-
-
-def add(commands: Any) -> None:
-    """Name the command and its arguments."""
-    command = commands.add_parser(
-        "map",
-        help="a map of segments: align, extract, reduce, and tell how good it is",
-        description=MAP_DESCRIPTION,
-        epilog=EXAMPLES,
-    )
-    log_options.add_poses(command)
-    group = add_making(command)
-    group.add_argument(
-        "--veto",
-        action="extend",
-        type=log_options.told(pairs),
-        default=[],
-        metavar="FILE",
-        help="align by pose_graph without these loops: the rows of --loops that are false, or one "
-        "as FIRST-SECOND",
-    )
-    group.add_argument(
-        "--tie",
-        action="extend",
-        type=log_options.told(pairs),
-        default=[],
-        metavar="FIRST-SECOND",
-        help="align by pose_graph, with a loop between two scans that see one place; or a FILE",
-    )
-    command.set_defaults(run=partial(log_options.each_log, work=draw_walls_of_log, check=check))
-
-
-def add_making(command: log_options.Command) -> Any:
-    """All that leads from poses to a map and its files; the group of what is said of loops."""
-    names = (*METHODS, "none")
-    command.add_argument(
-        "--method",
-        type=log_options.word_of(METHODS, "none"),
-        default=reduction.USUAL_METHOD,
-        metavar="METHOD",
-        help=f"{', '.join(names)}; default: {reduction.USUAL_METHOD}; METHOD:NAME=VALUE,... sets "
-        "thresholds, which `segmap methods METHOD` tells",
-    )
-    command.add_argument(
-        "--extract",
-        type=log_options.word_of(extraction.METHODS),
-        default="extract_polylines",
-        metavar="METHOD",
-        help=f"{', '.join(extraction.METHODS)}; default: extract_polylines",
-    )
-    words = "leave shorter segments out before reducing"
-    command.add_argument("--filter", type=LENGTH, metavar="METRES", help=words)
-    command.add_argument(
-        "--seen-through",
-        type=log_options.quantity(declared(without_passers)["seen_through"]),
-        metavar="SHARE",
-        help="leave people out who walked through: beams that end where at most this share of all "
-        "beams ended while the others went on, 0.2 say",
-    )
-    log_options.add_world(command)
-    log_options.add_output(command, SUFFIXES, WRITTEN)
-    group = command.add_argument_group("loops of pose_graph")
-    group.add_argument(
-        "--loops",
-        type=Path,
-        metavar="FILE",
-        help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
-    )
-    return group
-
-
-def check(given: argparse.Namespace) -> None:
-    """Refuse loops that are of no pose graph, or of several."""
-    log_options.check_world(given)
-    if given.veto or given.tie or given.loops:
-        if not (given.align or "pose_graph").startswith("pose_graph"):
-            raise Usage(f"--loops, --veto and --tie: {given.align} closes no loops")
-        if len(given.logs) > 1:
-            raise Usage("--loops, --veto and --tie are for one log")
+#: What is written of a plan.
+PLAN_OUTPUT = log_options.output(
+    "the plan: a sheet, layers, geometries, a table of rooms",
+    *(".svg", ".pdf", ".png", ".dxf", ".geojson", ".csv"),
+)
+#: What a person changes of a plan.
+EDIT = log_options.checked(
+    read,
+    "EDIT",
+    help=f"What a person changes, by places in metres of the log, once for each: {FORMS}.",
+    allow_leading_hyphen=True,
+)
+#: How segments are extracted, and how they are reduced.
+EXTRACT = log_options.method(extraction.METHODS, "default: extract_polylines")
+METHOD = log_options.method(METHODS, f"default: {reduction.USUAL_METHOD}", "none")
+#: A length that may be 0.
+LENGTH = log_options.quantity(Declared(float, Quantity("metres", least=0), (), False), "METRES")
+#: The share of beams that end where others went on.
+SEEN_THROUGH = log_options.quantity(declared(without_passers)["seen_through"], "SHARE")
+#: Where loops of a pose graph are told.
+LOOPS = Group("loops of pose_graph")
 
 
 def pairs(text: str) -> list[str]:
@@ -141,19 +70,96 @@ def pairs(text: str) -> list[str]:
         raise ValueError(f"{text} must be a table with columns first and second") from error
 
 
-def draw_walls_of_log(
-    given: argparse.Namespace, log: Log, paths: list[Path], report: Report
-) -> int:
+def pairs_of_all(kind: object, tokens: Sequence[Token]) -> tuple[str, ...]:
+    """Those of all words of an option."""
+    return tuple(pair for token in tokens for pair in pairs(token.value))
+
+
+#: Loops that are left out, and those that are forced.
+VETO = Parameter(metavar="FILE", group=LOOPS, converter=pairs_of_all)
+TIE = Parameter(metavar="FIRST-SECOND", group=LOOPS, converter=pairs_of_all)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MakingOptions(log_options.PlacedOptions):
+    """All that leads from poses to a map and its files.
+
+    Parameters
+    ----------
+    filter
+        Leave shorter segments out before reducing.
+    seen_through
+        Leave people out who walked through: beams that end where at most this share of all beams
+        ended while the others went on, 0.2 say.
+    loops
+        Align by pose_graph, and write its loops as .csv: scans, residual, span, places.
+    """
+
+    method: Annotated[str, METHOD] = reduction.USUAL_METHOD
+    extract: Annotated[str, EXTRACT] = "extract_polylines"
+    filter: Annotated[float | None, LENGTH] = None
+    seen_through: Annotated[float | None, SEEN_THROUGH] = None
+    output: Annotated[tuple[str, ...], OUTPUT] = ()
+    loops: Annotated[str | None, Parameter(metavar="FILE", group=LOOPS)] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapOptions(MakingOptions):
+    """The options of `segmap map`.
+
+    Parameters
+    ----------
+    veto
+        Align by pose_graph without these loops: the rows of --loops that are false, or one as
+        FIRST-SECOND.
+    tie
+        Align by pose_graph, with a loop between two scans that see one place; or a FILE.
+    """
+
+    veto: Annotated[tuple[str, ...], VETO] = ()
+    tie: Annotated[tuple[str, ...], TIE] = ()
+
+    def edits(self) -> dict[str, Any]:
+        """What is changed in the map, loops too."""
+        mends = {"veto": self.veto, "tie": self.tie}
+        return {name: loops for name, loops in mends.items() if loops} | super().edits()
+
+    def check(self) -> None:
+        """Refuse loops that are of no pose graph."""
+        super().check()
+        closes_loops = (self.align or "pose_graph").startswith("pose_graph")
+        if (self.veto or self.tie or self.loops) and not closes_loops:
+            raise Usage(f"--loops, --veto and --tie: {self.align} closes no loops")
+
+
+@log_options.command(
+    "map",
+    "map room -o room.svg                a log that comes with segmap",
+    "map room corridor -o '{name}.dxf'   a file for each log, for CAD",
+    "map malaga --method fusion:tolerance=0.05 -o it.png -o it.segmap",
+)
+def map_walls(*logs: log_options.Logs, given: MapOptions = MapOptions()) -> int:
+    """A map of segments: align, extract, reduce, and tell how good it is.
+
+    Aligns the scans of each log, draws a segment for each wall that a scan saw, merges the
+    segments of one wall, and says how good the map is, or that it is none.
+    """
+    if len(logs) > 1 and (given.veto or given.tie or given.loops):
+        raise Usage("--loops, --veto and --tie are for one log")
+    return log_options.each_log(logs, given, draw_walls_of_log)
+
+
+def draw_walls_of_log(given: MapOptions, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
-    for name in ("veto", "tie"):
-        for loop in getattr(given, name):
+    for name, loops in (("veto", given.veto), ("tie", given.tie)):
+        for loop in loops:
             if max(map(int, loop.split("-"))) >= len(log):
                 raise ValueError(f"--{name} {loop}: the log has scans 0 to {len(log) - 1}")
     outcome = log_options.tell_poses(Pipeline(map_recipe_of(given, log), log), report)
     return write_map(given, outcome, outcome.recipe, paths, report)
 
 
-def map_recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
+def map_recipe_of(given: MakingOptions, log: Log) -> MapChoices:
     """All that the options say of a map."""
     chosen = [given.method] if given.method != "none" else []
     return replace(
@@ -166,7 +172,7 @@ def map_recipe_of(given: argparse.Namespace, log: Log) -> MapChoices:
 
 
 def write_map(
-    given: argparse.Namespace,
+    given: MakingOptions,
     outcome: Pipeline,
     own_recipe: MapChoices,
     paths: list[Path],
@@ -181,9 +187,9 @@ def write_map(
     count = len(outcome.extracted)
     report.line("extracted", counted(count, "segment"), segments=count)
     if given.loops is not None:
-        write_bytes(given.loops, outcome.alignment.loops().to_csv().encode())
-        report.line("loops", f"written to {given.loops}", file=str(given.loops))
-    if given.crop is not None:
+        write_bytes(Path(given.loops), outcome.alignment.loops().to_csv().encode())
+        report.line("loops", f"written to {given.loops}", file=given.loops)
+    if given.world.crop is not None:
         count = len(outcome.cropped)
         report.line("cropped", f"to {counted(count, 'segment')}", segments=count)
     if given.filter is not None:
@@ -204,7 +210,7 @@ def write_map(
         else:
             exports.write_segments(path, after, world=world_of(outcome.recipe.edits))
 
-    return log_options.finished(given, outcome.verdict, paths, report, write)
+    return log_options.finished(given.demand, outcome.verdict, paths, report, write)
 
 
 def tell_reduction(outcome: Pipeline, reduction: Reduction, report: Report) -> None:
@@ -236,37 +242,34 @@ def tell_reduction(outcome: Pipeline, reduction: Reduction, report: Report) -> N
         )
 
 
-def add_plan(commands: Any) -> None:
-    """Name `segmap plan` and its arguments."""
-    command = commands.add_parser(
-        "plan",
-        help="a floor plan: walls, rooms with their areas, doors",
-        epilog=log_options.examples(
-            "plan room -o room.pdf                 a sheet to print",
-            "plan room -o room.dxf -o rooms.csv    layers for CAD, and a table of the rooms",
-            "plan room --as-recorded -o room.pdf   a sheet that stands as the log does",
-            "plan room --edit 'Name 1 2 hall'      the room at (1, 2) has this name",
-        ),
-    )
-    log_options.add_poses(command)
-    words = "the sheet stands as the log does, and not square to the building"
-    log_options.switch(command, "--as-recorded", help=words)
-    command.add_argument(
-        "--edit",
-        action="append",
-        type=log_options.checked(read),
-        default=[],
-        help=f"what a person changes, by places in metres of the log, once for each: {FORMS}",
-    )
-    log_options.add_world(command)
-    log_options.add_output(
-        command, PLAN_SUFFIXES, "the plan: a sheet, layers, geometries, a table of rooms"
-    )
-    check = log_options.check_world
-    command.set_defaults(run=partial(log_options.each_log, work=plan_of_log, check=check))
+@dataclass(frozen=True, kw_only=True)
+class PlanOptions(log_options.PlacedOptions):
+    """The options of `segmap plan`.
+
+    Parameters
+    ----------
+    as_recorded
+        The sheet stands as the log does, and not square to the building.
+    """
+
+    as_recorded: bool = False
+    edit: Annotated[tuple[str, ...], EDIT] = ()
+    output: Annotated[tuple[str, ...], PLAN_OUTPUT] = ()
 
 
-def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+@log_options.command(
+    "plan",
+    "plan room -o room.pdf                 a sheet to print",
+    "plan room -o room.dxf -o rooms.csv    layers for CAD, a table of rooms",
+    "plan room --as-recorded -o room.pdf   it stands as the log does",
+    "plan room --edit 'Name 1 2 hall'      the room at (1, 2) has this name",
+)
+def draw_plan(*logs: log_options.Logs, given: PlanOptions = PlanOptions()) -> int:
+    """A floor plan: walls, rooms with their areas, doors."""
+    return log_options.each_log(logs, given, plan_of_log)
+
+
+def plan_of_log(given: PlanOptions, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, draw its plan, and write what was asked for where there is a map."""
     outcome = log_options.placed_outcome(given, log, report)
     verdict, edits = outcome.verdict, [read(text) for text in given.edit]
@@ -287,4 +290,4 @@ def plan_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: 
         options: Any = {"world": world_of(outcome.recipe.edits), "as_recorded": given.as_recorded}
         exports.write_plan(path, plan, **sheet_words(outcome), **options)
 
-    return log_options.finished(given, verdict, paths, report, write)
+    return log_options.finished(given.demand, verdict, paths, report, write)

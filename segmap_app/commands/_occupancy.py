@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 from segmap import exports, extraction, quadtree, warm
 from segmap.arrays import declared
@@ -17,42 +16,49 @@ from ..pipeline import cropped, world_of
 from . import log_options
 from ._output import Report
 
-#: What -o may end in.
-SUFFIXES = (".yaml", ".png", ".svg", ".npz", ".geojson")
+#: What is written.
+OUTPUT = log_options.output(
+    "the map: .yaml for ROS, with its .pgm; .npz to load it again",
+    *(".yaml", ".png", ".svg", ".npz", ".geojson"),
+)
+#: The side of a cell.
+SIDE = log_options.quantity(declared(quadtree.QuadtreeMap.__init__)["resolution"], "METRES")
 
 
-def add(commands: Any) -> None:
-    """Name the command and its arguments."""
-    command = commands.add_parser(
-        "occupancy",
-        help="a quadtree of what is occupied and free, for ROS too",
-        epilog=log_options.examples(
-            "occupancy room -o room.yaml                  for ROS: it writes room.pgm too",
-            "occupancy room --resolution 0.02 -o room.npz -o room.png",
-            "occupancy room --square -o room.svg          walls along x and y",
-        ),
-    )
-    log_options.add_poses(command)
-    side = log_options.quantity(declared(quadtree.QuadtreeMap.__init__)["resolution"])
-    words = "of a cell; default: 0.05"
-    command.add_argument("--resolution", type=side, default=0.05, metavar="METRES", help=words)
-    log_options.add_world(command)
-    log_options.add_output(
-        command, SUFFIXES, "the map: .yaml for ROS, with its .pgm; .npz to load it again"
-    )
-    check = log_options.check_world
-    command.set_defaults(run=partial(log_options.each_log, work=draw_tree_of_log, check=check))
+@dataclass(frozen=True, kw_only=True)
+class OccupancyOptions(log_options.PlacedOptions):
+    """The options of `segmap occupancy`.
+
+    Parameters
+    ----------
+    resolution
+        Of a cell; default: 0.05.
+    """
+
+    resolution: Annotated[float, SIDE] = 0.05
+    output: Annotated[tuple[str, ...], OUTPUT] = ()
 
 
-def draw_tree_of_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+@log_options.command(
+    "occupancy",
+    "occupancy room -o room.yaml             for ROS, with room.pgm",
+    "occupancy room --resolution 0.02 -o room.npz -o room.png",
+    "occupancy room --square -o room.svg     walls along x and y",
+)
+def occupancy(*logs: log_options.Logs, given: OccupancyOptions = OccupancyOptions()) -> int:
+    """A quadtree of what is occupied and free, for ROS too."""
+    return log_options.each_log(logs, given, draw_tree_of_log)
+
+
+def draw_tree_of_log(given: OccupancyOptions, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
     warm.dispatch(["quadtree all"])
     outcome = log_options.placed_outcome(given, log, report)
     alignment, log = outcome.alignment, outcome.log
     map = quadtree.build_map(log, alignment.trusted, resolution=given.resolution)
     verdict = alignment.verdict_on(extraction.build_map(log, alignment.trusted))
-    if given.crop is not None:
-        map = cropped(map, given.crop)
+    if given.world.crop is not None:
+        map = cropped(map, given.world.crop)
         count = int((map.leaves().occ > 0).sum())
         report.line("cropped", f"to {counted(count, 'square')}", squares=count)
     x_min, y_min, x_max, y_max = quadtree.extent(map, margin=0)
@@ -64,9 +70,9 @@ def draw_tree_of_log(given: argparse.Namespace, log: Log, paths: list[Path], rep
     words = f"{size}: {area:.2f} m2 occupied, {len(full)} leaves in {map.nbytes / 1024:.0f} KB"
     figures = {"width": width, "height": height, "occupied": area, "leaves": len(full)}
     report.line("mapped", words, **figures, resolution=given.resolution, bytes=map.nbytes)
-    world = world_of(log_options.edits_of(given))
+    world = world_of(given.edits())
     return log_options.finished(
-        given, verdict, paths, report, lambda path: _write_tree(path, map, world)
+        given.demand, verdict, paths, report, lambda path: _write_tree(path, map, world)
     )
 
 

@@ -5,7 +5,6 @@ The originals of chapters stay, and so does a student's work.
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import json
 import re
@@ -21,7 +20,7 @@ from segmap.files import chapters_folder, existing, write_bytes
 from segmap.threads import cores
 
 from ._output import print_line, progress
-from .log_options import examples, switch
+from .log_options import command
 
 #: The chapter that is opened first.
 FIRST_CHAPTER = "01_start_here.ipynb"
@@ -35,22 +34,20 @@ LINKED_FILE = re.compile(rb"\]\(([\w/-]+\.(?!ipynb)\w+)[^)\n]*\)")
 OWN_FUNCTIONS = "my_mapper.py"
 
 
-def add_notebooks(commands: Any) -> None:
-    """Name the command and its arguments."""
-    command = commands.add_parser(
-        "notebooks",
-        help="copy the chapters into a folder of yours",
-        epilog=examples(
-            "notebooks work", "notebooks work       again, once segmap is newer", "notebooks ."
-        ),
-    )
-    command.add_argument("folder", metavar="DIR", type=Path, help="it is made if it is not there")
-    command.set_defaults(run=copy_chapters)
+@command(
+    "notebooks", "notebooks work", "notebooks work       again, once segmap is newer", "notebooks ."
+)
+def copy_chapters(folder: Path, /) -> None:
+    """Copy the chapters into a folder of yours.
 
+    What is there stays, for it may be a student's work.
 
-def copy_chapters(given: argparse.Namespace) -> None:
-    """Copy what is not there; what is there stays, for it may be a student's work."""
-    folder, source = given.folder, chapters_folder()
+    Parameters
+    ----------
+    folder
+        It is made if it is not there.
+    """
+    source = chapters_folder()
     folder.mkdir(parents=True, exist_ok=True)
     is_in_clone = folder.resolve().parent == source.parent
     files = originals(source, outside=is_in_clone)
@@ -116,23 +113,19 @@ def _sign(chapters: Iterable[bytes]) -> None:
             notary.sign(reads(content.decode(), as_version=4))  # type: ignore[no-untyped-call]
 
 
-def add_warm(commands: Any) -> None:
-    """Name the command and its arguments."""
-    command = commands.add_parser(
-        "warm",
-        help="compile all loops now instead of at first use",
-        epilog=examples("warm", "warm --first", "warm         again, once segmap is newer"),
-    )
-    switch(command, "--first", help="only what chapter 01 needs")
-    command.set_defaults(run=compile_loops)
+@command("warm", "warm", "warm --first", "warm         again, once segmap is newer")
+def compile_loops(*, first: bool = False) -> None:
+    """Compile all loops now instead of at first use, on all cores.
 
-
-def compile_loops(given: argparse.Namespace) -> None:
-    """Compile, on all cores."""
-    names, start = list(warm.FIRST if given.first else warm.cases()), time.monotonic()
+    Parameters
+    ----------
+    first
+        Only what chapter 01 needs.
+    """
+    names, start = list(warm.FIRST if first else warm.cases()), time.monotonic()
     jobs = min(cores(), len(names))
     where = "one core" if jobs == 1 else f"{jobs} cores"
-    what = "chapter 01" if given.first else "segmap"
+    what = "chapter 01" if first else "segmap"
     print_line(f"Compiling the loops of {what} on {where}, once for this machine ...")
     importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
     case_of, done = warm.cases(), set[Any]()

@@ -1,10 +1,12 @@
 """A page a command: what its help says."""
 
-import argparse
+import io
 from collections.abc import Iterator
 from pathlib import Path
 
-from segmap_app.commands import parser
+from rich.console import Console
+
+from segmap_app.commands import APP
 
 INDEX = """Commands
 ========
@@ -26,8 +28,9 @@ def write_commands(folder: Path) -> None:
 
 def command_pages() -> Iterator[tuple[str, str]]:
     """Name and source of the page of each command."""
-    (commands,) = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
-    for name, command in commands.choices.items():
-        title = f"segmap {name}"
-        block = "".join(f"   {line}".rstrip() + "\n" for line in command.format_help().split("\n"))
-        yield name, f"{title}\n{'=' * len(title)}\n\n.. code-block:: text\n\n{block}\n"
+    for name in APP:
+        if not name.startswith("-"):
+            title = f"segmap {name}"
+            APP.help_print([name], console=Console(file=(page := io.StringIO()), width=90))
+            block = "".join(f"   {line}".rstrip() + "\n" for line in page.getvalue().split("\n"))
+            yield name, f"{title}\n{'=' * len(title)}\n\n.. code-block:: text\n\n{block}\n"

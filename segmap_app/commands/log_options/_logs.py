@@ -4,12 +4,11 @@ Logs are named, lie in a folder or in sessions. Names of files are checked befor
 
 from __future__ import annotations
 
-import argparse
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
-from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from segmap.alignment import Verdict
 from segmap.display import counted
@@ -27,12 +26,13 @@ from .._output import (
     print_error,
     print_line,
     progress,
+    progress_bars,
     reason,
     stoppable,
 )
-from ._command import Command, switch, told
-from ._reading import add_reading, read_log
-from ._settings import applied
+from ._options import Demand, LogOptions
+from ._program import with_stored
+from ._reading import read_log
 from ._workers import on_workers, write_table
 
 #: Stands for the name of the log.
@@ -41,53 +41,12 @@ LOG_NAME = "{name}"
 DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
 #: So many files that are no logs are named.
 NAMED = 5
+#: Files that say where on Earth the map lies.
+OF_A_PLACE = (".geojson", ".segmap")
+#: The options of a command.
+Options = TypeVar("Options", bound=LogOptions)
 #: What a command does with one log, and the files that it writes: to an exit code.
-Work = Callable[[argparse.Namespace, Log, list[Path], Report], int]
-
-
-def add_logs(command: Command) -> None:
-    """The arguments LOG..., and how they are read and told."""
-    command.add_argument(
-        "logs",
-        nargs="+",
-        metavar="LOG",
-        help="a file, a folder, a session (.segmap) with its options, or malaga, clinic, corridor, "
-        "room",
-    )
-    group = command.add_argument_group("reading and printing")
-    switch(group, "--skip", help="leave damaged lines out, and say how many")
-    switch(group, "--json", help="print all that is said as JSON, one object a log")
-    switch(group, "-q", "--quiet", help="print no result: only what fails or is doubtful")
-    group.add_argument(
-        "--table",
-        type=told(_csv),
-        metavar="FILE",
-        help="write the figures as .csv too, a row for each log",
-    )
-    group.add_argument(
-        "--workers",
-        type=told(_workers),
-        metavar="N|ADDRESS",
-        help="one log a process, N at a time, or on the Dask cluster at tcp://HOST:PORT; logs that "
-        "--table holds already are not done again",
-    )
-    group.add_argument(
-        "--config",
-        type=Path,
-        metavar="FILE",
-        help="a .toml with options by their names, `filter = 0.5`; those given here win",
-    )
-    add_reading(group)
-
-
-def _csv(text: str) -> Path:
-    return Path(_with_known_suffix([".csv"], text))
-
-
-def _workers(text: str) -> str:
-    if not (text.isdecimal() and int(text)) and "://" not in text:
-        raise ValueError(f"{text!r} must be a number, or like tcp://HOST:8786")
-    return text
+Work = Callable[[Options, Log, list[Path], Report], int]
 
 
 def say_which_log(log: Log, source: str) -> str:
@@ -97,45 +56,43 @@ def say_which_log(log: Log, source: str) -> str:
 
 
 def each_log(
-    given: argparse.Namespace,
-    work: Work,
+    names: Sequence[str],
+    given: Options,
+    work: Work[Options],
     head: Callable[[Log, str], str] = say_which_log,
-    check: Callable[[argparse.Namespace], None] = lambda given: None,
 ) -> int:
     """Do one log after the other, and name at the end those that failed.
 
-    `check` refuses options that do not go together. The exit code is 1 where one log failed, else
-    the largest of the codes of all.
+    The exit code is 1 where one log failed, else the largest of the codes of all.
     """
-    each = [source for text in given.logs for source in sources(text)]
-    chosen = [[file] for file in each] if given.columns or given.view else together(each)
-    for name in filter(is_ros_map, [*each, getattr(given, "first", each[0])]):
-        raise Usage(
-            f"{shown(name)} is a map for ROS and no log: `segmap locate {shown(name)} LOG` finds a "
-            "robot on it"
-        )
-    patterns = getattr(given, "output", [])
+    each = [source for name in names for source in sources(name)]
+    refuse_maps(each)
+    reading, patterns = given.reading, given.output
+    chosen = [[file] for file in each] if reading.columns or reading.view else together(each)
     alike = [pattern for pattern in patterns if LOG_NAME not in pattern]
     if len(chosen) > 1 and alike:
         raise Usage(f"{counted(len(chosen), 'log')} would go to {alike[0]}: write {{name}} in it")
-    fixed = [Path(pattern) for pattern in patterns if LOG_NAME not in str(Path(pattern).parent)]
-    check_places([given.table, getattr(given, "loops", None), *fixed])
+    if given.world.place and not any(name.lower().endswith(OF_A_PLACE) for name in patterns):
+        raise Usage("--place is for a .geojson, the other files have none: name one with -o")
+    fixed = [pattern for pattern in patterns if LOG_NAME not in str(Path(pattern).parent)]
+    check_places([reading.table, given.loops, *fixed])
     if not all(map(is_session, each)):
-        check(given)
-    if given.workers:
-        return on_workers(given, chosen)
+        given.check()
+    if reading.workers:
+        return on_workers(names, given, chosen)
     failed, codes, reports, taken = [], [0], [], dict[Path, str]()
-    with stoppable(), progress(1 if given.quiet else len(chosen), "log") as bar:
+    bars = progress_bars(quiet=reading.quiet)
+    with bars, stoppable(), progress(1 if reading.quiet else len(chosen), "log") as bar:
         for files in chosen:
             source = files[0]
             bar.set_description(shown(Path(source).name))
-            reports.append(report := Report(source, json=given.json, quiet=given.quiet))
+            reports.append(report := Report(source, json=reading.json, quiet=reading.quiet))
             try:
                 with warnings.catch_warnings():  # a thousand scans may deserve the same
                     warnings.simplefilter("default", UserWarning)
                     log, own, unknown = log_of(files, given)
                 if is_session(source):
-                    check(own)
+                    own.check()
                 paths = targets(patterns, log.name, source, taken)
                 report.begin(log, head(log, source))
                 if head is say_which_log:  # `info` tells it among the rest
@@ -149,11 +106,11 @@ def each_log(
                 report.found["failed"] = failed[-1]
             report.end()
             bar.update()
-    if given.table:
-        write_table(given.table, [report.found for report in reports])
+    if reading.table:
+        write_table(Path(reading.table), [report.found for report in reports])
     for why in failed:
         print_error(why)
-    if len(reports) > 1 and not (given.json or given.quiet):
+    if len(reports) > 1 and not (reading.json or reading.quiet):
         print_line(f"{len(reports) - len(failed)} of {counted(len(reports), 'log')} done")
     return 1 if failed else max(codes)
 
@@ -181,11 +138,18 @@ def targets(patterns: Sequence[str], name: str, source: str, taken: dict[Path, s
     return paths
 
 
-def check_places(paths: Iterable[Path | None]) -> None:
+def refuse_maps(names: Iterable[str]) -> None:
+    """End with an error of usage where a map for ROS is taken for a log."""
+    for name in map(shown, filter(is_ros_map, names)):
+        advice = f"`segmap locate {name} LOG` finds a robot on it"
+        raise Usage(f"{name} is a map for ROS and no log: {advice}")
+
+
+def check_places(names: Iterable[str | None]) -> None:
     """End with an error of usage where one of the files cannot be written; nothing is done yet."""
-    for path in filter(None, paths):
+    for name in filter(None, names):
         try:
-            for each in beside(path):
+            for each in beside(Path(name)):
                 writable(each)
         except (ValueError, OSError) as error:
             raise Usage(reason(error)) from error
@@ -242,51 +206,25 @@ def is_log(path: Path) -> bool:
     return True
 
 
-def log_of(
-    files: Sequence[str], given: argparse.Namespace
-) -> tuple[Log, argparse.Namespace, Sequence[str]]:
+def log_of(files: Sequence[str], given: Options) -> tuple[Log, Options, Sequence[str]]:
     """The log in some files, its options, and those of its session that this command has not."""
     if is_session(files[0]):
         session = read_session(files[0])
         log = replace(session.log, name=Path(files[0]).stem)
-        return log, *applied(given, {**session.settings, **session.edits})
-    return read_log(files, given), given, ()
+        return log, *with_stored(given, {**session.settings, **session.edits})
+    return read_log(files, given.reading), given, ()
 
 
-def add_strict(command: Command) -> None:
-    """The options that say what counts as a map, and what happens where there is none."""
-    group = command.add_argument_group("what counts as a map")
-    group.add_argument(
-        "--strict",
-        type=told(_share),
-        default=0.0,
-        metavar="SHARE",
-        help=f"end with {NO_MAP} too where a smaller share of the scans is placed, 0.9 say; alone, "
-        "where the map is not good",
-    )
-    switch(group, "--strict-verdict", help=argparse.SUPPRESS)
-    switch(group, "--force", help=f"write the files even where that ends with {NO_MAP}")
-
-
-def _share(text: str) -> float:
-    share = float(text)
-    if not 0 <= share <= 1:
-        raise ValueError(f"{text} must be from 0 to 1")
-    return share
-
-
-def too_little(given: argparse.Namespace, verdict: Verdict) -> bool:
+def too_little(demand: Demand, verdict: Verdict) -> bool:
     """Whether this is no map, or less than --strict asks for."""
-    few = verdict.placed < given.strict * verdict.scans
-    short_of_good = given.strict_verdict and verdict.grade != "good"
+    few = verdict.placed < demand.share() * verdict.scans
+    short_of_good = demand.strict == "good" and verdict.grade != "good"
     return verdict.grade == "not a map" or few or short_of_good
 
 
-def allowed(
-    given: argparse.Namespace, verdict: Verdict, paths: list[Path], report: Report
-) -> list[Path]:
+def allowed(demand: Demand, verdict: Verdict, paths: list[Path], report: Report) -> list[Path]:
     """The files that may be written: none where there is too little, unless --force says so."""
-    if given.force or not too_little(given, verdict):
+    if demand.force or not too_little(demand, verdict):
         return paths
     if paths:
         names = ", ".join(map(str, paths))
@@ -294,52 +232,32 @@ def allowed(
     return []
 
 
-def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> int:
+def concluded(demand: Demand, verdict: Verdict, report: Report) -> int:
     """Say the verdict on the map, as the last line, and give the exit code.
 
     Beside the output stands once more what makes it less than good.
     """
     report.assumptions()
-    few = verdict.grade != "not a map" and verdict.placed < given.strict * verdict.scans
-    asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
+    few = verdict.grade != "not a map" and verdict.placed < demand.share() * verdict.scans
+    asked = f" (--strict asks for {percent(demand.share())} of the scans)" if few else ""
     report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
     if verdict.grade in ("doubtful", "not checked"):
         print_error(f"{shown(report.found['source'])}: {verdict}")
-    return NO_MAP if too_little(given, verdict) else 0
+    return NO_MAP if too_little(demand, verdict) else 0
 
 
 def finished(
-    given: argparse.Namespace,
+    demand: Demand,
     verdict: Verdict,
     paths: list[Path],
     report: Report,
     write: Callable[[Path], None],
 ) -> int:
     """Write each file where there is a map, name what was written, and say the verdict."""
-    written = allowed(given, verdict, paths, report)
+    written = allowed(demand, verdict, paths, report)
     for path in written:
         write(path)
     if written:
         names = [str(each) for path in written for each in beside(path)]
         report.line("written", ", ".join(names), files=names)
-    return concluded(given, verdict, report)
-
-
-def add_output(command: Command, suffixes: Sequence[str], what: str) -> None:
-    """The option -o, as often as one likes, for names that end in one of the suffixes."""
-    command.add_argument(
-        "-o",
-        "--output",
-        action="append",
-        default=[],
-        metavar="FILE",
-        type=told(partial(_with_known_suffix, suffixes)),
-        help=f"write {what}; the name ends in {', '.join(suffixes)}; may be given more than once; "
-        f"{LOG_NAME} in it stands for the name of the log, for several logs: 'maps/{LOG_NAME}.svg'",
-    )
-
-
-def _with_known_suffix(suffixes: Sequence[str], text: str) -> str:
-    if not text.lower().endswith(tuple(suffixes)) or text.startswith(tuple(suffixes)):
-        raise ValueError(f"{text!r} must end in one of {', '.join(suffixes)}")
-    return text
+    return concluded(demand, verdict, report)

@@ -7,11 +7,20 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any, NamedTuple
 
+from segmap import alignment, extraction, reduction
 from segmap.arrays import Declared, declared
 
 from ...call import Call, defaults
-from ._command import checked
+from ...pipeline import BEGIN
 
+#: The methods that an option names.
+FAMILIES: Mapping[str, Mapping[str, Any]] = {
+    "align": alignment.METHODS,
+    "extract": extraction.METHODS,
+    "method": reduction.METHODS,
+}
+#: The methods where none is named.
+USUAL = {"align": "pose_graph", "extract": "extract_polylines", "method": reduction.USUAL_METHOD}
 #: What a switch is called, and how a session has it.
 SWITCH = {"yes": True, "no": False, "True": True, "False": False}
 
@@ -73,6 +82,14 @@ def call_of(text: str, methods: Mapping[str, Any]) -> Call:
     return Call(name, function, values)
 
 
-def word_of(methods: Mapping[str, Any], *others: str) -> Callable[[str], str]:
-    """What checks that a word names one of these methods and its thresholds, or is another."""
-    return checked(lambda text: text in others or call_of(text, methods))
+def with_calls(stored: Mapping[str, Any]) -> dict[str, Any]:
+    """The options with each threshold at its method: sessions keep it for itself."""
+    options = {name.replace("-", "_"): value for name, value in stored.items() if value != []}
+    if options.pop("mount_auto", False):
+        options["mount"] = "auto"
+    for option, family in FAMILIES.items():
+        if (name := str(options.get(option, USUAL[option]))) in family:
+            keys = {BEGIN[option] + key: key for key in thresholds(function_of(family[name]))}
+            own = [f"{keys[key]}={options.pop(key)}" for key in [*options] if key in keys]
+            options |= {option: f"{name}:{','.join(own)}"} if own else {}
+    return options

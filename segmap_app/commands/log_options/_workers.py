@@ -6,7 +6,6 @@ bytes of the log go over the network, and those of what it wrote come back.
 
 from __future__ import annotations
 
-import argparse
 import json
 import subprocess
 import sys
@@ -22,6 +21,7 @@ from segmap.display import counted, pip_install
 from segmap.files import shown, write_bytes
 
 from .._output import NO_MAP, Usage, print_error, print_line, progress, stoppable
+from ._options import LogOptions
 
 #: Options of the command that a job does not have, each with its value.
 FOR_ALL = ("--workers", "--table")
@@ -29,24 +29,26 @@ FOR_ALL = ("--workers", "--table")
 Job = tuple[list[str], str, dict[str, bytes] | None]
 
 
-def on_workers(given: argparse.Namespace, chosen: list[list[str]]) -> int:
+def on_workers(names: Sequence[str], given: LogOptions, chosen: list[list[str]]) -> int:
     """Do a command for each group of files on workers, and name at the end those that failed.
 
     A table grows as jobs end; logs that it holds already are not done again.
     """
-    rows, failed, codes = read_table(given.table), list[str](), [0]
+    reading = given.reading
+    table = Path(reading.table) if reading.table else None
+    rows, failed, codes = read_table(table), list[str](), [0]
     done_before = {row["source"] for row in rows}
     waiting = [files for files in chosen if files[0] not in done_before]
     if len(waiting) < len(chosen):
         count = counted(len(chosen) - len(waiting), "log")
-        print_line(f"{count} of {len(chosen)} done before: {shown(given.table)}")
+        print_line(f"{count} of {len(chosen)} done before: {shown(table)}")
     with ExitStack() as stack:
         stack.enter_context(stoppable())
-        executor, client = stack.enter_context(_executor(given.workers))
-        bar = stack.enter_context(progress(1 if given.quiet else len(waiting), "log"))
+        executor, client = stack.enter_context(_executor(str(reading.workers)))
+        bar = stack.enter_context(progress(1 if reading.quiet else len(waiting), "log"))
         jobs = {
             executor.submit(run_elsewhere, *job): files[0]
-            for files, job in zip(waiting, _jobs(given, waiting, client), strict=True)
+            for files, job in zip(waiting, _jobs(names, given, waiting, client), strict=True)
         }
         for future in as_completed(jobs):
             code, row, written = _answer(future, source := jobs[future])
@@ -57,16 +59,16 @@ def on_workers(given: argparse.Namespace, chosen: list[list[str]]) -> int:
                 failed.append(row["failed"])
             else:
                 rows.append(row)
-            if given.table:
-                write_table(given.table, rows)
-            if given.json:
+            if table:
+                write_table(table, rows)
+            if reading.json:
                 print_line(json.dumps(row))
-            elif not given.quiet and "failed" not in row:
+            elif not reading.quiet and "failed" not in row:
                 print_line(f"{shown(source)}: {row.get('verdict', {}).get('text', 'done')}")
             bar.update()
     for why in failed:
         print_error(why)
-    if not (given.json or given.quiet):
+    if not (reading.json or reading.quiet):
         print_line(f"{len(waiting) - len(failed)} of {counted(len(waiting), 'log')} done")
     return 1 if failed else max(codes)
 
@@ -125,23 +127,25 @@ def _run(command: list[str], folder: str) -> tuple[int, str, str]:
     return done.returncode, done.stdout, done.stderr
 
 
-def _jobs(given: argparse.Namespace, waiting: list[list[str]], client: Any) -> Iterator[Job]:
+def _jobs(
+    names: Sequence[str], given: LogOptions, waiting: list[list[str]], client: Any
+) -> Iterator[Job]:
     """The words for each log, the folder, and the bytes of the log for who does not see it."""
-    words, before, logs = list[str](), "", [*given.logs]
+    words, before, logs = list[str](), "", [*names]
     for word in given.words:
         if word in logs:
             logs.remove(word)
         elif before not in FOR_ALL and word.split("=")[0] not in FOR_ALL:
             words.append(word)
         before = word
-    words.append("--json")
+    words += ["--json"] * (not given.reading.json)
     here = str(Path.cwd())
     paths = [[Path(name) for name in files if Path(name).exists()] for files in waiting]
     log_paths = [str(path.absolute()) for each in paths for path in each]
     if client is None or all(client.run(_sees, [here, *log_paths]).values()):
         yield from (([*words, *files], here, None) for files in waiting)
         return
-    if any(Path(name).parent.name for name in getattr(given, "output", [])):
+    if any(Path(name).parent.name for name in given.output):
         raise Usage("the workers do not see this folder: -o must be a name without a folder")
     size = sum(
         each.stat().st_size for group in paths for path in group for each in _all_files(path)

@@ -15,6 +15,7 @@ from conftest import slow
 from programs import program
 
 from segmap import alignment, extraction, reduction
+from segmap_app.commands import APP
 
 main = program("segmap")
 
@@ -36,22 +37,12 @@ def said(*words):
     return out.getvalue()
 
 
-NAMES = re.findall(r"^    (\w+)", said("--help"), re.MULTILINE)
-
-
-def options_of(text):
-    """The options of a help, each with what it says of it."""
-    parts = re.split(
-        r"^  (?:-\w(?: \S+)?, )?(--[\w-]+)", text.partition("\nexamples:")[0], flags=re.M
-    )
-    return {
-        name: " ".join(told.split()) for name, told in zip(parts[1::2], parts[2::2], strict=True)
-    }
+NAMES = re.findall(r"^│ (\w+)", said("--help"), re.MULTILINE)
 
 
 def examples_of(name):
-    """The lines below `examples:`, without `segmap`, and without what is said of them."""
-    lines = said(name, "--help").partition("examples:\n")[2].splitlines()
+    """The lines below `Examples:`, without `segmap`, and without what is said of them."""
+    lines = said(name, "--help").partition("Examples:")[2].strip().splitlines()
     return [re.split(r"\s{3,}", line.strip())[0].removeprefix("segmap ") for line in lines]
 
 
@@ -70,10 +61,13 @@ def test_examples_run_as_they_stand_one_after_the_other(run, tmp_path, name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_help_tells_what_the_command_does_and_each_option(name):
-    """Catches an option that none tells of, and no example."""
+    """Catches an option that none tells of, no example, and `--no-x` that nobody asked for."""
     text = said(name, "--help")
-    assert text.split("\n\n")[1] and re.search(rf"^  segmap {name}", text, re.MULTILINE)
-    assert all(len(told) > 10 for told in options_of(text).values())
+    assert text.split("\n\n")[1] and re.search(rf"^ segmap {name}", text, re.MULTILINE)
+    asked = APP[name].assemble_argument_collection(parse_docstring=True).filter_by(show=True)
+    assert all(one.name in text and len(one.parameter.help) > 10 for one in asked)
+    negative = set(re.findall(r"--(?:no|empty)-[\w-]+", text))
+    assert negative <= {"--no-deskew", "--no-browser"}
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -96,13 +90,13 @@ def test_quiet_is_silent_where_all_is_well(run):
     assert run("info", "room", "-q", "--json")[1].startswith("{")
 
 
-def test_tab_completes_commands_options_and_methods(tmp_path):
-    """Catches options that Tab does not know, and a parser that argcomplete cannot walk."""
-    pytest.importorskip("argcomplete")
+def test_tab_completes_commands_and_options(tmp_path):
+    """Catches a script that is not installed, and options that Tab does not know."""
+    home = os.environ | {"HOME": str(tmp_path), "SHELL": "/bin/bash"}
+    command = [sys.executable, "-m", "segmap", "--install-completion"]
+    subprocess.run(command, env=home, check=True, stdout=subprocess.DEVNULL)
     for line, word in (("segmap ma", "map"), ("segmap map malaga --squ", "--square")):
-        told = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line))}
-        told["_ARGCOMPLETE_STDOUT_FILENAME"] = str(tmp_path / "told")
-        subprocess.run(
-            [sys.executable, "-m", "segmap"], env=os.environ | told, check=False, timeout=60
-        )
-        assert word in (tmp_path / "told").read_text().split("\x0b")[0].split()
+        words = f"COMP_WORDS=({line}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))"
+        script = f'. ~/.bashrc; {words}; _segmap; echo "${{COMPREPLY[@]}}"'
+        told = subprocess.run(["bash", "-c", script], env=home, check=True, stdout=-1, text=True)
+        assert word in told.stdout.split()
