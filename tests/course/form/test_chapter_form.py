@@ -6,11 +6,14 @@ how it goes.
 
 import ast
 import copy
+import csv
 import functools
 import json
 
 import pytest
-from chapter_rules import CHAPTERS, ROOT, parsed, tags_of
+from chapter_rules import CHAPTERS, ROOT, code_cells, markdown, parsed, tags_of
+
+from segmap import alignment, extraction, matching, reduction
 
 LITERAL = ROOT / "notebooks" / "segmap_course" / "literal"
 
@@ -73,3 +76,28 @@ def test_cells_are_the_readable_copy(path):
         for number, name, file in functions
         if file is None and (number < last or name in known_functions())
     ] == []
+
+
+#: Method -> its chapter, the beginning of a heading, a function of its cells, panel and exercise.
+TABLE = (ROOT / "tests/course/walked_through.csv").read_text(encoding="utf-8")
+WALKED = {row["method"]: row for row in csv.DictReader(TABLE.splitlines())}
+
+
+def test_every_method_is_in_the_table():
+    """Catches a new method without a chapter."""
+    names = [*alignment.METHODS, *reduction.METHODS, *matching.MATCHERS, *extraction.METHODS]
+    assert set(names) == {*WALKED, "odometry", "ground_truth"}
+
+
+@pytest.mark.parametrize("name", WALKED)
+def test_a_method_keeps_code_panel_and_exercise(name):
+    """Catches a method that is called and not shown; what is printed is the package's own."""
+    row = WALKED[name]
+    (path,) = (path for path in CHAPTERS if path.stem[:2] == row["chapter"])
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    code, source = "\n".join(source for _, source, _ in code_cells(notebook)), row["source"]
+    assert any(one == source and file for _, one, file in defined(notebook)) or (
+        f"inspect.getsource({source})" in code
+    )
+    assert f"# {row['section']}" in markdown(notebook)
+    assert f"course.{row['panel']}(" in code and f"course.check_{row['exercise']}(" in code
