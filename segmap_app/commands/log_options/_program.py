@@ -5,6 +5,7 @@ Options that the line does not have come from the file of --config, or from a se
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
@@ -23,6 +24,10 @@ from segmap.readers import read_text
 from .._output import Usage
 from ._methods import call_of, with_calls
 
+#: Set where a command is one job of another: what is for all of them is done there.
+JOB = "SEGMAP_JOB"
+#: Options of the command that a job does not have, each with its value.
+FOR_ALL = ("--workers", "--table")
 EPILOG = """\
 LOG is a file or a folder of any format that segmap reads, a folder of such logs, or the name of a
 log that comes with segmap: malaga, clinic, corridor, room. Exit codes: 0 done, 1 something failed,
@@ -148,4 +153,6 @@ def _from_file(app: App, commands: tuple[str, ...], arguments: ArgumentCollectio
         except tomllib.TOMLDecodeError as error:
             raise ValueError(f"{shown(path)}: {error}") from error
         options = with_calls(stored)
+        if JOB in os.environ:
+            options = {name: each for name, each in options.items() if f"--{name}" not in FOR_ALL}
         Dict(options, source=path, use_commands_as_keys=False)(app, commands, arguments)

@@ -7,6 +7,7 @@ bytes of the log go over the network, and those of what it wrote come back.
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -22,9 +23,8 @@ from segmap.files import shown, write_bytes
 
 from .._output import NO_MAP, Usage, print_error, print_line, progress, stoppable
 from ._options import LogOptions
+from ._program import FOR_ALL, JOB
 
-#: Options of the command that a job does not have, each with its value.
-FOR_ALL = ("--workers", "--table")
 #: What a job is: its words, the folder, and the bytes of its files where a worker sees none.
 Job = tuple[list[str], str, dict[str, bytes] | None]
 
@@ -123,7 +123,8 @@ def run_elsewhere(
 
 
 def _run(command: list[str], folder: str) -> tuple[int, str, str]:
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    job = {**os.environ, JOB: "1"}
+    done = subprocess.run(command, cwd=folder, env=job, capture_output=True, text=True, check=False)
     return done.returncode, done.stdout, done.stderr
 
 

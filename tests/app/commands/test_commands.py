@@ -508,6 +508,26 @@ def test_options_in_a_file_are_those_of_the_command(run, near):
     assert not Path("a.csv").exists() and Path("b.csv").exists()
 
 
+def test_a_job_takes_no_workers_from_the_file_that_gave_them(run, near, monkeypatch):
+    """Catches jobs that start workers of their own, and these again, without an end."""
+    Path("all.toml").write_text('workers = "2"\ntable = "all.csv"\noutput = ["it.csv"]\n')
+    jobs = []
+
+    def start(command, env, **_):
+        jobs.append((command[3:], env))
+        return subprocess.CompletedProcess(command, 0, "{}", "")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(subprocess, "run", start)
+        assert run("map", near, "--config", "all.toml")[0] == 0
+        ((words, env),) = jobs
+        for name, value in env.items():
+            patch.setenv(name, value)
+        Path("all.csv").unlink()
+        assert run(*words)[0] == 0 and len(jobs) == 1
+    assert Path("it.csv").exists() and not Path("all.csv").exists()
+
+
 @pytest.mark.parametrize(
     ("text", "code", "said"),
     [
