@@ -86,7 +86,7 @@ def laid_in_motion(
             break
         lay(AND_JUMP, pose, np.r_[before, np.zeros(3), share * turn], errors)
         best = max(best, ways[-1], key=lambda each: each[0].overlap)
-        if best is smooth:  # nothing has jumped: it would hold more at any moment
+        if best is smooth:  # a jump seldom holds more at another moment then, and each is a match
             break
     match, motion = best if best[0].overlap > smooth[0].overlap + LEFT_OVER_SHARE else smooth
     return match, at_mid_turn(scan, motion), motion
