@@ -227,10 +227,12 @@ def test_times_that_no_turn_takes_are_not_believed():
     assert "not believed" not in deskew(log, log.truth).doubt
 
 
-def test_a_laser_of_one_turn_a_second_is_carried_as_the_wheels_say():
-    """Catches a motion that is even over a corner: scans there lay half a metre off."""
+@pytest.mark.parametrize(("way_round", "place"), [(1, (0, 0, 0)), (-1, (0.3, -0.15, 2.5))])
+def test_a_laser_of_one_turn_a_second_is_carried_as_the_wheels_say(way_round, place):
+    """Catches a motion that is even over a corner, 0.5 m off, and one of the laser's own place."""
     corners = [(1, 1), (29, 1), (29, 13), (1, 13), (1, 1), (10, 1)]
     path = drive(corners, step=1.0, turn=np.radians(45))
-    slow, rng = replace(SPIN, max_range=12.0, period=1.0), np.random.default_rng(1)
-    log = simulate(corridor_loop(30, 14), path, sensor=slow, rng=rng, moving=True)
+    slow = replace(SPIN, step=way_round * SPIN.step, max_range=12.0, period=1.0)
+    walls, rng = corridor_loop(30, 14), np.random.default_rng(1)
+    log = simulate(walls, path, sensor=slow, rng=rng, moving=True, sensor_pose=place)
     assert errors(log, pose_graph(deskew(log)).poses)[0].max() < 0.1
