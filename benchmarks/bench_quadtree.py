@@ -93,7 +93,7 @@ def measured(case, scans) -> tuple[Run, Run, Run]:
     check = QuadtreeMap(resolution=case.cell)
     for scan in scans[:FEW]:
         check.insert_scan(*scan)
-    counts = np.stack(check.leaves()[3:], -1).tolist()
+    counts = zip(*(count.tolist() for count in check.leaves()[3:]), strict=True)
     assert sorted(slow.map.leaves.values()) == sorted(counts)
     assert dense.map.occ.sum() == ours.map.leaves().occ.sum()
     return ours, slow, dense
