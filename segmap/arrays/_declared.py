@@ -153,8 +153,8 @@ class Declared(typing.NamedTuple):
             return whole(value, name, least=1 if q.least is None else int(q.least), **bounds)
         if self.kind is float and q.unit is not None:
             unit = f"{q.unit}, or None" if self.optional and q.unit else q.unit
-            limits = {"above": q.above, "least": q.least, "below": q.below, "most": q.most}
-            return number(value, name, unit=unit, **limits)
+            above, least, below, most = q.above, q.least, q.below, q.most
+            return number(value, name, unit=unit, above=above, least=least, below=below, most=most)
         return value
 
 
@@ -244,6 +244,14 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     by_name = [n for n, p in parameters.items() if p.kind is p.KEYWORD_ONLY]
     ahead = names.index(by_name[0]) if by_name else len(names)
 
+    def checked_argument(name: str, argument: Any, args: tuple[Any, ...]) -> Any:
+        if name not in rules:
+            return argument
+        length, q = rules[name].check(argument, name), rules[name].quantity
+        if q.usual and length is not None and q.usual < length < math.inf:
+            unit_checks.check_length(length, name, *args[:1], share=q.share)
+        return length
+
     @functools.wraps(function)
     def call(*args: Any, **given: Any) -> R:
         nonlocal free
@@ -260,15 +268,8 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
             free = next((k for k, name in enumerate(names) if name in rules), len(names))
         if not given and len(args) <= free:
             return cast(Callable[..., R], function)(*args)
-        arguments = dict(zip(names, args, strict=False)) | given
-        for name, argument in arguments.items():
-            if name in rules:
-                arguments[name] = length = rules[name].check(argument, name)
-                q = rules[name].quantity
-                if q.usual and length is not None and q.usual < length < math.inf:
-                    unit_checks.check_length(length, name, *args[:1], share=q.share)
-        first = [arguments[name] for name in names[: len(args)]]
-        rest = {name: arguments[name] for name in given}
+        first = [checked_argument(*pair, args) for pair in zip(names, args, strict=False)]
+        rest = {name: checked_argument(name, given[name], args) for name in given}
         return cast(Callable[..., R], function)(*first, *args[len(names) :], **rest)
 
     return cast(Callable[P, R], call)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterable
 from os import PathLike
 from pathlib import Path
@@ -46,11 +47,12 @@ def number(
     ValueError: tolerance must be a number above 0, in metres, got -1
     """
     array = _as_scalar_array(value)
-    fits = array.dtype.kind in "fiu" and bool(np.isfinite(array) or array == most == np.inf)
-    fits = fits and (above is None or float(array) > above)
-    fits = fits and (least is None or float(array) >= least)
-    fits = fits and (below is None or float(array) < below)
-    fits = fits and (most is None or float(array) <= most)
+    real = float(array) if array.dtype.kind in "fiu" else math.nan
+    fits = math.isfinite(real) or real == most == math.inf
+    fits = fits and (above is None or real > above)
+    fits = fits and (least is None or real >= least)
+    fits = fits and (below is None or real < below)
+    fits = fits and (most is None or real <= most)
     if not fits:
         bounds = [(" above", above), (" of at least", least), (" below", below)]
         bounds.append((" of at most", most))
@@ -60,16 +62,15 @@ def number(
         suffix = f", in {unit}" if unit else ""
         kind = "a number" if range_ else "a finite number"
         upper = most if below is None else below
-        degrees = unit == "radians" and array.dtype.kind in "fiu" and upper and array > upper
+        degrees = unit == "radians" and upper and real > upper
         hint = f" (of degrees np.radians({brief(value)}))" if degrees else ""
         raise ValueError(f"{name} must be {kind}{range_}{suffix}{hint}, got {brief(value)}")
-    size = abs(float(array))
     most = LIMIT if most is None else most
-    if unit.startswith("metres") and size and not SMALLEST_THRESHOLD_M <= size <= most:
+    if unit.startswith("metres") and real and not SMALLEST_THRESHOLD_M <= abs(real) <= most:
         raise ValueError(
             f"{name} must be within {SMALLEST_THRESHOLD_M:.0e} and {LIMIT:.0e} metres, got {value}"
         )
-    return float(array)
+    return real
 
 
 def whole(value: object, name: str, *, least: int = 1, most: int = MOST_COUNTED) -> int:
