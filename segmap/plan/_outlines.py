@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from ..arrays import Array
-from ..segments import MIN_LENGTH
+from ..segments import MIN_LENGTH, length
 from ._cells import SHORTEST_ALONE_M, Grid, Mask
 from ._lines import Indices
 from ._polygons import Room, shapely_or_hint
@@ -47,9 +47,12 @@ def room_of(
         start = box[1].start, box[0].start
         return grid.origin + (at + start) * grid.side @ [grid.right, grid.up]
 
-    edge = np.diff(own.astype(np.int8), axis=1, prepend=0, append=0)
-    (row, x_min), x_max = np.nonzero(edge == 1), np.nonzero(edge == -1)[1]
-    squares = shapely.union_all(shapely.box(x_min, row, x_max, row + 1))
+    def border(axis: int) -> Array:  # sides of squares, rows and columns
+        start = np.argwhere(np.diff(own.astype(np.int8), axis=axis, prepend=0, append=0))
+        return np.stack([start, start + np.eye(2)[1 - axis]], 1)
+
+    lines = shapely.linestrings(np.concatenate([border(0), border(1)])[..., ::-1])
+    squares = shapely.simplify(shapely.build_area(shapely.multilinestrings(lines)), 0)
     slit, buffer = SLIT_M / grid.side / 2, partial(shapely.buffer, join_style="mitre")
     grown = buffer(squares, slit)
     whole = shapely.intersection(buffer(buffer(grown, -2 * slit), slit + GROWN_SQUARES), grown)
@@ -119,13 +122,16 @@ def outline_of(
         turn = (normal * np.roll(normal, -steps, axis=0)).sum(1)  # its cosine
         fits = (abs(turn) < np.sin(FACE_TURN_RAD)) | (turn > np.cos(FACE_TURN_RAD))
         fits &= np.minimum(wall, np.roll(wall, -steps)) > 0
+        around = np.concatenate([sides[-1:], sides, sides[: steps + 2]])
         for first in np.flatnonzero(fits):
-            window = sides[np.arange(first - 1, first + steps + 2) % len(sides)].tobytes()
+            window = around[first : first + steps + 3].tobytes()
             if window in refused:
                 continue
             refused.add(window)
             ahead = corners[first:] + corners[:first]
             border = between(sides[first], sides[(first + steps) % len(sides)], ahead, steps)
+            if not len(border):
+                continue
             (x, y), (next_x, next_y) = border.T, np.roll(border, -1, axis=0).T
             area = float(next_x @ y - next_y @ x) / 2  # positive before the walls
             if not 0 < abs(area) <= least or crossing_area(border, abs(area)) > SLIT_M**2:
@@ -146,8 +152,8 @@ def outline_of(
 
 def crossing_area(border: Array, area: float) -> float:
     """By how much the area that a border goes round is larger than its signed area."""
-    shapely = shapely_or_hint()
-    return float(shapely.make_valid(shapely.Polygon(border)).area) - area
+    shapely, shape = shapely_or_hint(), shapely_or_hint().Polygon(border)
+    return 0.0 if shape.is_valid else float(shapely.make_valid(shape).area) - area
 
 
 def depth(both: Array, border: Array) -> float:
@@ -187,22 +193,22 @@ def sides_on_walls(ring: Array, bounds: Bounds) -> tuple[Array, Array]:
     A side goes onto the wall that covers most of it and whose free side is the inside.
     """
     walls, side, sizes = bounds
-    normal, sides = normals(walls), np.stack([ring, np.roll(ring, -1, axis=0)], 1)
-    on = np.zeros(len(ring))
-    for k, (start, end) in enumerate(sides.copy()):
-        size = np.hypot(*(end - start))
-        way = (end - start) / max(size, MIN_LENGTH)
-        spans = np.sort((walls - start) @ way, -1).clip(0, size)
-        common = spans[:, 1] - spans[:, 0]
-        off = ((start + spans.mean(1)[:, None] * way - walls[:, 0]) * normal).sum(-1)
-        facing = normal @ (-way[1], way[0])
-        facing = np.where(side == 0, abs(facing), side * facing)
-        common *= np.where(facing < np.cos(FACE_TURN_RAD), 0, (SNAP_M - abs(off)).clip(0))
-        if common.max(initial=0) > 0:
-            best = common.argmax()
-            on[k] = sizes[best]
-            sides[k] -= ((sides[k] - walls[best, 0]) @ normal[best])[:, None] * normal[best]
-    return sides, on
+    sides = np.stack([ring, np.roll(ring, -1, axis=0)], 1)
+    if not len(walls):
+        return sides, np.zeros(len(ring))
+    normal, inside, size = normals(walls), normals(sides), length(sides)
+    way = inside @ [[0, -1], [1, 0]]
+    spans = np.einsum("nwpk,nk->nwp", walls - ring[:, None, None], way)
+    spans = np.sort(spans, -1).clip(0, size[:, None, None])
+    middle = ring[:, None] + spans.mean(-1)[..., None] * way[:, None]
+    off = ((middle - walls[:, 0]) * normal).sum(-1)
+    facing = inside @ normal.T
+    facing = np.where(side == 0, abs(facing), side * facing)
+    cover = np.ptp(spans, axis=-1) * (SNAP_M - abs(off)).clip(0)
+    cover[facing < np.cos(FACE_TURN_RAD)] = 0
+    best, is_on = cover.argmax(1), cover.max(1) > 0
+    away = ((sides - walls[best, :1]) * normal[best, None]).sum(-1) * is_on[:, None]
+    return sides - away[..., None] * normal[best, None], np.where(is_on, sizes[best], 0.0)
 
 
 def between(one: Array, other: Array, corners: list[Array], steps: int) -> Array:

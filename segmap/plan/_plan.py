@@ -59,6 +59,7 @@ class Base(NamedTuple):
     axes: Array
     opening: float
     least_area: float
+    doors: list[Door]
     outlined: dict[bytes, Room]  # by squares and walls: what no edit changed is not made anew
 
 
@@ -279,7 +280,8 @@ def floor_plan(
         if not scipy.ndimage.binary_opening(own, slit).any():
             parts[box][own] = -1  # no room is narrower than a slit
     faces = draw_faces(segments, grid, parts)
-    base = Base(grid, lines, edges, parts, reasons, faces, axes, opening, least_area, {})
+    doors = find_doors(edges, lines, grid, parts)
+    base = Base(grid, lines, edges, parts, reasons, faces, axes, opening, least_area, doors, {})
     return _form_plan(base, edits)
 
 
@@ -311,8 +313,7 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     openings = [replace(k, rooms=tuple(sorted(number[[*k.rooms]].tolist()))) for k in openings]
     doors = [one for one in openings if one.rooms[0] >= 0]
     away = [one for one in openings if one.rooms[0] < 0 and grid.seen[grid.squares(one.place)]]
-    before = find_doors(base.edges, base.lines, grid, base.parts)
-    unplaced += [f"{k} ({why})" for k in edits if (why := k.on_doors(doors, before, draft))]
+    unplaced += [f"{k} ({why})" for k in edits if (why := k.on_doors(doors, base.doors, draft))]
     for door in doors:
         faces = with_doorway(faces, door.ends) if door.reason == DRAWN else faces
     kind = np.where(draft.parts >= 0, FREE, grid.kind)
