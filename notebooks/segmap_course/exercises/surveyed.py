@@ -44,7 +44,7 @@ def _steady_fit(points: Array, s: Array, range_: float, bearing: float, most: fl
     for _ in range(50):
         if (near == before).all():
             break
-        line, before = fit(points[near], s.tolist(), range_, bearing), near
+        line, before = fit(points[near], s, range_, bearing), near
         across = np.array([np.cos(line.alpha), np.sin(line.alpha)])
         sigma = [variance(p, s, line.alpha, range_, bearing) ** 0.5 for p in points]
         near = np.abs((points - (line.x, line.y)) @ across) <= most * np.array(sigma)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -14,7 +12,6 @@ from ...compiled import compiled
 from ...kernels import SAME, Rule, boxes_apart, describe, hausdorff, match_value
 from ...segments import length
 from .._runner import Indices, Reduction, Rows, Steps, run_online
-from .lines import Point, Segment
 
 
 @checked
@@ -82,7 +79,7 @@ def polyline(
             count, piece = np.ones(len(every), np.int64), np.zeros(len(every), np.int64)
             bent = list[tuple[list[int], Array]]()
             for chain in chains(matches(every, old, rule)):
-                corners = np.array(polyline_through(every[chain].tolist(), tolerance), float)
+                corners = polyline_through(every[chain], tolerance)
                 pieces = np.stack([corners[:-1], corners[1:]], 1)
                 _, owned = nearest_pieces(every[chain], corners)
                 stays = length(pieces) <= bridge
@@ -138,46 +135,60 @@ def nearest_pieces(members: Array, corners: Array) -> tuple[Array, Indices]:
     return least, at
 
 
-def farthest_ends(members: Sequence[Segment]) -> list[Point]:
-    """The two end points that lie farthest apart; ties: the first pair."""
-    most, ends = 0.0, [members[0][0], members[0][1]]
-    for a, b in itertools.combinations([p for s in members for p in s], 2):
-        if math.dist(a, b) > most + SAME:
-            most, ends = math.dist(a, b), [a, b]
+@compiled
+def apart(a: Array, b: Array) -> float:
+    """Distance of two points, metres."""
+    return np.hypot(a[0] - b[0], a[1] - b[1])
+
+
+@compiled
+def farthest_ends(members: Array) -> Array:
+    """The two end points that lie farthest apart, `(2, 2)`; ties: the first pair."""
+    points, most = members.reshape(-1, 2), 0.0
+    ends = points[:2]
+    for i in range(len(points)):
+        for j in range(i + 1, len(points)):
+            if apart(points[i], points[j]) > most + SAME:
+                most, ends = apart(points[i], points[j]), np.stack((points[i], points[j]))
     return ends
 
 
-def put_in(corners: list[Point], k: int, s: Segment) -> list[Point]:
+@compiled
+def put_in(corners: Array, k: int, s: Array) -> Array:
     """Replace piece k, from a to b, by a-s, s and s-b, s turned so that both links are short."""
-    (a, b), (first, last) = corners[k : k + 2], s
-    straight = math.dist(a, first) + math.dist(last, b)
-    if math.dist(a, last) + math.dist(first, b) < straight - SAME:
-        first, last = last, first
-    new = [p for p in (first, last) if min(math.dist(a, p), math.dist(p, b)) >= SAME]
-    return corners[: k + 1] + new + corners[k + 1 :]
-
-
-def prune(corners: list[Point], members: Sequence[Segment], tolerance: float) -> list[Point]:
-    """Leave out inner corners, the first that can go each time, while all members stay near."""
-    for k in range(1, len(corners) - 1):
-        fewer = corners[:k] + corners[k + 1 :]
-        long = math.dist(corners[k - 1], corners[k + 1]) >= SAME
-        off, _ = nearest_pieces(np.array(members, float), np.array(fewer, float))
-        if long and (off < tolerance).all():
-            return prune(fewer, members, tolerance)
+    a, b, first = corners[k], corners[k + 1], 0
+    if apart(a, s[1]) + apart(s[0], b) < apart(a, s[0]) + apart(s[1], b) - SAME:
+        first = 1
+    for end in (1 - first, first):
+        if min(apart(a, s[end]), apart(s[end], b)) >= SAME:
+            corners = np.concatenate((corners[: k + 1], s[end : end + 1], corners[k + 1 :]))
     return corners
 
 
-def polyline_through(members: Sequence[Segment], tolerance: float) -> list[Point]:
+@compiled
+def prune(corners: Array, members: Array, tolerance: float) -> Array:
+    """Leave out inner corners, the first that can go each time, while all members stay near."""
+    k = 1
+    while k < len(corners) - 1:
+        fewer = np.concatenate((corners[:k], corners[k + 1 :]))
+        can_go = apart(corners[k - 1], corners[k + 1]) >= SAME
+        for off in nearest_pieces(members, fewer)[0]:
+            can_go = can_go and off < tolerance
+        corners, k = (fewer, 1) if can_go else (corners, k + 1)
+    return corners
+
+
+@compiled
+def polyline_through(members: Array, tolerance: float) -> Array:
     """Corners of a polyline that has each member within the tolerance, metres, of a piece."""
-    corners, outside = farthest_ends(members), list(members)
-    while outside:
-        far, at = nearest_pieces(np.array(outside, float), np.array(corners, float))
-        worst = 0
-        for i in range(len(outside)):
-            if far[i] > far[worst] + SAME:
+    corners, is_in = farthest_ends(members), np.zeros(len(members), np.bool_)
+    for _ in range(len(members)):
+        far, at = nearest_pieces(members, corners)
+        worst = -1
+        for i in range(len(members)):
+            if not is_in[i] and (worst < 0 or far[i] > far[worst] + SAME):
                 worst = i
         if far[worst] < tolerance:
             break
-        corners = put_in(corners, at[worst], outside.pop(worst))
+        corners, is_in[worst] = put_in(corners, at[worst], members[worst]), True
     return prune(corners, members, tolerance)

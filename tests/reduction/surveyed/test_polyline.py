@@ -20,7 +20,7 @@ BEND = [[(0, 0), (1, 0)], [(0.9, 0.02), (2, 0.3)], [(1.8, 0.3), (3, 0.3)]]
 )
 def test_the_corners_of_a_chain(tolerance, corners):
     """Catches corners that run back, (2, 0.3) to (1.8, 0.3), where nothing is left out."""
-    found = literal.polyline_through(np.array(BEND).tolist(), tolerance)
+    found = literal.polyline_through(np.array(BEND, float), tolerance)
     np.testing.assert_allclose(found, corners)
     both = SegmentMap(BEND, [0, 1, 0])  # the third meets the first through the second
     pieces = list(pairwise(corners))
