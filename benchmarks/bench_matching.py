@@ -4,8 +4,10 @@ A score's time is compared with scipy's kd-tree over the same occupied cells, in
 """
 
 import csv
+import importlib
 from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -88,6 +90,7 @@ def scores(made) -> Iterator[Row]:
                 f"{1e6 * ours:.0f} us, {ours / theirs:.2f} of cKDTree's query",
                 "<= 250 us, 0.70 of it (stretch 110)" if name == "nearest" else "",
             )
+    yield against_nanoflann(map, points)
     off = abs(nearest_score(map, points, ORIGIN)[0] + tree.query(points)[0].sum())
     yield Row("nearest_score and cKDTree differ by", f"{off:.1e} m", "equal")
     took = seconds(lambda: occupancy_score(map, points, ORIGIN), 21)
@@ -96,6 +99,20 @@ def scores(made) -> Iterator[Row]:
     for poses, target in ((ORIGIN[None], "<= 1.5 us (0.7)"), (batch, "<= 1.0 us (0.25)")):
         took = seconds(lambda p=poses: [ask(p) for _ in range(50)], 21) / 50 / len(poses)
         yield Row(f"field, batches of {len(poses)}", f"{1e6 * took:.2f} us a pose", target)
+
+
+def against_nanoflann(map: QuadtreeMap, points: np.ndarray) -> Row:
+    """One pose, through the Python binding of the C++ library, where that is installed."""
+    what = "nearest_score, one pose, nanoflann's query / ours"
+    try:
+        library: Any = importlib.import_module("pynanoflann")
+    except ImportError:
+        return Row(what, "skipped", "pip install pynanoflann to compare")
+    tree = library.KDTree(n_neighbors=1, leaf_size=10)
+    tree.fit(centres(map))
+    ask = partial(nearest_score, map, points, ORIGIN)
+    ours, theirs = in_turn(ask, partial(tree.kneighbors, points), repeat=101)
+    return Row(what, f"{1e6 * theirs:.0f} / {1e6 * ours:.0f} us = {theirs / ours:.2f}", ">= 1")
 
 
 def growth(made) -> Iterator[Row]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -96,13 +96,13 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     array([-0.3])
     """
     with arrays.instance(map, "map", QuadtreeMap).lock:
-        nodes, places, order = _prepare(map, points, poses)
+        nodes, scan, order = _prepare(map, points, poses)
         levels, sums = map.tree.level, np.zeros(len(order))
         path, todo = np.empty(levels + 1, np.int64), np.empty((3 * levels + 4, 4), np.int64)
-        path[-1], squares = map.tree.block, np.empty(POSES_TOGETHER)
+        path[-1], together = map.tree.block, np.empty((3, POSES_TOGETHER))
         near = np.empty(((2 * FARTHEST_CANDIDATE + 6) ** 2, 4), np.int64)
-        nearest_distances(nodes, places, path, todo, near, squares, sums)
-    return -map.resolution * sums[order]
+        nearest_distances(nodes, scan, path, todo, near, together, sums)
+    return _scores(map, sums, order)
 
 
 def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -119,25 +119,37 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     array([-0.3])
     """
     with arrays.instance(map, "map", QuadtreeMap).lock:
-        nodes, places, order = _prepare(map, points, poses)
+        nodes, scan, order = _prepare(map, points, poses)
         sums = np.zeros(len(order))
-        descent_distances(nodes, map.tree.block, map.tree.level, places, sums)
-    return -map.resolution * sums[order]
+        descent_distances(nodes, map.tree.block, map.tree.level, scan, sums)
+    return _scores(map, sums, order)
 
 
-def _prepare(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> tuple[Nodes, Array, Cells]:
-    """What a search needs: nodes, ends `(n, 2, k)` in cells of the root, and the place of each pose
-    among the k, which are in the order of their headings: neighbours are alike."""
+class Scan(NamedTuple):
+    """Ends of beams `(n, 2)`; cosine, sine, x and y of poses `(k, 4)`, from the root's corner; the
+    side of a cell. Lengths are in metres."""
+
+    ends: Array
+    frames: Array
+    cell: float
+
+
+def _prepare(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> tuple[Nodes, Scan, Cells]:
+    """What a search needs, and what sorts the poses by their headings: neighbours are alike."""
     nodes = Nodes(map.tree.vis, map.tree.occ, blocks_of(map))
     ends, at = scan_and_poses(points, poses)
-    order = np.argsort(at[:, 2], kind="stable")
-    x, y, turn = at[order].T
-    x_min, y_min = map.corner + map.tree.corner * map.resolution
-    places = np.empty((len(ends), 2, len(at)))
-    c, s, across, up = np.cos(turn), np.sin(turn), ends[:, :1], ends[:, 1:]
-    places[:, 0] = (c * across - s * up + (x - x_min)) / map.resolution
-    places[:, 1] = (s * across + c * up + (y - y_min)) / map.resolution
-    return nodes, places, np.argsort(order)
+    order, frames = np.argsort(at[:, 2], kind="stable"), np.empty((len(at), 4))
+    sorted_poses = at[order]
+    frames[:, 0], frames[:, 1] = np.cos(sorted_poses[:, 2]), np.sin(sorted_poses[:, 2])
+    frames[:, 2:] = sorted_poses[:, :2] - (map.corner + map.tree.corner * map.resolution)
+    return nodes, Scan(np.array(ends, order="C"), frames, map.resolution), order
+
+
+def _scores(map: QuadtreeMap, sums: Array, order: Cells) -> Array:
+    """Scores, metres, in the order of the poses, of sums of distances, in cells."""
+    scores = np.empty(len(order))
+    scores[order] = -map.resolution * sums
+    return scores
 
 
 def blocks_of(map: QuadtreeMap) -> Holds:
@@ -160,20 +172,30 @@ def scan_and_poses(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
 # ---------------------------------------------------------------------------------- loops
 # Callers bring all arrays, since each that a loop makes for itself takes long to compile.
 @compiled
-def nearest_distances(
-    nodes: Nodes, places: Array, path: Cells, todo: Cells, near: Cells, squares: Array, sums: Array
-) -> None:
-    """Add the sum over places `(n, 2, k)` of the distance to the nearest occupied cell's centre.
+def place_in_cells(scan: Scan, m: int, k: int) -> tuple[float, float]:
+    """Where end m lies at pose k, in cells of the root."""
+    c, s, x, y = scan.frames[k, 0], scan.frames[k, 1], scan.frames[k, 2], scan.frames[k, 3]
+    across, up = scan.ends[m, 0], scan.ends[m, 1]
+    return (c * across - s * up + x) / scan.cell, (s * across + c * up + y) / scan.cell
 
-    In cells of the root. An end has places close together at poses that are alike: what is nearest
-    to one of them is no farther from the middle one than its own nearest and twice the way between
-    the two, so all cells there are tried at once. The last of `path`, `(top + 1,)`, is the root's
-    block; the rest of it, `todo`, `near` and `squares`, for poses together, are room.
+
+@compiled
+def nearest_distances(
+    nodes: Nodes, scan: Scan, path: Cells, todo: Cells, near: Cells, together: Array, sums: Array
+) -> None:
+    """Add the sum over the ends of the distance to the nearest occupied cell's centre, in cells.
+
+    An end has places close together at poses that are alike: what is nearest to one of them is no
+    farther from the middle one than its own nearest and twice the way between the two, so all cells
+    there are tried at once. The last of `path`, `(top + 1,)`, is the root's block; the rest of it,
+    `todo`, `near` and `together`, for places and squares of poses together, are room.
     """
-    for m in range(len(places)):
-        for begin in range(0, places.shape[2], len(squares)):
-            x, y = places[m, 0, begin:], places[m, 1, begin:]
-            part, count, wide, reach = sums[begin:], min(len(x), len(squares)), 0.0, np.inf
+    x, y, squares = together[0], together[1], together[2]
+    for m in range(len(scan.ends)):
+        for begin in range(0, len(sums), len(x)):
+            part, count, wide, reach = sums[begin:], min(len(sums) - begin, len(x)), 0.0, np.inf
+            for k in range(count):
+                x[k], y[k] = place_in_cells(scan, m, begin + k)
             i, j = x[count // 2], y[count // 2]
             for k in range(count):
                 wide = max(wide, (x[k] - i) * (x[k] - i) + (y[k] - j) * (y[k] - j))
@@ -228,9 +250,12 @@ def nearest_square(nodes: Nodes, path: Cells, todo: Cells, x: float, y: float) -
             if border > 0 and border * border >= best:
                 break
             level += 1
+            far_x = max(x - x_min if quarter & 1 else x_min + width - x, 0.0) + 0.5
+            far_y = max(y - y_min if quarter & 2 else y_min + width - y, 0.0) + 0.5
             for turn in range(3, 0, -1):
                 child = ~whole(vis[4 * path[level] + (quarter ^ turn)])
-                if child >= 0 and holds[child]:
+                square = (far_x * far_x if turn & 1 else 0.0) + (far_y * far_y if turn & 2 else 0.0)
+                if square < best and child >= 0 and holds[child]:
                     todo[count, 0], todo[count, 3] = child, level - 1
                     todo[count, 1] = x_min ^ (width * (turn & 1))
                     todo[count, 2] = y_min ^ (width * (turn >> 1))
@@ -242,31 +267,36 @@ def nearest_square(nodes: Nodes, path: Cells, todo: Cells, x: float, y: float) -
         half = 1 << below
         dx = max(max(x_min + 0.5 - x, x - (x_min + 2 * half - 0.5)), 0.0)
         dy = max(max(y_min + 0.5 - y, y - (y_min + 2 * half - 0.5)), 0.0)
-        if dx * dx + dy * dy >= best:
+        near_x, near_y = dx * dx, dy * dy
+        if near_x + near_y >= best:
+            continue
+        if below == 0:
+            for q in range(4):
+                if 2 * whole(occ[4 * block + q]) > vis[4 * block + q]:
+                    dx, dy = x_min + 0.5 - x + (q & 1), y_min + 0.5 - y + (q >> 1)
+                    best = min(best, dx * dx + dy * dy)
             continue
         dx, dy = x_min + half - x, y_min + half - y
-        nearest = (dx <= 0) + 2 * (dy <= 0)
-        flip = 1 if abs(dx) > abs(dy) else 2
+        nearest, flip = (dx <= 0) + 2 * (dy <= 0), 1 if abs(dx) > abs(dy) else 2
+        far_x, far_y = (abs(dx) + 0.5) * (abs(dx) + 0.5), (abs(dy) + 0.5) * (abs(dy) + 0.5)
         for turn in (3, flip, 3 - flip, 0):  # the nearest quarter last
             q = nearest ^ turn
             child = ~whole(vis[4 * block + q])
-            if child >= 0 and holds[child]:
+            square = (far_x if turn & 1 else near_x) + (far_y if turn & 2 else near_y)
+            if square < best and child >= 0 and holds[child]:
                 todo[count, 0], todo[count, 3] = child, below
                 todo[count, 1], todo[count, 2] = (x_min + half * (q & 1), y_min + half * (q >> 1))
                 count += 1
-            elif below == 0 and 2 * whole(occ[4 * block + q]) > vis[4 * block + q]:
-                dx, dy = x_min + 0.5 - x + (q & 1), y_min + 0.5 - y + (q >> 1)
-                best = min(best, dx * dx + dy * dy)
     return best
 
 
 @compiled
-def descent_distances(nodes: Nodes, root: int, top: int, places: Array, sums: Array) -> None:
+def descent_distances(nodes: Nodes, root: int, top: int, scan: Scan, sums: Array) -> None:
     """The same by B's descent: always into the occupied child whose centre is nearest (B 4.3)."""
     vis, occ, holds = nodes.vis, nodes.occ, nodes.holds
     for k in range(len(sums)):
-        for m in range(len(places)):
-            x, y = places[m, 0, k], places[m, 1, k]
+        for m in range(len(scan.ends)):
+            x, y = place_in_cells(scan, m, k)
             best, x_min, y_min, block = np.inf, 0.0, 0.0, root
             for level in range(top - 1, -1, -1):
                 half, chosen, best = 0.5 * (1 << level), -1, np.inf
