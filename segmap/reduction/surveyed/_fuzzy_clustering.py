@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike
 from ... import arrays
 from ...arrays import Array, Count, Metres, Segments, at_least, checked
 from .._points import MOST_SPACED_POINTS, points_behind
-from .._runner import Length, Reduction, Rows, Steps, Turn, run_online
+from .._runner import Indices, Length, Reduction, Rows, Steps, Turn, run_online
 from ._prototypes import Prototype, pick_prototypes, settle
 from .lines import (
     SAME,
@@ -117,16 +118,16 @@ def fuzzy_clustering(
     def steps(rows: Rows) -> Steps:
         _check_cells(rows.segments, cell, origin)
         points, first, _, _ = points_behind(map, rows, spacing)
-        spots = np.floor((points - origin) / cell).astype(np.int64)[:, ::-1].tolist()
+        spots = np.floor((points - origin) / cell).astype(np.int64)[:, ::-1]
         s, scans = rows.segments.tolist(), len(rows.cuts) - 1
+        owner = np.repeat(np.arange(len(s)), np.diff(first))
         cells: dict[Cell, list[Cluster]] = {}
         buffer, updated = list[Cluster](), set[Cell]()
         for done, (begin, stop) in enumerate(rows.scans(), 1):
-            own: dict[Cell, list[tuple[int, int]]] = {}
-            for i in range(begin, stop):
-                for k in range(first[i], first[i + 1]):
-                    own.setdefault(tuple(spots[k]), []).append((i, k))
-            starts = {at: list[Prototype]() for at in sorted(own) if len(own[at]) >= least[0]}
+            seen = first[begin] + np.lexsort(spots[first[begin] : first[stop]].T[::-1])
+            cuts = np.flatnonzero(np.diff(spots[seen], axis=0).any(1)) + 1
+            own = {tuple(spots[k[0]].tolist()): k for k in np.split(seen, cuts) if len(k)}
+            starts = {at: list[Prototype]() for at in own if len(own[at]) >= least[0]}
             for i in range(begin, stop):
                 for place, start in clip_to_cells(s[i], cell, origin.tolist()):
                     starts.get(place, []).append(start)
@@ -136,9 +137,8 @@ def fuzzy_clustering(
                         f"cell must be smaller for this map, got {cell} m: one scan has points "
                         f"times segments = {len(own[place]) * len(starts[place]):.3g} in one"
                     )
-                owner = [i for i, _ in own[place]]
-                behind = points[[k for _, k in own[place]]]
-                clusters = clusters_of(owner, behind, starts[place], noise, least)
+                mine = own[place]
+                clusters = clusters_of(owner[mine], points[mine], starts[place], noise, least)
                 if clusters:
                     cells.setdefault(place, []).extend(clusters)
                     group(cells[place], limits)
@@ -175,7 +175,7 @@ class Cluster:
 
     sums: Sums
     ends: Segment
-    counts: dict[int, int]
+    counts: Counter[int]
     wall: Cluster | None = None
     place: int = -1
 
@@ -183,8 +183,7 @@ class Cluster:
         """Sums add; the line of the sums spans what both did."""
         self.sums = self.sums + other.sums
         self.ends = on_line(self.sums, [*self.ends, *other.ends])
-        for i, count in other.counts.items():
-            self.counts[i] = self.counts.get(i, 0) + count
+        self.counts.update(other.counts)
 
 
 def clip_to_cells(s: Segment, cell: float, corner: Point) -> list[tuple[Cell, Prototype]]:
@@ -209,7 +208,7 @@ def on_line(sums: Sums, points: Sequence[Point]) -> Segment:
 
 
 def clusters_of(
-    owner: Sequence[int],
+    owner: Indices,
     points: Array,
     starts: Sequence[Prototype],
     noise: float,
@@ -226,10 +225,7 @@ def clusters_of(
         sums = sums_of(own)
         ends = on_line(sums, own)
         if segment_length(ends) >= least[1]:
-            cluster = Cluster(sums, ends, {})
-            for n in mine.tolist():
-                cluster.counts[owner[n]] = cluster.counts.get(owner[n], 0) + 1
-            clusters.append(cluster)
+            clusters.append(Cluster(sums, ends, Counter(owner[mine].tolist())))
     return clusters
 
 
@@ -284,7 +280,7 @@ def group_across(
     The buffer remembers its members: a wall absorbs what they absorb.
     """
     for cluster in (c for place in sorted(updated) for c in cells[place] if c.wall is None):
-        cluster.wall = replace(cluster, counts=dict(cluster.counts), place=len(buffer))
+        cluster.wall = replace(cluster, counts=Counter(cluster.counts), place=len(buffer))
         buffer.append(cluster.wall)
     for row, column in sorted(updated):
         around = [(row + r, column + c) for r in (-1, 0, 1) for c in (-1, 0, 1)]
