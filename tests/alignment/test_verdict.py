@@ -100,8 +100,10 @@ def test_a_large_building_may_be_sure_in_each_of_its_parts(spread, grade):
 
 def test_a_good_map_promises_half_a_metre_at_most():
     """Catches a good map that says 0.6 m, and one that promises what a scan does not hold."""
-    some = outcome([True] * 10, spread=np.array([0.1] * 9 + [0.9]))
-    assert str(some.verdict) == "GOOD: 10 of 10 scans placed, 9 scans sure, all but 1 within 0.5 m"
+    used, spread = [True] * 10 + [False], np.array([0.1] * 9 + [0.9, 7.0])  # nobody sees the last
+    some = outcome(used, spread=spread).verdict
+    assert str(some) == "GOOD: 10 of 11 scans placed, 9 scans sure, all but 1 within 0.5 m"
+    assert some.worst == 1.8
     near = replace(outcome([True] * 6, spread=np.full(6, 0.4)), local_spread=np.full(6, 0.1))
     assert near.verdict.grade == "good" and "within 0" not in near.verdict.words
 

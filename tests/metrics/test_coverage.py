@@ -127,10 +127,16 @@ def test_walls_drawn_twice_are_counted_piece_by_piece(seed, limits):
 BESIDE = [(0.1499, {}, 0), (0.1501, {}, 1), (0.25, {"nearest": 0.25}, 0), (0.4999, {}, 1)]
 
 
+@pytest.mark.parametrize("seen_from", [5, -5])
 @pytest.mark.parametrize(("apart", "limits", "share"), [*BESIDE, (0.5, {}, 0)])
-def test_a_wall_is_drawn_twice_between_fifteen_and_fifty_centimetres(apart, limits, share):
-    walls = np.array([[(0, 0), (0, 2)]] * 3 + [[(apart, 0), (apart, 2)]] * 3)
-    assert doubled_walls(SegmentMap(walls, range(6)), [(5, 1)] * 6, **limits) == share
+def test_a_wall_is_drawn_twice_between_fifteen_and_fifty_centimetres(
+    apart, limits, share, seen_from
+):
+    """Catches a bound, and looks at a wall that faces to -x which are of two directions."""
+    leans = (0.0, 1e-6, -1e-6)
+    walls = np.array([[(x, 0), (x + k, 2)] for x in (0.05, 0.05 + apart) for k in leans])
+    found = doubled_walls(SegmentMap(walls, range(6)), [(seen_from, 1)] * 6, **limits)
+    assert found == share
 
 
 def test_no_wall_is_no_number_and_no_sensor_is_refused():

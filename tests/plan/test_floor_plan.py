@@ -78,6 +78,16 @@ def test_thin_walls_have_a_thickness(offices):
     assert (abs(found.thickness[known] - 0.1) < 0.01).mean() > 0.9  # the others are cupboards
 
 
+def test_a_shaft_is_narrower_than_walls_are_thick():
+    """Catches a thickness across a shaft, and an axis below 0 where its walls lean by a little."""
+    kinds = np.full((20, 180), UNKNOWN)
+    kinds[5:15, 9:171], kinds[6:14, 10:170] = OCCUPIED, FREE
+    walls = transform((0, 0, -0.001), box(8, 0.4, (4.5, 0.5, 0)))
+    found = plan.floor_plan(walls, map_of_grid(kinds, resolution=0.05))
+    assert len(found.walls) == 4 and np.isnan(found.thickness).all()
+    assert found.axes == pytest.approx(np.pi / 2 - 0.001)
+
+
 def test_the_graph_is_of_the_rooms_that_doors_join(offices):
     """Catches a graph of one way only."""
     found = offices[0.0]
@@ -180,10 +190,13 @@ def two_rooms_with(wall, furniture=(), turn=0.0, sensor=LASER, low=1.6):
 @pytest.mark.parametrize("wall", [0.05, 0.12, 0.2, 0.3])
 @pytest.mark.parametrize("sensor", [LASER, replace(LASER, sigma=0.005), replace(LASER, sigma=0.02)])
 def test_faces_bound_a_room_whatever_the_wall(wall, sensor):
-    """Catches a room that reaches to the middle of its walls, or into the sill of its door."""
+    """Catches a room that reaches to the middle of its walls, or into the sill of its door, and a
+    free side behind the other face of a thin wall."""
     found = two_rooms_with(wall, sensor=sensor)
     assert [room.area for room in found.rooms] == [pytest.approx(16, rel=0.02)] * 2
     assert len(found.doors) == 1 and all(room.hidden < 0.1 for room in found.rooms)
+    known = found.thickness[np.isfinite(found.thickness)]  # of two faces at both sides of a door
+    assert len(known) == 4 and known == pytest.approx(wall, abs=0.02)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.5, 2.0])

@@ -51,13 +51,19 @@ def test_scans_that_waited_for_the_recorder_lie_where_they_were_measured(waiting
     assert alignment.verdict.grade == "good" and off.max() < 0.05
 
 
-def test_the_last_scans_wait_too_and_those_of_a_robot_that_stands_do_not():
-    """Catches a group that ends with the log, and wheels that are believed against the scans."""
+def test_the_last_scans_wait_too_but_not_the_first_or_those_of_a_robot_that_stands():
+    """Catches a group that ends with the log, one before which nothing is known, and wheels that
+    are believed against the scans."""
     log = load("corridor")[:40]
     times, rows = log.times, log.odometry
     times[-4:], rows[-4:] = times[-1] - 0.003 * np.arange(4)[::-1], rows[-1]
     (finding,) = prepared(logs.changed(log, times=times, odometry=rows)).causes
     assert finding.cause is Cause.CLOCK and finding.value == 4
+    first = load("corridor")[:8]
+    times, rows = first.times + 0.3 * (np.arange(8) > 6), first.odometry
+    times[:3], rows[:3] = times[3] - 0.003 * np.arange(3, 0, -1), rows[3]
+    begun = prepared(logs.changed(first, times=times, odometry=rows))
+    assert np.array_equal(begun.times, times)
     room = load("room")
     stands = room[[*range(20), 20, 20, 20, *range(21, len(room))]]
     later = room.times[20:] + 0.5 * np.median(np.diff(room.times))

@@ -227,6 +227,18 @@ def test_times_that_no_turn_takes_are_not_believed():
     assert "not believed" not in deskew(log, log.truth).doubt
 
 
+def test_what_is_less_sharp_than_an_even_motion_is_not_taken():
+    """Catches beams carried by the better of match and wheels, where both are worse."""
+    path = compose(
+        (2.0, 1.2, 0.3), arc(np.array((0.3, -0.1, 0.9)) * PERIOD * np.arange(25)[:, None])
+    )
+    wheels = OdometryNoise(turn_noise=0.5, heading_noise=0.3, distance_noise=0.3)
+    log = simulate(L_ROOM, path, sensor=replace(SPIN, sigma=0.05, max_range=20.0), moving=True,
+                   rng=np.random.default_rng(1), odometry_noise=wheels)  # fmt: skip
+    pairs = zip(deskew(log), deskew(log, pose_graph(log).poses), strict=True)
+    assert all(np.array_equal(a.ranges, b.ranges, equal_nan=True) for a, b in pairs)
+
+
 @pytest.mark.parametrize(("way_round", "place"), [(1, (0, 0, 0)), (-1, (0.3, -0.15, 2.5))])
 def test_a_laser_of_one_turn_a_second_is_carried_as_the_wheels_say(way_round, place):
     """Catches a motion that is even over a corner, 0.5 m off, and one of the laser's own place."""
