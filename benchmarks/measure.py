@@ -1,12 +1,11 @@
 """How the benchmarks measure, and where they find what they measure on.
 
-Speeds drift by a factor of two within minutes, so a method is timed right after its yardstick, and
-the ratio is what counts.
+Speeds drift by a factor of two within minutes, and others may use the machine: CPU seconds are
+counted, the least of several, a method right after its yardstick, and the ratio is what counts.
 """
 
 import importlib.util
 import os
-import statistics
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -33,32 +32,35 @@ class Row(NamedTuple):
 
 
 def seconds(call: Callable[[], Any], repeat: int = 5) -> float:
-    """Median time of a call, after one that is not counted."""
+    """Least CPU time of a call, after one that is not counted."""
     call()
-    return statistics.median(once(call) for _ in range(repeat))
+    return min(once(call) for _ in range(repeat))
 
 
-def once(call: Callable[[], Any]) -> float:
-    """Time of one call."""
-    start = time.perf_counter()
+def once(call: Callable[[], Any], clock: Callable[[], float] = time.process_time) -> float:
+    """CPU time of one call, of all its threads; or its time by another clock."""
+    start = clock()
     call()
-    return time.perf_counter() - start
+    return clock() - start
 
 
-def in_turn(*calls: Callable[[], Any], repeat: int = 5) -> list[float]:
-    """Median times of several calls that take turns, so that a slow minute slows them all."""
-    took = [[once(call) for call in calls] for _ in range(repeat)]
-    return [statistics.median(each) for each in zip(*took, strict=True)]
+def in_turn(
+    *calls: Callable[[], Any], repeat: int = 5, clock: Callable[[], float] = time.process_time
+) -> list[float]:
+    """Least times of several calls that take turns, so that a slow minute slows them all."""
+    took = [[once(call, clock) for call in calls] for _ in range(repeat)]
+    return [min(each) for each in zip(*took, strict=True)]
 
 
 def on_cores(call: Callable[[], Any], repeat: int = 7) -> str:
-    """Milliseconds of a call with one thread, with one for each core, and their ratio."""
+    """Milliseconds, on the wall, of a call with one thread and with one a core; their ratio."""
 
     def limited(count: int) -> None:
         with mock.patch.dict(os.environ, {THREADS: str(count)}):
             call()
 
-    one, several = in_turn(partial(limited, 1), partial(limited, cores()), repeat=repeat)
+    calls, clock = (partial(limited, 1), partial(limited, cores())), time.perf_counter
+    one, several = in_turn(*calls, repeat=repeat, clock=clock)
     return f"{1e3 * one:.1f} / {1e3 * several:.1f} ms = {one / several:.2f}"
 
 
