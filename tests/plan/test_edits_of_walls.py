@@ -230,8 +230,9 @@ def test_rooms_never_overlap(free, stand):
 
 
 def test_a_door_may_lead_outside():
-    """Catches the last room of a list behind an outer wall, a room that is told to have no door."""
-    plan = seen(*ROOMS).edited([NewDoor((0.1, 1.0), (0.1, 2.0)), NewDoor((8.2, 1.0), (8.2, 2.0))])
+    """Catches the last room of a list behind an outer wall, to which a way leads round, and a room
+    that is told to have no door."""
+    plan = seen(*ROOMS).edited([NewDoor((0.1, 1.0), (0.1, 2.0)), NewDoor((8.2, 1.0), (8.2, 2.5))])
     assert {door.rooms for door in plan.doors} == {(-1, 0), (-1, 1)}
     assert not plan.graph.any() and not plan.doubt
 

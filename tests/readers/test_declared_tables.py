@@ -351,18 +351,19 @@ def test_a_log_of_words_stays_one_whatever_its_head(tmp_path):
 
 @pytest.mark.parametrize("kind", ["csv", "npz"])
 def test_numbered_files_with_a_scan_each_are_one_log(tmp_path, kind):
-    """Catches as many logs as there are scans, and 10 before 2."""
+    """Catches as many logs as there are scans, 10 before 2, and times that are all equal."""
     (folder := tmp_path / "walk").mkdir()
     for k in (1, 2, 10):
         far = FAR + 0.01 * k
         if kind == "npz":
             np.savez(folder / f"scan_{k}.npz", ranges=far, angles=np.radians(TURN))
         else:
-            beams = (f"{a},{r:.3f}" for a, r in zip(TURN, far, strict=True))
-            (folder / f"scan_{k}.csv").write_text(text(["angle_deg,range_m", *beams]))
+            beams = (f"7.5,{a},{r:.3f}" for a, r in zip(TURN, far, strict=True))
+            (folder / f"scan_{k}.csv").write_text(text(["time_s,angle_deg,range_m", *beams]))
     log = readers.read(folder)
     assert [scan.ranges[0] for scan in log] == pytest.approx(FAR[0] + 0.01 * np.array([1, 2, 10]))
     assert any("in the order of the numbers" in told for told in log.assumed)
+    assert np.isnan(log.times).all()
 
 
 def test_arrays_that_are_not_known_are_told(tmp_path):

@@ -106,6 +106,20 @@ def test_lines_without_poses_take_the_odometry_from_odom_lines(read):
     assert log[1].odometry is None and log.truth is None
 
 
+def test_a_clock_that_is_set_back_goes_on_in_scans_too(read):
+    """Catches scans of the clock before, beside poses that were put right."""
+    lines = []
+    for k in range(20):
+        time = f"{10.0 + k - 5 * (k > 9)} robot 0"
+        lines += [
+            f"ODOM {k} 0 0 0 0 0 {time}",
+            f"RAWLASER1 0 -1.57 3.14 1.57 80 0 0 2 1 2 0 {time}",
+        ]
+    log = read(text(lines))
+    assert np.diff(log.times).tolist() == [1.0] * 19
+    assert log.odometry[:, 0].tolist() == [*range(20)]
+
+
 AHEAD = [flaser(poses.compose(o, (0.3, 0, 0)), o, 1.0) for o in ODOMETRY]
 
 

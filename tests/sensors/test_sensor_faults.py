@@ -61,6 +61,15 @@ def test_one_damage_anywhere(spoil, state, streams):
     assert not port.unit.laser
 
 
+def test_a_single_scan_that_is_damaged_is_asked_for_anew_at_once():
+    """Catches a driver that waits for a scan that nobody has asked for."""
+    port = Wired()
+    with connected(port) as sensor:
+        port.spoil = struck(port.sent + 500, "flip", b"\1")
+        turn_of(sensor.scan())
+        assert (sensor.delivered, sensor.dropped) == (1, 1)
+
+
 pieces = st.sampled_from(
     [b"QT\n00P\n\n", b"QT\n0Ee\n\n", b"QT\nE\n\n", b"PP\n00P\nARES:1024;\\\n\n", b"\n", b"0"]
 )

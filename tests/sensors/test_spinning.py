@@ -56,6 +56,15 @@ class Falling(lds2d.LidarDriver):
             yield 5.0, [lds2d.ScanPoint((-k + (k % 360 == 1) * 1.5) % 360, 1000 + k % 360, 0)]
 
 
+@lds2d.register("UNEVEN")
+class Uneven(lds2d.LidarDriver):
+    """A turn is no whole number of measurements."""
+
+    def _packets(self):
+        for k in range(100_000):
+            yield 5.0, [lds2d.ScanPoint(-0.83 * k % 360, 1000, 0)]
+
+
 @needs_terminals
 @pytest.mark.parametrize("model", ["LD19", "RPLIDAR-A1"])
 def test_every_turn_is_whole_and_lies_where_it_was_measured(model):
@@ -81,14 +90,17 @@ def test_every_turn_is_whole_and_lies_where_it_was_measured(model):
 
 
 def test_a_true_packet_and_what_no_measurement_is():
-    """Catches angles that count the wrong way, and a range of 0 taken for a wall."""
+    """Catches angles that count the wrong way, a range of 0 taken for a wall, and the time of the
+    end of a turn."""
     said = [TRUE_PACKET]
     for k in range(1, 40):
         words = [(angle + 1100 * k) % 36000 for angle in (32427, 33470)]
         low, high = (word.to_bytes(2, "little") for word in words)
         body = TRUE_PACKET[:4] + low + bytes(36) + high + TRUE_PACKET[44:46]
         said.append(body + bytes([crc8(body)]))
-    scan = next(SpinningLaser("ld19", Bytes(*said)).scans())
+    port = Bytes(*said)
+    scan = next(SpinningLaser("ld19", port, clock=lambda: 5 - 0.01 * len(port.said)).scans())
+    assert scan.time == pytest.approx(4.6, abs=0.02) and 0.3 < scan.delays.max() < 0.4
     assert scan.ranges[scan.valid][[0, -1]].tolist() == [0.192, 0.224]
     assert np.degrees(scan.angles[scan.valid][[0, -1]]) == pytest.approx([25.3, 35.73], abs=0.01)
     assert np.isnan(scan.ranges[~scan.valid]).all() and len(scan) > 380
@@ -110,10 +122,14 @@ def test_a_packet_of_the_manual_of_an_x4_and_the_turn_around_it():
 
 
 def test_angles_that_fall_make_turns_too():
-    """Catches turns that end where an angle drops: none ever does, or each jitter is one."""
+    """Catches turns that end where an angle drops: none ever does, or each jitter is one; and
+    turns that are longer, each by what was left of the one before."""
     scans = SpinningLaser("FALLING", Bytes(b"x")).scans()
     for scan, _ in zip(scans, range(5), strict=False):
         assert 359 <= len(scan) <= 361 and scan.whole_turn
+    scans = SpinningLaser("UNEVEN", Bytes(b"x")).scans()
+    beams = sum(len(scan) for scan, _ in zip(scans, range(20), strict=False))
+    assert abs(beams - 20 * 360 / 0.83) < 2
 
 
 def test_what_is_not_known_is_assumed_and_what_is_told_is_taken():

@@ -64,6 +64,11 @@ def test_the_last_scans_wait_too_but_not_the_first_or_those_of_a_robot_that_stan
     times[:3], rows[:3] = times[3] - 0.003 * np.arange(3, 0, -1), rows[3]
     begun = prepared(logs.changed(first, times=times, odometry=rows))
     assert np.array_equal(begun.times, times)
+    twice = load("corridor")[:40]  # and no pause before them
+    times, rows = twice.times, twice.odometry
+    times[20:22], rows[20] = times[20] - (0.05, 0.047), rows[21]
+    even = prepared(logs.changed(twice, times=times, odometry=rows))
+    assert np.array_equal(even.times, times)
     room = load("room")
     stands = room[[*range(20), 20, 20, 20, *range(21, len(room))]]
     later = room.times[20:] + 0.5 * np.median(np.diff(room.times))
@@ -123,6 +128,10 @@ def test_wheels_that_are_read_less_often_than_the_laser_drive_on_between(period)
     assert [(each.cause, each.value) for each in mended.causes] == [(Cause.DELAY, period)]
     alignment = pose_graph(mended)
     assert alignment.verdict.grade == "good" and logs.errors(log, alignment.poses)[0].max() < 0.1
+    late = 30 * period  # longer before a reading it stood
+    rows_late = np.vstack([rows[:late], rows[[late - 1] * period], rows[late + period :]])
+    stood = prepared(logs.changed(log, odometry=rows_late)).odometry
+    assert stood[late] == pytest.approx(rows[late - 1])
     missing = logs.without_odometry(logs.changed(log, odometry=rows), 100)
     assert prepared(missing).causes[0].value == period and prepared(missing)[100].odometry is None
     stands = log[np.repeat(np.arange(66), period)]

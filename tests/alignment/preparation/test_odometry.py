@@ -221,12 +221,18 @@ def test_a_step_that_the_scans_confirm_is_true(begin, end, wild_rows):
 
 
 def test_a_step_that_nothing_tells_is_doubted():
-    """Catches a corridor that looks alike from both places, and a map of it that is called good."""
+    """Catches a corridor that looks alike from both places, and a map of it that is called good; a
+    step that fits no scan, and is believed."""
     walls = box(60, 2.2, (30, 1.1, 0))
     path = drive([(2, 1.1), (55, 1.1)], step=0.25)
     rng = np.random.default_rng(3)
     log = simulate(walls, path, sensor=logs.AROUND, rng=rng, odometry_noise=OdometryNoise())
     assert causes(prepared(paused(log, 100, 120))) == {Cause.JUMP: True}
+    elsewhere = paused(driven(), 100, 190)  # it neither stood nor drove so
+    rows = elsewhere.odometry
+    rows[100:] = compose(compose(rows[99], (0.5, 3.0, 1.5)), between(rows[100], rows[100:]))
+    unclear = prepared(logs.changed(elsewhere, odometry=rows))
+    assert causes(unclear)[Cause.JUMP] and unclear[100].odometry is None
 
 
 def test_a_faster_robot_does_not_jump():

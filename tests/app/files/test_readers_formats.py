@@ -30,7 +30,7 @@ class TestRobotLaser:
     @pytest.mark.parametrize(
         ("old", "new", "degrees"),
         [
-            ("-1.570796 3.141593 0.785398", "-0.5 1.0 0.25", np.degrees([-0.5, 0.5])),
+            ("-1.570796 3.141593 0.785398", "-0.5 2.0 0.25", np.degrees([-0.5, 0.5])),
             ("0.785398", "0.0", [-90, 90]),  # without a resolution they fill the field of view
         ],
     )
