@@ -241,6 +241,31 @@ def test_a_wall_that_steps_back_is_no_furniture(at, step, area):
     assert room.area == pytest.approx(area, rel=0.01) and room.hidden == 0
 
 
+def one_room():
+    """Squares of a room of 5 x 4 m, and what makes the plan of them and of walls."""
+    kinds = np.full((120, 150), UNKNOWN)
+    kinds[9:91, 9:111], kinds[10:90, 10:110] = OCCUPIED, FREE
+    return kinds, lambda walls: plan.floor_plan(walls, map_of_grid(kinds, resolution=0.05))
+
+
+def test_a_pillar_is_not_free_inside():
+    """Catches a small place that nobody saw, between walls, that counts as free."""
+    kinds, planned = one_room()
+    kinds[40:52, 40:52] = OCCUPIED
+    kinds[41:51, 41:51] = UNKNOWN
+    found = planned([*box(5, 4, (3.0, 2.5, 0)), *box(0.6, 0.6, (2.3, 2.3, 0))])
+    assert len(found.walls) == 8 and found.side.all()
+
+
+def test_a_ray_through_a_door_makes_no_opening():
+    """Catches a large place outside that one ray frees."""
+    kinds, planned = one_room()
+    kinds[40:58, 110:112] = kinds[40:45, 112:140] = FREE
+    walls = polyline([(5.5, 2.0), (5.5, 0.5), (0.5, 0.5), (0.5, 4.5), (5.5, 4.5), (5.5, 2.9)])
+    found = planned(walls)
+    assert not found.openings_to_nowhere and not found.doubt
+
+
 def test_a_chimney_counts_as_floor():
     """Catches a wide and flat one that is taken for a wall that steps back."""
     chimney = [(5, 4), (5, 3.65), (1, 3.65), (1, 4)]

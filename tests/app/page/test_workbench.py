@@ -277,6 +277,9 @@ def test_a_worker_that_dies_is_told_and_replaced(worker, monkeypatch):
     assert worker.do(print) is None and worker.start() is kept
     with pytest.raises(Failed, match="ended by itself: is there memory"):
         worker.do(os._exit, 3)
+    told = worker.do(facts, LOG)
+    worker.end()
+    assert worker.do(facts, LOG) == told  # which the new one has not got yet
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limits are those of Linux")
