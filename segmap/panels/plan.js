@@ -273,6 +273,7 @@ function render({ model, el }) {
   const redrawn = () => {
     draw();
     status.textContent = model.get("state").words;
+    svg.setAttribute("aria-label", `floor plan: ${status.textContent}`);
   };
   model.on("change:state", redrawn);
   const sized = new ResizeObserver(() => draw());

@@ -13,6 +13,7 @@ from segmap import alignment, extraction, reduction
 from segmap.arrays import described
 from segmap.files import as_html
 from segmap.panels.controls import ENTRY, control, folded
+from segmap.readers.raw_scans import COUNTERCLOCKWISE
 from segmap.scans import Log
 
 from ..call import Call, defaults, directions
@@ -31,6 +32,11 @@ LIST_NAME_STYLE = {"description_width": "104px"}
 SMALL = '<div style="line-height: 1.35; font-size: 12px; margin-left: 4px">'
 #: Said of a log with a true pose for each scan, below what the alignment does.
 OWN_POSES = f"{SMALL}This log has poses of its own: choose ground_truth to use them.</div>"
+#: Said above the verdict of a table that does not say how its angles count.
+ASSUMED_WAY = (
+    f"{SMALL}assumed counter-clockwise; RPLidar, LD19 and most low-cost lasers count clockwise: "
+    "tick here if the map looks mirrored, then Run</div>"
+)
 #: What the list of second methods says of none.
 NONE = "none"
 
@@ -158,6 +164,7 @@ class Choices:
         self.clockwise.tooltip = "for a laser that is mounted upside down"
         for box in (self.deskew, self.keep_body, self.clockwise):
             box.indent, box.layout.width = False, "auto"
+        self.mirrored: Any = W.VBox([W.HTML(ASSUMED_WAY), self.clockwise])
         hint, style = "FROM:TO, FROM:TO", ENTRY
         self.mask: Any = W.Text(description="mask [degrees]", placeholder=hint, style=style)
         self.mask.tooltip = "directions in which the laser sees the robot, which are left out"
@@ -178,6 +185,7 @@ class Choices:
         self.edits.restore({})
         has_poses = alignment.usual_method(log) == "ground_truth"
         self.own_poses.value = OWN_POSES if has_poses else ""
+        self.mirrored.layout.display = None if COUNTERCLOCKWISE in log.assumed else "none"
 
     def restore(self, session: Session) -> None:
         """Choose what a session says, and the defaults of all else.
@@ -239,7 +247,9 @@ class Choices:
         fold = folded("laser", laser)
         fold.layout.align_self = "flex-start"
         return {
-            "Poses": W.VBox([self.align.view, self.own_poses, self.deskew, fold, laser]),
+            "Poses": W.VBox(
+                [self.align.view, self.own_poses, self.deskew, fold, laser, self.mirrored]
+            ),
             "Segments": W.VBox([self.extract.view, self.people, self.least]),
             "Map": W.VBox([self.method.view, self.second.view]),
         }

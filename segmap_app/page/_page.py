@@ -6,8 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import ipywidgets as W
+import numpy as np
 
-from . import _shown
+from segmap.arrays import Array
+
+from . import _files, _shown
 from ._browser import Canvas
 from ._choices import WRAP
 from ._edits import Edits, Rooms
@@ -44,6 +47,8 @@ LAYERS = {
     "free space": "what beams crossed: the leaves of the quadtree that are free, in grey",
     "grid": "lines of the map's own coordinates, in metres",
 }
+#: Layers that are drawn where nobody says anything.
+DRAWN_LAYERS = ("path", "loops", "free space")
 TOOLS = {
     "look": "a click pins the segment under it",
     "distance": "between two clicks, which snap to ends, corners and walls; wall to wall square",
@@ -52,11 +57,12 @@ TOOLS = {
 
 
 def toggles() -> tuple[Any, Any, dict[str, Any]]:
-    """Buttons of what is shown, of what a click does, and of the layers by their names."""
+    """Buttons of what is shown and of what a click does, and ticks of the layers by name."""
     sides: Any = W.ToggleButtons(options=["before", "after", "both"], value="after")
     tool: Any = W.ToggleButtons(options=list(TOOLS), tooltips=list(TOOLS.values()))
     layers = {
-        name: W.ToggleButton(False, description=name, tooltip=LAYERS[name]) for name in LAYERS
+        name: W.Checkbox(name in DRAWN_LAYERS, description=name, indent=False, tooltip=LAYERS[name])
+        for name in LAYERS
     }
     for each in (sides, tool):
         each.style.button_width = "auto"
@@ -93,6 +99,11 @@ class Page:
     rooms: Rooms
     progress: Any
     state: Any
+    #: The outcome whose map is drawn, what is under way, and what says how far it is.
+    _seen: Any
+    _begin: Any
+    _thread: Any
+    _bar: Any
 
     def _make_outputs(self, told: Callable[[dict[str, Any]], None]) -> None:
         self.start, self.stop, self.undo = (
@@ -135,14 +146,35 @@ class Page:
         steps += [*headed("Floor plan", self.rooms.switch), saved, self.files]
         steps += [*headed("All runs", listed), *headed("In Python", self.listing)]
         bar = [self.start, self.stop, self.progress, self.state]
-        tools = W.Box([self.shown, self.tool, *self.layers.values()], layout=W.Layout(**WRAP))
+        groups = {"shown": [self.shown], "measure": [self.tool], "layers": self.layers.values()}
+        tools = W.Box(
+            [W.Box([W.Label(name), *parts], layout=WRAP) for name, parts in groups.items()],
+            layout=WRAP,
+        )
         return laid_out(
             steps, bar, [tools, self.advice, self.canvas, self.chosen, self.rooms.sheet]
         )
 
+    def _layered(self, change: Any = None) -> None:
+        """What is drawn with the maps; what takes time is made when it is first asked for."""
+        on, canvas = [name for name, each in self.layers.items() if each.value], self.canvas
+        canvas.layers = on
+        if (seen := self._seen) is None:
+            return
+        if "points" in on and not canvas.points:
+            canvas.points = canvas.packed(_files.drawn_points(seen.log, seen.alignment.trusted))
+        asked = change is not None and "free space" in on
+        if asked and not canvas.free and not self._thread.is_alive():
+            self._begin(_files.free_space, (seen,), self._freed)
+
+    def _freed(self, squares: Array) -> None:
+        squares[:, :2] -= self.canvas.middle
+        self.canvas.free = squares.astype(np.float32).tobytes()
+        self._bar.say(_shown.done(self._seen), 1.0)
+
     def _show_nothing(self) -> None:
         """Show no map, and nothing that is said of one."""
-        self.rooms.switch.value = self.layers["free space"].value = self.loops.open.value = False
+        self.rooms.switch.value = self.loops.open.value = False
         self.loops.open.layout.display = "none"
         for each in (self.verdict, self.extracted, self.figures, self.listing, self.chosen):
             each.value = ""

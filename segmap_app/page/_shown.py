@@ -58,6 +58,13 @@ def about_html(log: Log) -> str:
     return f"{LINES}{'<br>'.join(lines)}</div>"
 
 
+def done(outcome: Pipeline) -> str:
+    """That a run is done, or how far it came until it was stopped."""
+    return f"{outcome.given.name}: " + (
+        f"{outcome.stopped}; Run maps all of it" if outcome.stopped else "done"
+    )
+
+
 def titles(outcome: Pipeline) -> list[str]:
     """A title for each picture: the map before, and what each method leaves."""
     after = [f"{call.name}: {len(reduced)}" for call, reduced, _ in outcome.results()]

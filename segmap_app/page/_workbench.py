@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, cast
@@ -15,7 +16,7 @@ from segmap import arrays
 from segmap.display import counted
 from segmap.files import file_name, shown
 from segmap.plotting import thumbnail
-from segmap.progress import told
+from segmap.progress import Stopped, told
 from segmap.reduction import Reduction
 from segmap.scans import Log
 from segmap.segments import length
@@ -26,7 +27,7 @@ from ..pipeline import MapChoices, Pipeline, begin, follow
 from . import _edits, _files, _shown
 from ._bar import Bar, Work
 from ._choices import Choices
-from ._job import Worker
+from ._job import Failed, Worker
 from ._loops import Loops
 from ._page import NO_PLANS, SAVES, Page
 from ._runs import Runs
@@ -124,7 +125,9 @@ class Workbench(Page, Work):
     def run(self) -> None:
         """Do it, here and now, and show it; where a method refuses, the run before stays."""
         with told(self._bar.tell):
-            self._show(self.log, follow(*self._work(anew=True)))
+            self._show(self.log, outcome := follow(*self._work(anew=True)))
+            if self.layers["free space"].value:
+                self._freed(_files.free_space(outcome))
         self._settle()
 
     def _work(self, *, anew: bool = False) -> tuple[MapChoices, Log, Pipeline | None]:
@@ -166,7 +169,13 @@ class Workbench(Page, Work):
             if not self._is_shown(begun):
                 self._show_map(begun)
             self._known = begun
-        self._show(log, self._worker.do(follow, recipe, log, begun))
+        outcome, squares = self._worker.do(follow, recipe, log, begun), None
+        if self.layers["free space"].value:
+            with suppress(Failed, Stopped):  # the map is seen without it
+                squares = self._worker.do(_files.free_space, outcome)
+        self._show(log, outcome)
+        if squares is not None and log is self.log:
+            self._freed(squares)
 
     def _edited(self, change: Any = None) -> None:
         """Run again at once, where there is a map to be edited."""
@@ -217,6 +226,7 @@ class Workbench(Page, Work):
             self._choices.restore(outcome.recipe.session(outcome.given, ()))
             self._show(outcome.given, outcome)
             self._settle()
+            self._layered(run)
 
     def _failed(self, function: Callable[..., Any]) -> str:
         """Show the last good run again, and say that it is kept."""
@@ -246,8 +256,7 @@ class Workbench(Page, Work):
             self._history.append(outcome.recipe.edits)
         self.figures.value = _shown.by_method(outcome)
         self.listing.value = _shown.code(outcome.code())
-        words = f"{outcome.stopped}; Run maps all of it" if outcome.stopped else "done"
-        self._bar.say(f"{outcome.given.name}: {words}", 1.0)
+        self._bar.say(_shown.done(outcome), 1.0)
         self.chosen.value = "point at a segment that is left: what it was made of lights up"
 
     def _show_map(self, outcome: Pipeline) -> None:
@@ -262,7 +271,6 @@ class Workbench(Page, Work):
         titles = _shown.titles(outcome) if done else wait
         self.canvas.show(map.segments, reduced_segments, titles, layers)
         self.canvas.unsaved, self._seen = True, outcome
-        self.layers["free space"].value = False  # that was of another map
         self._layered()
         self.canvas.summary = _shown.summary(outcome, self.canvas.size) if done else ""
         self.verdict.value = _shown.verdict_html(outcome)
@@ -370,22 +378,6 @@ class Workbench(Page, Work):
         """Grey what cannot be done now."""
         busy, done = self._thread.is_alive() if busy is None else busy, self.outcome is not None
         self._grey(ready=self._source.ready, busy=busy, done=done, edited=len(self._history) > 1)
-
-    def _layered(self, change: Any = None) -> None:
-        """What is drawn with the maps; what takes time is made when it is first asked for."""
-        on, canvas = [name for name, each in self.layers.items() if each.value], self.canvas
-        canvas.layers = on
-        if (seen := self._seen) is None:
-            return
-        if "points" in on and not canvas.points:
-            canvas.points = canvas.packed(_files.drawn_points(seen.log, seen.alignment.trusted))
-        if "free space" in on and not canvas.free and not self._thread.is_alive():
-            self._begin(_files.free_space, (seen,), self._freed)
-
-    def _freed(self, squares: arrays.Array) -> None:
-        squares[:, :2] -= self.canvas.middle
-        self.canvas.free = squares.astype(np.float32).tobytes()
-        self._bar.say(f"{self.log.name}: free space", 1.0)
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         """The live panel, and for readers without a kernel its picture and its text."""

@@ -5,6 +5,7 @@ const DARK = { ground: "#161616", map: "#f2f2f2", raw: "#808080", result: "#56b4
   member: "#ff8c42", way: "#2fc79b", free: "#303030", lines: "#484848" };
 const KEYS = "Arrow keys move it, plus and minus zoom, 0 shows all of it, Enter measures from its middle.";
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const PARTS = { bar: "run", steps: "steps", map: "map" };  // landmarks
 const TOGGLES = ".widget-toggle-button, .widget-toggle-buttons button";
 const GAP = 8, NEAR = 9, LABEL = 22;
 
@@ -390,9 +391,14 @@ function render({ model, el }) {
     ask();
   });
   watch.observe(el);
-  const press = () => {  // a toggle tells what it is by its colour only
+  const press = () => {  // a toggle tells what it is by its colour only, a part by its place
     for (const button of document.querySelectorAll(TOGGLES))
       button.setAttribute("aria-pressed", button.classList.contains("mod-active"));
+    for (const [name, words] of Object.entries(PARTS)) {
+      const part = document.querySelector(`.segmap-${name}`);
+      part?.setAttribute("role", "region");
+      part?.setAttribute("aria-label", words);
+    }
     for (const part of document.querySelectorAll(".noUi-handle, .widget-readout")) {  // of a slider
       const row = part.closest(".jupyter-widgets"), name = row && row.querySelector(".widget-label");
       if (name) part.setAttribute("aria-label", name.textContent);

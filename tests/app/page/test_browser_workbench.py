@@ -60,6 +60,7 @@ const d = c.getContext('2d').getImageData(w, 30, w, c.height - 80).data;
 for (let i = 0; i < d.length; i += 4) if (d[i] === 0 && d[i + 1] === 114 && d[i + 2] === 178)
   return [box.left + (w + (i / 4) % w) / dots, box.top + (30 + Math.floor(i / 4 / w)) / dots];
 return null"""
+RING = "return getComputedStyle(document.activeElement).outline"
 TOOL = "return document.querySelector('.segmap-canvas').dataset.tool"
 PLAN_BUTTON = "//div[@class='segmap-plan-bar']//button[normalize-space()='{}']"
 #: Whether a plan stands in the place of the map, whole in the window, its letters 7 pixels high.
@@ -336,9 +337,14 @@ def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browse
         browser.click(f"{PICKED.format(kind)}/option[normalize-space()='{name}']")
     pressed(browser, "Run", ENTER)
     wait("a run", lambda: "loops (4)" in browser.run(TEXT), 180)
-    off = ["before", "both", "distance", "area", "path", "loops", "points", "free space", "grid"]
+    off = ["before", "both", "distance", "area"]
     off += ["loops (4)", "crop and place", "laser", "settings", "plan"]
     assert toggles(browser) == dict.fromkeys(off, False) | {"after": True, "look": True}
+    ticked = dict.fromkeys(("path", "loops", "free space"), True)
+    ticked |= dict.fromkeys(("points", "grid"), False)
+    assert ticked.items() <= toggles(browser, "checked").items()
+    parts = [node["name"]["value"] for node in nodes(browser) if node["role"]["value"] == "region"]
+    assert parts == ["run", "steps", "map"]
     pressed(browser, "loops (4)", SPACE)
     shown = r"4-151: 0.\d\d sd off, 76 m round"
     wait("the loops", lambda: re.match(shown, "".join(listed(browser))))
@@ -374,6 +380,8 @@ def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browse
     assert spoken["slider"]["name"]["value"] == "tolerance [m]"
     met = [node for node in nodes(browser) if "focusable" in properties(node)]
     assert len(met) > 30
+    browser.run("document.querySelector('.segmap-bar button').focus()")
+    assert browser.run(RING) == "rgb(11, 87, 208) solid 3px", "3 to 1 against white"
     assert [node["role"]["value"] for node in met if not node["name"]["value"]] == []
     fits_each_window(browser, "workbench_loops")
 
@@ -403,9 +411,9 @@ def listed(browser):
     return [text.replace("\xa0", " ") for text in texts]
 
 
-def toggles(browser):
-    """What a screen reader is told of each button that has a state."""
-    found = [(properties(node).get("pressed"), node["name"]["value"]) for node in nodes(browser)]
+def toggles(browser, kind="pressed"):
+    """What a screen reader is told of each button or tick that has a state."""
+    found = [(properties(node).get(kind), node["name"]["value"]) for node in nodes(browser)]
     return {name: state in (True, "true") for state, name in found if state is not None and name}
 
 

@@ -362,8 +362,8 @@ def test_an_uploaded_file_is_read(tmp_path, worker):
 
 
 def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
-    """Catches a table that Python alone can read, one that is read unchosen, lost choices, and a
-    name of the question that no menu has."""
+    """Catches a table that Python alone can read, one that is read unchosen, lost choices, a name
+    of the question that no menu has, and angles whose direction is assumed without a word."""
     rows = "".join(f"{0.1 * (k // 9):.1f};{20 * (k % 9)};{500 + k}\n" for k in range(27))
     made = bench()
     made._worker = worker
@@ -378,6 +378,8 @@ def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
     made.wait()
     assert len(made.log) == 3 and made.log.times == pytest.approx([0, 0.1, 0.2])
     assert made.log[0].ranges.max() == pytest.approx(0.508)
+    mirrored = made._choices.mirrored
+    assert "RPLidar" in mirrored.children[0].value and mirrored.layout.display is None
     names = "columns=['time_s', 'angle_deg', 'range_mm']"
     assert (
         made._source.expression == f"segmap.readers.read_csv('it.csv', {names}, on_error=\"skip\")"
@@ -393,7 +395,7 @@ def test_the_columns_of_a_table_are_chosen_above_its_first_rows(worker):
     assert len(made.log[0]) == 181, "names before the ranges are written in the same cell"
     assert {"x_cm", "y_ft", "pose_x_mm", "urg_mm", "time"} <= {*table.kinds[0].options}
     made.bundled.value = "room"
-    assert table.view.layout.display == "none"
+    assert table.view.layout.display == mirrored.layout.display == "none"
 
 
 def refused(made):
@@ -429,6 +431,8 @@ def test_a_row_of_all_runs_brings_that_run_back(tmp_path):
     assert made.canvas.titles[2:] == ["", "run 0, simulated: 4"] and made.log.name == "room"
     assert len(made.canvas.other) == 16 * len(first.reductions[0])
     made.canvas._handle_custom_msg({"run": 0, "beside": False}, [])
+    made.wait()  # for what is free in it
+    assert made.canvas.free != b""
     assert made.outcome is first and made.log is LOG and made.canvas.other == b""
     assert (made.align.value, made.method.value) == ("ground_truth", "fusion")
     assert made.state.value == f"{LOG.name}: done" and made.figures.value == _shown.by_method(first)
@@ -484,10 +488,18 @@ def test_what_cannot_be_done_is_greyed_and_why_not_is_said(worker):
 
 
 def test_layers_and_what_is_measured(worker):
-    """Catches a layer of the map before, one that is made though nobody asks, and lost units."""
+    """Catches a layer of the map before, one that is made though nobody asks, lost units, and a
+    map that is seen without its path, its loops and what is free."""
     made = done()
     made._worker, canvas = worker, made.canvas
-    assert canvas.layers == [] and canvas.points == canvas.free == b"" and canvas.unsaved
+    assert canvas.layers == ["path", "loops", "free space"] and canvas.points == b""
+    assert len(canvas.free) > 12 and canvas.unsaved
+    made.layers["free space"].value = False
+    made.run()
+    assert canvas.free == b"", "nobody asked for it"
+    for name in ("path", "loops"):
+        made.layers[name].value = False
+    assert canvas.layers == []
     assert len(canvas.way) == 8 * len(LOG) and len(canvas.sure) == 4 * len(LOG)
     for name in ("points", "grid", "free space"):
         made.layers[name].value = True
