@@ -46,7 +46,8 @@ def write_plan(
     - `.dxf`: a drawing in metres (R2010) with the layers WALLS, CLUTTER, DOORS, ROOMS and
       TEXT: walls whose other face was seen and rooms as closed outlines, doors as blocks.
     - `.geojson`: rooms as polygons, doors as points, walls and clutter as lines, each with
-      its `kind`, and with the keys of OpenStreetMap's Simple Indoor Tagging.
+      its `kind`, and with the keys of OpenStreetMap's Simple Indoor Tagging; a room whose name says
+      so is a corridor.
     - `.csv`: a table of the rooms: name, area, what of it furniture hides, perimeter, sides along
       the axes, doors.
 
@@ -99,7 +100,7 @@ def _csv_rooms(plan: FloorPlan, world: Frame) -> Iterator[str]:
 
 def _geojson_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
     def part(kind: str, geometry: str, coordinates: Any, **properties: Any) -> dict[str, Any]:
-        properties |= {"level": "0", **INDOOR.get(kind, {})}
+        properties = {"level": "0", **INDOOR.get(kind, {}), **properties}
         return feature(geometry, coordinates, kind=kind, **properties)
 
     def ring(corners: Array) -> Any:
@@ -107,7 +108,8 @@ def _geojson_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
 
     features = [
         part("room", "Polygon", [ring(room.outline), *(ring(hole[::-1]) for hole in room.holes)],
-                name=room.name, area=round(room.area, 3), hidden=round(room.hidden, 3),
+                name=room.name, **(CORRIDOR if "corridor" in room.name.lower() else {}),
+                area=round(room.area, 3), hidden=round(room.hidden, 3),
                 perimeter=round(room.perimeter, 3))
         for room in plan.rooms
     ]  # fmt: skip
@@ -165,6 +167,7 @@ def ezdxf_or_hint() -> Any:
 
 #: Keys of Simple Indoor Tagging, by the kind of a feature.
 INDOOR = {"room": {"indoor": "room"}, "wall": {"indoor": "wall"}, "door": {"door": "yes"}}
+CORRIDOR = {"indoor": "corridor"}
 #: Formats that are text, by the end of their name.
 PLAN_WRITERS: dict[str, Callable[[FloorPlan, Frame], Iterator[str]]] = {
     ".dxf": _dxf_plan, ".geojson": _geojson_plan, ".csv": _csv_rooms,

@@ -72,8 +72,10 @@ def test_a_sheet_is_square_to_its_building(tmp_path, as_recorded):
 
 
 def test_geometries_tell_what_they_are(two_rooms, tmp_path):
-    """Catches rings that are open or turn the wrong way round, and doors without their rooms."""
-    exports.write_plan(tmp_path / "it.geojson", two_rooms)
+    """Catches rings that are open or turn the wrong way round, doors without their rooms, and a
+    corridor that is tagged as a room."""
+    named = two_rooms.edited([plan.Name(tuple(two_rooms.rooms[1].place), "Corridor 1")])
+    exports.write_plan(tmp_path / "it.geojson", named)
     features = json.loads((tmp_path / "it.geojson").read_text())["features"]
     kinds = [one["properties"]["kind"] for one in features]
     assert kinds.count("room") == 2 and kinds.count("door") == 1
@@ -82,6 +84,7 @@ def test_geometries_tell_what_they_are(two_rooms, tmp_path):
     }
     assert tags - {("clutter", None, None)} == {
         ("room", "room", None),
+        ("room", "corridor", None),
         ("wall", "wall", None),
         ("door", None, "yes"),
     }
@@ -92,7 +95,7 @@ def test_geometries_tell_what_they_are(two_rooms, tmp_path):
     x, y = ring.T
     assert (x[:-1] * y[1:] - x[1:] * y[:-1]).sum() / 2 == pytest.approx(19.6, abs=0.1)
     assert door["properties"]["width"] == pytest.approx(0.9, abs=0.11)
-    assert door["properties"]["rooms"] == ["room 1", "room 2"]
+    assert door["properties"]["rooms"] == ["room 1", "Corridor 1"]
 
 
 def test_a_table_has_a_row_for_each_room(two_rooms, tmp_path):
