@@ -106,26 +106,33 @@ def test_a_hand_that_stops_and_turns_by_forty_degrees_a_scan_is_followed(seed):
     assert not any(graph.unmatched)
 
 
+@pytest.mark.parametrize("stops", [False, True])
 @pytest.mark.parametrize("share", [0.5, 0.7])
-def test_a_hand_that_begins_to_turn_within_a_scan_is_found_to(share):
+@pytest.mark.parametrize("degrees", [40, -40])
+def test_a_hand_that_begins_or_ends_to_turn_within_a_scan_is_found_to(degrees, share, stops):
     """Catches an acceleration in the place of a jump: half of the scan 0.2 m off its walls."""
-    turn, count = np.radians(40), 450
+    turn, count = np.radians(degrees), 450
     angles = np.angle(np.exp(2j * np.pi * np.arange(count) / count))
     delays = PERIOD_S * np.arange(count) / count
     graph, rng = LiveGraph(tracking=Tracking(moving=True)), np.random.default_rng(1)
+
+    def turned(scans):
+        """How far the hand has turned after so many scans."""
+        return turn * (np.minimum(scans, 4 + share) if stops else np.maximum(scans - 4 - share, 0))
+
     for k in range(6):
-        along = np.maximum(k + delays / PERIOD_S - (4 + share), 0.0)
-        poses = np.stack([1.2 + 0 * along, 1.3 + 0 * along, turn * along], -1)
+        headings = turned(k + delays / PERIOD_S)
+        poses = np.stack([1.2 + 0 * headings, 1.3 + 0 * headings, headings], -1)
         ranges = [float(cast_rays(WALLS, pose, [angle], max_range=12.0)[0])
                   for pose, angle in zip(poses, angles, strict=True)]  # fmt: skip
         order = np.argsort(angles)
         noisy = (np.array(ranges) + rng.normal(0, 0.01, count))[order]
         graph.add(LaserScan(noisy, angles[order], k * PERIOD_S, delays=delays[order]))
     carried = graph.tracked(4).scan
-    half = max(0.5 - share, 0.0) * turn
-    there = transform((1.2, 1.3, half), carried.points())
+    there = transform((1.2, 1.3, turned(4.5)), carried.points())
     assert np.quantile(distance_to_walls(there), 0.95) < 0.04
-    assert abs(graph.tracked(4).motion[5] * PERIOD_S - turn) < 0.1 * turn
+    change = graph.tracked(4).motion[5] * PERIOD_S
+    assert abs(change + (turn if stops else -turn)) < 0.1 * abs(turn)
 
 
 def test_what_is_drawn_is_carried_and_the_first_scan_too():

@@ -10,8 +10,6 @@ from ...arrays import Array
 from ...poses.motions import arc, transform
 from ._point_map import LAST, PointMap
 
-#: A step of the moment at which a velocity jumps counts so many times, a second.
-MOMENT_WEIGHT = 100.0
 #: How far the pose that is supposed may err, metres and radians: it counts where it is free.
 POSE_ERRORS = 0.1, 0.1, 0.2
 #: How far partners are sought at first, metres: a bent wall is a decimetre off.
@@ -86,7 +84,7 @@ def match_moving(
         state[free] -= step
         largest = np.abs(step[[0, 1, 2, 5]]).max()
         if unknowns == AND_JUMP:
-            largest = max(largest, abs(step[8]), MOMENT_WEIGHT * abs(step[9]))
+            largest = max(largest, abs(step[8]), abs(state[8] * step[9]) / since.max())
         if largest < LAST_STEP and reach <= LAST:
             break
         reach = max(reach / 2, LAST) if largest < NEAR_STEP else reach

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array, Count, Metres, Positive, Radians, Settings
-from ...poses.motions import between, compose
+from ...poses.motions import arc, between, compose
 from ...scans import LaserScan
 from ...scans.causes import Unmatched
 from ...threads import in_threads
@@ -207,20 +207,21 @@ class FrontEnd(Undoable):
         scan = row.as_measured or row.scan
         apart = scan.time - (before.as_measured or before.scan).time
         seconds = max(turn_of(scan), apart)  # stamps may jitter: no turn is shorter
-        motion, earlier = even_motion(before.pose, match.pose, seconds), before.velocity
+        motion = even_motion(before.pose, match.pose, seconds)
+        steady = compose(before.pose, arc(before.velocity * seconds)), before.velocity
         if turn_of(before.scan) > 0 and self.frames.rows[-1].scan == len(self.rows) - 2:
             for _ in range(FIRST_ROUNDS):
                 first = at_mid_turn(before.scan, motion)
                 points = in_range(first.points())
                 map = PointMap(points, np.zeros_like(points))
-                laid = laid_in_motion(map, scan, match.pose, motion, earlier, self.rules.overlap)
+                laid = laid_in_motion(map, scan, match.pose, motion, steady, self.rules.overlap)
                 motion = even_motion(before.pose, laid[0].pose, seconds)
             carried = replace(before, scan=first, as_measured=before.scan, motion=motion)
             frame = self.frames.rows[-1]._replace(points=points)
             self.rows = [*self.rows[:-2], carried, row]  # new lists: an error puts back the old
             self.frames.rows = [*self.frames.rows[:-1], frame]
             self.local, self.redrawn = map, True
-        laid = laid_in_motion(map, scan, match.pose, motion, earlier, self.rules.overlap)
+        laid = laid_in_motion(map, scan, match.pose, motion, steady, self.rules.overlap)
         if laid[0].matched:
             row.as_measured, (match, row.scan, row.motion) = scan, laid
             self.points = in_range(row.scan.points())
