@@ -19,6 +19,8 @@ from ._runner import Indices, Reduction, Rows, Steps, run_offline, run_online
 
 Flags = NDArray[np.bool_]
 
+#: More segments take Fusion on-line more than ten seconds: it warns.
+MOST_ONLINE_SEGMENTS = 40_000
 #: Lengths, shifts and gaps closer than this, in metres, are equal: rounding must not choose.
 FUSION_ROUNDING_M = 1e-9
 
@@ -97,7 +99,7 @@ def fusion_online(map: Segments, *, tolerance: Metres = 0.04) -> Reduction:
             yield len(walls)
         return walls, parents
 
-    return run_online("fusion_online", map, steps, quadratic=True)
+    return run_online("fusion_online", map, steps, most_segments=MOST_ONLINE_SEGMENTS)
 
 
 def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:

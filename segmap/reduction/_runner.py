@@ -26,8 +26,6 @@ Indices = NDArray[np.int64]
 Turn = Annotated[Radians, at_most(np.pi / 2)]
 #: A length that may be none.
 Length = Annotated[Metres, at_least(0)]
-#: More segments take a method whose cost grows with their square more than ten seconds: it warns.
-MOST_QUADRATIC_SEGMENTS = 40_000
 #: What a method returns: outputs `(m, 2, 2)`, metres, and the output of each of its rows, `(k,)`.
 Found = tuple[Array, Indices]
 #: An on-line method: yields the segments in its map after each scan, and returns what it found.
@@ -155,12 +153,13 @@ def run_online(
     method: Callable[[Rows], Steps],
     *,
     splits: bool = False,
-    quadratic: bool = False,
+    most_segments: int | None = None,
 ) -> Reduction:
     """Call an on-line method, a generator that takes one scan of the rows at each step.
 
     It yields how many segments its map holds, scan after scan, and returns what `run_offline` asks
-    for. Where the cost is `quadratic` in the size of the map, a large one is warned of.
+    for. Where the cost grows with the square of the map, one of more than `most_segments`, which
+    take some ten seconds, is warned of.
 
     Examples
     --------
@@ -174,7 +173,7 @@ def run_online(
     start = work_time()
     rows, count = rows_of(map, by_scan=True)
     slow = ""
-    if quadratic and len(rows.segments) > MOST_QUADRATIC_SEGMENTS:
+    if most_segments is not None and len(rows.segments) > most_segments:
         slow = f": its cost grows with the square of {len(rows.segments)} segments"
         unit_checks.warn(f"{name} is slow{slow}; `fusion` grows as they do")
     steps, live, ended = method(rows), list[int](), [work_time()]

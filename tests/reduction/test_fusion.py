@@ -9,7 +9,7 @@ from segmap.segments import SegmentMap
 
 def test_a_map_for_which_the_square_is_too_slow_is_warned_of(monkeypatch):
     """Catches a user who waits for minutes and does not know why."""
-    monkeypatch.setattr("segmap.reduction._runner.MOST_QUADRATIC_SEGMENTS", 400)
+    monkeypatch.setattr("segmap.reduction._fusion.MOST_ONLINE_SEGMENTS", 400)
     far = np.arange(401.0)[:, None, None] + [[0.1, 0.2], [0.3, 0.2]]
     with pytest.warns(UserWarning, match="fusion_online is slow.* square of 401 segments"):
         assert len(fusion_online(far)) == len(far)

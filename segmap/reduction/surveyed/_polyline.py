@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import Array, Metres, Segments, at_least, at_most, checked
 from ...compiled import compiled
-from ...kernels import SAME, Rule, boxes_apart, describe, hausdorff, match_value
+from ...kernels import SAME, Rule, boxes_apart, describe_one, hausdorff, match_value
 from ...segments import length
 from .._runner import Indices, Reduction, Rows, Steps, run_online
 
@@ -103,12 +103,14 @@ def polyline(
 @compiled
 def matches(every: Array, old: int, rule: Rule) -> list[tuple[int, int]]:
     """Which of the first `old` segments, `(n, 2, 2)`, metres, match which of those behind them."""
-    pairs, a = [], describe(every)
+    pairs, a = [], np.empty((len(every), 5))
     for i in range(old):
         for j in range(old, len(every)):
-            near = boxes_apart(every, i, every, j) <= rule[1] + SAME
-            if near and match_value(every, a, i, every, a, j, rule) > SAME:
-                pairs.append((i, j))
+            if boxes_apart(every, i, every, j) <= rule[1] + SAME:
+                describe_one(every[i], a[i])
+                describe_one(every[j], a[j])
+                if match_value(every, a, i, every, a, j, rule) > SAME:
+                    pairs.append((i, j))
     return pairs
 
 

@@ -25,6 +25,8 @@ from .lines import SAME
 
 #: Chis closer than this are equal; a line rests when its angle moves by less, radians.
 TIE = REST = 1e-12
+#: More segments take more than ten seconds: it warns.
+MOST_SEGMENTS = 60_000
 #: A line is fitted so often at most.
 MOST_FITS = 50
 
@@ -57,7 +59,7 @@ def weighted_line_fitting(
     leaves the lever of the centre out. A runs it off-line too: with all segments in one scan.
 
     Each new line is compared with all lines of the map: the cost grows with the square of the
-    segments, 16 s for 80 000. Maps with more than 40 000 are warned of.
+    segments, 16 s for 80 000. Maps with more than 60 000 are warned of.
 
     Parameters
     ----------
@@ -114,7 +116,7 @@ def weighted_line_fitting(
         order, into = ordered_by_first_input(into, rows.source_row, live)
         return walls.ends[alive][order], into
 
-    return run_online("weighted_line_fitting", map, steps, quadratic=True)
+    return run_online("weighted_line_fitting", map, steps, most_segments=MOST_SEGMENTS)
 
 
 #: Of chi, of the gap, metres, and of the turn, radians.
