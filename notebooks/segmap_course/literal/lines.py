@@ -27,13 +27,13 @@ Found = tuple[list[Segment], list[int]]
 def line_of(s: Segment) -> Line:
     """First end point of a segment, and its unit direction."""
     (x0, y0), (x1, y1) = s
-    n = segment_length(s)
+    n = math.dist(*s)
     return x0, y0, (x1 - x0) / n, (y1 - y0) / n
 
 
 def point_to_segment(p: Point, s: Segment) -> float:
     """Distance of a point from a segment, metres: from its line, or beyond an end from that end."""
-    length = segment_length(s)
+    length = math.dist(*s)
     if length == 0:
         return math.dist(p, s[0])
     along, across = seen_from(line_of(s), p)

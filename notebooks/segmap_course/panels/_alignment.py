@@ -182,11 +182,13 @@ class SegmentIcpPanel(LessonPanel):
         text = f"match, overlap {match.overlap:.2f}" if match.matched else f"none: {match.reason}"
         self.verdict.value = text
         self.error.value = f"{100 * np.hypot(x, y):.1f} cm, {abs(np.degrees(turn)):.1f} degrees off"
-        ax = draw_segments(walls, ax=figure.subplots(), color=MAP)
-        draw_segments(transform(start, others), ax=ax, color=ERROR, width=0.8)
+        ax = draw_segments(walls, ax=figure.subplots(), color=MAP, label=f"scan {k}")
+        at_start = transform(start, others)
+        draw_segments(at_start, ax=ax, color=ERROR, width=0.8, label=f"scan {later}, start")
         if match.matched:
-            draw_segments(transform(match.pose, others), ax=ax, color=RESULT)
-        ax.set_title(f"scan {later} on scan {k}")
+            at_end = transform(match.pose, others)
+            draw_segments(at_end, ax=ax, color=RESULT, label=f"scan {later}, end")
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=3, frameon=False)
 
 
 class GlobalPanel(LessonPanel):
