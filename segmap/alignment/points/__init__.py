@@ -1,7 +1,14 @@
 """Points of walls to match scans with: by search in a window, and by point-to-line ICP."""
 
 from ._match import PointStep, match_points, point_steps
-from ._moving import AND_ACCELERATION, AND_JUMP, POSE_AND_VELOCITY, match_moving, way
+from ._moving import (
+    AND_ACCELERATION,
+    AND_JUMP,
+    BENT_REACH_M,
+    POSE_AND_VELOCITY,
+    match_moving,
+    way,
+)
 from ._point_kernels import place_clouds
 from ._point_map import (
     FARTHEST_POINT_M,
@@ -16,7 +23,8 @@ from ._point_map import (
 )
 
 __all__ = [
-    "AND_ACCELERATION", "AND_JUMP", "FARTHEST_POINT_M", "LAST", "LEAST_POINTS", "POSE_AND_VELOCITY",
-    "SEARCH_CELL_M", "SEARCH_POINTS", "PointMap", "PointStep", "in_range", "match_moving",
-    "match_points", "place_clouds", "point_steps", "shows_no_place", "thinned", "way",
+    "AND_ACCELERATION", "AND_JUMP", "BENT_REACH_M", "FARTHEST_POINT_M", "LAST", "LEAST_POINTS",
+    "POSE_AND_VELOCITY", "SEARCH_CELL_M", "SEARCH_POINTS", "PointMap", "PointStep", "in_range",
+    "match_moving", "match_points", "place_clouds", "point_steps", "shows_no_place", "thinned",
+    "way",
 ]  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from .._result import Match
 from ..points import (
     AND_ACCELERATION,
     AND_JUMP,
+    BENT_REACH_M,
     LAST,
     POSE_AND_VELOCITY,
     PointMap,
@@ -29,11 +31,13 @@ from ..points import (
 LEAST_CHANGE = 0.05
 #: A scan is held as far as its points lie so near to the map, metres.
 HELD_M = 0.05
-#: A jump of the velocity is sought where a larger share of the scan is not held, and counts where
-#: it holds so much more.
-LEFT_OVER_SHARE = 0.01
-#: Where in a turn a jump is sought, shares of the turn from its middle, and to which turns a scan.
+#: A jump of the velocity is sought where a larger share of the scan lies beside the map, not on it.
+BENT_SHARE = 0.03
+#: And counts where it holds a share of the scan that is so much larger.
+GAIN_SHARE = 0.01
+#: When a jump is sought, shares of a turn from its middle.
 JUMP_MOMENTS = -0.3, 0.0, 0.3
+#: And how fast the laser turns then: radians in a turn of its own.
 JUMP_TURNS_RAD = -0.7, -0.35, 0.0, 0.35, 0.7
 #: By so many points of the scan.
 JUMP_POINTS = 100
@@ -41,6 +45,15 @@ JUMP_POINTS = 100
 JUMP_SIGMAS = 1.0, 1.0, 7.0
 
 Pair = tuple[Array, Array]
+
+
+class Laid(NamedTuple):
+    """A scan laid by one motion: the share of it that is held, and its points in mid-turn."""
+
+    held: float
+    match: Match
+    motion: Array
+    points: Array
 
 
 def turn_of(scan: LaserScan) -> float:
@@ -66,14 +79,14 @@ def laid_in_motion(
 ) -> tuple[Match, LaserScan, Array]:
     """A scan laid with an even motion, with an uneven one, and with one that jumps.
 
-    The one that holds most of the scan counts, a jump where it holds `LEFT_OVER_SHARE` more.
+    The one that holds most of the scan counts, a jump where it holds `GAIN_SHARE` more.
     Without a change pose and velocity were `steady`, `(3,)` each: the motion that is supposed errs
     by what its velocity has changed since, which stands until it jumps. Along a direction that no
     wall faces the start holds. Returned are how it lies in the middle of its turn, the scan carried
     there, and the motion `(7,)` then.
     """
     assert scan.delays is not None
-    turn, points, ways = turn_of(scan), scan.points(), list[tuple[float, Match, Array]]()
+    turn, points, ways = turn_of(scan), scan.points(), list[Laid]()
     since = (scan.delays - turn / 2)[scan.valid]
 
     def lay(unknowns: int, pose: Array, motion: Array, errors: Array) -> Pair:
@@ -83,29 +96,33 @@ def laid_in_motion(
         match = map.register(carried, pose, overlap=overlap)
         if match.free is not None or match.turns:
             match = replace(match, pose=map.nearest(carried, match.pose, start))
-        ways.append((float(map.near(carried, match.pose, HELD_M).mean()), match, motion))
+        held = float(map.near(carried, match.pose, HELD_M).mean())
+        ways.append(Laid(held, match, motion, carried))
         return pose, motion
 
     change = np.abs(motion[:3] - steady[1]) + LEAST_CHANGE
     errors = np.r_[change, 2 * change / turn, turn]
     lay(AND_ACCELERATION, *lay(POSE_AND_VELOCITY, start, motion, errors), errors)
-    held, match, motion = max(reversed(ways), key=lambda way: way[0])
-    if held < 1 - LEFT_OVER_SHARE:
+    laid = max(reversed(ways), key=lambda way: way.held)
+    if map.near(laid.points, laid.match.pose, BENT_REACH_M).mean() > laid.held + BENT_SHARE:
         errors = np.r_[np.full(3, LEAST_CHANGE), JUMP_SIGMAS, turn / 2]
         lay(AND_JUMP, *_likeliest_jump(map, points, since, steady, turn), errors)
-        if ways[-1][0] > held + LEFT_OVER_SHARE:
-            _, match, motion = ways[-1]
-    return match, at_mid_turn(scan, motion), motion
+        laid = ways[-1] if ways[-1].held > laid.held + GAIN_SHARE else laid
+    return laid.match, at_mid_turn(scan, laid.motion), laid.motion
 
 
 def _likeliest_jump(map: PointMap, points: Array, since: Array, steady: Pair, turn: float) -> Pair:
     """The pose and the motion after which most of the points lie near the map."""
-    expected, before = steady
-    some, tried = thinned(np.c_[since, points], JUMP_POINTS), list[tuple[float, Array, Array]]()
+    pose, before = steady
+    some = thinned(np.c_[since, points], JUMP_POINTS)
     since, points = some[:, 0], some[:, 1:]
-    for share, turned in product(JUMP_MOMENTS, JUMP_TURNS_RAD):
-        motion = np.r_[before, 0.0, 0.0, turned / turn - before[2], share * turn]
-        pose = compose(expected, arc(motion[3:6] * max(-motion[6], 0.0)))
-        carried = transform(way(motion, since), points[:, None])[:, 0]
-        tried.append((float(map.near(carried, pose, LAST).mean()), pose, motion))
-    return max(tried, key=lambda each: each[0])[1:]
+    jumps = [
+        np.r_[before, 0.0, 0.0, turned / turn - before[2], share * turn]
+        for share, turned in product(JUMP_MOMENTS, JUMP_TURNS_RAD)
+    ]
+    motions, ways = np.array(jumps), np.stack([way(jump, since) for jump in jumps])
+    poses = compose(pose, arc(motions[:, 3:6] * np.maximum(-motions[:, 6:], 0.0)))
+    ends = transform(compose(poses[:, None], ways), points[:, None])
+    near = map.near(ends.reshape(-1, 2), np.zeros(3), LAST).reshape(len(jumps), -1)
+    best = near.sum(1).argmax()
+    return poses[best], motions[best]
