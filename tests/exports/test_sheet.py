@@ -1,9 +1,11 @@
 """A sheet to print: what it says, and that a ruler reads it."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from plan_buildings import rooms_of_squares
 
 from segmap import SegmentMap
 from segmap.exports import write_sheet
@@ -34,6 +36,17 @@ def test_a_ruler_reads_it(turn, page, tmp_path):
     assert (ends > 11.9).all() and (ends < np.array(page) - 11.9).all()
     for each in (*words.values(), "m</text>"):
         assert each in text
+
+
+def test_north_turns_with_the_plan(tmp_path):
+    """Catches an arrow that turns the other way than the walls which are laid along the page."""
+    plan, found = rooms_of_squares(2.0, 2.9), set()
+    for axis in (0.0, 0.3):
+        turned = replace(plan, axes=np.array([axis]))
+        write_sheet(tmp_path / "it.svg", turned.walls, plan=turned, north=axis)
+        text = (tmp_path / "it.svg").read_text(encoding="utf-8")
+        found.add(re.search(r"<text [^>]*>N<", text).group())
+    assert len(found) == 1
 
 
 def test_north_formats_and_what_is_refused(tmp_path):
