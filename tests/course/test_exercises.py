@@ -100,8 +100,11 @@ def spoil(*arguments):
 
 #: What is no answer -> words that say why.
 NO_ANSWERS = [
-    (lambda *_: None, "returns nothing yet; the task is {e.task}"),
-    (lambda *_: ..., "returns nothing yet; the task is {e.task}"),
+    (
+        lambda *_: None,
+        "returns nothing yet: write all of it in one cell, above this check; the task",
+    ),
+    (lambda *_: ..., "in one cell, above this check; the task is {e.task}"),
     (spoil, "returns nothing yet"),
     (3.0, "check_{e.name}(my_{e.name}), without a call"),
     (lambda: None, "raised TypeError"),
@@ -109,6 +112,7 @@ NO_ANSWERS = [
     *((lambda *_, answer=answer: answer, "") for answer in ("text", [], {}, object)),
     *((lambda *_, answer=answer: answer, "") for answer in (np.nan, np.inf, 10**5000)),
     (lambda *_: np.zeros((7, 7)), ""),
+    (..., "write it in a cell of code above this one"),
 ]
 #: One exercise for each way to compare.
 COMPARED = {exercise.same: name for name, exercise in EXERCISES.items()}.values()

@@ -40,6 +40,11 @@ MOST_SHOWN = 90
 #: `segmap notebooks FOLDER` puts it beside the chapters; where it is not, nothing is kept.
 MY_MAPPER = "my_mapper.py"
 
+#: What is told where the answer is not what was to be handed in.
+NO_ANSWER = "there is no answer: write it in a cell of code above this one, and run that cell"
+NOTHING_YET = "it returns nothing yet: write all of it in one cell, above this check"
+MOVE_IMPORT = "write what defines or imports it into the cell of your function"
+
 
 @dataclass(frozen=True)
 class Check:
@@ -136,10 +141,14 @@ class Exercise:
         return f"check_{self.name}(your function): {self.task}"
 
     def __call__(self, function: Callable[..., Any], cases: Cases | None = None) -> Check:
-        """Check a student's function on these cases, by default the open ones. Raises nothing."""
+        """Check a student's function on these cases, by default the open ones. Raises nothing.
+
+        A handout sets the name of the answer to `...` above its cell: it stays so where that cell
+        was not run, or is a text.
+        """
         if not callable(function):
             advice = f"give the function itself, check_{self.name}(my_{self.name}), without a call"
-            return Check(self.name, False, advice)
+            return Check(self.name, False, NO_ANSWER if function is ... else advice)
         if unwrap(function) is unwrap(self.solution):
             return Check(self.name, False, "this is the library's; write your own")
         asked = self.cases if cases is None else cases
@@ -153,10 +162,12 @@ class Exercise:
     def _mistake(self, found: Sequence[Any], cases: Cases) -> str | None:
         """The hint of the mistake that gives these answers; empty where they are right, or None."""
         if found and all(answer is None for answer in found):
-            return f"it returns nothing yet; the task is {self.task}"
+            return f"{NOTHING_YET}; the task is {self.task}"
         for hint, function in self._known().items():
             if self._agree(found, answered(function, cases)):
                 return hint
+        if unknown := unknown_name(found):
+            return f"it uses {unknown}, which no cell above knows: {MOVE_IMPORT}"
         return common_mistake(found, cases, self.solution, self.same) or None
 
     def _difference(self, found: Sequence[Any], cases: Cases) -> str:
@@ -182,6 +193,23 @@ class Exercise:
 
     def _agree(self, found: Sequence[Any], expected: Sequence[Any]) -> bool:
         return all(agree(*pair, self.same) for pair in zip(found, expected, strict=True))
+
+
+def unknown_name(found: Sequence[Any]) -> str:
+    """The name that a function misses in all cases; empty where it misses none.
+
+    Examples
+    --------
+    >>> unknown_name([Raised("NameError", "name 'np' is not defined")])
+    'np'
+    """
+    missed = {
+        answer.words.split("'")[1]
+        for answer in found
+        if isinstance(answer, Raised) and answer.name == "NameError" and "'" in answer.words
+    }
+    raised = all(isinstance(answer, Raised) for answer in found)
+    return missed.pop() if raised and len(missed) == 1 else ""
 
 
 # --------------------------------------------------------------- for draws and mistakes

@@ -142,7 +142,7 @@ def name_cell(tasks: list[Task]) -> Cell:
 
 
 def answer_cells(source: str, name: str, tasks: Mapping[str, Task], seed: int) -> list[Cell]:
-    """What an answer is worth, and the cell for it, with the solution that nbgrader takes out."""
+    """What an answer is worth, that there is none yet, and the cell for it with its solution."""
     worth = [
         f"**{task.points} points** {'by hand' if task.by_hand else 'by the program'}"
         for own in (name, f"{name}_by_hand")
@@ -153,7 +153,10 @@ def answer_cells(source: str, name: str, tasks: Mapping[str, Task], seed: int) -
         solved = f"{tasks[name].given} = {own_case(name, seed).solution}"
     text = f"{source}\n\n\n### BEGIN SOLUTION\n{solved}\n### END SOLUTION"
     answer = code(f"{name}-answer", text, nbgrader(f"{name}-answer", solution=True))
-    return [markdown(f"{name}-points", f"`{name}`: {'; '.join(worth)}"), answer]
+    points = markdown(f"{name}-points", f"`{name}`: {'; '.join(worth)}")
+    names = tasks[name].answers if name in tasks else ()
+    none = [f"{answer_name} = ...  # until the next cell has run" for answer_name in names]
+    return [points, *([code(f"{name}-none", "\n".join(none))] if none else []), answer]
 
 
 def test_cells(task: Task | None, seed: int) -> list[Cell]:

@@ -76,6 +76,29 @@ def test_stubs_are_no_solutions(sources):
         assert "def " not in stub or stub.endswith(("...", "None")), stub
 
 
+#: What a student makes of a cell -> its type, its source, and the hint.
+MISPLACED = {
+    "text": ("markdown", RIGHT, "there is no answer: write it in a cell of code above this one"),
+    "split": ("code", "def my_compose(a, b): ...", "write all of it in one cell"),
+    "import below": ("code", RIGHT.replace("np.", "numpy."), "it uses numpy, which no cell"),
+}
+
+
+@pytest.mark.parametrize("words", MISPLACED)
+def test_what_stands_in_the_wrong_cell_has_a_hint(sources, words):
+    """Catches a bare NameError where students do not know what to move."""
+    kind, text, hint = MISPLACED[words]
+    (book,) = (book for name, book in sources.items() if name.startswith("02_"))
+    cells = {cell["id"]: dict(cell) for cell in book["cells"]}
+    cells["compose-answer"] |= {"cell_type": kind, "source": text}
+    space = {"np": np, "course": course}
+    for name in ("compose-none", "compose-answer"):
+        if cells[name]["cell_type"] == "code":
+            exec(cells[name]["source"], space)
+    found = eval(cells["compose-check"]["source"], space)
+    assert not found and hint in found.hint
+
+
 # ------------------------------------------------------------------- a case of its own
 #: Task of judgement -> its chapter, and what stands around the number of its case.
 DECIDED = {
