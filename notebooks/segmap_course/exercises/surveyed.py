@@ -53,7 +53,7 @@ def _steady_fit(points: Array, s: Array, range_: float, bearing: float, most: fl
 
 check_steady_fit = Exercise(
     "steady_fit(points, s, range_, bearing) -> Line: that of points (n, 2), metres, seen from s "
-    "(2,), as `fitted` finds it; but what lies more than three deviations across the line has no "
+    "(2,), as `fit` finds it; but what lies more than three deviations across the line has no "
     "weight, and the line is fitted again until the same points count",
     _steady_fit,
     _wall_behind_a_person,
