@@ -12,8 +12,7 @@ LOG = load("room")[:8]
 
 def counted_clockwise(page):
     words = "the beams are counted clockwise"
-    (found,) = (p for p in parts_of(view_of(page)) if getattr(p, "description", "") == words)
-    return found
+    return next(p for p in parts_of(view_of(page)) if getattr(p, "description", "") == words)
 
 
 #: A control of the page, and what it is set to.
