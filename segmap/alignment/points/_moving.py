@@ -84,7 +84,7 @@ def match_moving(
         state[free] -= step
         largest = np.abs(step[[0, 1, 2, 5]]).max()
         if unknowns == AND_JUMP:
-            largest = max(largest, abs(step[8]), abs(state[8] * step[9]) / since.max())
+            largest = max(largest, abs(step[8]), abs(state[8] * step[9]) / np.abs(since).max())
         if largest < LAST_STEP and reach <= LAST:
             break
         reach = max(reach / 2, LAST) if largest < NEAR_STEP else reach

@@ -31,19 +31,19 @@ from ..points import (
 LEAST_CHANGE = 0.05
 #: A scan is held as far as its points lie so near to the map, metres.
 HELD_M = 0.05
-#: A jump of the velocity is sought where a larger share of the scan lies beside the map, not on it.
+#: A jump of the velocity is sought where a larger share of the scan lies beside the map, not on it,
+#: and counts where it holds so much more: less of a real scan is held by chance.
 BENT_SHARE = 0.03
-#: And counts where it holds a share of the scan that is so much larger.
-GAIN_SHARE = 0.01
-#: When a jump is sought, shares of a turn from its middle.
+#: Jumps are sought at these moments, shares of a turn from its middle.
 JUMP_MOMENTS = -0.3, 0.0, 0.3
-#: And how fast the laser turns then: radians in a turn of its own.
+#: Jumps are sought to these speeds, radians in a turn of the laser.
 JUMP_TURNS_RAD = -0.7, -0.35, 0.0, 0.35, 0.7
-#: By so many points of the scan.
+#: Jumps are sought by so many points of a scan.
 JUMP_POINTS = 100
 #: A velocity jumps by so much (a standard deviation), metres, metres and radians a second.
 JUMP_SIGMAS = 1.0, 1.0, 7.0
 
+#: A pose `(3,)`, and a velocity `(3,)` or a motion `(7,)` there.
 Pair = tuple[Array, Array]
 
 
@@ -79,7 +79,7 @@ def laid_in_motion(
 ) -> tuple[Match, LaserScan, Array]:
     """A scan laid with an even motion, with an uneven one, and with one that jumps.
 
-    The one that holds most of the scan counts, a jump where it holds `GAIN_SHARE` more.
+    The one that holds most of the scan counts, a jump where it holds `BENT_SHARE` more.
     Without a change pose and velocity were `steady`, `(3,)` each: the motion that is supposed errs
     by what its velocity has changed since, which stands until it jumps. Along a direction that no
     wall faces the start holds. Returned are how it lies in the middle of its turn, the scan carried
@@ -107,7 +107,7 @@ def laid_in_motion(
     if map.near(laid.points, laid.match.pose, BENT_REACH_M).mean() > laid.held + BENT_SHARE:
         errors = np.r_[np.full(3, LEAST_CHANGE), JUMP_SIGMAS, turn / 2]
         lay(AND_JUMP, *_likeliest_jump(map, points, since, steady, turn), errors)
-        laid = ways[-1] if ways[-1].held > laid.held + GAIN_SHARE else laid
+        laid = ways[-1] if ways[-1].held > laid.held + BENT_SHARE else laid
     return laid.match, at_mid_turn(scan, laid.motion), laid.motion
 
 
