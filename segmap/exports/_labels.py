@@ -1,7 +1,8 @@
-"""Where words stand on a sheet: on no wall, and on no other words."""
+"""Where words stand on a sheet and in a drawing: on no wall, and on no other words."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,10 +11,12 @@ import numpy as np
 from ..arrays import Array
 from ..plan import shapely_or_hint
 
-#: Sizes of letters that are tried, points, the largest first.
-LETTER_SIZES_POINTS = (8.0, 7.0, 6.0, 5.0)
+#: Heights of capitals that are tried, millimetres of the paper, the largest first.
+LETTERS_MM = (2.5, 2.1, 1.7, 1.3)
 #: Points a millimetre.
 POINTS_PER_MM = 72 / 25.4
+#: The size of a letter, points, for capitals of a millimetre.
+POINTS_PER_LETTER_MM = POINTS_PER_MM / 0.729
 #: From one line of words to the next, sizes of a letter.
 LINE_SPACING = 1.25
 #: Words keep so far from walls and from each other, millimetres.
@@ -24,59 +27,93 @@ LEAST_TRIAL_STEP_MM = 0.75
 MOST_TRIALS_PER_SIDE = 60
 
 
-@dataclass
-class Labels:
-    """Words that stand beside each other on a sheet; all lengths in millimetres of the paper.
+@dataclass(frozen=True)
+class Label:
+    """Words on paper, of one or two lines; all lengths in millimetres.
 
     Parameters
     ----------
-    ax
-        Its axes.
+    text
+        Its lines.
+    letters
+        Height of its capitals.
+    middle : (2,) array
+        Where they stand.
+    leader : (2, 2) array
+        A line to what they name, which lies elsewhere; None where they stand on it.
+    color
+        What words and line are drawn in.
+    """
+
+    text: str
+    letters: float
+    middle: Array
+    leader: Array | None
+    color: str
+
+    def lines(self) -> Iterator[tuple[str, Array]]:
+        """Each line of words, and its middle."""
+        lines = self.text.split("\n")
+        step = np.array([0, LINE_SPACING * self.letters * POINTS_PER_LETTER_MM / POINTS_PER_MM])
+        for number, line in enumerate(lines):
+            yield line, self.middle + ((len(lines) - 1) / 2 - number) * step
+
+
+@dataclass
+class Labels:
+    """Words that are placed beside each other; all lengths in millimetres of the paper.
+
+    Parameters
+    ----------
     walls
         Where no words stand: a geometry of shapely.
     drawn
         From what they keep away where they can, walls too.
     page
         What words lie in: a polygon of shapely.
+    placed
+        The words that stand already.
     """
 
-    ax: Any
     walls: Any
     drawn: Any
     page: Any
-    boxes: list[Any] = field(default_factory=list)
+    placed: list[Label] = field(default_factory=list)
+    _taken: list[Any] = field(default_factory=list)
 
-    def write_inside(self, text: str, area: Any) -> bool:
-        """Write in the widest free place of an area, as large as fits; whether anything did."""
+    def place_inside(self, text: str, area: Any) -> bool:
+        """Place in the widest free spot of an area, as large as fits; whether anything did."""
         shapely = shapely_or_hint()
-        for size in LETTER_SIZES_POINTS:
-            boxes, middles = self._free_boxes(area, text_size(text, size))
+        for letters in LETTERS_MM:
+            boxes, middles = self._free_boxes(area, text, letters)
             if len(boxes):
                 around = shapely.clip_by_rect(self.drawn, *area.bounds)
                 margins = np.fmin(*(shapely.distance(k, boxes) for k in (area.boundary, around)))
                 aside = shapely.distance(area.centroid, boxes)  # of places as wide: in the middle
                 best = int(np.argmax(margins - 0.01 * aside))
-                self._write(text, size, boxes[best], middles[best], "black")
+                self.placed.append(Label(text, letters, middles[best], None, "black"))
+                self._taken.append(boxes[best])
                 return True
         return False
 
-    def write_near(self, text: str, place: Array, around: Any, color: str = "black") -> None:
-        """Write as near to a place as there is room, with a line to the words; or nothing."""
-        shapely, size = shapely_or_hint(), LETTER_SIZES_POINTS[-1]
-        boxes, middles = self._free_boxes(around, text_size(text, size))
+    def place_near(self, text: str, place: Array, around: Any, color: str = "black") -> None:
+        """Place as near to a point as there is room, with a line to the words; or nothing."""
+        shapely, letters = shapely_or_hint(), LETTERS_MM[-1]
+        boxes, middles = self._free_boxes(around, text, letters)
         leaders = shapely.shortest_line(shapely.Point(place), boxes)
         distances = np.hypot(*(middles - place).T)
-        distances[shapely.intersects(leaders, shapely.union_all(self.boxes))] = np.inf
+        distances[shapely.intersects(leaders, shapely.union_all(self._taken))] = np.inf
         if not np.isfinite(distances).any():
             return
         best = int(np.argmin(distances))
-        if leaders[best].length > 2 * WORDS_MARGIN_MM:
-            self.ax.plot(*np.array(leaders[best].coords).T, color=color, linewidth=0.4)
-        self._write(text, size, boxes[best], middles[best], color)
+        far = leaders[best].length > 2 * WORDS_MARGIN_MM
+        leader = np.array(leaders[best].coords) if far else None
+        self.placed.append(Label(text, letters, middles[best], leader, color))
+        self._taken += [boxes[best], leaders[best]]
 
-    def _free_boxes(self, area: Any, size: Array) -> tuple[Any, Array]:
-        """Boxes of this size in an area where nothing stands yet, and their middles `(n, 2)`."""
-        shapely = shapely_or_hint()
+    def _free_boxes(self, area: Any, text: str, letters: float) -> tuple[Any, Array]:
+        """Boxes for words in an area where nothing stands yet, and their middles `(n, 2)`."""
+        shapely, size = shapely_or_hint(), text_size(text, letters * POINTS_PER_LETTER_MM)
         area = area.intersection(self.page)
         if area.is_empty:
             return np.zeros(0, object), np.zeros((0, 2))
@@ -86,19 +123,12 @@ class Labels:
         middles = np.stack(np.meshgrid(across, up), -1).reshape(-1, 2)
         half = size / 2 + WORDS_MARGIN_MM
         boxes = shapely.box(*(middles - half).T, *(middles + half).T)
-        taken = shapely.union_all(self.boxes)
+        taken = shapely.union_all(self._taken)
         shapely.prepare([area, self.walls, taken])
         free = shapely.contains(area, boxes)
         free[free] = ~shapely.intersects(self.walls, boxes[free])
         free[free] = ~shapely.intersects(taken, boxes[free])
         return boxes[free], middles[free]
-
-    def _write(self, text: str, size: float, box: Any, middle: Array, color: str) -> None:
-        self.boxes.append(box)
-        self.ax.text(
-            *middle, text, fontsize=size, color=color, ha="center", va="center",
-            linespacing=LINE_SPACING, parse_math=False,
-        )  # fmt: skip
 
 
 def text_size(text: str, size: float) -> Array:

@@ -17,11 +17,19 @@ from ..files import write_bytes
 from ..plan import FloorPlan
 from ..segments import angle
 from ._segments import METRES
-from ._sheet import ENDS, checked_words, rings_of, room_sides, wall_bodies, write_sheet
+from ._sheet import (
+    ENDS,
+    Paper,
+    checked_words,
+    labels_of,
+    paper_of,
+    rings_of,
+    room_sides,
+    wall_bodies,
+    write_sheet,
+)
 from ._world import Direction, Frame, collection, feature
 
-#: Height of letters in a drawing, metres: 2.5 mm at 1 : 100.
-LETTER_M = 0.25
 #: Layers of a drawing: index of the colour, and width of lines, hundredths of a millimetre.
 LAYERS = {"WALLS": (7, 50), "CLUTTER": (9, 18), "DOORS": (1, 35), "ROOMS": (5, 13), "TEXT": (7, 18)}
 
@@ -44,7 +52,8 @@ def write_plan(
     - `.pdf`, `.svg`, `.png`: a sheet to print, as `write_sheet`, with names, areas and sides of the
       rooms and the widths of the doors.
     - `.dxf`: a drawing in metres (R2010) with the layers WALLS, CLUTTER, DOORS, ROOMS and
-      TEXT: walls whose other face was seen and rooms as closed outlines, doors as blocks.
+      TEXT: walls whose other face was seen and rooms as closed outlines, doors as blocks. It
+      stands as the sheet does, and its words are those of the sheet at the scale of the sheet.
     - `.geojson`: rooms as polygons, doors as points, walls and clutter as lines, each with
       its `kind`, and with the keys of OpenStreetMap's Simple Indoor Tagging; a room whose name says
       so is a corridor.
@@ -54,7 +63,7 @@ def write_plan(
     Parameters
     ----------
     title, verdict, date, source, north, as_recorded
-        What a sheet says and how it stands, as in `write_sheet`.
+        What a sheet says, and how sheet and drawing stand, as in `write_sheet`.
     world
         As in `write_segments`, for GeoJSON.
 
@@ -79,10 +88,13 @@ def write_plan(
     if end in ENDS:
         words: Any = {"title": title, "verdict": verdict, "date": date, "source": source}
         write_sheet(place, plan.walls, **words, north=north, plan=plan, as_recorded=as_recorded)
+    elif end == ".dxf":
+        drawing = _dxf_plan(plan, paper_of(plan.walls.segments, plan, as_recorded))
+        write_bytes(place, drawing.encode())
     elif end in PLAN_WRITERS:
         write_bytes(place, "".join(PLAN_WRITERS[end](plan, world)).encode())
     else:
-        endings = ", ".join([*ENDS, *PLAN_WRITERS])
+        endings = ", ".join([*ENDS, ".dxf", *PLAN_WRITERS])
         raise ValueError(f"path: the name must end in {endings}, got {place.name!r}")
 
 
@@ -125,8 +137,8 @@ def _geojson_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
     yield collection(features, world)
 
 
-def _dxf_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
-    """Closed outlines of walls and rooms, doors as blocks of a unit width, words."""
+def _dxf_plan(plan: FloorPlan, paper: Paper) -> str:
+    """Closed outlines of walls and rooms, doors as blocks of a unit width, words of the sheet."""
     ezdxf, stream = ezdxf_or_hint(), io.StringIO()
     drawing = ezdxf.new("R2010", units=METRES)
     for layer, (color, weight) in LAYERS.items():
@@ -137,20 +149,25 @@ def _dxf_plan(plan: FloorPlan, world: Frame) -> Iterator[str]:
     bodies, faces = wall_bodies(plan)
     for layer, parts in {"WALLS": bodies, "ROOMS": [room.polygon for room in plan.rooms]}.items():
         for ring in [ring for part in parts for ring in rings_of(part)]:
-            space.add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": layer})
+            corners = paper.turned(ring).tolist()
+            space.add_lwpolyline(corners, close=True, dxfattribs={"layer": layer})
     for layer, segments in (("WALLS", faces), ("CLUTTER", plan.clutter.segments)):
-        for start, end in segments.tolist():
+        for start, end in paper.turned(segments).tolist():
             space.add_line(start, end, dxfattribs={"layer": layer})
     for door in plan.doors:
-        turn = np.degrees(float(angle(door.ends[None])[0]))
+        turn = np.degrees(float(angle(door.ends[None])[0]) + paper.turn)
         size = {"xscale": door.width, "yscale": door.width, "rotation": turn, "layer": "DOORS"}
-        space.add_blockref("DOOR", door.place.tolist(), dxfattribs=size)
-    for room in plan.rooms:
-        words = " ".join(f"{room.name}, {room.area:.1f} m2".split())
-        text = space.add_text(words, height=LETTER_M, dxfattribs={"layer": "TEXT"})
-        text.set_placement(room.place.tolist(), align=ezdxf.enums.TextEntityAlignment.MIDDLE_CENTER)
+        space.add_blockref("DOOR", paper.turned(door.place).tolist(), dxfattribs=size)
+    for label in labels_of(plan, paper):
+        if label.leader is not None:
+            space.add_line(*paper.metres(label.leader).tolist(), dxfattribs={"layer": "TEXT"})
+        height = label.letters * paper.scale / 1000
+        for words, middle in label.lines():
+            text = space.add_text(words, height=height, dxfattribs={"layer": "TEXT"})
+            aligned = ezdxf.enums.TextEntityAlignment.MIDDLE_CENTER
+            text.set_placement(paper.metres(middle).tolist(), align=aligned)
     drawing.write(stream)
-    yield stream.getvalue()
+    return stream.getvalue()
 
 
 def ezdxf_or_hint() -> Any:
@@ -170,5 +187,5 @@ INDOOR = {"room": {"indoor": "room"}, "wall": {"indoor": "wall"}, "door": {"door
 CORRIDOR = {"indoor": "corridor"}
 #: Formats that are text, by the end of their name.
 PLAN_WRITERS: dict[str, Callable[[FloorPlan, Frame], Iterator[str]]] = {
-    ".dxf": _dxf_plan, ".geojson": _geojson_plan, ".csv": _csv_rooms,
+    ".geojson": _geojson_plan, ".csv": _csv_rooms,
 }  # fmt: skip

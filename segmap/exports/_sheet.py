@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import textwrap
 import warnings
-from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ from ..files import shown, write_bytes
 from ..plan import FloorPlan, Room, shapely_or_hint
 from ..poses import transform
 from ..segments import length
-from ._labels import POINTS_PER_MM, Labels, text_size
+from ._labels import POINTS_PER_LETTER_MM, POINTS_PER_MM, Label, Labels, text_size
 from ._world import Direction
 
 if TYPE_CHECKING:
@@ -31,6 +31,8 @@ A4_LONG_MM = 297.0
 SHEET_MARGIN_MM = 12.0
 #: The band of words below the map, millimetres.
 WORDS_BAND_MM = 30.0
+#: Where the map begins above it, or the list of rooms, millimetres.
+WORDS_CORNER_MM = (SHEET_MARGIN_MM, SHEET_MARGIN_MM + WORDS_BAND_MM)
 #: An inch, millimetres.
 INCH_MM = 25.4
 #: Scales, the 100 of 1 : 100, and bars are one of these times a power of ten.
@@ -129,10 +131,7 @@ def write_sheet(
     rules: Any = {"svg.fonttype": "none", "svg.hashsalt": "segmap", "pdf.fonttype": 42}
     with matplotlib.rc_context(rules), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a letter that no font here has
-        turn = 0.0
-        if plan is not None and len(plan.axes) and not as_recorded:
-            turn = -float((plan.axes[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4)
-        figure = _draw_sheet(segments, words, north, plan, turn)
+        figure = _draw_sheet(segments, words, north, plan, paper_of(segments, plan, as_recorded))
         stream, dated = io.BytesIO(), {".pdf": "CreationDate", ".svg": "Date"}
         metadata = {dated[end]: None} if end in dated else {}
         figure.savefig(stream, format=end[1:], dpi=SHEET_DPI, metadata=metadata)
@@ -159,43 +158,85 @@ def rounded_up(least: float) -> float:
     return float(next(k * ten for k in ROUND_MANTISSAS if k * ten >= least * (1 - 1e-9)))
 
 
+@dataclass(frozen=True)
+class Paper:
+    """An A4 sheet, and where a map stands on it.
+
+    Parameters
+    ----------
+    page : (2,) array
+        Its sides, millimetres.
+    low, high : (2,) arrays
+        Corners of what the map has of it, millimetres.
+    middle : (2,) array
+        The middle of the map, which stands between them, metres of the turned map.
+    turn : float, radians
+        The map is turned by this about its origin.
+    scale
+        The 100 of 1 : 100.
+    """
+
+    page: Array
+    low: Array
+    high: Array
+    middle: Array
+    turn: float
+    scale: float
+
+    def turned(self, points: Array) -> Array:
+        """Places of the turned map, metres."""
+        return np.asarray(transform((0.0, 0.0, self.turn), points))
+
+    def placed(self, points: Array) -> Array:
+        """Places on the paper, millimetres."""
+        off = (self.turned(points) - self.middle) * 1000 / self.scale
+        return np.asarray(off + (self.low + self.high) / 2)
+
+    def metres(self, places: Array) -> Array:
+        """Places of the turned map, metres, by those on the paper."""
+        off = (places - (self.low + self.high) / 2) * self.scale / 1000
+        return np.asarray(off + self.middle)
+
+
+def paper_of(segments: Array, plan: FloorPlan | None, as_recorded: bool) -> Paper:
+    """The sheet of a map, upright or lying as the map is; a plan is square to its building."""
+    turn, rooms = 0.0, [] if plan is None else [room.outline for room in plan.rooms]
+    if plan is not None and len(plan.axes) and not as_recorded:
+        turn = -float((plan.axes[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4)
+    ends = np.concatenate([segments.reshape(-1, 2), *rooms])
+    ends = transform((0.0, 0.0, turn), ends if len(ends) else np.zeros((1, 2)))
+    sides, middle = np.ptp(ends, axis=0), (ends.min(0) + ends.max(0)) / 2
+    page = np.array([A4_LONG_MM, A4_SHORT_MM] if sides[0] > sides[1] else [A4_SHORT_MM, A4_LONG_MM])
+    low, high = np.array(WORDS_CORNER_MM), page - SHEET_MARGIN_MM
+    if plan is not None and plan.rooms:
+        low[1] += _list_of_rooms(plan, (high - low)[0])[0]
+    scale = rounded_up(max(SMALLEST_SCALE, *(1000 * sides / (high - low))))
+    return Paper(page, low, high, middle, turn, scale)
+
+
 def _draw_sheet(
-    segments: Array, words: list[str], north: float | None, plan: FloorPlan | None, turn: float
+    segments: Array, words: list[str], north: float | None, plan: FloorPlan | None, paper: Paper
 ) -> Figure:
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
-    rooms = [] if plan is None else [room.outline for room in plan.rooms]
-    ends = np.concatenate([segments.reshape(-1, 2), *rooms])
-    ends = transform((0.0, 0.0, turn), ends if len(ends) else np.zeros((1, 2)))
-    low, high = ends.min(0), ends.max(0)
-    wide, tall = high - low
-    page = np.array([A4_LONG_MM, A4_SHORT_MM] if wide > tall else [A4_SHORT_MM, A4_LONG_MM])
-    corner = np.array([SHEET_MARGIN_MM, SHEET_MARGIN_MM + WORDS_BAND_MM])
-    far = page - SHEET_MARGIN_MM  # what lies between both is the map and the list of rooms
-    figure = Figure(tuple(page / INCH_MM))
+    figure = Figure(tuple(paper.page / INCH_MM))
     ax = figure.add_axes((0, 0, 1, 1))  # millimetres of the paper
-    ax.set(xlim=(0, page[0]), ylim=(0, page[1]))
+    ax.set(xlim=(0, paper.page[0]), ylim=(0, paper.page[1]))
     ax.set_axis_off()
-    if plan is not None and plan.rooms:
-        corner[1] += _draw_list(ax, plan, corner, far)
-    space = far - corner
-    scale = rounded_up(max(SMALLEST_SCALE, *(1000 * (high - low) / space)))
-
-    def on_paper(points: Array) -> Array:
-        turned = transform((0.0, 0.0, turn), points)
-        return np.asarray((turned - (low + high) / 2) * 1000 / scale + (corner + far) / 2)
-
     width = WALL_MM * POINTS_PER_MM
-    ax.add_collection(LineCollection(list(on_paper(segments)), colors="black", linewidths=width))
+    lines = list(paper.placed(segments))
+    ax.add_collection(LineCollection(lines, colors="black", linewidths=width))
     if plan is not None:
-        _draw_rooms(ax, plan, on_paper, shapely_or_hint().box(*corner, *far))
-    right = page[0] - SHEET_MARGIN_MM
-    _write_words(ax, words, "" if plan is None else plan.doubt, f"1 : {scale:g}", right)
-    _draw_scale_bar(ax, right, SHEET_MARGIN_MM + 4, scale)
+        _draw_rooms(ax, plan, paper)
+        for words_of_list in _list_of_rooms(plan, paper.high[0] - paper.low[0])[1]:
+            ax.text(**words_of_list)
+    right = paper.high[0]
+    _write_words(ax, words, "" if plan is None else plan.doubt, f"1 : {paper.scale:g}", right)
+    _draw_scale_bar(ax, right, SHEET_MARGIN_MM + 4, paper.scale)
     if north is not None:
-        tip = 9 * np.array([np.cos(turn + north), np.sin(turn + north)])
-        foot = far - [10, 18]
+        tip = 9 * np.array([np.cos(paper.turn + north), np.sin(paper.turn + north)])
+        foot = paper.high - [10, 18]
         arrow = {"arrowstyle": "-|>", "color": "black"}
         ax.annotate("", tuple(foot + tip), tuple(foot), arrowprops=arrow)
         x, y = foot + 1.4 * tip
@@ -207,7 +248,7 @@ def _write_words(ax: Any, words: list[str], doubt: str, scale: str, right: float
     """The band below the map: title, verdict, what is in doubt, scale, date and source."""
     title, verdict, date, source = words
     plain: dict[str, Any] = {"parse_math": False, "va": "top"}
-    left_mm, top_mm = SHEET_MARGIN_MM, SHEET_MARGIN_MM + WORDS_BAND_MM
+    left_mm, top_mm = WORDS_CORNER_MM
     ax.text(left_mm, top_mm - 6, title, fontsize=14, weight="bold", **plain)
     lines = textwrap.wrap(verdict, LETTERS_PER_LINE)[:3]
     ax.text(left_mm, top_mm - 14, "\n".join(lines), fontsize=9, **plain)
@@ -221,8 +262,8 @@ def _write_words(ax: Any, words: list[str], doubt: str, scale: str, right: float
     ax.text(right, top_mm - 11, source, fontsize=DOUBT_POINTS, ha="right", **plain)
 
 
-def _draw_list(ax: Any, plan: FloorPlan, corner: Array, far: Array) -> float:
-    """Rooms with their areas and sides, and the sum, in columns from the left: their height."""
+def _list_of_rooms(plan: FloorPlan, wide: float) -> tuple[float, list[dict[str, Any]]]:
+    """Rooms with their areas and sides, and the sum, in columns: their height, and the words."""
     names = [*(shown(room.name) for room in plan.rooms), "in all"]
     sizes = [room.area for room in plan.rooms]
     areas = [f"{size:.1f} m2" for size in (*sizes, sum(sizes))]
@@ -230,18 +271,18 @@ def _draw_list(ax: Any, plan: FloorPlan, corner: Array, far: Array) -> float:
     entries = names, areas, [*sides, ""]
     name_mm, area_mm, sides_mm = (text_size("\n".join(k), LIST_POINTS)[0] for k in entries)
     column_mm = name_mm + area_mm + sides_mm + 2 * LIST_MARGIN_MM
-    columns = max(1, int((far - corner)[0] / column_mm))
-    per_column = -(-len(names) // columns)
-    height_mm = LIST_ROW_MM * per_column + LIST_MARGIN_MM
+    per_column = -(-len(names) // max(1, int(wide / column_mm)))
+    height_mm, words = LIST_ROW_MM * per_column + LIST_MARGIN_MM, list[dict[str, Any]]()
     for number, (name, area, size) in enumerate(zip(*entries, strict=True)):
         column, row = divmod(number, per_column)
-        words: dict[str, Any] = {"fontsize": LIST_POINTS, "va": "top", "parse_math": False}
-        words["y"] = corner[1] + height_mm - LIST_MARGIN_MM - row * LIST_ROW_MM
-        right_mm = corner[0] + column * column_mm + name_mm + LIST_MARGIN_MM / 2 + area_mm
-        ax.text(corner[0] + column * column_mm, s=name, **words)
-        ax.text(right_mm, s=area, ha="right", **words)
-        ax.text(right_mm + LIST_MARGIN_MM / 2, s=size, **words)
-    return height_mm
+        style = {"fontsize": LIST_POINTS, "va": "top", "parse_math": False}
+        style["y"] = WORDS_CORNER_MM[1] + height_mm - LIST_MARGIN_MM - row * LIST_ROW_MM
+        left_mm = WORDS_CORNER_MM[0] + column * column_mm
+        right_mm = left_mm + name_mm + LIST_MARGIN_MM / 2 + area_mm
+        words.append({"x": left_mm, "s": name, **style})
+        words.append({"x": right_mm, "s": area, "ha": "right", **style})
+        words.append({"x": right_mm + LIST_MARGIN_MM / 2, "s": size, **style})
+    return height_mm, words
 
 
 def room_sides(plan: FloorPlan, room: Room) -> tuple[float, float]:
@@ -281,36 +322,51 @@ def _filled(ax: Any, polygon: Any, color: str) -> None:
     ax.add_patch(PathPatch(around, facecolor=color, edgecolor="none"))
 
 
-def _draw_rooms(ax: Any, plan: FloorPlan, on_paper: Callable[[Array], Array], page: Any) -> None:
+def _draw_rooms(ax: Any, plan: FloorPlan, paper: Paper) -> None:
     """Rooms with their words, clutter, doors with their widths."""
     from matplotlib.collections import LineCollection
 
-    shapely = shapely_or_hint()
-    bodies = [*shapely.transform(wall_bodies(plan)[0], on_paper)]
-    areas = [shapely.transform(room.polygon, on_paper).buffer(0) for room in plan.rooms]
-    for polygon in bodies:
+    transform_of = shapely_or_hint().transform
+    for polygon in transform_of(wall_bodies(plan)[0], paper.placed):
         _filled(ax, polygon, WALL_COLOR)
-    clutter = on_paper(plan.clutter.segments)
-    ax.add_collection(LineCollection(list(clutter), colors="0.6", linewidths=WALL_MM))
-    doors = on_paper(np.reshape([door.ends for door in plan.doors], (-1, 2, 2)))
-    for ends in doors:
-        ax.plot(*ends.T, color=DOOR_COLOR, linewidth=4 * WALL_MM)
-    walls = [*shapely.linestrings(np.concatenate([on_paper(plan.walls.segments), doors]))]
+    clutter = list(paper.placed(plan.clutter.segments))
+    ax.add_collection(LineCollection(clutter, colors="0.6", linewidths=WALL_MM))
+    for door in plan.doors:
+        ax.plot(*paper.placed(door.ends).T, color=DOOR_COLOR, linewidth=4 * WALL_MM)
+    for room in plan.rooms:
+        _filled(ax, transform_of(room.polygon, paper.placed), ROOM_TINT)
+    for label in labels_of(plan, paper):
+        if label.leader is not None:
+            ax.plot(*label.leader.T, color=label.color, linewidth=0.4)
+        for line, middle in label.lines():
+            ax.text(
+                *middle, line, fontsize=label.letters * POINTS_PER_LETTER_MM, color=label.color,
+                ha="center", va="center", parse_math=False,
+            )  # fmt: skip
+
+
+def labels_of(plan: FloorPlan, paper: Paper) -> list[Label]:
+    """Names and areas of rooms, and the widths of doors and openings, where there is room."""
+    shapely, page = shapely_or_hint(), shapely_or_hint().box(*paper.low, *paper.high)
+    areas = [shapely.transform(room.polygon, paper.placed).buffer(0) for room in plan.rooms]
+    bodies = shapely.transform(wall_bodies(plan)[0], paper.placed)
+    lines = [*plan.walls.segments, *(door.ends for door in plan.doors)]
+    walls = [*shapely.linestrings(paper.placed(np.reshape(lines, (-1, 2, 2))))]
     drawn = shapely.union_all([*walls, *bodies])
-    labels = Labels(ax, drawn, drawn | shapely.multilinestrings(clutter), page)
-    outside = list[tuple[str, Array]]()
+    clutter = shapely.multilinestrings(paper.placed(plan.clutter.segments))
+    labels, outside = Labels(drawn, drawn | clutter, page), list[tuple[str, Array]]()
     for room, area in zip(plan.rooms, areas, strict=True):
-        _filled(ax, area, ROOM_TINT)
         words = f"{shown(room.name)}\n{room.area:.1f} m2"
-        if not labels.write_inside(words, area):
-            outside.append((words, on_paper(room.place)))
+        if not labels.place_inside(words, area):
+            outside.append((words, paper.placed(room.place)))
     beyond = page.difference(shapely.union_all(areas))
     for words, place in outside:
-        labels.write_near(words, place, beyond)
+        labels.place_near(words, place, beyond)
     for door in [*plan.doors, *plan.openings_to_nowhere]:
-        place = on_paper(door.place)
+        place = paper.placed(door.place)
         around = shapely.Point(place).buffer(WORDS_REACH_MM)
-        labels.write_near(f"{door.width:.2f} m", place, around, DOOR_COLOR)
+        labels.place_near(f"{door.width:.2f} m", place, around, DOOR_COLOR)
+    return labels.placed
 
 
 def _draw_scale_bar(ax: Any, right: float, low: float, scale: float) -> None:

@@ -249,7 +249,7 @@ class PlanOptions(log_options.PlacedOptions):
     Parameters
     ----------
     as_recorded
-        The sheet stands as the log does, and not square to the building.
+        Sheet and DXF stand as the log does, and not square to the building.
     """
 
     as_recorded: bool = False

@@ -44,15 +44,15 @@ def test_a_drawing_has_its_layers(two_rooms, tmp_path):
     (line,) = door.virtual_entities()
     ends = np.sort([line.dxf.start.y, line.dxf.end.y])
     assert np.allclose(ends, np.sort(two_rooms.doors[0].ends[:, 1]), atol=1e-6)
-    assert {one.dxf.text for one in by_layer["TEXT"]} == {
-        "room 1, 19.6 m2",  # without the doorway
-        "room 2, 19.6 m2",
-    }
+    words = sorted(one.dxf.text for one in by_layer["TEXT"])  # rooms without the doorway
+    width = f"{two_rooms.doors[0].width:.2f} m"
+    assert words == [width, "19.6 m2", "19.6 m2", "room 1", "room 2"]
 
 
 @pytest.mark.parametrize("as_recorded", [False, True])
 def test_a_sheet_is_square_to_its_building(tmp_path, as_recorded):
-    """Catches a sheet that is turned twice or the wrong way round."""
+    """Catches a sheet that is turned twice or the wrong way round, and a drawing of which only a
+    part is turned."""
     turn = np.radians(20)
     walls = transform((0, 0, turn), polyline([(0, 0), (8, 0), (8, 3), (0, 3)], closed=True))
     tree = QuadtreeMap(resolution=0.05, free_resolution=0.05)
@@ -60,14 +60,24 @@ def test_a_sheet_is_square_to_its_building(tmp_path, as_recorded):
     for x in np.arange(0.5, 8, 0.5):
         tree.insert_scan(transform((0, 0, turn), [(x, 1.5)])[0], places)
         tree.insert_scan(transform((0, 0, turn), [(x, 1.5)])[0], places)
-    found = plan.floor_plan(walls, tree)
+    jambs = transform((0, 0, turn), [(2.0, 0.0), (3.0, 0.0)]).tolist()
+    found = plan.floor_plan(walls, tree, edits=[plan.NewDoor(*map(tuple, jambs))])
     exports.write_plan(tmp_path / "it.svg", found, as_recorded=as_recorded)
+    exports.write_plan(tmp_path / "it.dxf", found, as_recorded=as_recorded)
+    space = ezdxf.readfile(tmp_path / "it.dxf").modelspace()
+    (door,), lines = space.query("INSERT"), [*space.query('LINE[layer=="WALLS"]')]
+    ways = [np.degrees((one.dxf.end - one.dxf.start).angle) for one in lines]
+    ways = np.array([*ways, door.dxf.rotation]) % 90
+    assert np.allclose(np.minimum(ways, 90 - ways), 20 if as_recorded else 0, atol=0.5)
+    walls = shapely.multilinestrings([[one.dxf.start.vec2, one.dxf.end.vec2] for one in lines])
+    place = shapely.Point(*door.dxf.insert.vec2)
+    assert walls.distance(place) == pytest.approx(door.dxf.xscale / 2, abs=0.05)
     text = (tmp_path / "it.svg").read_text(encoding="utf-8")
     found = re.findall(r'<path d="M ([\d.]+) ([\d.]+) \nL ([\d.]+) ([\d.]+) \n"', text)
     x, y = np.diff(np.array(found, float).reshape(-1, 2, 2), axis=1)[:, 0].T
     ways = np.degrees(np.arctan2(y, x))[np.hypot(x, y) > 100] % 90
     *walls, bar = np.minimum(ways, 90 - ways)
-    assert len(walls) == 4 and bar < 0.1
+    assert len(walls) == 5 and bar < 0.1  # one has the door
     assert np.allclose(walls, 20 if as_recorded else 0, atol=0.5)
 
 
@@ -169,7 +179,8 @@ def test_a_sheet_holds_rooms_that_reach_beyond_their_walls(tmp_path):
 
 
 def test_words_of_a_sheet_stand_on_no_wall_and_on_no_others(tmp_path):
-    """Catches words across a wall or other words, a room without any, and a sum of other rooms."""
+    """Catches words across a wall or other words, a room without any, a sum of other rooms, and a
+    drawing whose letters have another scale than its sheet, or stand elsewhere."""
     kinds = np.full((280, 760), UNKNOWN)
     kinds[10:170, 10:750] = FREE  # a hall of 37 m by 8 m, and behind it closets of 1.25 m by 2 m
     corners = [[(0.5, 0.5), (37.5, 0.5)], [(37.5, 0.5), (37.5, 8.5)], [(0.5, 8.5), (0.5, 0.5)]]
@@ -181,19 +192,31 @@ def test_words_of_a_sheet_stand_on_no_wall_and_on_no_others(tmp_path):
         walls += list(polyline([(x, 8.6), (x, 10.6), (x + 1.25, 10.6), (x + 1.25, 8.6)]))
     kinds[(kinds == UNKNOWN) & ndimage.binary_dilation(kinds == FREE)] = OCCUPIED
     drawn = plan.floor_plan(np.array(walls), map_of_grid(kinds, resolution=0.05))
-    exports.write_plan(tmp_path / "it.svg", drawn, verdict="GOOD")
-    text = (tmp_path / "it.svg").read_text(encoding="utf-8")
-    pattern = r'font-size: (\d+)px[^>]*translate\(([\d.]+) ([\d.]+)\)">([^<]+)<'
-    size, x, y, words = np.array(re.findall(pattern, text)).T
-    (size, x, y), wide = np.array([size, x, y], float), np.array([0.55 * len(one) for one in words])
-    boxes = shapely.box(x, y - 0.7 * size, x + wide * size, y)
-    line = r'<path d="M ([\d.]+) ([\d.]+) \nL ([\d.]+) ([\d.]+) \n"[^>]*stroke-width: (0\.4|0\.99)'
-    lines = np.array(re.findall(line, text), float)
-    faces = shapely.linestrings(lines[:, :4].reshape(-1, 2, 2))
-    leaders = lines[:, 4] < 0.5
+    for name in ("it.svg", "it.dxf"):
+        exports.write_plan(tmp_path / name, drawn, verdict="GOOD")
+    space = ezdxf.readfile(tmp_path / "it.dxf").modelspace()
+    texts = [*space.query("TEXT")]
+    words = [one.dxf.text for one in texts]
+    height = np.array([one.dxf.height for one in texts])
+    middle = np.array([one.dxf.align_point.vec2 for one in texts])
+    half = np.stack([[0.36 * len(one) for one in words] * height, height / 2], -1)
+    boxes = shapely.box(*(middle - half).T, *(middle + half).T)
+    lines = {"WALLS": [], "TEXT": []}  # walls without a body, and leaders
+    for one in space.query("LINE"):
+        lines[one.dxf.layer].append([one.dxf.start.vec2, one.dxf.end.vec2])
+    faces = shapely.linestrings(np.array(lines["WALLS"]))
     assert len(drawn.rooms) == 6 == sum(one.startswith("room") for one in words)
-    assert leaders.sum() == 5  # a closet is 6.25 mm wide
+    assert len(lines["TEXT"]) == 5  # a closet is 6.25 mm wide
     assert not shapely.intersects(boxes, shapely.union_all(faces)).any()
     meeting = shapely.STRtree(boxes).query(boxes, "intersects")
     assert (meeting[0] == meeting[1]).all()
+    text = (tmp_path / "it.svg").read_text(encoding="utf-8")
+    scale = float(re.search(r"1 : (\d+)", text).group(1)) / 1000
+    assert scale == 0.2 and height.max() == pytest.approx(2.5 * scale)
+    pattern = r'font-size: ([\d.]+)px[^>]*middle[^>]*x="([\d.]+)" y="([\d.]+)"[^>]*>([^<]+)<'
+    size, x, y, sheet_words = np.array(re.findall(pattern, text)).T
+    size, x, y = np.array([size, x, y], float) * 25.4 / 72 * scale
+    assert sheet_words.tolist() == words and np.allclose(size * 0.73, height, rtol=0.01)
+    off = np.stack([x, -y + 0.37 * size], -1) - middle
+    assert np.allclose(off, off.mean(0), atol=0.2 * scale)  # descenders
     assert f">{sum(room.area for room in drawn.rooms):.1f} m2</text>" in text
