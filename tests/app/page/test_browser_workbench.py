@@ -89,6 +89,11 @@ RUNS = """
 return [...document.querySelectorAll('.segmap-plan .run')].map(e => e.getAttribute('aria-label'))"""
 LAST_DOOR = """
 return [...document.querySelectorAll('.segmap-plan .door')].at(-1).getAttribute('aria-label')"""
+#: What a plan and its buttons stand on, and the colour of its words.
+GROUND = """
+const style = name => getComputedStyle(document.querySelector(`.segmap-plan ${name}`));
+return [style('svg').backgroundColor, style('button[aria-pressed="false"]').backgroundColor,
+  style('text').fill]"""
 ON_PLAN = """
 const matrix = document.querySelector('.segmap-plan svg').getScreenCTM();
 return arguments[0].map(([x, y]) => {
@@ -479,7 +484,7 @@ def planned(browser, app):
 
 def test_a_plan_is_mended_by_mouse_finger_and_keys(app, browser):
     """Catches a run of wall that cannot be met, a click that reaches no room, a door or a cut at
-    another place than it is drawn, and edits that need a mouse."""
+    another place than it is drawn, edits that need a mouse, and a white plan in a dark page."""
     planned(browser, app)
     browser.size(1366, 768)
     browser.click(PLAN_BUTTON.format("Furniture"))
@@ -551,6 +556,12 @@ def test_a_plan_is_mended_by_mouse_finger_and_keys(app, browser):
     wait("a split by keys", lambda: browser.run(PLANNED)[0] == 4)
     undone()
     assert browser.run(PALE) == [] and browser.run(WIDE) and browser.run(FITS)
+    features = [{"name": "prefers-color-scheme", "value": "dark"}]
+    browser.devtools("Emulation.setEmulatedMedia", {"features": features})
+    browser.screenshot(SCREENSHOT.with_name("workbench_plan_dark.png"))
+    assert browser.run(GROUND) == [*["rgb(22, 22, 22)"] * 2, "rgb(232, 232, 232)"]
+    browser.devtools("Emulation.setEmulatedMedia", {"features": []})
+    assert browser.run(GROUND)[:2] == ["rgb(255, 255, 255)"] * 2
     errors = [line for line in browser.errors() if ICONS not in line]
     assert not errors, errors
 
