@@ -5,6 +5,7 @@ import itertools
 import json
 import os
 import re
+import runpy
 import signal
 import subprocess
 import sys
@@ -212,6 +213,21 @@ def test_the_worker_ends_with_its_kernel(tmp_path):
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(kernel.pid, signal.SIGKILL)
+
+
+def test_stop_ends_a_compiled_loop_within_two_seconds(worker, tmp_path):
+    """Catches *Stop* that waits for a loop which cannot be interrupted."""
+    (tmp_path / "endless.py").write_text(f"{ENDLESS}\nendless()\n")
+    made = bench()
+    made._worker = worker
+    made._begin(runpy.run_path, (str(tmp_path / "endless.py"),), print)
+    wait_for(lambda: made.state.value.startswith("22.0"), 60)
+    process, begun = worker.start(), time.monotonic()
+    made.stop.click()
+    wait_for(lambda: made.state.value == "stopped", 20)
+    seconds = time.monotonic() - begun
+    assert process.poll() is not None
+    assert seconds < 2, "0.2 to 0.4 s, also where twenty others work"
 
 
 class Unknown:
