@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from makefile import app_command
+from makefile import app_command, lab_command
 
 ROOT = Path(__file__).resolve().parents[1]
 SCREENSHOT = ROOT / "build" / "browser" / "chapter_01.png"
@@ -59,6 +59,18 @@ return pale"""
 READY = """
 return [...document.querySelectorAll('button')].some(
   e => e.innerText.trim() === arguments[0] && !e.disabled)"""
+#: An entry of a menu of Lab, and the token of its address.
+MENU = "//div[contains(@class, 'lm-{}-itemLabel') and text()='{}']"
+LAB_TOKEN = "chapter01"
+#: Idle and connected: a notebook without a kernel calls itself idle, and asks for one when it runs.
+IDLE = """
+const i = document.querySelector('.jp-Notebook-ExecutionIndicator');
+const k = document.querySelector('.jp-KernelName');
+return i !== null && i.dataset.status === 'idle' && k !== null && /Python/.test(k.textContent)"""
+UNFINISHED = """
+const cells = [...document.querySelectorAll('.jp-CodeCell:not(:has(.jp-Placeholder))')];
+const p = cells.map(e => e.querySelector('.jp-InputPrompt').textContent);
+return p.filter(t => !/\\[\\d+\\]/.test(t)).length + (p.length ? 0 : 1)"""
 BUTTON = "//button[normalize-space()='{}']"
 ENTRY = "//label[normalize-space()='{}']/following-sibling::input"
 PICKED = "//label[normalize-space()='{}']/following-sibling::select"
@@ -152,6 +164,10 @@ class Browser:
     def devtools(self, command: str, settings: dict[str, Any]) -> Any:
         return self._call("POST", "/goog/cdp/execute", {"cmd": command, "params": settings})
 
+    def finger(self, kind: str, *places: tuple[float, float]) -> None:
+        points = [{"x": x, "y": y} for x, y in places]
+        self.devtools("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
     def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
         place = {"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1}
         self.devtools("Input.dispatchMouseEvent", place | more)
@@ -198,3 +214,28 @@ def served(folder: Path, **environment: str) -> Iterator[str]:
     environ = os.environ | environment
     with running(["sh", "-c", command], folder / "log", cwd=ROOT, env=environ):
         yield wait("voila", printed, 90)
+
+
+@contextmanager
+def lab(folder: Path, log: Path) -> Iterator[str]:
+    """The address of JupyterLab as `make lab` starts it, in a folder, with its own settings."""
+    port = free_port()
+    names = {"JUPYTER_CONFIG_DIR": "config", "JUPYTER_DATA_DIR": "data", "IPYTHONDIR": "ipython"}
+    own = {name: str(log.parent / place) for name, place in names.items()}
+    started = lab_command(port).replace(".venv/bin/python", shlex.quote(sys.executable))
+    command = ["sh", "-c", f"{started} --IdentityProvider.token={LAB_TOKEN} --ServerApp.root_dir=."]
+    with running(command, log, cwd=folder, env=os.environ | own):
+        at = f"http://127.0.0.1:{port}"
+        api = f"{at}/api/status?token={LAB_TOKEN}"
+        wait("JupyterLab", lambda: urllib.request.urlopen(api, timeout=5).status == 200)
+        assert "Warning" not in (said := log.read_text()), said
+        yield at
+
+
+def run_all_cells(browser: Browser) -> None:
+    wait("the kernel", lambda: browser.run(IDLE))
+    browser.click(MENU.format("MenuBar", "Run"))
+    time.sleep(0.5)  # the menu fills itself
+    browser.click(MENU.format("Menu", "Run All Cells"))
+    # On a new machine the loops are compiled now, which can take minutes.
+    wait("all cells to run", lambda: browser.run(UNFINISHED) == 0 and browser.run(IDLE), 300)

@@ -23,10 +23,10 @@ PANEL_DPI = 72
 #: As wide as its cell the picture is shown, up to so many pixels, or as many as it has; and of the
 #: height of the window it takes so many hundredths at most, so that panel and picture fit.
 WIDEST_PICTURE, HIGHEST_PICTURE = 900, 60
-#: Where there is room for both, as in a window of 1280 pixels, the controls stand beside it.
-CONTROLS_FLEX = "0 1 440px"
+#: Where there is room for both, from 800 pixels on, the controls stand beside it.
+CONTROLS_FLEX = "1 1 340px"
 #: The picture's part of such a row.
-PICTURE_FLEX = "1 1 540px"
+PICTURE_FLEX = "2 1 440px"
 #: What a browser is given is finer, for screens with two dots a pixel; what a file keeps is not.
 FINER = 2
 #: Rows go on below where a window is narrow.

@@ -4,25 +4,29 @@ A picture of what it showed is left at build/browser/chapter_01.png.
 """
 
 import json
-import os
 import re
-import shlex
-import sys
 import time
-import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from browsers import ROOT, SCREENSHOT, Browser, browser, free_port, running, wait
-from makefile import lab_command
+from browsers import (
+    LAB_TOKEN,
+    MENU,
+    ROOT,
+    SCREENSHOT,
+    Browser,
+    browser,
+    lab,
+    run_all_cells,
+    wait,
+)
 
 assert browser  # the fixture
 
 CHAPTER = ROOT / "notebooks" / "01_start_here.ipynb"
-TOKEN = "chapter00"
 RIGHT = "\ue014"
 
 #: The count of segments as the panel of the chapter shows them: "276 of 2842 segments left".
@@ -30,13 +34,7 @@ COUNT = """
 return [...document.querySelectorAll('.widget-label')].map(e => e.textContent)
   .filter(t => / of \\d+ segments left/.test(t))[0] || null"""
 PICTURE = "const p = document.querySelector('.widget-image'); return p ? p.src : null"
-ENTRY = "//div[contains(@class, 'lm-{}-itemLabel') and text()='{}']"
 HANDLE = "//div[contains(@class, 'widget-hslider')]//div[contains(@class, 'noUi-handle')]"
-#: Idle and connected: a notebook without a kernel calls itself idle, and asks for one when it runs.
-IDLE = """
-const i = document.querySelector('.jp-Notebook-ExecutionIndicator');
-const k = document.querySelector('.jp-KernelName');
-return i !== null && i.dataset.status === 'idle' && k !== null && /Python/.test(k.textContent)"""
 #: What Lab says in its corner: within a second of the start it asks whether it may fetch news.
 NOTES = """
 return [...document.querySelectorAll('.Toastify__toast')].map(e => e.textContent).join()"""
@@ -48,41 +46,20 @@ if (found) found.scrollIntoView({block: 'center'});
 else if (all) all.scrollTop = (all.scrollTop + 800) % all.scrollHeight;
 return found !== undefined && found.clientHeight > 100"""
 LOST = "return /model not found/i.test(document.body.innerText)"
-UNFINISHED = """
-const cells = [...document.querySelectorAll('.jp-CodeCell:not(:has(.jp-Placeholder))')];
-const p = cells.map(e => e.querySelector('.jp-InputPrompt').textContent);
-return p.filter(t => !/\\[\\d+\\]/.test(t)).length + (p.length ? 0 : 1)"""
 
 
 @pytest.fixture
 def chapter(tmp_path: Path) -> Iterator[str]:
     """Address of a copy of chapter 01 in a running JupyterLab."""
-    folder, port = tmp_path / "notebooks", free_port()
+    folder = tmp_path / "notebooks"
     folder.mkdir()
     notebook = json.loads(CHAPTER.read_text(encoding="utf-8"))
     for cell in notebook["cells"]:
         if cell["cell_type"] == "code":  # so that what is seen was made here
             cell |= {"outputs": [], "execution_count": None}
     (folder / CHAPTER.name).write_text(json.dumps(notebook), encoding="utf-8")
-    own = {"JUPYTER_CONFIG_DIR": "config", "JUPYTER_DATA_DIR": "data", "IPYTHONDIR": "ipython"}
-    env = os.environ | {name: str(tmp_path / place) for name, place in own.items()}
-    lab = lab_command(port).replace(".venv/bin/python", shlex.quote(sys.executable))
-    options = f"--IdentityProvider.token={TOKEN} --LabApp.default_url=/lab --ServerApp.root_dir=."
-    command = ["sh", "-c", f"{lab} {options}"]
-    with running(command, tmp_path / "lab.log", cwd=folder, env=env):
-        api = f"http://127.0.0.1:{port}/api/status?token={TOKEN}"
-        wait("JupyterLab", lambda: urllib.request.urlopen(api, timeout=5).status == 200)
-        assert "Warning" not in (said := (tmp_path / "lab.log").read_text()), said
-        yield f"http://127.0.0.1:{port}/doc/tree/{CHAPTER.name}?token={TOKEN}&reset"
-
-
-def run_all_cells(browser: Browser) -> None:
-    wait("the kernel", lambda: browser.run(IDLE))
-    browser.click(ENTRY.format("MenuBar", "Run"))
-    time.sleep(0.5)  # the menu fills itself
-    browser.click(ENTRY.format("Menu", "Run All Cells"))
-    # On a new machine the loops are compiled now, which can take minutes.
-    wait("all cells to run", lambda: browser.run(UNFINISHED) == 0 and browser.run(IDLE), 300)
+    with lab(folder, tmp_path / "lab.log") as at:
+        yield f"{at}/doc/tree/{CHAPTER.name}?token={LAB_TOKEN}&reset"
 
 
 def test_the_slider_of_chapter_01_answers(browser, chapter, tmp_path):
@@ -115,15 +92,15 @@ def test_the_slider_of_chapter_01_answers(browser, chapter, tmp_path):
 
 def save_and_end_the_kernel(browser: Browser, address: str, path: Path) -> str:
     """Save by the menu, as a student does; the end of the panel's picture, in base64."""
-    browser.click(ENTRY.format("MenuBar", "File"))
+    browser.click(MENU.format("MenuBar", "File"))
     time.sleep(0.5)  # the menu fills itself
-    browser.click(ENTRY.format("Menu", "Save Notebook"))
+    browser.click(MENU.format("Menu", "Save Notebook"))
     panel = wait("the file", lambda: shown_by(path, "FusionPanel("), 20)
     assert set(panel) == {"image/png", "text/plain"}
     api = address.partition("/doc/")[0] + "/api/sessions"
-    with urllib.request.urlopen(f"{api}?token={TOKEN}", timeout=5) as reply:
+    with urllib.request.urlopen(f"{api}?token={LAB_TOKEN}", timeout=5) as reply:
         (session,) = json.load(reply)
-    end = urllib.request.Request(f"{api}/{session['id']}?token={TOKEN}", method="DELETE")
+    end = urllib.request.Request(f"{api}/{session['id']}?token={LAB_TOKEN}", method="DELETE")
     urllib.request.urlopen(end, timeout=20).close()
     return str(panel["image/png"].strip()[-200:].replace("\n", ""))
 
