@@ -1,8 +1,9 @@
 """What chapters show and how long they take, as their own cells say, written into the syllabus and
 the README by `.venv/bin/python notebooks/tools/minutes.py`.
 
-Words by the speed of a second-language reader of technical text, cells and answers at fixed
-minutes. A table of these is an estimate to plan a lab with, and no measurement of students.
+Words and lines of code that are not folded by the speed of a second-language reader of technical
+text, pictures, panels and answers at fixed minutes. A table of these is an estimate to plan a lab
+with, and no measurement of students.
 """
 
 import json
@@ -15,11 +16,13 @@ from book.sources import PARTS, part_of
 
 NOTEBOOKS = Path(__file__).resolve().parents[1]
 SYLLABUS, README = NOTEBOOKS / "SYLLABUS.md", NOTEBOOKS.parent / "README.md"
-#: Words a minute; minutes for a cell of code with what it shows, for a panel or a figure to drag,
-#: for a function to be written, for an open exercise (a prediction, a counter-example, an own log).
-SPEED, CELL, PANEL, FUNCTION, OPEN = 120, 0.75, 5, 20, 15
-#: Where a cell makes one.
-PANELS = r"^\w+ = (?:\w+\.)?(?:\w+Panel|PlanEditor|Workbench|Drag\w+)\("
+#: Words and lines of code a minute.
+SPEED, LINES = 120, 6
+#: Minutes for a picture, for a panel or a figure to drag, for a function to be written, for an open
+#: exercise (a prediction, a counter-example, an own log).
+PICTURE, PANEL, FUNCTION, OPEN = 0.75, 5, 20, 15
+#: What an output is called that is a picture, and one that moves.
+IMAGE, WIDGET = "image/png", "application/vnd.jupyter.widget-view+json"
 #: A row that links to chapters, and ends with minutes; and cells of a row of a lab, of which the
 #: last but one names the functions that are written at home, which are no part of its minutes.
 ROW = re.compile(r"^(\|.*\d\d_\w+\.ipynb\).*\| )(\d+) \|$", re.MULTILINE)
@@ -37,15 +40,17 @@ class Chapter(NamedTuple):
     title: str
     shows: str
     words: int
-    cells: int
+    lines: int
+    pictures: int
     panels: int
     functions: int
     open: int
 
     @property
     def reading(self) -> int:
-        """Minutes for text, cells and panels, to five."""
-        return fives(self.words / SPEED + CELL * self.cells + PANEL * self.panels)
+        """Minutes for text, code, pictures and panels, to five."""
+        text = self.words / SPEED + self.lines / LINES
+        return fives(text + PICTURE * self.pictures + PANEL * self.panels)
 
     @property
     def writing(self) -> int:
@@ -67,15 +72,20 @@ def chapter(path: Path) -> Chapter:
     """Count what a chapter holds."""
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     text = "\n".join("".join(c["source"]) for c in cells if c["cell_type"] == "markdown")
-    code = ["".join(c["source"]) for c in cells if c["cell_type"] == "code"]
-    joined = "\n".join(code)
+    code = [c for c in cells if c["cell_type"] == "code"]
+    joined = "\n".join("".join(c["source"]) for c in code)
+    folded = [c["metadata"].get("jupyter", {}).get("source_hidden", False) for c in code]
+    read = ["".join(c["source"]) for c, away in zip(code, folded, strict=True) if not away]
+    shown = [output.get("data", {}) for c in code for output in c["outputs"]]
+    panels = sum(WIDGET in kinds for kinds in shown)
     return Chapter(
         path.name,
         text.splitlines()[0].removeprefix("# ").partition(":")[0],
         "".join(SHOWS.findall("".join(cells[0]["source"]))),
         len(re.findall(r"[^\s|]*\w[^\s|]*", text)),
-        len(code),
-        len(re.findall(PANELS, joined, re.MULTILINE)),
+        len(re.findall(r"^[ ]*[^#\s]", "\n".join(read), re.MULTILINE)),
+        sum(IMAGE in kinds for kinds in shown) - panels,
+        panels,
         len(re.findall(r"^course\.check_(?!own_log)\w+\(", joined, re.MULTILINE)),
         len(
             re.findall(
@@ -92,10 +102,10 @@ def all_chapters() -> list[Chapter]:
 
 def table(chapters: list[Chapter]) -> str:
     """The table of the syllabus."""
-    names = ("chapter", "what it shows", "words", "cells", "read and run", "functions", "open")
+    names = ("chapter", "what it shows", "words", "lines", "read and run", "functions", "open")
     head = f"| {' | '.join(names)} | minutes |\n|---|---|{'--:|' * 6}"
     rows = [
-        f"| [{c.title}]({c.file}) | {c.shows} | {c.words} | {c.cells} | {c.reading} | {c.writing} "
+        f"| [{c.title}]({c.file}) | {c.shows} | {c.words} | {c.lines} | {c.reading} | {c.writing} "
         f"| {OPEN * c.open} | {c.together} |"
         for c in chapters
     ]
