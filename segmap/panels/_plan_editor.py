@@ -8,6 +8,7 @@ from typing import Any
 
 import anywidget
 import numpy as np
+import scipy.ndimage  # noqa: F401 -- edits need it: here, so that the first one does not wait for it
 import traitlets
 from matplotlib.figure import Figure
 

@@ -117,12 +117,13 @@ def outline_of(
     sides, wall = sides_on_walls(ring, walls)
     corners = [lines_meeting(*pair) for pair in zip(sides, np.roll(sides, -1, axis=0), strict=True)]
     hidden, steps, refused = 0.0, 2, set[bytes]()
-    while steps <= len(sides) - 2:
-        normal = normals(sides)
-        turn = (normal * np.roll(normal, -steps, axis=0)).sum(1)  # its cosine
+    while (count := len(sides)) >= steps + 2:
+        if steps == 2:  # another ring
+            around = np.concatenate([sides[-1:], sides, sides])
+            normal, size = normals(around)[1:], np.concatenate([wall, wall])
+        turn = (normal[:count] * normal[steps:][:count]).sum(1)  # its cosine
         fits = (abs(turn) < np.sin(FACE_TURN_RAD)) | (turn > np.cos(FACE_TURN_RAD))
-        fits &= np.minimum(wall, np.roll(wall, -steps)) > 0
-        around = np.concatenate([sides[-1:], sides, sides[: steps + 2]])
+        fits &= np.minimum(size[:count], size[steps:][:count]) > 0
         for first in np.flatnonzero(fits):
             window = around[first : first + steps + 3].tobytes()
             if window in refused:
@@ -198,13 +199,12 @@ def sides_on_walls(ring: Array, bounds: Bounds) -> tuple[Array, Array]:
         return sides, np.zeros(len(ring))
     normal, inside, size = normals(walls), normals(sides), length(sides)
     way = inside @ [[0, -1], [1, 0]]
-    spans = np.einsum("nwpk,nk->nwp", walls - ring[:, None, None], way)
-    spans = np.sort(spans, -1).clip(0, size[:, None, None])
-    middle = ring[:, None] + spans.mean(-1)[..., None] * way[:, None]
-    off = ((middle - walls[:, 0]) * normal).sum(-1)
+    start, end = (way @ walls[:, k].T - (ring * way).sum(1)[:, None] for k in (0, 1))
+    low, high = (each.clip(0, size[:, None]) for each in (np.fmin(start, end), np.fmax(start, end)))
+    off = ring @ normal.T - (walls[:, 0] * normal).sum(1) + (low + high) / 2 * (way @ normal.T)
     facing = inside @ normal.T
     facing = np.where(side == 0, abs(facing), side * facing)
-    cover = np.ptp(spans, axis=-1) * (SNAP_M - abs(off)).clip(0)
+    cover = (high - low) * (SNAP_M - abs(off)).clip(0)
     cover[facing < np.cos(FACE_TURN_RAD)] = 0
     best, is_on = cover.argmax(1), cover.max(1) > 0
     away = ((sides - walls[best, :1]) * normal[best, None]).sum(-1) * is_on[:, None]

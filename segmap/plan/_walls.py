@@ -252,11 +252,10 @@ def closed(segments: Array, grid: Grid) -> Array:
 def thicknesses(walls: Array, side: Indices) -> Array:
     """From each wall to its other face, metres: `(n,)`, NaN where that was not seen."""
     back = -side[:, None] * normals(walls)
-    to = walls - walls[:, None, :1]  # (n, n, 2, 2)
-    behind = np.einsum("ijpk,ik->ijp", to, back).mean(-1)
-    along = np.sort(np.einsum("ijpk,ik->ijp", to, back[:, ::-1] * (1, -1)), -1)
-    low, high = np.moveaxis(along[np.arange(len(walls)), np.arange(len(walls))], -1, 0)[..., None]
-    common = np.minimum(along[..., 1], high) - np.maximum(along[..., 0], low)
+    behind = back @ midpoint(walls).T - (walls[:, 0] * back).sum(1)[:, None]
+    start, end = (back[:, ::-1] * (1, -1) @ walls[:, k].T for k in (0, 1))
+    low, high = np.fmin(start, end), np.fmax(start, end)
+    common = np.fmin(high, np.diag(high)[:, None]) - np.fmax(low, np.diag(low)[:, None])
     faces = (back @ back.T < -np.cos(FACE_TURN_RAD)) & (common > SHORTEST_WALL_M)
     thickness = np.where(faces & (behind > 0), behind, np.inf).min(1, initial=np.inf)
     return np.where(thickness <= THICKEST_WALL_M, thickness, np.nan)
