@@ -102,3 +102,17 @@ def test_a_method_keeps_code_panel_and_exercise(name):
     )
     assert f"# {row['section']}" in markdown(notebook)
     assert f"course.{row['panel']}(" in code and f"course.check_{row['exercise']}(" in code
+
+
+def test_at_most_one_claim_in_three_holds_here_alone():
+    """Catches a course of examples. `pytest -s` prints the count: a claim is a sentence of a
+    summary without a link, and says *here* where it was not tried on more than its own case.
+    """
+    claims = []
+    for path in CHAPTERS:
+        text = markdown(json.loads(path.read_text(encoding="utf-8"))).split("## Summary")[-1]
+        sentences = re.split(r"(?<=[.!?:])\s+|\n\n|\n(?=[-|])", text)
+        claims += [one for one in sentences if len(one.split()) > 3 and "](" not in one]
+    here = [one for one in claims if re.search(r"\bhere\b", one, re.IGNORECASE)]
+    print(f"\n{len(here)} of {len(claims)} claims hold here alone")
+    assert len(claims) > 100 and len(here) / len(claims) < 1 / 3
