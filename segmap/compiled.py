@@ -31,9 +31,9 @@ R = TypeVar("R")
 
 #: Set this environment variable to 1 to run every loop as plain Python.
 PLAIN = "SEGMAP_PLAIN"
-#: What is said where machine code is missing.
+#: Message where machine code is missing.
 COMPILING = "compiling once on this machine, about a minute"
-#: And where no folder can keep it.
+#: Message where machine code is missing and no folder can keep it.
 KEPT_NOWHERE = "compiling, about a minute each time: no folder that could keep it may be written to"
 #: What makes an array or a list in a kernel; numba refuses any other where it counts nothing.
 MAKERS = frozenset({"append", "arange", "copy", "empty", "empty_like", "full", "heapq", "zeros"})

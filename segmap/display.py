@@ -27,7 +27,7 @@ def picture(value: object) -> bytes:
     """A small PNG of an object.
 
     `segmap.plotting` registers a function for each type that it can draw; `segmap` registers one
-    for all `Pictured` objects that first imports `segmap.plotting`. This room knows neither.
+    for all `Pictured` objects that first imports `segmap.plotting`. This module imports neither.
     """
     raise TypeError(f"no drawing is registered for {type(value).__name__}")
 

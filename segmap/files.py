@@ -1,6 +1,6 @@
 """Files that appear only when they are complete, and arrays of which everything is checked.
 
-What is no regular file is neither read nor replaced.
+Only regular files are read or replaced.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 
 from .progress import each
 
-#: A packed file may always unpack to this many bytes, ...
+#: A packed file may always unpack to this many bytes.
 LEAST_UNPACKED_BYTES = 1 << 20
-#: ... and to this many times its own: logs shrink to a third, the most regular tree to a 23rd, and
-#: what shrinks to a thousandth is to fill the memory.
+#: A packed file may unpack to this many times its size: logs shrink to a third, the most regular
+#: tree to a 23rd; a file that shrinks to a thousandth was made to fill the memory.
 MOST_UNPACKED_RATIO = 50
 #: More bytes than the head of an array takes.
 HEAD = 256

@@ -66,7 +66,7 @@ class Family(dict[str, Method[R]]):
 def bracket(
     keeps: Callable[[float], bool], value: float, doublings: int, halvings: int
 ) -> tuple[float, ...]:
-    """A value that keeps something and twice it, which does not; nothing where none is found.
+    """Find `(low, high)`, `high = 2 low`: `keeps` holds at low and not at high; or ().
 
     Examples
     --------
@@ -84,6 +84,6 @@ def bracket(
 
 
 def halved(keeps: Callable[[float], bool], ends: tuple[float, ...]) -> tuple[float, ...]:
-    """The half of a bracket, by ratio, in which what keeps ends."""
+    """Bisect a bracket at its geometric mean, and keep the half with the change."""
     middle = (ends[0] * ends[1]) ** 0.5
     return (middle, ends[1]) if keeps(middle) else (ends[0], middle)

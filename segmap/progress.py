@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 Progress = Callable[[float, str], object]
 Thing = TypeVar("Thing")
 
-#: Time that is left is told after so many seconds ...
+#: The time left is estimated after this many seconds of one kind of work.
 FIRST_ESTIMATE_S = 2.0
-#: ... and this share of one kind of work: from the first steps alone it would be a guess.
+#: The time left is estimated after this share of the work: the first steps alone do not tell it.
 FIRST_ESTIMATE_SHARE = 0.05
 
 _listener: ContextVar[Progress | None] = ContextVar("listener", default=None)

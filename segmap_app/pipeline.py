@@ -149,10 +149,10 @@ def step(choice: Choice) -> Callable[[Callable[[Pipeline], Found]], computed[Fou
 class Pipeline:
     """What follows from a recipe and a log; each step is done where it is asked for first.
 
-    What is as it was `before`, on the same log, is not done again. `given` is the log as it was
-    read, `log` the one that is aligned; `live_graph` a pose graph before it is mended, and what it
-    gave; `alignment_in_log_frame` the alignment before it is turned; `map` what is reduced. Where
-    the graph was `stopped` after some scans, which are the log then, these are its words.
+    Steps whose choices equal those of `before`, on the same log, are reused. `given` is the log as
+    it was read, `log` the one that is aligned; `live_graph` a pose graph before a user's edits, and
+    its alignment; `alignment_in_log_frame` the alignment before it is turned; `map` the map before
+    its reduction. `stopped` says that only the first scans were aligned, which then are the log.
     """
 
     def __init__(self, recipe: MapChoices, log: Log, before: Pipeline | None = None) -> None:
@@ -194,7 +194,7 @@ class Pipeline:
 
     @step(lambda recipe: recipe.align)
     def live_graph(self) -> tuple[LiveGraph, Alignment] | None:
-        """Where the alignment is a pose graph."""
+        """Align the log by a pose graph, scan by scan; None for another method."""
         announce(0.0, f"aligning {len(self.log)} scans by {self.recipe.align.name}")
         if self.recipe.align.name != "pose_graph":
             return None
@@ -213,7 +213,7 @@ class Pipeline:
         return graph, self._with_causes(graph.refine())
 
     def _cut(self, count: int) -> None:
-        """Be the outcome of so many scans, and say so wherever its map is seen."""
+        """Keep only the first `count` scans, and note this wherever the map is shown."""
         self.stopped = f"stopped at scan {count} of {len(self.log)}"
         finding = Finding(Cause.OTHER, count, self.stopped, doubtful=True)
         both = (self.given, self.log)

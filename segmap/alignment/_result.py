@@ -159,7 +159,7 @@ class Alignment(Pictured):
         return vars(self)[name]
 
     def __getstate__(self) -> dict[str, Any]:
-        """A copy, also by pickle, is told all, so that it needs neither log nor graph for it."""
+        """The state of a copy, also by pickle, has all figures: it needs neither log nor graph."""
         state = {each.name: getattr(self, each.name) for each in fields(self)}
         return state | {"appraise": Appraisal}
 
@@ -304,8 +304,8 @@ class Trail:
     poses. The guess is the last pose and the odometry step; where the log holds no odometry for one
     of the two scans, the robot is assumed to repeat its last motion (constant velocity).
 
-    The first has the pose `first`, where that is None its odometry, or the origin where it has
-    none; it is not used where it is `unmatched`.
+    The first scan gets the pose `first`; if None, its odometry pose; without odometry, the origin.
+    It counts as not used if a reason `unmatched` is given.
     """
 
     def __init__(

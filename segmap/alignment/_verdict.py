@@ -22,8 +22,8 @@ LEAST_PLACED_SHARE = 0.25
 #: building may be right in each of its parts and bent as a whole.
 PLACED = 0.9
 
-#: Where no scan is sure, half of them must be known to this standard deviation, metres: a map
-#: whose rooms may lie anywhere is none.
+#: Where no scan is sure, half of them must have at most this standard deviation, metres: if its
+#: rooms may lie anywhere, the log gives no map.
 UNKNOWN_M = 1.0
 #: A scan is sure where its standard deviation is at most this, metres: a tenth of a room. A good
 #: map promises no more than twice as much, half of a door.

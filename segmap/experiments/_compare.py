@@ -163,9 +163,9 @@ def _points(frame: pd.DataFrame) -> Array:
 
 
 def _beaten(points: Array) -> NDArray[np.bool_]:
-    """Which points another one is at least as good as in both, and better in one; `(n,)`.
+    """True for dominated points (Pareto): another is as good in both, and better in one; `(n,)`.
 
-    The quality of an empty map, NaN, is beaten by everything.
+    The quality of an empty map is NaN: every other point dominates it.
     """
     q, r = points[:, 0], points[:, 1]
     better = (q[None] > q[:, None]) | (r[None] > r[:, None])

@@ -28,7 +28,7 @@ from ._far import without_far_points
 from ._kernels import Beams, Runs
 from ._lines import fit_total
 
-#: So many scans are one piece of work for a thread.
+#: Scans in one piece of work for a thread.
 SCANS_PER_BLOCK = 128
 #: So much does the tolerance of a point grow with its standard deviation above the usual one: of
 #: hundreds of points on a wall one is off by four, and cuts it.

@@ -29,7 +29,7 @@ BEYOND_END_M = 0.3
 #: Beams of a scan that tell whether the filter is lost, as in `localize`.
 ASKED_BEAMS = 60
 
-#: A start that is known worse than to a kilometre is none, square metres.
+#: Largest variance of a start, square metres: a kilometre of standard deviation.
 MOST_VARIANCE_M2 = 1e6
 
 

@@ -185,10 +185,10 @@ def nearest_distances(
 ) -> None:
     """Add the sum over the ends of the distance to the nearest occupied cell's centre, in cells.
 
-    An end has places close together at poses that are alike: what is nearest to one of them is no
-    farther from the middle one than its own nearest and twice the way between the two, so all cells
-    there are tried at once. The last of `path`, `(top + 1,)`, is the root's block; the rest of it,
-    `todo`, `near` and `together`, for places and squares of poses together, are room.
+    At similar poses, one end lies at nearby places. So the nearest cell of each place is within the
+    distance of the middle place's nearest, plus twice the way between the two, of the middle place:
+    all cells there are tried at once. The last of `path`, `(top + 1,)`, is the root's block; the
+    rest of it, `todo`, `near` and `together`, for places and squares of poses, are scratch arrays.
     """
     x, y, squares = together[0], together[1], together[2]
     for m in range(len(scan.ends)):

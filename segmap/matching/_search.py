@@ -27,7 +27,7 @@ OTHER_PEAK = 0.3, 0.3
 SHORTEST = 20
 #: Ends of beams that lie farther apart count as so far, metres, in what the beams are spread over.
 OUTLINE_JUMP_M = 0.3
-#: So many poses within the margin are kept at most.
+#: Poses within the margin that are kept at most.
 MOST_LEAVES = 2**16
 #: Shifts in cells and headings over which the covariance of a pose is taken.
 SHIFTS = np.stack(np.meshgrid(*[np.arange(-4, 5)] * 3), -1).reshape(-1, 3)

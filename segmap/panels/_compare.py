@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 #: Width of each of two pictures side by side, pixels.
 PAIR_WIDTH = 600
-#: Their height, pixels.
+#: Height of two pictures side by side, pixels.
 PAIR_HEIGHT = 270
 
 

@@ -19,7 +19,7 @@ from .text import Binary, Parts, TextFormat
 BINARY_FORMATS: tuple[Binary, ...] = (tables.ARRAYS,)
 FOLDER_FORMATS: tuple[Binary, ...] = tables.TABLE_FOLDERS
 TEXT_FORMATS: tuple[type[TextFormat], ...] = (*CARMEN_FORMATS, *TABLE_FORMATS)
-#: So many lines are looked at; a damaged one among them does not change what most of them say.
+#: Lines that are looked at; a damaged one among them does not change what most of them say.
 LOOKED_AT_LINES = 200
 #: Least share of lines with the words of a format, where a head names columns.
 WORDS_SHARE = 0.1

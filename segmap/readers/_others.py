@@ -13,7 +13,7 @@ OTHER_FILES = {
     b"SQLite format 3": "of SQLite: bags of ROS 2 are, which the package segmap_app reads",
     b"\x89MCAP0\r\n": "of ROS 2, a bag: the package segmap_app reads it, and is not installed here",
 }
-#: The same of bytes, of which three lines make a table or a record.
+#: First bytes of files that three lines of Python read -> what they are, and these lines.
 OPENED_FILES = {
     b"\x93NUMPY": (
         "an array of numpy's",
@@ -62,7 +62,7 @@ NUMBERS_BETWEEN_WORDS = (
     "    records = [re.findall(r'-?\\d+\\.?\\d*', line) for line in file]",
 )
 NUMBER = re.compile(r"\d+\.?\d*")
-#: The same of JSON, an object a line or one in all.
+#: Lines of Python that read JSON with an object a line, and JSON that is one object.
 JSON_LINES = (
     "import json\nwith open({name!r}) as file:\n    records = [json.loads(line) for line in file]"
 )

@@ -41,12 +41,12 @@ MOST_APART = 1.0
 class RawScan(NamedTuple):
     """A scan as one line of a log states it."""
 
-    laser: str  #: which of the robot's
+    laser: str  #: name of the laser on the robot
     ranges: Array  #: (n,)
     angles: Array  #: (n,), in the frame of the laser
     time: float | None = None
-    odometry: Array = NOWHERE  #: of the robot by its wheels; NaN where the line holds none
-    pose: Array = NOWHERE  #: that the line holds besides
+    odometry: Array = NOWHERE  #: pose of the robot by its wheels; NaN where the line holds none
+    pose: Array = NOWHERE  #: a second pose that the line holds; NaN where it holds none
     limit: float = np.inf  #: longest range that the line states
     codes: NDArray[np.int64] | None = None  #: see `segmap.scans.error_codes`
     delays: Array | None = None  #: (n,), as those of a `LaserScan`
@@ -56,7 +56,7 @@ class RawScan(NamedTuple):
 class Extrinsic(NamedTuple):
     """Where a laser sits, and what its scans say of the robot."""
 
-    sensor_pose: Array  #: on the robot, (3,)
+    sensor_pose: Array  #: pose of the laser on the robot, (3,)
     is_stated: bool = False  #: whether the file says where the laser sits
     truth: Array | float = np.nan  #: the robot's corrected poses, (k, 3), or none
 

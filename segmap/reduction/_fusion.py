@@ -123,16 +123,16 @@ class State(NamedTuple):
     s: Array  # (n, 2, 2)
     lengths: Array
     falling: Indices  # sorts the segments by falling length
-    places: Index  # of those that are left
+    places: Index  # index of the segments that are left
     near: Indices  # the segments that may be in the strip
     measured: Array  # (n + 1, 4) where each begins and ends along the line, lowest, highest offset
     order: Indices  # candidates by where they begin
     tried: Flags  # members of the chain of the shift that is tried
-    chosen: Flags  # and of the best one so far
+    chosen: Flags  # members of the longest chain so far
     shifts: Array  # (2 n + 1, 2) shifts that were tried, and the length of the chain of each
     seen: Indices  # for each segment of the map, the last longest one that met it
     meets: Indices
-    piece: Array  # (2, 2) of the line of the strip
+    piece: Array  # (2, 2) piece of the line of the strip
 
 
 @compiled

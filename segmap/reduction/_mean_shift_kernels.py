@@ -27,13 +27,13 @@ PULL_REACH = 3 * (1 + 1e-9) / DEVIATIONS_PER_UNIT
 BOX_SLACK = 0.1 / DEVIATIONS_PER_UNIT
 #: Points are looked for so far around the box.
 BOX_REACH = PULL_REACH + 0.02 / DEVIATIONS_PER_UNIT
-#: So many centres climb together.
+#: Centres that climb together.
 CENTRES_PER_RUN = 16
-#: They start at most so far apart.
+#: Centres that climb together start at most this far apart.
 RUN_EXTENT = 12 / DEVIATIONS_PER_UNIT
 #: Steps until such runs of centres are made anew.
 STEPS_PER_RUN = 8
-#: So many runs a thread takes at a time.
+#: Runs of centres that a thread takes at a time.
 RUNS_PER_THREAD = 64
 #: Strips of a group have numbers about as many times this as that of the group.
 GROUP_STRIPS = 1 << 36

@@ -28,7 +28,7 @@ class Cause(StrEnum):
     ODOMETRY_MIRRORED = "odometry mirrored"
     MOUNTING = "mounting"  # the laser looks elsewhere than ahead
     LEVER_ARM = "lever arm"  # the laser's place on the robot
-    LIFTED = "lifted or another floor"  # while nothing was measured
+    LIFTED = "lifted or another floor"  # the robot was moved while nothing was measured
     # What the map says
     NO_DISTANCE = "free direction"
     UNTIED = "no match ties it"
@@ -88,8 +88,8 @@ class Finding:
     remedy
         What a user can do, as an option of `segmap map`; empty where there is nothing.
     doubtful
-        Whether it makes a map doubtful. What was put right does not; causes that nobody can put
-        right (`DECISIVE`) always do.
+        Whether it makes a map doubtful. Corrected faults do not; faults that cannot be corrected
+        (`DECISIVE`) always do.
 
     Examples
     --------

@@ -19,7 +19,7 @@ ROBOT_STANDS_M = 0.01
 ROBOT_STANDS_RAD = np.radians(0.2)
 #: Two scans show the same where half of the beams differ by less, metres.
 SAME_BEAM_M = 0.1
-#: So many looks from one place are drawn: more add noise and no wall.
+#: Looks from one place that are drawn: more add noise and no wall.
 MOST_LOOKS_FROM_ONE_PLACE = 20
 #: Between scans that are farther apart than this nobody knows how the robot moved, seconds.
 LONGEST_GAP_S = 1.0

@@ -19,7 +19,8 @@ from ._scans import LaserScan, Log
 USUAL_SIGMA_M = 0.01
 #: A laser with up to so many times that deviation is such a one: an estimate is not better.
 USUAL_FACTOR = 1.35
-#: A sensor that is so many times noisier than its log, or less, is another; below 1 cm all is one.
+#: If the noise of a given sensor and of its log differ by more than this factor, it is another
+#: sensor. Noise below 1 cm counts as 1 cm.
 OTHER_FACTOR = 2.0
 #: At least so many scans are used, or pairs of scans between which the robot stands.
 LEAST_SCANS = 20
@@ -182,8 +183,8 @@ def _errors_at_rest(log: Log) -> Array:
 def _sigmas(ranges: Array, errors: Array) -> tuple[Array, Array, Array]:
     """Standard deviation of each class of range, and what it is at most, metres; number of beams.
 
-    NaN where few beams tell. Neighbours share beams: so a standard error is one of the root of n,
-    not of 2 n.
+    NaN for a class of few beams. Neighbours share beams: so a standard error is the deviation
+    divided by the root of n, not of 2 n.
     """
     of = np.searchsorted(CLASSES_M, ranges)
     counts = np.bincount(of, minlength=len(MIDDLES_M)).astype(float)

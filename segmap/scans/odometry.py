@@ -233,7 +233,7 @@ def contradictions(
 ) -> list[Finding]:
     """What an odometry that nobody has compared says against the poses `(k, 3)` found.
 
-    `alignment.prepared` compares it before and puts it right; what that told is not told again.
+    `alignment.prepared` corrects the odometry; faults that it reported are not reported again.
     """
     rows, jumps, against = _against_poses(scans, poses, used)
     if not np.isfinite(rows).all(-1).any():
@@ -266,10 +266,10 @@ def contradictions(
 
 
 def promised_under(scans: Sequence[LaserScan], poses: Array, used: NDArray[np.bool_]) -> str:
-    """What a promise on poses `(k, 3)` hangs on, to stand behind it; empty where on nothing.
+    """The condition under which a stated accuracy of poses `(k, 3)` holds; "" if there is none.
 
-    Without odometry for most steps places that repeat would be one. Where wheels and ranges differ,
-    the log does not say which of both has the scale.
+    Without odometry for most steps, places that look alike would be taken for one. Where wheels and
+    ranges differ, the log does not say which of the two has the right scale.
     """
     rows, _, comparison = _against_poses(scans, poses, used)
     usable: Array = np.isfinite(between(rows[:-1], rows[1:])).all(1).astype(float)

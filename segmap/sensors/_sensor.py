@@ -32,7 +32,7 @@ from ._protocol import (
 
 #: Bits a second at which a device is opened; USB takes any.
 RATE = 115_200
-#: So many damaged or missing scans in a row are an error, not bad luck.
+#: Damaged or missing scans in a row that are an error, not bad luck.
 MOST_FAILURES = 5
 
 

@@ -21,7 +21,7 @@ from ._lines import PULLED_OUT_ERRORS, Port
 from ._port import checked_port, open_port
 from ._protocol import SensorError, SensorGone, Silent
 
-#: So many bytes without a whole turn are of another laser, of another bit rate, or it stands.
+#: Bytes without a whole turn; after this many it is another laser or bit rate, or it stands.
 FRUITLESS_BYTES = 20_000
 #: Turns whose median lasts as long as a turn does.
 PERIOD_TURNS = 5
@@ -31,7 +31,7 @@ LEAST_SILENCE_S = 0.2
 MOST_BACK_DEG = 20.0
 #: Degrees from a measurement to the next: a YDLidar corrects its angles by 8 where it meets a wall.
 MOST_STEP_DEG = 10.0
-#: So many measurements in a row follow each other; fewer were read out of step.
+#: Measurements in a row that must follow each other; fewer were read out of step.
 LEAST_RUN = 4
 #: A laser has a way once it has swept so many degrees.
 SURE_WAY_DEG = 90.0

@@ -19,7 +19,7 @@ from ..segments import angle, cut_evenly, length, midpoint
 from ._rooms import polyline
 from ._sensors import OdometryNoise, Sensor, drifting_odometry, measure
 
-#: A wall at most so far from the sensor, in metres, is one that the sensor touches.
+#: The sensor touches a wall that is at most this far away, metres.
 TOUCH = 1e-9
 #: No drive has more poses: more would fill the memory.
 MOST_POSES = 1_000_000

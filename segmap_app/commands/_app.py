@@ -29,8 +29,8 @@ POLICY = (
     "img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; form-action 'self'; "
     "base-uri 'none'; frame-ancestors 'none'"
 )
-#: Voila ends the kernel when its page is asked to leave. This stands before it: who is asked about
-#: what is not saved may stay, and the kernel ends when the page is gone.
+#: Voila ends the kernel when its page is asked to leave. This script delays that: a user who is
+#: warned about unsaved work may stay, and the kernel ends when the page is closed.
 LEAVE_SCRIPT = b"""<script>{
 let gone = false;
 addEventListener("beforeunload", event => {
@@ -43,11 +43,11 @@ addEventListener("pagehide", event => {
   if (gone) dispatchEvent(new Event("beforeunload"));
 });
 }</script></head>"""
-#: A kernel that nobody is connected to, and that does nothing, is ended after so many seconds.
+#: A kernel that nobody is connected to, and that does nothing, is ended after this time, seconds.
 IDLE_LIMIT_S = 300
 #: What --port may be.
 PORT = quantity(Declared(int, Quantity(None, least=1, most=65535), (), False), "N")
-#: It is looked for so often, seconds.
+#: Time between two checks for such a kernel, seconds.
 IDLE_CHECK_S = 5
 
 

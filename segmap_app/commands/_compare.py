@@ -30,7 +30,7 @@ OUTPUT = log_options.output("a picture of the curves, or all runs", ".png", ".cs
 PERCENT = Declared(float, Quantity("per cent", above=0, most=100), (), False)
 #: The threshold that a method varies is doubled or halved so often at most, to reach a quality.
 MOST_DOUBLINGS = 5
-#: So many runs then lie between the two beside that quality.
+#: Runs that then lie between the two beside that quality.
 RUNS_BETWEEN = 2
 #: A method whose run takes so long, in seconds, gets no further one.
 SLOW_RUN_S = 20.0

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 FAULTS = (ValueError, OSError, ImportError, MemoryError)
 #: Exit code where a log gave no map.
 NO_MAP = 3
-#: So many seconds after Control-C the program ends in the middle of a compiled loop.
+#: Time after Control-C at which the program ends in the middle of a compiled loop, seconds.
 STOP_PATIENCE_S = 0.5
 
 

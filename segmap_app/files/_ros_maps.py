@@ -33,7 +33,7 @@ from segmap.files import replacing, shown
 from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap, map_of_grid
 from segmap.readers import LogError, read_text
 
-#: So many pixels a map of 400 m by 400 m at 0.05 m has.
+#: Pixels of a map of 400 m by 400 m at 0.05 m.
 MOST_MAP_PIXELS = 1 << 26
 YAML_MODES = ("trinary", "scale")
 #: What pictures map_server writes and people draw, by the names of Pillow.
@@ -41,9 +41,9 @@ KINDS = ("PPM", "PNG", "BMP")
 #: A threshold that is checked together with another.
 Number = Annotated[float, Quantity("")]
 Cells = NDArray[np.int8]
-#: What our YAML states for `(255 - grey) / 255`: from here on a cell is occupied.
+#: Least share of black, `(255 - grey) / 255`, of an occupied cell; our YAML states it.
 OCCUPIED_THRESH = 0.65
-#: Up to here it is free; 205 lies between the two.
+#: Largest share of black of a free cell; grey 205, unknown, lies between free and occupied.
 FREE_THRESH = 0.196
 
 

@@ -26,7 +26,7 @@ from .._walls import constraints
 from . import _kernels as kernels
 from ._scenes import Candidate, Heuristic, Scene, corners, scene
 
-#: So many guesses are scored.
+#: Guesses that are scored.
 SCORED_GUESSES = 150
 #: At most so many of them, the most valuable ones, are refined.
 REFINED_GUESSES = 10

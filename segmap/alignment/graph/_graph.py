@@ -27,7 +27,7 @@ REAL_ERRORS = 0.02, float(np.radians(0.3))
 REAL = np.diag([REAL_ERRORS[0], *REAL_ERRORS]) ** 2
 #: Standard deviation, metres, along a direction where a search chose the place: that says nothing.
 CHOSEN_M = 100.0
-#: So many draws give standard deviations to a tenth of their size.
+#: Draws that give standard deviations to a tenth of their size.
 DRAWS = 32
 #: What lies within this, metres, is the neighbourhood of a pose: a large room, or a few small ones.
 NEARBY = 20.0

@@ -159,14 +159,14 @@ def advance(poses: Array, move: Array, column: Indices, ahead: Array) -> float:
 class Factor(NamedTuple):
     """The factor of the matrix: `length[j]` blocks from `start[j]` on are column j."""
 
-    column: Indices  # of each pose; the fixed one has column 0
-    pose: Indices  # of each column
+    column: Indices  # column of each pose; the fixed one has column 0
+    pose: Indices  # pose of each column
     head: Indices  # first slot of each pose, -1: none; slots 2 e and 2 e + 1 are the ends of edge e
     link: Indices  # (2 m,): next slot of the same pose, -1: none
     start: Indices
     length: Indices
-    rows: Indices  # of blocks, ascending in each column; the first is the column's parent
-    values: Array  # (9 c,): in each column three of numbers, each from its first row down
+    rows: Indices  # rows of the blocks, ascending in each column; the first is the column's parent
+    values: Array  # (9 c,): three columns of numbers in each column, from its first row down
     pivots: Array  # (n, 9): inverse of the lower triangle on the diagonal
 
 

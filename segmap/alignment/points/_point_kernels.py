@@ -21,7 +21,7 @@ BACK = 0.05
 SMALLEST_FIT_M = 0.12
 #: Largest such radius, metres: it holds five beams of half a degree at 25 m.
 LARGEST_FIT_M = 1.0
-#: So many points show whether they form a wall.
+#: Points that are enough to show whether they form a wall.
 LEAST_FIT_POINTS = 5
 #: A direction is not fixed by the walls where its eigenvalue is below this share of the largest:
 #: walls that err by their noise alone leave a thousandth.

@@ -28,9 +28,9 @@ SEARCH_CELL_M = 0.05
 SEARCH_BAND_M = 0.06
 #: Maxima over 1, 2, 4, 8 and 16 cells: wider ones bound nothing in a window of half a metre.
 LEVELS = 5
-#: So many points of a scan at most are searched with.
+#: Points of a scan that are searched with at most.
 SEARCH_POINTS = 500
-#: So many points at most are enough for the descent far from the answer.
+#: Points at most for the descent far from the answer.
 DESCENT_POINTS = 250
 #: Of poses that score alike, but for rounding, the search keeps the first, in likelihoods.
 LEAST_GAIN = 1e-6

@@ -22,7 +22,7 @@ Indices = NDArray[np.int64]
 #: After so many points a sum is given up where the rest cannot lift it to what is asked. Loops of a
 #: length that is known beforehand take a quarter of the time.
 POINTS_PER_CHUNK = 8
-#: So many blocks are looked into between two moments at which Control-C is heard.
+#: Blocks that are searched between two checks for Control-C.
 BLOCKS_PER_CALL = 2**20
 #: Cells are counted no farther than this from the first one: more than any map has.
 FARTHEST_SCAN_CELL = 2.0**20

@@ -62,9 +62,9 @@ MOST_SLIDE_M = 0.3
 MOST_SLIDE_RAD = 0.2
 #: The first scan of a map is carried so often by the motion to the second.
 FIRST_ROUNDS = 3
-#: At last each scan is laid on the map of so many key frames.
+#: Key frames that make the map on which each scan is laid at last.
 FINAL_NEIGHBOURS = 15
-#: Those key frames lie within so many metres, on any pass: the loops have brought passes together.
+#: Key frames of the last map lie within this distance, metres, on any pass: loops join passes.
 FINAL_NEIGHBOURHOOD_M = 4.0
 
 
@@ -111,8 +111,8 @@ class TrackedScan:
     place: Array  # where it was laid when it came: loops do not move this one
     unmatched: Unmatched = Unmatched.NONE
     reason: str = ""
-    overlap: float = np.nan  # share of it on the map before it; NaN where lost or blind
-    corridor_sigma_m: float = 0.0  # standard deviation along the walls; 0 where the match tells
+    overlap: float = np.nan  # share of the scan on the map before it; NaN where lost or blind
+    corridor_sigma_m: float = 0.0  # standard deviation along the walls; 0 where the match fixes it
     odometry_wins: bool = False  # whether the odometry outweighed its match
     as_measured: LaserScan | None = None  # where `scan` is carried to the middle of its turn
     motion: Array = field(default_factory=lambda: np.zeros(7))  # of such a scan: `match_moving`
@@ -290,8 +290,8 @@ class FrontEnd(Undoable):
     def needs_frame(self, step: float, turn: float) -> bool:
         """Whether the last scan is far from its key frame, or the first, or the first to see.
 
-        What matches nothing ties nothing: with odometry it is none unless several in a row see and
-        do not match. Without, the chain ends at a scan that sees and did not match, and has moved.
+        With odometry a scan without a match becomes no key frame, unless several in a row see and
+        do not match. Without, it does if it sees and has moved: there the chain of matches ends.
         """
         sees, lost = len(self.points) >= LEAST_POINTS, self.lost_in_a_row >= LOST_IN_A_ROW
         if self.local is None:

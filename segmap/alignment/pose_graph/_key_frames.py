@@ -19,11 +19,11 @@ from ..points import FARTHEST_POINT_M, SEARCH_POINTS, PointMap, place_clouds, th
 
 Members = Sequence[int] | NDArray[np.int64]
 
-#: A believed loop is so long a part of a way, metres.
+#: A trusted loop counts as this length of a path through the graph, metres.
 LOOP_PATH = 0.5
-#: With a standard deviation above this, metres, a loop is no way through the graph. Without
-#: odometry it is no witness either, nor is one over steps that are so vague: along a corridor
-#: neither fixes anything.
+#: Loops with a larger standard deviation, metres, are not part of paths through the graph. Without
+#: odometry they cannot confirm other loops either, nor can loops over steps with a larger one:
+#: along a corridor neither fixes anything.
 VAGUE = 0.2
 
 

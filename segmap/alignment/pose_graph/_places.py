@@ -13,7 +13,7 @@ DESCRIPTOR_RINGS = 16
 DESCRIPTOR_RADIUS_M = 8.0
 #: Key frames that follow each other by less than this are one pass.
 PASS_GAP_FRAMES = 3
-#: So many passes are searched.
+#: Passes that are searched.
 SEARCHED_PASSES = 3
 #: Of two places one is better that holds so much more of the scan: below it false places match.
 OVERLAP_GAIN = 0.1

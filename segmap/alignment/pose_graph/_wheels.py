@@ -35,7 +35,7 @@ RECENT_MATCHES = 100
 LEAST_MATCHES = 10
 #: Quantile of their residuals that tells how much more these wheels err.
 RESIDUAL_QUANTILE = 0.9
-#: That quantile of the length of three normal variables, for ordinary wheels.
+#: The same quantile of the length of three normal variables, which ordinary wheels have.
 NORMAL_QUANTILE = 2.5
 #: A match contradicts the odometry that is off by more standard deviations.
 CONTRADICTION_SIGMAS = 5.0
@@ -44,9 +44,9 @@ MOST_WHEEL_FACTOR = 10.0
 #: A point on a wall lies within this distance of it, metres: a scan's noise, and what is left of
 #: the poses of the map.
 ON_WALL_M = 0.05
-#: Points that lie on a wall by the odometry alone, times the standard deviations that it is off by,
-#: outweigh so many times the points that do by the match alone. Real logs: below 1.5 where the
-#: wheels are wrong; people about a robot: above 1.9.
+#: Odometry wins if points that lie on a wall at its pose only, times its deviation in sigmas, are
+#: more than this many times the points that do at the match only. Real logs: below 1.5 where the
+#: wheels are wrong; people around a robot: above 1.9.
 OUTWEIGHS = 1.8
 #: A match that moves by less stands, metres: its own noise.
 MATCH_STANDS_M = 0.03
@@ -63,7 +63,7 @@ class Wheels(Undoable):
     """The motion since the last key frame by odometry, and its standard deviations."""
 
     def __init__(self) -> None:
-        self.off: list[float] = []  # of each match, in standard deviations of ordinary wheels
+        self.off: list[float] = []  # deviation of each match, in sigmas of ordinary wheels
         self.free = False  # whether the last match left a direction free
         self.way = 0.0  # metres since the last key frame
         self.free_way = 0.0  # metres to it since walls fixed a place; NaN where not all is measured
@@ -83,9 +83,9 @@ class Wheels(Undoable):
     def along(self, match: Match, guess: Array) -> Match:
         """A match that leaves a direction free, where the odometry's guess `(3,)` has it along it.
 
-        As sure as these wheels are, and only where what the walls do fix does not contradict them.
-        What they err by a metre goes on in one direction until walls fix a place again: the
-        deviation grows with the way, not with its root.
+        Its covariance is that of these wheels. A match whose fixed directions contradict the wheels
+        stays as it is. The error of a metre goes on in one direction until walls fix a place again:
+        the deviation grows with the way, not with its root.
         """
         self.free = match.free is not None if match.matched else self.free
         usual, unmeasured = self._usual(MOST_WHEEL_FACTOR), math.isnan(self.free_way)

@@ -28,7 +28,7 @@ TOGETHER_SHARE = 0.1
 
 
 def with_clock_mended(log: Log) -> Log:
-    """A log whose times go on where they went back or leapt; without times that are all equal."""
+    """Correct clock jumps in a log. Times that are all equal are removed."""
     times, steps = log.times, np.diff(log.times)
     if not len(steps) or not np.isfinite(times).all():
         return log

@@ -17,7 +17,7 @@ from ._blind_steps import register_near
 
 #: Scans before and after a step are compared where they lie so near by the odometry, metres.
 PAIR_ACROSS_M = 1.5
-#: So many pairs across a step are compared, spread over the scans after it.
+#: Pairs across a step that are compared, spread over the scans after it.
 PAIRS_ACROSS = 20
 #: A hypothesis holds where this share of the pairs matches: 0.5 to 1 if right, else 0 to 0.1.
 HOLDS_SHARE = 1 / 3

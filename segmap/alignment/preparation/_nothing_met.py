@@ -73,12 +73,12 @@ def _number_among(ranges: Array) -> float | None:
 
 
 def without_limit(log: Log, steps: Steps) -> Log:
-    """A log with `inf` where beams end at the laser's limit and noise is laid on it, which is told.
+    """Replace ranges at the laser's limit, with noise on them, by `inf`, and report it.
 
-    Such a beam moves with no wall: one looks through the point at which it ended, and the beam
-    there is as long again. Ranges, by steps of one per cent, are no walls where most comparisons
-    say so: 0.7 to 1.0 of such beams, at most 0.2 of walls. Where nothing tells how the robot moved,
-    and half of the beams have one range, that makes the map doubtful.
+    From another pose, the end of such a beam is not a wall: other beams pass through it, and end at
+    the same range. Ranges, by steps of one per cent, are at the limit if most comparisons say so:
+    0.7 to 1.0 of such beams, at most 0.2 of walls. Without odometry, half of the beams at one range
+    make the map doubtful.
     """
     directions = directions_of(log)
     if not len(directions):
@@ -108,7 +108,7 @@ def _range_steps(ranges: Array) -> NDArray[np.int64]:
 
 
 def _at_one_range(log: Log) -> Log:
-    """A log of which half of the beams have one range, told if no odometry says that it stands."""
+    """The log, with a finding if half of its beams have one range and it has no odometry."""
     ranges = np.concatenate([scan.ranges[scan.valid] for scan in log])
     if not len(ranges) or np.isfinite(log.odometry).all(1).any():
         return log

@@ -46,7 +46,7 @@ LEAST_LEVER_M = 0.15
 STILL_SHARE = 0.15
 #: A delay of a scan and more counts where it leaves at most this share of the disagreement.
 DELAY_LEFT_SHARE = 0.5
-#: So many matched steps that move while the rows repeat tell that these were not read anew.
+#: Matched steps that move while the rows repeat; with this many, the rows were not read anew.
 LEAST_REPEATS = 3
 #: What can be wrong with an odometry that contradicts itself.
 MIRRORS = {

@@ -35,8 +35,8 @@ class Compared(NamedTuple):
     """Beams of one scan of each pair against the other scan, `(2 p, n)`; NaN if unknown."""
 
     seen: Array  # the range, metres
-    same_beam: Array  # that of the beam in the same direction of the other laser
-    distance: Array  # of the point from the other laser
+    same_beam: Array  # range of the beam in the same direction of the other laser
+    distance: Array  # distance of the point from the other laser
     there: Array  # the range of the beam towards the point
     through: NDArray[np.bool_]  # whether all beams near that go on behind the point
 

@@ -34,15 +34,15 @@ def prepared(
     mount: ArrayLike | Literal["auto"] | None = None,
     progress: Progress | None = None,
 ) -> Log:
-    """A log put right by what it says itself: beams, clock, odometry; what was found is told.
+    """Correct beams, clock and odometry of a log by the log itself, and report each fault in it.
 
-    1. A clock that goes back goes on; times that are all equal are none; scans that waited for the
-       recorder are spread over its pause. Ranges of kilometres are in another unit; one number in
-       many beams means that nothing was met.
+    1. If the clock jumps back, later times are shifted so that they increase. If all times are
+       equal, they are removed. Scans that waited for the recorder are spread over its pause. Ranges
+       of kilometres are in another unit; one number in many beams means that nothing was met.
     2. Beams that see what rides with the robot are left out.
-    3. Odometry is even between readings that are rarer than scans, and compared with matches that
-       do not lean on it. Another unit, delay or direction is corrected, a jump is no motion, and
-       what contradicts the scans is left out.
+    3. Odometry is interpolated between readings that are rarer than scans, and compared with
+       matches that do not use it. Another unit, delay or direction is corrected, a jump does not
+       count as motion, and odometry that contradicts the scans is left out.
     4. Beams of a laser that turns while the robot moves are carried back: `alignment.deskew`.
 
     Parameters
@@ -57,16 +57,16 @@ def prepared(
     clockwise
         The beams are measured, or listed, the other way round: a laser that hangs upside down.
     mount : (3,) array, metres and radians, "auto" or None
-        Pose of the laser on the robot; "auto" takes what turns and ways tell. None leaves it as
-        the log has it.
+        Pose of the laser on the robot; "auto" estimates it from the robot's turns and ways. None
+        leaves it as the log has it.
     progress
         As in `pose_graph`.
 
     Returns
     -------
     Log
-        The same object where nothing is wrong. `causes` has what was found; every alignment of the
-        log has it too.
+        The same object where nothing is wrong. `causes` lists the faults; every alignment of the
+        log has them too.
 
     Examples
     --------

@@ -183,7 +183,7 @@ def segment_icp(
     Alignment(segment_icp: 20 scans, 20 used)
     """
     trail, lost = Trail(log), 0
-    map: list[tuple[Array, Array]] = []  # poses of key frames, and their segments in its frame
+    map: list[tuple[Array, Array]] = []  # poses of key frames, and their segments in the map
     for k, scan in enumerate(log):
         seen = long_segments(scan, min_length)
         if k:

@@ -86,9 +86,9 @@ DIVIDED = re.compile(r"(.*[a-z])/(\d{1,6}(?:\.\d+)?)")
 MESSAGE_NUMBERS = (
     *("angle_min", "angle_max", "angle_increment", "time_increment", "range_min", "range_max"),
 )
-#: What makes a log: one of these sets, the first that there is.
+#: Sets of columns that make a log; the first set that a table has counts.
 BEAM_ROLES = (("ranges",), ("angle", "range"), ("angle", "urg"), ("x", "y"))
-#: The same of a file of poses.
+#: Sets of columns that make a file of poses; the first set that a table has counts.
 POSE_ROLES = (("time", *POSE), ("time", *POSE[:2], *QUATERNION))
 POSES_ALONE = (
     "it holds poses and no scan: --odometry or --truth reads them beside a log, "

@@ -42,9 +42,9 @@ PATTERN = re.compile(
 TRUTH_GAP = 1.0
 #: A number in the name of a file.
 NAME_NUMBER = re.compile("[0-9]{1,18}")
-#: So many numbered tables with a scan each are one log.
+#: Numbered tables with a scan each; with this many they are one log.
 LEAST_FILES = 3
-#: So many files of a kind are looked at.
+#: Files of a kind that are looked at.
 FEW = 20
 #: The largest file that may be one scan, in bytes.
 MOST_ONE_SCAN_BYTES = 1 << 20

@@ -1,4 +1,4 @@
-"""Which tables there are, by what says that a file is one; and what is asked of the others."""
+"""The kinds of tables, how each is recognised, and what the user is asked about unknown ones."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from ._question import choices_of
 from ._table import read_declared_rows
 from ._trajectories import pose_layout_of
 
-#: So many rows of numbers without names are a table.
+#: Rows of numbers without names; with this many the file is a table.
 LEAST_ROWS = 3
 
 

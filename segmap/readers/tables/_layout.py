@@ -42,7 +42,7 @@ COMMENTS = ("#", "%", "//", "sep=", "----", "+--", "|--", "| --")
 COMMENT = re.compile(rb"(?m)^[ \t]*(?:#|%|//).*")
 #: A line that says something, not how the table is drawn or its fields are parted.
 IN_WORDS = re.compile(r"(?!sep=).*\w")
-#: So many lines tell how a file is written.
+#: Lines that are read to learn how a file is written.
 SAMPLE_LINES = 60
 #: The number in a name that is one of many alike.
 COUNTED = re.compile(r"-?\d+(?:\.\d+)?")
@@ -71,19 +71,19 @@ SAID_BESIDE = "expected columns = 'angle_deg,range_mm', and of a scan a row view
 class Layout(NamedTuple):
     """How a table is written."""
 
-    names: tuple[str, ...] = ()  #: of its columns from the left
-    line: int = 0  #: of its head: rows are below it
+    names: tuple[str, ...] = ()  #: names of its columns from the left
+    line: int = 0  #: number of the line of its head: rows are below it
     separator: str | None = ","
     decimal: str = "."
-    view: tuple[float, float] | None = None  #: of a scan a row: its first and last beam, degrees
-    pattern: str = ""  #: of a line with numbers between words, whose groups are the columns
-    mark: str = ""  #: the pattern of what each of these lines holds; another is damaged
+    view: tuple[float, float] | None = None  #: first and last beam of a scan a row, degrees
+    pattern: str = ""  #: pattern of a line with numbers between words; its groups are the columns
+    mark: str = ""  #: pattern that each line of this kind matches; any other line is damaged
     notes: tuple[str, ...] = ()
-    unsaid: str = ""  #: what it does not say of its numbers, whatever its columns are
+    unsaid: str = ""  #: what the file does not say of its numbers, whatever its columns are
     head: tuple[str, ...] = ()  #: what the file itself calls its columns
     kinds: tuple[bool, ...] = ()  #: whether a column holds numbers, and no words
-    rows: tuple[str, ...] = ()  #: the first of its lines with numbers
-    words: tuple[str, ...] = ()  #: the first of the others, comments too, that are no head
+    rows: tuple[str, ...] = ()  #: the first lines with numbers
+    words: tuple[str, ...] = ()  #: the first lines, comments too, without numbers or the head
 
     @property
     def is_whole(self) -> bool:
@@ -119,9 +119,9 @@ class Program(NamedTuple):
     """A program whose text has words that no other writes."""
 
     name: str
-    word: str  #: the pattern of what the text holds
-    mark: str  #: of what each line with a beam holds
-    beam: str  #: of a beam, whose groups are the columns
+    word: str  #: pattern that only the text of this program matches
+    mark: str  #: pattern that each line with a beam matches
+    beam: str  #: pattern of a beam; its groups are the columns
     columns: str
 
 

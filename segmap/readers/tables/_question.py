@@ -57,8 +57,8 @@ class ColumnChoices(NamedTuple):
     """What the columns of a table may be, as far as it says so."""
 
     missing: str  #: what it does not say, in words; empty where it says all
-    choices: tuple[tuple[str, ...], ...]  #: of each column from the left; those of ranges are one
-    rows: tuple[tuple[str, ...], ...]  #: the first ones, as texts
+    choices: tuple[tuple[str, ...], ...]  #: names that each column may have; all ranges are one
+    rows: tuple[tuple[str, ...], ...]  #: the first rows, as texts
     needs_view: bool = False  #: whether a row is a scan, and nothing says where its beams point
     are_poses: bool = False
     words: tuple[str, ...] = ()  #: lines that are no rows, in which the answer may stand

@@ -38,7 +38,7 @@ from ._fit_kernels import (
     rounded,
 )
 
-#: So many pairs and members are fitted between two words about how far the merging is: 5 ms.
+#: Pairs and members that are fitted between two reports of progress: 5 ms.
 WORK = 2000
 #: Clusters by the cost of their cheapest neighbour, the cheapest first (ties: the lower index).
 Heap = list[tuple[float, int]]

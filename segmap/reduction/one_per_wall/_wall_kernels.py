@@ -27,12 +27,12 @@ Indices = NDArray[np.int64]
 BRIDGED_GAP_M = 0.3
 #: Gaps that are bridged if something stood before them, metres.
 HIDDEN_GAP_M = 1.0
-#: A beam that passed through so much of a gap, metres, saw that there is no wall.
+#: A beam that passed through this length of a gap, metres, saw that there is no wall.
 THROUGH = 0.1
-#: What hides a gap stands at least so far before it, metres: what is nearer, a pilaster, is the
-#: wall.
+#: A thing that hides a gap stands at least this far in front of it, metres: a nearer one, a
+#: pilaster, is part of the wall.
 NICHE_DEPTH_M = 0.3
-#: It stands at most so far before it, metres.
+#: A thing that hides a gap stands at most this far in front of it, metres.
 SHADOW_DEPTH_M = 2.0
 #: What hides at least this share of a gap hides it.
 SHADE = 0.5

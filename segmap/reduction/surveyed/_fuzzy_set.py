@@ -194,9 +194,10 @@ def merge_rectangles(f: Array, g: Array, out: Array) -> None:
 def merge_all(walls: Array, first: Indices, count: int, limits: Array, places: Index) -> Indices:
     """Steps 4 and 5: the most precise that has a partner merges, until none has one.
 
-    Merges are written behind the first `count` rectangles, and the first input of each. Returned is
-    what took in each of those that there ever were: itself for what is left. One without a partner
-    waits no more, until a merge brings a rectangle near to it. `places` is an empty index.
+    Merges are written behind the first `count` rectangles, and the first input of each. Returns,
+    for each rectangle (also the merged ones), the row that absorbed it; its own row if it is left.
+    A rectangle without a partner is tried again when a merge brings another near to it. `places` is
+    an empty index.
     """
     into, waits, reach = np.arange(len(walls)), np.full(len(walls), True), limits.max()
     box, near = np.empty((2, 2)), np.empty(len(walls) + 1, np.int64)

@@ -14,7 +14,7 @@ from .lines import SAME, Point
 
 #: Prototypes rest when no membership changes by more.
 MEMBERSHIP_REST = 1e-6
-#: They move so often at most.
+#: Prototypes move at most this many times.
 MOST_MOVES = 100
 
 

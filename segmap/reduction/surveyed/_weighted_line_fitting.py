@@ -300,9 +300,9 @@ def compare(a: Line, b: Line) -> tuple[float, Line]:
 
 @compiled
 def agreeing_line(walls: Walls, i: int, live: int, limits: Limits) -> int:
-    """Where among those of the map the line with the smallest chi below the limit is; -1: none.
+    """Position in `walls.alive` of the line with the smallest chi to line i.
 
-    Of those near line i; ties: the first.
+    -1 if none near it is below the limit; of equal ones the first.
     """
     a, own, chis, least = line_of(walls.lines[i]), walls.ends[i], walls.chis, np.inf
     for n in range(live):

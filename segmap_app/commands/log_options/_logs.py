@@ -39,7 +39,7 @@ from ._workers import on_workers, write_table
 LOG_NAME = "{name}"
 #: Files of these kinds lie beside logs: some quote a line of one.
 DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
-#: So many files that are no logs are named.
+#: Files that are no logs, of which the name is printed.
 NAMED = 5
 #: Files that say where on Earth the map lies.
 OF_A_PLACE = (".geojson", ".segmap")

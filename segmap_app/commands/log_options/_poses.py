@@ -19,7 +19,7 @@ from .._output import Report, seconds
 from ._methods import call_of
 from ._options import LogOptions
 
-#: So many reasons for scans that were not matched are told.
+#: Reasons for scans that were not matched, of which this many are printed.
 MOST_REASONS = 3
 
 

@@ -64,7 +64,7 @@ def parts_of(path: Path) -> list[Path]:
 
 
 def kind_of(path: Path) -> str | None:
-    """Which bag a file or a folder is; None for what is none."""
+    """Which bag a file or a folder is; None if it is not a bag."""
     path = next(iter(parts_of(path)), path)
     if path.is_dir():
         return None
