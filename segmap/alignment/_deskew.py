@@ -23,7 +23,7 @@ from ..scans import LaserScan, Log
 from ..scans.causes import Cause, Finding
 from ..scans.motion import is_timed, motion_compensated, velocities
 from ..scans.pose_argument import checked_poses
-from .points import way
+from .points import poses_at
 from .pose_graph import LiveGraph, Tracking, pose_graph, turn_of
 
 #: Scans that turn by more than this, radians, show how the beams were measured.
@@ -95,8 +95,8 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     part = _turning_part(log, motions)
     logs = [log] if log.order_known else [log, replace(log, scans=tuple(map(_reverse, log)))]
     ways = [_carry(each, motions) for each in logs]
-    as_measured = _unsharp([replace(scan, delays=None) for scan in log[part]])
-    unsharp = [_unsharp([scans[k] for k in part]) for scans in ways]
+    as_measured = _map_entropy([replace(scan, delays=None) for scan in log[part]])
+    unsharp = [_map_entropy([scans[k] for k in part]) for scans in ways]
     best = int(np.argmin(unsharp))
     if len(part) and unsharp[best] >= as_measured + ENTROPY_MARGIN_NATS:
         words = "the robot stood while each scan was measured, or the times of beams are not right"
@@ -111,7 +111,7 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     log, carried = replace(logs[best], order_known=True), ways[best]
     if user_poses is None:
         entropies = {
-            motions_of: _unsharp(_carry(log[part], motions_of(log[part], motions[part])))
+            motions_of: _map_entropy(_carry(log[part], motions_of(log[part], motions[part])))
             for motions_of in (_matched_motions, _driven_motions)
         }
         sharpest = min(entropies, key=entropies.__getitem__)
@@ -147,7 +147,7 @@ def _carry(log: Log, motions: Array) -> list[LaserScan]:
     scans = list(log)
     for k, (scan, motion) in enumerate(zip(log, motions, strict=True)):
         if scan.delays is not None:
-            poses = way(motion, np.r_[0.0, scan.delays] - turn_of(scan) / 2)
+            poses = poses_at(motion, np.r_[0.0, scan.delays] - turn_of(scan) / 2)
             scans[k] = motion_compensated(scan, between(poses[0], poses[1:]))
     return scans
 
@@ -179,7 +179,7 @@ def _turning_part(log: Log, motions: Array) -> list[int]:
     return part.tolist() if (turns[part] > TURNING_SCAN_RAD).sum() >= LEAST_TURNING_IN_PART else []
 
 
-def _unsharp(scans: Sequence[LaserScan]) -> float:
+def _map_entropy(scans: Sequence[LaserScan]) -> float:
     """The entropy of the map of scans, by a pose graph of their own, nats; 0 where there is none.
 
     Poses that were fitted to scans as they are would favour them.

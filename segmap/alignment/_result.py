@@ -328,11 +328,11 @@ class Trail:
     def step(self) -> Array:
         """Expected motion to the next scan, (3,) array, metres and radians."""
         scan = len(self.laid)
-        if self.measured(scan):
+        if self.has_odometry(scan):
             return between(self.odometry[scan - 1], self.odometry[scan])
         return between(self.pose(-2), self.pose()) if scan > 1 else np.zeros(3)
 
-    def measured(self, scan: int) -> bool:
+    def has_odometry(self, scan: int) -> bool:
         """Whether the log says how the robot moved to a scan from the one before."""
         return bool(np.isfinite(self.odometry[scan - 1 : scan + 1]).all())
 

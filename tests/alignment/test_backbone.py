@@ -15,7 +15,7 @@ from segmap.alignment.backbone._lines import (
     merged_into_walls,
     parallels,
     support_lines,
-    turned,
+    turn_pose,
 )
 from segmap.angles import axial_difference, wrap
 from segmap.poses import between, compose, transform
@@ -213,7 +213,7 @@ def test_a_chord_does_not_pull_at_the_walls_beside_it():
     off, sizes = np.radians([0.1, -0.1, 8.0]), np.cbrt([4.0, 4.0, 1.0])  # weights are cubes
     walls = [transform((0, 0, -t), [(0, 0), (s, 0)]) for t, s in zip(off, sizes, strict=True)]
     given = np.zeros(3), np.array(walls), Lines(np.zeros((1, 2)), np.zeros(1)), np.zeros(3, int)
-    left, pulled = (turned(*given, np.radians(parallel))[2] for parallel in (5, 9))
+    left, pulled = (turn_pose(*given, np.radians(parallel))[2] for parallel in (5, 9))
     assert abs(left) < 1e-12 and pulled > np.radians(0.8)
 
 

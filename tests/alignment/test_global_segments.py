@@ -44,7 +44,7 @@ def test_the_weight_is_2_7():
     rng = np.random.default_rng(2)
     walls = rng.uniform(-2, 2, (10, 2, 2))
     two = equations.stacked_scans([walls, walls + rng.normal(0, 0.03, walls.shape)])
-    pairs, edge = equations.corresponding(two.segments, two.first, np.array([[0, 1]]), RULES)
+    pairs, edge = equations.weigh_pairs(two.segments, two.first, np.array([[0, 1]]), RULES)
     distance = segment_distance(walls[:, None], two.segments[None, 10:])
     turn = np.abs(axial_difference(angle(walls)[:, None], angle(two.segments[10:])[None]))
     u, v = np.nonzero((distance < 0.20) & (turn < RULES.angle))
@@ -58,9 +58,9 @@ def test_pairs_are_the_same_in_one_piece_and_in_many():
     view = np.concatenate([np.random.default_rng(k).uniform(0, 3, (12, 2, 2)) for k in (1, 1, 1)])
     scans = equations.stacked_scans([view] * 3)
     edges = np.array([(0, 1), (0, 2), (1, 2)])
-    whole = equations.corresponding(scans.segments, scans.first, edges, RULES)
+    whole = equations.weigh_pairs(scans.segments, scans.first, edges, RULES)
     parts = [
-        equations.corresponding(scans.segments, scans.first, edges[k : k + 1], RULES)[0]
+        equations.weigh_pairs(scans.segments, scans.first, edges[k : k + 1], RULES)[0]
         for k in range(3)
     ]
     assert len(whole[1]) > 48 * 3

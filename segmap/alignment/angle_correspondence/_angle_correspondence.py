@@ -147,7 +147,7 @@ def _hidden_lengths(poses: Array, s: Scene, t: Scene) -> Array:
         for places, segments, walls in looks:
             least = np.inf  # from the best of the places
             for x, y in places:
-                least = min(least, kernels.hidden(x, y, segments, walls, least))
+                least = min(least, kernels.hidden_length(x, y, segments, walls, least))
             lengths[k] += least if len(places) else 0.0
     return lengths
 

@@ -160,7 +160,7 @@ def _is_hidden(px: float, py: float, x: float, y: float, walls: Array) -> bool:
 
 
 @compiled
-def hidden(px: float, py: float, s: Array, walls: Array, most: float) -> float:
+def hidden_length(px: float, py: float, s: Array, walls: Array, most: float) -> float:
     """Length of segments, metres, that walls hide from (px, py); it stops counting above `most`.
 
     Segments `(n, 2, 2)` and walls `(m, 2, 2)`, metres, in one frame; five points of each segment

@@ -178,7 +178,7 @@ class _Backbone:
         used = why is Unmatched.NONE
         if not used:
             partner = geometry.parallels(there, self.lines, t.angle)
-        pose = geometry.turned(guess, seen, self.lines, partner, t.parallel)  # step 6
+        pose = geometry.turn_pose(guess, seen, self.lines, partner, t.parallel)  # step 6
         if used:
             pose = geometry.shifted_onto_lines(pose, seen, self.lines, partner)  # step 7
         if k:
@@ -193,7 +193,7 @@ class _Backbone:
 
     def _reason_to_skip(self, k: int, guess: Array) -> tuple[Unmatched, str] | None:
         """Why a scan is left out; None where it is not (A 3.3.2, step 2)."""
-        if k and not self.trail.measured(k):
+        if k and not self.trail.has_odometry(k):
             return Unmatched.NO_ODOMETRY, "no odometry from the scan before"
         if k and abs(self.trail.step()[2]) > self.t.turning:
             return Unmatched.TURNING, str(Unmatched.TURNING)

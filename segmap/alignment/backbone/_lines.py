@@ -97,7 +97,7 @@ def partners(segments: Array, lines: Lines, distance: float, turn: float) -> Ind
     (radians); of several lines the one that passes nearest.
     """
     off = np.abs(lines.offsets(segments)).max(1, initial=0.0)
-    return _least(np.where((off < distance) & (_apart(segments, lines) < turn), off, np.inf))
+    return _cheapest(np.where((off < distance) & (_angles(segments, lines) < turn), off, np.inf))
 
 
 def parallels(segments: Array, lines: Lines, turn: float) -> Indices:
@@ -105,16 +105,16 @@ def parallels(segments: Array, lines: Lines, turn: float) -> Indices:
 
     Segments `(m, 2, 2)`, metres; -1 where none is within `turn`, radians.
     """
-    apart = _apart(segments, lines)
-    return _least(np.where(apart < turn, apart, np.inf))
+    apart = _angles(segments, lines)
+    return _cheapest(np.where(apart < turn, apart, np.inf))
 
 
-def _apart(segments: Array, lines: Lines) -> Array:
+def _angles(segments: Array, lines: Lines) -> Array:
     """Angles between m segments and n lines, `(m, n)`, radians."""
     return np.abs(axial_difference(lines.angle, angle(segments)[:, None]))
 
 
-def _least(cost: Array) -> Indices:
+def _cheapest(cost: Array) -> Indices:
     """Column of the least cost in each row; -1 where all are infinite."""
     if not cost.shape[1]:
         return np.full(len(cost), -1)
@@ -179,7 +179,7 @@ def _checked_weights(weights: Array, count: int) -> Array:
     return array
 
 
-def turned(pose: Array, seen: Array, lines: Lines, partner: Indices, parallel: float) -> Array:
+def turn_pose(pose: Array, seen: Array, lines: Lines, partner: Indices, parallel: float) -> Array:
     """A pose, (3,) array, turned about the robot towards the partners (A 3.3.2, step 6).
 
     Segments seen `(m, 2, 2)`, metres, robot frame. One weighs the cube of its length: the variance
@@ -221,7 +221,7 @@ def merged_into_walls(walls: Walls, segments: Array, distance: float, parallel: 
         u = np.sort(upright.offsets(segment), axis=0)
         gap = np.maximum(u[0], -u[1]) - length(walls.segments) / 2
         same = (across < distance) & (gap < distance)
-        same &= _apart(segment[None], lines)[0] < parallel
+        same &= _angles(segment[None], lines)[0] < parallel
         if not same.any():
             more = np.concatenate([walls.segments, segment[None]])
             walls = Walls(more, np.append(walls.weight, length(segment)))

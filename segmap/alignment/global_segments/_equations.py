@@ -41,7 +41,7 @@ class Rules(NamedTuple):
     spread: float
     rounds: int
 
-    def finer(self) -> list[Rules]:
+    def stages(self) -> list[Rules]:
         """Those of the last stages, with ever less spread."""
         return [self._replace(spread=part * self.spread) for part in SPREAD_PARTS]
 
@@ -60,7 +60,7 @@ class Scans(NamedTuple):
         of = np.repeat(np.arange(len(self.first) - 1), np.diff(self.first))
         return transform(poses[of], self.segments)
 
-    def only(self, scans: Indices) -> Scans:
+    def subset(self, scans: Indices) -> Scans:
         """Those scans alone, by their indices, (s,) int array; the same segments, metres."""
         return stacked_scans([self.segments[self.first[k] : self.first[k + 1]] for k in scans])
 
@@ -85,7 +85,7 @@ class Pairs(NamedTuple):
 
 
 @compiled
-def _similar(s: Array, d: Array, u: int, v: int, most: float) -> float:
+def _distance(s: Array, d: Array, u: int, v: int, most: float) -> float:
     """Segment distance of u and v of s, which d describes; infinity where not below `most`."""
     reach = most / APART_WEIGHT + d[u, 4] + d[v, 4]
     if abs(d[u, 0] - d[v, 0]) >= reach or abs(d[u, 1] - d[v, 1]) >= reach:
@@ -121,15 +121,15 @@ def similar_pairs(
         for u in range(first[i], first[i + 1]):
             for v in range(first[j], first[j + 1]):
                 if abs(d[u, 2] * d[v, 3] - d[u, 3] * d[v, 2]) < sine:
-                    distance = _similar(s, d, u, v, most)
+                    distance = _distance(s, d, u, v, most)
                     if distance < most:
                         edge[n], pairs[n, 0], pairs[n, 1], away[n] = k, u, v, distance
                         n += 1
         unlike = False
         for a in range(start, n):
             for b in range(start, a):
-                if _similar(s, d, pairs[a, 0], pairs[b, 0], most) == np.inf:
-                    unlike = _similar(s, d, pairs[a, 1], pairs[b, 1], most) == np.inf
+                if _distance(s, d, pairs[a, 0], pairs[b, 0], most) == np.inf:
+                    unlike = _distance(s, d, pairs[a, 1], pairs[b, 1], most) == np.inf
                 if unlike:
                     break
             if unlike:
@@ -159,7 +159,7 @@ def shared_pairs(
     return edge, pairs, away
 
 
-def corresponding(
+def weigh_pairs(
     segments: Array, first: Indices, edges: Indices, rules: Rules
 ) -> tuple[Pairs, Indices]:
     """Similar segments as weighted pairs (2.7), and the edge of each, (p,) int array.
@@ -247,7 +247,7 @@ def settled_poses(
     poses = poses.copy()
     for _ in range(rules.rounds):
         world = scans.world(poses)
-        pairs, _ = corresponding(world, scans.first, edges, rules)
+        pairs, _ = weigh_pairs(world, scans.first, edges, rules)
         anchors = with_one_fixed(pairs.i, pairs.j, fixed)
         turns = best_turns(world, pairs, anchors)
         poses[:, 2] = wrap(poses[:, 2] + turns)

@@ -118,7 +118,7 @@ def global_segments(
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(guess[:, :2], axis=0).T))])
     chosen = kept_scans(scans.world(guess), scans.first, way, reach, rules)
     # 2. and 3. These, joined and aligned
-    poses, graph, why = _align_kept(scans.only(chosen), guess[chosen], way[chosen], reach, rules)
+    poses, graph, why = _align_kept(scans.subset(chosen), guess[chosen], way[chosen], reach, rules)
     graph = replace(graph, edges=chosen[graph.edges])
     # 4. Those between hang on the two around them
     poses = hang_between(chosen, poses, guess, way)
@@ -127,9 +127,9 @@ def global_segments(
     place = np.searchsorted(chosen, rest)
     ends = np.column_stack([place - 1, np.minimum(place, len(chosen) - 1)])
     edges = np.unique(np.column_stack([np.repeat(rest, 2), chosen[ends].ravel()]), axis=0)
-    for stage in rules.finer():
+    for stage in rules.stages():
         poses = equations.settled_poses(scans, poses, edges, fixed, stage)
-    pairs, _ = equations.corresponding(scans.world(poses), scans.first, edges, stage)
+    pairs, _ = equations.weigh_pairs(scans.world(poses), scans.first, edges, stage)
     whole = _doubts(scans, poses, pairs)
     broken = Unmatched.UNTIED, Unmatched.TORN, Unmatched.LITTLE_OVERLAP
     for k, before in zip(rest, place - 1, strict=True):
@@ -201,10 +201,10 @@ def _align_kept(
     while windows[-1] < way[-1]:
         windows.append(2 * windows[-1])
     stages = [(window, rules) for window in windows[:-1]]
-    for window, stage in [*stages, *((np.inf, finer) for finer in rules.finer())]:
-        edges = _overlapping(scans, poses, way, window, stage)
+    for window, stage in [*stages, *((np.inf, finer) for finer in rules.stages())]:
+        edges = _overlaps(scans, poses, way, window, stage)
         poses = equations.settled_poses(scans, poses, edges, fixed, stage)
-        pairs, edge = equations.corresponding(scans.world(poses), scans.first, edges, stage)
+        pairs, edge = equations.weigh_pairs(scans.world(poses), scans.first, edges, stage)
         # Each group but the first moves whole: its first scan hangs on the one before it
         group = groups(pairs.i, pairs.j, len(poses))
         begins = np.sort(np.unique(group, return_index=True)[1])[1:]
@@ -236,7 +236,7 @@ def _align_kept(
     return poses, graph, [Unmatched.NONE, *why[1:]]
 
 
-def _overlapping(scans: Scans, poses: Array, way: Array, window: float, rules: Rules) -> Indices:
+def _overlaps(scans: Scans, poses: Array, way: Array, window: float, rules: Rules) -> Indices:
     """Pairs of scans, `(m, 2)`, whose views overlap, at most `window` metres of way apart."""
     segments, gap = scans.world(poses), rules.similar / APART_WEIGHT
     boxes = np.full((len(poses), 4), np.nan)

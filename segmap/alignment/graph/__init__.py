@@ -15,10 +15,10 @@ from ._graph import (
     solve_graph,
 )
 from ._solver import SCALE, Solver, solve
-from ._solver_kernels import Edge, stacked
+from ._solver_kernels import Edge, stack
 
 __all__ = [
     "MOST_BEND", "REAL", "REAL_ERRORS", "SCALE", "Bends", "Edge", "Graph", "Rejected",
     "Solver", "bends", "chain_bends", "deviations", "groups", "information", "loops_of",
-    "place_deviations", "residuals", "solve", "solve_graph", "stacked",
+    "place_deviations", "residuals", "solve", "solve_graph", "stack",
 ]  # fmt: skip

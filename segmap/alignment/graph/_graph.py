@@ -222,7 +222,7 @@ def place_deviations(
     pulls = (jacobian.T @ pull).T.reshape(DRAWS, -1, 3)
     solver = Solver()
     solver.add(edges)
-    moved = np.ascontiguousarray(solver.moved(poses, pulls)[:, :, :2].transpose(1, 2, 0))
+    moved = np.ascontiguousarray(solver.moves(poses, pulls)[:, :, :2].transpose(1, 2, 0))
     places = poses[:, :2]
     tree, near_by = cKDTree(places), np.empty(len(places))
     for k, place in enumerate(places):

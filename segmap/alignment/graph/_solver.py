@@ -150,7 +150,7 @@ class Solver:
             step = Step(keep, size < step.near, step.near, size)
         return Solution(poses, False, rounds)
 
-    def moved(self, poses: Array, pulls: Array) -> Array:
+    def moves(self, poses: Array, pulls: Array) -> Array:
         """How far each pose moves, `(d, n, 3)`, by pulls `(d, n, 3)` at them: all is linear there.
 
         The edges have the weights that the poses give them.

@@ -35,7 +35,7 @@ class Edge(NamedTuple):
     forced: Any = False  # whether it keeps its weight, however far the others leave it open
 
 
-def stacked(edges: Sequence[Edge]) -> Edge:
+def stack(edges: Sequence[Edge]) -> Edge:
     """Several edges as one whose fields have a leading axis m."""
     return Edge(*(np.array(field) for field in zip(*edges, strict=True)))
 

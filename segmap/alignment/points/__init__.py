@@ -7,7 +7,7 @@ from ._moving import (
     BENT_REACH_M,
     POSE_AND_VELOCITY,
     match_moving,
-    way,
+    poses_at,
 )
 from ._point_kernels import place_clouds
 from ._point_map import (
@@ -17,14 +17,14 @@ from ._point_map import (
     SEARCH_CELL_M,
     SEARCH_POINTS,
     PointMap,
+    decimate,
     in_range,
     shows_no_place,
-    thinned,
 )
 
 __all__ = [
     "AND_ACCELERATION", "AND_JUMP", "BENT_REACH_M", "FARTHEST_POINT_M", "LAST", "LEAST_POINTS",
-    "POSE_AND_VELOCITY", "SEARCH_CELL_M", "SEARCH_POINTS", "PointMap", "PointStep", "in_range",
-    "match_moving", "match_points", "place_clouds", "point_steps", "shows_no_place", "thinned",
-    "way",
+    "POSE_AND_VELOCITY", "SEARCH_CELL_M", "SEARCH_POINTS", "PointMap", "PointStep", "decimate",
+    "in_range", "match_moving", "match_points", "place_clouds", "point_steps", "poses_at",
+    "shows_no_place",
 ]  # fmt: skip

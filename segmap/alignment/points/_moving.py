@@ -28,7 +28,7 @@ AND_ACCELERATION = 9
 AND_JUMP = 10
 
 
-def way(motion: Array, since: Array) -> Array:
+def poses_at(motion: Array, since: Array) -> Array:
     """Where a motion `(7,)` leads in `(m,)` seconds: poses `(m, 3)`, metres and radians.
 
     The motion is a velocity, and its change: each second, or at once at a moment; that moment, NaN
@@ -57,7 +57,7 @@ def match_moving(
 
     Points `(m, 2)`, in the frame of the robot, were measured `since`, `(m,)`, seconds after the
     pose; before it where negative. The offset of a point from its wall depends on the velocity as
-    it does on the pose, times these seconds, and on its change, by what `way` makes of it. The
+    it does on the pose, times these seconds, and on its change, by what `poses_at` makes of it. The
     motion that is supposed errs by `errors`, `(7,)`: that counts where the walls tell little.
     """
     weight = np.r_[POSE_ERRORS, errors] ** -2.0
@@ -65,7 +65,7 @@ def match_moving(
     state, free = supposed.copy(), slice(unknowns)
     for _ in range(MOST_STEPS):
         # 1. Each point carried to the moment of the pose, and its partner
-        carried = transform(way(state[3:], since), points[:, None])[:, 0]
+        carried = transform(poses_at(state[3:], since), points[:, None])[:, 0]
         descent = map.descend(carried, state[:3], reach, LAST, stride=1, rounds=1)
         if len(descent.rows) < unknowns:
             break

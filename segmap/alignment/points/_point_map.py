@@ -145,7 +145,7 @@ class PointMap:
     ) -> Descent:
         """Some steps of point-to-line ICP, from a start, with every `stride`-th point at first.
 
-        The stride is odd, see `thinned`.
+        The stride is odd, see `decimate`.
 
         Points `(m, 2)`, metres; start, (3,) array, metres and radians; reach and last in metres.
         """
@@ -174,7 +174,7 @@ class PointMap:
         across = np.abs((descent.rows[:, :3] * scale) @ loose.T)
         return loose[~(across > FACING_COSINE).any(0)]
 
-    def nearest(self, current: Array, pose: Array, guess: Array) -> Array:
+    def slide_to(self, current: Array, pose: Array, guess: Array) -> Array:
         """A pose `(3,)` moved along the motions that no wall fixes, to where a guess says."""
         scale = np.array([1.0, 1.0, _rms_range(current)])
         away = (guess - pose) * scale
@@ -182,7 +182,7 @@ class PointMap:
         loose = self.free_motions(current, pose)
         return pose + (loose.T @ (loose @ away)) / scale
 
-    def near(self, current: Array, pose: Array, reach: float) -> NDArray[np.bool_]:
+    def is_near(self, current: Array, pose: Array, reach: float) -> NDArray[np.bool_]:
         """Which points `(m, 2)` of a scan at a pose `(3,)` have a point within reach, `(m,)`."""
         return self.descend(current, pose, reach, reach, stride=1, rounds=1).partner >= 0
 
@@ -233,7 +233,7 @@ class PointMap:
         """
         begin, half = np.array(start, float), int(np.ceil(turn / step))
         radius = max(int(np.ceil(reach / SEARCH_CELL_M)), 1)
-        points, side = thinned(current), 2 * radius + 1
+        points, side = decimate(current), 2 * radius + 1
         first = begin - (*(self.corner + radius * SEARCH_CELL_M), 0.0)
         full, away = 255.0 * len(points), np.arange(-half, half + 1) / max(half, 1)
         cost = full * reach_cost * away**2, full * reach_cost / radius**2
@@ -253,7 +253,7 @@ def odd_step(count: int, most: int) -> int:
     return -(-count // most) | 1
 
 
-def thinned(points: Array, most: int = SEARCH_POINTS) -> Array:
+def decimate(points: Array, most: int = SEARCH_POINTS) -> Array:
     """At most so many, from two, of the points `(m, 2)` of a scan, metres, evenly chosen.
 
     They are the same whichever end of the scan comes first: those at odd steps can be.

@@ -11,7 +11,7 @@ from ...arrays import Array
 from ...scans.causes import Cause, Finding, Unmatched
 from .._result import Appraisal
 from .._verdict import ONE_LOOK, SURE_M
-from ..graph import chain_bends, place_deviations, stacked
+from ..graph import chain_bends, place_deviations, stack
 from ._pauses import doubtful_gaps
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def appraisal(rows: Sequence[TrackedScan], frames: KeyFrames) -> Appraisal:
     if not frames.edges:
         causes.append(Finding(Cause.NOT_CHECKED, 1, ONE_LOOK))
     else:
-        edges, weight = stacked(frames.edges), np.bincount(frame, minlength=len(frames))
+        edges, weight = stack(frames.edges), np.bincount(frame, minlength=len(frames))
         causes += chain_bends(edges, frames.poses).finding(frames.scans, "the map")
         try:
             deviation = place_deviations(frames.poses, edges, weight.astype(float))

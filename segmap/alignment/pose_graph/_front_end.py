@@ -16,11 +16,11 @@ from ...scans import LaserScan
 from ...scans.causes import Unmatched
 from ...threads import in_threads
 from .._result import Laid, Match, Outcome, no_match
-from ..graph import REAL_ERRORS, Graph, Rejected, deviations, stacked
+from ..graph import REAL_ERRORS, Graph, Rejected, deviations, stack
 from ..points import LEAST_POINTS, PointMap, in_range, shows_no_place
 from ._doubt import appraisal
 from ._in_motion import at_mid_turn, even_motion, laid_in_motion, turn_of
-from ._key_frames import KeyFrame, KeyFrames, Undoable, untied
+from ._key_frames import KeyFrame, KeyFrames, Undoable, loose_poses
 from ._pauses import elsewhere
 from ._places import OVERLAP_GAIN
 from ._wheels import Wheels
@@ -157,7 +157,7 @@ class FrontEnd(Undoable):
             row.unmatched = Unmatched.NONE if len(points) else Unmatched.TOO_LITTLE_SEEN
             self.last_motion = row, row
             return Match(start, np.eye(3), matched=True)
-        before, measured, map = self.rows[-2], self.measured(), self.local
+        before, measured, map = self.rows[-2], self.has_odometry(), self.local
         self.wheels.drive(self.step() if measured else np.full(3, np.nan))
         # A motion that goes on from match to false match grows until it is many metres a scan:
         # without odometry the robot stands after a scan that sees something and did not match
@@ -180,7 +180,7 @@ class FrontEnd(Undoable):
                 if moving and other is not match:
                     other, points, map = self._in_motion(map, other)
                 match = other
-            match = self.wheels.along(match, guess)
+            match = self.wheels.complete(match, guess)
             winner = self.wheels.weigh(map, points, match)
             row.odometry_wins, match = winner is not match, winner
             row.overlap = match.overlap if match.matched or measured else np.nan
@@ -232,7 +232,7 @@ class FrontEnd(Undoable):
 
         That of the odometry; without, the last motion goes on for the time that has passed.
         """
-        if self.measured():
+        if self.has_odometry():
             return between(self.rows[-2].odometry, self.rows[-1].odometry)
         earlier, later = self.last_motion
         took = later.scan.time - earlier.scan.time
@@ -241,7 +241,7 @@ class FrontEnd(Undoable):
         times = min(round(passed / took, 3), MOST_TIMES) if took > 0 and passed >= 0 else 1.0
         return times * between(earlier.place, later.place)
 
-    def measured(self) -> bool:
+    def has_odometry(self) -> bool:
         """Whether odometry says how the robot came to the last scan."""
         return bool(np.isfinite([row.odometry for row in self.rows[-2:]]).all())
 
@@ -298,13 +298,13 @@ class FrontEnd(Undoable):
             return not len(self.frames) or len(self.points) > 0
         x, y, heading = self.rows[-1].pose
         moved = np.hypot(x, y) > step or abs(heading) > turn
-        if self.measured():
+        if self.has_odometry():
             return bool(sees and moved and (lost or not self.lost_in_a_row))
         return bool(sees and (moved or lost))
 
     def add_frame(self, match: Match) -> None:
         """Make the last scan the newest key frame, at its match."""
-        row, new, measured = self.rows[-1], len(self.frames), self.measured()
+        row, new, measured = self.rows[-1], len(self.frames), self.has_odometry()
         step, turn = self.rules.step_error, self.rules.turn_error
         covariance = match.covariance if match.matched else np.diag([step, step, turn]) ** 2
         if self.lost_in_a_row >= LOST_IN_A_ROW:  # no match ties it to the map before
@@ -323,7 +323,7 @@ class FrontEnd(Undoable):
 
     def _is_guess(self, match: Match) -> bool:
         """Whether the match of the last scan may be any: no odometry nor wall led to it."""
-        if self.measured():
+        if self.has_odometry():
             return False
         turned = abs(between(self.rows[-2].pose, match.pose)[2])
         if match.overlap < (NEARLY_WHOLE_OVERLAP if turned > GUESSED_TURN_RAD else GUESSED_OVERLAP):
@@ -380,7 +380,7 @@ class FrontEnd(Undoable):
         frames = self.frames
         if not frames.edges:
             return None
-        edges = stacked(frames.edges)
+        edges = stack(frames.edges)
         ends = frames.scans[np.stack([edges.first, edges.second], -1)]
         residual, motion = deviations(frames.poses, edges), edges.relative
         return Graph(ends, motion, edges.loop, residual, tuple(rejected), edges.information)
@@ -394,7 +394,7 @@ class FrontEnd(Undoable):
             used = [row.used for row in rows]
             matched = np.bincount(frame, used, len(frames)).astype(float)
             tied = [key.tied for key in frames.rows]
-            for k in np.flatnonzero(untied(tied, frames.edges, matched)[frame] & used):
+            for k in np.flatnonzero(loose_poses(tied, frames.edges, matched)[frame] & used):
                 rows[k].unmatched, rows[k].reason = Unmatched.UNTIED, ""
         laid = [Laid(at, row.unmatched, row.reason) for row, at in zip(rows, poses, strict=True)]
         return Outcome(laid, self.graph(rejected), partial(appraisal, rows, frames))

@@ -14,8 +14,8 @@ from ...scans import Log
 from ...scans.causes import Cause, Finding
 from .._result import Appraisal
 from .._verdict import ONE_LOOK, PLACED
-from ..graph import chain_bends, residuals, stacked
-from ._key_frames import untied
+from ..graph import chain_bends, residuals, stack
+from ._key_frames import loose_poses
 from ._pose_graph import LiveGraph
 
 #: Given poses contradict the matches from so many metres on: corrected poses of real logs (Intel,
@@ -48,8 +48,8 @@ def poses_compared(log: Log, poses: Array, used: NDArray[np.bool_]) -> Appraisal
     frames = front.frames
     if not frames.edges:
         return Appraisal((Finding(Cause.NOT_CHECKED, len(frames), ONE_LOOK),))
-    edges, scans = stacked(frames.edges), keys[frames.scans]
-    apart = untied([row.tied for row in frames.rows], frames.edges, np.ones(len(frames)))
+    edges, scans = stack(frames.edges), keys[frames.scans]
+    apart = loose_poses([row.tied for row in frames.rows], frames.edges, np.ones(len(frames)))
     bends = chain_bends(edges, poses[scans])
     # Other than solved ones these poses do not contain the chain: both err
     bends = bends._replace(size=bends.size / np.sqrt(2))

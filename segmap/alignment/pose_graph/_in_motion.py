@@ -20,10 +20,10 @@ from ..points import (
     LAST,
     POSE_AND_VELOCITY,
     PointMap,
+    decimate,
     in_range,
     match_moving,
-    thinned,
-    way,
+    poses_at,
 )
 
 #: The velocity is supposed to change by so much from scan to scan in any case, metres and radians a
@@ -65,7 +65,7 @@ def at_mid_turn(scan: LaserScan, motion: Array) -> LaserScan:
     """A scan as if all beams had been measured in the middle of its turn, by the motion then."""
     assert scan.delays is not None
     half = turn_of(scan) / 2
-    still = motion_compensated(scan, way(motion, scan.delays - half))
+    still = motion_compensated(scan, poses_at(motion, scan.delays - half))
     return replace(still, time=scan.time + half)
 
 
@@ -92,11 +92,11 @@ def laid_in_motion(
     def lay(unknowns: int, pose: Array, motion: Array, errors: Array) -> Pair:
         """The scan laid with so many unknowns: its pose and its motion."""
         pose, motion = match_moving(map, points, since, pose, motion, errors, unknowns)
-        carried = in_range(transform(way(motion, since), points[:, None])[:, 0])
+        carried = in_range(transform(poses_at(motion, since), points[:, None])[:, 0])
         match = map.register(carried, pose, overlap=overlap)
         if match.free is not None or match.turns:
-            match = replace(match, pose=map.nearest(carried, match.pose, start))
-        held = float(map.near(carried, match.pose, HELD_M).mean())
+            match = replace(match, pose=map.slide_to(carried, match.pose, start))
+        held = float(map.is_near(carried, match.pose, HELD_M).mean())
         ways.append(Laid(held, match, motion, carried))
         return pose, motion
 
@@ -104,7 +104,7 @@ def laid_in_motion(
     errors = np.r_[change, 2 * change / turn, turn]
     lay(AND_ACCELERATION, *lay(POSE_AND_VELOCITY, start, motion, errors), errors)
     laid = max(reversed(ways), key=lambda way: way.held)
-    if map.near(laid.points, laid.match.pose, BENT_REACH_M).mean() > laid.held + BENT_SHARE:
+    if map.is_near(laid.points, laid.match.pose, BENT_REACH_M).mean() > laid.held + BENT_SHARE:
         errors = np.r_[np.full(3, LEAST_CHANGE), JUMP_SIGMAS, turn / 2]
         lay(AND_JUMP, *_likeliest_jump(map, points, since, steady, turn), errors)
         laid = ways[-1] if ways[-1].held > laid.held + BENT_SHARE else laid
@@ -114,15 +114,15 @@ def laid_in_motion(
 def _likeliest_jump(map: PointMap, points: Array, since: Array, steady: Pair, turn: float) -> Pair:
     """The pose and the motion after which most of the points lie near the map."""
     pose, before = steady
-    some = thinned(np.c_[since, points], JUMP_POINTS)
+    some = decimate(np.c_[since, points], JUMP_POINTS)
     since, points = some[:, 0], some[:, 1:]
     jumps = [
         np.r_[before, 0.0, 0.0, turned / turn - before[2], share * turn]
         for share, turned in product(JUMP_MOMENTS, JUMP_TURNS_RAD)
     ]
-    motions, ways = np.array(jumps), np.stack([way(jump, since) for jump in jumps])
+    motions, ways = np.array(jumps), np.stack([poses_at(jump, since) for jump in jumps])
     poses = compose(pose, arc(motions[:, 3:6] * np.maximum(-motions[:, 6:], 0.0)))
     ends = transform(compose(poses[:, None], ways), points[:, None])
-    near = map.near(ends.reshape(-1, 2), np.zeros(3), LAST).reshape(len(jumps), -1)
+    near = map.is_near(ends.reshape(-1, 2), np.zeros(3), LAST).reshape(len(jumps), -1)
     best = near.sum(1).argmax()
     return poses[best], motions[best]

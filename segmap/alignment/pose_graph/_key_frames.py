@@ -14,8 +14,8 @@ from ... import arrays
 from ...arrays import Array
 from ...compiled import compiled
 from ...poses.motions import between, compose
-from ..graph import REAL, Edge, Solver, groups, information, stacked
-from ..points import FARTHEST_POINT_M, SEARCH_POINTS, PointMap, place_clouds, thinned
+from ..graph import REAL, Edge, Solver, groups, information, stack
+from ..points import FARTHEST_POINT_M, SEARCH_POINTS, PointMap, decimate, place_clouds
 
 Members = Sequence[int] | NDArray[np.int64]
 
@@ -116,7 +116,7 @@ class KeyFrames(Undoable):
         if count and (count > len(self.edges) or self.edges[count - 1] is not self._last):
             self._solver, count = Solver(), 0  # some were undone: all anew
         if count < len(self.edges):
-            self._solver.add(stacked(self.edges[count:]))
+            self._solver.add(stack(self.edges[count:]))
             self._last = self.edges[-1]
         try:
             self.poses = self._solver.solve(self.poses, lazily=lazily).poses
@@ -153,7 +153,7 @@ class KeyFrames(Undoable):
         """
         clouds = [self.rows[k].points for k in members]
         if thin:
-            clouds = [thinned(cloud, max(SEARCH_POINTS // len(clouds), 2)) for cloud in clouds]
+            clouds = [decimate(cloud, max(SEARCH_POINTS // len(clouds), 2)) for cloud in clouds]
         counts = np.array([len(cloud) for cloud in clouds], np.int64)
         placed, seen_from = np.empty((2, counts.sum(), 2))
         poses = between(self.poses[origin], self.poses[members])
@@ -182,7 +182,7 @@ def edges_but(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
     return [edge for edge in edges if id(edge) not in ids]
 
 
-def firm(loops: list[Edge]) -> list[Edge]:
+def select_firm(loops: list[Edge]) -> list[Edge]:
     """Those loops that fix the place in all directions."""
     covariances = [np.linalg.inv(loop.information)[:2, :2] for loop in loops]
     wide = np.linalg.eigvalsh(np.reshape(covariances, (-1, 2, 2)))[:, -1]
@@ -191,10 +191,10 @@ def firm(loops: list[Edge]) -> list[Edge]:
 
 def ways_of(loops: list[Edge]) -> NDArray[np.int64]:
     """Both ends, `(w, 2)`, of those loops that fix the place: they are ways through the graph."""
-    return np.array([loop[:2] for loop in firm(loops)], np.int64).reshape(-1, 2)
+    return np.array([loop[:2] for loop in select_firm(loops)], np.int64).reshape(-1, 2)
 
 
-def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
+def loose_poses(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
     """Which of n poses no edge that a match made ties to the largest group of them.
 
     `tied` says so of the step to each pose; loops always do. `weight` counts the scans of each

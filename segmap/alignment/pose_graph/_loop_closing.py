@@ -12,16 +12,16 @@ from ...arrays import Array, Count, Metres, Positive, Settings
 from ...poses.motions import between, compose
 from ...scans.causes import Unmatched
 from .._result import Match, no_match
-from ..graph import Edge, Rejected, deviations, information, residuals, stacked
+from ..graph import Edge, Rejected, deviations, information, residuals, stack
 from ..points import LEAST_POINTS, PointMap
 from ._key_frames import (
     VAGUE,
     KeyFrames,
     Undoable,
     edges_but,
-    firm,
     key_frames_in_square,
     path_lengths,
+    select_firm,
     ways_of,
 )
 from ._places import OVERLAP_GAIN, best_of_passes, descriptor
@@ -167,7 +167,7 @@ class LoopCloser(Undoable):
         matches = [self.measure(window, self.map_around(window), new) for window in windows]
         fresh: list[tuple[Edge, float]] = []
         if self.lost_since is not None:
-            matches = self._unique(windows, matches)
+            matches = self._one_place(windows, matches)
         for window, match in zip(windows, matches, strict=True):
             if match.matched:
                 free = match.free if self.frames.rows[new].measured else None
@@ -202,7 +202,7 @@ class LoopCloser(Undoable):
         near, path, distance = near[~far], path[~far], distance[~far]
         if not len(near):
             return []
-        reach = self._reach(np.minimum(path, self._way(new, near)))
+        reach = self._reach(np.minimum(path, self._path_m(new, near)))
         close = distance < reach + BEYOND_WINDOW_M
         reaches = dict(zip(near[close].tolist(), reach[close].tolist(), strict=True))
         best = best_of_passes(near[close], distance[close])
@@ -212,7 +212,7 @@ class LoopCloser(Undoable):
         """How far the map may have bent along ways `(m,)`, metres."""
         return np.minimum(self.rules.reach + self.drift * way, self.rules.max_reach)
 
-    def _way(self, new: int, old: NDArray[np.int64]) -> Array:
+    def _path_m(self, new: int, old: NDArray[np.int64]) -> Array:
         """Metres from older key frames to a new one through the graph.
 
         Infinite where it is so long that the widest window is searched.
@@ -245,7 +245,7 @@ class LoopCloser(Undoable):
             return [Window(old, guess, self.rules.reach, WINDOW_HALF_RAD)]
         return [Window(old, guess, LOST_WINDOW_M, np.pi)]
 
-    def _unique(self, windows: list[Window], matches: list[Match]) -> list[Match]:
+    def _one_place(self, windows: list[Window], matches: list[Match]) -> list[Match]:
         """Matches of a robot that may be anywhere: the best, none if another place is as good."""
         most = max((match.overlap for match in matches if match.matched), default=0.0)
         alike = [match.matched and match.overlap > most - OVERLAP_GAIN for match in matches]
@@ -308,7 +308,7 @@ class LoopCloser(Undoable):
         enough = LOST_WITNESSES if lost else self.rules.witnesses
         candidates = self.pending + self.accepted[-COMPARED_LOOPS:]
         for loop, reach in fresh:
-            others = self.agreeing(loop, candidates)
+            others = self.partners(loop, candidates)
             agree = self._witnesses([loop, *others])
             way = [self.frames.distance[k] for k in {each.second for each in agree}]
             if len(way) > enough and (lost or max(way) - min(way) >= min(reach, self.rules.span)):
@@ -318,9 +318,9 @@ class LoopCloser(Undoable):
     def _witnesses(self, loops: list[Edge]) -> list[Edge]:
         """Those that may confirm others: without odometry what slides along a corridor may not."""
         measured = all(self.frames.rows[loop.second].measured for loop in loops)
-        return loops if measured else firm(loops)
+        return loops if measured else select_firm(loops)
 
-    def agreeing(self, loop: Edge, candidates: list[Edge], *, apart: bool = False) -> list[Edge]:
+    def partners(self, loop: Edge, candidates: list[Edge], *, apart: bool = False) -> list[Edge]:
         """Loops for which going round them and this one leads back to where it began.
 
         Of other scans, near at both ends and by firm steps; or, `apart`, of the same scan to passes
@@ -328,7 +328,7 @@ class LoopCloser(Undoable):
         """
         if not candidates:
             return []
-        frames, a, b = self.frames, loop, stacked(candidates)
+        frames, a, b = self.frames, loop, stack(candidates)
         ends = [(a.first, b.first), (a.second, b.second)]
         old, new = (np.abs(frames.distance[i] - frames.distance[j]) for i, j in ends)
         vague = sum(np.abs(frames.spread[i] - frames.spread[j]) for i, j in ends)
@@ -344,7 +344,7 @@ class LoopCloser(Undoable):
         """At the end of the log: believe loops that a few others agree with, reject the rest."""
         candidates, loops = [*self.pending, *self.accepted[-COMPARED_LOOPS:]], []
         for loop in self.pending if self.lost_since is None else []:
-            others = self.agreeing(loop, candidates) + self.agreeing(loop, candidates, apart=True)
+            others = self.partners(loop, candidates) + self.partners(loop, candidates, apart=True)
             loops += [loop] if len(self._witnesses(others)) >= LAST_WITNESSES else []
         self._give_up(edges_but(self.pending, loops))
         self.believe(loops)
@@ -355,7 +355,7 @@ class LoopCloser(Undoable):
         frames = self.frames
         if not self.accepted:
             return False
-        residual = deviations(frames.poses, stacked(frames.edges))
+        residual = deviations(frames.poses, stack(frames.edges))
         open_by = zip(frames.edges, residual, strict=True)
         contradicted = [e for e, d in open_by if e.loop and not e.forced and d > CONTRADICTED]
         frames.exchange(edges_but(frames.edges, contradicted))

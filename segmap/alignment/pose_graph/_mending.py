@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
-from ..graph import MOST_BEND, Edge, chain_bends, stacked
+from ..graph import MOST_BEND, Edge, chain_bends, stack
 from ._key_frames import KeyFrames, edges_but
 from ._places import PASS_GAP_FRAMES
 
@@ -22,13 +22,13 @@ def drop_torn(frames: KeyFrames, odometry: Array) -> bool:
     """
     if not any(edge.loop for edge in frames.edges):
         return False
-    bends = chain_bends(stacked(frames.edges), frames.poses)
+    bends = chain_bends(stack(frames.edges), frames.poses)
     # Steps that no match made are the wheels themselves: there they are no third witness
     driven = np.cumsum([not row.tied for row in frames.rows])
     torn = (bends.size > MOST_BEND) & (driven[bends.first] == driven[bends.last])
     if not torn.any():
         return False
-    wheels = chain_bends(stacked(frames.edges), odometry).size[torn]
+    wheels = chain_bends(stack(frames.edges), odometry).size[torn]
     if not np.median(wheels) <= MOST_BEND:  # nor where they are not known
         return False
     edges, poses, worst = frames.edges, frames.poses, float(bends.size.max())
@@ -72,6 +72,6 @@ def _worst_without(frames: KeyFrames, edges: list[Edge], gone: list[Edge]) -> fl
     poses = frames.poses
     frames.exchange(edges_but(edges, gone))
     frames.optimize()
-    worst = chain_bends(stacked(frames.edges), frames.poses).size.max()
+    worst = chain_bends(stack(frames.edges), frames.poses).size.max()
     frames.poses = poses
     return float(worst)

@@ -140,7 +140,7 @@ def _agreeing_loops(
         if match.matched:
             weight = information(match.covariance, frames.least)
             loop = Edge(near, new, match.pose, weight, True)
-            others = closer.agreeing(loop, loops)
+            others = closer.partners(loop, loops)
             loops.append(loop)
             most = max(most, len(others))
             if len(others) >= LOST_WITNESSES:

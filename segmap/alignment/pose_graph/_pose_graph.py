@@ -205,13 +205,13 @@ class LiveGraph(Locked):
             match, _ = self.front_end.search(map, points, guess, *twice, 0.0)
             least = max(best.overlap + OVERLAP_GAIN, LEAST_OVERLAP)
             best = match if match.overlap > least else best
-        if self.front_end.measured():
+        if self.front_end.has_odometry():
             best = self._prefer_odometry(map, points, guess, best)
         if not best.matched:
             return no_match(guess, best.unmatched, best.reason, best.overlap)
         if best.free is None and not best.turns:
             return best
-        return replace(best, pose=map.nearest(points, best.pose, guess))
+        return replace(best, pose=map.slide_to(points, best.pose, guess))
 
     def _prefer_odometry(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
         """The match, or one that agrees with the odometry's guess where it fits nearly as well."""

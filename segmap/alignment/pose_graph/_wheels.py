@@ -80,7 +80,7 @@ class Wheels(Undoable):
         self.way += math.hypot(step[0], step[1])
         self.turn += abs(step[2])
 
-    def along(self, match: Match, guess: Array) -> Match:
+    def complete(self, match: Match, guess: Array) -> Match:
         """A match that leaves a direction free, where the odometry's guess `(3,)` has it along it.
 
         Its covariance is that of these wheels. A match whose fixed directions contradict the wheels
@@ -88,12 +88,12 @@ class Wheels(Undoable):
         the deviation grows with the way, not with its root.
         """
         self.free = match.free is not None if match.matched else self.free
-        usual, unmeasured = self._usual(MOST_WHEEL_FACTOR), math.isnan(self.free_way)
-        if match.free is None or unmeasured or not self._off(match) <= CONTRADICTION_SIGMAS * usual:
+        usual, unknown = self._factor(MOST_WHEEL_FACTOR), math.isnan(self.free_way)
+        if match.free is None or unknown or not self._offset(match) <= CONTRADICTION_SIGMAS * usual:
             return match
         along = np.array([*match.free, 0.0])
         before = PLACE_ERROR_M_PER_M * self.free_way
-        noise = usual**2 * (self._ordinary()[0] ** 2 + 2 * before * PLACE_ERROR_M_PER_M * self.way)
+        noise = usual**2 * (self._sigmas()[0] ** 2 + 2 * before * PLACE_ERROR_M_PER_M * self.way)
         spread = along @ match.covariance @ along
         gain = match.covariance @ along / (spread + noise)
         moved = match.pose + gain * (along @ (guess - match.pose))
@@ -106,12 +106,12 @@ class Wheels(Undoable):
         Where a match is right, nearly all points on which both places differ lie on a wall at its
         own. Where it follows people, the walls behind them speak for the odometry.
         """
-        if not match.matched or not math.isfinite(off := self._off(match)):
+        if not match.matched or not math.isfinite(off := self._offset(match)):
             return match
-        usual = self._usual()
+        usual = self._factor()
         if self.way > PLACE_ERROR_M and off > CONTRADICTION_SIGMAS * usual:
             driven = self._match_near_motion(map, points, match, usual)
-            here, there = (map.near(points, one.pose, ON_WALL_M) for one in (match, driven))
+            here, there = (map.is_near(points, one.pose, ON_WALL_M) for one in (match, driven))
             against, agree = (np.count_nonzero(a & ~b) for a, b in ((here, there), (there, here)))
             weight = agree * min(off / usual, MOST_WHEEL_FACTOR)
             x, y, heading = match.pose
@@ -126,45 +126,45 @@ class Wheels(Undoable):
 
     def _match_near_motion(self, map: PointMap, points: Array, match: Match, usual: float) -> Match:
         """The scan as it lies within the errors of ordinary wheels; else as the odometry has it."""
-        place, _, heading = CONTRADICTION_SIGMAS * self._ordinary()
+        place, _, heading = CONTRADICTION_SIGMAS * self._sigmas()
         start, _ = map.search(
             points, self.motion, reach=max(place, 2 * SEARCH_CELL_M), turn=heading
         )
         other = match if start is None else map.register(points, start, reach=LAST)
-        if not other.matched or self._off(other) > CONTRADICTION_SIGMAS:
-            covariance = np.diag((usual * self._ordinary()) ** 2)
+        if not other.matched or self._offset(other) > CONTRADICTION_SIGMAS:
+            covariance = np.diag((usual * self._sigmas()) ** 2)
             other = Match(self.motion, covariance, matched=True)
         loose = other.covariance + np.diag([WON_M, WON_M, 0.0]) ** 2
         return replace(other, covariance=loose, overlap=match.overlap)
 
     def deviations(self) -> Array:
         """Standard deviations of the motion as these wheels err: place, place and heading."""
-        return min(self._usual(), MOST_WHEEL_FACTOR) * self._ordinary()
+        return min(self._factor(), MOST_WHEEL_FACTOR) * self._sigmas()
 
     def compare(self, pose: Array) -> None:
         """Learn how far the motion is off from a pose `(3,)` that walls have fixed."""
-        if math.isfinite(off := self._off(Match(pose, np.eye(3), matched=True))):
+        if math.isfinite(off := self._offset(Match(pose, np.eye(3), matched=True))):
             self.off.append(off)
 
-    def _ordinary(self) -> Array:
+    def _sigmas(self) -> Array:
         """Standard deviations of ordinary wheels in place, place and heading, `(3,)`."""
         place = PLACE_ERROR_M + PLACE_ERROR_M_PER_M * self.way + PLACE_ERROR_M_PER_RAD * self.turn
         heading = HEADING_ERROR_RAD + HEADING_ERROR_RAD_PER_M * self.way
         heading += HEADING_ERROR_RAD_PER_RAD * self.turn
         return np.array([place, place, heading])
 
-    def _usual(self, unknown: float = 1.0) -> float:
+    def _factor(self, unknown: float = 1.0) -> float:
         """How many times more than ordinary ones these wheels err, by steps that walls fix."""
         recent = sorted(self.off[-RECENT_MATCHES:])
         if len(recent) < LEAST_MATCHES:
             return unknown
         return max(recent[int(RESIDUAL_QUANTILE * len(recent))] / NORMAL_QUANTILE, 1.0)
 
-    def _off(self, match: Match) -> float:
+    def _offset(self, match: Match) -> float:
         """How far what walls fix of a match is off, in deviations of ordinary wheels; maybe NaN."""
         pose = match.pose
         if match.free is not None:
             pose = pose + (*(match.free @ (self.motion - pose)[:2] * match.free), 0.0)
         x, y, heading = between(self.motion, pose)
-        place, _, turn = self._ordinary()
+        place, _, turn = self._sigmas()
         return math.sqrt((x * x + y * y) / place**2 + (wrap(heading) / turn) ** 2)

@@ -14,7 +14,7 @@ from ._pairs import (
     RIDES_SHARE,
     SEEN_THROUGH_M,
     columns,
-    compared,
+    compare,
     directions_of,
 )
 
@@ -38,7 +38,7 @@ def without_body(log: Log, steps: Steps) -> Log:
     directions = directions_of(log)
     if not len(directions):
         return log
-    pairs = compared(log, steps, directions)
+    pairs = compare(log, steps, directions)
     near = pairs.seen < NEAR_M
     change = np.abs(pairs.same_beam - np.where(near, pairs.seen, np.nan))
     rides = (pairs.through & (change < SAME_RANGE_M)).sum(0)

@@ -15,7 +15,7 @@ from ...scans.odometry import Steps, shifted
 from ..points import LEAST_POINTS, PointMap, in_range
 from ._blind_steps import register_near
 from ._changed import with_fields, with_odometry_rows
-from ._odometry import LEAST_REPEATS, repeated
+from ._odometry import LEAST_REPEATS, equal_runs
 from ._pairs import way_of
 
 #: From this share of the scans on it is not the clock: they are in another order.
@@ -89,7 +89,7 @@ def with_readings_spread(log: Log, steps: Steps) -> Log:
     Matched steps must move while rows repeat: a robot that stands for each scan repeats them too.
     """
     rows, scans = log.odometry, np.arange(len(log))
-    run, moving = repeated(rows, steps)
+    run, moving = equal_runs(rows, steps)
     if len(moving) < LEAST_REPEATS:
         return log
     repeats, readings = np.diff(run, prepend=-1) == 0, np.flatnonzero(np.diff(run, prepend=-1))

@@ -16,7 +16,7 @@ from ._pairs import (
     LEAST_COMPARISONS,
     NEAR_M,
     SEEN_THROUGH_M,
-    compared,
+    compare,
     directions_of,
 )
 
@@ -83,7 +83,7 @@ def without_limit(log: Log, steps: Steps) -> Log:
     directions = directions_of(log)
     if not len(directions):
         return log
-    pairs = compared(log, steps, directions)
+    pairs = compare(log, steps, directions)
     off_wall, off_limit = (np.abs(pairs.there - at) for at in (pairs.distance, pairs.seen))
     tells = (np.abs(pairs.distance - pairs.seen) > SEEN_THROUGH_M) & (pairs.seen > NEAR_M)
     tells &= np.minimum(off_wall, off_limit) < SEEN_THROUGH_M

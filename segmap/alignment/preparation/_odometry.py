@@ -149,7 +149,7 @@ def _unmirror(rows: Array, steps: Steps) -> tuple[str, Array] | None:
 
 def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     """Rows `(k, 3)` without those that repeat while matched steps move: NaN in their place."""
-    run, moving = repeated(rows, steps)
+    run, moving = equal_runs(rows, steps)
     runs, counts = np.unique(moving, return_counts=True)
     repeats = np.isin(run, runs[counts >= LEAST_REPEATS]) & (np.diff(run, prepend=-1) == 0)
     if not repeats.any():
@@ -160,7 +160,7 @@ def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     return np.where(repeats[:, None], np.nan, rows), [finding]
 
 
-def repeated(rows: Array, steps: Steps) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def equal_runs(rows: Array, steps: Steps) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """The run of equal rows that each of `(k, 3)` is in; that of each step that moves in one."""
     way, turned = steps_of(rows)
     run = np.r_[0, np.cumsum(~((way < REPEATS_M) & (turned < REPEATS_RAD)))]

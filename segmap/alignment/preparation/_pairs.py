@@ -63,7 +63,7 @@ def ranges_by_direction(scans: Log, directions: Array) -> Array:
     return table
 
 
-def compared(log: Log, steps: Steps, directions: Array) -> Compared:
+def compare(log: Log, steps: Steps, directions: Array) -> Compared:
     """All pairs of scans of a log, each seen from both sides."""
     first, second, motion = _pairs(log, steps)
     place = np.reshape([log[int(k)].sensor_pose for k in first], (-1, 3))

@@ -8,7 +8,7 @@ import pytest
 from numpy.linalg import inv
 
 from segmap.alignment import Alignment, Tracking, Unmatched, point_icp, pose_graph
-from segmap.alignment.graph import REAL, SCALE, Edge, place_deviations, residuals, stacked
+from segmap.alignment.graph import REAL, SCALE, Edge, place_deviations, residuals, stack
 from segmap.poses import between, compose
 from segmap.scans import Log
 
@@ -56,13 +56,13 @@ def test_spread_is_that_of_the_inverse(loops, reach):
     poses, edges = chain(30, *loops)
     weight = np.r_[np.ones(15), np.full(15, 4.0)]
     near, exact = (
-        f(poses, stacked(edges), weight, reach=reach) for f in (place_deviations, literal_spread)
+        f(poses, stack(edges), weight, reach=reach) for f in (place_deviations, literal_spread)
     )
     drawn = near[reach < np.inf]  # in the whole, and within reach
     np.testing.assert_allclose(drawn, exact, rtol=0.35)
     assert abs((drawn / exact).mean() - 1) < 0.15
     there = compose(np.array([40.0, -3.0, 2.0]), poses)
-    moved = place_deviations(there, stacked(edges), weight, reach=reach)[reach < np.inf]
+    moved = place_deviations(there, stack(edges), weight, reach=reach)[reach < np.inf]
     np.testing.assert_allclose(moved, drawn, rtol=1e-6)
 
 
@@ -73,7 +73,7 @@ def test_a_loop_left_open_by_six_deviations_ties_a_fifth():
     bent = loop._replace(relative=loop.relative + (6 * 0.02, 0, 0))
     less = loop._replace(information=loop.information / (1 + (6 / SCALE) ** 2))
     found, expected = (
-        place_deviations(poses, stacked([*steps, e]), np.ones(30))[0] for e in (bent, less)
+        place_deviations(poses, stack([*steps, e]), np.ones(30))[0] for e in (bent, less)
     )
     np.testing.assert_allclose(found, expected, rtol=1e-9)
 
@@ -90,7 +90,7 @@ def test_rooms_are_known_in_a_building_that_is_not():
     """Catches one bit against the whole map: of 300 m no scan was sure, but rooms are right."""
     steps = [Edge(k, k + 1, np.array([0.5, 0.0, 0.0]), inv(REAL)) for k in range(600)]
     poses = np.arange(601)[:, None] * (0.5, 0.0, 0.0)
-    far, near = place_deviations(poses, stacked(steps), np.ones(601), reach=20.0)
+    far, near = place_deviations(poses, stack(steps), np.ones(601), reach=20.0)
     found = Alignment(poses, np.ones(601, bool), 0.0, spread=far, local_spread=near)
     assert found.sure.mean() < 0.5 and found.locally_sure.all()
 

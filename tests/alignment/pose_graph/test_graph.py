@@ -14,7 +14,7 @@ from segmap.alignment.graph import (
     information,
     residuals,
     solve,
-    stacked,
+    stack,
 )
 from segmap.alignment.graph._graph import REAL
 from segmap.alignment.pose_graph._key_frames import KeyFrame, KeyFrames
@@ -234,7 +234,7 @@ def test_key_frames_hand_edges_over_that_are_new_and_begin_anew_where_some_were_
         kept = frames._solver
         frames.optimize()
         assert frames._solver is kept  # nothing was undone
-        found, converged, _ = solve(start, stacked(chosen))
+        found, converged, _ = solve(start, stack(chosen))
         assert converged
         assert_poses_equal(frames.poses, found, atol=2e-5)
 

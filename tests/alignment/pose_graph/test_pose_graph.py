@@ -179,17 +179,17 @@ def test_believed_loops_shorten_the_way_to_old_places():
         step = (1.0, 0, np.pi / 5) if scan else (0, 0, 0)
         frames.add(KeyFrame(scan, np.zeros((0, 2))), np.array(step), np.eye(3))
     closer = LoopCloser(frames, 0.03, LoopClosing())
-    assert closer._way(30, np.arange(30)).tolist() == list(range(30, 0, -1))
-    assert np.isinf(walked(500)._way(500, np.array([100]))[0])  # 367 m fill the widest window
+    assert closer._path_m(30, np.arange(30)).tolist() == list(range(30, 0, -1))
+    assert np.isinf(walked(500)._path_m(500, np.array([100]))[0])  # 367 m fill the widest window
     # 0.3 m across where the heading is not known, and exact where it is
     lever = np.array([(1e-4, 0, 0), (0, 0.09, 0.03), (0, 0.03, 0.01001)])
     sure, vague = information(np.eye(3) * 1e-4), np.linalg.inv(lever)
     closer.believe([Edge(3, 23, np.zeros(3), sure, True), Edge(9, 29, np.zeros(3), vague, True)])
-    assert closer._way(30, np.array([3, 5, 9, 22])).tolist() == [7.5, 9.5, 13.5, 8.0]
+    assert closer._path_m(30, np.array([3, 5, 9, 22])).tolist() == [7.5, 9.5, 13.5, 8.0]
     (window,) = closer._by_place(30, 30)
     assert (
         window.reach
-        == 1 + 0.03 * closer._way(30, np.array([window.old]))[0]
+        == 1 + 0.03 * closer._path_m(30, np.array([window.old]))[0]
         < 1 + 0.03 * (30 - window.old)
     )
 
@@ -268,7 +268,7 @@ def test_which_loops_are_compared(one, other, apart, compared):
     closer = walked(40)
     a, b = (Edge(i, j, np.array([j - i, 0.0, 0]), np.eye(3), True) for i, j in (one, other))
     for loop, known in ((a, b), (b, a)):
-        assert bool(closer.agreeing(loop, [known], apart=apart)) == compared
+        assert bool(closer.partners(loop, [known], apart=apart)) == compared
 
 
 @pytest.mark.parametrize(("change", "measured"), [("", True), ("no odometry", False)])
@@ -286,7 +286,7 @@ def test_loops_do_not_agree_over_steps_that_slide(along, agreed):
     """Three steps at each end, in all known to 17 or 22 cm: what agrees there may slide too."""
     closer = walked(40, along=along)
     a, b = (Edge(i, i + 30, np.array([30.0, 0, 0]), np.eye(3), True) for i in (1, 4))
-    assert bool(closer.agreeing(a, [b])) == bool(closer.agreeing(b, [a])) == agreed
+    assert bool(closer.partners(a, [b])) == bool(closer.partners(b, [a])) == agreed
 
 
 @pytest.mark.parametrize(
