@@ -213,10 +213,9 @@ def floor_plan(
     kappa
         A doorway stands between two rooms that hold a circle of so many times its width; where a
         corridor ends in a room with its full width, that must hold one of 2.5 times as much, and
-        the corridor be as long; where both have more openings, as pieces of a corridor do, the
-        wider one must hold one of 1.75 times as much. Without this rule every niche is a room.
-        Drives that see rooms in part, behind furniture, are cut into more rooms than a person
-        would: a larger kappa, or a narrower `door`, joins them.
+        the corridor be as long. Without this rule every niche is a room. Drives that see rooms in
+        part, behind furniture, are cut into more rooms than a person would: a larger kappa, or a
+        narrower `door`, joins them.
     share, opening
         Two cells join where so much of their border is open, or an opening is so wide.
     band

@@ -100,7 +100,7 @@ class Page:
     progress: Any
     state: Any
     #: The outcome whose map is drawn, what is under way, and what says how far it is.
-    _seen: Any
+    _known: Any
     _begin: Any
     _thread: Any
     _bar: Any
@@ -159,7 +159,7 @@ class Page:
         """What is drawn with the maps; what takes time is made when it is first asked for."""
         on, canvas = [name for name, each in self.layers.items() if each.value], self.canvas
         canvas.layers = on
-        if (seen := self._seen) is None:
+        if (seen := self._known) is None:
             return
         if "points" in on and not canvas.points:
             canvas.points = canvas.packed(_files.drawn_points(seen.log, seen.alignment.trusted))
@@ -170,7 +170,7 @@ class Page:
     def _freed(self, squares: Array) -> None:
         squares[:, :2] -= self.canvas.middle
         self.canvas.free = squares.astype(np.float32).tobytes()
-        self._bar.say(_shown.done(self._seen), 1.0)
+        self._bar.say(_shown.done(self._known), 1.0)
 
     def _show_nothing(self) -> None:
         """Show no map, and nothing that is said of one."""

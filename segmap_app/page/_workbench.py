@@ -77,7 +77,7 @@ class Workbench(Page, Work):
         if log is not None:
             arrays.instance(log, "log", Log)
         self.outcome: Pipeline | None = None
-        self._known, self._seen = cast(Pipeline | None, None), cast(Pipeline | None, None)
+        self._known = cast(Pipeline | None, None)
         self._runs, self._history = Runs(), list[Mapping[str, Any]]()
         self.listed = self._runs.listed
         self._worker, self._thread, self._bar = Worker(), threading.Thread(), Bar()
@@ -109,7 +109,7 @@ class Workbench(Page, Work):
 
     def _taken(self, log: Log, session: files.Session | None) -> None:
         """Another log: nothing that was found holds for it; a session has choices and runs."""
-        self.outcome = self._known = self._seen = None
+        self.outcome = self._known = None
         self._history.clear()
         self._choices.begin(log)
         self._show_nothing()
@@ -234,7 +234,6 @@ class Workbench(Page, Work):
             self.edits.take_loops(self.outcome.recipe.edits)
             if self._known is not self.outcome:
                 self._show_map(self.outcome)
-                self._known = self.outcome
         if self.canvas.growing:
             self.canvas.growing = False
             if self.outcome is not None:
@@ -251,7 +250,7 @@ class Workbench(Page, Work):
             self._bar.say(f"{log.name}: done, and listed in All runs", 1.0)
             return
         self._show_map(outcome)
-        self.outcome = self._known = outcome
+        self.outcome = outcome
         if self._history[-1:] != [outcome.recipe.edits]:
             self._history.append(outcome.recipe.edits)
         self.figures.value = _shown.by_method(outcome)
@@ -270,13 +269,14 @@ class Workbench(Page, Work):
         layers["loops"] = ends.reshape(-1, 2, 2)
         titles = _shown.titles(outcome) if done else wait
         self.canvas.show(map.segments, reduced_segments, titles, layers)
-        self.canvas.unsaved, self._seen = True, outcome
-        self._layered()
+        self.canvas.unsaved = True
         self.canvas.summary = _shown.summary(outcome, self.canvas.size) if done else ""
         self.verdict.value = _shown.verdict_html(outcome)
         self.extracted.value = f"{len(map)} segments of {len(np.unique(map.scan))} scans"
         if not self._is_shown(outcome):
             self.loops.show(outcome)
+        self._known = outcome
+        self._layered()
 
     def _is_shown(self, outcome: Pipeline) -> bool:
         """Whether its map is seen already: who looks at two scans is not disturbed then."""
