@@ -35,6 +35,9 @@ BRIDGED_M = 0.3
 SHORTEST_ALONE_M = 1.0
 #: A wall stands across a line where the sine of their angle is larger.
 ACROSS_SINE = 0.9
+#: Two faces of one wall lie at most so far apart, metres; with one room at that distance on both
+#: sides, it stands alone.
+THICKEST_WALL_M = 0.5
 #: Leaves of doors are no wider, metres.
 WIDEST_LEAF_M = 1.1
 
@@ -113,8 +116,9 @@ def grid_along(free: QuadtreeMap, turn: float, segments: Array, side: float) -> 
 def completed(grid: Grid, lines: list[Line], segments: Array, least: float) -> Grid:
     """The squares, where lines and segments cut the plane into faces.
 
-    A face of which most was seen free is so in whole: furniture hides the rest of it. Outside the
-    building nothing below so many square metres is: a ray that grazes a large leaf frees it all.
+    A face of which most was seen free is so in whole: furniture hides the rest of it, but where it
+    is as narrow as a wall, and may be the inside of one. Outside the building nothing below so many
+    square metres is free: a ray that grazes a large leaf frees it all.
     """
     is_clear = (grid.kind != OCCUPIED) & ~grid.on(segments)
     face = connected(cell_keys(grid.places(), lines), is_clear, 1)
@@ -122,6 +126,9 @@ def completed(grid: Grid, lines: list[Line], segments: Array, least: float) -> G
     size, seen = (np.bincount(face[k & is_clear], minlength=count) for k in (is_clear, grid.seen))
     is_outer = np.isin(np.arange(len(size)), [*face[0], *face[-1], *face[:, 0], *face[:, -1]])
     is_whole, is_small = ~is_outer & (2 * seen >= size), is_outer & (seen * grid.side**2 < least)
+    wall = round(THICKEST_WALL_M / grid.side)
+    low, high = scipy.ndimage.minimum_filter(face, wall), scipy.ndimage.maximum_filter(face, wall)
+    is_whole &= np.isin(np.arange(count), face[low == high])
     kind = np.where(is_clear & is_whole[face], FREE, grid.kind)
     kind[is_clear & is_small[face] & grid.seen] = UNKNOWN
     return grid._replace(kind=kind)

@@ -10,10 +10,10 @@ import scipy
 
 from ..arrays import Array
 from ..segments import MIN_LENGTH, length
-from ._cells import SHORTEST_ALONE_M, Grid, Mask
+from ._cells import SHORTEST_ALONE_M, THICKEST_WALL_M, Grid, Mask
 from ._lines import Indices
 from ._polygons import Room, shapely_or_hint
-from ._walls import CORNER_TURN_RAD, FACE_GAP_M, FACE_TURN_RAD, THICKEST_WALL_M, normals
+from ._walls import CORNER_TURN_RAD, FACE_GAP_M, FACE_TURN_RAD, normals
 
 #: Walls `(n, 2, 2)`, their free sides, and their lengths: infinite where one is no furniture.
 Bounds = tuple[Array, Indices, Array]

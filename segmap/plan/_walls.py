@@ -13,7 +13,7 @@ from ..poses import transform
 from ..quadtree import FREE
 from ..reduction import Reduction
 from ..segments import MIN_LENGTH, angle, length, midpoint
-from ._cells import BRIDGED_M, SHORTEST_ALONE_M, Grid, Mask
+from ._cells import BRIDGED_M, SHORTEST_ALONE_M, THICKEST_WALL_M, Grid, Mask
 from ._lines import Indices, merged_spans
 from ._polygons import shapely_or_hint
 
@@ -46,9 +46,6 @@ ANGLE_REACH_M = (0.08, 0.11, 0.14, 0.17)
 CORNER_TURN_RAD = np.radians(20)
 #: What is drawn along a wall has a larger cosine of their angle.
 ALONG_COSINE = 0.7
-#: Two faces of one wall lie at most so far apart, metres; with one room at that distance on both
-#: sides, it stands alone.
-THICKEST_WALL_M = 0.5
 
 
 class Faces(NamedTuple):

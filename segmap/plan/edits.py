@@ -16,11 +16,11 @@ from .. import arrays
 from ..arrays import Array
 from ..poses import transform
 from ..segments import MIN_LENGTH, length, midpoint, point_distance
-from ._cells import BRIDGED_M, LEAST_HOLE_M2
+from ._cells import BRIDGED_M, LEAST_HOLE_M2, THICKEST_WALL_M
 from ._doors import DRAWN, Door, rooms_beside
 from ._draft import EDIT_REACH_M, Draft, Place, room_near
 from ._furniture import go_through
-from ._walls import ALONG_COSINE, SHORTEST_WALL_M, THICKEST_WALL_M, closed, normals
+from ._walls import ALONG_COSINE, SHORTEST_WALL_M, closed, normals
 
 __all__ = ["Edit", "Furniture", "Join", "Name", "NewDoor", "NoDoor", "Split", "Wall", "read"]
 

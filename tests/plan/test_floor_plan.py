@@ -257,6 +257,20 @@ def test_a_pillar_is_not_free_inside():
     assert len(found.walls) == 8 and found.side.all()
 
 
+@pytest.mark.parametrize("wide", [18, 20, 24])
+def test_the_inside_of_a_wall_is_no_floor(wide):
+    """Catches a wall that is floor, since the sill of its door is half of it."""
+    kinds, low, high = np.full((60, 240), UNKNOWN), 30 - wide // 2, 30 + wide // 2
+    kinds[9:51, 9:211] = OCCUPIED
+    kinds[10:50, 10:108] = kinds[10:50, 112:210] = kinds[low:high, 108:112] = FREE
+    kinds[10:low, 109:111] = kinds[high:50, 109:111] = UNKNOWN
+    outer = polyline([(0.5, 0.5), (10.5, 0.5), (10.5, 2.5), (0.5, 2.5)], closed=True)
+    ends = (0.5, low / 20), (high / 20, 2.5)
+    faces = [[(x, start), (x, end)] for x in (5.4, 5.6) for start, end in ends]
+    found = plan.floor_plan([*outer, *faces], map_of_grid(kinds, resolution=0.05))
+    assert [room.area for room in found.rooms] == [pytest.approx(4.9 * 2, abs=0.05)] * 2
+
+
 def test_a_ray_through_a_door_makes_no_opening():
     """Catches a large place outside that one ray frees."""
     kinds, planned = one_room()
